@@ -1,0 +1,112 @@
+//! The one function through which every hit is accepted.
+
+use crate::{Aabb, Hit, Interval, Primitives, Probe, SlabRay};
+
+/// The box that decides about hits on a primitive: its bounds, padded. `None` if it is unbounded.
+///
+/// Structures must cull with boxes that contain this one.
+pub fn own_box<P: Primitives>(primitives: &P, index: u32) -> Option<Aabb> {
+    primitives.bounds(index).map(|bounds| bounds.padded())
+}
+
+/// The hit of primitive `index` within `span`, or `None`.
+///
+/// The **own-box rule**: a hit counts only if the ray also passes the primitive's [`own_box`], and its `t` is raised
+/// to the entry into that box if rounding put it before. Brute force and all structures accept hits through this
+/// function alone. As the slab test is monotone in the box, every box around `own_box` is entered at or before the
+/// accepted `t`, so a structure that prunes only what starts strictly behind the best hit returns the bits of brute
+/// force, ties included.
+///
+/// The kernel runs first: most offers are misses, and the box is looked at for hits only.
+pub fn decide<P: Primitives, S: Probe>(
+    primitives: &P,
+    index: u32,
+    ray: &SlabRay,
+    span: Interval,
+    probe: &mut S,
+) -> Option<Hit> {
+    probe.test();
+    let hit = primitives.intersect_probed(index, &ray.ray, span, probe)?;
+    let hit = match own_box(primitives, index) {
+        Some(own) => Hit { t: hit.t.max(own.clip(ray, span)?.min), ..hit },
+        None => hit,
+    };
+    probe.hit();
+    Some(hit)
+}
+
+/// True if primitive `index` blocks the ray within `span`: exactly when [`decide`] would find a hit on a primitive
+/// whose `occludes` agrees with its `intersect`.
+pub fn decide_occluded<P: Primitives, S: Probe>(
+    primitives: &P,
+    index: u32,
+    ray: &SlabRay,
+    span: Interval,
+    probe: &mut S,
+) -> bool {
+    probe.test();
+    let blocked = primitives.occludes_probed(index, &ray.ray, span, probe)
+        && own_box(primitives, index).is_none_or(|own| own.clip(ray, span).is_some());
+    if blocked {
+        probe.hit();
+    }
+    blocked
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Counters, NoProbe, Ray};
+    use glam::DVec3;
+
+    /// A kernel that reports a hit at a fixed `t`, whatever the ray.
+    struct Fixed(f64, Option<Aabb>);
+
+    impl Primitives for Fixed {
+        fn len(&self) -> usize {
+            1
+        }
+        fn bounds(&self, _: u32) -> Option<Aabb> {
+            self.1
+        }
+        fn intersect(&self, _: u32, _: &Ray, span: Interval) -> Option<Hit> {
+            span.contains(self.0).then_some(Hit { t: self.0, instance: 0, primitive: 0, uv: [0.0; 2] })
+        }
+    }
+
+    const BOX: Option<Aabb> = Some(Aabb::new(DVec3::ONE, DVec3::splat(2.0)));
+
+    fn ask(fixed: &Fixed, direction: DVec3, span: Interval) -> Option<f64> {
+        let ray = SlabRay::new(&Ray::new(DVec3::ZERO, direction));
+        let hit = decide(fixed, 0, &ray, span, &mut NoProbe).map(|hit| hit.t);
+        assert_eq!(hit.is_some(), decide_occluded(fixed, 0, &ray, span, &mut NoProbe));
+        hit
+    }
+
+    #[test]
+    fn a_hit_outside_its_own_box_does_not_count() {
+        assert_eq!(ask(&Fixed(1.5, BOX), DVec3::X, Interval::FORWARD), None);
+        assert_eq!(ask(&Fixed(1.5, BOX), DVec3::ONE, Interval::FORWARD), Some(1.5));
+    }
+
+    #[test]
+    fn t_is_raised_to_the_entry_into_the_own_box() {
+        let t = ask(&Fixed(0.5, BOX), DVec3::ONE, Interval::FORWARD).expect("a hit");
+        assert!((t - 1.0).abs() < 1e-11 && t > 0.5, "{t}");
+        assert_eq!(ask(&Fixed(0.5, BOX), DVec3::ONE, Interval::new(0.0, 0.9)), None, "raised out of the span");
+    }
+
+    #[test]
+    fn unbounded_primitives_have_no_box_to_pass() {
+        assert_eq!(ask(&Fixed(7.0, None), DVec3::X, Interval::FORWARD), Some(7.0));
+    }
+
+    #[test]
+    fn offers_and_hits_are_counted() {
+        let ray = SlabRay::new(&Ray::new(DVec3::ZERO, DVec3::ONE));
+        let mut counters = Counters::default();
+        decide(&Fixed(1.5, BOX), 0, &ray, Interval::FORWARD, &mut counters);
+        decide(&Fixed(1.5, BOX), 0, &ray, Interval::new(0.0, 1.0), &mut counters);
+        assert_eq!((counters.total().tests, counters.total().hits), (2, 1));
+    }
+}

@@ -1,0 +1,86 @@
+//! Rounding: error bounds and products whose sign is exact.
+
+use glam::DVec3;
+
+/// Unit roundoff of `f64`: half the distance from 1 to the next number.
+pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
+
+/// Bound on the relative error of `n` roundings in a row: `n·u / (1 − n·u)` (Higham 2002, lemma 3.1).
+pub const fn gamma(n: u32) -> f64 {
+    let nu = n as f64 * UNIT_ROUNDOFF;
+    nu / (1.0 - nu)
+}
+
+/// `a·b` as the unevaluated sum of the rounded product and its exact error.
+///
+/// Dekker's product with Veltkamp's splitting (Dekker 1971): the bits of a fused multiply-add, on any processor.
+/// Exact while nothing over- or underflows.
+pub fn two_product(a: f64, b: f64) -> (f64, f64) {
+    let product = a * b;
+    let (a_high, a_low) = split(a);
+    let (b_high, b_low) = split(b);
+    (product, ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low)
+}
+
+/// Halves of 26 bits that add up to `a`.
+fn split(a: f64) -> (f64, f64) {
+    const FACTOR: f64 = ((1u64 << 27) + 1) as f64;
+    let c = FACTOR * a;
+    let high = c - (c - a);
+    (high, a - high)
+}
+
+/// `a·b − c·d` with the exact sign, and 0 only when it is exactly 0.
+///
+/// The plain expression answers where its error bound settles the sign; otherwise Kahan's algorithm (Jeannerod,
+/// Louvet, Muller 2013: relative error at most 2u). Over- and underflow void the promise.
+pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
+    let (ab, cd) = (a * b, c * d);
+    let plain = ab - cd;
+    // Each product is off by at most u of itself and the difference by u of itself.
+    if plain.abs() > 4.0 * UNIT_ROUNDOFF * (ab.abs() + cd.abs()) {
+        return plain;
+    }
+    let (cd, cd_error) = two_product(c, d);
+    let (ab, ab_error) = two_product(a, b);
+    (ab - cd) + (ab_error - cd_error)
+}
+
+/// `a × b` with [`difference_of_products`] in each component.
+pub fn cross(a: DVec3, b: DVec3) -> DVec3 {
+    DVec3::new(
+        difference_of_products(a.y, b.z, a.z, b.y),
+        difference_of_products(a.z, b.x, a.x, b.z),
+        difference_of_products(a.x, b.y, a.y, b.x),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn two_product_is_a_fused_multiply_add(a in -1e100..1e100f64, b in -1e100..1e100f64) {
+            let (product, error) = two_product(a, b);
+            prop_assert_eq!(error, a.mul_add(b, -product));
+        }
+
+        /// 26-bit integers have exact 52-bit products, which `i128` checks.
+        #[test]
+        fn sign_of_a_difference_of_products_is_exact(a in any::<i64>(), b in any::<i64>(), j in -2i64..3, k in -2i64..3) {
+            let (a, b) = (a >> 12, b >> 12);
+            let (c, d) = (a + j, b + k);
+            let exact = i128::from(a) * i128::from(b) - i128::from(c) * i128::from(d);
+            let computed = difference_of_products(a as f64, b as f64, c as f64, d as f64);
+            prop_assert_eq!(exact.signum(), computed.partial_cmp(&0.0).map_or(9, |o| o as i128));
+        }
+    }
+
+    #[test]
+    fn gamma_bounds_chains_of_roundings() {
+        assert_eq!(gamma(1), UNIT_ROUNDOFF / (1.0 - UNIT_ROUNDOFF));
+        assert!(gamma(3) > 3.0 * UNIT_ROUNDOFF);
+    }
+}

@@ -1,0 +1,68 @@
+//! Orthonormal frames.
+
+use glam::DVec3;
+
+/// A right-handed orthonormal basis `(x, y, z)`, usually with `z` along a surface normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// First tangent.
+    pub x: DVec3,
+    /// Second tangent.
+    pub y: DVec3,
+    /// The axis that the frame was made from.
+    pub z: DVec3,
+}
+
+impl Frame {
+    /// A frame whose `z` is the unit vector `z`, without a branch on its direction.
+    ///
+    /// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
+    pub fn from_z(z: DVec3) -> Self {
+        let sign = 1.0f64.copysign(z.z);
+        let a = -1.0 / (sign + z.z);
+        let b = z.x * z.y * a;
+        Self {
+            x: DVec3::new(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x),
+            y: DVec3::new(b, sign + z.y * z.y * a, -z.y),
+            z,
+        }
+    }
+
+    /// Coordinates in the frame of a vector given outside it.
+    pub fn to_local(&self, v: DVec3) -> DVec3 {
+        DVec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.z))
+    }
+
+    /// The vector with coordinates `v` in the frame.
+    pub fn from_local(&self, v: DVec3) -> DVec3 {
+        self.x * v.x + self.y * v.y + self.z * v.z
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn frames_are_orthonormal_and_right_handed(x in -1.0..1.0f64, y in -1.0..1.0f64, z in -1.0..1.0f64) {
+            let v = DVec3::new(x, y, z);
+            prop_assume!(v.length() > 1e-3);
+            let f = Frame::from_z(v.normalize());
+            for (a, b) in [(f.x, f.y), (f.y, f.z), (f.z, f.x)] {
+                prop_assert!(a.dot(b).abs() < 1e-14);
+            }
+            prop_assert!((f.x.cross(f.y) - f.z).length() < 1e-14);
+            prop_assert!((f.from_local(f.to_local(v)) - v).length() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn both_poles_are_ordinary() {
+        for z in [DVec3::Z, DVec3::NEG_Z, DVec3::new(0.0, 0.0, -0.0) + DVec3::NEG_Z] {
+            let f = Frame::from_z(z);
+            assert!((f.x.length() - 1.0).abs() < 1e-15 && (f.y.length() - 1.0).abs() < 1e-15);
+        }
+    }
+}

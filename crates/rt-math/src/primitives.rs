@@ -1,0 +1,65 @@
+//! The contract of anything that rays can be traced against.
+
+use crate::{Aabb, Hit, Interval, Probe, Ray};
+use glam::DVec3;
+
+/// Plain numbers of a primitive that a wide leaf filter can pack, or nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LeafLayout {
+    /// Only the primitive itself knows its shape.
+    Opaque,
+    /// Three vertices in the order of the primitive.
+    Triangle([DVec3; 3]),
+    /// Centre and radius.
+    Sphere(DVec3, f64),
+    /// An axis-aligned box.
+    Box(Aabb),
+}
+
+/// An indexed set of primitives. Shapes of this project implement it, and so can anyone:
+/// [`bounds`](Self::bounds) and [`intersect`](Self::intersect) are all that a structure needs.
+///
+/// # Contract
+///
+/// * Indices run from 0 to `len() - 1`; all answers are pure functions of their arguments.
+/// * `intersect` returns the first hit at or after `span.min`, if it is not after `span.max`: shrinking `span.max`
+///   may drop the hit, but never reveals another one ([`Interval::first`] does this for two roots).
+/// * `bounds` contains every point that `intersect` can report, up to rounding.
+pub trait Primitives: Sync {
+    /// Number of primitives.
+    fn len(&self) -> usize;
+
+    /// True if there are none.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Box around primitive `index`, in the space of the set. `None` for an unbounded primitive (structures keep
+    /// those in a list of their own); a NaN or inverted box is a build error.
+    fn bounds(&self, index: u32) -> Option<Aabb>;
+
+    /// The one kernel that decides, in `f64`: the first hit of primitive `index` within the closed `span`, `None` on
+    /// a miss. Callers go through [`decide`](crate::decide), which adds the own-box rule.
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit>;
+
+    /// True if primitive `index` blocks the ray anywhere in `span`. Override it where there is a faster answer, or
+    /// where something is visible without casting a shadow.
+    fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
+        self.intersect(index, ray, span).is_some()
+    }
+
+    /// As [`intersect`](Self::intersect), for primitives that are structures themselves and report their inner work.
+    fn intersect_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, _probe: &mut S) -> Option<Hit> {
+        self.intersect(index, ray, span)
+    }
+
+    /// As [`occludes`](Self::occludes), for primitives that are structures themselves and report their inner work.
+    fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, _probe: &mut S) -> bool {
+        self.occludes(index, ray, span)
+    }
+
+    /// The numbers of primitive `index`, if it is of a kind that wide filters know.
+    fn leaf_layout(&self, _index: u32) -> LeafLayout {
+        LeafLayout::Opaque
+    }
+}

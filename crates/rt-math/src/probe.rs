@@ -1,0 +1,174 @@
+//! Statistics: what was done, counted in `u64` so that nothing wraps, and free when nobody asks.
+
+use core::ops::AddAssign;
+
+/// Why a ray was traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RayKind {
+    /// From the camera.
+    Primary,
+    /// Towards a light.
+    Shadow,
+    /// Mirrored.
+    Reflection,
+    /// Refracted.
+    Refraction,
+    /// Scattered by a rough surface.
+    Diffuse,
+}
+
+impl RayKind {
+    /// All kinds, in the order in which statistics list them.
+    pub const ALL: [Self; 5] = [Self::Primary, Self::Shadow, Self::Reflection, Self::Refraction, Self::Diffuse];
+
+    /// Lower-case English name, as used in statistics files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Primary => "primary",
+            Self::Shadow => "shadow",
+            Self::Reflection => "reflection",
+            Self::Refraction => "refraction",
+            Self::Diffuse => "diffuse",
+        }
+    }
+}
+
+/// Receives what a query does. Every method does nothing by default, so an implementation pays for what it counts.
+pub trait Probe {
+    /// A ray of this kind is about to be traced; what follows belongs to it.
+    fn ray(&mut self, _kind: RayKind) {}
+    /// A node (or grid cell) of a structure is visited.
+    fn node(&mut self) {}
+    /// A primitive is offered in a visited leaf.
+    fn test(&mut self) {}
+    /// An offered primitive was hit within the span.
+    fn hit(&mut self) {}
+}
+
+/// Counts nothing and compiles to nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoProbe;
+
+impl Probe for NoProbe {}
+
+/// Counts rays by kind and nothing else.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    /// Rays by kind, in the order of [`RayKind::ALL`].
+    pub rays: [u64; 5],
+}
+
+impl Probe for RayCounts {
+    fn ray(&mut self, kind: RayKind) {
+        self.rays[kind as usize] += 1;
+    }
+}
+
+/// What the rays of one kind cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Rays traced.
+    pub rays: u64,
+    /// Nodes or cells visited.
+    pub nodes: u64,
+    /// Primitives offered in visited leaves.
+    pub tests: u64,
+    /// Offered primitives that were hit.
+    pub hits: u64,
+}
+
+impl AddAssign for Tally {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.nodes += other.nodes;
+        self.tests += other.tests;
+        self.hits += other.hits;
+    }
+}
+
+/// Counts everything, by kind of ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counters {
+    by_kind: [Tally; 5],
+    current: RayKind,
+}
+
+impl Default for Counters {
+    fn default() -> Self {
+        Self { by_kind: [Tally::default(); 5], current: RayKind::Primary }
+    }
+}
+
+impl Counters {
+    /// What the rays of `kind` cost.
+    pub fn of(&self, kind: RayKind) -> Tally {
+        self.by_kind[kind as usize]
+    }
+
+    /// The sum over all kinds.
+    pub fn total(&self) -> Tally {
+        let mut total = Tally::default();
+        for tally in self.by_kind {
+            total += tally;
+        }
+        total
+    }
+}
+
+impl AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        for (mine, theirs) in self.by_kind.iter_mut().zip(other.by_kind) {
+            *mine += theirs;
+        }
+    }
+}
+
+impl Probe for Counters {
+    fn ray(&mut self, kind: RayKind) {
+        self.current = kind;
+        self.by_kind[kind as usize].rays += 1;
+    }
+
+    fn node(&mut self) {
+        self.by_kind[self.current as usize].nodes += 1;
+    }
+
+    fn test(&mut self) {
+        self.by_kind[self.current as usize].tests += 1;
+    }
+
+    fn hit(&mut self) {
+        self.by_kind[self.current as usize].hits += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_is_booked_to_the_kind_of_the_last_ray() {
+        let mut counters = Counters::default();
+        counters.ray(RayKind::Primary);
+        counters.node();
+        counters.test();
+        counters.hit();
+        counters.ray(RayKind::Shadow);
+        counters.test();
+        assert_eq!(counters.of(RayKind::Primary), Tally { rays: 1, nodes: 1, tests: 1, hits: 1 });
+        assert_eq!(counters.of(RayKind::Shadow), Tally { rays: 1, nodes: 0, tests: 1, hits: 0 });
+        assert_eq!(counters.total().tests, 2);
+    }
+
+    #[test]
+    fn no_probe_occupies_no_memory() {
+        assert_eq!(size_of::<NoProbe>(), 0);
+    }
+
+    #[test]
+    fn counters_do_not_wrap_at_32_bits() {
+        let mut sum = Tally { tests: u64::from(u32::MAX), ..Tally::default() };
+        sum += Tally { tests: 1, ..Tally::default() };
+        assert_eq!(sum.tests, 1 << 32);
+    }
+}

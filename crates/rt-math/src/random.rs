@@ -1,0 +1,99 @@
+//! Random numbers as a hash: no state, so any thread can draw any number at any time.
+
+/// Mixes words into 64 well-distributed bits.
+///
+/// Each word is folded in with the finaliser of SplitMix64 (Steele, Lea, Flood 2014, as tuned by Stafford, mix 13),
+/// so `hash(&[a, b])` differs from `hash(&[b, a])`.
+pub fn hash(words: &[u64]) -> u64 {
+    words.iter().fold(0x9e37_79b9_7f4a_7c15, |state, &word| {
+        mix(state.rotate_left(23) ^ mix(word.wrapping_add(0x9e37_79b9_7f4a_7c15)))
+    })
+}
+
+/// A bijection of 64-bit words in which every input bit flips about half of the output bits.
+pub fn mix(word: u64) -> u64 {
+    let word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    word ^ (word >> 31)
+}
+
+/// The top 53 bits as a number in `[0, 1)`.
+pub fn unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+}
+
+/// Position of `index` under a pseudo-random permutation of `0..length` chosen by `seed` (cycle-walking over the
+/// next power of two; Kensler 2013). Returns 0 for an empty range.
+pub fn permute(index: u32, length: u32, seed: u64) -> u32 {
+    if length <= 1 {
+        return 0;
+    }
+    let mask = u32::MAX >> (length - 1).leading_zeros();
+    let key = mix(seed);
+    let mut value = index % length;
+    loop {
+        // Each step is a bijection of the masked range: xor, odd multiplication, xor-shift.
+        for round in 0..4u32 {
+            value ^= (key >> (round * 16)) as u32 & mask;
+            value = value.wrapping_mul((key.rotate_left(7 * round + 5) as u32) | 1) & mask;
+            value ^= value >> (1 + (mask.count_ones() / 2));
+        }
+        if value < length {
+            return value;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn order_of_words_matters() {
+        assert_ne!(hash(&[1, 2]), hash(&[2, 1]));
+        assert_ne!(hash(&[0]), hash(&[0, 0]));
+    }
+
+    #[test]
+    fn unit_numbers_are_uniform() {
+        let bins = 64;
+        let draws = 64_000u64;
+        let mut counts = vec![0.0; bins];
+        for i in 0..draws {
+            let x = unit(hash(&[7, i]));
+            assert!((0.0..1.0).contains(&x));
+            counts[(x * bins as f64) as usize] += 1.0;
+        }
+        let expected = draws as f64 / bins as f64;
+        let chi2: f64 = counts.iter().map(|c| (c - expected) * (c - expected) / expected).sum();
+        // 63 degrees of freedom: mean 63, standard deviation 11.2.
+        assert!((30.0..110.0).contains(&chi2), "chi² = {chi2}");
+    }
+
+    #[test]
+    fn unit_never_reaches_one() {
+        assert!(unit(u64::MAX) < 1.0);
+        assert_eq!(unit(0), 0.0);
+    }
+
+    #[test]
+    fn permute_is_a_permutation() {
+        for length in [1, 2, 3, 7, 16, 100, 257] {
+            for seed in 0..20 {
+                let mut seen = vec![false; length as usize];
+                for i in 0..length {
+                    let p = permute(i, length, seed) as usize;
+                    assert!(!seen[p], "length {length}, seed {seed}: {p} twice");
+                    seen[p] = true;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn permute_depends_on_the_seed() {
+        let at = |seed| (0..16).map(|i| permute(i, 16, seed)).collect::<Vec<_>>();
+        let distinct: std::collections::HashSet<_> = (0..50).map(at).collect();
+        assert!(distinct.len() > 45, "{}", distinct.len());
+    }
+}

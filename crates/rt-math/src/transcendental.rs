@@ -1,0 +1,6 @@
+//! Elementary functions with the same bits on every platform.
+//!
+//! IEEE 754 specifies + − × ÷ and √ to the last bit, and no more. The functions here are those of the `libm` crate:
+//! plain Rust, one result everywhere. Angles are in radians.
+
+pub use libm::{acos, asin, atan, atan2, cbrt, cos, exp, exp2, hypot, log, log2, pow, sin, sincos, tan};

@@ -1,0 +1,424 @@
+//! Affine maps, kept in both directions.
+
+use core::fmt;
+
+use crate::{Aabb, Ray, float::gamma, transcendental::sincos};
+use glam::{DMat3, DQuat, DVec3};
+
+/// Largest condition number of an accepted transform: beyond it, a ray taken to local space keeps fewer than four
+/// digits.
+const MAX_CONDITION: f64 = 1e12;
+
+/// An invertible affine map `p ↦ L·p + T`, with the inverse of `L` beside it.
+///
+/// Named target-from-source: `world_from_local.point(p)` takes a local point to the world. The inverse subtracts the
+/// translation *before* it multiplies, which is exact for nearby points and keeps scenes far from the origin sharp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform {
+    linear: DMat3,
+    linear_inverse: DMat3,
+    translation: DVec3,
+}
+
+/// Why a matrix is not a usable transform.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TransformError {
+    /// A component is NaN or infinite.
+    NotFinite,
+    /// The map flattens space: its determinant is 0, or the condition number (the value) exceeds 10¹².
+    Singular(f64),
+    /// The last row of a 4×4 matrix is not (0, 0, 0, 1).
+    NotAffine,
+    /// The direction to look along, or the rotation axis, is zero or parallel to the up vector.
+    DegenerateDirection,
+}
+
+impl fmt::Display for TransformError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite => f.write_str("the transform has a NaN or infinite component"),
+            Self::Singular(condition) => write!(
+                f,
+                "the transform flattens space (condition number {condition:.3e}, at most {MAX_CONDITION:.0e} is accepted)"
+            ),
+            Self::NotAffine => f.write_str("the last row of the matrix must be (0, 0, 0, 1)"),
+            Self::DegenerateDirection => {
+                f.write_str("a direction is zero, or the view direction is parallel to the up vector")
+            }
+        }
+    }
+}
+
+impl core::error::Error for TransformError {}
+
+impl Transform {
+    /// The map that changes nothing.
+    pub const IDENTITY: Self =
+        Self { linear: DMat3::IDENTITY, linear_inverse: DMat3::IDENTITY, translation: DVec3::ZERO };
+
+    /// Moves by `offset`.
+    pub const fn translate(offset: DVec3) -> Self {
+        Self { translation: offset, ..Self::IDENTITY }
+    }
+
+    /// Turns by `angle` radians about `axis` (any non-zero length), counter-clockwise seen from its tip.
+    ///
+    /// # Errors
+    /// [`TransformError::DegenerateDirection`] for a zero axis, [`TransformError::NotFinite`] for a NaN.
+    pub fn rotate(axis: DVec3, angle: f64) -> Result<Self, TransformError> {
+        if !(axis.is_finite() && angle.is_finite()) {
+            return Err(TransformError::NotFinite);
+        }
+        let axis = axis.try_normalize().ok_or(TransformError::DegenerateDirection)?;
+        let (sin, cos) = sincos(angle);
+        // Rodrigues' formula, column by column.
+        let turn = |v: DVec3| v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos));
+        Ok(Self::rotation(DMat3::from_cols(turn(DVec3::X), turn(DVec3::Y), turn(DVec3::Z))))
+    }
+
+    /// Turns about x, then y, then z (fixed axes), by `angles` radians.
+    ///
+    /// # Errors
+    /// [`TransformError::NotFinite`] for a NaN or infinite angle.
+    pub fn rotate_euler(angles: DVec3) -> Result<Self, TransformError> {
+        let about_x = Self::rotate(DVec3::X, angles.x)?;
+        let about_y = Self::rotate(DVec3::Y, angles.y)?;
+        let about_z = Self::rotate(DVec3::Z, angles.z)?;
+        Ok(about_z.then_first(&about_y).then_first(&about_x))
+    }
+
+    /// Turns by a quaternion of any non-zero length.
+    ///
+    /// # Errors
+    /// [`TransformError::DegenerateDirection`] for a zero quaternion, [`TransformError::NotFinite`] for a NaN.
+    pub fn rotate_quaternion(quaternion: DQuat) -> Result<Self, TransformError> {
+        if !quaternion.is_finite() {
+            return Err(TransformError::NotFinite);
+        }
+        let length = quaternion.length();
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(TransformError::DegenerateDirection);
+        }
+        Ok(Self::rotation(DMat3::from_quat(DQuat::from_vec4(glam::DVec4::from(quaternion) / length))))
+    }
+
+    /// Scales by a factor for each axis; negative factors mirror.
+    ///
+    /// # Errors
+    /// [`TransformError::Singular`] for a zero factor, or factors more than 10¹² apart.
+    pub fn scale(factors: DVec3) -> Result<Self, TransformError> {
+        Self::from_linear(DMat3::from_diagonal(factors), DVec3::ZERO)
+    }
+
+    /// Shears: `x` gains `xy·y + xz·z`, `y` gains `yx·x + yz·z`, `z` gains `zx·x + zy·y`.
+    ///
+    /// # Errors
+    /// [`TransformError::Singular`] if the six factors flatten space.
+    pub fn shear([xy, xz, yx, yz, zx, zy]: [f64; 6]) -> Result<Self, TransformError> {
+        let linear = DMat3::from_cols(DVec3::new(1.0, yx, zx), DVec3::new(xy, 1.0, zy), DVec3::new(xz, yz, 1.0));
+        Self::from_linear(linear, DVec3::ZERO)
+    }
+
+    /// Places an observer at `eye` that looks along its −z towards `target`, with +y as near to `up` as possible.
+    /// The result is `world_from_observer`.
+    ///
+    /// # Errors
+    /// [`TransformError::DegenerateDirection`] if `eye` equals `target` or the view is parallel to `up`.
+    pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Result<Self, TransformError> {
+        if !(eye.is_finite() && target.is_finite() && up.is_finite()) {
+            return Err(TransformError::NotFinite);
+        }
+        let degenerate = TransformError::DegenerateDirection;
+        let back = (eye - target).try_normalize().ok_or(degenerate)?;
+        let up = up.try_normalize().ok_or(degenerate)?;
+        let right = crate::float::cross(up, back);
+        // Below this the sideways direction is rounding noise.
+        if right.length() < 1e-12 {
+            return Err(degenerate);
+        }
+        let right = right.normalize();
+        let linear = DMat3::from_cols(right, back.cross(right), back);
+        Ok(Self { translation: eye, ..Self::rotation(linear) })
+    }
+
+    /// The affine map of a 4×4 matrix given by rows.
+    ///
+    /// # Errors
+    /// [`TransformError::NotAffine`], [`TransformError::NotFinite`] or [`TransformError::Singular`].
+    pub fn from_rows(rows: [[f64; 4]; 4]) -> Result<Self, TransformError> {
+        if rows.iter().flatten().any(|v| !v.is_finite()) {
+            return Err(TransformError::NotFinite);
+        }
+        if rows[3] != [0.0, 0.0, 0.0, 1.0] {
+            return Err(TransformError::NotAffine);
+        }
+        let column = |c: usize| DVec3::new(rows[0][c], rows[1][c], rows[2][c]);
+        Self::from_linear(DMat3::from_cols(column(0), column(1), column(2)), column(3))
+    }
+
+    /// The map `p ↦ linear·p + translation`.
+    ///
+    /// # Errors
+    /// [`TransformError::NotFinite`] or [`TransformError::Singular`].
+    pub fn from_linear(linear: DMat3, translation: DVec3) -> Result<Self, TransformError> {
+        if !(linear.is_finite() && translation.is_finite()) {
+            return Err(TransformError::NotFinite);
+        }
+        let linear_inverse = linear.inverse();
+        let condition = frobenius(&linear) * frobenius(&linear_inverse);
+        if !(linear.determinant() != 0.0 && condition <= MAX_CONDITION) {
+            return Err(TransformError::Singular(condition));
+        }
+        Ok(Self { linear, linear_inverse, translation })
+    }
+
+    /// An orthonormal matrix: its inverse is its transpose.
+    fn rotation(linear: DMat3) -> Self {
+        Self { linear, linear_inverse: linear.transpose(), translation: DVec3::ZERO }
+    }
+
+    /// The map that applies `first` and then this one: `a_from_b.then_first(&b_from_c)` is `a_from_c`.
+    pub fn then_first(&self, first: &Self) -> Self {
+        Self {
+            linear: self.linear * first.linear,
+            linear_inverse: first.linear_inverse * self.linear_inverse,
+            translation: self.point(first.translation),
+        }
+    }
+
+    /// The map in the other direction.
+    pub fn inverse(&self) -> Self {
+        Self {
+            linear: self.linear_inverse,
+            linear_inverse: self.linear,
+            translation: -(self.linear_inverse * self.translation),
+        }
+    }
+
+    /// The linear part `L`.
+    pub const fn linear(&self) -> DMat3 {
+        self.linear
+    }
+
+    /// The translation `T`: where the source's origin goes.
+    pub const fn translation(&self) -> DVec3 {
+        self.translation
+    }
+
+    /// True if this is exactly the identity.
+    pub fn is_identity(&self) -> bool {
+        *self == Self::IDENTITY
+    }
+
+    /// True if the map mirrors, so that the handedness of a frame (and the winding of a triangle) flips.
+    pub fn flips_handedness(&self) -> bool {
+        self.linear.determinant() < 0.0
+    }
+
+    /// The factor by which the map scales all lengths, if it is the same in all directions (to 10⁻¹²).
+    pub fn uniform_scale(&self) -> Option<f64> {
+        let gram = self.linear.transpose() * self.linear;
+        let square = (gram.x_axis.x + gram.y_axis.y + gram.z_axis.z) / 3.0;
+        let deviation = gram - DMat3::from_diagonal(DVec3::splat(square));
+        (frobenius(&deviation) <= 1e-12 * square).then(|| square.sqrt())
+    }
+
+    /// Condition number of the linear part in the Frobenius norm, at least 3.
+    pub fn condition(&self) -> f64 {
+        frobenius(&self.linear) * frobenius(&self.linear_inverse)
+    }
+
+    /// A point, source to target.
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        self.linear * p + self.translation
+    }
+
+    /// A vector (a difference of points), source to target.
+    pub fn vector(&self, v: DVec3) -> DVec3 {
+        self.linear * v
+    }
+
+    /// A normal, source to target, by the inverse transpose; not normalised. It keeps its side of the surface even
+    /// under a mirroring map.
+    pub fn normal(&self, n: DVec3) -> DVec3 {
+        self.linear_inverse.transpose() * n
+    }
+
+    /// A ray, source to target; `t` keeps its meaning.
+    pub fn ray(&self, ray: &Ray) -> Ray {
+        Ray { origin: self.point(ray.origin), direction: self.vector(ray.direction), time: ray.time }
+    }
+
+    /// The box around the image of a box, source to target, widened by the rounding error of its corners. Empty
+    /// stays empty.
+    pub fn aabb(&self, aabb: &Aabb) -> Aabb {
+        if aabb.is_empty() {
+            return Aabb::EMPTY;
+        }
+        aabb.corners().into_iter().fold(Aabb::EMPTY, |sum, corner| {
+            let (point, error) = self.point_with_error(corner, DVec3::ZERO);
+            sum.include(point - error).include(point + error)
+        })
+    }
+
+    /// A point known up to `error` per axis, source to target, with the bound on the result's error.
+    pub fn point_with_error(&self, p: DVec3, error: DVec3) -> (DVec3, DVec3) {
+        let magnitude = absolute(&self.linear);
+        let rounding = (magnitude * p.abs() + self.translation.abs()) * gamma(4);
+        (self.point(p), rounding + magnitude * error * (1.0 + gamma(4)))
+    }
+
+    /// A point, target to source.
+    pub fn inverse_point(&self, p: DVec3) -> DVec3 {
+        self.linear_inverse * (p - self.translation)
+    }
+
+    /// A vector, target to source.
+    pub fn inverse_vector(&self, v: DVec3) -> DVec3 {
+        self.linear_inverse * v
+    }
+
+    /// A normal, target to source; not normalised.
+    pub fn inverse_normal(&self, n: DVec3) -> DVec3 {
+        self.linear.transpose() * n
+    }
+
+    /// A ray, target to source; `t` keeps its meaning.
+    pub fn inverse_ray(&self, ray: &Ray) -> Ray {
+        Ray { origin: self.inverse_point(ray.origin), direction: self.inverse_vector(ray.direction), time: ray.time }
+    }
+}
+
+fn absolute(m: &DMat3) -> DMat3 {
+    DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
+}
+
+fn frobenius(m: &DMat3) -> f64 {
+    (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn vector() -> impl Strategy<Value = DVec3> {
+        (-10.0..10.0f64, -10.0..10.0f64, -10.0..10.0f64).prop_map(DVec3::from)
+    }
+
+    fn transform() -> impl Strategy<Value = Transform> {
+        (vector(), vector(), -7.0..7.0f64, vector(), -0.4..0.4f64).prop_filter_map(
+            "singular",
+            |(offset, axis, angle, factors, shear)| {
+                let rotate = Transform::rotate(axis, angle).ok()?;
+                let scale = Transform::scale(factors).ok()?;
+                let shear = Transform::shear([shear, 0.2, 0.0, shear, 0.1, -shear]).ok()?;
+                let all = Transform::translate(offset).then_first(&rotate).then_first(&scale).then_first(&shear);
+                (all.condition() < 1e4).then_some(all)
+            },
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn inverse_undoes(t in transform(), p in vector()) {
+            prop_assert!((t.inverse_point(t.point(p)) - p).length() < 1e-9);
+            prop_assert!((t.inverse().point(t.point(p)) - p).length() < 1e-9);
+            prop_assert!((t.inverse_vector(t.vector(p)) - p).length() < 1e-9);
+        }
+
+        #[test]
+        fn normals_stay_perpendicular(t in transform(), n in vector(), v in vector()) {
+            let tangent = n.cross(v);
+            let (normal, image) = (t.normal(n), t.vector(tangent));
+            prop_assert!(normal.dot(image).abs() <= 1e-9 * normal.length() * image.length());
+        }
+
+        #[test]
+        fn composition_applies_the_right_map_first(a in transform(), b in transform(), p in vector()) {
+            let both = a.then_first(&b);
+            prop_assert!((both.point(p) - a.point(b.point(p))).length() < 1e-8);
+        }
+
+        #[test]
+        fn boxes_contain_the_image_of_their_points(t in transform(), a in vector(), b in vector(), f in 0.0..1.0f64) {
+            let inside = a + (b - a) * f;
+            prop_assert!(t.aabb(&Aabb::from_points([a, b])).contains(t.point(inside)));
+        }
+
+        #[test]
+        fn errors_are_bounded(t in transform(), p in vector()) {
+            // A point moved by its error lands within the bound around the image.
+            let (image, bound) = t.point_with_error(p, DVec3::splat(1e-6));
+            let moved = t.point(p + DVec3::splat(1e-6));
+            prop_assert!((moved - image).abs().cmple(bound).all());
+        }
+
+        #[test]
+        fn the_parameter_t_is_the_same_in_both_spaces(t in transform(), o in vector(), d in vector(), at in 0.0..10.0f64) {
+            let ray = Ray::new(o, d);
+            prop_assert!((t.point(t.inverse_ray(&ray).at(at)) - ray.at(at)).length() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn rotations_are_counter_clockwise() {
+        let quarter = core::f64::consts::FRAC_PI_2;
+        let about_z = Transform::rotate(DVec3::Z * 5.0, quarter).expect("an axis");
+        assert!((about_z.vector(DVec3::X) - DVec3::Y).length() < 1e-15);
+        let euler = Transform::rotate_euler(DVec3::new(quarter, 0.0, quarter)).expect("finite");
+        // About x first: y to z, which the turn about z leaves alone.
+        assert!((euler.vector(DVec3::Y) - DVec3::Z).length() < 1e-15);
+        let half = core::f64::consts::FRAC_1_SQRT_2;
+        let quaternion = Transform::rotate_quaternion(DQuat::from_xyzw(0.0, 0.0, 2.0 * half, 2.0 * half));
+        assert!((quaternion.expect("not zero").vector(DVec3::X) - DVec3::Y).length() < 1e-15);
+    }
+
+    #[test]
+    fn observer_looks_along_negative_z() {
+        let eye = DVec3::new(1.0, 2.0, 3.0);
+        let world_from_camera = Transform::look_at(eye, DVec3::new(1.0, 2.0, -7.0), DVec3::Y).expect("a view");
+        assert_eq!(world_from_camera.point(DVec3::ZERO), eye);
+        assert_eq!(world_from_camera.vector(DVec3::NEG_Z), DVec3::NEG_Z);
+        assert_eq!(world_from_camera.vector(DVec3::X), DVec3::X);
+    }
+
+    #[test]
+    fn useless_maps_are_refused() {
+        assert!(matches!(Transform::scale(DVec3::new(1.0, 0.0, 1.0)), Err(TransformError::Singular(_))));
+        assert!(matches!(Transform::scale(DVec3::new(1.0, 1e-13, 1.0)), Err(TransformError::Singular(_))));
+        assert_eq!(Transform::scale(DVec3::NAN), Err(TransformError::NotFinite));
+        assert_eq!(Transform::rotate(DVec3::ZERO, 1.0), Err(TransformError::DegenerateDirection));
+        let eye = DVec3::splat(3.0);
+        assert_eq!(Transform::look_at(eye, eye, DVec3::Y), Err(TransformError::DegenerateDirection));
+        assert_eq!(Transform::look_at(eye, eye + DVec3::Y, DVec3::Y), Err(TransformError::DegenerateDirection));
+        let mut rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+        assert_eq!(Transform::from_rows(rows), Ok(Transform::IDENTITY));
+        rows[3][0] = 0.5;
+        assert_eq!(Transform::from_rows(rows), Err(TransformError::NotAffine));
+    }
+
+    #[test]
+    fn a_thousand_nested_turns_and_their_inverses_come_home() {
+        let turn = Transform::rotate(DVec3::new(1.0, 2.0, 3.0), 1e-3).expect("an axis");
+        let step = Transform::translate(DVec3::new(0.1, 0.2, 0.3)).then_first(&turn);
+        let mut all = Transform::IDENTITY;
+        for _ in 0..1000 {
+            all = all.then_first(&step);
+        }
+        for _ in 0..1000 {
+            all = all.then_first(&step.inverse());
+        }
+        let p = DVec3::new(1.0, -2.0, 3.0);
+        assert!((all.point(p) - p).length() < 1e-11 * 100.0);
+    }
+
+    #[test]
+    fn uniform_scale_is_recognised() {
+        let turn = Transform::rotate(DVec3::ONE, 0.7).expect("an axis");
+        let doubled = turn.then_first(&Transform::scale(DVec3::splat(2.0)).expect("regular"));
+        assert!((doubled.uniform_scale().expect("uniform") - 2.0).abs() < 1e-12);
+        let stretched = turn.then_first(&Transform::scale(DVec3::new(1.0, 1.0, 1.001)).expect("regular"));
+        assert_eq!(stretched.uniform_scale(), None);
+    }
+}

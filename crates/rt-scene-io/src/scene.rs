@@ -1,0 +1,170 @@
+//! The resolved scene: plain data, no paths, nothing left to look up.
+
+use std::sync::Arc;
+
+use rt_camera::{CameraSettings, FilmSettings, SamplePattern};
+use rt_geometry::{Shape, TriangleMesh};
+use rt_math::Transform;
+use rt_shading::Appearance;
+
+pub use rt_shading::Material;
+
+/// Index of a material in [`Appearance::materials`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MaterialId(pub u32);
+
+/// Index of a mesh in [`Scene::meshes`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MeshId(pub u32);
+
+/// Index of a group in [`Scene::groups`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct GroupId(pub u32);
+
+/// How the light is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Integrator {
+    /// Classical recursive ray tracing (Whitted 1980).
+    Whitted,
+    /// Shading normals as colours: (n + 1) / 2.
+    Normals,
+    /// Distance along the view axis; the nearest white, the farthest black.
+    Depth,
+    /// Texture coordinates as red and green.
+    Uv,
+    /// Work per ray as a heat map.
+    Cost,
+}
+
+/// Which acceleration structure to use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Accel {
+    /// The plan chooses.
+    Auto,
+    /// Brute force.
+    Linear,
+    /// Uniform grid.
+    Grid,
+    /// Binary bounding volume hierarchy.
+    Bvh,
+}
+
+/// How to render, as far as the scene has an opinion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Integrator.
+    pub integrator: Integrator,
+    /// Sample pattern.
+    pub pattern: SamplePattern,
+    /// Samples per pixel asked for; patterns may round it up.
+    pub spp: u32,
+    /// Bounces after the first hit.
+    pub depth: u32,
+    /// Rays whose contribution to the pixel falls below this are not followed. 0 follows all.
+    pub min_contribution: f64,
+    /// Acceleration structure.
+    pub accel: Accel,
+    /// Seed of all random numbers.
+    pub seed: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            integrator: Integrator::Whitted,
+            pattern: SamplePattern::Sobol,
+            spp: 16,
+            depth: 5,
+            min_contribution: 0.0,
+            accel: Accel::Auto,
+            seed: 0,
+        }
+    }
+}
+
+/// A camera that `--camera` can choose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedCamera {
+    /// Unique within the scene.
+    pub name: String,
+    /// The camera.
+    pub settings: CameraSettings,
+}
+
+/// A mesh that nodes refer to.
+#[derive(Clone, Debug)]
+pub struct NamedMesh {
+    /// For messages.
+    pub name: String,
+    /// The triangles.
+    pub mesh: Arc<TriangleMesh>,
+}
+
+/// A subtree that is described once and placed many times.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// Unique within the scene.
+    pub name: String,
+    /// Its nodes, in the group's own space.
+    pub nodes: Vec<Node>,
+}
+
+/// What stands at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Content {
+    /// A single shape.
+    Shape(Shape),
+    /// A triangle mesh.
+    Mesh(MeshId),
+    /// All of a group. Groups may contain instances of other groups, never of themselves.
+    Instance(GroupId),
+}
+
+/// A place in the tree.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// For messages; may be empty.
+    pub name: String,
+    /// Takes this node's space to its parent's.
+    pub parent_from_local: Transform,
+    /// What stands here, if anything.
+    pub content: Option<Content>,
+    /// Material of a shape or mesh here. Instances keep the materials of their group.
+    pub material: MaterialId,
+    /// Whether it casts shadows. For an instance or a node with children, off switches off all below.
+    pub casts_shadow: bool,
+    /// Nodes below.
+    pub children: Vec<Node>,
+}
+
+/// Something that was mended or guessed, and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// File and line, path in the document, or name of the object.
+    pub place: String,
+    /// What was found and what was done about it.
+    pub message: String,
+}
+
+/// A scene ready to be compiled to a plan.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Name, usually the stem of the file.
+    pub name: String,
+    /// At least one camera; the first is the default.
+    pub cameras: Vec<NamedCamera>,
+    /// The image.
+    pub film: FilmSettings,
+    /// How to render.
+    pub settings: Settings,
+    /// Materials, textures, lights, background.
+    pub appearance: Appearance,
+    /// Meshes that nodes refer to.
+    pub meshes: Vec<NamedMesh>,
+    /// Groups that instances refer to.
+    pub groups: Vec<Group>,
+    /// The tree.
+    pub nodes: Vec<Node>,
+    /// What was mended or guessed on the way.
+    pub warnings: Vec<Warning>,
+}

@@ -1,0 +1,43 @@
+//! All that decides about colour in a scene, apart from its geometry.
+
+use crate::{Light, Material, Texture};
+use rt_math::{DVec3, Rgb};
+
+/// What a ray sees that hits nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Background {
+    /// The same radiance everywhere.
+    Constant(Rgb),
+    /// From `bottom` straight down (−y) to `top` straight up, linear in the height of the unit direction.
+    Gradient {
+        /// Radiance straight down.
+        bottom: Rgb,
+        /// Radiance straight up.
+        top: Rgb,
+    },
+}
+
+impl Background {
+    /// The radiance that arrives against `direction` (any non-zero length, world space).
+    pub fn radiance(&self, direction: DVec3) -> Rgb {
+        match self {
+            Self::Constant(rgb) => *rgb,
+            Self::Gradient { bottom, top } => bottom.lerp(*top, 0.5 + 0.5 * direction.y / direction.length()),
+        }
+    }
+}
+
+/// Materials, textures, lights and background, referred to by index.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Appearance {
+    /// Materials; objects hold indices into this list.
+    pub materials: Vec<Material>,
+    /// Textures; [`TextureId`](crate::TextureId) is an index into this list.
+    pub textures: Vec<Texture>,
+    /// Lights with a place or a direction.
+    pub lights: Vec<Light>,
+    /// Light from everywhere, scaled by the ambient coefficient of materials.
+    pub ambient: Rgb,
+    /// What rays see that hit nothing.
+    pub background: Background,
+}
