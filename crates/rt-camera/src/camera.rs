@@ -1,6 +1,6 @@
 //! The virtual pinhole camera.
 
-use rt_math::{DVec2, Transform};
+use rt_math::{DVec2, DVec3, Ray, Transform, transcendental::tan};
 
 /// Which side of the image the field of view spans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +36,299 @@ pub struct CameraSettings {
     /// The projection.
     pub projection: Projection,
     /// Shift of the lens, as a part of the image's width and height: (0.5, 0) shows what lies half an image further
-    /// to the right.
+    /// to the right, (0, 0.5) half an image further up.
     pub lens_shift: DVec2,
+}
+
+/// Why no camera can be made of its settings.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum CameraError {
+    /// The image has no pixels.
+    #[error("the image is {0} by {1} pixels; both sides must be at least 1")]
+    EmptyImage(u32, u32),
+    /// The field of view (the value, in radians) is not usable.
+    #[error("the field of view is {} degrees; it must lie between 0 and 180", .0.to_degrees())]
+    FieldOfView(f64),
+    /// The height of an orthographic view (the value, in world units) is not usable.
+    #[error("the height of the orthographic view is {0}; it must be positive and finite")]
+    Height(f64),
+    /// The lens shift is NaN or infinite.
+    #[error("the lens shift ({}, {}) is not finite", .0.x, .0.y)]
+    LensShift(DVec2),
+    /// The rays overflow: the transform scales, or the lens shift reaches, too far.
+    #[error("the camera's transform and lens shift are too large for its rays to be finite")]
+    Overflow,
+}
+
+/// A camera and the image that it exposes, ready to cast rays.
+///
+/// Raster coordinates are in pixels from the image's top left corner, x to the right and y down: pixel (i, j) covers
+/// the square from (i, j) to (i + 1, j + 1). Pixels are square. With the pixel's side `s` on the image plane at
+/// distance 1 from the pinhole, and the principal point `c` (the image's centre, moved against the lens shift), the
+/// perspective ray through the raster point `r` is
+///
+/// ```text
+/// direction = −z + s·(r.x − c.x)·x − s·(r.y − c.y)·y,      s = 2·tan(fov / 2) / pixels across
+/// ```
+///
+/// in the camera's axes x, y, z. The component along the view is 1, so **the parameter `t` of a point is its depth**:
+/// its distance from the camera plane (not from the pinhole), in units of the camera's own space. The same holds for
+/// the orthographic camera, whose rays start on the camera plane.
+///
+/// ```
+/// use rt_camera::{Camera, CameraSettings, FovAxis, Projection};
+/// use rt_math::{DVec2, DVec3, Transform};
+///
+/// let settings = CameraSettings {
+///     world_from_camera: Transform::look_at(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y)?,
+///     projection: Projection::Perspective { fov: 90f64.to_radians(), axis: FovAxis::Vertical },
+///     lens_shift: DVec2::ZERO,
+/// };
+/// let camera = Camera::new(&settings, 640, 480)?;
+/// let ray = camera.ray(DVec2::new(320.0, 240.0), 0.0);
+/// assert_eq!(ray.at(5.0), DVec3::ZERO);
+/// assert_eq!(camera.project(DVec3::ZERO), Some(DVec2::new(320.0, 240.0)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Camera {
+    world_from_camera: Transform,
+    is_perspective: bool,
+    /// The camera's −z in world space, as long as the transform makes it.
+    forward: DVec3,
+    /// One pixel to the right on the image plane, in world space.
+    step_right: DVec3,
+    /// One pixel down on the image plane, in world space.
+    step_down: DVec3,
+    /// Side of a pixel on the image plane, in camera space.
+    pixel_side: f64,
+    /// Where the view axis meets the image, in raster coordinates.
+    principal_point: DVec2,
+}
+
+impl Camera {
+    /// A camera that exposes an image of `width` × `height` pixels.
+    ///
+    /// # Errors
+    /// [`CameraError`] if a side is 0, the field of view lies outside (0, π), the orthographic height is not
+    /// positive, or a number is NaN, infinite, or so large that rays would not be finite.
+    pub fn new(settings: &CameraSettings, width: u32, height: u32) -> Result<Self, CameraError> {
+        if width == 0 || height == 0 {
+            return Err(CameraError::EmptyImage(width, height));
+        }
+        if !settings.lens_shift.is_finite() {
+            return Err(CameraError::LensShift(settings.lens_shift));
+        }
+        let size = DVec2::new(f64::from(width), f64::from(height));
+        let pixel_side = pixel_side(settings.projection, size)?;
+        let axes = settings.world_from_camera.linear();
+        // Raster y runs down and the camera's y up.
+        let towards_lower_left = settings.lens_shift * DVec2::new(-1.0, 1.0);
+        let camera = Self {
+            world_from_camera: settings.world_from_camera,
+            is_perspective: matches!(settings.projection, Projection::Perspective { .. }),
+            forward: -axes.z_axis,
+            step_right: axes.x_axis * pixel_side,
+            step_down: axes.y_axis * -pixel_side,
+            pixel_side,
+            principal_point: (towards_lower_left + 0.5) * size,
+        };
+        let corners = [DVec2::ZERO, DVec2::new(size.x, 0.0), DVec2::new(0.0, size.y), size];
+        let all_finite = corners
+            .into_iter()
+            .map(|corner| camera.ray(corner, 0.0))
+            .all(|ray| ray.origin.is_finite() && ray.direction.is_finite());
+        if all_finite { Ok(camera) } else { Err(CameraError::Overflow) }
+    }
+
+    /// The ray through a raster point, at a moment of the shutter. Points outside the image are fine.
+    pub fn ray(&self, raster: DVec2, time: f64) -> Ray {
+        let from_centre = raster - self.principal_point;
+        let across = self.step_right * from_centre.x + self.step_down * from_centre.y;
+        let pinhole = self.world_from_camera.translation();
+        if self.is_perspective {
+            Ray { origin: pinhole, direction: self.forward + across, time }
+        } else {
+            Ray { origin: pinhole + across, direction: self.forward, time }
+        }
+    }
+
+    /// Where a point of the world appears, in raster coordinates; possibly outside the image. `None` for a point
+    /// behind the camera plane, for one on the plane of a pinhole camera, and for one whose image is not finite.
+    pub fn project(&self, world: DVec3) -> Option<DVec2> {
+        let point = self.world_from_camera.inverse_point(world);
+        let depth = -point.z;
+        let on_plane = if self.is_perspective && depth > 0.0 {
+            DVec2::new(point.x, -point.y) / depth
+        } else if !self.is_perspective && depth >= 0.0 {
+            DVec2::new(point.x, -point.y)
+        } else {
+            return None;
+        };
+        let raster = self.principal_point + on_plane / self.pixel_side;
+        raster.is_finite().then_some(raster)
+    }
+
+    /// The direction of view: a unit vector in world space.
+    pub fn view_axis(&self) -> DVec3 {
+        // Scaled first, since the square of a very long or short axis leaves the range of f64.
+        (self.forward / self.forward.abs().max_element()).normalize_or(DVec3::NEG_Z)
+    }
+}
+
+/// Side of a square pixel, on the image plane at distance 1 (perspective) or in world units (orthographic).
+fn pixel_side(projection: Projection, size: DVec2) -> Result<f64, CameraError> {
+    let (side, refusal) = match projection {
+        Projection::Perspective { fov, axis } => {
+            let pixels_across = match axis {
+                FovAxis::Vertical => size.y,
+                FovAxis::Horizontal => size.x,
+            };
+            let inside = fov > 0.0 && fov < core::f64::consts::PI;
+            let tangent = if inside { tan(fov / 2.0) } else { f64::NAN };
+            (2.0 * tangent / pixels_across, CameraError::FieldOfView(fov))
+        }
+        Projection::Orthographic { height } => (height / size.y, CameraError::Height(height)),
+    };
+    // Subnormal sides would lose the digits that tell neighbouring pixels apart.
+    if side.is_normal() && side > 0.0 { Ok(side) } else { Err(refusal) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
+    use proptest::prelude::*;
+
+    fn perspective(fov: f64, axis: FovAxis) -> CameraSettings {
+        CameraSettings {
+            world_from_camera: Transform::IDENTITY,
+            projection: Projection::Perspective { fov, axis },
+            lens_shift: DVec2::ZERO,
+        }
+    }
+
+    fn orthographic(height: f64) -> CameraSettings {
+        CameraSettings { projection: Projection::Orthographic { height }, ..perspective(1.0, FovAxis::Vertical) }
+    }
+
+    #[test]
+    fn edges_of_the_image_see_half_the_field_of_view() {
+        let vertical = Camera::new(&perspective(FRAC_PI_2, FovAxis::Vertical), 200, 100).expect("a camera");
+        let top = vertical.ray(DVec2::new(100.0, 0.0), 0.25);
+        assert!((top.direction - DVec3::new(0.0, 1.0, -1.0)).length() < 1e-15);
+        assert_eq!(top.time, 0.25);
+        let left = vertical.ray(DVec2::new(0.0, 50.0), 0.0);
+        assert!((left.direction - DVec3::new(-2.0, 0.0, -1.0)).length() < 1e-15);
+
+        let horizontal = Camera::new(&perspective(FRAC_PI_3, FovAxis::Horizontal), 200, 100).expect("a camera");
+        let right = horizontal.ray(DVec2::new(200.0, 50.0), 0.0).direction;
+        assert!((right.normalize().dot(horizontal.view_axis()) - (3f64).sqrt() / 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn orthographic_rays_are_parallel_and_start_on_the_camera_plane() {
+        let mut settings = orthographic(4.0);
+        settings.world_from_camera = Transform::look_at(DVec3::X * 7.0, DVec3::ZERO, DVec3::Y).expect("a view");
+        let camera = Camera::new(&settings, 20, 10).expect("a camera");
+        let corner = camera.ray(DVec2::ZERO, 0.0);
+        assert!((corner.origin - DVec3::new(7.0, 2.0, 4.0)).length() < 1e-14);
+        assert!((corner.direction - DVec3::NEG_X).length() < 1e-15);
+        assert_eq!(camera.ray(DVec2::splat(3.0), 0.0).direction, corner.direction);
+    }
+
+    #[test]
+    fn lens_shift_moves_the_view_and_keeps_the_axis() {
+        let plain = Camera::new(&perspective(1.0, FovAxis::Vertical), 60, 40).expect("a camera");
+        let shifted_settings =
+            CameraSettings { lens_shift: DVec2::new(0.5, 0.25), ..perspective(1.0, FovAxis::Vertical) };
+        let shifted = Camera::new(&shifted_settings, 60, 40).expect("a camera");
+        // Half a width to the right is raster x + 30, a quarter of the height up is raster y − 10.
+        let (a, b) = (shifted.ray(DVec2::new(12.0, 20.0), 0.0), plain.ray(DVec2::new(42.0, 10.0), 0.0));
+        assert!((a.direction - b.direction).length() < 1e-15);
+        assert_eq!(plain.view_axis(), shifted.view_axis());
+    }
+
+    #[test]
+    fn mirrored_raster_points_give_mirrored_rays_to_the_bit() {
+        let camera = Camera::new(&perspective(0.7, FovAxis::Vertical), 64, 48).expect("a camera");
+        let (left, right) = (camera.ray(DVec2::new(10.25, 7.0), 0.0), camera.ray(DVec2::new(53.75, 7.0), 0.0));
+        assert_eq!(left.direction * DVec3::new(-1.0, 1.0, 1.0), right.direction);
+    }
+
+    #[test]
+    fn points_behind_the_camera_have_no_image() {
+        let pinhole = Camera::new(&perspective(1.0, FovAxis::Vertical), 8, 8).expect("a camera");
+        assert_eq!(pinhole.project(DVec3::Z), None);
+        assert_eq!(pinhole.project(DVec3::X), None);
+        assert_eq!(pinhole.project(DVec3::NAN), None);
+        let parallel = Camera::new(&orthographic(8.0), 8, 8).expect("a camera");
+        assert_eq!(parallel.project(DVec3::Z), None);
+        assert_eq!(parallel.project(DVec3::X), Some(DVec2::new(5.0, 4.0)));
+    }
+
+    #[test]
+    fn useless_settings_are_refused() {
+        let refuse = |settings: CameraSettings| Camera::new(&settings, 4, 4).expect_err("refused");
+        for fov in [0.0, -1.0, PI, 4.0, f64::INFINITY, 5e-324] {
+            assert_eq!(refuse(perspective(fov, FovAxis::Vertical)), CameraError::FieldOfView(fov));
+        }
+        assert!(matches!(refuse(perspective(f64::NAN, FovAxis::Vertical)), CameraError::FieldOfView(f) if f.is_nan()));
+        for height in [0.0, -2.0, f64::INFINITY] {
+            assert_eq!(refuse(orthographic(height)), CameraError::Height(height));
+        }
+        assert!(matches!(refuse(orthographic(f64::NAN)), CameraError::Height(h) if h.is_nan()));
+        let shift = DVec2::new(f64::INFINITY, 0.0);
+        assert_eq!(refuse(CameraSettings { lens_shift: shift, ..orthographic(1.0) }), CameraError::LensShift(shift));
+        let far = CameraSettings { lens_shift: DVec2::splat(1e308), ..orthographic(100.0) };
+        assert_eq!(refuse(far), CameraError::Overflow);
+        let sound = perspective(1.0, FovAxis::Vertical);
+        assert_eq!(Camera::new(&sound, 0, 4).expect_err("refused"), CameraError::EmptyImage(0, 4));
+        assert_eq!(Camera::new(&sound, 4, 0).expect_err("refused"), CameraError::EmptyImage(4, 0));
+    }
+
+    #[test]
+    fn widest_and_narrowest_views_are_finite() {
+        for fov in [1e-9, PI - 1e-9] {
+            let camera = Camera::new(&perspective(fov, FovAxis::Vertical), 3, 3).expect("a camera");
+            assert!(camera.ray(DVec2::ZERO, 0.0).direction.is_finite());
+        }
+    }
+
+    fn any_settings() -> impl Strategy<Value = CameraSettings> {
+        let vector = || (-10.0..10.0f64, -10.0..10.0f64, -10.0..10.0f64).prop_map(DVec3::from);
+        let projection = prop_oneof![
+            (0.05..3.0f64).prop_map(|fov| Projection::Perspective { fov, axis: FovAxis::Vertical }),
+            (0.05..3.0f64).prop_map(|fov| Projection::Perspective { fov, axis: FovAxis::Horizontal }),
+            (0.1..50.0f64).prop_map(|height| Projection::Orthographic { height }),
+        ];
+        (vector(), vector(), 0.1..5.0f64, projection, -1.0..1.0f64, -1.0..1.0f64).prop_filter_map(
+            "degenerate view",
+            |(eye, target, scale, projection, shift_x, shift_y)| {
+                let view = Transform::look_at(eye, target, DVec3::Y).ok()?;
+                let world_from_camera = view.then_first(&Transform::scale(DVec3::splat(scale)).ok()?);
+                Some(CameraSettings { world_from_camera, projection, lens_shift: DVec2::new(shift_x, shift_y) })
+            },
+        )
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(128))]
+        #[test]
+        fn projecting_a_point_of_a_ray_returns_to_the_raster(
+            settings in any_settings(), x in -50.0..150.0f64, y in -50.0..150.0f64, depth in 0.5..100.0f64,
+        ) {
+            let camera = Camera::new(&settings, 120, 90).expect("sound settings");
+            let raster = DVec2::new(x, y);
+            let back = camera.project(camera.ray(raster, 0.0).at(depth)).expect("in front of the camera");
+            prop_assert!((back - raster).length() < 1e-7, "{back}");
+        }
+
+        #[test]
+        fn the_parameter_is_the_depth(settings in any_settings(), x in 0.0..120.0f64, y in 0.0..90.0f64, t in 0.0..50.0f64) {
+            let camera = Camera::new(&settings, 120, 90).expect("sound settings");
+            let point = settings.world_from_camera.inverse_point(camera.ray(DVec2::new(x, y), 0.0).at(t));
+            prop_assert!((-point.z - t).abs() < 1e-9 * (1.0 + t));
+        }
+    }
 }

@@ -18,3 +18,101 @@ pub enum SamplePattern {
     /// The Sobol' sequence with Owen scrambling (Burley 2020).
     Sobol,
 }
+
+/// Cells along the side of the largest grid; its square is the largest that fits in `u32`.
+const MAX_SIDE: u32 = u16::MAX as u32;
+
+impl SamplePattern {
+    /// All patterns, from the plainest to the best.
+    pub const ALL: [Self; 7] =
+        [Self::Centre, Self::Grid, Self::Random, Self::Jittered, Self::HalfJittered, Self::MultiJittered, Self::Sobol];
+
+    /// The name that users type.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Centre => "centre",
+            Self::Grid => "grid",
+            Self::Random => "random",
+            Self::Jittered => "jittered",
+            Self::HalfJittered => "half-jittered",
+            Self::MultiJittered => "multi-jittered",
+            Self::Sobol => "sobol",
+        }
+    }
+
+    /// True if the pixel's expected value differs from its true mean at every finite number of samples, so that
+    /// averaging over seeds does not converge to the truth. Centre and grid are fixed quadrature rules, and the
+    /// half-jittered pattern never looks at three quarters of the pixel's area.
+    pub const fn is_biased(self) -> bool {
+        matches!(self, Self::Centre | Self::Grid | Self::HalfJittered)
+    }
+
+    /// The number of samples per pixel that the pattern takes when `spp` are asked for: the next square for patterns
+    /// on a grid, the next power of two for Sobol', at least 1. The largest are 65,535² and 2³¹.
+    ///
+    /// Sobol' points are generated in blocks of 2¹⁶: beyond, independently scrambled blocks follow each other, and
+    /// the error falls as that of their mean.
+    pub const fn round_up(self, spp: u32) -> u32 {
+        let spp = if spp == 0 { 1 } else { spp };
+        match self {
+            Self::Centre | Self::Random => spp,
+            Self::Grid | Self::Jittered | Self::HalfJittered | Self::MultiJittered => {
+                let side = grid_side(spp);
+                side * side
+            }
+            Self::Sobol => match spp.checked_next_power_of_two() {
+                Some(power) => power,
+                None => 1 << 31,
+            },
+        }
+    }
+}
+
+/// Side of the smallest square grid with at least `cells` cells, at most [`MAX_SIDE`].
+pub(crate) const fn grid_side(cells: u32) -> u32 {
+    let floor = cells.isqrt();
+    let side = if floor * floor == cells { floor } else { floor + 1 };
+    if side < MAX_SIDE { side } else { MAX_SIDE }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_rounded_up_to_what_the_pattern_needs() {
+        for (pattern, expected) in [
+            (SamplePattern::Centre, [1, 1, 5, 16, 17, 1000]),
+            (SamplePattern::Grid, [1, 1, 9, 16, 25, 1024]),
+            (SamplePattern::Random, [1, 1, 5, 16, 17, 1000]),
+            (SamplePattern::Jittered, [1, 1, 9, 16, 25, 1024]),
+            (SamplePattern::HalfJittered, [1, 1, 9, 16, 25, 1024]),
+            (SamplePattern::MultiJittered, [1, 1, 9, 16, 25, 1024]),
+            (SamplePattern::Sobol, [1, 1, 8, 16, 32, 1024]),
+        ] {
+            assert_eq!([0, 1, 5, 16, 17, 1000].map(|spp| pattern.round_up(spp)), expected, "{pattern:?}");
+        }
+    }
+
+    #[test]
+    fn huge_counts_are_capped() {
+        assert_eq!(SamplePattern::Jittered.round_up(u32::MAX), 65_535 * 65_535);
+        assert_eq!(SamplePattern::Sobol.round_up(u32::MAX), 1 << 31);
+    }
+
+    #[test]
+    fn rounding_is_idempotent() {
+        for pattern in SamplePattern::ALL {
+            for spp in (0..2000).chain([u32::MAX - 1, u32::MAX]) {
+                let rounded = pattern.round_up(spp);
+                assert_eq!(pattern.round_up(rounded), rounded, "{pattern:?}, {spp}");
+            }
+        }
+    }
+
+    #[test]
+    fn names_are_unique() {
+        let names: std::collections::HashSet<_> = SamplePattern::ALL.map(SamplePattern::name).into();
+        assert_eq!(names.len(), SamplePattern::ALL.len());
+    }
+}

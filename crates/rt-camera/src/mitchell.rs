@@ -1,0 +1,74 @@
+//! The Mitchell–Netravali filter in one dimension (1988, equation 8 with B = C = 1/3), and its sampling by inversion.
+//!
+//! With s = 2 − |x|, the outer piece factors into s²·(7s − 6)/18, so the filter changes its sign at |x| = 8/7 and all
+//! of its integrals are fractions.
+
+/// The filter is 0 from here on, in pixels.
+pub(crate) const RADIUS: f64 = 2.0;
+/// Where the filter changes its sign.
+const ZERO: f64 = 8.0 / 7.0;
+/// Integral over [0, 1].
+const CORE_MASS: f64 = 37.0 / 72.0;
+/// Integral over [0, 8/7].
+const POSITIVE_MASS: f64 = 355.0 / 686.0;
+/// Integral of the absolute value over [0, 2]; the integral of the filter itself is 1/2.
+const HALF_MASS: f64 = 367.0 / 686.0;
+
+/// The filter at distance `x` from the centre; its integral over the line is 1.
+pub(crate) fn value(x: f64) -> f64 {
+    let x = x.abs();
+    if x < 1.0 {
+        (x * x * (7.0 * x - 12.0) + 16.0 / 3.0) / 6.0
+    } else if x < RADIUS {
+        let s = RADIUS - x;
+        s * s * (7.0 * s - 6.0) / 18.0
+    } else {
+        0.0
+    }
+}
+
+/// The integral of |f| over [0, x], for x in [0, 2].
+fn mass(x: f64) -> f64 {
+    // The antiderivative of the outer piece in s: K(s) = s³·(7s − 8)/72, with K(1) = −1/72 and K(6/7) = −6/343.
+    let outer = |x: f64| {
+        let s = RADIUS - x;
+        s * s * s * (7.0 * s - 8.0) / 72.0
+    };
+    if x < 1.0 {
+        x * (x * x * (1.75 * x - 4.0) + 16.0 / 3.0) / 6.0
+    } else if x < ZERO {
+        CORE_MASS - 1.0 / 72.0 - outer(x)
+    } else {
+        HALF_MASS + outer(x)
+    }
+}
+
+/// Offset with density |f| / ∫|f| and its weight ±∫|f|, for `u` in [0, 1).
+pub(crate) fn sample(u: f64) -> [f64; 2] {
+    let side = if u < 0.5 { -1.0 } else { 1.0 };
+    let target = (2.0 * u - 1.0).abs() * HALF_MASS;
+    let (low, high, sign) = if target < POSITIVE_MASS { (0.0, ZERO, 1.0) } else { (ZERO, RADIUS, -1.0) };
+    [side * invert_mass(target, low, high), sign * 2.0 * HALF_MASS]
+}
+
+/// The x between `low` and `high` with `mass(x) = target`: Newton's method, with a bisection whenever it would leave
+/// the bracket (as it does next to the zeros of the density).
+fn invert_mass(target: f64, mut low: f64, mut high: f64) -> f64 {
+    let mut x = 0.5 * (low + high);
+    // Bisection alone would settle 53 bits; Newton's method needs about six steps.
+    for _ in 0..53 {
+        let excess = mass(x) - target;
+        if excess < 0.0 {
+            low = x;
+        } else {
+            high = x;
+        }
+        let newton = x - excess / value(x).abs();
+        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        if (next - x).abs() <= 4.0 * f64::EPSILON {
+            return next;
+        }
+        x = next;
+    }
+    x
+}

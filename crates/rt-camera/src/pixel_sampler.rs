@@ -1,0 +1,175 @@
+//! Sample coordinates as a pure function of (seed, pixel, sample, dimension).
+
+use rt_math::{
+    Sampler,
+    random::{hash, mix, permute, unit},
+};
+
+use crate::{SamplePattern, pattern::grid_side, sobol::SobolSet};
+
+/// The largest number below 1.
+const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+
+/// Makes the samples of every pixel of an image.
+///
+/// The first two coordinates of a sample are its position in the pixel, and follow the pattern to the letter. Later
+/// ones choose points on lights, times, lobes; there, fixed or half-covered patterns would be wrong and not just
+/// coarse, so that
+///
+/// | pattern | position in the pixel | later pairs |
+/// |---|---|---|
+/// | centre | (½, ½) | random |
+/// | grid | (i + ½) / n | jittered |
+/// | random | ξ | random |
+/// | jittered | (i + ξ) / n | jittered |
+/// | half-jittered | (i + ¼ + ½ξ) / n | jittered |
+/// | multi-jittered | Kensler 2013 | multi-jittered |
+/// | Sobol' | dimensions 0, 1 | dimensions 2, 3, then further sets of four, each scrambled anew |
+///
+/// with n² samples per pixel and uniform ξ in [0, 1). The samples of a pixel visit the cells in a random order, drawn
+/// anew for each pair of coordinates: pairs are independent of each other, and any first part of the samples is
+/// spread over the whole pixel. Single coordinates are stratified over all samples (random for centre and random).
+///
+/// Samples beyond the promised number start a new, independent pattern.
+///
+/// ```
+/// use rt_camera::{PixelSampler, SamplePattern};
+/// use rt_math::Sampler;
+///
+/// let pattern = SamplePattern::Jittered;
+/// let sampler = PixelSampler::new(pattern, pattern.round_up(5), 42);
+/// assert_eq!(sampler.spp(), 9);
+/// let mut sample = sampler.sample([10, 20], 3);
+/// let in_pixel = sample.next_2d();
+/// let on_light = sample.next_2d();
+/// assert_ne!(in_pixel, on_light);
+/// // Nothing is remembered between samples.
+/// assert_eq!(sampler.sample([10, 20], 3).next_2d(), in_pixel);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelSampler {
+    pattern: SamplePattern,
+    spp: u32,
+    seed: u64,
+}
+
+impl PixelSampler {
+    /// A sampler for `spp` samples per pixel; a count that the pattern cannot have is rounded up by
+    /// [`SamplePattern::round_up`].
+    pub const fn new(pattern: SamplePattern, spp: u32, seed: u64) -> Self {
+        Self { pattern, spp: pattern.round_up(spp), seed }
+    }
+
+    /// The pattern.
+    pub const fn pattern(&self) -> SamplePattern {
+        self.pattern
+    }
+
+    /// Samples per pixel of one whole pattern.
+    pub const fn spp(&self) -> u32 {
+        self.spp
+    }
+
+    /// The sample number `index` of a pixel.
+    pub fn sample(&self, pixel: [u32; 2], index: u32) -> PixelSample {
+        let pixel_key = hash(&[self.seed, u64::from(pixel[0]) << 32 | u64::from(pixel[1])]);
+        // Each round of a whole pattern has keys of its own.
+        let (round, index) = match self.pattern {
+            SamplePattern::Sobol => (index >> SobolSet::INDEX_BITS, index & SobolSet::INDEX_MASK),
+            _ => (index / self.spp, index % self.spp),
+        };
+        let key = mix(pixel_key ^ u64::from(round));
+        PixelSample { pattern: self.pattern, spp: self.spp, index, key, dimension: 0, sobol: SobolSet::EMPTY }
+    }
+}
+
+/// The coordinates of one sample of one pixel, drawn in order.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelSample {
+    pattern: SamplePattern,
+    spp: u32,
+    /// Position in the pattern, below `spp`.
+    index: u32,
+    /// Hash of seed, pixel and round.
+    key: u64,
+    /// The next dimension to draw.
+    dimension: u32,
+    sobol: SobolSet,
+}
+
+impl Sampler for PixelSample {
+    fn next_1d(&mut self) -> f64 {
+        let dimension = self.dimension;
+        self.dimension += 1;
+        if self.pattern == SamplePattern::Sobol {
+            return self.sobol.coordinate(self.key, self.index, dimension);
+        }
+        let key = self.dimension_key(dimension);
+        let jitter = unit(self.noise(key));
+        match self.pattern {
+            SamplePattern::Centre | SamplePattern::Random => jitter,
+            _ => in_stratum(permute(self.index, self.spp, key), self.spp, jitter),
+        }
+    }
+
+    fn next_2d(&mut self) -> [f64; 2] {
+        if self.pattern == SamplePattern::Sobol {
+            // A pair must not straddle two sets, which are independent of each other.
+            let dimension = self.dimension.next_multiple_of(2);
+            self.dimension = dimension + 2;
+            return [0, 1].map(|axis| self.sobol.coordinate(self.key, self.index, dimension + axis));
+        }
+        let dimension = self.dimension;
+        self.dimension += 2;
+        let key = self.dimension_key(dimension);
+        let bits = self.noise(key);
+        let jitter = [unit(bits), unit(mix(bits))];
+        match (self.pattern, dimension) {
+            (SamplePattern::Centre, 0) => [0.5; 2],
+            (SamplePattern::Centre | SamplePattern::Random, _) => jitter,
+            (SamplePattern::Grid, 0) => self.jittered(key, [0.5; 2]),
+            (SamplePattern::HalfJittered, 0) => self.jittered(key, jitter.map(|xi| 0.25 + 0.5 * xi)),
+            (SamplePattern::MultiJittered, _) => self.multi_jittered(key, jitter),
+            _ => self.jittered(key, jitter),
+        }
+    }
+}
+
+impl PixelSample {
+    /// Chooses the arrangement of the pixel's samples in one dimension.
+    fn dimension_key(&self, dimension: u32) -> u64 {
+        mix(self.key ^ u64::from(dimension))
+    }
+
+    /// Random bits for this sample alone.
+    fn noise(&self, dimension_key: u64) -> u64 {
+        // Index 0 must not give the bits that `permute` makes of the same key, so the count starts at 1.
+        mix(dimension_key.wrapping_add(mix(u64::from(self.index) + 1)))
+    }
+
+    /// A place in the sample's cell of the square grid, given by its coordinates within the cell.
+    fn jittered(&self, key: u64, in_cell: [f64; 2]) -> [f64; 2] {
+        let side = grid_side(self.spp);
+        let cell = permute(self.index, self.spp, key);
+        [in_stratum(cell % side, side, in_cell[0]), in_stratum(cell / side, side, in_cell[1])]
+    }
+
+    /// Correlated multi-jittering (Kensler 2013): the samples of one column of cells lie in different columns of a
+    /// grid that is finer by another factor of n, and all columns use the same permutation.
+    fn multi_jittered(&self, key: u64, jitter: [f64; 2]) -> [f64; 2] {
+        let side = grid_side(self.spp);
+        let cell = permute(self.index, self.spp, key);
+        let (column, row) = (cell % side, cell / side);
+        let (sub_column, sub_row) = (permute(row, side, mix(key)), permute(column, side, !key));
+        [
+            in_stratum(column * side + sub_column, self.spp, jitter[0]),
+            in_stratum(row * side + sub_row, self.spp, jitter[1]),
+        ]
+    }
+}
+
+/// The point at `offset`, in [0, 1), of stratum number `stratum` of `count`.
+fn in_stratum(stratum: u32, count: u32, offset: f64) -> f64 {
+    // The sum can round up to the end of the last stratum, which is outside [0, 1).
+    ((f64::from(stratum) + offset) / f64::from(count)).min(BELOW_ONE)
+}
