@@ -2,9 +2,29 @@
 
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "format")]
+mod error;
+#[cfg(feature = "format")]
+mod files;
+#[cfg(feature = "format")]
+mod model;
+#[cfg(feature = "format")]
+mod options;
 mod scene;
+#[cfg(feature = "format")]
+mod texture;
 
+#[cfg(feature = "format")]
+pub use error::{LoadError, Place, Problem, Reason};
+#[cfg(feature = "format")]
+pub use files::{read_file, read_text, read_texture, resolve_path};
+#[cfg(feature = "format")]
+pub use model::{Model, load_model};
+#[cfg(feature = "format")]
+pub use options::LoadOptions;
 pub use scene::{
     Accel, Content, Group, GroupId, Integrator, Material, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene,
-    Settings, Warning,
+    Settings, Truth, Warning,
 };
+#[cfg(feature = "format")]
+pub use texture::{TextureError, decode_texture};

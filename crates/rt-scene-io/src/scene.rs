@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rt_camera::{CameraSettings, FilmSettings, SamplePattern};
 use rt_geometry::{Shape, TriangleMesh};
-use rt_math::Transform;
+use rt_math::{Rgb, Transform};
 use rt_shading::Appearance;
 
 pub use rt_shading::Material;
@@ -137,13 +137,22 @@ pub struct Node {
     pub children: Vec<Node>,
 }
 
-/// Something that was mended or guessed, and where.
+/// Something that was mended, and where.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
     /// File and line, path in the document, or name of the object.
     pub place: String,
     /// What was found and what was done about it.
     pub message: String,
+}
+
+/// The closed form of a scene's picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth {
+    /// Mean radiance over all pixels.
+    pub mean: Rgb,
+    /// Where the value comes from.
+    pub note: String,
 }
 
 /// A scene ready to be compiled to a plan.
@@ -165,6 +174,10 @@ pub struct Scene {
     pub groups: Vec<Group>,
     /// The tree.
     pub nodes: Vec<Node>,
-    /// What was mended or guessed on the way.
+    /// What the picture should be, if it is known exactly.
+    pub truth: Option<Truth>,
+    /// What was mended on the way.
     pub warnings: Vec<Warning>,
+    /// What was chosen because the file leaves it open: camera, lights, exposure. One sentence each.
+    pub notes: Vec<String>,
 }

@@ -1,0 +1,242 @@
+//! What can be wrong with a file, and where.
+
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+use rt_geometry::{MeshError, ShapeError};
+use rt_math::TransformError;
+
+use crate::texture::TextureError;
+
+/// Everything that is wrong with a scene or model: at least one [`Problem`], printed one a line.
+#[derive(Debug)]
+pub struct LoadError {
+    problems: Vec<Problem>,
+}
+
+/// One thing that is wrong, and where.
+#[derive(Debug, thiserror::Error)]
+#[error("{file}{place}: {reason}")]
+pub struct Problem {
+    /// The file, as the user named it.
+    pub file: String,
+    /// Where in the file.
+    pub place: Place,
+    /// What is wrong and what to do about it.
+    #[source]
+    pub reason: Reason,
+}
+
+/// A place in a file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    #[default]
+    File,
+    /// A line, counted from 1.
+    Line(usize),
+    /// A line and a column, both counted from 1.
+    Position(usize, usize),
+    /// A path in the document such as `nodes[2].material`, or the name of an object.
+    Path(String),
+}
+
+/// What is wrong. Each message holds the offending value, the rule, and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Reason {
+    /// The operating system refuses.
+    #[error("cannot be read: {0}")]
+    Io(#[from] io::Error),
+    /// A folder, a pipe or a device.
+    #[error("is not a regular file")]
+    NotAFile,
+    /// A file without content.
+    #[error("is empty")]
+    Empty,
+    /// More than a limit allows.
+    #[error("{what} is {value}, the limit is {limit}")]
+    TooLarge {
+        /// What is too large, with its unit.
+        what: &'static str,
+        /// How large it is.
+        value: u64,
+        /// How large it may be.
+        limit: u64,
+    },
+    /// Bytes that are not text.
+    #[error("is not UTF-8 text: the byte at offset {0} is invalid")]
+    NotUtf8(usize),
+    /// The ending of the name tells no format that is known or built in.
+    #[error("has no known ending (known are {known}); rename it, or convert it with another program")]
+    UnknownFormat {
+        /// Endings that can be read.
+        known: &'static str,
+    },
+    /// A reference to a file elsewhere.
+    #[error("`{reference}` {rule}")]
+    BadReference {
+        /// The reference as written.
+        reference: String,
+        /// Why it is refused.
+        rule: String,
+    },
+    /// The text does not follow the format. The message comes from its parser.
+    #[error("{0}")]
+    Syntax(String),
+    /// A field or variant that does not exist.
+    #[error("unknown {kind} `{found}`{}", suggestion(found, known))]
+    UnknownWord {
+        /// "field", "material", ...
+        kind: &'static str,
+        /// The word as written.
+        found: String,
+        /// The words that exist.
+        known: Vec<String>,
+    },
+    /// Two things of the same name.
+    #[error("there are two {kind}s named `{name}`; rename one of them")]
+    Duplicate {
+        /// "material", "camera", ...
+        kind: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// A value that breaks a rule.
+    #[error("{value} {rule}")]
+    Invalid {
+        /// The value as written.
+        value: String,
+        /// The rule that it breaks.
+        rule: String,
+    },
+    /// Groups that contain each other.
+    #[error("groups contain each other: {}; remove one of the instances", .0.join(" -> "))]
+    Cycle(Vec<String>),
+    /// Something valid that this program does not do.
+    #[error("{0} is not supported")]
+    Unsupported(String),
+    /// A bad shape.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// A bad mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A bad transform.
+    #[error(transparent)]
+    Transform(#[from] TransformError),
+    /// A bad image.
+    #[error(transparent)]
+    Texture(#[from] TextureError),
+}
+
+impl Reason {
+    /// A value that breaks a rule; the message reads "value rule".
+    pub fn invalid(value: impl fmt::Display, rule: impl Into<String>) -> Self {
+        Self::Invalid { value: value.to_string(), rule: rule.into() }
+    }
+
+    /// This reason at a place in a file.
+    pub fn at(self, file: &Path, place: impl Into<Place>) -> LoadError {
+        let problem = Problem { file: file.display().to_string(), place: place.into(), reason: self };
+        LoadError { problems: vec![problem] }
+    }
+}
+
+impl LoadError {
+    /// All of the problems as one error; `None` if there is none.
+    pub fn from_problems(problems: Vec<Problem>) -> Option<Self> {
+        (!problems.is_empty()).then_some(Self { problems })
+    }
+
+    /// The problems, in the order in which they were met; at least one.
+    pub fn problems(&self) -> &[Problem] {
+        &self.problems
+    }
+
+    /// The problems, to add to others.
+    pub fn into_problems(self) -> Vec<Problem> {
+        self.problems
+    }
+}
+
+impl fmt::Display for LoadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, problem) in self.problems.iter().enumerate() {
+            let line_break = if i == 0 { "" } else { "\n" };
+            write!(f, "{line_break}{problem}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for LoadError {}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => Ok(()),
+            Self::Line(line) => write!(f, ":{line}"),
+            Self::Position(line, column) => write!(f, ":{line}:{column}"),
+            Self::Path(path) => write!(f, ": {path}"),
+        }
+    }
+}
+
+impl From<String> for Place {
+    fn from(path: String) -> Self {
+        if path.is_empty() { Self::File } else { Self::Path(path) }
+    }
+}
+
+impl From<&str> for Place {
+    fn from(path: &str) -> Self {
+        path.to_owned().into()
+    }
+}
+
+/// Longest list of known words that a message prints in full.
+const MAX_LISTED: usize = 24;
+
+/// "; did you mean ...?" with the nearest known word, and the list of all.
+fn suggestion(found: &str, known: &[String]) -> String {
+    if known.is_empty() {
+        return "; there are none".to_owned();
+    }
+    let mut listed = known.iter().take(MAX_LISTED).map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
+    if known.len() > MAX_LISTED {
+        listed.push_str(", ...");
+    }
+    let similarity = |word: &&String| strsim::jaro_winkler(found, word);
+    match known.iter().filter(|word| similarity(word) > 0.75).max_by(|a, b| similarity(a).total_cmp(&similarity(b))) {
+        Some(nearest) => format!("; did you mean `{nearest}`? Known are {listed}"),
+        None => format!("; known are {listed}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_problem_names_file_place_value_and_rule() {
+        let error = Reason::invalid(-1.0, "is not a positive radius").at(Path::new("a/b.ron"), "nodes[2].shape");
+        assert_eq!(error.to_string(), "a/b.ron: nodes[2].shape: -1 is not a positive radius");
+        let error = Reason::Syntax("expected `)`".to_owned()).at(Path::new("b.ron"), Place::Position(3, 7));
+        assert_eq!(error.to_string(), "b.ron:3:7: expected `)`");
+        assert_eq!(Reason::Empty.at(Path::new("b.ron"), "").to_string(), "b.ron: is empty");
+    }
+
+    #[test]
+    fn the_nearest_word_is_suggested() {
+        let known = || ["radius", "center"].map(str::to_owned).to_vec();
+        let unknown = |found: &str, known| Reason::UnknownWord { kind: "field", found: found.to_owned(), known };
+        assert_eq!(
+            unknown("raduis", known()).to_string(),
+            "unknown field `raduis`; did you mean `radius`? Known are `radius`, `center`"
+        );
+        assert_eq!(unknown("xyz", known()).to_string(), "unknown field `xyz`; known are `radius`, `center`");
+        assert_eq!(unknown("xyz", Vec::new()).to_string(), "unknown field `xyz`; there are none");
+    }
+}
