@@ -8,8 +8,8 @@ pub enum ShapeError {
     /// A coordinate is NaN, infinite, or beyond the range in which kernels keep their precision.
     #[error("coordinate {0} is not a finite number of magnitude at most 1e60")]
     BadCoordinate(f64),
-    /// The radius is not positive.
-    #[error("radius {0} must be positive")]
+    /// The radius is not positive, or so small that its square underflows.
+    #[error("radius {0} must be positive (at least 1e-60)")]
     BadRadius(f64),
     /// A box whose minimum exceeds its maximum.
     #[error("box minimum {min} exceeds maximum {max} on axis {axis}")]
@@ -34,7 +34,7 @@ const MAX_COORDINATE: f64 = 1e60;
 
 /// Checks that all components are usable coordinates.
 pub(crate) fn check_coordinates(points: impl IntoIterator<Item = DVec3>) -> Result<(), ShapeError> {
-    match points.into_iter().flat_map(|p| p.to_array()).find(|c| !(c.abs() <= MAX_COORDINATE)) {
+    match points.into_iter().flat_map(|p| p.to_array()).find(|c| !c.is_finite() || c.abs() > MAX_COORDINATE) {
         Some(bad) => Err(ShapeError::BadCoordinate(bad)),
         None => Ok(()),
     }

@@ -1,6 +1,7 @@
 //! The full geometry of a hit, computed once, for the winner.
 
-use rt_math::{DVec3, Ray, Transform, float::UNIT_ROUNDOFF};
+use rt_math::float::gamma;
+use rt_math::{DMat3, DVec3, Ray, Transform};
 
 /// What the consumer of a [`SurfaceInteraction`] will look at, so that the rest is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +22,8 @@ impl SurfaceNeeds {
 pub struct SurfaceInteraction {
     /// The hit point, re-projected on the surface.
     pub point: DVec3,
-    /// Bound on the absolute error of `point`, per axis.
+    /// How far rounding may have put `point` off the surface, and how far off it may look to the shape's own test, per
+    /// axis. Sliding along the surface does not count.
     pub point_error: DVec3,
     /// Where shadow rays start: `point`, or for interpolated normals the point lifted to the surface that these
     /// normals suggest, so that flat triangles do not shadow themselves in bands (Hanika 2021).
@@ -36,10 +38,16 @@ pub struct SurfaceInteraction {
 }
 
 impl SurfaceInteraction {
+    /// A surface that is shaded as it is.
+    pub(crate) const fn flat(point: DVec3, point_error: DVec3, normal: DVec3, uv: [f64; 2]) -> Self {
+        Self { point, point_error, shadow_point: point, geometric_normal: normal, shading_normal: normal, uv }
+    }
+
     /// The same surface seen from the target space of a transform. Normals are unit again; the error bound includes
-    /// the rounding of the map.
+    /// the rounding of the map, and of the way back that a spawned ray takes.
     pub fn transformed(&self, target_from_source: &Transform) -> Self {
-        let (point, point_error) = target_from_source.point_with_error(self.point, self.point_error);
+        let (point, error) = target_from_source.point_with_error(self.point, self.point_error);
+        let point_error = error + return_error(point, target_from_source);
         let shadow_point =
             if self.shadow_point == self.point { point } else { target_from_source.point(self.shadow_point) };
         let geometric_normal = target_from_source.normal(self.geometric_normal).normalize();
@@ -61,22 +69,51 @@ impl SurfaceInteraction {
 
     /// A shadow ray to `target`, which it reaches at `t = 1`.
     pub fn spawn_shadow_ray(&self, target: DVec3, time: f64) -> Ray {
-        let origin = self.offset(self.shadow_point, target - self.shadow_point);
+        let origin = self.offset(self.shadow_start(target - self.point), target - self.point);
         Ray { origin, direction: target - origin, time }
     }
 
     /// A shadow ray in `direction`, to a light infinitely far away.
     pub fn spawn_shadow_ray_towards(&self, direction: DVec3, time: f64) -> Ray {
-        Ray { origin: self.offset(self.shadow_point, direction), direction, time }
+        Ray { origin: self.offset(self.shadow_start(direction), direction), direction, time }
+    }
+
+    /// `shadow_point`, unless it is lifted to the other side of the surface than the one that `direction` leaves from.
+    fn shadow_start(&self, direction: DVec3) -> DVec3 {
+        let lift = (self.shadow_point - self.point).dot(self.geometric_normal);
+        if lift * direction.dot(self.geometric_normal) < 0.0 { self.point } else { self.shadow_point }
     }
 
     fn offset(&self, point: DVec3, direction: DVec3) -> DVec3 {
         let normal = self.geometric_normal;
-        let distance = normal.abs().dot(self.point_error);
-        let distance = if direction.dot(normal) < 0.0 { -distance } else { distance };
-        let moved = point + normal * distance;
-        // The addition rounds as well: one step further, away from the surface.
-        let step = (moved - point).signum() * moved.abs() * (2.0 * UNIT_ROUNDOFF);
-        moved + step
+        let outwards = if direction.dot(normal) < 0.0 { -normal } else { normal };
+        let moved = point + outwards * normal.abs().dot(self.point_error);
+        DVec3::new(
+            rounded_towards(moved.x, outwards.x),
+            rounded_towards(moved.y, outwards.y),
+            rounded_towards(moved.z, outwards.z),
+        )
     }
+}
+
+/// The next number in the direction of `side`; `x` itself where that is 0. Makes up for the rounding of a sum.
+fn rounded_towards(x: f64, side: f64) -> f64 {
+    if side > 0.0 {
+        x.next_up()
+    } else if side < 0.0 {
+        x.next_down()
+    } else {
+        x
+    }
+}
+
+/// The error that a point takes on when it is mapped back to the source, as a length in the target space.
+fn return_error(point: DVec3, target_from_source: &Transform) -> DVec3 {
+    let there = absolute(target_from_source.linear());
+    let back = absolute(target_from_source.inverse().linear());
+    there * (back * (point - target_from_source.translation()).abs()) * gamma(5)
+}
+
+fn absolute(m: DMat3) -> DMat3 {
+    DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
 }

@@ -1,19 +1,9 @@
 //! Triangle meshes.
 
-use rt_math::Vec3;
-
-/// The plain arrays of a mesh, as files hold them. Vertices stay `f32` in local space.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MeshData {
-    /// Vertex positions.
-    pub positions: Vec<Vec3>,
-    /// Vertex indices of each triangle; counter-clockwise seen from the front.
-    pub triangles: Vec<[u32; 3]>,
-    /// One normal for each position (any non-zero length), or empty for flat shading.
-    pub normals: Vec<Vec3>,
-    /// One texture coordinate for each position, `v` upwards, or empty.
-    pub uvs: Vec<[f32; 2]>,
-}
+use crate::area::{area_vector, unit_normal};
+use crate::triangle::{point_at, weights};
+use crate::{MeshData, ShearedRay, SurfaceInteraction, SurfaceNeeds};
+use rt_math::{Aabb, DVec3, Hit, Interval, LeafLayout, Primitives, Ray, Vec3};
 
 /// Why a mesh cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -52,17 +42,200 @@ pub struct MeshRepairs {
     pub not_finite: usize,
     /// Zero or non-finite normals, replaced by the normal of a triangle at that vertex.
     pub bad_normals: usize,
+    /// NaN or infinite texture coordinates, replaced by (0, 0).
+    pub bad_uvs: usize,
 }
 
-/// A validated triangle mesh: a set of [`Primitives`](rt_math::Primitives), one for each triangle.
+/// A validated triangle mesh: a set of [`Primitives`], one for each triangle.
+///
+/// Its normals have unit length, and all of its triangles have an area.
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
-    pub(crate) data: MeshData,
+    data: MeshData,
+    bounds: Aabb,
 }
 
 impl TriangleMesh {
-    /// The arrays of the mesh.
+    /// Validates the arrays and mends what can be mended. Triangles keep their order; the index of a primitive counts
+    /// those that were kept.
+    ///
+    /// # Errors
+    /// If an index or the length of an array is wrong, or there are too many.
+    pub fn build(mut data: MeshData) -> Result<(Self, MeshRepairs), MeshError> {
+        check_counts(&data)?;
+        let mut repairs = MeshRepairs::default();
+        drop_bad_triangles(&mut data, &mut repairs);
+        mend_normals(&mut data, &mut repairs);
+        for uv in data.uvs.iter_mut().filter(|uv| !(uv[0].is_finite() && uv[1].is_finite())) {
+            *uv = [0.0; 2];
+            repairs.bad_uvs += 1;
+        }
+        data.triangles.shrink_to_fit();
+        let mut mesh = Self { data, bounds: Aabb::EMPTY };
+        mesh.bounds = (0..mesh.data.triangles.len()).fold(Aabb::EMPTY, |sum, i| sum.union(mesh.triangle_bounds(i)));
+        Ok((mesh, repairs))
+    }
+
+    /// The arrays of the mesh, without what was dropped.
     pub const fn data(&self) -> &MeshData {
         &self.data
+    }
+
+    /// The smallest box around all triangles; empty without any.
+    pub const fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Size of the arrays in bytes.
+    pub fn memory(&self) -> usize {
+        let MeshData { positions, triangles, normals, uvs } = &self.data;
+        size_of_val(positions.as_slice())
+            + size_of_val(triangles.as_slice())
+            + size_of_val(normals.as_slice())
+            + size_of_val(uvs.as_slice())
+    }
+
+    /// As [`Primitives::intersect`], for a ray that was prepared once for many triangles.
+    #[inline]
+    pub fn intersect_sheared(&self, index: u32, ray: &ShearedRay, span: Interval) -> Option<Hit> {
+        let triangle = *self.data.triangles.get(index as usize)?;
+        let hit = ray.intersect(self.corners(triangle), span)?;
+        Some(Hit { t: hit.t, instance: 0, primitive: index, uv: hit.uv })
+    }
+
+    /// The surface at a hit of this mesh with this ray.
+    ///
+    /// # Panics
+    /// If the hit is on a primitive that this mesh does not have.
+    pub fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> SurfaceInteraction {
+        let triangle = self.data.triangles[hit.primitive as usize];
+        let corners = self.corners(triangle);
+        let weights = weights(hit.uv);
+        let (point, point_error) = point_at(corners, weights);
+        let uv = if needs.uv { self.uv(triangle, weights) } else { [0.0; 2] };
+        let flat = SurfaceInteraction::flat(point, point_error, unit_normal(corners), uv);
+        if needs.shading_normal && !self.data.normals.is_empty() {
+            self.smoothed(flat, triangle, corners, weights, ray.direction)
+        } else {
+            flat
+        }
+    }
+
+    /// Adds the interpolated normal and the point that it suggests: the mean of the projections of the hit point on
+    /// the tangent planes of the vertices, as far as they lie on the side that the ray came from (Hanika, "Hacking the
+    /// Shadow Terminator", Ray Tracing Gems II, 2021).
+    fn smoothed(
+        &self,
+        flat: SurfaceInteraction,
+        triangle: [u32; 3],
+        corners: [DVec3; 3],
+        weights: [f64; 3],
+        direction: DVec3,
+    ) -> SurfaceInteraction {
+        let normals = triangle.map(|i| self.data.normals[i as usize].as_dvec3());
+        let sum = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
+        let Some(normal) = sum.try_normalize() else { return flat };
+        // Vertex normals of a file may point to the back.
+        let front = if normal.dot(flat.geometric_normal) < 0.0 { -1.0 } else { 1.0 };
+        let viewer = if direction.dot(flat.geometric_normal) > 0.0 { -front } else { front };
+        let lift = |i: usize| {
+            let normal = normals[i] * viewer;
+            normal * (weights[i] * (corners[i] - flat.point).dot(normal).max(0.0))
+        };
+        SurfaceInteraction {
+            shading_normal: normal * front,
+            shadow_point: flat.point + (lift(0) + lift(1) + lift(2)),
+            ..flat
+        }
+    }
+
+    /// (0, 0) if the mesh has no texture coordinates.
+    fn uv(&self, triangle: [u32; 3], weights: [f64; 3]) -> [f64; 2] {
+        if self.data.uvs.is_empty() {
+            return [0.0; 2];
+        }
+        let corners = triangle.map(|i| self.data.uvs[i as usize].map(f64::from));
+        [0, 1].map(|k| corners[0][k] * weights[0] + corners[1][k] * weights[1] + corners[2][k] * weights[2])
+    }
+
+    #[inline]
+    fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {
+        triangle.map(|i| self.data.positions[i as usize].as_dvec3())
+    }
+
+    fn triangle_bounds(&self, index: usize) -> Aabb {
+        Aabb::from_points(self.corners(self.data.triangles[index]))
+    }
+}
+
+impl Primitives for TriangleMesh {
+    fn len(&self) -> usize {
+        self.data.triangles.len()
+    }
+
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        ((index as usize) < self.len()).then(|| self.triangle_bounds(index as usize))
+    }
+
+    #[inline]
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.intersect_sheared(index, &ShearedRay::new(ray), span)
+    }
+
+    fn leaf_layout(&self, index: u32) -> LeafLayout {
+        let triangle = self.data.triangles.get(index as usize);
+        triangle.map_or(LeafLayout::Opaque, |triangle| LeafLayout::Triangle(self.corners(*triangle)))
+    }
+}
+
+fn check_counts(data: &MeshData) -> Result<(), MeshError> {
+    let count = data.positions.len();
+    if u32::try_from(count.max(data.triangles.len())).is_err() {
+        return Err(MeshError::TooLarge);
+    }
+    for (what, length) in [("normals", data.normals.len()), ("texture coordinates", data.uvs.len())] {
+        if length != 0 && length != count {
+            return Err(MeshError::CountMismatch { what, count: length, positions: count });
+        }
+    }
+    for (triangle, corners) in data.triangles.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= count) {
+            return Err(MeshError::BadIndex { triangle, vertex, count });
+        }
+    }
+    Ok(())
+}
+
+fn drop_bad_triangles(data: &mut MeshData, repairs: &mut MeshRepairs) {
+    let positions = &data.positions;
+    data.triangles.retain(|triangle| {
+        let corners = triangle.map(|i| positions[i as usize]);
+        if corners.iter().any(|corner| !corner.is_finite()) {
+            repairs.not_finite += 1;
+            return false;
+        }
+        let degenerate = area_vector(corners.map(|corner| corner.as_dvec3())) == DVec3::ZERO;
+        repairs.degenerate += usize::from(degenerate);
+        !degenerate
+    });
+}
+
+/// Normals that no triangle uses are left alone.
+fn mend_normals(data: &mut MeshData, repairs: &mut MeshRepairs) {
+    if data.normals.is_empty() {
+        return;
+    }
+    for normal in &mut data.normals {
+        *normal = normal.as_dvec3().normalize_or_zero().as_vec3();
+    }
+    for &triangle in &data.triangles {
+        for vertex in triangle {
+            let normal = &mut data.normals[vertex as usize];
+            if *normal == Vec3::ZERO {
+                let corners = triangle.map(|i| data.positions[i as usize].as_dvec3());
+                *normal = unit_normal(corners).as_vec3();
+                repairs.bad_normals += 1;
+            }
+        }
     }
 }

@@ -1,0 +1,50 @@
+//! Sets of spheres.
+
+use crate::{ShapeHit, Sphere, SurfaceInteraction, SurfaceNeeds};
+use rt_math::{Aabb, Hit, Interval, LeafLayout, Primitives, Ray};
+
+/// Many spheres in one space, for scenes that hold nothing else.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spheres(Vec<Sphere>);
+
+impl Spheres {
+    /// The set of these spheres; the index of a primitive is its place in the list.
+    pub const fn new(spheres: Vec<Sphere>) -> Self {
+        Self(spheres)
+    }
+
+    /// The spheres in order.
+    pub fn as_slice(&self) -> &[Sphere] {
+        &self.0
+    }
+
+    /// The surface at a hit of this set with this ray.
+    ///
+    /// # Panics
+    /// If the hit is on a primitive that this set does not have.
+    pub fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> SurfaceInteraction {
+        self.0[hit.primitive as usize].surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, needs)
+    }
+}
+
+impl Primitives for Spheres {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        self.0.get(index as usize).map(Sphere::bounds)
+    }
+
+    #[inline]
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        let ShapeHit { t, uv } = self.0.get(index as usize)?.intersect(ray, span)?;
+        Some(Hit { t, instance: 0, primitive: index, uv })
+    }
+
+    fn leaf_layout(&self, index: u32) -> LeafLayout {
+        self.0
+            .get(index as usize)
+            .map_or(LeafLayout::Opaque, |sphere| LeafLayout::Sphere(sphere.centre(), sphere.radius()))
+    }
+}
