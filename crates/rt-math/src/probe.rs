@@ -115,6 +115,17 @@ impl Counters {
     }
 }
 
+impl From<RayCounts> for Counters {
+    /// The rays are known, all else is 0.
+    fn from(counts: RayCounts) -> Self {
+        let mut counters = Self::default();
+        for (tally, rays) in counters.by_kind.iter_mut().zip(counts.rays) {
+            tally.rays = rays;
+        }
+        counters
+    }
+}
+
 impl AddAssign for Counters {
     fn add_assign(&mut self, other: Self) {
         for (mine, theirs) in self.by_kind.iter_mut().zip(other.by_kind) {

@@ -36,6 +36,22 @@ pub enum Integrator {
     Cost,
 }
 
+impl Integrator {
+    /// All integrators.
+    pub const ALL: [Self; 5] = [Self::Whitted, Self::Normals, Self::Depth, Self::Uv, Self::Cost];
+
+    /// The name in files and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Whitted => "whitted",
+            Self::Normals => "normals",
+            Self::Depth => "depth",
+            Self::Uv => "uv",
+            Self::Cost => "cost",
+        }
+    }
+}
+
 /// Which acceleration structure to use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Accel {
@@ -47,6 +63,21 @@ pub enum Accel {
     Grid,
     /// Binary bounding volume hierarchy.
     Bvh,
+}
+
+impl Accel {
+    /// All choices.
+    pub const ALL: [Self; 4] = [Self::Auto, Self::Linear, Self::Grid, Self::Bvh];
+
+    /// The name in files and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Linear => "linear",
+            Self::Grid => "grid",
+            Self::Bvh => "bvh",
+        }
+    }
 }
 
 /// How to render, as far as the scene has an opinion.
@@ -137,6 +168,20 @@ pub struct Node {
     pub children: Vec<Node>,
 }
 
+impl Node {
+    /// A node with this content, where its parent is.
+    pub const fn new(content: Content, material: MaterialId) -> Self {
+        Self {
+            name: String::new(),
+            parent_from_local: Transform::IDENTITY,
+            content: Some(content),
+            material,
+            casts_shadow: true,
+            children: Vec::new(),
+        }
+    }
+}
+
 /// Something that was mended, and where.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
@@ -180,4 +225,23 @@ pub struct Scene {
     pub warnings: Vec<Warning>,
     /// What was chosen because the file leaves it open: camera, lights, exposure. One sentence each.
     pub notes: Vec<String>,
+}
+
+impl Scene {
+    /// A scene with nothing in it, not even a camera.
+    pub fn empty(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            cameras: Vec::new(),
+            film: FilmSettings::default(),
+            settings: Settings::default(),
+            appearance: Appearance::default(),
+            meshes: Vec::new(),
+            groups: Vec::new(),
+            nodes: Vec::new(),
+            truth: None,
+            warnings: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
 }

@@ -41,3 +41,16 @@ pub struct Appearance {
     /// What rays see that hit nothing.
     pub background: Background,
 }
+
+impl Default for Appearance {
+    /// Nothing at all, before a black background.
+    fn default() -> Self {
+        Self {
+            materials: Vec::new(),
+            textures: Vec::new(),
+            lights: Vec::new(),
+            ambient: Rgb::BLACK,
+            background: Background::Constant(Rgb::BLACK),
+        }
+    }
+}
