@@ -1,13 +1,68 @@
 //! # rt-shading: chapter 4, light and material
+//!
+//! ```text
+//!              light                          radiance towards the viewer (Whitted 1980):
+//!               \    normal
+//!             wi \    |    / wo               emission + ambient · Ia
+//!                 \ θ |   /                 + Σ lights  visible · I · (diffuse · cos θ + specular · cosⁿ α)
+//!   mirrored ______\  |  /______            + mirror · L(mirrored ray)
+//!                     |   \                 + transmission · L(refracted ray)
+//!                     |    \ refracted
+//! ```
+//!
+//! **Owns** lights without extent ([`Light`]), the classical surface ([`Phong`]), textures, the laws of reflection and
+//! refraction ([`optics`]), and the integrators that follow camera paths ([`Whitted`], [`FirstHitView`]).
+//! **Does not own** shapes (rt-geometry), or how a ray finds one: an integrator asks a [`Tracer`].
+//!
+//! ```
+//! use rt_geometry::{Shape, Sphere, SurfaceInteraction, SurfaceNeeds};
+//! use rt_math::{DVec3, Interval, Ray, RayKind, Rgb};
+//! use rt_shading::{Appearance, Background, Falloff, Light, LightKind, Material, Needs, Phong, SurfaceHit, Tracer, Whitted};
+//!
+//! // A world of one sphere, lit from the camera.
+//! struct OneSphere(Shape);
+//! impl Tracer for OneSphere {
+//!     fn closest(&mut self, ray: &Ray, _: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+//!         let hit = self.0.intersect(ray, Interval::FORWARD)?;
+//!         Some(SurfaceHit { t: hit.t, interaction: self.0.surface(ray, &hit, needs), material: 0 })
+//!     }
+//!     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
+//!         self.0.intersect(ray, span).is_some()
+//!     }
+//! }
+//!
+//! let light = LightKind::Point { position: DVec3::ZERO, falloff: Falloff::None, lamp_radius: 0.0 };
+//! let appearance = Appearance {
+//!     materials: vec![Material { name: "grey".into(), phong: Phong::default() }],
+//!     textures: vec![],
+//!     lights: vec![Light { name: "lamp".into(), kind: light, intensity: Rgb::WHITE, casts_shadows: true }],
+//!     ambient: Rgb::BLACK,
+//!     background: Background::Constant(Rgb::BLACK),
+//! };
+//! let mut world = OneSphere(Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.0, -5.0), 1.0)?));
+//! let mut whitted = Whitted::new(5, 0.0, Needs::of(&appearance, |_| true));
+//! let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
+//! assert!((seen.radiance.r - 0.7).abs() < 1e-12);
+//! # Ok::<(), rt_geometry::ShapeError>(())
+//! ```
 
 #![forbid(unsafe_code)]
 
 mod appearance;
+mod first_hit;
 mod light;
 mod material;
+mod needs;
+pub mod optics;
 mod texture;
+mod tracer;
+mod whitted;
 
 pub use appearance::{Appearance, Background};
-pub use light::{Falloff, Light, LightKind};
+pub use first_hit::FirstHitView;
+pub use light::{Falloff, Illumination, Light, LightKind};
 pub use material::{Coefficient, Highlight, Material, Phong, Transmission};
+pub use needs::Needs;
 pub use texture::{Bitmap, Texture, TextureId, Wrap};
+pub use tracer::{Seen, SurfaceHit, Tracer};
+pub use whitted::{ShadingCounts, Whitted};

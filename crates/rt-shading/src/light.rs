@@ -1,6 +1,7 @@
 //! Lights without extent.
 
-use rt_math::{DVec3, Rgb};
+use rt_geometry::SurfaceInteraction;
+use rt_math::{DVec3, Interval, Ray, Rgb};
 
 /// How light weakens with the distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,4 +55,121 @@ pub struct Light {
     pub intensity: Rgb,
     /// Whether objects cast shadows in this light.
     pub casts_shadows: bool,
+}
+
+/// What a light does at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Illumination {
+    /// Unit vector towards the light.
+    pub direction: DVec3,
+    /// Strength of the light here, before shadows and the cosine.
+    pub strength: Rgb,
+    /// Distance to the light; infinite for directional light.
+    pub distance: f64,
+}
+
+impl Light {
+    /// The unshadowed light at `point` (world space). `None` where the light does not reach: outside the cone of a
+    /// spot, or at the very place of the light.
+    pub fn illuminate(&self, point: DVec3) -> Option<Illumination> {
+        let (position, falloff) = match self.kind {
+            LightKind::Directional { direction } => {
+                let distance = f64::INFINITY;
+                return Some(Illumination { direction: -direction, strength: self.intensity, distance });
+            }
+            LightKind::Point { position, falloff, .. } | LightKind::Spot { position, falloff, .. } => {
+                (position, falloff)
+            }
+        };
+        let distance = (position - point).length();
+        let direction = (position - point) / distance;
+        if !direction.is_finite() {
+            return None;
+        }
+        let beam = self.beam(-direction);
+        let weakened = match falloff {
+            Falloff::None => beam,
+            Falloff::InverseSquare => beam / (distance * distance),
+        };
+        (beam > 0.0).then(|| Illumination { direction, strength: self.intensity * weakened, distance })
+    }
+
+    /// Strength, 0 to 1, of the light that leaves along `away` (unit).
+    fn beam(&self, away: DVec3) -> f64 {
+        match self.kind {
+            LightKind::Spot { direction, cos_inner, cos_outer, .. } => {
+                // The squared ramp of KHR_lights_punctual.
+                let ramp = ((away.dot(direction) - cos_outer) / (cos_inner - cos_outer)).clamp(0.0, 1.0);
+                ramp * ramp
+            }
+            _ => 1.0,
+        }
+    }
+
+    /// The ray to ask for blockers between a surface and this light, and the part of it that counts.
+    pub fn shadow_ray(&self, surface: &SurfaceInteraction, light: &Illumination, time: f64) -> (Ray, Interval) {
+        match self.kind {
+            LightKind::Directional { .. } => {
+                (surface.spawn_shadow_ray_towards(light.direction, time), Interval::FORWARD)
+            }
+            LightKind::Point { position, lamp_radius, .. } => {
+                let free = 1.0 - lamp_radius / light.distance;
+                (surface.spawn_shadow_ray(position, time), Interval::new(0.0, free))
+            }
+            LightKind::Spot { position, .. } => (surface.spawn_shadow_ray(position, time), Interval::SEGMENT),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn light(kind: LightKind) -> Light {
+        Light { name: String::new(), kind, intensity: Rgb::gray(8.0), casts_shadows: true }
+    }
+
+    #[test]
+    fn falloff_is_as_asked() {
+        let at = DVec3::new(0.0, 2.0, 0.0);
+        let none = light(LightKind::Point { position: at, falloff: Falloff::None, lamp_radius: 0.0 });
+        let square = light(LightKind::Point { position: at, falloff: Falloff::InverseSquare, lamp_radius: 0.0 });
+        assert_eq!(none.illuminate(DVec3::ZERO).expect("lit").strength, Rgb::gray(8.0));
+        let lit = square.illuminate(DVec3::ZERO).expect("lit");
+        assert_eq!((lit.strength, lit.direction, lit.distance), (Rgb::gray(2.0), DVec3::Y, 2.0));
+        assert_eq!(square.illuminate(at), None, "a point at the light itself");
+    }
+
+    #[test]
+    fn a_spot_has_a_core_a_ramp_and_an_edge() {
+        let spot = light(LightKind::Spot {
+            position: DVec3::Y,
+            direction: DVec3::NEG_Y,
+            cos_inner: 0.9,
+            cos_outer: 0.7,
+            falloff: Falloff::None,
+        });
+        // A point below the spot whose direction has cosine c with the axis.
+        let below = |c: f64| DVec3::new((1.0 - c * c).sqrt() / c, 0.0, 0.0);
+        assert_eq!(spot.illuminate(below(0.95)).expect("core").strength, Rgb::gray(8.0));
+        let ramp = spot.illuminate(below(0.8)).expect("ramp").strength.r;
+        assert!((ramp - 8.0 * 0.25).abs() < 1e-12, "{ramp}");
+        assert_eq!(spot.illuminate(below(0.69)), None);
+    }
+
+    #[test]
+    fn the_lamp_around_a_light_does_not_shadow_it() {
+        let kind = LightKind::Point { position: DVec3::Y * 4.0, falloff: Falloff::None, lamp_radius: 1.0 };
+        let surface = SurfaceInteraction {
+            point: DVec3::ZERO,
+            point_error: DVec3::ZERO,
+            shadow_point: DVec3::ZERO,
+            geometric_normal: DVec3::Y,
+            shading_normal: DVec3::Y,
+            uv: [0.0; 2],
+        };
+        let light = light(kind);
+        let (ray, span) = light.shadow_ray(&surface, &light.illuminate(DVec3::ZERO).expect("lit"), 0.0);
+        assert!((ray.at(span.max).y - 3.0).abs() < 1e-12);
+    }
 }

@@ -1,7 +1,7 @@
 //! Surface properties.
 
-use crate::TextureId;
-use rt_math::Rgb;
+use crate::{Texture, TextureId};
+use rt_math::{DVec3, Rgb, transcendental};
 
 /// A coefficient that may vary over the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +20,16 @@ impl Coefficient {
     pub fn is_zero(&self) -> bool {
         matches!(self, Self::Constant(rgb) | Self::Textured(_, rgb) if rgb.is_black())
     }
+
+    /// The value at texture coordinates `uv`. A texture that is not in the list is black.
+    pub fn at(&self, textures: &[Texture], uv: [f64; 2]) -> Rgb {
+        match self {
+            Self::Constant(rgb) => *rgb,
+            Self::Textured(TextureId(id), rgb) => {
+                textures.get(*id as usize).map_or(Rgb::BLACK, |texture| texture.at(uv)) * *rgb
+            }
+        }
+    }
 }
 
 /// The shape of the highlight.
@@ -29,6 +39,37 @@ pub enum Highlight {
     Phong,
     /// cosⁿ of the angle between the normal and the half vector (Blinn 1977).
     Blinn,
+}
+
+impl Highlight {
+    /// Strength of the highlight, 0 to 1, for unit vectors: the `normal` on the viewer's side, `wo` to the viewer,
+    /// `wi` to the light.
+    pub fn strength(self, normal: DVec3, wo: DVec3, wi: DVec3, exponent: f64) -> f64 {
+        let cosine = match self {
+            Self::Phong => (normal * (2.0 * normal.dot(wi)) - wi).dot(wo),
+            Self::Blinn => normal.dot((wi + wo).normalize_or_zero()),
+        };
+        if cosine > 0.0 { power(cosine, exponent) } else { 0.0 }
+    }
+}
+
+/// `base` to the power of `exponent >= 0`; by repeated squaring for whole exponents, which is several times faster
+/// than the general function.
+fn power(base: f64, exponent: f64) -> f64 {
+    const WHOLE: f64 = 1024.0;
+    if !(exponent <= WHOLE && exponent.fract() == 0.0) {
+        return transcendental::pow(base, exponent);
+    }
+    let mut remaining = exponent as u32;
+    let (mut square, mut product) = (base, 1.0);
+    while remaining > 0 {
+        if remaining & 1 == 1 {
+            product *= square;
+        }
+        square *= square;
+        remaining >>= 1;
+    }
+    product
 }
 
 /// Light through the surface.
@@ -92,4 +133,34 @@ pub struct Material {
     pub name: String,
     /// The surface.
     pub phong: Phong,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_powers_agree_with_the_general_function() {
+        for exponent in 0..200u32 {
+            for base in [0.0, 0.1, 0.5, 0.999, 1.0] {
+                let expected = transcendental::pow(base, f64::from(exponent));
+                let computed = power(base, f64::from(exponent));
+                assert!((computed - expected).abs() <= 1e-13 * expected, "{base}^{exponent}");
+            }
+        }
+        assert_eq!(power(0.25, 0.5), 0.5);
+    }
+
+    #[test]
+    fn highlights_peak_at_the_mirrored_direction() {
+        let wo = DVec3::new(0.6, 0.8, 0.0);
+        let mirrored = DVec3::new(-0.6, 0.8, 0.0);
+        for highlight in [Highlight::Phong, Highlight::Blinn] {
+            assert!((highlight.strength(DVec3::Y, wo, mirrored, 40.0) - 1.0).abs() < 1e-13);
+            assert!(highlight.strength(DVec3::Y, wo, DVec3::Y, 40.0) < 0.2);
+        }
+        assert_eq!(Highlight::Phong.strength(DVec3::Y, wo, wo, 0.0), 1.0, "exponent 0 is flat");
+        let grazing = Highlight::Phong.strength(DVec3::Y, DVec3::X, DVec3::X, 4.0);
+        assert_eq!(grazing, 0.0, "facing away");
+    }
 }

@@ -1,0 +1,75 @@
+//! What the materials and lights of a scene make necessary.
+
+use crate::{Appearance, Coefficient, Phong};
+use rt_geometry::SurfaceNeeds;
+use rt_math::Rgb;
+
+/// The parts of shading that a scene uses. What is `false` is not computed; the picture is the same to the bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Needs {
+    /// Some light casts shadows.
+    pub shadows: bool,
+    /// There is ambient light and a surface that reflects it.
+    pub ambient: bool,
+    /// Some surface shines by itself.
+    pub emission: bool,
+    /// Some surface has a highlight.
+    pub highlights: bool,
+    /// Some surface mirrors.
+    pub reflection: bool,
+    /// Some surface lets light through.
+    pub refraction: bool,
+    /// Some transparent surface shares its light by Fresnel's equations.
+    pub fresnel: bool,
+    /// Some transparent body absorbs.
+    pub absorption: bool,
+    /// Some coefficient is textured, so texture coordinates are needed.
+    pub textures: bool,
+    /// Some surface has interpolated normals.
+    pub shading_normals: bool,
+}
+
+impl Needs {
+    /// Everything, needed or not.
+    pub const ALL: Self = Self {
+        shadows: true,
+        ambient: true,
+        emission: true,
+        highlights: true,
+        reflection: true,
+        refraction: true,
+        fresnel: true,
+        absorption: true,
+        textures: true,
+        shading_normals: true,
+    };
+
+    /// What this appearance needs if the materials whose index is `used` are really there. Interpolated normals are a
+    /// matter of the geometry and assumed needed.
+    pub fn of(appearance: &Appearance, used: impl Fn(usize) -> bool) -> Self {
+        let materials = || appearance.materials.iter().enumerate().filter(|(index, _)| used(*index));
+        let any = |test: &dyn Fn(&Phong) -> bool| materials().any(|(_, material)| test(&material.phong));
+        let lit = !appearance.lights.is_empty();
+        let textured = |c: &Coefficient| matches!(c, Coefficient::Textured(..));
+        Self {
+            shadows: appearance.lights.iter().any(|light| light.casts_shadows),
+            ambient: !appearance.ambient.is_black() && any(&|p| !p.ambient.is_zero()),
+            emission: any(&|p| !p.emission.is_zero()),
+            highlights: lit && any(&|p| !p.specular.is_zero()),
+            reflection: any(&|p| !p.mirror.is_zero()),
+            refraction: any(&|p| p.transmission.is_some()),
+            fresnel: any(&|p| p.transmission.is_some_and(|t| t.fresnel)),
+            absorption: any(&|p| p.transmission.is_some_and(|t| t.absorption != Rgb::BLACK)),
+            textures: any(&|p| {
+                [&p.ambient, &p.diffuse, &p.specular, &p.emission, &p.mirror].into_iter().any(textured)
+                    || p.transmission.is_some_and(|t| textured(&t.coefficient))
+            }),
+            shading_normals: true,
+        }
+    }
+
+    /// What is needed of a surface.
+    pub const fn surface(&self) -> SurfaceNeeds {
+        SurfaceNeeds { uv: self.textures, shading_normal: self.shading_normals }
+    }
+}

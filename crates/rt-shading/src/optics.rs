@@ -1,0 +1,128 @@
+//! The laws of reflection and refraction.
+
+use rt_math::{DVec3, float::cross};
+
+/// Mirrors `direction` at a surface with unit `normal`; keeps its length.
+pub fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
+    direction - normal * (2.0 * direction.dot(normal))
+}
+
+/// Refracts the unit vector `direction` at a surface whose unit `normal` points against it; `eta` is the index of
+/// refraction on the side of the normal divided by that behind it. Unit result; `None` on total internal reflection.
+///
+/// Snell's law. The sine comes from the cross product: near the normal, `√(1 − cos²)` would lose half its digits.
+pub fn refract(direction: DVec3, normal: DVec3, eta: f64) -> Option<DVec3> {
+    let cos_i = -direction.dot(normal);
+    let sin_t = eta * cross(direction, normal).length();
+    let cos2_t = (1.0 - sin_t) * (1.0 + sin_t);
+    if cos2_t < 0.0 {
+        return None;
+    }
+    Some((direction * eta + normal * (eta * cos_i - cos2_t.sqrt())).normalize())
+}
+
+/// Part of unpolarised light that a smooth dielectric reflects (Fresnel 1823): `cos_i` is the cosine of the angle of
+/// incidence, in [0, 1], `eta` as in [`refract`]. 1 on total internal reflection.
+pub fn fresnel(cos_i: f64, eta: f64) -> f64 {
+    let cos_i = cos_i.clamp(0.0, 1.0);
+    let sin_t = eta * ((1.0 - cos_i) * (1.0 + cos_i)).sqrt();
+    let cos2_t = (1.0 - sin_t) * (1.0 + sin_t);
+    if cos2_t <= 0.0 {
+        return 1.0;
+    }
+    let cos_t = cos2_t.sqrt();
+    let perpendicular = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    let parallel = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+    0.5 * (perpendicular * perpendicular + parallel * parallel)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use rt_math::transcendental::{asin, atan, cos, sin};
+
+    const GLASS: f64 = 1.5;
+
+    fn incident(angle: f64) -> DVec3 {
+        DVec3::new(sin(angle), -cos(angle), 0.0)
+    }
+
+    #[test]
+    fn fresnel_reference_values() {
+        for (degrees, expected) in [
+            (0.0f64, 0.04),
+            (45.0, 0.050_239_911_0),
+            (60.0, 0.089_186_712_8),
+            (89.0, 0.904_184_949_8),
+            (89.99, 0.998_985_895_2),
+        ] {
+            let computed = fresnel(cos(degrees.to_radians()), 1.0 / GLASS);
+            assert!((computed - expected).abs() < 1e-10, "{degrees}°: {computed}");
+        }
+        for eta in [1e3, 1e-3] {
+            assert!((fresnel(1.0, eta) - 0.996_007_988_0).abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn parallel_light_passes_whole_at_brewsters_angle() {
+        let angle = atan(GLASS);
+        let (c, s) = (cos(angle), sin(angle));
+        let cos_t = (1.0 - (s / GLASS) * (s / GLASS)).sqrt();
+        let parallel = (c - cos_t / GLASS) / (c + cos_t / GLASS);
+        assert!(parallel * parallel < 1e-30);
+    }
+
+    #[test]
+    fn the_critical_angle_is_continuous() {
+        let critical = asin(1.0 / GLASS);
+        for delta in [-1e-12, 0.0, 1e-12] {
+            let reflected = fresnel(cos(critical + delta), GLASS);
+            assert!((0.0..2e-5).contains(&(1.0 - reflected)), "{reflected}");
+            if let Some(direction) = refract(incident(critical + delta), DVec3::Y, GLASS) {
+                assert!(direction.is_finite());
+            }
+        }
+        assert_eq!(refract(incident(critical + 1e-6), DVec3::Y, GLASS), None);
+    }
+
+    #[test]
+    fn a_slab_shifts_light_sideways() {
+        // 45° through a plate of thickness 1: shift = sin(θi − θt) / cos θt.
+        let inside = refract(incident(45f64.to_radians()), DVec3::Y, 1.0 / GLASS).expect("enters");
+        let across = inside / -inside.y;
+        let outside = refract(inside, DVec3::Y, GLASS).expect("leaves");
+        let shift = cross(across, outside).length();
+        assert!((shift - 0.329_142_308_2).abs() < 1e-10, "{shift}");
+    }
+
+    proptest! {
+        #[test]
+        fn refraction_obeys_snell(angle in 0.0..1.57f64, eta in 0.2..5.0f64) {
+            if let Some(t) = refract(incident(angle), DVec3::Y, eta) {
+                prop_assert!((t.x - eta * sin(angle)).abs() < 1e-12);
+                prop_assert!(t.y <= 0.0 && (t.length() - 1.0).abs() < 1e-14);
+            } else {
+                prop_assert!(eta * sin(angle) > 1.0 - 1e-12);
+            }
+        }
+
+        #[test]
+        fn reflection_twice_is_nothing(x in -1.0..1.0f64, y in -1.0..1.0f64, z in -1.0..1.0f64) {
+            let d = DVec3::new(x, y, z);
+            let n = DVec3::new(1.0, 2.0, -2.0) / 3.0;
+            prop_assert!((reflect(reflect(d, n), n) - d).length() < 1e-14);
+        }
+
+        #[test]
+        fn fresnel_is_the_same_in_both_directions(angle in 0.0..1.5f64, eta in 0.3..3.0f64) {
+            let t = refract(incident(angle), DVec3::Y, eta);
+            prop_assume!(t.is_some());
+            let cos_t = -t.expect("assumed").y;
+            let there = fresnel(cos(angle), eta);
+            let back = fresnel(cos_t, 1.0 / eta);
+            prop_assert!((there - back).abs() < 1e-9, "{there} {back}");
+        }
+    }
+}
