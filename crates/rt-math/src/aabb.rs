@@ -3,9 +3,9 @@
 use crate::{Interval, Ray, float::gamma};
 use glam::DVec3;
 
-/// How much further than computed the far side of a box may be: covers the rounding of the slab test itself
-/// (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013).
-const FAR_FACTOR: f64 = 1.0 + 2.0 * gamma(3);
+/// The slab test multiplies the far side of a box by this, which covers its own rounding (Ize, "Robust BVH Ray
+/// Traversal", JCGT 2(2), 2013). Structures whose boxes stand for own boxes must do the same, or more.
+pub const FAR_FACTOR: f64 = 1.0 + 2.0 * gamma(3);
 
 /// Own boxes are widened by this part of their greatest coordinate, so that the box never removes a hit that the
 /// kernel found a rounding error outside it.

@@ -47,7 +47,7 @@ mod sampler;
 pub mod transcendental;
 mod transform;
 
-pub use aabb::{Aabb, SlabRay};
+pub use aabb::{Aabb, FAR_FACTOR, SlabRay};
 pub use accelerator::Accelerator;
 pub use decide::{decide, decide_occluded, own_box};
 pub use frame::Frame;

@@ -1,0 +1,131 @@
+//! Grows a tree from the root down, on one thread or on several, with the same result.
+
+use super::node::{Child, Node, NodeBox};
+use super::split::{Item, Split, split, union};
+
+/// A tree, or the part of one that is below a node; nodes are in depth-first order and numbered from 0.
+#[derive(Debug, PartialEq)]
+pub(super) struct Subtree {
+    pub(super) nodes: Vec<Node>,
+    pub(super) root: Child,
+    pub(super) leaves: usize,
+    /// Of the deepest leaf, from the root of the whole tree.
+    pub(super) max_depth: u32,
+}
+
+/// A set of items that will become a leaf or a node.
+struct Task<'a> {
+    items: &'a mut [Item],
+    /// Position of the first item in the whole list.
+    first: u32,
+    bounds: NodeBox,
+    depth: u32,
+}
+
+impl<'a> Task<'a> {
+    /// The two tasks that a split leaves, and their boxes.
+    fn divide(self, Split { middle, bounds }: Split) -> [Self; 2] {
+        let (left, right) = self.items.split_at_mut(middle);
+        let depth = self.depth + 1;
+        [
+            Task { items: left, first: self.first, bounds: bounds[0], depth },
+            Task { items: right, first: self.first + middle as u32, bounds: bounds[1], depth },
+        ]
+    }
+
+    fn leaf(&self) -> Child {
+        Child::leaf(self.first, self.items.len() as u32)
+    }
+}
+
+/// Grows the tree over `items`, which must not be empty, and reorders them so that each leaf is a run.
+pub(super) fn build(items: &mut [Item]) -> Subtree {
+    let task = Task { bounds: union(items), items, first: 0, depth: 0 };
+    #[cfg(feature = "parallel")]
+    return parallel::grow(task);
+    #[cfg(not(feature = "parallel"))]
+    grow(task)
+}
+
+/// What a node or leaf, once made, is attached to.
+#[derive(Clone, Copy)]
+enum Parent {
+    None,
+    Node { number: usize, side: usize },
+}
+
+fn grow(task: Task<'_>) -> Subtree {
+    let mut subtree = Subtree { nodes: Vec::new(), root: task.leaf(), leaves: 0, max_depth: 0 };
+    let mut pending = vec![(task, Parent::None)];
+    while let Some((task, parent)) = pending.pop() {
+        let child = match split(task.items, &task.bounds, task.depth) {
+            None => {
+                subtree.leaves += 1;
+                subtree.max_depth = subtree.max_depth.max(task.depth);
+                task.leaf()
+            }
+            Some(split) => {
+                let number = subtree.nodes.len();
+                subtree.nodes.push(Node::new(split.bounds, [Child::node(0); 2]));
+                let [left, right] = task.divide(split);
+                pending.push((right, Parent::Node { number, side: 1 }));
+                pending.push((left, Parent::Node { number, side: 0 }));
+                Child::node(number as u32)
+            }
+        };
+        match parent {
+            Parent::None => subtree.root = child,
+            Parent::Node { number, side } => subtree.nodes[number].children[side] = child,
+        }
+    }
+    subtree
+}
+
+#[cfg(feature = "parallel")]
+mod parallel {
+    use super::{Child, Node, Subtree, Task, grow as grow_serially, split};
+
+    /// Sets below this size are not worth another task.
+    const MIN_ITEMS: usize = 8192;
+
+    /// As the serial function, but both sides of large sets grow at the same time. The recursion is as deep as the
+    /// tree, which is bounded.
+    pub(super) fn grow(task: Task<'_>) -> Subtree {
+        if task.items.len() < MIN_ITEMS {
+            return grow_serially(task);
+        }
+        let Some(split) = split(task.items, &task.bounds, task.depth) else {
+            return grow_serially(task);
+        };
+        let bounds = split.bounds;
+        let [left, right] = task.divide(split);
+        let (left, right) = rayon::join(|| grow(left), || grow(right));
+
+        let right_start = 1 + left.nodes.len() as u32;
+        let children = [left.root.moved(1), right.root.moved(right_start)];
+        let mut nodes = Vec::with_capacity(1 + left.nodes.len() + right.nodes.len());
+        nodes.push(Node::new(bounds, children));
+        nodes.extend(left.nodes.into_iter().map(|node| node.moved(1)));
+        nodes.extend(right.nodes.into_iter().map(|node| node.moved(right_start)));
+        Subtree {
+            nodes,
+            root: Child::node(0),
+            leaves: left.leaves + right.leaves,
+            max_depth: left.max_depth.max(right.max_depth),
+        }
+    }
+
+    impl Child {
+        /// The same child after all nodes have been moved back by `offset`.
+        fn moved(self, offset: u32) -> Self {
+            if self.count == 0 { Self::node(self.first + offset) } else { self }
+        }
+    }
+
+    impl Node {
+        fn moved(mut self, offset: u32) -> Self {
+            self.children = self.children.map(|child| child.moved(offset));
+            self
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! Boxes of `f32` that are entered no later and left no earlier than the `f64` boxes inside them.
+//!
+//! # Why the culling is conservative
+//!
+//! Let `c` be the centre of the tree, `o` the origin of a ray, `v = fl(1/d)` on some axis, and `fl` rounding to the
+//! nearest `f64`. [`Aabb::clip`] enters an own box through the plane `b` at `fl(fl(b − o)·v)`. A node stores the
+//! plane `p`, an `f32`, and the ray a shifted origin `q`, and the node is entered at `fl(fl(p − q)·v)`: the same two
+//! operations. Take `v > 0`, where the near plane is the lower one.
+//!
+//! * [`NodeBox::outward`] rounds so that `p ≤ b − c` holds for the real numbers.
+//! * [`NodeRay::new`] rounds so that `q ≥ o − c` holds for the real numbers, as the rounded difference is at most half
+//!   a step off and `q` is one step above it.
+//! * So `p − q ≤ b − o`, and as rounding and multiplication by `v > 0` are monotone, the node is entered no later.
+//!
+//! For `v < 0` and for far planes all signs turn around, and the far factor is one more monotone operation, which is
+//! applied after the minimum of three for that reason. `0 · ∞` gives NaN, no constraint, where the ray lies in a plane
+//! of the own box; then `p − q` is zero or has the sign of a ray inside the node's slab, which is no constraint
+//! either. Hence for every finite ray, **bit for bit**: `enter(node) ≤ enter(own box)` and `leave(node) ≥
+//! leave(own box)`. There is no tolerance to choose, and a scene far from the origin is as good as one at it: `p` and
+//! `q` are small numbers there.
+
+use glam::{DVec3, Vec3A};
+use rt_math::{Aabb, FAR_FACTOR, Interval, SlabRay};
+
+/// A box relative to the centre of its tree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct NodeBox {
+    pub(super) min: Vec3A,
+    pub(super) max: Vec3A,
+}
+
+impl NodeBox {
+    /// The neutral element of [`union`](Self::union).
+    pub(super) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+
+    /// A box around `aabb − centre`.
+    pub(super) fn outward(aabb: &Aabb, centre: DVec3) -> Self {
+        let (min, max) = (aabb.min - centre, aabb.max - centre);
+        Self { min: Vec3A::from_array(min.to_array().map(below)), max: Vec3A::from_array(max.to_array().map(above)) }
+    }
+
+    #[inline(always)]
+    pub(super) fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Half of the surface area: finite for any `f32` corners, meaningless for an empty box.
+    pub(super) fn half_area(&self) -> f64 {
+        let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.max[axis]) - f64::from(self.min[axis]));
+        x * y + y * z + z * x
+    }
+}
+
+/// An `f32` below the real number that rounds to `difference`.
+fn below(difference: f64) -> f32 {
+    let bound = difference.next_down();
+    let rounded = bound as f32;
+    if f64::from(rounded) > bound { rounded.next_down() } else { rounded }
+}
+
+/// An `f32` above the real number that rounds to `difference`.
+fn above(difference: f64) -> f32 {
+    -below(-difference)
+}
+
+/// What is behind one box of a node: a run of primitives, or another node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Child {
+    /// Start of the run in the list of indices, or the number of the node.
+    pub(super) first: u32,
+    /// Length of the run; 0 for a node.
+    pub(super) count: u32,
+}
+
+impl Child {
+    pub(super) const fn node(number: u32) -> Self {
+        Self { first: number, count: 0 }
+    }
+
+    pub(super) const fn leaf(first: u32, count: u32) -> Self {
+        Self { first, count }
+    }
+}
+
+/// Two boxes side by side and what is behind them: one cache line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// By axis, by side (lower, upper), by child.
+    planes: [[[f32; 2]; 2]; 3],
+    pub(super) children: [Child; 2],
+}
+
+impl Node {
+    pub(super) fn new(boxes: [NodeBox; 2], children: [Child; 2]) -> Self {
+        let planes = core::array::from_fn(|axis| {
+            [[boxes[0].min[axis], boxes[1].min[axis]], [boxes[0].max[axis], boxes[1].max[axis]]]
+        });
+        Self { planes, children }
+    }
+
+    /// The box of one child.
+    pub(super) fn child_box(&self, child: usize) -> NodeBox {
+        let side = |side: usize| Vec3A::from_array(self.planes.map(|axis| axis[side][child]));
+        NodeBox { min: side(0), max: side(1) }
+    }
+}
+
+/// A ray prepared for the boxes of one tree.
+pub(super) struct NodeRay {
+    /// Subtracted from near planes.
+    near: [f64; 3],
+    /// Subtracted from far planes.
+    far: [f64; 3],
+    inverse: [f64; 3],
+    /// 0 where the lower plane is the near one, 1 where it is the upper one.
+    near_side: [usize; 3],
+}
+
+impl NodeRay {
+    /// `ray` must be finite.
+    pub(super) fn new(ray: &SlabRay, centre: DVec3) -> Self {
+        let origin = (ray.ray.origin - centre).to_array();
+        let inverse = ray.inverse.to_array();
+        let shifted = |is_near: bool| {
+            core::array::from_fn(|axis| {
+                if is_near == inverse[axis].is_sign_negative() {
+                    origin[axis].next_down()
+                } else {
+                    origin[axis].next_up()
+                }
+            })
+        };
+        let near_side = inverse.map(|inverse| usize::from(inverse.is_sign_negative()));
+        Self { near: shifted(true), far: shifted(false), inverse, near_side }
+    }
+
+    /// Where the ray enters and leaves the two boxes, within `span`. A box is missed if `enter > leave`.
+    #[inline(always)]
+    pub(super) fn clip(&self, node: &Node, span: Interval) -> Crossings {
+        let mut enter = [span.min; 2];
+        let mut leave = [f64::INFINITY; 2];
+        for axis in 0..3 {
+            let side = self.near_side[axis] & 1;
+            let (near, far) = (node.planes[axis][side], node.planes[axis][side ^ 1]);
+            for child in 0..2 {
+                let t_near = (f64::from(near[child]) - self.near[axis]) * self.inverse[axis];
+                let t_far = (f64::from(far[child]) - self.far[axis]) * self.inverse[axis];
+                // A NaN fails both comparisons and keeps the old value.
+                enter[child] = if t_near > enter[child] { t_near } else { enter[child] };
+                leave[child] = if t_far < leave[child] { t_far } else { leave[child] };
+            }
+        }
+        for leave in &mut leave {
+            let t_far = *leave * FAR_FACTOR;
+            *leave = if t_far < span.max { t_far } else { span.max };
+        }
+        Crossings { enter, leave }
+    }
+}
+
+/// Where a ray crosses the two boxes of a node.
+pub(super) struct Crossings {
+    pub(super) enter: [f64; 2],
+    pub(super) leave: [f64; 2],
+}
+
+impl Crossings {
+    #[inline(always)]
+    pub(super) fn hits(&self, child: usize) -> bool {
+        self.enter[child] <= self.leave[child]
+    }
+}

@@ -1,0 +1,192 @@
+//! Where to cut a set of boxes in two: the surface area heuristic over bins of centroids.
+
+use core::cmp::Ordering;
+
+use glam::Vec3A;
+
+use super::node::NodeBox;
+
+/// Deepest leaf. The traversal stack must hold one entry per level.
+pub(super) const MAX_DEPTH: u32 = 60;
+
+/// Most primitives in a leaf, unless there are that few in all.
+pub(super) const MAX_LEAF: usize = 8;
+
+/// Cost of visiting a node relative to that of testing a primitive.
+const NODE_COST: f64 = 1.0;
+
+const BINS: usize = 16;
+
+/// One primitive while the tree grows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Item {
+    pub(super) bounds: NodeBox,
+    pub(super) index: u32,
+}
+
+impl Item {
+    /// Twice the centre of the box, which orders items just as well.
+    #[inline(always)]
+    fn centroid(&self) -> Vec3A {
+        self.bounds.min + self.bounds.max
+    }
+}
+
+/// Two halves of a set: the first `middle` items, and the others.
+pub(super) struct Split {
+    pub(super) middle: usize,
+    pub(super) bounds: [NodeBox; 2],
+}
+
+/// Reorders `items` and cuts them in two, or returns `None` where they should be a leaf.
+///
+/// The surface area heuristic (MacDonald and Booth 1990) is evaluated at the borders of 16 bins on each axis (Wald
+/// 2007). Where it finds no cut, because all centroids coincide, and where its cuts have used up the depth that
+/// halving needs, the set is halved.
+pub(super) fn split(items: &mut [Item], bounds: &NodeBox, depth: u32) -> Option<Split> {
+    if items.len() < 2 {
+        return None;
+    }
+    let centroids = items
+        .iter()
+        .map(Item::centroid)
+        .fold(NodeBox::EMPTY, |all, c| NodeBox { min: all.min.min(c), max: all.max.max(c) });
+    let cut = if leaves_room_for_halving(items.len(), depth) { Binning::new(&centroids).best_cut(items) } else { None };
+    if items.len() <= MAX_LEAF {
+        let leaf_cost = items.len() as f64 * bounds.half_area();
+        if cut.as_ref().is_none_or(|cut| leaf_cost <= NODE_COST * bounds.half_area() + cut.cost) {
+            return None;
+        }
+    }
+    Some(match cut {
+        Some(cut) => {
+            let middle = partition(items, |item| cut.binning.bin(item)[cut.axis] < cut.bin);
+            Split { middle, bounds: cut.bounds }
+        }
+        None => halve(items, &centroids),
+    })
+}
+
+/// True if halving can still finish the job after an arbitrarily lopsided cut at this depth.
+fn leaves_room_for_halving(count: usize, depth: u32) -> bool {
+    depth + 1 + count.next_power_of_two().ilog2() <= MAX_DEPTH
+}
+
+/// Cuts at the median centroid of the widest axis; by order alone if all centroids coincide.
+fn halve(items: &mut [Item], centroids: &NodeBox) -> Split {
+    let extent = centroids.max - centroids.min;
+    if extent.cmpgt(Vec3A::ZERO).any() {
+        let axis = extent.max_position();
+        items.sort_unstable_by(|a, b| {
+            let by_place = a.centroid()[axis].total_cmp(&b.centroid()[axis]);
+            if by_place == Ordering::Equal { a.index.cmp(&b.index) } else { by_place }
+        });
+    }
+    let middle = items.len() / 2;
+    let (left, right) = items.split_at(middle);
+    Split { middle, bounds: [left, right].map(union) }
+}
+
+/// The box around all items.
+pub(super) fn union(items: &[Item]) -> NodeBox {
+    items.iter().fold(NodeBox::EMPTY, |all, item| all.union(item.bounds))
+}
+
+/// Moves the items for which `is_left` holds to the front, in a fixed order, and counts them.
+fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
+    let (mut left, mut right) = (0, items.len());
+    loop {
+        while left < right && is_left(&items[left]) {
+            left += 1;
+        }
+        while left < right && !is_left(&items[right - 1]) {
+            right -= 1;
+        }
+        if left >= right {
+            return left;
+        }
+        items.swap(left, right - 1);
+    }
+}
+
+/// The map from centroids to bins.
+#[derive(Clone, Copy)]
+struct Binning {
+    least: Vec3A,
+    scale: Vec3A,
+}
+
+/// A cut between two bins.
+struct Cut {
+    binning: Binning,
+    axis: usize,
+    /// First bin on the right.
+    bin: usize,
+    /// Area times number of primitives, summed over both sides.
+    cost: f64,
+    bounds: [NodeBox; 2],
+}
+
+#[derive(Clone, Copy)]
+struct Bin {
+    bounds: NodeBox,
+    count: u32,
+}
+
+impl Bin {
+    const EMPTY: Self = Self { bounds: NodeBox::EMPTY, count: 0 };
+
+    #[inline(always)]
+    fn merge(self, other: &Self) -> Self {
+        Self { bounds: self.bounds.union(other.bounds), count: self.count + other.count }
+    }
+
+    fn cost(&self) -> f64 {
+        self.bounds.half_area() * f64::from(self.count)
+    }
+}
+
+impl Binning {
+    fn new(centroids: &NodeBox) -> Self {
+        Self { least: centroids.min, scale: Vec3A::splat(BINS as f32) / (centroids.max - centroids.min) }
+    }
+
+    /// The bin of an item on each axis. A NaN, where all centroids coincide on an axis, is bin 0.
+    #[inline(always)]
+    fn bin(&self, item: &Item) -> [usize; 3] {
+        let position = (item.centroid() - self.least) * self.scale;
+        position.to_array().map(|x| (x as usize).min(BINS - 1))
+    }
+
+    /// The cheapest cut with primitives on both sides; the first one in order of axes and bins where several are.
+    fn best_cut(&self, items: &[Item]) -> Option<Cut> {
+        let mut bins = [[Bin::EMPTY; BINS]; 3];
+        for item in items {
+            let place = self.bin(item);
+            for axis in 0..3 {
+                let bin = &mut bins[axis][place[axis]];
+                *bin = bin.merge(&Bin { bounds: item.bounds, count: 1 });
+            }
+        }
+        let mut best: Option<Cut> = None;
+        for (axis, bins) in bins.iter().enumerate() {
+            let mut right_of = [Bin::EMPTY; BINS];
+            for bin in (0..BINS - 1).rev() {
+                right_of[bin] = right_of[bin + 1].merge(&bins[bin + 1]);
+            }
+            let mut left = Bin::EMPTY;
+            for bin in 0..BINS - 1 {
+                left = left.merge(&bins[bin]);
+                let right = &right_of[bin];
+                if left.count == 0 || right.count == 0 {
+                    continue;
+                }
+                let cost = left.cost() + right.cost();
+                if best.as_ref().is_none_or(|best| cost < best.cost) {
+                    best = Some(Cut { binning: *self, axis, bin: bin + 1, cost, bounds: [left.bounds, right.bounds] });
+                }
+            }
+        }
+        best
+    }
+}

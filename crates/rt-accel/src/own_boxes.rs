@@ -1,0 +1,67 @@
+//! The boxes that all structures are built from.
+
+use rt_math::{Aabb, Primitives, own_box};
+
+use crate::{BuildError, Violation};
+
+/// The padded box of every bounded primitive, and the list of the others.
+pub(crate) struct OwnBoxes {
+    /// Bounded primitives with the box that decides about hits on them, by rising index.
+    pub(crate) bounded: Vec<(u32, Aabb)>,
+    /// Unbounded primitives, by rising index.
+    pub(crate) unbounded: Vec<u32>,
+    /// Union of all boxes.
+    pub(crate) union: Aabb,
+}
+
+impl OwnBoxes {
+    pub(crate) fn collect<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
+        let count = count(primitives)?;
+        let mut all = Self { bounded: Vec::with_capacity(count as usize), unbounded: Vec::new(), union: Aabb::EMPTY };
+        for index in 0..count {
+            match checked_own_box(primitives, index)? {
+                Some(own) => {
+                    all.union = all.union.union(own);
+                    all.bounded.push((index, own));
+                }
+                None => all.unbounded.push(index),
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// The number of primitives, if 32 bits can number them and one number is left over.
+pub(crate) fn count<P: Primitives>(primitives: &P) -> Result<u32, BuildError> {
+    let limit = u32::MAX - 1;
+    match u32::try_from(primitives.len()) {
+        Ok(count) if count <= limit => Ok(count),
+        _ => Err(BuildError::TooMany { count: primitives.len() as u64, limit: u64::from(limit) }),
+    }
+}
+
+/// The own box of a primitive, `None` if it is unbounded.
+pub(crate) fn checked_own_box<P: Primitives>(primitives: &P, index: u32) -> Result<Option<Aabb>, BuildError> {
+    match own_box(primitives, index) {
+        Some(own) if own.is_empty() || !own.is_finite() => {
+            let bounds = primitives.bounds(index).unwrap_or(own);
+            Err(BuildError::BadBounds { index, bounds })
+        }
+        own => Ok(own),
+    }
+}
+
+/// Checks that `unbounded` lists exactly the primitives without bounds, out of `built` primitives.
+pub(crate) fn validate_lists<P: Primitives>(primitives: &P, built: u32, unbounded: &[u32]) -> Result<(), Violation> {
+    if primitives.len() != built as usize {
+        return Err(Violation::Count { built, given: primitives.len() });
+    }
+    let mut listed = unbounded.iter().peekable();
+    for primitive in 0..built {
+        let is_listed = listed.next_if(|&&next| next == primitive).is_some();
+        if is_listed != primitives.bounds(primitive).is_none() {
+            return Err(Violation::Misplaced { primitive });
+        }
+    }
+    listed.next().map_or(Ok(()), |&primitive| Err(Violation::Misplaced { primitive }))
+}

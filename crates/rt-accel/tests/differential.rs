@@ -1,0 +1,85 @@
+//! Every structure gives the bits of brute force, on rays that look for the seams.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests fail by panicking and print what they tried")]
+
+mod soup;
+
+use rt_accel::{Aabb, Accelerator, Bvh, DVec3, Linear, NoProbe, Primitives};
+use soup::{Draw, Query, Solid, Soup, adversarial};
+
+/// Rays per scene; the environment variable `RT_RAYS` sets another number for long runs.
+fn n_rays() -> usize {
+    std::env::var("RT_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000)
+}
+
+/// Returns how many rays hit something.
+fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, seed: u64) -> usize {
+    let linear = Linear::build(soup).unwrap();
+    let world = Aabb::from_points(soup.0.iter().filter_map(Solid::bounds).flat_map(|bounds| [bounds.min, bounds.max]));
+    let mut draw = Draw::new(seed);
+    let mut n_hits = 0;
+    for i in 0..n_rays() {
+        let query @ Query { ray, span } = adversarial(soup, &linear, &world, &mut draw);
+        let expected = linear.closest(soup, &ray, span, &mut NoProbe);
+        let found = structure.closest(soup, &ray, span, &mut NoProbe);
+        let key = |hit: Option<rt_accel::Hit>| hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive));
+        assert_eq!(key(found), key(expected), "{name}, seed {seed}, ray {i}: {query:?}");
+        let blocked = structure.occluded(soup, &ray, span, &mut NoProbe);
+        assert_eq!(blocked, expected.is_some(), "{name}, seed {seed}, ray {i}: {query:?}");
+        assert_eq!(linear.occluded(soup, &ray, span, &mut NoProbe), expected.is_some(), "linear, ray {i}: {query:?}");
+        n_hits += usize::from(expected.is_some());
+    }
+    n_hits
+}
+
+/// Mixed solids at several distances from the origin and of several sizes, with and without an unbounded one.
+fn scenes(seed: u64) -> Vec<(String, Soup)> {
+    let mut draw = Draw::new(seed);
+    let direction = DVec3::new(1.0, -0.7, 0.3);
+    let mut scenes = Vec::new();
+    for offset in [0.0, 1e3, 1e5, 1e7] {
+        scenes.push((format!("offset {offset:e}"), Soup::mixed(&mut draw).moved(direction * offset)));
+    }
+    scenes.push(("scale 1e-4".into(), Soup::mixed(&mut draw).scaled(1e-4)));
+    scenes.push(("scale 1e-4, offset 1e3".into(), Soup::mixed(&mut draw).scaled(1e-4).moved(direction * 1e3)));
+    scenes.push(("scale 1e30".into(), Soup::mixed(&mut draw).scaled(1e30)));
+    let mut with_ground = Soup::mixed(&mut draw);
+    with_ground.0.insert(17, Solid::Ground { height: -0.4 });
+    with_ground.0.push(Solid::Ground { height: -0.4 });
+    scenes.push(("unbounded".into(), with_ground));
+    scenes
+}
+
+fn compare_all<A: Accelerator>(name: &str, build: impl Fn(&Soup) -> A) {
+    let seed = Draw::run_seed();
+    println!("{name}: seed {seed}");
+    let mut total = 0;
+    for (i, (scene, soup)) in scenes(seed).iter().enumerate() {
+        let n_hits = compare(&format!("{name}, {scene}"), &build(soup), soup, seed + i as u64);
+        println!("{name}, {scene}: {} rays, {n_hits} hits, 0 differences", n_rays());
+        assert!(n_hits > n_rays() / 10, "{scene}: rays must hit something to mean anything, {n_hits} did");
+        total += n_rays();
+    }
+    println!("{name}: {total} rays");
+}
+
+#[test]
+fn bvh_equals_brute_force() {
+    compare_all("bvh", |soup| Bvh::build(soup).unwrap());
+}
+
+#[test]
+fn bvh_over_one_primitive_equals_brute_force() {
+    for count in 1..=3 {
+        let soup = Soup(Soup::mixed(&mut Draw::new(3)).0.into_iter().take(count).collect());
+        assert_eq!(soup.len(), count);
+        compare("bvh", &Bvh::build(&soup).unwrap(), &soup, 5);
+    }
+}
+
+#[test]
+fn bvh_is_valid() {
+    for (scene, soup) in scenes(Draw::run_seed()) {
+        assert_eq!(Bvh::build(&soup).unwrap().validate(&soup), Ok(()), "{scene}");
+    }
+}

@@ -1,0 +1,184 @@
+//! Primitives to build structures over: simple kernels, one of them deliberately bad.
+//!
+//! The equality of structures must hold for any kernel that keeps the contract of `Primitives`, so accuracy does not
+//! matter here.
+
+#![allow(dead_code, reason = "each test binary uses another part of this module")]
+
+mod draw;
+mod rays;
+
+pub(crate) use draw::Draw;
+pub(crate) use rays::{Query, adversarial};
+
+use rt_accel::{Aabb, DVec3, Hit, Interval, Primitives, Ray};
+use rt_math::SlabRay;
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Solid {
+    Sphere {
+        centre: DVec3,
+        radius: f64,
+    },
+    Box(Aabb),
+    Triangle([DVec3; 3]),
+    /// Hit somewhere around the box, by a hash of the ray: no kernel could be worse.
+    Sloppy(Aabb),
+    /// The unbounded plane `y = height`.
+    Ground {
+        height: f64,
+    },
+    /// Claims these bounds and is never hit.
+    Ghost(Aabb),
+}
+
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Soup(pub(crate) Vec<Solid>);
+
+impl Soup {
+    pub(crate) fn spheres(count: u64, draw: &mut Draw) -> Self {
+        let spacing = 1.0 / rt_math::transcendental::cbrt(count as f64);
+        Self(
+            (0..count)
+                .map(|_| Solid::Sphere { centre: draw.point(), radius: spacing * draw.between(0.1, 0.4) })
+                .collect(),
+        )
+    }
+
+    /// Small solids of all bounded kinds and a bumpy sheet of triangles with shared vertices, all within one unit of
+    /// the origin.
+    pub(crate) fn mixed(draw: &mut Draw) -> Self {
+        let mut solids = Vec::new();
+        for _ in 0..40 {
+            let (centre, radius) = (draw.point(), draw.between(0.01, 0.2));
+            solids.push(Solid::Sphere { centre, radius });
+            let corner = draw.point();
+            let aabb = Aabb::new(corner, corner + draw.point().abs() * 0.3);
+            solids.push(Solid::Box(aabb));
+            let corner = draw.point();
+            solids.push(Solid::Sloppy(Aabb::new(corner, corner + draw.point().abs() * 0.2)));
+            let corner = draw.point();
+            solids.push(Solid::Triangle([corner, corner + draw.point() * 0.3, corner + draw.point() * 0.3]));
+        }
+        solids.extend(sheet(8, |x, z| DVec3::new(x, (x * z).abs() - 0.5, z)));
+        // Exact duplicates: the lower index has to win.
+        solids.extend_from_within(0..20);
+        Self(solids)
+    }
+
+    pub(crate) fn scaled(mut self, scale: f64) -> Self {
+        self.map_points(|p| p * scale, scale);
+        self
+    }
+
+    pub(crate) fn moved(mut self, offset: DVec3) -> Self {
+        self.map_points(|p| p + offset, 1.0);
+        self
+    }
+
+    fn map_points(&mut self, point: impl Fn(DVec3) -> DVec3, scale: f64) {
+        for solid in &mut self.0 {
+            *solid = match *solid {
+                Solid::Sphere { centre, radius } => Solid::Sphere { centre: point(centre), radius: radius * scale },
+                Solid::Box(b) => Solid::Box(Aabb::new(point(b.min), point(b.max))),
+                Solid::Triangle(vertices) => Solid::Triangle(vertices.map(&point)),
+                Solid::Sloppy(b) => Solid::Sloppy(Aabb::new(point(b.min), point(b.max))),
+                Solid::Ground { height } => Solid::Ground { height: point(DVec3::Y * height).y },
+                Solid::Ghost(b) => Solid::Ghost(Aabb::new(point(b.min), point(b.max))),
+            };
+        }
+    }
+}
+
+/// Two triangles for each cell of an n × n grid over [-1, 1]², raised by `surface`.
+pub(crate) fn sheet(n: usize, surface: impl Fn(f64, f64) -> DVec3) -> impl Iterator<Item = Solid> {
+    let vertex = move |i: usize, j: usize| {
+        let place = |k: usize| 2.0 * k as f64 / n as f64 - 1.0;
+        surface(place(i), place(j))
+    };
+    (0..n * n).flat_map(move |cell| {
+        let (i, j) = (cell % n, cell / n);
+        let [a, b, c, d] = [vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)];
+        [Solid::Triangle([a, b, c]), Solid::Triangle([a, c, d])]
+    })
+}
+
+impl Solid {
+    pub(crate) fn bounds(&self) -> Option<Aabb> {
+        match *self {
+            Self::Sphere { centre, radius } => {
+                Some(Aabb::new(centre - DVec3::splat(radius), centre + DVec3::splat(radius)))
+            }
+            Self::Box(aabb) | Self::Sloppy(aabb) | Self::Ghost(aabb) => Some(aabb),
+            Self::Triangle(vertices) => Some(Aabb::from_points(vertices)),
+            Self::Ground { .. } => None,
+        }
+    }
+
+    fn intersect(&self, ray: &Ray, span: Interval) -> Option<f64> {
+        match *self {
+            Self::Sphere { centre, radius } => sphere(centre, radius, ray, span),
+            Self::Box(aabb) => {
+                let line = aabb.clip(&SlabRay::new(ray), Interval::new(f64::NEG_INFINITY, f64::INFINITY))?;
+                span.first(line.min, line.max)
+            }
+            Self::Triangle(vertices) => triangle(vertices, ray).filter(|&t| span.contains(t)),
+            Self::Sloppy(aabb) => sloppy(aabb, ray).filter(|&t| span.contains(t)),
+            Self::Ground { height } => {
+                Some((height - ray.origin.y) / ray.direction.y).filter(|&t| t.is_finite() && span.contains(t))
+            }
+            Self::Ghost(_) => None,
+        }
+    }
+}
+
+fn sphere(centre: DVec3, radius: f64, ray: &Ray, span: Interval) -> Option<f64> {
+    let f = ray.origin - centre;
+    let a = ray.direction.length_squared();
+    let b = -f.dot(ray.direction);
+    let c = f.length_squared() - radius * radius;
+    let discriminant = radius * radius - (f + ray.direction * (b / a)).length_squared();
+    if discriminant < 0.0 || discriminant.is_nan() {
+        return None;
+    }
+    let q = b + (a * discriminant).sqrt().copysign(b);
+    let (t0, t1) = (c / q, q / a);
+    span.first(t0.min(t1), t0.max(t1))
+}
+
+fn triangle([a, b, c]: [DVec3; 3], ray: &Ray) -> Option<f64> {
+    let (e1, e2) = (b - a, c - a);
+    let p = ray.direction.cross(e2);
+    let determinant = e1.dot(p);
+    let s = ray.origin - a;
+    let u = s.dot(p) / determinant;
+    let q = s.cross(e1);
+    let v = ray.direction.dot(q) / determinant;
+    let t = e2.dot(q) / determinant;
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t.is_finite()).then_some(t)
+}
+
+fn sloppy(aabb: Aabb, ray: &Ray) -> Option<f64> {
+    let pad = DVec3::splat(aabb.extent().max_element() * 0.01);
+    let larger = Aabb::new(aabb.min - pad, aabb.max + pad);
+    let line = larger.clip(&SlabRay::new(ray), Interval::new(-1e300, 1e300))?;
+    let words: Vec<u64> = ray.origin.to_array().iter().chain(&ray.direction.to_array()).map(|x| x.to_bits()).collect();
+    let weight = rt_math::random::unit(rt_math::random::hash(&words)) * 1.2 - 0.1;
+    let t = line.min + weight * (line.max - line.min);
+    t.is_finite().then_some(t)
+}
+
+impl Primitives for Soup {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        self.0[index as usize].bounds()
+    }
+
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        let t = self.0[index as usize].intersect(ray, span)?;
+        Some(Hit { t, instance: 0, primitive: index, uv: [0.0; 2] })
+    }
+}
