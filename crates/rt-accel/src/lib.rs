@@ -4,6 +4,7 @@
 
 mod bvh;
 mod error;
+mod grid;
 mod linear;
 mod nearest;
 mod own_boxes;
@@ -11,6 +12,7 @@ mod stats;
 
 pub use bvh::Bvh;
 pub use error::{BuildError, Violation};
+pub use grid::UniformGrid;
 pub use linear::Linear;
 pub use rt_math::{
     Aabb, Accelerator, Counters, DVec3, Hit, Interval, LeafLayout, NoProbe, Primitives, Probe, Ray, RayCounts, RayKind,

@@ -4,7 +4,7 @@
 
 mod soup;
 
-use rt_accel::{Aabb, Accelerator, Bvh, DVec3, Linear, NoProbe, Primitives};
+use rt_accel::{Aabb, Accelerator, Bvh, DVec3, Linear, NoProbe, Primitives, UniformGrid};
 use soup::{Draw, Query, Solid, Soup, adversarial};
 
 /// Rays per scene; the environment variable `RT_RAYS` sets another number for long runs.
@@ -81,5 +81,26 @@ fn bvh_over_one_primitive_equals_brute_force() {
 fn bvh_is_valid() {
     for (scene, soup) in scenes(Draw::run_seed()) {
         assert_eq!(Bvh::build(&soup).unwrap().validate(&soup), Ok(()), "{scene}");
+    }
+}
+
+#[test]
+fn grid_equals_brute_force() {
+    compare_all("grid", |soup| UniformGrid::build(soup).unwrap());
+}
+
+#[test]
+fn fine_and_lopsided_grids_equal_brute_force() {
+    for resolution in [[64, 64, 64], [1, 1, 1], [200, 1, 3], [2, 0, 100]] {
+        compare_all(&format!("grid {resolution:?}"), |soup| UniformGrid::with_resolution(soup, resolution).unwrap());
+    }
+}
+
+#[test]
+fn grid_is_valid() {
+    for (scene, soup) in scenes(Draw::run_seed()) {
+        let grid = UniformGrid::build(&soup).unwrap();
+        assert_eq!(grid.validate(&soup), Ok(()), "{scene}");
+        assert!(grid.resolution().iter().all(|&n| n > 3), "{scene}: {:?}", grid.resolution());
     }
 }

@@ -1,0 +1,141 @@
+//! One axis of the grid.
+//!
+//! # Why no primitive is skipped
+//!
+//! A hit with the own box `[a, b]` on this axis has a parameter `τ`, the entry into that box, at which the ray is
+//! within a few roundings of `[a, b]` on every axis. The walk, in product form, is at `τ` in a cell whose planes
+//! `[p, q]` the ray is within a few roundings of as well. Both are bounded by 32 unit roundoffs of `reach`, the sum of
+//! the magnitudes of the ray's origin and the grid's coordinates, errors of the start and of the insertion included.
+//! So `[a, b]` and `[p, q]` touch when both are widened by that, and as primitives are inserted widened by
+//! [`WIDENING`] of a cell, the cell lists the primitive if `32 u · reach` is less. [`Axis::resolves`] asks for three
+//! times that in half of the widening. Rays that fail, which start some 10⁹ cells away, are answered by exhaustion.
+//!
+//! All this takes `τ` to be finite. It is where the ray leaves the bounds of the grid at a finite parameter; the slab
+//! test then also keeps rays that move by nothing along this axis, because their inverse direction is infinite, to
+//! boxes that contain their origin's coordinate.
+//!
+//! The outermost cells reach to infinity, so that rounding cannot push a ray out of the grid before it has left the
+//! bounds. An axis of one cell has no planes and nothing to prove.
+
+use core::ops::RangeInclusive;
+
+use rt_math::float::UNIT_ROUNDOFF;
+
+/// Boxes are inserted wider by this part of a cell on each side.
+const WIDENING: f64 = 1.0 / 256.0;
+
+/// Cells are no smaller than this part of the greatest coordinate, so that rays from well outside are resolved.
+const FINEST: f64 = 1.0 / (1u64 << 32) as f64;
+
+/// Equal cells along one coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Axis {
+    min: f64,
+    cell: f64,
+    pub(super) cells: u32,
+    /// Greatest magnitude of a coordinate in the grid.
+    magnitude: f64,
+}
+
+impl Axis {
+    /// Divides `[min, max]` into about `wanted` cells: at least 1, and no more than coordinates can tell apart.
+    pub(super) fn new(min: f64, max: f64, wanted: u32) -> Self {
+        let extent = max - min;
+        let magnitude = min.abs().max(max.abs());
+        // The cast saturates; 0/0, where everything lies in one plane through the origin, is 0.
+        let finest = if extent.is_finite() { (extent / (magnitude * FINEST)) as u32 } else { 1 };
+        let cells = wanted.min(finest).max(1);
+        Self { min, cell: extent / f64::from(cells), cells, magnitude }
+    }
+
+    /// Coordinate of the lower plane of cell `index`: a product, so that errors do not add up along a walk.
+    #[inline(always)]
+    pub(super) fn plane(&self, index: u32) -> f64 {
+        self.min + f64::from(index) * self.cell
+    }
+
+    /// The cell at coordinate `x`, or the outermost one on its side; 0 for NaN.
+    #[inline(always)]
+    pub(super) fn index(&self, x: f64) -> u32 {
+        (((x - self.min) / self.cell) as u32).min(self.cells - 1)
+    }
+
+    /// The cells that list a box.
+    pub(super) fn insertion_range(&self, min: f64, max: f64) -> RangeInclusive<u32> {
+        let widening = self.cell * WIDENING;
+        self.index(min - widening)..=self.index(max + widening)
+    }
+
+    /// The cells that a box touches, found without division.
+    pub(super) fn touched_range(&self, min: f64, max: f64) -> RangeInclusive<u32> {
+        let planes_where = |is_before: &dyn Fn(f64) -> bool| {
+            let (mut low, mut high) = (0, self.cells - 1);
+            while low < high {
+                let middle = low + (high - low).div_ceil(2);
+                if is_before(self.plane(middle)) {
+                    low = middle;
+                } else {
+                    high = middle - 1;
+                }
+            }
+            low
+        };
+        planes_where(&|plane| plane < min)..=planes_where(&|plane| plane <= max)
+    }
+
+    /// True if the walk of a ray with this origin and direction is certain to find what the ray hits.
+    #[inline(always)]
+    pub(super) fn resolves(&self, origin: f64, direction: f64) -> bool {
+        if self.cells == 1 {
+            return true;
+        }
+        let reach = origin.abs() + self.magnitude;
+        // The second term is the underflow of tiny parameters.
+        96.0 * UNIT_ROUNDOFF * reach + f64::MIN_POSITIVE * direction.abs() <= 0.5 * WIDENING * self.cell
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_and_indices_agree() {
+        let axis = Axis::new(-1.0, 3.0, 8);
+        assert_eq!(axis.cells, 8);
+        assert_eq!((axis.plane(0), axis.plane(8)), (-1.0, 3.0));
+        assert_eq!(
+            [-9.0, -1.0, -0.75, -0.5, 2.99, 3.0, 1e300, f64::NAN].map(|x| axis.index(x)),
+            [0, 0, 0, 1, 7, 7, 7, 0]
+        );
+    }
+
+    #[test]
+    fn cells_touching_a_box_list_it() {
+        let axis = Axis::new(1e5, 1e5 + 7.0, 100);
+        for i in 0..100 {
+            let (min, max) = (axis.plane(i).next_up(), axis.plane(i + 1));
+            assert_eq!(axis.touched_range(min, max), i..=(i + 1).min(99));
+            let listed = axis.insertion_range(min, max);
+            assert!(*listed.start() <= i && *listed.end() >= (i + 1).min(99), "cell {i}: {listed:?}");
+        }
+    }
+
+    #[test]
+    fn degenerate_extents_have_one_cell() {
+        assert_eq!(Axis::new(0.0, 0.0, 50).cells, 1);
+        assert_eq!(Axis::new(1e7, 1e7 + 1e-9, 50).cells, 1);
+        assert_eq!(Axis::new(f64::MIN, f64::MAX, 50).cells, 1);
+        assert_eq!(Axis::new(f64::INFINITY, f64::NEG_INFINITY, 50).cells, 1, "the bounds of nothing");
+        assert_eq!(Axis::new(0.0, 1.0, 0).cells, 1);
+    }
+
+    #[test]
+    fn distant_and_extreme_rays_are_not_resolved() {
+        let axis = Axis::new(0.0, 1.0, 10);
+        assert!(axis.resolves(0.5, 1.0) && axis.resolves(1e6, -0.0));
+        assert!(!axis.resolves(1e15, 1.0), "too far");
+        assert!(!axis.resolves(0.5, f64::MAX), "parameters underflow");
+        assert!(!axis.resolves(f64::NAN, 1.0) && !axis.resolves(0.5, f64::NAN));
+    }
+}

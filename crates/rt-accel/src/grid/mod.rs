@@ -1,0 +1,262 @@
+//! Uniform grid.
+
+mod axis;
+mod resolution;
+mod walk;
+
+use rt_math::{Aabb, Accelerator, Hit, Interval, Primitives, Probe, Ray, SlabRay, decide_occluded, own_box};
+
+use crate::nearest::{Nearest, any_blocks, is_finite};
+use crate::own_boxes::{OwnBoxes, validate_lists};
+use crate::{BuildError, BuildStats, Violation};
+use axis::Axis;
+use resolution::{MAX_CELLS, cubical, suitable_cells};
+use walk::Walk;
+
+/// Most references to primitives of any grid: 4 GiB.
+const MAX_REFERENCES: u64 = 1 << 30;
+
+/// A box of equal cells, each with a list of the primitives in it: the fastest structure to build, and a good one
+/// where primitives are of similar size and evenly spread.
+///
+/// Rays walk from cell to cell (Amanatides and Woo 1987). A primitive in several cells is offered in each of them.
+/// Where a few small primitives lie in a large scene they all share one cell ("teapot in a stadium"): prefer
+/// [`Bvh`](crate::Bvh) there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UniformGrid {
+    bounds: Aabb,
+    axes: [Axis; 3],
+    /// Where the list of each cell starts in `indices`, and at the end, where the last one ends.
+    starts: Vec<u32>,
+    /// Primitives cell by cell, by rising index.
+    indices: Vec<u32>,
+    unbounded: Vec<u32>,
+    primitives: u32,
+}
+
+impl UniformGrid {
+    /// Builds a grid with some six nearly cubical cells per primitive, fewer where primitives are so large that they
+    /// would fill too many.
+    ///
+    /// # Errors
+    ///
+    /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
+    pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
+        let boxes = OwnBoxes::collect(primitives)?;
+        let count = boxes.bounded.len();
+        let mut cells = suitable_cells(count);
+        loop {
+            let axes = divide(&boxes.union, cubical(boxes.union.extent(), cells));
+            if cells == 1 || n_references(&boxes, &axes) <= 16 * count as u64 + 4096 {
+                return Self::fill(boxes, axes);
+            }
+            cells /= 4;
+        }
+    }
+
+    /// Builds a grid with this number of cells along x, y and z. Zeros count as one, and cells that `f64` coordinates
+    /// cannot tell apart are merged: [`build_stats`](Self::build_stats) says how many there are.
+    ///
+    /// # Errors
+    ///
+    /// As [`build`](Self::build), and [`BuildError::TooMany`] for more than 2²⁶ cells or 2³⁰ references.
+    pub fn with_resolution<P: Primitives>(primitives: &P, resolution: [u32; 3]) -> Result<Self, BuildError> {
+        let boxes = OwnBoxes::collect(primitives)?;
+        let axes = divide(&boxes.union, resolution);
+        Self::fill(boxes, axes)
+    }
+
+    /// Sorts references by cell, counting first.
+    fn fill(boxes: OwnBoxes, axes: [Axis; 3]) -> Result<Self, BuildError> {
+        let cells = axes.iter().fold(1u64, |product, axis| product.saturating_mul(u64::from(axis.cells)));
+        for (count, limit) in [(cells, MAX_CELLS), (n_references(&boxes, &axes), MAX_REFERENCES)] {
+            if count > limit {
+                return Err(BuildError::TooMany { count, limit });
+            }
+        }
+        let mut starts = vec![0u32; cells as usize + 1];
+        for (_, own) in &boxes.bounded {
+            for_each_cell(&axes, own, |cell| starts[cell] += 1);
+        }
+        let mut total = 0;
+        for start in &mut starts {
+            total += *start;
+            *start = total;
+        }
+        // Each list is filled from its end, so that its end has become its start when all is done.
+        let mut indices = vec![0; total as usize];
+        for (index, own) in boxes.bounded.iter().rev() {
+            for_each_cell(&axes, own, |cell| {
+                starts[cell] -= 1;
+                indices[starts[cell] as usize] = *index;
+            });
+        }
+        let primitives = (boxes.bounded.len() + boxes.unbounded.len()) as u32;
+        Ok(Self { bounds: boxes.union, axes, starts, indices, unbounded: boxes.unbounded, primitives })
+    }
+
+    /// Bytes held, on the heap and off it.
+    pub fn memory(&self) -> usize {
+        let numbers = self.starts.capacity() + self.indices.capacity() + self.unbounded.capacity();
+        size_of::<Self>() + numbers * size_of::<u32>()
+    }
+
+    /// Size and shape of the grid.
+    pub fn build_stats(&self) -> BuildStats {
+        BuildStats {
+            primitives: self.primitives as usize,
+            unbounded: self.unbounded.len(),
+            nodes: self.starts.len() - 1,
+            leaves: self.starts.windows(2).filter(|ends| ends[0] < ends[1]).count(),
+            max_depth: 1,
+            references: self.indices.len(),
+        }
+    }
+
+    /// Number of cells along x, y and z.
+    pub fn resolution(&self) -> [u32; 3] {
+        self.axes.map(|axis| axis.cells)
+    }
+
+    /// Checks that the grid fits the primitives: each bounded one lies within the grid and is listed in every cell
+    /// that its own box touches. O(references).
+    ///
+    /// # Errors
+    ///
+    /// The first [`Violation`] found.
+    pub fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+        validate_lists(primitives, self.primitives, &self.unbounded)?;
+        for primitive in 0..self.primitives {
+            let Some(own) = own_box(primitives, primitive) else { continue };
+            if !self.bounds.encloses(&own) {
+                return Err(Violation::Outside { primitive });
+            }
+            let [x, y, z] = core::array::from_fn(|axis| self.axes[axis].touched_range(own.min[axis], own.max[axis]));
+            let mut is_listed = true;
+            for_each_in(&self.axes, [x, y, z], |cell| is_listed &= self.list(cell).binary_search(&primitive).is_ok());
+            if !is_listed {
+                return Err(Violation::Misplaced { primitive });
+            }
+        }
+        Ok(())
+    }
+
+    /// The primitives listed in a cell.
+    #[inline(always)]
+    fn list(&self, cell: usize) -> &[u32] {
+        let [start, end] = [self.starts[cell], self.starts[cell + 1]];
+        &self.indices[start as usize..end as usize]
+    }
+
+    /// How the ray meets the grid.
+    #[inline(always)]
+    fn passage(&self, ray: &SlabRay, span: Interval) -> Passage {
+        let resolves = |axis: usize| self.axes[axis].resolves(ray.ray.origin[axis], ray.ray.direction[axis]);
+        if !(is_finite(&ray.ray) && resolves(0) && resolves(1) && resolves(2)) {
+            return Passage::Unresolved;
+        }
+        match self.bounds.clip(ray, span) {
+            None => Passage::Missed,
+            Some(inside) if inside.max.is_finite() => Passage::Inside(inside),
+            Some(_) => Passage::Unresolved,
+        }
+    }
+}
+
+/// How a ray meets the grid.
+enum Passage {
+    /// It hits no bounded primitive.
+    Missed,
+    /// All its hits are in cells along this part of it.
+    Inside(Interval),
+    /// Rounding hides which cells it crosses: every primitive has to be asked.
+    Unresolved,
+}
+
+fn divide(bounds: &Aabb, resolution: [u32; 3]) -> [Axis; 3] {
+    core::array::from_fn(|axis| Axis::new(bounds.min[axis], bounds.max[axis], resolution[axis]))
+}
+
+fn n_references(boxes: &OwnBoxes, axes: &[Axis; 3]) -> u64 {
+    let n_cells = |own: &Aabb| {
+        (0..3)
+            .map(|axis| axes[axis].insertion_range(own.min[axis], own.max[axis]))
+            .fold(1u64, |product, range| product.saturating_mul(u64::from(range.end() - range.start()) + 1))
+    };
+    boxes.bounded.iter().fold(0, |sum, (_, own)| sum.saturating_add(n_cells(own)))
+}
+
+fn for_each_cell(axes: &[Axis; 3], own: &Aabb, visit: impl FnMut(usize)) {
+    let ranges = core::array::from_fn(|axis| axes[axis].insertion_range(own.min[axis], own.max[axis]));
+    for_each_in(axes, ranges, visit);
+}
+
+fn for_each_in(axes: &[Axis; 3], ranges: [core::ops::RangeInclusive<u32>; 3], mut visit: impl FnMut(usize)) {
+    let [x, y, z] = ranges;
+    for k in z {
+        for j in y.clone() {
+            let row = (k as usize * axes[1].cells as usize + j as usize) * axes[0].cells as usize;
+            for i in x.clone() {
+                visit(row + i as usize);
+            }
+        }
+    }
+}
+
+impl Accelerator for UniformGrid {
+    fn closest<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> Option<Hit> {
+        let mut nearest = Nearest::new(ray, span);
+        nearest.offer_all(primitives, &self.unbounded, probe);
+        match self.passage(&nearest.ray, nearest.span) {
+            Passage::Missed => {}
+            Passage::Inside(inside) => {
+                let ray = nearest.ray;
+                let mut walk = Walk::new(&self.axes, &ray, inside);
+                loop {
+                    probe.node();
+                    nearest.offer_all(primitives, self.list(walk.cell()), probe);
+                    if !walk.advance(nearest.span.max) {
+                        break;
+                    }
+                }
+            }
+            Passage::Unresolved => {
+                for index in 0..self.primitives {
+                    nearest.offer(primitives, index, probe);
+                }
+            }
+        }
+        nearest.hit
+    }
+
+    fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        let ray = SlabRay::new(ray);
+        if any_blocks(primitives, &self.unbounded, &ray, span, probe) {
+            return true;
+        }
+        match self.passage(&ray, span) {
+            Passage::Missed => false,
+            Passage::Inside(inside) => {
+                let mut walk = Walk::new(&self.axes, &ray, inside);
+                loop {
+                    probe.node();
+                    if any_blocks(primitives, self.list(walk.cell()), &ray, span, probe) {
+                        return true;
+                    }
+                    if !walk.advance(span.max) {
+                        return false;
+                    }
+                }
+            }
+            Passage::Unresolved => {
+                (0..self.primitives).any(|index| decide_occluded(primitives, index, &ray, span, probe))
+            }
+        }
+    }
+}
