@@ -1,5 +1,8 @@
 //! From linear radiance to bytes.
 
+use crate::Film;
+use rt_math::transcendental::{exp2, pow};
+
 /// The curve that brings radiance into the displayable range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ToneCurve {
@@ -11,6 +14,23 @@ pub enum ToneCurve {
     Aces,
 }
 
+impl ToneCurve {
+    /// Displayable light in [0, 1] for exposed light: non-decreasing; negative light and NaN give 0.
+    pub fn apply(self, light: f64) -> f64 {
+        if light.is_nan() {
+            return 0.0;
+        }
+        // The upper limit keeps the quotients from becoming ∞/∞; both curves round to their limit long before it.
+        let x = light.clamp(0.0, 1e100);
+        let displayed = match self {
+            Self::Clamp => x,
+            Self::Reinhard => x / (1.0 + x),
+            Self::Aces => (x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14),
+        };
+        displayed.min(1.0)
+    }
+}
+
 /// How displayable light is encoded in bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Encoding {
@@ -18,6 +38,31 @@ pub enum Encoding {
     Srgb,
     /// `x^(1/gamma)`; gamma 1 stores linear light.
     Power(f64),
+}
+
+impl Encoding {
+    /// The signal in [0, 1] that stands for displayable light in [0, 1].
+    pub fn encode(self, light: f64) -> f64 {
+        match self {
+            Self::Srgb if light <= 0.0031308 => 12.92 * light,
+            Self::Srgb => 1.055 * pow(light, 1.0 / 2.4) - 0.055,
+            Self::Power(gamma) => pow(light, 1.0 / gamma),
+        }
+    }
+
+    /// The light in [0, 1] that a signal in [0, 1] stands for.
+    pub fn decode_signal(self, signal: f64) -> f64 {
+        match self {
+            Self::Srgb if signal <= 0.04045 => signal / 12.92,
+            Self::Srgb => pow((signal + 0.055) / 1.055, 2.4),
+            Self::Power(gamma) => pow(signal, gamma),
+        }
+    }
+
+    /// The light in [0, 1] that a byte stands for.
+    pub fn decode(self, byte: u8) -> f32 {
+        self.decode_signal(f64::from(byte) / 255.0) as f32
+    }
 }
 
 /// Exposure, tone curve and encoding.
@@ -34,5 +79,259 @@ pub struct Development {
 impl Default for Development {
     fn default() -> Self {
         Self { exposure: 0.0, tone: ToneCurve::Clamp, encoding: Encoding::Srgb }
+    }
+}
+
+/// Why a film cannot be developed with these settings.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum DevelopmentError {
+    /// The exposure (the value, in stops) is not usable.
+    #[error("the exposure is {0} stops; it must lie between -1000 and 1000")]
+    Exposure(f64),
+    /// The exponent of a power-law encoding (the value) is not usable.
+    #[error("gamma is {0}; it must lie between 0.01 and 100")]
+    Gamma(f64),
+}
+
+/// An image of 8 bits a channel, row by row from the top, channels interleaved.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Bitmap8 {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// 3: red, green, blue. 4: and coverage, with which the colours are **not** multiplied (as in PNG).
+    pub channels: u8,
+    /// `width · height · channels` bytes.
+    pub bytes: Vec<u8>,
+}
+
+impl Development {
+    /// Checks exposure and gamma.
+    ///
+    /// # Errors
+    /// [`DevelopmentError`] with the first value that is NaN or out of range.
+    pub fn validate(&self) -> Result<(), DevelopmentError> {
+        if !(-1000.0..=1000.0).contains(&self.exposure) {
+            return Err(DevelopmentError::Exposure(self.exposure));
+        }
+        match self.encoding {
+            Encoding::Power(gamma) if !(0.01..=100.0).contains(&gamma) => Err(DevelopmentError::Gamma(gamma)),
+            _ => Ok(()),
+        }
+    }
+
+    /// The byte of one component: `round(255 · encode(tone(2^exposure · radiance)))`. Negative radiance and NaN
+    /// give 0, infinity what the greatest radiance gives.
+    pub fn byte(&self, radiance: f32) -> u8 {
+        // An infinite radiance times an underflowing exposure would be NaN.
+        let radiance = f64::from(radiance.clamp(f32::MIN, f32::MAX));
+        // The conversion saturates, and takes NaN to 0.
+        (255.0 * self.encoding.encode(self.tone.apply(radiance * exp2(self.exposure)))).round() as u8
+    }
+
+    /// Develops a film to bytes, with its coverage as a fourth channel if it has one. Colours are divided by their
+    /// coverage before they are developed; where nothing is covered they are black.
+    pub fn develop(&self, film: &Film) -> Bitmap8 {
+        let Some(alpha) = film.alpha() else { return self.develop_over_black(film) };
+        let curve = ByteCurve::new(self);
+        let mut bytes = Vec::with_capacity(4 * alpha.len());
+        for (radiance, &alpha) in film.pixels().iter().zip(alpha) {
+            // Filters with negative lobes overshoot. A NaN compares as not covered, and becomes the byte 0.
+            let coverage = alpha.clamp(0.0, 1.0);
+            let straight = radiance.map(|value| if coverage > 0.0 { value / coverage } else { 0.0 });
+            bytes.extend(straight.map(|value| curve.byte(value)));
+            bytes.push((255.0 * coverage).round() as u8);
+        }
+        Bitmap8 { width: film.width(), height: film.height(), channels: 4, bytes }
+    }
+
+    /// Develops a film to three channels, as it looks in front of black: radiance is premultiplied, so that coverage
+    /// is simply left out.
+    pub fn develop_over_black(&self, film: &Film) -> Bitmap8 {
+        let curve = ByteCurve::new(self);
+        let bytes = film.pixels().as_flattened().iter().map(|&value| curve.byte(value)).collect();
+        Bitmap8 { width: film.width(), height: film.height(), channels: 3, bytes }
+    }
+}
+
+/// [`Development::byte`] as a table: the smallest radiance of each byte from 1 to 255.
+///
+/// The development never decreases, so that counting the thresholds that a radiance reaches gives its byte exactly,
+/// without a power per pixel.
+struct ByteCurve {
+    thresholds: [f32; 255],
+}
+
+impl ByteCurve {
+    fn new(development: &Development) -> Self {
+        Self { thresholds: core::array::from_fn(|index| smallest_radiance(development, index as u8 + 1)) }
+    }
+
+    fn byte(&self, radiance: f32) -> u8 {
+        // A NaN reaches no threshold, and no radiance reaches a threshold that is NaN.
+        self.thresholds.partition_point(|&threshold| threshold <= radiance) as u8
+    }
+}
+
+/// The smallest radiance that develops to at least `byte`; NaN if none does.
+fn smallest_radiance(development: &Development, byte: u8) -> f32 {
+    // Non-negative numbers are ordered as their bits are.
+    let reaches = |bits: u32| development.byte(f32::from_bits(bits)) >= byte;
+    let (mut below, mut reached) = (0, f32::MAX.to_bits());
+    if !reaches(reached) {
+        return f32::NAN;
+    }
+    while reached - below > 1 {
+        let middle = below + (reached - below) / 2;
+        if reaches(middle) {
+            reached = middle;
+        } else {
+            below = middle;
+        }
+    }
+    f32::from_bits(reached)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn linear(tone: ToneCurve) -> Development {
+        Development { tone, encoding: Encoding::Power(1.0), exposure: 0.0 }
+    }
+
+    #[test]
+    fn srgb_has_its_known_values() {
+        let development = Development::default();
+        for (light, byte) in [(0.0, 0), (0.5, 188), (1.0, 255), (0.18, 118), (0.215_860_5, 128), (2.0, 255), (-1.0, 0)]
+        {
+            assert_eq!(development.byte(light), byte, "{light}");
+        }
+        // The two pieces meet at the published breakpoints to the digits that the standard gives.
+        assert!((Encoding::Srgb.encode(0.0031308) - 0.04045).abs() < 1e-6);
+        assert!((Encoding::Srgb.encode(0.0031309) - 0.04045).abs() < 2e-6);
+        assert!((Encoding::Srgb.decode_signal(0.04045) - 0.0031308).abs() < 1e-7);
+        assert!((Encoding::Srgb.encode(1.0) - 1.0).abs() < 1e-15);
+        assert!((Encoding::Srgb.decode(128) - 0.215_860_5).abs() < 1e-7);
+    }
+
+    #[test]
+    fn tone_curves_have_their_known_values() {
+        for (tone, light, expected) in [
+            (ToneCurve::Clamp, 0.25, 0.25),
+            (ToneCurve::Clamp, 7.0, 1.0),
+            (ToneCurve::Reinhard, 1.0, 0.5),
+            (ToneCurve::Reinhard, 3.0, 0.75),
+            (ToneCurve::Reinhard, f64::INFINITY, 1.0),
+            (ToneCurve::Aces, 0.0, 0.0),
+            (ToneCurve::Aces, 1.0, 2.54 / 3.16),
+            (ToneCurve::Aces, 0.18, 0.266_898),
+            (ToneCurve::Aces, f64::INFINITY, 1.0),
+        ] {
+            assert!((tone.apply(light) - expected).abs() < 1e-6, "{tone:?}({light}) = {}", tone.apply(light));
+        }
+    }
+
+    #[test]
+    fn bytes_are_rounded_to_the_nearest() {
+        let development = linear(ToneCurve::Clamp);
+        assert_eq!(development.byte(0.4999 / 255.0), 0);
+        assert_eq!(development.byte(0.5001 / 255.0), 1);
+        assert_eq!(development.byte(254.4999 / 255.0), 254);
+        assert_eq!(development.byte(254.5001 / 255.0), 255);
+    }
+
+    #[test]
+    fn exposure_counts_stops() {
+        let brighter = Development { exposure: 2.0, ..linear(ToneCurve::Clamp) };
+        assert_eq!(brighter.byte(0.1), 102);
+        let darker = Development { exposure: -1.0, ..linear(ToneCurve::Clamp) };
+        assert_eq!(darker.byte(1.0), 128);
+    }
+
+    #[test]
+    fn power_law_encodes_with_the_reciprocal_exponent() {
+        let development = Development { encoding: Encoding::Power(2.0), ..Development::default() };
+        assert_eq!(development.byte(0.25), 128);
+        assert!((Encoding::Power(2.0).decode(51) - 0.04).abs() < 1e-7);
+    }
+
+    #[test]
+    fn bytes_survive_decoding_and_encoding() {
+        for encoding in [Encoding::Srgb, Encoding::Power(2.2), Encoding::Power(1.0)] {
+            let development = Development { encoding, ..Development::default() };
+            for byte in 0..=255 {
+                assert_eq!(development.byte(encoding.decode(byte)), byte, "{encoding:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn unusual_radiance_develops_to_the_ends() {
+        for tone in [ToneCurve::Clamp, ToneCurve::Reinhard, ToneCurve::Aces] {
+            for exposure in [-1000.0, 0.0, 1000.0] {
+                let development = Development { tone, exposure, ..Development::default() };
+                let curve = ByteCurve::new(&development);
+                for value in [f32::NAN, f32::NEG_INFINITY, -1.0, -0.0, 0.0] {
+                    assert_eq!(curve.byte(value), 0, "{tone:?} {exposure} {value}");
+                }
+                assert_eq!(curve.byte(f32::INFINITY), if exposure < 0.0 { 0 } else { 255 }, "{tone:?} {exposure}");
+            }
+        }
+    }
+
+    #[test]
+    fn colours_are_divided_by_their_coverage() {
+        let mut film = Film::new(3, 1, true);
+        film.pixels_mut().copy_from_slice(&[[0.25, 0.125, 0.0], [1.0, 1.0, 1.0], [1.0, 0.5, 0.0]]);
+        film.alpha_mut().expect("asked for").copy_from_slice(&[0.5, 0.0, 1.0]);
+        let developed = linear(ToneCurve::Clamp).develop(&film);
+        assert_eq!((developed.width, developed.height, developed.channels), (3, 1, 4));
+        assert_eq!(developed.bytes, [128, 64, 0, 128, 0, 0, 0, 0, 255, 128, 0, 255]);
+        let opaque = linear(ToneCurve::Clamp).develop_over_black(&film);
+        assert_eq!(opaque.bytes, [64, 32, 0, 255, 255, 255, 255, 128, 0]);
+    }
+
+    #[test]
+    fn coverage_beyond_one_does_not_darken() {
+        let mut film = Film::new(1, 1, true);
+        film.pixels_mut()[0] = [0.5; 3];
+        film.alpha_mut().expect("asked for")[0] = 2.0;
+        assert_eq!(linear(ToneCurve::Clamp).develop(&film).bytes, [128, 128, 128, 255]);
+    }
+
+    #[test]
+    fn useless_settings_are_refused() {
+        let sound = Development::default();
+        assert_eq!(sound.validate(), Ok(()));
+        for gamma in [0.0, -2.2, f64::INFINITY] {
+            let development = Development { encoding: Encoding::Power(gamma), ..sound };
+            assert_eq!(development.validate(), Err(DevelopmentError::Gamma(gamma)));
+        }
+        let bright = Development { exposure: f64::INFINITY, ..sound };
+        assert_eq!(bright.validate(), Err(DevelopmentError::Exposure(f64::INFINITY)));
+        assert!(Development { exposure: f64::NAN, ..sound }.validate().is_err());
+        assert!(Development { encoding: Encoding::Power(f64::NAN), ..sound }.validate().is_err());
+    }
+
+    fn any_development() -> impl Strategy<Value = Development> {
+        let tone = prop_oneof![Just(ToneCurve::Clamp), Just(ToneCurve::Reinhard), Just(ToneCurve::Aces)];
+        let encoding = prop_oneof![Just(Encoding::Srgb), (0.5..4.0f64).prop_map(Encoding::Power)];
+        (-10.0..10.0f64, tone, encoding).prop_map(|(exposure, tone, encoding)| Development { exposure, tone, encoding })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn the_table_equals_the_formula(development in any_development(), bits in proptest::collection::vec(any::<u32>(), 256)) {
+            let curve = ByteCurve::new(&development);
+            for value in bits.into_iter().map(f32::from_bits) {
+                prop_assert_eq!(curve.byte(value), development.byte(value), "{}", value);
+                let displayable = value.abs().fract() / 2f32.powf(development.exposure as f32);
+                prop_assert_eq!(curve.byte(displayable), development.byte(displayable), "{}", displayable);
+            }
+        }
     }
 }

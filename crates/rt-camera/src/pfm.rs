@@ -1,0 +1,176 @@
+//! Portable float maps (Debevec 2001): a header of three lines, then the rows from the bottom up, as `f32`.
+//!
+//! ```text
+//! PF              Pf: one channel instead of three
+//! width height
+//! -1.0            negative: little-endian; the absolute value scales the samples
+//! ```
+
+use std::io::{self, BufRead, Read, Write};
+
+use crate::{Film, MAX_READ_PIXELS};
+
+/// A word of the header is refused beyond this length.
+const MAX_WORD: usize = 64;
+
+/// Why a file is not a portable float map.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum PfmError {
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    #[error("its header is damaged")]
+    Header,
+    #[error("{0} by {1} pixels are too many")]
+    TooLarge(u32, u32),
+    #[error("it is truncated: the pixels need {expected} bytes and {found} follow the header")]
+    Truncated { expected: u64, found: u64 },
+}
+
+/// Writes radiance, little-endian.
+pub(crate) fn write(film: &Film, mut writer: impl Write) -> io::Result<()> {
+    write!(writer, "PF\n{} {}\n-1.0\n", film.width(), film.height())?;
+    let row_length = film.width() as usize;
+    let mut bytes = Vec::with_capacity(12 * row_length);
+    for row in film.pixels().rchunks_exact(row_length) {
+        bytes.clear();
+        bytes.extend(row.as_flattened().iter().flat_map(|value| value.to_le_bytes()));
+        writer.write_all(&bytes)?;
+    }
+    Ok(())
+}
+
+/// Reads a map from a file of `length` bytes in all.
+pub(crate) fn read(mut reader: impl BufRead, length: u64) -> Result<Film, PfmError> {
+    let mut header_length = 0;
+    let mut word = || -> Result<String, PfmError> {
+        let (word, consumed) = read_word(&mut reader)?;
+        header_length += consumed;
+        Ok(word)
+    };
+    let channels: u64 = match word()?.as_str() {
+        "PF" => 3,
+        "Pf" => 1,
+        _ => return Err(PfmError::Header),
+    };
+    let width: u32 = word()?.parse().map_err(|_| PfmError::Header)?;
+    let height: u32 = word()?.parse().map_err(|_| PfmError::Header)?;
+    let scale: f32 = word()?.parse().map_err(|_| PfmError::Header)?;
+    if width == 0 || height == 0 || !scale.is_finite() || scale == 0.0 {
+        return Err(PfmError::Header);
+    }
+    let count = u64::from(width) * u64::from(height);
+    if count > MAX_READ_PIXELS {
+        return Err(PfmError::TooLarge(width, height));
+    }
+    // Checked before the film is allocated: a short file must not cost much memory.
+    let (expected, found) = (4 * channels * count, length.saturating_sub(header_length));
+    if found < expected {
+        return Err(PfmError::Truncated { expected, found });
+    }
+    let decode = |bytes: &[u8; 4]| {
+        let value = if scale < 0.0 { f32::from_le_bytes(*bytes) } else { f32::from_be_bytes(*bytes) };
+        value * scale.abs()
+    };
+    let mut film = Film::new(width, height, false);
+    let mut bytes = vec![0; 4 * channels as usize * width as usize];
+    for row in film.pixels_mut().rchunks_exact_mut(width as usize) {
+        reader.read_exact(&mut bytes)?;
+        let (values, _) = bytes.as_chunks::<4>();
+        for (pixel, values) in row.iter_mut().zip(values.chunks_exact(channels as usize)) {
+            // One channel is repeated three times.
+            *pixel = core::array::from_fn(|component| decode(&values[component % channels as usize]));
+        }
+    }
+    Ok(film)
+}
+
+/// The next word, without the white space around it, and the number of bytes that it and one white space behind it
+/// take.
+fn read_word(reader: &mut impl BufRead) -> Result<(String, u64), PfmError> {
+    let mut word = String::new();
+    let mut consumed = 0;
+    for byte in reader.by_ref().bytes() {
+        let byte = byte?;
+        consumed += 1;
+        if !byte.is_ascii_whitespace() {
+            word.push(char::from(byte));
+        } else if !word.is_empty() {
+            return Ok((word, consumed));
+        }
+        if consumed > MAX_WORD as u64 {
+            break;
+        }
+    }
+    Err(PfmError::Header)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(bytes: &[u8]) -> Result<Film, PfmError> {
+        read(bytes, bytes.len() as u64)
+    }
+
+    fn file(header: &str, values: impl IntoIterator<Item = [u8; 4]>) -> Vec<u8> {
+        let mut bytes = header.as_bytes().to_vec();
+        bytes.extend(values.into_iter().flatten());
+        bytes
+    }
+
+    #[test]
+    fn rows_run_from_the_bottom_up() {
+        let bytes = file("PF\n1 2\n-1.0\n", [1f32, 2.0, 3.0, 4.0, 5.0, 6.0].map(f32::to_le_bytes));
+        let film = parse(&bytes).expect("sound");
+        assert_eq!(film.pixels(), [[4.0, 5.0, 6.0], [1.0, 2.0, 3.0]]);
+        let mut written = Vec::new();
+        write(&film, &mut written).expect("written");
+        assert_eq!(written, bytes);
+    }
+
+    #[test]
+    fn a_positive_scale_means_big_endian() {
+        let film = parse(&file("PF 1 1 1.0\n", [1f32, 2.0, 3.0].map(f32::to_be_bytes))).expect("sound");
+        assert_eq!(film.pixels(), [[1.0, 2.0, 3.0]]);
+    }
+
+    #[test]
+    fn one_channel_becomes_grey_and_the_scale_multiplies() {
+        let film = parse(&file("Pf\n2 1\n-0.5\n", [1f32, 3.0].map(f32::to_le_bytes))).expect("sound");
+        assert_eq!(film.pixels(), [[0.5; 3], [1.5; 3]]);
+    }
+
+    #[test]
+    fn a_file_cut_anywhere_is_refused() {
+        let bytes = file("PF\n2 2\n-1.0\n", [0.25f32; 12].map(f32::to_le_bytes));
+        assert!(parse(&bytes).is_ok());
+        for length in 0..bytes.len() {
+            assert!(parse(&bytes[..length]).is_err(), "{length} bytes");
+        }
+    }
+
+    #[test]
+    fn damaged_headers_are_refused() {
+        for header in [
+            "P6 1 1 -1 ",
+            "PF 0 1 -1 ",
+            "PF 1 -1 -1 ",
+            "PF 1 1 0 ",
+            "PF 1 1 nan ",
+            "PF 1 1 inf ",
+            "PF 1 x -1 ",
+            "PF 1.5 1 1 ",
+        ] {
+            assert!(matches!(parse(&file(header, [[0; 4]; 3])), Err(PfmError::Header)), "{header}");
+        }
+        let endless = [b' '; 1000];
+        assert!(matches!(parse(&endless), Err(PfmError::Header)));
+    }
+
+    #[test]
+    fn huge_claims_are_refused_before_anything_is_allocated() {
+        let huge = parse(b"PF 4294967295 4294967295 -1.0 ");
+        assert!(matches!(huge, Err(PfmError::TooLarge(u32::MAX, u32::MAX))));
+        assert!(matches!(parse(b"PF 8192 8192 -1.0 "), Err(PfmError::Truncated { found: 0, .. })));
+    }
+}

@@ -1,0 +1,221 @@
+//! Image files to films.
+
+use std::{
+    fs::File,
+    io::{BufRead, BufReader, Seek},
+    path::Path,
+};
+
+use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
+
+use crate::{
+    Encoding, Film, ImageFileError,
+    pfm::{self, PfmError},
+};
+
+/// Pixels of the largest image that [`read_image`] reads: 2²⁷, such as an environment map of 16,384 by 8,192.
+pub const MAX_READ_PIXELS: u64 = 1 << 27;
+
+/// Bytes that a decoder may allocate: four channels of `f32`.
+const MAX_DECODER_BYTES: u64 = 16 * MAX_READ_PIXELS;
+
+/// Reads an image as linear radiance. The format is told by the file's content and not by its name.
+///
+/// PNG and JPEG are taken to be encoded in sRGB, whatever profile they carry; their coverage is multiplied into the
+/// radiance. EXR, HDR and PFM are taken as they are.
+///
+/// # Errors
+/// [`ImageFileError`] with the path, for a file that is missing, not a regular file, damaged, in another format, or
+/// larger than [`MAX_READ_PIXELS`].
+pub fn read_image(path: &Path) -> Result<Film, ImageFileError> {
+    let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
+    // Asked for before opening, which would wait for the other end of a pipe.
+    let metadata = std::fs::metadata(path).map_err(unreadable)?;
+    if !metadata.is_file() {
+        return Err(ImageFileError::NotAFile(path.to_owned()));
+    }
+    let mut reader = BufReader::new(File::open(path).map_err(unreadable)?);
+    if matches!(reader.fill_buf().map_err(unreadable)?, [b'P', b'F' | b'f', ..]) {
+        return pfm::read(reader, metadata.len()).map_err(|error| match error {
+            PfmError::Io(source) => unreadable(source),
+            PfmError::TooLarge(width, height) => ImageFileError::TooLarge { path: path.to_owned(), width, height },
+            damaged => ImageFileError::Decode { path: path.to_owned(), reason: damaged.to_string() },
+        });
+    }
+    decode(path, reader).map(|image| film_of(&image))
+}
+
+/// Decodes a format of the `image` crate within the limits.
+fn decode(path: &Path, reader: impl BufRead + Seek) -> Result<DynamicImage, ImageFileError> {
+    let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
+    let undecodable = |error: ImageError| match error {
+        ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => unreadable(source),
+        other => ImageFileError::Decode { path: path.to_owned(), reason: other.to_string() },
+    };
+    let mut reader = ImageReader::new(reader).with_guessed_format().map_err(unreadable)?;
+    if reader.format().is_none_or(|format| !format.reading_enabled()) {
+        return Err(ImageFileError::UnknownFormat(path.to_owned()));
+    }
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(MAX_DECODER_BYTES);
+    reader.limits(limits);
+    let decoder = reader.into_decoder().map_err(undecodable)?;
+    let (width, height) = decoder.dimensions();
+    if u64::from(width) * u64::from(height) > MAX_READ_PIXELS {
+        return Err(ImageFileError::TooLarge { path: path.to_owned(), width, height });
+    }
+    DynamicImage::from_decoder(decoder).map_err(undecodable)
+}
+
+/// Linear radiance and coverage of a decoded image.
+fn film_of(image: &DynamicImage) -> Film {
+    let mut film = Film::new(image.width(), image.height(), image.color().has_alpha());
+    match image {
+        DynamicImage::ImageRgb32F(pixels) => film.pixels_mut().as_flattened_mut().copy_from_slice(pixels),
+        DynamicImage::ImageRgba32F(pixels) => fill(&mut film, pixels.pixels().map(|pixel| pixel.0)),
+        DynamicImage::ImageLuma8(_)
+        | DynamicImage::ImageLumaA8(_)
+        | DynamicImage::ImageRgb8(_)
+        | DynamicImage::ImageRgba8(_) => {
+            let light = light_of_signals(usize::from(u8::MAX));
+            let pixels = image.to_rgba8();
+            fill(&mut film, pixels.pixels().map(|pixel| premultiply(pixel.0.map(usize::from), &light)));
+        }
+        // What remains has 16 bits a channel.
+        _ => {
+            let light = light_of_signals(usize::from(u16::MAX));
+            let pixels = image.to_rgba16();
+            fill(&mut film, pixels.pixels().map(|pixel| premultiply(pixel.0.map(usize::from), &light)));
+        }
+    }
+    film
+}
+
+/// Stores premultiplied radiance and coverage, pixel by pixel.
+fn fill(film: &mut Film, values: impl Iterator<Item = [f32; 4]> + Clone) {
+    for (pixel, [r, g, b, _]) in film.pixels_mut().iter_mut().zip(values.clone()) {
+        *pixel = [r, g, b];
+    }
+    if let Some(alpha) = film.alpha_mut() {
+        for (alpha, [.., a]) in alpha.iter_mut().zip(values) {
+            *alpha = a;
+        }
+    }
+}
+
+/// The light that each level of an sRGB signal stands for, from 0 to `max`.
+fn light_of_signals(max: usize) -> Vec<f32> {
+    (0..=max).map(|level| Encoding::Srgb.decode_signal(level as f64 / max as f64) as f32).collect()
+}
+
+/// Linear radiance times coverage, and coverage, from the levels of a pixel.
+fn premultiply([r, g, b, a]: [usize; 4], light: &[f32]) -> [f32; 4] {
+    let coverage = a as f32 / (light.len() - 1) as f32;
+    [light[r] * coverage, light[g] * coverage, light[b] * coverage, coverage]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Development, ImageFormat, write_image};
+    use proptest::prelude::*;
+
+    fn read_bytes(bytes: &[u8]) -> Result<Film, ImageFileError> {
+        let file = tempfile::NamedTempFile::new().expect("a file");
+        std::fs::write(file.path(), bytes).expect("written");
+        read_image(file.path())
+    }
+
+    fn encoded(format: ImageFormat) -> Vec<u8> {
+        let mut film = Film::new(12, 7, true);
+        for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
+            *pixel = [index as f32 / 84.0, 0.5, 0.1];
+        }
+        film.alpha_mut().expect("asked for").fill(0.75);
+        let mut bytes = Vec::new();
+        write_image(&film, &Development::default(), format, &mut bytes).expect("written");
+        bytes
+    }
+
+    fn encoded_by_image(image: &DynamicImage) -> Vec<u8> {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image.write_to(&mut bytes, image::ImageFormat::Png).expect("a PNG");
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn png_is_linearised_and_multiplied_by_its_coverage() {
+        let eight = image::RgbaImage::from_raw(1, 1, vec![188, 0, 255, 51]).expect("four bytes");
+        let film = read_bytes(&encoded_by_image(&DynamicImage::ImageRgba8(eight))).expect("readable");
+        assert_eq!(film.alpha(), Some([0.2f32].as_slice()));
+        assert_eq!(film.pixels(), [[Encoding::Srgb.decode(188) * 0.2, 0.0, 0.2]]);
+
+        let sixteen = image::ImageBuffer::from_raw(1, 1, vec![188 * 257]).expect("one value");
+        let film = read_bytes(&encoded_by_image(&DynamicImage::ImageLuma16(sixteen))).expect("readable");
+        assert_eq!(film.alpha(), None);
+        assert_eq!(film.pixels(), [[Encoding::Srgb.decode(188); 3]]);
+    }
+
+    #[test]
+    fn developing_what_was_read_gives_the_same_bytes() {
+        let film = read_bytes(&encoded(ImageFormat::Png)).expect("readable");
+        let mut again = Vec::new();
+        write_image(&film, &Development::default(), ImageFormat::Png, &mut again).expect("written");
+        assert_eq!(again, encoded(ImageFormat::Png));
+    }
+
+    #[test]
+    fn the_content_tells_the_format_and_not_the_name() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("image.png");
+        std::fs::write(&path, encoded(ImageFormat::Exr)).expect("written");
+        assert_eq!(read_image(&path).expect("readable").width(), 12);
+    }
+
+    #[test]
+    fn what_is_not_an_image_file_is_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        assert!(matches!(read_image(folder.path()), Err(ImageFileError::NotAFile(_))));
+        let missing = folder.path().join("missing.png");
+        let message = read_image(&missing).expect_err("missing").to_string();
+        assert!(message.contains("missing.png"), "{message}");
+        for bytes in [b"".as_slice(), b"P", b"hello, this is no image", b"GIF89a"] {
+            assert!(matches!(read_bytes(bytes), Err(ImageFileError::UnknownFormat(_))), "{bytes:?}");
+        }
+    }
+
+    #[test]
+    fn huge_claims_are_refused() {
+        // A Radiance header without pixels.
+        let hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 60000 +X 60000\n";
+        assert!(matches!(read_bytes(hdr), Err(ImageFileError::TooLarge { width: 60_000, .. })));
+        let pfm = b"PF 60000 60000 -1.0 ";
+        assert!(matches!(read_bytes(pfm), Err(ImageFileError::TooLarge { width: 60_000, .. })));
+    }
+
+    #[test]
+    fn a_file_cut_anywhere_does_not_panic() {
+        for format in ImageFormat::ALL {
+            let bytes = encoded(format);
+            for length in 0..bytes.len() {
+                // Some decoders make do with missing trailing bytes, such as checksums.
+                if let Ok(film) = read_bytes(&bytes[..length]) {
+                    assert_eq!((film.width(), film.height()), (12, 7), "{format:?}, {length} bytes");
+                }
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(256))]
+        #[test]
+        fn a_damaged_file_does_not_panic(format in 0usize..5, at in any::<prop::sample::Index>(), byte in any::<u8>()) {
+            let mut bytes = encoded(ImageFormat::ALL[format]);
+            let position = at.index(bytes.len());
+            bytes[position] = byte;
+            if let Ok(film) = read_bytes(&bytes) {
+                prop_assert!(u64::from(film.width()) * u64::from(film.height()) <= MAX_READ_PIXELS);
+            }
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! Films to image files.
+
+use std::io::{Cursor, Write};
+
+use image::{
+    ExtendedColorType, ImageEncoder, ImageError,
+    codecs::{hdr::HdrEncoder, jpeg::JpegEncoder, openexr::OpenExrEncoder, png::PngEncoder},
+    error::{ParameterError, ParameterErrorKind},
+};
+
+use crate::{Development, Film, ImageFileError, ImageFormat, pfm};
+
+/// Quality of JPEG files, out of 100: no visible blocks.
+const JPEG_QUALITY: u8 = 95;
+
+/// Writes a film in the given format: developed for PNG and JPEG, linear radiance for EXR, HDR and PFM.
+///
+/// The file is made in memory and then handed to the writer, which is not touched if the format cannot hold the film.
+/// Nothing is known about what has been written when the writer fails: to keep an older file, write to another one and
+/// rename that.
+///
+/// # Errors
+/// [`ImageFileError::Write`] if the writer fails, [`ImageFileError::Encode`] if the format cannot hold the film.
+pub fn write_image(
+    film: &Film,
+    development: &Development,
+    format: ImageFormat,
+    mut writer: impl Write,
+) -> Result<(), ImageFileError> {
+    // The encoders would hide the kind of a writer's error (a full disk) in their own.
+    let bytes = encode(film, development, format)
+        .map_err(|error| ImageFileError::Encode { format, reason: error.to_string() })?;
+    writer.write_all(&bytes).and_then(|()| writer.flush()).map_err(ImageFileError::Write)
+}
+
+/// The bytes of the file.
+fn encode(film: &Film, development: &Development, format: ImageFormat) -> Result<Vec<u8>, ImageError> {
+    let (width, height) = (film.width(), film.height());
+    if width == 0 || height == 0 {
+        let kind = ParameterErrorKind::Generic("it has no pixels".to_owned());
+        return Err(ImageError::Parameter(ParameterError::from_kind(kind)));
+    }
+    let mut bytes = Vec::new();
+    match format {
+        ImageFormat::Png => {
+            let bitmap = development.develop(film);
+            let layout = if bitmap.channels == 4 { ExtendedColorType::Rgba8 } else { ExtendedColorType::Rgb8 };
+            PngEncoder::new(&mut bytes).write_image(&bitmap.bytes, width, height, layout)?;
+        }
+        ImageFormat::Jpeg => {
+            let bitmap = development.develop_over_black(film);
+            let encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
+            encoder.write_image(&bitmap.bytes, width, height, ExtendedColorType::Rgb8)?;
+        }
+        ImageFormat::Exr => {
+            let (layout, channels) = float_channels(film);
+            OpenExrEncoder::new(Cursor::new(&mut bytes)).write_image(&channels, width, height, layout)?;
+        }
+        ImageFormat::Hdr => {
+            let pixels: Vec<_> = film.pixels().iter().map(|&value| image::Rgb(representable_in_rgbe(value))).collect();
+            HdrEncoder::new(&mut bytes).encode(&pixels, width as usize, height as usize)?;
+        }
+        ImageFormat::Pfm => pfm::write(film, &mut bytes)?,
+    }
+    Ok(bytes)
+}
+
+/// Radiance and, if the film has it, coverage: pixel by pixel, as native bytes, and what they are.
+fn float_channels(film: &Film) -> (ExtendedColorType, Vec<u8>) {
+    if let Some(alpha) = film.alpha() {
+        let channels = film.pixels().iter().zip(alpha).flat_map(|(&[r, g, b], &a)| [r, g, b, a]);
+        (ExtendedColorType::Rgba32F, channels.flat_map(f32::to_ne_bytes).collect())
+    } else {
+        let channels = film.pixels().as_flattened().iter();
+        (ExtendedColorType::Rgb32F, channels.flat_map(|value| value.to_ne_bytes()).collect())
+    }
+}
+
+/// The nearest radiance whose shared exponent fits in a byte; the encoder wraps it around otherwise.
+fn representable_in_rgbe(radiance: [f32; 3]) -> [f32; 3] {
+    // 255/256 · 2¹²⁷.
+    const LARGEST: f32 = 255.0 * (1u128 << 119) as f32;
+    let clamped = radiance.map(|value| if value.is_nan() { 0.0 } else { value.clamp(0.0, LARGEST) });
+    if clamped.iter().all(|&value| value < f32::MIN_POSITIVE) { [0.0; 3] } else { clamped }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read_image;
+    use std::{io, path::PathBuf};
+
+    fn written(film: &Film, development: &Development, format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        write_image(film, development, format, &mut bytes).expect("written");
+        bytes
+    }
+
+    /// Writes the film to a file of a new folder, to be read back.
+    fn saved(film: &Film, format: ImageFormat) -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("image");
+        std::fs::write(&path, written(film, &Development::default(), format)).expect("a file");
+        (folder, path)
+    }
+
+    /// Values over the whole range of `f32`, also those that no picture should hold.
+    fn film(with_alpha: bool) -> Film {
+        let mut film = Film::new(9, 5, with_alpha);
+        for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
+            let value = index as f32;
+            *pixel = [value / 44.0, 1e30 / (1.0 + value), -value * 1e-40];
+        }
+        film.pixels_mut()[7] = [f32::INFINITY, -0.0, f32::MAX];
+        if let Some(alpha) = film.alpha_mut() {
+            for (index, alpha) in alpha.iter_mut().enumerate() {
+                *alpha = index as f32 / 44.0;
+            }
+        }
+        film
+    }
+
+    #[test]
+    fn exr_keeps_every_bit() {
+        for with_alpha in [false, true] {
+            let film = film(with_alpha);
+            let (_folder, path) = saved(&film, ImageFormat::Exr);
+            assert_eq!(read_image(&path).expect("readable").checksum(), film.checksum());
+        }
+    }
+
+    #[test]
+    fn pfm_keeps_every_bit_of_radiance() {
+        let film = film(false);
+        let (_folder, path) = saved(&film, ImageFormat::Pfm);
+        assert_eq!(read_image(&path).expect("readable").checksum(), film.checksum());
+    }
+
+    #[test]
+    fn png_holds_the_developed_bytes() {
+        let development = Development { exposure: 1.5, ..Development::default() };
+        for with_alpha in [false, true] {
+            let film = film(with_alpha);
+            let decoded = image::load_from_memory(&written(&film, &development, ImageFormat::Png)).expect("a PNG");
+            let developed = development.develop(&film);
+            assert_eq!(decoded.as_bytes(), developed.bytes);
+            assert_eq!(decoded.color().channel_count(), developed.channels);
+        }
+    }
+
+    #[test]
+    fn jpeg_is_close_to_the_developed_bytes() {
+        let mut film = Film::new(16, 16, true);
+        for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
+            *pixel = [index as f32 / 255.0, 0.25, 0.5];
+        }
+        let development = Development::default();
+        let decoded = image::load_from_memory(&written(&film, &development, ImageFormat::Jpeg)).expect("a JPEG");
+        let developed = development.develop_over_black(&film).bytes;
+        for (a, b) in decoded.as_bytes().iter().zip(developed) {
+            assert!(a.abs_diff(b) < 12, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn hdr_keeps_seven_bits() {
+        let mut film = Film::new(40, 3, false);
+        for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
+            *pixel = [1e-3 * index as f32, 1.0, index as f32 * 1e3];
+        }
+        let (_folder, path) = saved(&film, ImageFormat::Hdr);
+        let read = read_image(&path).expect("readable");
+        for (a, b) in film.pixels().iter().zip(read.pixels()) {
+            let largest = a.iter().fold(0f32, |largest, &value| largest.max(value));
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= largest / 128.0), "{a:?} {b:?}");
+        }
+    }
+
+    #[test]
+    fn hdr_of_tiny_or_huge_radiance_does_not_wrap_around() {
+        let mut film = Film::new(5, 1, false);
+        film.pixels_mut().copy_from_slice(&[
+            [1e-40, 0.0, 0.0],
+            [f32::INFINITY, 0.0, 0.0],
+            [f32::NAN, 1.0, -3.0],
+            [f32::MAX, 1.0, 0.0],
+            [f32::MIN_POSITIVE, 0.0, 0.0],
+        ]);
+        let (_folder, path) = saved(&film, ImageFormat::Hdr);
+        let read = read_image(&path).expect("readable");
+        let red = |index: usize| read.pixels()[index][0];
+        assert_eq!(read.pixels()[0], [0.0; 3]);
+        assert!(red(1) > 1e38 && red(3) > 1e38);
+        assert_eq!(read.pixels()[2], [0.0, 1.0, 0.0]);
+        assert_eq!(red(4), f32::MIN_POSITIVE);
+    }
+
+    /// A disk that is full after some bytes.
+    struct FullDisk(usize);
+
+    impl Write for FullDisk {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            if self.0 == 0 {
+                return Err(io::ErrorKind::StorageFull.into());
+            }
+            let count = bytes.len().min(self.0);
+            self.0 -= count;
+            Ok(count)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_full_disk_is_a_write_error_in_every_format() {
+        for format in ImageFormat::ALL {
+            for free in [0, 1, 100] {
+                match write_image(&film(false), &Development::default(), format, FullDisk(free)) {
+                    Err(ImageFileError::Write(error)) => assert_eq!(error.kind(), io::ErrorKind::StorageFull),
+                    other => panic!("{format:?} with {free} bytes free: {other:?}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn images_that_a_format_cannot_hold_are_refused() {
+        for format in ImageFormat::ALL {
+            for (width, height) in [(0, 0), (0, 3), (3, 0)] {
+                let result = write_image(&Film::new(width, height, false), &Development::default(), format, io::sink());
+                assert!(matches!(result, Err(ImageFileError::Encode { .. })), "{format:?}: {result:?}");
+            }
+        }
+        let too_long = Film::new(70_000, 1, false);
+        let result = write_image(&too_long, &Development::default(), ImageFormat::Jpeg, io::sink());
+        assert!(matches!(result, Err(ImageFileError::Encode { format: ImageFormat::Jpeg, .. })), "{result:?}");
+    }
+}
