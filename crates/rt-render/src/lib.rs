@@ -1,1 +1,65 @@
-//! rt-render
+//! # rt-render: chapter 1, the algorithm
+//!
+//! ```text
+//!   Scene ──compile──> RenderPlan ──render──> Film
+//!                          │
+//!                          └─ explain: what is used, what is left out, and why
+//! ```
+//!
+//! **Owns** the plan ([`RenderPlan`]), the two-level world that rays are traced against, the loop over tiles and samples,
+//! and the statistics. It is the only crate that knows structures *and* materials.
+//! **Does not own** files, arguments or progress bars; nothing here prints.
+//!
+//! The picture is a pure function of scene, settings and seed: thread count, tile order and structure change no bit.
+//!
+//! ```
+//! use rt_render::{PlanOptions, RenderPlan, RunOptions};
+//! # use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
+//! # use rt_geometry::{Shape, Sphere};
+//! # use rt_math::{DVec2, DVec3, Rgb, Transform};
+//! # use rt_scene_io::{Content, MaterialId, NamedCamera, Node, Scene, Settings};
+//! # use rt_shading::{Appearance, Background, Falloff, Light, LightKind, Material, Phong};
+//! # let camera = CameraSettings {
+//! #     world_from_camera: Transform::translate(DVec3::Z * 4.0),
+//! #     projection: Projection::Perspective { fov: 0.7, axis: FovAxis::Vertical },
+//! #     lens_shift: DVec2::ZERO,
+//! # };
+//! # let lamp = LightKind::Point { position: DVec3::ONE * 5.0, falloff: Falloff::None, lamp_radius: 0.0 };
+//! # let scene = Scene {
+//! #     cameras: vec![NamedCamera { name: "main".into(), settings: camera }],
+//! #     film: FilmSettings { width: 32, height: 24, ..FilmSettings::default() },
+//! #     appearance: Appearance {
+//! #         materials: vec![Material { name: "grey".into(), phong: Phong::default() }],
+//! #         lights: vec![Light { name: "lamp".into(), kind: lamp, intensity: Rgb::WHITE, casts_shadows: true }],
+//! #         ..Appearance::default()
+//! #     },
+//! #     nodes: vec![Node::new(Content::Shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)?)), MaterialId(0))],
+//! #     ..Scene::empty("one sphere")
+//! # };
+//! let plan = RenderPlan::compile(&scene, &PlanOptions::default())?;
+//! println!("{}", plan.explain());
+//! let rendering = plan.render(&RunOptions::default(), |_| {})?;
+//! assert_eq!(rendering.film.pixels().len(), 32 * 24);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+#![forbid(unsafe_code)]
+
+mod error;
+mod explain;
+mod flatten;
+mod plan;
+mod render;
+mod statistics;
+mod structure;
+mod tiles;
+mod trace;
+mod world;
+
+pub use error::RenderError;
+pub use explain::{Explanation, LeftOut};
+pub use plan::{Crop, PlanOptions, RenderPlan};
+pub use render::{Progress, Rendering, RunOptions};
+pub use rt_math::{Counters, RayKind, Tally};
+pub use rt_shading::ShadingCounts;
+pub use statistics::Statistics;

@@ -110,6 +110,15 @@ pub struct Phong {
     pub transmission: Option<Transmission>,
 }
 
+impl Phong {
+    /// True if any coefficient varies with the texture coordinates.
+    pub fn is_textured(&self) -> bool {
+        let textured = |coefficient: &Coefficient| matches!(coefficient, Coefficient::Textured(..));
+        [&self.ambient, &self.diffuse, &self.specular, &self.emission, &self.mirror].into_iter().any(textured)
+            || self.transmission.is_some_and(|transmission| textured(&transmission.coefficient))
+    }
+}
+
 impl Default for Phong {
     /// A grey diffuse surface with a little ambient light.
     fn default() -> Self {

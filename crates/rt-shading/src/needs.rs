@@ -1,6 +1,6 @@
 //! What the materials and lights of a scene make necessary.
 
-use crate::{Appearance, Coefficient, Phong};
+use crate::{Appearance, Phong};
 use rt_geometry::SurfaceNeeds;
 use rt_math::Rgb;
 
@@ -50,7 +50,6 @@ impl Needs {
         let materials = || appearance.materials.iter().enumerate().filter(|(index, _)| used(*index));
         let any = |test: &dyn Fn(&Phong) -> bool| materials().any(|(_, material)| test(&material.phong));
         let lit = !appearance.lights.is_empty();
-        let textured = |c: &Coefficient| matches!(c, Coefficient::Textured(..));
         Self {
             shadows: appearance.lights.iter().any(|light| light.casts_shadows),
             ambient: !appearance.ambient.is_black() && any(&|p| !p.ambient.is_zero()),
@@ -60,10 +59,7 @@ impl Needs {
             refraction: any(&|p| p.transmission.is_some()),
             fresnel: any(&|p| p.transmission.is_some_and(|t| t.fresnel)),
             absorption: any(&|p| p.transmission.is_some_and(|t| t.absorption != Rgb::BLACK)),
-            textures: any(&|p| {
-                [&p.ambient, &p.diffuse, &p.specular, &p.emission, &p.mirror].into_iter().any(textured)
-                    || p.transmission.is_some_and(|t| textured(&t.coefficient))
-            }),
+            textures: any(&Phong::is_textured),
             shading_normals: true,
         }
     }

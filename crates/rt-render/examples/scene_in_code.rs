@@ -1,0 +1,60 @@
+//! Builds a scene in Rust, renders it and saves the picture:
+//! `cargo run -p rt-render --example scene_in_code -- picture.png`
+
+#![allow(clippy::print_stdout, reason = "an example shows its results")]
+
+use std::{error::Error, fs::File, io::BufWriter};
+
+use rt_camera::{CameraSettings, FilmSettings, FovAxis, ImageFormat, Projection, write_image};
+use rt_geometry::{Plane, Shape, Sphere};
+use rt_math::{DVec2, DVec3, Rgb, Transform};
+use rt_render::{PlanOptions, RenderPlan, RunOptions};
+use rt_scene_io::{Content, MaterialId, NamedCamera, Node, Scene};
+use rt_shading::{Appearance, Background, Coefficient, Falloff, Light, LightKind, Material, Phong};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let path = std::env::args().nth(1).unwrap_or_else(|| "scene_in_code.png".to_owned());
+
+    let camera = CameraSettings {
+        world_from_camera: Transform::look_at(DVec3::new(0.0, 2.0, 7.0), DVec3::new(0.0, 0.8, 0.0), DVec3::Y)?,
+        projection: Projection::Perspective { fov: 40f64.to_radians(), axis: FovAxis::Vertical },
+        lens_shift: DVec2::ZERO,
+    };
+    let lamp = LightKind::Point { position: DVec3::new(-4.0, 6.0, 5.0), falloff: Falloff::None, lamp_radius: 0.0 };
+    let gray = |value| Coefficient::Constant(Rgb::gray(value));
+    let clay = Phong { diffuse: Coefficient::Constant(Rgb::new(0.8, 0.4, 0.3)), ..Phong::default() };
+    let chrome = Phong { diffuse: gray(0.1), specular: gray(0.8), mirror: gray(0.7), ..Phong::default() };
+
+    let sphere =
+        |x, radius| Ok::<_, rt_geometry::ShapeError>(Shape::Sphere(Sphere::new(DVec3::new(x, radius, 0.0), radius)?));
+    let scene = Scene {
+        cameras: vec![NamedCamera { name: "main".into(), settings: camera }],
+        film: FilmSettings { width: 480, height: 320, ..FilmSettings::default() },
+        appearance: Appearance {
+            materials: vec![
+                Material { name: "clay".into(), phong: clay },
+                Material { name: "chrome".into(), phong: chrome },
+            ],
+            lights: vec![Light { name: "lamp".into(), kind: lamp, intensity: Rgb::WHITE, casts_shadows: true }],
+            ambient: Rgb::WHITE,
+            background: Background::Gradient { bottom: Rgb::gray(0.9), top: Rgb::new(0.3, 0.5, 0.9) },
+            ..Appearance::default()
+        },
+        nodes: vec![
+            Node::new(Content::Shape(Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y)?)), MaterialId(0)),
+            Node::new(Content::Shape(sphere(-1.2, 1.0)?), MaterialId(0)),
+            Node::new(Content::Shape(sphere(1.3, 1.2)?), MaterialId(1)),
+        ],
+        ..Scene::empty("scene in code")
+    };
+
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default())?;
+    println!("{}", plan.explain());
+    let rendering = plan.render(&RunOptions::default(), |_| {})?;
+    println!("{:.1} million rays per second", rendering.statistics.mega_rays_per_second());
+
+    let format = ImageFormat::from_path(path.as_ref())?;
+    write_image(&rendering.film, &scene.film.development, format, BufWriter::new(File::create(&path)?))?;
+    println!("saved {path}");
+    Ok(())
+}

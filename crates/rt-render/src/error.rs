@@ -1,0 +1,81 @@
+//! What can go wrong between a scene and its picture.
+
+/// Why a scene cannot be rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The camera is unusable.
+    #[error("camera '{name}': {source}")]
+    Camera {
+        /// Name of the camera.
+        name: String,
+        /// What is wrong with it.
+        source: rt_camera::CameraError,
+    },
+    /// The scene has no camera, or none of that index.
+    #[error("the scene has {count} cameras, so there is no camera number {index}")]
+    NoCamera {
+        /// Index asked for.
+        index: usize,
+        /// Number of cameras.
+        count: usize,
+    },
+    /// The image is unusable.
+    #[error("film: {0}")]
+    Film(#[from] rt_camera::FilmError),
+    /// The part of the image to render is empty or outside the image.
+    #[error("crop {x},{y} {width}x{height} does not lie within the {film_width}x{film_height} image")]
+    Crop {
+        /// Left edge in pixels.
+        x: u32,
+        /// Upper edge in pixels.
+        y: u32,
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+        /// Width of the image.
+        film_width: u32,
+        /// Height of the image.
+        film_height: u32,
+    },
+    /// A structure cannot be built.
+    #[error("object '{object}': {source}")]
+    Build {
+        /// Name of the offending object.
+        object: String,
+        /// What is wrong with it.
+        source: rt_accel::BuildError,
+    },
+    /// Groups contain each other, or the tree is nested too deeply.
+    #[error("group '{0}' contains itself, or groups and nodes are nested more than 1024 deep")]
+    Nesting(String),
+    /// An index in the scene points nowhere.
+    #[error("object '{object}' refers to {what} number {index}, but there are {count}")]
+    Dangling {
+        /// Name of the object.
+        object: String,
+        /// "material", "mesh" or "group".
+        what: &'static str,
+        /// The index.
+        index: u32,
+        /// How many there are.
+        count: usize,
+    },
+    /// A product of transforms is singular.
+    #[error("object '{object}': {source}")]
+    Transform {
+        /// Name of the object.
+        object: String,
+        /// What is wrong.
+        source: rt_math::TransformError,
+    },
+    /// More objects than indices.
+    #[error("the scene has more than 2^32 - 1 objects")]
+    TooManyObjects,
+    /// Samples per pixel must be at least 1.
+    #[error("at least 1 sample per pixel is needed")]
+    NoSamples,
+    /// The worker threads could not be started.
+    #[error("worker threads could not be started: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}

@@ -1,0 +1,283 @@
+//! What a plan uses, what it leaves out, and why.
+
+use std::fmt;
+
+use rt_geometry::Shape;
+use rt_scene_io::{Accel, Integrator};
+
+use crate::{
+    RenderPlan,
+    plan::World,
+    structure::Structure,
+    world::{Levels, Part, PartGeometry},
+};
+
+/// Something that a plan leaves out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// The thing.
+    pub what: &'static str,
+    /// Why the picture does not depend on it.
+    pub why: String,
+}
+
+/// A plan in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Explanation {
+    /// One line: scene, integrator, camera, image, samples.
+    pub title: String,
+    /// What is used.
+    pub used: Vec<String>,
+    /// What is left out.
+    pub left_out: Vec<LeftOut>,
+    /// Predicted bytes of film, geometry and structures.
+    pub memory: [(&'static str, usize); 3],
+}
+
+impl fmt::Display for Explanation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.title)?;
+        writeln!(f, "\nused")?;
+        for line in &self.used {
+            writeln!(f, "  {line}")?;
+        }
+        if !self.left_out.is_empty() {
+            writeln!(f, "\nleft out")?;
+            for LeftOut { what, why } in &self.left_out {
+                writeln!(f, "  {what}: {why}")?;
+            }
+        }
+        write!(f, "\npredicted memory\n ")?;
+        for (i, (what, bytes)) in self.memory.iter().enumerate() {
+            write!(f, "{} {what} {}", if i == 0 { "" } else { "," }, Bytes(*bytes))?;
+        }
+        writeln!(f)
+    }
+}
+
+/// Bytes in a unit that fits.
+struct Bytes(usize);
+
+impl fmt::Display for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bytes = self.0 as f64;
+        match self.0 {
+            0..1024 => write!(f, "{} B", self.0),
+            1024..1_048_576 => write!(f, "{:.1} KiB", bytes / 1024.0),
+            1_048_576..1_073_741_824 => write!(f, "{:.1} MiB", bytes / 1_048_576.0),
+            _ => write!(f, "{:.1} GiB", bytes / 1_073_741_824.0),
+        }
+    }
+}
+
+/// How many of what the flattened world holds.
+#[derive(Debug, Default)]
+struct Census {
+    spheres: usize,
+    boxes: usize,
+    planes: usize,
+    triangles: usize,
+    placed: usize,
+    mesh_instances: usize,
+    mesh_triangles: usize,
+    meshes: usize,
+    group_instances: usize,
+    groups: usize,
+    shadowless: usize,
+    unbounded: usize,
+}
+
+impl Census {
+    fn of(world: &World) -> Self {
+        match world {
+            World::Spheres(world, _) => Self { spheres: world.materials.len(), ..Self::default() },
+            World::Parts(top, levels) => {
+                let mut census = Self { meshes: levels.meshes.len(), groups: levels.groups.len(), ..Self::default() };
+                census.mesh_triangles = levels.meshes.iter().map(|m| m.mesh.data().triangles.len()).sum();
+                for part in top.parts.iter().chain(levels.groups.iter().flat_map(|g| &g.parts)) {
+                    census.add(part);
+                }
+                census
+            }
+        }
+    }
+
+    fn add(&mut self, part: &Part) {
+        self.shadowless += usize::from(!part.casts_shadow);
+        self.unbounded += usize::from(part.bounds.is_none());
+        match &part.geometry {
+            PartGeometry::Shape(Shape::Sphere(_)) => self.spheres += 1,
+            PartGeometry::Shape(Shape::AxisBox(_)) => self.boxes += 1,
+            PartGeometry::Shape(Shape::Plane(_)) => self.planes += 1,
+            PartGeometry::Shape(Shape::Triangle(_)) => self.triangles += 1,
+            PartGeometry::Placed(_) => self.placed += 1,
+            PartGeometry::Mesh(..) => self.mesh_instances += 1,
+            PartGeometry::Group(..) => self.group_instances += 1,
+        }
+    }
+}
+
+/// "1 sphere", "2 spheres".
+fn count(n: usize, singular: &str, plural: &str) -> String {
+    format!("{n} {}", if n == 1 { singular } else { plural })
+}
+
+impl RenderPlan<'_> {
+    /// The plan in words: deterministic, so that it can be compared as text.
+    pub fn explain(&self) -> Explanation {
+        let census = Census::of(&self.world);
+        Explanation {
+            title: self.title(),
+            used: self.used(&census),
+            left_out: if self.full { Vec::new() } else { self.left_out(&census) },
+            memory: self.memory(),
+        }
+    }
+
+    fn title(&self) -> String {
+        let samples = count(self.spp as usize, "sample", "samples");
+        let biased = if self.pattern.is_biased() { " (biased)" } else { "" };
+        format!(
+            "plan for '{}': {}, camera '{}', {}x{}, {samples} per pixel, {}{biased}",
+            self.scene.name,
+            self.integrator.name(),
+            self.camera_name,
+            self.crop.width,
+            self.crop.height,
+            self.pattern.name(),
+        )
+    }
+
+    fn used(&self, census: &Census) -> Vec<String> {
+        let kinds = [
+            (census.spheres, "sphere", "spheres"),
+            (census.boxes, "box", "boxes"),
+            (census.planes, "plane", "planes"),
+            (census.triangles, "single triangle", "single triangles"),
+            (census.placed, "transformed shape", "transformed shapes"),
+        ];
+        let mut used: Vec<String> =
+            kinds.iter().filter(|(n, ..)| *n > 0).map(|(n, singular, plural)| count(*n, singular, plural)).collect();
+        if census.mesh_instances > 0 {
+            used.push(format!(
+                "{} of {} with {}",
+                count(census.mesh_instances, "instance", "instances"),
+                count(census.meshes, "mesh", "meshes"),
+                count(census.mesh_triangles, "triangle", "triangles"),
+            ));
+        }
+        if census.group_instances > 0 {
+            let instances = count(census.group_instances, "instance", "instances");
+            used.push(format!("{instances} of {}", count(census.groups, "group", "groups")));
+        }
+        if used.is_empty() {
+            used.push("no objects".to_owned());
+        }
+        used.extend(self.structures());
+        if self.integrator == Integrator::Whitted {
+            used.extend(self.light());
+        }
+        used
+    }
+
+    fn structures(&self) -> Vec<String> {
+        let auto = self.scene.settings.accel == Accel::Auto;
+        let line = |level: &str, structure: &Structure, primitives: usize| {
+            let stats = structure.build_stats();
+            let why = match (auto, structure) {
+                (false, _) => "as asked",
+                (true, Structure::Linear(_)) => "few primitives: asking each is faster than walking a tree",
+                (true, _) => "many primitives",
+            };
+            let primitives = count(primitives, "primitive", "primitives");
+            format!("{level}: {} over {primitives}, {} ({why})", structure.name(), count(stats.nodes, "node", "nodes"))
+        };
+        match &self.world {
+            World::Spheres(world, structure) => vec![line("structure", structure, world.materials.len())],
+            World::Parts(top, Levels { meshes, groups }) => {
+                let mut lines = vec![line("structure", &top.structure, top.parts.len())];
+                lines.extend(groups.iter().map(|g| line("  of a group", &g.structure, g.parts.len())));
+                lines.extend(meshes.iter().map(|m| line("  of a mesh", &m.structure, m.mesh.data().triangles.len())));
+                lines
+            }
+        }
+    }
+
+    fn light(&self) -> Vec<String> {
+        let lights = &self.appearance.lights;
+        let shadowing = lights.iter().filter(|light| light.casts_shadows).count();
+        let mut lines =
+            vec![format!("{}, {shadowing} of them casting shadows", count(lights.len(), "light", "lights"))];
+        if self.needs.reflection || self.needs.refraction {
+            lines.push(format!("up to {} after the first hit", count(self.depth as usize, "bounce", "bounces")));
+        }
+        lines
+    }
+
+    fn left_out(&self, census: &Census) -> Vec<LeftOut> {
+        let triangles = census.triangles + census.mesh_triangles;
+        let whitted = self.integrator == Integrator::Whitted;
+        let lit = !self.appearance.lights.is_empty();
+        let n = &self.needs;
+        let linear = matches!(&self.world, World::Spheres(_, Structure::Linear(_)))
+            || matches!(&self.world, World::Parts(top, _) if matches!(top.structure, Structure::Linear(_)));
+        let geometry = [
+            (triangles == 0, "triangles", "there are none"),
+            (
+                census.placed + census.mesh_instances + census.group_instances == 0,
+                "transforms",
+                "all shapes stand in world space",
+            ),
+            (census.group_instances == 0, "instancing level", "no group is placed more than once"),
+            (census.unbounded == 0, "list of unbounded objects", "everything has bounds"),
+            (linear, "tree over the objects", "all of them are asked in turn"),
+            (census.shadowless == 0, "shadow switches", "every object casts shadows"),
+            (!self.transparent, "alpha channel", "the background is part of the picture"),
+        ];
+        let surface = [
+            (!n.textures && self.integrator != Integrator::Uv, "texture coordinates", "nothing looks at them"),
+            (!n.shading_normals, "interpolated normals", "no mesh has vertex normals"),
+        ];
+        let shading = [
+            (!n.textures, "textures", "no surface uses one"),
+            (!n.ambient, "ambient light", "there is none, or no surface reflects it"),
+            (!n.emission, "emission", "no surface shines by itself"),
+            (!n.highlights, "highlights", if lit { "no surface has one" } else { "there are no lights" }),
+            (!n.shadows, "shadow rays", "no light, or no object, casts shadows"),
+            (!n.reflection, "reflection", "no surface mirrors"),
+            (!n.refraction, "refraction", "no surface lets light through"),
+            (n.refraction && !n.fresnel, "Fresnel's equations", "transparent surfaces mix by constants"),
+            (n.refraction && !n.absorption, "absorption", "transparent bodies are clear"),
+            (!n.reflection && !n.refraction, "ray tree", "nothing sends rays on"),
+        ];
+        let listed = geometry.into_iter().chain(surface).chain(shading.into_iter().filter(|_| whitted));
+        let mut left_out: Vec<LeftOut> =
+            listed.filter(|(left, ..)| *left).map(|(_, what, why)| LeftOut { what, why: why.to_owned() }).collect();
+        if !whitted {
+            left_out.push(LeftOut {
+                what: "light and materials",
+                why: format!("'{}' shows geometry alone", self.integrator.name()),
+            });
+        }
+        left_out
+    }
+
+    fn memory(&self) -> [(&'static str, usize); 3] {
+        let pixels = self.crop.width as usize * self.crop.height as usize;
+        let film = pixels * if self.transparent { 16 } else { 12 };
+        let (geometry, structures) = match &self.world {
+            World::Spheres(world, structure) => {
+                (world.materials.len() * (size_of::<rt_geometry::Sphere>() + 4), structure.memory())
+            }
+            World::Parts(top, levels) => {
+                let assemblies = || std::iter::once(top).chain(&levels.groups);
+                let parts: usize = assemblies().map(|a| a.parts.len() * size_of::<Part>()).sum();
+                let meshes: usize = levels.meshes.iter().map(|m| m.mesh.memory()).sum();
+                let structures: usize = assemblies().map(|a| a.structure.memory()).sum();
+                let mesh_structures: usize = levels.meshes.iter().map(|m| m.structure.memory()).sum();
+                (parts + meshes, structures + mesh_structures)
+            }
+        };
+        [("film", film), ("geometry", geometry), ("structures", structures)]
+    }
+}

@@ -1,0 +1,258 @@
+//! From the node tree to parts: transforms multiplied out, groups that are used once dissolved, unused things left out.
+
+use std::sync::Arc;
+
+use rt_accel::BuildError;
+use rt_geometry::{Placed, Shape};
+use rt_math::{Aabb, Transform};
+use rt_scene_io::{Accel, Content, Group, GroupId, Integrator, MeshId, Node, Scene};
+
+use crate::{
+    RenderError,
+    structure::Structure,
+    world::{Assembly, Levels, MeshLevel, Part, PartGeometry, Parts},
+};
+
+/// Deepest accepted nesting of nodes and groups together.
+const MAX_DEPTH: usize = 1024;
+
+/// Flattens a scene and builds all structures.
+pub(crate) fn flatten(scene: &Scene, accel: Accel) -> Result<(Assembly, Levels), RenderError> {
+    let mut flattener = Flattener {
+        scene,
+        accel,
+        mesh_levels: vec![None; scene.meshes.len()],
+        group_levels: vec![None; scene.groups.len()],
+        group_uses: count_group_uses(scene)?,
+        levels: Levels::default(),
+    };
+    let top = flattener.assembly(&scene.nodes, &Level::TOP)?;
+    Ok((top, flattener.levels))
+}
+
+/// How often each group is placed, counting through groups that are placed themselves.
+fn count_group_uses(scene: &Scene) -> Result<Vec<u64>, RenderError> {
+    let mut uses = vec![0u64; scene.groups.len()];
+    let mut open = vec![(scene.nodes.as_slice(), 0usize)];
+    while let Some((nodes, depth)) = open.pop() {
+        for node in nodes {
+            if depth >= MAX_DEPTH {
+                return Err(RenderError::Nesting(node.name.clone()));
+            }
+            open.push((&node.children, depth + 1));
+            if let Some(Content::Instance(id)) = node.content {
+                let group = group_of(scene, node, id)?;
+                let count = &mut uses[id.0 as usize];
+                *count += 1;
+                // A group's own contents are counted on its first use: more uses repeat them on a level of their own.
+                if *count == 1 {
+                    open.push((&group.nodes, depth + 1));
+                }
+            }
+        }
+    }
+    Ok(uses)
+}
+
+fn group_of<'s>(scene: &'s Scene, node: &Node, id: GroupId) -> Result<&'s Group, RenderError> {
+    scene.groups.get(id.0 as usize).ok_or_else(|| RenderError::Dangling {
+        object: node.name.clone(),
+        what: "group",
+        index: id.0,
+        count: scene.groups.len(),
+    })
+}
+
+/// Where the walk stands.
+#[derive(Clone, Debug)]
+struct Level {
+    assembly_from_parent: Transform,
+    casts_shadow: bool,
+    depth: usize,
+    /// Inside a group that has a level of its own: further groups are dissolved into it.
+    within_group: bool,
+}
+
+impl Level {
+    const TOP: Self =
+        Self { assembly_from_parent: Transform::IDENTITY, casts_shadow: true, depth: 0, within_group: false };
+}
+
+struct Flattener<'s> {
+    scene: &'s Scene,
+    accel: Accel,
+    /// Level of each mesh that has one already.
+    mesh_levels: Vec<Option<u32>>,
+    group_levels: Vec<Option<u32>>,
+    group_uses: Vec<u64>,
+    levels: Levels,
+}
+
+impl Flattener<'_> {
+    fn assembly(&mut self, nodes: &[Node], level: &Level) -> Result<Assembly, RenderError> {
+        let mut parts = Vec::new();
+        self.collect(nodes, level, &mut parts)?;
+        self.number(&mut parts)?;
+        let set = Parts { parts: &parts, levels: &self.levels };
+        let structure = Structure::build(self.accel, &set).map_err(|source| {
+            let object = match source {
+                BuildError::BadBounds { index, .. } => parts[index as usize].name.to_string(),
+                _ => self.scene.name.clone(),
+            };
+            RenderError::Build { object, source }
+        })?;
+        Ok(Assembly { parts, structure })
+    }
+
+    /// Numbers the primitives of all parts in a row.
+    fn number(&self, parts: &mut [Part]) -> Result<(), RenderError> {
+        let mut next = 0u32;
+        for part in parts {
+            part.first_primitive = next;
+            let count = match &part.geometry {
+                PartGeometry::Mesh(level, _) => self.levels.meshes[*level as usize].mesh.data().triangles.len(),
+                _ => 1,
+            };
+            next = u32::try_from(count)
+                .ok()
+                .and_then(|count| next.checked_add(count))
+                .ok_or(RenderError::TooManyObjects)?;
+        }
+        Ok(())
+    }
+
+    fn collect(&mut self, nodes: &[Node], level: &Level, parts: &mut Vec<Part>) -> Result<(), RenderError> {
+        for node in nodes {
+            if level.depth >= MAX_DEPTH {
+                return Err(RenderError::Nesting(node.name.clone()));
+            }
+            let here = Level {
+                assembly_from_parent: level.assembly_from_parent.then_first(&node.parent_from_local),
+                casts_shadow: level.casts_shadow && node.casts_shadow,
+                depth: level.depth + 1,
+                within_group: level.within_group,
+            };
+            check_transform(node, &here.assembly_from_parent)?;
+            match node.content {
+                Some(Content::Shape(shape)) => parts.push(self.shape_part(node, shape, &here)?),
+                Some(Content::Mesh(id)) => parts.extend(self.mesh_part(node, id, &here)?),
+                Some(Content::Instance(id)) => self.instance(node, id, &here, parts)?,
+                None => {}
+            }
+            self.collect(&node.children, &here, parts)?;
+        }
+        Ok(())
+    }
+
+    fn shape_part(&self, node: &Node, shape: Shape, here: &Level) -> Result<Part, RenderError> {
+        let (geometry, bounds) = if here.assembly_from_parent.is_identity() {
+            (PartGeometry::Shape(shape), shape.bounds())
+        } else {
+            let placed = Placed::new(shape, here.assembly_from_parent);
+            let baked = if self.shows_uv(node) { placed.baked() } else { placed.baked_without_uv() };
+            match baked {
+                Some(shape) => (PartGeometry::Shape(shape), shape.bounds()),
+                None => {
+                    let bounds = placed.bounds();
+                    (PartGeometry::Placed(Box::new(placed)), bounds)
+                }
+            }
+        };
+        self.part(node, here, geometry, bounds)
+    }
+
+    /// Whether anything looks at the texture coordinates of what stands at the node.
+    fn shows_uv(&self, node: &Node) -> bool {
+        let material = self.scene.appearance.materials.get(node.material.0 as usize);
+        self.scene.settings.integrator == Integrator::Uv || material.is_some_and(|m| m.phong.is_textured())
+    }
+
+    /// A mesh without triangles is no part.
+    fn mesh_part(&mut self, node: &Node, id: MeshId, here: &Level) -> Result<Option<Part>, RenderError> {
+        let named = self.scene.meshes.get(id.0 as usize).ok_or_else(|| RenderError::Dangling {
+            object: node.name.clone(),
+            what: "mesh",
+            index: id.0,
+            count: self.scene.meshes.len(),
+        })?;
+        if named.mesh.data().triangles.is_empty() {
+            return Ok(None);
+        }
+        let level = match self.mesh_levels[id.0 as usize] {
+            Some(level) => level,
+            None => {
+                let structure = Structure::build(self.accel, &*named.mesh)
+                    .map_err(|source| RenderError::Build { object: named.name.clone(), source })?;
+                let level = self.levels.meshes.len() as u32;
+                self.levels.meshes.push(MeshLevel { mesh: Arc::clone(&named.mesh), structure });
+                self.mesh_levels[id.0 as usize] = Some(level);
+                level
+            }
+        };
+        let transform = boxed(&here.assembly_from_parent);
+        let bounds = named.mesh.bounds();
+        let bounds = transform.as_ref().map_or(bounds, |t| t.aabb(&bounds));
+        self.part(node, here, PartGeometry::Mesh(level, transform), Some(bounds)).map(Some)
+    }
+
+    fn instance(&mut self, node: &Node, id: GroupId, here: &Level, parts: &mut Vec<Part>) -> Result<(), RenderError> {
+        let scene = self.scene;
+        let group = group_of(scene, node, id)?;
+        if here.within_group || self.group_uses[id.0 as usize] == 1 {
+            return self.collect(&group.nodes, here, parts);
+        }
+        let level = match self.group_levels[id.0 as usize] {
+            Some(level) => level,
+            None => {
+                let inside = Level { within_group: true, depth: here.depth, ..Level::TOP };
+                let assembly = self.assembly(&group.nodes, &inside)?;
+                let level = self.levels.groups.len() as u32;
+                self.levels.groups.push(assembly);
+                self.group_levels[id.0 as usize] = Some(level);
+                level
+            }
+        };
+        let group = &self.levels.groups[level as usize];
+        if group.parts.is_empty() {
+            return Ok(());
+        }
+        let transform = boxed(&here.assembly_from_parent);
+        let bounds = group.parts.iter().try_fold(Aabb::EMPTY, |sum, part| Some(sum.union(part.bounds?)));
+        let bounds = bounds.map(|bounds| transform.as_ref().map_or(bounds, |t| t.aabb(&bounds)));
+        parts.push(self.part(node, here, PartGeometry::Group(level, transform), bounds)?);
+        Ok(())
+    }
+
+    fn part(
+        &self,
+        node: &Node,
+        here: &Level,
+        geometry: PartGeometry,
+        bounds: Option<Aabb>,
+    ) -> Result<Part, RenderError> {
+        let count = self.scene.appearance.materials.len();
+        if node.material.0 as usize >= count && !matches!(geometry, PartGeometry::Group(..)) {
+            let (object, index) = (node.name.clone(), node.material.0);
+            return Err(RenderError::Dangling { object, what: "material", index, count });
+        }
+        Ok(Part {
+            geometry,
+            material: node.material.0,
+            casts_shadow: here.casts_shadow,
+            bounds,
+            first_primitive: 0,
+            name: Arc::from(node.name.as_str()),
+        })
+    }
+}
+
+/// Transforms are sound one by one; their product may still flatten space.
+fn check_transform(node: &Node, transform: &Transform) -> Result<(), RenderError> {
+    Transform::from_linear(transform.linear(), transform.translation())
+        .map(|_| ())
+        .map_err(|source| RenderError::Transform { object: node.name.clone(), source })
+}
+
+fn boxed(transform: &Transform) -> Option<Box<Transform>> {
+    (!transform.is_identity()).then(|| Box::new(*transform))
+}

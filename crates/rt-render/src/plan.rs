@@ -1,0 +1,204 @@
+//! The plan: a scene compiled once to what rendering needs, and no more.
+
+use std::time::Instant;
+
+use rt_camera::{Camera, CameraSettings, Filter, PixelSampler, SamplePattern};
+use rt_geometry::{Shape, Spheres};
+use rt_math::{Aabb, DVec2};
+use rt_scene_io::{Integrator, NamedCamera, Scene};
+use rt_shading::{Appearance, FirstHitView, Needs};
+
+use crate::{
+    RenderError,
+    flatten::flatten,
+    structure::Structure,
+    trace::SphereWorld,
+    world::{Assembly, Levels, PartGeometry},
+};
+
+/// A part of the image, in pixels from its upper left corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop {
+    /// Left edge.
+    pub x: u32,
+    /// Upper edge.
+    pub y: u32,
+    /// Width, at least 1.
+    pub width: u32,
+    /// Height, at least 1.
+    pub height: u32,
+}
+
+/// Choices that a plan takes beside the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlanOptions {
+    /// Which camera of the scene to use.
+    pub camera: usize,
+    /// Render this part of the image only; its pixels are those of the whole image.
+    pub crop: Option<Crop>,
+    /// Leave the background out and record coverage in an alpha channel.
+    pub transparent: bool,
+    /// Leave nothing out. The picture is the same to the bit; this is how tests prove it.
+    pub full: bool,
+}
+
+/// What camera rays are asked for.
+#[derive(Debug)]
+pub(crate) enum View {
+    Light,
+    FirstHit(FirstHitView),
+    Cost,
+}
+
+/// The world on one of two forms.
+#[derive(Debug)]
+pub(crate) enum World {
+    Spheres(SphereWorld, Structure),
+    Parts(Assembly, Levels),
+}
+
+/// A scene compiled for rendering: the camera and sampler prepared, the tree flattened to two levels, structures
+/// built, and everything left out that the picture does not depend on.
+#[derive(Debug)]
+pub struct RenderPlan<'s> {
+    pub(crate) scene: &'s Scene,
+    pub(crate) camera_name: &'s str,
+    pub(crate) camera: Camera,
+    pub(crate) pattern: SamplePattern,
+    pub(crate) sampler: PixelSampler,
+    pub(crate) filter: Filter,
+    pub(crate) sample_offset: DVec2,
+    pub(crate) crop: Crop,
+    pub(crate) transparent: bool,
+    pub(crate) spp: u32,
+    pub(crate) integrator: Integrator,
+    pub(crate) view: View,
+    pub(crate) depth: u32,
+    pub(crate) min_contribution: f64,
+    pub(crate) needs: Needs,
+    pub(crate) appearance: &'s Appearance,
+    pub(crate) world: World,
+    pub(crate) full: bool,
+    pub(crate) build_seconds: f64,
+}
+
+impl<'s> RenderPlan<'s> {
+    /// Compiles a scene.
+    ///
+    /// # Errors
+    /// If the camera, film or crop is unusable, an index points nowhere, groups contain themselves, or a structure
+    /// cannot be built. Each error names the object.
+    pub fn compile(scene: &'s Scene, options: &PlanOptions) -> Result<Self, RenderError> {
+        let started = Instant::now();
+        let film = &scene.film;
+        film.validate()?;
+        let settings = &scene.settings;
+        if settings.spp == 0 {
+            return Err(RenderError::NoSamples);
+        }
+        let crop = check_crop(options.crop, film.width, film.height)?;
+        let NamedCamera { name: camera_name, settings: camera_settings } = scene
+            .cameras
+            .get(options.camera)
+            .ok_or(RenderError::NoCamera { index: options.camera, count: scene.cameras.len() })?;
+        let camera = Camera::new(camera_settings, film.width, film.height)
+            .map_err(|source| RenderError::Camera { name: camera_name.clone(), source })?;
+
+        let (top, levels) = flatten(scene, settings.accel)?;
+        let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels) };
+        let (near, far) = depth_range(camera_settings, &top);
+        let spp = settings.pattern.round_up(settings.spp);
+        Ok(Self {
+            scene,
+            camera_name,
+            pattern: settings.pattern,
+            sampler: PixelSampler::new(settings.pattern, spp, settings.seed),
+            filter: film.filter,
+            sample_offset: film.sample_offset,
+            crop,
+            transparent: options.transparent,
+            spp,
+            integrator: settings.integrator,
+            view: View::new(settings.integrator, near, far),
+            depth: settings.depth,
+            min_contribution: settings.min_contribution,
+            needs,
+            appearance: &scene.appearance,
+            world: if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) },
+            full: options.full,
+            camera,
+            build_seconds: started.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// Samples per pixel that will be taken: those asked for, rounded up to what the pattern needs.
+    pub const fn samples_per_pixel(&self) -> u32 {
+        self.spp
+    }
+
+    /// Seconds that compilation took, structures included.
+    pub const fn build_seconds(&self) -> f64 {
+        self.build_seconds
+    }
+}
+
+impl World {
+    /// The tight form for a world of nothing but spheres that cast shadows.
+    fn specialise(top: Assembly, levels: Levels) -> Self {
+        let sphere = |part: &crate::world::Part| match part.geometry {
+            PartGeometry::Shape(Shape::Sphere(sphere)) if part.casts_shadow => Some(sphere),
+            _ => None,
+        };
+        match top.parts.iter().map(sphere).collect::<Option<Vec<_>>>() {
+            Some(spheres) => {
+                let materials = top.parts.iter().map(|part| part.material).collect();
+                Self::Spheres(SphereWorld { spheres: Spheres::new(spheres), materials }, top.structure)
+            }
+            None => Self::Parts(top, levels),
+        }
+    }
+}
+
+fn check_crop(crop: Option<Crop>, film_width: u32, film_height: u32) -> Result<Crop, RenderError> {
+    let whole = Crop { x: 0, y: 0, width: film_width, height: film_height };
+    let crop = crop.unwrap_or(whole);
+    let Crop { x, y, width, height } = crop;
+    let inside = |at: u32, length: u32, film: u32| length > 0 && at.checked_add(length).is_some_and(|end| end <= film);
+    if inside(x, width, film_width) && inside(y, height, film_height) {
+        Ok(crop)
+    } else {
+        Err(RenderError::Crop { x, y, width, height, film_width, film_height })
+    }
+}
+
+/// What the materials of objects that are really there need.
+fn needs(scene: &Scene, top: &Assembly, levels: &Levels) -> Needs {
+    let mut used = vec![false; scene.appearance.materials.len()];
+    let mut casts_shadow = false;
+    let mut shading_normals = false;
+    for part in top.parts.iter().chain(levels.groups.iter().flat_map(|group| &group.parts)) {
+        casts_shadow |= part.casts_shadow;
+        match &part.geometry {
+            PartGeometry::Group(..) => {}
+            PartGeometry::Mesh(level, _) => {
+                used[part.material as usize] = true;
+                shading_normals |= !levels.meshes[*level as usize].mesh.data().normals.is_empty();
+            }
+            PartGeometry::Shape(_) | PartGeometry::Placed(_) => used[part.material as usize] = true,
+        }
+    }
+    let needs = Needs::of(&scene.appearance, |material| used[material]);
+    Needs { shadows: needs.shadows && casts_shadow, shading_normals, ..needs }
+}
+
+/// Nearest and farthest depth of the bounded part of the world, along the view axis.
+fn depth_range(camera: &CameraSettings, top: &Assembly) -> (f64, f64) {
+    let bounds = top.parts.iter().filter_map(|part| part.bounds).fold(Aabb::EMPTY, Aabb::union);
+    if bounds.is_empty() {
+        return (0.0, 1.0);
+    }
+    let depths = bounds.corners().map(|corner| -camera.world_from_camera.inverse_point(corner).z);
+    let near = depths.into_iter().fold(f64::INFINITY, f64::min).max(0.0);
+    let far = depths.into_iter().fold(0.0, f64::max);
+    if near < far { (near, far) } else { (near, near + 1.0) }
+}

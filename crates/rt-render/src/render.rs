@@ -1,0 +1,261 @@
+//! The loop over tiles, pixels and samples.
+
+use std::{sync::mpsc, time::Instant};
+
+use rayon::prelude::*;
+use rt_camera::{Camera, Film, Filter, PixelSampler};
+use rt_math::{Accelerator, Counters, DVec2, Probe, Ray, RayCounts, RayKind, Rgb, Sampler, Tally};
+use rt_scene_io::Integrator;
+use rt_shading::{FirstHitView, Seen, ShadingCounts, Tracer, Whitted};
+
+use crate::{
+    RenderError, RenderPlan, Statistics,
+    plan::{View, World},
+    structure::Structure,
+    tiles::{Tile, tiles},
+    trace::{Surfaces, WorldTracer},
+    world::Parts,
+};
+
+/// How to run a plan; none of it changes the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RunOptions {
+    /// Number of threads; 0 for one per processor.
+    pub threads: usize,
+    /// Count nodes, primitive tests and hits as well as rays.
+    pub count: bool,
+}
+
+/// How far a render has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Camera samples taken.
+    pub samples: u64,
+    /// Camera samples in all.
+    pub total_samples: u64,
+    /// Rays traced so far, of all kinds.
+    pub rays: u64,
+}
+
+/// A finished render.
+#[derive(Clone, Debug)]
+pub struct Rendering {
+    /// The picture, in linear radiance.
+    pub film: Film,
+    /// What it took.
+    pub statistics: Statistics,
+}
+
+/// Turns the counts of a probe into the full table, whatever the probe counts.
+trait Countable: Probe + Default + Send {
+    fn counters(&self) -> Counters;
+}
+
+impl Countable for Counters {
+    fn counters(&self) -> Counters {
+        *self
+    }
+}
+
+impl Countable for RayCounts {
+    fn counters(&self) -> Counters {
+        Counters::from(*self)
+    }
+}
+
+/// A rendered tile on its way to the film.
+struct Finished {
+    tile: Tile,
+    pixels: Vec<[f32; 3]>,
+    /// Coverage; empty unless the plan asks for it.
+    alpha: Vec<f32>,
+    counters: Counters,
+    shading: ShadingCounts,
+    bad_samples: u64,
+}
+
+impl RenderPlan<'_> {
+    /// Renders the picture. `progress` is called on this thread after each tile.
+    ///
+    /// # Errors
+    /// [`RenderError::Threads`] if the worker threads cannot be started.
+    pub fn render(&self, options: &RunOptions, mut progress: impl FnMut(Progress)) -> Result<Rendering, RenderError> {
+        let started = Instant::now();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build()?;
+        let crop = self.crop;
+        let tiles = tiles(crop.x, crop.y, crop.width, crop.height);
+        let mut film = Film::new(crop.width, crop.height, self.transparent);
+        let mut statistics = Statistics {
+            samples: 0,
+            counters: Counters::default(),
+            shading: ShadingCounts::default(),
+            bad_samples: 0,
+            threads: pool.current_num_threads(),
+            build_seconds: self.build_seconds,
+            render_seconds: 0.0,
+        };
+        let total_samples = u64::from(crop.width) * u64::from(crop.height) * u64::from(self.spp);
+        let (sender, finished) = mpsc::channel();
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                let sender = sender;
+                pool.install(|| {
+                    tiles.par_iter().with_max_len(1).for_each_with(sender, |sender, tile| {
+                        // The receiver outlives this loop, so that sending cannot fail.
+                        let _ = sender.send(self.render_tile(*tile, options.count));
+                    });
+                });
+            });
+            for tile in finished {
+                self.expose(&mut film, &tile);
+                statistics.counters += tile.counters;
+                statistics.shading += tile.shading;
+                statistics.bad_samples += tile.bad_samples;
+                statistics.samples += tile.pixels.len() as u64 * u64::from(self.spp);
+                let rays = statistics.counters.total().rays;
+                progress(Progress { samples: statistics.samples, total_samples, rays });
+            }
+        });
+        statistics.render_seconds = started.elapsed().as_secs_f64();
+        Ok(Rendering { film, statistics })
+    }
+
+    /// Copies a tile to its place.
+    fn expose(&self, film: &mut Film, finished: &Finished) {
+        let Tile { x, y, width, height } = finished.tile;
+        let stride = film.width() as usize;
+        for row in 0..height as usize {
+            let at = (y - self.crop.y) as usize * stride + row * stride + (x - self.crop.x) as usize;
+            let from = row * width as usize;
+            film.pixels_mut()[at..at + width as usize].copy_from_slice(&finished.pixels[from..][..width as usize]);
+            if let Some(alpha) = film.alpha_mut() {
+                alpha[at..at + width as usize].copy_from_slice(&finished.alpha[from..][..width as usize]);
+            }
+        }
+    }
+
+    /// Chooses the concrete types, one `match` for each axis.
+    fn render_tile(&self, tile: Tile, count: bool) -> Finished {
+        if count || self.integrator == Integrator::Cost {
+            self.with_probe::<Counters>(tile)
+        } else {
+            self.with_probe::<RayCounts>(tile)
+        }
+    }
+
+    fn with_probe<S: Countable>(&self, tile: Tile) -> Finished {
+        match &self.world {
+            World::Spheres(world, structure) => self.with_world::<_, S>(world, structure, tile),
+            World::Parts(top, levels) => {
+                self.with_world::<_, S>(&Parts { parts: &top.parts, levels }, &top.structure, tile)
+            }
+        }
+    }
+
+    fn with_world<W: Surfaces, S: Countable>(&self, world: &W, structure: &Structure, tile: Tile) -> Finished {
+        match structure {
+            Structure::Linear(s) => self.with_structure::<_, _, S>(world, s, tile),
+            Structure::Grid(s) => self.with_structure::<_, _, S>(world, s, tile),
+            Structure::Bvh(s) => self.with_structure::<_, _, S>(world, s, tile),
+        }
+    }
+
+    fn with_structure<W: Surfaces, A: Accelerator, S: Countable>(
+        &self,
+        world: &W,
+        structure: &A,
+        tile: Tile,
+    ) -> Finished {
+        let mut tracer = WorldTracer { world, structure, probe: S::default() };
+        let mut whitted = Whitted::new(self.depth, self.min_contribution, self.needs);
+        let mut finished = match &self.view {
+            View::Light => self.sample_tile(tile, |ray| whitted.radiance(&mut tracer, self.appearance, ray)),
+            View::FirstHit(view) => self.sample_tile(tile, |ray| view.radiance(&mut tracer, ray)),
+            View::Cost => self.sample_tile(tile, |ray| cost(&mut tracer, ray)),
+        };
+        finished.counters = tracer.probe.counters();
+        finished.shading = whitted.counts();
+        finished
+    }
+
+    fn sample_tile(&self, tile: Tile, mut radiance: impl FnMut(&Ray) -> Seen) -> Finished {
+        let count = tile.width as usize * tile.height as usize;
+        let mut finished = Finished {
+            tile,
+            pixels: Vec::with_capacity(count),
+            alpha: Vec::with_capacity(if self.transparent { count } else { 0 }),
+            counters: Counters::default(),
+            shading: ShadingCounts::default(),
+            bad_samples: 0,
+        };
+        for pixel in tile.pixels() {
+            let (mut sum, mut coverage) = (Rgb::BLACK, 0.0);
+            for index in 0..self.spp {
+                let (ray, weight) =
+                    camera_ray(&self.camera, &self.sampler, self.filter, self.sample_offset, pixel, index);
+                let mut seen = radiance(&ray);
+                if !seen.radiance.is_finite() || seen.radiance.to_array().iter().any(|&c| c < 0.0) {
+                    finished.bad_samples += 1;
+                    seen.radiance = Rgb::BLACK;
+                }
+                if seen.hit || !self.transparent {
+                    sum += seen.radiance * weight;
+                    coverage += weight;
+                }
+            }
+            let scale = 1.0 / f64::from(self.spp);
+            finished.pixels.push((sum * scale).to_array().map(|c| c as f32));
+            if self.transparent {
+                finished.alpha.push((coverage * scale).clamp(0.0, 1.0) as f32);
+            }
+        }
+        finished
+    }
+}
+
+/// The camera ray of one sample, and the weight of what it sees.
+fn camera_ray(
+    camera: &Camera,
+    sampler: &PixelSampler,
+    filter: Filter,
+    sample_offset: DVec2,
+    pixel: [u32; 2],
+    index: u32,
+) -> (Ray, f64) {
+    let mut sample = sampler.sample(pixel, index);
+    let (offset, weight) = filter.sample(sample.next_2d());
+    let raster = DVec2::new(f64::from(pixel[0]), f64::from(pixel[1])) + sample_offset + offset;
+    (camera.ray(raster, 0.0), weight)
+}
+
+/// Work of a camera ray, nodes and primitive tests together, on a logarithmic scale from black over blue, red and
+/// yellow to white: black is 1 step, white 1024 or more.
+fn cost<W: Surfaces, A: Accelerator, S: Countable>(tracer: &mut WorldTracer<'_, W, A, S>, ray: &Ray) -> Seen {
+    let work = |tally: Tally| tally.nodes + tally.tests;
+    let before = work(tracer.probe.counters().of(RayKind::Primary));
+    let hit = tracer.closest(ray, RayKind::Primary, rt_geometry::SurfaceNeeds { uv: false, shading_normal: false });
+    let steps = work(tracer.probe.counters().of(RayKind::Primary)) - before;
+    let heat = (rt_math::transcendental::log2(steps.max(1) as f64) / 10.0).min(1.0);
+    Seen { radiance: heat_colour(heat), hit: hit.is_some() }
+}
+
+fn heat_colour(heat: f64) -> Rgb {
+    const STOPS: [Rgb; 5] =
+        [Rgb::BLACK, Rgb::new(0.0, 0.05, 0.8), Rgb::new(0.8, 0.0, 0.05), Rgb::new(1.0, 0.8, 0.0), Rgb::WHITE];
+    let position = heat * (STOPS.len() - 1) as f64;
+    let index = (position as usize).min(STOPS.len() - 2);
+    STOPS[index].lerp(STOPS[index + 1], position - index as f64)
+}
+
+impl View {
+    /// What the integrator of the settings looks at.
+    pub(crate) fn new(integrator: Integrator, near: f64, far: f64) -> Self {
+        match integrator {
+            Integrator::Whitted => Self::Light,
+            Integrator::Normals => Self::FirstHit(FirstHitView::Normals),
+            Integrator::Depth => Self::FirstHit(FirstHitView::Depth { near, far }),
+            Integrator::Uv => Self::FirstHit(FirstHitView::Uv),
+            Integrator::Cost => Self::Cost,
+        }
+    }
+}

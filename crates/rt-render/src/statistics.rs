@@ -1,0 +1,30 @@
+//! What a render did and how long it took.
+
+use rt_math::Counters;
+use rt_shading::ShadingCounts;
+
+/// Figures of one render. Counts are deterministic; times are not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Statistics {
+    /// Camera samples taken.
+    pub samples: u64,
+    /// Rays by kind, and with [`RunOptions::count`](crate::RunOptions) also nodes, primitive tests and hits.
+    pub counters: Counters,
+    /// Work of shading.
+    pub shading: ShadingCounts,
+    /// Samples that came out NaN, infinite or negative; they count as black.
+    pub bad_samples: u64,
+    /// Threads that worked.
+    pub threads: usize,
+    /// Wall-clock seconds to flatten the scene and build structures.
+    pub build_seconds: f64,
+    /// Wall-clock seconds to render.
+    pub render_seconds: f64,
+}
+
+impl Statistics {
+    /// Millions of rays of all kinds per second of rendering.
+    pub fn mega_rays_per_second(&self) -> f64 {
+        self.counters.total().rays as f64 / self.render_seconds.max(1e-9) * 1e-6
+    }
+}

@@ -1,0 +1,73 @@
+//! Rays against a world: where structures and materials meet.
+
+use rt_geometry::{ShapeHit, Spheres, SurfaceInteraction, SurfaceNeeds};
+use rt_math::{Accelerator, Hit, Interval, Primitives, Probe, Ray, RayKind};
+use rt_shading::{SurfaceHit, Tracer};
+
+use crate::world::Parts;
+
+/// Primitives that know what their surface is made of.
+pub(crate) trait Surfaces: Primitives {
+    /// The surface at a hit, and its material; `None` for a hit that is not of this set.
+    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<(SurfaceInteraction, u32)>;
+}
+
+impl Surfaces for Parts<'_> {
+    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<(SurfaceInteraction, u32)> {
+        self.surface(hit.instance, ray, hit, needs)
+    }
+}
+
+/// A world of nothing but spheres, all of which cast shadows: a tight array, and no question what a part is.
+#[derive(Debug)]
+pub(crate) struct SphereWorld {
+    pub(crate) spheres: Spheres,
+    pub(crate) materials: Vec<u32>,
+}
+
+impl Primitives for SphereWorld {
+    fn len(&self) -> usize {
+        self.spheres.len()
+    }
+
+    fn bounds(&self, index: u32) -> Option<rt_math::Aabb> {
+        self.spheres.bounds(index)
+    }
+
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.spheres.intersect(index, ray, span)
+    }
+
+    fn leaf_layout(&self, index: u32) -> rt_math::LeafLayout {
+        self.spheres.leaf_layout(index)
+    }
+}
+
+impl Surfaces for SphereWorld {
+    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<(SurfaceInteraction, u32)> {
+        let index = hit.primitive as usize;
+        let sphere = self.spheres.as_slice().get(index)?;
+        Some((sphere.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, needs), *self.materials.get(index)?))
+    }
+}
+
+/// Answers an integrator's rays and counts them.
+pub(crate) struct WorldTracer<'w, W, A, S> {
+    pub(crate) world: &'w W,
+    pub(crate) structure: &'w A,
+    pub(crate) probe: S,
+}
+
+impl<W: Surfaces, A: Accelerator, S: Probe> Tracer for WorldTracer<'_, W, A, S> {
+    fn closest(&mut self, ray: &Ray, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+        self.probe.ray(kind);
+        let hit = self.structure.closest(self.world, ray, Interval::FORWARD, &mut self.probe)?;
+        let (interaction, material) = self.world.surface_at(ray, &hit, needs)?;
+        Some(SurfaceHit { t: hit.t, interaction, material })
+    }
+
+    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
+        self.probe.ray(RayKind::Shadow);
+        self.structure.occluded(self.world, ray, span, &mut self.probe)
+    }
+}

@@ -1,0 +1,174 @@
+//! The world that rays are traced against: parts on two levels.
+//!
+//! The upper level holds parts in world space. A part is a shape, a mesh under a transform, or a group: an assembly of
+//! parts in a space of its own, shared by all its instances. Groups hold no groups; flattening saw to that.
+
+use std::sync::Arc;
+
+use rt_geometry::{Placed, Shape, ShapeHit, SurfaceInteraction, SurfaceNeeds, TriangleMesh};
+use rt_math::{Aabb, Accelerator, Hit, Interval, LeafLayout, Primitives, Probe, Ray, Transform};
+
+use crate::structure::Structure;
+
+/// Something that stands somewhere, in the space of its assembly.
+#[derive(Debug)]
+pub(crate) struct Part {
+    pub(crate) geometry: PartGeometry,
+    /// Index of the material; that of a group's part is its own.
+    pub(crate) material: u32,
+    pub(crate) casts_shadow: bool,
+    pub(crate) bounds: Option<Aabb>,
+    /// Number of the part's first primitive within its assembly.
+    pub(crate) first_primitive: u32,
+    /// For messages.
+    pub(crate) name: Arc<str>,
+}
+
+/// What a part is.
+#[derive(Debug)]
+pub(crate) enum PartGeometry {
+    Shape(Shape),
+    Placed(Box<Placed>),
+    /// Index of a [`MeshLevel`]; no transform means the identity.
+    Mesh(u32, Option<Box<Transform>>),
+    /// Index of an [`Assembly`].
+    Group(u32, Option<Box<Transform>>),
+}
+
+/// A mesh with the structure over its triangles, in the space of its file.
+#[derive(Debug)]
+pub(crate) struct MeshLevel {
+    pub(crate) mesh: Arc<TriangleMesh>,
+    pub(crate) structure: Structure,
+}
+
+/// A list of parts with the structure over them.
+#[derive(Debug)]
+pub(crate) struct Assembly {
+    pub(crate) parts: Vec<Part>,
+    pub(crate) structure: Structure,
+}
+
+/// Everything below the upper level.
+#[derive(Debug, Default)]
+pub(crate) struct Levels {
+    pub(crate) meshes: Vec<MeshLevel>,
+    pub(crate) groups: Vec<Assembly>,
+}
+
+/// An assembly's parts as a set of primitives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Parts<'w> {
+    pub(crate) parts: &'w [Part],
+    pub(crate) levels: &'w Levels,
+}
+
+/// The ray in the space below a transform; borrowed where there is none.
+fn localise(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
+    parent_from_local.map_or(*ray, |transform| transform.inverse_ray(ray))
+}
+
+impl Parts<'_> {
+    /// The surface at a hit that [`Primitives::intersect`] reported on part `index`, and its material.
+    pub(crate) fn surface(
+        &self,
+        index: u32,
+        ray: &Ray,
+        hit: &Hit,
+        needs: SurfaceNeeds,
+    ) -> Option<(SurfaceInteraction, u32)> {
+        let part = self.parts.get(index as usize)?;
+        let shape_hit = ShapeHit { t: hit.t, uv: hit.uv };
+        Some(match &part.geometry {
+            PartGeometry::Shape(shape) => (shape.surface(ray, &shape_hit, needs), part.material),
+            PartGeometry::Placed(placed) => (placed.surface(ray, &shape_hit, needs), part.material),
+            PartGeometry::Mesh(level, transform) => {
+                let surface =
+                    self.levels.meshes[*level as usize].mesh.surface(&localise(ray, transform.as_deref()), hit, needs);
+                (lift(surface, transform.as_deref()), part.material)
+            }
+            PartGeometry::Group(level, transform) => {
+                let group = &self.levels.groups[*level as usize];
+                let inner = Parts { parts: &group.parts, levels: self.levels };
+                let at = group.parts.partition_point(|p| p.first_primitive <= hit.primitive).checked_sub(1)?;
+                let inner_hit = Hit { primitive: hit.primitive - group.parts[at].first_primitive, ..*hit };
+                let local = localise(ray, transform.as_deref());
+                let (surface, material) = inner.surface(at as u32, &local, &inner_hit, needs)?;
+                (lift(surface, transform.as_deref()), material)
+            }
+        })
+    }
+}
+
+fn lift(surface: SurfaceInteraction, parent_from_local: Option<&Transform>) -> SurfaceInteraction {
+    parent_from_local.map_or(surface, |transform| surface.transformed(transform))
+}
+
+impl Primitives for Parts<'_> {
+    fn len(&self) -> usize {
+        self.parts.len()
+    }
+
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        self.parts[index as usize].bounds
+    }
+
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.intersect_probed(index, ray, span, &mut rt_math::NoProbe)
+    }
+
+    fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
+        self.occludes_probed(index, ray, span, &mut rt_math::NoProbe)
+    }
+
+    fn intersect_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
+        let single = |hit: ShapeHit| Hit { t: hit.t, instance: index, primitive: 0, uv: hit.uv };
+        match &self.parts[index as usize].geometry {
+            PartGeometry::Shape(shape) => shape.intersect(ray, span).map(single),
+            PartGeometry::Placed(placed) => placed.intersect(ray, span).map(single),
+            PartGeometry::Mesh(level, transform) => {
+                let level = &self.levels.meshes[*level as usize];
+                let ray = localise(ray, transform.as_deref());
+                let hit = level.structure.closest(&*level.mesh, &ray, span, probe)?;
+                Some(Hit { instance: index, ..hit })
+            }
+            PartGeometry::Group(level, transform) => {
+                let group = &self.levels.groups[*level as usize];
+                let inner = Parts { parts: &group.parts, levels: self.levels };
+                let ray = localise(ray, transform.as_deref());
+                let hit = group.structure.closest(&inner, &ray, span, probe)?;
+                let first = group.parts[hit.instance as usize].first_primitive;
+                Some(Hit { instance: index, primitive: first + hit.primitive, ..hit })
+            }
+        }
+    }
+
+    fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        let part = &self.parts[index as usize];
+        if !part.casts_shadow {
+            return false;
+        }
+        match &part.geometry {
+            PartGeometry::Shape(shape) => shape.intersect(ray, span).is_some(),
+            PartGeometry::Placed(placed) => placed.intersect(ray, span).is_some(),
+            PartGeometry::Mesh(level, transform) => {
+                let level = &self.levels.meshes[*level as usize];
+                level.structure.occluded(&*level.mesh, &localise(ray, transform.as_deref()), span, probe)
+            }
+            PartGeometry::Group(level, transform) => {
+                let group = &self.levels.groups[*level as usize];
+                let inner = Parts { parts: &group.parts, levels: self.levels };
+                group.structure.occluded(&inner, &localise(ray, transform.as_deref()), span, probe)
+            }
+        }
+    }
+
+    fn leaf_layout(&self, index: u32) -> LeafLayout {
+        match &self.parts[index as usize].geometry {
+            PartGeometry::Shape(Shape::Sphere(sphere)) => LeafLayout::Sphere(sphere.centre(), sphere.radius()),
+            PartGeometry::Shape(Shape::AxisBox(axis_box)) => LeafLayout::Box(axis_box.bounds()),
+            PartGeometry::Shape(Shape::Triangle(triangle)) => LeafLayout::Triangle(triangle.vertices()),
+            _ => LeafLayout::Opaque,
+        }
+    }
+}

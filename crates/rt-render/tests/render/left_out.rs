@@ -1,0 +1,96 @@
+//! What a plan leaves out costs nothing: the counters prove it.
+
+use crate::support::{everything, sphere, spheres};
+use rt_math::{RayKind, Rgb};
+use rt_render::{PlanOptions, RenderPlan, RunOptions, Statistics};
+use rt_scene_io::{Accel, MaterialId, Node, Scene};
+use rt_shading::{Coefficient, ShadingCounts};
+
+const COUNT: RunOptions = RunOptions { threads: 1, count: true };
+
+fn statistics(scene: &Scene) -> Statistics {
+    let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");
+    plan.render(&COUNT, |_| {}).expect("threads start").statistics
+}
+
+fn rays(statistics: &Statistics, kind: RayKind) -> u64 {
+    statistics.counters.of(kind).rays
+}
+
+#[test]
+fn brute_force_asks_each_sphere_once_for_each_primary_ray() {
+    let mut scene = spheres();
+    scene.settings.accel = Accel::Linear;
+    let statistics = statistics(&scene);
+    let primary = statistics.counters.of(RayKind::Primary);
+    assert_eq!(primary.rays, 61 * 43 * 4);
+    assert_eq!(primary.tests, primary.rays * 27);
+}
+
+#[test]
+fn diffuse_spheres_need_no_secondary_rays_and_no_optics() {
+    let statistics = statistics(&spheres());
+    for kind in [RayKind::Reflection, RayKind::Refraction, RayKind::Diffuse] {
+        assert_eq!(rays(&statistics, kind), 0);
+    }
+    let spared = statistics.shading.shadow_rays_spared;
+    assert_eq!(statistics.shading, ShadingCounts { shadow_rays_spared: spared, ..ShadingCounts::default() });
+    let hits = (rays(&statistics, RayKind::Shadow) + spared) / 2;
+    assert!(spared > 0 && hits > 1000, "two shadow rays are traced or spared for each of {hits} hits");
+}
+
+#[test]
+fn the_full_scene_uses_everything() {
+    let statistics = statistics(&everything());
+    for kind in [RayKind::Primary, RayKind::Shadow, RayKind::Reflection, RayKind::Refraction] {
+        assert!(rays(&statistics, kind) > 0, "{kind:?}");
+    }
+    let ShadingCounts { highlights, mirrors, refractions, fresnel, absorption, .. } = statistics.shading;
+    assert!(highlights > 0 && mirrors > 0 && refractions > fresnel && fresnel > 0 && absorption > 0);
+}
+
+#[test]
+fn no_shadow_rays_where_nothing_casts_shadows() {
+    let mut by_light = spheres();
+    by_light.appearance.lights.iter_mut().for_each(|light| light.casts_shadows = false);
+    let mut by_object = spheres();
+    by_object.nodes.iter_mut().for_each(|node| node.casts_shadow = false);
+    for scene in [by_light, by_object] {
+        let statistics = statistics(&scene);
+        assert_eq!((rays(&statistics, RayKind::Shadow), statistics.shading.shadow_rays_spared), (0, 0));
+    }
+}
+
+#[test]
+fn materials_that_nothing_wears_cost_nothing() {
+    let mut scene = everything();
+    scene.nodes = vec![Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(5))];
+    let statistics = statistics(&scene);
+    let ShadingCounts { highlights, mirrors, refractions, .. } = statistics.shading;
+    assert_eq!((highlights, mirrors, refractions), (0, 0, 0));
+}
+
+#[test]
+fn samples_that_are_not_numbers_are_counted_and_black() {
+    let mut scene = spheres();
+    scene.appearance.materials[0].phong.emission = Coefficient::Constant(Rgb::new(f64::NAN, 0.0, 0.0));
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let rendering = plan.render(&COUNT, |_| {}).expect("threads start");
+    assert!(rendering.statistics.bad_samples > 0);
+    assert!(rendering.film.pixels().iter().flatten().all(|c| c.is_finite()));
+}
+
+#[test]
+fn explanations_name_what_is_left_out() {
+    let scene = spheres();
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let left_out: Vec<_> = plan.explain().left_out.iter().map(|left| left.what).collect();
+    for what in ["triangles", "texture coordinates", "textures", "reflection", "refraction", "highlights", "ray tree"] {
+        assert!(left_out.contains(&what), "{what} in {left_out:?}");
+    }
+    let scene = everything();
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    assert_eq!(plan.explain().left_out.iter().map(|l| l.what).collect::<Vec<_>>(), ["alpha channel"]);
+    let full = RenderPlan::compile(&scene, &PlanOptions { full: true, ..PlanOptions::default() });
+    assert!(full.expect("the scene compiles").explain().left_out.is_empty());
+}

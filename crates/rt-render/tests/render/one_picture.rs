@@ -1,0 +1,108 @@
+//! The picture is a function of scene, settings and seed: nothing about how it is computed changes a bit.
+
+use crate::support::{everything, spheres};
+use rt_camera::{Film, Filter, SamplePattern};
+use rt_math::Rgb;
+use rt_render::{Crop, PlanOptions, RenderPlan, Rendering, RunOptions};
+use rt_scene_io::{Accel, Integrator, Scene};
+use rt_shading::Coefficient;
+
+fn render(scene: &Scene, plan: PlanOptions, run: RunOptions) -> Rendering {
+    RenderPlan::compile(scene, &plan).expect("the scene compiles").render(&run, |_| {}).expect("threads start")
+}
+
+fn film(scene: &Scene) -> Film {
+    render(scene, PlanOptions::default(), RunOptions::default()).film
+}
+
+/// Not black, not flat: a picture worth comparing.
+fn assert_interesting(film: &Film) {
+    let distinct: std::collections::HashSet<_> = film.pixels().iter().map(|p| p.map(f32::to_bits)).collect();
+    assert!(distinct.len() > film.pixels().len() / 10, "only {} different pixels", distinct.len());
+}
+
+#[test]
+fn threads_do_not_change_the_picture() {
+    for scene in [spheres(), everything()] {
+        let one = render(&scene, PlanOptions::default(), RunOptions { threads: 1, count: true });
+        assert_interesting(&one.film);
+        for threads in [2, 3, 8] {
+            let many = render(&scene, PlanOptions::default(), RunOptions { threads, count: true });
+            assert_eq!(one.film, many.film, "{}: {threads} threads", scene.name);
+            assert_eq!(one.statistics.counters, many.statistics.counters, "{}: {threads} threads", scene.name);
+        }
+    }
+}
+
+#[test]
+fn structures_do_not_change_the_picture() {
+    for mut scene in [spheres(), everything()] {
+        let auto = film(&scene);
+        for accel in [Accel::Linear, Accel::Grid, Accel::Bvh] {
+            scene.settings.accel = accel;
+            assert_eq!(auto, film(&scene), "{}: {accel:?}", scene.name);
+        }
+    }
+}
+
+#[test]
+fn the_trimmed_plan_gives_the_picture_of_the_full_plan() {
+    for mut scene in [spheres(), everything()] {
+        for integrator in [Integrator::Whitted, Integrator::Normals, Integrator::Depth, Integrator::Uv] {
+            scene.settings.integrator = integrator;
+            let full = render(&scene, PlanOptions { full: true, ..PlanOptions::default() }, RunOptions::default());
+            assert_eq!(film(&scene), full.film, "{}: {integrator:?}", scene.name);
+        }
+    }
+}
+
+#[test]
+fn counting_does_not_change_the_picture() {
+    let scene = everything();
+    let counted = render(&scene, PlanOptions::default(), RunOptions { count: true, threads: 0 });
+    assert_eq!(film(&scene), counted.film);
+}
+
+#[test]
+fn a_crop_is_a_part_of_the_whole() {
+    let mut scene = everything();
+    scene.film.filter = Filter::Mitchell;
+    let whole = film(&scene);
+    let crop = Crop { x: 17, y: 5, width: 30, height: 21 };
+    let part = render(&scene, PlanOptions { crop: Some(crop), ..PlanOptions::default() }, RunOptions::default()).film;
+    for y in 0..crop.height {
+        for x in 0..crop.width {
+            let inside = part.pixels()[(y * crop.width + x) as usize];
+            let outside = whole.pixels()[((y + crop.y) * whole.width() + x + crop.x) as usize];
+            assert_eq!(inside, outside, "pixel {x}, {y} of the crop");
+        }
+    }
+}
+
+#[test]
+fn seeds_and_patterns_do_change_the_picture() {
+    let mut scene = spheres();
+    let mut films = vec![];
+    for pattern in SamplePattern::ALL {
+        scene.settings.pattern = pattern;
+        films.push(film(&scene));
+    }
+    scene.settings.seed = 1;
+    films.push(film(&scene));
+    for (i, a) in films.iter().enumerate() {
+        for b in &films[..i] {
+            assert_ne!(a, b);
+        }
+    }
+}
+
+#[test]
+fn images_of_any_shape_are_covered() {
+    let mut scene = spheres();
+    scene.appearance.materials[0].phong.emission = Coefficient::Constant(Rgb::gray(0.01));
+    for (width, height) in [(1, 1), (1, 300), (300, 1), (16, 16), (17, 15)] {
+        (scene.film.width, scene.film.height) = (width, height);
+        let film = film(&scene);
+        assert!(film.pixels().iter().all(|p| p.iter().all(|c| *c > 0.0)), "{width}×{height}");
+    }
+}

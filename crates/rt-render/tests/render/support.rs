@@ -1,0 +1,167 @@
+//! Scenes built in code, for the tests of this crate.
+
+use std::sync::Arc;
+
+use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
+use rt_geometry::{AxisBox, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
+use rt_math::{DVec2, DVec3, Rgb, Transform, Vec3};
+use rt_scene_io::{Content, Group, GroupId, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene, Settings};
+use rt_shading::{
+    Appearance, Background, Coefficient, Falloff, Light, LightKind, Material, Phong, Texture, TextureId, Transmission,
+};
+
+pub(crate) fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Content {
+    Content::Shape(Shape::Sphere(Sphere::new(DVec3::new(x, y, z), radius).expect("a sphere")))
+}
+
+pub(crate) fn point_light(position: [f64; 3], strength: f64) -> Light {
+    let kind = LightKind::Point { position: position.into(), falloff: Falloff::None, lamp_radius: 0.0 };
+    Light { name: "lamp".into(), kind, intensity: Rgb::gray(strength), casts_shadows: true }
+}
+
+fn material(name: &str, phong: Phong) -> Material {
+    Material { name: name.into(), phong }
+}
+
+fn gray(value: f64) -> Coefficient {
+    Coefficient::Constant(Rgb::gray(value))
+}
+
+/// A camera 9 units up the z axis, a small image, two lights, and spheres on a grid: nothing but diffuse spheres.
+pub(crate) fn spheres() -> Scene {
+    let camera = CameraSettings {
+        world_from_camera: Transform::look_at(DVec3::new(1.0, 3.0, 9.0), DVec3::ZERO, DVec3::Y).expect("a view"),
+        projection: Projection::Perspective { fov: 0.7, axis: FovAxis::Vertical },
+        lens_shift: DVec2::ZERO,
+    };
+    let nodes = (0..27)
+        .map(|i| {
+            Node::new(
+                sphere(f64::from(i % 3) - 1.0, f64::from(i / 3 % 3) - 1.0, f64::from(i / 9) - 1.0, 0.45),
+                MaterialId(0),
+            )
+        })
+        .collect();
+    Scene {
+        cameras: vec![NamedCamera { name: "main".into(), settings: camera }],
+        film: FilmSettings { width: 61, height: 43, ..FilmSettings::default() },
+        settings: Settings { spp: 4, ..Settings::default() },
+        appearance: Appearance {
+            materials: vec![material("grey", Phong { ambient: Coefficient::ZERO, ..Phong::default() })],
+            lights: vec![point_light([5.0, 8.0, 6.0], 0.8), point_light([-5.0, 3.0, 6.0], 0.3)],
+            background: Background::Constant(Rgb::new(0.1, 0.2, 0.3)),
+            ..Appearance::default()
+        },
+        nodes,
+        ..Scene::empty("spheres")
+    }
+}
+
+/// A bumpy sheet of 2·16² triangles over [−1, 1]², smooth and textured.
+fn sheet() -> TriangleMesh {
+    const N: u32 = 16;
+    let mut data = MeshData::default();
+    for j in 0..=N {
+        for i in 0..=N {
+            let (u, v) = (i as f32 / N as f32, j as f32 / N as f32);
+            let height = 0.2 * ((i * 7 + j * 3) % 5) as f32 / 5.0;
+            data.positions.push(Vec3::new(2.0 * u - 1.0, height, 1.0 - 2.0 * v));
+            data.uvs.push([u, v]);
+        }
+    }
+    for j in 0..N {
+        for i in 0..N {
+            let a = j * (N + 1) + i;
+            data.triangles.push([a, a + 1, a + N + 2]);
+            data.triangles.push([a, a + N + 2, a + N + 1]);
+        }
+    }
+    data.smooth_normals();
+    TriangleMesh::build(data).expect("a mesh").0
+}
+
+/// One of everything: all shapes, placed and bare, a mesh used twice, groups within groups, mirror, glass, texture,
+/// all kinds of light, an object without shadow.
+pub(crate) fn everything() -> Scene {
+    let mut scene = spheres();
+    scene.name = "everything".into();
+    let glass = Transmission { coefficient: gray(1.0), ior: 1.5, fresnel: true, absorption: Rgb::new(0.5, 0.1, 0.4) };
+    let whitted_glass = Transmission { coefficient: gray(0.8), fresnel: false, absorption: Rgb::BLACK, ..glass };
+    let checker = Coefficient::Textured(TextureId(0), Rgb::WHITE);
+    scene.appearance.textures = vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::new(0.7, 0.1, 0.1), size: 0.25 }];
+    scene.appearance.ambient = Rgb::gray(0.5);
+    scene.appearance.materials = vec![
+        material("plain", Phong { specular: gray(0.4), ..Phong::default() }),
+        material("checker", Phong { diffuse: checker, ..Phong::default() }),
+        material("mirror", Phong { mirror: gray(0.8), diffuse: gray(0.1), ..Phong::default() }),
+        material(
+            "glass",
+            Phong { mirror: gray(1.0), diffuse: Coefficient::ZERO, transmission: Some(glass), ..Phong::default() },
+        ),
+        material("bubble", Phong { mirror: gray(0.1), transmission: Some(whitted_glass), ..Phong::default() }),
+        material("glow", Phong { emission: gray(0.3), ..Phong::default() }),
+    ];
+    scene.appearance.lights.push(Light {
+        name: "sun".into(),
+        kind: LightKind::Directional { direction: DVec3::new(0.3, -0.9, -0.3).normalize() },
+        intensity: Rgb::gray(0.3),
+        casts_shadows: true,
+    });
+    scene.appearance.lights.push(Light {
+        name: "spot".into(),
+        kind: LightKind::Spot {
+            position: DVec3::new(0.0, 4.0, 2.0),
+            direction: DVec3::NEG_Y,
+            cos_inner: 0.95,
+            cos_outer: 0.8,
+            falloff: Falloff::InverseSquare,
+        },
+        intensity: Rgb::gray(4.0),
+        casts_shadows: false,
+    });
+    scene.meshes = vec![NamedMesh { name: "sheet".into(), mesh: Arc::new(sheet()) }];
+
+    let at = |content: Content, material: u32, transform: Transform| Node {
+        parent_from_local: transform,
+        ..Node::new(content, MaterialId(material))
+    };
+    let moved = |x: f64, y: f64, z: f64| Transform::translate(DVec3::new(x, y, z));
+    let turn = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 0.8).expect("an axis");
+    let stretch = Transform::scale(DVec3::new(1.5, 0.6, -0.8)).expect("regular");
+    let unit_box = AxisBox::new(DVec3::splat(-0.5), DVec3::splat(0.5)).expect("a box");
+    let triangle = Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y]).expect("a triangle");
+    let floor = Plane::new(DVec3::NEG_Y, DVec3::Y).expect("a plane");
+    let small = Transform::scale(DVec3::splat(0.3)).expect("regular");
+    scene.groups = vec![
+        Group {
+            name: "pair".into(),
+            nodes: vec![
+                Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(2)),
+                at(Content::Mesh(MeshId(0)), 1, moved(0.0, 1.0, 0.0)),
+            ],
+        },
+        Group {
+            name: "pairs".into(),
+            nodes: vec![
+                at(Content::Instance(GroupId(0)), 0, moved(0.0, 0.0, -1.5)),
+                at(Content::Instance(GroupId(0)), 0, moved(2.0, 0.0, 0.0).then_first(&turn)),
+                at(Content::Shape(Shape::AxisBox(unit_box)), 5, turn),
+            ],
+        },
+    ];
+    let mut shadowless = at(sphere(1.2, 0.2, 2.0, 0.4), 0, Transform::IDENTITY);
+    shadowless.casts_shadow = false;
+    scene.nodes = vec![
+        at(Content::Shape(Shape::Plane(floor)), 1, Transform::IDENTITY),
+        at(sphere(0.0, 0.0, 0.0, 0.8), 3, moved(-1.0, 0.0, 1.0)),
+        at(sphere(0.0, 0.0, 0.0, 0.5), 4, moved(0.6, -0.4, 3.0)),
+        at(sphere(0.0, 0.0, 0.0, 0.7), 0, moved(2.5, 0.0, -1.0).then_first(&turn).then_first(&stretch)),
+        at(Content::Shape(Shape::AxisBox(unit_box)), 2, moved(-2.5, 0.0, -1.0).then_first(&turn)),
+        at(Content::Shape(Shape::Triangle(triangle)), 5, moved(0.0, 1.0, -2.0).then_first(&stretch)),
+        at(Content::Mesh(MeshId(0)), 1, moved(0.0, 1.2, -1.0).then_first(&turn)),
+        at(Content::Instance(GroupId(1)), 0, moved(-2.5, -0.6, 2.0).then_first(&small)),
+        at(Content::Instance(GroupId(1)), 0, moved(2.0, -0.6, 2.0).then_first(&turn).then_first(&small)),
+        shadowless,
+    ];
+    scene
+}
