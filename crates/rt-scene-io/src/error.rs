@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rt_geometry::{MeshError, ShapeError};
 use rt_math::TransformError;
@@ -81,6 +81,14 @@ pub enum Reason {
         reference: String,
         /// Why it is refused.
         rule: String,
+    },
+    /// A reference to a file that is not there.
+    #[error("`{reference}` is not there (looked for {})", looked_for.display())]
+    MissingReference {
+        /// The reference as written.
+        reference: String,
+        /// The file that it means.
+        looked_for: PathBuf,
     },
     /// The text does not follow the format. The message comes from its parser.
     #[error("{0}")]

@@ -1,7 +1,7 @@
 //! Files and references between them, read with care: a scene may come from a stranger.
 
 use std::fs::{self, File};
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use rt_shading::Bitmap;
@@ -77,9 +77,12 @@ pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> 
     }
     let folder = folder_of(referrer);
     let path = folder.join(&relative);
-    let found = path
-        .canonicalize()
-        .map_err(|error| bad(&format!("cannot be read: {error} (looked for {})", path.display())))?;
+    let found = path.canonicalize().map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => {
+            Reason::MissingReference { reference: reference.to_owned(), looked_for: path.clone() }
+        }
+        _ => bad(&format!("cannot be read: {error} (looked for {})", path.display())),
+    })?;
     let root = options.root.as_deref().unwrap_or(folder);
     let inside = root.canonicalize().map_err(|error| bad(&format!("has no root {}: {error}", root.display())))?;
     if found.starts_with(inside) {

@@ -6,8 +6,12 @@
 mod error;
 #[cfg(feature = "format")]
 mod files;
+#[cfg(any(feature = "obj", feature = "gltf"))]
+mod mesh_build;
 #[cfg(feature = "format")]
 mod model;
+#[cfg(feature = "obj")]
+mod obj;
 #[cfg(feature = "format")]
 mod options;
 mod scene;

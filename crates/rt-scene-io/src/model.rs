@@ -35,6 +35,11 @@ pub struct Model {
 /// # Errors
 /// If the file cannot be read, is no valid model, or needs a feature that is not supported or not built in.
 pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    let _ = options;
-    Err(Reason::UnknownFormat { known: ".obj, .gltf, .glb" }.at(path, ""))
+    let options = options.rooted_at(path);
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    match ending.as_str() {
+        #[cfg(feature = "obj")]
+        "obj" => crate::obj::load(path, &options),
+        _ => Err(Reason::UnknownFormat { known: ".obj, .gltf, .glb" }.at(path, "")),
+    }
 }

@@ -1,0 +1,30 @@
+//! From the arrays of a model file to a mesh, with a warning for whatever had to be mended.
+
+use rt_geometry::{MeshData, MeshError, TriangleMesh};
+
+use crate::Warning;
+
+/// Builds a mesh; `None` if no triangle is left, about which there is a warning as well.
+pub(crate) fn build_mesh(
+    data: MeshData,
+    place: &str,
+    warnings: &mut Vec<Warning>,
+) -> Result<Option<TriangleMesh>, MeshError> {
+    let total = data.triangles.len();
+    let (mesh, repairs) = TriangleMesh::build(data)?;
+    let counted = [
+        (repairs.degenerate, "triangles without area were dropped"),
+        (repairs.not_finite, "triangles with a NaN or infinite vertex were dropped"),
+        (repairs.bad_normals, "normals that are zero or not finite were replaced by those of a triangle"),
+        (repairs.bad_uvs, "texture coordinates that are not finite were set to zero"),
+    ];
+    let mut warn = |message| warnings.push(Warning { place: place.to_owned(), message });
+    for (count, what) in counted.into_iter().filter(|(count, _)| *count > 0) {
+        warn(format!("{count} {what} (of {total} triangles in all)"));
+    }
+    if mesh.data().triangles.is_empty() {
+        warn("no triangle is left; the mesh is left out".to_owned());
+        return Ok(None);
+    }
+    Ok(Some(mesh))
+}

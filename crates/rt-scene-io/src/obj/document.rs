@@ -1,0 +1,341 @@
+//! An OBJ file, put in order for `tobj`.
+//!
+//! `tobj` reads numbers, shares vertices and splits meshes well, but it does not know line continuation or smoothing
+//! groups, tells no line numbers, and misaligns normals and texture coordinates where only some faces have them.
+//! So the statements are sorted first: all vertices, then the faces of each [`Part`] as a group of its own, with
+//! absolute indices. Whatever cannot be read is refused here, where its line is known.
+
+use std::{
+    collections::{BTreeMap, HashMap},
+    fmt::Write,
+};
+
+use super::{
+    lines::{Line, lines},
+    smoothing::Smoothing,
+};
+
+/// Faces that become one mesh.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Part {
+    /// Name of the object or group; may be empty.
+    pub(super) name: String,
+    /// The material in force, if any.
+    pub(super) material: Option<String>,
+    /// The smoothing group in force.
+    pub(super) smoothing: Smoothing,
+    /// Whether all corners have texture coordinates, and normals.
+    attributes: [bool; 2],
+}
+
+/// A file in order.
+#[derive(Debug, Default)]
+pub(super) struct Document {
+    /// Statements for `tobj`: group `i` holds the faces of `parts[i]`, in which every corner has the same attributes.
+    pub(super) text: String,
+    /// In order of their first face.
+    pub(super) parts: Vec<Part>,
+    /// Names of material libraries with their lines: what follows `mtllib`.
+    pub(super) libraries: Vec<(usize, String)>,
+    /// What was left out: how often, and where first.
+    pub(super) skipped: BTreeMap<String, (usize, usize)>,
+}
+
+/// Why a file cannot be read, and where.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct BadLine {
+    pub(super) line: usize,
+    pub(super) message: String,
+}
+
+/// More corners than any modeller makes; clipping the ears of more would take forever.
+const MAX_CORNERS: usize = 100_000;
+
+/// Statements without effect on a picture made of triangles, or for other programs only.
+const HARMLESS: [&str; 7] = ["mg", "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"];
+
+impl Document {
+    pub(super) fn parse(text: &str) -> Result<Self, BadLine> {
+        let mut reader = Reader::default();
+        for line in lines(text) {
+            reader.statement(&line).map_err(|message| BadLine { line: line.number, message })?;
+        }
+        let mut document = reader.document;
+        for (i, faces) in reader.faces.iter().enumerate() {
+            // Writing to a string does not fail.
+            let _ = writeln!(document.text, "g {i}");
+            document.text.push_str(faces);
+        }
+        Ok(document)
+    }
+
+    /// The first statement with this keyword whose arguments are not numbers: `tobj` tells only that there is one.
+    pub(super) fn find_bad_number(source: &str, keyword: &str) -> Option<BadLine> {
+        lines(source).filter(|line| line.split().0 == keyword).find_map(|line| {
+            let bad = line.arguments().take(3).find(|word| word.parse::<f32>().is_err())?;
+            Some(BadLine { line: line.number, message: format!("`{bad}` is not a number") })
+        })
+    }
+}
+
+#[derive(Default)]
+struct Reader {
+    document: Document,
+    /// Face statements of each part.
+    faces: Vec<String>,
+    /// Numbers of `v`, `vt` and `vn` so far.
+    counts: [usize; 3],
+    state: State,
+    part_index: HashMap<Part, usize>,
+    /// The part for the present state with these attributes.
+    current: HashMap<[bool; 2], usize>,
+    corners: Vec<[Option<usize>; 3]>,
+}
+
+struct State {
+    name: String,
+    material: Option<String>,
+    smoothing: Smoothing,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self { name: String::new(), material: None, smoothing: Smoothing::Unsaid }
+    }
+}
+
+impl Reader {
+    fn statement(&mut self, line: &Line<'_>) -> Result<(), String> {
+        let (keyword, rest) = line.split();
+        match keyword {
+            "v" => self.vertex(line, 0, 3)?,
+            "vt" => self.vertex(line, 1, 2)?,
+            "vn" => self.vertex(line, 2, 3)?,
+            "f" | "fo" => self.face(line)?,
+            "l" | "p" => self.skip("line or point", line.number),
+            "mtllib" => self.document.libraries.push((line.number, rest.to_owned())),
+            "o" | "g" => self.change(|state| state.name = rest.to_owned()),
+            "usemtl" => {
+                let name = (!rest.is_empty()).then(|| rest.to_owned());
+                self.change(|state| state.material = name);
+            }
+            "s" => {
+                let smoothing = match line.arguments().next().unwrap_or("off") {
+                    "off" | "0" => Smoothing::Off,
+                    "on" => Smoothing::Group(1),
+                    group => Smoothing::Group(group.parse().map_err(|_| format!("`{group}` is no smoothing group"))?),
+                };
+                self.change(|state| state.smoothing = smoothing);
+            }
+            _ if HARMLESS.contains(&keyword) => {}
+            _ => self.skip(&format!("unsupported statement `{}`", shortened(keyword)), line.number),
+        }
+        Ok(())
+    }
+
+    /// Copies the first `needed` numbers of a vertex statement. `w` and vertex colours have no meaning for us.
+    fn vertex(&mut self, line: &Line<'_>, kind: usize, needed: usize) -> Result<(), String> {
+        let keyword = line.split().0;
+        self.document.text.push_str(keyword);
+        let mut found = 0;
+        for word in line.arguments().take(needed) {
+            self.document.text.push(' ');
+            self.document.text.push_str(word);
+            found += 1;
+        }
+        if kind == 1 && found == 1 {
+            // One-dimensional texture coordinates.
+            self.document.text.push_str(" 0");
+        } else if found < needed {
+            return Err(format!("`{keyword}` needs {needed} numbers, but has {found}"));
+        } else if kind == 0 && line.arguments().nth(5).is_some() {
+            self.skip("vertex colour", line.number);
+        }
+        self.document.text.push('\n');
+        self.counts[kind] += 1;
+        Ok(())
+    }
+
+    fn face(&mut self, line: &Line<'_>) -> Result<(), String> {
+        self.corners.clear();
+        for word in line.arguments() {
+            let corner = corner(word, self.counts)?;
+            if corner.dangling {
+                self.skip("normal or texture coordinate that is not there", line.number);
+            }
+            self.corners.push(corner.indices);
+        }
+        match self.corners.len() {
+            0..3 => {
+                self.skip("face with fewer than three corners", line.number);
+                return Ok(());
+            }
+            3..=MAX_CORNERS => {}
+            n => return Err(format!("a face with {n} corners; at most {MAX_CORNERS} are accepted")),
+        }
+        let attributes = [1, 2].map(|kind| self.corners.iter().all(|corner| corner[kind].is_some()));
+        let part = self.part(attributes);
+        let out = &mut self.faces[part];
+        out.push('f');
+        for [position, uv, normal] in &self.corners {
+            // Writing to a string does not fail.
+            let _ = match (position, uv.filter(|_| attributes[0]), normal.filter(|_| attributes[1])) {
+                (Some(v), None, None) => write!(out, " {v}"),
+                (Some(v), Some(vt), None) => write!(out, " {v}/{vt}"),
+                (Some(v), None, Some(vn)) => write!(out, " {v}//{vn}"),
+                (Some(v), Some(vt), Some(vn)) => write!(out, " {v}/{vt}/{vn}"),
+                (None, ..) => Ok(()),
+            };
+        }
+        out.push('\n');
+        Ok(())
+    }
+
+    fn part(&mut self, attributes: [bool; 2]) -> usize {
+        if let Some(&index) = self.current.get(&attributes) {
+            return index;
+        }
+        let State { name, material, smoothing } = &self.state;
+        let part = Part { name: name.clone(), material: material.clone(), smoothing: *smoothing, attributes };
+        let index = *self.part_index.entry(part.clone()).or_insert_with(|| {
+            self.document.parts.push(part);
+            self.faces.push(String::new());
+            self.faces.len() - 1
+        });
+        self.current.insert(attributes, index);
+        index
+    }
+
+    fn change(&mut self, change: impl FnOnce(&mut State)) {
+        change(&mut self.state);
+        self.current.clear();
+    }
+
+    fn skip(&mut self, what: &str, line: usize) {
+        match self.document.skipped.get_mut(what) {
+            Some((count, _)) => *count += 1,
+            None => {
+                self.document.skipped.insert(what.to_owned(), (1, line));
+            }
+        }
+    }
+}
+
+/// What a face says about one of its corners.
+struct Corner {
+    /// Of `v`, `vt` and `vn`, counted from 1.
+    indices: [Option<usize>; 3],
+    /// Whether it names a `vt` or `vn` that is not there.
+    dangling: bool,
+}
+
+/// Reads `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+fn corner(word: &str, counts: [usize; 3]) -> Result<Corner, String> {
+    let mut corner = Corner { indices: [None; 3], dangling: false };
+    for (kind, text) in word.split('/').enumerate() {
+        let slot =
+            corner.indices.get_mut(kind).ok_or_else(|| format!("`{}` is no corner of a face", shortened(word)))?;
+        if text.is_empty() {
+            continue;
+        }
+        let index: i64 = text.parse().map_err(|_| format!("`{}` is no index", shortened(text)))?;
+        *slot = absolute(index, counts[kind]);
+        match (kind, *slot) {
+            (0, None) => {
+                let count = counts[0];
+                return Err(format!("the face names vertex {index}, but {count} come before it (indices start at 1)"));
+            }
+            (_, None) => corner.dangling = true,
+            _ => {}
+        }
+    }
+    match corner.indices[0] {
+        Some(_) => Ok(corner),
+        None => Err(format!("the corner `{}` names no vertex", shortened(word))),
+    }
+}
+
+/// Indices count from 1; negative ones count back from the last statement before the face.
+fn absolute(index: i64, count: usize) -> Option<usize> {
+    let position = if index < 0 { index.checked_add_unsigned(count as u64 + 1)? } else { index };
+    usize::try_from(position).ok().filter(|p| (1..=count).contains(p))
+}
+
+/// A word from the file, short enough for a message.
+fn shortened(word: &str) -> String {
+    if word.chars().count() <= 40 { word.to_owned() } else { word.chars().take(40).chain(['…']).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VERTICES: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n";
+
+    fn parse(faces: &str) -> Document {
+        Document::parse(&format!("{VERTICES}{faces}")).expect("a good file")
+    }
+
+    fn refused(faces: &str) -> String {
+        let BadLine { line, message } = Document::parse(&format!("{VERTICES}{faces}")).expect_err("a bad file");
+        format!("{line}: {message}")
+    }
+
+    #[test]
+    fn negative_indices_count_back() {
+        let document = parse("f -4/-1/-1 -3/1/1 3/-1/1\nv 5 5 5\nf -1 -2 -3");
+        assert!(document.text.ends_with("g 0\nf 1/1/1 2/1/1 3/1/1\ng 1\nf 5 4 3\n"), "{}", document.text);
+    }
+
+    #[test]
+    fn indices_out_of_range_are_refused_with_their_line() {
+        assert_eq!(refused("f 1 2 5"), "7: the face names vertex 5, but 4 come before it (indices start at 1)");
+        assert_eq!(refused("\nf 0 1 2"), "8: the face names vertex 0, but 4 come before it (indices start at 1)");
+        assert_eq!(refused("f 1 2 -5"), "7: the face names vertex -5, but 4 come before it (indices start at 1)");
+        let least = i64::MIN;
+        assert!(refused(&format!("f 1 2 {least}")).starts_with("7: the face names"));
+        assert_eq!(refused("f 1 2 9223372036854775808"), "7: `9223372036854775808` is no index");
+        assert_eq!(refused("f 1/1/1/1 2 3"), "7: `1/1/1/1` is no corner of a face");
+        assert_eq!(refused("f 1 2 /1"), "7: the corner `/1` names no vertex");
+    }
+
+    #[test]
+    fn attributes_that_only_some_corners_have_are_left_out() {
+        let document = parse("f 1/1 2 3/1\nf 1/1 2/1 3/1\nf 1/2/0 2/1/1 4/1/1");
+        assert_eq!(document.skipped.values().collect::<Vec<_>>(), [&(1, 9)]);
+        assert_eq!(document.parts.len(), 2);
+        assert!(document.text.ends_with("g 0\nf 1 2 3\nf 1 2 4\ng 1\nf 1/1 2/1 3/1\n"), "{}", document.text);
+    }
+
+    #[test]
+    fn parts_gather_the_faces_of_one_state() {
+        let document = parse("o a\nusemtl m\ns 1\nf 1 2 3\nusemtl n n\nf 1 3 4\nusemtl m\nf 2 3 4\ns off\nf 2 3 4\n");
+        let seen: Vec<_> =
+            document.parts.iter().map(|p| (p.name.as_str(), p.material.as_deref(), p.smoothing)).collect();
+        let (one, off) = (Smoothing::Group(1), Smoothing::Off);
+        assert_eq!(seen, [("a", Some("m"), one), ("a", Some("n n"), one), ("a", Some("m"), off)]);
+        assert!(document.text.contains("g 0\nf 1 2 3\nf 2 3 4\n"));
+    }
+
+    #[test]
+    fn what_is_left_out_is_counted() {
+        let document = parse("l 1 2\np 1\nf 1 2\nv 0 0 0 1 0 0\nvp 1 2\nmg 1\nf 1 2 3\n");
+        let skipped: Vec<_> = document.skipped.iter().map(|(what, at)| (what.as_str(), *at)).collect();
+        let expected = [
+            ("face with fewer than three corners", (1, 9)),
+            ("line or point", (2, 7)),
+            ("unsupported statement `vp`", (1, 11)),
+            ("vertex colour", (1, 10)),
+        ];
+        assert_eq!(skipped, expected);
+    }
+
+    #[test]
+    fn short_vertices_and_huge_faces_are_refused() {
+        assert_eq!(refused("v 1 2"), "7: `v` needs 3 numbers, but has 2");
+        let huge = format!("f{}", " 1".repeat(MAX_CORNERS + 1));
+        assert_eq!(refused(&huge), "7: a face with 100001 corners; at most 100000 are accepted");
+        let found = Document::find_bad_number("v 1 2 3\n\nv 1,5 2 3", "v").expect("a comma");
+        assert_eq!(found, BadLine { line: 3, message: "`1,5` is not a number".to_owned() });
+    }
+}

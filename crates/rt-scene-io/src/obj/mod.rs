@@ -1,0 +1,258 @@
+//! Wavefront OBJ with MTL materials, through `tobj`.
+//!
+//! ```text
+//! bytes ── lines ──> Document ── tobj ──> polygons ── triangles, normals ──> meshes
+//!                        └── mtllib ── mtl ── tobj ──> Phong
+//! ```
+//!
+//! Each object, group, material and smoothing group becomes a mesh of its own under a node of its own. What a file
+//! leaves out is replaced, with a warning: a library or image that is not there, a name that no library holds.
+
+mod document;
+mod library;
+mod lines;
+mod map;
+mod material;
+mod mtl;
+mod polygon;
+mod smoothing;
+
+use std::{path::Path, sync::Arc};
+
+use rt_geometry::MeshData;
+use rt_math::{Transform, Vec3};
+
+use self::{
+    document::{BadLine, Document, Part},
+    library::Library,
+    polygon::Triangulator,
+};
+use crate::{
+    Content, LoadError, LoadOptions, MeshId, Model, NamedMesh, Node, Place, Reason, Warning, files::read_file,
+    mesh_build::build_mesh,
+};
+
+/// Loads the model at `path`.
+pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
+    load_bytes(&read_file(path).map_err(|reason| reason.at(path, ""))?, path, options)
+}
+
+/// Loads the model that `bytes` hold; `path` is for messages and for references to other files.
+pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
+    let bad = |BadLine { line, message }| Reason::Syntax(message).at(path, Place::Line(line));
+    let (source, not_utf8) = lines::decode(bytes);
+    let document = Document::parse(&source).map_err(bad)?;
+
+    let mut model = Model::default();
+    if let Some(line) = not_utf8 {
+        model.warnings.push(warning(path, line, "bytes that are not UTF-8 are replaced".to_owned()));
+    }
+    for (what, (count, line)) in &document.skipped {
+        model.warnings.push(warning(path, *line, format!("{what}: left out ({count} in the file, this is the first)")));
+    }
+
+    // `tobj` finds no libraries in the sorted statements; they are read below.
+    let no_library = |_: &Path| Err(tobj::LoadError::GenericFailure);
+    let how = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
+    let parsed = tobj::load_obj_buf(&mut document.text.as_bytes(), &how, no_library);
+    let groups = match parsed {
+        Ok((groups, _)) => groups,
+        Err(error) => return Err(explain(error, &source).map_or_else(|| unexplained(error, path), bad)),
+    };
+
+    let mut library = Library::open(&document.libraries, path, options, &mut model)?;
+    let mut triangulator = Triangulator::new();
+    for group in groups {
+        let Some(part) = group.name.parse().ok().and_then(|i: usize| document.parts.get(i)) else { continue };
+        let data = smoothing::add_normals(mesh_data(&group.mesh, &mut triangulator), part.smoothing);
+        let place = format!("{}: {}", path.display(), display_name(part));
+        let mesh =
+            build_mesh(data, &place, &mut model.warnings).map_err(|e| Reason::from(e).at(path, display_name(part)))?;
+        let Some(mesh) = mesh else { continue };
+        let material = library.material(part.material.as_deref(), &mut model)?;
+        let id = MeshId(model.meshes.len() as u32);
+        model.meshes.push(NamedMesh { name: part.name.clone(), mesh: Arc::new(mesh) });
+        model.nodes.push(Node {
+            name: part.name.clone(),
+            parent_from_local: Transform::IDENTITY,
+            content: Some(Content::Mesh(id)),
+            material,
+            casts_shadow: true,
+            children: Vec::new(),
+        });
+    }
+    if model.meshes.is_empty() {
+        return Err(Reason::Syntax("no triangle is left: the file has no usable faces".to_owned()).at(path, ""));
+    }
+    Ok(model)
+}
+
+fn display_name(part: &Part) -> String {
+    if part.name.is_empty() { "unnamed object".to_owned() } else { format!("object `{}`", part.name) }
+}
+
+fn warning(path: &Path, line: usize, message: String) -> Warning {
+    Warning { place: format!("{}:{line}", path.display()), message }
+}
+
+/// `tobj` says which kind of statement it cannot read; the first such one in the file is the culprit.
+fn explain(error: tobj::LoadError, source: &str) -> Option<BadLine> {
+    let keyword = match error {
+        tobj::LoadError::PositionParseError => "v",
+        tobj::LoadError::NormalParseError => "vn",
+        tobj::LoadError::TexcoordParseError => "vt",
+        _ => return None,
+    };
+    Document::find_bad_number(source, keyword)
+}
+
+fn unexplained(error: tobj::LoadError, path: &Path) -> LoadError {
+    Reason::Syntax(error.to_string()).at(path, "")
+}
+
+/// The arrays of a group, with its polygons cut into triangles.
+fn mesh_data(mesh: &tobj::Mesh, triangulator: &mut Triangulator) -> MeshData {
+    let vectors = |numbers: &[f32]| numbers.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<Vec3>>();
+    let positions = vectors(&mesh.positions);
+    let mut triangles = Vec::with_capacity(mesh.indices.len() / 3);
+    let mut rest = mesh.indices.as_slice();
+    // `tobj` leaves the number of corners out where all faces are triangles.
+    let all_triangles = std::iter::repeat_n(3, if mesh.face_arities.is_empty() { rest.len() / 3 } else { 0 });
+    for corners in mesh.face_arities.iter().copied().chain(all_triangles) {
+        let (face, after) = rest.split_at(corners as usize);
+        triangulator.append(&positions, face, &mut triangles);
+        rest = after;
+    }
+    let uvs = mesh.texcoords.chunks_exact(2).map(|uv| [uv[0], uv[1]]).collect();
+    MeshData { positions, triangles, normals: vectors(&mesh.normals), uvs }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::Rgb;
+    use rt_shading::{Coefficient, Texture};
+    use std::fs;
+
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+    fn load_text(text: &str) -> Result<Model, LoadError> {
+        load_bytes(text.as_bytes(), Path::new("m.obj"), &LoadOptions::default())
+    }
+
+    fn refused(text: &str) -> String {
+        load_text(text).expect_err("a bad file").to_string()
+    }
+
+    fn messages(model: &Model) -> Vec<String> {
+        model.warnings.iter().map(|w| format!("{}: {}", w.place, w.message)).collect()
+    }
+
+    #[test]
+    fn objects_and_materials_become_nodes() {
+        let model = load_text(&format!("{SQUARE}o a\nf 1 2 3\nusemtl m\nf 1 3 4\no b\nf 1 2 3 4\n")).expect("a model");
+        let names: Vec<_> = model.nodes.iter().map(|n| (n.name.as_str(), n.material.0)).collect();
+        assert_eq!(names, [("a", 0), ("a", 1), ("b", 1)]);
+        let sizes: Vec<_> = model.meshes.iter().map(|m| m.mesh.data().triangles.len()).collect();
+        assert_eq!(sizes, [1, 1, 2]);
+        assert_eq!(
+            messages(&model),
+            ["m.obj: the material `m` is in no library (there are none); it becomes plain grey"]
+        );
+    }
+
+    #[test]
+    fn vertices_are_shared_and_attributes_follow_them() {
+        let text = format!(
+            "{SQUARE}vt 0 0\nvt 1 1\nvn 0 0 2\nf 1/1/1 2/2/1 3/1/1\nf 1/1/1 3/1/1 4/2/1\nf 1/2/1 2/2/1 3/1/1\n"
+        );
+        let model = load_text(&text).expect("a model");
+        let data = model.meshes[0].mesh.data();
+        assert_eq!(data.triangles, [[0, 1, 2], [0, 2, 3], [4, 1, 2]]);
+        assert_eq!(data.positions[4], data.positions[0]);
+        assert_eq!((data.uvs[0], data.uvs[4]), ([0.0, 0.0], [1.0, 1.0]));
+        assert!(data.normals.iter().all(|n| *n == Vec3::Z));
+    }
+
+    #[test]
+    fn a_concave_face_covers_its_own_area_only() {
+        let model = load_text("v 0 0 0\nv 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nf 1 2 3 4").expect("a dart");
+        let data = model.meshes[0].mesh.data();
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| data.positions[i as usize]);
+            (b - a).cross(c - a).z / 2.0
+        };
+        assert_eq!(data.triangles.iter().map(area).collect::<Vec<_>>(), [0.5, 0.5]);
+    }
+
+    #[test]
+    fn smoothing_follows_the_file() {
+        let bend = "v 0 0 0\nv 0 1 0\nv -1 0 0\nv 1 0 5\n";
+        let faces = "f 1 2 3\nf 1 4 2\n";
+        let normals = |smoothing: &str| {
+            let model = load_text(&format!("{bend}{smoothing}{faces}")).expect("a model");
+            model.meshes[0].mesh.data().normals.len()
+        };
+        assert_eq!(normals("s off\n"), 0);
+        assert_eq!(normals("s 1\n"), 4);
+        assert_eq!(normals(""), 6, "the sharp edge is kept: its two vertices are repeated");
+    }
+
+    #[test]
+    fn bad_numbers_are_found_by_line() {
+        assert_eq!(refused("v 0 0 0\nv 1,5 0 0\nv 0 1 0\nf 1 2 3"), "m.obj:2: `1,5` is not a number");
+        assert_eq!(refused(&format!("{SQUARE}\nvn 0 zero 1\nf 1 2 3")), "m.obj:6: `zero` is not a number");
+        assert_eq!(refused(&format!("{SQUARE}f 1 2 9")).split(':').nth(1), Some("5"));
+    }
+
+    #[test]
+    fn files_without_faces_are_refused() {
+        for text in ["", "# nothing\n", SQUARE, "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"] {
+            assert_eq!(refused(text), "m.obj: no triangle is left: the file has no usable faces");
+        }
+    }
+
+    #[test]
+    fn triangles_that_are_not_finite_are_dropped_and_counted() {
+        let model =
+            load_text(&format!("{SQUARE}v nan 0 0\nv 1e400 0 0\nf 1 2 3\nf 1 2 5\nf 1 6 3\n")).expect("a model");
+        assert_eq!(model.meshes[0].mesh.data().triangles.len(), 1);
+        let expected =
+            "m.obj: unnamed object: 2 triangles with a NaN or infinite vertex were dropped (of 3 triangles in all)";
+        assert_eq!(messages(&model), [expected]);
+    }
+
+    #[test]
+    fn materials_come_from_libraries_beside_the_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = |name: &str| folder.path().join(name);
+        fs::write(place("my lib.mtl"), "newmtl red\nKd 1 0 0\nmap_Kd missing.png\nKs 1\n").expect("written");
+        fs::write(place("b.mtl"), "newmtl blue\nKd 0 0 1\nmap_Kd t.png\nnewmtl red\nKd 0 1 0\n").expect("written");
+        image::RgbImage::new(2, 1).save(place("t.png")).expect("written");
+        let head = format!("mtllib my lib.mtl\nmtllib none.mtl b.mtl\n{SQUARE}");
+        fs::write(place("m.obj"), head + "usemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\n").expect("written");
+
+        let model = crate::load_model(&place("m.obj"), &LoadOptions::default()).expect("a model");
+        assert_eq!(model.materials[0].phong.diffuse, Coefficient::Constant(Rgb::new(1.0, 0.0, 0.0)));
+        assert!(matches!(model.materials[1].phong.diffuse, Coefficient::Textured(..)));
+        assert!(matches!(&model.textures[0], Texture::Image { bitmap, .. } if bitmap.width == 2));
+        let what: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
+        assert_eq!(what[0], "the material library `none.mtl` is not there; its materials become plain grey");
+        assert_eq!(what[1], "the image `missing.png` is not there; the plain colour is used");
+        assert_eq!(what.len(), 2);
+    }
+
+    #[test]
+    fn references_must_not_leave_the_folder() {
+        let outer = tempfile::tempdir().expect("a folder");
+        let inner = outer.path().join("inner");
+        fs::create_dir(&inner).expect("a folder");
+        fs::write(outer.path().join("secret.mtl"), "newmtl m\n").expect("written");
+        fs::write(inner.join("m.obj"), format!("mtllib ../secret.mtl\n{SQUARE}f 1 2 3\n")).expect("written");
+        let error =
+            crate::load_model(&inner.join("m.obj"), &LoadOptions::default()).expect_err("an escape").to_string();
+        assert!(error.contains("m.obj:1: `../secret.mtl` lies outside"), "{error}");
+        let options = LoadOptions { root: Some(outer.path().to_owned()), ..LoadOptions::default() };
+        assert!(crate::load_model(&inner.join("m.obj"), &options).is_ok());
+    }
+}

@@ -1,0 +1,110 @@
+//! MTL files, cleaned up for `tobj`.
+//!
+//! `tobj` panics on colours with fewer than three numbers and gives up on the first bad statement without telling
+//! where it is. Materials matter less than geometry, so a bad statement is left out here, with a warning, and the
+//! rest of the file counts.
+
+use super::lines::{Line, lines};
+
+/// A statement that was left out: its line, and why.
+pub(super) type Complaint = (usize, String);
+
+/// Keywords whose case exporters do not agree on, in the spelling that `tobj` knows.
+const KEYWORDS: [&str; 19] = [
+    "newmtl", "Ka", "Kd", "Ks", "Ke", "Tf", "Ns", "Ni", "d", "Tr", "illum", "map_Ka", "map_Kd", "map_Ks", "map_Ke",
+    "map_Ns", "map_d", "map_Bump", "bump",
+];
+
+/// The materials of a file, and what was left out of it.
+///
+/// All numbers of the result are finite and not negative. Tf, Tr and map_Ke are among the unknown parameters.
+pub(super) fn parse(text: &str) -> (Vec<tobj::Material>, Vec<Complaint>) {
+    let mut clean = String::new();
+    let mut complaints = Vec::new();
+    for line in lines(text) {
+        match statement(&line) {
+            Ok(statement) => {
+                clean.push_str(&statement);
+                clean.push('\n');
+            }
+            Err(reason) => complaints.push((line.number, reason)),
+        }
+    }
+    match tobj::load_mtl_buf(&mut clean.as_bytes()) {
+        Ok((materials, _)) => (materials, complaints),
+        Err(error) => {
+            complaints.push((1, format!("no material can be read: {error}")));
+            (Vec::new(), complaints)
+        }
+    }
+}
+
+/// The statement in the form that `tobj` reads.
+fn statement(line: &Line<'_>) -> Result<String, String> {
+    let (word, rest) = line.split();
+    let keyword = KEYWORDS.into_iter().find(|k| k.eq_ignore_ascii_case(word)).unwrap_or(word);
+    match keyword {
+        "Ka" | "Kd" | "Ks" | "Ke" | "Tf" => {
+            let numbers = line.arguments().map(number).collect::<Result<Vec<f32>, _>>()?;
+            match numbers[..] {
+                [gray] => Ok(format!("{keyword} {gray} {gray} {gray}")),
+                [r, g, b, ..] => Ok(format!("{keyword} {r} {g} {b}")),
+                _ => Err(format!("`{keyword}` needs one or three numbers, but has {}", numbers.len())),
+            }
+        }
+        // `d -halo 0.5` is a dissolve that grows towards the silhouette; its value is the last word.
+        "Ns" | "Ni" | "d" | "Tr" => {
+            let word = line.arguments().last().ok_or_else(|| format!("`{keyword}` needs a number"))?;
+            Ok(format!("{keyword} {}", number(word)?))
+        }
+        "illum" => {
+            let word = line.arguments().next().unwrap_or_default();
+            match word.parse::<u8>() {
+                Ok(model @ 0..=10) => Ok(format!("illum {model}")),
+                _ => Err(format!("`{word}` is no illumination model (they are numbered from 0 to 10)")),
+            }
+        }
+        _ if rest.is_empty() => Err(format!("`{word}` needs a name")),
+        _ => Ok(format!("{keyword} {rest}")),
+    }
+}
+
+fn number(word: &str) -> Result<f32, String> {
+    match word.parse::<f32>() {
+        Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
+        Ok(number) => Err(format!("{number} is not a finite number of at least 0")),
+        Err(_) => Err(format!("`{word}` is not a number")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn good_statements_reach_the_material() {
+        let text = "newmtl a b\nKd .5 0.25 1e-1 # red\nks 0.5\nNS 12\nd -halo 0.25\nillum 7\nmap_kd -s 1 1 1 a b.png\n\
+                    Tf 1 1 1\nnewmtl c\nmap_Ke e.png\nPr 0.5";
+        let (materials, complaints) = parse(text);
+        assert_eq!(complaints, []);
+        let [a, c] = &materials[..] else { panic!("two materials") };
+        assert_eq!((a.name.as_str(), c.name.as_str()), ("a b", "c"));
+        assert_eq!((a.diffuse, a.specular), (Some([0.5, 0.25, 0.1]), Some([0.5; 3])));
+        assert_eq!((a.shininess, a.dissolve, a.illumination_model), (Some(12.0), Some(0.25), Some(7)));
+        assert_eq!(a.diffuse_texture.as_deref(), Some("-s 1 1 1 a b.png"));
+        assert_eq!(a.unknown_param["Tf"], "1 1 1");
+        assert_eq!(c.unknown_param["map_Ke"], "e.png");
+    }
+
+    #[test]
+    fn bad_statements_are_left_out_with_their_line() {
+        let text = "newmtl a\nKd 1 2\nKs x 1 1\nKa\nNs -1\nNi nan\nillum 11\nmap_Kd\nKe 1 1 1e99\nKd 1 1 1\nnewmtl\n";
+        let (materials, complaints) = parse(text);
+        assert_eq!(materials.len(), 1);
+        assert_eq!((materials[0].diffuse, materials[0].specular), (Some([1.0; 3]), None));
+        let lines: Vec<usize> = complaints.iter().map(|(line, _)| *line).collect();
+        assert_eq!(lines, [2, 3, 4, 5, 6, 7, 8, 9, 11]);
+        assert_eq!(complaints[0].1, "`Kd` needs one or three numbers, but has 2");
+        assert_eq!(complaints[3].1, "-1 is not a finite number of at least 0");
+    }
+}

@@ -1,0 +1,58 @@
+//! Real and hostile OBJ files. Without the folder of test data beside the repository these tests have nothing to do.
+
+#![cfg(feature = "obj")]
+
+mod data;
+
+use data::{data, files, mutate, truncate};
+use rt_scene_io::{LoadOptions, load_model};
+
+#[test]
+fn well_formed_files_have_all_of_their_triangles() {
+    let Some(folder) = data() else { return };
+    let expected = [
+        ("cornell-box-measured/cornell_box.obj", 36),
+        ("cornell-box-measured/cornell_box_multimaterial.obj", 36),
+        ("cornell-mcguire/cornell_box.obj", 36),
+        ("cornell-suzanne/cornellbox_suzanne.obj", 980),
+        ("spot/spot_triangulated.obj", 5856),
+        ("spot/spot_quadrangulated.obj", 5856),
+        ("spot/spot_control_mesh.obj", 372),
+        ("stanford-bunny/stanford-bunny.obj", 69451),
+        ("suzanne-uv/suzanne_uv.obj", 968),
+        ("utah-teapot/teapot.obj", 6320),
+    ];
+    for (name, triangles) in expected {
+        let model = load_model(&folder.join("obj").join(name), &LoadOptions::default()).expect(name);
+        let loaded: usize = model.meshes.iter().map(|m| m.mesh.data().triangles.len()).sum();
+        assert_eq!(loaded, triangles, "{name}");
+        assert_eq!(model.warnings, [], "{name}");
+    }
+}
+
+#[test]
+fn nasty_files_load_or_are_refused_in_words() {
+    let Some(folder) = data() else { return };
+    for file in files(&folder.join("obj-nasty"), &["obj"]) {
+        match load_model(&file, &LoadOptions::default()) {
+            Ok(model) => {
+                println!("{}: ok, {} warnings", file.display(), model.warnings.len());
+                assert!(!model.nodes.is_empty(), "{}", file.display());
+            }
+            Err(error) => {
+                let message = error.to_string();
+                println!("{message}");
+                assert!(message.starts_with(&file.display().to_string()), "{message}");
+            }
+        }
+    }
+}
+
+#[test]
+fn damaged_files_never_panic() {
+    let Some(folder) = data() else { return };
+    for file in files(&folder.join("obj-nasty"), &["obj", "mtl"]) {
+        truncate(&file);
+        mutate(&file, 10);
+    }
+}
