@@ -10,11 +10,18 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Everything in front of the origin: `[0, ∞]`.
+    /// Everything from the origin on: `[0, ∞]`.
     pub const FORWARD: Self = Self { min: 0.0, max: f64::INFINITY };
 
-    /// From the origin of a shadow ray to its target: `[0, 1]`, as its direction is `target - origin`.
-    pub const SEGMENT: Self = Self { min: 0.0, max: 1.0 };
+    /// Everything in front of an origin that stands off a surface.
+    ///
+    /// Where hit points are exact, as on a floor at height 0, that distance may be the smallest of numbers, and the
+    /// parameter of a hit on the same floor underflows to 0. So 0 and what is next to it does not count.
+    pub const SPAWNED: Self = Self { min: f64::MIN_POSITIVE, max: f64::INFINITY };
+
+    /// From the origin of a shadow ray to its target: up to 1, as its direction is `target - origin`, and otherwise as
+    /// [`SPAWNED`](Self::SPAWNED).
+    pub const SEGMENT: Self = Self { min: f64::MIN_POSITIVE, max: 1.0 };
 
     /// The interval `[min, max]`.
     pub const fn new(min: f64, max: f64) -> Self {

@@ -61,7 +61,8 @@ pub(crate) struct WorldTracer<'w, W, A, S> {
 impl<W: Surfaces, A: Accelerator, S: Probe> Tracer for WorldTracer<'_, W, A, S> {
     fn closest(&mut self, ray: &Ray, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
         self.probe.ray(kind);
-        let hit = self.structure.closest(self.world, ray, Interval::FORWARD, &mut self.probe)?;
+        let span = if kind == RayKind::Primary { Interval::FORWARD } else { Interval::SPAWNED };
+        let hit = self.structure.closest(self.world, ray, span, &mut self.probe)?;
         let (interaction, material) = self.world.surface_at(ray, &hit, needs)?;
         Some(SurfaceHit { t: hit.t, interaction, material })
     }

@@ -110,11 +110,11 @@ impl Light {
     pub fn shadow_ray(&self, surface: &SurfaceInteraction, light: &Illumination, time: f64) -> (Ray, Interval) {
         match self.kind {
             LightKind::Directional { .. } => {
-                (surface.spawn_shadow_ray_towards(light.direction, time), Interval::FORWARD)
+                (surface.spawn_shadow_ray_towards(light.direction, time), Interval::SPAWNED)
             }
             LightKind::Point { position, lamp_radius, .. } => {
                 let free = 1.0 - lamp_radius / light.distance;
-                (surface.spawn_shadow_ray(position, time), Interval::new(0.0, free))
+                (surface.spawn_shadow_ray(position, time), Interval { max: free, ..Interval::SEGMENT })
             }
             LightKind::Spot { position, .. } => (surface.spawn_shadow_ray(position, time), Interval::SEGMENT),
         }

@@ -2,5 +2,6 @@
 
 mod left_out;
 mod one_picture;
+mod radiance;
 mod refusals;
 mod support;

@@ -1,0 +1,71 @@
+//! Pictures whose pixels are known in closed form.
+
+use rt_camera::{CameraSettings, FovAxis, Projection};
+use rt_geometry::{AxisBox, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
+use rt_math::{DVec2, DVec3, Rgb, Transform, Vec3};
+use rt_render::{PlanOptions, RenderPlan, RunOptions};
+use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene};
+use rt_shading::{Coefficient, Phong};
+
+use crate::support::{point_light, spheres};
+
+/// A white diffuse scene under one light at (0, 4, 0) of strength 1, seen straight from above.
+fn from_above(content: Content) -> Scene {
+    let mut scene = spheres();
+    let camera = CameraSettings {
+        world_from_camera: Transform::look_at(DVec3::Y * 5.0, DVec3::ZERO, DVec3::NEG_Z).expect("a view"),
+        projection: Projection::Perspective { fov: 0.8, axis: FovAxis::Vertical },
+        lens_shift: DVec2::ZERO,
+    };
+    scene.cameras = vec![NamedCamera { name: "above".into(), settings: camera }];
+    (scene.film.width, scene.film.height, scene.settings.spp) = (33, 33, 1);
+    scene.settings.pattern = rt_camera::SamplePattern::Centre;
+    let white = Coefficient::Constant(Rgb::WHITE);
+    scene.appearance.materials[0].phong = Phong { ambient: Coefficient::ZERO, diffuse: white, ..Phong::default() };
+    scene.appearance.lights = vec![point_light([0.0, 4.0, 0.0], 1.0)];
+    scene.nodes = vec![Node::new(content, MaterialId(0))];
+    scene
+}
+
+/// Each pixel shows the cosine of the light on a floor at height 0, without a shadow anywhere.
+fn assert_lit_floor(scene: &Scene) {
+    let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");
+    let film = plan.render(&RunOptions::default(), |_| {}).expect("threads start").film;
+    let half = rt_math::transcendental::tan(0.4);
+    for (i, pixel) in film.pixels().iter().enumerate() {
+        let (x, y) = ((i % 33) as f64 - 16.0, (i / 33) as f64 - 16.0);
+        let distance = DVec2::new(x, y).length() / 16.5 * half * 5.0;
+        let expected = 4.0 / (16.0 + distance * distance).sqrt();
+        assert!((f64::from(pixel[0]) - expected).abs() < 1e-6, "pixel {x}, {y}: {} not {expected}", pixel[0]);
+    }
+}
+
+#[test]
+fn a_floor_at_height_zero_does_not_shadow_itself() {
+    let corner = |x: f64, z: f64| DVec3::new(x, 0.0, z);
+    let floor = Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane");
+    let slab = AxisBox::new(DVec3::new(-9.0, -1.0, -9.0), DVec3::new(9.0, 0.0, 9.0)).expect("a box");
+    let sheet = AxisBox::new(corner(-9.0, -9.0), corner(9.0, 9.0)).expect("a flat box");
+    let triangle = Triangle::new([corner(-99.0, 9.0), corner(99.0, 9.0), corner(0.0, -99.0)]).expect("a triangle");
+    for shape in [Shape::Plane(floor), Shape::AxisBox(slab), Shape::AxisBox(sheet), Shape::Triangle(triangle)] {
+        assert_lit_floor(&from_above(Content::Shape(shape)));
+        let mut turned = from_above(Content::Shape(shape));
+        turned.nodes[0].parent_from_local = Transform::rotate(DVec3::Y, 0.3).expect("an axis");
+        assert_lit_floor(&turned);
+    }
+    let positions = [(-9, 9), (9, 9), (9, -9), (-9, -9)].map(|(x, z)| Vec3::new(x as f32, 0.0, z as f32)).to_vec();
+    let data = MeshData { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..MeshData::default() };
+    let mut scene = from_above(Content::Mesh(MeshId(0)));
+    scene.meshes = vec![NamedMesh { name: "quad".into(), mesh: TriangleMesh::build(data).expect("a mesh").0.into() }];
+    assert_lit_floor(&scene);
+}
+
+#[test]
+fn the_inside_of_a_lit_sphere_is_lit_everywhere() {
+    // A light at the centre of a sphere meets its inside at right angles: radiance is 1 in every pixel.
+    let sphere = Sphere::new(DVec3::Y * 4.0, 30.0).expect("a sphere");
+    let scene = from_above(Content::Shape(Shape::Sphere(sphere)));
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let film = plan.render(&RunOptions::default(), |_| {}).expect("threads start").film;
+    assert!(film.pixels().iter().flatten().all(|c| (c - 1.0).abs() < 1e-6));
+}
