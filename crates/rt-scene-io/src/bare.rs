@@ -1,0 +1,166 @@
+//! A scene around a model that comes without one.
+
+use rt_camera::Projection;
+use rt_math::{Aabb, DVec3, Rgb, Transform, transcendental};
+use rt_shading::{Coefficient, Falloff, Highlight, Light, LightKind, Phong};
+
+use crate::bounds::tree_bounds;
+use crate::format::{self, Color, Material, Node, SceneFile, Shape, Step};
+use crate::resolve::{backdrop, rounded};
+use crate::{LoadOptions, Model, NamedCamera};
+
+/// Name of the plane that `ground` asks for, and of its material.
+const GROUND: &str = "ground";
+
+/// A scene file that shows a model by its own cameras and lights, and the choices that were made for it. What the
+/// model does not bring is left open.
+pub(crate) fn scene_around(model: &Model, reference: &str, options: &LoadOptions) -> (SceneFile, Vec<String>) {
+    let mut notes = Vec::new();
+    let bounds = tree_bounds(&model.nodes, &[], &model.meshes);
+    let content = Node { model: Some(reference.to_owned()), ..Node::default() };
+    let mut file = SceneFile::of_nodes(vec![content]);
+    if options.ground && !bounds.is_empty() {
+        add_ground(&mut file, &bounds);
+        notes.push(format!("A ground plane was put under the model, at y = {}.", bounds.min.y));
+    }
+    file.cameras = model.cameras.iter().map(camera).collect();
+    if !model.lights.is_empty() {
+        let level = mean_illuminance(&model.lights, &bounds);
+        file.film.exposure = exposure_for(level);
+        // Shadows would be pitch black, and a sky of the usual brightness invisible beside lights in lux.
+        let level = rounded(level, level);
+        file.lights =
+            Some(model.lights.iter().map(light).chain([format::Light::Ambient(Color::Gray(level))]).collect());
+        file.background = Some(backdrop(level));
+        notes.push(format!(
+            "The model's lights shine with {level} on average; exposure {} makes that white. Ambient light and a \
+             background of that level were added.",
+            file.film.exposure
+        ));
+    }
+    (file, notes)
+}
+
+fn add_ground(file: &mut SceneFile, bounds: &Aabb) {
+    let centre = bounds.centre();
+    let point = [centre.x, bounds.min.y, centre.z];
+    file.nodes.push(Node {
+        name: GROUND.to_owned(),
+        shape: Some(Shape::Plane { point, normal: [0.0, 1.0, 0.0] }),
+        material: Some(GROUND.to_owned()),
+        ..Node::default()
+    });
+    let matte = Phong { diffuse: Coefficient::Constant(Rgb::gray(0.5)), ..Phong::default() };
+    file.materials.insert(GROUND.to_owned(), material(&matte));
+}
+
+/// Exposure in stops, to two decimals, that takes this level of light to 1.
+fn exposure_for(level: f64) -> f64 {
+    if level > 0.0 && level.is_finite() { rounded(-transcendental::log2(level), 10.0) } else { 0.0 }
+}
+
+/// Luminance of the unshadowed light that falls straight on the corners and the middle of a box, on average.
+fn mean_illuminance(lights: &[Light], bounds: &Aabb) -> f64 {
+    let bounds = if bounds.is_empty() { Aabb::new(DVec3::NEG_ONE, DVec3::ONE) } else { *bounds };
+    let centre = bounds.centre();
+    let places = bounds.corners().into_iter().chain([centre]);
+    // A light may stand in a corner or in the middle: it is taken to keep a tenth of the size away.
+    let nearest = (bounds.extent().length() * 0.1).max(f64::MIN_POSITIVE);
+    let sum: f64 = places
+        .flat_map(|place| lights.iter().map(move |light| (light, place)))
+        .filter_map(|(light, place)| {
+            let lit = light.illuminate(place)?;
+            let closeness = match light.kind {
+                LightKind::Directional { .. } => 1.0,
+                _ => (lit.distance / nearest).min(1.0),
+            };
+            Some(lit.strength.luminance() * closeness * closeness)
+        })
+        .sum();
+    sum / 9.0
+}
+
+fn camera(camera: &NamedCamera) -> format::Camera {
+    let mut written = format::Camera {
+        name: Some(camera.name.clone()),
+        transform: vec![matrix(&camera.settings.world_from_camera)],
+        lens_shift: camera.settings.lens_shift.to_array(),
+        ..format::Camera::default()
+    };
+    match camera.settings.projection {
+        Projection::Perspective { fov, axis } => {
+            written.fov = Some(fov.to_degrees());
+            written.fov_axis = Some(match axis {
+                rt_camera::FovAxis::Vertical => format::FovAxis::Vertical,
+                rt_camera::FovAxis::Horizontal => format::FovAxis::Horizontal,
+            });
+        }
+        Projection::Orthographic { height } => written.orthographic = Some(height),
+    }
+    written
+}
+
+/// The map as one step, to the last bit.
+fn matrix(transform: &Transform) -> Step {
+    let (linear, translation) = (transform.linear(), transform.translation());
+    let row = |i: usize| [linear.x_axis[i], linear.y_axis[i], linear.z_axis[i], translation[i]];
+    Step::Matrix(row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0])
+}
+
+fn light(light: &Light) -> format::Light {
+    let name = light.name.clone();
+    let intensity = Color::from_rgb(light.intensity.to_array());
+    let casts_shadows = light.casts_shadows;
+    let falloff = |falloff| match falloff {
+        Falloff::None => format::Falloff::None,
+        Falloff::InverseSquare => format::Falloff::InverseSquare,
+    };
+    match light.kind {
+        LightKind::Point { position, falloff: f, lamp_radius } => format::Light::Point {
+            name,
+            position: position.to_array(),
+            intensity,
+            falloff: falloff(f),
+            lamp_radius,
+            casts_shadows,
+        },
+        LightKind::Directional { direction } => {
+            format::Light::Directional { name, direction: direction.to_array(), intensity, casts_shadows }
+        }
+        LightKind::Spot { position, direction, cos_inner, cos_outer, falloff: f } => format::Light::Spot {
+            name,
+            position: position.to_array(),
+            direction: direction.to_array(),
+            inner: transcendental::acos(cos_inner).to_degrees(),
+            outer: transcendental::acos(cos_outer).to_degrees().min(90.0),
+            intensity,
+            falloff: falloff(f),
+            casts_shadows,
+        },
+    }
+}
+
+/// All that is constant about a surface. Coefficients with a texture are left to the model.
+pub(crate) fn material(phong: &Phong) -> Material {
+    let constant = |coefficient: Coefficient| match coefficient {
+        Coefficient::Constant(rgb) => Some(Color::from_rgb(rgb.to_array()).into()),
+        Coefficient::Textured(..) => None,
+    };
+    Material::Phong {
+        color: None,
+        ambient: constant(phong.ambient),
+        diffuse: constant(phong.diffuse),
+        specular: constant(phong.specular),
+        exponent: Some(phong.exponent),
+        highlight: Some(match phong.highlight {
+            Highlight::Phong => format::Highlight::Phong,
+            Highlight::Blinn => format::Highlight::Blinn,
+        }),
+        emission: constant(phong.emission),
+        mirror: constant(phong.mirror),
+        transmission: phong.transmission.and_then(|t| constant(t.coefficient)),
+        ior: phong.transmission.map(|t| t.ior),
+        fresnel: phong.transmission.map(|t| t.fresnel),
+        absorption: phong.transmission.map(|t| Color::from_rgb(t.absorption.to_array())),
+    }
+}

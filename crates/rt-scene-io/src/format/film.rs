@@ -1,0 +1,71 @@
+//! The image in the file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The image.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Film {
+    /// Width and height in pixels.
+    pub size: (u64, u64),
+    /// Where in the pixel samples are centred: (0.5, 0.5) is its middle, (0, 0) its upper left corner.
+    pub sample_offset: [f64; 2],
+    /// How a pixel weighs the light around its centre.
+    pub filter: Filter,
+    /// Exposure in stops: 1 doubles the brightness.
+    pub exposure: f64,
+    /// How bright light is brought into the range of the display.
+    pub tone: Tone,
+    /// How the light is encoded in the bytes of the picture.
+    pub encoding: Encoding,
+}
+
+impl Default for Film {
+    fn default() -> Self {
+        Self {
+            size: (640, 480),
+            sample_offset: [0.5; 2],
+            filter: Filter::Box,
+            exposure: 0.0,
+            tone: Tone::Clamp,
+            encoding: Encoding::Srgb,
+        }
+    }
+}
+
+/// Reconstruction filter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Filter {
+    /// The pixel's own square.
+    Box,
+    /// A pyramid two pixels wide.
+    Tent,
+    /// A bell of this standard deviation in pixels.
+    Gaussian(f64),
+    /// Mitchell and Netravali's cubic, four pixels wide: sharp, with negative lobes.
+    Mitchell,
+}
+
+/// Tone curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Tone {
+    /// Cut at 1.
+    Clamp,
+    /// `x / (1 + x)`.
+    Reinhard,
+    /// A filmic curve.
+    Aces,
+}
+
+/// Encoding of displayable light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Encoding {
+    /// The sRGB curve.
+    Srgb,
+    /// A power law: `gamma(2.2)`; `gamma(1)` stores linear light.
+    Gamma(f64),
+}

@@ -1,0 +1,126 @@
+//! Lights and background in the file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Color;
+
+/// A light. Without `falloff: inverse_square` its strength is the same at any distance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Light {
+    /// Shines from a point in all directions.
+    Point {
+        /// Name for messages.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        name: String,
+        /// Where it stands.
+        position: [f64; 3],
+        /// Strength; with inverse-square falloff, at distance 1.
+        #[serde(default = "white", alias = "color", alias = "colour")]
+        intensity: Color,
+        /// How it weakens with the distance.
+        #[serde(default)]
+        falloff: Falloff,
+        /// Surfaces nearer to the light than this do not shadow it: the lamp that it stands in.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        lamp_radius: f64,
+        /// Whether objects cast shadows in it.
+        #[serde(default = "yes", skip_serializing_if = "is_yes")]
+        casts_shadows: bool,
+    },
+    /// Shines in one direction from infinitely far away, like the sun.
+    Directional {
+        /// Name for messages.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        name: String,
+        /// The direction in which the light travels; any length but 0.
+        direction: [f64; 3],
+        /// Strength.
+        #[serde(default = "white", alias = "color", alias = "colour")]
+        intensity: Color,
+        /// Whether objects cast shadows in it.
+        #[serde(default = "yes", skip_serializing_if = "is_yes")]
+        casts_shadows: bool,
+    },
+    /// Shines from a point in a cone.
+    Spot {
+        /// Name for messages.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        name: String,
+        /// Where it stands.
+        position: [f64; 3],
+        /// The direction in which it shines; any length but 0.
+        direction: [f64; 3],
+        /// Angle in degrees from the axis up to which it has full strength.
+        #[serde(default = "inner")]
+        inner: f64,
+        /// Angle in degrees from the axis beyond which there is no light; above `inner`, at most 90.
+        #[serde(default = "outer")]
+        outer: f64,
+        /// Strength; with inverse-square falloff, at distance 1.
+        #[serde(default = "white", alias = "color", alias = "colour")]
+        intensity: Color,
+        /// How it weakens with the distance.
+        #[serde(default)]
+        falloff: Falloff,
+        /// Whether objects cast shadows in it.
+        #[serde(default = "yes", skip_serializing_if = "is_yes")]
+        casts_shadows: bool,
+    },
+    /// Comes from everywhere, scaled by the `ambient` coefficient of materials. Several add up.
+    Ambient(Color),
+}
+
+/// How light weakens with the distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Falloff {
+    /// Not at all: the classical ray tracer's light.
+    #[default]
+    None,
+    /// With the square of the distance, as real light does.
+    InverseSquare,
+}
+
+/// What rays see that hit nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Background {
+    /// The same everywhere.
+    Constant(Color),
+    /// From one colour straight down to another straight up.
+    Gradient {
+        /// Straight down.
+        bottom: Color,
+        /// Straight up.
+        top: Color,
+    },
+}
+
+fn white() -> Color {
+    Color::Gray(1.0)
+}
+
+fn inner() -> f64 {
+    20.0
+}
+
+fn outer() -> f64 {
+    30.0
+}
+
+fn yes() -> bool {
+    true
+}
+
+// Serde hands the field by reference.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
+fn is_yes(value: &bool) -> bool {
+    *value
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}

@@ -1,0 +1,116 @@
+//! The tree of objects in the file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Step;
+
+/// A place in the tree, with at most one of `shape`, `model` and `instance`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Node {
+    /// Name for messages.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// Steps that place the node, applied to the object in the order in which they are written:
+    /// `[scale(2), translate(1, 0, 0)]` makes it larger first and then moves it by 1.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub transform: Vec<Step>,
+    /// A shape that stands here.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shape: Option<Shape>,
+    /// A model file (OBJ or glTF) that stands here, with its tree and materials but without its cameras and lights.
+    /// The path is relative to the folder of the scene file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model: Option<String>,
+    /// Name of a group that stands here.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub instance: Option<String>,
+    /// Name of the material of the shape here and, unless they have their own, of all shapes below. On a `model` it
+    /// replaces the materials of the model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
+    /// Whether this node and all below it cast shadows.
+    #[serde(skip_serializing_if = "is_yes")]
+    pub casts_shadow: bool,
+    /// Nodes that move with this one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub children: Vec<Node>,
+}
+
+impl Default for Node {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            transform: Vec::new(),
+            shape: None,
+            model: None,
+            instance: None,
+            material: None,
+            casts_shadow: true,
+            children: Vec::new(),
+        }
+    }
+}
+
+/// A shape.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Shape {
+    /// A sphere.
+    Sphere {
+        /// Its centre.
+        #[serde(default, alias = "centre")]
+        center: [f64; 3],
+        /// Its radius.
+        #[serde(default = "one")]
+        radius: f64,
+    },
+    /// A box with faces along the axes.
+    Box {
+        /// Least corner.
+        min: [f64; 3],
+        /// Greatest corner.
+        max: [f64; 3],
+    },
+    /// An infinite plane.
+    Plane {
+        /// A point on it.
+        #[serde(default)]
+        point: [f64; 3],
+        /// The direction that it faces; +y by default.
+        #[serde(default = "up")]
+        normal: [f64; 3],
+    },
+    /// A triangle by its corners, counter-clockwise seen from the front.
+    Triangle([f64; 3], [f64; 3], [f64; 3]),
+    /// A flat four-cornered face by its corners, counter-clockwise seen from the front. Its texture coordinates are
+    /// (0, 0), (1, 0), (1, 1) and (0, 1) at the corners.
+    Quad([f32; 3], [f32; 3], [f32; 3], [f32; 3]),
+    /// A triangle mesh.
+    Mesh {
+        /// Vertices.
+        positions: Vec<[f32; 3]>,
+        /// Three vertices for each triangle, numbered from 0, counter-clockwise seen from the front.
+        triangles: Vec<[u32; 3]>,
+        /// A normal for each vertex, for smooth shading.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        normals: Vec<[f32; 3]>,
+        /// Texture coordinates for each vertex.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        uvs: Vec<[f32; 2]>,
+    },
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn up() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
+fn is_yes(value: &bool) -> bool {
+    *value
+}

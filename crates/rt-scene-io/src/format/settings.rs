@@ -1,0 +1,89 @@
+//! How to render, in the file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How to render. The command line overrides it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Settings {
+    /// How the light is computed.
+    pub integrator: Integrator,
+    /// Where in the pixel the samples fall.
+    pub sampler: Sampler,
+    /// Samples per pixel; some samplers round it up.
+    pub spp: u64,
+    /// Bounces after the first hit: 0 for direct light alone.
+    pub depth: u64,
+    /// Rays that contribute less than this to the pixel are not followed.
+    pub min_contribution: f64,
+    /// Acceleration structure.
+    pub accel: Accel,
+    /// Seed of all random numbers.
+    pub seed: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            integrator: Integrator::Whitted,
+            sampler: Sampler::Sobol,
+            spp: 16,
+            depth: 5,
+            min_contribution: 0.0,
+            accel: Accel::Auto,
+            seed: 0,
+        }
+    }
+}
+
+/// How the light is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Integrator {
+    /// Classical recursive ray tracing.
+    Whitted,
+    /// Shading normals as colours.
+    Normals,
+    /// Distance as grey.
+    Depth,
+    /// Texture coordinates as colours.
+    Uv,
+    /// Work per ray as a heat map.
+    Cost,
+}
+
+/// Sample pattern.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Sampler {
+    /// All samples in the middle of the pixel.
+    #[serde(alias = "center")]
+    Centre,
+    /// A regular grid.
+    Grid,
+    /// Independent random points.
+    Random,
+    /// One random point in each cell of a grid.
+    Jittered,
+    /// One point in the middle quarter of each cell: less noise, but biased.
+    HalfJittered,
+    /// Jittered in cells, rows and columns.
+    MultiJittered,
+    /// Sobol' points, scrambled.
+    Sobol,
+}
+
+/// Acceleration structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Accel {
+    /// Whichever suits the scene.
+    Auto,
+    /// None: all objects are tested.
+    Linear,
+    /// Uniform grid.
+    Grid,
+    /// Binary bounding volume hierarchy.
+    Bvh,
+}

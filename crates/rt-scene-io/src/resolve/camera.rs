@@ -1,0 +1,96 @@
+//! Cameras.
+
+use std::collections::HashSet;
+
+use rt_camera::{CameraSettings, FovAxis, Projection};
+use rt_math::{DVec2, DVec3, Transform, TransformError};
+
+use super::report::Report;
+use super::transform::transform;
+use super::value::{coordinate, positive, vector};
+use crate::format;
+use crate::{NamedCamera, Reason};
+
+/// Opening angle of a camera that does not say, in degrees.
+pub(super) const DEFAULT_FOV_DEGREES: f64 = 40.0;
+
+/// All cameras, the default one first.
+pub(super) fn cameras(report: &mut Report, file: &format::SceneFile) -> Vec<NamedCamera> {
+    let first = file.camera.iter().map(|camera| ("camera".to_owned(), camera));
+    let others = file.cameras.iter().enumerate().map(|(i, camera)| (format!("cameras[{i}]"), camera));
+    let mut names = HashSet::new();
+    let mut cameras = Vec::new();
+    for (path, camera) in first.chain(others) {
+        let name = camera.name.clone().unwrap_or_else(|| path.clone());
+        if !names.insert(name.clone()) {
+            let duplicate = Reason::Duplicate { kind: "camera", name: name.clone() };
+            report.check::<()>(format_args!("{path}.name"), Err(duplicate));
+        }
+        cameras.extend(settings(report, &path, camera).map(|settings| NamedCamera { name, settings }));
+    }
+    cameras
+}
+
+fn settings(report: &mut Report, path: &str, camera: &format::Camera) -> Option<CameraSettings> {
+    let place = place(report, path, camera);
+    let projection = match (camera.orthographic, camera.fov) {
+        (Some(_), Some(fov)) => {
+            let rule = "has no meaning beside `orthographic`: remove one of them";
+            report.check(format_args!("{path}.fov"), Err(Reason::invalid(fov, rule)))
+        }
+        (Some(height), None) => report
+            .check(format_args!("{path}.orthographic"), positive(height))
+            .map(|height| Projection::Orthographic { height }),
+        (None, fov) => {
+            let fov = report.check(format_args!("{path}.fov"), opening(fov.unwrap_or(DEFAULT_FOV_DEGREES)));
+            let axis = match camera.fov_axis {
+                Some(format::FovAxis::Horizontal) => FovAxis::Horizontal,
+                Some(format::FovAxis::Vertical) | None => FovAxis::Vertical,
+            };
+            fov.map(|fov| Projection::Perspective { fov, axis })
+        }
+    };
+    let [x, y] = camera.lens_shift;
+    report.check(format_args!("{path}.lens_shift"), coordinate(x).and(coordinate(y)))?;
+    Some(CameraSettings { world_from_camera: place?, projection: projection?, lens_shift: DVec2::new(x, y) })
+}
+
+/// An opening angle in radians.
+fn opening(degrees: f64) -> Result<f64, Reason> {
+    if degrees > 0.0 && degrees < 180.0 {
+        Ok(degrees.to_radians())
+    } else {
+        Err(Reason::invalid(degrees, "degrees: the field of view must lie between 0 and 180"))
+    }
+}
+
+fn place(report: &mut Report, path: &str, camera: &format::Camera) -> Option<Transform> {
+    let looks = camera.look_from.is_some() || camera.look_at.is_some() || camera.up.is_some();
+    if !camera.transform.is_empty() {
+        if looks {
+            let rule = "cannot stand beside `look_from`, `look_at` or `up`: remove one of them";
+            report.check(format_args!("{path}.transform"), Err(Reason::invalid("the transform", rule)))?;
+        }
+        return transform(report, path, &camera.transform);
+    }
+    let Some(look_from) = camera.look_from else {
+        let rule = "is needed with `look_at` and `up`; leave all three out for a camera that sees everything";
+        return report.check(path, Err(Reason::invalid("`look_from`", rule)));
+    };
+    let eye = report.check(format_args!("{path}.look_from"), vector(look_from));
+    let target = report.check(format_args!("{path}.look_at"), vector(camera.look_at.unwrap_or([0.0; 3])));
+    let up = report.check(format_args!("{path}.up"), vector(camera.up.unwrap_or([0.0, 1.0, 0.0])));
+    report.check(path, look_at(eye?, target?, up?))
+}
+
+fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Result<Transform, Reason> {
+    Transform::look_at(eye, target, up).map_err(|error| match error {
+        TransformError::DegenerateDirection if eye == target => {
+            Reason::invalid(format_args!("look_from and look_at are both {eye}:"), "move one of them")
+        }
+        TransformError::DegenerateDirection => {
+            Reason::invalid(format_args!("up {up}"), "is zero or parallel to the view: choose another direction")
+        }
+        other => other.into(),
+    })
+}

@@ -1,0 +1,112 @@
+//! The image and the settings.
+
+use rt_camera::{Development, Encoding, FilmSettings, Filter, SamplePattern, ToneCurve};
+use rt_math::DVec2;
+
+use super::report::Report;
+use super::value::{not_negative, positive, within};
+use crate::format;
+use crate::{Accel, Integrator, Reason, Settings};
+
+/// Most pixels in an image.
+const MAX_PIXELS: u64 = 1 << 28;
+
+/// Most samples per pixel.
+const MAX_SPP: u64 = 1 << 31;
+
+/// Most bounces.
+const MAX_DEPTH: u64 = 10_000;
+
+/// Widest Gaussian filter in pixels.
+const MAX_SIGMA: f64 = 100.0;
+
+/// The image. A field that is wrong keeps its default after it is reported.
+pub(super) fn film(report: &mut Report, film: &format::Film) -> FilmSettings {
+    let default = FilmSettings::default();
+    let (width, height) = report.check("film.size", size(film.size)).unwrap_or((default.width, default.height));
+    let [x, y] = film.sample_offset;
+    report.check("film.sample_offset", within(x, 0.0, 1.0).and(within(y, 0.0, 1.0)));
+    report.check("film.exposure", within(film.exposure, -100.0, 100.0));
+    let filter = match film.filter {
+        format::Filter::Box => Filter::Box,
+        format::Filter::Tent => Filter::Tent,
+        format::Filter::Gaussian(sigma) => {
+            report.check("film.filter", positive(sigma).and(within(sigma, 0.0, MAX_SIGMA)));
+            Filter::Gaussian { sigma }
+        }
+        format::Filter::Mitchell => Filter::Mitchell,
+    };
+    let tone = match film.tone {
+        format::Tone::Clamp => ToneCurve::Clamp,
+        format::Tone::Reinhard => ToneCurve::Reinhard,
+        format::Tone::Aces => ToneCurve::Aces,
+    };
+    let encoding = match film.encoding {
+        format::Encoding::Srgb => Encoding::Srgb,
+        format::Encoding::Gamma(gamma) => {
+            report.check("film.encoding", within(gamma, 0.1, 10.0));
+            Encoding::Power(gamma)
+        }
+    };
+    let development = Development { exposure: film.exposure, tone, encoding };
+    FilmSettings { width, height, sample_offset: DVec2::new(x, y), filter, development }
+}
+
+fn size((width, height): (u64, u64)) -> Result<(u32, u32), Reason> {
+    let shown = || format!("{width} x {height}");
+    if width == 0 || height == 0 {
+        return Err(Reason::invalid(shown(), "pixels: both sides must be at least 1"));
+    }
+    if width.saturating_mul(height) > MAX_PIXELS {
+        return Err(Reason::invalid(shown(), "pixels are more than 2^28: choose a smaller image"));
+    }
+    // Both fit, because their product does.
+    Ok((width as u32, height as u32))
+}
+
+/// The settings. A field that is wrong keeps its default after it is reported.
+pub(super) fn settings(report: &mut Report, settings: &format::Settings) -> Settings {
+    let spp = report.check("settings.spp", within(settings.spp, 1, MAX_SPP)).unwrap_or(1);
+    let depth = report.check("settings.depth", within(settings.depth, 0, MAX_DEPTH)).unwrap_or(0);
+    report.check("settings.min_contribution", not_negative(settings.min_contribution));
+    Settings {
+        integrator: integrator(settings.integrator),
+        pattern: pattern(settings.sampler),
+        spp: spp as u32,
+        depth: depth as u32,
+        min_contribution: settings.min_contribution,
+        accel: accel(settings.accel),
+        seed: settings.seed,
+    }
+}
+
+const fn integrator(integrator: format::Integrator) -> Integrator {
+    match integrator {
+        format::Integrator::Whitted => Integrator::Whitted,
+        format::Integrator::Normals => Integrator::Normals,
+        format::Integrator::Depth => Integrator::Depth,
+        format::Integrator::Uv => Integrator::Uv,
+        format::Integrator::Cost => Integrator::Cost,
+    }
+}
+
+const fn pattern(sampler: format::Sampler) -> SamplePattern {
+    match sampler {
+        format::Sampler::Centre => SamplePattern::Centre,
+        format::Sampler::Grid => SamplePattern::Grid,
+        format::Sampler::Random => SamplePattern::Random,
+        format::Sampler::Jittered => SamplePattern::Jittered,
+        format::Sampler::HalfJittered => SamplePattern::HalfJittered,
+        format::Sampler::MultiJittered => SamplePattern::MultiJittered,
+        format::Sampler::Sobol => SamplePattern::Sobol,
+    }
+}
+
+const fn accel(accel: format::Accel) -> Accel {
+    match accel {
+        format::Accel::Auto => Accel::Auto,
+        format::Accel::Linear => Accel::Linear,
+        format::Accel::Grid => Accel::Grid,
+        format::Accel::Bvh => Accel::Bvh,
+    }
+}

@@ -1,0 +1,108 @@
+//! Model files within a scene.
+
+use std::collections::HashMap;
+
+use rt_shading::{Coefficient, TextureId};
+
+use super::node::Objects;
+use crate::{Content, LoadError, Material, MaterialId, MeshId, Model, Node, load_model, resolve_path};
+
+/// Model files by reference, each loaded once.
+#[derive(Default)]
+pub(super) struct Models {
+    /// Loaded beforehand.
+    at_hand: HashMap<String, Model>,
+    /// The trees of models whose other parts are in the scene; `None` for one that could not be loaded.
+    trees: HashMap<String, Option<Vec<Node>>>,
+}
+
+impl Models {
+    /// A model that need not be loaded any more, by its reference.
+    pub(super) fn at_hand(model: Option<(String, Model)>) -> Self {
+        Self { at_hand: model.into_iter().collect(), ..Self::default() }
+    }
+}
+
+impl Objects<'_> {
+    /// The tree of a model file, with the materials of the model or all in the one that is given.
+    pub(super) fn include(&mut self, path: &str, reference: &str, own: Option<MaterialId>) -> Option<Vec<Node>> {
+        if !self.models.trees.contains_key(reference) {
+            let model = match self.models.at_hand.remove(reference) {
+                Some(model) => Some(model),
+                None => self.load(path, reference),
+            };
+            let tree = model.map(|model| self.merge(reference, model));
+            self.models.trees.insert(reference.to_owned(), tree);
+        }
+        let mut nodes = self.models.trees.get(reference)?.clone()?;
+        if let Some(material) = own {
+            for_each_node(&mut nodes, &mut |node| node.material = material);
+        }
+        Some(nodes)
+    }
+
+    fn load(&mut self, path: &str, reference: &str) -> Option<Model> {
+        let file = resolve_path(reference, self.source, self.options);
+        let file = self.report.check(format_args!("{path}.model"), file)?;
+        match load_model(&file, self.options) {
+            Ok(model) => Some(model),
+            Err(error) => {
+                self.report.add(LoadError::into_problems(error));
+                None
+            }
+        }
+    }
+
+    /// Adds the parts of a model to the scene and returns its tree, with ids of the scene.
+    fn merge(&mut self, reference: &str, model: Model) -> Vec<Node> {
+        let first_mesh = self.meshes.len() as u32;
+        let first_texture = self.textures.list.len() as u32;
+        self.meshes.extend(model.meshes);
+        self.textures.list.extend(model.textures);
+        let mut ids = Vec::with_capacity(model.materials.len());
+        for material in model.materials {
+            let material = with_textures_from(first_texture, material);
+            ids.push(self.materials.add_of_model(material, &mut self.textures, &mut self.report));
+        }
+        let mut nodes = model.nodes;
+        for_each_node(&mut nodes, &mut |node| {
+            node.material = ids.get(node.material.0 as usize).copied().unwrap_or(MaterialId(0));
+            if let Some(Content::Mesh(MeshId(id))) = &mut node.content {
+                *id += first_mesh;
+            }
+        });
+        self.report.warnings.extend(model.warnings);
+        let unused = [
+            (model.lights.len(), "lights", self.file.lights.is_some()),
+            (model.cameras.len(), "cameras", self.file.camera.is_some() || !self.file.cameras.is_empty()),
+        ];
+        for (count, what, given) in unused {
+            if count > 0 && !given {
+                self.notes.push(format!("{reference} brings {count} {what}, which scenes that include it do not use."));
+            }
+        }
+        nodes
+    }
+}
+
+/// Applies `change` to all nodes of a tree. Loaders bound the depth.
+fn for_each_node(nodes: &mut [Node], change: &mut impl FnMut(&mut Node)) {
+    for node in nodes {
+        change(node);
+        for_each_node(&mut node.children, change);
+    }
+}
+
+/// The material with the ids of its textures counted from `first`.
+fn with_textures_from(first: u32, mut material: Material) -> Material {
+    let phong = &mut material.phong;
+    let of_transmission = phong.transmission.as_mut().map(|transmission| &mut transmission.coefficient);
+    let coefficients =
+        [&mut phong.ambient, &mut phong.diffuse, &mut phong.specular, &mut phong.emission, &mut phong.mirror];
+    for coefficient in coefficients.into_iter().chain(of_transmission) {
+        if let Coefficient::Textured(TextureId(id), _) = coefficient {
+            *id += first;
+        }
+    }
+    material
+}

@@ -1,0 +1,93 @@
+//! Lights and background.
+
+use rt_math::{DVec3, Rgb, transcendental::cos};
+use rt_shading::{Background, Falloff, Light, LightKind};
+
+use super::report::Report;
+use super::value::{colour, direction, not_negative, vector};
+use crate::Reason;
+use crate::format;
+
+/// Widest cone of a spot light: half a sphere.
+const MAX_CONE_DEGREES: f64 = 90.0;
+
+/// The lights with a place or a direction, and the sum of the ambient lights.
+pub(super) fn lights(report: &mut Report, lights: &[format::Light]) -> (Vec<Light>, Rgb) {
+    let mut placed = Vec::new();
+    let mut ambient = Rgb::BLACK;
+    for (i, light) in lights.iter().enumerate() {
+        let path = format!("lights[{i}]");
+        if let format::Light::Ambient(color) = light {
+            ambient += report.check(&path, colour(color)).unwrap_or_default();
+        } else {
+            placed.extend(single(report, &path, light));
+        }
+    }
+    (placed, ambient)
+}
+
+fn single(report: &mut Report, path: &str, light: &format::Light) -> Option<Light> {
+    let (name, intensity, casts_shadows) = match light {
+        format::Light::Point { name, intensity, casts_shadows, .. }
+        | format::Light::Directional { name, intensity, casts_shadows, .. }
+        | format::Light::Spot { name, intensity, casts_shadows, .. } => (name, intensity, *casts_shadows),
+        format::Light::Ambient(_) => return None,
+    };
+    let intensity = report.check(format_args!("{path}.intensity"), colour(intensity));
+    let kind = match light {
+        format::Light::Point { position, falloff, lamp_radius, .. } => {
+            let lamp_radius = report.check(format_args!("{path}.lamp_radius"), not_negative(*lamp_radius));
+            let position = report.check(format_args!("{path}.position"), vector(*position))?;
+            LightKind::Point { position, falloff: weakening(*falloff), lamp_radius: lamp_radius? }
+        }
+        format::Light::Directional { direction: travel, .. } => {
+            LightKind::Directional { direction: aim(report, path, *travel)? }
+        }
+        format::Light::Spot { position, direction: axis, inner, outer, falloff, .. } => {
+            let cone = report.check(format_args!("{path}.outer"), cone(*inner, *outer));
+            let position = report.check(format_args!("{path}.position"), vector(*position));
+            let direction = aim(report, path, *axis)?;
+            let (cos_inner, cos_outer) = cone?;
+            LightKind::Spot { position: position?, direction, cos_inner, cos_outer, falloff: weakening(*falloff) }
+        }
+        format::Light::Ambient(_) => return None,
+    };
+    Some(Light { name: name.clone(), kind, intensity: intensity?, casts_shadows })
+}
+
+fn aim(report: &mut Report, path: &str, value: [f64; 3]) -> Option<DVec3> {
+    report.check(format_args!("{path}.direction"), direction(value))
+}
+
+/// Cosines of the two angles of a cone.
+fn cone(inner: f64, outer: f64) -> Result<(f64, f64), Reason> {
+    if 0.0 <= inner && inner < outer && outer <= MAX_CONE_DEGREES {
+        let (cos_inner, cos_outer) = (cos(inner.to_radians()), cos(outer.to_radians()));
+        if cos_outer < cos_inner {
+            return Ok((cos_inner, cos_outer));
+        }
+    }
+    Err(Reason::invalid(
+        format_args!("inner {inner} and outer {outer}"),
+        "must be angles with 0 <= inner < outer <= 90",
+    ))
+}
+
+const fn weakening(falloff: format::Falloff) -> Falloff {
+    match falloff {
+        format::Falloff::None => Falloff::None,
+        format::Falloff::InverseSquare => Falloff::InverseSquare,
+    }
+}
+
+/// The background; black if none is given.
+pub(super) fn background(report: &mut Report, background: Option<&format::Background>) -> Background {
+    let mut at = |place: &str, value| report.check(place, colour(value)).unwrap_or_default();
+    match background {
+        None => Background::Constant(Rgb::BLACK),
+        Some(format::Background::Constant(value)) => Background::Constant(at("background", value)),
+        Some(format::Background::Gradient { bottom, top }) => {
+            Background::Gradient { bottom: at("background.bottom", bottom), top: at("background.top", top) }
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! Limits on the size of the tree, measured before anyone unfolds it.
+
+use crate::{Content, Group, GroupId, Node, Reason};
+
+/// Deepest tree, instances unfolded.
+pub(super) const MAX_DEPTH: u64 = 1024;
+
+/// Most placed objects, instances unfolded.
+const MAX_OBJECTS: u64 = (1 << 31) - 1;
+
+/// Depth of a tree and number of objects in it, instances unfolded.
+#[derive(Clone, Copy, Default)]
+struct Size {
+    depth: u64,
+    objects: u64,
+}
+
+/// Checks the limits for a tree and the groups that it places, each after those that it contains.
+pub(super) fn check(nodes: &[Node], groups: &[Group]) -> Result<(), Reason> {
+    let mut sizes = Vec::with_capacity(groups.len());
+    for group in groups {
+        sizes.push(size(&group.nodes, &sizes));
+    }
+    let Size { depth, objects } = size(nodes, &sizes);
+    if depth > MAX_DEPTH {
+        Err(Reason::TooLarge { what: "the depth of the tree, instances unfolded,", value: depth, limit: MAX_DEPTH })
+    } else if objects > MAX_OBJECTS {
+        let what = "the number of objects, instances unfolded,";
+        Err(Reason::TooLarge { what, value: objects, limit: MAX_OBJECTS })
+    } else {
+        Ok(())
+    }
+}
+
+fn size(nodes: &[Node], groups: &[Size]) -> Size {
+    let mut total = Size::default();
+    let mut open: Vec<(&Node, u64)> = nodes.iter().map(|node| (node, 1)).collect();
+    while let Some((node, depth)) = open.pop() {
+        let here = match node.content {
+            None => Size::default(),
+            Some(Content::Shape(_) | Content::Mesh(_)) => Size { depth: 0, objects: 1 },
+            Some(Content::Instance(GroupId(id))) => groups.get(id as usize).copied().unwrap_or_default(),
+        };
+        total.depth = total.depth.max(depth.saturating_add(here.depth));
+        total.objects = total.objects.saturating_add(here.objects);
+        open.extend(node.children.iter().map(|child| (child, depth + 1)));
+    }
+    total
+}

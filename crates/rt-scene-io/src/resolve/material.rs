@@ -1,0 +1,178 @@
+//! Materials by name, added to the scene when a node first refers to them.
+
+use std::collections::{HashMap, HashSet};
+
+use indexmap::IndexMap;
+use rt_math::Rgb;
+use rt_shading::{Coefficient, Highlight, Phong, Transmission};
+
+use super::report::Report;
+use super::texture::Textures;
+use super::value::{colour, positive, within};
+use crate::format;
+use crate::{Material, MaterialId, Reason};
+
+/// Largest exponent of a highlight.
+const MAX_EXPONENT: f64 = 1e7;
+
+/// Index of refraction of a transparent material that does not say: crown glass.
+const DEFAULT_IOR: f64 = 1.5;
+
+/// Name of the material of shapes that have none.
+const DEFAULT_NAME: &str = "default";
+
+pub(super) struct Materials<'a> {
+    definitions: &'a IndexMap<String, format::Material>,
+    pub(super) list: Vec<Material>,
+    ids: HashMap<&'a str, MaterialId>,
+    default: Option<MaterialId>,
+}
+
+impl<'a> Materials<'a> {
+    pub(super) fn new(definitions: &'a IndexMap<String, format::Material>) -> Self {
+        Self { definitions, list: Vec::new(), ids: HashMap::new(), default: None }
+    }
+
+    /// The material of this name, or the default for no name. A name that is unknown is an error; a material that is
+    /// wrong is reported once and replaced by the default.
+    pub(super) fn id(
+        &mut self,
+        name: Option<&str>,
+        textures: &mut Textures<'_>,
+        report: &mut Report,
+    ) -> Result<MaterialId, Reason> {
+        let Some(name) = name else {
+            return Ok(self.default_id());
+        };
+        let Some((name, definition)) = self.definitions.get_key_value(name) else {
+            let known = self.definitions.keys().cloned().collect();
+            return Err(Reason::UnknownWord { kind: "material", found: name.to_owned(), known });
+        };
+        if let Some(&id) = self.ids.get(name.as_str()) {
+            return Ok(id);
+        }
+        let phong = changed(name, definition, Phong::default(), textures, report).unwrap_or_default();
+        let id = self.add(Material { name: name.clone(), phong });
+        self.ids.insert(name, id);
+        Ok(id)
+    }
+
+    fn default_id(&mut self) -> MaterialId {
+        match self.default {
+            Some(id) => id,
+            None => {
+                let id = self.add(Material { name: DEFAULT_NAME.to_owned(), phong: Phong::default() });
+                *self.default.insert(id)
+            }
+        }
+    }
+
+    pub(super) fn add(&mut self, material: Material) -> MaterialId {
+        let id = MaterialId(self.list.len() as u32);
+        self.list.push(material);
+        id
+    }
+
+    /// A model's material, with the changes that the scene makes to materials of its name.
+    pub(super) fn add_of_model(
+        &mut self,
+        mut material: Material,
+        textures: &mut Textures<'_>,
+        report: &mut Report,
+    ) -> MaterialId {
+        if let Some(definition) = self.definitions.get(&material.name) {
+            material.phong =
+                changed(&material.name, definition, material.phong, textures, report).unwrap_or(material.phong);
+        }
+        self.add(material)
+    }
+
+    /// Checks the materials that nothing refers to, without keeping them.
+    pub(super) fn check_unused(&self, mut scratch: Textures<'_>, report: &mut Report) {
+        let used: HashSet<&str> = self.list.iter().map(|material| material.name.as_str()).collect();
+        for (name, definition) in self.definitions.iter().filter(|(name, _)| !used.contains(name.as_str())) {
+            changed(name, definition, Phong::default(), &mut scratch, report);
+        }
+    }
+}
+
+/// `base` with the fields replaced that the definition gives. `None` if one of them is wrong.
+fn changed(
+    name: &str,
+    definition: &format::Material,
+    base: Phong,
+    textures: &mut Textures<'_>,
+    report: &mut Report,
+) -> Option<Phong> {
+    let format::Material::Phong {
+        color,
+        ambient,
+        diffuse,
+        specular,
+        exponent,
+        highlight,
+        emission,
+        mirror,
+        transmission,
+        ior,
+        fresnel,
+        absorption,
+    } = definition;
+    let at = |field: &str| format!("materials[\"{name}\"].{field}");
+    let mut read = |field: &str, given: &Option<format::Coefficient>, base: Coefficient| {
+        given.as_ref().map_or(Some(base), |value| report.check(at(field), textures.coefficient(value)))
+    };
+    let color = read("color", color, Coefficient::Constant(Rgb::WHITE));
+    let ambient = read("ambient", ambient, base.ambient);
+    let diffuse = read("diffuse", diffuse, base.diffuse);
+    let specular = read("specular", specular, base.specular);
+    let emission = read("emission", emission, base.emission);
+    let mirror = read("mirror", mirror, base.mirror);
+    let before = base.transmission;
+    let passing = read("transmission", transmission, before.map_or(Coefficient::ZERO, |t| t.coefficient));
+    let exponent = report.check(at("exponent"), within(exponent.unwrap_or(base.exponent), 0.0, MAX_EXPONENT));
+    let ior = ior.unwrap_or(before.map_or(DEFAULT_IOR, |t| t.ior));
+    let ior = report.check(at("ior"), positive(ior));
+    let absorption = match absorption {
+        Some(value) => report.check(at("absorption"), colour(value)),
+        None => Some(before.map_or(Rgb::BLACK, |t| t.absorption)),
+    };
+    let ambient = report.check(at("ambient"), product(color?, ambient?));
+    let diffuse = report.check(at("diffuse"), product(color?, diffuse?));
+    let inside = Transmission {
+        coefficient: passing?,
+        ior: ior?,
+        fresnel: fresnel.unwrap_or(before.is_some_and(|t| t.fresnel)),
+        absorption: absorption?,
+    };
+    Some(Phong {
+        ambient: ambient?,
+        diffuse: diffuse?,
+        specular: specular?,
+        exponent: exponent?,
+        highlight: highlight.map_or(base.highlight, highlight_shape),
+        emission: emission?,
+        mirror: mirror?,
+        transmission: (transmission.is_some() || before.is_some()).then_some(inside),
+    })
+}
+
+const fn highlight_shape(highlight: format::Highlight) -> Highlight {
+    match highlight {
+        format::Highlight::Phong => Highlight::Phong,
+        format::Highlight::Blinn => Highlight::Blinn,
+    }
+}
+
+/// The product of a colour and a coefficient, of which one may have a texture.
+fn product(color: Coefficient, coefficient: Coefficient) -> Result<Coefficient, Reason> {
+    match (color, coefficient) {
+        (Coefficient::Constant(a), Coefficient::Constant(b)) => Ok(Coefficient::Constant(a * b)),
+        (Coefficient::Constant(a), Coefficient::Textured(id, b))
+        | (Coefficient::Textured(id, a), Coefficient::Constant(b)) => Ok(Coefficient::Textured(id, a * b)),
+        (Coefficient::Textured(..), Coefficient::Textured(..)) => Err(Reason::invalid(
+            "a texture",
+            "cannot be multiplied by the texture of `color`: make one of them constant",
+        )),
+    }
+}

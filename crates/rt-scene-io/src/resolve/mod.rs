@@ -1,0 +1,67 @@
+//! From the types of the file to the scene: names become ids, degrees radians, references files, and everything is
+//! checked.
+
+mod camera;
+mod film;
+mod group;
+mod include;
+mod light;
+mod limit;
+mod material;
+mod node;
+mod report;
+mod shape;
+mod studio;
+mod texture;
+mod transform;
+mod value;
+
+use std::path::Path;
+
+use rt_shading::Appearance;
+
+use crate::bounds::tree_bounds;
+use crate::format::SceneFile;
+use crate::{LoadError, LoadOptions, Model, Scene, Truth};
+use include::Models;
+use node::Objects;
+pub(crate) use studio::{backdrop, rounded};
+
+/// Resolves a scene that was read from `source` (or would stand there: files are looked up relative to it).
+///
+/// # Errors
+/// Everything that is wrong with the scene and the files that it refers to, each with its path in the document.
+pub fn resolve(file: &SceneFile, source: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
+    resolve_with(&mut file.clone(), source, options, None)
+}
+
+/// As [`resolve`], with a model that is loaded already under the reference beside it. Fills in what the file leaves
+/// open.
+pub(crate) fn resolve_with(
+    file: &mut SceneFile,
+    source: &Path,
+    options: &LoadOptions,
+    model: Option<(String, Model)>,
+) -> Result<Scene, LoadError> {
+    let options = options.rooted_at(source);
+    let given = file.clone();
+    let models = Models::at_hand(model);
+    let Objects { mut report, materials, textures, meshes, groups, nodes, mut notes, .. } =
+        Objects::resolve(&given, source, &options, models);
+    notes.extend(studio::complete(file, &tree_bounds(&nodes, &groups, &meshes)));
+
+    let (lights, ambient) = light::lights(&mut report, file.lights.as_deref().unwrap_or_default());
+    let background = light::background(&mut report, file.background.as_ref());
+    let cameras = camera::cameras(&mut report, file);
+    let film = film::film(&mut report, &file.film);
+    let settings = film::settings(&mut report, &file.settings);
+    let truth = file.truth.as_ref().and_then(|truth| {
+        let mean = report.check("truth.mean", value::colour(&truth.mean))?;
+        Some(Truth { mean, note: truth.note.clone() })
+    });
+    let stem = || source.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = file.name.clone().unwrap_or_else(stem);
+    let warnings = report.finish()?;
+    let appearance = Appearance { materials: materials.list, textures: textures.list, lights, ambient, background };
+    Ok(Scene { name, cameras, film, settings, appearance, meshes, groups, nodes, truth, warnings, notes })
+}

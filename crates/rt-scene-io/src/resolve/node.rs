@@ -1,0 +1,154 @@
+//! The tree of objects.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use rt_math::Transform;
+
+use super::group::order;
+use super::include::Models;
+use super::limit;
+use super::material::Materials;
+use super::report::Report;
+use super::shape::{Solid, solid};
+use super::texture::Textures;
+use super::transform::transform;
+use crate::format::{self, SceneFile};
+use crate::{Content, Group, GroupId, LoadOptions, MaterialId, MeshId, NamedMesh, Node, Reason};
+
+/// The objects of a scene as far as they are resolved, and what else they need.
+pub(super) struct Objects<'a> {
+    pub(super) file: &'a SceneFile,
+    pub(super) report: Report,
+    pub(super) materials: Materials<'a>,
+    pub(super) textures: Textures<'a>,
+    pub(super) meshes: Vec<NamedMesh>,
+    pub(super) models: Models,
+    pub(super) notes: Vec<String>,
+    pub(super) source: &'a Path,
+    pub(super) options: &'a LoadOptions,
+    group_ids: HashMap<&'a str, GroupId>,
+    pub(super) groups: Vec<Group>,
+    pub(super) nodes: Vec<Node>,
+}
+
+impl<'a> Objects<'a> {
+    /// Resolves everything that has a place in the tree. Mistakes are found in the report.
+    pub(super) fn resolve(file: &'a SceneFile, source: &'a Path, options: &'a LoadOptions, models: Models) -> Self {
+        let mut objects = Self {
+            file,
+            report: Report::new(source),
+            materials: Materials::new(&file.materials),
+            textures: Textures::new(source, options),
+            meshes: Vec::new(),
+            models,
+            notes: Vec::new(),
+            source,
+            options,
+            group_ids: HashMap::new(),
+            groups: Vec::new(),
+            nodes: Vec::new(),
+        };
+        let order = objects.report.check("groups", order(&file.groups)).unwrap_or_default();
+        for index in order {
+            let Some((name, nodes)) = file.groups.get_index(index) else { continue };
+            let path = format!("groups[\"{name}\"]");
+            let nodes = objects.tree(&path, nodes, None, 1);
+            objects.group_ids.insert(name, GroupId(objects.groups.len() as u32));
+            objects.groups.push(Group { name: name.clone(), nodes });
+        }
+        objects.nodes = objects.tree("nodes", &file.nodes, None, 1);
+        objects.report.check("nodes", limit::check(&objects.nodes, &objects.groups));
+        objects.materials.check_unused(Textures::new(source, options), &mut objects.report);
+        objects
+    }
+
+    fn tree(&mut self, path: &str, nodes: &[format::Node], inherited: Option<&str>, depth: u64) -> Vec<Node> {
+        if depth > limit::MAX_DEPTH {
+            let reason = Reason::TooLarge { what: "the depth of the tree", value: depth, limit: limit::MAX_DEPTH };
+            self.report.check::<()>(path, Err(reason));
+            return Vec::new();
+        }
+        nodes
+            .iter()
+            .enumerate()
+            .filter_map(|(i, node)| self.node(&format!("{path}[{i}]"), node, inherited, depth))
+            .collect()
+    }
+
+    fn node(&mut self, path: &str, node: &format::Node, inherited: Option<&str>, depth: u64) -> Option<Node> {
+        let place = transform(&mut self.report, path, &node.transform);
+        let material = node.material.as_deref().or(inherited);
+        let mut placed = Node {
+            name: node.name.clone(),
+            parent_from_local: place.unwrap_or(Transform::IDENTITY),
+            content: None,
+            material: MaterialId(0),
+            casts_shadow: node.casts_shadow,
+            children: Vec::new(),
+        };
+        match (&node.shape, &node.model, &node.instance) {
+            (None, None, None) => self.check_material(path, node),
+            (Some(shape), None, None) => {
+                placed.material = self.material(path, material)?;
+                placed.content = self.shape(path, &node.name, shape);
+            }
+            (None, Some(model), None) => {
+                let own = match node.material.as_deref() {
+                    Some(name) => Some(self.material(path, Some(name))?),
+                    None => None,
+                };
+                placed.children = self.include(path, model, own)?;
+            }
+            (None, None, Some(group)) => placed.content = Some(Content::Instance(self.instance(path, group, node)?)),
+            _ => {
+                let rule = "stand at one node: put all but one in its `children`";
+                self.report.check::<()>(path, Err(Reason::invalid("two of `shape`, `model` and `instance`", rule)));
+            }
+        }
+        placed.children.extend(self.tree(&format!("{path}.children"), &node.children, material, depth + 1));
+        Some(placed)
+    }
+
+    fn material(&mut self, path: &str, name: Option<&str>) -> Option<MaterialId> {
+        let id = self.materials.id(name, &mut self.textures, &mut self.report);
+        self.report.check(format_args!("{path}.material"), id)
+    }
+
+    /// Checks the name of a material that only children may use.
+    fn check_material(&mut self, path: &str, node: &format::Node) {
+        if let Some(name) = node.material.as_deref().filter(|name| !self.file.materials.contains_key(*name)) {
+            self.material(path, Some(name));
+        }
+    }
+
+    fn shape(&mut self, path: &str, name: &str, shape: &format::Shape) -> Option<Content> {
+        match self.report.check(format_args!("{path}.shape"), solid(shape))? {
+            Solid::Shape(shape) => Some(Content::Shape(shape)),
+            Solid::Mesh(mesh, mended) => {
+                if let Some(mended) = mended {
+                    self.report.warn(format_args!("{path}.shape"), mended);
+                }
+                let name = if name.is_empty() { path } else { name };
+                let id = MeshId(self.meshes.len() as u32);
+                self.meshes.push(NamedMesh { name: name.to_owned(), mesh: Arc::new(mesh) });
+                Some(Content::Mesh(id))
+            }
+        }
+    }
+
+    fn instance(&mut self, path: &str, group: &str, node: &format::Node) -> Option<GroupId> {
+        if node.material.is_some() {
+            let rule = "has no effect on an `instance`: set it on the nodes of the group";
+            self.report.check::<()>(format_args!("{path}.material"), Err(Reason::invalid("the material", rule)));
+        }
+        let known = || self.file.groups.keys().cloned().collect();
+        let id = self.group_ids.get(group).copied().ok_or_else(|| Reason::UnknownWord {
+            kind: "group",
+            found: group.to_owned(),
+            known: known(),
+        });
+        self.report.check(format_args!("{path}.instance"), id)
+    }
+}

@@ -1,0 +1,56 @@
+//! Shapes of the file to shapes and meshes of the scene.
+
+use rt_geometry::{AxisBox, MeshData, MeshRepairs, Plane, Shape, Sphere, Triangle, TriangleMesh};
+use rt_math::DVec3;
+
+use crate::Reason;
+use crate::format;
+
+/// What a shape of the file stands for.
+pub(super) enum Solid {
+    Shape(Shape),
+    /// A mesh, and what had to be mended.
+    Mesh(TriangleMesh, Option<String>),
+}
+
+pub(super) fn solid(shape: &format::Shape) -> Result<Solid, Reason> {
+    let point = DVec3::from;
+    let shape = match shape {
+        format::Shape::Sphere { center, radius } => Shape::Sphere(Sphere::new(point(*center), *radius)?),
+        format::Shape::Box { min, max } => Shape::AxisBox(AxisBox::new(point(*min), point(*max))?),
+        format::Shape::Plane { point: on, normal } => Shape::Plane(Plane::new(point(*on), point(*normal))?),
+        format::Shape::Triangle(a, b, c) => Shape::Triangle(Triangle::new([*a, *b, *c].map(DVec3::from))?),
+        format::Shape::Quad(a, b, c, d) => {
+            return mesh(MeshData {
+                positions: [*a, *b, *c, *d].map(Into::into).to_vec(),
+                triangles: vec![[0, 1, 2], [0, 2, 3]],
+                normals: Vec::new(),
+                uvs: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+            });
+        }
+        format::Shape::Mesh { positions, triangles, normals, uvs } => {
+            return mesh(MeshData {
+                positions: positions.iter().map(|&p| p.into()).collect(),
+                triangles: triangles.clone(),
+                normals: normals.iter().map(|&n| n.into()).collect(),
+                uvs: uvs.clone(),
+            });
+        }
+    };
+    Ok(Solid::Shape(shape))
+}
+
+fn mesh(data: MeshData) -> Result<Solid, Reason> {
+    if data.triangles.is_empty() {
+        return Err(Reason::invalid("the mesh", "has no triangles: give at least one"));
+    }
+    if let Some(bad) = data.positions.iter().flat_map(|p| p.to_array()).find(|c| !c.is_finite()) {
+        return Err(Reason::invalid(bad, "is not a finite number"));
+    }
+    let (mesh, repairs) = TriangleMesh::build(data)?;
+    let mended = (repairs != MeshRepairs::default()).then(|| {
+        let MeshRepairs { degenerate, bad_normals, bad_uvs, .. } = repairs;
+        format!("left out {degenerate} triangles without area, replaced {bad_normals} normals and {bad_uvs} texture coordinates")
+    });
+    Ok(Solid::Mesh(mesh, mended))
+}

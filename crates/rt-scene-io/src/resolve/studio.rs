@@ -1,0 +1,153 @@
+//! Camera, lights and backdrop for scenes that leave them open.
+
+use rt_math::{Aabb, DVec3, transcendental::tan};
+
+use super::camera::DEFAULT_FOV_DEGREES;
+use crate::format::{Background, Camera, Color, FovAxis, Light, SceneFile};
+
+/// Where the camera stands, seen from the middle of the scene: slightly above and to the side.
+const VIEW: DVec3 = DVec3::new(0.5, 0.4, 1.0);
+
+/// Room around the objects in the image.
+const MARGIN: f64 = 1.1;
+
+/// Fills in what the scene leaves open, and says so: one sentence for each choice.
+///
+/// `bounds` is the box around the objects.
+pub(super) fn complete(file: &mut SceneFile, bounds: &Aabb) -> Vec<String> {
+    let mut notes = Vec::new();
+    let bounds = if bounds.is_empty() || !bounds.is_finite() { Aabb::new(DVec3::NEG_ONE, DVec3::ONE) } else { *bounds };
+    if file.camera.is_none() && file.cameras.is_empty() {
+        file.camera = Some(Camera::default());
+    }
+    let (width, height) = file.film.size;
+    let aspect = width.max(1) as f64 / height.max(1) as f64;
+    for camera in file.camera.iter_mut().chain(&mut file.cameras).filter(|camera| is_unplaced(camera)) {
+        let (eye, target) = framed(camera, &bounds, aspect);
+        camera.look_from = Some(eye.to_array());
+        camera.look_at = Some(target.to_array());
+        notes.push(format!("The camera has no place: it looks from {eye} at {target}, where it sees everything."));
+    }
+    if file.lights.is_none() {
+        file.lights = Some(lights());
+        notes.push("There are no lights: a key light, a fill light and some ambient light were added.".to_owned());
+        if file.background.is_none() {
+            file.background = Some(backdrop(1.0));
+        }
+    }
+    notes
+}
+
+fn is_unplaced(camera: &Camera) -> bool {
+    let Camera { look_from, look_at, up, transform, .. } = camera;
+    look_from.is_none() && look_at.is_none() && up.is_none() && transform.is_empty()
+}
+
+/// A key light from the upper left, a weaker fill light from the right that casts no shadows, and ambient light.
+fn lights() -> Vec<Light> {
+    let sun = |name: &str, direction, strength, casts_shadows| Light::Directional {
+        name: name.to_owned(),
+        direction,
+        intensity: Color::Gray(strength),
+        casts_shadows,
+    };
+    vec![
+        sun("key", [0.6, -1.0, -0.8], 0.9, true),
+        sun("fill", [-1.0, -0.3, -0.6], 0.35, false),
+        Light::Ambient(Color::Gray(1.0)),
+    ]
+}
+
+/// A sky of this brightness.
+pub(crate) fn backdrop(brightness: f64) -> Background {
+    let scaled = |r: f64, g: f64, b: f64| Color::from_rgb([r, g, b].map(|c| c * brightness));
+    Background::Gradient { bottom: scaled(0.25, 0.25, 0.25), top: scaled(0.5, 0.625, 0.75) }
+}
+
+/// Eye and target of a camera that sees the whole box, in short numbers.
+fn framed(camera: &Camera, bounds: &Aabb, aspect: f64) -> (DVec3, DVec3) {
+    let back = VIEW.normalize();
+    let right = DVec3::Y.cross(back).normalize();
+    let up = back.cross(right);
+    let target = bounds.centre();
+    // A point is a box of no size; it is seen from a distance that suits where it lies.
+    let size = bounds.extent().length().max(bounds.max_abs() * 1e-6).max(1e-6);
+
+    let half_angle = (camera.fov.unwrap_or(DEFAULT_FOV_DEGREES).clamp(1.0, 170.0) / 2.0).to_radians();
+    let across = tan(half_angle);
+    let (tan_x, tan_y) = match camera.fov_axis {
+        Some(FovAxis::Horizontal) => (across, across / aspect),
+        _ => (across * aspect, across),
+    };
+    // The nearest eye on the axis from which a corner lies within the image, for all corners.
+    let distance = bounds.corners().into_iter().fold(0.0, |distance: f64, corner| {
+        let offset = corner - target;
+        let needed = (offset.dot(right).abs() / tan_x).max(offset.dot(up).abs() / tan_y);
+        distance.max(needed * MARGIN + offset.dot(back))
+    });
+    let distance = if camera.orthographic.is_some() { size } else { distance.max(size) };
+    let round = |point: DVec3| DVec3::from(point.to_array().map(|c| rounded(c, size)));
+    (round(target + back * distance), round(target))
+}
+
+/// The value with as few decimals as still tell a thousandth of `size`.
+pub(crate) fn rounded(value: f64, size: f64) -> f64 {
+    let (mut decimals, mut reach) = (0, size);
+    while reach < 1000.0 && decimals < 300 {
+        reach *= 10.0;
+        decimals += 1;
+    }
+    format!("{value:.decimals$}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_camera::{CameraSettings, FovAxis as Axis, Projection};
+    use rt_math::{DVec2, Transform};
+
+    fn sees_all(camera: &Camera, bounds: &Aabb, (width, height): (u32, u32)) -> bool {
+        let (eye, target) = framed(camera, bounds, f64::from(width) / f64::from(height));
+        let axis = if camera.fov_axis == Some(FovAxis::Horizontal) { Axis::Horizontal } else { Axis::Vertical };
+        let fov = camera.fov.unwrap_or(DEFAULT_FOV_DEGREES).to_radians();
+        let settings = CameraSettings {
+            world_from_camera: Transform::look_at(eye, target, DVec3::Y).unwrap(),
+            projection: Projection::Perspective { fov, axis },
+            lens_shift: DVec2::ZERO,
+        };
+        let camera = rt_camera::Camera::new(&settings, width, height).unwrap();
+        bounds.corners().into_iter().all(|corner| {
+            let Some(at) = camera.project(corner) else { return false };
+            (0.0..=f64::from(width)).contains(&at.x) && (0.0..=f64::from(height)).contains(&at.y)
+        })
+    }
+
+    #[test]
+    fn the_framed_camera_sees_every_corner() {
+        let boxes = [
+            ([-1.0; 3], [1.0; 3]),
+            ([0.0, 0.0, 0.0], [100.0, 1.0, 1.0]),
+            ([5.0, 5.0, -300.0], [5.1, 9.0, 20.0]),
+            ([1e7, 0.0, 0.0], [1e7 + 1.0, 1.0, 1.0]),
+            ([0.0; 3], [1e-9, 2e-9, 1e-9]),
+            ([-1e30; 3], [1e30; 3]),
+            ([3.0; 3], [3.0; 3]),
+        ];
+        for (min, max) in boxes {
+            let bounds = Aabb::new(min.into(), max.into());
+            for size in [(640, 480), (100, 1000), (2000, 50)] {
+                for (fov, fov_axis) in [(None, None), (Some(10.0), Some(FovAxis::Horizontal)), (Some(120.0), None)] {
+                    let camera = Camera { fov, fov_axis, ..Camera::default() };
+                    assert!(sees_all(&camera, &bounds, size), "{bounds:?} {size:?} {fov:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(rounded(1.234_567_89, 1.0), 1.235);
+        assert_eq!(rounded(12_345.678, 12_345.0), 12_346.0);
+        assert_eq!(rounded(1.234_567_89e-9, 1e-9), 1.235e-9);
+    }
+}

@@ -1,0 +1,67 @@
+//! Textures, each decoded once.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use rt_math::Rgb;
+use rt_shading::{Coefficient, Texture, TextureId, Wrap};
+
+use super::value::{colour, positive};
+use crate::format;
+use crate::{LoadOptions, Reason, read_texture, resolve_path};
+
+/// The textures of a scene, and where to look for more.
+pub(super) struct Textures<'a> {
+    source: &'a Path,
+    options: &'a LoadOptions,
+    pub(super) list: Vec<Texture>,
+    images: HashMap<(PathBuf, format::Wrap, bool), TextureId>,
+}
+
+impl<'a> Textures<'a> {
+    pub(super) fn new(source: &'a Path, options: &'a LoadOptions) -> Self {
+        Self { source, options, list: Vec::new(), images: HashMap::new() }
+    }
+
+    /// A coefficient of the file, with its texture added to the list.
+    pub(super) fn coefficient(&mut self, value: &format::Coefficient) -> Result<Coefficient, Reason> {
+        use format::{Coefficient as Given, Color};
+        match value {
+            Given::Gray(value) => colour(&Color::Gray(*value)).map(Coefficient::Constant),
+            Given::Rgb(r, g, b) => colour(&Color::Rgb(*r, *g, *b)).map(Coefficient::Constant),
+            Given::Hex(digits) => colour(&Color::Hex(digits.clone())).map(Coefficient::Constant),
+            Given::Checker { even, odd, size } => {
+                let checker = Texture::Checker { even: colour(even)?, odd: colour(odd)?, size: positive(*size)? };
+                Ok(Coefficient::Textured(self.add(checker), Rgb::WHITE))
+            }
+            Given::Image { file, wrap, smooth, scale } => {
+                let scale = colour(scale)?;
+                Ok(Coefficient::Textured(self.image(file, *wrap, *smooth)?, scale))
+            }
+        }
+    }
+
+    fn image(&mut self, reference: &str, wrap: format::Wrap, smooth: bool) -> Result<TextureId, Reason> {
+        let path = resolve_path(reference, self.source, self.options)?;
+        let key = (path, wrap, smooth);
+        if let Some(&id) = self.images.get(&key) {
+            return Ok(id);
+        }
+        let bitmap = read_texture(&key.0)
+            .map_err(|reason| Reason::BadReference { reference: reference.to_owned(), rule: reason.to_string() })?;
+        let beyond = match wrap {
+            format::Wrap::Repeat => Wrap::Repeat,
+            format::Wrap::Mirror => Wrap::Mirror,
+            format::Wrap::Clamp => Wrap::Clamp,
+        };
+        let id = self.add(Texture::Image { bitmap, wrap: [beyond; 2], smooth });
+        self.images.insert(key, id);
+        Ok(id)
+    }
+
+    fn add(&mut self, texture: Texture) -> TextureId {
+        let id = TextureId(self.list.len() as u32);
+        self.list.push(texture);
+        id
+    }
+}

@@ -1,0 +1,52 @@
+//! Steps to a transform.
+
+use std::fmt::Display;
+
+use rt_math::{DQuat, DVec3, Transform, TransformError};
+
+use super::report::Report;
+use super::value::vector;
+use crate::Reason;
+use crate::format::Step;
+
+/// The steps as one map; each is applied after those before it.
+pub(super) fn transform(report: &mut Report, path: impl Display, steps: &[Step]) -> Option<Transform> {
+    let mut all = Transform::IDENTITY;
+    for (i, step) in steps.iter().enumerate() {
+        let step = report.check(format_args!("{path}.transform[{i}]"), single(step))?;
+        all = step.then_first(&all);
+    }
+    // Steps may each be sound and yet flatten space, or leave the range of numbers, together.
+    let product = Transform::from_linear(all.linear(), all.translation()).map_err(Reason::from);
+    let checked = product.and_then(|_| vector(all.translation().to_array()));
+    report.check(format_args!("{path}.transform"), checked).map(|_| all)
+}
+
+fn single(step: &Step) -> Result<Transform, Reason> {
+    let angle = f64::to_radians;
+    let transform = match *step {
+        Step::Translate(x, y, z) => Ok(Transform::translate(vector([x, y, z])?)),
+        Step::Rotate { axis, degrees } => Transform::rotate(axis.into(), angle(degrees)),
+        Step::RotateX(degrees) => Transform::rotate(DVec3::X, angle(degrees)),
+        Step::RotateY(degrees) => Transform::rotate(DVec3::Y, angle(degrees)),
+        Step::RotateZ(degrees) => Transform::rotate(DVec3::Z, angle(degrees)),
+        Step::Euler(x, y, z) => Transform::rotate_euler(DVec3::new(angle(x), angle(y), angle(z))),
+        Step::Quaternion(x, y, z, w) => Transform::rotate_quaternion(DQuat::from_xyzw(x, y, z, w)),
+        Step::Scale(factor) => Transform::scale(DVec3::splat(factor)),
+        Step::Stretch(x, y, z) => Transform::scale(DVec3::new(x, y, z)),
+        Step::Shear { xy, xz, yx, yz, zx, zy } => Transform::shear([xy, xz, yx, yz, zx, zy]),
+        Step::Matrix(a, b, c, d) => Transform::from_rows([a, b, c, d]),
+        Step::LookAt { from, at, up } => Transform::look_at(vector(from)?, vector(at)?, up.into()),
+    };
+    transform.map_err(|error| {
+        let rule = match error {
+            TransformError::NotFinite => "has a NaN or infinite number",
+            TransformError::Singular(_) => "flattens space: no factor may be 0, nor 1e12 times another",
+            TransformError::NotAffine => "is not affine: the last row must be (0, 0, 0, 1)",
+            TransformError::DegenerateDirection => {
+                "has no direction: an axis must not be 0, nor a view empty or parallel to `up`"
+            }
+        };
+        Reason::invalid(ron::to_string(step).unwrap_or_default(), rule)
+    })
+}

@@ -1,0 +1,112 @@
+//! Numbers, vectors and colours of the file, checked.
+
+use std::fmt::Display;
+
+use rt_math::{DVec3, Rgb};
+
+use crate::Reason;
+use crate::format::Color;
+use crate::texture::linear_from_srgb;
+
+/// Largest magnitude of a coordinate: squares and cubes of it stay far from overflow.
+const MAX_COORDINATE: f64 = 1e60;
+
+/// A coordinate or length: a number of magnitude at most 10⁶⁰.
+pub(super) fn coordinate(value: f64) -> Result<f64, Reason> {
+    // A NaN fails the comparison.
+    if value.abs() <= MAX_COORDINATE {
+        Ok(value)
+    } else {
+        Err(Reason::invalid(format_args!("{value:e}"), "is not a number of magnitude at most 1e60"))
+    }
+}
+
+/// A point or vector.
+pub(super) fn vector(value: [f64; 3]) -> Result<DVec3, Reason> {
+    for component in value {
+        coordinate(component)?;
+    }
+    Ok(DVec3::from(value))
+}
+
+/// A direction of any length but 0, as a unit vector.
+pub(super) fn direction(value: [f64; 3]) -> Result<DVec3, Reason> {
+    let [x, y, z] = value;
+    vector(value)?.try_normalize().ok_or_else(|| {
+        Reason::invalid(format_args!("({x}, {y}, {z})"), "has no direction: give a vector that is not 0")
+    })
+}
+
+/// A number above 0.
+pub(super) fn positive(value: f64) -> Result<f64, Reason> {
+    if value > 0.0 { coordinate(value) } else { Err(Reason::invalid(value, "must be above 0")) }
+}
+
+/// A number from 0 up.
+pub(super) fn not_negative(value: f64) -> Result<f64, Reason> {
+    if value >= 0.0 { coordinate(value) } else { Err(Reason::invalid(value, "must be at least 0")) }
+}
+
+/// A value between two limits, which both count.
+pub(super) fn within<T: PartialOrd + Display>(value: T, min: T, max: T) -> Result<T, Reason> {
+    if min <= value && value <= max {
+        Ok(value)
+    } else {
+        Err(Reason::invalid(value, format!("must lie between {min} and {max}")))
+    }
+}
+
+/// A colour whose components are finite and not negative.
+pub(super) fn colour(value: &Color) -> Result<Rgb, Reason> {
+    let components = match value {
+        Color::Gray(value) => [*value; 3],
+        Color::Rgb(r, g, b) => [*r, *g, *b],
+        Color::Hex(digits) => hex(digits)?,
+    };
+    for component in components {
+        not_negative(component)?;
+    }
+    Ok(components.into())
+}
+
+/// Linear components of `#rrggbb`.
+fn hex(text: &str) -> Result<[f64; 3], Reason> {
+    let bad = || {
+        Reason::invalid(format_args!("\"{text}\""), "is not a colour: write six hexadecimal digits as in \"#ff8000\"")
+    };
+    let digits = text.strip_prefix('#').unwrap_or(text);
+    if digits.len() != 6 || !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+        return Err(bad());
+    }
+    let [_, r, g, b] = u32::from_str_radix(digits, 16).map_err(|_| bad())?.to_be_bytes();
+    Ok([r, g, b].map(|byte| linear_from_srgb(f64::from(byte) / 255.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_that_are_no_coordinates_are_refused() {
+        for bad in [f64::NAN, f64::INFINITY, -1.1e60] {
+            assert!(coordinate(bad).is_err(), "{bad}");
+            assert!(vector([0.0, bad, 0.0]).is_err(), "{bad}");
+            assert!(colour(&Color::Gray(bad)).is_err(), "{bad}");
+        }
+        assert_eq!(coordinate(-1e60).unwrap(), -1e60);
+        assert!(positive(0.0).is_err() && positive(f64::NAN).is_err() && not_negative(f64::NAN).is_err());
+        assert!(within(f64::NAN, 0.0, 1.0).is_err());
+        assert!(direction([0.0; 3]).is_err());
+        assert_eq!(direction([0.0, 3.0, 0.0]).unwrap(), DVec3::Y);
+    }
+
+    #[test]
+    fn hex_colours_are_display_colours() {
+        assert_eq!(colour(&Color::Hex("#ff0000".to_owned())).unwrap(), Rgb::new(1.0, 0.0, 0.0));
+        let middle = colour(&Color::Hex("808080".to_owned())).unwrap().g;
+        assert!((middle - 0.215_860_5).abs() < 1e-7, "{middle}");
+        for bad in ["", "#fff", "#gg0000", "#ff00000", "#+f0000", "#é000"] {
+            assert!(colour(&Color::Hex(bad.to_owned())).is_err(), "{bad}");
+        }
+    }
+}
