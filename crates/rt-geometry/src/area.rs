@@ -1,29 +1,25 @@
 //! The area vector of a triangle, zero exactly when the triangle has no area.
 
 use rt_math::DVec3;
-use rt_math::float::{cross, gamma, two_product};
+use rt_math::float::two_product;
+
+/// Below this sine of its least angle, a triangle counts as a sliver: a plain cross product would keep fewer than
+/// twelve digits of the normal.
+const SLIVER: f64 = 1e-3;
 
 /// Twice the area times the unit normal, on the side from which the vertices run counter-clockwise. Zero if and only
 /// if the vertices are exactly collinear (while nothing over- or underflows).
 ///
-/// The cross product of the two shorter edges answers where its error bound settles the direction; slivers are
-/// recomputed without rounding.
+/// The two shorter edges are multiplied; slivers are computed without rounding.
 pub(crate) fn area_vector(vertices: [DVec3; 3]) -> DVec3 {
     let [a, b, c] = vertices;
-    let edges = [b - a, c - b, a - c];
-    let squares = edges.map(|e| e.length_squared());
-    let longest = if squares[0] >= squares[1] && squares[0] >= squares[2] {
-        0
-    } else if squares[1] >= squares[2] {
-        1
-    } else {
-        2
-    };
-    let (e, f) = (edges[(longest + 1) % 3], edges[(longest + 2) % 3]);
-    let area = cross(e, f);
-    // Every edge component is off by one rounding, every component of the product by at most this.
-    let bound = gamma(6) * 2.0 * e.abs().max_element() * f.abs().max_element();
-    if area.abs().max_element() > bound { area } else { exact_area_vector(vertices) }
+    let mut edges = [b - a, c - b, a - c];
+    let longest = (0..3).fold(0, |i, k| if edges[k].length_squared() > edges[i].length_squared() { k } else { i });
+    edges.rotate_left(longest);
+    let [_, e, f] = edges;
+    let area = e.cross(f);
+    let sliver = SLIVER * SLIVER * e.length_squared() * f.length_squared();
+    if area.length_squared() > sliver { area } else { exact_area_vector(vertices) }
 }
 
 /// The unit normal of a triangle; any unit vector for one without area.
@@ -62,4 +58,49 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let b_part = sum - a;
     (sum, (a - (sum - b_part)) + (b - b_part))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn exact(vertices: [[i64; 3]; 3]) -> [i128; 3] {
+        let [a, b, c] = vertices.map(|v| v.map(i128::from));
+        let (e, f) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
+        [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]]
+    }
+
+    proptest! {
+        /// Slivers along a line, moved off it by a few units in the last place. 46-bit integers keep `i128` exact.
+        #[test]
+        fn nearly_collinear_vertices_are_told_apart(
+            start in prop::array::uniform3(-(1i64 << 44)..1i64 << 44), step in prop::array::uniform3(-(1i64 << 20)..1i64 << 20),
+            j in 1i64..1 << 20, k in 1i64..1 << 20, nudge in prop::array::uniform3(-1i64..2),
+        ) {
+            let vertices = [0, j, k].map(|n| [0, 1, 2].map(|i| start[i] + n * step[i]));
+            let vertices = [vertices[0], vertices[1], [0, 1, 2].map(|i| vertices[2][i] + nudge[i])];
+            let expected = DVec3::from(exact(vertices).map(|x| x as f64));
+            let computed = area_vector(vertices.map(|v| DVec3::from(v.map(|x| x as f64))));
+            prop_assert!((computed - expected).length() <= 1e-12 * expected.length(), "{computed} {expected}");
+            prop_assert_eq!(computed == DVec3::ZERO, expected == DVec3::ZERO);
+        }
+    }
+
+    #[test]
+    fn an_area_that_the_edges_round_away_is_found() {
+        // b − a and c − a lose the 1 of a. Exactly: (2⁶⁰ − 1)·2⁶¹ − 2⁶⁰·(2⁶¹ − 1) = −2⁶⁰.
+        let big = (1u64 << 60) as f64;
+        let vertices = [DVec3::X, DVec3::new(big, big, 0.0), DVec3::new(2.0 * big, 2.0 * big, 0.0)];
+        assert_eq!(area_vector(vertices), DVec3::new(0.0, 0.0, -big));
+        assert_eq!(unit_normal(vertices), DVec3::NEG_Z);
+    }
+
+    #[test]
+    fn tiny_triangles_have_a_normal() {
+        let vertices = [DVec3::ZERO, DVec3::X * 1e-60, DVec3::Y * 1e-60];
+        assert_eq!(unit_normal(vertices), DVec3::Z);
+        let tiny = [DVec3::ZERO, DVec3::X * 1e-100, DVec3::Y * 1e-100];
+        assert_eq!(unit_normal(tiny), DVec3::Z);
+    }
 }

@@ -114,3 +114,131 @@ impl AxisBox {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn unit() -> AxisBox {
+        AxisBox::new(DVec3::ZERO, DVec3::ONE).expect("a box")
+    }
+
+    /// Parameter, normal and texture coordinates of the hit.
+    fn hit(axis_box: AxisBox, origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, DVec3, [f64; 2])> {
+        let ray = Ray::new(origin.into(), direction.into());
+        let hit = axis_box.intersect(&ray, Interval::FORWARD)?;
+        let surface = axis_box.surface(&ray, &hit, SurfaceNeeds::ALL);
+        Some((hit.t, surface.geometric_normal, surface.uv))
+    }
+
+    fn t_and_normal(axis_box: AxisBox, origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, DVec3)> {
+        hit(axis_box, origin, direction).map(|(t, normal, _)| (t, normal))
+    }
+
+    #[test]
+    fn known_values() {
+        assert_eq!(t_and_normal(unit(), [-1.0; 3], [1.0; 3]), Some((1.0, DVec3::NEG_X)), "three faces tie");
+        assert_eq!(t_and_normal(unit(), [0.5; 3], [1.0; 3]), Some((0.5, DVec3::X)), "three faces tie on the way out");
+        for zero in [0.0, -0.0] {
+            let grazing = [1.0, zero, zero];
+            assert_eq!(t_and_normal(unit(), [-1.0, 0.0, 0.5], grazing), Some((1.0, DVec3::NEG_X)), "closed");
+            assert_eq!(t_and_normal(unit(), [-1.0, 1.0, 0.5], grazing), Some((1.0, DVec3::NEG_X)), "closed");
+            assert_eq!(t_and_normal(unit(), [-1.0, 1.5, 0.5], grazing), None);
+        }
+        assert_eq!(t_and_normal(unit(), [0.0, 0.0, 0.5], [0.0, 1.0, 0.0]), Some((0.0, DVec3::NEG_Y)));
+        assert_eq!(t_and_normal(unit(), [0.5; 3], [0.0, 0.0, -1.0]), Some((0.5, DVec3::NEG_Z)), "exit");
+        assert_eq!(t_and_normal(unit(), [0.5, 0.5, 2.0], [0.0, 0.0, 1.0]), None, "behind");
+    }
+
+    #[test]
+    fn spans_are_closed_and_choose_the_exit_after_the_entry() {
+        let ray = Ray::new(DVec3::new(-1.0, 0.5, 0.5), DVec3::X);
+        let within = |min, max| unit().intersect(&ray, Interval::new(min, max)).map(|hit| hit.t);
+        assert_eq!(within(1.0, 1.0), Some(1.0));
+        assert_eq!(within(1.5, 2.0), Some(2.0));
+        assert_eq!(within(1.5, 1.9), None);
+        assert_eq!(within(0.0, 0.9), None);
+    }
+
+    #[test]
+    fn flat_boxes_are_hit_on_the_near_side() {
+        for thickness in [0.0, 1e-300] {
+            let flat = AxisBox::new(DVec3::ZERO, DVec3::new(1.0, 1.0, thickness)).expect("a box");
+            assert_eq!(t_and_normal(flat, [0.5, 0.5, -1.0], [0.0, 0.0, 1.0]), Some((1.0, DVec3::NEG_Z)));
+            assert_eq!(t_and_normal(flat, [0.5, 0.5, 1.0], [0.0, 0.0, -1.0]), Some((1.0, DVec3::Z)));
+            assert_eq!(t_and_normal(flat, [-1.0, 0.5, 0.0], [1.0, 0.0, 0.0]), Some((1.0, DVec3::NEG_X)), "edge-on");
+        }
+    }
+
+    #[test]
+    fn textures_are_upright_from_outside() {
+        let big = AxisBox::new(DVec3::ZERO, DVec3::splat(4.0)).expect("a box");
+        // Each row: viewer, view direction, and what is seen at a quarter of the way right and up from the lower left.
+        let rows = [
+            ([1.0, 1.0, 9.0], [0.0, 0.0, -1.0]),
+            ([3.0, 1.0, -9.0], [0.0, 0.0, 1.0]),
+            ([9.0, 1.0, 3.0], [-1.0, 0.0, 0.0]),
+            ([-9.0, 1.0, 1.0], [1.0, 0.0, 0.0]),
+            ([1.0, 9.0, 3.0], [0.0, -1.0, 0.0]),
+            ([1.0, -9.0, 1.0], [0.0, 1.0, 0.0]),
+        ];
+        for (origin, direction) in rows {
+            assert_eq!(hit(big, origin, direction).map(|(.., uv)| uv), Some([0.25, 0.25]), "from {origin:?}");
+        }
+        let flat = AxisBox::new(DVec3::ZERO, DVec3::new(1.0, 0.0, 1.0)).expect("a box");
+        assert_eq!(hit(flat, [-1.0, 0.0, 0.5], [1.0, 0.0, 0.0]).map(|(.., uv)| uv), Some([0.5, 0.0]), "no height");
+    }
+
+    #[test]
+    fn useless_rays_miss() {
+        for k in 0..3 {
+            let mut broken = [0.5; 3];
+            broken[k] = f64::NAN;
+            assert_eq!(hit(unit(), broken, [1.0; 3]), None);
+            assert_eq!(hit(unit(), [0.5; 3], broken), None);
+        }
+        for origin in [[0.5; 3], [0.0; 3], [2.0; 3]] {
+            assert_eq!(hit(unit(), origin, [0.0, -0.0, 0.0]), None);
+        }
+    }
+
+    #[test]
+    fn inverted_boxes_are_refused() {
+        let error = AxisBox::new(DVec3::new(0.0, 2.0, 0.0), DVec3::ONE).expect_err("inverted");
+        assert_eq!(error, ShapeError::InvertedBox { axis: 1, min: 2.0, max: 1.0 });
+    }
+
+    fn point(range: f64) -> impl Strategy<Value = DVec3> {
+        let side = -range..range;
+        (side.clone(), side.clone(), side).prop_map(DVec3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn hits_lie_on_their_face(a in point(5.0), b in point(5.0), from in point(50.0), at in 0.0..1.0f64) {
+            let solid = AxisBox::new(a.min(b), a.max(b)).expect("a box");
+            let inside = a + (b - a) * at;
+            let ray = Ray::new(from, inside - from);
+            let hit = solid.intersect(&ray, Interval::FORWARD).expect("towards a point inside");
+            let surface = solid.surface(&ray, &hit, SurfaceNeeds::ALL);
+            let Aabb { min, max } = solid.bounds();
+            let axis = surface.geometric_normal.abs().max_position();
+            let face = if surface.geometric_normal[axis] > 0.0 { max[axis] } else { min[axis] };
+            prop_assert_eq!(surface.point[axis], face);
+            prop_assert!(solid.bounds().contains(surface.point));
+            prop_assert!((surface.point - ray.at(hit.t)).length() < 1e-12);
+            prop_assert!(surface.uv.iter().all(|x| (0.0..=1.0).contains(x)));
+        }
+
+        /// Aimed at the edge that two boxes share, at any rounding, a ray meets one of them.
+        #[test]
+        fn no_ray_slips_between_neighbours(from in point(10.0), shared in -3.0..3.0f64, at in -0.9..0.9f64) {
+            prop_assume!(from.z > 1.5);
+            let left = AxisBox::new(DVec3::new(-4.0, -1.0, -1.0), DVec3::new(shared, 1.0, 1.0)).expect("a box");
+            let right = AxisBox::new(DVec3::new(shared, -1.0, -1.0), DVec3::new(4.0, 1.0, 1.0)).expect("a box");
+            let ray = Ray::new(from, DVec3::new(shared, at, 1.0) - from);
+            prop_assert!([left, right].iter().any(|solid| solid.intersect(&ray, Interval::FORWARD).is_some()));
+        }
+    }
+}

@@ -117,3 +117,62 @@ fn return_error(point: DVec3, target_from_source: &Transform) -> DVec3 {
 fn absolute(m: DMat3) -> DMat3 {
     DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FLOOR: SurfaceInteraction =
+        SurfaceInteraction::flat(DVec3::new(0.3, 0.0, 0.7), DVec3::splat(1e-10), DVec3::Y, [0.0; 2]);
+
+    /// `f64::signum(0.0)` is 1: an offset made with it pushes the origin along the surface as well.
+    #[test]
+    fn the_offset_leaves_components_across_the_normal_alone() {
+        let up = FLOOR.spawn_ray(DVec3::new(1.0, 1.0, 0.0), 0.5);
+        assert_eq!((up.origin.x, up.origin.z, up.time), (0.3, 0.7, 0.5));
+        assert!(up.origin.y > 1e-10 && up.origin.y < 1.1e-10);
+        let down = FLOOR.spawn_ray(DVec3::new(1.0, -1.0, 0.0), 0.5);
+        assert_eq!(down.origin, DVec3::new(0.3, -up.origin.y, 0.7));
+    }
+
+    #[test]
+    fn an_exact_point_still_moves_by_one_number() {
+        let exact = SurfaceInteraction::flat(DVec3::splat(3.0), DVec3::ZERO, DVec3::NEG_X, [0.0; 2]);
+        assert_eq!(exact.spawn_ray(DVec3::NEG_ONE, 0.0).origin, DVec3::new(3.0f64.next_down(), 3.0, 3.0));
+    }
+
+    #[test]
+    fn shadow_rays_end_at_their_target() {
+        let target = DVec3::new(4.0, 5.0, 6.0);
+        let ray = FLOOR.spawn_shadow_ray(target, 0.25);
+        assert!((ray.at(1.0) - target).length() < 1e-15 * 10.0);
+        assert_eq!(ray.time, 0.25);
+        assert_eq!(FLOOR.spawn_shadow_ray_towards(DVec3::Y, 0.0), FLOOR.spawn_ray(DVec3::Y, 0.0));
+    }
+
+    #[test]
+    fn shadow_rays_through_the_surface_do_not_start_above_it() {
+        let lifted = SurfaceInteraction { shadow_point: FLOOR.point + DVec3::Y * 0.1, ..FLOOR };
+        assert!(lifted.spawn_shadow_ray_towards(DVec3::Y, 0.0).origin.y > 0.1);
+        assert!(lifted.spawn_shadow_ray(DVec3::new(0.0, 9.0, 0.0), 0.0).origin.y > 0.1);
+        assert_eq!(lifted.spawn_shadow_ray_towards(DVec3::NEG_Y, 0.0), FLOOR.spawn_ray(DVec3::NEG_Y, 0.0));
+        assert!(lifted.spawn_shadow_ray(DVec3::new(0.0, -9.0, 0.0), 0.0).origin.y < 0.0);
+    }
+
+    #[test]
+    fn transforms_map_all_parts() {
+        let tilted = SurfaceInteraction {
+            shading_normal: DVec3::new(0.6, 0.8, 0.0),
+            shadow_point: FLOOR.point + DVec3::Y,
+            uv: [0.1, 0.2],
+            ..FLOOR
+        };
+        let map = Transform::scale(DVec3::new(2.0, -4.0, 1.0)).expect("regular");
+        let image = tilted.transformed(&map);
+        assert_eq!((image.point, image.shadow_point), (DVec3::new(0.6, 0.0, 0.7), DVec3::new(0.6, -4.0, 0.7)));
+        assert_eq!((image.geometric_normal, image.uv), (DVec3::NEG_Y, [0.1, 0.2]));
+        assert!((image.shading_normal - DVec3::new(0.3, -0.2, 0.0).normalize()).length() < 1e-15);
+        assert!(image.point_error.cmpge(DVec3::new(2e-10, 4e-10, 1e-10)).all());
+        assert!(image.point_error.cmplt(DVec3::new(2e-10, 4e-10, 1e-10) * 1.001).all());
+    }
+}

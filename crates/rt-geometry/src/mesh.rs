@@ -239,3 +239,158 @@ fn mend_normals(data: &mut MeshData, repairs: &mut MeshRepairs) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::transcendental::sincos;
+    use rt_math::{NoProbe, SlabRay, decide};
+    use std::f64::consts::{PI, TAU};
+
+    fn build(data: MeshData) -> (TriangleMesh, MeshRepairs) {
+        TriangleMesh::build(data).expect("a mesh")
+    }
+
+    /// Two triangles that make the unit square in z = 0, facing +z.
+    fn square() -> MeshData {
+        MeshData {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            normals: vec![Vec3::Z * 3.0; 4],
+            uvs: vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]],
+        }
+    }
+
+    fn closest(mesh: &TriangleMesh, ray: &Ray) -> Option<Hit> {
+        let slab = SlabRay::new(ray);
+        let hits = (0..mesh.len() as u32).filter_map(|i| decide(mesh, i, &slab, Interval::FORWARD, &mut NoProbe));
+        hits.reduce(|best, hit| if hit.precedes(&best) { hit } else { best })
+    }
+
+    #[test]
+    fn hits_are_interpolated() {
+        let (mesh, repairs) = build(square());
+        assert_eq!(repairs, MeshRepairs::default());
+        assert_eq!(mesh.data().normals, [Vec3::Z; 4]);
+        let ray = Ray::new(DVec3::new(0.25, 0.75, 2.0), DVec3::NEG_Z);
+        let hit = closest(&mesh, &ray).expect("a hit");
+        assert_eq!((hit.t, hit.instance, hit.primitive, hit.uv), (2.0, 0, 1, [0.25, 0.5]));
+        let surface = mesh.surface(&ray, &hit, SurfaceNeeds::ALL);
+        assert_eq!((surface.point, surface.uv), (DVec3::new(0.25, 0.75, 0.0), [0.5, 1.5]));
+        assert_eq!((surface.geometric_normal, surface.shading_normal), (DVec3::Z, DVec3::Z));
+        let bare = mesh.surface(&ray, &hit, SurfaceNeeds { uv: false, shading_normal: false });
+        assert_eq!((bare.uv, bare.shadow_point), ([0.0; 2], bare.point));
+        assert_eq!(mesh.bounds(), Aabb::new(DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)));
+        assert_eq!(mesh.memory(), 4 * 12 + 2 * 12 + 4 * 12 + 4 * 8);
+        assert_eq!(mesh.leaf_layout(0), LeafLayout::Triangle([DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0)]));
+    }
+
+    #[test]
+    fn a_hit_on_the_shared_edge_belongs_to_the_lower_triangle() {
+        let (mesh, _) = build(square());
+        let hit = closest(&mesh, &Ray::new(DVec3::new(0.5, 0.5, 1.0), DVec3::NEG_Z));
+        assert_eq!(hit.map(|hit| hit.primitive), Some(0));
+    }
+
+    #[test]
+    fn what_can_be_mended_is_mended_and_counted() {
+        let mut data = square();
+        data.positions.extend([Vec3::new(0.0, f32::NAN, 0.0), Vec3::new(0.1, 0.1, 0.1), Vec3::splat(0.3)]);
+        data.normals.extend([Vec3::ZERO; 3]);
+        data.normals[1] = Vec3::ZERO;
+        data.normals[2] = Vec3::INFINITY;
+        data.uvs.extend([[0.0, 1.0]; 3]);
+        data.uvs[3] = [f32::NAN, 0.0];
+        // Repeated, not finite, and collinear vertices; 0.1 and 0.3 are rounded, but on the diagonal all the same.
+        data.triangles.splice(1..1, [[0, 1, 1], [0, 1, 4], [0, 5, 6]]);
+        let (mesh, repairs) = build(data);
+        assert_eq!(repairs, MeshRepairs { degenerate: 2, not_finite: 1, bad_normals: 2, bad_uvs: 1 });
+        assert_eq!(mesh.data().triangles, square().triangles);
+        assert_eq!(mesh.data().normals[1..3], [Vec3::Z; 2]);
+        assert_eq!(mesh.data().uvs[3], [0.0; 2]);
+        assert_eq!(mesh.bounds(), Aabb::new(DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)));
+    }
+
+    #[test]
+    fn what_cannot_be_mended_is_refused() {
+        let mut bad = square();
+        bad.triangles[1][2] = 4;
+        assert_eq!(TriangleMesh::build(bad).err(), Some(MeshError::BadIndex { triangle: 1, vertex: 4, count: 4 }));
+        let mut bad = square();
+        bad.normals.pop();
+        let mismatch = |what| Some(MeshError::CountMismatch { what, count: 3, positions: 4 });
+        assert_eq!(TriangleMesh::build(bad).err(), mismatch("normals"));
+        let mut bad = square();
+        bad.uvs.pop();
+        assert_eq!(TriangleMesh::build(bad).err(), mismatch("texture coordinates"));
+    }
+
+    #[test]
+    fn an_empty_mesh_is_a_mesh() {
+        let (mesh, _) = build(MeshData::default());
+        assert!(mesh.is_empty() && mesh.bounds().is_empty());
+        assert_eq!((Primitives::bounds(&mesh, 0), mesh.leaf_layout(0)), (None, LeafLayout::Opaque));
+        assert_eq!(mesh.intersect(0, &Ray::new(DVec3::ZERO, DVec3::X), Interval::FORWARD), None);
+    }
+
+    #[test]
+    fn shading_normals_keep_to_the_front_whichever_way_the_file_has_them() {
+        let mut inward = square();
+        inward.normals = vec![Vec3::new(0.6, 0.0, -0.8); 4];
+        let (mesh, _) = build(inward);
+        for z in [1.0, -1.0] {
+            let ray = Ray::new(DVec3::new(0.25, 0.5, z), DVec3::new(0.0, 0.0, -z));
+            let surface = mesh.surface(&ray, &closest(&mesh, &ray).expect("a hit"), SurfaceNeeds::ALL);
+            assert!((surface.shading_normal - DVec3::new(-0.6, 0.0, 0.8)).length() < 1e-7);
+            assert_eq!(surface.geometric_normal, DVec3::Z);
+        }
+    }
+
+    /// A ball of facets around the origin, with the normals of the sphere.
+    fn faceted_ball(around: u32, up: u32) -> TriangleMesh {
+        let vertex = |i: u32| {
+            let (column, row) = (i % around, i / around);
+            let (sin, cos) = sincos(TAU * f64::from(column) / f64::from(around));
+            let (ring, height) = sincos(PI * f64::from(row) / f64::from(up));
+            DVec3::new(ring * cos, ring * sin, height).as_vec3()
+        };
+        let positions: Vec<Vec3> = (0..around * (up + 1)).map(vertex).collect();
+        let quad = |row: u32, column: u32| {
+            let next = (column + 1) % around;
+            let [a, b] = [row * around + column, row * around + next];
+            [[a, a + around, b + around], [a, b + around, b]]
+        };
+        let triangles = (0..up).flat_map(|row| (0..around).flat_map(move |column| quad(row, column))).collect();
+        build(MeshData { normals: positions.clone(), positions, triangles, uvs: Vec::new() }).0
+    }
+
+    /// Light that an orthographic view from +z of the lit side receives: the sum of cos θ where the light is seen, and
+    /// the number of points turned to the light that do not see it.
+    fn lit(mesh: &TriangleMesh, light: DVec3, start: impl Fn(&SurfaceInteraction) -> Ray) -> (f64, usize) {
+        const SIDE: i32 = 64;
+        let (mut sum, mut dark) = (0.0, 0);
+        for pixel in 0..SIDE * SIDE {
+            let at = |k: i32| (f64::from(k) + 0.5) / f64::from(SIDE) * 2.0 - 1.0;
+            let ray = Ray::new(DVec3::new(at(pixel % SIDE), at(pixel / SIDE), 2.0), DVec3::NEG_Z);
+            let Some(hit) = closest(mesh, &ray) else { continue };
+            let surface = mesh.surface(&ray, &hit, SurfaceNeeds::ALL);
+            let cosine = surface.shading_normal.dot(light);
+            if cosine > 0.0 {
+                let seen = closest(mesh, &start(&surface)).is_none();
+                sum += if seen { cosine } else { 0.0 };
+                dark += usize::from(!seen);
+            }
+        }
+        (sum * 4.0 / f64::from(SIDE * SIDE), dark)
+    }
+
+    #[test]
+    fn facets_on_the_lit_side_are_not_dark() {
+        let (sin, cos) = sincos(80.0f64.to_radians());
+        let light = DVec3::new(sin, 0.0, cos);
+        let ball = faceted_ball(16, 16);
+        let (plain, plain_dark) = lit(&ball, light, |s| s.spawn_ray(light, 0.0));
+        let (lifted, lifted_dark) = lit(&ball, light, |s| s.spawn_shadow_ray_towards(light, 0.0));
+        println!("{plain} {plain_dark} {lifted} {lifted_dark}");
+    }
+}

@@ -69,10 +69,10 @@ impl Placed {
     /// triangle under any map that does not mirror. `None` if there is none.
     pub fn baked(&self) -> Option<Shape> {
         let linear = self.world_from_local.linear();
-        let diagonal = positive_diagonal(&linear);
+        let scale = diagonal(&linear).filter(|scale| scale.min_element() > 0.0);
         let keeps_uv = match &self.shape {
-            Shape::Sphere(_) => diagonal.is_some_and(|d| d.x == d.y && d.y == d.z),
-            Shape::AxisBox(_) => diagonal.is_some(),
+            Shape::Sphere(_) => scale.is_some_and(|s| s.x == s.y && s.y == s.z),
+            Shape::AxisBox(_) => scale.is_some(),
             Shape::Plane(_) => linear == DMat3::IDENTITY,
             Shape::Triangle(_) => !self.world_from_local.flips_handedness(),
         };
@@ -89,7 +89,7 @@ impl Placed {
                 Sphere::new(map.point(sphere.centre()), radius).ok().map(Shape::Sphere)
             }
             Shape::AxisBox(axis_box) => {
-                positive_diagonal(&absolute(&map.linear()))?;
+                diagonal(&map.linear())?;
                 let Aabb { min, max } = axis_box.bounds();
                 let (a, b) = (map.point(min), map.point(max));
                 AxisBox::new(a.min(b), a.max(b)).ok().map(Shape::AxisBox)
@@ -107,12 +107,8 @@ impl Placed {
     }
 }
 
-/// The diagonal of a matrix that has nothing else, and only positive numbers there.
-fn positive_diagonal(m: &DMat3) -> Option<DVec3> {
+/// The diagonal of a matrix that has nothing else.
+fn diagonal(m: &DMat3) -> Option<DVec3> {
     let diagonal = DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z);
-    (*m == DMat3::from_diagonal(diagonal) && diagonal.min_element() > 0.0).then_some(diagonal)
-}
-
-fn absolute(m: &DMat3) -> DMat3 {
-    DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
+    (*m == DMat3::from_diagonal(diagonal)).then_some(diagonal)
 }

@@ -64,3 +64,68 @@ impl Plane {
         [frame.x, frame.y].map(|axis| axis.dot(origin) + t * axis.dot(direction))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn plane(point: [f64; 3], normal: [f64; 3]) -> Plane {
+        Plane::new(point.into(), normal.into()).expect("a plane")
+    }
+
+    fn hit(plane: Plane, origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, SurfaceInteraction)> {
+        let ray = Ray::new(origin.into(), direction.into());
+        let hit = plane.intersect(&ray, Interval::FORWARD)?;
+        Some((hit.t, plane.surface(&ray, &hit, SurfaceNeeds::ALL)))
+    }
+
+    #[test]
+    fn grazing_rays_reach_the_horizon() {
+        let (t, surface) = hit(plane([0.0; 3], [0.0, 0.0, 1.0]), [0.0, 0.0, 1.0], [1.0, 0.0, -1e-12]).expect("a hit");
+        assert_eq!((t, surface.point, surface.uv), (1e12, DVec3::new(1e12, 0.0, 0.0), [1e12, 0.0]));
+    }
+
+    #[test]
+    fn parallel_rays_miss() {
+        let floor = plane([0.0; 3], [0.0, 1.0, 0.0]);
+        for zero in [0.0, -0.0] {
+            assert!(hit(floor, [0.0, 1.0, 0.0], [1.0, zero, 0.0]).is_none());
+            assert!(hit(floor, [0.0, 0.0, 0.0], [1.0, zero, 0.0]).is_none(), "within the plane");
+        }
+        assert!(hit(floor, [0.0, 1.0, 0.0], [0.0; 3]).is_none());
+        assert!(hit(floor, [0.0, 1.0, f64::NAN], [0.0, -1.0, 0.0]).is_none());
+        assert!(hit(floor, [0.0, 1.0, 0.0], [f64::NAN, -1.0, 0.0]).is_none());
+        assert!(hit(floor, [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]).is_none(), "behind");
+        assert!(hit(floor, [0.0, -1.0, 0.0], [0.0, 1.0, 0.0]).is_some(), "from below");
+    }
+
+    #[test]
+    fn a_floor_is_textured_by_x_and_minus_z() {
+        let floor = plane([10.0, 2.0, 20.0], [0.0, 3.0, 0.0]);
+        let (t, surface) = hit(floor, [13.0, 4.0, 15.0], [0.0, -1.0, 0.0]).expect("a hit");
+        assert_eq!((t, surface.uv), (2.0, [3.0, 5.0]));
+        assert_eq!(surface.point, DVec3::new(13.0, 2.0, 15.0));
+        let wall = plane([0.0; 3], [0.0, 0.0, 1.0]);
+        assert_eq!(hit(wall, [3.0, 4.0, 5.0], [0.0, 0.0, -1.0]).map(|(_, s)| s.uv), Some([3.0, 4.0]));
+    }
+
+    #[test]
+    fn a_plane_without_a_normal_is_refused() {
+        assert_eq!(Plane::new(DVec3::ONE, DVec3::ZERO), Err(ShapeError::ZeroNormal));
+    }
+
+    proptest! {
+        #[test]
+        fn hits_lie_on_the_plane(
+            p in -10.0..10.0f64, n in -1.0..1.0f64, m in -1.0..1.0f64, o in -1e3..1e3f64, d in -1.0..1.0f64,
+        ) {
+            let plane = plane([p, -p, 1.0], [n, m, 0.5]);
+            if let Some((_, surface)) = hit(plane, [o, 1.0, -o], [d, n, 1.0]) {
+                let height = plane.normal().dot(surface.point - plane.point());
+                let bound = plane.normal().abs().dot(surface.point_error);
+                prop_assert!(height.abs() <= bound, "{height} above {bound}");
+            }
+        }
+    }
+}

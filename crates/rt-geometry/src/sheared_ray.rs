@@ -71,3 +71,113 @@ fn rotated(v: DVec3, axis: usize) -> DVec3 {
         _ => v,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::random;
+    use std::collections::HashMap;
+
+    /// A closed mesh of 20·4ⁿ triangles around the origin with shared vertices.
+    fn icosphere(levels: usize) -> (Vec<DVec3>, Vec<[usize; 3]>) {
+        let golden = (1.0 + 5.0f64.sqrt()) / 2.0;
+        let mut vertices: Vec<DVec3> = (0..12)
+            .map(|i| {
+                let (long, short) = (if i & 1 == 0 { golden } else { -golden }, if i & 2 == 0 { 1.0 } else { -1.0 });
+                rotated(DVec3::new(0.0, short, long), i / 4).normalize()
+            })
+            .collect();
+        let edge = 2.0 / (golden * golden + 1.0).sqrt();
+        let near = |a: DVec3, b: DVec3| (a - b).length() < edge * 1.01;
+        let mut triangles = Vec::new();
+        for a in 0..12 {
+            for b in a + 1..12 {
+                for c in b + 1..12 {
+                    let [p, q, r] = [vertices[a], vertices[b], vertices[c]];
+                    if near(p, q) && near(q, r) && near(r, p) {
+                        triangles.push([a, b, c]);
+                    }
+                }
+            }
+        }
+        for _ in 0..levels {
+            let mut middles = HashMap::new();
+            let mut middle = |a: usize, b: usize| {
+                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                    vertices.push((vertices[a] + vertices[b]).normalize());
+                    vertices.len() - 1
+                })
+            };
+            triangles = triangles
+                .into_iter()
+                .flat_map(|[a, b, c]| {
+                    let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+                    [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+                })
+                .collect();
+        }
+        (vertices, triangles)
+    }
+
+    const GRID: f64 = (1u32 << 18) as f64;
+
+    /// What the rays are aimed at.
+    #[derive(Clone, Copy, Debug)]
+    enum Target {
+        EdgeMiddle,
+        Vertex,
+    }
+
+    /// The usual test (Möller, Trumbore 1997), which decides with rounded products.
+    fn plain_test([a, b, c]: [DVec3; 3], ray: &Ray) -> bool {
+        let (e, f) = (b - a, c - a);
+        let p = ray.direction.cross(f);
+        let inverse = 1.0 / e.dot(p);
+        let s = ray.origin - a;
+        let v = s.dot(p) * inverse;
+        let q = s.cross(e);
+        let (w, t) = (ray.direction.dot(q) * inverse, f.dot(q) * inverse);
+        v >= 0.0 && w >= 0.0 && v + w <= 1.0 && t >= 0.0
+    }
+
+    /// Rays from inside a closed mesh that miss all of its triangles: with the watertight test, with the plain one.
+    fn leaks(offset: f64, scale: f64, target: Target, rays: u64) -> (usize, usize) {
+        let (vertices, triangles) = icosphere(1);
+        assert_eq!((vertices.len(), triangles.len()), (42, 80));
+        let centre = DVec3::new(offset, offset * 0.75, -offset);
+        // On a grid coarse enough for the middles of edges to be exact as well.
+        let place = |v: &DVec3| (*v * GRID).round() / GRID * scale + centre;
+        let vertices: Vec<DVec3> = vertices.iter().map(place).collect();
+        let draw = |ray: u64, k: u64| random::unit(random::hash(&[ray, k]));
+        let (mut watertight, mut plain) = (0, 0);
+        for ray in 0..rays {
+            let origin = centre + (DVec3::new(draw(ray, 0), draw(ray, 1), draw(ray, 2)) - 0.5) * scale;
+            let triangle = triangles[(draw(ray, 3) * triangles.len() as f64) as usize];
+            let along = match target {
+                Target::EdgeMiddle => 0.5,
+                Target::Vertex => 0.0,
+            };
+            let aim = vertices[triangle[0]].lerp(vertices[triangle[1]], along);
+            let ray = Ray::new(origin, aim - origin);
+            let sheared = ShearedRay::new(&ray);
+            let corners = || triangles.iter().map(|t| t.map(|i| vertices[i]));
+            watertight += usize::from(!corners().any(|t| sheared.intersect(t, Interval::FORWARD).is_some()));
+            plain += usize::from(!corners().any(|t| plain_test(t, &ray)));
+        }
+        (watertight, plain)
+    }
+
+    #[test]
+    fn no_ray_leaves_a_closed_mesh() {
+        const RAYS: u64 = 20_000;
+        let small = 1.0 / 1024.0;
+        for target in [Target::EdgeMiddle, Target::Vertex] {
+            for (offset, scale) in [(0.0, 1.0), (100.0, 1.0), (1e4, 1.0), (1e7, 1.0), (0.0, 1e-6), (1e7, small)] {
+                let (watertight, plain) = leaks(offset, scale, target, RAYS);
+                assert_eq!(watertight, 0, "{target:?} at offset {offset}, scale {scale}");
+                // The rays are hard: some slip through a test that rounds.
+                assert!(plain > 0, "{target:?} at offset {offset}, scale {scale}");
+            }
+        }
+    }
+}

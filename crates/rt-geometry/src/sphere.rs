@@ -100,3 +100,173 @@ impl Sphere {
 fn spherical_uv(n: DVec3) -> [f64; 2] {
     [0.5 + atan2(n.x, n.z) / TAU, 0.5 + atan2(n.y, hypot(n.x, n.z)) / PI]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use rt_math::transcendental::exp2;
+
+    fn sphere(radius: f64) -> Sphere {
+        Sphere::new(DVec3::ZERO, radius).expect("a sphere")
+    }
+
+    fn hit(radius: f64, origin: [f64; 3], direction: [f64; 3], span: Interval) -> Option<f64> {
+        sphere(radius).intersect(&Ray::new(origin.into(), direction.into()), span).map(|hit| hit.t)
+    }
+
+    /// Exact roots from 200-bit arithmetic.
+    #[test]
+    fn stiff_cases_keep_their_digits() {
+        let cases = [
+            (1.0, [0.5, 0.0, -1e4], [0.0, 0.0, 1.0], 9999.133974596216, 4e-16),
+            (1.0, [0.5, 0.0, -1e8], [0.0, 0.0, 1.0], 99_999_999.133_974_6, 4e-16),
+            (1e-6, [5e-7, 0.0, -10.0], [0.0, 0.0, 1.0], 9.999_999_133_974_596, 4e-16),
+            (1e6, [0.0, 0.0, -1000001.0], [0.6, 0.0, 0.8], 1.2500003515626977, 1e-9),
+            (1e8, [0.0, 0.0, -1e8 - 8.0], [0.0, 0.0, 1.0], 8.0, 1e-8),
+        ];
+        for (radius, origin, direction, exact, tolerance) in cases {
+            let t = hit(radius, origin, direction, Interval::FORWARD).expect("a hit");
+            assert!((t - exact).abs() <= tolerance * exact, "{origin:?}: {t} instead of {exact}");
+        }
+    }
+
+    #[test]
+    fn the_first_crossing_within_the_closed_span_counts() {
+        let (origin, direction) = ([0.0, 0.0, -3.0], [0.0, 0.0, 1.0]);
+        let within = |min, max| hit(1.0, origin, direction, Interval::new(min, max));
+        assert_eq!(within(0.0, f64::INFINITY), Some(2.0));
+        assert_eq!(within(2.0, 2.0), Some(2.0));
+        assert_eq!(within(2.5, 4.0), Some(4.0));
+        assert_eq!(within(0.0, 1.9), None);
+        assert_eq!(within(2.5, 3.9), None);
+        assert_eq!(hit(1.0, [0.0; 3], direction, Interval::FORWARD), Some(1.0), "from inside");
+        assert_eq!(hit(1.0, [0.0, 0.0, 3.0], direction, Interval::FORWARD), None, "behind");
+        let all = Interval::new(f64::NEG_INFINITY, f64::INFINITY);
+        assert_eq!(hit(1.0, [0.0, 0.0, 3.0], direction, all), Some(-4.0));
+    }
+
+    #[test]
+    fn tangents_are_decided_by_their_closest_approach() {
+        let at = |x: f64| hit(1.0, [x, 0.0, -5.0], [0.0, 0.0, 1.0], Interval::FORWARD);
+        assert!(at(1.0).is_some() && at(1.0f64.next_down()).is_some());
+        assert_eq!(at(1.0f64.next_up()), None);
+        assert_eq!(hit(1.0, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], Interval::FORWARD), Some(0.0), "tangent at its origin");
+    }
+
+    #[test]
+    fn useless_rays_miss() {
+        for bad in [f64::NAN, f64::INFINITY, 1e200] {
+            for k in 0..3 {
+                let mut broken = [0.25; 3];
+                broken[k] = bad;
+                assert_eq!(hit(1.0, broken, [0.0, 0.0, 1.0], Interval::FORWARD), None);
+                assert_eq!(hit(1.0, [0.0; 3], broken, Interval::FORWARD), None);
+                assert_eq!(hit(1.0, [0.0, 0.0, 3.0], broken, Interval::FORWARD), None);
+            }
+        }
+        for origin in [[0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 3.0]] {
+            assert_eq!(hit(1.0, origin, [0.0; 3], Interval::FORWARD), None);
+        }
+    }
+
+    #[test]
+    fn bad_spheres_are_refused() {
+        assert_eq!(Sphere::new(DVec3::ZERO, -1.0), Err(ShapeError::BadRadius(-1.0)));
+        assert_eq!(Sphere::new(DVec3::ZERO, 0.0), Err(ShapeError::BadRadius(0.0)));
+        assert!(matches!(Sphere::new(DVec3::ZERO, f64::NAN), Err(ShapeError::BadCoordinate(_))));
+        assert_eq!(Sphere::new(DVec3::splat(1e61), 1.0), Err(ShapeError::BadCoordinate(1e61)));
+    }
+
+    #[test]
+    fn texture_coordinates_follow_longitude_and_latitude() {
+        let uv_at = |direction: DVec3| {
+            let ray = Ray::new(direction * 3.0, -direction);
+            let hit = sphere(2.0).intersect(&ray, Interval::FORWARD).expect("a hit");
+            sphere(2.0).surface(&ray, &hit, SurfaceNeeds::ALL).uv
+        };
+        assert_eq!(uv_at(DVec3::Z), [0.5, 0.5]);
+        assert_eq!(uv_at(DVec3::X), [0.75, 0.5]);
+        assert_eq!(uv_at(DVec3::NEG_X), [0.25, 0.5]);
+        assert_eq!(uv_at(DVec3::Y)[1], 1.0);
+        assert_eq!(uv_at(DVec3::NEG_Y)[1], 0.0);
+        assert_eq!(uv_at(DVec3::new(0.0, 1.0, 1.0).normalize())[1], 0.75);
+    }
+
+    /// A unit vector, from cylinder coordinates.
+    fn direction() -> impl Strategy<Value = DVec3> {
+        (-1.0..1.0f64, 0.0..TAU).prop_map(|(z, angle)| {
+            let (sin, cos) = rt_math::transcendental::sincos(angle);
+            let rho = ((1.0 - z) * (1.0 + z)).sqrt();
+            DVec3::new(rho * cos, rho * sin, z)
+        })
+    }
+
+    proptest! {
+        /// Rays that are made to pass at a given distance hit if that is below the radius, by more than the rounding
+        /// of the ray itself, and miss above.
+        #[test]
+        fn the_distance_of_the_ray_decides(
+            towards in direction(), other in direction(), log_radius in -6.0..6.0f64, log_back in -2.0..7.0f64,
+            log_gap in -12.0..0.0f64, centre in direction(), moved in 0.0..100.0f64,
+        ) {
+            let side = towards.cross(other);
+            prop_assume!(side.length() > 0.1);
+            let side = side.normalize();
+            let ten_to = |x: f64| rt_math::transcendental::pow(10.0, x);
+            let radius = ten_to(log_radius);
+            let (back, centre) = (radius * ten_to(log_back), centre * (moved * radius));
+            let gap = ten_to(log_gap) * radius + 1e-14 * (back + 100.0 * radius);
+            let sphere = Sphere::new(centre, radius).expect("a sphere");
+            let aimed = |distance: f64| {
+                let ray = Ray::new(centre + side * distance - towards * back, towards);
+                sphere.intersect(&ray, Interval::new(f64::NEG_INFINITY, f64::INFINITY)).is_some()
+            };
+            prop_assert!(gap > radius || aimed(radius - gap));
+            prop_assert!(!aimed(radius + gap));
+        }
+
+        #[test]
+        fn hits_lie_on_the_sphere_with_outward_normals(
+            centre in direction(), from in direction(), to in direction(), radius in 0.1..10.0f64, far in 0.0..1e3f64,
+        ) {
+            let sphere = Sphere::new(centre * 100.0, radius).expect("a sphere");
+            let inside = sphere.centre() + to * (0.99 * radius);
+            let origin = inside + from * far;
+            let ray = Ray::new(origin, (inside - origin) + from * -0.5);
+            let hit = sphere.intersect(&ray, Interval::FORWARD).expect("towards a point inside");
+            let surface = sphere.surface(&ray, &hit, SurfaceNeeds::ALL);
+            let arm = surface.point - sphere.centre();
+            let slack = surface.point_error.length();
+            prop_assert!((arm.length() - radius).abs() <= slack && slack < 1e-12);
+            prop_assert!((surface.point - ray.at(hit.t)).length() <= 1e-12 * (1.0 + far));
+            prop_assert!((surface.geometric_normal.length() - 1.0).abs() < 1e-15);
+            prop_assert!(surface.geometric_normal.dot(arm) > 0.0);
+            prop_assert!(surface.uv.iter().all(|x| (0.0..=1.0).contains(x)));
+            prop_assert!(sphere.bounds().padded().contains(surface.point));
+        }
+
+        #[test]
+        fn t_scales_exactly_with_the_direction(origin in direction(), towards in direction(), k in -60i32..60) {
+            let scale = exp2(f64::from(k));
+            let ray = Ray::new(origin * 3.0, towards - origin * 3.0);
+            let scaled = Ray::new(ray.origin, ray.direction * scale);
+            let t = |ray| sphere(1.5).intersect(ray, Interval::FORWARD).map(|hit| hit.t);
+            prop_assert_eq!(t(&ray).map(|t| t / scale), t(&scaled));
+        }
+
+        /// A chord at angle θ to the normal is 2·cos θ long.
+        #[test]
+        fn chords_from_the_surface(start in direction(), towards in direction()) {
+            let along = start.dot(towards);
+            prop_assume!(along.abs() > 1e-3);
+            let surface = SurfaceInteraction::flat(start, start.abs() * gamma(10), start, [0.0; 2]);
+            let t = sphere(1.0).intersect(&surface.spawn_ray(towards, 0.0), Interval::FORWARD).map(|hit| hit.t);
+            if along > 0.0 {
+                prop_assert_eq!(t, None);
+            } else {
+                prop_assert!((t.expect("the far side") + 2.0 * along).abs() < 1e-12);
+            }
+        }
+    }
+}

@@ -48,3 +48,25 @@ impl Primitives for Spheres {
             .map_or(LeafLayout::Opaque, |sphere| LeafLayout::Sphere(sphere.centre(), sphere.radius()))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::DVec3;
+
+    #[test]
+    fn a_set_answers_as_its_spheres_do() {
+        let sphere = |x: f64| Sphere::new(DVec3::X * x, 1.0).expect("a sphere");
+        let set = Spheres::new(vec![sphere(0.0), sphere(3.0)]);
+        let ray = Ray::new(DVec3::new(3.2, 0.1, 5.0), DVec3::NEG_Z);
+        assert_eq!(set.intersect(0, &ray, Interval::FORWARD), None);
+        let hit = set.intersect(1, &ray, Interval::FORWARD).expect("a hit");
+        let alone = sphere(3.0).intersect(&ray, Interval::FORWARD).expect("a hit");
+        assert_eq!((hit.t, hit.instance, hit.primitive), (alone.t, 0, 1));
+        let needs = SurfaceNeeds::ALL;
+        assert_eq!(set.surface(&ray, &hit, needs), sphere(3.0).surface(&ray, &alone, needs));
+        assert_eq!((set.len(), set.bounds(1)), (2, Some(sphere(3.0).bounds())));
+        assert_eq!(set.leaf_layout(1), LeafLayout::Sphere(DVec3::X * 3.0, 1.0));
+        assert_eq!((set.bounds(2), set.intersect(2, &ray, Interval::FORWARD)), (None, None), "not there");
+    }
+}

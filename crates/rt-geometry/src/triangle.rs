@@ -63,3 +63,104 @@ pub(crate) fn point_at(vertices: [DVec3; 3], weights: [f64; 3]) -> (DVec3, DVec3
     let extent = Aabb::from_points(vertices).extent().max_element();
     (a + b + c, (a.abs() + b.abs() + c.abs()) * gamma(7) + DVec3::splat(3.0 * UNIT_ROUNDOFF * extent))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use rt_math::transcendental::exp2;
+
+    fn corner() -> Triangle {
+        Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y]).expect("a triangle")
+    }
+
+    fn hit(origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, [f64; 2])> {
+        let ray = Ray::new(origin.into(), direction.into());
+        corner().intersect(&ray, Interval::FORWARD).map(|hit| (hit.t, hit.uv))
+    }
+
+    #[test]
+    fn known_values() {
+        assert_eq!(hit([0.25, 0.5, 3.0], [0.0, 0.0, -1.0]), Some((3.0, [0.25, 0.5])));
+        assert_eq!(hit([0.25, 0.5, -3.0], [0.0, 0.0, 2.0]), Some((1.5, [0.25, 0.5])), "from the back");
+        assert_eq!(hit([1.0, 0.0, 3.0], [0.0, 0.0, -1.0]), Some((3.0, [1.0, 0.0])), "a vertex");
+        assert_eq!(hit([0.5, 0.5, 3.0], [0.0, 0.0, -1.0]), Some((3.0, [0.5, 0.5])), "an edge");
+        assert_eq!(hit([0.5, 0.5f64.next_up(), 3.0], [0.0, 0.0, -1.0]), None, "one number beyond the edge");
+        assert_eq!(hit([-1e-300, 0.5, 3.0], [0.0, 0.0, -1.0]), None);
+        assert_eq!(hit([0.25, 0.5, 3.0], [0.0, 0.0, 1.0]), None, "behind");
+        assert_eq!(hit([-1.0, 0.25, 0.0], [1.0, 0.0, 0.0]), None, "edge-on");
+    }
+
+    #[test]
+    fn the_front_is_where_the_vertices_run_counter_clockwise() {
+        for origin in [[0.25, 0.25, 1.0], [0.25, 0.25, -1.0]] {
+            let ray = Ray::new(origin.into(), DVec3::new(0.0, 0.0, -origin[2]));
+            let hit = corner().intersect(&ray, Interval::FORWARD).expect("a hit");
+            let surface = corner().surface(&ray, &hit, SurfaceNeeds { uv: false, shading_normal: false });
+            assert_eq!((surface.geometric_normal, surface.uv), (DVec3::Z, [0.0; 2]));
+            assert_eq!(corner().surface(&ray, &hit, SurfaceNeeds::ALL).uv, [0.25, 0.25]);
+        }
+    }
+
+    #[test]
+    fn useless_rays_miss() {
+        for k in 0..3 {
+            let mut broken = [0.1, 0.1, 1.0];
+            broken[k] = f64::NAN;
+            assert_eq!(hit(broken, [0.0, 0.0, -1.0]), None);
+            assert_eq!(hit([0.1, 0.1, -1.0], broken), None);
+        }
+        assert_eq!(hit([0.1, 0.1, 1.0], [0.0; 3]), None);
+        assert_eq!(hit([0.1, 0.1, 0.0], [0.0; 3]), None);
+    }
+
+    #[test]
+    fn a_sliver_gives_a_hit_on_itself_or_a_clean_miss() {
+        let sliver = Triangle::new([DVec3::ZERO, DVec3::X * 1e6, DVec3::new(5e5, 1e-6, 0.0)]).expect("a triangle");
+        for i in -50..50 {
+            let origin = DVec3::new(f64::from(i) * 1e4, -1.0, f64::from(i) * 1e-8);
+            let ray = Ray::new(origin, DVec3::new(3e5, 1.0, 0.0));
+            if let Some(hit) = sliver.intersect(&ray, Interval::FORWARD) {
+                let surface = sliver.surface(&ray, &hit, SurfaceNeeds::ALL);
+                assert!(sliver.bounds().padded().contains(surface.point));
+                assert_eq!(surface.geometric_normal, DVec3::Z);
+            }
+        }
+    }
+
+    #[test]
+    fn triangles_without_area_are_refused() {
+        let line = [DVec3::ZERO, DVec3::ONE, DVec3::ONE * 3.0];
+        assert_eq!(Triangle::new(line), Err(ShapeError::NoArea(line)));
+        assert!(matches!(Triangle::new([DVec3::NAN; 3]), Err(ShapeError::BadCoordinate(_))));
+    }
+
+    fn point() -> impl Strategy<Value = DVec3> {
+        (-10.0..10.0f64, -10.0..10.0f64, -10.0..10.0f64).prop_map(DVec3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn aimed_rays_hit_where_they_are_aimed(
+            a in point(), b in point(), c in point(), from in point(), v in 0.01..0.5f64, w in 0.01..0.49f64, k in -60i32..60,
+        ) {
+            let triangle = Triangle::new([a, b, c]).expect("a triangle");
+            let aim = a + (b - a) * v + (c - a) * w;
+            let normal = unit_normal([a, b, c]);
+            prop_assume!(normal.dot(aim - from).abs() > 0.1 && (b - a).cross(c - a).length() > 1.0);
+            let ray = Ray::new(from, aim - from);
+            let hit = triangle.intersect(&ray, Interval::FORWARD).expect("a hit");
+            prop_assert!((hit.t - 1.0).abs() < 1e-12);
+            prop_assert!((hit.uv[0] - v).abs() < 1e-11 && (hit.uv[1] - w).abs() < 1e-11);
+            let surface = triangle.surface(&ray, &hit, SurfaceNeeds::ALL);
+            prop_assert!((surface.point - aim).length() < 1e-11);
+            prop_assert!((surface.geometric_normal.length() - 1.0).abs() < 1e-15);
+            prop_assert!(surface.geometric_normal.dot(b - a).abs() < 1e-12);
+            let scaled = Ray::new(from, ray.direction * exp2(f64::from(k)));
+            let again = triangle.intersect(&scaled, Interval::FORWARD).expect("a hit");
+            prop_assert_eq!((again.t * exp2(f64::from(k)), again.uv), (hit.t, hit.uv));
+            prop_assert_eq!(triangle.intersect(&ray, Interval::new(hit.t, hit.t)), Some(hit));
+            prop_assert_eq!(triangle.intersect(&ray, Interval::new(0.0, hit.t.next_down())), None);
+        }
+    }
+}
