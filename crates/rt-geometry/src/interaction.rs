@@ -47,7 +47,7 @@ impl SurfaceInteraction {
     /// the rounding of the map, and of the way back that a spawned ray takes.
     pub fn transformed(&self, target_from_source: &Transform) -> Self {
         let (point, error) = target_from_source.point_with_error(self.point, self.point_error);
-        let point_error = error + return_error(point, target_from_source);
+        let point_error = error + return_error(self.point, point, target_from_source);
         let shadow_point =
             if self.shadow_point == self.point { point } else { target_from_source.point(self.shadow_point) };
         let geometric_normal = target_from_source.normal(self.geometric_normal).normalize();
@@ -64,29 +64,32 @@ impl SurfaceInteraction {
     ///
     /// Pharr, Jakob, Humphreys, PBR 4th ed., section 6.8.6.
     pub fn spawn_ray(&self, direction: DVec3, time: f64) -> Ray {
-        Ray { origin: self.offset(self.point, direction), direction, time }
+        Ray { origin: self.offset(self.point, direction.dot(self.geometric_normal)), direction, time }
     }
 
     /// A shadow ray to `target`, which it reaches at `t = 1`.
     pub fn spawn_shadow_ray(&self, target: DVec3, time: f64) -> Ray {
-        let origin = self.offset(self.shadow_start(target - self.point), target - self.point);
+        let origin = self.shadow_origin(target - self.point);
         Ray { origin, direction: target - origin, time }
     }
 
     /// A shadow ray in `direction`, to a light infinitely far away.
     pub fn spawn_shadow_ray_towards(&self, direction: DVec3, time: f64) -> Ray {
-        Ray { origin: self.offset(self.shadow_start(direction), direction), direction, time }
+        Ray { origin: self.shadow_origin(direction), direction, time }
     }
 
-    /// `shadow_point`, unless it is lifted to the other side of the surface than the one that `direction` leaves from.
-    fn shadow_start(&self, direction: DVec3) -> DVec3 {
+    /// The shading normal tells which side is lit: a light just below a facet still lights the smooth surface that the
+    /// facet stands for. `shadow_point` is for that side only to which it is lifted.
+    fn shadow_origin(&self, direction: DVec3) -> DVec3 {
+        let side = direction.dot(self.shading_normal);
         let lift = (self.shadow_point - self.point).dot(self.geometric_normal);
-        if lift * direction.dot(self.geometric_normal) < 0.0 { self.point } else { self.shadow_point }
+        self.offset(if lift * side < 0.0 { self.point } else { self.shadow_point }, side)
     }
 
-    fn offset(&self, point: DVec3, direction: DVec3) -> DVec3 {
+    /// The point moved off the surface, to the back if `side` is negative.
+    fn offset(&self, point: DVec3, side: f64) -> DVec3 {
         let normal = self.geometric_normal;
-        let outwards = if direction.dot(normal) < 0.0 { -normal } else { normal };
+        let outwards = if side < 0.0 { -normal } else { normal };
         let moved = point + outwards * normal.abs().dot(self.point_error);
         DVec3::new(
             rounded_towards(moved.x, outwards.x),
@@ -107,11 +110,14 @@ fn rounded_towards(x: f64, side: f64) -> f64 {
     }
 }
 
-/// The error that a point takes on when it is mapped back to the source, as a length in the target space.
-fn return_error(point: DVec3, target_from_source: &Transform) -> DVec3 {
+/// How far from where it was a point is when it is mapped back to the source, as a length in the target space. The
+/// two directions of a transform are rounded apart, so the way back is measured; the second term bounds how much it
+/// varies nearby.
+fn return_error(source: DVec3, target: DVec3, target_from_source: &Transform) -> DVec3 {
     let there = absolute(target_from_source.linear());
     let back = absolute(target_from_source.inverse().linear());
-    there * (back * (point - target_from_source.translation()).abs()) * gamma(5)
+    let residual = (target_from_source.inverse_point(target) - source).abs();
+    there * (residual + back * (target - target_from_source.translation()).abs() * gamma(5))
 }
 
 fn absolute(m: DMat3) -> DMat3 {
@@ -157,6 +163,16 @@ mod tests {
         assert!(lifted.spawn_shadow_ray(DVec3::new(0.0, 9.0, 0.0), 0.0).origin.y > 0.1);
         assert_eq!(lifted.spawn_shadow_ray_towards(DVec3::NEG_Y, 0.0), FLOOR.spawn_ray(DVec3::NEG_Y, 0.0));
         assert!(lifted.spawn_shadow_ray(DVec3::new(0.0, -9.0, 0.0), 0.0).origin.y < 0.0);
+    }
+
+    #[test]
+    fn a_light_below_the_facet_but_above_the_smooth_surface_is_looked_for_from_above() {
+        let facet = SurfaceInteraction {
+            shadow_point: FLOOR.point + DVec3::Y * 0.1,
+            shading_normal: DVec3::new(0.6, 0.8, 0.0),
+            ..FLOOR
+        };
+        assert!(facet.spawn_shadow_ray_towards(DVec3::new(1.0, -0.1, 0.0), 0.0).origin.y > 0.1);
     }
 
     #[test]

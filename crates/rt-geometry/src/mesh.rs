@@ -364,16 +364,17 @@ mod tests {
         build(MeshData { normals: positions.clone(), positions, triangles, uvs: Vec::new() }).0
     }
 
-    /// Light that an orthographic view from +z of the lit side receives: the sum of cos θ where the light is seen, and
-    /// the number of points turned to the light that do not see it.
+    /// An orthographic view along −z of a ball in light of strength 1: the mean of cos θ over the ball's image, with
+    /// nothing where a shadow ray is blocked, and the number of points that are turned to the light but blocked.
     fn lit(mesh: &TriangleMesh, light: DVec3, start: impl Fn(&SurfaceInteraction) -> Ray) -> (f64, usize) {
-        const SIDE: i32 = 64;
-        let (mut sum, mut dark) = (0.0, 0);
+        const SIDE: i32 = 100;
+        let (mut sum, mut covered, mut dark) = (0.0, 0, 0);
         for pixel in 0..SIDE * SIDE {
             let at = |k: i32| (f64::from(k) + 0.5) / f64::from(SIDE) * 2.0 - 1.0;
             let ray = Ray::new(DVec3::new(at(pixel % SIDE), at(pixel / SIDE), 2.0), DVec3::NEG_Z);
             let Some(hit) = closest(mesh, &ray) else { continue };
             let surface = mesh.surface(&ray, &hit, SurfaceNeeds::ALL);
+            covered += 1;
             let cosine = surface.shading_normal.dot(light);
             if cosine > 0.0 {
                 let seen = closest(mesh, &start(&surface)).is_none();
@@ -381,16 +382,24 @@ mod tests {
                 dark += usize::from(!seen);
             }
         }
-        (sum * 4.0 / f64::from(SIDE * SIDE), dark)
+        (sum / f64::from(covered), dark)
     }
 
     #[test]
-    fn facets_on_the_lit_side_are_not_dark() {
-        let (sin, cos) = sincos(80.0f64.to_radians());
+    fn facets_on_the_lit_side_of_a_ball_are_not_dark() {
+        let angle = 80.0f64.to_radians();
+        let (sin, cos) = sincos(angle);
         let light = DVec3::new(sin, 0.0, cos);
-        let ball = faceted_ball(16, 16);
-        let (plain, plain_dark) = lit(&ball, light, |s| s.spawn_ray(light, 0.0));
-        let (lifted, lifted_dark) = lit(&ball, light, |s| s.spawn_shadow_ray_towards(light, 0.0));
-        println!("{plain} {plain_dark} {lifted} {lifted_dark}");
+        // Lambert's phase function of a sphere, over the area π of its disc.
+        let truth = 2.0 / 3.0 * (sin + (PI - angle) * cos) / PI;
+        let ball = faceted_ball(8, 8);
+        let (_, dark) = lit(&ball, light, |surface| surface.spawn_ray(light, 0.0));
+        assert!(dark > 100, "{dark}: the terminator is in view");
+        let (mean, dark) = lit(&ball, light, |surface| surface.spawn_shadow_ray_towards(light, 0.0));
+        assert_eq!(dark, 0);
+        assert!((mean / truth - 1.0).abs() < 0.02, "{mean} instead of {truth}");
+        let far = light * 1e9;
+        let (near_mean, dark) = lit(&ball, light, |surface| surface.spawn_shadow_ray(far, 0.0));
+        assert_eq!((near_mean, dark), (mean, 0));
     }
 }

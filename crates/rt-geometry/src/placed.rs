@@ -112,3 +112,146 @@ fn diagonal(m: &DMat3) -> Option<DVec3> {
     let diagonal = DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z);
     (*m == DMat3::from_diagonal(diagonal)).then_some(diagonal)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn shapes() -> [Shape; 4] {
+        let ball = Sphere::new(DVec3::new(0.5, -1.0, 0.25), 2.0).expect("a sphere");
+        let solid = AxisBox::new(DVec3::new(-1.0, -2.0, 0.0), DVec3::new(1.0, 0.5, 3.0)).expect("a box");
+        let floor = Plane::new(DVec3::new(0.0, 1.0, 2.0), DVec3::new(0.5, 1.0, -0.5)).expect("a plane");
+        let flat = Triangle::new([DVec3::new(-2.0, 0.0, 0.5), DVec3::new(2.0, -1.0, 0.0), DVec3::new(0.0, 2.0, 1.0)]);
+        [Shape::Sphere(ball), Shape::AxisBox(solid), Shape::Plane(floor), Shape::Triangle(flat.expect("a triangle"))]
+    }
+
+    fn vector(range: f64) -> impl Strategy<Value = DVec3> {
+        let side = -range..range;
+        (side.clone(), side.clone(), side).prop_map(DVec3::from)
+    }
+
+    /// Moved, turned, and scaled by factors of either sign.
+    fn transform() -> impl Strategy<Value = Transform> {
+        (vector(20.0), vector(1.0), -7.0..7.0f64, vector(3.0)).prop_filter_map(
+            "flat",
+            |(offset, axis, angle, factors)| {
+                let turn = Transform::rotate(axis, angle).ok()?;
+                let scale = Transform::scale(factors).ok()?;
+                (factors.abs().min_element() > 0.1)
+                    .then(|| Transform::translate(offset).then_first(&turn).then_first(&scale))
+            },
+        )
+    }
+
+    fn first(placed: &Placed, ray: &Ray) -> Option<(ShapeHit, SurfaceInteraction)> {
+        let hit = placed.intersect(ray, Interval::FORWARD)?;
+        Some((hit, placed.surface(ray, &hit, SurfaceNeeds::ALL)))
+    }
+
+    proptest! {
+        #[test]
+        fn a_placed_shape_is_the_shape_in_local_space(map in transform(), from in vector(8.0), to in vector(1.0)) {
+            let local = Ray::new(from, to - from);
+            let ray = map.ray(&local);
+            for shape in shapes() {
+                let placed = Placed::new(shape, map);
+                let expected = shape.intersect(&local, Interval::FORWARD);
+                let found = first(&placed, &ray);
+                let (Some(expected), Some((hit, surface))) = (expected, found) else { continue };
+                prop_assume!((hit.t - expected.t).abs() < 1e-6);
+                let point = map.point(local.at(expected.t));
+                prop_assert!((surface.point - point).length() < 1e-7);
+                prop_assert!((surface.geometric_normal.length() - 1.0).abs() < 1e-15);
+                let front = shape.surface(&local, &expected, SurfaceNeeds::ALL).geometric_normal;
+                prop_assert_eq!(
+                    front.dot(local.direction) < 0.0,
+                    surface.geometric_normal.dot(ray.direction) < 0.0,
+                    "the same side is seen"
+                );
+                if let Some(bounds) = placed.bounds() {
+                    prop_assert!(bounds.padded().contains(surface.point));
+                }
+            }
+        }
+
+        #[test]
+        fn baked_shapes_look_the_same(
+            offset in vector(20.0), from in vector(20.0), to in vector(1.0), scale in vector(3.0), uniform in 0.1..5.0f64,
+        ) {
+            prop_assume!(scale.abs().min_element() > 0.1);
+            let moved = Transform::translate(offset);
+            let stretched = moved.then_first(&Transform::scale(scale.abs()).expect("regular"));
+            let enlarged = moved.then_first(&Transform::scale(DVec3::splat(uniform)).expect("regular"));
+            let [ball, solid, floor, flat] = shapes();
+            for (shape, map) in [(ball, enlarged), (solid, stretched), (floor, moved), (flat, stretched)] {
+                let placed = Placed::new(shape, map);
+                let baked = placed.baked().expect("the same kind of shape");
+                let ray = Ray::new(from, map.point(to) - from);
+                let baked_hit = baked.intersect(&ray, Interval::FORWARD);
+                let (Some((hit, surface)), Some(baked_hit)) = (first(&placed, &ray), baked_hit) else { continue };
+                prop_assume!((hit.t - baked_hit.t).abs() < 1e-6);
+                let baked_surface = baked.surface(&ray, &baked_hit, SurfaceNeeds::ALL);
+                prop_assert!((surface.point - baked_surface.point).length() < 1e-6);
+                prop_assert!((surface.geometric_normal - baked_surface.geometric_normal).length() < 1e-6);
+                let uv = |k: usize| (surface.uv[k] - baked_surface.uv[k]).abs();
+                prop_assert!(uv(0) < 1e-4 && uv(1) < 1e-4, "{:?} {:?}", surface.uv, baked_surface.uv);
+            }
+        }
+
+        #[test]
+        fn baked_without_uv_has_the_same_points_and_front(
+            offset in vector(20.0), axis in vector(1.0), angle in -7.0..7.0f64, scale in vector(3.0), mirror in any::<bool>(),
+            from in vector(20.0), to in vector(1.0),
+        ) {
+            prop_assume!(axis.length() > 0.1 && scale.abs().min_element() > 0.1);
+            let moved = Transform::translate(offset);
+            let stretched = moved.then_first(&Transform::scale(scale).expect("regular"));
+            let turned = stretched.then_first(&Transform::rotate(axis, angle).expect("an axis"));
+            let factor = DVec3::new(2.0, if mirror { -2.0 } else { 2.0 }, 2.0);
+            let round = Transform::rotate(axis, angle).expect("an axis")
+                .then_first(&Transform::scale(factor).expect("regular"));
+            let [ball, solid, floor, flat] = shapes();
+            for (shape, map) in [(ball, round), (solid, stretched), (floor, turned), (flat, turned)] {
+                let placed = Placed::new(shape, map);
+                let baked = placed.baked_without_uv().expect("the same kind of shape");
+                let ray = Ray::new(from, map.point(to) - from);
+                let baked_hit = baked.intersect(&ray, Interval::FORWARD);
+                let (Some((hit, surface)), Some(baked_hit)) = (first(&placed, &ray), baked_hit) else { continue };
+                prop_assume!((hit.t - baked_hit.t).abs() < 1e-6);
+                let baked_surface = baked.surface(&ray, &baked_hit, SurfaceNeeds::ALL);
+                prop_assert!((surface.geometric_normal - baked_surface.geometric_normal).length() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn only_what_stays_the_same_is_baked() {
+        let [ball, solid, floor, flat] = shapes();
+        let turn = Transform::rotate(DVec3::Y, 0.3).expect("an axis");
+        let mirror = Transform::scale(DVec3::new(-1.0, 1.0, 1.0)).expect("regular");
+        let stretch = Transform::scale(DVec3::new(1.0, 2.0, 1.0)).expect("regular");
+        let baked = |shape, map| {
+            let placed = Placed::new(shape, map);
+            (placed.baked().is_some(), placed.baked_without_uv().is_some())
+        };
+        assert_eq!([turn, mirror, stretch].map(|map| baked(ball, map)), [(false, true), (false, true), (false, false)]);
+        assert_eq!([turn, mirror, stretch].map(|map| baked(solid, map)), [(false, false), (false, true), (true, true)]);
+        assert_eq!([turn, mirror, stretch].map(|map| baked(floor, map)), [(false, true); 3]);
+        assert_eq!([turn, mirror, stretch].map(|map| baked(flat, map)), [(true, true), (false, true), (true, true)]);
+    }
+
+    #[test]
+    fn the_box_of_a_turned_ellipsoid_is_tight() {
+        let ball = Shape::Sphere(Sphere::new(DVec3::X, 1.0).expect("a sphere"));
+        let stretch = Transform::scale(DVec3::new(3.0, 1.0, 1.0)).expect("regular");
+        let map = Transform::rotate(DVec3::Z, std::f64::consts::FRAC_PI_4).expect("an axis").then_first(&stretch);
+        let bounds = Placed::new(ball, map).bounds().expect("bounded");
+        let (centre, reach) = (4.5f64.sqrt(), 5.0f64.sqrt());
+        let expected = Aabb::new(
+            DVec3::new(centre - reach, centre - reach, -1.0),
+            DVec3::new(centre + reach, centre + reach, 1.0),
+        );
+        assert!((bounds.min - expected.min).length() < 1e-14 && (bounds.max - expected.max).length() < 1e-14);
+    }
+}

@@ -124,6 +124,7 @@ mod tests {
             (1e-6, [5e-7, 0.0, -10.0], [0.0, 0.0, 1.0], 9.999_999_133_974_596, 4e-16),
             (1e6, [0.0, 0.0, -1000001.0], [0.6, 0.0, 0.8], 1.2500003515626977, 1e-9),
             (1e8, [0.0, 0.0, -1e8 - 8.0], [0.0, 0.0, 1.0], 8.0, 1e-8),
+            (1e12, [0.0, 0.0, -1e12 - 8.0], [0.0, 0.0, 1.0], 8.0, 1e-15),
         ];
         for (radius, origin, direction, exact, tolerance) in cases {
             let t = hit(radius, origin, direction, Interval::FORWARD).expect("a hit");

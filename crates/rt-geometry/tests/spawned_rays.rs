@@ -1,0 +1,159 @@
+//! Rays that leave a surface neither meet it again by rounding nor jump over what is close to it.
+
+use proptest::prelude::*;
+use rt_geometry::{AxisBox, Placed, Plane, Shape, Sphere, SurfaceInteraction, SurfaceNeeds, Triangle};
+use rt_math::transcendental::{pow, sincos};
+use rt_math::{DVec3, Frame, Interval, Ray, Transform, random};
+use std::f64::consts::TAU;
+
+fn draw(ray: u64, k: u64) -> f64 {
+    random::unit(random::hash(&[ray, k]))
+}
+
+/// A direction with a cosine to the normal of at least 1e-3.
+fn upwards(normal: DVec3, cosine: f64, turn: f64) -> DVec3 {
+    let cosine = 1e-3 + (1.0 - 1e-3) * cosine;
+    let (sin, cos) = sincos(TAU * turn);
+    let ring = ((1.0 - cosine) * (1.0 + cosine)).sqrt();
+    Frame::from_z(normal).from_local(DVec3::new(ring * cos, ring * sin, cosine))
+}
+
+/// Rays spawned from random points of a triangle: how many hit it again, and how many miss a sheet that is parallel to
+/// it at a height of a thousandth of its size.
+fn acne_and_leaks(corners: [[f64; 3]; 3], scale: f64, offset: f64, rays: u64) -> (usize, usize) {
+    let place = |v: [f64; 3]| DVec3::from(v) * scale + offset;
+    let vertices = corners.map(place);
+    let triangle = Triangle::new(vertices).expect("a triangle");
+    let frame = Frame::from_z((vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]).normalize());
+    let sheet_corner = |x: f64, y: f64| place([0.0; 3]) + frame.from_local(DVec3::new(x, y, 0.0)) * scale;
+    let height = frame.z * (vertices[0] - place([0.0; 3])).dot(frame.z) + frame.z * (1e-3 * scale);
+    let sheet = [sheet_corner(-20.0, -10.0), sheet_corner(20.0, -10.0), sheet_corner(0.0, 20.0)].map(|v| v + height);
+    let sheet = Triangle::new(sheet).expect("a triangle");
+    let (mut acne, mut leaks, mut spawned) = (0, 0, 0);
+    for ray in 0..rays {
+        let (v, w) = (draw(ray, 0), draw(ray, 1));
+        let (v, w) = if v + w > 1.0 { (1.0 - v, 1.0 - w) } else { (v, w) };
+        let aim = vertices[0] + (vertices[1] - vertices[0]) * v + (vertices[2] - vertices[0]) * w;
+        let arriving = Ray::new(aim + upwards(frame.z, draw(ray, 2), draw(ray, 3)) * scale, DVec3::ZERO);
+        let arriving = Ray::new(arriving.origin, aim - arriving.origin);
+        // Next to an edge, the rounding of the aim decides.
+        let Some(hit) = triangle.intersect(&arriving, Interval::FORWARD) else { continue };
+        spawned += 1;
+        let surface = triangle.surface(&arriving, &hit, SurfaceNeeds::ALL);
+        let leaving = surface.spawn_ray(upwards(frame.z, draw(ray, 4), draw(ray, 5)), 0.0);
+        acne += usize::from(triangle.intersect(&leaving, Interval::FORWARD).is_some());
+        leaks += usize::from(sheet.intersect(&leaving, Interval::FORWARD).is_none());
+    }
+    assert!(spawned > rays * 99 / 100, "{spawned} of {rays}");
+    (acne, leaks)
+}
+
+#[test]
+fn a_triangle_of_any_size_anywhere_has_neither_acne_nor_leaks() {
+    let at_origin = [1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6].map(|scale| (scale, 0.0));
+    let far_away = [1e2, 1e4, 1e5, 1e7].map(|offset| (1.0, offset));
+    let oblique = [[-1.0, -0.3, 0.4], [0.9, -0.8, -0.5], [0.1, 1.0, 0.2]];
+    // Where coordinates are 0, so is the rounding error of a sum of them, but not that of a sheared vertex.
+    let nearly_level = [[-1.0, -0.3, 0.0], [0.9, -0.8, 1e-17], [0.1, 1.0, -1e-17]];
+    for (scale, offset) in at_origin.into_iter().chain(far_away) {
+        for corners in [oblique, nearly_level] {
+            assert_eq!(acne_and_leaks(corners, scale, offset, 50_000), (0, 0), "scale {scale}, offset {offset}");
+        }
+    }
+}
+
+/// One shape of each kind. They are convex or flat: no ray that leaves on the outside meets its shape again.
+fn shapes(scale: f64, offset: f64) -> [Shape; 4] {
+    let centre = DVec3::splat(offset);
+    let sphere = Sphere::new(centre, scale).expect("a sphere");
+    let solid = AxisBox::new(centre - scale, centre + scale).expect("a box");
+    let plane = Plane::new(centre, DVec3::new(0.6, 0.48, 0.64)).expect("a plane");
+    let corners = [DVec3::X, DVec3::Y, DVec3::Z].map(|v| centre + v * scale);
+    let triangle = Triangle::new(corners).expect("a triangle");
+    [Shape::Sphere(sphere), Shape::AxisBox(solid), Shape::Plane(plane), Shape::Triangle(triangle)]
+}
+
+fn vector() -> impl Strategy<Value = DVec3> {
+    (-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64).prop_map(DVec3::from)
+}
+
+/// Transforms that move, turn, stretch and mirror.
+fn transform() -> impl Strategy<Value = Transform> {
+    (vector(), vector(), 0.0..TAU, vector(), -2.0..4.0f64).prop_filter_map(
+        "flat",
+        |(offset, axis, angle, factors, far)| {
+            let turn = Transform::rotate(axis, angle).ok()?;
+            let scale = Transform::scale(factors).ok()?;
+            let all =
+                Transform::translate(offset * pow(10.0, far)).then_first(&turn).then_first(&scale).then_first(&turn);
+            (factors.abs().min_element() > 1e-3).then_some(all)
+        },
+    )
+}
+
+/// Checks that a ray spawned on the outside of a convex surface does not come back to it, and that its origin moved by
+/// a tiny part of the size of things only.
+fn leaves(
+    surface: &SurfaceInteraction,
+    direction: DVec3,
+    extent: f64,
+    hits: impl Fn(&Ray) -> bool,
+) -> Result<(), TestCaseError> {
+    let ray = surface.spawn_ray(direction, 0.0);
+    prop_assert!(!hits(&ray), "self-hit");
+    prop_assert!((ray.origin - surface.point).length() <= 1e-12 * extent, "moved too far");
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn no_shape_is_hit_by_the_rays_that_leave_it(
+        log_scale in -6.0..6.0f64, log_distance in -3.0..7.0f64, from in vector(), to in vector(),
+        cosine in 0.0..1.0f64, turn in 0.0..1.0f64,
+    ) {
+        let (scale, offset) = (pow(10.0, log_scale), pow(10.0, log_scale + log_distance));
+        for shape in shapes(scale, offset) {
+            let origin = DVec3::splat(offset) + from * (scale * 10.0);
+            let ray = Ray::new(origin, DVec3::splat(offset) + to * scale - origin);
+            let Some(hit) = shape.intersect(&ray, Interval::FORWARD) else { continue };
+            let surface = shape.surface(&ray, &hit, SurfaceNeeds::ALL);
+            let direction = upwards(surface.geometric_normal, cosine, turn);
+            let hits = |ray: &Ray| shape.intersect(ray, Interval::FORWARD).is_some();
+            leaves(&surface, direction, offset + surface.point.length() + scale, hits)?;
+        }
+    }
+
+    #[test]
+    fn no_placed_shape_is_hit_by_the_rays_that_leave_it(
+        map in transform(), from in vector(), to in vector(), cosine in 0.0..1.0f64, turn in 0.0..1.0f64,
+    ) {
+        for shape in shapes(1.0, 0.25) {
+            let placed = Placed::new(shape, map);
+            let ray = map.ray(&Ray::new(from * 10.0, to - from * 10.0));
+            let Some(hit) = placed.intersect(&ray, Interval::FORWARD) else { continue };
+            let surface = placed.surface(&ray, &hit, SurfaceNeeds::ALL);
+            let direction = upwards(surface.geometric_normal, cosine, turn);
+            let hits = |ray: &Ray| placed.intersect(ray, Interval::FORWARD).is_some();
+            let extent = map.condition() * (map.translation().length() + surface.point.length() + 1.0);
+            leaves(&surface, direction, extent, hits)?;
+        }
+    }
+}
+
+/// The inner of two concentric spheres is seen through a gap that a fixed offset would swallow.
+#[test]
+fn a_gap_of_a_billionth_is_crossed() {
+    let outer = Sphere::new(DVec3::ZERO, 1.0).expect("a sphere");
+    let inner = Sphere::new(DVec3::ZERO, 1.0 - 1e-9).expect("a sphere");
+    for ray in 0..10_000 {
+        let towards = upwards(DVec3::Z, draw(ray, 0), draw(ray, 1));
+        let arriving = Ray::new(towards * 3.0, -towards);
+        let hit = outer.intersect(&arriving, Interval::FORWARD).expect("a hit");
+        let surface = outer.surface(&arriving, &hit, SurfaceNeeds::ALL);
+        let entering = surface.spawn_ray(-towards, 0.0);
+        let gap = inner.intersect(&entering, Interval::FORWARD).expect("the inner sphere").t;
+        assert!((gap - 1e-9).abs() < 1e-14, "{gap}");
+    }
+}
