@@ -88,3 +88,116 @@ fn gaussian_mass() -> f64 {
 fn sample_triangle(u: f64) -> f64 {
     if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 * (1.0 - u)).sqrt() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::random::{hash, mix, unit};
+
+    const FILTERS: [Filter; 5] =
+        [Filter::Box, Filter::Tent, Filter::Gaussian { sigma: 0.5 }, Filter::Gaussian { sigma: 2.0 }, Filter::Mitchell];
+
+    /// Integral over a square by the midpoint rule.
+    fn integrate(f: impl Fn(DVec2) -> f64, corner: DVec2, side: f64, steps: u32) -> f64 {
+        let step = side / f64::from(steps);
+        let at = |i: u32, j: u32| corner + (DVec2::new(f64::from(i), f64::from(j)) + 0.5) * step;
+        (0..steps).flat_map(|j| (0..steps).map(move |i| (i, j))).map(|(i, j)| f(at(i, j))).sum::<f64>() * step * step
+    }
+
+    /// Mean of `weight · f(offset)` over a fine regular grid of the unit square.
+    fn sampled_mean(filter: Filter, f: impl Fn(DVec2) -> f64) -> f64 {
+        let weighted = |u: DVec2| {
+            let (offset, weight) = filter.sample(u.to_array());
+            weight * f(offset)
+        };
+        // 2 · 367 steps, so that no step straddles the border of a lobe of the Mitchell filter.
+        integrate(weighted, DVec2::ZERO, 1.0, 734)
+    }
+
+    #[test]
+    fn values_integrate_to_one_and_vanish_beyond_the_radius() {
+        for filter in FILTERS {
+            let radius = filter.radius();
+            let integral = integrate(|p| filter.value(p), DVec2::splat(-radius), 2.0 * radius, 800);
+            assert!((integral - 1.0).abs() < 2e-4, "{filter:?}: {integral}");
+            assert_eq!(filter.value(DVec2::X * radius * 1.001), 0.0);
+            assert_eq!(filter.value(DVec2::NEG_Y * radius * 1.001), 0.0);
+        }
+    }
+
+    #[test]
+    fn constants_are_preserved() {
+        for filter in FILTERS {
+            let mean = sampled_mean(filter, |_| 1.0);
+            assert!((mean - 1.0).abs() < 1e-10, "{filter:?}: {mean}");
+        }
+    }
+
+    #[test]
+    fn weighted_samples_integrate_against_the_filter() {
+        let image = |p: DVec2| (1.0 + p.y) * (1.0 - p.x * p.x) + p.x * p.x * p.y * p.y;
+        for filter in FILTERS {
+            let radius = filter.radius();
+            let exact = integrate(|p| filter.value(p) * image(p), DVec2::splat(-radius), 2.0 * radius, 1000);
+            let mean = sampled_mean(filter, image);
+            assert!((mean - exact).abs() < 1e-3 * (1.0 + exact.abs()), "{filter:?}: {mean} instead of {exact}");
+        }
+    }
+
+    #[test]
+    fn samples_have_the_density_of_the_filter() {
+        let (bins, draws) = (12u32, 100_000u32);
+        for filter in FILTERS {
+            let radius = filter.radius();
+            let side = 2.0 * radius / f64::from(bins);
+            let mut counts = vec![0.0; (bins * bins) as usize];
+            for index in 0..draws {
+                let bits = hash(&[u64::from(index)]);
+                let (offset, weight) = filter.sample([unit(bits), unit(mix(bits))]);
+                assert!(weight * filter.value(offset) >= 0.0, "{filter:?} at {offset}");
+                let [column, row] = ((offset + radius) / side).to_array().map(|x| (x as u32).min(bins - 1));
+                counts[(row * bins + column) as usize] += 1.0;
+            }
+            let mass = |bin: u32| {
+                let corner = DVec2::new(f64::from(bin % bins), f64::from(bin / bins)) * side - radius;
+                integrate(|p| filter.value(p).abs(), corner, side, 60)
+            };
+            let masses: Vec<_> = (0..bins * bins).map(mass).collect();
+            let total: f64 = masses.iter().sum();
+            let expected = masses.iter().map(|mass| mass / total * f64::from(draws));
+            let terms: Vec<_> =
+                expected.zip(counts).filter(|(e, _)| *e > 8.0).map(|(e, c)| (c - e) * (c - e) / e).collect();
+            let freedom = terms.len() as f64;
+            let chi2: f64 = terms.iter().sum();
+            let limit = 5.0 * (2.0 * freedom).sqrt();
+            assert!((chi2 - freedom).abs() < limit, "{filter:?}: chi² = {chi2} with {freedom} bins");
+        }
+    }
+
+    #[test]
+    fn offsets_stay_within_the_radius() {
+        let below_one = 1.0 - f64::EPSILON / 2.0;
+        for filter in FILTERS {
+            for u in [0.0, 1e-300, 0.25, 0.5, 0.75, below_one] {
+                for v in [0.0, 0.5, below_one] {
+                    let (offset, weight) = filter.sample([u, v]);
+                    assert!(
+                        offset.abs().max_element() <= filter.radius() * (1.0 + 1e-12),
+                        "{filter:?} {u} {v}: {offset}"
+                    );
+                    assert!(weight.is_finite());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn known_offsets() {
+        assert_eq!(Filter::Box.sample([0.25, 0.5]), (DVec2::new(-0.25, 0.0), 1.0));
+        assert_eq!(Filter::Tent.sample([0.125, 0.875]), (DVec2::new(-0.5, 0.5), 1.0));
+        let (median, _) = Filter::Gaussian { sigma: 1.0 }.sample([0.5, 0.0]);
+        // The radius that holds half of the truncated mass.
+        assert!((1.0 - exp(-0.5 * median.x * median.x) - 0.5 * gaussian_mass()).abs() < 1e-15);
+        assert!(Filter::Mitchell.sample([0.5, 0.5]).0.length() < 1e-15);
+    }
+}

@@ -1,4 +1,69 @@
 //! # rt-camera: chapter 3, camera and image plane
+//!
+//! From a sample of a pixel to a ray, and from radiance to a file:
+//!
+//! ```text
+//!                                    0        r.x      width
+//!              y up               0  ┌─────────┬─────────┐      raster r = pixel + sample offset + filter(u)
+//!              │   image plane       │         │         │
+//!              │  at distance 1      │         │         │      s = 2·tan(fov / 2) / height    side of a pixel
+//!      pinhole ●────── x      r.y    ├─────────┼─────────┤      c = (width, height) / 2        principal point
+//!             ╱                      │         │         │
+//!            z    view along −z      └─────────┴─────────┘      direction = (s·(r.x − c.x), −s·(r.y − c.y), −1)
+//!                             height
+//!
+//!      byte = round(255 · encode(tone(2^exposure · mean of weight · radiance)))
+//! ```
+//!
+//! | step | type |
+//! |---|---|
+//! | coordinates of a sample, a pure function of (seed, pixel, sample, dimension) | [`PixelSampler`], [`SamplePattern`] |
+//! | where in and around the pixel, and with which weight | [`Filter`] |
+//! | ray through a raster point, and back | [`Camera`] |
+//! | linear radiance of every pixel | [`Film`] |
+//! | bytes | [`Development`] |
+//! | files (feature `files`, on by default) | `write_image`, `read_image` |
+//!
+//! **Owns** the camera, the sample patterns, the reconstruction filters, the film, its development and image files.
+//! **Does not own** what the rays meet, how much light they bring, who owns which pixel, or how a file is put in place.
+//!
+//! A tiny film, exposed to a sky that is bright above and dark below:
+//!
+//! ```
+//! use rt_camera::{Camera, CameraSettings, Development, Film, FilmSettings, FovAxis, PixelSampler, Projection, SamplePattern};
+//! use rt_math::{DVec2, Sampler, Transform};
+//!
+//! let settings = FilmSettings { width: 8, height: 6, ..FilmSettings::default() };
+//! settings.validate()?;
+//! let camera = Camera::new(
+//!     &CameraSettings {
+//!         world_from_camera: Transform::IDENTITY,
+//!         projection: Projection::Perspective { fov: 60f64.to_radians(), axis: FovAxis::Horizontal },
+//!         lens_shift: DVec2::ZERO,
+//!     },
+//!     settings.width,
+//!     settings.height,
+//! )?;
+//! let sampler = PixelSampler::new(SamplePattern::Sobol, 16, 0);
+//!
+//! let mut film = Film::new(settings.width, settings.height, false);
+//! for (index, radiance) in (0..).zip(film.pixels_mut()) {
+//!     let pixel = [index % settings.width, index / settings.width];
+//!     let corner = DVec2::new(f64::from(pixel[0]), f64::from(pixel[1]));
+//!     let mut sum = 0.0;
+//!     for number in 0..sampler.spp() {
+//!         let mut sample = sampler.sample(pixel, number);
+//!         let (offset, weight) = settings.filter.sample(sample.next_2d());
+//!         let ray = camera.ray(corner + settings.sample_offset + offset, 0.0);
+//!         sum += weight * (0.5 + 0.5 * ray.direction.normalize().y);
+//!     }
+//!     *radiance = [(sum / f64::from(sampler.spp())) as f32; 3];
+//! }
+//!
+//! let bitmap = Development::default().develop(&film);
+//! assert!(bitmap.bytes.first() > bitmap.bytes.last());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![forbid(unsafe_code)]
 

@@ -72,3 +72,51 @@ fn invert_mass(target: f64, mut low: f64, mut high: f64) -> f64 {
     }
     x
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn pieces_of_the_filter_and_of_its_integral_meet() {
+        for (x, expected) in [(0.0, 8.0 / 9.0), (1.0, 1.0 / 18.0), (ZERO, 0.0), (RADIUS, 0.0)] {
+            for side in [-1e-9, 1e-9] {
+                assert!((value(x + side) - expected).abs() < 1e-8, "at {x}: {}", value(x + side));
+            }
+        }
+        assert!(value(1.5) < 0.0);
+        for (x, expected) in [(0.0, 0.0), (1.0, CORE_MASS), (ZERO, POSITIVE_MASS), (RADIUS, HALF_MASS)] {
+            assert!((mass(x) - expected).abs() < 1e-15, "at {x}: {}", mass(x));
+        }
+    }
+
+    #[test]
+    fn mass_is_the_integral_of_the_absolute_value() {
+        let steps = 20_000;
+        let step = RADIUS / f64::from(steps);
+        let mut sum = 0.0;
+        for index in 0..steps {
+            sum += value((f64::from(index) + 0.5) * step).abs() * step;
+            let reached = f64::from(index + 1) * step;
+            assert!((sum - mass(reached)).abs() < 1e-8, "at {reached}");
+        }
+    }
+
+    #[test]
+    fn weights_average_to_one() {
+        let positive = POSITIVE_MASS / HALF_MASS;
+        let [_, weight] = sample(0.5);
+        assert!(((positive - (1.0 - positive)) * weight - 1.0).abs() < 1e-15);
+    }
+
+    proptest! {
+        #[test]
+        fn sampling_inverts_the_mass(u in 0.0..1.0f64) {
+            let [x, weight] = sample(u);
+            prop_assert!((mass(x.abs()) - (2.0 * u - 1.0).abs() * HALF_MASS).abs() < 1e-14);
+            prop_assert_eq!(x < 0.0, u < 0.5);
+            prop_assert_eq!(weight > 0.0, x.abs() < ZERO);
+        }
+    }
+}

@@ -23,7 +23,7 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 /// | random | ξ | random |
 /// | jittered | (i + ξ) / n | jittered |
 /// | half-jittered | (i + ¼ + ½ξ) / n | jittered |
-/// | multi-jittered | Kensler 2013 | multi-jittered |
+/// | multi-jittered | Chiu et al. 1994 | multi-jittered |
 /// | Sobol' | dimensions 0, 1 | dimensions 2, 3, then further sets of four, each scrambled anew |
 ///
 /// with n² samples per pixel and uniform ξ in [0, 1). The samples of a pixel visit the cells in a random order, drawn
@@ -154,13 +154,15 @@ impl PixelSample {
         [in_stratum(cell % side, side, in_cell[0]), in_stratum(cell / side, side, in_cell[1])]
     }
 
-    /// Correlated multi-jittering (Kensler 2013): the samples of one column of cells lie in different columns of a
-    /// grid that is finer by another factor of n, and all columns use the same permutation.
+    /// Multi-jittering (Chiu, Shirley, Wang 1994): a point in each cell, and in each column and row of a grid that is
+    /// finer by another factor of n. One permutation for all columns of cells, and one for all rows (Kensler 2013),
+    /// would be cheaper, but the error of a smooth integrand then falls as N^-0.8 instead of 1/N (measured).
     fn multi_jittered(&self, key: u64, jitter: [f64; 2]) -> [f64; 2] {
         let side = grid_side(self.spp);
         let cell = permute(self.index, self.spp, key);
         let (column, row) = (cell % side, cell / side);
-        let (sub_column, sub_row) = (permute(row, side, mix(key)), permute(column, side, !key));
+        let sub_column = permute(row, side, key ^ mix(u64::from(column) + 1));
+        let sub_row = permute(column, side, !key ^ mix(u64::from(row) + 1));
         [
             in_stratum(column * side + sub_column, self.spp, jitter[0]),
             in_stratum(row * side + sub_row, self.spp, jitter[1]),
@@ -173,3 +175,8 @@ fn in_stratum(stratum: u32, count: u32, offset: f64) -> f64 {
     // The sum can round up to the end of the last stratum, which is outside [0, 1).
     ((f64::from(stratum) + offset) / f64::from(count)).min(BELOW_ONE)
 }
+
+#[cfg(test)]
+mod convergence;
+#[cfg(test)]
+mod stratification;

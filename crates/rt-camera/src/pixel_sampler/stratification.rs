@@ -1,0 +1,230 @@
+//! Tests of where the samples of one pixel fall.
+
+use super::*;
+use proptest::prelude::*;
+
+const STRATIFIED: [SamplePattern; 3] = [SamplePattern::Jittered, SamplePattern::MultiJittered, SamplePattern::Sobol];
+
+/// The pair number `pair` of all samples of a pixel.
+fn pairs(pattern: SamplePattern, spp: u32, pixel: [u32; 2], pair: usize) -> Vec<[f64; 2]> {
+    let sampler = PixelSampler::new(pattern, spp, 11);
+    assert_eq!(sampler.spp(), spp);
+    let draw = |index| {
+        let mut sample = sampler.sample(pixel, index);
+        (0..pair).for_each(|_| _ = sample.next_2d());
+        sample.next_2d()
+    };
+    (0..spp).map(draw).collect()
+}
+
+/// Asserts that each of the `columns` × `rows` boxes of the unit square holds as many points as any other.
+fn assert_even(points: &[[f64; 2]], columns: u32, rows: u32, what: &str) {
+    let mut counts = vec![0; (columns * rows) as usize];
+    for [x, y] in points {
+        let (column, row) = ((x * f64::from(columns)) as usize, (y * f64::from(rows)) as usize);
+        counts[row * columns as usize + column] += 1;
+    }
+    let expected = points.len() / counts.len();
+    assert!(counts.iter().all(|&count| count == expected), "{what} in {columns} × {rows} boxes: {counts:?}");
+}
+
+#[test]
+fn centre_and_grid_are_where_they_must_be() {
+    assert_eq!(pairs(SamplePattern::Centre, 3, [5, 6], 0), [[0.5; 2]; 3]);
+    for pixel in [[0, 0], [7, 1]] {
+        let mut points = pairs(SamplePattern::Grid, 9, pixel, 0);
+        points.sort_by(|a, b| (a[1], a[0]).partial_cmp(&(b[1], b[0])).expect("no NaN"));
+        let lines = [0.5 / 3.0, 1.5 / 3.0, 2.5 / 3.0];
+        let expected: Vec<_> = lines.iter().flat_map(|&y| lines.map(|x| [x, y])).collect();
+        assert_eq!(points, expected);
+    }
+}
+
+#[test]
+fn half_jittered_points_keep_to_the_middle_of_their_cells() {
+    let mut range = [1.0f64, 0.0];
+    for pixel in 0..100 {
+        let points = pairs(SamplePattern::HalfJittered, 16, [pixel, 0], 0);
+        assert_even(&points, 4, 4, "half-jittered");
+        for in_cell in points.as_flattened().iter().map(|x| (4.0 * x).fract()) {
+            range = [range[0].min(in_cell), range[1].max(in_cell)];
+        }
+    }
+    // 3200 uniform numbers fill the range from ¼ to ¾.
+    assert!((0.25..0.252).contains(&range[0]) && (0.748..0.75).contains(&range[1]), "{range:?}");
+}
+
+#[test]
+fn half_jittered_lights_are_not_biased() {
+    let points: Vec<_> = (0..100).flat_map(|x| pairs(SamplePattern::HalfJittered, 16, [x, 0], 1)).collect();
+    assert_even(&points, 4, 4, "half-jittered");
+    let outside = points.as_flattened().iter().filter(|x| !(0.25..0.75).contains(&(4.0 * **x).fract())).count();
+    // Half of 3200, give or take five standard deviations.
+    assert!((1460..1740).contains(&outside), "{outside}");
+}
+
+#[test]
+fn cells_of_the_grid_hold_one_point_each() {
+    for pattern in [SamplePattern::Grid, SamplePattern::Jittered, SamplePattern::MultiJittered] {
+        for side in [1, 2, 3, 7, 16, 25] {
+            for pair in 0..4 {
+                assert_even(&pairs(pattern, side * side, [3, 4], pair), side, side, pattern.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn multi_jittered_rows_and_columns_hold_one_point_each() {
+    for side in [1u32, 2, 3, 7, 16, 25] {
+        let spp = side * side;
+        for pair in 0..4 {
+            let points = pairs(SamplePattern::MultiJittered, spp, [9, 2], pair);
+            assert_even(&points, spp, 1, "multi-jittered");
+            assert_even(&points, 1, spp, "multi-jittered");
+        }
+    }
+}
+
+#[test]
+fn sobol_fills_every_elementary_interval() {
+    for log_spp in 0..=12 {
+        let spp = 1 << log_spp;
+        for pixel in [[0, 0], [17, 4]] {
+            let points = pairs(SamplePattern::Sobol, spp, pixel, 0);
+            for log_columns in 0..=log_spp {
+                assert_even(&points, 1 << log_columns, 1 << (log_spp - log_columns), "sobol");
+            }
+        }
+        for pair in 1..6 {
+            let points = pairs(SamplePattern::Sobol, spp, [1, 2], pair);
+            assert_even(&points, spp, 1, "sobol");
+            assert_even(&points, 1, spp, "sobol");
+        }
+    }
+}
+
+#[test]
+fn a_first_part_of_the_sobol_points_is_a_pattern_too() {
+    let points = pairs(SamplePattern::Sobol, 1024, [0, 0], 0);
+    for (log_columns, log_rows) in [(0, 6), (3, 3), (5, 1)] {
+        assert_even(&points[..64], 1 << log_columns, 1 << log_rows, "sobol");
+        assert_even(&points[64..128], 1 << log_columns, 1 << log_rows, "sobol");
+    }
+}
+
+#[test]
+fn single_coordinates_are_stratified() {
+    for pattern in STRATIFIED.into_iter().chain([SamplePattern::Grid, SamplePattern::HalfJittered]) {
+        let sampler = PixelSampler::new(pattern, 64, 3);
+        for skipped in 0..5 {
+            let draw = |index| {
+                let mut sample = sampler.sample([8, 8], index);
+                (0..skipped).for_each(|_| _ = sample.next_1d());
+                [sample.next_1d(), 0.0]
+            };
+            assert_even(&(0..64).map(draw).collect::<Vec<_>>(), 64, 1, pattern.name());
+        }
+    }
+}
+
+#[test]
+fn samples_beyond_the_pattern_start_a_new_one() {
+    for pattern in [SamplePattern::Jittered, SamplePattern::MultiJittered] {
+        let sampler = PixelSampler::new(pattern, 16, 0);
+        let round = |first: u32| (first..first + 16).map(|index| sampler.sample([1, 1], index).next_2d());
+        assert_even(&round(16).collect::<Vec<_>>(), 4, 4, pattern.name());
+        assert!(round(0).zip(round(16)).all(|(a, b)| a != b));
+    }
+    let block = 1 << SobolSet::INDEX_BITS;
+    let sampler = PixelSampler::new(SamplePattern::Sobol, 2 * block, 0);
+    let second: Vec<_> = (block..block + 256).map(|index| sampler.sample([1, 1], index).next_2d()).collect();
+    assert_even(&second, 16, 16, "sobol");
+    assert!((0..256).all(|index| sampler.sample([1, 1], index).next_2d() != second[index as usize]));
+}
+
+#[test]
+fn rounding_up_in_the_last_stratum_stays_below_one() {
+    assert_eq!(3.0 + BELOW_ONE, 4.0);
+    assert_eq!(in_stratum(3, 4, BELOW_ONE), BELOW_ONE);
+    assert_eq!(in_stratum(0, 4, 0.0), 0.0);
+}
+
+/// Pearson's correlation coefficient.
+fn correlation(pairs: &[[f64; 2]]) -> f64 {
+    let count = pairs.len() as f64;
+    let mean = [0, 1].map(|axis| pairs.iter().map(|pair| pair[axis]).sum::<f64>() / count);
+    let moment = |a: usize, b: usize| pairs.iter().map(|p| (p[a] - mean[a]) * (p[b] - mean[b])).sum::<f64>();
+    moment(0, 1) / (moment(0, 0) * moment(1, 1)).sqrt()
+}
+
+#[test]
+fn neighbouring_pixels_seeds_and_dimensions_are_uncorrelated() {
+    let count = 4096u32;
+    for pattern in [SamplePattern::Random, SamplePattern::Jittered, SamplePattern::MultiJittered, SamplePattern::Sobol]
+    {
+        let draws = |seed, pixel, index| {
+            let mut sample = PixelSampler::new(pattern, 16, seed).sample(pixel, index);
+            [sample.next_2d(), sample.next_2d(), sample.next_2d()]
+        };
+        let at = |seed, x: u32, y, index, draw: usize| draws(seed, [x % 64, x / 64 + y], index)[draw][0];
+        type Other<'a> = (&'a str, &'a dyn Fn(u32) -> f64);
+        let others: [Other<'_>; 7] = [
+            ("the pixel below", &|i| at(0, i, 1, 5, 0)),
+            ("the pixel on the right", &|i| at(0, i + 1, 0, 5, 0)),
+            ("the next seed", &|i| at(1, i, 0, 5, 0)),
+            ("the next sample but one round", &|i| at(0, i, 0, 21, 0)),
+            ("the next pair", &|i| at(0, i, 0, 5, 1)),
+            ("the third pair", &|i| at(0, i, 0, 5, 2)),
+            ("the other axis", &|i| draws(0, [i % 64, i / 64], 5)[0][1]),
+        ];
+        for (name, other) in others {
+            let pairs: Vec<_> = (0..count).map(|i| [at(0, i, 0, 5, 0), other(i)]).collect();
+            let r = correlation(&pairs);
+            assert!(r.abs() < 4.0 / f64::from(count).sqrt(), "{pattern:?} against {name}: r = {r}");
+        }
+    }
+}
+
+#[test]
+fn every_sample_of_a_pattern_is_uniform_over_the_pixel() {
+    let (bins, pixels) = (16usize, 25_600u32);
+    for pattern in [SamplePattern::Random, SamplePattern::Jittered, SamplePattern::MultiJittered, SamplePattern::Sobol]
+    {
+        let sampler = PixelSampler::new(pattern, 16, 5);
+        for index in [0, 1, 7, 15] {
+            for pair in 0..2 {
+                let mut counts = vec![0.0; bins * bins];
+                for pixel in 0..pixels {
+                    let mut sample = sampler.sample([pixel % 160, pixel / 160], index);
+                    (0..pair).for_each(|_| _ = sample.next_2d());
+                    let [x, y] = sample.next_2d().map(|x| (x * bins as f64) as usize);
+                    counts[y * bins + x] += 1.0;
+                }
+                let expected = f64::from(pixels) / counts.len() as f64;
+                let chi2: f64 = counts.iter().map(|c| (c - expected) * (c - expected) / expected).sum();
+                // 255 degrees of freedom: mean 255, standard deviation 22.6.
+                assert!((165.0..365.0).contains(&chi2), "{pattern:?}, sample {index}, pair {pair}: chi² = {chi2}");
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+    #[test]
+    fn coordinates_are_a_pure_function_within_the_unit_interval(
+        pattern in 0usize..7, spp in 1u32..5000, seed in any::<u64>(), x in any::<u32>(), y in any::<u32>(),
+        index in any::<u32>(), is_pair in proptest::collection::vec(any::<bool>(), 12),
+    ) {
+        let sampler = PixelSampler::new(SamplePattern::ALL[pattern], spp, seed);
+        let draw = |mut sample: PixelSample| -> Vec<f64> {
+            is_pair.iter().flat_map(|&pair| if pair { sample.next_2d().to_vec() } else { vec![sample.next_1d()] }).collect()
+        };
+        let first = draw(sampler.sample([x, y], index));
+        prop_assert!(first.iter().all(|value| (0.0..1.0).contains(value)), "{first:?}");
+        let mut elsewhere = sampler.sample([y, x], index.wrapping_add(1));
+        elsewhere.next_2d();
+        prop_assert_eq!(first, draw(sampler.sample([x, y], index)));
+    }
+}
