@@ -18,6 +18,7 @@ pub fn own_box<P: Primitives>(primitives: &P, index: u32) -> Option<Aabb> {
 /// force, ties included.
 ///
 /// The kernel runs first: most offers are misses, and the box is looked at for hits only.
+#[inline]
 pub fn decide<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
@@ -37,6 +38,7 @@ pub fn decide<P: Primitives, S: Probe>(
 
 /// True if primitive `index` blocks the ray within `span`: exactly when [`decide`] would find a hit on a primitive
 /// whose `occludes` agrees with its `intersect`.
+#[inline]
 pub fn decide_occluded<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,

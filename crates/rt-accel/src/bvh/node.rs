@@ -151,23 +151,136 @@ impl NodeRay {
                 leave[child] = if t_far < leave[child] { t_far } else { leave[child] };
             }
         }
-        for leave in &mut leave {
-            let t_far = *leave * FAR_FACTOR;
-            *leave = if t_far < span.max { t_far } else { span.max };
-        }
-        Crossings { enter, leave }
+        Crossings { enter, leave: leave.map(|t_far| t_far * FAR_FACTOR), limit: span.max }
     }
 }
 
 /// Where a ray crosses the two boxes of a node.
 pub(super) struct Crossings {
     pub(super) enter: [f64; 2],
-    pub(super) leave: [f64; 2],
+    leave: [f64; 2],
+    limit: f64,
 }
 
 impl Crossings {
+    /// True if the ray passes the box of `child` within the span. A NaN is a miss.
     #[inline(always)]
-    pub(super) fn hits(&self, child: usize) -> bool {
-        self.enter[child] <= self.leave[child]
+    fn hits(&self, child: usize) -> bool {
+        (self.enter[child] <= self.leave[child]) & (self.enter[child] <= self.limit)
+    }
+
+    /// The child that is entered first, and whether the other one is hit as well; `None` if neither is.
+    #[inline(always)]
+    pub(super) fn nearer(&self) -> Option<(usize, bool)> {
+        let hits = [self.hits(0), self.hits(1)];
+        let near = hits[1] & (!hits[0] | (self.enter[1] < self.enter[0]));
+        (hits[0] | hits[1]).then_some((usize::from(near), hits[0] & hits[1]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::Ray;
+    use rt_math::random::{hash, unit};
+
+    #[test]
+    fn a_node_is_a_cache_line() {
+        assert_eq!((size_of::<Node>(), align_of::<Node>()), (64, 64));
+    }
+
+    #[test]
+    fn bounds_are_rounded_outward_and_not_far() {
+        for x in [0.0, -0.0, 1.0, 0.1, -0.1, 1e-320, -1e300, 1e300, 16_777_217.0] {
+            let (low, high) = (f64::from(below(x)), f64::from(above(x)));
+            assert!(low < x && x < high, "{low} {x} {high}");
+            if x.abs() < 1e38 {
+                assert!(high - low <= x.abs() * 3e-7 + 3e-45, "{low} {x} {high}");
+            }
+        }
+    }
+
+    /// Numbers that make rounding, cancellation and NaN likely.
+    fn hostile(words: [u64; 3], scale: f64) -> f64 {
+        let bits = hash(&words);
+        let x = (unit(hash(&[bits])) * 2.0 - 1.0) * scale;
+        match bits % 8 {
+            0 => 0.0,
+            1 => -0.0,
+            2 => x.round(),
+            3 => f64::from(x as f32),
+            4 => f64::from(x as f32).next_up(),
+            5 => x * 1e-12,
+            _ => x,
+        }
+    }
+
+    fn hostile_ray(i: u64, own: &Aabb, scale: f64) -> Ray {
+        let vector = |k: u64, scale: f64| DVec3::from_array([0, 1, 2].map(|axis| hostile([i, k, axis], scale)));
+        let mut origin = vector(10, scale * [1.0, 1e6, 1e-6][(i % 3) as usize]);
+        let mut direction = vector(11, 1.0);
+        let bits = hash(&[i, 12]);
+        if bits & 1 == 0 {
+            // Through a corner.
+            direction = own.corners()[(bits >> 8) as usize % 8] - origin;
+        }
+        for axis in 0..3 {
+            match (bits >> (16 + 8 * axis)) % 8 {
+                // In the plane of a face, or one step off it.
+                0 => origin[axis] = own.min[axis],
+                1 => origin[axis] = own.max[axis].next_up(),
+                2 => direction[axis] = [0.0, -0.0, 5e-324, -1e-310][(bits >> 40) as usize % 4],
+                3 => direction[axis] *= [1e-200, 1e200][(bits >> 40) as usize % 2],
+                4 => direction[axis] = direction[axis].next_down(),
+                _ => {}
+            }
+        }
+        Ray::new(origin, direction)
+    }
+
+    /// The proof at the top of this file, tried on hostile numbers: bit for bit, and without a tolerance.
+    #[test]
+    fn nodes_are_entered_no_later_and_left_no_earlier_than_own_boxes() {
+        let mut n_hits = 0;
+        for i in 0..400_000 {
+            let scale = [1.0, 1e-4, 1e3, 1e7, 1e300, 1e-300][(i % 6) as usize];
+            let offset = f64::min([0.0, 1.0, 1e7, 1e15][(i / 6 % 4) as usize] * scale, 1e300);
+            let point = |k: u64| DVec3::from_array([0, 1, 2].map(|axis| hostile([i, k, axis], scale))) + offset;
+            let own = Aabb::from_points([point(0), point(1)]).padded();
+            let centre = point(2);
+            let ray = hostile_ray(i, &own, scale + offset);
+            if !(own.is_finite() && centre.is_finite() && crate::nearest::is_finite(&ray)) {
+                continue;
+            }
+            let slab_ray = SlabRay::new(&ray);
+            let inner = NodeBox::outward(&own, centre);
+            let outer = inner.union(NodeBox::outward(&Aabb::new(point(3), point(3)), centre));
+            let node = Node::new([inner, outer], [Child::node(0); 2]);
+            for span in [Interval::FORWARD, Interval::new(-3.0, 2.0), Interval::new(f64::NEG_INFINITY, f64::INFINITY)] {
+                let Some(expected) = own.clip(&slab_ray, span) else { continue };
+                let crossings = NodeRay::new(&slab_ray, centre).clip(&node, span);
+                for child in 0..2 {
+                    let (enter, leave) = (crossings.enter[child], crossings.leave[child].min(span.max));
+                    assert!(crossings.hits(child), "case {i}: {ray:?} misses what contains {own:?}");
+                    assert!(enter <= expected.min && leave >= expected.max, "case {i}: {enter} {leave} {expected:?}");
+                }
+                n_hits += 1;
+            }
+        }
+        assert!(n_hits > 100_000, "{n_hits} hits");
+    }
+
+    #[test]
+    fn nodes_cull_well_far_from_the_origin() {
+        // A row of unit boxes, 10⁷ away from the origin: a ray through one of them must miss its neighbours.
+        let centre = DVec3::splat(1e7);
+        let boxes = [0.0, 1.5].map(|x| {
+            let corner = centre + DVec3::new(x, 0.0, 0.0);
+            NodeBox::outward(&Aabb::new(corner, corner + 1.0), centre)
+        });
+        let node = Node::new(boxes, [Child::node(0); 2]);
+        let ray = Ray::new(centre + DVec3::new(1.000_01, 0.5, -3.0), DVec3::Z);
+        let crossings = NodeRay::new(&SlabRay::new(&ray), centre).clip(&node, Interval::FORWARD);
+        assert_eq!(crossings.nearer(), None);
     }
 }

@@ -13,7 +13,7 @@ pub(super) const MAX_DEPTH: u32 = 60;
 pub(super) const MAX_LEAF: usize = 8;
 
 /// Cost of visiting a node relative to that of testing a primitive.
-const NODE_COST: f64 = 1.0;
+const NODE_COST: f64 = 1.5;
 
 const BINS: usize = 16;
 

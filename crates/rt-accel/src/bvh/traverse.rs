@@ -49,22 +49,11 @@ impl Bvh {
             } else if let Some(node) = self.nodes.get(child.first as usize) {
                 probe.node();
                 let crossings = node_ray.clip(node, nearest.span);
-                let near = usize::from(crossings.enter[1] < crossings.enter[0]);
-                match (crossings.hits(0), crossings.hits(1)) {
-                    (true, true) => {
-                        stack.push((crossings.enter[near ^ 1], node.children[near ^ 1]));
-                        child = node.children[near];
-                        continue;
-                    }
-                    (true, false) => {
-                        child = node.children[0];
-                        continue;
-                    }
-                    (false, true) => {
-                        child = node.children[1];
-                        continue;
-                    }
-                    (false, false) => {}
+                if let Some((near, both)) = crossings.nearer() {
+                    let far = near ^ 1;
+                    stack.push_if(both, (crossings.enter[far], node.children[far]));
+                    child = node.children[near];
+                    continue;
                 }
             }
             child = loop {
@@ -94,23 +83,10 @@ impl Bvh {
                 }
             } else if let Some(node) = self.nodes.get(child.first as usize) {
                 probe.node();
-                let crossings = node_ray.clip(node, span);
-                let near = usize::from(crossings.enter[1] < crossings.enter[0]);
-                match (crossings.hits(0), crossings.hits(1)) {
-                    (true, true) => {
-                        stack.push(node.children[near ^ 1]);
-                        child = node.children[near];
-                        continue;
-                    }
-                    (true, false) => {
-                        child = node.children[0];
-                        continue;
-                    }
-                    (false, true) => {
-                        child = node.children[1];
-                        continue;
-                    }
-                    (false, false) => {}
+                if let Some((near, both)) = node_ray.clip(node, span).nearer() {
+                    stack.push_if(both, node.children[near ^ 1]);
+                    child = node.children[near];
+                    continue;
                 }
             }
             match stack.pop() {
@@ -135,11 +111,12 @@ impl<T: Copy> Stack<T> {
         Self { entries: [filler; STACK], len: 0 }
     }
 
+    /// Pushes the entry if `wanted`, without a branch: which boxes are hit cannot be predicted.
     #[inline(always)]
-    fn push(&mut self, entry: T) {
+    fn push_if(&mut self, wanted: bool, entry: T) {
         debug_assert!(self.len < STACK, "the tree is deeper than its builder promises");
         self.entries[self.len % STACK] = entry;
-        self.len += 1;
+        self.len += usize::from(wanted);
     }
 
     #[inline(always)]
