@@ -1,3 +1,40 @@
-//! The command line.
+//! # rt-cli: the command line
+//!
+//! ```text
+//!   arguments ──> Scene ──> RenderPlan ──> Film ──> file, whole or not at all
+//!                   │            │           │
+//!                   notes     explain    statistics, progress
+//! ```
+//!
+//! **Owns** arguments, progress, reports, exit codes, and the care taken of files.
+//! **Does not own** anything that decides what a picture looks like: that is in the libraries.
 
-fn main() {}
+#![forbid(unsafe_code)]
+
+mod args;
+mod commands;
+mod console;
+mod error;
+mod input;
+mod job;
+mod memory;
+mod output;
+mod overrides;
+mod picture_file;
+mod progress;
+mod report;
+mod stats;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+fn main() -> ExitCode {
+    match commands::run(args::Cli::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            console::complain(&failure);
+            failure.exit_code()
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! What the user may type.
+
+mod picture;
+mod values;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueHint};
+
+pub(crate) use picture::{BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
+
+/// The commands, and what needs no command.
+#[derive(Debug, Parser)]
+#[command(
+    name = "rt-cli",
+    bin_name = "rt-cli",
+    version,
+    about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj) to pictures",
+    long_about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj) to pictures.\n\n\
+                  Without a command, it renders a built-in showcase to showcase.png.",
+    after_help = "Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 output could not be written, 5 finished but damaged.",
+    disable_help_subcommand = true
+)]
+pub(crate) struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Render a scene or model to a picture
+    Render(RenderArgs),
+    /// Show what a render would use, what it would leave out and why, and its memory
+    Explain(ExplainArgs),
+    /// Turn an image of linear light into a picture: exposure, tone curve, gamma
+    Develop(DevelopArgs),
+    /// Print the JSON Schema of scene files, for editors
+    Schema,
+    /// Print completions for a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual, or write it to a folder, one page a command
+    Man {
+        /// Folder to write the pages to; it must exist
+        #[arg(short, long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+        output: Option<PathBuf>,
+    },
+}
+
+/// Arguments of `render`.
+#[derive(Debug, Args)]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+
+    /// Picture to write: .png, .jpg, .exr, .hdr or .pfm
+    ///
+    /// By default the scene's name with .png, in the current folder. An older file is replaced when the new one is
+    /// complete, and survives any failure.
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) output: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+
+    #[command(flatten)]
+    pub(crate) development: DevelopmentArgs,
+
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+}
+
+/// Arguments of `explain`.
+#[derive(Debug, Args)]
+pub(crate) struct ExplainArgs {
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+}
+
+/// Arguments of `develop`.
+#[derive(Debug, Args)]
+pub(crate) struct DevelopArgs {
+    /// Image of linear light: .exr, .hdr or .pfm
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub(crate) image: PathBuf,
+
+    /// Picture to write: .png or .jpg
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) output: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) development: DevelopmentArgs,
+
+    /// Encode with this exponent rather than the sRGB curve; 1 stores linear light
+    #[arg(long, value_name = "GAMMA", value_parser = values::gamma)]
+    pub(crate) gamma: Option<f64>,
+}
+
+/// What is read.
+#[derive(Debug, Args)]
+pub(crate) struct InputArgs {
+    /// Scene (.ron, .json) or model (.gltf, .glb, .obj)
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub(crate) scene: PathBuf,
+
+    /// Folder that all files must lie below which the scene refers to; by default that of the scene
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub(crate) root: Option<PathBuf>,
+
+    /// Put a ground under a bare model
+    #[arg(long)]
+    pub(crate) ground: bool,
+}
+
+/// What changes nothing in the picture.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Running")]
+pub(crate) struct RunArgs {
+    /// Number of threads; by default one for each processor. Any number gives the same picture
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+
+    /// Write statistics to a JSON file, and count what each ray costs
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, long_help = STATS_HELP)]
+    pub(crate) stats: Option<PathBuf>,
+
+    /// Take warnings for errors (exit code 3), and bad samples too (exit code 5)
+    #[arg(long)]
+    pub(crate) strict: bool,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+const STATS_HELP: &str = "\
+Write statistics to a JSON file, and count what each ray costs
+
+`rays` has an entry for each kind of ray and for their `total`: how many were traced (`rays`), and how many nodes, \
+primitive tests and hits that took. `shading` counts the work of materials, `seconds` are wall-clock times. Counts \
+are the same in every run; `seconds`, `mega_rays_per_second` and `peak_memory_bytes` (null where the system does not \
+say) are not.";

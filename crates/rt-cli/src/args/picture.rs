@@ -1,0 +1,103 @@
+//! Options that decide what the picture looks like. Each overrides what the scene says.
+
+use clap::Args;
+use rt_camera::{SamplePattern, ToneCurve};
+use rt_math::{DVec3, Rgb};
+use rt_render::Crop;
+use rt_scene_io::{Accel, Integrator};
+
+use super::values::{self, choice};
+
+/// How much to render, how, and what of it.
+#[derive(Debug, Args)]
+pub(crate) struct PictureArgs {
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", value_parser = values::size, help_heading = "How much")]
+    pub(crate) size: Option<[u32; 2]>,
+
+    /// Samples per pixel, rounded up to what the sampler needs
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 31), help_heading = "How much")]
+    pub(crate) spp: Option<u32>,
+
+    /// Bounces after the first hit; 0 for emission and direct light alone
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=10_000), help_heading = "How much")]
+    pub(crate) depth: Option<u32>,
+
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", help_heading = "How much")]
+    pub(crate) seed: Option<u64>,
+
+    /// How light is computed: classical ray tracing, or a view of geometry or cost
+    #[arg(long, value_name = "NAME", value_parser = choice(Integrator::ALL, Integrator::name), help_heading = "How")]
+    pub(crate) integrator: Option<Integrator>,
+
+    /// Where in the pixel the samples fall
+    #[arg(long, value_name = "NAME", value_parser = choice(SamplePattern::ALL, SamplePattern::name), help_heading = "How")]
+    pub(crate) sampler: Option<SamplePattern>,
+
+    /// Acceleration structure. Any gives the same picture
+    #[arg(long, value_name = "NAME", value_parser = choice(Accel::ALL, Accel::name), help_heading = "How")]
+    pub(crate) accel: Option<Accel>,
+
+    /// Leave nothing out of the plan. The picture is the same
+    #[arg(long, hide = true)]
+    pub(crate) full_plan: bool,
+
+    #[command(flatten)]
+    pub(crate) view: ViewArgs,
+
+    /// Render this part of the image only, in pixels from its upper left corner
+    #[arg(long, value_name = "X,Y,W,H", value_parser = values::crop, help_heading = "What")]
+    pub(crate) crop: Option<Crop>,
+
+    /// What lies behind everything: #RRGGBB, linear R,G,B, black, white, or transparent
+    #[arg(long, value_name = "COLOUR", value_parser = values::background, help_heading = "What")]
+    pub(crate) background: Option<BackgroundChoice>,
+}
+
+/// Which camera, and where it stands.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "What")]
+pub(crate) struct ViewArgs {
+    /// Camera of the scene to use; by default its first
+    #[arg(long, value_name = "NAME")]
+    pub(crate) camera: Option<String>,
+
+    /// Move the camera here; without --look-at it keeps its direction
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
+    pub(crate) look_from: Option<DVec3>,
+
+    /// Turn the camera to this point
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
+    pub(crate) look_at: Option<DVec3>,
+
+    /// Direction that is up in the image, where the camera is moved or turned; 0,1,0 by default
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
+    pub(crate) up: Option<DVec3>,
+
+    /// Field of view in degrees, along the side of the image that the camera's own spans
+    #[arg(long, value_name = "DEG", value_parser = values::field_of_view)]
+    pub(crate) fov: Option<f64>,
+}
+
+/// How light becomes bytes.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Developing")]
+pub(crate) struct DevelopmentArgs {
+    /// Exposure in stops: 1 doubles the brightness, -1 halves it
+    #[arg(long, value_name = "EV", value_parser = values::exposure, allow_negative_numbers = true)]
+    pub(crate) exposure: Option<f64>,
+
+    /// Curve that brings bright light into the range of the display
+    #[arg(long, value_name = "NAME", value_parser = choice(values::TONE_CURVES, values::tone_name))]
+    pub(crate) tone: Option<ToneCurve>,
+}
+
+/// What lies behind everything.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum BackgroundChoice {
+    /// This radiance.
+    Colour(Rgb),
+    /// Nothing: the picture has an alpha channel.
+    Transparent,
+}

@@ -1,0 +1,170 @@
+//! Values as users write them. Each parser refuses with the rule that was broken.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use rt_camera::{Development, Encoding, FilmSettings, ToneCurve};
+use rt_math::{DVec3, Rgb};
+use rt_render::Crop;
+
+use super::BackgroundChoice;
+
+/// The tone curves.
+pub(super) const TONE_CURVES: [ToneCurve; 3] = [ToneCurve::Clamp, ToneCurve::Reinhard, ToneCurve::Aces];
+
+/// The name that users type.
+pub(super) const fn tone_name(tone: ToneCurve) -> &'static str {
+    match tone {
+        ToneCurve::Clamp => "clamp",
+        ToneCurve::Reinhard => "reinhard",
+        ToneCurve::Aces => "aces",
+    }
+}
+
+/// A choice among values that have names.
+pub(super) fn choice<T: Copy + Send + Sync + 'static, const N: usize>(
+    all: [T; N],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(all.map(name))
+        .try_map(move |typed| all.into_iter().find(|&value| name(value) == typed).ok_or("no such choice"))
+}
+
+/// `WxH`.
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let [width, height] = sides.ok_or("write width and height in pixels as 640x480")?;
+    FilmSettings { width, height, ..FilmSettings::default() }.validate().map_err(|error| error.to_string())?;
+    Ok([width, height])
+}
+
+/// `X,Y,Z`.
+pub(super) fn point(text: &str) -> Result<DVec3, String> {
+    finite_numbers(text).map(DVec3::from_array).ok_or_else(|| "write three finite numbers as 1,-2,0.5".to_owned())
+}
+
+/// `X,Y,W,H`.
+pub(super) fn crop(text: &str) -> Result<Crop, String> {
+    let [x, y, width, height] = numbers(text).ok_or("write left, top, width and height in pixels as 100,50,320,200")?;
+    if width == 0 || height == 0 {
+        return Err("width and height must be at least 1".to_owned());
+    }
+    Ok(Crop { x, y, width, height })
+}
+
+/// Degrees, in (0, 180).
+pub(super) fn field_of_view(text: &str) -> Result<f64, String> {
+    let degrees = text.parse().ok().filter(|&degrees: &f64| degrees > 0.0 && degrees < 180.0);
+    degrees.ok_or_else(|| "it must lie between 0 and 180 degrees".to_owned())
+}
+
+/// Stops.
+pub(super) fn exposure(text: &str) -> Result<f64, String> {
+    let exposure = number(text)?;
+    check(&Development { exposure, ..Development::default() }).map(|()| exposure)
+}
+
+/// The exponent of a power law.
+pub(super) fn gamma(text: &str) -> Result<f64, String> {
+    let gamma = number(text)?;
+    check(&Development { encoding: Encoding::Power(gamma), ..Development::default() }).map(|()| gamma)
+}
+
+/// A colour, or `transparent`.
+pub(super) fn background(text: &str) -> Result<BackgroundChoice, String> {
+    let colour = match text {
+        "transparent" => return Ok(BackgroundChoice::Transparent),
+        "black" => Some(Rgb::BLACK),
+        "white" => Some(Rgb::WHITE),
+        _ => match text.strip_prefix('#') {
+            Some(digits) => hexadecimal(digits),
+            None => finite_numbers(text).filter(|rgb| rgb.iter().all(|&c| c >= 0.0)).map(Rgb::from),
+        },
+    };
+    let rule = "write #RRGGBB, three linear numbers as 0.2,0.4,1, `black`, `white` or `transparent`";
+    colour.map(BackgroundChoice::Colour).ok_or_else(|| rule.to_owned())
+}
+
+fn check(development: &Development) -> Result<(), String> {
+    development.validate().map_err(|error| error.to_string())
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| "write a number".to_owned())
+}
+
+/// Six hexadecimal digits in the sRGB encoding.
+fn hexadecimal(digits: &str) -> Option<Rgb> {
+    let value = u32::from_str_radix(digits, 16).ok().filter(|_| digits.len() == 6 && !digits.starts_with('+'))?;
+    let [_, r, g, b] = value.to_be_bytes().map(|byte| f64::from(Encoding::Srgb.decode(byte)));
+    Some(Rgb::new(r, g, b))
+}
+
+fn finite_numbers(text: &str) -> Option<[f64; 3]> {
+    numbers(text).filter(|values| values.iter().all(|value: &f64| value.is_finite()))
+}
+
+/// Exactly `N` numbers with commas between.
+fn numbers<T: std::str::FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
+    let values: Option<Vec<T>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    values?.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_two_sides_within_the_limits() {
+        assert_eq!(size("640x480"), Ok([640, 480]));
+        for bad in
+            ["", "640", "640x", "x480", "0x10", "10x0", "-1x5", "640*480", "1e3x10", "99999x99999", "4294967296x1"]
+        {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn points_are_three_finite_numbers() {
+        assert_eq!(point("1,-2.5, 1e3"), Ok(DVec3::new(1.0, -2.5, 1000.0)));
+        for bad in ["", "1,2", "1,2,3,4", "1,2,nan", "1,2,inf", "1,2,1e400", "a,b,c", "1;2;3"] {
+            assert!(point(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn crops_are_not_empty() {
+        assert_eq!(crop("1,2,3,4"), Ok(Crop { x: 1, y: 2, width: 3, height: 4 }));
+        for bad in ["1,2,3", "1,2,0,4", "1,2,3,0", "-1,2,3,4", "1,2,3,4,5", "1.5,2,3,4"] {
+            assert!(crop(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn backgrounds_are_decoded_from_the_display() {
+        let colour = |text: &str| match background(text) {
+            Ok(BackgroundChoice::Colour(rgb)) => rgb,
+            other => panic!("{text}: {other:?}"),
+        };
+        assert_eq!(background("transparent"), Ok(BackgroundChoice::Transparent));
+        assert_eq!(colour("#ffffff"), Rgb::WHITE);
+        let mid = colour("#bc0000");
+        assert!((mid.r - 0.502_886).abs() < 1e-6 && mid.g == 0.0, "{mid:?}");
+        assert_eq!(colour("0.5,1,20"), Rgb::new(0.5, 1.0, 20.0));
+        for bad in ["", "blue", "#fff", "#gggggg", "#+ffff0", "#ff00000", "1,2", "-1,0,0", "nan,0,0"] {
+            assert!(background(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn scalars_are_checked() {
+        assert_eq!(field_of_view("40"), Ok(40.0));
+        assert_eq!(exposure("-1.5"), Ok(-1.5));
+        assert_eq!(gamma("2.2"), Ok(2.2));
+        for bad in ["0", "180", "-5", "nan", "x"] {
+            assert!(field_of_view(bad).is_err(), "{bad}");
+        }
+        for bad in ["nan", "inf", "1e9", "x"] {
+            assert!(exposure(bad).is_err() && gamma(bad).is_err(), "{bad}");
+        }
+        assert!(gamma("0").is_err());
+    }
+}

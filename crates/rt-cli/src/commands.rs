@@ -1,0 +1,25 @@
+//! The commands, one a file.
+
+mod completions;
+mod develop;
+mod explain;
+mod man;
+mod render;
+mod schema;
+mod showcase;
+
+use crate::args::{Cli, Command};
+use crate::error::Failure;
+
+/// Does what the user asks for.
+pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
+    match cli.command {
+        None => showcase::run(),
+        Some(Command::Render(args)) => render::run(&args),
+        Some(Command::Explain(args)) => explain::run(&args),
+        Some(Command::Develop(args)) => develop::run(&args),
+        Some(Command::Schema) => schema::run(),
+        Some(Command::Completions { shell }) => completions::run(shell),
+        Some(Command::Man { output }) => man::run(output.as_deref()),
+    }
+}

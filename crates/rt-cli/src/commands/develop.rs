@@ -1,0 +1,28 @@
+//! `develop`: from linear light to bytes, after the fact.
+
+use rt_camera::{Development, Encoding, read_image, write_image};
+
+use crate::args::DevelopArgs;
+use crate::error::Failure;
+use crate::output::OutputFile;
+use crate::picture_file;
+
+pub(super) fn run(args: &DevelopArgs) -> Result<(), Failure> {
+    let format = picture_file::format_of(&args.output)?;
+    if !picture_file::is_developed(format) {
+        let message = format!("{} would hold linear light; develop to .png or .jpg", args.output.display());
+        return Err(Failure::Usage(message));
+    }
+    let standard = Development::default();
+    let development = Development {
+        exposure: args.development.exposure.unwrap_or(standard.exposure),
+        tone: args.development.tone.unwrap_or(standard.tone),
+        encoding: args.gamma.map_or(standard.encoding, Encoding::Power),
+    };
+    let film = read_image(&args.image)?;
+    let transparent = film.alpha().is_some() && format != rt_camera::ImageFormat::Jpeg;
+    picture_file::check(format, [film.width(), film.height()], transparent)?;
+    let output = OutputFile::prepare(&args.output, [args.image.as_path()])?;
+    output.write(|file| write_image(&film, &development, format, file))?;
+    Ok(())
+}

@@ -1,0 +1,15 @@
+//! `explain`: the plan in words.
+
+use rt_render::RenderPlan;
+
+use crate::args::ExplainArgs;
+use crate::console::{Console, print};
+use crate::error::Failure;
+use crate::{input, overrides};
+
+pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
+    let mut scene = input::read_scene(&args.input, Console { quiet: false })?;
+    let options = overrides::apply(&args.picture, &mut scene)?;
+    let plan = RenderPlan::compile(&scene, &options).map_err(|error| Failure::plan(&args.input.scene, error))?;
+    print(plan.explain())
+}

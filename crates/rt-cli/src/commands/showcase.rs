@@ -1,0 +1,68 @@
+//! No command at all: a picture, and what to try next.
+
+use std::env;
+use std::path::Path;
+use std::time::Instant;
+
+use rt_scene_io::format::parse_ron;
+use rt_scene_io::{LoadOptions, Scene, resolve};
+
+use crate::console::Console;
+use crate::error::Failure;
+use crate::job::Job;
+use crate::output::OutputFile;
+use crate::picture_file;
+
+const SCENE: &str = include_str!("../../../../scenes/gallery/showcase.ron");
+/// For messages.
+const SCENE_NAME: &str = "showcase.ron";
+const PICTURE: &str = "showcase.png";
+
+pub(super) fn run() -> Result<(), Failure> {
+    let console = Console { quiet: false };
+    let started = Instant::now();
+    let scene = scene()?;
+    let job = Job {
+        scene_file: Path::new(SCENE_NAME),
+        scene: &scene,
+        load_seconds: started.elapsed().as_secs_f64(),
+        options: rt_render::PlanOptions::default(),
+        format: picture_file::format_of(Path::new(PICTURE))?,
+        output: OutputFile::prepare(Path::new(PICTURE), [])?,
+        stats: None,
+        threads: 0,
+        strict: false,
+        console,
+    };
+    console.say("rendering a built-in scene; `--help` lists what else there is")?;
+    job.run()?;
+    console.say(next_steps())
+}
+
+fn scene() -> Result<Scene, Failure> {
+    let name = Path::new(SCENE_NAME);
+    Ok(resolve(&parse_ron(SCENE, name)?, name, &LoadOptions::default())?)
+}
+
+fn next_steps() -> String {
+    // Cargo tells the programs that it runs.
+    let program = if env::var_os("CARGO").is_some() { "cargo run -p rt-cli --" } else { "rt-cli" };
+    format!(
+        "\ntry next\n  \
+         {program} explain scenes/gallery/showcase.ron\n  \
+         {program} render scenes/gallery/showcase.ron --size 1280x800 --look-from 4,2,9 -o larger.png\n  \
+         {program} render scenes/report/whitted.ron --stats whitted.json"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_showcase_is_a_sound_scene() {
+        let scene = scene().expect("sound");
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        assert_eq!((scene.film.width, scene.film.height), (640, 400));
+    }
+}

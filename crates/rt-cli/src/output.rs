@@ -1,0 +1,291 @@
+//! Files that are written whole or not at all.
+//!
+//! A file is written under a temporary name in its own folder, synchronised, and renamed: whoever looks sees the older
+//! file or the new one, never a part, and an older file survives every failure.
+
+use std::fmt::Display;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+/// A place that was found fit to write a file to.
+#[derive(Debug)]
+pub(crate) struct OutputFile {
+    /// As the user names it.
+    path: PathBuf,
+    /// Where it really goes: symbolic links followed.
+    target: PathBuf,
+    folder: PathBuf,
+}
+
+/// Why a file cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum OutputError {
+    /// The path ends in no name.
+    #[error("cannot write `{}`: it names no file", .0.display())]
+    NoName(PathBuf),
+    /// The folder is missing, or is no folder.
+    #[error("cannot write `{}`: {} is not a folder; create it, or choose another", path.display(), folder.display())]
+    NoFolder {
+        /// The file.
+        path: PathBuf,
+        /// Where it should go.
+        folder: PathBuf,
+    },
+    /// A folder, a pipe or a device.
+    #[error("cannot write `{}`: it exists and is not a regular file; choose another name", .0.display())]
+    NotAFile(PathBuf),
+    /// The older file is protected.
+    #[error("cannot write `{}`: it exists and is read-only; remove it, or choose another name", .0.display())]
+    ReadOnly(PathBuf),
+    /// A file that the command reads.
+    #[error("cannot write `{}`: it is an input; choose another name with -o", .0.display())]
+    IsInput(PathBuf),
+    /// The folder does not take files.
+    #[error("cannot write `{}`: the folder {} takes no files: {source}", path.display(), folder.display())]
+    Folder {
+        /// The file.
+        path: PathBuf,
+        /// Where it should go.
+        folder: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Writing failed halfway. Nothing of it is left.
+    #[error("cannot write `{}`: {reason}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the writer or the system says.
+        reason: String,
+    },
+    /// Writing failed, but the content was put elsewhere.
+    #[error("{original}; it was saved as `{}` instead", rescued.display())]
+    Rescued {
+        /// Why it is not where it should be.
+        original: Box<Self>,
+        /// Where it is.
+        rescued: PathBuf,
+    },
+}
+
+impl OutputFile {
+    /// Checks that a file can be written to `path`, before work is spent on its content: the folder takes files, and
+    /// nothing is there but perhaps an older file that is not one of `inputs`.
+    pub(crate) fn prepare<'i>(path: &Path, inputs: impl IntoIterator<Item = &'i Path>) -> Result<Self, OutputError> {
+        // A link is written through: the file that it leads to is replaced, not the link.
+        let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let folder = match target.parent() {
+            Some(folder) if target.file_name().is_some() => folder,
+            _ => return Err(OutputError::NoName(path.to_owned())),
+        };
+        let folder = if folder == Path::new("") { Path::new(".") } else { folder };
+        if !folder.is_dir() {
+            return Err(OutputError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
+        }
+        if let Ok(older) = fs::metadata(&target) {
+            if !older.is_file() {
+                return Err(OutputError::NotAFile(path.to_owned()));
+            }
+            if older.permissions().readonly() {
+                return Err(OutputError::ReadOnly(path.to_owned()));
+            }
+            if inputs.into_iter().any(|input| input.canonicalize().is_ok_and(|input| input == target)) {
+                return Err(OutputError::IsInput(path.to_owned()));
+            }
+        }
+        // An anonymous file proves that the folder takes files, and leaves nothing behind whatever happens later.
+        match tempfile::tempfile_in(folder) {
+            Ok(_) => Ok(Self { path: path.to_owned(), folder: folder.to_owned(), target }),
+            Err(source) => Err(OutputError::Folder { path: path.to_owned(), folder: folder.to_owned(), source }),
+        }
+    }
+
+    /// The path as the user names it.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// True if `other` is written to the same file.
+    pub(crate) fn is_same_file(&self, other: &Self) -> bool {
+        let place = |file: &Self| Some((file.folder.canonicalize().ok()?, file.target.file_name()?.to_owned()));
+        place(self) == place(other)
+    }
+
+    /// Writes the file.
+    pub(crate) fn write<E: Display>(
+        &self,
+        content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
+    ) -> Result<(), OutputError> {
+        write_atomically(&self.target, &self.folder, content)
+            .map_err(|reason| OutputError::Write { path: self.path.clone(), reason })
+    }
+
+    /// Writes the file; if that fails, writes it under a new name in the folder `refuge`, so that its content is not
+    /// lost, and says so in the error.
+    pub(crate) fn write_or_rescue<E: Display>(
+        &self,
+        refuge: &Path,
+        content: impl Fn(&mut BufWriter<&mut File>) -> Result<(), E>,
+    ) -> Result<(), OutputError> {
+        let Err(original) = self.write(&content) else { return Ok(()) };
+        let name = self.target.file_name().unwrap_or_default().to_string_lossy();
+        let rescued = refuge.join(format!("rt-cli-{}-{name}", std::process::id()));
+        match write_atomically(&rescued, refuge, content) {
+            Ok(()) => Err(OutputError::Rescued { original: Box::new(original), rescued }),
+            Err(_) => Err(original),
+        }
+    }
+}
+
+fn write_atomically<E: Display>(
+    target: &Path,
+    folder: &Path,
+    content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
+) -> Result<(), String> {
+    let mut file = temporary_file(folder).map_err(|error| error.to_string())?;
+    let mut writer = BufWriter::new(file.as_file_mut());
+    content(&mut writer).map_err(|error| error.to_string())?;
+    writer.flush().map_err(|error| error.to_string())?;
+    drop(writer);
+    replace(target, file).map_err(|error| error.to_string())?;
+    // The file is complete. Not all systems let a folder be synchronised, so a refusal is no failure.
+    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    Ok(())
+}
+
+/// Puts a finished file in the place of an older one, whose permissions it takes.
+fn replace(target: &Path, file: NamedTempFile) -> io::Result<()> {
+    if let Ok(older) = fs::metadata(target) {
+        file.as_file().set_permissions(older.permissions())?;
+    }
+    file.as_file().sync_all()?;
+    file.persist(target)?;
+    Ok(())
+}
+
+/// A file that is removed unless it is renamed, with the permissions of any new file.
+fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".rt-cli-").suffix(".part");
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn text(text: &str) -> impl Fn(&mut BufWriter<&mut File>) -> io::Result<()> {
+        move |file| file.write_all(text.as_bytes())
+    }
+
+    fn prepare(path: &Path) -> Result<OutputFile, OutputError> {
+        OutputFile::prepare(path, [])
+    }
+
+    fn entries(folder: &Path) -> usize {
+        fs::read_dir(folder).expect("a folder").count()
+    }
+
+    #[test]
+    fn files_are_replaced_and_nothing_else_is_left() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.txt");
+        for content in ["first", "second"] {
+            prepare(&path).expect("fit").write(text(content)).expect("written");
+            assert_eq!(fs::read_to_string(&path).expect("there"), content);
+            assert_eq!(entries(folder.path()), 1);
+        }
+    }
+
+    #[test]
+    fn preparing_leaves_no_trace() {
+        let folder = tempfile::tempdir().expect("a folder");
+        prepare(&folder.path().join("a.txt")).expect("fit");
+        assert_eq!(entries(folder.path()), 0);
+    }
+
+    #[test]
+    fn an_older_file_survives_a_failure_halfway() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.txt");
+        fs::write(&path, "older").expect("written");
+        let failed = prepare(&path).expect("fit").write(|file| {
+            file.write_all(&[0; 100_000])?;
+            Err(io::Error::other("disk full"))
+        });
+        assert!(matches!(failed, Err(OutputError::Write { reason, .. }) if reason == "disk full"));
+        assert_eq!(fs::read_to_string(&path).expect("there"), "older");
+        assert_eq!(entries(folder.path()), 1);
+    }
+
+    #[test]
+    fn content_is_rescued_if_the_folder_is_gone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let refuge = tempfile::tempdir().expect("a folder");
+        let gone = folder.path().join("gone");
+        fs::create_dir(&gone).expect("created");
+        let output = prepare(&gone.join("a.txt")).expect("fit");
+        fs::remove_dir(&gone).expect("removed");
+        let Err(OutputError::Rescued { rescued, .. }) = output.write_or_rescue(refuge.path(), text("precious")) else {
+            panic!("not rescued")
+        };
+        assert_eq!(rescued.parent(), Some(refuge.path()));
+        assert_eq!(rescued.extension().and_then(|e| e.to_str()), Some("txt"));
+        assert_eq!(fs::read_to_string(&rescued).expect("there"), "precious");
+        let lost = output.write_or_rescue(&gone, text("precious"));
+        assert!(matches!(lost, Err(OutputError::Write { .. })), "{lost:?}");
+    }
+
+    #[test]
+    fn unfit_places_are_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("file.txt");
+        fs::write(&file, "x").expect("written");
+        let check = |path: &Path| prepare(path).expect_err("unfit");
+        assert!(matches!(check(Path::new("")), OutputError::NoName(_)));
+        assert!(matches!(check(Path::new("/")), OutputError::NoName(_)));
+        assert!(matches!(check(folder.path()), OutputError::NotAFile(_)));
+        assert!(matches!(check(&folder.path().join("missing/a.png")), OutputError::NoFolder { .. }));
+        assert!(matches!(check(&file.join("a.png")), OutputError::NoFolder { .. }));
+        let input = OutputFile::prepare(&folder.path().join("./file.txt"), [file.as_path()]);
+        assert!(matches!(input, Err(OutputError::IsInput(_))));
+        let mut permissions = fs::metadata(&file).expect("there").permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(&file, permissions).expect("set");
+        assert!(matches!(check(&file), OutputError::ReadOnly(_)));
+    }
+
+    #[test]
+    fn the_same_file_is_recognised_by_any_path() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| prepare(&folder.path().join(name)).expect("fit");
+        assert!(at("a.png").is_same_file(&at("./a.png")));
+        assert!(!at("a.png").is_same_file(&at("b.png")));
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn links_are_written_through_and_permissions_kept() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().expect("a folder");
+        let (real, link) = (folder.path().join("real.txt"), folder.path().join("link.txt"));
+        fs::write(&real, "older").expect("written");
+        fs::set_permissions(&real, PermissionsExt::from_mode(0o640)).expect("set");
+        symlink(&real, &link).expect("linked");
+        prepare(&link).expect("fit").write(text("new")).expect("written");
+        assert_eq!(fs::read_to_string(&real).expect("there"), "new");
+        assert!(fs::symlink_metadata(&link).expect("there").is_symlink());
+        assert_eq!(fs::metadata(&real).expect("there").permissions().mode() & 0o777, 0o640);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn devices_are_never_replaced() {
+        assert!(matches!(prepare(Path::new("/dev/null")), Err(OutputError::NotAFile(_))));
+    }
+}

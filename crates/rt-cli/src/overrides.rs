@@ -1,0 +1,85 @@
+//! The command line has the last word: options laid over what the scene says.
+
+use rt_camera::{CameraSettings, FilmSettings, Projection};
+use rt_math::{DVec3, Transform};
+use rt_render::PlanOptions;
+use rt_scene_io::{Reason, Scene};
+use rt_shading::Background;
+
+use crate::args::{BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
+use crate::error::Failure;
+
+/// Applies the options to the scene; those that are no part of a scene are returned.
+pub(crate) fn apply(args: &PictureArgs, scene: &mut Scene) -> Result<PlanOptions, Failure> {
+    let film = &mut scene.film;
+    [film.width, film.height] = args.size.unwrap_or([film.width, film.height]);
+    let settings = &mut scene.settings;
+    replace(&mut settings.spp, args.spp);
+    replace(&mut settings.depth, args.depth);
+    replace(&mut settings.seed, args.seed);
+    replace(&mut settings.integrator, args.integrator);
+    replace(&mut settings.pattern, args.sampler);
+    replace(&mut settings.accel, args.accel);
+    if let Some(BackgroundChoice::Colour(colour)) = args.background {
+        scene.appearance.background = Background::Constant(colour);
+    }
+    let camera = find_camera(args.view.camera.as_deref(), scene)?;
+    if let Some(camera) = scene.cameras.get_mut(camera) {
+        move_camera(&args.view, &mut camera.settings)?;
+    }
+    Ok(PlanOptions {
+        camera,
+        crop: args.crop,
+        transparent: args.background == Some(BackgroundChoice::Transparent),
+        full: args.full_plan,
+    })
+}
+
+/// Applies the options to the film.
+pub(crate) fn apply_development(args: &DevelopmentArgs, film: &mut FilmSettings) {
+    replace(&mut film.development.exposure, args.exposure);
+    replace(&mut film.development.tone, args.tone);
+}
+
+fn replace<T>(value: &mut T, other: Option<T>) {
+    if let Some(other) = other {
+        *value = other;
+    }
+}
+
+/// The index of the camera of this name; the first by default.
+fn find_camera(name: Option<&str>, scene: &Scene) -> Result<usize, Failure> {
+    let Some(name) = name else { return Ok(0) };
+    scene.cameras.iter().position(|camera| camera.name == name).ok_or_else(|| {
+        let known = scene.cameras.iter().map(|camera| camera.name.clone()).collect();
+        Failure::Usage(Reason::UnknownWord { kind: "camera", found: name.to_owned(), known }.to_string())
+    })
+}
+
+fn move_camera(args: &ViewArgs, camera: &mut CameraSettings) -> Result<(), Failure> {
+    if let Some(degrees) = args.fov {
+        match &mut camera.projection {
+            Projection::Perspective { fov, .. } => *fov = degrees.to_radians(),
+            Projection::Orthographic { .. } => {
+                let message = "--fov does not fit this camera: it is orthographic; leave --fov out, or choose another";
+                return Err(Failure::Usage(message.to_owned()));
+            }
+        }
+    }
+    if args.look_from.is_some() || args.look_at.is_some() || args.up.is_some() {
+        camera.world_from_camera = placed(args, &camera.world_from_camera)?;
+    }
+    Ok(())
+}
+
+/// What the options leave open, the camera keeps: its place, and the direction that it looks in.
+fn placed(args: &ViewArgs, world_from_camera: &Transform) -> Result<Transform, Failure> {
+    let eye = args.look_from.unwrap_or_else(|| world_from_camera.translation());
+    let target = args.look_at.unwrap_or_else(|| eye + world_from_camera.vector(DVec3::NEG_Z));
+    let up = args.up.unwrap_or(DVec3::Y);
+    Transform::look_at(eye, target, up).map_err(|error| {
+        Failure::Usage(format!(
+            "the camera cannot look from {eye} at {target} with {up} up: {error}; change --look-from, --look-at or --up"
+        ))
+    })
+}

@@ -1,0 +1,54 @@
+//! Which picture files can hold what.
+
+use std::path::Path;
+
+use rt_camera::ImageFormat;
+
+use crate::error::Failure;
+
+/// Longest side of a JPEG in pixels: its header has 16 bits for it.
+const MAX_JPEG_SIDE: u32 = u16::MAX as u32;
+
+/// The format that the ending of the name asks for.
+pub(crate) fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
+    ImageFormat::from_path(path).map_err(|error| Failure::Usage(error.to_string()))
+}
+
+/// Refuses pictures that the format cannot hold, before they are rendered.
+pub(crate) fn check(format: ImageFormat, [width, height]: [u32; 2], transparent: bool) -> Result<(), Failure> {
+    let has_alpha = matches!(format, ImageFormat::Png | ImageFormat::Exr);
+    if transparent && !has_alpha {
+        return Err(Failure::Usage("a transparent background needs a .png or .exr file".to_owned()));
+    }
+    if format == ImageFormat::Jpeg && width.max(height) > MAX_JPEG_SIDE {
+        let message = format!("a .jpg file holds at most {MAX_JPEG_SIDE} pixels a side, not {width}x{height}");
+        return Err(Failure::Usage(message));
+    }
+    Ok(())
+}
+
+/// True if the format holds bytes for display rather than linear light.
+pub(crate) const fn is_developed(format: ImageFormat) -> bool {
+    matches!(format, ImageFormat::Png | ImageFormat::Jpeg)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_formats_with_coverage_are_transparent() {
+        for format in ImageFormat::ALL {
+            let holds = [ImageFormat::Png, ImageFormat::Exr].contains(&format);
+            assert_eq!(check(format, [8, 8], true).is_ok(), holds, "{format:?}");
+            assert!(check(format, [8, 8], false).is_ok(), "{format:?}");
+        }
+    }
+
+    #[test]
+    fn long_sides_do_not_fit_in_a_jpeg() {
+        assert!(check(ImageFormat::Jpeg, [65_535, 1], false).is_ok());
+        assert!(check(ImageFormat::Jpeg, [1, 65_536], false).is_err());
+        assert!(check(ImageFormat::Png, [1, 65_536], false).is_ok());
+    }
+}

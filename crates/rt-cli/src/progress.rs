@@ -1,0 +1,108 @@
+//! How far a render has come: a bar on a terminal, now and then a line elsewhere.
+
+use std::io::{self, IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+use rt_render::Progress;
+
+/// Time between two lines.
+const LINE_INTERVAL: Duration = Duration::from_secs(5);
+
+/// Remaining seconds that are shown at most: 30 years.
+const LONGEST: f64 = 1e9;
+
+/// Shows progress on standard error.
+#[derive(Debug)]
+pub(crate) struct ProgressDisplay {
+    started: Instant,
+    form: Form,
+}
+
+#[derive(Debug)]
+enum Form {
+    Bar(ProgressBar),
+    Lines { next: Instant },
+    Nothing,
+}
+
+impl ProgressDisplay {
+    /// A display that suits where standard error goes.
+    pub(crate) fn new(quiet: bool) -> Self {
+        let started = Instant::now();
+        let form = if quiet {
+            Form::Nothing
+        } else if io::stderr().is_terminal() {
+            Form::Bar(ProgressBar::no_length().with_style(bar_style()))
+        } else {
+            Form::Lines { next: started + LINE_INTERVAL }
+        };
+        Self { started, form }
+    }
+
+    /// Shows that the render has come this far.
+    pub(crate) fn update(&mut self, progress: Progress) {
+        match &mut self.form {
+            Form::Bar(bar) => {
+                bar.set_length(progress.total_samples);
+                bar.set_message(status(progress, self.started.elapsed()));
+                bar.set_position(progress.samples);
+            }
+            Form::Lines { next } => {
+                let now = Instant::now();
+                if now >= *next && progress.samples < progress.total_samples {
+                    *next = now + LINE_INTERVAL;
+                    let percent = progress.samples * 100 / progress.total_samples;
+                    let status = status(progress, self.started.elapsed());
+                    // A closed standard error is no reason to stop rendering.
+                    let _ = writeln!(io::stderr().lock(), "{percent} %, {status}");
+                }
+            }
+            Form::Nothing => {}
+        }
+    }
+
+    /// Removes the bar.
+    pub(crate) fn finish(self) {
+        if let Form::Bar(bar) = self.form {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn bar_style() -> ProgressStyle {
+    ProgressStyle::with_template("{bar:40} {percent} %, {msg}").unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
+/// Rate and remaining time, if the rest takes as long a sample as what is done.
+fn status(progress: Progress, elapsed: Duration) -> String {
+    let Progress { samples, total_samples, rays } = progress;
+    let rate = rays as f64 / elapsed.as_secs_f64().max(1e-9) * 1e-6;
+    let left = elapsed.as_secs_f64() * (total_samples.saturating_sub(samples) as f64 / samples.max(1) as f64);
+    let left = HumanDuration(Duration::from_secs_f64(left.min(LONGEST)));
+    format!("{rate:.2} Mrays/s, {left} left")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rate_and_remaining_time_follow_from_what_is_done() {
+        let progress = Progress { samples: 250, total_samples: 1000, rays: 30_000_000 };
+        assert_eq!(status(progress, Duration::from_secs(20)), "1.50 Mrays/s, 60 seconds left");
+    }
+
+    #[test]
+    fn the_start_and_the_end_are_no_special_cases() {
+        let start = Progress { samples: 0, total_samples: u64::MAX, rays: 0 };
+        assert!(status(start, Duration::ZERO).starts_with("0.00 Mrays/s"));
+        let end = Progress { samples: 1000, total_samples: 1000, rays: 2_000_000 };
+        assert_eq!(status(end, Duration::from_secs(1)), "2.00 Mrays/s, 0 seconds left");
+    }
+
+    #[test]
+    fn the_template_of_the_bar_is_valid() {
+        assert!(ProgressStyle::with_template("{bar:40} {percent} %, {msg}").is_ok());
+    }
+}

@@ -1,0 +1,175 @@
+//! What a render took, as a JSON file for other programs. The text of `--stats --help` describes it.
+
+use std::path::Path;
+
+use indexmap::IndexMap;
+use rt_render::{Explanation, PlanOptions, RayKind, RenderPlan, ShadingCounts, Statistics, Tally};
+use rt_scene_io::Scene;
+use serde::Serialize;
+
+use crate::memory;
+
+/// What is known after a render.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Outcome<'a> {
+    pub(crate) scene_file: &'a Path,
+    /// With the options of the command line applied.
+    pub(crate) scene: &'a Scene,
+    pub(crate) options: &'a PlanOptions,
+    pub(crate) plan: &'a RenderPlan<'a>,
+    pub(crate) statistics: &'a Statistics,
+    pub(crate) load_seconds: f64,
+    pub(crate) output_seconds: f64,
+}
+
+/// The file.
+#[derive(Debug, Serialize)]
+pub(crate) struct StatsFile<'a> {
+    program: &'static str,
+    version: &'static str,
+    scene: String,
+    settings: SettingsStats<'a>,
+    plan: PlanStats,
+    samples: u64,
+    /// NaN, infinite or negative; they count as black.
+    bad_samples: u64,
+    /// By kind, and their total.
+    rays: IndexMap<&'static str, RayStats>,
+    shading: ShadingStats,
+    seconds: Seconds,
+    mega_rays_per_second: f64,
+    /// `null` where the system does not say.
+    peak_memory_bytes: Option<u64>,
+}
+
+/// All that the picture depends on beside the scene; and the number of threads, which changes no bit.
+#[derive(Debug, Serialize)]
+struct SettingsStats<'a> {
+    width: u32,
+    height: u32,
+    /// Left, top, width and height in pixels; `null` for the whole image.
+    crop: Option<[u32; 4]>,
+    camera: &'a str,
+    integrator: &'static str,
+    sampler: &'static str,
+    samples_per_pixel: u32,
+    depth: u32,
+    min_contribution: f64,
+    accel: &'static str,
+    seed: u64,
+    transparent: bool,
+    full_plan: bool,
+    threads: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct PlanStats {
+    used: Vec<String>,
+    /// What is left out, and why.
+    left_out: IndexMap<&'static str, String>,
+    /// Predicted.
+    memory_bytes: IndexMap<&'static str, usize>,
+}
+
+/// The cost of the rays of one kind.
+#[derive(Debug, Serialize)]
+struct RayStats {
+    rays: u64,
+    nodes: u64,
+    primitive_tests: u64,
+    hits: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct ShadingStats {
+    /// Not traced, because the light stands behind the surface, or the surface reflects none of it.
+    shadow_rays_spared: u64,
+    highlights: u64,
+    mirrors: u64,
+    refractions: u64,
+    fresnel: u64,
+    absorption: u64,
+}
+
+/// Wall-clock times.
+#[derive(Debug, Serialize)]
+struct Seconds {
+    load: f64,
+    build: f64,
+    render: f64,
+    output: f64,
+}
+
+impl<'a> StatsFile<'a> {
+    /// The file of a render that counted nodes, tests and hits.
+    pub(crate) fn new(outcome: &Outcome<'a>) -> Self {
+        let statistics = outcome.statistics;
+        let counters = &statistics.counters;
+        let by_kind = RayKind::ALL.map(|kind| (kind.name(), RayStats::from(counters.of(kind))));
+        Self {
+            program: env!("CARGO_PKG_NAME"),
+            version: env!("CARGO_PKG_VERSION"),
+            scene: outcome.scene_file.display().to_string(),
+            settings: SettingsStats::new(outcome),
+            plan: PlanStats::from(outcome.plan.explain()),
+            samples: statistics.samples,
+            bad_samples: statistics.bad_samples,
+            rays: by_kind.into_iter().chain([("total", counters.total().into())]).collect(),
+            shading: statistics.shading.into(),
+            seconds: Seconds {
+                load: outcome.load_seconds,
+                build: statistics.build_seconds,
+                render: statistics.render_seconds,
+                output: outcome.output_seconds,
+            },
+            mega_rays_per_second: statistics.mega_rays_per_second(),
+            peak_memory_bytes: memory::peak_bytes(),
+        }
+    }
+}
+
+impl<'a> SettingsStats<'a> {
+    fn new(outcome: &Outcome<'a>) -> Self {
+        let Outcome { scene, options, .. } = outcome;
+        let (film, settings) = (&scene.film, &scene.settings);
+        Self {
+            width: film.width,
+            height: film.height,
+            crop: options.crop.map(|crop| [crop.x, crop.y, crop.width, crop.height]),
+            camera: scene.cameras.get(options.camera).map_or("", |camera| &camera.name),
+            integrator: settings.integrator.name(),
+            sampler: settings.pattern.name(),
+            samples_per_pixel: outcome.plan.samples_per_pixel(),
+            depth: settings.depth,
+            min_contribution: settings.min_contribution,
+            accel: settings.accel.name(),
+            seed: settings.seed,
+            transparent: options.transparent,
+            full_plan: options.full,
+            threads: outcome.statistics.threads,
+        }
+    }
+}
+
+impl From<Explanation> for PlanStats {
+    fn from(explanation: Explanation) -> Self {
+        Self {
+            used: explanation.used.into_iter().map(|line| line.trim().to_owned()).collect(),
+            left_out: explanation.left_out.into_iter().map(|left| (left.what, left.why)).collect(),
+            memory_bytes: explanation.memory.into_iter().collect(),
+        }
+    }
+}
+
+impl From<Tally> for RayStats {
+    fn from(Tally { rays, nodes, tests, hits }: Tally) -> Self {
+        Self { rays, nodes, primitive_tests: tests, hits }
+    }
+}
+
+impl From<ShadingCounts> for ShadingStats {
+    fn from(counts: ShadingCounts) -> Self {
+        let ShadingCounts { shadow_rays_spared, highlights, mirrors, refractions, fresnel, absorption } = counts;
+        Self { shadow_rays_spared, highlights, mirrors, refractions, fresnel, absorption }
+    }
+}
