@@ -1,4 +1,49 @@
 //! # rt-geometry: chapter 2, ray-object intersection
+//!
+//! ```text
+//!                .  -  -  .             Where does a ray meet a sphere? Three questions, the cheapest first:
+//!             .'      h      '.
+//!   o ───────●───────┬────────●──▶ d    1. is the sphere behind?       f·d > 0 and the origin outside
+//!     ╲    t₀        │L       t₁        2. does the ray pass by?       L > r
+//!        ╲   .       │        .         3. else half a chord each way: h² = (r − L)(r + L)
+//!       f   ╲ '.     c      .'
+//!                '  -  -  '             [`Sphere`] says how to ask without cancellation.
+//! ```
+//!
+//! A hit comes in two stages. [`Shape::intersect`] gives the small [`ShapeHit`]: the ray parameter `t` and what is
+//! needed to go on. [`Shape::surface`] makes the full [`SurfaceInteraction`] of it, once, for the hit that won: point,
+//! normals, texture coordinates, and a **bound on the rounding error of the point**. From that bound the next rays
+//! are offset ([`SurfaceInteraction::spawn_ray`]): they meet their own surface never again by rounding, whatever the
+//! scale of the scene, and there is no epsilon to tune.
+//!
+//! **Owns** the shapes ([`Sphere`], [`AxisBox`], [`Plane`], [`Triangle`], the enum [`Shape`]), shapes under affine
+//! maps ([`Placed`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets ([`Spheres`]), their tests in `f64`, and the
+//! geometry of a hit.
+//! **Does not own** structures that find the first of many hits (rt-accel), materials and light (rt-shading), or
+//! files (rt-scene-io).
+//!
+//! All tests are total: a ray that misses, has a NaN or has no direction gives `None`. In and out are decided without
+//! tolerances; the triangle test is watertight ([`ShearedRay`]).
+//!
+//! ```
+//! use rt_geometry::{Placed, Shape, Sphere, SurfaceNeeds};
+//! use rt_math::{DVec3, Interval, Ray, Transform};
+//!
+//! // A unit sphere, twice as high as wide, four units ahead.
+//! let sphere = Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)?);
+//! let stretch = Transform::scale(DVec3::new(1.0, 2.0, 1.0))?;
+//! let egg = Placed::new(sphere, Transform::translate(DVec3::new(0.0, 0.0, -4.0)).then_first(&stretch));
+//!
+//! let ray = Ray::new(DVec3::ZERO, DVec3::NEG_Z);
+//! let hit = egg.intersect(&ray, Interval::FORWARD).ok_or("a miss")?;
+//! let surface = egg.surface(&ray, &hit, SurfaceNeeds::ALL);
+//! assert_eq!((hit.t, surface.point, surface.geometric_normal), (3.0, DVec3::new(0.0, 0.0, -3.0), DVec3::Z));
+//!
+//! // A mirrored ray starts just off the surface and does not meet it again.
+//! let mirrored = surface.spawn_ray(DVec3::new(0.0, 1e-3, 1.0), ray.time);
+//! assert_eq!(egg.intersect(&mirrored, Interval::FORWARD), None);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![forbid(unsafe_code)]
 
@@ -8,6 +53,7 @@ mod error;
 mod interaction;
 mod mesh;
 mod mesh_data;
+mod mesh_repair;
 mod placed;
 mod plane;
 mod shape;
@@ -19,8 +65,9 @@ mod triangle;
 pub use axis_box::AxisBox;
 pub use error::ShapeError;
 pub use interaction::{SurfaceInteraction, SurfaceNeeds};
-pub use mesh::{MeshError, MeshRepairs, TriangleMesh};
+pub use mesh::TriangleMesh;
 pub use mesh_data::MeshData;
+pub use mesh_repair::{MeshError, MeshRepairs};
 pub use placed::Placed;
 pub use plane::Plane;
 pub use shape::{Shape, ShapeHit};

@@ -32,7 +32,8 @@ impl ShearedRay {
             2
         };
         let d = rotated(ray.direction, axis);
-        Self { origin: ray.origin, axis, shear_x: d.x / d.z, shear_y: d.y / d.z, scale_z: 1.0 / d.z }
+        let scale_z = 1.0 / d.z;
+        Self { origin: ray.origin, axis, shear_x: d.x * scale_z, shear_y: d.y * scale_z, scale_z }
     }
 
     /// A point as the ray sees it: x and y across the ray, z the ray parameter.
@@ -50,7 +51,9 @@ impl ShearedRay {
         let u = difference_of_products(c.x, b.y, c.y, b.x);
         let v = difference_of_products(a.x, c.y, a.y, c.x);
         let w = difference_of_products(b.x, a.y, b.y, a.x);
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+        // Without short cuts: the signs are as good as random, and a mispredicted branch costs more than the test.
+        let outside = ((u < 0.0) | (v < 0.0) | (w < 0.0)) & ((u > 0.0) | (v > 0.0) | (w > 0.0));
+        if outside {
             return None;
         }
         let determinant = u + v + w;

@@ -1,0 +1,112 @@
+//! Validation of meshes: what is refused, what is mended.
+
+use crate::MeshData;
+use crate::area::{area_vector, unit_normal};
+use rt_math::{DVec3, Vec3};
+
+/// Why a mesh cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MeshError {
+    /// A triangle names a vertex that is not there.
+    #[error("triangle {triangle} refers to vertex {vertex}, but there are {count}")]
+    BadIndex {
+        /// Which triangle.
+        triangle: usize,
+        /// The vertex that it names.
+        vertex: u32,
+        /// Number of vertices.
+        count: usize,
+    },
+    /// The number of normals or texture coordinates differs from that of positions.
+    #[error("{count} {what} for {positions} positions")]
+    CountMismatch {
+        /// "normals" or "texture coordinates".
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many there should be.
+        positions: usize,
+    },
+    /// More than 2³² − 1 vertices or triangles.
+    #[error("the mesh has more than 2^32 - 1 vertices or triangles")]
+    TooLarge,
+}
+
+/// What was mended when a mesh was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MeshRepairs {
+    /// Triangles without area (repeated or collinear vertices), dropped.
+    pub degenerate: usize,
+    /// Triangles with a NaN or infinite vertex, dropped.
+    pub not_finite: usize,
+    /// Zero or non-finite normals, replaced by the normal of a triangle at that vertex.
+    pub bad_normals: usize,
+    /// NaN or infinite texture coordinates, replaced by (0, 0).
+    pub bad_uvs: usize,
+}
+
+/// Refuses arrays that do not fit together, drops triangles that cannot be hit, makes all normals unit.
+pub(crate) fn mend(data: &mut MeshData) -> Result<MeshRepairs, MeshError> {
+    check_counts(data)?;
+    let mut repairs = MeshRepairs::default();
+    drop_bad_triangles(data, &mut repairs);
+    mend_normals(data, &mut repairs);
+    for uv in data.uvs.iter_mut().filter(|uv| !(uv[0].is_finite() && uv[1].is_finite())) {
+        *uv = [0.0; 2];
+        repairs.bad_uvs += 1;
+    }
+    data.triangles.shrink_to_fit();
+    Ok(repairs)
+}
+
+fn check_counts(data: &MeshData) -> Result<(), MeshError> {
+    let count = data.positions.len();
+    if u32::try_from(count.max(data.triangles.len())).is_err() {
+        return Err(MeshError::TooLarge);
+    }
+    for (what, length) in [("normals", data.normals.len()), ("texture coordinates", data.uvs.len())] {
+        if length != 0 && length != count {
+            return Err(MeshError::CountMismatch { what, count: length, positions: count });
+        }
+    }
+    for (triangle, corners) in data.triangles.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= count) {
+            return Err(MeshError::BadIndex { triangle, vertex, count });
+        }
+    }
+    Ok(())
+}
+
+fn drop_bad_triangles(data: &mut MeshData, repairs: &mut MeshRepairs) {
+    let positions = &data.positions;
+    data.triangles.retain(|triangle| {
+        let corners = triangle.map(|i| positions[i as usize]);
+        if corners.iter().any(|corner| !corner.is_finite()) {
+            repairs.not_finite += 1;
+            return false;
+        }
+        let degenerate = area_vector(corners.map(|corner| corner.as_dvec3())) == DVec3::ZERO;
+        repairs.degenerate += usize::from(degenerate);
+        !degenerate
+    });
+}
+
+/// Normals that no triangle uses are left alone.
+fn mend_normals(data: &mut MeshData, repairs: &mut MeshRepairs) {
+    if data.normals.is_empty() {
+        return;
+    }
+    for normal in &mut data.normals {
+        *normal = normal.as_dvec3().normalize_or_zero().as_vec3();
+    }
+    for &triangle in &data.triangles {
+        for vertex in triangle {
+            let normal = &mut data.normals[vertex as usize];
+            if *normal == Vec3::ZERO {
+                let corners = triangle.map(|i| data.positions[i as usize].as_dvec3());
+                *normal = unit_normal(corners).as_vec3();
+                repairs.bad_normals += 1;
+            }
+        }
+    }
+}
