@@ -9,7 +9,7 @@ use crate::format::{self, Color, Material, Node, SceneFile, Shape, Step};
 use crate::resolve::{backdrop, rounded};
 use crate::{LoadOptions, Model, NamedCamera};
 
-/// Name of the plane that `ground` asks for, and of its material.
+/// Name of the plane that `ground` asks for.
 const GROUND: &str = "ground";
 
 /// A scene file that shows a model by its own cameras and lights, and the choices that were made for it. What the
@@ -20,15 +20,16 @@ pub(crate) fn scene_around(model: &Model, reference: &str, options: &LoadOptions
     let content = Node { model: Some(reference.to_owned()), ..Node::default() };
     let mut file = SceneFile::of_nodes(vec![content]);
     if options.ground && !bounds.is_empty() {
-        add_ground(&mut file, &bounds);
+        add_ground(&mut file, &bounds, model);
         notes.push(format!("A ground plane was put under the model, at y = {}.", bounds.min.y));
     }
     file.cameras = model.cameras.iter().map(camera).collect();
     if !model.lights.is_empty() {
         let level = mean_illuminance(&model.lights, &bounds);
-        file.film.exposure = exposure_for(level);
+        // Lights that reach nothing, or are out of range, give no hint.
+        let level = if level > 0.0 && level.is_finite() { rounded(level, level) } else { 1.0 };
+        file.film.exposure = rounded(-transcendental::log2(level), 10.0);
         // Shadows would be pitch black, and a sky of the usual brightness invisible beside lights in lux.
-        let level = rounded(level, level);
         file.lights =
             Some(model.lights.iter().map(light).chain([format::Light::Ambient(Color::Gray(level))]).collect());
         file.background = Some(backdrop(level));
@@ -41,22 +42,22 @@ pub(crate) fn scene_around(model: &Model, reference: &str, options: &LoadOptions
     (file, notes)
 }
 
-fn add_ground(file: &mut SceneFile, bounds: &Aabb) {
+fn add_ground(file: &mut SceneFile, bounds: &Aabb, model: &Model) {
+    // A material of the model that had the same name would be changed by that of the ground.
+    let mut name = GROUND.to_owned();
+    while model.materials.iter().any(|material| material.name == name) {
+        name.push('\'');
+    }
     let centre = bounds.centre();
     let point = [centre.x, bounds.min.y, centre.z];
     file.nodes.push(Node {
         name: GROUND.to_owned(),
         shape: Some(Shape::Plane { point, normal: [0.0, 1.0, 0.0] }),
-        material: Some(GROUND.to_owned()),
+        material: Some(name.clone()),
         ..Node::default()
     });
     let matte = Phong { diffuse: Coefficient::Constant(Rgb::gray(0.5)), ..Phong::default() };
-    file.materials.insert(GROUND.to_owned(), material(&matte));
-}
-
-/// Exposure in stops, to two decimals, that takes this level of light to 1.
-fn exposure_for(level: f64) -> f64 {
-    if level > 0.0 && level.is_finite() { rounded(-transcendental::log2(level), 10.0) } else { 0.0 }
+    file.materials.insert(name, material(&matte));
 }
 
 /// Luminance of the unshadowed light that falls straight on the corners and the middle of a box, on average.
@@ -162,5 +163,83 @@ pub(crate) fn material(phong: &Phong) -> Material {
         ior: phong.transmission.map(|t| t.ior),
         fresnel: phong.transmission.map(|t| t.fresnel),
         absorption: phong.transmission.map(|t| Color::from_rgb(t.absorption.to_array())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::resolve::resolve_with;
+    use crate::{Content, Material, MaterialId, Node as SceneNode, Scene};
+    use rt_geometry::{AxisBox, Shape};
+    use std::path::Path;
+
+    /// A box of side 2 around the origin, lit by these lights.
+    fn lit(kinds: &[LightKind], intensity: f64) -> Model {
+        let cube = AxisBox::new(DVec3::NEG_ONE, DVec3::ONE).unwrap();
+        let light = |&kind| Light { name: String::new(), kind, intensity: Rgb::gray(intensity), casts_shadows: true };
+        Model {
+            materials: vec![Material { name: "ground".to_owned(), phong: Phong::default() }],
+            nodes: vec![SceneNode::new(Content::Shape(Shape::AxisBox(cube)), MaterialId(0))],
+            lights: kinds.iter().map(light).collect(),
+            ..Model::default()
+        }
+    }
+
+    fn scene(model: Model, ground: bool) -> Scene {
+        let (mut file, _) = scene_around(&model, "a.glb", &LoadOptions { ground, root: None });
+        resolve_with(&mut file, Path::new("a.glb"), &LoadOptions::default(), Some(("a.glb".to_owned(), model))).unwrap()
+    }
+
+    fn point(position: DVec3) -> LightKind {
+        LightKind::Point { position, falloff: Falloff::InverseSquare, lamp_radius: 0.0 }
+    }
+
+    #[test]
+    fn exposure_takes_the_light_of_a_model_to_white() {
+        let sun = LightKind::Directional { direction: DVec3::NEG_Y };
+        let day = scene(lit(&[sun], 65_536.0), false);
+        assert_eq!(day.film.development.exposure, -16.0);
+        assert_eq!(day.appearance.ambient, Rgb::gray(65_536.0));
+        assert_eq!(day.appearance.lights[0].intensity, Rgb::gray(65_536.0));
+        // 8 candela, 4 away from the middle of a small box: half a lux.
+        let near = scene(lit(&[point(DVec3::new(0.0, 4.0, 0.0))], 8.0), false);
+        assert!((near.film.development.exposure - 1.0).abs() < 0.5, "{}", near.film.development.exposure);
+        // A light in the very middle, or in a corner, does not blow up.
+        for place in [DVec3::ZERO, DVec3::ONE] {
+            let exposure = scene(lit(&[point(place)], 3.0), false).film.development.exposure;
+            assert!(exposure.abs() < 3.0, "{exposure}");
+        }
+    }
+
+    #[test]
+    fn lights_that_reach_nothing_leave_the_exposure_alone() {
+        let up = DVec3::Y;
+        let away = LightKind::Spot {
+            position: up * 9.0,
+            direction: up,
+            cos_inner: 0.9,
+            cos_outer: 0.8,
+            falloff: Falloff::InverseSquare,
+        };
+        let scene = scene(lit(&[away], 100.0), false);
+        assert_eq!(scene.film.development.exposure, 0.0);
+        let LightKind::Spot { cos_inner, cos_outer, .. } = scene.appearance.lights[0].kind else { panic!("a spot") };
+        assert!((cos_inner - 0.9).abs() < 1e-15 && (cos_outer - 0.8).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_ground_keeps_out_of_the_way_of_a_material_of_its_name() {
+        let mut model = lit(&[], 0.0);
+        model.materials[0].phong.diffuse = Coefficient::Constant(Rgb::gray(0.25));
+        let scene = scene(model, true);
+        let materials: Vec<_> = scene
+            .appearance
+            .materials
+            .iter()
+            .map(|material| (material.name.as_str(), material.phong.diffuse))
+            .collect();
+        let gray = |value| Coefficient::Constant(Rgb::gray(value));
+        assert_eq!(materials, [("ground", gray(0.25)), ("ground'", gray(0.5))]);
     }
 }

@@ -1,4 +1,46 @@
 //! # rt-scene-io: files to resolved scenes
+//!
+//! ```text
+//!   .ron .json ── parse ──► SceneFile ──┐
+//!                                       ├─ resolve ─► Scene    plain data: ids instead of names, radians instead of
+//!   .obj .gltf .glb ── load ──► Model ──┘                      degrees, pixels instead of paths, nothing unchecked
+//! ```
+//!
+//! **Owns** [`Scene`] and its tree of nodes, [`Scene::bounds`], the scene format ([`mod@format`]) and its JSON Schema,
+//! the model loaders, texture decoding, the rules for files that refer to files, and the guesses that are made where
+//! a file leaves something open: camera, lights, exposure.
+//! **Does not own** shapes, materials, lights or cameras themselves, and does not know how a scene is rendered.
+//!
+//! Everything has a default but the geometry. Every mistake in a file is reported at once, each with its place, the
+//! value, the rule, and the nearest right name. References must stay below a root folder.
+//!
+//! ```
+//! use rt_scene_io::{LoadOptions, format::parse_ron, resolve};
+//! use std::path::Path;
+//!
+//! let text = r##"(
+//!     camera: (look_from: (0, 1, 5), look_at: (0, 0.5, 0), fov: 40),
+//!     lights: [point(position: (-3, 5, 4), intensity: gray(0.9)), ambient(gray(1))],
+//!     materials: {
+//!         "floor": phong(color: checker(even: gray(1), odd: hex("#c03020"))),
+//!         "steel": phong(diffuse: gray(0.2), specular: gray(0.5), exponent: 80, mirror: gray(0.6)),
+//!     },
+//!     nodes: [
+//!         (shape: plane(), material: "floor"),
+//!         (shape: sphere(radius: 0.5), transform: [translate(0, 0.5, 0)], material: "steel"),
+//!     ],
+//! )"##;
+//! let path = Path::new("scenes/steel.ron");
+//! let file = parse_ron(text, path)?;
+//! let scene = resolve(&file, path, &LoadOptions::default())?;
+//! assert!(scene.bounds().encloses(&rt_math::Aabb::new([-0.5, 0.0, -0.5].into(), [0.5, 1.0, 0.5].into())));
+//!
+//! let error = parse_ron("(nodes: [(shape: sphere(raduis: 1))])", path).unwrap_err();
+//! assert!(error.to_string().starts_with("scenes/steel.ron:1:25: unknown field `raduis`; did you mean `radius`?"));
+//! # Ok::<(), rt_scene_io::LoadError>(())
+//! ```
+//!
+//! Without default features only [`Scene`] and its parts are left, for scenes that are built in code.
 
 #![forbid(unsafe_code)]
 
@@ -6,15 +48,17 @@
 mod bare;
 mod bounds;
 #[cfg(feature = "format")]
+mod convert;
+#[cfg(feature = "format")]
 mod error;
 #[cfg(feature = "format")]
 mod files;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-mod mesh_build;
 #[cfg(feature = "format")]
 pub mod format;
 #[cfg(feature = "format")]
 mod load;
+#[cfg(feature = "format")]
+mod mesh_build;
 #[cfg(feature = "format")]
 mod model;
 #[cfg(feature = "obj")]
@@ -27,6 +71,8 @@ mod scene;
 #[cfg(feature = "format")]
 mod texture;
 
+#[cfg(feature = "format")]
+pub use convert::convert;
 #[cfg(feature = "format")]
 pub use error::{LoadError, Place, Problem, Reason};
 #[cfg(feature = "format")]

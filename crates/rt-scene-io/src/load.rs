@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::bare::scene_around;
 use crate::format::{SceneFile, parse_json, parse_ron};
-use crate::resolve::resolve_with;
+use crate::resolve::{resolve, resolve_with};
 use crate::{LoadError, LoadOptions, Scene, load_model, read_text};
 
 /// Loads a scene (`.ron`, `.json`) or a bare model (`.obj`, `.gltf`, `.glb`).
@@ -15,27 +15,26 @@ use crate::{LoadError, LoadOptions, Scene, load_model, read_text};
 /// # Errors
 /// Everything that is wrong with the file and those that it refers to.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
-    load_completed(path, options).map(|(_, scene)| scene)
+    let options = options.rooted_at(path);
+    match read_scene_file(path)? {
+        Some(file) => resolve(&file, path, &options),
+        None => load_bare(path, &options).map(|(_, scene)| scene),
+    }
 }
 
-/// A scene, and the scene file that it was made from with everything filled in that was left open.
-pub(crate) fn load_completed(path: &Path, options: &LoadOptions) -> Result<(SceneFile, Scene), LoadError> {
-    let options = options.rooted_at(path);
-    if let Some(mut file) = read_scene_file(path)? {
-        let scene = resolve_with(&mut file, path, &options, None)?;
-        return Ok((file, scene));
-    }
-    let model = load_model(path, &options)?;
+/// A model as a scene, and the scene file that would give the same.
+pub(crate) fn load_bare(path: &Path, options: &LoadOptions) -> Result<(SceneFile, Scene), LoadError> {
+    let model = load_model(path, options)?;
     let reference = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let (mut file, mut notes) = scene_around(&model, &reference, &options);
-    let mut scene = resolve_with(&mut file, path, &options, Some((reference, model)))?;
+    let (mut file, mut notes) = scene_around(&model, &reference, options);
+    let mut scene = resolve_with(&mut file, path, options, Some((reference, model)))?;
     notes.append(&mut scene.notes);
     scene.notes = notes;
     Ok((file, scene))
 }
 
 /// Parses a scene file; `None` if the name ends otherwise.
-fn read_scene_file(path: &Path) -> Result<Option<SceneFile>, LoadError> {
+pub(crate) fn read_scene_file(path: &Path) -> Result<Option<SceneFile>, LoadError> {
     let parse = match ending(path).as_str() {
         "ron" => parse_ron,
         "json" => parse_json,

@@ -215,7 +215,7 @@ pub struct Scene {
     pub appearance: Appearance,
     /// Meshes that nodes refer to.
     pub meshes: Vec<NamedMesh>,
-    /// Groups that instances refer to.
+    /// Groups that instances refer to. A group only contains instances of groups before it.
     pub groups: Vec<Group>,
     /// The tree.
     pub nodes: Vec<Node>,

@@ -231,7 +231,7 @@ fn references_must_stay_below_the_root() {
         ("C:\\x.png", "is absolute"),
         ("file:///etc/passwd", "is a URL"),
         ("https://example.org/x.png", "is a URL"),
-        ("none.png", "cannot be read: No such file"),
+        ("none.png", "`none.png` is not there"),
         ("", "is empty"),
         ("bad.png", "`bad.png` is not a PNG, JPEG, HDR or EXR image"),
     ] {

@@ -124,15 +124,15 @@ impl<'a> Objects<'a> {
     }
 
     fn shape(&mut self, path: &str, name: &str, shape: &format::Shape) -> Option<Content> {
-        match self.report.check(format_args!("{path}.shape"), solid(shape))? {
+        let place = format!("{path}.shape");
+        let solid = solid(shape, &place, &mut self.report.warnings);
+        match self.report.check(place, solid)? {
             Solid::Shape(shape) => Some(Content::Shape(shape)),
-            Solid::Mesh(mesh, mended) => {
-                if let Some(mended) = mended {
-                    self.report.warn(format_args!("{path}.shape"), mended);
-                }
+            Solid::Mesh(mesh) => {
+                let mesh = Arc::new(mesh?);
                 let name = if name.is_empty() { path } else { name };
                 let id = MeshId(self.meshes.len() as u32);
-                self.meshes.push(NamedMesh { name: name.to_owned(), mesh: Arc::new(mesh) });
+                self.meshes.push(NamedMesh { name: name.to_owned(), mesh });
                 Some(Content::Mesh(id))
             }
         }

@@ -38,10 +38,6 @@ impl Report {
         self.problems.extend(problems.into_iter().take(room));
     }
 
-    pub(super) fn warn(&mut self, path: impl Display, message: String) {
-        self.warnings.push(Warning { place: format!("{}: {path}", self.file), message });
-    }
-
     /// The warnings, or everything that is wrong.
     pub(super) fn finish(self) -> Result<Vec<Warning>, LoadError> {
         match LoadError::from_problems(self.problems) {

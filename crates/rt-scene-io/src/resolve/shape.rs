@@ -1,19 +1,22 @@
 //! Shapes of the file to shapes and meshes of the scene.
 
-use rt_geometry::{AxisBox, MeshData, MeshRepairs, Plane, Shape, Sphere, Triangle, TriangleMesh};
+use rt_geometry::{AxisBox, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
 use rt_math::DVec3;
 
-use crate::Reason;
 use crate::format;
+use crate::mesh_build::build_mesh;
+use crate::{Reason, Warning};
 
 /// What a shape of the file stands for.
 pub(super) enum Solid {
     Shape(Shape),
-    /// A mesh, and what had to be mended.
-    Mesh(TriangleMesh, Option<String>),
+    /// `None` if no triangle was left.
+    Mesh(Option<TriangleMesh>),
 }
 
-pub(super) fn solid(shape: &format::Shape) -> Result<Solid, Reason> {
+/// The shape or mesh; `place` is where warnings say that triangles were mended.
+pub(super) fn solid(shape: &format::Shape, place: &str, warnings: &mut Vec<Warning>) -> Result<Solid, Reason> {
+    let mut mesh = |data| checked_mesh(data, place, warnings).map(Solid::Mesh);
     let point = DVec3::from;
     let shape = match shape {
         format::Shape::Sphere { center, radius } => Shape::Sphere(Sphere::new(point(*center), *radius)?),
@@ -40,17 +43,13 @@ pub(super) fn solid(shape: &format::Shape) -> Result<Solid, Reason> {
     Ok(Solid::Shape(shape))
 }
 
-fn mesh(data: MeshData) -> Result<Solid, Reason> {
+fn checked_mesh(data: MeshData, place: &str, warnings: &mut Vec<Warning>) -> Result<Option<TriangleMesh>, Reason> {
     if data.triangles.is_empty() {
         return Err(Reason::invalid("the mesh", "has no triangles: give at least one"));
     }
+    // Model files may be damaged and are mended; what was written by hand is a mistake to know of.
     if let Some(bad) = data.positions.iter().flat_map(|p| p.to_array()).find(|c| !c.is_finite()) {
         return Err(Reason::invalid(bad, "is not a finite number"));
     }
-    let (mesh, repairs) = TriangleMesh::build(data)?;
-    let mended = (repairs != MeshRepairs::default()).then(|| {
-        let MeshRepairs { degenerate, bad_normals, bad_uvs, .. } = repairs;
-        format!("left out {degenerate} triangles without area, replaced {bad_normals} normals and {bad_uvs} texture coordinates")
-    });
-    Ok(Solid::Mesh(mesh, mended))
+    Ok(build_mesh(data, place, warnings)?)
 }

@@ -24,6 +24,9 @@ pub(super) fn complete(file: &mut SceneFile, bounds: &Aabb) -> Vec<String> {
     let aspect = width.max(1) as f64 / height.max(1) as f64;
     for camera in file.camera.iter_mut().chain(&mut file.cameras).filter(|camera| is_unplaced(camera)) {
         let (eye, target) = framed(camera, &bounds, aspect);
+        if camera.orthographic.is_none() {
+            camera.fov.get_or_insert(DEFAULT_FOV_DEGREES);
+        }
         camera.look_from = Some(eye.to_array());
         camera.look_at = Some(target.to_array());
         notes.push(format!("The camera has no place: it looks from {eye} at {target}, where it sees everything."));

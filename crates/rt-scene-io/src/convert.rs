@@ -1,0 +1,113 @@
+//! Any file that can be loaded to a scene file to edit.
+
+use std::collections::HashMap;
+use std::path::{Component, Path, PathBuf};
+
+use crate::bare::material;
+use crate::format::{Coefficient, Material, Node, SceneFile};
+use crate::load::{ending, load_bare, read_scene_file};
+use crate::options::folder_of;
+use crate::{LoadError, LoadOptions, Reason, Scene, resolve, resolve_path};
+
+/// The text of a scene file that stands for `input`, to be written to `output`, whose ending (`.ron` or `.json`)
+/// decides the format.
+///
+/// A model becomes a scene that refers to it, with camera, lights, film, settings and materials written out; it
+/// renders to the same picture as the model. A scene is written anew in canonical form; comments are lost. References
+/// to files are rewritten for the folder of the output.
+///
+/// # Errors
+/// Everything that is wrong with the input, or an output of another format or in a folder that does not exist.
+pub fn convert(input: &Path, output: &Path, options: &LoadOptions) -> Result<String, LoadError> {
+    let is_json = match ending(output).as_str() {
+        "ron" => false,
+        "json" => true,
+        _ => return Err(Reason::UnknownFormat { known: ".ron, .json" }.at(output, "")),
+    };
+    let options = options.rooted_at(input);
+    let (mut file, mut comments) = match read_scene_file(input)? {
+        Some(file) => {
+            resolve(&file, input, &options)?;
+            (file, Vec::new())
+        }
+        None => around_model(input, &options)?,
+    };
+    let left = move_references(&mut file, input, output, &options)?;
+    if left {
+        comments.push("Some files lie outside of this folder: choose a root folder that contains them.".to_owned());
+    }
+    if is_json {
+        return Ok(file.to_json());
+    }
+    let comments: String = comments.iter().map(|comment| format!("// {comment}\n")).collect();
+    Ok(comments + &file.to_ron())
+}
+
+/// A scene around a model with everything written out that one may want to edit, and what to say about it.
+fn around_model(input: &Path, options: &LoadOptions) -> Result<(SceneFile, Vec<String>), LoadError> {
+    let (mut file, scene) = load_bare(input, options)?;
+    file.name = Some(scene.name.clone());
+    write_materials(&mut file, &scene);
+    Ok((file, scene.notes))
+}
+
+/// Adds the materials of a scene to its file. Names that two materials share cannot tell them apart and are left out.
+fn write_materials(file: &mut SceneFile, scene: &Scene) {
+    let mut uses: HashMap<&str, u32> = HashMap::new();
+    for material in &scene.appearance.materials {
+        *uses.entry(&material.name).or_default() += 1;
+    }
+    for crate::Material { name, phong } in &scene.appearance.materials {
+        if uses[name.as_str()] == 1 && !file.materials.contains_key(name) {
+            file.materials.insert(name.clone(), material(phong));
+        }
+    }
+}
+
+/// Rewrites references to files from the folder of the input to that of the output. True if one leaves that folder.
+fn move_references(
+    file: &mut SceneFile,
+    input: &Path,
+    output: &Path,
+    options: &LoadOptions,
+) -> Result<bool, LoadError> {
+    let absolute = |path: &Path| folder_of(path).canonicalize().map_err(|error| Reason::from(error).at(path, ""));
+    let (from, to) = (absolute(input)?, absolute(output)?);
+    if from == to {
+        return Ok(false);
+    }
+    let mut left = false;
+    for reference in references(file) {
+        let found = resolve_path(reference, input, options).and_then(|path| Ok(path.canonicalize()?));
+        let path = relative(&to, &found.map_err(|reason| reason.at(input, reference.as_str()))?);
+        left |= path.starts_with("..");
+        *reference = path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/");
+    }
+    Ok(left)
+}
+
+/// The way from a folder to a file, both absolute.
+fn relative(folder: &Path, file: &Path) -> PathBuf {
+    let shared = folder.components().zip(file.components()).take_while(|(a, b)| a == b).count();
+    let up = folder.components().skip(shared).map(|_| Component::ParentDir);
+    up.chain(file.components().skip(shared)).collect()
+}
+
+/// All references to other files.
+fn references(file: &mut SceneFile) -> Vec<&mut String> {
+    let mut found = Vec::new();
+    for definition in file.materials.values_mut() {
+        let Material::Phong { color, ambient, diffuse, specular, emission, mirror, transmission, .. } = definition;
+        for coefficient in [color, ambient, diffuse, specular, emission, mirror, transmission].into_iter().flatten() {
+            if let Coefficient::Image { file, .. } = coefficient {
+                found.push(file);
+            }
+        }
+    }
+    let mut open: Vec<&mut Node> = file.groups.values_mut().flatten().chain(&mut file.nodes).collect();
+    while let Some(node) = open.pop() {
+        found.extend(&mut node.model);
+        open.extend(&mut node.children);
+    }
+    found
+}
