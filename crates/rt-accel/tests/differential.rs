@@ -5,7 +5,9 @@
 mod soup;
 
 use rt_accel::{Aabb, Accelerator, Bvh, DVec3, Linear, NoProbe, Primitives, UniformGrid};
-use soup::{Draw, Query, Solid, Soup, adversarial};
+use soup::draw::Draw;
+use soup::rays::{Query, adversarial};
+use soup::{Solid, Soup};
 
 /// Rays per scene; the environment variable `RT_RAYS` sets another number for long runs.
 fn n_rays() -> usize {

@@ -23,6 +23,10 @@ struct Task<'a> {
 }
 
 impl<'a> Task<'a> {
+    fn whole(items: &'a mut [Item]) -> Self {
+        Self { bounds: union(items), items, first: 0, depth: 0 }
+    }
+
     /// The two tasks that a split leaves, and their boxes.
     fn divide(self, Split { middle, bounds }: Split) -> [Self; 2] {
         let (left, right) = self.items.split_at_mut(middle);
@@ -40,7 +44,7 @@ impl<'a> Task<'a> {
 
 /// Grows the tree over `items`, which must not be empty, and reorders them so that each leaf is a run.
 pub(super) fn build(items: &mut [Item]) -> Subtree {
-    let task = Task { bounds: union(items), items, first: 0, depth: 0 };
+    let task = Task::whole(items);
     #[cfg(feature = "parallel")]
     return parallel::grow(task);
     #[cfg(not(feature = "parallel"))]
@@ -126,6 +130,54 @@ mod parallel {
         fn moved(mut self, offset: u32) -> Self {
             self.children = self.children.map(|child| child.moved(offset));
             self
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3A;
+    use rt_math::random::{hash, unit};
+
+    fn items(count: u32) -> Vec<Item> {
+        let item = |index: u32| {
+            let draw = |axis| unit(hash(&[u64::from(index), axis])) as f32;
+            // Coarse coordinates, so that many centroids coincide.
+            let min = Vec3A::new((draw(0) * 40.0).round(), (draw(1) * 9.0).round(), draw(2));
+            Item { bounds: NodeBox { min, max: min + 0.1 * draw(3) }, index }
+        };
+        (0..count).map(item).collect()
+    }
+
+    fn order(items: &[Item]) -> Vec<u32> {
+        items.iter().map(|item| item.index).collect()
+    }
+
+    #[test]
+    fn leaves_are_small_and_nodes_are_one_fewer() {
+        let mut items = items(5000);
+        let tree = build(&mut items);
+        assert_eq!(tree.leaves, tree.nodes.len() + 1);
+        let counts = tree.nodes.iter().flat_map(|node| node.children).map(|child| child.count as usize);
+        assert!(counts.clone().all(|count| count <= super::super::split::MAX_LEAF));
+        assert_eq!(counts.sum::<usize>(), 5000);
+        let mut all = order(&items);
+        all.sort_unstable();
+        assert_eq!(all, (0..5000).collect::<Vec<_>>());
+    }
+
+    #[cfg(feature = "parallel")]
+    #[test]
+    fn any_number_of_threads_grows_the_same_tree() {
+        let mut serial_items = items(50_000);
+        let serial = grow(Task::whole(&mut serial_items));
+        for n_threads in [1, 2, 7] {
+            let mut items = items(50_000);
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().expect("a pool");
+            let tree = pool.install(|| parallel::grow(Task::whole(&mut items)));
+            assert_eq!(tree, serial);
+            assert_eq!(order(&items), order(&serial_items));
         }
     }
 }

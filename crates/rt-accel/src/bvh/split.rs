@@ -190,3 +190,74 @@ impl Binning {
         best
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn item(index: u32, x: f32) -> Item {
+        let min = Vec3A::new(x, 0.0, 0.0);
+        Item { bounds: NodeBox { min, max: min + 0.5 }, index }
+    }
+
+    fn order(items: &[Item]) -> Vec<u32> {
+        items.iter().map(|item| item.index).collect()
+    }
+
+    #[test]
+    fn clusters_are_separated() {
+        let mut items: Vec<_> = [0.0, 100.0, 1.0, 101.0, 2.0, 3.0].iter().zip(0..).map(|(&x, i)| item(i, x)).collect();
+        let split = split(&mut items, &NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(101.5) }, 0).expect("a split");
+        assert_eq!(split.middle, 4);
+        assert_eq!((split.bounds[0].max.x, split.bounds[1].min.x), (3.5, 100.0));
+    }
+
+    #[test]
+    fn overlapping_items_are_a_leaf() {
+        let mut items: Vec<_> = (0..4).map(|i| item(i, 0.01 * i as f32)).collect();
+        let bounds = union(&items);
+        assert!(split(&mut items, &bounds, 0).is_none());
+    }
+
+    #[test]
+    fn lopsided_sets_are_halved_when_depth_runs_out() {
+        let lopsided = || (0..1000).map(|i| item(i, if i == 0 { 1e6 } else { i as f32 })).collect::<Vec<_>>();
+        let mut items = lopsided();
+        let bounds = union(&items);
+        assert_eq!(split(&mut items, &bounds, 49).map(|split| split.middle), Some(999), "2¹⁰ items fit below 50");
+        let mut items = lopsided();
+        assert_eq!(split(&mut items, &bounds, 50).map(|split| split.middle), Some(500));
+        assert_eq!(order(&items)[..3], [1, 2, 3]);
+        assert_eq!(order(&items)[999], 0);
+    }
+
+    #[test]
+    fn coinciding_centroids_are_halved_in_order() {
+        let mut items: Vec<_> = (0..20).map(|i| item(i, 3.0)).collect();
+        let bounds = union(&items);
+        assert_eq!(split(&mut items, &bounds, 0).map(|split| split.middle), Some(10));
+        assert_eq!(order(&items), (0..20).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn infinite_extents_are_halved() {
+        let mut items: Vec<_> =
+            (0..20).map(|i| item(i, [f32::NEG_INFINITY, 0.0, f32::INFINITY][i as usize % 3])).collect();
+        let bounds = union(&items);
+        assert_eq!(split(&mut items, &bounds, 0).map(|split| split.middle), Some(10));
+    }
+
+    #[test]
+    fn partition_keeps_every_item() {
+        for pattern in 0u32..256 {
+            let mut items: Vec<_> = (0..8).map(|i| item(i, 0.0)).collect();
+            let is_left = |item: &Item| pattern >> item.index & 1 == 1;
+            let middle = partition(&mut items, is_left);
+            assert_eq!(middle, pattern.count_ones() as usize);
+            assert!(items[..middle].iter().all(is_left) && !items[middle..].iter().any(is_left));
+            let mut all = order(&items);
+            all.sort_unstable();
+            assert_eq!(all, (0..8).collect::<Vec<_>>());
+        }
+    }
+}

@@ -94,3 +94,62 @@ fn is_at_most(plane: f32, b: f64, c: f64) -> bool {
     let plane = f64::from(plane);
     plane < difference || (plane == difference && error >= 0.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::node::Node;
+    use rt_math::{Hit, Interval, Ray};
+
+    struct Row;
+
+    impl Primitives for Row {
+        fn len(&self) -> usize {
+            100
+        }
+        fn bounds(&self, index: u32) -> Option<Aabb> {
+            Some(Aabb::new(DVec3::X * f64::from(index), DVec3::X * f64::from(index) + 0.5))
+        }
+        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
+            None
+        }
+    }
+
+    fn damaged(damage: impl FnOnce(&mut Bvh)) -> Result<(), Violation> {
+        let mut bvh = Bvh::build(&Row).expect("bounded");
+        assert_eq!(bvh.validate(&Row), Ok(()));
+        damage(&mut bvh);
+        bvh.validate(&Row)
+    }
+
+    #[test]
+    fn damage_is_found() {
+        let shrunk = |bvh: &mut Bvh, number: usize| {
+            let node = &mut bvh.nodes[number];
+            let [left, right] = [0, 1].map(|side| node.child_box(side));
+            let smaller = NodeBox { max: left.max - 0.3, ..left };
+            *node = Node::new([smaller, right], node.children);
+        };
+        assert_eq!(damaged(|bvh| shrunk(bvh, 0)), Err(Violation::Node { node: 1 }), "does not contain its child");
+        let parent_of_leaf = |bvh: &Bvh| bvh.nodes.iter().position(|node| node.children[0].count > 0).expect("a leaf");
+        let verdict = damaged(|bvh| shrunk(bvh, parent_of_leaf(bvh)));
+        assert!(matches!(verdict, Err(Violation::Outside { .. })), "{verdict:?}");
+        let verdict = damaged(|bvh| bvh.indices[1] = bvh.indices[0]);
+        assert!(matches!(verdict, Err(Violation::Misplaced { .. })), "{verdict:?}");
+        let verdict = damaged(|bvh| bvh.nodes[0].children[0] = Child::leaf(0, 0));
+        assert!(verdict.is_err(), "a loop: {verdict:?}");
+        assert_eq!(damaged(|bvh| bvh.nodes[0].children[0] = Child::node(9999)), Err(Violation::Node { node: 9999 }));
+        let verdict = damaged(|bvh| bvh.nodes[0].children[1] = Child::leaf(99, 5));
+        assert!(verdict.is_err(), "a leaf past the end: {verdict:?}");
+        assert_eq!(damaged(|bvh| bvh.centre.x += 0.01).map_err(|e| matches!(e, Violation::Outside { .. })), Err(true));
+    }
+
+    #[test]
+    fn containment_is_decided_without_rounding() {
+        // 1 − 2⁻⁶⁰ rounds to 1; the real number is below it.
+        let tiny = 1.0 / (1u64 << 60) as f64;
+        assert!(!is_at_most(1.0, 1.0, tiny));
+        assert!(is_at_most(1.0, 1.0, -tiny) && is_at_most(1.0, 1.0, 0.0));
+        assert!(!is_at_most(1.0, f64::NAN, 0.0));
+    }
+}

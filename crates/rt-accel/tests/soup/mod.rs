@@ -5,14 +5,14 @@
 
 #![allow(dead_code, reason = "each test binary uses another part of this module")]
 
-mod draw;
-mod rays;
-
-pub(crate) use draw::Draw;
-pub(crate) use rays::{Query, adversarial};
+pub(crate) mod draw;
+pub(crate) mod rays;
+pub(crate) mod structures;
 
 use rt_accel::{Aabb, DVec3, Hit, Interval, Primitives, Ray};
 use rt_math::SlabRay;
+
+use draw::Draw;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Solid {

@@ -2,7 +2,8 @@
 
 use rt_accel::{Aabb, Accelerator, DVec3, Interval, Linear, NoProbe, Ray};
 
-use super::{Draw, Solid, Soup};
+use super::draw::Draw;
+use super::{Solid, Soup};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Query {
