@@ -11,6 +11,7 @@ pub(crate) struct Nearest {
 }
 
 impl Nearest {
+    #[inline]
     pub(crate) fn new(ray: &Ray, span: Interval) -> Self {
         Self { ray: SlabRay::new(ray), span, hit: None }
     }
@@ -48,6 +49,7 @@ pub(crate) fn any_blocks<P: Primitives, S: Probe>(
 
 /// True if all numbers of the ray are finite. The arithmetic that culls is proven for such rays only; others are
 /// answered by exhaustion, which keeps the results of all structures equal.
+#[inline]
 pub(crate) fn is_finite(ray: &Ray) -> bool {
     ray.origin.is_finite() && ray.direction.is_finite()
 }

@@ -25,6 +25,7 @@ impl Aabb {
     pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
     /// The box from `min` to `max`.
+    #[inline]
     pub const fn new(min: DVec3, max: DVec3) -> Self {
         Self { min, max }
     }
@@ -35,41 +36,49 @@ impl Aabb {
     }
 
     /// The smallest box around this one and a point.
+    #[inline]
     pub fn include(self, point: DVec3) -> Self {
         Self { min: self.min.min(point), max: self.max.max(point) }
     }
 
     /// The smallest box around both.
+    #[inline]
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     /// True if the box contains no point, or has a NaN corner.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         !(self.min.x <= self.max.x && self.min.y <= self.max.y && self.min.z <= self.max.z)
     }
 
     /// True if all corners are finite numbers.
+    #[inline]
     pub fn is_finite(&self) -> bool {
         self.min.is_finite() && self.max.is_finite()
     }
 
     /// True if the point lies in the closed box.
+    #[inline]
     pub fn contains(&self, point: DVec3) -> bool {
         self.min.cmple(point).all() && point.cmple(self.max).all()
     }
 
     /// True if `other` lies within this box.
+    #[inline]
     pub fn encloses(&self, other: &Self) -> bool {
         self.min.cmple(other.min).all() && other.max.cmple(self.max).all()
     }
 
     /// The middle of the box. Meaningless for an empty box.
+    #[inline]
     pub fn centre(&self) -> DVec3 {
         self.min * 0.5 + self.max * 0.5
     }
 
     /// Edge lengths; negative for an empty box.
+    #[inline]
     pub fn extent(&self) -> DVec3 {
         self.max - self.min
     }
@@ -84,11 +93,13 @@ impl Aabb {
     }
 
     /// Greatest magnitude of any coordinate.
+    #[inline]
     pub fn max_abs(&self) -> f64 {
         self.min.abs().max(self.max.abs()).max_element()
     }
 
     /// The box widened on all sides by 2⁻⁴⁰ of its greatest coordinate.
+    #[inline]
     pub fn padded(&self) -> Self {
         let pad = DVec3::splat(self.max_abs() * PAD);
         Self { min: self.min - pad, max: self.max + pad }
@@ -111,6 +122,7 @@ impl Aabb {
     /// The slab test (Williams et al. 2005) with the far side moved out by a rounding error. `0 · ∞`, a ray in the
     /// plane of a face, is NaN and imposes no constraint, so the box is closed. Each operation is monotone in the
     /// box: a larger box is never entered later nor left earlier. On that the equality of all structures rests.
+    #[inline]
     pub fn clip(&self, ray: &SlabRay, span: Interval) -> Option<Interval> {
         let Interval { min: mut enter, max: mut leave } = span;
         for axis in 0..3 {
@@ -145,6 +157,7 @@ pub struct SlabRay {
 
 impl SlabRay {
     /// Prepares a ray.
+    #[inline]
     pub fn new(ray: &Ray) -> Self {
         Self { ray: *ray, inverse: ray.direction.recip() }
     }

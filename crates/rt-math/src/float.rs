@@ -15,6 +15,7 @@ pub const fn gamma(n: u32) -> f64 {
 ///
 /// Dekker's product with Veltkamp's splitting (Dekker 1971): the bits of a fused multiply-add, on any processor.
 /// Exact while nothing over- or underflows.
+#[inline]
 pub fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     let (a_high, a_low) = split(a);
@@ -23,6 +24,7 @@ pub fn two_product(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// Halves of 26 bits that add up to `a`.
+#[inline]
 fn split(a: f64) -> (f64, f64) {
     const FACTOR: f64 = ((1u64 << 27) + 1) as f64;
     let c = FACTOR * a;
@@ -34,6 +36,7 @@ fn split(a: f64) -> (f64, f64) {
 ///
 /// The plain expression answers where its error bound settles the sign; otherwise Kahan's algorithm (Jeannerod,
 /// Louvet, Muller 2013: relative error at most 2u). Over- and underflow void the promise.
+#[inline]
 pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let (ab, cd) = (a * b, c * d);
     let plain = ab - cd;
@@ -47,6 +50,7 @@ pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
 }
 
 /// `a × b` with [`difference_of_products`] in each component.
+#[inline]
 pub fn cross(a: DVec3, b: DVec3) -> DVec3 {
     DVec3::new(
         difference_of_products(a.y, b.z, a.z, b.y),

@@ -19,6 +19,7 @@ impl Hit {
     /// True if this hit wins over `other`: nearer, or equally near and of the lower (instance, primitive).
     ///
     /// This total order makes the answer independent of the order in which a structure offers primitives.
+    #[inline]
     pub fn precedes(&self, other: &Self) -> bool {
         self.t < other.t || (self.t == other.t && (self.instance, self.primitive) < (other.instance, other.primitive))
     }

@@ -24,11 +24,13 @@ impl Interval {
     pub const SEGMENT: Self = Self { min: f64::MIN_POSITIVE, max: 1.0 };
 
     /// The interval `[min, max]`.
+    #[inline]
     pub const fn new(min: f64, max: f64) -> Self {
         Self { min, max }
     }
 
     /// True if `t` lies in the interval; false for NaN.
+    #[inline]
     pub fn contains(&self, t: f64) -> bool {
         self.min <= t && t <= self.max
     }
@@ -37,6 +39,7 @@ impl Interval {
     ///
     /// Which candidate is chosen depends on `max` only through "is it still in": shrinking `max` never reveals
     /// another hit. The equality of all acceleration structures rests on this.
+    #[inline]
     pub fn first(&self, near: f64, far: f64) -> Option<f64> {
         let t = if near >= self.min { near } else { far };
         self.contains(t).then_some(t)

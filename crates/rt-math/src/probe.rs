@@ -36,12 +36,16 @@ impl RayKind {
 /// Receives what a query does. Every method does nothing by default, so an implementation pays for what it counts.
 pub trait Probe {
     /// A ray of this kind is about to be traced; what follows belongs to it.
+    #[inline]
     fn ray(&mut self, _kind: RayKind) {}
     /// A node (or grid cell) of a structure is visited.
+    #[inline]
     fn node(&mut self) {}
     /// A primitive is offered in a visited leaf.
+    #[inline]
     fn test(&mut self) {}
     /// An offered primitive was hit within the span.
+    #[inline]
     fn hit(&mut self) {}
 }
 
@@ -59,6 +63,7 @@ pub struct RayCounts {
 }
 
 impl Probe for RayCounts {
+    #[inline]
     fn ray(&mut self, kind: RayKind) {
         self.rays[kind as usize] += 1;
     }
@@ -117,6 +122,7 @@ impl Counters {
 
 impl From<RayCounts> for Counters {
     /// The rays are known, all else is 0.
+    #[inline]
     fn from(counts: RayCounts) -> Self {
         let mut counters = Self::default();
         for (tally, rays) in counters.by_kind.iter_mut().zip(counts.rays) {
@@ -135,19 +141,23 @@ impl AddAssign for Counters {
 }
 
 impl Probe for Counters {
+    #[inline]
     fn ray(&mut self, kind: RayKind) {
         self.current = kind;
         self.by_kind[kind as usize].rays += 1;
     }
 
+    #[inline]
     fn node(&mut self) {
         self.by_kind[self.current as usize].nodes += 1;
     }
 
+    #[inline]
     fn test(&mut self) {
         self.by_kind[self.current as usize].tests += 1;
     }
 
+    #[inline]
     fn hit(&mut self) {
         self.by_kind[self.current as usize].hits += 1;
     }

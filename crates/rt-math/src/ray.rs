@@ -18,11 +18,13 @@ pub struct Ray {
 
 impl Ray {
     /// A ray at time 0.
+    #[inline]
     pub const fn new(origin: DVec3, direction: DVec3) -> Self {
         Self { origin, direction, time: 0.0 }
     }
 
     /// The point at parameter `t`.
+    #[inline]
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + self.direction * t
     }

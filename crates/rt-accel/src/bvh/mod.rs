@@ -88,6 +88,7 @@ impl Bvh {
         }
     }
 
+    #[inline]
     fn leaf(&self, child: Child) -> &[u32] {
         &self.indices[child.first as usize..][..child.count as usize]
     }

@@ -119,6 +119,7 @@ pub(super) struct NodeRay {
 
 impl NodeRay {
     /// `ray` must be finite.
+    #[inline]
     pub(super) fn new(ray: &SlabRay, centre: DVec3) -> Self {
         let origin = (ray.ray.origin - centre).to_array();
         let inverse = ray.inverse.to_array();

@@ -25,6 +25,7 @@ pub(super) struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     /// Starts in the cell at the beginning of `inside`, the part of the ray within the bounds of the grid.
+    #[inline]
     pub(super) fn new(axes: &'a [Axis; 3], ray: &SlabRay, inside: Interval) -> Self {
         let (origin, direction) = (ray.ray.origin.to_array(), ray.ray.direction.to_array());
         let strides = [1, axes[0].cells as usize, axes[0].cells as usize * axes[1].cells as usize];
