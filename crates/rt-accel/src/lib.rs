@@ -1,4 +1,66 @@
-//! Acceleration structures that give the bits of brute force.
+//! # rt-accel: chapter 6, acceleration structures
+//!
+//! ```text
+//!     closest(ray) = min over all primitives of (t, instance, primitive)      always the same bits
+//!
+//!     Linear                 UniformGrid               Bvh
+//!     ● ● ● ● ● ● ●          ┌──┬──┬──┬──┐             ┌─────────┐┌──────┐
+//!     each in turn           │  │● │  │  │             │┌───┐┌──┐││┌────┐│
+//!                            ├──┼──┼──┼──┤             ││● ●││ ●││││● ● ││
+//!                       ray ─┼──┼─▶│● │● │             │└───┘└──┘││└────┘│
+//!                            └──┴──┴──┴──┘             └─────────┘└──────┘
+//! ```
+//!
+//! | structure | build | memory per primitive | ray, n primitives | choose it for |
+//! |---|---|---|---|---|
+//! | [`Linear`] | O(n), checks only | 0 | n tests | up to about ten primitives; the truth to compare with |
+//! | [`UniformGrid`] | O(n) | 25 to 100 bytes | O(∛n) cells | primitives of similar size, evenly spread; frequent rebuilds |
+//! | [`Bvh`] | O(n log n) | about 50 bytes | O(log n) nodes | everything else |
+//!
+//! **All three give the same answer, bit for bit**, ties included, for every ray: hits are accepted through
+//! [`rt_math::decide`] alone, and what is culled provably cannot win. The modules of the sources state the proofs, and
+//! the tests try them on rays through vertices, edges and corners, along walls, and next to all of these. Primitives
+//! without bounds, such as infinite planes, are kept in a list and tested against every ray.
+//!
+//! **Owns** the structures, their builders and traversals. **Does not own** any shape: a structure holds indices and
+//! boxes, and borrows the caller's [`Primitives`] for each query. Nothing allocates, locks or fails during a query.
+//!
+//! Types of `rt-math` that are needed to use the crate are re-exported, so that it is the only dependency to name.
+//! With the feature `parallel` (on by default) trees are built on all threads; the result is the same without it.
+//!
+//! # Tracing your own primitives
+//!
+//! ```
+//! use rt_accel::{Aabb, Accelerator, Bvh, DVec3, Hit, Interval, NoProbe, Primitives, Ray};
+//!
+//! /// Squares of side 2 that face the z axis.
+//! struct Tiles(Vec<DVec3>);
+//!
+//! impl Primitives for Tiles {
+//!     fn len(&self) -> usize {
+//!         self.0.len()
+//!     }
+//!     fn bounds(&self, index: u32) -> Option<Aabb> {
+//!         let reach = DVec3::new(1.0, 1.0, 0.0);
+//!         Some(Aabb::new(self.0[index as usize] - reach, self.0[index as usize] + reach))
+//!     }
+//!     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+//!         let centre = self.0[index as usize];
+//!         let t = (centre.z - ray.origin.z) / ray.direction.z;
+//!         let offset = (ray.at(t) - centre).abs();
+//!         (span.contains(t) && offset.x <= 1.0 && offset.y <= 1.0)
+//!             .then_some(Hit { t, instance: 0, primitive: index, uv: [0.0; 2] })
+//!     }
+//! }
+//!
+//! let tiles = Tiles((0..1000).map(|i| DVec3::new(f64::from(i % 10), 0.0, f64::from(i))).collect());
+//! let bvh = Bvh::build(&tiles)?;
+//! let ray = Ray::new(DVec3::new(9.5, 0.0, -1.0), DVec3::Z);
+//! let hit = bvh.closest(&tiles, &ray, Interval::FORWARD, &mut NoProbe);
+//! assert_eq!(hit.map(|hit| (hit.t, hit.primitive)), Some((10.0, 9)));
+//! assert!(!bvh.occluded(&tiles, &ray, Interval::new(0.0, 9.9), &mut NoProbe));
+//! # Ok::<(), rt_accel::BuildError>(())
+//! ```
 
 #![forbid(unsafe_code)]
 

@@ -4,7 +4,7 @@
 
 mod soup;
 
-use rt_accel::{Aabb, Accelerator, Bvh, DVec3, Linear, NoProbe, Primitives, UniformGrid};
+use rt_accel::{Aabb, Accelerator, Bvh, Counters, DVec3, Hit, Linear, NoProbe, Primitives, UniformGrid};
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
 use soup::{Solid, Soup};
@@ -14,24 +14,32 @@ fn n_rays() -> usize {
     std::env::var("RT_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000)
 }
 
-/// Returns how many rays hit something.
-fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, seed: u64) -> usize {
+/// What a comparison went through.
+struct Outcome {
+    n_hits: usize,
+    /// Part of all primitives that were tested: 1 if nothing was culled, and the comparison says nothing.
+    tested: f64,
+}
+
+fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, seed: u64) -> Outcome {
     let linear = Linear::build(soup).unwrap();
     let world = Aabb::from_points(soup.0.iter().filter_map(Solid::bounds).flat_map(|bounds| [bounds.min, bounds.max]));
     let mut draw = Draw::new(seed);
     let mut n_hits = 0;
+    let mut counters = Counters::default();
     for i in 0..n_rays() {
         let query @ Query { ray, span } = adversarial(soup, &linear, &world, &mut draw);
         let expected = linear.closest(soup, &ray, span, &mut NoProbe);
-        let found = structure.closest(soup, &ray, span, &mut NoProbe);
-        let key = |hit: Option<rt_accel::Hit>| hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive));
+        let found = structure.closest(soup, &ray, span, &mut counters);
+        let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive));
         assert_eq!(key(found), key(expected), "{name}, seed {seed}, ray {i}: {query:?}");
         let blocked = structure.occluded(soup, &ray, span, &mut NoProbe);
         assert_eq!(blocked, expected.is_some(), "{name}, seed {seed}, ray {i}: {query:?}");
         assert_eq!(linear.occluded(soup, &ray, span, &mut NoProbe), expected.is_some(), "linear, ray {i}: {query:?}");
         n_hits += usize::from(expected.is_some());
     }
-    n_hits
+    let tested = counters.total().tests as f64 / (n_rays() * soup.len()) as f64;
+    Outcome { n_hits, tested }
 }
 
 /// Mixed solids at several distances from the origin and of several sizes, with and without an unbounded one.
@@ -52,14 +60,15 @@ fn scenes(seed: u64) -> Vec<(String, Soup)> {
     scenes
 }
 
-fn compare_all<A: Accelerator>(name: &str, build: impl Fn(&Soup) -> A) {
+fn compare_all<A: Accelerator>(name: &str, most_tested: f64, build: impl Fn(&Soup) -> A) {
     let seed = Draw::run_seed();
     println!("{name}: seed {seed}");
     let mut total = 0;
     for (i, (scene, soup)) in scenes(seed).iter().enumerate() {
-        let n_hits = compare(&format!("{name}, {scene}"), &build(soup), soup, seed + i as u64);
-        println!("{name}, {scene}: {} rays, {n_hits} hits, 0 differences", n_rays());
+        let Outcome { n_hits, tested } = compare(&format!("{name}, {scene}"), &build(soup), soup, seed + i as u64);
+        println!("{name}, {scene}: {} rays, {n_hits} hits, {tested:.3} of primitives tested, 0 differences", n_rays());
         assert!(n_hits > n_rays() / 10, "{scene}: rays must hit something to mean anything, {n_hits} did");
+        assert!(tested < most_tested, "{scene}: {tested} of all primitives were tested");
         total += n_rays();
     }
     println!("{name}: {total} rays");
@@ -67,7 +76,7 @@ fn compare_all<A: Accelerator>(name: &str, build: impl Fn(&Soup) -> A) {
 
 #[test]
 fn bvh_equals_brute_force() {
-    compare_all("bvh", |soup| Bvh::build(soup).unwrap());
+    compare_all("bvh", 0.1, |soup| Bvh::build(soup).unwrap());
 }
 
 #[test]
@@ -88,13 +97,15 @@ fn bvh_is_valid() {
 
 #[test]
 fn grid_equals_brute_force() {
-    compare_all("grid", |soup| UniformGrid::build(soup).unwrap());
+    compare_all("grid", 0.2, |soup| UniformGrid::build(soup).unwrap());
 }
 
 #[test]
 fn fine_and_lopsided_grids_equal_brute_force() {
-    for resolution in [[64, 64, 64], [1, 1, 1], [200, 1, 3], [2, 0, 100]] {
-        compare_all(&format!("grid {resolution:?}"), |soup| UniformGrid::with_resolution(soup, resolution).unwrap());
+    for resolution in [[64, 64, 64], [2, 0, 100]] {
+        compare_all(&format!("grid {resolution:?}"), 5.0, |soup| {
+            UniformGrid::with_resolution(soup, resolution).unwrap()
+        });
     }
 }
 
