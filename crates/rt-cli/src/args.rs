@@ -34,6 +34,8 @@ pub(crate) enum Command {
     Render(RenderArgs),
     /// Show what a render would use, what it would leave out and why, and its memory
     Explain(ExplainArgs),
+    /// Turn a scene or model into a scene file to edit
+    Convert(ConvertArgs),
     /// Turn an image of linear light into a picture: exposure, tone curve, gamma
     Develop(DevelopArgs),
     /// Print the JSON Schema of scene files, for editors
@@ -82,6 +84,17 @@ pub(crate) struct ExplainArgs {
 
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
+}
+
+/// Arguments of `convert`.
+#[derive(Debug, Args)]
+pub(crate) struct ConvertArgs {
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+
+    /// Scene file to write: .ron or .json
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) output: PathBuf,
 }
 
 /// Arguments of `develop`.

@@ -1,6 +1,7 @@
 //! The commands, one a file.
 
 mod completions;
+mod convert;
 mod develop;
 mod explain;
 mod man;
@@ -17,6 +18,7 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         None => showcase::run(),
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Explain(args)) => explain::run(&args),
+        Some(Command::Convert(args)) => convert::run(&args),
         Some(Command::Develop(args)) => develop::run(&args),
         Some(Command::Schema) => schema::run(),
         Some(Command::Completions { shell }) => completions::run(shell),

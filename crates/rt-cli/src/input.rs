@@ -1,4 +1,4 @@
-//! Scenes and models as they are read, with what the loader has to say about them.
+//! Scenes and models as they are read, and what the loader has to say about them.
 
 use std::path::Path;
 
@@ -11,33 +11,29 @@ use crate::error::Failure;
 /// Warnings that are printed one by one; the rest is counted.
 const MAX_PRINTED: usize = 20;
 
-/// Reads a scene, and passes on what the loader notes and warns of.
+/// Reads a scene, and passes on what the loader warns of.
 pub(crate) fn read_scene(args: &InputArgs, console: Console) -> Result<Scene, Failure> {
     let scene = load(&args.scene, &load_options(args)?)?;
-    tell(&scene, console)?;
-    Ok(scene)
-}
-
-/// Options of the loader.
-fn load_options(args: &InputArgs) -> Result<LoadOptions, Failure> {
-    match &args.root {
-        Some(root) if !root.is_dir() => Err(Failure::Usage(format!("--root {} is not a folder", root.display()))),
-        root => Ok(LoadOptions { root: root.clone(), ground: args.ground }),
-    }
-}
-
-/// Prints notes and warnings.
-fn tell(scene: &Scene, console: Console) -> Result<(), Failure> {
-    for note in &scene.notes {
-        console.say(format_args!("note: {note}"))?;
-    }
     for warning in scene.warnings.iter().take(MAX_PRINTED) {
         console.warn(format_args!("{}: {}", warning.place, warning.message));
     }
     if scene.warnings.len() > MAX_PRINTED {
         console.warn(format_args!("{} more are not shown", scene.warnings.len() - MAX_PRINTED));
     }
-    Ok(())
+    Ok(scene)
+}
+
+/// Options of the loader.
+pub(crate) fn load_options(args: &InputArgs) -> Result<LoadOptions, Failure> {
+    match &args.root {
+        Some(root) if !root.is_dir() => Err(Failure::Usage(format!("--root {} is not a folder", root.display()))),
+        root => Ok(LoadOptions { root: root.clone(), ground: args.ground }),
+    }
+}
+
+/// Says what the loader chose because the file leaves it open.
+pub(crate) fn say_notes(scene: &Scene, console: Console) -> Result<(), Failure> {
+    scene.notes.iter().try_for_each(|note| console.say(format_args!("note: {note}")))
 }
 
 /// Refuses a scene with warnings.

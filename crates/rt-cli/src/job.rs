@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use crate::console::Console;
 use crate::error::Failure;
+use crate::input;
 use crate::output::OutputFile;
 use crate::picture_file;
 use crate::progress::ProgressDisplay;
@@ -38,6 +39,7 @@ impl Job<'_> {
     /// Renders, writes the picture and the statistics, and reports.
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let plan = self.compile()?;
+        self.say_notes(&plan)?;
         let Rendering { film, statistics } = self.render(&plan)?;
         let written = Instant::now();
         let development = &self.scene.film.development;
@@ -64,14 +66,18 @@ impl Job<'_> {
         let film = &self.scene.film;
         let size = self.options.crop.map_or([film.width, film.height], |crop| [crop.width, crop.height]);
         picture_file::check(self.format, size, self.options.transparent)?;
-        let plan =
-            RenderPlan::compile(self.scene, &self.options).map_err(|error| Failure::plan(self.scene_file, error))?;
+        RenderPlan::compile(self.scene, &self.options).map_err(|error| Failure::plan(self.scene_file, error))
+    }
+
+    /// Says what was chosen or changed.
+    fn say_notes(&self, plan: &RenderPlan<'_>) -> Result<(), Failure> {
+        input::say_notes(self.scene, self.console)?;
         let (asked, taken) = (self.scene.settings.spp, plan.samples_per_pixel());
-        if asked != taken {
-            let sampler = self.scene.settings.pattern.name();
-            self.console.say(format_args!("note: {sampler} takes {taken} samples per pixel rather than {asked}"))?;
+        if asked == taken {
+            return Ok(());
         }
-        Ok(plan)
+        let sampler = self.scene.settings.pattern.name();
+        self.console.say(format_args!("note: {sampler} takes {taken} samples per pixel rather than {asked}"))
     }
 
     fn render(&self, plan: &RenderPlan<'_>) -> Result<Rendering, Failure> {

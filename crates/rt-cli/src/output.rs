@@ -41,7 +41,7 @@ pub(crate) enum OutputError {
     #[error("cannot write `{}`: it exists and is read-only; remove it, or choose another name", .0.display())]
     ReadOnly(PathBuf),
     /// A file that the command reads.
-    #[error("cannot write `{}`: it is an input; choose another name with -o", .0.display())]
+    #[error("cannot write `{}`: it is an input; choose another name", .0.display())]
     IsInput(PathBuf),
     /// The folder does not take files.
     #[error("cannot write `{}`: the folder {} takes no files: {source}", path.display(), folder.display())]

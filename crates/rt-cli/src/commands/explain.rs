@@ -8,8 +8,10 @@ use crate::error::Failure;
 use crate::{input, overrides};
 
 pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
-    let mut scene = input::read_scene(&args.input, Console { quiet: false })?;
+    let console = Console { quiet: false };
+    let mut scene = input::read_scene(&args.input, console)?;
     let options = overrides::apply(&args.picture, &mut scene)?;
     let plan = RenderPlan::compile(&scene, &options).map_err(|error| Failure::plan(&args.input.scene, error))?;
+    input::say_notes(&scene, console)?;
     print(plan.explain())
 }

@@ -1,0 +1,147 @@
+//! Whatever is wrong: one clear message, the right exit code, and no file is touched.
+
+use std::fmt::Write;
+
+use crate::program::Workplace;
+
+/// Runs each case in a folder of its own, and collects what the program says.
+fn complaints(code: i32, cases: &[(&str, &str, &str)]) -> String {
+    let mut said = String::new();
+    for (case, scene, arguments) in cases {
+        let place = Workplace::new();
+        place.write("scene.ron", scene);
+        place.write("older.png", "older");
+        place.write("locked.png", "locked");
+        lock(&place.path("locked.png"));
+        std::fs::create_dir(place.path("folder.png")).expect("created");
+        let before = place.files();
+        let run = place.run(arguments);
+        assert_eq!(run.code, Some(code), "{case}: {run:?}");
+        assert_eq!(run.stdout, "", "{case}");
+        assert_eq!(place.files(), before, "{case}");
+        assert_eq!(place.read("older.png"), b"older", "{case}");
+        assert_eq!(place.read("scene.ron"), scene.as_bytes(), "{case}");
+        if code != 2 {
+            assert_eq!(run.stderr.lines().count(), 1, "{case}: {run:?}");
+        }
+        let message = run.stderr.split("\n\nUsage").next().unwrap_or_default();
+        writeln!(said, "# {case}\n{}\n", message.trim_end()).expect("memory");
+    }
+    said
+}
+
+fn lock(path: &std::path::Path) {
+    let mut permissions = std::fs::metadata(path).expect("there").permissions();
+    permissions.set_readonly(true);
+    std::fs::set_permissions(path, permissions).expect("set");
+}
+
+const GOOD: &str = "(film: (size: (8, 8)), nodes: [(shape: sphere())])";
+
+#[test]
+fn bad_scenes_end_with_code_3() {
+    let render = "render scene.ron -o older.png";
+    let said = complaints(
+        3,
+        &[
+            ("missing file", GOOD, "render missing.ron -o older.png"),
+            ("a folder", GOOD, "render folder.png -o older.png"),
+            ("no ending that is known", GOOD, "render older.png"),
+            ("empty file", "", render),
+            ("cut off", "(nodes: [(shape: sphere(", render),
+            ("unknown field", "(\n    nodes: [\n        (shape: sphere(raduis: 2)),\n    ],\n)", render),
+            ("unknown shape", "(nodes: [(shape: spere())])", render),
+            (
+                "unknown material",
+                "(materials: {\"red\": phong()}, nodes: [(shape: sphere(), material: \"rad\")])",
+                render,
+            ),
+            ("NaN", "(nodes: [(shape: sphere(center: (0, NaN, 0)))])", render),
+            ("negative radius", "(nodes: [(shape: sphere()), (name: \"moon\", shape: sphere(radius: -1))])", render),
+            ("zero-size image", "(film: (size: (0, 480)), nodes: [(shape: sphere())])", render),
+            ("too large an image", "(film: (size: (100000, 100000)), nodes: [(shape: sphere())])", render),
+            ("camera along up", "(camera: (look_from: (0, 5, 0)), nodes: [(shape: sphere())])", render),
+            ("field of view", "(camera: (look_from: (0, 0, 5), fov: 180), nodes: [(shape: sphere())])", render),
+            (
+                "missing texture",
+                "(materials: {\"wood\": phong(color: image(file: \"wood.png\"))}, nodes: [(shape: sphere(), material: \"wood\")])",
+                render,
+            ),
+            (
+                "broken texture",
+                "(materials: {\"wood\": phong(color: image(file: \"older.png\"))}, nodes: [(shape: sphere(), material: \"wood\")])",
+                "render scene.ron -o new.png",
+            ),
+            ("missing image", GOOD, "develop missing.exr -o older.png"),
+            ("broken image", GOOD, "develop older.png -o new.png"),
+        ],
+    );
+    insta::assert_snapshot!(said);
+}
+
+#[test]
+fn several_problems_are_all_told() {
+    let place = Workplace::new();
+    place.write("scene.ron", "(nodes: [(shape: sphere(radius: -1)), (shape: sphere(radius: 0))])");
+    let run = place.run("render scene.ron");
+    assert_eq!(run.code, Some(3));
+    assert_eq!(run.stderr.lines().count(), 2, "{run:?}");
+    assert!(run.stderr.lines().all(|line| line.starts_with("error: scene.ron: nodes[")), "{run:?}");
+}
+
+#[test]
+fn unwritable_output_ends_with_code_4() {
+    let said = complaints(
+        4,
+        &[
+            ("missing folder", GOOD, "render scene.ron -o missing/a.png"),
+            ("below a file", GOOD, "render scene.ron -o older.png/a.png"),
+            ("a folder", GOOD, "render scene.ron -o folder.png"),
+            ("a protected file", GOOD, "render scene.ron -o locked.png"),
+            ("statistics in a missing folder", GOOD, "render scene.ron -o older.png --stats missing/a.json"),
+            ("statistics over the scene", GOOD, "render scene.ron -o older.png --stats scene.ron"),
+            ("manual in a missing folder", GOOD, "man -o missing"),
+        ],
+    );
+    insta::assert_snapshot!(said);
+}
+
+#[test]
+fn wrong_usage_ends_with_code_2() {
+    let flat = "(camera: (look_from: (0, 0, 5), orthographic: 3), nodes: [(shape: sphere())])";
+    let said = complaints(
+        2,
+        &[
+            ("no scene", GOOD, "render"),
+            ("no such command", GOOD, "rendr scene.ron"),
+            ("no such option", GOOD, "render scene.ron --sise 8x8"),
+            ("not there yet", GOOD, "render scene.ron --integrator path"),
+            ("empty size", GOOD, "render scene.ron --size 0x8"),
+            ("no samples", GOOD, "render scene.ron --spp 0"),
+            ("NaN", GOOD, "render scene.ron --look-from 0,nan,0"),
+            ("along up", GOOD, "render scene.ron --look-from 0,5,0 --look-at 0,0,0"),
+            ("no such camera", GOOD, "render scene.ron --camera camara"),
+            ("no field of view", flat, "render scene.ron --fov 30"),
+            ("crop outside", GOOD, "render scene.ron --crop 4,4,5,4"),
+            ("no such format", GOOD, "render scene.ron -o a.tiff"),
+            ("no alpha", GOOD, "render scene.ron -o older.jpg --background transparent"),
+            ("two in one", GOOD, "render scene.ron -o older.png --stats ./older.png"),
+            ("no such root", GOOD, "render scene.ron --root missing"),
+            ("developed twice", GOOD, "develop older.png -o a.exr"),
+        ],
+    );
+    insta::assert_snapshot!(said);
+}
+
+#[test]
+fn warnings_are_errors_under_strict() {
+    let place = Workplace::new();
+    // The second face has a corner twice, and is left out.
+    place.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\n");
+    let lenient = place.succeed("render m.obj --size 8x8");
+    assert!(lenient.stderr.starts_with("warning: m.obj"), "{lenient:?}");
+    let strict = place.run("render m.obj --size 8x8 --strict -o strict.png");
+    assert_eq!(strict.code, Some(3), "{strict:?}");
+    assert!(strict.stderr.contains("error: m.obj: 1 warning; mend the scene"), "{strict:?}");
+    assert_eq!(place.files(), ["m.obj", "m.png"]);
+}

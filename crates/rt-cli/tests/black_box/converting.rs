@@ -1,0 +1,41 @@
+//! Models and scenes to scene files.
+
+use crate::program::Workplace;
+
+const MODEL: &str = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0.5\nusemtl red\nf 1 2 3\nf 1 3 4\n";
+
+fn place_with_model() -> Workplace {
+    let place = Workplace::new();
+    place.write("m.obj", MODEL);
+    place.write("m.mtl", "newmtl red\nKd 0.8 0.1 0.1\n");
+    place
+}
+
+#[test]
+fn a_converted_model_renders_to_the_same_picture() {
+    let place = place_with_model();
+    place.succeed("render m.obj --size 24x16 --ground -o model.pfm");
+    for scene in ["m.ron", "m.json"] {
+        place.succeed(&format!("convert m.obj --ground -o {scene}"));
+        place.succeed(&format!("render {scene} --size 24x16 -o scene.pfm"));
+        assert_eq!(place.read("scene.pfm"), place.read("model.pfm"), "{scene}");
+    }
+}
+
+#[test]
+fn a_bare_model_says_what_was_chosen_for_it() {
+    let run = place_with_model().succeed("render m.obj --size 8x8");
+    assert!(run.stdout.starts_with("note: "), "{run:?}");
+}
+
+#[test]
+fn a_conversion_replaces_no_input_and_leaves_nothing_on_failure() {
+    let place = Workplace::with_scene();
+    let before = place.read("scene.ron");
+    assert_eq!(place.run("convert scene.ron -o ./scene.ron").code, Some(4));
+    assert_eq!(place.run("convert scene.ron -o scene.txt").code, Some(2));
+    assert_eq!(place.run("convert scene.ron -o missing/scene.json").code, Some(4));
+    assert_eq!(place.run("convert missing.obj -o new.ron").code, Some(3));
+    assert_eq!(place.files(), ["scene.ron"]);
+    assert_eq!(place.read("scene.ron"), before);
+}

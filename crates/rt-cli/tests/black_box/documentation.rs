@@ -1,0 +1,55 @@
+//! Texts that the program holds about itself.
+
+use crate::program::Workplace;
+
+#[test]
+fn help() {
+    let place = Workplace::new();
+    for command in ["", "render", "explain", "convert", "develop", "completions", "man"] {
+        let name = if command.is_empty() { "help" } else { command };
+        let text = place.succeed(&format!("{command} --help")).stdout;
+        insta::assert_snapshot!(format!("help_{name}"), text);
+    }
+}
+
+#[test]
+fn a_plan_is_explained() {
+    let place = Workplace::with_scene();
+    let run = place.succeed("explain scene.ron --accel grid");
+    assert!(run.stdout.contains("plan for 'scene': whitted"), "{run:?}");
+    assert!(run.stdout.contains("structure: grid over"), "{run:?}");
+    assert!(run.stdout.contains("\nleft out\n  triangles: there are none\n"), "{run:?}");
+    assert_eq!(place.files(), ["scene.ron"]);
+}
+
+#[test]
+fn the_schema_describes_scenes() {
+    let text = Workplace::new().succeed("schema").stdout;
+    let schema: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(schema["title"], "Scene");
+    for field in ["camera", "film", "settings", "lights", "materials", "nodes"] {
+        assert!(schema["properties"][field].is_object(), "{field}");
+    }
+}
+
+#[test]
+fn every_shell_gets_completions() {
+    let place = Workplace::new();
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = place.succeed(&format!("completions {shell}")).stdout;
+        assert!(script.contains("integrator") && script.contains("look-from"), "{shell}");
+    }
+}
+
+#[test]
+fn every_command_has_a_manual_page() {
+    let place = Workplace::new();
+    std::fs::create_dir(place.path("pages")).expect("created");
+    place.succeed("man -o pages");
+    let all = place.succeed("man").stdout;
+    for page in ["", "-render", "-explain", "-convert", "-develop", "-schema", "-completions", "-man"] {
+        let text = String::from_utf8(place.read(&format!("pages/rt-cli{page}.1"))).expect("text");
+        assert!(text.contains(&format!(".TH rt-cli{page} 1")), "{text}");
+        assert!(all.contains(&text), "{page}");
+    }
+}

@@ -1,0 +1,148 @@
+//! Pictures, and what options do to them.
+
+use crate::program::Workplace;
+
+#[test]
+fn three_lines_are_a_scene() {
+    let place = Workplace::new();
+    place.write("ball.ron", "(nodes: [\n    (shape: sphere()),\n])");
+    let run = place.succeed("render ball.ron");
+    assert!(run.stdout.contains("wrote ball.png (640x480)"), "{run:?}");
+    assert_eq!(place.files(), ["ball.png", "ball.ron"]);
+    let film = place.film("ball.png");
+    let brightness = |x, y| film.pixel(x, y).expect("inside").luminance();
+    assert!(brightness(320, 240) > brightness(5, 5) + 0.05, "the ball stands out in the middle");
+}
+
+#[test]
+fn no_command_renders_the_showcase_and_tells_what_to_try() {
+    let place = Workplace::new();
+    let run = place.succeed("");
+    assert_eq!(place.files(), ["showcase.png"]);
+    let film = place.film("showcase.png");
+    assert_eq!((film.width(), film.height()), (640, 400));
+    let next: Vec<_> = run.stdout.lines().skip_while(|line| *line != "try next").skip(1).collect();
+    assert_eq!(next.len(), 3, "{run:?}");
+    assert!(next.iter().all(|line| line.starts_with("  rt-cli ")), "{run:?}");
+}
+
+#[test]
+fn every_format_is_written() {
+    let place = Workplace::with_scene();
+    place.succeed("render scene.ron -o a.pfm");
+    let linear = place.film("a.pfm");
+    for name in ["a.exr", "a.hdr", "a.png", "a.jpg"] {
+        place.succeed(&format!("render scene.ron -o {name}"));
+        let film = place.film(name);
+        assert_eq!((film.width(), film.height()), (48, 32), "{name}");
+        let exact = film.pixels() == linear.pixels();
+        assert_eq!(exact, name == "a.exr", "{name}");
+    }
+}
+
+#[test]
+fn options_override_the_scene() {
+    let place = Workplace::with_scene();
+    let picture = |options: &str| {
+        place.succeed(&format!("render scene.ron --size 24x16 -o a.pfm {options}"));
+        place.film("a.pfm")
+    };
+    let plain = picture("");
+    assert_eq!((plain.width(), plain.height()), (24, 16));
+    for changed in [
+        "--spp 16",
+        "--depth 0",
+        "--seed 1",
+        "--sampler random",
+        "--integrator normals",
+        "--integrator depth",
+        "--integrator uv",
+        "--integrator cost",
+        "--look-from 1,2,5",
+        "--look-at 0,1,0",
+        "--up 1,1,0",
+        "--fov 50",
+        "--background #ff8000",
+    ] {
+        assert_ne!(picture(changed).pixels(), plain.pixels(), "{changed}");
+    }
+    for same in ["--spp 4", "--depth 3", "--sampler sobol", "--fov 40", "--look-from 0,1,6 --look-at 0,0.5,0"] {
+        assert_eq!(picture(same).pixels(), plain.pixels(), "{same}");
+    }
+}
+
+#[test]
+fn a_camera_is_chosen_by_name() {
+    let place = Workplace::new();
+    let scene = "(cameras: [(name: \"front\", look_from: (0, 0, 5)), (name: \"side\", look_from: (5, 0, 0))],
+        nodes: [(shape: sphere()), (shape: sphere(center: (3, 0, 0)))])";
+    place.write("two.ron", scene);
+    for (options, name) in [("", "first.pfm"), ("--camera front", "front.pfm"), ("--camera side", "side.pfm")] {
+        place.succeed(&format!("render two.ron --size 16x12 --spp 1 {options} -o {name}"));
+    }
+    assert_eq!(place.read("first.pfm"), place.read("front.pfm"));
+    assert_ne!(place.read("first.pfm"), place.read("side.pfm"));
+}
+
+#[test]
+fn rounded_samples_are_announced() {
+    let place = Workplace::with_scene();
+    let run = place.succeed("render scene.ron --sampler jittered --spp 10");
+    assert!(run.stdout.contains("note: jittered takes 16 samples per pixel rather than 10\n"), "{run:?}");
+    let run = place.succeed("render scene.ron --sampler jittered --spp 16");
+    assert!(!run.stdout.contains("note"), "{run:?}");
+}
+
+#[test]
+fn a_transparent_background_becomes_alpha() {
+    let place = Workplace::new();
+    place.write("ball.ron", "(camera: (look_from: (0, 0, 5), fov: 40), nodes: [(shape: sphere())])");
+    place.succeed("render ball.ron --size 33x33 --background transparent");
+    let film = place.film("ball.png");
+    let alpha = film.alpha().expect("an alpha channel");
+    assert_eq!((alpha[0], alpha[16 * 33 + 16]), (0.0, 1.0));
+    assert!(alpha.iter().any(|&a| 0.0 < a && a < 1.0), "the silhouette is soft");
+    place.succeed("render ball.ron --size 33x33");
+    assert_eq!(place.film("ball.png").alpha(), None);
+}
+
+#[test]
+fn quiet_prints_nothing() {
+    let place = Workplace::with_scene();
+    let run = place.succeed("render scene.ron --quiet --spp 3");
+    assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
+    assert_eq!(place.files(), ["scene.png", "scene.ron"]);
+}
+
+#[test]
+fn developing_later_equals_developing_at_once() {
+    let place = Workplace::with_scene();
+    place.succeed("render scene.ron -o linear.exr");
+    for (name, options) in [("plain", ""), ("tuned", "--exposure -1.5 --tone aces")] {
+        place.succeed(&format!("render scene.ron -o {name}.png {options}"));
+        place.succeed(&format!("develop linear.exr -o later.png {options}"));
+        assert_eq!(place.read(&format!("{name}.png")), place.read("later.png"), "{name}");
+    }
+    assert_ne!(place.read("plain.png"), place.read("tuned.png"));
+    place.succeed("develop linear.exr -o gamma.png --gamma 2.2");
+    assert_ne!(place.read("plain.png"), place.read("gamma.png"));
+}
+
+#[test]
+fn bad_samples_warn_and_are_an_error_under_strict() {
+    let place = Workplace::new();
+    // Two mirrors that brighten what they show, face to face: the radiance overflows.
+    let scene = "(film: (size: (16, 12)), camera: (look_from: (0, 1, 3)), settings: (depth: 8),
+        materials: {\"glare\": phong(emission: gray(1), mirror: gray(1e60))},
+        nodes: [
+            (shape: plane(), material: \"glare\"),
+            (shape: plane(point: (0, 2, 0), normal: (0, -1, 0)), material: \"glare\"),
+        ])";
+    place.write("glare.ron", scene);
+    let run = place.succeed("render glare.ron");
+    assert!(run.stderr.contains("samples were NaN, infinite or negative"), "{run:?}");
+    let lenient = place.read("glare.png");
+    let run = place.run("render glare.ron --strict -o strict.png");
+    assert_eq!(run.code, Some(5), "{run:?}");
+    assert_eq!(place.read("strict.png"), lenient, "the picture is worth keeping");
+}
