@@ -27,7 +27,7 @@ pub(crate) fn read_scene(args: &InputArgs, console: Console) -> Result<Scene, Fa
 pub(crate) fn load_options(args: &InputArgs) -> Result<LoadOptions, Failure> {
     match &args.root {
         Some(root) if !root.is_dir() => Err(Failure::Usage(format!("--root {} is not a folder", root.display()))),
-        root => Ok(LoadOptions { root: root.clone(), ground: args.ground }),
+        root => Ok(LoadOptions { root: root.clone(), ground: args.ground, ..LoadOptions::default() }),
     }
 }
 

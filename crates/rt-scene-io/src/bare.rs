@@ -187,7 +187,7 @@ mod tests {
     }
 
     fn scene(model: Model, ground: bool) -> Scene {
-        let (mut file, _) = scene_around(&model, "a.glb", &LoadOptions { ground, root: None });
+        let (mut file, _) = scene_around(&model, "a.glb", &LoadOptions { ground, ..LoadOptions::default() });
         resolve_with(&mut file, Path::new("a.glb"), &LoadOptions::default(), Some(("a.glb".to_owned(), model))).unwrap()
     }
 

@@ -4,6 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use rt_camera::CameraError;
 use rt_geometry::{MeshError, ShapeError};
 use rt_math::TransformError;
 
@@ -122,6 +123,9 @@ pub enum Reason {
     /// Groups that contain each other.
     #[error("groups contain each other: {}; remove one of the instances", .0.join(" -> "))]
     Cycle(Vec<String>),
+    /// More problems than are shown.
+    #[error("{0} more problems; mend these first")]
+    More(usize),
     /// Something valid that this program does not do.
     #[error("{0} is not supported")]
     Unsupported(String),
@@ -131,6 +135,9 @@ pub enum Reason {
     /// A bad mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// A bad camera.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
     /// A bad transform.
     #[error(transparent)]
     Transform(#[from] TransformError),

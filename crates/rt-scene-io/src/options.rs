@@ -9,6 +9,9 @@ pub struct LoadOptions {
     pub root: Option<PathBuf>,
     /// Puts a ground plane under a bare model.
     pub ground: bool,
+    /// Width and height of the image in place of the file's. A camera that is put where it sees everything depends on
+    /// their ratio.
+    pub size: Option<[u32; 2]>,
 }
 
 impl LoadOptions {

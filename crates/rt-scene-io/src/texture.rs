@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
-use rt_math::transcendental::pow;
+use rt_camera::Encoding;
 use rt_shading::Bitmap;
 
 /// Most pixels that a texture may have.
@@ -69,19 +69,14 @@ fn linear_pixels(image: DynamicImage) -> Vec<[f32; 3]> {
     match image.color() {
         Rgb32F | Rgba32F => image.into_rgb32f().pixels().map(|pixel| pixel.0).collect(),
         L16 | La16 | Rgb16 | Rgba16 => {
-            let decode = |c: u16| linear_from_srgb(f64::from(c) / 65535.0) as f32;
+            let decode = |c: u16| Encoding::Srgb.decode_signal(f64::from(c) / 65535.0) as f32;
             image.into_rgb16().pixels().map(|pixel| pixel.0.map(decode)).collect()
         }
         _ => {
-            let table: [f32; 256] = std::array::from_fn(|c| linear_from_srgb(c as f64 / 255.0) as f32);
+            let table: [f32; 256] = std::array::from_fn(|c| Encoding::Srgb.decode(c as u8));
             image.into_rgb8().pixels().map(|pixel| pixel.0.map(|c| table[usize::from(c)])).collect()
         }
     }
-}
-
-/// Linear light from an sRGB-encoded value in [0, 1] (IEC 61966-2-1).
-pub(crate) fn linear_from_srgb(encoded: f64) -> f64 {
-    if encoded <= 0.04045 { encoded / 12.92 } else { pow((encoded + 0.055) / 1.055, 2.4) }
 }
 
 #[cfg(test)]

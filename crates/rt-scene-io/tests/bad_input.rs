@@ -78,7 +78,7 @@ fn values() {
         "(nodes: [], camera: (fov: 20, orthographic: 2))",
         "(nodes: [], camera: (orthographic: -2))",
         "(nodes: [], camera: (lens_shift: (NaN, 0)))",
-        "(nodes: [], film: (size: (0, 480)))",
+        "(nodes: [], camera: (look_from: (0, 0, 1), fov: 1), film: (size: (0, 480)))",
         "(nodes: [], film: (size: (1000000000000, 1000000000000)))",
         "(nodes: [], film: (sample_offset: (0.5, 2), filter: gaussian(0), exposure: NaN, encoding: gamma(0)))",
         "(nodes: [], settings: (spp: 0))",
@@ -128,7 +128,9 @@ fn all_problems_are_named_at_once() {
     );
     assert_eq!(text.lines().count(), 4, "{text}");
     let many = format!("(nodes: [{}])", "(shape: sphere(radius: 0)),".repeat(1000));
-    assert_eq!(error(&many).lines().count(), 20);
+    let text = error(&many);
+    assert_eq!(text.lines().count(), 21);
+    assert!(text.ends_with("scene.ron: 980 more problems; mend these first"), "{text}");
 }
 
 #[test]
@@ -204,6 +206,24 @@ fn a_scene_cut_off_anywhere_is_refused() {
     let whole = include_str!("../../../scenes/gallery/three_lines.ron").trim_end();
     for (length, _) in whole.char_indices() {
         assert!(parse_ron(&whole[..length], Path::new("scene.ron")).is_err(), "{}", &whole[..length]);
+    }
+}
+
+#[test]
+fn a_scene_with_any_character_changed_is_read_or_refused() {
+    let whole = include_str!("../../../scenes/gallery/showcase.ron");
+    let path = Path::new("scene.ron");
+    for (position, _) in whole.char_indices().step_by(3) {
+        for other in ["", ")", "(", "\"", "-", "9", "e", "\u{0}", "é"] {
+            let rest = whole[position..].chars().next().map_or("", |c| &whole[position + c.len_utf8()..]);
+            let changed = [&whole[..position], other, rest].concat();
+            if let Ok(file) = parse_ron(&changed, path) {
+                // Neither outcome is wrong; both must come without a panic, and errors with a place.
+                if let Err(error) = resolve(&file, path, &LoadOptions::default()) {
+                    assert!(error.problems().iter().all(|problem| problem.file == "scene.ron"), "{error}");
+                }
+            }
+        }
     }
 }
 

@@ -73,6 +73,19 @@ fn a_bare_model_gets_a_camera_light_and_ground() {
 }
 
 #[test]
+fn the_camera_suits_the_size_that_is_asked_for() {
+    let (_folder, model) = folder();
+    let sized = |size| load(&model, &LoadOptions { size, ..LoadOptions::default() }).unwrap();
+    let (own, narrow) = (sized(None), sized(Some([100, 1000])));
+    assert_eq!((narrow.film.width, narrow.film.height), (100, 1000));
+    let distance = |scene: &Scene| {
+        let eye = scene.cameras[0].settings.world_from_camera.translation();
+        (eye - scene.bounds().centre()).length()
+    };
+    assert!(distance(&narrow) > 3.0 * distance(&own));
+}
+
+#[test]
 fn a_converted_model_gives_the_same_picture() {
     let (folder, model) = folder();
     for options in [LoadOptions::default(), LoadOptions { ground: true, ..LoadOptions::default() }] {

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use rt_camera::{CameraSettings, FovAxis, Projection};
+use rt_camera::{Camera, CameraSettings, FilmSettings, FovAxis, Projection};
 use rt_math::{DVec2, DVec3, Transform, TransformError};
 
 use super::report::Report;
@@ -14,19 +14,25 @@ use crate::{NamedCamera, Reason};
 /// Opening angle of a camera that does not say, in degrees.
 pub(super) const DEFAULT_FOV_DEGREES: f64 = 40.0;
 
-/// All cameras, the default one first.
-pub(super) fn cameras(report: &mut Report, file: &format::SceneFile) -> Vec<NamedCamera> {
+/// All cameras, the default one first, checked to be able to expose this film.
+pub(super) fn cameras(report: &mut Report, file: &format::SceneFile, film: &FilmSettings) -> Vec<NamedCamera> {
     let first = file.camera.iter().map(|camera| ("camera".to_owned(), camera));
     let others = file.cameras.iter().enumerate().map(|(i, camera)| (format!("cameras[{i}]"), camera));
     let mut names = HashSet::new();
     let mut cameras = Vec::new();
     for (path, camera) in first.chain(others) {
-        let name = camera.name.clone().unwrap_or_else(|| path.clone());
+        let name = camera.name.clone().unwrap_or_else(|| match cameras.len() {
+            0 => "camera".to_owned(),
+            before => format!("camera {}", before + 1),
+        });
         if !names.insert(name.clone()) {
             let duplicate = Reason::Duplicate { kind: "camera", name: name.clone() };
             report.check::<()>(format_args!("{path}.name"), Err(duplicate));
         }
-        cameras.extend(settings(report, &path, camera).map(|settings| NamedCamera { name, settings }));
+        if let Some(settings) = settings(report, &path, camera) {
+            report.check(&path, Camera::new(&settings, film.width, film.height));
+            cameras.push(NamedCamera { name, settings });
+        }
     }
     cameras
 }

@@ -1,15 +1,12 @@
 //! The image and the settings.
 
-use rt_camera::{Development, Encoding, FilmSettings, Filter, SamplePattern, ToneCurve};
+use rt_camera::{Development, Encoding, Film, FilmSettings, Filter, SamplePattern, ToneCurve};
 use rt_math::DVec2;
 
 use super::report::Report;
 use super::value::{not_negative, positive, within};
 use crate::format;
 use crate::{Accel, Integrator, Reason, Settings};
-
-/// Most pixels in an image.
-const MAX_PIXELS: u64 = 1 << 28;
 
 /// Most samples per pixel.
 const MAX_SPP: u64 = 1 << 31;
@@ -57,7 +54,7 @@ fn size((width, height): (u64, u64)) -> Result<(u32, u32), Reason> {
     if width == 0 || height == 0 {
         return Err(Reason::invalid(shown(), "pixels: both sides must be at least 1"));
     }
-    if width.saturating_mul(height) > MAX_PIXELS {
+    if width.saturating_mul(height) > Film::MAX_PIXELS {
         return Err(Reason::invalid(shown(), "pixels are more than 2^28: choose a smaller image"));
     }
     // Both fit, because their product does.

@@ -44,6 +44,9 @@ pub(crate) fn resolve_with(
     model: Option<(String, Model)>,
 ) -> Result<Scene, LoadError> {
     let options = options.rooted_at(source);
+    if let Some([width, height]) = options.size {
+        file.film.size = (width.into(), height.into());
+    }
     let given = file.clone();
     let models = Models::at_hand(model);
     let Objects { mut report, materials, textures, meshes, groups, nodes, mut notes, .. } =
@@ -52,8 +55,8 @@ pub(crate) fn resolve_with(
 
     let (lights, ambient) = light::lights(&mut report, file.lights.as_deref().unwrap_or_default());
     let background = light::background(&mut report, file.background.as_ref());
-    let cameras = camera::cameras(&mut report, file);
     let film = film::film(&mut report, &file.film);
+    let cameras = camera::cameras(&mut report, file, &film);
     let settings = film::settings(&mut report, &file.settings);
     let truth = file.truth.as_ref().and_then(|truth| {
         let mean = report.check("truth.mean", value::colour(&truth.mean))?;

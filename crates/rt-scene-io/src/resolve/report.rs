@@ -5,19 +5,20 @@ use std::path::Path;
 
 use crate::{LoadError, Place, Problem, Reason, Warning};
 
-/// After this many problems the rest of a file is not worth a look.
+/// After this many problems the rest is counted.
 const MAX_PROBLEMS: usize = 20;
 
 /// The problems and warnings met while a file is resolved.
 pub(super) struct Report {
     file: String,
     problems: Vec<Problem>,
+    not_shown: usize,
     pub(super) warnings: Vec<Warning>,
 }
 
 impl Report {
     pub(super) fn new(file: &Path) -> Self {
-        Self { file: file.display().to_string(), problems: Vec::new(), warnings: Vec::new() }
+        Self { file: file.display().to_string(), problems: Vec::new(), not_shown: 0, warnings: Vec::new() }
     }
 
     /// The value, or `None` after noting the problem at a path in the document such as `nodes[2].material`.
@@ -34,12 +35,21 @@ impl Report {
 
     /// Notes problems that were found elsewhere, such as in an included file.
     pub(super) fn add(&mut self, problems: impl IntoIterator<Item = Problem>) {
-        let room = MAX_PROBLEMS.saturating_sub(self.problems.len());
-        self.problems.extend(problems.into_iter().take(room));
+        for problem in problems {
+            if self.problems.len() < MAX_PROBLEMS {
+                self.problems.push(problem);
+            } else {
+                self.not_shown += 1;
+            }
+        }
     }
 
     /// The warnings, or everything that is wrong.
-    pub(super) fn finish(self) -> Result<Vec<Warning>, LoadError> {
+    pub(super) fn finish(mut self) -> Result<Vec<Warning>, LoadError> {
+        if self.not_shown > 0 {
+            let reason = Reason::More(self.not_shown);
+            self.problems.push(Problem { file: self.file, place: Place::File, reason });
+        }
         match LoadError::from_problems(self.problems) {
             Some(error) => Err(error),
             None => Ok(self.warnings),

@@ -11,6 +11,9 @@ use crate::format::Step;
 
 /// The steps as one map; each is applied after those before it.
 pub(super) fn transform(report: &mut Report, path: impl Display, steps: &[Step]) -> Option<Transform> {
+    if steps.is_empty() {
+        return Some(Transform::IDENTITY);
+    }
     let mut all = Transform::IDENTITY;
     for (i, step) in steps.iter().enumerate() {
         let step = report.check(format_args!("{path}.transform[{i}]"), single(step))?;

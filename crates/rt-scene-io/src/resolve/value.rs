@@ -2,11 +2,11 @@
 
 use std::fmt::Display;
 
+use rt_camera::Encoding;
 use rt_math::{DVec3, Rgb};
 
 use crate::Reason;
 use crate::format::Color;
-use crate::texture::linear_from_srgb;
 
 /// Largest magnitude of a coordinate: squares and cubes of it stay far from overflow.
 const MAX_COORDINATE: f64 = 1e60;
@@ -79,7 +79,7 @@ fn hex(text: &str) -> Result<[f64; 3], Reason> {
         return Err(bad());
     }
     let [_, r, g, b] = u32::from_str_radix(digits, 16).map_err(|_| bad())?.to_be_bytes();
-    Ok([r, g, b].map(|byte| linear_from_srgb(f64::from(byte) / 255.0)))
+    Ok([r, g, b].map(|byte| Encoding::Srgb.decode_signal(f64::from(byte) / 255.0)))
 }
 
 #[cfg(test)]
