@@ -125,6 +125,11 @@ fn scenes_on_a_line_are_divided_along_it() {
     assert!(all.grid.resolution()[2] > 500, "{:?}", all.grid.resolution());
     let along = Ray::new(DVec3::new(0.5, 0.5, 1e4), DVec3::NEG_Z);
     assert_eq!(all.closest(&soup, &along, FORWARD).unwrap().primitive, 999);
+    let opposite = Ray::new(DVec3::new(0.5, 0.5, -1e4), DVec3::Z);
+    for ray in [along, opposite] {
+        // The near end comes first and hides the rest, whichever end that is.
+        assert!(tests_per_ray(&all.bvh, &soup, &[ray]) < 9.0 && tests_per_ray(&all.grid, &soup, &[ray]) < 9.0);
+    }
     for i in 0..1000 {
         let hit = all.closest(&soup, &down(0.5, 3.0 * f64::from(i) + 0.5), FORWARD).unwrap();
         assert_eq!(hit.primitive, i as u32);
