@@ -19,14 +19,19 @@ pub const MAX_READ_PIXELS: u64 = 1 << 27;
 /// Bytes that a decoder may allocate: four channels of `f32`.
 const MAX_DECODER_BYTES: u64 = 16 * MAX_READ_PIXELS;
 
+/// A file that claims to expand further is damaged: the densest compression, that of PNG and ZIP, reaches 1032 : 1, and
+/// 16-bit floats double when they are read. Without this limit a few damaged bytes cost gigabytes and seconds.
+const MAX_EXPANSION: u64 = 4096;
+
 /// Reads an image as linear radiance. The format is told by the file's content and not by its name.
 ///
 /// PNG and JPEG are taken to be encoded in sRGB, whatever profile they carry; their coverage is multiplied into the
 /// radiance. EXR, HDR and PFM are taken as they are.
 ///
 /// # Errors
-/// [`ImageFileError`] with the path, for a file that is missing, not a regular file, damaged, in another format, or
-/// larger than [`MAX_READ_PIXELS`].
+/// [`ImageFileError`] with the path, for a file that is missing, not a regular file, damaged, in another format, larger
+/// than [`MAX_READ_PIXELS`], or larger than its bytes can fill (such as an EXR that shows a few pixels of a huge
+/// window).
 pub fn read_image(path: &Path) -> Result<Film, ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
     // Asked for before opening, which would wait for the other end of a pipe.
@@ -34,19 +39,25 @@ pub fn read_image(path: &Path) -> Result<Film, ImageFileError> {
     if !metadata.is_file() {
         return Err(ImageFileError::NotAFile(path.to_owned()));
     }
-    let mut reader = BufReader::new(File::open(path).map_err(unreadable)?);
+    let file = File::open(path).map_err(unreadable)?;
+    read_stream(path, BufReader::new(file), metadata.len())
+}
+
+/// Reads an image of `length` bytes; the path is for messages.
+fn read_stream(path: &Path, mut reader: impl BufRead + Seek, length: u64) -> Result<Film, ImageFileError> {
+    let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
     if matches!(reader.fill_buf().map_err(unreadable)?, [b'P', b'F' | b'f', ..]) {
-        return pfm::read(reader, metadata.len()).map_err(|error| match error {
+        return pfm::read(reader, length).map_err(|error| match error {
             PfmError::Io(source) => unreadable(source),
             PfmError::TooLarge(width, height) => ImageFileError::TooLarge { path: path.to_owned(), width, height },
             damaged => ImageFileError::Decode { path: path.to_owned(), reason: damaged.to_string() },
         });
     }
-    decode(path, reader).map(|image| film_of(&image))
+    decode(path, reader, length).map(|image| film_of(&image))
 }
 
-/// Decodes a format of the `image` crate within the limits.
-fn decode(path: &Path, reader: impl BufRead + Seek) -> Result<DynamicImage, ImageFileError> {
+/// Decodes a file of `length` bytes in a format of the `image` crate, within the limits.
+fn decode(path: &Path, reader: impl BufRead + Seek, length: u64) -> Result<DynamicImage, ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
     let undecodable = |error: ImageError| match error {
         ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => unreadable(source),
@@ -63,6 +74,10 @@ fn decode(path: &Path, reader: impl BufRead + Seek) -> Result<DynamicImage, Imag
     let (width, height) = decoder.dimensions();
     if u64::from(width) * u64::from(height) > MAX_READ_PIXELS {
         return Err(ImageFileError::TooLarge { path: path.to_owned(), width, height });
+    }
+    if decoder.total_bytes() / MAX_EXPANSION > length {
+        let reason = format!("{width} by {height} pixels cannot come from {length} bytes");
+        return Err(ImageFileError::Decode { path: path.to_owned(), reason });
     }
     DynamicImage::from_decoder(decoder).map_err(undecodable)
 }
@@ -119,11 +134,10 @@ mod tests {
     use super::*;
     use crate::{Development, ImageFormat, write_image};
     use proptest::prelude::*;
+    use std::io::Cursor;
 
     fn read_bytes(bytes: &[u8]) -> Result<Film, ImageFileError> {
-        let file = tempfile::NamedTempFile::new().expect("a file");
-        std::fs::write(file.path(), bytes).expect("written");
-        read_image(file.path())
+        read_stream(Path::new("test"), Cursor::new(bytes), bytes.len() as u64)
     }
 
     fn encoded(format: ImageFormat) -> Vec<u8> {
@@ -138,7 +152,7 @@ mod tests {
     }
 
     fn encoded_by_image(image: &DynamicImage) -> Vec<u8> {
-        let mut bytes = std::io::Cursor::new(Vec::new());
+        let mut bytes = Cursor::new(Vec::new());
         image.write_to(&mut bytes, image::ImageFormat::Png).expect("a PNG");
         bytes.into_inner()
     }
@@ -191,6 +205,19 @@ mod tests {
         assert!(matches!(read_bytes(hdr), Err(ImageFileError::TooLarge { width: 60_000, .. })));
         let pfm = b"PF 60000 60000 -1.0 ";
         assert!(matches!(read_bytes(pfm), Err(ImageFileError::TooLarge { width: 60_000, .. })));
+    }
+
+    /// It was decoded to 117 million black pixels.
+    #[test]
+    fn an_exr_of_few_bytes_with_a_huge_window_is_refused() {
+        let mut bytes = encoded(ImageFormat::Exr);
+        let name = b"displayWindow\0box2i\0";
+        let window = bytes.windows(name.len()).position(|part| part == name).expect("every EXR has one");
+        // The attribute's length, then x and y of the first pixel, then x of the last one.
+        let last_x = window + name.len() + 12;
+        bytes[last_x..last_x + 4].copy_from_slice(&16_000_000u32.to_le_bytes());
+        let message = read_bytes(&bytes).expect_err("refused").to_string();
+        assert!(message.contains("16000001 by 7 pixels cannot come from"), "{message}");
     }
 
     #[test]
