@@ -55,6 +55,8 @@ mod error;
 mod files;
 #[cfg(feature = "format")]
 pub mod format;
+#[cfg(feature = "gltf")]
+mod gltf;
 #[cfg(feature = "format")]
 mod load;
 #[cfg(feature = "format")]

@@ -40,6 +40,8 @@ pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Model, LoadError
     match ending.as_str() {
         #[cfg(feature = "obj")]
         "obj" => crate::obj::load(path, &options),
+        #[cfg(feature = "gltf")]
+        "gltf" | "glb" => crate::gltf::load(path, &options),
         _ => Err(Reason::UnknownFormat { known: ".obj, .gltf, .glb" }.at(path, "")),
     }
 }

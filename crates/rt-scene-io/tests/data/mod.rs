@@ -48,7 +48,10 @@ fn load_damaged(file: &Path, folder: &Path, bytes: &[u8], what: &str) {
     fs::write(&place, bytes).expect("written");
     let start = Instant::now();
     let outcome = catch_unwind(AssertUnwindSafe(|| load_model(&place, &LoadOptions::default()).map(|_| ())));
-    assert!(outcome.is_ok(), "{} {what}: panicked", file.display());
+    let Ok(outcome) = outcome else { panic!("{} {what}: panicked", file.display()) };
+    // The message of the net below the checks: nothing should fall into it.
+    let caught = outcome.is_err_and(|error| error.to_string().contains("not understood"));
+    assert!(!caught, "{} {what}: panicked within", file.display());
     assert!(start.elapsed() < Duration::from_secs(5), "{} {what}: took {:?}", file.display(), start.elapsed());
 }
 

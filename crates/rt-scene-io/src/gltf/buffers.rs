@@ -1,0 +1,140 @@
+//! The bytes that a document refers to: in the file itself, in data URIs, or in files beside it.
+
+use std::path::Path;
+
+use base64::{
+    Engine,
+    alphabet::STANDARD,
+    engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig},
+};
+use gltf::{Document, buffer::View};
+use percent_encoding::percent_decode_str;
+
+use crate::{
+    LoadError, LoadOptions, Reason,
+    files::{read_file, resolve_path},
+};
+
+/// Base64 as it occurs, with or without padding.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
+/// The content of all buffers.
+pub(super) struct Buffers<'a> {
+    path: &'a Path,
+    /// `None` for buffers without data, which some extensions use as placeholders.
+    data: Vec<Option<Vec<u8>>>,
+}
+
+impl<'a> Buffers<'a> {
+    /// Loads all buffers. `blob` is the binary chunk of a GLB file.
+    pub(super) fn load(
+        document: &Document,
+        blob: Option<&[u8]>,
+        path: &'a Path,
+        options: &LoadOptions,
+    ) -> Result<Self, LoadError> {
+        let mut data = Vec::new();
+        for (i, buffer) in document.as_json().buffers.iter().enumerate() {
+            let content = match &buffer.uri {
+                Some(uri) => Some(fetch(uri, path, options).map_err(|r| r.at(path, format!("buffers[{i}].uri")))?),
+                None => blob.filter(|_| i == 0).map(<[u8]>::to_vec),
+            };
+            data.push(match content {
+                Some(mut content) => {
+                    let claimed = buffer.byte_length.0;
+                    if claimed > content.len() as u64 {
+                        let rule = format!("bytes are claimed, but there are {}", content.len());
+                        return Err(Reason::invalid(claimed, rule).at(path, format!("buffers[{i}].byteLength")));
+                    }
+                    content.truncate(claimed as usize);
+                    Some(content)
+                }
+                None => None,
+            });
+        }
+        Ok(Self { path, data })
+    }
+
+    /// The bytes of a view.
+    pub(super) fn view(&self, view: &View<'_>) -> Result<&[u8], LoadError> {
+        let buffer = view.buffer().index();
+        let fail = |reason: Reason| reason.at(self.path, format!("bufferViews[{}]", view.index()));
+        let Some(Some(data)) = self.data.get(buffer) else {
+            return Err(fail(Reason::Syntax(format!("the buffer {buffer} has no data"))));
+        };
+        let end = view.offset().checked_add(view.length());
+        end.and_then(|end| data.get(view.offset()..end)).ok_or_else(|| {
+            let (offset, length) = (view.offset(), view.length());
+            let message = format!("{length} bytes from {offset} on leave the buffer {buffer} of {} bytes", data.len());
+            fail(Reason::Syntax(message))
+        })
+    }
+
+    /// The file, for messages.
+    pub(super) const fn path(&self) -> &'a Path {
+        self.path
+    }
+}
+
+/// The bytes that a URI names: a data URI, or a file below the root folder. Other schemes are refused.
+pub(super) fn fetch(uri: &str, path: &Path, options: &LoadOptions) -> Result<Vec<u8>, Reason> {
+    match uri.strip_prefix("data:") {
+        Some(rest) => decode_data_uri(rest),
+        None => {
+            let decoded = percent_decode_str(uri).decode_utf8_lossy();
+            match read_file(&resolve_path(&decoded, path, options)?) {
+                // An empty buffer is no error before someone reads from it.
+                Err(Reason::Empty) => Ok(Vec::new()),
+                other => other,
+            }
+        }
+    }
+}
+
+/// `[type][;base64],content`, without the scheme (RFC 2397).
+fn decode_data_uri(rest: &str) -> Result<Vec<u8>, Reason> {
+    let Some((kind, content)) = rest.split_once(',') else {
+        return Err(Reason::Syntax("a data URI must have a comma before its content".to_owned()));
+    };
+    if kind.ends_with(";base64") {
+        BASE64.decode(content).map_err(|error| Reason::Syntax(format!("bad base64: {error}")))
+    } else {
+        Ok(percent_decode_str(content).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn data_uris() {
+        let fetch = |uri: &str| fetch(uri, Path::new("m.gltf"), &LoadOptions::default()).map_err(|e| e.to_string());
+        assert_eq!(fetch("data:application/octet-stream;base64,AQID/w=="), Ok(vec![1, 2, 3, 255]));
+        assert_eq!(fetch("data:;base64,AQID/w"), Ok(vec![1, 2, 3, 255]));
+        assert_eq!(fetch("data:,a%20b"), Ok(b"a b".to_vec()));
+        assert!(fetch("data:;base64,A!ID").is_err_and(|e| e.starts_with("bad base64")));
+        assert!(fetch("data:nothing").is_err_and(|e| e.contains("comma")));
+    }
+
+    #[test]
+    fn only_files_below_the_root_are_read() {
+        let outer = tempfile::tempdir().expect("a folder");
+        std::fs::write(outer.path().join("secret.bin"), b"secret").expect("written");
+        std::fs::create_dir(outer.path().join("in side")).expect("a folder");
+        std::fs::write(outer.path().join("in side/a b.bin"), b"1234").expect("written");
+        let file = outer.path().join("in side/m.gltf");
+        let fetch = |uri: &str| fetch(uri, &file, &LoadOptions::default());
+        assert_eq!(fetch("a%20b.bin").ok(), Some(b"1234".to_vec()));
+        assert_eq!(fetch("a b.bin").ok(), Some(b"1234".to_vec()));
+        for uri in ["../secret.bin", "%2e%2e/secret.bin", "..%2Fsecret.bin", "/etc/passwd", "file:///etc/passwd"] {
+            assert!(matches!(fetch(uri), Err(Reason::BadReference { .. })), "{uri}");
+        }
+        for uri in ["http://a/b.bin", "C:\\b.bin", ""] {
+            assert!(matches!(fetch(uri), Err(Reason::BadReference { .. })), "{uri}");
+        }
+    }
+}

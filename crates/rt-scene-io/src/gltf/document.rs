@@ -1,0 +1,252 @@
+//! From JSON to a document whose references hold.
+//!
+//! The `gltf` crate indexes without a look in some places and panics; here the JSON is checked first, and what its
+//! own validation finds is turned into problems with their place and value.
+
+use std::path::Path;
+
+use gltf::{
+    Document,
+    json::{Root, validation::Error, validation::Validate},
+};
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::{LoadError, Place, Problem, Reason, Warning};
+
+/// Extensions that are followed, at least as far as they concern what we draw.
+const SUPPORTED: [&str; 9] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// More problems than this are not listed.
+const MAX_PROBLEMS: usize = 20;
+
+/// Reads and checks the JSON part of a file.
+pub(super) fn parse(json: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Document, LoadError> {
+    let mut value: Value = serde_json::from_slice(json).map_err(|error| syntax(&error, path))?;
+    check_version(&value).map_err(|reason| reason.at(path, "asset.version"))?;
+    check_extensions(&value, path, warnings)?;
+    check_primitives(&value, path)?;
+    if let Some(animations) = value.as_object_mut().and_then(|root| root.remove("animations")) {
+        let message = "animations are not played; the model rests as the nodes say".to_owned();
+        if animations.as_array().is_some_and(|list| !list.is_empty()) {
+            warnings.push(Warning { place: "animations".to_owned(), message });
+        }
+    }
+    let root = Root::deserialize(&value).map_err(|error| {
+        // Only a parse of the text knows the line.
+        serde_json::from_slice::<Root>(json)
+            .err()
+            .map_or_else(|| Reason::Syntax(error.to_string()).at(path, ""), |located| syntax(&located, path))
+    })?;
+    check_references(&root, &value, path)?;
+    Ok(Document::from_json_without_validation(root))
+}
+
+fn syntax(error: &serde_json::Error, path: &Path) -> LoadError {
+    let message = error.to_string();
+    let end = message.rfind(" at line ").unwrap_or(message.len());
+    Reason::Syntax(message[..end].to_owned()).at(path, Place::Position(error.line(), error.column()))
+}
+
+fn check_version(value: &Value) -> Result<(), Reason> {
+    let asset = value.get("asset");
+    let field = |name: &str| asset.and_then(|asset| asset.get(name)).and_then(Value::as_str);
+    let Some(version) = field("version") else {
+        // In glTF 1.0 the version was optional, and lists were maps.
+        let reason = if value.get("meshes").is_some_and(Value::is_object) {
+            Reason::Unsupported("glTF version 1.0".to_owned())
+        } else {
+            Reason::Syntax("is missing; it must be \"2.0\"".to_owned())
+        };
+        return Err(reason);
+    };
+    let least = field("minVersion").unwrap_or("2.0");
+    match version.split_once('.') {
+        Some(("2", _)) if least == "2.0" => Ok(()),
+        Some(("2", _)) => Err(Reason::Unsupported(format!("glTF of at least version {least}"))),
+        Some(("1", _)) => Err(Reason::Unsupported(format!("glTF version {version} (1.x)"))),
+        _ => Err(Reason::Unsupported(format!("glTF version {version}"))),
+    }
+}
+
+/// Unknown required extensions are refused, unknown optional ones are warned about.
+fn check_extensions(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> Result<(), LoadError> {
+    let names = |key: &str| list(value, key).iter().filter_map(Value::as_str).collect::<Vec<_>>();
+    let unknown = |name: &&str| !SUPPORTED.contains(name);
+    let required = names("extensionsRequired");
+    let problems = required.iter().copied().filter(unknown).map(|name| {
+        let reason = Reason::Unsupported(format!("the required extension {name}"));
+        problem("extensionsRequired".to_owned(), reason, path)
+    });
+    refuse(problems.collect())?;
+    for name in names("extensionsUsed").into_iter().filter(unknown) {
+        let message = format!("the optional extension {name} is not followed");
+        warnings.push(Warning { place: "extensionsUsed".to_owned(), message });
+    }
+    Ok(())
+}
+
+/// Checks the position accessors of primitives, which the validation of the `gltf` crate takes for granted.
+fn check_primitives(value: &Value, path: &Path) -> Result<(), LoadError> {
+    let accessors = list(value, "accessors");
+    let mut problems = Vec::new();
+    for (m, mesh) in list(value, "meshes").iter().enumerate() {
+        for (p, primitive) in list(mesh, "primitives").iter().enumerate() {
+            let place = format!("meshes[{m}].primitives[{p}]");
+            let Some(position) = primitive.get("attributes").and_then(|all| all.get("POSITION")) else { continue };
+            let accessor = position.as_u64().and_then(|i| accessors.get(usize::try_from(i).ok()?));
+            let compressed = primitive.get("extensions").and_then(|all| all.get("KHR_draco_mesh_compression"));
+            match accessor {
+                None => {
+                    let reason = Reason::invalid(position, format!("is no accessor; there are {}", accessors.len()));
+                    problems.push(problem(format!("{place}.attributes.POSITION"), reason, path));
+                }
+                Some(accessor) if compressed.is_some() && accessor.get("bufferView").is_none() => {
+                    let reason = Reason::Unsupported("the extension KHR_draco_mesh_compression".to_owned());
+                    problems.push(problem(place, reason, path));
+                }
+                Some(_) => {}
+            }
+        }
+    }
+    refuse(problems)
+}
+
+fn list<'a>(value: &'a Value, key: &str) -> &'a [Value] {
+    value.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+}
+
+/// Runs the validation of the `gltf` crate.
+fn check_references(root: &Root, value: &Value, path: &Path) -> Result<(), LoadError> {
+    let mut problems = Vec::new();
+    root.validate(root, gltf::json::Path::new, &mut |place, error| {
+        let place = place().to_string();
+        if is_harmless(&place, error) {
+            return;
+        }
+        let found = lookup(value, &place).map(Value::to_string);
+        let reason = match (error, found) {
+            (Error::IndexOutOfBounds, Some(found)) => Reason::invalid(found, "refers to something that is not there"),
+            (Error::Missing, _) => Reason::Syntax("is missing".to_owned()),
+            (_, Some(found)) => Reason::invalid(shortened(&found), "is not valid"),
+            (_, None) => Reason::Syntax("is not valid".to_owned()),
+        };
+        problems.push(problem(place, reason, path));
+    });
+    refuse(problems)
+}
+
+/// What breaks a rule, or seems to, but does not matter here: bounds and unknown attributes are not used, accessors
+/// without a view hold zeros, and extensions have been checked already.
+fn is_harmless(place: &str, error: Error) -> bool {
+    place.starts_with("extensionsRequired")
+        || place.ends_with(".min")
+        || place.ends_with(".max")
+        || place.ends_with("[\"<invalid semantic name>\"]")
+        || (error == Error::Missing && place.starts_with("accessors[") && place.ends_with("].bufferView"))
+}
+
+/// The value at a path such as `meshes[0].primitives[1].attributes["POSITION"]`.
+fn lookup<'a>(value: &'a Value, place: &str) -> Option<&'a Value> {
+    let steps = place.split(['.', '[', ']']).map(|step| step.trim_matches('"')).filter(|step| !step.is_empty());
+    steps.into_iter().try_fold(value, |value, step| match value {
+        Value::Array(list) => list.get(step.parse::<usize>().ok()?),
+        _ => value.get(step),
+    })
+}
+
+fn shortened(text: &str) -> String {
+    if text.chars().count() <= 40 { text.to_owned() } else { text.chars().take(40).chain(['…']).collect() }
+}
+
+fn problem(place: String, reason: Reason, path: &Path) -> Problem {
+    Problem { file: path.display().to_string(), place: place.into(), reason }
+}
+
+fn refuse(mut problems: Vec<Problem>) -> Result<(), LoadError> {
+    problems.truncate(MAX_PROBLEMS);
+    LoadError::from_problems(problems).map_or(Ok(()), Err)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(json: &str) -> String {
+        parse(json.as_bytes(), Path::new("m.gltf"), &mut Vec::new()).expect_err("a bad document").to_string()
+    }
+
+    #[test]
+    fn versions() {
+        let asset = |fields: &str| refused(&format!(r#"{{"asset": {{{fields}}}}}"#));
+        assert_eq!(asset(r#""version": "1.1""#), "m.gltf: asset.version: glTF version 1.1 (1.x) is not supported");
+        assert_eq!(asset(r#""version": "9.0""#), "m.gltf: asset.version: glTF version 9.0 is not supported");
+        let later = r#""version": "2.1", "minVersion": "2.1""#;
+        assert_eq!(asset(later), "m.gltf: asset.version: glTF of at least version 2.1 is not supported");
+        assert_eq!(refused("{}"), "m.gltf: asset.version: is missing; it must be \"2.0\"");
+        assert_eq!(refused(r#"{"meshes": {}}"#), "m.gltf: asset.version: glTF version 1.0 is not supported");
+    }
+
+    #[test]
+    fn extensions() {
+        let json = r#"{"asset": {"version": "2.0"}, "extensionsUsed": ["A", "B"], "extensionsRequired": ["B", "C"]}"#;
+        let expected = "m.gltf: extensionsRequired: the required extension B is not supported\n\
+                        m.gltf: extensionsRequired: the required extension C is not supported";
+        assert_eq!(refused(json), expected);
+        let json = r#"{"asset": {"version": "2.0"}, "extensionsUsed": ["A", "KHR_materials_ior"]}"#;
+        let mut warnings = Vec::new();
+        parse(json.as_bytes(), Path::new("m.gltf"), &mut warnings).expect("optional");
+        assert_eq!(warnings.len(), 1);
+        assert_eq!(warnings[0].message, "the optional extension A is not followed");
+    }
+
+    #[test]
+    fn broken_text_is_located() {
+        assert_eq!(refused("{\n \"asset\": }"), "m.gltf:2:11: expected value");
+        let wrong = "{\"asset\": {\"version\": \"2.0\"},\n\"nodes\": 3}";
+        assert!(refused(wrong).starts_with("m.gltf:2:10: invalid type: integer `3`"), "{}", refused(wrong));
+        assert!(refused(&"[".repeat(100_000)).contains("recursion limit"));
+    }
+
+    #[test]
+    fn what_does_not_matter_is_let_through() {
+        let json = r#"{"asset": {"version": "2.0"}, "animations": [{"channels": 3}],
+            "accessors": [{"componentType": 5126, "count": 1, "type": "VEC3"}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOUR": 0}}]}]}"#;
+        let mut warnings = Vec::new();
+        parse(json.as_bytes(), Path::new("m.gltf"), &mut warnings).expect("usable");
+        assert_eq!(warnings[0].place, "animations");
+    }
+
+    #[test]
+    fn references_to_nothing_are_refused_with_their_value() {
+        let with = |rest: &str| refused(&format!(r#"{{"asset": {{"version": "2.0"}}, {rest}}}"#));
+        assert_eq!(
+            with(r#""nodes": [{"children": [7]}]"#),
+            "m.gltf: nodes[0].children[0]: 7 refers to something that is not there"
+        );
+        assert_eq!(
+            with(r#""meshes": [{"primitives": [{"attributes": {"POSITION": 2}}]}]"#),
+            "m.gltf: meshes[0].primitives[0].attributes.POSITION: 2 is no accessor; there are 0"
+        );
+        assert_eq!(
+            with(r#""meshes": [{"primitives": [{"attributes": {}}]}]"#),
+            "m.gltf: meshes[0].primitives[0].attributes[\"POSITION\"]: is missing"
+        );
+        assert_eq!(
+            with(r#""accessors": [{"componentType": 7, "count": 1, "type": "VEC3", "bufferView": 1}]"#),
+            "m.gltf: accessors[0].bufferView: 1 refers to something that is not there\n\
+             m.gltf: accessors[0].componentType: 7 is not valid"
+        );
+    }
+}
