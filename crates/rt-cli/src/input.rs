@@ -1,6 +1,6 @@
 //! Scenes and models as they are read, and what the loader has to say about them.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rt_scene_io::{LoadOptions, Scene, load};
 
@@ -11,16 +11,26 @@ use crate::error::Failure;
 /// Warnings that are printed one by one; the rest is counted.
 const MAX_PRINTED: usize = 20;
 
-/// Reads a scene, and passes on what the loader warns of.
-pub(crate) fn read_scene(args: &InputArgs, console: Console) -> Result<Scene, Failure> {
-    let scene = load(&args.scene, &load_options(args)?)?;
+/// A scene, and the files that it was made of.
+#[derive(Debug)]
+pub(crate) struct Input {
+    pub(crate) scene: Scene,
+    pub(crate) files: Vec<PathBuf>,
+}
+
+/// Reads a scene for an image of the given size, by default its own, and passes on what the loader warns of.
+pub(crate) fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console) -> Result<Input, Failure> {
+    let options = LoadOptions { size, ..load_options(args)? };
+    let scene = load(&args.scene, &options)?;
     for warning in scene.warnings.iter().take(MAX_PRINTED) {
         console.warn(format_args!("{}: {}", warning.place, warning.message));
     }
     if scene.warnings.len() > MAX_PRINTED {
         console.warn(format_args!("{} more are not shown", scene.warnings.len() - MAX_PRINTED));
     }
-    Ok(scene)
+    let mut files = options.referenced.paths();
+    files.push(args.scene.clone());
+    Ok(Input { scene, files })
 }
 
 /// Options of the loader.

@@ -74,7 +74,7 @@ pub(crate) enum OutputError {
 impl OutputFile {
     /// Checks that a file can be written to `path`, before work is spent on its content: the folder takes files, and
     /// nothing is there but perhaps an older file that is not one of `inputs`.
-    pub(crate) fn prepare<'i>(path: &Path, inputs: impl IntoIterator<Item = &'i Path>) -> Result<Self, OutputError> {
+    pub(crate) fn prepare(path: &Path, inputs: &[PathBuf]) -> Result<Self, OutputError> {
         // A link is written through: the file that it leads to is replaced, not the link.
         let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let folder = match target.parent() {
@@ -92,7 +92,7 @@ impl OutputFile {
             if older.permissions().readonly() {
                 return Err(OutputError::ReadOnly(path.to_owned()));
             }
-            if inputs.into_iter().any(|input| input.canonicalize().is_ok_and(|input| input == target)) {
+            if inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == target)) {
                 return Err(OutputError::IsInput(path.to_owned()));
             }
         }
@@ -184,7 +184,7 @@ mod tests {
     }
 
     fn prepare(path: &Path) -> Result<OutputFile, OutputError> {
-        OutputFile::prepare(path, [])
+        OutputFile::prepare(path, &[])
     }
 
     fn entries(folder: &Path) -> usize {
@@ -252,7 +252,7 @@ mod tests {
         assert!(matches!(check(folder.path()), OutputError::NotAFile(_)));
         assert!(matches!(check(&folder.path().join("missing/a.png")), OutputError::NoFolder { .. }));
         assert!(matches!(check(&file.join("a.png")), OutputError::NoFolder { .. }));
-        let input = OutputFile::prepare(&folder.path().join("./file.txt"), [file.as_path()]);
+        let input = OutputFile::prepare(&folder.path().join("./file.txt"), std::slice::from_ref(&file));
         assert!(matches!(input, Err(OutputError::IsInput(_))));
         let mut permissions = fs::metadata(&file).expect("there").permissions();
         permissions.set_readonly(true);

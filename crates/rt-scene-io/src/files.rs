@@ -56,7 +56,8 @@ pub fn read_texture(path: &Path) -> Result<Bitmap, Reason> {
 /// The file that `reference` names, as written in the file `referrer`.
 ///
 /// References are relative to the folder of the referrer. The file must exist and lie below `options.root` (by
-/// default that folder), also after symbolic links are followed. Backslashes count as slashes.
+/// default that folder), also after symbolic links are followed. Backslashes count as slashes. What is found is added
+/// to `options.referenced`.
 ///
 /// # Errors
 /// If the reference is absolute, a URL, leaves the root, or names nothing.
@@ -86,6 +87,7 @@ pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> 
     let root = options.root.as_deref().unwrap_or(folder);
     let inside = root.canonicalize().map_err(|error| bad(&format!("has no root {}: {error}", root.display())))?;
     if found.starts_with(inside) {
+        options.referenced.add(found);
         // The joined path reads better in messages than the canonical one.
         Ok(path)
     } else {

@@ -84,7 +84,7 @@ pub use load::load;
 #[cfg(feature = "format")]
 pub use model::{Model, load_model};
 #[cfg(feature = "format")]
-pub use options::LoadOptions;
+pub use options::{LoadOptions, ReferencedFiles};
 #[cfg(feature = "format")]
 pub use resolve::resolve;
 pub use scene::{

@@ -1,9 +1,11 @@
 //! How to load a file.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What the caller decides about loading.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default)]
 pub struct LoadOptions {
     /// The folder below which all files must lie that the scene refers to; by default the folder of the scene.
     pub root: Option<PathBuf>,
@@ -12,6 +14,26 @@ pub struct LoadOptions {
     /// Width and height of the image in place of the file's. A camera that is put where it sees everything depends on
     /// their ratio.
     pub size: Option<[u32; 2]>,
+    /// Receives the files that loading meets beside the one that it is given.
+    pub referenced: ReferencedFiles,
+}
+
+/// Files that other files refer to: textures, models, their material libraries and buffers. Clones share one list.
+///
+/// Whoever writes a file after loading a scene can tell by it that nothing is overwritten which the scene needs.
+#[derive(Clone, Debug, Default)]
+pub struct ReferencedFiles(Arc<Mutex<BTreeSet<PathBuf>>>);
+
+impl ReferencedFiles {
+    /// The files met so far: canonical paths, sorted.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).iter().cloned().collect()
+    }
+
+    /// Adds a canonical path.
+    pub(crate) fn add(&self, path: PathBuf) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(path);
+    }
 }
 
 impl LoadOptions {

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::slice;
 
 use rt_scene_io::convert;
 
@@ -15,7 +16,7 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
         let message = format!("cannot tell the format of `{}`: use .ron or .json", args.output.display());
         return Err(Failure::Usage(message));
     }
-    let output = OutputFile::prepare(&args.output, [args.input.scene.as_path()])?;
+    let output = OutputFile::prepare(&args.output, slice::from_ref(&args.input.scene))?;
     let text = convert(&args.input.scene, &args.output, &input::load_options(&args.input)?)?;
     Ok(output.write(|file| file.write_all(text.as_bytes()))?)
 }

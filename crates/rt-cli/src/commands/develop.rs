@@ -1,6 +1,8 @@
 //! `develop`: from linear light to bytes, after the fact.
 
-use rt_camera::{Development, Encoding, read_image, write_image};
+use std::slice;
+
+use rt_camera::{Development, Encoding, ImageFormat, read_image, write_image};
 
 use crate::args::DevelopArgs;
 use crate::error::Failure;
@@ -20,9 +22,9 @@ pub(super) fn run(args: &DevelopArgs) -> Result<(), Failure> {
         encoding: args.gamma.map_or(standard.encoding, Encoding::Power),
     };
     let film = read_image(&args.image)?;
-    let transparent = film.alpha().is_some() && format != rt_camera::ImageFormat::Jpeg;
+    let transparent = film.alpha().is_some() && format != ImageFormat::Jpeg;
     picture_file::check(format, [film.width(), film.height()], transparent)?;
-    let output = OutputFile::prepare(&args.output, [args.image.as_path()])?;
+    let output = OutputFile::prepare(&args.output, slice::from_ref(&args.image))?;
     output.write(|file| write_image(&film, &development, format, file))?;
     Ok(())
 }

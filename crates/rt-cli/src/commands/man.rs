@@ -21,7 +21,7 @@ pub(super) fn run(folder: Option<&Path>) -> Result<(), Failure> {
         let page = page(&name, command).map_err(Failure::Stdout)?;
         match folder {
             Some(folder) => {
-                OutputFile::prepare(&folder.join(format!("{name}.1")), [])?.write(|file| file.write_all(&page))?
+                OutputFile::prepare(&folder.join(format!("{name}.1")), &[])?.write(|file| file.write_all(&page))?
             }
             None => print(String::from_utf8_lossy(&page))?,
         }

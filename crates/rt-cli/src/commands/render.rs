@@ -6,6 +6,7 @@ use std::time::Instant;
 use crate::args::RenderArgs;
 use crate::console::Console;
 use crate::error::Failure;
+use crate::input::Input;
 use crate::job::Job;
 use crate::output::OutputFile;
 use crate::{input, overrides, picture_file};
@@ -17,7 +18,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let format = picture_file::format_of(&picture)?;
 
     let started = Instant::now();
-    let mut scene = input::read_scene(&args.input, console)?;
+    let Input { mut scene, files } = input::read(&args.input, args.picture.size, console)?;
     let load_seconds = started.elapsed().as_secs_f64();
     if args.run.strict {
         input::refuse_warnings(scene_file, &scene)?;
@@ -25,8 +26,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let options = overrides::apply(&args.picture, &mut scene)?;
     overrides::apply_development(&args.development, &mut scene.film);
 
-    let output = OutputFile::prepare(&picture, [scene_file])?;
-    let stats = args.run.stats.as_deref().map(|path| OutputFile::prepare(path, [scene_file])).transpose()?;
+    let output = OutputFile::prepare(&picture, &files)?;
+    let stats = args.run.stats.as_deref().map(|path| OutputFile::prepare(path, &files)).transpose()?;
     if stats.as_ref().is_some_and(|stats| stats.is_same_file(&output)) {
         return Err(Failure::Usage("the picture and the statistics cannot go to the same file".to_owned()));
     }

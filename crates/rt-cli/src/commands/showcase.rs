@@ -28,7 +28,7 @@ pub(super) fn run() -> Result<(), Failure> {
         load_seconds: started.elapsed().as_secs_f64(),
         options: rt_render::PlanOptions::default(),
         format: picture_file::format_of(Path::new(PICTURE))?,
-        output: OutputFile::prepare(Path::new(PICTURE), [])?,
+        output: OutputFile::prepare(Path::new(PICTURE), &[])?,
         stats: None,
         threads: 0,
         strict: false,

@@ -107,6 +107,23 @@ fn unwritable_output_ends_with_code_4() {
 }
 
 #[test]
+fn files_that_the_scene_refers_to_are_not_overwritten() {
+    let place = Workplace::new();
+    place.write("ball.ron", GOOD);
+    place.succeed("render ball.ron -o wood.png");
+    let before = place.read("wood.png");
+    // By default the picture would be named like the texture.
+    let scene = "(materials: {\"wood\": phong(color: image(file: \"wood.png\"))},
+        nodes: [(shape: sphere(), material: \"wood\")])";
+    place.write("wood.ron", scene);
+    let run = place.run("render wood.ron");
+    assert_eq!(run.code, Some(4), "{run:?}");
+    assert_eq!(run.stderr, "error: cannot write `wood.png`: it is an input; choose another name\n");
+    assert_eq!(place.read("wood.png"), before);
+    place.succeed("render wood.ron --size 8x8 -o other.png");
+}
+
+#[test]
 fn wrong_usage_ends_with_code_2() {
     let flat = "(camera: (look_from: (0, 0, 5), orthographic: 3), nodes: [(shape: sphere())])";
     let said = complaints(
