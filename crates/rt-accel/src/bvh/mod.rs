@@ -57,7 +57,8 @@ impl Bvh {
         let centre = union.centre();
         let mut items: Vec<_> =
             bounded.into_iter().map(|(index, own)| Item { bounds: NodeBox::outward(&own, centre), index }).collect();
-        let tree = build::build(&mut items);
+        let mut tree = build::build(&mut items);
+        tree.nodes.shrink_to_fit();
         Ok(Self {
             nodes: tree.nodes,
             indices: items.iter().map(|item| item.index).collect(),
