@@ -51,11 +51,10 @@ pub(crate) fn sample(u: f64) -> [f64; 2] {
     [side * invert_mass(target, low, high), sign * 2.0 * HALF_MASS]
 }
 
-/// The x between `low` and `high` with `mass(x) = target`: Newton's method, with a bisection whenever it would leave
-/// the bracket (as it does next to the zeros of the density).
+/// The x between `low` and `high` with `mass(x) = target`: about five steps of Newton's method, with a bisection
+/// whenever it would leave the bracket (as it does next to the zeros of the density).
 fn invert_mass(target: f64, mut low: f64, mut high: f64) -> f64 {
     let mut x = 0.5 * (low + high);
-    // Bisection alone would settle 53 bits; Newton's method needs about six steps.
     for _ in 0..53 {
         let excess = mass(x) - target;
         if excess < 0.0 {
@@ -64,11 +63,14 @@ fn invert_mass(target: f64, mut low: f64, mut high: f64) -> f64 {
             high = x;
         }
         let newton = x - excess / value(x).abs();
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if (next - x).abs() <= 4.0 * f64::EPSILON {
-            return next;
+        if !(newton >= low && newton <= high) {
+            x = 0.5 * (low + high);
+        } else if (newton - x).abs() <= 1e-9 {
+            // Each step doubles the digits, so that this one has them all.
+            return newton;
+        } else {
+            x = newton;
         }
-        x = next;
     }
     x
 }
