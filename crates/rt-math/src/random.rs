@@ -11,6 +11,7 @@ pub fn hash(words: &[u64]) -> u64 {
 }
 
 /// A bijection of 64-bit words in which every input bit flips about half of the output bits.
+#[inline]
 pub fn mix(word: u64) -> u64 {
     let word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -18,6 +19,7 @@ pub fn mix(word: u64) -> u64 {
 }
 
 /// The top 53 bits as a number in `[0, 1)`.
+#[inline]
 pub fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }

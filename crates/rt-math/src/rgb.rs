@@ -75,6 +75,7 @@ impl From<[f64; 3]> for Rgb {
 
 impl Add for Rgb {
     type Output = Self;
+    #[inline]
     fn add(self, o: Self) -> Self {
         Self::new(self.r + o.r, self.g + o.g, self.b + o.b)
     }
@@ -88,6 +89,7 @@ impl AddAssign for Rgb {
 
 impl Sub for Rgb {
     type Output = Self;
+    #[inline]
     fn sub(self, o: Self) -> Self {
         Self::new(self.r - o.r, self.g - o.g, self.b - o.b)
     }
@@ -96,6 +98,7 @@ impl Sub for Rgb {
 impl Mul for Rgb {
     type Output = Self;
     /// Component by component: light filtered by a surface.
+    #[inline]
     fn mul(self, o: Self) -> Self {
         Self::new(self.r * o.r, self.g * o.g, self.b * o.b)
     }
@@ -109,6 +112,7 @@ impl MulAssign for Rgb {
 
 impl Mul<f64> for Rgb {
     type Output = Self;
+    #[inline]
     fn mul(self, s: f64) -> Self {
         Self::new(self.r * s, self.g * s, self.b * s)
     }
@@ -116,6 +120,7 @@ impl Mul<f64> for Rgb {
 
 impl Div<f64> for Rgb {
     type Output = Self;
+    #[inline]
     fn div(self, s: f64) -> Self {
         Self::new(self.r / s, self.g / s, self.b / s)
     }

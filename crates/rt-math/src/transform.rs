@@ -206,6 +206,7 @@ impl Transform {
     }
 
     /// True if this is exactly the identity.
+    #[inline]
     pub fn is_identity(&self) -> bool {
         *self == Self::IDENTITY
     }
@@ -229,22 +230,26 @@ impl Transform {
     }
 
     /// A point, source to target.
+    #[inline]
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.linear * p + self.translation
     }
 
     /// A vector (a difference of points), source to target.
+    #[inline]
     pub fn vector(&self, v: DVec3) -> DVec3 {
         self.linear * v
     }
 
     /// A normal, source to target, by the inverse transpose; not normalised. It keeps its side of the surface even
     /// under a mirroring map.
+    #[inline]
     pub fn normal(&self, n: DVec3) -> DVec3 {
         self.linear_inverse.transpose() * n
     }
 
     /// A ray, source to target; `t` keeps its meaning.
+    #[inline]
     pub fn ray(&self, ray: &Ray) -> Ray {
         Ray { origin: self.point(ray.origin), direction: self.vector(ray.direction), time: ray.time }
     }
@@ -262,6 +267,7 @@ impl Transform {
     }
 
     /// A point known up to `error` per axis, source to target, with the bound on the result's error.
+    #[inline]
     pub fn point_with_error(&self, p: DVec3, error: DVec3) -> (DVec3, DVec3) {
         let magnitude = absolute(&self.linear);
         let rounding = (magnitude * p.abs() + self.translation.abs()) * gamma(4);
@@ -269,11 +275,13 @@ impl Transform {
     }
 
     /// A point, target to source.
+    #[inline]
     pub fn inverse_point(&self, p: DVec3) -> DVec3 {
         self.linear_inverse * (p - self.translation)
     }
 
     /// A vector, target to source.
+    #[inline]
     pub fn inverse_vector(&self, v: DVec3) -> DVec3 {
         self.linear_inverse * v
     }
@@ -284,6 +292,7 @@ impl Transform {
     }
 
     /// A ray, target to source; `t` keeps its meaning.
+    #[inline]
     pub fn inverse_ray(&self, ray: &Ray) -> Ray {
         Ray { origin: self.inverse_point(ray.origin), direction: self.inverse_vector(ray.direction), time: ray.time }
     }

@@ -189,12 +189,12 @@ impl RenderPlan<'_> {
             bad_samples: 0,
         };
         for pixel in tile.pixels() {
-            let (mut sum, mut coverage) = (Rgb::BLACK, 0.0);
+            let (mut sum, mut coverage, mut weights) = (Rgb::BLACK, 0.0, 0.0);
             for index in 0..self.spp {
                 let (ray, weight) =
                     camera_ray(&self.camera, &self.sampler, self.filter, self.sample_offset, pixel, index);
                 let mut seen = radiance(&ray);
-                if !seen.radiance.is_finite() || seen.radiance.to_array().iter().any(|&c| c < 0.0) {
+                if !is_radiance(seen.radiance) {
                     finished.bad_samples += 1;
                     seen.radiance = Rgb::BLACK;
                 }
@@ -202,8 +202,9 @@ impl RenderPlan<'_> {
                     sum += seen.radiance * weight;
                     coverage += weight;
                 }
+                weights += weight;
             }
-            let scale = 1.0 / f64::from(self.spp);
+            let scale = 1.0 / normalisation(weights, f64::from(self.spp));
             finished.pixels.push((sum * scale).to_array().map(|c| c as f32));
             if self.transparent {
                 finished.alpha.push((coverage * scale).clamp(0.0, 1.0) as f32);
@@ -211,6 +212,18 @@ impl RenderPlan<'_> {
         }
         finished
     }
+}
+
+/// True for what a film can record: no NaN, nothing negative, nothing beyond the range of `f32`.
+fn is_radiance(rgb: Rgb) -> bool {
+    rgb.to_array().iter().all(|c| (0.0..=f64::from(f32::MAX)).contains(c))
+}
+
+/// What the weighted sum of `count` samples is divided by: the sum of their weights, so that a flat area stays flat
+/// though some filters have negative lobes. Where weights cancel, which only few samples can do, their number, which is
+/// what the sum tends to. All weights of filters without negative lobes are 1.
+fn normalisation(weights: f64, count: f64) -> f64 {
+    if weights.abs() >= 0.5 * count { weights } else { count }
 }
 
 /// The camera ray of one sample, and the weight of what it sees.

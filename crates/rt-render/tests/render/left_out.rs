@@ -72,12 +72,14 @@ fn materials_that_nothing_wears_cost_nothing() {
 
 #[test]
 fn samples_that_are_not_numbers_are_counted_and_black() {
-    let mut scene = spheres();
-    scene.appearance.materials[0].phong.emission = Coefficient::Constant(Rgb::new(f64::NAN, 0.0, 0.0));
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-    let rendering = plan.render(&COUNT, |_| {}).expect("threads start");
-    assert!(rendering.statistics.bad_samples > 0);
-    assert!(rendering.film.pixels().iter().flatten().all(|c| c.is_finite()));
+    for bad in [f64::NAN, f64::INFINITY, -1e3, 1e39] {
+        let mut scene = spheres();
+        scene.appearance.materials[0].phong.emission = Coefficient::Constant(Rgb::new(bad, 0.0, 0.0));
+        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+        let rendering = plan.render(&COUNT, |_| {}).expect("threads start");
+        assert!(rendering.statistics.bad_samples > 0, "{bad}");
+        assert!(rendering.film.pixels().iter().flatten().all(|c| c.is_finite() && *c >= 0.0), "{bad}");
+    }
 }
 
 #[test]

@@ -1,0 +1,39 @@
+//! What the plan of each scene file uses and leaves out, as text.
+
+use std::path::{Path, PathBuf};
+
+use rt_render::{PlanOptions, RenderPlan};
+use rt_scene_io::LoadOptions;
+
+fn scenes_folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes")
+}
+
+fn scene_files() -> Vec<PathBuf> {
+    let mut files = vec![];
+    for chapter in ["report", "lecture", "gallery"] {
+        let folder = std::fs::read_dir(scenes_folder().join(chapter)).expect("the chapter's folder");
+        let paths = folder.map(|entry| entry.expect("an entry").path());
+        files.extend(paths.filter(|path| path.extension().is_some_and(|ending| ending == "ron")));
+    }
+    files.sort();
+    files
+}
+
+#[test]
+fn the_plan_of_every_scene() {
+    let files = scene_files();
+    assert!(files.len() >= 10, "only {} scene files", files.len());
+    for file in files {
+        let scene = rt_scene_io::load(&file, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        let name = file.strip_prefix(scenes_folder()).expect("below the folder").with_extension("");
+        let name = name.to_string_lossy().replace(['/', '\\'], "-");
+        // Sizes of structures follow the layout of types, which is not the plan's business.
+        let mut explanation = plan.explain();
+        explanation.memory = [("film", explanation.memory[0].1), ("geometry", 0), ("structures", 0)];
+        insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
+            insta::assert_snapshot!(name, explanation);
+        });
+    }
+}
