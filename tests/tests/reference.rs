@@ -2,6 +2,8 @@
 //!
 //! The reference images are not part of this repository: where they are missing, the tests say so and pass.
 
+#![allow(clippy::print_stdout, reason = "tests say what they skip")]
+
 use std::path::{Path, PathBuf};
 
 use rt_camera::{Film, read_image};
@@ -41,8 +43,7 @@ fn block_sums(film: &Film, value: impl Fn(f32) -> f64) -> Vec<f64> {
 
 #[test]
 fn direct_light_of_a_point_light_agrees_with_mitsuba() {
-    let (Some(mean), Some(error)) =
-        (reference("point-light-direct.exr"), reference("point-light-direct.stderr.exr"))
+    let (Some(mean), Some(error)) = (reference("point-light-direct.exr"), reference("point-light-direct.stderr.exr"))
     else {
         return;
     };

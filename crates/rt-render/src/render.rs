@@ -189,7 +189,7 @@ impl RenderPlan<'_> {
             bad_samples: 0,
         };
         for pixel in tile.pixels() {
-            let (mut sum, mut coverage, mut weights) = (Rgb::BLACK, 0.0, 0.0);
+            let mut lobes = [Lobe::default(); 2];
             for index in 0..self.spp {
                 let (ray, weight) =
                     camera_ray(&self.camera, &self.sampler, self.filter, self.sample_offset, pixel, index);
@@ -198,16 +198,12 @@ impl RenderPlan<'_> {
                     finished.bad_samples += 1;
                     seen.radiance = Rgb::BLACK;
                 }
-                if seen.hit || !self.transparent {
-                    sum += seen.radiance * weight;
-                    coverage += weight;
-                }
-                weights += weight;
+                lobes[usize::from(weight < 0.0)].add(&seen, weight.abs(), self.transparent);
             }
-            let scale = 1.0 / normalisation(weights, f64::from(self.spp));
-            finished.pixels.push((sum * scale).to_array().map(|c| c as f32));
+            let (radiance, coverage) = Lobe::difference(&lobes);
+            finished.pixels.push(radiance.to_array().map(|c| c as f32));
             if self.transparent {
-                finished.alpha.push((coverage * scale).clamp(0.0, 1.0) as f32);
+                finished.alpha.push(coverage.clamp(0.0, 1.0) as f32);
             }
         }
         finished
@@ -219,11 +215,47 @@ fn is_radiance(rgb: Rgb) -> bool {
     rgb.to_array().iter().all(|c| (0.0..=f64::from(f32::MAX)).contains(c))
 }
 
-/// What the weighted sum of `count` samples is divided by: the sum of their weights, so that a flat area stays flat
-/// though some filters have negative lobes. Where weights cancel, which only few samples can do, their number, which is
-/// what the sum tends to. All weights of filters without negative lobes are 1.
-fn normalisation(weights: f64, count: f64) -> f64 {
-    if weights.abs() >= 0.5 * count { weights } else { count }
+/// Samples that fell into the positive or into the negative part of a filter.
+///
+/// The two are averaged apart and then subtracted: a flat area stays flat, however many samples fall into each. All
+/// samples of filters without negative lobes have weight 1 and lie in the first.
+#[derive(Clone, Copy, Default)]
+struct Lobe {
+    radiance: Rgb,
+    coverage: f64,
+    count: f64,
+    /// Magnitude of the weights, the same for all: (∫ positive part + ∫ negative part) / ∫ filter.
+    magnitude: f64,
+}
+
+impl Lobe {
+    fn add(&mut self, seen: &Seen, magnitude: f64, transparent: bool) {
+        self.count += 1.0;
+        self.magnitude = magnitude;
+        if seen.hit || !transparent {
+            self.radiance += seen.radiance;
+            self.coverage += 1.0;
+        }
+    }
+
+    fn mean(&self) -> (Rgb, f64) {
+        let scale = 1.0 / self.count;
+        (self.radiance * scale, self.coverage * scale)
+    }
+
+    /// The filtered radiance and coverage of a pixel; where one lobe has no sample, the mean of the other.
+    fn difference([positive, negative]: &[Self; 2]) -> (Rgb, f64) {
+        if negative.count == 0.0 {
+            return positive.mean();
+        }
+        if positive.count == 0.0 {
+            return negative.mean();
+        }
+        // The parts differ by 1 and add up to the magnitude.
+        let share = 0.5 * (negative.magnitude - 1.0);
+        let ((plus, plus_coverage), (minus, minus_coverage)) = (positive.mean(), negative.mean());
+        (plus * (1.0 + share) - minus * share, plus_coverage * (1.0 + share) - minus_coverage * share)
+    }
 }
 
 /// The camera ray of one sample, and the weight of what it sees.
