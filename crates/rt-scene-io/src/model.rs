@@ -34,6 +34,10 @@ pub struct Model {
 ///
 /// # Errors
 /// If the file cannot be read, is no valid model, or needs a feature that is not supported or not built in.
+#[cfg_attr(
+    not(any(feature = "obj", feature = "gltf")),
+    expect(unused_variables, reason = "without a loader there are no references to follow")
+)]
 pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     let options = options.rooted_at(path);
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();

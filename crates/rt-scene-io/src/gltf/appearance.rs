@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use gltf::{
     Document, Material,
-    material::AlphaMode,
-    texture::{Info, MagFilter, WrappingMode},
+    material::{AlphaMode, PbrSpecularGlossiness},
+    texture::{Info, MagFilter, Sampler, WrappingMode},
 };
-use rt_math::{Rgb, transcendental::pow};
+use rt_camera::Encoding;
+use rt_math::Rgb;
 use rt_shading::{Bitmap, Material as Named, Texture, TextureId, Wrap};
 
 use super::{
@@ -80,17 +81,15 @@ impl<'a> Appearance<'a> {
         if surface.unlit {
             return Ok(surface);
         }
-        if let Some(bitmap) = self.mean_of(pbr.metallic_roughness_texture(), model)? {
+        if let Some(bitmap) = self.untracked(pbr.metallic_roughness_texture(), model)? {
             // The channels hold numbers, not colours: the decoding of sRGB is undone.
-            surface.roughness *= encoded(bitmap.g);
-            surface.metallic *= encoded(bitmap.b);
+            let mean = mean(&bitmap);
+            surface.roughness *= Encoding::Srgb.encode(mean.g);
+            surface.metallic *= Encoding::Srgb.encode(mean.b);
             warn(material, "metalness and roughness are the same everywhere: the mean of their texture", model);
         }
         if let Some(other) = material.pbr_specular_glossiness() {
-            let diffuse = self.tint(other.diffuse_texture(), opaque(other.diffuse_factor()), model)?;
-            let mean = self.mean_of(other.specular_glossiness_texture(), model)?;
-            let specular = rgb(other.specular_factor()) * mean.unwrap_or(Rgb::WHITE);
-            surface = surface.with_specular_glossiness(diffuse, specular, f64::from(other.glossiness_factor()));
+            surface = self.specular_glossiness(surface, &other, model)?;
         }
         for (what, present) in [
             ("the normal texture is not followed", material.normal_texture().is_some()),
@@ -102,6 +101,31 @@ impl<'a> Appearance<'a> {
             }
         }
         Ok(surface)
+    }
+
+    /// KHR_materials_pbrSpecularGlossiness: metals have their colour in the specular texture and a black diffuse one, so
+    /// the sum of both is the base colour.
+    fn specular_glossiness(
+        &mut self,
+        surface: Surface,
+        other: &PbrSpecularGlossiness<'_>,
+        model: &mut Model,
+    ) -> Result<Surface, LoadError> {
+        let (diffuse, specular) = (opaque(other.diffuse_factor()), rgb(other.specular_factor()));
+        let glossiness = f64::from(other.glossiness_factor());
+        let Some(shine) = self.untracked(other.specular_glossiness_texture(), model)? else {
+            let base = self.tint(other.diffuse_texture(), diffuse, model)?;
+            return Ok(surface.with_specular_glossiness(base, specular, glossiness));
+        };
+        let matt = self.untracked(other.diffuse_texture(), model)?;
+        let matt = matt.unwrap_or_else(|| Bitmap { width: 1, height: 1, pixels: vec![[1.0; 3]] });
+        let specular_mean = specular * mean(&shine);
+        let bitmap = sum_of(&matt, diffuse, &shine, specular);
+        self.count(&bitmap)?;
+        let sampler = other.diffuse_texture().or(other.specular_glossiness_texture()).map(|t| t.texture().sampler());
+        let id = push_image(bitmap, sampler.as_ref(), model);
+        let base = Tint { texture: Some(id), colour: Rgb::WHITE };
+        Ok(surface.with_specular_glossiness(base, specular_mean, glossiness))
     }
 
     fn tint(&mut self, info: Option<Info<'_>>, colour: Rgb, model: &mut Model) -> Result<Tint, LoadError> {
@@ -123,16 +147,9 @@ impl<'a> Appearance<'a> {
         if let Some(&known) = self.textures.get(&key) {
             return Ok(known);
         }
-        let id = self.bitmap(image, model)?.map(|bitmap| {
-            let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
-                WrappingMode::Repeat => Wrap::Repeat,
-                WrappingMode::MirroredRepeat => Wrap::Mirror,
-                WrappingMode::ClampToEdge => Wrap::Clamp,
-            });
-            let smooth = sampler.mag_filter() != Some(MagFilter::Nearest);
-            model.textures.push(Texture::Image { bitmap, wrap, smooth });
-            TextureId(model.textures.len() as u32 - 1)
-        });
+        let bitmap = self.bitmap(image, model)?;
+        bitmap.iter().try_for_each(|bitmap| self.count(bitmap))?;
+        let id = bitmap.map(|bitmap| push_image(bitmap, Some(&sampler), model));
         self.textures.insert(key, id);
         Ok(id)
     }
@@ -164,28 +181,65 @@ impl<'a> Appearance<'a> {
             },
             (None, None) => return Err(Reason::Syntax("has neither uri nor bufferView".to_owned()).at(path, place)),
         };
-        let bitmap = decoded.map_err(|error| Reason::from(error).at(path, place))?;
+        decoded.map(Some).map_err(|error| Reason::from(error).at(path, place))
+    }
+
+    /// Adds a bitmap that is kept to the memory of all textures.
+    fn count(&mut self, bitmap: &Bitmap) -> Result<(), LoadError> {
         self.texture_bytes += size_of_val(bitmap.pixels.as_slice()) as u64;
         if self.texture_bytes > MAX_TEXTURE_BYTES {
             let (value, limit) = (self.texture_bytes, MAX_TEXTURE_BYTES);
-            return Err(Reason::TooLarge { what: "the memory of all textures in bytes", value, limit }.at(path, ""));
+            let reason = Reason::TooLarge { what: "the memory of all textures in bytes", value, limit };
+            return Err(reason.at(self.buffers.path(), ""));
         }
-        Ok(Some(bitmap))
+        Ok(())
     }
 
-    /// The mean colour of a texture, from at most some 4000 pixels; `None` without a texture.
-    fn mean_of(&mut self, info: Option<Info<'_>>, model: &mut Model) -> Result<Option<Rgb>, LoadError> {
-        let Some(image) = info.and_then(|info| self.image_of(&info)) else { return Ok(None) };
-        let Some(bitmap) = self.bitmap(image, model)? else { return Ok(None) };
-        self.texture_bytes -= size_of_val(bitmap.pixels.as_slice()) as u64;
-        let step = (bitmap.pixels.len() / 4096).max(1);
-        let (mut sum, mut count) = (Rgb::BLACK, 0.0);
-        for pixel in bitmap.pixels.iter().step_by(step) {
-            sum += rgb(*pixel);
-            count += 1.0;
+    /// The pixels of a texture that is looked at, but not kept; `None` without a texture.
+    fn untracked(&mut self, info: Option<Info<'_>>, model: &mut Model) -> Result<Option<Bitmap>, LoadError> {
+        match info.and_then(|info| self.image_of(&info)) {
+            Some(image) => self.bitmap(image, model),
+            None => Ok(None),
         }
-        Ok(Some(sum / count))
     }
+}
+
+fn push_image(bitmap: Bitmap, sampler: Option<&Sampler<'_>>, model: &mut Model) -> TextureId {
+    let wrap = sampler.map_or([WrappingMode::Repeat; 2], |s| [s.wrap_s(), s.wrap_t()]).map(|mode| match mode {
+        WrappingMode::Repeat => Wrap::Repeat,
+        WrappingMode::MirroredRepeat => Wrap::Mirror,
+        WrappingMode::ClampToEdge => Wrap::Clamp,
+    });
+    let smooth = sampler.and_then(Sampler::mag_filter) != Some(MagFilter::Nearest);
+    model.textures.push(Texture::Image { bitmap, wrap, smooth });
+    TextureId(model.textures.len() as u32 - 1)
+}
+
+/// The mean colour, from at most some 8000 pixels.
+fn mean(bitmap: &Bitmap) -> Rgb {
+    let step = (bitmap.pixels.len() / 4096).max(1);
+    let (mut sum, mut count) = (Rgb::BLACK, 0.0);
+    for pixel in bitmap.pixels.iter().step_by(step) {
+        sum += rgb(*pixel);
+        count += 1.0;
+    }
+    sum / count
+}
+
+/// Diffuse colour plus what the specular colour has above the 4 % of a dielectric, at the resolution of the diffuse
+/// colour.
+fn sum_of(matt: &Bitmap, diffuse: Rgb, shine: &Bitmap, specular: Rgb) -> Bitmap {
+    let (width, height) = if matt.pixels.len() == 1 { (shine.width, shine.height) } else { (matt.width, matt.height) };
+    let nearest = |bitmap: &Bitmap, x: u32, y: u32| {
+        let scaled = |i: u32, to: u32, from: u32| u64::from(i) * u64::from(to) / u64::from(from);
+        let (x, y) = (scaled(x, bitmap.width, width), scaled(y, bitmap.height, height));
+        rgb(bitmap.pixels[(y * u64::from(bitmap.width) + x) as usize])
+    };
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| {
+        let metal = (nearest(shine, x, y) * specular).map(|c| (c - 0.04).max(0.0));
+        (nearest(matt, x, y) * diffuse + metal).to_array().map(|c| c.min(1.0) as f32)
+    });
+    Bitmap { width, height, pixels: pixels.collect() }
 }
 
 /// KHR_materials_specular, without its textures.
@@ -205,11 +259,6 @@ fn warn(material: &Material<'_>, message: &str, model: &mut Model) {
     model.warnings.push(Warning { place, message: message.to_owned() });
 }
 
-/// The sRGB-encoded value of linear light in [0, 1] (IEC 61966-2-1).
-fn encoded(linear: f64) -> f64 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * pow(linear, 1.0 / 2.4) - 0.055 }
-}
-
 fn opaque([r, g, b, _]: [f32; 4]) -> Rgb {
     rgb([r, g, b])
 }
@@ -217,4 +266,18 @@ fn opaque([r, g, b, _]: [f32; 4]) -> Rgb {
 /// A colour without negative or infinite components.
 fn rgb(colour: [f32; 3]) -> Rgb {
     Rgb::from(colour.map(f64::from)).map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_colour_of_metals_is_added_to_the_diffuse_colour() {
+        let matt = Bitmap { width: 2, height: 1, pixels: vec![[0.5; 3], [0.0; 3]] };
+        let shine = Bitmap { width: 1, height: 2, pixels: vec![[0.04, 0.54, 1.0], [0.0; 3]] };
+        let sum = sum_of(&matt, Rgb::WHITE, &shine, Rgb::WHITE);
+        assert_eq!((sum.width, sum.height), (2, 1));
+        assert_eq!(sum.pixels, [[0.5, 1.0, 1.0], [0.0, 0.5, 0.96]]);
+    }
 }

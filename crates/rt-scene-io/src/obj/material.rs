@@ -52,7 +52,12 @@ pub(super) fn phong(mtl: &tobj::Material, maps: Maps) -> Phong {
     Phong {
         ambient: coefficient(maps.diffuse, kd * (AMBIENT_SHARE * opacity)),
         diffuse: coefficient(maps.diffuse, kd * opacity),
-        specular: if model >= 2 { coefficient(maps.specular, ks) } else { Coefficient::ZERO },
+        // Exporters write Ns 0 for materials that never had a highlight; cos⁰ would whiten them all over.
+        specular: if model >= 2 && mtl.shininess != Some(0.0) {
+            coefficient(maps.specular, ks)
+        } else {
+            Coefficient::ZERO
+        },
         exponent: mtl.shininess.map_or(default.exponent, |ns| f64::from(ns).min(MAX_EXPONENT)),
         highlight: Highlight::Blinn,
         emission: coefficient(maps.emission, ke),
@@ -126,6 +131,11 @@ mod tests {
         assert_eq!((phong.diffuse, phong.ambient), (gray(0.5), gray(0.05)));
         assert_eq!((phong.specular, phong.exponent, phong.emission), (gray(0.25), 8.0, gray(2.0)));
         assert_eq!((phong.mirror, phong.transmission), (Coefficient::ZERO, None));
+    }
+
+    #[test]
+    fn an_exponent_of_zero_means_no_highlight() {
+        assert!(phong(&mtl("Ks 0.8\nNs 0\nillum 2"), Maps::default()).specular.is_zero());
     }
 
     #[test]

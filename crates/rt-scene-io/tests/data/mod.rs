@@ -41,6 +41,11 @@ pub(crate) fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
     found
 }
 
+/// Whether a file is small enough to be loaded some hundred times.
+pub(crate) fn is_small(file: &Path) -> bool {
+    fs::metadata(file).is_ok_and(|about| about.len() < 40_000)
+}
+
 /// Loads `bytes` in place of `file`, beside copies of the other files of its folder. Whatever the outcome, it must
 /// come in time and without a panic.
 fn load_damaged(file: &Path, folder: &Path, bytes: &[u8], what: &str) {
