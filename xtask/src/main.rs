@@ -1,3 +1,74 @@
-//! Tasks of the project itself.
+//! # xtask: the project's own tasks
+//!
+//! ```text
+//!   cargo xtask regress    golden images and checks, through the real binary
+//!   cargo xtask tidy       rules of the house that no compiler checks
+//!   cargo xtask bench      rays per second and build times of each structure
+//!   cargo xtask table1     the table of the report that this ray tracer began with
+//! ```
+//!
+//! **Owns** what developers run beside `cargo test`. **Does not own** anything that users run, nor the tests of the
+//! crates themselves.
+//!
+//! Exit codes: 0 all well, 1 something differs or breaks a rule, 2 the task could not run.
 
-fn main() {}
+#![forbid(unsafe_code)]
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tasks talk to the developer")]
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+mod bench;
+mod error;
+mod regress;
+mod renderer;
+mod statistics;
+mod table1;
+mod tidy;
+mod workspace;
+
+use error::TaskError;
+use workspace::Workspace;
+
+/// Tasks of the project itself.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Render the golden cases and run the checks.
+    Regress(regress::Options),
+    /// Check crate edges, documentation, file lengths and stray paths.
+    Tidy,
+    /// Measure rays per second and build times.
+    Bench(bench::Options),
+    /// Make the report's Table 1 again, its figures beside ours.
+    Table1(table1::Options),
+}
+
+fn main() -> ExitCode {
+    match run(Arguments::parse().task) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// True if all is well.
+fn run(task: Task) -> Result<bool, TaskError> {
+    let workspace = Workspace::load()?;
+    match task {
+        Task::Regress(options) => regress::run(workspace, &options),
+        Task::Tidy => tidy::run(&workspace),
+        Task::Bench(options) => bench::run(&options).map(|()| true),
+        Task::Table1(options) => table1::run(&workspace, &options).map(|()| true),
+    }
+}

@@ -1,0 +1,163 @@
+//! The measurements themselves.
+
+use std::time::Instant;
+
+use rt_accel::{Accelerator, Bvh, NoProbe};
+use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
+use rt_math::{Hit, Primitives, Ray};
+
+use super::{
+    BuildFigure, Figures, Options, Scene, Seconds, TraceFigure, rays,
+    rays::RaySet,
+    structure::{Kind, Structure},
+};
+use crate::error::TaskError;
+
+/// Brute force gets as many rays as make about this many primitive tests.
+const LINEAR_TESTS: usize = 30_000_000;
+
+/// Measures every structure on one scene. `surface` gives the surface at a hit, for rays that start there.
+pub(super) fn scene<P: Primitives>(
+    scene: &Scene<P>,
+    surface: impl Fn(&P, &Ray, &Hit, SurfaceNeeds) -> SurfaceInteraction,
+    options: &Options,
+    figures: &mut Figures,
+) -> Result<(), TaskError> {
+    let structures = build(scene, options, figures)?;
+    for set in ray_sets(scene, surface, options.rays)? {
+        check(scene, &structures, &set)?;
+        figures.traces.extend(trace(scene, &structures, &set, options.repeats));
+    }
+    Ok(())
+}
+
+fn build<P: Primitives>(
+    scene: &Scene<P>,
+    options: &Options,
+    figures: &mut Figures,
+) -> Result<Vec<(Kind, Structure)>, TaskError> {
+    let mut built = Vec::new();
+    for kind in Kind::ALL {
+        let mut seconds = Vec::new();
+        let mut last = None;
+        for _ in 0..options.repeats {
+            let started = Instant::now();
+            let structure = Structure::build(kind, &scene.primitives).map_err(not_built)?;
+            seconds.push(started.elapsed().as_secs_f64());
+            last = Some(structure);
+        }
+        let Some(structure) = last else { continue };
+        figures.builds.push(BuildFigure {
+            scene: scene.name,
+            primitives: scene.primitives.len(),
+            structure: kind.name(),
+            seconds: Seconds::of(seconds),
+            bytes: structure.memory(),
+        });
+        built.push((kind, structure));
+    }
+    Ok(built)
+}
+
+fn ray_sets<P: Primitives>(
+    scene: &Scene<P>,
+    surface: impl Fn(&P, &Ray, &Hit, SurfaceNeeds) -> SurfaceInteraction,
+    count: u32,
+) -> Result<[RaySet; 4], TaskError> {
+    let bounds = scene.bounds();
+    let primary = rays::primary(&bounds, count);
+    let bvh = Bvh::build(&scene.primitives).map_err(not_built)?;
+    let surfaces = rays::surfaces(
+        &primary,
+        |ray, span| bvh.closest(&scene.primitives, ray, span, &mut NoProbe),
+        |ray, hit| surface(&scene.primitives, ray, hit, SurfaceNeeds::ALL),
+    );
+    let shadow = rays::shadow(&bounds, &surfaces, count);
+    let diffuse = rays::diffuse(&surfaces, &primary, count);
+    let random = rays::random(&bounds, count);
+    Ok([primary, shadow, diffuse, random])
+}
+
+/// Structures take turns; the first round only warms up.
+fn trace<P: Primitives>(
+    scene: &Scene<P>,
+    structures: &[(Kind, Structure)],
+    set: &RaySet,
+    repeats: u32,
+) -> Vec<TraceFigure> {
+    let mut seconds = vec![Vec::new(); structures.len()];
+    let mut hits = vec![0; structures.len()];
+    for round in 0..=repeats {
+        for (index, (kind, structure)) in structures.iter().enumerate() {
+            let started = Instant::now();
+            hits[index] = structure.trace(&scene.primitives, set, ray_count(*kind, scene, set));
+            if round > 0 {
+                seconds[index].push(started.elapsed().as_secs_f64());
+            }
+        }
+    }
+    let figure = |((kind, _), (seconds, hits)): (&(Kind, Structure), (Vec<f64>, u64))| TraceFigure {
+        scene: scene.name,
+        structure: kind.name(),
+        kind: set.kind,
+        rays: ray_count(*kind, scene, set),
+        hits,
+        seconds: Seconds::of(seconds),
+    };
+    structures.iter().zip(seconds.into_iter().zip(hits)).map(figure).collect()
+}
+
+fn ray_count<P: Primitives>(kind: Kind, scene: &Scene<P>, set: &RaySet) -> usize {
+    let affordable = if kind == Kind::Linear { (LINEAR_TESTS / scene.primitives.len()).max(1) } else { usize::MAX };
+    set.rays.len().min(affordable)
+}
+
+/// A figure means nothing if the answers differ: on the rays that brute force traced, all must hit as often.
+fn check<P: Primitives>(scene: &Scene<P>, structures: &[(Kind, Structure)], set: &RaySet) -> Result<(), TaskError> {
+    let count = ray_count(Kind::Linear, scene, set);
+    let hits = |structure: &Structure| structure.trace(&scene.primitives, set, count);
+    let expected = structures.iter().find(|(kind, _)| *kind == Kind::Linear).map(|(_, structure)| hits(structure));
+    for (kind, structure) in structures {
+        if expected.is_some_and(|expected| hits(structure) != expected) {
+            let (scene, rays, structure) = (scene.name, set.kind, kind.name());
+            return Err(TaskError::Other(format!("{scene}, {rays} rays: {structure} differs from brute force")));
+        }
+    }
+    Ok(())
+}
+
+fn not_built(error: rt_accel::BuildError) -> TaskError {
+    TaskError::Other(error.to_string())
+}
+
+impl Seconds {
+    /// Of at least one measurement.
+    pub(super) fn of(mut seconds: Vec<f64>) -> Self {
+        seconds.sort_by(f64::total_cmp);
+        let at = |index: usize| seconds.get(index).copied().unwrap_or(f64::NAN);
+        Self { least: at(0), median: at(seconds.len() / 2) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn least_and_median_do_not_depend_on_the_order() {
+        assert_eq!(Seconds::of(vec![3.0, 1.0, 2.0]), Seconds { least: 1.0, median: 2.0 });
+        assert_eq!(Seconds::of(vec![5.0]), Seconds { least: 5.0, median: 5.0 });
+    }
+
+    #[test]
+    fn a_small_run_measures_everything_and_all_structures_agree() {
+        let options = Options { json: None, rays: 400, repeats: 1 };
+        let mut figures = Figures::default();
+        scene(&super::super::scenes::heap().unwrap(), rt_geometry::Spheres::surface, &options, &mut figures).unwrap();
+        assert_eq!((figures.builds.len(), figures.traces.len()), (3, 3 * 4));
+        for figure in &figures.traces {
+            assert_eq!(figure.rays, 400, "{figure:?}");
+            assert!(figure.hits > 40 && figure.seconds.least > 0.0, "{figure:?}");
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Golden images: `tests/golden/<case>/` holds a scene with one idea and the picture that it must give.
+
+use std::path::{Path, PathBuf};
+
+use image::RgbaImage;
+
+use super::{
+    Context, Findings, Unit,
+    case::{Case, Reference, Truth, locate},
+    compare::Difference,
+    panels::three_panels,
+};
+use crate::error::TaskError;
+
+/// A folder of `tests/golden`.
+struct Golden {
+    folder: PathBuf,
+}
+
+/// One unit per folder.
+pub(super) fn units(context: &Context) -> Result<Vec<Box<dyn Unit>>, TaskError> {
+    let cases = context.workspace.files("tests/golden", "case.toml")?;
+    let folders = cases.iter().filter_map(|case| case.parent());
+    Ok(folders.map(|folder| Box::new(Golden { folder: folder.to_path_buf() }) as Box<dyn Unit>).collect())
+}
+
+impl Unit for Golden {
+    fn name(&self) -> String {
+        self.folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
+        let case = Case::load(&self.folder)?;
+        let mut findings = Findings::default();
+        if let Some(actual) = render(context, folder, &self.folder, &case, "actual.png", &mut findings)? {
+            let actual = open(&actual)?;
+            self.compare(context, folder, &case, &actual, &mut findings)?;
+            if let Some(reference) = &case.reference {
+                near_reference(context, &self.folder, reference, &actual, &mut findings)?;
+            }
+        }
+        if let Some(truth) = &case.truth
+            && let Some(linear) = render(context, folder, &self.folder, &case, "actual.pfm", &mut findings)?
+        {
+            near_truth(&linear, truth, &mut findings)?;
+        }
+        Ok(match case.known_failure {
+            Some(reason) => known_failure(findings, &reason),
+            None => findings,
+        })
+    }
+}
+
+impl Golden {
+    fn compare(
+        &self,
+        context: &Context,
+        folder: &Path,
+        case: &Case,
+        actual: &RgbaImage,
+        findings: &mut Findings,
+    ) -> Result<(), TaskError> {
+        let path = self.folder.join("expected.png");
+        if path.exists() {
+            let expected = open(&path)?;
+            let picture = folder.join("diff.png");
+            save(&three_panels(&expected, actual), &picture)?;
+            findings.picture = Some(picture);
+            match judge(&expected, actual, case) {
+                Ok(()) => return Ok(()),
+                Err(problem) => findings.problem(problem),
+            }
+        } else {
+            findings.picture = Some(folder.join("actual.png"));
+            findings.problem("there is no expected.png");
+        }
+        if context.bless && case.known_failure.is_none() {
+            save(actual, &path)?;
+            findings.note(format!("blessed {}: look at it before you commit it", context.workspace.relative(&path)));
+        }
+        Ok(())
+    }
+}
+
+/// Renders the case to `output` in `folder`; `None`, with a problem found, if that fails.
+fn render(
+    context: &Context,
+    folder: &Path,
+    case_folder: &Path,
+    case: &Case,
+    output: &str,
+    findings: &mut Findings,
+) -> Result<Option<PathBuf>, TaskError> {
+    let scene = case.scene_path(case_folder, &context.workspace.root);
+    let args = case.args.iter().map(String::as_str);
+    match context.renderer.render(folder, &scene, output, args)?.succeeded() {
+        Ok(()) => Ok(Some(folder.join(output))),
+        Err(problem) => {
+            findings.problem(problem);
+            Ok(None)
+        }
+    }
+}
+
+/// What is wrong with `actual`, by the case's bounds.
+fn judge(expected: &RgbaImage, actual: &RgbaImage, case: &Case) -> Result<(), String> {
+    let difference = Difference::of(expected, actual, case.tolerance).map_err(|error| error.to_string())?;
+    if difference.outliers <= case.max_outliers { Ok(()) } else { Err(difference.to_string()) }
+}
+
+fn near_reference(
+    context: &Context,
+    case_folder: &Path,
+    reference: &Reference,
+    actual: &RgbaImage,
+    findings: &mut Findings,
+) -> Result<(), TaskError> {
+    let expected = open(&locate(&reference.image, case_folder, &context.workspace.root))?;
+    match Difference::of(&expected, actual, reference.tolerance) {
+        Ok(difference) => {
+            let near =
+                difference.rmse <= reference.max_rmse && difference.outlier_share() <= reference.max_outlier_share;
+            let line = format!("against {}: {difference}", reference.image.display());
+            if near { findings.note(line) } else { findings.problem(line) }
+        }
+        Err(error) => findings.problem(error.to_string()),
+    }
+    Ok(())
+}
+
+fn near_truth(linear: &Path, truth: &Truth, findings: &mut Findings) -> Result<(), TaskError> {
+    let picture = rt_camera::read_image(linear).map_err(|error| TaskError::Other(error.to_string()))?;
+    let mean = mean(picture.pixels());
+    let near = mean.iter().zip(truth.mean).all(|(mean, truth_mean)| (mean - truth_mean).abs() <= truth.tolerance);
+    let line = format!("mean radiance {mean:?}, {} gives {:?} ± {}", truth.note, truth.mean, truth.tolerance);
+    if near {
+        findings.note(line)
+    } else {
+        findings.problem(line)
+    }
+    Ok(())
+}
+
+fn mean(pixels: &[[f32; 3]]) -> [f64; 3] {
+    let sums = pixels.iter().fold([0.0; 3], |sums, pixel| [0, 1, 2].map(|i| sums[i] + f64::from(pixel[i])));
+    sums.map(|sum| sum / pixels.len() as f64)
+}
+
+/// Turns the verdict round: what is known to fail must fail.
+fn known_failure(findings: Findings, reason: &str) -> Findings {
+    let Findings { problems, mut notes, picture } = findings;
+    if problems.is_empty() {
+        let problem = format!("passes, although it is known to fail ({reason}): remove `known_failure`");
+        return Findings { problems: vec![problem], notes, picture };
+    }
+    notes.push(format!("known failure: {reason}"));
+    notes.extend(problems);
+    Findings { problems: Vec::new(), notes, picture }
+}
+
+pub(super) fn open(path: &Path) -> Result<RgbaImage, TaskError> {
+    let picture = image::open(path).map_err(|source| TaskError::Picture { path: path.to_path_buf(), source })?;
+    Ok(picture.into_rgba8())
+}
+
+pub(super) fn save(picture: &RgbaImage, path: &Path) -> Result<(), TaskError> {
+    picture.save(path).map_err(|source| TaskError::Picture { path: path.to_path_buf(), source })
+}
+
+#[cfg(test)]
+mod tests {
+    use image::Rgba;
+
+    use super::*;
+
+    fn pair() -> (RgbaImage, RgbaImage) {
+        let expected = RgbaImage::from_pixel(4, 4, Rgba([50, 50, 50, 255]));
+        let mut actual = expected.clone();
+        actual.put_pixel(1, 2, Rgba([50, 53, 50, 255]));
+        (expected, actual)
+    }
+
+    #[test]
+    fn one_changed_pixel_fails_by_default() {
+        let (expected, actual) = pair();
+        assert_eq!(judge(&expected, &expected, &Case::default()), Ok(()));
+        let problem = judge(&expected, &actual, &Case::default()).unwrap_err();
+        assert!(problem.contains("worst by 3 at (1, 2)"), "{problem}");
+    }
+
+    #[test]
+    fn tolerance_and_outliers_let_it_pass() {
+        let (expected, actual) = pair();
+        assert!(judge(&expected, &actual, &Case { tolerance: 2, ..Case::default() }).is_err());
+        assert!(judge(&expected, &actual, &Case { tolerance: 3, ..Case::default() }).is_ok());
+        assert!(judge(&expected, &actual, &Case { max_outliers: 1, ..Case::default() }).is_ok());
+    }
+
+    #[test]
+    fn a_known_failure_that_passes_is_a_problem() {
+        assert_eq!(known_failure(Findings::default(), "why").problems.len(), 1);
+        let mut failing = Findings::default();
+        failing.problem("differs");
+        let findings = known_failure(failing, "why");
+        assert_eq!((findings.problems.len(), findings.notes), (0, vec!["known failure: why".into(), "differs".into()]));
+    }
+
+    #[test]
+    fn the_mean_is_taken_by_channel() {
+        assert_eq!(mean(&[[1.0, 2.0, 3.0], [3.0, 2.0, 5.0]]), [2.0, 2.0, 4.0]);
+    }
+}

@@ -1,0 +1,157 @@
+//! `regress`: does the renderer still do what it did, and what theory says?
+//!
+//! Owns the loop over units of work and the verdict. Each kind of unit is a file of its own: golden images, and
+//! checks that need no blessed picture.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+use rayon::prelude::*;
+
+use crate::{error::TaskError, renderer::Renderer, workspace::Workspace};
+
+mod bad_inputs;
+mod case;
+mod compare;
+mod golden;
+mod minray;
+mod one_picture;
+mod panels;
+mod report;
+mod table1_counts;
+
+/// A render that takes longer than this hangs.
+const TIMEOUT: Duration = Duration::from_secs(120);
+/// Full-size brute force takes its time.
+const FULL_TIMEOUT: Duration = Duration::from_secs(2 * 3600);
+
+/// What the command line asks for.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Options {
+    /// Run only what has this in its name.
+    filter: Option<String>,
+    /// Replace the expected pictures that differ, list them, and still fail.
+    #[arg(long)]
+    bless: bool,
+    /// Run checks at full size: hours instead of minutes.
+    #[arg(long)]
+    full: bool,
+    /// Renders at the same time; by default one per processor.
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    jobs: usize,
+}
+
+/// What every unit may use.
+#[derive(Debug)]
+struct Context {
+    workspace: Workspace,
+    renderer: Renderer,
+    bless: bool,
+    full: bool,
+}
+
+/// Something to run that passes or fails by itself.
+trait Unit: Sync {
+    /// Unique; slashes make folders.
+    fn name(&self) -> String;
+
+    /// Runs in `folder`, which is empty and its own.
+    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError>;
+}
+
+/// What a unit found.
+#[derive(Debug, Default)]
+struct Findings {
+    /// What is wrong; the unit passes if nothing is.
+    problems: Vec<String>,
+    /// What else is worth a line.
+    notes: Vec<String>,
+    /// A picture that shows it.
+    picture: Option<PathBuf>,
+}
+
+impl Findings {
+    fn problem(&mut self, problem: impl Into<String>) {
+        self.problems.push(problem.into());
+    }
+
+    fn note(&mut self, note: impl Into<String>) {
+        self.notes.push(note.into());
+    }
+}
+
+/// A unit that has run.
+#[derive(Debug)]
+struct Outcome {
+    name: String,
+    findings: Findings,
+    seconds: f64,
+}
+
+impl Outcome {
+    fn passed(&self) -> bool {
+        self.findings.problems.is_empty()
+    }
+}
+
+/// Runs everything that matches the filter. True if all of it passed.
+pub(crate) fn run(workspace: Workspace, options: &Options) -> Result<bool, TaskError> {
+    let program = workspace.build_renderer()?;
+    let folder = workspace.fresh_folder("regress")?;
+    let renderer = Renderer::new(program, if options.full { FULL_TIMEOUT } else { TIMEOUT });
+    let context = Context { workspace, renderer, bless: options.bless, full: options.full };
+
+    let mut units = units(&context)?;
+    if let Some(filter) = &options.filter {
+        units.retain(|unit| unit.name().contains(filter.as_str()));
+    }
+    if units.is_empty() {
+        return Err(TaskError::Other("nothing matches the filter".to_owned()));
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs).build();
+    let pool = pool.map_err(|error| TaskError::Other(error.to_string()))?;
+    let outcomes: Vec<Outcome> =
+        pool.install(|| units.par_iter().map(|unit| run_unit(unit.as_ref(), &context, &folder)).collect());
+
+    let page = folder.join("index.html");
+    fs::write(&page, report::html(&outcomes)?).map_err(TaskError::file(&page))?;
+    let failed = outcomes.iter().filter(|outcome| !outcome.passed()).count();
+    println!("{} of {} passed; see {}", outcomes.len() - failed, outcomes.len(), context.workspace.relative(&page));
+    Ok(failed == 0)
+}
+
+fn units(context: &Context) -> Result<Vec<Box<dyn Unit>>, TaskError> {
+    let mut units: Vec<Box<dyn Unit>> = Vec::new();
+    // The long ones come first, so that they do not run alone at the end.
+    units.push(Box::new(minray::Minray));
+    units.extend(table1_counts::units());
+    units.extend(one_picture::units(context)?);
+    units.extend(bad_inputs::units());
+    units.extend(golden::units(context)?);
+    Ok(units)
+}
+
+/// Runs one unit. Whatever goes wrong is a finding, so that it does not hide the other units.
+fn run_unit(unit: &dyn Unit, context: &Context, folder: &Path) -> Outcome {
+    let started = Instant::now();
+    let name = unit.name();
+    let folder = folder.join(&name);
+    let found = fs::create_dir_all(&folder).map_err(TaskError::file(&folder)).and_then(|()| unit.run(context, &folder));
+    let findings = found.unwrap_or_else(|error| Findings { problems: vec![error.to_string()], ..Findings::default() });
+    let outcome = Outcome { name, findings, seconds: started.elapsed().as_secs_f64() };
+    print(&outcome);
+    outcome
+}
+
+fn print(outcome: &Outcome) {
+    let verdict = if outcome.passed() { "ok    " } else { "FAILED" };
+    let mut lines = format!("{verdict} {} ({:.1} s)", outcome.name, outcome.seconds);
+    for line in outcome.findings.problems.iter().chain(&outcome.findings.notes) {
+        lines.push_str("\n       ");
+        lines.push_str(&line.replace('\n', "\n       "));
+    }
+    println!("{lines}");
+}

@@ -1,0 +1,89 @@
+//! The counts of the report's Table 1, which are exact or nearly so whatever the machine.
+
+use std::path::Path;
+
+use super::{Context, Findings, Unit};
+use crate::{
+    error::TaskError,
+    statistics::{REPORT, REPORT_PRIMARY, ReportRow, Statistics, measure},
+};
+
+/// The heap was made to cover as much of the image as the report's.
+const SHADOW_TOLERANCE: f64 = 0.005;
+const REDUCED: [&str; 2] = ["--size", "64x36"];
+const REDUCED_PRIMARY: u64 = 64 * 36 * 16;
+
+struct Table1Counts(&'static ReportRow);
+
+/// One unit per row.
+pub(super) fn units() -> impl Iterator<Item = Box<dyn Unit>> {
+    REPORT.iter().map(|row| Box::new(Table1Counts(row)) as Box<dyn Unit>)
+}
+
+impl Unit for Table1Counts {
+    fn name(&self) -> String {
+        format!("table1/{}", self.0.spheres)
+    }
+
+    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
+        let scene = context.workspace.root.join(self.0.scene);
+        let mut args = vec!["--accel", "linear"];
+        if !context.full {
+            args.extend(REDUCED);
+        }
+        let mut findings = Findings::default();
+        match measure(&context.renderer, folder, &scene, &args)? {
+            Ok(statistics) if context.full => judge(self.0, &statistics, REPORT_PRIMARY, true, &mut findings),
+            Ok(statistics) => judge(self.0, &statistics, REDUCED_PRIMARY, false, &mut findings),
+            Err(problem) => findings.problem(problem),
+        }
+        Ok(findings)
+    }
+}
+
+fn judge(row: &ReportRow, statistics: &Statistics, rays: u64, full: bool, findings: &mut Findings) {
+    let primary = statistics.rays.primary;
+    if primary.rays != rays {
+        findings.problem(format!("{} primary rays instead of {rays}", primary.rays));
+    }
+    let tests = rays * row.spheres;
+    if primary.primitive_tests != tests {
+        findings.problem(format!("{} primary sphere tests instead of {tests}", primary.primitive_tests));
+    }
+    let shadow = statistics.shadow_rays();
+    if full {
+        let off = shadow as f64 / row.shadow_rays - 1.0;
+        let line = format!("{shadow} shadow rays, {:+.2} % from the report's {}", 100.0 * off, row.shadow_rays);
+        if off.abs() <= SHADOW_TOLERANCE { findings.note(line) } else { findings.problem(line) }
+    } else if shadow == 0 {
+        findings.problem("no shadow rays");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::{Cost, Rays, Shading};
+
+    fn problems(primary: u64, tests: u64, shadow: u64, spared: u64) -> usize {
+        let cost = |rays, primitive_tests| Cost { rays, primitive_tests, hits: 0 };
+        let statistics = Statistics {
+            rays: Rays { primary: cost(primary, tests), shadow: cost(shadow, 0), total: cost(0, 0) },
+            shading: Shading { shadow_rays_spared: spared },
+        };
+        let mut findings = Findings::default();
+        judge(&REPORT[0], &statistics, REPORT_PRIMARY, true, &mut findings);
+        findings.problems.len()
+    }
+
+    #[test]
+    fn counts_are_exact_and_shadow_rays_nearly() {
+        let (rays, tests) = (REPORT_PRIMARY, REPORT_PRIMARY * 10);
+        assert_eq!(problems(rays, tests, 2_000_000, 840_000), 0);
+        assert_eq!(problems(rays, tests, 2_854_000, 0), 0);
+        assert_eq!(problems(rays - 1, tests, 2_840_000, 0), 1);
+        assert_eq!(problems(rays, tests + 1, 2_840_000, 0), 1);
+        assert_eq!(problems(rays, tests, 2_855_000, 0), 1);
+        assert_eq!(problems(rays, tests, 2_825_000, 0), 1);
+    }
+}

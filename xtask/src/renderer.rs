@@ -1,0 +1,152 @@
+//! The renderer as users run it: a process of its own, watched.
+
+use std::{
+    ffi::OsStr,
+    fs::{self, File},
+    path::{Path, PathBuf},
+    process::{Child, Command, ExitStatus, Stdio},
+    thread,
+    time::{Duration, Instant},
+};
+
+use crate::error::TaskError;
+
+/// The program under test.
+#[derive(Debug)]
+pub(crate) struct Renderer {
+    program: PathBuf,
+    timeout: Duration,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Exit {
+    /// By itself, with this code.
+    Code(i32),
+    /// By a signal: a crash.
+    Crashed,
+    /// It was stopped for taking too long.
+    TimedOut(Duration),
+}
+
+/// What a run did.
+#[derive(Debug)]
+pub(crate) struct Run {
+    pub exit: Exit,
+    /// All that it printed.
+    pub log: String,
+}
+
+impl Renderer {
+    pub(crate) fn new(program: PathBuf, timeout: Duration) -> Self {
+        Self { program, timeout }
+    }
+
+    /// Runs the program in `folder`, which must exist, and waits for it. What it prints is kept in `log.txt` there.
+    pub(crate) fn run<A: AsRef<OsStr>>(
+        &self,
+        folder: &Path,
+        args: impl IntoIterator<Item = A>,
+    ) -> Result<Run, TaskError> {
+        // A file rather than a pipe: a full pipe would block the program until somebody reads it.
+        let log_path = folder.join("log.txt");
+        let log_file = File::create(&log_path).map_err(TaskError::file(&log_path))?;
+        let log_twin = log_file.try_clone().map_err(TaskError::file(&log_path))?;
+        let mut child = Command::new(&self.program)
+            .args(args)
+            .current_dir(folder)
+            .stdin(Stdio::null())
+            .stdout(log_file)
+            .stderr(log_twin)
+            .spawn()
+            .map_err(TaskError::file(&self.program))?;
+        let exit = wait(&mut child, self.timeout).map_err(TaskError::file(&self.program))?;
+        let log = fs::read(&log_path).map_err(TaskError::file(&log_path))?;
+        Ok(Run { exit, log: String::from_utf8_lossy(&log).into_owned() })
+    }
+
+    /// Renders `scene` to `output` in `folder`, without a word.
+    pub(crate) fn render<'a>(
+        &self,
+        folder: &Path,
+        scene: &'a Path,
+        output: &'a str,
+        args: impl IntoIterator<Item = &'a str>,
+    ) -> Result<Run, TaskError> {
+        let mut all: Vec<&OsStr> = vec!["render".as_ref(), scene.as_ref(), "-o".as_ref(), output.as_ref()];
+        all.push("--quiet".as_ref());
+        all.extend(args.into_iter().map(OsStr::new));
+        self.run(folder, all)
+    }
+}
+
+impl Run {
+    /// `Ok` if the program ended with code 0, else what went wrong with the end of what it printed.
+    pub(crate) fn succeeded(&self) -> Result<(), String> {
+        match self.exit {
+            Exit::Code(0) => Ok(()),
+            exit => Err(format!("{exit}: {}", self.log.trim().lines().last().unwrap_or("no message"))),
+        }
+    }
+}
+
+impl std::fmt::Display for Exit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Code(code) => write!(f, "exit code {code}"),
+            Self::Crashed => write!(f, "crashed"),
+            Self::TimedOut(limit) => write!(f, "stopped after {} s", limit.as_secs()),
+        }
+    }
+}
+
+impl From<ExitStatus> for Exit {
+    fn from(status: ExitStatus) -> Self {
+        status.code().map_or(Self::Crashed, Self::Code)
+    }
+}
+
+fn wait(child: &mut Child, timeout: Duration) -> std::io::Result<Exit> {
+    let started = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(status.into());
+        }
+        if started.elapsed() > timeout {
+            child.kill()?;
+            child.wait()?;
+            return Ok(Exit::TimedOut(timeout));
+        }
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[cfg(test)]
+#[cfg(unix)]
+mod tests {
+    use super::*;
+
+    fn shell(script: &str, timeout: Duration) -> Run {
+        let folder = tempfile::tempdir().unwrap();
+        Renderer::new("sh".into(), timeout).run(folder.path(), ["-c", script]).unwrap()
+    }
+
+    #[test]
+    fn code_and_output_are_reported() {
+        let run = shell("echo out; echo err >&2; exit 3", Duration::from_secs(60));
+        assert_eq!((run.exit, run.log.as_str()), (Exit::Code(3), "out\nerr\n"));
+        assert_eq!(run.succeeded(), Err("exit code 3: err".to_owned()));
+        assert_eq!(shell("true", Duration::from_secs(60)).succeeded(), Ok(()));
+    }
+
+    #[test]
+    fn a_crash_is_no_exit_code() {
+        assert_eq!(shell("kill -SEGV $$", Duration::from_secs(60)).exit, Exit::Crashed);
+    }
+
+    #[test]
+    fn a_hanging_program_is_stopped() {
+        let limit = Duration::from_millis(50);
+        assert_eq!(shell("exec sleep 600", limit).exit, Exit::TimedOut(limit));
+    }
+}

@@ -1,0 +1,139 @@
+//! `table1`: the table of the report that this ray tracer began with, its figures beside ours.
+//!
+//! Counts come from a render that counts, times from one that does not.
+
+use std::{
+    fmt::Write,
+    fs,
+    path::Path,
+    time::{Duration, Instant},
+};
+
+use crate::{
+    error::TaskError,
+    renderer::Renderer,
+    statistics::{REPORT, REPORT_PRIMARY, ReportRow, Statistics, measure},
+    workspace::Workspace,
+};
+
+const MARKER: &str = "<!-- table1 -->";
+const TIMEOUT: Duration = Duration::from_secs(3600);
+
+/// What the command line asks for.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Options {
+    /// Replace the table between the markers in README.md.
+    #[arg(long)]
+    write: bool,
+}
+
+/// Our figures for a row.
+#[derive(Debug)]
+struct Row {
+    report: &'static ReportRow,
+    counts: Statistics,
+    linear_seconds: f64,
+    auto_seconds: f64,
+}
+
+/// Renders, prints the table, and writes it if asked to.
+pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
+    let renderer = Renderer::new(workspace.build_renderer()?, TIMEOUT);
+    let folder = workspace.fresh_folder("table1")?;
+    let mut rows = Vec::new();
+    for report in &REPORT {
+        let scene = workspace.root.join(report.scene);
+        let counts = measure(&renderer, &folder, &scene, &["--accel", "linear"])?.map_err(TaskError::Other)?;
+        let linear_seconds = time(&renderer, &folder, &scene, "linear")?;
+        let auto_seconds = time(&renderer, &folder, &scene, "auto")?;
+        rows.push(Row { report, counts, linear_seconds, auto_seconds });
+    }
+    let table = markdown(&rows);
+    print!("{table}");
+    if options.write {
+        let path = workspace.root.join("README.md");
+        let readme = fs::read_to_string(&path).map_err(TaskError::file(&path))?;
+        let replaced = replace_block(&readme, &table).map_err(TaskError::Other)?;
+        fs::write(&path, replaced).map_err(TaskError::file(&path))?;
+    }
+    Ok(())
+}
+
+/// Wall-clock seconds of the whole program on one thread.
+fn time(renderer: &Renderer, folder: &Path, scene: &Path, accel: &str) -> Result<f64, TaskError> {
+    let started = Instant::now();
+    let run = renderer.render(folder, scene, "picture.png", ["--threads", "1", "--accel", accel])?;
+    let seconds = started.elapsed().as_secs_f64();
+    run.succeeded().map_err(TaskError::Other)?;
+    Ok(seconds)
+}
+
+fn markdown(rows: &[Row]) -> String {
+    let mut table = String::from(
+        "| spheres | | primary rays | shadow rays | sphere tests | hits | time, brute force | per test | time, automatic |\n\
+         |--:|:--|--:|--:|--:|--:|--:|--:|--:|\n",
+    );
+    for Row { report, counts, linear_seconds, auto_seconds } in rows {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            table,
+            "| {} | report | {} | {:.2} million | | | {} s | 20 ns | |",
+            report.spheres,
+            grouped(REPORT_PRIMARY),
+            report.shadow_rays * 1e-6,
+            report.seconds,
+        );
+        let total = counts.rays.total;
+        let _ = writeln!(
+            table,
+            "| | ours | {} | {} ({} traced) | {} | {} | {linear_seconds:.2} s | {:.2} ns | {auto_seconds:.2} s |",
+            grouped(counts.rays.primary.rays),
+            grouped(counts.shadow_rays()),
+            grouped(counts.rays.shadow.rays),
+            grouped(total.primitive_tests),
+            grouped(total.hits),
+            linear_seconds * 1e9 / total.primitive_tests.max(1) as f64,
+        );
+    }
+    table
+}
+
+/// Digits in groups of three.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.char_indices() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// The text with everything between the two markers replaced by the table.
+fn replace_block(text: &str, table: &str) -> Result<String, String> {
+    let parts: Vec<&str> = text.split(MARKER).collect();
+    match parts[..] {
+        [before, _, after] => Ok(format!("{before}{MARKER}\n{table}{MARKER}{after}")),
+        _ => Err(format!("README.md must have exactly two markers {MARKER}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_grouped() {
+        assert_eq!([0, 999, 1000, 14_745_600].map(grouped), ["0", "999", "1,000", "14,745,600"]);
+    }
+
+    #[test]
+    fn only_the_block_is_replaced() {
+        let text = "a\n<!-- table1 -->\nold\n<!-- table1 -->\nb\n";
+        assert_eq!(replace_block(text, "new\n").unwrap(), "a\n<!-- table1 -->\nnew\n<!-- table1 -->\nb\n");
+        assert!(replace_block("no markers", "new").is_err());
+        assert!(replace_block("<!-- table1 -->", "new").is_err());
+    }
+}

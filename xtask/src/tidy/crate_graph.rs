@@ -1,0 +1,115 @@
+//! Who depends on whom.
+//!
+//! Siblings do not know each other: structures do not know shapes, shading does not know structures, cameras do not
+//! know light.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::Report;
+use crate::{
+    error::TaskError,
+    workspace::{Package, Workspace, cargo, output_of},
+};
+
+/// Normal dependencies within the workspace.
+const GRAPH: [(&str, &[&str]); 8] = [
+    ("rt-math", &[]),
+    ("rt-geometry", &["rt-math"]),
+    ("rt-accel", &["rt-math"]),
+    ("rt-camera", &["rt-math"]),
+    ("rt-shading", &["rt-geometry", "rt-math"]),
+    ("rt-scene-io", &["rt-camera", "rt-geometry", "rt-math", "rt-shading"]),
+    ("rt-render", &["rt-accel", "rt-camera", "rt-geometry", "rt-math", "rt-scene-io", "rt-shading"]),
+    ("rt-cli", &["rt-camera", "rt-math", "rt-render", "rt-scene-io"]),
+];
+
+/// Crates that may use any other, as nothing depends on them.
+const ABOVE_ALL: [&str; 2] = ["xtask", "rt-tests"];
+
+/// All that an outsider gets who adds `rt-accel` without its default features.
+const ACCEL_TREE: [&str; 4] = ["glam", "libm", "rt-accel", "rt-math"];
+
+pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
+    let mut report = Report { breaches: edges(&workspace.packages), ..Report::default() };
+    let mut command = cargo();
+    command.args(["tree", "-p", "rt-accel", "-e", "normal", "--no-default-features", "--prefix", "none"]);
+    let tree = output_of(command.current_dir(&workspace.root))?;
+    let strangers = strangers(&tree);
+    if !strangers.is_empty() {
+        report.breaches.push(format!("rt-accel without default features brings {}", strangers.join(", ")));
+    }
+    Ok(report)
+}
+
+fn edges(packages: &[Package]) -> Vec<String> {
+    let allowed: BTreeMap<&str, BTreeSet<&str>> =
+        GRAPH.iter().map(|(name, below)| (*name, below.iter().copied().collect())).collect();
+    let mut breaches = Vec::new();
+    for package in packages.iter().filter(|package| !ABOVE_ALL.contains(&package.name.as_str())) {
+        let Some(allowed) = allowed.get(package.name.as_str()) else {
+            breaches.push(format!("{} has no place in the graph", package.name));
+            continue;
+        };
+        let ours = package.dependencies.iter().filter(|dependency| dependency.path.is_some());
+        let real: BTreeSet<&str> =
+            ours.filter(|dependency| dependency.kind.is_none()).map(|dependency| dependency.name.as_str()).collect();
+        for stranger in real.difference(allowed) {
+            breaches.push(format!("{} must not depend on {stranger}", package.name));
+        }
+        for unused in allowed.difference(&real) {
+            breaches.push(format!("{} no longer depends on {unused}: correct the graph", package.name));
+        }
+    }
+    breaches
+}
+
+/// Crates in the output of `cargo tree` that should not be there.
+fn strangers(tree: &str) -> Vec<&str> {
+    let names: BTreeSet<&str> = tree.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    names.into_iter().filter(|name| !ACCEL_TREE.contains(name)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::workspace::Dependency;
+
+    use super::*;
+
+    fn package(name: &str, below: &[(&str, Option<&str>)]) -> Package {
+        let dependency = |(name, kind): &(&str, Option<&str>)| Dependency {
+            name: (*name).to_owned(),
+            kind: kind.map(str::to_owned),
+            path: Some("here".into()),
+        };
+        Package {
+            name: name.to_owned(),
+            manifest_path: "Cargo.toml".into(),
+            dependencies: below.iter().map(dependency).collect(),
+        }
+    }
+
+    #[test]
+    fn an_edge_between_siblings_is_a_breach() {
+        let breaches = edges(&[package("rt-accel", &[("rt-math", None), ("rt-geometry", None)])]);
+        assert_eq!(breaches, ["rt-accel must not depend on rt-geometry"]);
+    }
+
+    #[test]
+    fn tests_may_use_siblings() {
+        assert_eq!(edges(&[package("rt-accel", &[("rt-math", None), ("rt-geometry", Some("dev"))])]), [""; 0]);
+    }
+
+    #[test]
+    fn a_missing_edge_and_an_unknown_crate_are_breaches() {
+        let breaches = edges(&[package("rt-camera", &[]), package("rt-more", &[])]);
+        assert_eq!(
+            breaches,
+            ["rt-camera no longer depends on rt-math: correct the graph", "rt-more has no place in the graph"]
+        );
+    }
+
+    #[test]
+    fn a_crate_too_many_in_the_tree_is_named() {
+        assert_eq!(strangers("rt-accel v0.1.0 (here)\nglam v0.34.0\nrayon v1.0.0\nglam v0.34.0 (*)\n"), ["rayon"]);
+    }
+}

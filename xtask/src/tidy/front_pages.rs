@@ -1,0 +1,80 @@
+//! The first page of each crate's documentation.
+
+use std::fs;
+
+use super::Report;
+use crate::{error::TaskError, workspace::Workspace};
+
+/// Fewer lines cannot say what a crate owns and what it does not, and show an example.
+const LEAST_LINES: usize = 15;
+
+pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
+    let mut report = Report::default();
+    for package in &workspace.packages {
+        let Some(folder) = package.manifest_path.parent() else { continue };
+        if !folder.starts_with(workspace.root.join("crates")) {
+            continue;
+        }
+        let library = folder.join("src/lib.rs");
+        let (page, is_library) = if library.exists() { (library, true) } else { (folder.join("src/main.rs"), false) };
+        let source = fs::read_to_string(&page).map_err(TaskError::file(&page))?;
+        let missing = missing(&source, is_library);
+        report.breaches.extend(missing.into_iter().map(|what| format!("{}: {what}", workspace.relative(&page))));
+    }
+    Ok(report)
+}
+
+/// What the front page of a crate lacks.
+fn missing(source: &str, is_library: bool) -> Vec<&'static str> {
+    let page: Vec<&str> = source.lines().take_while(|line| line.starts_with("//!")).collect();
+    let says = |words: &str| page.iter().any(|line| line.contains(words));
+    let mut missing = Vec::new();
+    if page.len() < LEAST_LINES {
+        missing.push("the front page is too short");
+    }
+    if !says("**Owns**") || !says("**Does not own**") {
+        missing.push("the front page does not say what the crate owns and does not own");
+    }
+    if is_library && !has_example(&page) {
+        missing.push("the front page has no example that runs");
+    }
+    if !source.lines().any(|line| line == "#![forbid(unsafe_code)]") {
+        missing.push("unsafe code is not forbidden");
+    }
+    missing
+}
+
+/// True if a code block opens without a language, which rustdoc takes for Rust and runs.
+fn has_example(page: &[&str]) -> bool {
+    let fences = page.iter().filter_map(|line| line.strip_prefix("//! ```"));
+    // Every other fence closes a block.
+    fences.step_by(2).any(str::is_empty)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn page(example: &str) -> String {
+        let text = "//! text\n".repeat(LEAST_LINES);
+        format!(
+            "//! # c\n{text}//! **Owns** a. **Does not own** b.\n//! ```text\n//! picture\n//! ```\n{example}\n#![forbid(unsafe_code)]\n"
+        )
+    }
+
+    #[test]
+    fn a_full_page_lacks_nothing() {
+        assert_eq!(missing(&page("//! ```\n//! code();\n//! ```"), true), [""; 0]);
+    }
+
+    #[test]
+    fn a_picture_is_no_example() {
+        assert_eq!(missing(&page(""), true), ["the front page has no example that runs"]);
+        assert_eq!(missing(&page(""), false), [""; 0]);
+    }
+
+    #[test]
+    fn a_bare_crate_lacks_everything() {
+        assert_eq!(missing("//! # c\n", true).len(), 4);
+    }
+}

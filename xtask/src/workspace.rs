@@ -1,0 +1,117 @@
+//! Where things are, as cargo tells it.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+use serde::Deserialize;
+
+use crate::error::TaskError;
+
+/// The workspace that this task runs in.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Workspace {
+    /// Folder of the root manifest.
+    #[serde(rename = "workspace_root")]
+    pub root: PathBuf,
+    #[serde(rename = "target_directory")]
+    target: PathBuf,
+    pub packages: Vec<Package>,
+}
+
+/// A crate of the workspace.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Package {
+    pub name: String,
+    pub manifest_path: PathBuf,
+    pub dependencies: Vec<Dependency>,
+}
+
+/// A dependency as its manifest declares it.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Dependency {
+    pub name: String,
+    /// `None` for a normal dependency, else "dev" or "build".
+    pub kind: Option<String>,
+    /// Set for crates of the workspace.
+    pub path: Option<PathBuf>,
+}
+
+/// The cargo that runs this task.
+pub(crate) fn cargo() -> Command {
+    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+}
+
+/// Runs a command and returns what it prints; its messages go to the terminal.
+pub(crate) fn output_of(command: &mut Command) -> Result<String, TaskError> {
+    let output = command.stderr(Stdio::inherit()).output();
+    let failed = |reason: String| TaskError::Command { command: format!("{command:?}"), reason };
+    let output = output.map_err(|error| failed(error.to_string()))?;
+    if !output.status.success() {
+        return Err(failed(output.status.to_string()));
+    }
+    String::from_utf8(output.stdout).map_err(|error| failed(error.to_string()))
+}
+
+impl Workspace {
+    /// Asks cargo.
+    pub(crate) fn load() -> Result<Self, TaskError> {
+        let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+        let mut command = cargo();
+        command.args(["metadata", "--format-version", "1", "--no-deps", "--manifest-path"]).arg(&manifest);
+        let metadata = output_of(&mut command)?;
+        serde_json::from_str(&metadata).map_err(|source| TaskError::Json { path: manifest, source })
+    }
+
+    /// A fresh, empty folder below the target folder.
+    pub(crate) fn fresh_folder(&self, name: &str) -> Result<PathBuf, TaskError> {
+        let folder = self.target.join(name);
+        if folder.exists() {
+            fs::remove_dir_all(&folder).map_err(TaskError::file(&folder))?;
+        }
+        fs::create_dir_all(&folder).map_err(TaskError::file(&folder))?;
+        Ok(folder)
+    }
+
+    /// Builds the renderer as users get it and returns the program.
+    pub(crate) fn build_renderer(&self) -> Result<PathBuf, TaskError> {
+        let mut command = cargo();
+        command.args(["build", "--release", "--package", "rt-cli"]).current_dir(&self.root);
+        output_of(&mut command)?;
+        Ok(self.target.join("release").join(format!("rt-cli{}", std::env::consts::EXE_SUFFIX)))
+    }
+
+    /// `path` as it reads from the root; unchanged if it lies elsewhere.
+    pub(crate) fn relative<'p>(&self, path: &'p Path) -> std::path::Display<'p> {
+        path.strip_prefix(&self.root).unwrap_or(path).display()
+    }
+
+    /// All files below `folder`, a path from the root, whose names end with `ending`; sorted.
+    ///
+    /// Hidden files and build products are passed over, but for the folders `.cargo` and `.ci`.
+    pub(crate) fn files(&self, folder: &str, ending: &str) -> Result<Vec<PathBuf>, TaskError> {
+        let mut found = Vec::new();
+        let mut folders = vec![self.root.join(folder)];
+        while let Some(folder) = folders.pop() {
+            if !folder.exists() {
+                continue;
+            }
+            for entry in fs::read_dir(&folder).map_err(TaskError::file(&folder))? {
+                let path = entry.map_err(TaskError::file(&folder))?.path();
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                if path == self.target || (name.starts_with('.') && name != ".cargo" && name != ".ci") {
+                    continue;
+                }
+                if path.is_dir() {
+                    folders.push(path);
+                } else if name.ends_with(ending) {
+                    found.push(path);
+                }
+            }
+        }
+        found.sort();
+        Ok(found)
+    }
+}
