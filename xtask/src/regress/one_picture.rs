@@ -32,7 +32,7 @@ struct OnePicture {
 pub(super) fn units(context: &Context) -> Result<Vec<Box<dyn Unit>>, TaskError> {
     let workspace = &context.workspace;
     let mut scenes = workspace.files("scenes", ".ron")?;
-    scenes.extend(workspace.files("tests/golden", "scene.ron")?);
+    scenes.extend(workspace.files("tests/golden", ".ron")?);
     Ok(scenes
         .into_iter()
         .map(|scene| {
