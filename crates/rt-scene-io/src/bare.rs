@@ -25,17 +25,19 @@ pub(crate) fn scene_around(model: &Model, reference: &str, options: &LoadOptions
     }
     file.cameras = model.cameras.iter().map(camera).collect();
     if !model.lights.is_empty() {
-        let level = mean_illuminance(&model.lights, &bounds);
+        let level = typical_illuminance(&model.lights, &bounds);
         // Lights that reach nothing, or are out of range, give no hint.
         let level = if level > 0.0 && level.is_finite() { rounded(level, level) } else { 1.0 };
         file.film.exposure = rounded(-transcendental::log2(level), 10.0);
+        // What is nearer to a lamp than most is many times as bright: the curve keeps its shape visible.
+        file.film.tone = format::Tone::Aces;
         // Shadows would be pitch black, and a sky of the usual brightness invisible beside lights in lux.
         file.lights =
             Some(model.lights.iter().map(light).chain([format::Light::Ambient(Color::Gray(level))]).collect());
         file.background = Some(backdrop(level));
         notes.push(format!(
-            "The model's lights shine with {level} on average; exposure {} makes that white. Ambient light and a \
-             background of that level were added.",
+            "The model's lights shine with about {level}; exposure {} and a filmic tone curve make that bright. Ambient \
+             light and a background of that level were added.",
             file.film.exposure
         ));
     }
@@ -60,25 +62,28 @@ fn add_ground(file: &mut SceneFile, bounds: &Aabb, model: &Model) {
     file.materials.insert(name, material(&matte));
 }
 
-/// Luminance of the unshadowed light that falls straight on the corners and the middle of a box, on average.
-fn mean_illuminance(lights: &[Light], bounds: &Aabb) -> f64 {
+/// Luminance of the unshadowed light that falls straight on places in a box: the geometric mean of the average and the
+/// greatest, since a spot may light a small part, and a lamp may stand near to one.
+fn typical_illuminance(lights: &[Light], bounds: &Aabb) -> f64 {
     let bounds = if bounds.is_empty() { Aabb::new(DVec3::NEG_ONE, DVec3::ONE) } else { *bounds };
-    let centre = bounds.centre();
-    let places = bounds.corners().into_iter().chain([centre]);
-    // A light may stand in a corner or in the middle: it is taken to keep a tenth of the size away.
+    // A light may stand in such a place: it is taken to keep a tenth of the size away.
     let nearest = (bounds.extent().length() * 0.1).max(f64::MIN_POSITIVE);
-    let sum: f64 = places
-        .flat_map(|place| lights.iter().map(move |light| (light, place)))
-        .filter_map(|(light, place)| {
-            let lit = light.illuminate(place)?;
+    let at = |place: DVec3| -> f64 {
+        let lit = lights.iter().filter_map(|light| Some((light, light.illuminate(place)?)));
+        lit.map(|(light, lit)| {
             let closeness = match light.kind {
                 LightKind::Directional { .. } => 1.0,
                 _ => (lit.distance / nearest).min(1.0),
             };
-            Some(lit.strength.luminance() * closeness * closeness)
+            lit.strength.luminance() * closeness * closeness
         })
-        .sum();
-    sum / 9.0
+        .sum()
+    };
+    let part = |i: u32| f64::from(i) * 0.25;
+    let places =
+        (0..125).map(|i| bounds.min + bounds.extent() * DVec3::new(part(i % 5), part(i / 5 % 5), part(i / 25)));
+    let (sum, greatest) = places.map(at).fold((0.0, 0.0), |(sum, greatest), e: f64| (sum + e, e.max(greatest)));
+    (sum / 125.0 * greatest).sqrt()
 }
 
 fn camera(camera: &NamedCamera) -> format::Camera {
