@@ -16,7 +16,8 @@ use crate::{
     workspace::Workspace,
 };
 
-const MARKER: &str = "<!-- table1 -->";
+const START: &str = "<!-- table1 -->\n";
+const END: &str = "<!-- /table1 -->\n";
 const TIMEOUT: Duration = Duration::from_secs(3600);
 
 /// What the command line asks for.
@@ -113,11 +114,9 @@ fn grouped(number: u64) -> String {
 
 /// The text with everything between the two markers replaced by the table.
 fn replace_block(text: &str, table: &str) -> Result<String, String> {
-    let parts: Vec<&str> = text.split(MARKER).collect();
-    match parts[..] {
-        [before, _, after] => Ok(format!("{before}{MARKER}\n{table}{MARKER}{after}")),
-        _ => Err(format!("README.md must have exactly two markers {MARKER}")),
-    }
+    let parts = text.split_once(START).and_then(|(before, rest)| Some((before, rest.split_once(END)?.1)));
+    let (before, after) = parts.ok_or_else(|| format!("README.md has no lines {START} and {END}"))?;
+    Ok(format!("{before}{START}{table}{END}{after}"))
 }
 
 #[cfg(test)]
@@ -131,9 +130,9 @@ mod tests {
 
     #[test]
     fn only_the_block_is_replaced() {
-        let text = "a\n<!-- table1 -->\nold\n<!-- table1 -->\nb\n";
-        assert_eq!(replace_block(text, "new\n").unwrap(), "a\n<!-- table1 -->\nnew\n<!-- table1 -->\nb\n");
+        let text = "a\n<!-- table1 -->\nold\n<!-- /table1 -->\nb\n";
+        assert_eq!(replace_block(text, "new\n").unwrap(), "a\n<!-- table1 -->\nnew\n<!-- /table1 -->\nb\n");
         assert!(replace_block("no markers", "new").is_err());
-        assert!(replace_block("<!-- table1 -->", "new").is_err());
+        assert!(replace_block("<!-- table1 -->\n", "new").is_err());
     }
 }

@@ -5,8 +5,9 @@ use std::fs;
 use super::Report;
 use crate::{error::TaskError, workspace::Workspace};
 
-/// Fewer lines cannot say what a crate owns and what it does not, and show an example.
-const LEAST_LINES: usize = 15;
+/// Fewer lines cannot say what a library owns and what it does not, and show an example.
+const LEAST_LINES_OF_LIBRARY: usize = 25;
+const LEAST_LINES_OF_PROGRAM: usize = 8;
 
 pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
     let mut report = Report::default();
@@ -29,7 +30,7 @@ fn missing(source: &str, is_library: bool) -> Vec<&'static str> {
     let page: Vec<&str> = source.lines().take_while(|line| line.starts_with("//!")).collect();
     let says = |words: &str| page.iter().any(|line| line.contains(words));
     let mut missing = Vec::new();
-    if page.len() < LEAST_LINES {
+    if page.len() < if is_library { LEAST_LINES_OF_LIBRARY } else { LEAST_LINES_OF_PROGRAM } {
         missing.push("the front page is too short");
     }
     if !says("**Owns**") || !says("**Does not own**") {
@@ -56,7 +57,7 @@ mod tests {
     use super::*;
 
     fn page(example: &str) -> String {
-        let text = "//! text\n".repeat(LEAST_LINES);
+        let text = "//! text\n".repeat(LEAST_LINES_OF_LIBRARY);
         format!(
             "//! # c\n{text}//! **Owns** a. **Does not own** b.\n//! ```text\n//! picture\n//! ```\n{example}\n#![forbid(unsafe_code)]\n"
         )
