@@ -6,6 +6,13 @@
 //!                   notes     explain    statistics, progress
 //! ```
 //!
+//! ```text
+//! rt-cli                                  renders a built-in scene to showcase.png
+//! rt-cli render scene.ron -o picture.exr  also .json, .obj, .gltf, .glb; and .png, .jpg, .hdr, .pfm
+//! rt-cli explain scene.ron                what a render uses, what it leaves out, and why
+//! rt-cli --help                           what else there is
+//! ```
+//!
 //! **Owns** arguments, progress, reports, exit codes, and the care taken of files.
 //! **Does not own** anything that decides what a picture looks like: that is in the libraries.
 

@@ -3,8 +3,8 @@
 use rt_camera::{CameraSettings, FilmSettings, Projection};
 use rt_math::{DVec3, Transform};
 use rt_render::PlanOptions;
+use rt_scene_io::Background;
 use rt_scene_io::{Reason, Scene};
-use rt_shading::Background;
 
 use crate::args::{BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 use crate::error::Failure;

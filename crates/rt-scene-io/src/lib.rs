@@ -88,8 +88,8 @@ pub use options::{LoadOptions, ReferencedFiles};
 #[cfg(feature = "format")]
 pub use resolve::resolve;
 pub use scene::{
-    Accel, Content, Group, GroupId, Integrator, Material, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene,
-    Settings, Truth, Warning,
+    Accel, Background, Content, Group, GroupId, Integrator, Material, MaterialId, MeshId, NamedCamera, NamedMesh, Node,
+    Scene, Settings, Truth, Warning,
 };
 #[cfg(feature = "format")]
 pub use texture::{TextureError, decode_texture};

@@ -7,7 +7,7 @@ use rt_geometry::{Shape, TriangleMesh};
 use rt_math::{Rgb, Transform};
 use rt_shading::Appearance;
 
-pub use rt_shading::Material;
+pub use rt_shading::{Background, Material};
 
 /// Index of a material in [`Appearance::materials`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

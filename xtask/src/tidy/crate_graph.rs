@@ -20,7 +20,7 @@ const GRAPH: [(&str, &[&str]); 8] = [
     ("rt-shading", &["rt-geometry", "rt-math"]),
     ("rt-scene-io", &["rt-camera", "rt-geometry", "rt-math", "rt-shading"]),
     ("rt-render", &["rt-accel", "rt-camera", "rt-geometry", "rt-math", "rt-scene-io", "rt-shading"]),
-    ("rt-cli", &["rt-camera", "rt-math", "rt-render", "rt-scene-io", "rt-shading"]),
+    ("rt-cli", &["rt-camera", "rt-math", "rt-render", "rt-scene-io"]),
 ];
 
 /// Crates that may use any other, as nothing depends on them.
