@@ -90,7 +90,8 @@ impl Workspace {
 
     /// All files below `folder`, a path from the root, whose names end with `ending`; sorted.
     ///
-    /// Hidden files and build products are passed over, but for the folders `.cargo` and `.ci`.
+    /// Hidden files are passed over, but for the folders `.cargo` and `.ci`, and so are build products, which cargo marks
+    /// with a tag (<https://bford.info/cachedir/>).
     pub(crate) fn files(&self, folder: &str, ending: &str) -> Result<Vec<PathBuf>, TaskError> {
         let mut found = Vec::new();
         let mut folders = vec![self.root.join(folder)];
@@ -101,7 +102,7 @@ impl Workspace {
             for entry in fs::read_dir(&folder).map_err(TaskError::file(&folder))? {
                 let path = entry.map_err(TaskError::file(&folder))?.path();
                 let name = path.file_name().unwrap_or_default().to_string_lossy();
-                if path == self.target || (name.starts_with('.') && name != ".cargo" && name != ".ci") {
+                if path.join("CACHEDIR.TAG").exists() || (name.starts_with('.') && name != ".cargo" && name != ".ci") {
                     continue;
                 }
                 if path.is_dir() {
