@@ -56,20 +56,30 @@ impl Sphere {
     /// avoided: the discriminant is taken from the ray's closest approach to the centre (Haines, Günther,
     /// Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", RTG 2019, ch. 7), c from a difference of
     /// lengths rather than of squares, and the smaller root from c/q.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
+        // Most offers end here, so that this much is worth being repeated wherever a sphere is tested.
+        if self.is_missed(ray, span) { None } else { self.crossing(ray, span) }
+    }
+
+    /// True only if the ray misses beyond doubt: it starts outside and passes by, or leads away.
+    #[inline(always)]
+    fn is_missed(&self, ray: &Ray, span: Interval) -> bool {
         let d = ray.direction;
         let f = ray.origin - self.centre;
         let (a, b, ff, rr) = (d.dot(d), -f.dot(d), f.dot(f), self.radius * self.radius);
-
-        // Most offers end here. `excess` is positive only if the origin is outside beyond doubt.
+        // Positive only if the origin is outside.
         let excess = ff * (1.0 - REJECTION) - rr * (1.0 + REJECTION);
         let passes_by = b * b < a * excess;
         let lies_behind = excess > 0.0 && b < 0.0 && span.min >= 0.0;
-        if passes_by || lies_behind {
-            return None;
-        }
+        passes_by | lies_behind
+    }
 
+    #[inline(never)]
+    fn crossing(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
+        let d = ray.direction;
+        let f = ray.origin - self.centre;
+        let (a, b, ff, rr) = (d.dot(d), -f.dot(d), f.dot(f), self.radius * self.radius);
         let closest = f + d * (b / a);
         let discriminant = a * (rr - closest.dot(closest));
         if !(0.0..f64::INFINITY).contains(&discriminant) {

@@ -36,7 +36,7 @@ impl Primitives for Spheres {
         self.0.get(index as usize).map(Sphere::bounds)
     }
 
-    #[inline]
+    #[inline(always)]
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
         let ShapeHit { t, uv } = self.0.get(index as usize)?.intersect(ray, span)?;
         Some(Hit { t, instance: 0, primitive: index, uv })

@@ -18,7 +18,7 @@ pub fn own_box<P: Primitives>(primitives: &P, index: u32) -> Option<Aabb> {
 /// force, ties included.
 ///
 /// The kernel runs first: most offers are misses, and the box is looked at for hits only.
-#[inline]
+#[inline(always)]
 pub fn decide<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
@@ -28,17 +28,14 @@ pub fn decide<P: Primitives, S: Probe>(
 ) -> Option<Hit> {
     probe.test();
     let hit = primitives.intersect_probed(index, &ray.ray, span, probe)?;
-    let hit = match own_box(primitives, index) {
-        Some(own) => Hit { t: hit.t.max(own.clip(ray, span)?.min), ..hit },
-        None => hit,
-    };
+    let entry = own_box_entry(primitives, index, ray, span)?;
     probe.hit();
-    Some(hit)
+    Some(Hit { t: hit.t.max(entry), ..hit })
 }
 
 /// True if primitive `index` blocks the ray within `span`: exactly when [`decide`] would find a hit on a primitive
 /// whose `occludes` agrees with its `intersect`.
-#[inline]
+#[inline(always)]
 pub fn decide_occluded<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
@@ -48,11 +45,22 @@ pub fn decide_occluded<P: Primitives, S: Probe>(
 ) -> bool {
     probe.test();
     let blocked = primitives.occludes_probed(index, &ray.ray, span, probe)
-        && own_box(primitives, index).is_none_or(|own| own.clip(ray, span).is_some());
+        && own_box_entry(primitives, index, ray, span).is_some();
     if blocked {
         probe.hit();
     }
     blocked
+}
+
+/// Where the ray enters the own box within `span`: at once if there is no box, `None` if it passes the box by.
+///
+/// Apart from the loops over offers, where it would be in the way of their misses.
+#[inline(never)]
+fn own_box_entry<P: Primitives>(primitives: &P, index: u32, ray: &SlabRay, span: Interval) -> Option<f64> {
+    match own_box(primitives, index) {
+        Some(own) => Some(own.clip(ray, span)?.min),
+        None => Some(span.min),
+    }
 }
 
 #[cfg(test)]

@@ -44,19 +44,19 @@ pub trait Primitives: Sync {
 
     /// True if primitive `index` blocks the ray anywhere in `span`. Override it where there is a faster answer, or
     /// where something is visible without casting a shadow.
-    #[inline]
+    #[inline(always)]
     fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
         self.intersect(index, ray, span).is_some()
     }
 
     /// As [`intersect`](Self::intersect), for primitives that are structures themselves and report their inner work.
-    #[inline]
+    #[inline(always)]
     fn intersect_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, _probe: &mut S) -> Option<Hit> {
         self.intersect(index, ray, span)
     }
 
     /// As [`occludes`](Self::occludes), for primitives that are structures themselves and report their inner work.
-    #[inline]
+    #[inline(always)]
     fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, _probe: &mut S) -> bool {
         self.occludes(index, ray, span)
     }

@@ -34,6 +34,7 @@ impl Primitives for SphereWorld {
         self.spheres.bounds(index)
     }
 
+    #[inline(always)]
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
         self.spheres.intersect(index, ray, span)
     }
