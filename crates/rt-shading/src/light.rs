@@ -117,8 +117,9 @@ impl Light {
                 (surface.spawn_shadow_ray_towards(light.direction, time), Interval::SPAWNED)
             }
             LightKind::Point { position, lamp_radius, .. } if lamp_radius > 0.0 => {
-                let free = 1.0 - lamp_radius / light.distance - LAMP_MARGIN;
-                (surface.spawn_shadow_ray(position, time), Interval { max: free, ..Interval::SEGMENT })
+                let ray = surface.spawn_shadow_ray(position, time);
+                let free = 1.0 - lamp_radius / ray.direction.length() - LAMP_MARGIN;
+                (ray, Interval { max: free, ..Interval::SEGMENT })
             }
             LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
                 (surface.spawn_shadow_ray(position, time), Interval::SEGMENT)
@@ -178,5 +179,24 @@ mod tests {
         let (ray, span) = light.shadow_ray(&surface, &light.illuminate(DVec3::ZERO).expect("lit"), 0.0);
         let end = ray.at(span.max).y;
         assert!(end < 3.0 && end > 3.0 - 1e-11, "{end}");
+    }
+
+    #[test]
+    fn a_lifted_shadow_ray_ends_in_front_of_the_lamp() {
+        let lamp = light(LightKind::Point { position: DVec3::Y * 4.0, falloff: Falloff::None, lamp_radius: 1.0 });
+        for lift in [0.5, -0.5] {
+            let surface = SurfaceInteraction {
+                point: DVec3::ZERO,
+                point_error: DVec3::ZERO,
+                shadow_point: DVec3::Y * lift,
+                geometric_normal: DVec3::Y * lift.signum(),
+                shading_normal: DVec3::Y * lift.signum(),
+                uv: [0.0; 2],
+            };
+            let lit = lamp.illuminate(surface.point).expect("lit");
+            let (ray, span) = lamp.shadow_ray(&surface, &lit, 0.0);
+            let end = ray.at(span.max).y;
+            assert!(end < 3.0 && end > 3.0 - 1e-10, "{end}");
+        }
     }
 }

@@ -18,7 +18,8 @@ pub fn refract(direction: DVec3, normal: DVec3, eta: f64) -> Option<DVec3> {
     if cos2_t < 0.0 {
         return None;
     }
-    Some((direction * eta + normal * (eta * cos_i - cos2_t.sqrt())).normalize())
+    // Along the normal, the sum of a very large `eta` cancels to nothing.
+    Some((direction * eta + normal * (eta * cos_i - cos2_t.sqrt())).normalize_or(-normal))
 }
 
 /// Part of unpolarised light that a smooth dielectric reflects (Fresnel 1823): `cos_i` is the cosine of the angle of
@@ -85,6 +86,13 @@ mod tests {
             }
         }
         assert_eq!(refract(incident(critical + 1e-6), DVec3::Y, GLASS), None);
+    }
+
+    #[test]
+    fn light_along_the_normal_goes_straight_on_at_any_density() {
+        for eta in [1e-300, 1e-17, 1.0, 1e17, 1e60] {
+            assert_eq!(refract(DVec3::NEG_Y, DVec3::Y, eta), Some(DVec3::NEG_Y), "{eta}");
+        }
     }
 
     #[test]

@@ -81,7 +81,7 @@ impl Bitmap {
 }
 
 impl Texture {
-    /// The colour at texture coordinates `uv`; black where these are not finite.
+    /// The colour at texture coordinates `uv`; black where these are not finite, or no pixel can be numbered.
     pub fn at(&self, uv: [f64; 2]) -> Rgb {
         if !(uv[0].is_finite() && uv[1].is_finite()) {
             return Rgb::BLACK;
@@ -103,6 +103,9 @@ fn image_at(bitmap: &Bitmap, wrap: [Wrap; 2], smooth: bool, [u, v]: [f64; 2]) ->
     let fetch =
         |x: f64, y: f64| bitmap.pixel(wrap[0].index(x as i64, bitmap.width), wrap[1].index(y as i64, bitmap.height));
     let (x, y) = (u * f64::from(bitmap.width), (1.0 - v) * f64::from(bitmap.height));
+    if !(x.is_finite() && y.is_finite()) {
+        return Rgb::BLACK;
+    }
     if !smooth {
         return fetch(x.floor(), y.floor());
     }
@@ -169,6 +172,7 @@ mod tests {
         assert_eq!(image(Wrap::Repeat, true).at([f64::NAN, 0.0]), Rgb::BLACK);
         assert_eq!(image(Wrap::Repeat, true).at([f64::INFINITY, 0.0]), Rgb::BLACK);
         assert!(image(Wrap::Clamp, true).at([1e300, -1e300]).is_finite());
+        assert!(image(Wrap::Clamp, true).at([1e308, 0.5]).is_finite(), "more pixels away than numbers reach");
         let empty = Bitmap { width: 0, height: 0, pixels: vec![] };
         assert!(!empty.is_well_formed());
         assert_eq!(Texture::Image { bitmap: empty, wrap: [Wrap::Repeat; 2], smooth: true }.at([0.5; 2]), Rgb::BLACK);

@@ -1,7 +1,10 @@
 //! Classical recursive ray tracing.
 
-use crate::{Appearance, Material, Needs, Phong, Seen, SurfaceHit, Tracer, Transmission, optics};
-use rt_math::{DVec3, Ray, RayKind, Rgb, transcendental::exp};
+mod view;
+
+use crate::{Appearance, Material, Needs, Phong, Seen, SurfaceHit, Tracer, optics};
+use rt_math::{Ray, RayKind, Rgb, transcendental::exp};
+use view::View;
 
 /// Work of shading, for statistics and to prove that what is left out is really absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,6 +44,8 @@ struct Pending {
     depth: u32,
     /// Part of its radiance that reaches the camera.
     weight: Rgb,
+    /// Absorption per world unit of what it travels through.
+    medium: Rgb,
 }
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
@@ -71,7 +76,7 @@ impl Whitted {
     /// Radiance that a camera ray sees. Infinite or NaN if the scene is; the caller decides about such samples.
     pub fn radiance(&mut self, world: &mut impl Tracer, appearance: &Appearance, ray: &Ray) -> Seen {
         let mut seen = Seen { radiance: Rgb::BLACK, hit: false };
-        let first = Pending { ray: *ray, kind: RayKind::Primary, depth: 0, weight: Rgb::WHITE };
+        let first = Pending { ray: *ray, kind: RayKind::Primary, depth: 0, weight: Rgb::WHITE, medium: Rgb::BLACK };
         let mut next = Some(first);
         while let Some(path) = next {
             match world.closest(&path.ray, path.kind, self.needs.surface()) {
@@ -92,27 +97,24 @@ impl Whitted {
             return Rgb::BLACK;
         };
         let length = path.ray.direction.length();
-        let view = View::new(path.ray.direction / length, hit);
+        let view = View::new(path.ray.direction / length, &hit.interaction);
+        // A body knows of itself what it is filled with; for what stands inside it, the ray remembers.
+        let medium = match phong.transmission {
+            Some(transmission) if view.inside => transmission.absorption,
+            _ => path.medium,
+        };
         let mut weight = path.weight;
-        if self.needs.absorption && view.inside {
-            weight *= self.absorption(phong, hit.t * length);
+        if self.needs.absorption && !medium.is_black() {
+            self.counts.absorption += 1;
+            // Beer's law.
+            let distance = hit.t * length;
+            weight *= medium.map(|per_unit| exp(-per_unit * distance));
         }
-        let local = self.emitted_and_reflected(world, appearance, phong, &view, hit, path.ray.time);
+        let local = self.emitted_and_reflected(world, appearance, phong, &view, path.ray.time);
         if path.depth < self.max_depth {
-            self.follow(appearance, phong, &view, hit, &Pending { weight, ..*path });
+            self.follow(appearance, phong, &view, &Pending { weight, medium, ..*path });
         }
         weight * local
-    }
-
-    /// What passes of light that went `distance` through the inside of the material.
-    fn absorption(&mut self, phong: &Phong, distance: f64) -> Rgb {
-        match phong.transmission {
-            Some(Transmission { absorption, .. }) => {
-                self.counts.absorption += 1;
-                absorption.map(|per_unit| exp(-per_unit * distance))
-            }
-            None => Rgb::WHITE,
-        }
     }
 
     fn emitted_and_reflected(
@@ -121,10 +123,9 @@ impl Whitted {
         appearance: &Appearance,
         phong: &Phong,
         view: &View,
-        hit: &SurfaceHit,
         time: f64,
     ) -> Rgb {
-        let surface = &hit.interaction;
+        let surface = &view.surface;
         let textures = &appearance.textures;
         let mut sum = Rgb::BLACK;
         if self.needs.emission {
@@ -162,8 +163,8 @@ impl Whitted {
     }
 
     /// Puts the mirrored and the refracted ray aside, the mirrored one on top.
-    fn follow(&mut self, appearance: &Appearance, phong: &Phong, view: &View, hit: &SurfaceHit, path: &Pending) {
-        let surface = &hit.interaction;
+    fn follow(&mut self, appearance: &Appearance, phong: &Phong, view: &View, path: &Pending) {
+        let surface = &view.surface;
         let mut reflected_part = 1.0;
         if self.needs.refraction
             && let Some(transmission) = &phong.transmission
@@ -176,62 +177,38 @@ impl Whitted {
             }
             let passed_part = if transmission.fresnel { 1.0 - reflected_part } else { 1.0 };
             let weight = path.weight * transmission.coefficient.at(&appearance.textures, surface.uv) * passed_part;
-            if let Some(direction) = optics::refract(view.direction, view.normal, eta) {
-                self.put_aside(path, RayKind::Refraction, weight, || surface.spawn_ray(direction, path.ray.time));
+            // Whatever lies outside of a body is taken to be clear.
+            let medium = if view.inside { Rgb::BLACK } else { transmission.absorption };
+            if let Some(direction) = view.refracted(eta) {
+                let ray = || surface.spawn_ray(direction, path.ray.time);
+                self.put_aside(&Pending { weight, medium, ..*path }, RayKind::Refraction, ray);
             }
         }
         if self.needs.reflection {
             self.counts.mirrors += 1;
             let weight = path.weight * phong.mirror.at(&appearance.textures, surface.uv) * reflected_part;
-            self.put_aside(path, RayKind::Reflection, weight, || surface.spawn_ray(view.mirrored(), path.ray.time));
+            let ray = || surface.spawn_ray(view.mirrored(), path.ray.time);
+            self.put_aside(&Pending { weight, ..*path }, RayKind::Reflection, ray);
         }
     }
 
-    fn put_aside(&mut self, parent: &Pending, kind: RayKind, weight: Rgb, ray: impl FnOnce() -> Ray) {
-        if !weight.is_black() && !(weight.max_component() < self.min_contribution) {
-            self.pending.push(Pending { ray: ray(), kind, depth: parent.depth + 1, weight });
+    /// Puts aside what goes on from `path` along `ray`, if its weight matters.
+    fn put_aside(&mut self, path: &Pending, kind: RayKind, ray: impl FnOnce() -> Ray) {
+        if !path.weight.is_black() && !(path.weight.max_component() < self.min_contribution) {
+            self.pending.push(Pending { ray: ray(), kind, depth: path.depth + 1, ..*path });
         }
-    }
-}
-
-/// A surface from the side of its viewer.
-struct View {
-    /// Unit direction of the ray.
-    direction: DVec3,
-    /// Unit shading normal, turned to the viewer's side of the surface.
-    normal: DVec3,
-    /// Unit geometric normal, turned against the ray.
-    geometric_normal: DVec3,
-    /// The ray comes from behind the surface: from the inside of a closed shape.
-    inside: bool,
-}
-
-impl View {
-    fn new(direction: DVec3, hit: &SurfaceHit) -> Self {
-        let surface = &hit.interaction;
-        let inside = direction.dot(surface.geometric_normal) > 0.0;
-        let side = if inside { -1.0 } else { 1.0 };
-        let geometric_normal = surface.geometric_normal * side;
-        // Near silhouettes an interpolated normal may face away from the viewer: the geometric one decides then.
-        let shading_normal = surface.shading_normal * side;
-        let normal = if shading_normal.dot(direction) < 0.0 { shading_normal } else { geometric_normal };
-        Self { direction, normal, geometric_normal, inside }
-    }
-
-    /// The mirrored direction. Where the interpolated normal would send it into the surface, it grazes the surface.
-    fn mirrored(&self) -> DVec3 {
-        let mirrored = optics::reflect(self.direction, self.normal);
-        let below = mirrored.dot(self.geometric_normal);
-        if below < 0.0 { mirrored - self.geometric_normal * below } else { mirrored }
     }
 }
 
 #[cfg(test)]
+mod interpolated;
+
+#[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Background, Coefficient, Falloff, Light, LightKind};
+    use crate::{Background, Coefficient, Falloff, Light, LightKind, Transmission};
     use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
-    use rt_math::Interval;
+    use rt_math::{DVec3, Interval};
 
     /// A world in which every ray meets the surface `material` at distance 2 from either side, `bounces` times over,
     /// and then leaves. It turns its normal against the ray, or along it for rays that come from inside.
@@ -361,6 +338,47 @@ mod tests {
         let ray = Ray::new(DVec3::ZERO, DVec3::NEG_Z);
         let seen = whitted.radiance(&mut Echo::new(2), &appearance, &ray).radiance;
         let expected = Rgb::new(exp(-1.0), 1.0, exp(-2.0));
+        assert!((seen - expected).map(f64::abs).max_component() < 1e-14, "{seen:?}");
+    }
+
+    #[test]
+    fn what_stands_inside_glass_is_seen_through_it() {
+        // Into tinted glass, 2 units to an opaque glowing body in it, which is met from its outside.
+        let tinted =
+            Transmission { coefficient: gray(1.0), ior: 1.0, fresnel: false, absorption: Rgb::new(0.5, 0.0, 1.0) };
+        let mut appearance = white_room(Phong { transmission: Some(tinted), ..BARE });
+        let core = Phong { emission: gray(1.0), mirror: gray(1.0), ..BARE };
+        appearance.materials.push(Material { name: "core".into(), phong: core });
+        struct Paperweight(u32);
+        impl Tracer for Paperweight {
+            fn closest(&mut self, ray: &Ray, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+                self.0 += 1;
+                // The glass, the core, and the glass again from inside.
+                let (normal, material) = match self.0 {
+                    1 => (-ray.direction, 0),
+                    2 => (-ray.direction, 1),
+                    3 => (ray.direction, 0),
+                    _ => return None,
+                };
+                let point = ray.at(2.0);
+                let interaction = SurfaceInteraction {
+                    point,
+                    point_error: DVec3::ZERO,
+                    shadow_point: point,
+                    geometric_normal: normal,
+                    shading_normal: normal,
+                    uv: [0.0; 2],
+                };
+                Some(SurfaceHit { t: 2.0, interaction, material })
+            }
+            fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
+                false
+            }
+        }
+        let mut whitted = Whitted::new(9, 0.0, Needs::of(&appearance, |_| true));
+        let seen = whitted.radiance(&mut Paperweight(0), &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z)).radiance;
+        // The core's own light goes 2 units through the glass, the mirrored room's goes 4.
+        let expected = Rgb::new(exp(-1.0) + exp(-2.0), 2.0, exp(-2.0) + exp(-4.0));
         assert!((seen - expected).map(f64::abs).max_component() < 1e-14, "{seen:?}");
     }
 

@@ -1,0 +1,106 @@
+//! Tests of interpolated normals: rays start on the side of the facet that they belong to.
+
+use super::*;
+use crate::{Background, Coefficient, Light, LightKind, Transmission};
+use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
+use rt_math::{DVec3, Interval};
+
+/// A floor at height 0 whose shading normal is not its own. The first ray meets it at the origin; later ones leave.
+struct Facet {
+    shading_normal: DVec3,
+    later: Vec<(RayKind, Ray)>,
+    shadow_rays: Vec<Ray>,
+    met: bool,
+}
+
+impl Tracer for Facet {
+    fn closest(&mut self, ray: &Ray, kind: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+        if self.met {
+            self.later.push((kind, *ray));
+            return None;
+        }
+        self.met = true;
+        let interaction = SurfaceInteraction {
+            point: DVec3::ZERO,
+            point_error: DVec3::splat(1e-12),
+            shadow_point: DVec3::ZERO,
+            geometric_normal: DVec3::Y,
+            shading_normal: self.shading_normal,
+            uv: [0.0; 2],
+        };
+        Some(SurfaceHit { t: 1.0, interaction, material: 0 })
+    }
+
+    fn occluded(&mut self, ray: &Ray, _: Interval) -> bool {
+        self.shadow_rays.push(*ray);
+        // The facet itself blocks what starts on the other side of it.
+        ray.origin.y * ray.direction.y < 0.0
+    }
+}
+
+/// What is seen of the facet along `direction`.
+fn look(direction: DVec3, shading_normal: DVec3, phong: Phong, lights: Vec<Light>) -> (Rgb, Facet) {
+    let appearance = Appearance {
+        materials: vec![Material { name: "facet".into(), phong }],
+        lights,
+        background: Background::Constant(Rgb::BLACK),
+        ..Appearance::default()
+    };
+    let mut world = Facet { shading_normal, later: vec![], shadow_rays: vec![], met: false };
+    let mut whitted = Whitted::new(1, 0.0, Needs::of(&appearance, |_| true));
+    let seen = whitted.radiance(&mut world, &appearance, &Ray::new(-direction, direction));
+    (seen.radiance, world)
+}
+
+/// A unit vector in the xy-plane, `degrees` from +y towards +x.
+fn tilted(degrees: f64) -> DVec3 {
+    let (sin, cos) = rt_math::transcendental::sincos(degrees.to_radians());
+    DVec3::new(sin, cos, 0.0)
+}
+
+const WHITE: Coefficient = Coefficient::Constant(Rgb::WHITE);
+
+fn bare() -> Phong {
+    Phong { ambient: Coefficient::ZERO, diffuse: Coefficient::ZERO, ..Phong::default() }
+}
+
+#[test]
+fn mirrored_rays_start_and_stay_on_the_viewers_side() {
+    let mut bent = 0;
+    for (from, tilt) in (91..180).flat_map(|from| (-85..86).map(move |tilt| (from, tilt))) {
+        let (direction, normal) = (tilted(f64::from(from)), tilted(f64::from(tilt)));
+        let (_, world) = look(direction, normal, Phong { mirror: WHITE, ..bare() }, vec![]);
+        let [(RayKind::Reflection, ray)] = world.later[..] else { panic!("{:?}", world.later) };
+        assert!(ray.origin.y > 0.0 && ray.direction.y >= 0.0, "view {from}°, normal {tilt}°: {ray:?}");
+        bent += usize::from(optics::reflect(direction, normal).y < 0.0);
+    }
+    assert!(bent > 1000, "{bent}");
+}
+
+#[test]
+fn refracted_rays_start_and_stay_on_the_far_side() {
+    let glass = Transmission { coefficient: WHITE, ior: 1.5, fresnel: false, absorption: Rgb::BLACK };
+    let phong = Phong { transmission: Some(glass), ..bare() };
+    // From inside, where the floor's normal points along the ray.
+    let mut bent = 0;
+    for (towards, tilt) in (0..90).flat_map(|towards| (-85..86).map(move |tilt| (towards, tilt))) {
+        let (direction, normal) = (tilted(f64::from(towards)), tilted(f64::from(tilt)));
+        let (_, world) = look(direction, normal, phong, vec![]);
+        let Some((RayKind::Refraction, ray)) = world.later.first() else { continue };
+        assert!(ray.origin.y > 0.0 && ray.direction.y >= 0.0, "view {towards}°, normal {tilt}°: {ray:?}");
+        bent += usize::from(
+            normal.dot(direction) > 0.0 && optics::refract(direction, -normal, 1.5).is_some_and(|bent| bent.y < 0.0),
+        );
+    }
+    assert!(bent > 100, "{bent}");
+}
+
+#[test]
+fn where_the_flat_normal_stands_in_shadow_rays_start_on_its_side() {
+    // The shading normal faces away from the viewer, and from the light; the facet faces both.
+    let kind = LightKind::Directional { direction: -tilted(60.0) };
+    let sun = Light { name: "sun".into(), kind, intensity: Rgb::WHITE, casts_shadows: true };
+    let (seen, world) = look(tilted(-100.0), tilted(-80.0), Phong { diffuse: WHITE, ..bare() }, vec![sun]);
+    assert!(world.shadow_rays[0].origin.y > 0.0, "{:?}", world.shadow_rays);
+    assert!((seen.r - 0.5).abs() < 1e-12, "{seen:?}");
+}
