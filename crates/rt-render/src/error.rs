@@ -46,8 +46,8 @@ pub enum RenderError {
         /// What is wrong with it.
         source: rt_accel::BuildError,
     },
-    /// Groups contain each other, or the tree is nested too deeply.
-    #[error("group '{0}' contains itself, or groups and nodes are nested more than 1024 deep")]
+    /// Groups contain each other, or the tree is nested too deeply; with the name of the deepest object.
+    #[error("object '{0}' lies in a group that contains itself, or groups and nodes are nested more than 1024 deep")]
     Nesting(String),
     /// An index in the scene points nowhere.
     #[error("object '{object}' refers to {what} number {index}, but there are {count}")]
@@ -69,8 +69,8 @@ pub enum RenderError {
         /// What is wrong.
         source: rt_math::TransformError,
     },
-    /// More objects than indices.
-    #[error("the scene has more than 2^32 - 1 objects")]
+    /// More primitives in a group than indices.
+    #[error("a group that is placed more than once has more than 2^32 - 1 shapes and triangles")]
     TooManyObjects,
     /// Samples per pixel must be at least 1.
     #[error("at least 1 sample per pixel is needed")]

@@ -26,7 +26,7 @@ pub(crate) fn flatten(scene: &Scene, accel: Accel) -> Result<(Assembly, Levels),
         group_uses: count_group_uses(scene)?,
         levels: Levels::default(),
     };
-    let top = flattener.assembly(&scene.nodes, &Level::TOP)?;
+    let top = flattener.assembly(&scene.nodes, Level::TOP)?;
     Ok((top, flattener.levels))
 }
 
@@ -64,7 +64,7 @@ fn group_of<'s>(scene: &'s Scene, node: &Node, id: GroupId) -> Result<&'s Group,
 }
 
 /// Where the walk stands.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Level {
     assembly_from_parent: Transform,
     casts_shadow: bool,
@@ -88,11 +88,13 @@ struct Flattener<'s> {
     levels: Levels,
 }
 
-impl Flattener<'_> {
-    fn assembly(&mut self, nodes: &[Node], level: &Level) -> Result<Assembly, RenderError> {
+impl<'s> Flattener<'s> {
+    fn assembly(&mut self, nodes: &'s [Node], level: Level) -> Result<Assembly, RenderError> {
         let mut parts = Vec::new();
         self.collect(nodes, level, &mut parts)?;
-        self.number(&mut parts)?;
+        if level.within_group {
+            self.number(&mut parts)?;
+        }
         let set = Parts { parts: &parts, levels: &self.levels };
         let structure = Structure::build(self.accel, &set).map_err(|source| {
             let object = match source {
@@ -104,7 +106,7 @@ impl Flattener<'_> {
         Ok(Assembly { parts, structure })
     }
 
-    /// Numbers the primitives of all parts in a row.
+    /// Numbers the primitives of a group's parts in a row, for hits to name both in one number.
     fn number(&self, parts: &mut [Part]) -> Result<(), RenderError> {
         let mut next = 0u32;
         for part in parts {
@@ -121,8 +123,14 @@ impl Flattener<'_> {
         Ok(())
     }
 
-    fn collect(&mut self, nodes: &[Node], level: &Level, parts: &mut Vec<Part>) -> Result<(), RenderError> {
-        for node in nodes {
+    /// Adds what stands at the nodes and below. Trees may be deep, so the walk keeps its own stack.
+    fn collect(&mut self, nodes: &'s [Node], level: Level, parts: &mut Vec<Part>) -> Result<(), RenderError> {
+        let mut open = vec![(nodes.iter(), level)];
+        while let Some((nodes, level)) = open.last_mut() {
+            let Some(node) = nodes.next() else {
+                open.pop();
+                continue;
+            };
             if level.depth >= MAX_DEPTH {
                 return Err(RenderError::Nesting(node.name.clone()));
             }
@@ -133,13 +141,20 @@ impl Flattener<'_> {
                 within_group: level.within_group,
             };
             check_transform(node, &here.assembly_from_parent)?;
+            open.push((node.children.iter(), here));
             match node.content {
                 Some(Content::Shape(shape)) => parts.push(self.shape_part(node, shape, &here)?),
                 Some(Content::Mesh(id)) => parts.extend(self.mesh_part(node, id, &here)?),
-                Some(Content::Instance(id)) => self.instance(node, id, &here, parts)?,
+                Some(Content::Instance(id)) => {
+                    let group = group_of(self.scene, node, id)?;
+                    if here.within_group || self.group_uses[id.0 as usize] == 1 {
+                        open.push((group.nodes.iter(), here));
+                    } else {
+                        parts.extend(self.group_part(node, id, group, &here)?);
+                    }
+                }
                 None => {}
             }
-            self.collect(&node.children, &here, parts)?;
         }
         Ok(())
     }
@@ -195,17 +210,19 @@ impl Flattener<'_> {
         self.part(node, here, PartGeometry::Mesh(level, transform), Some(bounds)).map(Some)
     }
 
-    fn instance(&mut self, node: &Node, id: GroupId, here: &Level, parts: &mut Vec<Part>) -> Result<(), RenderError> {
-        let scene = self.scene;
-        let group = group_of(scene, node, id)?;
-        if here.within_group || self.group_uses[id.0 as usize] == 1 {
-            return self.collect(&group.nodes, here, parts);
-        }
+    /// A group without parts is no part.
+    fn group_part(
+        &mut self,
+        node: &Node,
+        id: GroupId,
+        group: &'s Group,
+        here: &Level,
+    ) -> Result<Option<Part>, RenderError> {
         let level = match self.group_levels[id.0 as usize] {
             Some(level) => level,
             None => {
                 let inside = Level { within_group: true, depth: here.depth, ..Level::TOP };
-                let assembly = self.assembly(&group.nodes, &inside)?;
+                let assembly = self.assembly(&group.nodes, inside)?;
                 let level = self.levels.groups.len() as u32;
                 self.levels.groups.push(assembly);
                 self.group_levels[id.0 as usize] = Some(level);
@@ -214,13 +231,12 @@ impl Flattener<'_> {
         };
         let group = &self.levels.groups[level as usize];
         if group.parts.is_empty() {
-            return Ok(());
+            return Ok(None);
         }
         let transform = boxed(&here.assembly_from_parent);
         let bounds = group.parts.iter().try_fold(Aabb::EMPTY, |sum, part| Some(sum.union(part.bounds?)));
         let bounds = bounds.map(|bounds| transform.as_ref().map_or(bounds, |t| t.aabb(&bounds)));
-        parts.push(self.part(node, here, PartGeometry::Group(level, transform), bounds)?);
-        Ok(())
+        self.part(node, here, PartGeometry::Group(level, transform), bounds).map(Some)
     }
 
     fn part(

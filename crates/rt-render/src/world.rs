@@ -18,7 +18,7 @@ pub(crate) struct Part {
     pub(crate) material: u32,
     pub(crate) casts_shadow: bool,
     pub(crate) bounds: Option<Aabb>,
-    /// Number of the part's first primitive within its assembly.
+    /// Number of the part's first primitive within its group; 0 on the upper level.
     pub(crate) first_primitive: u32,
     /// For messages.
     pub(crate) name: Arc<str>,

@@ -2,9 +2,10 @@
 
 use crate::support::{sphere, spheres};
 use rt_camera::Projection;
-use rt_math::{DVec3, Transform};
+use rt_geometry::{MeshData, TriangleMesh};
+use rt_math::{DVec3, Transform, Vec3};
 use rt_render::{Crop, PlanOptions, RenderError, RenderPlan};
-use rt_scene_io::{Content, Group, GroupId, MaterialId, MeshId, Node, Scene};
+use rt_scene_io::{Accel, Content, Group, GroupId, MaterialId, MeshId, NamedMesh, Node, Scene};
 
 fn refusal(scene: &Scene, options: &PlanOptions) -> RenderError {
     RenderPlan::compile(scene, options).expect_err("the scene must be refused")
@@ -49,6 +50,47 @@ fn trees_that_are_too_deep_are_refused() {
         scene.nodes.push(node);
     });
     assert!(message.contains("1024"), "{message}");
+}
+
+/// `length` groups, each of which places the next, deep enough to try the stack of a thread.
+fn chain_of_groups(length: u32) -> Scene {
+    let mut scene = spheres();
+    let instance = |id: u32| Node::new(Content::Instance(GroupId(id)), MaterialId(0));
+    let inner =
+        |id: u32| if id + 1 < length { instance(id + 1) } else { Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0)) };
+    scene.groups = (0..length).map(|id| Group { name: format!("group {id}"), nodes: vec![inner(id)] }).collect();
+    scene.nodes = vec![instance(0), instance(0)];
+    scene
+}
+
+#[test]
+fn long_chains_of_groups_fit_the_stack_of_a_thread() {
+    let compile = || {
+        RenderPlan::compile(&chain_of_groups(1023), &PlanOptions::default()).expect("the scene compiles");
+        let message = refusal(&chain_of_groups(1024), &PlanOptions::default()).to_string();
+        assert!(message.contains("1024"), "{message}");
+    };
+    let small = std::thread::Builder::new().stack_size(1 << 20).spawn(compile).expect("a thread");
+    small.join().expect("no overflow");
+}
+
+#[test]
+fn a_forest_of_more_triangles_than_32_bits_can_number_is_accepted() {
+    const TRIANGLES: usize = 1 << 16;
+    let data = MeshData {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+        triangles: vec![[0, 1, 2]; TRIANGLES],
+        ..MeshData::default()
+    };
+    let mut scene = spheres();
+    scene.settings.accel = Accel::Linear;
+    scene.meshes = vec![NamedMesh { name: "tree".into(), mesh: TriangleMesh::build(data).expect("a mesh").0.into() }];
+    scene.nodes = vec![Node::new(Content::Mesh(MeshId(0)), MaterialId(0)); TRIANGLES + 1];
+    RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    // Within a group that is placed twice, each triangle needs a number of its own.
+    scene.groups = vec![Group { name: "forest".into(), nodes: std::mem::take(&mut scene.nodes) }];
+    scene.nodes = vec![Node::new(Content::Instance(GroupId(0)), MaterialId(0)); 2];
+    assert!(matches!(refusal(&scene, &PlanOptions::default()), RenderError::TooManyObjects));
 }
 
 #[test]
