@@ -96,14 +96,12 @@ impl RenderPlan<'_> {
         };
         let total_samples = u64::from(crop.width) * u64::from(crop.height) * u64::from(self.spp);
         let (sender, finished) = mpsc::channel();
-        std::thread::scope(|scope| {
-            scope.spawn(|| {
-                let sender = sender;
-                pool.install(|| {
-                    tiles.par_iter().with_max_len(1).for_each_with(sender, |sender, tile| {
-                        // The receiver outlives this loop, so that sending cannot fail.
-                        let _ = sender.send(self.render_tile(*tile, options.count));
-                    });
+        // Tiles are rendered in the pool while this thread puts them in their places.
+        pool.in_place_scope(|scope| {
+            scope.spawn(|_| {
+                tiles.par_iter().with_max_len(1).for_each_with(sender, |sender, tile| {
+                    // The receiver outlives this loop, so that sending cannot fail.
+                    let _ = sender.send(self.render_tile(*tile, options.count));
                 });
             });
             for tile in finished {
