@@ -234,6 +234,27 @@ mod tests {
     }
 
     #[test]
+    fn spots_with_a_sharp_edge_are_written_and_read() {
+        for degrees in 1..=90 {
+            let cos_outer = transcendental::cos(f64::from(degrees).to_radians()).max(0.0);
+            let sharp = LightKind::Spot {
+                position: DVec3::Y * 9.0,
+                direction: DVec3::NEG_Y,
+                cos_inner: cos_outer.next_up(),
+                cos_outer,
+                falloff: Falloff::InverseSquare,
+            };
+            let LightKind::Spot { cos_inner: inner, cos_outer: outer, .. } =
+                scene(lit(&[sharp], 100.0), false).appearance.lights[0].kind
+            else {
+                panic!("a spot")
+            };
+            assert!(outer < inner && inner - outer < 1e-9, "{degrees}°: {inner} {outer}");
+            assert!((outer - cos_outer).abs() < 1e-9, "{degrees}°: {outer}");
+        }
+    }
+
+    #[test]
     fn the_ground_keeps_out_of_the_way_of_a_material_of_its_name() {
         let mut model = lit(&[], 0.0);
         model.materials[0].phong.diffuse = Coefficient::Constant(Rgb::gray(0.25));

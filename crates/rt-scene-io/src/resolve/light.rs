@@ -59,17 +59,15 @@ fn aim(report: &mut Report, path: &str, value: [f64; 3]) -> Option<DVec3> {
     report.check(format_args!("{path}.direction"), direction(value))
 }
 
-/// Cosines of the two angles of a cone.
+/// Cosines of the two angles of a cone. Where both are the same the edge is as sharp as can be.
 fn cone(inner: f64, outer: f64) -> Result<(f64, f64), Reason> {
-    if 0.0 <= inner && inner < outer && outer <= MAX_CONE_DEGREES {
-        let (cos_inner, cos_outer) = (cos(inner.to_radians()), cos(outer.to_radians()));
-        if cos_outer < cos_inner {
-            return Ok((cos_inner, cos_outer));
-        }
+    if 0.0 <= inner && inner <= outer && 0.0 < outer && outer <= MAX_CONE_DEGREES {
+        let cos_outer = cos(outer.to_radians()).min(1.0_f64.next_down());
+        return Ok((cos(inner.to_radians()).max(cos_outer.next_up()), cos_outer));
     }
     Err(Reason::invalid(
         format_args!("inner {inner} and outer {outer}"),
-        "must be angles with 0 <= inner < outer <= 90",
+        "must be angles with 0 <= inner <= outer <= 90, and outer above 0",
     ))
 }
 
