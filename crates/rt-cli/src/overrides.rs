@@ -1,10 +1,9 @@
 //! The command line has the last word: options laid over what the scene says.
 
-use rt_camera::{CameraSettings, FilmSettings, Projection};
+use rt_camera::{CameraSettings, Development, FilmSettings, Projection};
 use rt_math::{DVec3, Transform};
 use rt_render::PlanOptions;
-use rt_scene_io::Background;
-use rt_scene_io::{Reason, Scene};
+use rt_scene_io::{Background, Integrator, Reason, Scene};
 
 use crate::args::{BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 use crate::error::Failure;
@@ -20,6 +19,11 @@ pub(crate) fn apply(args: &PictureArgs, scene: &mut Scene) -> Result<PlanOptions
     replace(&mut settings.integrator, args.integrator);
     replace(&mut settings.pattern, args.sampler);
     replace(&mut settings.accel, args.accel);
+    if args.integrator.is_some_and(|integrator| integrator != Integrator::Whitted) {
+        // The scene's exposure and tone curve suit its light, which such a view does not show.
+        let Development { encoding, .. } = film.development;
+        film.development = Development { encoding, ..Development::default() };
+    }
     if let Some(BackgroundChoice::Colour(colour)) = args.background {
         scene.appearance.background = Background::Constant(colour);
     }

@@ -1,6 +1,6 @@
 //! Pictures, and what options do to them.
 
-use crate::program::Workplace;
+use crate::program::{SCENE, Workplace};
 
 #[test]
 fn three_lines_are_a_scene() {
@@ -145,4 +145,17 @@ fn bad_samples_warn_and_are_an_error_under_strict() {
     let run = place.run("render glare.ron --strict -o strict.png");
     assert_eq!(run.code, Some(5), "{run:?}");
     assert_eq!(place.read("strict.png"), lenient, "the picture is worth keeping");
+}
+
+#[test]
+fn views_of_geometry_do_not_depend_on_the_exposure_of_the_scene() {
+    let place = Workplace::with_scene();
+    place.write("sunlit.ron", SCENE.replace("film: (", "film: (exposure: -16, tone: aces, "));
+    let view = |scene: &str, options: &str| {
+        place.succeed(&format!("render {scene} -o a.png --integrator normals {options}"));
+        place.read("a.png")
+    };
+    let plain = view("scene.ron", "");
+    assert!(view("sunlit.ron", "") == plain);
+    assert!(view("sunlit.ron", "--exposure -16") != plain, "unless it is asked for");
 }
