@@ -1,5 +1,6 @@
 //! Every bad input ends in a message that names the file, the place, the value and the rule.
 
+#![cfg(feature = "format")]
 #![allow(clippy::unwrap_used, reason = "all of this file is tests")]
 
 use std::fs;

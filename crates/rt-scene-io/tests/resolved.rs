@@ -1,5 +1,6 @@
 //! What scene files turn into.
 
+#![cfg(feature = "format")]
 #![allow(clippy::unwrap_used, reason = "all of this file is tests")]
 
 use std::path::Path;
