@@ -1,0 +1,251 @@
+//! Tests of the integrator in worlds that are known in closed form.
+
+use super::*;
+use crate::{Background, Coefficient, Falloff, Light, LightKind, Transmission};
+use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
+use rt_math::{DVec3, Interval};
+
+/// A world in which every ray meets the surface `material` at distance 2 from either side, `bounces` times over,
+/// and then leaves. It turns its normal against the ray, or along it for rays that come from inside.
+struct Echo {
+    bounces: u32,
+    traced: Vec<RayKind>,
+    shadow_rays: u32,
+    shadowed: bool,
+}
+
+impl Echo {
+    fn new(bounces: u32) -> Self {
+        Self { bounces, traced: vec![], shadow_rays: 0, shadowed: false }
+    }
+}
+
+impl Tracer for Echo {
+    fn closest(&mut self, ray: &Ray, kind: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+        self.traced.push(kind);
+        if self.traced.len() as u32 > self.bounces {
+            return None;
+        }
+        let against = -ray.direction.normalize();
+        let normal = if kind == RayKind::Refraction { -against } else { against };
+        let point = ray.at(2.0 / ray.direction.length());
+        let interaction = SurfaceInteraction {
+            point,
+            point_error: DVec3::ZERO,
+            shadow_point: point,
+            geometric_normal: normal,
+            shading_normal: normal,
+            uv: [0.0; 2],
+        };
+        Some(SurfaceHit { t: 2.0 / ray.direction.length(), interaction, material: 0 })
+    }
+
+    fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
+        self.shadow_rays += 1;
+        self.shadowed
+    }
+}
+
+const BARE: Phong = Phong {
+    ambient: Coefficient::ZERO,
+    diffuse: Coefficient::ZERO,
+    specular: Coefficient::ZERO,
+    exponent: 1.0,
+    highlight: crate::Highlight::Phong,
+    emission: Coefficient::ZERO,
+    mirror: Coefficient::ZERO,
+    transmission: None,
+};
+
+fn gray(value: f64) -> Coefficient {
+    Coefficient::Constant(Rgb::gray(value))
+}
+
+fn white_room(phong: Phong) -> Appearance {
+    Appearance {
+        materials: vec![Material { name: "only".into(), phong }],
+        background: Background::Constant(Rgb::WHITE),
+        ..Appearance::default()
+    }
+}
+
+fn look(world: &mut Echo, appearance: &Appearance, depth: u32) -> (f64, ShadingCounts) {
+    let needs = Needs::of(appearance, |_| true);
+    let mut whitted = Whitted::new(depth, 0.0, needs);
+    let ray = Ray::new(DVec3::ZERO, DVec3::new(0.0, 0.0, -3.0));
+    let trimmed = whitted.radiance(world, appearance, &ray).radiance;
+    let mut again = Echo { traced: vec![], shadow_rays: 0, ..*world };
+    let full = Whitted::new(depth, 0.0, Needs::ALL).radiance(&mut again, appearance, &ray).radiance;
+    assert_eq!(trimmed, full, "trimmed and full shading must agree to the bit");
+    (trimmed.r, whitted.counts())
+}
+
+#[test]
+fn a_thousand_mirrors_multiply_exactly_that_often() {
+    let mirrors = white_room(Phong { mirror: gray(0.999), ..BARE });
+    let (seen, _) = look(&mut Echo::new(1000), &mirrors, 1000);
+    assert!((seen - 0.367_695_424_8).abs() < 1e-10, "{seen}");
+    let (cut, _) = look(&mut Echo::new(1000), &mirrors, 999);
+    assert_eq!(cut, 0.0, "one bounce short of the light");
+}
+
+#[test]
+fn depth_counts_bounces_after_the_first_hit() {
+    let glowing_mirror = white_room(Phong { mirror: gray(0.5), emission: gray(1.0), ..BARE });
+    for (depth, expected) in [(0, 1.0), (1, 1.5), (2, 1.75), (5, 1.96875)] {
+        let (seen, _) = look(&mut Echo::new(u32::MAX), &glowing_mirror, depth);
+        assert_eq!(seen, expected, "depth {depth}");
+    }
+}
+
+#[test]
+fn faint_rays_are_not_followed() {
+    let appearance = white_room(Phong { mirror: gray(0.5), emission: gray(1.0), ..BARE });
+    let mut world = Echo::new(u32::MAX);
+    let mut whitted = Whitted::new(1000, 0.1, Needs::ALL);
+    let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
+    assert_eq!(seen.radiance.r, 1.875);
+    assert_eq!(world.traced.len(), 4);
+}
+
+#[test]
+fn light_through_glass_is_split_by_fresnel_and_dimmed_inside() {
+    let glass = Transmission { coefficient: gray(1.0), ior: 1.5, fresnel: true, absorption: Rgb::gray(0.25) };
+    let appearance = white_room(Phong { mirror: gray(1.0), transmission: Some(glass), ..BARE });
+    // In, and out again after 2 units: depth 2 leaves out all but reflection, and transmission twice.
+    let (seen, counts) = look(&mut Echo::new(1), &appearance, 1);
+    assert!((seen - 1.0).abs() < 1e-14, "reflected and refracted parts add up: {seen}");
+    assert_eq!(counts.fresnel, 1);
+    let mut world = Echo::new(2);
+    let (seen, counts) = look(&mut world, &appearance, 2);
+    // The mirrored ray of the first hit is traced first and uses up the second bounce of this world.
+    assert_eq!(world.traced[..2], [RayKind::Primary, RayKind::Reflection]);
+    assert_eq!(counts.absorption, 0, "nothing was seen from inside");
+    assert!((seen - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn absorption_follows_beers_law() {
+    let tinted = Transmission { coefficient: gray(1.0), ior: 1.0, fresnel: false, absorption: Rgb::new(0.5, 0.0, 1.0) };
+    let appearance = white_room(Phong { transmission: Some(tinted), ..BARE });
+    let mut whitted = Whitted::new(2, 0.0, Needs::of(&appearance, |_| true));
+    let ray = Ray::new(DVec3::ZERO, DVec3::NEG_Z);
+    let seen = whitted.radiance(&mut Echo::new(2), &appearance, &ray).radiance;
+    let expected = Rgb::new(exp(-1.0), 1.0, exp(-2.0));
+    assert!((seen - expected).map(f64::abs).max_component() < 1e-14, "{seen:?}");
+}
+
+#[test]
+fn what_stands_inside_glass_is_seen_through_it() {
+    // Into tinted glass, 2 units to an opaque glowing body in it, which is met from its outside.
+    let tinted = Transmission { coefficient: gray(1.0), ior: 1.0, fresnel: false, absorption: Rgb::new(0.5, 0.0, 1.0) };
+    let mut appearance = white_room(Phong { transmission: Some(tinted), ..BARE });
+    let core = Phong { emission: gray(1.0), mirror: gray(1.0), ..BARE };
+    appearance.materials.push(Material { name: "core".into(), phong: core });
+    struct Paperweight(u32);
+    impl Tracer for Paperweight {
+        fn closest(&mut self, ray: &Ray, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+            self.0 += 1;
+            // The glass, the core, and the glass again from inside.
+            let (normal, material) = match self.0 {
+                1 => (-ray.direction, 0),
+                2 => (-ray.direction, 1),
+                3 => (ray.direction, 0),
+                _ => return None,
+            };
+            let point = ray.at(2.0);
+            let interaction = SurfaceInteraction {
+                point,
+                point_error: DVec3::ZERO,
+                shadow_point: point,
+                geometric_normal: normal,
+                shading_normal: normal,
+                uv: [0.0; 2],
+            };
+            Some(SurfaceHit { t: 2.0, interaction, material })
+        }
+        fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
+            false
+        }
+    }
+    let mut whitted = Whitted::new(9, 0.0, Needs::of(&appearance, |_| true));
+    let seen = whitted.radiance(&mut Paperweight(0), &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z)).radiance;
+    // The core's own light goes 2 units through the glass, the mirrored room's goes 4.
+    let expected = Rgb::new(exp(-1.0) + exp(-2.0), 2.0, exp(-2.0) + exp(-4.0));
+    assert!((seen - expected).map(f64::abs).max_component() < 1e-14, "{seen:?}");
+}
+
+#[test]
+fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
+    // A ray that grazes a denser outside: the shading normal is tilted, so that Snell has no solution.
+    let thin = Transmission { coefficient: gray(0.85), ior: 0.2, fresnel: false, absorption: Rgb::BLACK };
+    let appearance = white_room(Phong { transmission: Some(thin), mirror: gray(0.2), ..BARE });
+    struct Tilted(u32);
+    impl Tracer for Tilted {
+        fn closest(&mut self, _: &Ray, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+            self.0 += 1;
+            let normal = DVec3::new(0.8, 0.0, 0.6);
+            let interaction = SurfaceInteraction {
+                point: DVec3::ZERO,
+                point_error: DVec3::ZERO,
+                shadow_point: DVec3::ZERO,
+                geometric_normal: normal,
+                shading_normal: normal,
+                uv: [0.0; 2],
+            };
+            (self.0 == 1).then_some(SurfaceHit { t: 1.0, interaction, material: 0 })
+        }
+        fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
+            false
+        }
+    }
+    let mut whitted = Whitted::new(3, 0.0, Needs::of(&appearance, |_| true));
+    let seen = whitted.radiance(&mut Tilted(0), &appearance, &Ray::new(DVec3::Z, DVec3::NEG_Z));
+    assert_eq!(seen.radiance, Rgb::gray(0.2), "the mirrored part alone");
+}
+
+#[test]
+fn local_light_is_phongs_sum() {
+    let light = |casts_shadows| Light {
+        name: String::new(),
+        kind: LightKind::Point { position: DVec3::ZERO, falloff: Falloff::None, lamp_radius: 0.0 },
+        intensity: Rgb::gray(2.0),
+        casts_shadows,
+    };
+    let phong = Phong {
+        ambient: gray(0.1),
+        diffuse: gray(0.5),
+        specular: gray(0.25),
+        exponent: 3.0,
+        emission: gray(0.01),
+        ..BARE
+    };
+    let mut appearance = white_room(phong);
+    appearance.ambient = Rgb::gray(0.5);
+    appearance.lights = vec![light(true), light(false)];
+    let mut world = Echo::new(1);
+    let (seen, counts) = look(&mut world, &appearance, 0);
+    let each = 2.0 * (0.5 + 0.25);
+    assert!((seen - (0.01 + 0.05 + 2.0 * each)).abs() < 1e-14, "{seen}");
+    assert_eq!((world.shadow_rays, counts.highlights), (1, 2), "one of the lights casts shadows");
+    world = Echo { shadowed: true, ..Echo::new(1) };
+    let (seen, _) = look(&mut world, &appearance, 0);
+    assert!((seen - (0.01 + 0.05 + each)).abs() < 1e-14, "{seen}");
+}
+
+#[test]
+fn lights_behind_the_surface_cost_no_shadow_ray() {
+    let kind = LightKind::Point { position: DVec3::Z * -9.0, falloff: Falloff::None, lamp_radius: 0.0 };
+    let mut appearance = white_room(Phong { diffuse: gray(1.0), ..BARE });
+    appearance.lights = vec![Light { name: String::new(), kind, intensity: Rgb::WHITE, casts_shadows: true }];
+    let mut world = Echo::new(1);
+    let (seen, counts) = look(&mut world, &appearance, 0);
+    assert_eq!((seen, world.shadow_rays, counts.shadow_rays_spared), (0.0, 0, 1));
+}
+
+#[test]
+fn unknown_materials_are_black() {
+    let mut appearance = white_room(BARE);
+    appearance.materials.clear();
+    assert_eq!(look(&mut Echo::new(1), &appearance, 3).0, 0.0);
+}
