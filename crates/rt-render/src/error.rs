@@ -72,6 +72,17 @@ pub enum RenderError {
     /// More primitives in a group than indices.
     #[error("a group that is placed more than once has more than 2^32 - 1 shapes and triangles")]
     TooManyObjects,
+    /// More objects on one level than are kept in memory.
+    #[error(
+        "{count} objects stand on one level, at most {limit} may; place groups that hold many objects more than once, and \
+         not within other groups"
+    )]
+    TooManyParts {
+        /// How many there are, or 2⁶⁴ − 1 for more.
+        count: u64,
+        /// How many there may be.
+        limit: u64,
+    },
     /// Samples per pixel must be at least 1.
     #[error("at least 1 sample per pixel is needed")]
     NoSamples,

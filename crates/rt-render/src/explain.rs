@@ -4,6 +4,7 @@ use std::fmt;
 
 use rt_geometry::Shape;
 use rt_scene_io::{Accel, Integrator};
+use rt_shading::Texture;
 
 use crate::{
     RenderPlan,
@@ -30,8 +31,8 @@ pub struct Explanation {
     pub used: Vec<String>,
     /// What is left out.
     pub left_out: Vec<LeftOut>,
-    /// Predicted bytes of film, geometry and structures.
-    pub memory: [(&'static str, usize); 3],
+    /// Predicted bytes of film, textures, geometry and structures.
+    pub memory: [(&'static str, usize); 4],
 }
 
 impl fmt::Display for Explanation {
@@ -115,6 +116,16 @@ impl Census {
             PartGeometry::Group(..) => self.group_instances += 1,
         }
     }
+}
+
+/// Bytes of a part, with what it has on the heap.
+fn part_memory(part: &Part) -> usize {
+    let boxed = match &part.geometry {
+        PartGeometry::Placed(placed) => size_of_val(&**placed),
+        PartGeometry::Mesh(_, Some(transform)) | PartGeometry::Group(_, Some(transform)) => size_of_val(&**transform),
+        _ => 0,
+    };
+    size_of::<Part>() + boxed + part.name.len()
 }
 
 /// "1 sphere", "2 spheres".
@@ -206,8 +217,7 @@ impl RenderPlan<'_> {
     fn light(&self) -> Vec<String> {
         let lights = &self.appearance.lights;
         let shadowing = lights.iter().filter(|light| light.casts_shadows).count();
-        let mut lines =
-            vec![format!("{}, {shadowing} of them casting shadows", count(lights.len(), "light", "lights"))];
+        let mut lines = vec![format!("{}, {shadowing} casting shadows", count(lights.len(), "light", "lights"))];
         if self.needs.reflection || self.needs.refraction {
             lines.push(format!("up to {} after the first hit", count(self.depth as usize, "bounce", "bounces")));
         }
@@ -262,7 +272,7 @@ impl RenderPlan<'_> {
         left_out
     }
 
-    fn memory(&self) -> [(&'static str, usize); 3] {
+    fn memory(&self) -> [(&'static str, usize); 4] {
         let pixels = self.crop.width as usize * self.crop.height as usize;
         let film = pixels * if self.transparent { 16 } else { 12 };
         let (geometry, structures) = match &self.world {
@@ -271,13 +281,21 @@ impl RenderPlan<'_> {
             }
             World::Parts(top, levels) => {
                 let assemblies = || std::iter::once(top).chain(&levels.groups);
-                let parts: usize = assemblies().map(|a| a.parts.len() * size_of::<Part>()).sum();
+                let parts: usize = assemblies().flat_map(|a| &a.parts).map(part_memory).sum();
                 let meshes: usize = levels.meshes.iter().map(|m| m.mesh.memory()).sum();
                 let structures: usize = assemblies().map(|a| a.structure.memory()).sum();
                 let mesh_structures: usize = levels.meshes.iter().map(|m| m.structure.memory()).sum();
                 (parts + meshes, structures + mesh_structures)
             }
         };
-        [("film", film), ("geometry", geometry), ("structures", structures)]
+        [("film", film), ("textures", self.texture_memory()), ("geometry", geometry), ("structures", structures)]
+    }
+
+    fn texture_memory(&self) -> usize {
+        let pixels = |texture: &Texture| match texture {
+            Texture::Image { bitmap, .. } => size_of_val(bitmap.pixels.as_slice()),
+            Texture::Checker { .. } => 0,
+        };
+        self.appearance.textures.iter().map(pixels).sum()
     }
 }

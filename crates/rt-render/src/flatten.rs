@@ -16,6 +16,10 @@ use crate::{
 /// Deepest accepted nesting of nodes and groups together.
 const MAX_DEPTH: usize = 1024;
 
+/// Most parts of an assembly: some gigabytes. Groups within groups multiply, so that a few lines of a file could ask for
+/// more than any memory holds.
+const MAX_PARTS: u64 = 1 << 24;
+
 /// Flattens a scene and builds all structures.
 pub(crate) fn flatten(scene: &Scene, accel: Accel) -> Result<(Assembly, Levels), RenderError> {
     let mut flattener = Flattener {
@@ -24,6 +28,7 @@ pub(crate) fn flatten(scene: &Scene, accel: Accel) -> Result<(Assembly, Levels),
         mesh_levels: vec![None; scene.meshes.len()],
         group_levels: vec![None; scene.groups.len()],
         group_uses: count_group_uses(scene)?,
+        group_sizes: vec![None; scene.groups.len()],
         levels: Levels::default(),
     };
     let top = flattener.assembly(&scene.nodes, Level::TOP)?;
@@ -85,11 +90,17 @@ struct Flattener<'s> {
     mesh_levels: Vec<Option<u32>>,
     group_levels: Vec<Option<u32>>,
     group_uses: Vec<u64>,
+    /// Number of parts of each group with all groups in it dissolved, where that is known.
+    group_sizes: Vec<Option<u64>>,
     levels: Levels,
 }
 
 impl<'s> Flattener<'s> {
     fn assembly(&mut self, nodes: &'s [Node], level: Level) -> Result<Assembly, RenderError> {
+        let count = self.count_parts(nodes, level.within_group);
+        if count > MAX_PARTS {
+            return Err(RenderError::TooManyParts { count, limit: MAX_PARTS });
+        }
         let mut parts = Vec::new();
         self.collect(nodes, level, &mut parts)?;
         if level.within_group {
@@ -104,6 +115,42 @@ impl<'s> Flattener<'s> {
             RenderError::Build { object, source }
         })?;
         Ok(Assembly { parts, structure })
+    }
+
+    /// Number of parts that [`collect`](Self::collect) will find at most.
+    fn count_parts(&mut self, nodes: &'s [Node], within_group: bool) -> u64 {
+        let (mut open, mut count) = (vec![nodes], 0u64);
+        while let Some(nodes) = open.pop() {
+            for node in nodes {
+                open.push(&node.children);
+                let here = match node.content {
+                    None => 0,
+                    Some(Content::Shape(_) | Content::Mesh(_)) => 1,
+                    Some(Content::Instance(id)) => self.count_instance(id, within_group),
+                };
+                count = count.saturating_add(here);
+            }
+        }
+        count
+    }
+
+    fn count_instance(&mut self, id: GroupId, within_group: bool) -> u64 {
+        let (index, scene) = (id.0 as usize, self.scene);
+        let Some(group) = scene.groups.get(index) else { return 0 };
+        match (within_group, self.group_uses[index]) {
+            (false, 1) => self.count_parts(&group.nodes, false),
+            (false, _) => 1,
+            (true, _) => match self.group_sizes[index] {
+                Some(size) => size,
+                None => {
+                    // A group that contains itself ends here; the limit of nesting refuses it when parts are collected.
+                    self.group_sizes[index] = Some(0);
+                    let size = self.count_parts(&group.nodes, true);
+                    self.group_sizes[index] = Some(size);
+                    size
+                }
+            },
+        }
     }
 
     /// Numbers the primitives of a group's parts in a row, for hits to name both in one number.

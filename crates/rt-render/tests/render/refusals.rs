@@ -117,3 +117,19 @@ fn unusable_settings_are_refused() {
         assert!(matches!(refusal(&spheres(), &options), RenderError::Crop { .. }), "{crop:?}");
     }
 }
+
+#[test]
+fn groups_that_multiply_beyond_memory_are_refused_at_once() {
+    let message = message(|scene| {
+        scene
+            .groups
+            .push(Group { name: "0".into(), nodes: vec![Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0))] });
+        for level in 1..60 {
+            let inner = Node::new(Content::Instance(GroupId(level - 1)), MaterialId(0));
+            scene.groups.push(Group { name: level.to_string(), nodes: vec![inner.clone(), inner] });
+        }
+        let outer = Node::new(Content::Instance(GroupId(59)), MaterialId(0));
+        scene.nodes = vec![outer.clone(), outer];
+    });
+    assert!(message.contains(&(1u64 << 59).to_string()), "{message}");
+}

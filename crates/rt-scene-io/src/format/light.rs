@@ -55,7 +55,7 @@ pub enum Light {
         /// Angle in degrees from the axis up to which it has full strength.
         #[serde(default = "inner")]
         inner: f64,
-        /// Angle in degrees from the axis beyond which there is no light; above `inner`, at most 90.
+        /// Angle in degrees from the axis beyond which there is no light; at least `inner`, at most 90.
         #[serde(default = "outer")]
         outer: f64,
         /// Strength; with inverse-square falloff, at distance 1.

@@ -95,12 +95,28 @@ fn refracted_rays_start_and_stay_on_the_far_side() {
     assert!(bent > 100, "{bent}");
 }
 
+/// A light that shines from a direction, which the facet faces.
+fn sun_from(towards: DVec3) -> Light {
+    let kind = LightKind::Directional { direction: -towards };
+    Light { name: "sun".into(), kind, intensity: Rgb::WHITE, casts_shadows: true }
+}
+
 #[test]
-fn where_the_flat_normal_stands_in_shadow_rays_start_on_its_side() {
-    // The shading normal faces away from the viewer, and from the light; the facet faces both.
-    let kind = LightKind::Directional { direction: -tilted(60.0) };
-    let sun = Light { name: "sun".into(), kind, intensity: Rgb::WHITE, casts_shadows: true };
-    let (seen, world) = look(tilted(-100.0), tilted(-80.0), Phong { diffuse: WHITE, ..bare() }, vec![sun]);
+fn where_a_normal_is_bent_shadow_rays_start_on_its_side() {
+    // The shading normal faces away from the viewer, and from the light; the facet faces both, and so does the normal
+    // that is perpendicular to the view, 70° from the light.
+    let phong = Phong { diffuse: WHITE, ..bare() };
+    let (seen, world) = look(tilted(-100.0), tilted(-80.0), phong, vec![sun_from(tilted(60.0))]);
     assert!(world.shadow_rays[0].origin.y > 0.0, "{:?}", world.shadow_rays);
-    assert!((seen.r - 0.5).abs() < 1e-12, "{seen:?}");
+    assert!((seen.r - rt_math::transcendental::cos(70f64.to_radians())).abs() < 1e-12, "{seen:?}");
+}
+
+#[test]
+fn shading_does_not_jump_where_an_interpolated_normal_turns_away() {
+    let phong = Phong { diffuse: WHITE, ..bare() };
+    let lit = |tilt: f64| look(tilted(-100.0), tilted(tilt), phong, vec![sun_from(tilted(20.0))]).0.r;
+    // Perpendicular to the view at −10°.
+    let values: Vec<f64> = (0..3000).map(|i| lit(10.0 - f64::from(i) * 0.01)).collect();
+    let steepest = values.windows(2).fold(0.0, |most: f64, pair| most.max((pair[0] - pair[1]).abs()));
+    assert!(values[0] > values[2000] && steepest < 2e-4, "{steepest}");
 }

@@ -24,15 +24,10 @@ impl View {
         let inside = direction.dot(surface.geometric_normal) > 0.0;
         let side = if inside { -1.0 } else { 1.0 };
         let geometric_normal = surface.geometric_normal * side;
-        let normal = surface.shading_normal * side;
-        if normal.dot(direction) < 0.0 {
-            return Self { surface: *surface, direction, normal, geometric_normal, inside };
-        }
-        // Near silhouettes an interpolated normal may face away from the viewer: the surface is flat then, also for
-        // the rays that leave it.
-        let flat =
-            SurfaceInteraction { shading_normal: surface.geometric_normal, shadow_point: surface.point, ..*surface };
-        Self { surface: flat, direction, normal: geometric_normal, geometric_normal, inside }
+        let normal = turned_to(-direction, surface.shading_normal * side).unwrap_or(geometric_normal);
+        // Shadow rays take their side from the normal that is shaded with.
+        let surface = SurfaceInteraction { shading_normal: normal * side, ..*surface };
+        Self { surface, direction, normal, geometric_normal, inside }
     }
 
     /// The mirrored direction, on the viewer's side of the surface.
@@ -51,4 +46,13 @@ impl View {
     fn kept_on_the_side_of(normal: DVec3, direction: DVec3) -> DVec3 {
         if direction.dot(normal) < 0.0 { optics::reflect(direction, normal) } else { direction }
     }
+}
+
+/// The unit normal itself if it faces the viewer, who is in the unit direction `wo`.
+///
+/// Near silhouettes an interpolated normal may face away. It is bent until it is perpendicular to the view, and no
+/// further, so that shading does not jump there. `None` if it points straight away.
+fn turned_to(wo: DVec3, normal: DVec3) -> Option<DVec3> {
+    let facing = normal.dot(wo);
+    if facing >= 0.0 { Some(normal) } else { (normal - wo * facing).try_normalize() }
 }
