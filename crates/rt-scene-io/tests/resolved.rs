@@ -148,6 +148,21 @@ fn colour_is_a_factor_for_ambient_and_diffuse() {
 }
 
 #[test]
+fn fresnel_glass_mirrors_unless_the_file_says_otherwise() {
+    let mirror = |glass: &str| {
+        let scene = resolved(&format!(
+            r#"(materials: {{"glass": phong({glass})}}, nodes: [(shape: sphere(), material: "glass")])"#
+        ));
+        scene.appearance.materials[0].phong.mirror
+    };
+    let gray = |value| Coefficient::Constant(Rgb::gray(value));
+    assert_eq!(mirror("transmission: gray(1), fresnel: true"), gray(1.0));
+    assert_eq!(mirror("transmission: gray(1), fresnel: true, mirror: gray(0)"), gray(0.0));
+    assert_eq!(mirror("transmission: gray(1)"), gray(0.0));
+    assert_eq!(mirror("fresnel: true"), gray(0.0), "nothing passes, so there is nothing to share");
+}
+
+#[test]
 fn lights_are_as_written() {
     let scene = resolved(SCENE);
     assert_eq!(scene.appearance.ambient, Rgb::new(0.5, 0.25, 0.25));

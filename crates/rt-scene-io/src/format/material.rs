@@ -32,7 +32,7 @@ pub enum Material {
         /// Light of its own; none by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         emission: Option<Coefficient>,
-        /// Share of mirrored light; none by default.
+        /// Share of mirrored light; none by default, all of it with `fresnel`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         mirror: Option<Coefficient>,
         /// Share of light that passes through the surface, refracted; none by default.
@@ -41,7 +41,8 @@ pub enum Material {
         /// Index of refraction of the inside; 1.5 by default. Used with `transmission`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         ior: Option<f64>,
-        /// Share the light between `mirror` and `transmission` by Fresnel's equations; by default both are constant.
+        /// Share the light between `mirror` and `transmission` by Fresnel's equations; by default both are constant, as in
+        /// Whitted's model.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         fresnel: Option<bool>,
         /// Absorption inside per unit of way: light falls by exp(−absorption · length). None by default.

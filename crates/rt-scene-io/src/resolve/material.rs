@@ -127,7 +127,12 @@ fn changed(
     let diffuse = read("diffuse", diffuse, base.diffuse);
     let specular = read("specular", specular, base.specular);
     let emission = read("emission", emission, base.emission);
-    let mirror = read("mirror", mirror, base.mirror);
+    let fresnel = fresnel.unwrap_or(base.transmission.is_some_and(|t| t.fresnel));
+    // Light that Fresnel's equations don't let pass is mirrored; it is not to be lost unless the file says so.
+    let passes = transmission.is_some() || base.transmission.is_some();
+    let unsaid =
+        if fresnel && passes && base.mirror.is_zero() { Coefficient::Constant(Rgb::WHITE) } else { base.mirror };
+    let mirror = read("mirror", mirror, unsaid);
     let before = base.transmission;
     let passing = read("transmission", transmission, before.map_or(Coefficient::ZERO, |t| t.coefficient));
     let exponent = report.check(at("exponent"), within(exponent.unwrap_or(base.exponent), 0.0, MAX_EXPONENT));
@@ -139,12 +144,7 @@ fn changed(
     };
     let ambient = report.check(at("ambient"), product(color?, ambient?));
     let diffuse = report.check(at("diffuse"), product(color?, diffuse?));
-    let inside = Transmission {
-        coefficient: passing?,
-        ior: ior?,
-        fresnel: fresnel.unwrap_or(before.is_some_and(|t| t.fresnel)),
-        absorption: absorption?,
-    };
+    let inside = Transmission { coefficient: passing?, ior: ior?, fresnel, absorption: absorption? };
     Some(Phong {
         ambient: ambient?,
         diffuse: diffuse?,
@@ -153,7 +153,7 @@ fn changed(
         highlight: highlight.map_or(base.highlight, highlight_shape),
         emission: emission?,
         mirror: mirror?,
-        transmission: (transmission.is_some() || before.is_some()).then_some(inside),
+        transmission: passes.then_some(inside),
     })
 }
 
