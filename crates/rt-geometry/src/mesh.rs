@@ -55,22 +55,19 @@ impl TriangleMesh {
         Some(Hit { t: hit.t, instance: 0, primitive: index, uv: hit.uv })
     }
 
-    /// The surface at a hit of this mesh with this ray.
-    ///
-    /// # Panics
-    /// If the hit is on a primitive that this mesh does not have.
-    pub fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> SurfaceInteraction {
-        let triangle = self.data.triangles[hit.primitive as usize];
+    /// The surface at a hit of this mesh with this ray; `None` for a hit on a primitive that it does not have.
+    pub fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceInteraction> {
+        let triangle = *self.data.triangles.get(hit.primitive as usize)?;
         let corners = self.corners(triangle);
         let weights = weights(hit.uv);
         let (point, point_error) = point_at(corners, weights);
         let uv = if needs.uv { self.uv(triangle, weights) } else { [0.0; 2] };
         let flat = SurfaceInteraction::flat(point, point_error, unit_normal(corners), uv);
-        if needs.shading_normal && !self.data.normals.is_empty() {
+        Some(if needs.shading_normal && !self.data.normals.is_empty() {
             self.smoothed(flat, triangle, corners, weights, ray.direction)
         } else {
             flat
-        }
+        })
     }
 
     /// Adds the interpolated normal and the point that it suggests: the mean of the projections of the hit point on
@@ -175,10 +172,12 @@ mod tests {
         let ray = Ray::new(DVec3::new(0.25, 0.75, 2.0), DVec3::NEG_Z);
         let hit = closest(&mesh, &ray).expect("a hit");
         assert_eq!((hit.t, hit.instance, hit.primitive, hit.uv), (2.0, 0, 1, [0.25, 0.5]));
-        let surface = mesh.surface(&ray, &hit, SurfaceNeeds::ALL);
+        let surface = mesh.surface(&ray, &hit, SurfaceNeeds::ALL).expect("its own hit");
         assert_eq!((surface.point, surface.uv), (DVec3::new(0.25, 0.75, 0.0), [0.5, 1.5]));
         assert_eq!((surface.geometric_normal, surface.shading_normal), (DVec3::Z, DVec3::Z));
-        let bare = mesh.surface(&ray, &hit, SurfaceNeeds { uv: false, shading_normal: false });
+        let bare = mesh.surface(&ray, &hit, SurfaceNeeds { uv: false, shading_normal: false }).expect("its own hit");
+        let foreign = Hit { primitive: 1_000_000, ..hit };
+        assert_eq!(mesh.surface(&ray, &foreign, SurfaceNeeds::ALL), None);
         assert_eq!((bare.uv, bare.shadow_point), ([0.0; 2], bare.point));
         assert_eq!(mesh.bounds(), Aabb::new(DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)));
         assert_eq!(mesh.memory(), 4 * 12 + 2 * 12 + 4 * 12 + 4 * 8);
@@ -240,7 +239,8 @@ mod tests {
         let (mesh, _) = build(inward);
         for z in [1.0, -1.0] {
             let ray = Ray::new(DVec3::new(0.25, 0.5, z), DVec3::new(0.0, 0.0, -z));
-            let surface = mesh.surface(&ray, &closest(&mesh, &ray).expect("a hit"), SurfaceNeeds::ALL);
+            let surface =
+                mesh.surface(&ray, &closest(&mesh, &ray).expect("a hit"), SurfaceNeeds::ALL).expect("its own hit");
             assert!((surface.shading_normal - DVec3::new(-0.6, 0.0, 0.8)).length() < 1e-7);
             assert_eq!(surface.geometric_normal, DVec3::Z);
         }
@@ -273,7 +273,7 @@ mod tests {
             let at = |k: i32| (f64::from(k) + 0.5) / f64::from(SIDE) * 2.0 - 1.0;
             let ray = Ray::new(DVec3::new(at(pixel % SIDE), at(pixel / SIDE), 2.0), DVec3::NEG_Z);
             let Some(hit) = closest(mesh, &ray) else { continue };
-            let surface = mesh.surface(&ray, &hit, SurfaceNeeds::ALL);
+            let surface = mesh.surface(&ray, &hit, SurfaceNeeds::ALL).expect("its own hit");
             covered += 1;
             let cosine = surface.shading_normal.dot(light);
             if cosine > 0.0 {

@@ -18,12 +18,10 @@ impl Spheres {
         &self.0
     }
 
-    /// The surface at a hit of this set with this ray.
-    ///
-    /// # Panics
-    /// If the hit is on a primitive that this set does not have.
-    pub fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> SurfaceInteraction {
-        self.0[hit.primitive as usize].surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, needs)
+    /// The surface at a hit of this set with this ray; `None` for a hit on a primitive that it does not have.
+    pub fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceInteraction> {
+        let sphere = self.0.get(hit.primitive as usize)?;
+        Some(sphere.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, needs))
     }
 }
 
@@ -64,7 +62,8 @@ mod tests {
         let alone = sphere(3.0).intersect(&ray, Interval::FORWARD).expect("a hit");
         assert_eq!((hit.t, hit.instance, hit.primitive), (alone.t, 0, 1));
         let needs = SurfaceNeeds::ALL;
-        assert_eq!(set.surface(&ray, &hit, needs), sphere(3.0).surface(&ray, &alone, needs));
+        assert_eq!(set.surface(&ray, &hit, needs), Some(sphere(3.0).surface(&ray, &alone, needs)));
+        assert_eq!(set.surface(&ray, &Hit { primitive: 2, ..hit }, needs), None);
         assert_eq!((set.len(), set.bounds(1)), (2, Some(sphere(3.0).bounds())));
         assert_eq!(set.leaf_layout(1), LeafLayout::Sphere(DVec3::X * 3.0, 1.0));
         assert_eq!((set.bounds(2), set.intersect(2, &ray, Interval::FORWARD)), (None, None), "not there");

@@ -1,6 +1,6 @@
 //! Rays against a world: where structures and materials meet.
 
-use rt_geometry::{ShapeHit, Spheres, SurfaceInteraction, SurfaceNeeds};
+use rt_geometry::{Spheres, SurfaceInteraction, SurfaceNeeds};
 use rt_math::{Accelerator, Hit, Interval, Primitives, Probe, Ray, RayKind};
 use rt_shading::{SurfaceHit, Tracer};
 
@@ -46,9 +46,7 @@ impl Primitives for SphereWorld {
 
 impl Surfaces for SphereWorld {
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<(SurfaceInteraction, u32)> {
-        let index = hit.primitive as usize;
-        let sphere = self.spheres.as_slice().get(index)?;
-        Some((sphere.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, needs), *self.materials.get(index)?))
+        Some((self.spheres.surface(ray, hit, needs)?, *self.materials.get(hit.primitive as usize)?))
     }
 }
 

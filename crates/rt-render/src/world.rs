@@ -83,8 +83,11 @@ impl Parts<'_> {
             PartGeometry::Shape(shape) => (shape.surface(ray, &shape_hit, needs), part.material),
             PartGeometry::Placed(placed) => (placed.surface(ray, &shape_hit, needs), part.material),
             PartGeometry::Mesh(level, transform) => {
-                let surface =
-                    self.levels.meshes[*level as usize].mesh.surface(&localise(ray, transform.as_deref()), hit, needs);
+                let surface = self.levels.meshes[*level as usize].mesh.surface(
+                    &localise(ray, transform.as_deref()),
+                    hit,
+                    needs,
+                )?;
                 (lift(surface, transform.as_deref()), part.material)
             }
             PartGeometry::Group(level, transform) => {

@@ -19,7 +19,7 @@ const LINEAR_TESTS: usize = 30_000_000;
 /// Measures every structure on one scene. `surface` gives the surface at a hit, for rays that start there.
 pub(super) fn scene<P: Primitives>(
     scene: &Scene<P>,
-    surface: impl Fn(&P, &Ray, &Hit, SurfaceNeeds) -> SurfaceInteraction,
+    surface: impl Fn(&P, &Ray, &Hit, SurfaceNeeds) -> Option<SurfaceInteraction>,
     options: &Options,
     figures: &mut Figures,
 ) -> Result<(), TaskError> {
@@ -61,7 +61,7 @@ fn build<P: Primitives>(
 
 fn ray_sets<P: Primitives>(
     scene: &Scene<P>,
-    surface: impl Fn(&P, &Ray, &Hit, SurfaceNeeds) -> SurfaceInteraction,
+    surface: impl Fn(&P, &Ray, &Hit, SurfaceNeeds) -> Option<SurfaceInteraction>,
     count: u32,
 ) -> Result<[RaySet; 4], TaskError> {
     let bounds = scene.bounds();

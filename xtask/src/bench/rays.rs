@@ -68,7 +68,7 @@ pub(super) fn diffuse(surfaces: &[SurfaceInteraction], eye_rays: &RaySet, count:
     let ray = |(index, surface): (u64, &SurfaceInteraction)| {
         let to_eye = first.origin - surface.point;
         let normal = surface.geometric_normal * to_eye.dot(surface.geometric_normal).signum();
-        (surface.spawn_ray((normal + on_sphere(index)).normalize_or(normal), 0.0), Interval::FORWARD)
+        (surface.spawn_ray((normal + on_sphere(index)).normalize_or(normal), 0.0), Interval::SPAWNED)
     };
     RaySet { kind: "diffuse", any: false, rays: cycled(surfaces, count).map(ray).collect() }
 }
@@ -90,9 +90,9 @@ pub(super) fn random(bounds: &Aabb, count: u32) -> RaySet {
 pub(super) fn surfaces(
     rays: &RaySet,
     closest: impl Fn(&Ray, Interval) -> Option<Hit>,
-    surface: impl Fn(&Ray, &Hit) -> SurfaceInteraction,
+    surface: impl Fn(&Ray, &Hit) -> Option<SurfaceInteraction>,
 ) -> Vec<SurfaceInteraction> {
-    rays.rays.iter().filter_map(|(ray, span)| closest(ray, *span).map(|hit| surface(ray, &hit))).collect()
+    rays.rays.iter().filter_map(|(ray, span)| surface(ray, &closest(ray, *span)?)).collect()
 }
 
 /// The surfaces again and again until there are `count`, numbered; none if there are none.
