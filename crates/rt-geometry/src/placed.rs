@@ -161,7 +161,9 @@ mod tests {
                 let (Some(expected), Some((hit, surface))) = (expected, found) else { continue };
                 prop_assume!((hit.t - expected.t).abs() < 1e-6);
                 let point = map.point(local.at(expected.t));
-                prop_assert!((surface.point - point).length() < 1e-7);
+                // Grazing rays may be met a little earlier or later.
+                let slid = (hit.t - expected.t).abs() * ray.direction.length();
+                prop_assert!((surface.point - point).length() < 1e-7 + 2.0 * slid);
                 prop_assert!((surface.geometric_normal.length() - 1.0).abs() < 1e-15);
                 let front = shape.surface(&local, &expected, SurfaceNeeds::ALL).geometric_normal;
                 prop_assert_eq!(

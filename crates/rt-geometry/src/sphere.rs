@@ -266,7 +266,8 @@ mod tests {
             prop_assert_eq!(t(&ray).map(|t| t / scale), t(&scaled));
         }
 
-        /// A chord at angle θ to the normal is 2·cos θ long.
+        /// A chord at angle θ to the normal is 2·cos θ long. The ray starts off the surface by some roundings, which the
+        /// chord magnifies by 1 / cos θ.
         #[test]
         fn chords_from_the_surface(start in direction(), towards in direction()) {
             let along = start.dot(towards);
@@ -276,7 +277,7 @@ mod tests {
             if along > 0.0 {
                 prop_assert_eq!(t, None);
             } else {
-                prop_assert!((t.expect("the far side") + 2.0 * along).abs() < 1e-12);
+                prop_assert!((t.expect("the far side") + 2.0 * along).abs() < 1e-14 / along.abs());
             }
         }
     }
