@@ -341,6 +341,7 @@ mod tests {
             let tangent = n.cross(v);
             let (normal, image) = (t.normal(n), t.vector(tangent));
             prop_assert!(normal.dot(image).abs() <= 1e-9 * normal.length() * image.length());
+            prop_assert!((t.inverse_normal(normal) - n).length() < 1e-9);
         }
 
         #[test]
