@@ -7,7 +7,7 @@ use rt_math::{Aabb, DMat3, DVec3, Interval, Ray, Transform};
 /// A shape somewhere in the world: rays are taken to its local space, where the parameter `t` is the same.
 ///
 /// Its front is the image of the local front, also under a mirroring map.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Placed {
     shape: Shape,
     world_from_local: Transform,
@@ -155,7 +155,7 @@ mod tests {
             let local = Ray::new(from, to - from);
             let ray = map.ray(&local);
             for shape in shapes() {
-                let placed = Placed::new(shape, map);
+                let placed = Placed::new(shape.clone(), map);
                 let expected = shape.intersect(&local, Interval::FORWARD);
                 let found = first(&placed, &ray);
                 let (Some(expected), Some((hit, surface))) = (expected, found) else { continue };
@@ -233,14 +233,16 @@ mod tests {
         let turn = Transform::rotate(DVec3::Y, 0.3).expect("an axis");
         let mirror = Transform::scale(DVec3::new(-1.0, 1.0, 1.0)).expect("regular");
         let stretch = Transform::scale(DVec3::new(1.0, 2.0, 1.0)).expect("regular");
-        let baked = |shape, map| {
-            let placed = Placed::new(shape, map);
-            (placed.baked().is_some(), placed.baked_without_uv().is_some())
+        let baked = |shape: Shape| {
+            [turn, mirror, stretch].map(|map| {
+                let placed = Placed::new(shape.clone(), map);
+                (placed.baked().is_some(), placed.baked_without_uv().is_some())
+            })
         };
-        assert_eq!([turn, mirror, stretch].map(|map| baked(ball, map)), [(false, true), (false, true), (false, false)]);
-        assert_eq!([turn, mirror, stretch].map(|map| baked(solid, map)), [(false, false), (false, true), (true, true)]);
-        assert_eq!([turn, mirror, stretch].map(|map| baked(floor, map)), [(false, true); 3]);
-        assert_eq!([turn, mirror, stretch].map(|map| baked(flat, map)), [(true, true), (false, true), (true, true)]);
+        assert_eq!(baked(ball), [(false, true), (false, true), (false, false)]);
+        assert_eq!(baked(solid), [(false, false), (false, true), (true, true)]);
+        assert_eq!(baked(floor), [(false, true); 3]);
+        assert_eq!(baked(flat), [(true, true), (false, true), (true, true)]);
     }
 
     #[test]

@@ -14,7 +14,7 @@ pub struct ShapeHit {
 }
 
 /// Any single shape, in its own local space.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A sphere.
     Sphere(Sphere),

@@ -168,7 +168,7 @@ fn a_composed_transform_does_not_bring_spawned_rays_back_to_their_plane() {
         let turn = Transform::rotate(vector(ray, 0), TAU * draw(ray, 3)).expect("an axis");
         let squeeze = Transform::scale(DVec3::new(1.0, 0.05, 0.5)).expect("regular");
         let map = turn.then_first(&squeeze).then_first(&turn);
-        let placed = Placed::new(plane, map);
+        let placed = Placed::new(plane.clone(), map);
         let local = Ray::new(vector(ray, 4) * 10.0, vector(ray, 7));
         let arriving = map.ray(&local);
         let Some(hit) = placed.intersect(&arriving, Interval::FORWARD) else { continue };

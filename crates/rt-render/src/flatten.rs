@@ -190,7 +190,7 @@ impl<'s> Flattener<'s> {
             check_transform(node, &here.assembly_from_parent)?;
             open.push((node.children.iter(), here));
             match node.content {
-                Some(Content::Shape(shape)) => parts.push(self.shape_part(node, shape, &here)?),
+                Some(Content::Shape(ref shape)) => parts.push(self.shape_part(node, shape, &here)?),
                 Some(Content::Mesh(id)) => parts.extend(self.mesh_part(node, id, &here)?),
                 Some(Content::Instance(id)) => {
                     let group = group_of(self.scene, node, id)?;
@@ -206,14 +206,17 @@ impl<'s> Flattener<'s> {
         Ok(())
     }
 
-    fn shape_part(&self, node: &Node, shape: Shape, here: &Level) -> Result<Part, RenderError> {
+    fn shape_part(&self, node: &Node, shape: &Shape, here: &Level) -> Result<Part, RenderError> {
         let (geometry, bounds) = if here.assembly_from_parent.is_identity() {
-            (PartGeometry::Shape(shape), shape.bounds())
+            (PartGeometry::Shape(shape.clone()), shape.bounds())
         } else {
-            let placed = Placed::new(shape, here.assembly_from_parent);
+            let placed = Placed::new(shape.clone(), here.assembly_from_parent);
             let baked = if self.shows_uv(node) { placed.baked() } else { placed.baked_without_uv() };
             match baked {
-                Some(shape) => (PartGeometry::Shape(shape), shape.bounds()),
+                Some(shape) => {
+                    let bounds = shape.bounds();
+                    (PartGeometry::Shape(shape), bounds)
+                }
                 None => {
                     let bounds = placed.bounds();
                     (PartGeometry::Placed(Box::new(placed)), bounds)

@@ -29,7 +29,7 @@ fn measure(nodes: &[Node], groups: &[Aabb], meshes: &[NamedMesh]) -> Aabb {
     let mut open: Vec<(&Node, Transform)> = nodes.iter().map(|node| (node, Transform::IDENTITY)).collect();
     while let Some((node, outer)) = open.pop() {
         let outer_from_local = outer.then_first(&node.parent_from_local);
-        let local = node.content.map_or(Aabb::EMPTY, |content| content_bounds(content, groups, meshes));
+        let local = node.content.as_ref().map_or(Aabb::EMPTY, |content| content_bounds(content, groups, meshes));
         if !local.is_empty() {
             sum = sum.union(outer_from_local.aabb(&local));
         }
@@ -38,11 +38,11 @@ fn measure(nodes: &[Node], groups: &[Aabb], meshes: &[NamedMesh]) -> Aabb {
     sum
 }
 
-fn content_bounds(content: Content, groups: &[Aabb], meshes: &[NamedMesh]) -> Aabb {
+fn content_bounds(content: &Content, groups: &[Aabb], meshes: &[NamedMesh]) -> Aabb {
     match content {
-        Content::Shape(shape) => Shape::bounds(&shape).unwrap_or(Aabb::EMPTY),
-        Content::Mesh(MeshId(id)) => meshes.get(id as usize).map_or(Aabb::EMPTY, |mesh| mesh.mesh.bounds()),
-        Content::Instance(GroupId(id)) => groups.get(id as usize).copied().unwrap_or(Aabb::EMPTY),
+        Content::Shape(shape) => Shape::bounds(shape).unwrap_or(Aabb::EMPTY),
+        Content::Mesh(MeshId(id)) => meshes.get(*id as usize).map_or(Aabb::EMPTY, |mesh| mesh.mesh.bounds()),
+        Content::Instance(GroupId(id)) => groups.get(*id as usize).copied().unwrap_or(Aabb::EMPTY),
     }
 }
 

@@ -141,7 +141,7 @@ pub struct Group {
 }
 
 /// What stands at a node.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Content {
     /// A single shape.
     Shape(Shape),

@@ -48,7 +48,7 @@ fn a_floor_at_height_zero_does_not_shadow_itself() {
     let sheet = AxisBox::new(corner(-9.0, -9.0), corner(9.0, 9.0)).expect("a flat box");
     let triangle = Triangle::new([corner(-99.0, 9.0), corner(99.0, 9.0), corner(0.0, -99.0)]).expect("a triangle");
     for shape in [Shape::Plane(floor), Shape::AxisBox(slab), Shape::AxisBox(sheet), Shape::Triangle(triangle)] {
-        assert_lit_floor(&from_above(Content::Shape(shape)));
+        assert_lit_floor(&from_above(Content::Shape(shape.clone())));
         let mut turned = from_above(Content::Shape(shape));
         turned.nodes[0].parent_from_local = Transform::rotate(DVec3::Y, 0.3).expect("an axis");
         assert_lit_floor(&turned);

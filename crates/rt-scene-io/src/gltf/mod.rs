@@ -190,7 +190,7 @@ mod tests {
             "materials": [{"name": "red", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1], "metallicFactor": 0}}]"#;
         let model = load_with(&two, rest).expect("a model");
         let [strip] = &model.nodes[0].children[1..] else { panic!("two primitives") };
-        assert_eq!((strip.content, strip.material), (Some(Content::Mesh(MeshId(1))), MaterialId(1)));
+        assert_eq!((&strip.content, strip.material), (&Some(Content::Mesh(MeshId(1))), MaterialId(1)));
         assert_eq!(model.meshes[1].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
         assert_eq!(model.materials[1].phong.diffuse, Coefficient::Constant(Rgb::new(1.0, 0.0, 0.0)));
     }
@@ -274,7 +274,7 @@ mod tests {
             node = child;
             depth += 1;
         }
-        assert_eq!((depth, node.content), (1024, Some(Content::Mesh(MeshId(0)))));
+        assert_eq!((depth, &node.content), (1024, &Some(Content::Mesh(MeshId(0)))));
     }
 
     #[test]
