@@ -6,7 +6,7 @@
 //!   .obj .gltf .glb ── load ──► Model ──┘                      degrees, pixels instead of paths, nothing unchecked
 //! ```
 //!
-//! **Owns** [`Scene`] and its tree of nodes, [`Scene::bounds`], the scene format ([`mod@format`]) and its JSON Schema,
+//! **Owns** [`Scene`] and its tree of nodes, its bounds ([`Scene::bounds`], [`SceneBounds`]), the scene format ([`mod@format`]) and its JSON Schema,
 //! the model loaders, texture decoding, the rules for files that refer to files, and the guesses that are made where
 //! a file leaves something open: camera, lights, exposure.
 //! **Does not own** shapes, materials, lights or cameras themselves, and does not know how a scene is rendered.
@@ -70,6 +70,7 @@ mod options;
 #[cfg(feature = "format")]
 mod resolve;
 mod scene;
+mod scene_bounds;
 #[cfg(feature = "format")]
 mod texture;
 
@@ -91,5 +92,6 @@ pub use scene::{
     Accel, Background, Content, Group, GroupId, Integrator, Material, MaterialId, MeshId, NamedCamera, NamedMesh, Node,
     Scene, Settings, Truth, Warning,
 };
+pub use scene_bounds::{Extent, NodeBounds, SceneBounds, Tree};
 #[cfg(feature = "format")]
 pub use texture::{TextureError, decode_texture};
