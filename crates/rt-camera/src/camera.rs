@@ -2,6 +2,8 @@
 
 use rt_math::{DVec2, DVec3, Ray, Transform, transcendental::tan};
 
+use crate::view_volume::{Pencil, ViewVolume};
+
 /// Which side of the image the field of view spans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FovAxis {
@@ -167,6 +169,20 @@ impl Camera {
         };
         let raster = self.principal_point + on_plane / self.pixel_side;
         raster.is_finite().then_some(raster)
+    }
+
+    /// The part of space that the rays through the raster points from `min` to `max` run through; points outside the
+    /// image are fine. For all rays of an image, widen it by the sample offset and the filter's radius.
+    pub fn view_volume(&self, min: DVec2, max: DVec2) -> ViewVolume {
+        ViewVolume::new(&Pencil {
+            origin: self.world_from_camera.translation(),
+            forward: self.forward,
+            right: self.step_right,
+            down: self.step_down,
+            min: min - self.principal_point,
+            max: max - self.principal_point,
+            is_perspective: self.is_perspective,
+        })
     }
 
     /// The direction of view: a unit vector in world space.

@@ -20,6 +20,7 @@
 //! | coordinates of a sample, a pure function of (seed, pixel, sample, dimension) | [`PixelSampler`], [`SamplePattern`] |
 //! | where in and around the pixel, and with which weight | [`Filter`] |
 //! | ray through a raster point, and back | [`Camera`] |
+//! | boxes that none of these rays meets | [`ViewVolume`] |
 //! | linear radiance of every pixel | [`Film`] |
 //! | bytes | [`Development`] |
 //! | files (feature `files`, on by default) | `write_image`, `read_image` |
@@ -81,6 +82,7 @@ mod pixel_sampler;
 #[cfg(feature = "files")]
 mod read_image;
 mod sobol;
+mod view_volume;
 #[cfg(feature = "files")]
 mod write_image;
 
@@ -94,5 +96,6 @@ pub use pattern::SamplePattern;
 pub use pixel_sampler::{PixelSample, PixelSampler};
 #[cfg(feature = "files")]
 pub use read_image::{MAX_READ_PIXELS, read_image};
+pub use view_volume::ViewVolume;
 #[cfg(feature = "files")]
 pub use write_image::write_image;

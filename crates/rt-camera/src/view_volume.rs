@@ -1,0 +1,255 @@
+//! The part of space that a camera's rays run through.
+
+use rt_math::{
+    Aabb, DVec2, DVec3,
+    float::{UNIT_ROUNDOFF, cross},
+};
+
+/// Roundings, in units of their size, that lie between a plane of the volume and a hit on a box: of the plane's normal
+/// and of the test against it, of the ray, and of the slab test. Counted generously; they are fewer than 64.
+const ROUNDINGS: f64 = 256.0;
+
+/// Lengths within this range neither over- nor underflow when a few of them are multiplied.
+const SOUND: core::ops::Range<f64> = 1e-100..1e100;
+
+/// The rays through a rectangle of the image, as `origin + across + t·forward` (orthographic) or `origin +
+/// t·(forward + across)`, where `across = x·right + y·down` and (x, y) lies between `min` and `max`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pencil {
+    pub(crate) origin: DVec3,
+    pub(crate) forward: DVec3,
+    pub(crate) right: DVec3,
+    pub(crate) down: DVec3,
+    pub(crate) min: DVec2,
+    pub(crate) max: DVec2,
+    pub(crate) is_perspective: bool,
+}
+
+/// A half-space: all `p` with `normal·(p − origin) ≥ offset`.
+#[derive(Clone, Copy, Debug)]
+struct HalfSpace {
+    normal: DVec3,
+    offset: f64,
+    /// Bound on the length of the normal that also covers its rounding.
+    scale: f64,
+}
+
+/// The part of space in which camera rays can hit something: in front of the camera plane, between four planes through
+/// the edges of a part of the image.
+///
+/// A box that [`excludes`](Self::excludes) rules out is met by none of these rays, rounding included: neither the
+/// slab test ([`Aabb::clip`]) with a ray of [`Camera::ray`](crate::Camera::ray) nor anything that relies on it hits
+/// what is in the box. Boxes near the edges may be kept though no ray meets them.
+///
+/// ```
+/// use rt_camera::{Camera, CameraSettings, FovAxis, Projection};
+/// use rt_math::{Aabb, DVec2, DVec3, Transform};
+///
+/// let settings = CameraSettings {
+///     world_from_camera: Transform::IDENTITY,
+///     projection: Projection::Perspective { fov: 90f64.to_radians(), axis: FovAxis::Vertical },
+///     lens_shift: DVec2::ZERO,
+/// };
+/// let volume = Camera::new(&settings, 100, 100)?.view_volume(DVec2::ZERO, DVec2::splat(100.0));
+/// let unit_box = |centre: DVec3| Aabb::new(centre - 0.5, centre + 0.5);
+/// assert!(!volume.excludes(&unit_box(DVec3::new(0.0, 0.0, -5.0))));
+/// assert!(volume.excludes(&unit_box(DVec3::new(0.0, 0.0, 5.0))), "behind");
+/// assert!(volume.excludes(&unit_box(DVec3::new(9.0, 0.0, -5.0))), "to the right");
+/// # Ok::<(), rt_camera::CameraError>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct ViewVolume {
+    origin: DVec3,
+    /// Distance from the origin at which rays may start.
+    reach: f64,
+    half_spaces: [HalfSpace; 5],
+    /// Part of its terms by which a sum must fall short of its offset. Infinite if nothing can be promised.
+    slack: f64,
+}
+
+impl ViewVolume {
+    pub(crate) fn new(pencil: &Pencil) -> Self {
+        let Pencil { origin, forward, right, down, min, max, is_perspective } = *pencil;
+        let across = cross(right, down);
+        let volume = forward.dot(across);
+        let side = volume.signum();
+        let volume = volume.abs();
+        // The planes x = `at` and y = `at` of the image, with the normal towards greater x or y.
+        let at_x = |at: f64| {
+            let within = if is_perspective { forward + right * at } else { forward };
+            (cross(down, within) * side, at)
+        };
+        let at_y = |at: f64| {
+            let within = if is_perspective { forward + down * at } else { forward };
+            (cross(within, right) * side, at)
+        };
+        let [(left, x0), (far_right, x1), (top, y0), (bottom, y1)] =
+            [at_x(min.x), at_x(max.x), at_y(min.y), at_y(max.y)];
+        let farthest = min.abs().max(max.abs()) * DVec2::new(right.length(), down.length());
+        let longest = forward.length() + farthest.x + farthest.y;
+        let half_space = |normal: DVec3, at: f64, edge: DVec3| HalfSpace {
+            normal,
+            offset: if is_perspective { 0.0 } else { at * volume },
+            scale: longest * edge.length(),
+        };
+        let half_spaces = [
+            half_space(left, x0, down),
+            half_space(-far_right, -x1, down),
+            half_space(top, y0, right),
+            half_space(-bottom, -y1, right),
+            HalfSpace { normal: across * side, offset: 0.0, scale: right.length() * down.length() },
+        ];
+        // All directions have the same component across the image plane, so that none is shorter than it; rounding
+        // turns a direction by its part of the longest.
+        let skew = longest * across.length() / volume;
+        let sound =
+            [forward.length(), right.length(), down.length(), longest].iter().all(|length| SOUND.contains(length));
+        Self {
+            origin,
+            reach: if is_perspective { 0.0 } else { farthest.x + farthest.y },
+            half_spaces,
+            slack: if sound && skew.is_finite() { ROUNDINGS * UNIT_ROUNDOFF * skew } else { f64::INFINITY },
+        }
+    }
+
+    /// True only if no ray of the volume meets the box: it then lies behind one of the planes altogether. False for
+    /// empty and for infinite boxes, and where coordinates are so large or small that nothing can be promised.
+    pub fn excludes(&self, aabb: &Aabb) -> bool {
+        let size = aabb.max_abs() + self.origin.abs().max_element() + self.reach;
+        if aabb.is_empty() || !SOUND.contains(&size) {
+            return false;
+        }
+        self.half_spaces.iter().any(|half_space| {
+            let HalfSpace { normal, offset, scale } = *half_space;
+            let farthest = DVec3::select(normal.cmpge(DVec3::ZERO), aabb.max, aabb.min);
+            normal.dot(farthest - self.origin) - offset < -(self.slack * scale * size)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Camera, CameraSettings, FovAxis, Projection};
+    use proptest::prelude::*;
+    use rt_math::{Interval, SlabRay, Transform};
+
+    const WIDTH: f64 = 120.0;
+    const HEIGHT: f64 = 90.0;
+
+    fn vector(range: f64) -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(-range..range).prop_map(DVec3::from)
+    }
+
+    /// Cameras of both projections, mirrored, sheared and at any distance from the world's origin.
+    fn any_camera() -> impl Strategy<Value = Camera> {
+        let projection = prop_oneof![
+            (1e-4..3.1f64).prop_map(|fov| Projection::Perspective { fov, axis: FovAxis::Vertical }),
+            (0.01..50.0f64).prop_map(|height| Projection::Orthographic { height }),
+        ];
+        let offset = prop_oneof![Just(0.0), -10.0..10.0f64, Just(1e7)];
+        (vector(10.0), vector(10.0), offset, vector(3.0), -0.9..0.9f64, projection, vector(1.0)).prop_filter_map(
+            "degenerate view",
+            |(eye, target, offset, factors, shear, projection, shift)| {
+                let view = Transform::look_at(eye + offset, target + offset, DVec3::Y).ok()?;
+                let shear = Transform::shear([shear, 0.1, 0.0, 0.2, shear, 0.0]).ok()?;
+                let world_from_camera = view.then_first(&shear).then_first(&Transform::scale(factors).ok()?);
+                let lens_shift = DVec2::new(shift.x, shift.y);
+                Camera::new(&CameraSettings { world_from_camera, projection, lens_shift }, 120, 90).ok()
+            },
+        )
+    }
+
+    /// A part of the image, maybe of no size, maybe beyond the edge.
+    fn any_part() -> impl Strategy<Value = (DVec2, DVec2)> {
+        (-10.0..WIDTH, -10.0..HEIGHT, prop_oneof![Just(0.0), 0.0..60.0f64])
+            .prop_map(|(x, y, side)| (DVec2::new(x, y), DVec2::new(x + side, y + side)))
+    }
+
+    /// From the middle of the part to its corners, which are taken with half of the draws.
+    fn share() -> impl Strategy<Value = f64> {
+        prop_oneof![Just(0.0), Just(1.0), 0.0..1.0f64]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        /// The smallest boxes, around single points of rays, many of them along the edges of the volume.
+        #[test]
+        fn no_point_of_a_ray_is_excluded(
+            camera in any_camera(), (min, max) in any_part(), u in share(), v in share(), t in share(), far in prop::sample::select(vec![1e-3, 1.0, 1e3, 1e7]),
+        ) {
+            let volume = camera.view_volume(min, max);
+            let raster = min + (max - min) * DVec2::new(u, v);
+            let raster = raster.clamp(min, max);
+            let ray = camera.ray(raster, 0.0);
+            let point = ray.at(t * far);
+            prop_assert!(!volume.excludes(&Aabb::from_points([point])), "{ray:?} at {point}");
+        }
+
+        #[test]
+        fn excluded_boxes_are_hit_by_no_ray(
+            camera in any_camera(), (min, max) in any_part(), centre in vector(40.0), size in vector(10.0), seed in any::<u64>(),
+        ) {
+            let volume = camera.view_volume(min, max);
+            let origin = camera.ray(min, 0.0).origin;
+            let aabb = Aabb::from_points([origin + centre, origin + centre + size]);
+            prop_assume!(volume.excludes(&aabb));
+            for i in 0..64u64 {
+                let unit = |k: u64| rt_math::random::unit(rt_math::random::hash(&[seed, i, k]));
+                let ray = camera.ray(min + (max - min) * DVec2::new(unit(0), unit(1)), 0.0);
+                prop_assert_eq!(aabb.clip(&SlabRay::new(&ray), Interval::FORWARD), None, "{:?}", ray);
+            }
+        }
+    }
+
+    fn camera(projection: Projection) -> Camera {
+        let world_from_camera = Transform::look_at(DVec3::X * 7.0, DVec3::ZERO, DVec3::Y).expect("a view");
+        Camera::new(&CameraSettings { world_from_camera, projection, lens_shift: DVec2::ZERO }, 100, 100)
+            .expect("a camera")
+    }
+
+    /// A cube of side 2·10⁻³, so that the planes are told apart to 1 in 1000.
+    fn at(x: f64, y: f64, z: f64) -> Aabb {
+        let centre = DVec3::new(x, y, z);
+        Aabb::new(centre - 1e-3, centre + 1e-3)
+    }
+
+    #[test]
+    fn the_planes_of_a_pinhole_camera_stand_at_the_edges_of_the_view() {
+        let fov = core::f64::consts::FRAC_PI_2;
+        let camera = camera(Projection::Perspective { fov, axis: FovAxis::Vertical });
+        let whole = camera.view_volume(DVec2::ZERO, DVec2::splat(100.0));
+        // At x = 0, 7 in front of the camera, the view reaches from −7 to 7; the camera's right is −z.
+        for (y, z) in [(6.99, 0.0), (-6.99, 0.0), (0.0, 6.99), (0.0, -6.99), (6.99, 6.99)] {
+            assert!(!whole.excludes(&at(0.0, y, z)), "{y} {z}");
+        }
+        for (y, z) in [(7.01, 0.0), (-7.01, 0.0), (0.0, 7.01), (0.0, -7.01)] {
+            assert!(whole.excludes(&at(0.0, y, z)), "{y} {z}");
+        }
+        assert!(!whole.excludes(&at(6.99, 0.0, 0.0)) && whole.excludes(&at(7.01, 0.0, 0.0)));
+        // The right half of the image alone, widened by a pixel.
+        let right_half = camera.view_volume(DVec2::new(49.0, 0.0), DVec2::splat(100.0));
+        assert!(right_half.excludes(&at(0.0, 0.0, 0.15)) && !right_half.excludes(&at(0.0, 0.0, 0.13)));
+    }
+
+    #[test]
+    fn the_planes_of_an_orthographic_camera_are_parallel() {
+        let volume = camera(Projection::Orthographic { height: 4.0 }).view_volume(DVec2::ZERO, DVec2::splat(100.0));
+        for x in [6.9, 0.0, -1000.0] {
+            assert!(!volume.excludes(&at(x, 1.99, -1.99)) && volume.excludes(&at(x, 2.01, 0.0)), "{x}");
+            assert!(volume.excludes(&at(x, 0.0, 2.01)) && volume.excludes(&at(x, 0.0, -2.01)), "{x}");
+        }
+        assert!(volume.excludes(&at(7.1, 0.0, 0.0)), "behind the camera plane");
+    }
+
+    #[test]
+    fn nothing_is_promised_about_numbers_beyond_all_measure() {
+        let camera = camera(Projection::Orthographic { height: 4.0 });
+        let volume = camera.view_volume(DVec2::ZERO, DVec2::splat(100.0));
+        let behind = Aabb::new(DVec3::splat(8.0), DVec3::splat(f64::INFINITY));
+        assert!(!volume.excludes(&behind) && !volume.excludes(&Aabb::EMPTY));
+        assert!(!volume.excludes(&Aabb::new(DVec3::splat(8.0), DVec3::splat(1e200))));
+        assert!(!camera.view_volume(DVec2::NAN, DVec2::NAN).excludes(&at(0.0, 9.0, 0.0)));
+    }
+}
