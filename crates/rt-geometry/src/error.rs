@@ -11,6 +11,33 @@ pub enum ShapeError {
     /// The radius is not positive, or so small that its square underflows.
     #[error("radius {0} must be positive (at least 1e-60)")]
     BadRadius(f64),
+    /// A length or a slope that is not positive, or so small that its square underflows.
+    #[error("{0} {1} must be positive (at least 1e-60)")]
+    BadLength(&'static str, f64),
+    /// A cylinder whose top is not above its bottom.
+    #[error("the top {top} must be above the bottom {bottom}")]
+    NoHeight {
+        /// Height of the bottom.
+        bottom: f64,
+        /// Height of the top.
+        top: f64,
+    },
+    /// A ring whose hole is negative or leaves nothing of it.
+    #[error("inner radius {inner} must be at least 0 and less than the radius {outer}")]
+    BadInnerRadius {
+        /// Radius of the hole.
+        inner: f64,
+        /// Radius of the ring.
+        outer: f64,
+    },
+    /// A torus that passes through itself.
+    #[error("tube radius {tube_radius} must be less than the radius {radius} of the ring: there is no hole")]
+    ClosedHole {
+        /// Radius of the ring.
+        radius: f64,
+        /// Radius of the tube.
+        tube_radius: f64,
+    },
     /// A box whose minimum exceeds its maximum.
     #[error("box minimum {min} exceeds maximum {max} on axis {axis}")]
     InvertedBox {
@@ -38,4 +65,19 @@ pub(crate) fn check_coordinates(points: impl IntoIterator<Item = DVec3>) -> Resu
         Some(bad) => Err(ShapeError::BadCoordinate(bad)),
         None => Ok(()),
     }
+}
+
+/// Least radius or length: its square and the square of that stay far from underflow.
+const MIN_LENGTH: f64 = 1e-60;
+
+/// Checks a radius: positive and finite.
+pub(crate) fn check_radius(radius: f64) -> Result<(), ShapeError> {
+    check_coordinates([DVec3::splat(radius)])?;
+    if radius >= MIN_LENGTH { Ok(()) } else { Err(ShapeError::BadRadius(radius)) }
+}
+
+/// Checks a length or slope other than a radius: positive and finite. `what` it is goes into the message.
+pub(crate) fn check_length(what: &'static str, length: f64) -> Result<(), ShapeError> {
+    check_coordinates([DVec3::splat(length)])?;
+    if length >= MIN_LENGTH { Ok(()) } else { Err(ShapeError::BadLength(what, length)) }
 }

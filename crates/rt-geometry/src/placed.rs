@@ -1,7 +1,6 @@
 //! Shapes under affine transforms.
 
 use crate::{AxisBox, Plane, Shape, ShapeHit, Sphere, SurfaceInteraction, SurfaceNeeds, Triangle};
-use rt_math::float::gamma;
 use rt_math::{Aabb, DMat3, DVec3, Interval, Ray, Transform};
 
 /// A shape somewhere in the world: rays are taken to its local space, where the parameter `t` is the same.
@@ -29,27 +28,23 @@ impl Placed {
         &self.world_from_local
     }
 
-    /// A box in world space around the shape, widened by the rounding of the transform: the smallest one but for a
-    /// turned box. `None` for a plane.
+    /// The smallest box in world space around the shape, widened by the rounding of the transform. `None` for infinite
+    /// shapes.
+    ///
+    /// A world coordinate of a point is its dot product with a row of the linear part, plus the translation: the shape
+    /// reaches as far along the axis as its support function says for that row.
     pub fn bounds(&self) -> Option<Aabb> {
         let map = &self.world_from_local;
-        let around = |point: DVec3, reach: DVec3| {
-            let (point, error) = map.point_with_error(point, DVec3::ZERO);
-            Aabb::new(point - reach - error, point + reach + error)
+        let local = self.shape.bounds()?;
+        let rows = map.linear().transpose();
+        let support = |sign: f64| {
+            let along = |row: DVec3| self.shape.support(row * sign);
+            Some(DVec3::new(along(rows.x_axis)?, along(rows.y_axis)?, along(rows.z_axis)?) * sign)
         };
-        match &self.shape {
-            // An ellipsoid reaches as far along an axis as that row of the linear part is long.
-            Shape::Sphere(sphere) => {
-                let rows = map.linear().transpose();
-                let reach = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
-                Some(around(sphere.centre(), reach * (sphere.radius() * (1.0 + gamma(8)))))
-            }
-            Shape::AxisBox(axis_box) => Some(map.aabb(&axis_box.bounds())),
-            Shape::Plane(_) => None,
-            Shape::Triangle(triangle) => {
-                Some(triangle.vertices().iter().fold(Aabb::EMPTY, |sum, &v| sum.union(around(v, DVec3::ZERO))))
-            }
-        }
+        // A support is a sum of products like the map of a point, with twice the roundings.
+        let (_, error) = map.point_with_error(local.min.abs().max(local.max.abs()), DVec3::ZERO);
+        let (min, max) = (support(-1.0)?, support(1.0)?);
+        Some(Aabb::new(map.translation() + min - error * 2.0, map.translation() + max + error * 2.0))
     }
 
     /// The first hit of a world-space ray at or after `span.min`, if it is not after `span.max`.
@@ -75,6 +70,7 @@ impl Placed {
             Shape::AxisBox(_) => scale.is_some(),
             Shape::Plane(_) => linear == DMat3::IDENTITY,
             Shape::Triangle(_) => !self.world_from_local.flips_handedness(),
+            _ => false,
         };
         if keeps_uv { self.baked_without_uv() } else { None }
     }
@@ -103,6 +99,8 @@ impl Placed {
                 let vertices = if map.flips_handedness() { [a, c, b] } else { [a, b, c] };
                 Triangle::new(vertices).ok().map(Shape::Triangle)
             }
+            // All others stand at the origin of their local space, along its axes.
+            _ => None,
         }
     }
 }

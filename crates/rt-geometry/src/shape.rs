@@ -1,7 +1,10 @@
 //! The closed set of shapes.
 
-use crate::{AxisBox, Plane, Sphere, SurfaceInteraction, SurfaceNeeds, Triangle};
-use rt_math::{Aabb, Interval, Ray};
+use crate::{
+    AxisBox, Cone, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, Plane, Rectangle, Sphere, SurfaceInteraction,
+    SurfaceNeeds, Torus, Triangle,
+};
+use rt_math::{Aabb, DVec3, Interval, Ray};
 
 /// A hit on a single shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,7 +12,8 @@ pub struct ShapeHit {
     /// Ray parameter.
     pub t: f64,
     /// Parameters for the shape to rebuild the surface from: barycentric weights of the second and third vertex for
-    /// triangles, `[face, 0]` for boxes, unused otherwise.
+    /// triangles, `[face, 0]` for boxes and for solids with caps, `[distance along the ray, 0]` for tori, unused
+    /// otherwise.
     pub uv: [f64; 2],
 }
 
@@ -24,16 +28,60 @@ pub enum Shape {
     Plane(Plane),
     /// A triangle.
     Triangle(Triangle),
+    /// A finite cylinder, with caps or open.
+    Cylinder(Cylinder),
+    /// An infinite cylinder.
+    InfiniteCylinder(InfiniteCylinder),
+    /// An infinite double cone.
+    DoubleCone(DoubleCone),
+    /// A finite cone, with a cap or open.
+    Cone(Cone),
+    /// A cone without its tip, with caps or open.
+    Frustum(Frustum),
+    /// A disk or a ring.
+    Disk(Disk),
+    /// A finite plane.
+    Rectangle(Rectangle),
+    /// A torus.
+    Torus(Torus),
 }
 
 impl Shape {
-    /// A box around the shape; `None` for a plane, which has none.
+    /// A box around the shape; `None` for the infinite ones: planes, infinite cylinders and double cones.
     pub fn bounds(&self) -> Option<Aabb> {
         match self {
             Self::Sphere(sphere) => Some(sphere.bounds()),
             Self::AxisBox(axis_box) => Some(axis_box.bounds()),
-            Self::Plane(_) => None,
+            Self::Plane(_) | Self::InfiniteCylinder(_) | Self::DoubleCone(_) => None,
             Self::Triangle(triangle) => Some(triangle.bounds()),
+            Self::Cylinder(cylinder) => Some(cylinder.bounds()),
+            Self::Cone(cone) => Some(cone.bounds()),
+            Self::Frustum(frustum) => Some(frustum.bounds()),
+            Self::Disk(disk) => Some(disk.bounds()),
+            Self::Rectangle(rectangle) => Some(rectangle.bounds()),
+            Self::Torus(torus) => Some(torus.bounds()),
+        }
+    }
+
+    /// The support function: the greatest dot product of a direction with a point of the shape, up to rounding;
+    /// `None` for infinite shapes.
+    pub(crate) fn support(&self, direction: DVec3) -> Option<f64> {
+        match self {
+            Self::Sphere(sphere) => Some(sphere.centre().dot(direction) + sphere.radius() * direction.length()),
+            Self::AxisBox(axis_box) => {
+                let Aabb { min, max } = axis_box.bounds();
+                Some((min * direction).max(max * direction).element_sum())
+            }
+            Self::Plane(_) | Self::InfiniteCylinder(_) | Self::DoubleCone(_) => None,
+            Self::Triangle(triangle) => {
+                Some(triangle.vertices().map(|v| v.dot(direction)).into_iter().fold(f64::NEG_INFINITY, f64::max))
+            }
+            Self::Cylinder(cylinder) => Some(cylinder.support(direction)),
+            Self::Cone(cone) => Some(cone.support(direction)),
+            Self::Frustum(frustum) => Some(frustum.support(direction)),
+            Self::Disk(disk) => Some(disk.support(direction)),
+            Self::Rectangle(rectangle) => Some(rectangle.support(direction)),
+            Self::Torus(torus) => Some(torus.support(direction)),
         }
     }
 
@@ -46,6 +94,14 @@ impl Shape {
             Self::AxisBox(axis_box) => axis_box.intersect(ray, span),
             Self::Plane(plane) => plane.intersect(ray, span),
             Self::Triangle(triangle) => triangle.intersect(ray, span),
+            Self::Cylinder(cylinder) => cylinder.intersect(ray, span),
+            Self::InfiniteCylinder(cylinder) => cylinder.intersect(ray, span),
+            Self::DoubleCone(cone) => cone.intersect(ray, span),
+            Self::Cone(cone) => cone.intersect(ray, span),
+            Self::Frustum(frustum) => frustum.intersect(ray, span),
+            Self::Disk(disk) => disk.intersect(ray, span),
+            Self::Rectangle(rectangle) => rectangle.intersect(ray, span),
+            Self::Torus(torus) => torus.intersect(ray, span),
         }
     }
 
@@ -56,6 +112,14 @@ impl Shape {
             Self::AxisBox(axis_box) => axis_box.surface(ray, hit, needs),
             Self::Plane(plane) => plane.surface(ray, hit, needs),
             Self::Triangle(triangle) => triangle.surface(ray, hit, needs),
+            Self::Cylinder(cylinder) => cylinder.surface(ray, hit, needs),
+            Self::InfiniteCylinder(cylinder) => cylinder.surface(ray, hit, needs),
+            Self::DoubleCone(cone) => cone.surface(ray, hit, needs),
+            Self::Cone(cone) => cone.surface(ray, hit, needs),
+            Self::Frustum(frustum) => frustum.surface(ray, hit, needs),
+            Self::Disk(disk) => disk.surface(ray, hit, needs),
+            Self::Rectangle(rectangle) => rectangle.surface(ray, hit, needs),
+            Self::Torus(torus) => torus.surface(ray, hit, needs),
         }
     }
 }
@@ -66,12 +130,24 @@ mod tests {
     use proptest::prelude::*;
     use rt_math::DVec3;
 
-    fn shapes() -> [Shape; 4] {
-        [
+    fn shapes() -> Vec<Shape> {
+        let [closed, open] = [true, false];
+        vec![
             Shape::Sphere(Sphere::new(DVec3::X, 1.0).expect("a sphere")),
             Shape::AxisBox(AxisBox::new(DVec3::NEG_ONE, DVec3::ONE).expect("a box")),
             Shape::Plane(Plane::new(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)).expect("a plane")),
             Shape::Triangle(Triangle::new([DVec3::X, DVec3::Y, DVec3::Z]).expect("a triangle")),
+            Shape::Cylinder(Cylinder::new(1.0, -0.5, 1.5, closed).expect("a cylinder")),
+            Shape::Cylinder(Cylinder::new(1.0, -0.5, 1.5, open).expect("a cylinder")),
+            Shape::InfiniteCylinder(InfiniteCylinder::new(1.0).expect("a cylinder")),
+            Shape::DoubleCone(DoubleCone::new(1.0).expect("a cone")),
+            Shape::Cone(Cone::new(1.0, 1.5, closed).expect("a cone")),
+            Shape::Cone(Cone::new(1.0, 1.5, open).expect("a cone")),
+            Shape::Frustum(Frustum::new(1.0, 0.5, 1.0, closed).expect("a frustum")),
+            Shape::Frustum(Frustum::new(0.5, 1.0, 1.0, open).expect("a frustum")),
+            Shape::Disk(Disk::new(1.0, 0.5).expect("a ring")),
+            Shape::Rectangle(Rectangle::new(1.0, 2.0).expect("a rectangle")),
+            Shape::Torus(Torus::new(1.0, 0.5).expect("a torus")),
         ]
     }
 
@@ -110,7 +186,23 @@ mod tests {
     }
 
     #[test]
-    fn only_planes_are_unbounded() {
-        assert_eq!(shapes().map(|shape| shape.bounds().is_some()), [true, true, false, true]);
+    fn only_infinite_shapes_are_unbounded() {
+        for shape in shapes() {
+            let is_infinite = matches!(shape, Shape::Plane(_) | Shape::InfiniteCylinder(_) | Shape::DoubleCone(_));
+            assert_eq!(shape.bounds().is_none(), is_infinite, "{shape:?}");
+            assert_eq!(shape.support(DVec3::Y).is_none(), is_infinite, "{shape:?}");
+        }
+    }
+
+    #[test]
+    fn the_support_along_the_axes_is_the_box() {
+        for shape in shapes() {
+            let Some(bounds) = shape.bounds() else { continue };
+            for (axis, unit) in DVec3::AXES.into_iter().enumerate() {
+                let [above, below] = [unit, -unit].map(|direction| shape.support(direction).expect("bounded"));
+                assert!((above - bounds.max[axis]).abs() < 1e-15, "{shape:?}");
+                assert!((below + bounds.min[axis]).abs() < 1e-15, "{shape:?}");
+            }
+        }
     }
 }

@@ -1,14 +1,11 @@
 //! Spheres.
 
-use crate::error::{ShapeError, check_coordinates};
+use crate::error::{ShapeError, check_coordinates, check_radius};
 use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
 use rt_math::float::{UNIT_ROUNDOFF, gamma};
 use rt_math::transcendental::{atan2, hypot};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 use std::f64::consts::{PI, TAU};
-
-/// Least radius: its square and the square of that stay far from underflow.
-const MIN_RADIUS: f64 = 1e-60;
 
 /// The quick rejection must not lose a hit to its own rounding. Its three dot products, their products and their
 /// difference are off by fewer than 24 roundings of their terms.
@@ -30,8 +27,9 @@ impl Sphere {
     /// # Errors
     /// If the radius is not positive (at least 1e-60) or a number is not finite.
     pub fn new(centre: DVec3, radius: f64) -> Result<Self, ShapeError> {
-        check_coordinates([centre, DVec3::splat(radius)])?;
-        if radius >= MIN_RADIUS { Ok(Self { centre, radius }) } else { Err(ShapeError::BadRadius(radius)) }
+        check_coordinates([centre])?;
+        check_radius(radius)?;
+        Ok(Self { centre, radius })
     }
 
     /// The centre.

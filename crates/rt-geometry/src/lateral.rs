@@ -1,0 +1,112 @@
+//! The curved side that cylinders, cones and frusta share.
+
+use crate::SurfaceInteraction;
+use rt_math::float::{difference_of_products, gamma};
+use rt_math::transcendental::atan2;
+use rt_math::{DVec3, Interval, Ray};
+use std::f64::consts::TAU;
+
+/// The points with x² + z² = ρ(y)², where the radius ρ changes linearly with the height: an infinite cylinder
+/// (slope 0) or an infinite double cone. Inside is where x² + z² is less.
+///
+/// Heights are measured from where the radius is given, so that ρ is accurate near there: at the apex of a cone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Lateral {
+    /// A height.
+    pub(crate) height: f64,
+    /// The radius at that height.
+    pub(crate) radius: f64,
+    /// How much the radius grows with the height.
+    pub(crate) slope: f64,
+}
+
+/// The part of a ray inside of a [`Lateral`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Inside {
+    /// All of it: it runs along the axis or along a straight line of the surface.
+    Everywhere,
+    /// From the first parameter to the second. One may be infinite.
+    Between(f64, f64),
+    /// Up to the first parameter and from the second on: the two nappes of a cone.
+    Beyond(f64, f64),
+}
+
+impl Lateral {
+    /// The radius at a height; negative beyond the apex.
+    #[inline]
+    pub(crate) fn radius_at(&self, y: f64) -> f64 {
+        self.radius + self.slope * (y - self.height)
+    }
+
+    /// Where the ray is inside; `None` if nowhere, and for rays with a NaN.
+    ///
+    /// With the radius ρ + σ·t along the ray, the crossings solve a·t² − 2b·t + c = 0. Each cancellation of the
+    /// textbook form is avoided: a and c are products of a sum and a difference of lengths, the smaller root is c/q,
+    /// and by Lagrange's identity the discriminant is |ρ·d − σ·o|² − (o × d)² in the plane across the axis, with each
+    /// difference of products taken to the last digit.
+    #[inline]
+    pub(crate) fn inside(&self, ray: &Ray) -> Option<Inside> {
+        let (o, d) = (ray.origin, ray.direction);
+        let (rho, sigma) = (self.radius_at(o.y), self.slope * d.y);
+        let (start, speed) = (length(o.x, o.z), length(d.x, d.z));
+        let a = (speed - sigma.abs()) * (speed + sigma.abs());
+        let b = rho * sigma - (o.x * d.x + o.z * d.z);
+        let c = (start - rho.abs()) * (start + rho.abs());
+        let reach = length(difference_of_products(rho, d.x, sigma, o.x), difference_of_products(rho, d.z, sigma, o.z));
+        let moment = difference_of_products(o.x, d.z, o.z, d.x).abs();
+        let discriminant = (reach - moment) * (reach + moment);
+        // A ray that is steeper than the cone crosses it whatever rounding says.
+        if !discriminant.is_finite() || (a > 0.0 && discriminant < 0.0) {
+            return None;
+        }
+        let q = b + discriminant.max(0.0).sqrt().copysign(b);
+        if q == 0.0 && a == 0.0 {
+            return (c <= 0.0).then_some(Inside::Everywhere);
+        }
+        // Both roots are 0 for a tangent at its own origin. A ray along a generator has its second one at infinity.
+        let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
+        let (near, far) = (t0.min(t1), t0.max(t1));
+        Some(if a < 0.0 { Inside::Beyond(near, far) } else { Inside::Between(near, far) })
+    }
+
+    /// The first crossing of the surface within `span` that is `wanted`.
+    #[inline]
+    pub(crate) fn first_crossing(&self, ray: &Ray, span: Interval, wanted: impl Fn(f64) -> bool) -> Option<f64> {
+        let (Inside::Between(near, far) | Inside::Beyond(near, far)) = self.inside(ray)? else { return None };
+        // The choice does not look at `span.max`: shrinking it reveals nothing.
+        let t = [near, far].into_iter().find(|&t| t >= span.min && t.is_finite() && wanted(t))?;
+        (t <= span.max).then_some(t)
+    }
+
+    /// The surface at a crossing with the ray, at a height between `bottom` and `top`; texture coordinates are left 0.
+    ///
+    /// The normal points away from the axis. At an apex there is none: there it is opposite to the ray.
+    pub(crate) fn surface(&self, ray: &Ray, t: f64, [bottom, top]: [f64; 2]) -> SurfaceInteraction {
+        let on_ray = ray.at(t);
+        let rho = self.radius_at(on_ray.y);
+        let (excess, slope) = (length(on_ray.x, on_ray.z) - rho.abs(), self.slope * 1.0f64.copysign(rho));
+        let stretch = 1.0 + slope * slope;
+        // Back to the surface by the shortest way, which for a flat cone is nearly along the axis.
+        let y = (on_ray.y + slope * excess / stretch).clamp(bottom, top);
+        let radius = self.radius_at(y).abs();
+        let towards_viewer = -ray.direction.normalize_or(DVec3::Y);
+        let across = |v: DVec3| DVec3::new(v.x, 0.0, v.z).try_normalize();
+        // From so far away that rounding puts the hit on the axis, the best guess is the side of the viewer.
+        let away = across(on_ray).or_else(|| across(towards_viewer)).unwrap_or(DVec3::Z);
+        let normal = if radius > 0.0 { (away - DVec3::Y * slope) / stretch.sqrt() } else { towards_viewer };
+        let point = away * radius + DVec3::Y * y;
+        // Both this radius and the one that the kernel compares it to are off by a few roundings of their terms.
+        let terms = self.radius + (slope * (y - self.height)).abs();
+        SurfaceInteraction::flat(point, away.abs() * (terms * gamma(12)), normal, [0.0; 2])
+    }
+}
+
+/// Once around +y, from −z over −x, +z (where it is ½) and +x.
+pub(crate) fn longitude(point: DVec3) -> f64 {
+    0.5 + atan2(point.x, point.z) / TAU
+}
+
+/// The length of a vector in the plane across the axis.
+fn length(x: f64, z: f64) -> f64 {
+    (x * x + z * z).sqrt()
+}

@@ -1,0 +1,119 @@
+//! Cylinders, cones and frusta: a curved side between two heights, with or without caps.
+
+use crate::disk::{cap_uv, on_disk};
+use crate::lateral::{Inside, Lateral, longitude};
+use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
+use rt_math::{Aabb, DVec3, Interval, Ray};
+
+/// The part of a [`Lateral`] between two heights: a closed solid if it has caps, else an open surface with two sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Truncated {
+    pub(crate) side: Lateral,
+    pub(crate) bottom: f64,
+    pub(crate) top: f64,
+    pub(crate) caps: bool,
+}
+
+/// What is hit, as the `uv[0]` of a hit.
+#[derive(Clone, Copy)]
+enum Face {
+    Side = 0,
+    Bottom = 1,
+    Top = 2,
+}
+
+impl Face {
+    fn from_number(number: f64) -> Self {
+        match number as u8 {
+            1 => Self::Bottom,
+            2 => Self::Top,
+            _ => Self::Side,
+        }
+    }
+}
+
+impl Truncated {
+    pub(crate) fn bounds(&self) -> Aabb {
+        let reach = self.side.radius_at(self.bottom).max(self.side.radius_at(self.top));
+        let reach = DVec3::new(reach.next_up(), 0.0, reach.next_up());
+        Aabb::new(DVec3::Y * self.bottom - reach, DVec3::Y * self.top + reach)
+    }
+
+    /// How far the shape reaches in a direction: one of its rims is farthest.
+    pub(crate) fn support(&self, direction: DVec3) -> f64 {
+        let across = DVec3::new(direction.x, 0.0, direction.z).length();
+        let rim = |y: f64| direction.y * y + across * self.side.radius_at(y);
+        rim(self.bottom).max(rim(self.top))
+    }
+
+    #[inline]
+    pub(crate) fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
+        if self.caps {
+            self.intersect_solid(ray, span)
+        } else {
+            let in_range = |t: f64| (self.bottom..=self.top).contains(&(ray.origin.y + t * ray.direction.y));
+            let t = self.side.first_crossing(ray, span, in_range)?;
+            Some(ShapeHit { t, uv: [0.0; 2] })
+        }
+    }
+
+    /// The solid is convex: a ray is inside where it is inside of the side and between the caps, as for a box. So no
+    /// ray slips between the side and a cap, and one through a rim meets one of the two: the side if they tie.
+    fn intersect_solid(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
+        let (mut enter, mut leave) = self.inside_of_side(ray)?;
+        let (mut enter_face, mut leave_face) = (Face::Side, Face::Side);
+        let (origin, speed) = (ray.origin.y, ray.direction.y);
+        if speed == 0.0 {
+            if !(self.bottom..=self.top).contains(&origin) {
+                return None;
+            }
+        } else {
+            let (low, high) = ((self.bottom - origin) / speed, (self.top - origin) / speed);
+            let upwards = speed > 0.0;
+            let (near, far) = if upwards { (low, high) } else { (high, low) };
+            if near > enter {
+                (enter, enter_face) = (near, if upwards { Face::Bottom } else { Face::Top });
+            }
+            if far < leave {
+                (leave, leave_face) = (far, if upwards { Face::Top } else { Face::Bottom });
+            }
+        }
+        if enter > leave {
+            return None;
+        }
+        let t = span.first(enter, leave).filter(|t| t.is_finite())?;
+        let face = if t == enter { enter_face } else { leave_face };
+        Some(ShapeHit { t, uv: [f64::from(face as u8), 0.0] })
+    }
+
+    /// Of the two nappes of a cone, a steep ray is in the wanted one where its radius is positive.
+    fn inside_of_side(&self, ray: &Ray) -> Option<(f64, f64)> {
+        Some(match self.side.inside(ray)? {
+            Inside::Everywhere => (f64::NEG_INFINITY, f64::INFINITY),
+            Inside::Between(near, far) => (near, far),
+            Inside::Beyond(_, far) if self.side.slope * ray.direction.y > 0.0 => (far, f64::INFINITY),
+            Inside::Beyond(near, _) => (f64::NEG_INFINITY, near),
+        })
+    }
+
+    pub(crate) fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+        let (y, normal) = match Face::from_number(hit.uv[0]) {
+            Face::Side => return self.side_surface(ray, hit.t, needs),
+            Face::Bottom => (self.bottom, DVec3::NEG_Y),
+            Face::Top => (self.top, DVec3::Y),
+        };
+        let radius = self.side.radius_at(y);
+        let (point, point_error) = on_disk(ray, hit.t, y, radius);
+        let uv = if needs.uv { cap_uv(point, radius, normal.y) } else { [0.0; 2] };
+        SurfaceInteraction::flat(point, point_error, normal, uv)
+    }
+
+    fn side_surface(&self, ray: &Ray, t: f64, needs: SurfaceNeeds) -> SurfaceInteraction {
+        let mut surface = self.side.surface(ray, t, [self.bottom, self.top]);
+        if needs.uv {
+            let height = (surface.point.y - self.bottom) / (self.top - self.bottom);
+            surface.uv = [longitude(surface.point), height];
+        }
+        surface
+    }
+}
