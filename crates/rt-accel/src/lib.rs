@@ -64,19 +64,32 @@
 
 #![forbid(unsafe_code)]
 
+mod any;
+mod bounded_depth;
+mod boxes;
 mod bvh;
 mod error;
 mod grid;
 mod linear;
-mod nearest;
 mod own_boxes;
+mod ray_query;
+mod region;
+mod region_query;
 mod stats;
+mod structure;
 
+pub use any::{AnyStructure, StructureKind, StructureVisitor};
+pub use boxes::Boxes;
 pub use bvh::Bvh;
 pub use error::{BuildError, Violation};
 pub use grid::UniformGrid;
 pub use linear::Linear;
+pub use ray_query::RayQuery;
+pub use region::{Ball, Frustum, FrustumError, Region};
+pub use region_query::{PointHit, RegionQuery};
 pub use rt_math::{
-    Aabb, Accelerator, Counters, DVec3, Hit, Interval, LeafLayout, NoProbe, Primitives, Probe, Ray, RayCounts, RayKind,
+    Aabb, Accelerator, Counters, DVec3, Hit, Interval, LeafLayout, NearestPoint, NoProbe, Primitives, Probe, Ray,
+    RayCounts, RayKind, SlabRay,
 };
 pub use stats::BuildStats;
+pub use structure::{Refit, Structure};

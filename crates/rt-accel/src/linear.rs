@@ -1,10 +1,12 @@
 //! Brute force: the definition of the right answer, and the best structure for a handful of primitives.
 
-use rt_math::{Accelerator, Hit, Interval, Primitives, Probe, Ray, SlabRay, decide_occluded};
+use core::ops::ControlFlow;
 
-use crate::nearest::Nearest;
+use rt_math::{Aabb, Primitives, Probe};
+
 use crate::own_boxes::{checked_own_box, count};
-use crate::{BuildError, BuildStats, Violation};
+use crate::structure::accelerator_by_walk;
+use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
 
 /// Tests every primitive in turn. O(n) per ray, no memory.
 ///
@@ -30,14 +32,33 @@ impl Linear {
         }
         Ok(linear)
     }
+}
 
-    /// Bytes held.
-    pub fn memory(&self) -> usize {
+impl Structure for Linear {
+    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+        &self,
+        primitives: &P,
+        query: &mut Q,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
+        for index in 0..self.primitives {
+            query.offer(primitives, index, probe)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        for index in 0..self.primitives {
+            query.offer(index, |_| true)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn memory(&self) -> usize {
         size_of::<Self>()
     }
 
-    /// Size of the list.
-    pub fn build_stats(&self) -> BuildStats {
+    fn build_stats(&self) -> BuildStats {
         BuildStats {
             primitives: self.primitives as usize,
             unbounded: self.unbounded as usize,
@@ -46,37 +67,16 @@ impl Linear {
         }
     }
 
-    /// Checks that the list still fits the primitives.
-    ///
-    /// # Errors
-    ///
-    /// [`Violation::Count`] if the number of primitives has changed.
-    pub fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
         if primitives.len() == self.primitives as usize {
             Ok(())
         } else {
             Err(Violation::Count { built: self.primitives, given: primitives.len() })
         }
     }
+
+    /// There are none.
+    fn for_each_box(&self, _visit: impl FnMut(Aabb, u32)) {}
 }
 
-impl Accelerator for Linear {
-    fn closest<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        ray: &Ray,
-        span: Interval,
-        probe: &mut S,
-    ) -> Option<Hit> {
-        let mut nearest = Nearest::new(ray, span);
-        for index in 0..self.primitives {
-            nearest.offer(primitives, index, probe);
-        }
-        nearest.hit
-    }
-
-    fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        let ray = SlabRay::new(ray);
-        (0..self.primitives).any(|index| decide_occluded(primitives, index, &ray, span, probe))
-    }
-}
+accelerator_by_walk!(Linear);

@@ -5,7 +5,8 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, BuildError, Bvh, DVec3, Hit, Interval, Linear, NoProbe, Primitives, Ray, UniformGrid, Violation,
+    Aabb, Accelerator, AnyStructure, BuildError, Bvh, DVec3, Hit, Interval, Linear, NoProbe, Primitives, Ray,
+    Structure, StructureKind, UniformGrid, Violation,
 };
 use soup::draw::Draw;
 use soup::structures::{Structures, tests_per_ray};
@@ -39,7 +40,7 @@ fn nothing_is_never_hit() {
     let soup = Soup::default();
     let all = Structures::build(&soup);
     assert_eq!(all.closest(&soup, &down(0.0, 0.0), FORWARD), None);
-    assert_eq!(all.bvh.build_stats().leaves, 0);
+    assert_eq!(all.bvh().build_stats().leaves, 0);
     assert_eq!(all.closest(&soup, &Ray::new(DVec3::NAN, DVec3::NAN), FORWARD), None);
 }
 
@@ -49,7 +50,7 @@ fn one_primitive_is_hit() {
     let all = Structures::build(&soup);
     assert_eq!(all.closest(&soup, &down(0.5, 0.5), FORWARD).unwrap().t, 9.0);
     assert_eq!(all.closest(&soup, &down(2.0, 0.5), FORWARD), None);
-    assert_eq!((all.bvh.build_stats().nodes, all.bvh.build_stats().leaves), (0, 1));
+    assert_eq!((all.bvh().build_stats().nodes, all.bvh().build_stats().leaves), (0, 1));
 }
 
 #[test]
@@ -87,9 +88,9 @@ fn equal_t_goes_to_the_lower_instance_before_the_lower_primitive() {
 fn identical_centroids_are_halved_into_small_leaves() {
     let soup = Soup(vec![Solid::Ghost(Aabb::new(DVec3::ONE, DVec3::splat(2.0))); 200_000]);
     let all = Structures::build(&soup);
-    let stats = all.bvh.build_stats();
+    let stats = all.bvh().build_stats();
     assert!(stats.leaves >= 200_000 / 8 && stats.max_depth <= 16, "{stats:?}");
-    let grid = all.grid.build_stats();
+    let grid = all.grid().build_stats();
     assert!(grid.references <= 17 * 200_000, "{grid:?}");
 
     // The same centroid, but all of different size.
@@ -105,13 +106,13 @@ fn flat_scenes_are_divided_along_the_plane() {
     for flat in [|x, z| DVec3::new(x, 0.0, z), |x, z| DVec3::new(x, z, 0.0), |x, z| DVec3::new(-3.0, x, z)] {
         let soup = Soup(sheet(40, flat).collect());
         let all = Structures::build(&soup);
-        let resolution = all.grid.resolution();
+        let resolution = all.grid().resolution();
         assert!(resolution.contains(&1) && resolution.iter().max() > Some(&40), "{resolution:?}");
         let world = Aabb::from_points(soup.0.iter().filter_map(Solid::bounds).flat_map(|b| b.corners()));
         let rays = rays_at(&world, 500);
         let n_hits = rays.iter().filter(|ray| all.closest(&soup, ray, FORWARD).is_some()).count();
         assert!(n_hits > 490, "{n_hits}");
-        assert!(tests_per_ray(&all.bvh, &soup, &rays) < 12.0 && tests_per_ray(&all.grid, &soup, &rays) < 40.0);
+        assert!(tests_per_ray(all.bvh(), &soup, &rays) < 12.0 && tests_per_ray(all.grid(), &soup, &rays) < 40.0);
         // Within the plane: every triangle is seen edge-on, and every cell wall too.
         let inside = Ray::new(world.min, world.extent());
         all.closest(&soup, &inside, FORWARD);
@@ -122,13 +123,13 @@ fn flat_scenes_are_divided_along_the_plane() {
 fn scenes_on_a_line_are_divided_along_it() {
     let soup = Soup((0..1000).map(|i| unit_box(DVec3::new(0.0, 0.0, 3.0 * f64::from(i)))).collect());
     let all = Structures::build(&soup);
-    assert!(all.grid.resolution()[2] > 500, "{:?}", all.grid.resolution());
+    assert!(all.grid().resolution()[2] > 500, "{:?}", all.grid().resolution());
     let along = Ray::new(DVec3::new(0.5, 0.5, 1e4), DVec3::NEG_Z);
     assert_eq!(all.closest(&soup, &along, FORWARD).unwrap().primitive, 999);
     let opposite = Ray::new(DVec3::new(0.5, 0.5, -1e4), DVec3::Z);
     for ray in [along, opposite] {
         // The near end comes first and hides the rest, whichever end that is.
-        assert!(tests_per_ray(&all.bvh, &soup, &[ray]) < 9.0 && tests_per_ray(&all.grid, &soup, &[ray]) < 9.0);
+        assert!(tests_per_ray(all.bvh(), &soup, &[ray]) < 9.0 && tests_per_ray(all.grid(), &soup, &[ray]) < 9.0);
     }
     for i in 0..1000 {
         let hit = all.closest(&soup, &down(0.5, 3.0 * f64::from(i) + 0.5), FORWARD).unwrap();
@@ -152,7 +153,7 @@ fn a_teapot_in_a_stadium_costs_the_tree_little() {
     for ray in &rays {
         all.closest(&soup, ray, FORWARD);
     }
-    let (tree, grid) = (tests_per_ray(&all.bvh, &soup, &rays), tests_per_ray(&all.grid, &soup, &rays));
+    let (tree, grid) = (tests_per_ray(all.bvh(), &soup, &rays), tests_per_ray(all.grid(), &soup, &rays));
     println!("teapot in a stadium: {tree} tests per ray in the tree, {grid} in the grid");
     assert!(tree < 10.0, "{tree}");
 }
@@ -165,7 +166,7 @@ fn trees_over_powers_of_two_stay_shallow() {
     let two_sided = Soup((-140..120).flat_map(|i| [exp2(i), -exp2(i)]).flat_map(|x| [at(x); 100]).collect());
     for (soup, least_depth) in [(one_sided, 10), (two_sided, 45)] {
         let all = Structures::build(&soup);
-        let depth = all.bvh.build_stats().max_depth;
+        let depth = all.bvh().build_stats().max_depth;
         assert!((least_depth..=60).contains(&depth), "depth {depth}");
         for i in -140..0 {
             all.closest(&soup, &Ray::new(DVec3::new(exp2(i), 1.0, 0.0), DVec3::NEG_Y), FORWARD).unwrap();
@@ -237,9 +238,9 @@ fn unbounded_primitives_are_found_behind_and_before_others() {
     soup.0.insert(10, Solid::Ground { height: 0.0 });
     soup.0.push(Solid::Ground { height: 0.0 });
     let all = Structures::build(&soup);
-    assert_eq!(all.bvh.build_stats().unbounded, 2);
-    assert_eq!(all.grid.build_stats().unbounded, 2);
-    assert_eq!(all.linear.build_stats().unbounded, 2);
+    assert_eq!(all.bvh().build_stats().unbounded, 2);
+    assert_eq!(all.grid().build_stats().unbounded, 2);
+    assert_eq!(all.linear().build_stats().unbounded, 2);
     let mut grounds = 0;
     for ray in rays_at(&Aabb::new(DVec3::splat(-1.0), DVec3::ONE), 500) {
         let hit = all.closest(&soup, &ray, FORWARD);
@@ -260,7 +261,8 @@ fn rays_in_walls_and_through_corners_of_cells_miss_nothing() {
     let mut all = Structures::build(&soup);
     let directions = [-1.0, -0.0, 0.0, 1.0, 0.5];
     for n in [8, 4, 7] {
-        all.grid = UniformGrid::with_resolution(&soup, [n; 3]).unwrap();
+        all.0.retain(|structure| structure.kind() != StructureKind::Grid);
+        all.0.push(AnyStructure::Grid(UniformGrid::with_resolution(&soup, [n; 3]).unwrap()));
         for i in 0..125 {
             let direction = DVec3::new(directions[i % 5], directions[i / 5 % 5], directions[i / 25]);
             for corner in [DVec3::splat(4.0), DVec3::new(0.0, 3.0, 8.0), DVec3::new(1.0, 2.5, 8.0)] {
@@ -316,7 +318,7 @@ fn culling_is_as_good_far_from_the_origin_as_at_it() {
         for ray in &rays {
             all.closest(&soup, ray, FORWARD);
         }
-        let (tree, grid) = (tests_per_ray(&all.bvh, &soup, &rays), tests_per_ray(&all.grid, &soup, &rays));
+        let (tree, grid) = (tests_per_ray(all.bvh(), &soup, &rays), tests_per_ray(all.grid(), &soup, &rays));
         println!("offset {offset}: {tree} tests per ray in the tree, {grid} in the grid");
         assert!(tree < 12.0 && grid < 40.0, "offset {offset}: {tree} {grid}");
     }
@@ -326,27 +328,27 @@ fn culling_is_as_good_far_from_the_origin_as_at_it() {
 fn memory_is_what_the_parts_add_up_to() {
     let soup = Soup::spheres(10_000, &mut Draw::new(2));
     let all = Structures::build(&soup);
-    let (tree, grid) = (all.bvh.build_stats(), all.grid.build_stats());
+    let (tree, grid) = (all.bvh().build_stats(), all.grid().build_stats());
     assert_eq!(tree.references, 10_000);
     assert_eq!(tree.leaves, tree.nodes + 1);
     let tree_bytes = 64 * tree.nodes + 4 * tree.references;
-    assert!((tree_bytes..tree_bytes + 512).contains(&all.bvh.memory()), "{} {tree:?}", all.bvh.memory());
-    assert!(all.bvh.memory() < 64 * 10_000);
+    assert!((tree_bytes..tree_bytes + 512).contains(&all.bvh().memory()), "{} {tree:?}", all.bvh().memory());
+    assert!(all.bvh().memory() < 64 * 10_000);
     let grid_bytes = 4 * (grid.nodes + 1 + grid.references);
-    assert!((grid_bytes..grid_bytes + 512).contains(&all.grid.memory()), "{} {grid:?}", all.grid.memory());
-    assert!(all.linear.memory() < 64);
+    assert!((grid_bytes..grid_bytes + 512).contains(&all.grid().memory()), "{} {grid:?}", all.grid().memory());
+    assert!(all.linear().memory() < 64);
 }
 
 #[test]
 fn structures_notice_that_primitives_have_changed() {
     let mut soup = Soup::spheres(300, &mut Draw::new(1));
     let all = Structures::build(&soup);
-    let verdicts = |soup: &Soup| [all.bvh.validate(soup), all.grid.validate(soup)];
+    let verdicts = |soup: &Soup| [all.bvh().validate(soup), all.grid().validate(soup)];
 
     let last = soup.0.pop().unwrap();
     let fewer = Violation::Count { built: 300, given: 299 };
     assert_eq!(verdicts(&soup), [Err(fewer); 2]);
-    assert_eq!(all.linear.validate(&soup), Err(fewer));
+    assert_eq!(all.linear().validate(&soup), Err(fewer));
     soup.0.push(Solid::Ground { height: 0.0 });
     assert_eq!(verdicts(&soup), [Err(Violation::Misplaced { primitive: 299 }); 2]);
     soup.0[299] = Solid::Box(Aabb::new(DVec3::splat(5.0), DVec3::splat(6.0)));
@@ -363,8 +365,8 @@ fn batches_equal_single_queries() {
         rays_at(&Aabb::new(DVec3::splat(-1.0), DVec3::ONE), 100).into_iter().map(|ray| (ray, FORWARD)).collect();
     let mut hits = vec![None; 100];
     let mut blocked = vec![false; 100];
-    all.bvh.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
-    all.bvh.occluded_batch(&soup, &rays, &mut blocked, &mut NoProbe);
+    all.bvh().closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
+    all.bvh().occluded_batch(&soup, &rays, &mut blocked, &mut NoProbe);
     for (i, (ray, span)) in rays.iter().enumerate() {
         assert_eq!(hits[i], all.closest(&soup, ray, *span));
         assert_eq!(blocked[i], hits[i].is_some());

@@ -4,7 +4,7 @@
 
 mod soup;
 
-use rt_accel::{Aabb, Accelerator, Bvh, Counters, DVec3, Hit, Linear, NoProbe, Primitives, UniformGrid};
+use rt_accel::{Aabb, Accelerator, Bvh, Counters, DVec3, Hit, Linear, NoProbe, Primitives, Structure, UniformGrid};
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
 use soup::{Solid, Soup};
@@ -21,7 +21,7 @@ struct Outcome {
     tested: f64,
 }
 
-fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, seed: u64) -> Outcome {
+fn compare<A: Structure>(name: &str, structure: &A, soup: &Soup, seed: u64) -> Outcome {
     let linear = Linear::build(soup).unwrap();
     let world = Aabb::from_points(soup.0.iter().filter_map(Solid::bounds).flat_map(|bounds| [bounds.min, bounds.max]));
     let mut draw = Draw::new(seed);
@@ -60,7 +60,7 @@ fn scenes(seed: u64) -> Vec<(String, Soup)> {
     scenes
 }
 
-fn compare_all<A: Accelerator>(name: &str, most_tested: f64, build: impl Fn(&Soup) -> A) {
+fn compare_all<A: Structure>(name: &str, most_tested: f64, build: impl Fn(&Soup) -> A) {
     let seed = Draw::run_seed();
     println!("{name}: seed {seed}");
     let mut total = 0;

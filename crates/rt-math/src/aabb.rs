@@ -13,6 +13,7 @@ const PAD: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// A closed axis-aligned box. Empty when `min > max` on any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {
     /// Least corner.
     pub min: DVec3,
@@ -69,6 +70,20 @@ impl Aabb {
     #[inline]
     pub fn encloses(&self, other: &Self) -> bool {
         self.min.cmple(other.min).all() && other.max.cmple(self.max).all()
+    }
+
+    /// True if the closed boxes have a point in common. A NaN has none.
+    #[inline]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
+    /// Square of the distance from a point to the nearest point of the box; 0 inside. Monotone, also in its rounding:
+    /// never greater for a larger box.
+    #[inline]
+    pub fn distance_squared(&self, point: DVec3) -> f64 {
+        let outside = (self.min - point).max(point - self.max).max(DVec3::ZERO);
+        outside.x * outside.x + outside.y * outside.y + outside.z * outside.z
     }
 
     /// The middle of the box. Meaningless for an empty box.
@@ -198,6 +213,22 @@ mod tests {
         assert_eq!(Aabb::EMPTY.surface_area(), 0.0);
         assert!(Aabb::EMPTY.is_empty());
         assert!(Aabb::new(DVec3::NAN, DVec3::ONE).is_empty());
+    }
+
+    #[test]
+    fn touching_boxes_overlap_and_empty_ones_do_not() {
+        let beside = Aabb::new(DVec3::X, DVec3::new(2.0, 1.0, 1.0));
+        assert!(UNIT.overlaps(&beside) && beside.overlaps(&UNIT));
+        let above = Aabb::new(DVec3::splat(1.0f64.next_up()), DVec3::splat(2.0));
+        assert!(!UNIT.overlaps(&above) && !above.overlaps(&UNIT));
+        assert!(!UNIT.overlaps(&Aabb::EMPTY) && !UNIT.overlaps(&Aabb::new(DVec3::NAN, DVec3::NAN)));
+    }
+
+    #[test]
+    fn distances_to_a_box() {
+        assert_eq!(UNIT.distance_squared(DVec3::splat(0.5)), 0.0);
+        assert_eq!(UNIT.distance_squared(DVec3::new(3.0, 0.5, -1.0)), 5.0);
+        assert_eq!(Aabb::EMPTY.distance_squared(DVec3::ZERO), f64::INFINITY);
     }
 
     #[test]

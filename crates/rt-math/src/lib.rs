@@ -10,7 +10,8 @@
 //!
 //! **Owns** [`Ray`], [`Interval`], [`Aabb`] and its slab test, [`Transform`] (an affine map kept in both
 //! directions), [`Rgb`], [`Frame`], the statistics ([`Probe`], [`Counters`]), the hash that all random numbers come
-//! from ([`random`]), and the contracts [`Primitives`], [`Accelerator`] and [`Sampler`].
+//! from ([`random`]), and the contracts [`Primitives`], [`NearestPoint`], [`Accelerator`] and
+//! [`Sampler`].
 //! **Does not own** any shape, structure, light or camera.
 //!
 //! Everything is `f64`. Functions whose last bit differs between platforms come from [`transcendental`].
@@ -38,6 +39,7 @@ pub mod float;
 mod frame;
 mod hit;
 mod interval;
+mod nearest_point;
 mod primitives;
 mod probe;
 pub mod random;
@@ -53,6 +55,7 @@ pub use decide::{decide, decide_occluded, own_box};
 pub use frame::Frame;
 pub use hit::Hit;
 pub use interval::Interval;
+pub use nearest_point::NearestPoint;
 pub use primitives::{LeafLayout, Primitives};
 pub use probe::{Counters, NoProbe, Probe, RayCounts, RayKind, Tally};
 pub use ray::Ray;

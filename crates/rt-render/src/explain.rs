@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use rt_accel::{AnyStructure, Structure as _};
 use rt_geometry::Shape;
 use rt_scene_io::{Accel, Integrator};
 use rt_shading::Texture;
@@ -9,7 +10,6 @@ use rt_shading::Texture;
 use crate::{
     RenderPlan,
     plan::World,
-    structure::Structure,
     world::{Levels, Part, PartGeometry},
 };
 
@@ -217,15 +217,19 @@ impl RenderPlan<'_> {
 
     fn structures(&self) -> Vec<String> {
         let auto = self.scene.settings.accel == Accel::Auto;
-        let line = |level: &str, structure: &Structure, primitives: usize| {
+        let line = |level: &str, structure: &AnyStructure, primitives: usize| {
             let stats = structure.build_stats();
             let why = match (auto, structure) {
                 (false, _) => "as asked",
-                (true, Structure::Linear(_)) => "few primitives: asking each is faster than walking a tree",
+                (true, AnyStructure::Linear(_)) => "few primitives: asking each is faster than walking a tree",
                 (true, _) => "many primitives",
             };
             let primitives = count(primitives, "primitive", "primitives");
-            format!("{level}: {} over {primitives}, {} ({why})", structure.name(), count(stats.nodes, "node", "nodes"))
+            format!(
+                "{level}: {} over {primitives}, {} ({why})",
+                structure.kind().name(),
+                count(stats.nodes, "node", "nodes")
+            )
         };
         match &self.world {
             World::Spheres(world, structure) => vec![line("structure", structure, world.materials.len())],
@@ -253,8 +257,8 @@ impl RenderPlan<'_> {
         let whitted = self.integrator == Integrator::Whitted;
         let lit = !self.appearance.lights.is_empty();
         let n = &self.needs;
-        let linear = matches!(&self.world, World::Spheres(_, Structure::Linear(_)))
-            || matches!(&self.world, World::Parts(top, _) if matches!(top.structure, Structure::Linear(_)));
+        let linear = matches!(&self.world, World::Spheres(_, AnyStructure::Linear(_)))
+            || matches!(&self.world, World::Parts(top, _) if matches!(top.structure, AnyStructure::Linear(_)));
         let geometry = [
             (triangles == 0, "triangles", "there are none"),
             (

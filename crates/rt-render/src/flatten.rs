@@ -8,8 +8,7 @@ use rt_math::{Aabb, Transform};
 use rt_scene_io::{Accel, Content, Group, GroupId, Integrator, MeshId, Node, Scene};
 
 use crate::{
-    RenderError,
-    structure::Structure,
+    RenderError, structure,
     world::{Assembly, Levels, MeshLevel, Part, PartGeometry, Parts},
 };
 
@@ -107,7 +106,7 @@ impl<'s> Flattener<'s> {
             self.number(&mut parts)?;
         }
         let set = Parts { parts: &parts, levels: &self.levels };
-        let structure = Structure::build(self.accel, &set).map_err(|source| {
+        let structure = structure::build(self.accel, &set).map_err(|source| {
             let object = match source {
                 BuildError::BadBounds { index, .. } => parts[index as usize].name.to_string(),
                 _ => self.scene.name.clone(),
@@ -246,7 +245,7 @@ impl<'s> Flattener<'s> {
         let level = match self.mesh_levels[id.0 as usize] {
             Some(level) => level,
             None => {
-                let structure = Structure::build(self.accel, &*named.mesh)
+                let structure = structure::build(self.accel, &*named.mesh)
                     .map_err(|source| RenderError::Build { object: named.name.clone(), source })?;
                 let level = self.levels.meshes.len() as u32;
                 self.levels.meshes.push(MeshLevel { mesh: Arc::clone(&named.mesh), structure });

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use rt_accel::AnyStructure;
 use rt_camera::{Camera, CameraSettings, Filter, PixelSampler, SamplePattern};
 use rt_geometry::{Shape, Spheres};
 use rt_math::{Aabb, DVec2};
@@ -11,7 +12,6 @@ use rt_shading::{Appearance, FirstHitView, Needs};
 use crate::{
     RenderError,
     flatten::flatten,
-    structure::Structure,
     trace::SphereWorld,
     world::{Assembly, Levels, PartGeometry},
 };
@@ -53,7 +53,7 @@ pub(crate) enum View {
 /// The world on one of two forms.
 #[derive(Debug)]
 pub(crate) enum World {
-    Spheres(SphereWorld, Structure),
+    Spheres(SphereWorld, AnyStructure),
     Parts(Assembly, Levels),
 }
 

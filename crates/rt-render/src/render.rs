@@ -1,8 +1,9 @@
 //! The loop over tiles, pixels and samples.
 
-use std::{sync::mpsc, time::Instant};
+use std::{marker::PhantomData, sync::mpsc, time::Instant};
 
 use rayon::prelude::*;
+use rt_accel::{AnyStructure, StructureVisitor};
 use rt_camera::{Camera, Film, Filter, PixelSampler};
 use rt_math::{Accelerator, Counters, DVec2, Probe, Ray, RayCounts, RayKind, Rgb, Sampler, Tally};
 use rt_scene_io::Integrator;
@@ -11,7 +12,6 @@ use rt_shading::{FirstHitView, Seen, ShadingCounts, Tracer, Whitted};
 use crate::{
     RenderError, RenderPlan, Statistics,
     plan::{View, World},
-    structure::Structure,
     tiles::{Tile, tiles},
     trace::{Surfaces, WorldTracer},
     world::Parts,
@@ -150,12 +150,8 @@ impl RenderPlan<'_> {
         }
     }
 
-    fn with_world<W: Surfaces, S: Countable>(&self, world: &W, structure: &Structure, tile: Tile) -> Finished {
-        match structure {
-            Structure::Linear(s) => self.with_structure::<_, _, S>(world, s, tile),
-            Structure::Grid(s) => self.with_structure::<_, _, S>(world, s, tile),
-            Structure::Bvh(s) => self.with_structure::<_, _, S>(world, s, tile),
-        }
+    fn with_world<W: Surfaces, S: Countable>(&self, world: &W, structure: &AnyStructure, tile: Tile) -> Finished {
+        structure.accept(TileOf::<W, S> { plan: self, world, tile, probe: PhantomData })
     }
 
     fn with_structure<W: Surfaces, A: Accelerator, S: Countable>(
@@ -205,6 +201,22 @@ impl RenderPlan<'_> {
             }
         }
         finished
+    }
+}
+
+/// A tile of a picture of some world, whatever the structure.
+struct TileOf<'a, W, S> {
+    plan: &'a RenderPlan<'a>,
+    world: &'a W,
+    tile: Tile,
+    probe: PhantomData<S>,
+}
+
+impl<W: Surfaces, S: Countable> StructureVisitor for TileOf<'_, W, S> {
+    type Output = Finished;
+
+    fn visit<T: rt_accel::Structure>(self, structure: &T) -> Finished {
+        self.plan.with_structure::<_, _, S>(self.world, structure, self.tile)
     }
 }
 

@@ -5,10 +5,9 @@
 
 use std::sync::Arc;
 
+use rt_accel::AnyStructure;
 use rt_geometry::{Placed, Shape, ShapeHit, SurfaceInteraction, SurfaceNeeds, TriangleMesh};
 use rt_math::{Aabb, Accelerator, Hit, Interval, LeafLayout, Primitives, Probe, Ray, Transform};
-
-use crate::structure::Structure;
 
 /// Something that stands somewhere, in the space of its assembly.
 #[derive(Debug)]
@@ -39,14 +38,14 @@ pub(crate) enum PartGeometry {
 #[derive(Debug)]
 pub(crate) struct MeshLevel {
     pub(crate) mesh: Arc<TriangleMesh>,
-    pub(crate) structure: Structure,
+    pub(crate) structure: AnyStructure,
 }
 
 /// A list of parts with the structure over them.
 #[derive(Debug)]
 pub(crate) struct Assembly {
     pub(crate) parts: Vec<Part>,
-    pub(crate) structure: Structure,
+    pub(crate) structure: AnyStructure,
 }
 
 /// Everything below the upper level.

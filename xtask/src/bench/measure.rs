@@ -3,14 +3,11 @@
 use std::time::Instant;
 
 use rt_accel::{Accelerator, Bvh, NoProbe};
+use rt_accel::{AnyStructure, Structure as _, StructureKind};
 use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
 use rt_math::{Hit, Primitives, Ray};
 
-use super::{
-    BuildFigure, Figures, Options, Scene, Seconds, TraceFigure, rays,
-    rays::RaySet,
-    structure::{Kind, Structure},
-};
+use super::{BuildFigure, Figures, Options, Scene, Seconds, TraceFigure, rays, rays::RaySet, structure::count_hits};
 use crate::error::TaskError;
 
 /// Brute force gets as many rays as make about this many primitive tests.
@@ -35,14 +32,14 @@ fn build<P: Primitives>(
     scene: &Scene<P>,
     options: &Options,
     figures: &mut Figures,
-) -> Result<Vec<(Kind, Structure)>, TaskError> {
+) -> Result<Vec<(StructureKind, AnyStructure)>, TaskError> {
     let mut built = Vec::new();
-    for kind in Kind::ALL {
+    for kind in [StructureKind::Linear, StructureKind::Grid, StructureKind::Bvh] {
         let mut seconds = Vec::new();
         let mut last = None;
         for _ in 0..options.repeats {
             let started = Instant::now();
-            let structure = Structure::build(kind, &scene.primitives).map_err(not_built)?;
+            let structure = AnyStructure::build(kind, &scene.primitives).map_err(not_built)?;
             seconds.push(started.elapsed().as_secs_f64());
             last = Some(structure);
         }
@@ -81,7 +78,7 @@ fn ray_sets<P: Primitives>(
 /// Structures take turns; the first round only warms up.
 fn trace<P: Primitives>(
     scene: &Scene<P>,
-    structures: &[(Kind, Structure)],
+    structures: &[(StructureKind, AnyStructure)],
     set: &RaySet,
     repeats: u32,
 ) -> Vec<TraceFigure> {
@@ -90,13 +87,13 @@ fn trace<P: Primitives>(
     for round in 0..=repeats {
         for (index, (kind, structure)) in structures.iter().enumerate() {
             let started = Instant::now();
-            hits[index] = structure.trace(&scene.primitives, set, ray_count(*kind, scene, set));
+            hits[index] = count_hits(structure, &scene.primitives, set, ray_count(*kind, scene, set));
             if round > 0 {
                 seconds[index].push(started.elapsed().as_secs_f64());
             }
         }
     }
-    let figure = |((kind, _), (seconds, hits)): (&(Kind, Structure), (Vec<f64>, u64))| TraceFigure {
+    let figure = |((kind, _), (seconds, hits)): (&(StructureKind, AnyStructure), (Vec<f64>, u64))| TraceFigure {
         scene: scene.name,
         structure: kind.name(),
         kind: set.kind,
@@ -107,16 +104,22 @@ fn trace<P: Primitives>(
     structures.iter().zip(seconds.into_iter().zip(hits)).map(figure).collect()
 }
 
-fn ray_count<P: Primitives>(kind: Kind, scene: &Scene<P>, set: &RaySet) -> usize {
-    let affordable = if kind == Kind::Linear { (LINEAR_TESTS / scene.primitives.len()).max(1) } else { usize::MAX };
+fn ray_count<P: Primitives>(kind: StructureKind, scene: &Scene<P>, set: &RaySet) -> usize {
+    let affordable =
+        if kind == StructureKind::Linear { (LINEAR_TESTS / scene.primitives.len()).max(1) } else { usize::MAX };
     set.rays.len().min(affordable)
 }
 
 /// A figure means nothing if the answers differ: on the rays that brute force traced, all must hit as often.
-fn check<P: Primitives>(scene: &Scene<P>, structures: &[(Kind, Structure)], set: &RaySet) -> Result<(), TaskError> {
-    let count = ray_count(Kind::Linear, scene, set);
-    let hits = |structure: &Structure| structure.trace(&scene.primitives, set, count);
-    let expected = structures.iter().find(|(kind, _)| *kind == Kind::Linear).map(|(_, structure)| hits(structure));
+fn check<P: Primitives>(
+    scene: &Scene<P>,
+    structures: &[(StructureKind, AnyStructure)],
+    set: &RaySet,
+) -> Result<(), TaskError> {
+    let count = ray_count(StructureKind::Linear, scene, set);
+    let hits = |structure: &AnyStructure| count_hits(structure, &scene.primitives, set, count);
+    let expected =
+        structures.iter().find(|(kind, _)| *kind == StructureKind::Linear).map(|(_, structure)| hits(structure));
     for (kind, structure) in structures {
         if expected.is_some_and(|expected| hits(structure) != expected) {
             let (scene, rays, structure) = (scene.name, set.kind, kind.name());

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use super::{Figures, TraceFigure, structure::Kind};
+use rt_accel::StructureKind;
+
+use super::{Figures, TraceFigure};
 
 /// Two tables: rays per second, and builds.
 pub(super) fn markdown(figures: &Figures) -> String {
@@ -10,10 +12,12 @@ pub(super) fn markdown(figures: &Figures) -> String {
         "Millions of rays per second on one thread (least time), and as a ratio to `bvh`.\n\n\
          | scene | rays | linear | grid | bvh | linear : bvh | grid : bvh |\n|---|---|---|---|---|---|---|\n",
     );
-    for bvh in figures.traces.iter().filter(|figure| figure.structure == Kind::Bvh.name()) {
-        let of =
-            |kind: Kind| figures.traces.iter().find(|figure| same_rays(figure, bvh) && figure.structure == kind.name());
-        let [linear, grid, own] = Kind::ALL.map(|kind| of(kind).map_or(f64::NAN, TraceFigure::mega_rays));
+    for bvh in figures.traces.iter().filter(|figure| figure.structure == StructureKind::Bvh.name()) {
+        let of = |kind: StructureKind| {
+            figures.traces.iter().find(|figure| same_rays(figure, bvh) && figure.structure == kind.name())
+        };
+        let [linear, grid, own] = [StructureKind::Linear, StructureKind::Grid, StructureKind::Bvh]
+            .map(|kind| of(kind).map_or(f64::NAN, TraceFigure::mega_rays));
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,

@@ -6,11 +6,15 @@ mod split;
 mod traverse;
 mod validate;
 
+use core::ops::ControlFlow;
+
 use glam::DVec3;
-use rt_math::Primitives;
+use rt_math::{Aabb, Primitives, Probe};
 
 use crate::own_boxes::OwnBoxes;
-use crate::{BuildError, BuildStats};
+use crate::ray_query::is_finite;
+use crate::structure::accelerator_by_walk;
+use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
 use node::{Child, Node, NodeBox};
 use split::Item;
 
@@ -70,15 +74,39 @@ impl Bvh {
         })
     }
 
-    /// Bytes held, on the heap and off it.
-    pub fn memory(&self) -> usize {
+    #[inline]
+    fn leaf(&self, child: Child) -> &[u32] {
+        &self.indices[child.first as usize..][..child.count as usize]
+    }
+}
+
+impl Structure for Bvh {
+    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+        &self,
+        primitives: &P,
+        query: &mut Q,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
+        query.offer_all(primitives, &self.unbounded, probe)?;
+        if is_finite(&query.ray().ray) {
+            self.descend(primitives, query, probe)
+        } else {
+            query.offer_all(primitives, &self.indices, probe)
+        }
+    }
+
+    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        query.offer_all(&self.unbounded)?;
+        self.descend_region(query)
+    }
+
+    fn memory(&self) -> usize {
         size_of::<Self>()
             + self.nodes.capacity() * size_of::<Node>()
             + (self.indices.capacity() + self.unbounded.capacity()) * size_of::<u32>()
     }
 
-    /// Size and shape of the tree.
-    pub fn build_stats(&self) -> BuildStats {
+    fn build_stats(&self) -> BuildStats {
         BuildStats {
             primitives: self.indices.len() + self.unbounded.len(),
             unbounded: self.unbounded.len(),
@@ -89,8 +117,20 @@ impl Bvh {
         }
     }
 
-    #[inline]
-    fn leaf(&self, child: Child) -> &[u32] {
-        &self.indices[child.first as usize..][..child.count as usize]
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+        self.check(primitives)
+    }
+
+    fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
+        let mut pending = vec![(self.root, 0)];
+        while let Some((child, depth)) = pending.pop() {
+            let Some(node) = self.nodes.get(child.first as usize).filter(|_| child.count == 0) else { continue };
+            for side in [1, 0] {
+                visit(node.child_box(side).at(self.centre), depth + 1);
+                pending.push((node.children[side], depth + 1));
+            }
+        }
     }
 }
+
+accelerator_by_walk!(Bvh);

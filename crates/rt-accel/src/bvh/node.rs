@@ -44,6 +44,12 @@ impl NodeBox {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    /// The box in world space, around all `aabb` that it was made of: as those are made of `f64`, rounding the sums
+    /// cannot pass them.
+    pub(super) fn at(&self, centre: DVec3) -> Aabb {
+        Aabb::new(centre + self.min.as_dvec3(), centre + self.max.as_dvec3())
+    }
+
     /// Half of the surface area: finite for any `f32` corners, meaningless for an empty box.
     pub(super) fn half_area(&self) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.max[axis]) - f64::from(self.min[axis]));
@@ -250,7 +256,7 @@ mod tests {
             let own = Aabb::from_points([point(0), point(1)]).padded();
             let centre = point(2);
             let ray = hostile_ray(i, &own, scale + offset);
-            if !(own.is_finite() && centre.is_finite() && crate::nearest::is_finite(&ray)) {
+            if !(own.is_finite() && centre.is_finite() && crate::ray_query::is_finite(&ray)) {
                 continue;
             }
             let slab_ray = SlabRay::new(&ray);

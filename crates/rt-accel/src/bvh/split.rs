@@ -5,9 +5,7 @@ use core::cmp::Ordering;
 use glam::Vec3A;
 
 use super::node::NodeBox;
-
-/// Deepest leaf. The traversal stack must hold one entry per level.
-pub(super) const MAX_DEPTH: u32 = 60;
+use crate::bounded_depth::leaves_room_for_halving;
 
 /// Most primitives in a leaf, unless there are that few in all.
 pub(super) const MAX_LEAF: usize = 8;
@@ -65,11 +63,6 @@ pub(super) fn split(items: &mut [Item], bounds: &NodeBox, depth: u32) -> Option<
         }
         None => halve(items, &centroids),
     })
-}
-
-/// True if halving can still finish the job after an arbitrarily lopsided cut at this depth.
-fn leaves_room_for_halving(count: usize, depth: u32) -> bool {
-    depth + 1 + count.next_power_of_two().ilog2() <= MAX_DEPTH
 }
 
 /// Cuts at the median centroid of the widest axis; by order alone if all centroids coincide.

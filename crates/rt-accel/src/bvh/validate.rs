@@ -5,18 +5,14 @@ use rt_math::{Aabb, Primitives, own_box};
 
 use super::Bvh;
 use super::node::{Child, NodeBox};
-use super::split::MAX_DEPTH;
 use crate::Violation;
+use crate::bounded_depth::MAX_DEPTH;
 use crate::own_boxes::validate_lists;
 
 impl Bvh {
-    /// Checks that the tree fits the primitives: every bounded one is in exactly one leaf, all boxes above it contain
-    /// its own box, and no leaf is too deep for the traversal stack. O(n).
-    ///
-    /// # Errors
-    ///
-    /// The first [`Violation`] found.
-    pub fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+    /// Every bounded primitive is in exactly one leaf, all boxes above it contain its own box, and no leaf is too deep
+    /// for the traversal stack.
+    pub(super) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
         let count = self.indices.len() + self.unbounded.len();
         validate_lists(primitives, count as u32, &self.unbounded)?;
         let mut is_placed = vec![false; count];
@@ -98,6 +94,7 @@ fn is_at_most(plane: f32, b: f64, c: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Structure;
     use crate::bvh::node::Node;
     use rt_math::{Hit, Interval, Ray};
 

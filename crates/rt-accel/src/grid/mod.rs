@@ -4,11 +4,14 @@ mod axis;
 mod resolution;
 mod walk;
 
-use rt_math::{Aabb, Accelerator, Hit, Interval, Primitives, Probe, Ray, SlabRay, decide_occluded, own_box};
+use core::ops::{ControlFlow, RangeInclusive};
 
-use crate::nearest::{Nearest, any_blocks, is_finite};
+use rt_math::{Aabb, Interval, Primitives, Probe, SlabRay, own_box};
+
 use crate::own_boxes::{OwnBoxes, validate_lists};
-use crate::{BuildError, BuildStats, Violation};
+use crate::ray_query::is_finite;
+use crate::structure::accelerator_by_walk;
+use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
 use axis::Axis;
 use resolution::{MAX_CELLS, cubical, suitable_cells};
 use walk::Walk;
@@ -95,50 +98,9 @@ impl UniformGrid {
         Ok(Self { bounds: boxes.union, axes, starts, indices, unbounded: boxes.unbounded, primitives })
     }
 
-    /// Bytes held, on the heap and off it.
-    pub fn memory(&self) -> usize {
-        let numbers = self.starts.capacity() + self.indices.capacity() + self.unbounded.capacity();
-        size_of::<Self>() + numbers * size_of::<u32>()
-    }
-
-    /// Size and shape of the grid.
-    pub fn build_stats(&self) -> BuildStats {
-        BuildStats {
-            primitives: self.primitives as usize,
-            unbounded: self.unbounded.len(),
-            nodes: self.starts.len() - 1,
-            leaves: self.starts.windows(2).filter(|ends| ends[0] < ends[1]).count(),
-            max_depth: 1,
-            references: self.indices.len(),
-        }
-    }
-
     /// Number of cells along x, y and z.
     pub fn resolution(&self) -> [u32; 3] {
         self.axes.map(|axis| axis.cells)
-    }
-
-    /// Checks that the grid fits the primitives: each bounded one lies within the grid and is listed in every cell
-    /// that its own box touches. O(references).
-    ///
-    /// # Errors
-    ///
-    /// The first [`Violation`] found.
-    pub fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
-        validate_lists(primitives, self.primitives, &self.unbounded)?;
-        for primitive in 0..self.primitives {
-            let Some(own) = own_box(primitives, primitive) else { continue };
-            if !self.bounds.encloses(&own) {
-                return Err(Violation::Outside { primitive });
-            }
-            let [x, y, z] = core::array::from_fn(|axis| self.axes[axis].touched_range(own.min[axis], own.max[axis]));
-            let mut is_listed = true;
-            for_each_in(&self.axes, [x, y, z], |cell| is_listed &= self.list(cell).binary_search(&primitive).is_ok());
-            if !is_listed {
-                return Err(Violation::Misplaced { primitive });
-            }
-        }
-        Ok(())
     }
 
     /// The primitives listed in a cell.
@@ -186,77 +148,185 @@ fn n_references(boxes: &OwnBoxes, axes: &[Axis; 3]) -> u64 {
     boxes.bounded.iter().fold(0, |sum, (_, own)| sum.saturating_add(n_cells(own)))
 }
 
-fn for_each_cell(axes: &[Axis; 3], own: &Aabb, visit: impl FnMut(usize)) {
+fn for_each_cell(axes: &[Axis; 3], own: &Aabb, mut visit: impl FnMut(usize)) {
     let ranges = core::array::from_fn(|axis| axes[axis].insertion_range(own.min[axis], own.max[axis]));
-    for_each_in(axes, ranges, visit);
+    for_each_in(axes, ranges, |_, cell| visit(cell));
 }
 
-fn for_each_in(axes: &[Axis; 3], ranges: [core::ops::RangeInclusive<u32>; 3], mut visit: impl FnMut(usize)) {
+/// Visits cells with their numbers along x, y and z, and in the list of all.
+fn for_each_in(axes: &[Axis; 3], ranges: [RangeInclusive<u32>; 3], mut visit: impl FnMut([u32; 3], usize)) {
     let [x, y, z] = ranges;
     for k in z {
         for j in y.clone() {
             let row = (k as usize * axes[1].cells as usize + j as usize) * axes[0].cells as usize;
             for i in x.clone() {
-                visit(row + i as usize);
+                visit([i, j, k], row + i as usize);
             }
         }
     }
 }
 
-impl Accelerator for UniformGrid {
-    fn closest<P: Primitives, S: Probe>(
+impl Structure for UniformGrid {
+    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
-        ray: &Ray,
-        span: Interval,
+        query: &mut Q,
         probe: &mut S,
-    ) -> Option<Hit> {
-        let mut nearest = Nearest::new(ray, span);
-        nearest.offer_all(primitives, &self.unbounded, probe);
-        match self.passage(&nearest.ray, nearest.span) {
+    ) -> ControlFlow<()> {
+        query.offer_all(primitives, &self.unbounded, probe)?;
+        match self.passage(query.ray(), query.span()) {
             Passage::Missed => {}
             Passage::Inside(inside) => {
-                let ray = nearest.ray;
+                let ray = *query.ray();
                 let mut walk = Walk::new(&self.axes, &ray, inside);
                 loop {
                     probe.node();
-                    nearest.offer_all(primitives, self.list(walk.cell()), probe);
-                    if !walk.advance(nearest.span.max) {
+                    query.offer_all(primitives, self.list(walk.cell()), probe)?;
+                    if !walk.advance(query.span().max) {
                         break;
                     }
                 }
             }
             Passage::Unresolved => {
                 for index in 0..self.primitives {
-                    nearest.offer(primitives, index, probe);
+                    query.offer(primitives, index, probe)?;
                 }
             }
         }
-        nearest.hit
+        ControlFlow::Continue(())
     }
 
-    fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        let ray = SlabRay::new(ray);
-        if any_blocks(primitives, &self.unbounded, &ray, span, probe) {
-            return true;
+    /// Shell by shell around the cell of the focus.
+    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        query.offer_all(&self.unbounded)?;
+        let focus = query.focus();
+        let start = core::array::from_fn(|axis| self.axes[axis].index(focus[axis]));
+        for distance in 0.. {
+            let bounds = query.bounds();
+            if !bounds.overlaps(&self.bounds) {
+                break;
+            }
+            let ranges = core::array::from_fn(|axis| {
+                self.axes[axis].index(bounds.min[axis])..=self.axes[axis].index(bounds.max[axis])
+            });
+            if !self.search_shell(&Shell { start, distance }, &ranges, query)? {
+                break;
+            }
         }
-        match self.passage(&ray, span) {
-            Passage::Missed => false,
-            Passage::Inside(inside) => {
-                let mut walk = Walk::new(&self.axes, &ray, inside);
-                loop {
-                    probe.node();
-                    if any_blocks(primitives, self.list(walk.cell()), &ray, span, probe) {
-                        return true;
-                    }
-                    if !walk.advance(span.max) {
-                        return false;
-                    }
+        ControlFlow::Continue(())
+    }
+
+    fn memory(&self) -> usize {
+        let numbers = self.starts.capacity() + self.indices.capacity() + self.unbounded.capacity();
+        size_of::<Self>() + numbers * size_of::<u32>()
+    }
+
+    fn build_stats(&self) -> BuildStats {
+        BuildStats {
+            primitives: self.primitives as usize,
+            unbounded: self.unbounded.len(),
+            nodes: self.starts.len() - 1,
+            leaves: self.starts.windows(2).filter(|ends| ends[0] < ends[1]).count(),
+            max_depth: 1,
+            references: self.indices.len(),
+        }
+    }
+
+    /// Each bounded primitive lies within the grid and is listed in every cell that its own box touches.
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+        validate_lists(primitives, self.primitives, &self.unbounded)?;
+        for primitive in 0..self.primitives {
+            let Some(own) = own_box(primitives, primitive) else { continue };
+            if !self.bounds.encloses(&own) {
+                return Err(Violation::Outside { primitive });
+            }
+            let [x, y, z] = core::array::from_fn(|axis| self.axes[axis].touched_range(own.min[axis], own.max[axis]));
+            let mut is_listed = true;
+            for_each_in(&self.axes, [x, y, z], |_, cell| {
+                is_listed &= self.list(cell).binary_search(&primitive).is_ok()
+            });
+            if !is_listed {
+                return Err(Violation::Misplaced { primitive });
+            }
+        }
+        Ok(())
+    }
+
+    fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
+        visit(self.bounds, 0);
+        let [x, y, z] = self.resolution();
+        for_each_in(&self.axes, [0..=x - 1, 0..=y - 1, 0..=z - 1], |place, cell| {
+            if !self.list(cell).is_empty() {
+                let corner = |side: u32| {
+                    glam::DVec3::from_array(core::array::from_fn(|axis| self.axes[axis].plane(place[axis] + side)))
+                };
+                visit(Aabb::new(corner(0), corner(1)), 1);
+            }
+        });
+    }
+}
+
+accelerator_by_walk!(UniformGrid);
+
+/// The cells whose numbers differ from those of a starting cell by `distance` on one axis, and by no more on others.
+struct Shell {
+    start: [u32; 3],
+    distance: u32,
+}
+
+impl Shell {
+    /// The part of a range of numbers that is no farther away than the shell.
+    fn reach(&self, axis: usize, range: &RangeInclusive<u32>) -> RangeInclusive<u32> {
+        let (start, distance) = (self.start[axis], self.distance);
+        start.saturating_sub(distance).max(*range.start())..=start.saturating_add(distance).min(*range.end())
+    }
+
+    fn is_on(&self, axis: usize, number: u32) -> bool {
+        self.start[axis].abs_diff(number) == self.distance
+    }
+
+    /// True if cells in the ranges are as far away as the shell, or farther.
+    fn is_needed(&self, ranges: &[RangeInclusive<u32>; 3]) -> bool {
+        (0..3).any(|axis| {
+            let farthest = |number: u32| self.start[axis].abs_diff(number);
+            farthest(*ranges[axis].start()).max(farthest(*ranges[axis].end())) >= self.distance
+        })
+    }
+}
+
+impl UniformGrid {
+    /// Offers what lies in the cells of a shell within the ranges. False if all further shells are out of range.
+    fn search_shell<Q: RegionQuery>(
+        &self,
+        shell: &Shell,
+        ranges: &[RangeInclusive<u32>; 3],
+        query: &mut Q,
+    ) -> ControlFlow<(), bool> {
+        if !shell.is_needed(ranges) {
+            return ControlFlow::Continue(false);
+        }
+        let x_range = shell.reach(0, &ranges[0]);
+        for z in shell.reach(2, &ranges[2]) {
+            for y in shell.reach(1, &ranges[1]) {
+                let is_side = shell.is_on(2, z) || shell.is_on(1, y);
+                let row = (z as usize * self.axes[1].cells as usize + y as usize) * self.axes[0].cells as usize;
+                let mut visit = |x: u32| self.search_cell(row + x as usize, [x, y, z], query);
+                if is_side {
+                    x_range.clone().try_for_each(visit)?;
+                    continue;
                 }
-            }
-            Passage::Unresolved => {
-                (0..self.primitives).any(|index| decide_occluded(primitives, index, &ray, span, probe))
+                // Between the sides of the shell, only the two ends of a row are on it.
+                let ends = [shell.start[0].checked_sub(shell.distance), shell.start[0].checked_add(shell.distance)];
+                ends.into_iter().flatten().filter(|x| x_range.contains(x)).try_for_each(&mut visit)?;
             }
         }
+        ControlFlow::Continue(true)
+    }
+
+    fn search_cell<Q: RegionQuery>(&self, cell: usize, place: [u32; 3], query: &mut Q) -> ControlFlow<()> {
+        for &index in self.list(cell) {
+            query.offer(index, |point| (0..3).all(|axis| self.axes[axis].index(point[axis]) == place[axis]))?;
+        }
+        ControlFlow::Continue(())
     }
 }

@@ -9,7 +9,7 @@ pub(crate) mod draw;
 pub(crate) mod rays;
 pub(crate) mod structures;
 
-use rt_accel::{Aabb, DVec3, Hit, Interval, Primitives, Ray};
+use rt_accel::{Aabb, DVec3, Hit, Interval, NearestPoint, Primitives, Ray};
 use rt_math::SlabRay;
 
 use draw::Draw;
@@ -180,5 +180,19 @@ impl Primitives for Soup {
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
         let t = self.0[index as usize].intersect(ray, span)?;
         Some(Hit { t, instance: 0, primitive: index, uv: [0.0; 2] })
+    }
+}
+
+impl NearestPoint for Soup {
+    /// Some point of the primitive or its box; a plane has one, and ghosts have none.
+    fn nearest_point(&self, index: u32, point: DVec3) -> Option<DVec3> {
+        match self.0[index as usize] {
+            Solid::Sphere { centre, radius } => {
+                Some(centre + (point - centre).normalize_or_zero() * radius.min((point - centre).length()))
+            }
+            Solid::Ground { height } => Some(DVec3::new(point.x, height, point.z)),
+            Solid::Ghost(_) => None,
+            solid => solid.bounds().map(|bounds| point.max(bounds.min).min(bounds.max)),
+        }
     }
 }

@@ -1,45 +1,49 @@
 //! All structures over the same primitives.
 
-use rt_accel::{Accelerator, Bvh, Counters, Hit, Interval, Linear, NoProbe, Primitives, Ray, UniformGrid};
+use rt_accel::{
+    Accelerator, AnyStructure, Bvh, Counters, Hit, Interval, Linear, NoProbe, Primitives, Ray, Structure,
+    StructureKind, UniformGrid,
+};
 
-pub(crate) struct Structures {
-    pub(crate) linear: Linear,
-    pub(crate) grid: UniformGrid,
-    pub(crate) bvh: Bvh,
-}
+/// One of each kind, brute force first.
+pub(crate) struct Structures(pub(crate) Vec<AnyStructure>);
 
 impl Structures {
     /// Builds and validates all of them.
     pub(crate) fn build<P: Primitives>(primitives: &P) -> Self {
-        let all = Self {
-            linear: Linear::build(primitives).expect("a list"),
-            grid: UniformGrid::build(primitives).expect("a grid"),
-            bvh: Bvh::build(primitives).expect("a tree"),
+        let build = |&kind: &StructureKind| {
+            let structure = AnyStructure::build(kind, primitives).expect("a structure");
+            assert_eq!(structure.validate(primitives), Ok(()), "{}", kind.name());
+            structure
         };
-        assert_eq!(all.linear.validate(primitives), Ok(()));
-        assert_eq!(all.grid.validate(primitives), Ok(()));
-        assert_eq!(all.bvh.validate(primitives), Ok(()));
-        all
+        Self(StructureKind::ALL.iter().map(build).collect())
+    }
+
+    pub(crate) fn linear(&self) -> &Linear {
+        self.0.iter().find_map(|s| if let AnyStructure::Linear(s) = s { Some(s) } else { None }).expect("a list")
+    }
+
+    pub(crate) fn grid(&self) -> &UniformGrid {
+        self.0.iter().find_map(|s| if let AnyStructure::Grid(s) = s { Some(s) } else { None }).expect("a grid")
+    }
+
+    pub(crate) fn bvh(&self) -> &Bvh {
+        self.0.iter().find_map(|s| if let AnyStructure::Bvh(s) = s { Some(s) } else { None }).expect("a tree")
     }
 
     /// The answer that all of them agree on.
     pub(crate) fn closest<P: Primitives>(&self, primitives: &P, ray: &Ray, span: Interval) -> Option<Hit> {
-        let expected = self.linear.closest(primitives, ray, span, &mut NoProbe);
-        for (name, found, blocked) in [
-            ("linear", expected, self.linear.occluded(primitives, ray, span, &mut NoProbe)),
-            ("grid", ask(&self.grid, primitives, ray, span), self.grid.occluded(primitives, ray, span, &mut NoProbe)),
-            ("bvh", ask(&self.bvh, primitives, ray, span), self.bvh.occluded(primitives, ray, span, &mut NoProbe)),
-        ] {
+        let expected = self.0[0].closest(primitives, ray, span, &mut NoProbe);
+        for structure in &self.0 {
+            let name = structure.kind().name();
+            let found = structure.closest(primitives, ray, span, &mut NoProbe);
             let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive));
             assert_eq!(key(found), key(expected), "{name}: {ray:?} {span:?}");
+            let blocked = structure.occluded(primitives, ray, span, &mut NoProbe);
             assert_eq!(blocked, expected.is_some(), "{name}, occluded: {ray:?} {span:?}");
         }
         expected
     }
-}
-
-fn ask<A: Accelerator, P: Primitives>(structure: &A, primitives: &P, ray: &Ray, span: Interval) -> Option<Hit> {
-    structure.closest(primitives, ray, span, &mut NoProbe)
 }
 
 /// Primitives offered per ray.

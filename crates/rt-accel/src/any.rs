@@ -1,0 +1,127 @@
+//! Any of the structures, chosen while the program runs.
+
+use core::ops::ControlFlow;
+
+use rt_math::{Aabb, Primitives, Probe};
+
+use crate::structure::accelerator_by_walk;
+use crate::{BuildError, BuildStats, Bvh, Linear, RayQuery, RegionQuery, Structure, UniformGrid, Violation};
+
+/// Something to do with a structure of any type.
+pub trait StructureVisitor {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn visit<T: Structure>(self, structure: &T) -> Self::Output;
+}
+
+/// Lists all structures once, and makes what depends on the list.
+macro_rules! structures {
+    ($($(#[$doc:meta])* $name:ident($structure:ty) = $text:literal,)+) => {
+        /// Which structure.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum StructureKind {
+            $($(#[$doc])* $name,)+
+        }
+
+        impl StructureKind {
+            /// All of them.
+            pub const ALL: &[Self] = &[$(Self::$name),+];
+
+            /// Its short name in lower case.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$name => $text,)+
+                }
+            }
+        }
+
+        /// A structure of a kind that is chosen at run time, at the cost of one `match` per query.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum AnyStructure {
+            $($(#[$doc])* $name($structure),)+
+        }
+
+        impl AnyStructure {
+            /// Builds a structure with the defaults of its kind.
+            ///
+            /// # Errors
+            ///
+            /// As the builder of that kind.
+            pub fn build<P: Primitives>(kind: StructureKind, primitives: &P) -> Result<Self, BuildError> {
+                Ok(match kind {
+                    $(StructureKind::$name => Self::$name(<$structure>::build(primitives)?),)+
+                })
+            }
+
+            /// Hands the structure itself to a visitor: the way to choose once and then query without a `match`.
+            pub fn accept<V: StructureVisitor>(&self, visitor: V) -> V::Output {
+                match self {
+                    $(Self::$name(structure) => visitor.visit(structure),)+
+                }
+            }
+
+            /// What it is.
+            pub const fn kind(&self) -> StructureKind {
+                match self {
+                    $(Self::$name(_) => StructureKind::$name,)+
+                }
+            }
+        }
+
+        impl Structure for AnyStructure {
+            fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+                &self,
+                primitives: &P,
+                query: &mut Q,
+                probe: &mut S,
+            ) -> ControlFlow<()> {
+                match self {
+                    $(Self::$name(structure) => structure.walk(primitives, query, probe),)+
+                }
+            }
+
+            fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+                match self {
+                    $(Self::$name(structure) => structure.search(query),)+
+                }
+            }
+
+            fn memory(&self) -> usize {
+                match self {
+                    $(Self::$name(structure) => structure.memory(),)+
+                }
+            }
+
+            fn build_stats(&self) -> BuildStats {
+                match self {
+                    $(Self::$name(structure) => structure.build_stats(),)+
+                }
+            }
+
+            fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+                match self {
+                    $(Self::$name(structure) => structure.validate(primitives),)+
+                }
+            }
+
+            fn for_each_box(&self, visit: impl FnMut(Aabb, u32)) {
+                match self {
+                    $(Self::$name(structure) => structure.for_each_box(visit),)+
+                }
+            }
+        }
+    };
+}
+
+structures! {
+    /// Brute force.
+    Linear(Linear) = "linear",
+    /// Uniform grid.
+    Grid(UniformGrid) = "grid",
+    /// Binary tree of boxes.
+    Bvh(Bvh) = "bvh",
+}
+
+accelerator_by_walk!(AnyStructure);

@@ -1,0 +1,30 @@
+//! Boxes and nothing else.
+
+use rt_math::{Aabb, Hit, Interval, LeafLayout, Primitives, Ray, SlabRay};
+
+/// Axis-aligned boxes as primitives: for callers who have boxes only, or whose objects are asked in a callback of
+/// [`visit_candidates`](crate::Structure::visit_candidates) or
+/// [`visit_overlapping`](crate::Structure::visit_overlapping).
+///
+/// A ray that starts in a box hits it at once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Boxes<'b>(pub &'b [Aabb]);
+
+impl Primitives for Boxes<'_> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        Some(self.0[index as usize])
+    }
+
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        let inside = self.0[index as usize].clip(&SlabRay::new(ray), span)?;
+        Some(Hit { t: inside.min, instance: 0, primitive: index, uv: [0.0; 2] })
+    }
+
+    fn leaf_layout(&self, index: u32) -> LeafLayout {
+        LeafLayout::Box(self.0[index as usize])
+    }
+}

@@ -1,0 +1,287 @@
+//! What can be asked about a ray. The only place where structures and primitives meet.
+
+use core::cmp::Ordering;
+use core::ops::ControlFlow;
+
+use rt_math::{Hit, Interval, Primitives, Probe, Ray, SlabRay, decide, decide_occluded, own_box};
+
+/// A question about a ray. A [`Structure`](crate::Structure) offers it primitives, and it says how far along the ray
+/// it is worth to go on.
+pub trait RayQuery {
+    /// The ray.
+    fn ray(&self) -> &SlabRay;
+
+    /// The part of the ray that can still matter. `max` may shrink from offer to offer; `min` stays.
+    fn span(&self) -> Interval;
+
+    /// Takes a primitive into account; offering it again changes nothing. `Break` once nothing can change the answer.
+    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()>;
+
+    /// Offers all that are listed.
+    #[inline(always)]
+    fn offer_all<P: Primitives, S: Probe>(
+        &mut self,
+        primitives: &P,
+        indices: &[u32],
+        probe: &mut S,
+    ) -> ControlFlow<()> {
+        for &index in indices {
+            self.offer(primitives, index, probe)?;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// True if all numbers of the ray are finite. The arithmetic that culls is proven for such rays only; others are
+/// answered by exhaustion, which keeps the results of all structures equal.
+#[inline]
+pub(crate) fn is_finite(ray: &Ray) -> bool {
+    ray.origin.is_finite() && ray.direction.is_finite()
+}
+
+/// What is hit first?
+pub(crate) struct Closest {
+    ray: SlabRay,
+    /// Ends at the nearest hit, inclusively: an equally near primitive of lower index must still be found.
+    span: Interval,
+    pub(crate) hit: Option<Hit>,
+}
+
+impl Closest {
+    #[inline]
+    pub(crate) fn new(ray: &Ray, span: Interval) -> Self {
+        Self { ray: SlabRay::new(ray), span, hit: None }
+    }
+}
+
+impl RayQuery for Closest {
+    #[inline(always)]
+    fn ray(&self) -> &SlabRay {
+        &self.ray
+    }
+
+    #[inline(always)]
+    fn span(&self) -> Interval {
+        self.span
+    }
+
+    #[inline(always)]
+    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+        if let Some(hit) = decide(primitives, index, &self.ray, self.span, probe)
+            && self.hit.is_none_or(|nearest| hit.precedes(&nearest))
+        {
+            self.span.max = hit.t;
+            self.hit = Some(hit);
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// Is anything hit? Yes is `Break`.
+pub(crate) struct Any {
+    ray: SlabRay,
+    span: Interval,
+}
+
+impl Any {
+    #[inline]
+    pub(crate) fn new(ray: &Ray, span: Interval) -> Self {
+        Self { ray: SlabRay::new(ray), span }
+    }
+}
+
+impl RayQuery for Any {
+    #[inline(always)]
+    fn ray(&self) -> &SlabRay {
+        &self.ray
+    }
+
+    #[inline(always)]
+    fn span(&self) -> Interval {
+        self.span
+    }
+
+    #[inline(always)]
+    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+        if decide_occluded(primitives, index, &self.ray, self.span, probe) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
+
+/// Hits of one primitive at so many numbers in a row are those of something that fills space, which has no end of
+/// them.
+const MOST_IN_A_ROW: u32 = 8;
+
+/// The hits of one primitive, by rising `t`, until `visit` breaks.
+#[inline]
+fn for_each_hit<P: Primitives, S: Probe>(
+    primitives: &P,
+    index: u32,
+    ray: &SlabRay,
+    mut span: Interval,
+    probe: &mut S,
+    mut visit: impl FnMut(Hit) -> ControlFlow<()>,
+) {
+    let mut in_a_row = 0;
+    while let Some(hit) = decide(primitives, index, ray, span, probe) {
+        in_a_row = if hit.t == span.min { in_a_row + 1 } else { 0 };
+        if visit(hit).is_break() || in_a_row == MOST_IN_A_ROW {
+            return;
+        }
+        span.min = hit.t.next_up();
+    }
+}
+
+/// Which are all the hits? Collected in any order, possibly twice.
+pub(crate) struct All<'h> {
+    ray: SlabRay,
+    span: Interval,
+    hits: &'h mut Vec<Hit>,
+}
+
+impl<'h> All<'h> {
+    pub(crate) fn new(ray: &Ray, span: Interval, hits: &'h mut Vec<Hit>) -> Self {
+        hits.clear();
+        Self { ray: SlabRay::new(ray), span, hits }
+    }
+
+    /// Puts the hits in order, each once.
+    pub(crate) fn finish(&mut self) {
+        self.hits.sort_unstable_by(|a, b| {
+            if a.precedes(b) {
+                Ordering::Less
+            } else if b.precedes(a) {
+                Ordering::Greater
+            } else {
+                Ordering::Equal
+            }
+        });
+        self.hits.dedup_by(|a, b| is_same(a, b));
+    }
+}
+
+/// True for the same hit found twice.
+fn is_same(a: &Hit, b: &Hit) -> bool {
+    (a.t, a.instance, a.primitive) == (b.t, b.instance, b.primitive)
+}
+
+impl RayQuery for All<'_> {
+    fn ray(&self) -> &SlabRay {
+        &self.ray
+    }
+
+    fn span(&self) -> Interval {
+        self.span
+    }
+
+    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+        let (ray, span) = (self.ray, self.span);
+        for_each_hit(primitives, index, &ray, span, probe, |hit| {
+            // The list grows only if it is not repetitions that fill it.
+            if self.hits.len() == self.hits.capacity() {
+                self.finish();
+                self.hits.reserve(1 + self.hits.len() / 2);
+            }
+            self.hits.push(hit);
+            ControlFlow::Continue(())
+        });
+        ControlFlow::Continue(())
+    }
+}
+
+/// Which are the first few hits?
+pub(crate) struct First<'h> {
+    ray: SlabRay,
+    /// Ends at the last hit that there is room for, inclusively.
+    span: Interval,
+    /// The first `found` are filled, in order.
+    hits: &'h mut [Option<Hit>],
+    pub(crate) found: usize,
+}
+
+impl<'h> First<'h> {
+    pub(crate) fn new(ray: &Ray, span: Interval, hits: &'h mut [Option<Hit>]) -> Self {
+        hits.fill(None);
+        Self { ray: SlabRay::new(ray), span, hits, found: 0 }
+    }
+
+    /// Puts a hit in its place; `Break` if there is no room for it, nor for what comes after it.
+    fn insert(&mut self, hit: Hit) -> ControlFlow<()> {
+        let filled = &self.hits[..self.found];
+        let place = filled.partition_point(|known| known.is_some_and(|known| known.precedes(&hit)));
+        if place == self.hits.len() {
+            return ControlFlow::Break(());
+        }
+        if self.hits[place].is_some_and(|known| is_same(&known, &hit)) {
+            return ControlFlow::Continue(());
+        }
+        self.found = (self.found + 1).min(self.hits.len());
+        self.hits[place..self.found].rotate_right(1);
+        self.hits[place] = Some(hit);
+        if let Some(Some(last)) = self.hits.last() {
+            self.span.max = last.t;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+impl RayQuery for First<'_> {
+    fn ray(&self) -> &SlabRay {
+        &self.ray
+    }
+
+    fn span(&self) -> Interval {
+        self.span
+    }
+
+    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+        if self.hits.is_empty() {
+            return ControlFlow::Break(());
+        }
+        let (ray, span) = (self.ray, self.span);
+        for_each_hit(primitives, index, &ray, span, probe, |hit| self.insert(hit));
+        ControlFlow::Continue(())
+    }
+}
+
+/// Whose boxes does the ray pass?
+pub(crate) struct Candidates<F> {
+    ray: SlabRay,
+    span: Interval,
+    visit: F,
+}
+
+impl<F: FnMut(u32, Interval) -> ControlFlow<(), f64>> Candidates<F> {
+    pub(crate) fn new(ray: &Ray, span: Interval, visit: F) -> Self {
+        Self { ray: SlabRay::new(ray), span, visit }
+    }
+}
+
+impl<F: FnMut(u32, Interval) -> ControlFlow<(), f64>> RayQuery for Candidates<F> {
+    fn ray(&self) -> &SlabRay {
+        &self.ray
+    }
+
+    fn span(&self) -> Interval {
+        self.span
+    }
+
+    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+        probe.test();
+        let inside = match own_box(primitives, index) {
+            Some(own) => own.clip(&self.ray, self.span),
+            None => Some(self.span),
+        };
+        if let Some(inside) = inside {
+            let limit = (self.visit)(index, inside)?;
+            // A NaN keeps the limit.
+            if limit < self.span.max {
+                self.span.max = limit;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}

@@ -1,0 +1,150 @@
+//! What a camera sees, as planes.
+
+use core::fmt;
+
+use glam::DVec3;
+use rt_math::{Aabb, float::gamma};
+
+use super::Region;
+
+/// The space that up to six planes enclose: the view of a camera, or a rectangle dragged over a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frustum {
+    /// `(n, w)`: the inside is where `n · p + w ≥ 0`.
+    planes: [(DVec3, f64); 6],
+    bounds: Aabb,
+}
+
+/// Why there is no frustum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum FrustumError {
+    /// A corner is not finite.
+    Corner {
+        /// Which corner.
+        corner: usize,
+        /// Its position.
+        position: DVec3,
+    },
+    /// The corners do not enclose a volume: some lie on the wrong side of a face.
+    NotConvex {
+        /// Which face, in the order left, right, bottom, top, near, far.
+        face: usize,
+    },
+}
+
+impl fmt::Display for FrustumError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Corner { corner, position } => write!(f, "corner {corner} at {position} is not finite"),
+            Self::NotConvex { face } => {
+                let name = ["left", "right", "bottom", "top", "near", "far"][*face % 6];
+                write!(f, "the corners do not lie on one side of the {name} face")
+            }
+        }
+    }
+}
+
+impl core::error::Error for FrustumError {}
+
+/// Three corners of each face, left, right, bottom, top, near, far, in an order that makes normals point inward.
+const FACES: [[usize; 3]; 6] = [[0, 2, 4], [1, 5, 3], [0, 4, 1], [2, 3, 6], [0, 1, 2], [4, 6, 5]];
+
+impl Frustum {
+    /// The frustum with eight corners: bit 0 of the index is right, bit 1 top, bit 2 far. Mirrored corners are as good.
+    ///
+    /// # Errors
+    /// If a corner is not finite, or the corners do not enclose a volume.
+    pub fn from_corners(corners: [DVec3; 8]) -> Result<Self, FrustumError> {
+        if let Some(corner) = corners.iter().position(|corner| !corner.is_finite()) {
+            return Err(FrustumError::Corner { corner, position: corners[corner] });
+        }
+        let mirrored = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(corners[4] - corners[0]) < 0.0;
+        let mut planes = [(DVec3::ZERO, 0.0); 6];
+        for (face, [a, b, c]) in FACES.into_iter().enumerate() {
+            let normal = (corners[b] - corners[a]).cross(corners[c] - corners[a]);
+            let normal = if mirrored { -normal } else { normal }.normalize_or_zero();
+            // The plane is moved out until all corners are inside, by rounding or because a face is a little bent.
+            let heights = corners.map(|corner| normal.dot(corner));
+            let least = heights.into_iter().fold(f64::INFINITY, f64::min);
+            let height = heights[a];
+            let extent = corners.iter().fold(0.0, |most: f64, corner| most.max((*corner - corners[a]).length()));
+            if !(height - least <= extent * 1e-6) || normal == DVec3::ZERO {
+                return Err(FrustumError::NotConvex { face });
+            }
+            planes[face] = (normal, -least);
+        }
+        Ok(Self { planes, bounds: Aabb::from_points(corners) })
+    }
+}
+
+impl Region for Frustum {
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// False only if the box lies outside one of the planes, or outside the box around the frustum.
+    fn overlaps(&self, aabb: &Aabb) -> bool {
+        self.bounds.overlaps(aabb)
+            && self.planes.iter().all(|&(normal, offset)| {
+                let farthest = DVec3::select(normal.cmpge(DVec3::ZERO), aabb.max, aabb.min);
+                let rounding = gamma(4) * (normal.abs().dot(farthest.abs()) + offset.abs());
+                normal.dot(farthest) + offset >= -rounding
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::random::{hash, unit};
+
+    /// Looks along −z from the origin, 90° wide and high, from 1 to 10.
+    fn view(mirror: f64) -> Frustum {
+        let corners = core::array::from_fn(|i| {
+            let depth = if i & 4 == 0 { 1.0 } else { 10.0 };
+            let side = |bit: usize| if i & bit == 0 { -depth } else { depth };
+            DVec3::new(mirror * side(1), side(2), -depth)
+        });
+        Frustum::from_corners(corners).expect("a frustum")
+    }
+
+    fn cube(centre: DVec3, half: f64) -> Aabb {
+        Aabb::new(centre - half, centre + half)
+    }
+
+    #[test]
+    fn boxes_inside_across_and_outside() {
+        for view in [view(1.0), view(-1.0)] {
+            assert!(view.overlaps(&cube(DVec3::new(0.0, 0.0, -5.0), 0.1)));
+            assert!(view.overlaps(&cube(DVec3::new(5.0, 0.0, -5.0), 0.1)));
+            assert!(!view.overlaps(&cube(DVec3::new(5.3, 0.0, -5.0), 0.1)));
+            assert!(!view.overlaps(&cube(DVec3::new(0.0, -5.3, -5.0), 0.1)));
+            assert!(!view.overlaps(&cube(DVec3::new(0.0, 0.0, -0.8), 0.1)));
+            assert!(!view.overlaps(&cube(DVec3::new(0.0, 0.0, 5.0), 0.1)));
+            assert!(view.overlaps(&cube(DVec3::ZERO, 100.0)));
+        }
+    }
+
+    #[test]
+    fn no_box_with_a_point_inside_is_missed() {
+        let view = view(1.0);
+        for i in 0..100_000u64 {
+            let draw = |k| unit(hash(&[i, k]));
+            let depth = 1.0 + 9.0 * draw(0);
+            let inside = DVec3::new((2.0 * draw(1) - 1.0) * depth, (2.0 * draw(2) - 1.0) * depth, -depth);
+            let around = Aabb::new(inside - DVec3::new(draw(3), draw(4), draw(5)), inside + draw(6) * draw(7));
+            assert!(view.overlaps(&around), "{inside} {around:?}");
+        }
+    }
+
+    #[test]
+    fn corners_that_enclose_nothing_are_refused() {
+        assert_eq!(Frustum::from_corners([DVec3::ONE; 8]), Err(FrustumError::NotConvex { face: 0 }));
+        let mut corners = core::array::from_fn(|i| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64));
+        corners[7] = DVec3::splat(f64::NAN);
+        assert!(matches!(Frustum::from_corners(corners), Err(FrustumError::Corner { corner: 7, .. })));
+        corners[7] = DVec3::new(2.0, 1.0, 1.0);
+        assert!(matches!(Frustum::from_corners(corners), Err(FrustumError::NotConvex { .. })));
+    }
+}
