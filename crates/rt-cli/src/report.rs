@@ -2,7 +2,7 @@
 
 use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{HumanBytes, HumanCount};
-use rt_render::{Explanation, RayKind, Tally};
+use rt_render::{Explanation, RayKind, ShadingCounts, Tally};
 
 use crate::memory;
 use crate::stats::Outcome;
@@ -50,6 +50,13 @@ fn ray_table(outcome: &Outcome<'_>, costs: bool) -> Table {
     let spared = outcome.statistics.shading.shadow_rays_spared;
     if spared > 0 {
         table.add_row(["shadow, spared".to_owned(), HumanCount(spared).to_string()]);
+    }
+    let ShadingCounts { interior_overflows, .. } = outcome.statistics.shading;
+    if interior_overflows > 0 {
+        table.add_row([
+            "surfaces ignored inside of too many bodies".to_owned(),
+            HumanCount(interior_overflows).to_string(),
+        ]);
     }
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);

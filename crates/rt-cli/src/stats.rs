@@ -89,6 +89,12 @@ struct ShadingStats {
     refractions: u64,
     fresnel: u64,
     absorption: u64,
+    /// Surfaces that did nothing to a ray: the same was on both sides of them.
+    passages: u64,
+    /// Paths that ended at a mirror or at glass because there were as many bounces as allowed.
+    depth_limited: u64,
+    /// Surfaces of transparent bodies that were ignored, because the ray was inside of too many others.
+    interior_overflows: u64,
 }
 
 /// Wall-clock times.
@@ -169,7 +175,27 @@ impl From<Tally> for RayStats {
 
 impl From<ShadingCounts> for ShadingStats {
     fn from(counts: ShadingCounts) -> Self {
-        let ShadingCounts { shadow_rays_spared, highlights, mirrors, refractions, fresnel, absorption } = counts;
-        Self { shadow_rays_spared, highlights, mirrors, refractions, fresnel, absorption }
+        let ShadingCounts {
+            shadow_rays_spared,
+            highlights,
+            mirrors,
+            refractions,
+            fresnel,
+            absorption,
+            passages,
+            depth_limited,
+            interior_overflows,
+        } = counts;
+        Self {
+            shadow_rays_spared,
+            highlights,
+            mirrors,
+            refractions,
+            fresnel,
+            absorption,
+            passages,
+            depth_limited,
+            interior_overflows,
+        }
     }
 }

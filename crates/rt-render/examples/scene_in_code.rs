@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sphere =
         |x, radius| Ok::<_, rt_geometry::ShapeError>(Shape::Sphere(Sphere::new(DVec3::new(x, radius, 0.0), radius)?));
     let scene = Scene {
-        cameras: vec![NamedCamera { name: "main".into(), settings: camera }],
+        cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
         film: FilmSettings { width: 480, height: 320, ..FilmSettings::default() },
         appearance: Appearance {
             materials: vec![

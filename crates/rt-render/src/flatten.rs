@@ -300,10 +300,16 @@ impl<'s> Flattener<'s> {
             let (object, index) = (node.name.clone(), node.material.0);
             return Err(RenderError::Dangling { object, what: "material", index, count });
         }
+        // Shadow rays take no notice of what fills a body. One of air must not darken the air around it; inside of glass,
+        // where it is a bubble, the surface of the glass decides.
+        let is_air = match geometry {
+            PartGeometry::Group(..) => false,
+            _ => self.scene.appearance.materials[node.material.0 as usize].phong.is_air(),
+        };
         Ok(Part {
             geometry,
             material: node.material.0,
-            casts_shadow: here.casts_shadow,
+            casts_shadow: here.casts_shadow && !is_air,
             bounds,
             first_primitive: 0,
             name: Arc::from(node.name.as_str()),

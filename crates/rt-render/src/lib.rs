@@ -26,7 +26,7 @@
 //! # };
 //! # let lamp = LightKind::Point { position: DVec3::ONE * 5.0, falloff: Falloff::None, lamp_radius: 0.0 };
 //! # let scene = Scene {
-//! #     cameras: vec![NamedCamera { name: "main".into(), settings: camera }],
+//! #     cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
 //! #     film: FilmSettings { width: 32, height: 24, ..FilmSettings::default() },
 //! #     appearance: Appearance {
 //! #         materials: vec![Material { name: "grey".into(), phong: Phong::default() }],
@@ -52,6 +52,7 @@ mod plan;
 mod render;
 mod statistics;
 mod structure;
+mod surroundings;
 mod tiles;
 mod trace;
 mod world;

@@ -6,12 +6,13 @@ use rt_accel::AnyStructure;
 use rt_camera::{Camera, CameraSettings, Filter, PixelSampler, SamplePattern};
 use rt_geometry::{Shape, Spheres};
 use rt_math::{Aabb, DVec2};
-use rt_scene_io::{Integrator, NamedCamera, Scene};
+use rt_scene_io::{Integrator, MaterialId, NamedCamera, Scene};
 use rt_shading::{Appearance, FirstHitView, Needs};
 
 use crate::{
     RenderError,
     flatten::flatten,
+    surroundings::Surroundings,
     trace::SphereWorld,
     world::{Assembly, Levels, PartGeometry},
 };
@@ -78,6 +79,7 @@ pub struct RenderPlan<'s> {
     pub(crate) needs: Needs,
     pub(crate) appearance: &'s Appearance,
     pub(crate) world: World,
+    pub(crate) surroundings: Surroundings,
     pub(crate) full: bool,
     pub(crate) build_seconds: f64,
 }
@@ -97,17 +99,32 @@ impl<'s> RenderPlan<'s> {
             return Err(RenderError::NoSamples);
         }
         let crop = check_crop(options.crop, film.width, film.height)?;
-        let NamedCamera { name: camera_name, settings: camera_settings } = scene
+        let named_camera = scene
             .cameras
             .get(options.camera)
             .ok_or(RenderError::NoCamera { index: options.camera, count: scene.cameras.len() })?;
+        let NamedCamera { name: camera_name, settings: camera_settings, medium } = named_camera;
+        let material_count = scene.appearance.materials.len();
+        if let Some(MaterialId(index)) = *medium
+            && index as usize >= material_count
+        {
+            let object = format!("camera {camera_name}");
+            return Err(RenderError::Dangling { object, what: "material", index, count: material_count });
+        }
         let camera = Camera::new(camera_settings, film.width, film.height)
             .map_err(|source| RenderError::Camera { name: camera_name.clone(), source })?;
 
         let (top, levels) = flatten(scene, settings.accel)?;
-        let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels) };
+        let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, *medium) };
         let (near, far) = depth_range(camera_settings, &top);
         let spp = settings.pattern.round_up(settings.spp);
+        let world = if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) };
+        let lit = settings.integrator == Integrator::Whitted;
+        let surroundings = if lit && needs.refraction {
+            Surroundings::of(named_camera, &camera, scene, &world)
+        } else {
+            Surroundings::air()
+        };
         Ok(Self {
             scene,
             camera_name,
@@ -124,7 +141,8 @@ impl<'s> RenderPlan<'s> {
             min_contribution: settings.min_contribution,
             needs,
             appearance: &scene.appearance,
-            world: if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) },
+            world,
+            surroundings,
             full: options.full,
             camera,
             build_seconds: started.elapsed().as_secs_f64(),
@@ -171,9 +189,12 @@ fn check_crop(crop: Option<Crop>, film_width: u32, film_height: u32) -> Result<C
     }
 }
 
-/// What the materials of objects that are really there need.
-fn needs(scene: &Scene, top: &Assembly, levels: &Levels) -> Needs {
+/// What the materials of objects that are really there need, and of what is around the camera.
+fn needs(scene: &Scene, top: &Assembly, levels: &Levels, medium: Option<MaterialId>) -> Needs {
     let mut used = vec![false; scene.appearance.materials.len()];
+    if let Some(MaterialId(material)) = medium {
+        used[material as usize] = true;
+    }
     let mut casts_shadow = false;
     let mut shading_normals = false;
     for part in top.parts.iter().chain(levels.groups.iter().flat_map(|group| &group.parts)) {

@@ -5,13 +5,15 @@ use std::{marker::PhantomData, sync::mpsc, time::Instant};
 use rayon::prelude::*;
 use rt_accel::{AnyStructure, StructureVisitor};
 use rt_camera::{Camera, Film, Filter, PixelSampler};
-use rt_math::{Accelerator, Counters, DVec2, Probe, Ray, RayCounts, RayKind, Rgb, Sampler, Tally};
+use rt_geometry::SurfaceNeeds;
+use rt_math::{Accelerator, Counters, DVec2, Interval, Probe, Ray, RayCounts, RayKind, Rgb, Sampler, Tally};
 use rt_scene_io::Integrator;
-use rt_shading::{FirstHitView, Seen, ShadingCounts, Tracer, Whitted};
+use rt_shading::{FirstHitView, Interior, Seen, ShadingCounts, Tracer, Whitted};
 
 use crate::{
     RenderError, RenderPlan, Statistics,
     plan::{View, World},
+    surroundings::Surroundings,
     tiles::{Tile, tiles},
     trace::{Surfaces, WorldTracer},
     world::Parts,
@@ -162,10 +164,24 @@ impl RenderPlan<'_> {
     ) -> Finished {
         let mut tracer = WorldTracer { world, structure, probe: S::default() };
         let mut whitted = Whitted::new(self.depth, self.min_contribution, self.needs);
-        let mut finished = match &self.view {
-            View::Light => self.sample_tile(tile, |ray| whitted.radiance(&mut tracer, self.appearance, ray)),
-            View::FirstHit(view) => self.sample_tile(tile, |ray| view.radiance(&mut tracer, ray)),
-            View::Cost => self.sample_tile(tile, |ray| cost(&mut tracer, ray)),
+        let mut finished = match (&self.view, &self.surroundings) {
+            (View::Light, Surroundings::Same(interior)) => {
+                whitted.set_surroundings(interior);
+                self.sample_tile(tile, |ray| whitted.radiance(&mut tracer, self.appearance, ray))
+            }
+            (View::Light, Surroundings::ByRay(reach)) => {
+                let mut interior = Interior::default();
+                self.sample_tile(tile, |ray| {
+                    interior.clear();
+                    if reach.contains(ray.origin) {
+                        interior.look_around(&mut tracer, &self.appearance.materials, ray);
+                    }
+                    whitted.set_surroundings(&interior);
+                    whitted.radiance(&mut tracer, self.appearance, ray)
+                })
+            }
+            (View::FirstHit(view), _) => self.sample_tile(tile, |ray| view.radiance(&mut tracer, ray)),
+            (View::Cost, _) => self.sample_tile(tile, |ray| cost(&mut tracer, ray)),
         };
         finished.counters = tracer.probe.counters();
         finished.shading = whitted.counts();
@@ -288,7 +304,8 @@ fn camera_ray(
 fn cost<W: Surfaces, A: Accelerator, S: Countable>(tracer: &mut WorldTracer<'_, W, A, S>, ray: &Ray) -> Seen {
     let work = |tally: Tally| tally.nodes + tally.tests;
     let before = work(tracer.probe.counters().of(RayKind::Primary));
-    let hit = tracer.closest(ray, RayKind::Primary, rt_geometry::SurfaceNeeds { uv: false, shading_normal: false });
+    let needs = SurfaceNeeds { uv: false, shading_normal: false };
+    let hit = tracer.closest(ray, Interval::FORWARD, RayKind::Primary, needs);
     let steps = work(tracer.probe.counters().of(RayKind::Primary)) - before;
     let heat = (rt_math::transcendental::log2(steps.max(1) as f64) / 10.0).min(1.0);
     Seen { radiance: heat_colour(heat), hit: hit.is_some() }

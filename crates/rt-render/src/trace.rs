@@ -10,11 +10,18 @@ use crate::world::Parts;
 pub(crate) trait Surfaces: Primitives {
     /// The surface at a hit, and its material; `None` for a hit that is not of this set.
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<(SurfaceInteraction, u32)>;
+
+    /// Number of the object that a hit lies on: its place among the parts of the upper level.
+    fn object_at(&self, hit: &Hit) -> u32;
 }
 
 impl Surfaces for Parts<'_> {
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<(SurfaceInteraction, u32)> {
         self.surface(hit.instance, ray, hit, needs)
+    }
+
+    fn object_at(&self, hit: &Hit) -> u32 {
+        hit.instance
     }
 }
 
@@ -48,6 +55,10 @@ impl Surfaces for SphereWorld {
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<(SurfaceInteraction, u32)> {
         Some((self.spheres.surface(ray, hit, needs)?, *self.materials.get(hit.primitive as usize)?))
     }
+
+    fn object_at(&self, hit: &Hit) -> u32 {
+        hit.primitive
+    }
 }
 
 /// Answers an integrator's rays and counts them.
@@ -58,12 +69,11 @@ pub(crate) struct WorldTracer<'w, W, A, S> {
 }
 
 impl<W: Surfaces, A: Accelerator, S: Probe> Tracer for WorldTracer<'_, W, A, S> {
-    fn closest(&mut self, ray: &Ray, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
         self.probe.ray(kind);
-        let span = if kind == RayKind::Primary { Interval::FORWARD } else { Interval::SPAWNED };
         let hit = self.structure.closest(self.world, ray, span, &mut self.probe)?;
         let (interaction, material) = self.world.surface_at(ray, &hit, needs)?;
-        Some(SurfaceHit { t: hit.t, interaction, material })
+        Some(SurfaceHit { t: hit.t, interaction, object: self.world.object_at(&hit), material })
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {

@@ -168,6 +168,7 @@ pub(crate) fn material(phong: &Phong) -> Material {
         ior: phong.transmission.map(|t| t.ior),
         fresnel: phong.transmission.map(|t| t.fresnel),
         absorption: phong.transmission.map(|t| Color::from_rgb(t.absorption.to_array())),
+        priority: phong.transmission.map(|t| t.priority),
     }
 }
 

@@ -120,6 +120,8 @@ pub struct NamedCamera {
     pub name: String,
     /// The camera.
     pub settings: CameraSettings,
+    /// The transparent material that it stands inside of; without one, the plan looks at the bodies around it.
+    pub medium: Option<MaterialId>,
 }
 
 /// A mesh that nodes refer to.

@@ -2,7 +2,7 @@
 
 use crate::{Seen, Tracer};
 use rt_geometry::SurfaceNeeds;
-use rt_math::{DVec3, Ray, RayKind, Rgb};
+use rt_math::{DVec3, Interval, Ray, RayKind, Rgb};
 
 /// Shows a property of the first surface that a camera ray meets; black where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +25,7 @@ impl FirstHitView {
     /// What a camera ray sees.
     pub fn radiance(&self, world: &mut impl Tracer, ray: &Ray) -> Seen {
         let needs = SurfaceNeeds { uv: matches!(self, Self::Uv), shading_normal: matches!(self, Self::Normals) };
-        let Some(hit) = world.closest(ray, RayKind::Primary, needs) else {
+        let Some(hit) = world.closest(ray, Interval::FORWARD, RayKind::Primary, needs) else {
             return Seen { radiance: Rgb::BLACK, hit: false };
         };
         let surface = &hit.interaction;

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! **Owns** lights without extent ([`Light`]), the classical surface ([`Phong`]), textures, the laws of reflection and
-//! refraction ([`optics`]), and the integrators that follow camera paths ([`Whitted`], [`FirstHitView`]).
+//! refraction ([`optics`]), transparent bodies within each other ([`Interior`]), and the integrators that follow camera paths ([`Whitted`], [`FirstHitView`]).
 //! **Does not own** shapes (rt-geometry), or how a ray finds one: an integrator asks a [`Tracer`].
 //!
 //! ```
@@ -22,9 +22,9 @@
 //! // A world of one sphere, lit from the camera.
 //! struct OneSphere(Shape);
 //! impl Tracer for OneSphere {
-//!     fn closest(&mut self, ray: &Ray, _: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
-//!         let hit = self.0.intersect(ray, Interval::FORWARD)?;
-//!         Some(SurfaceHit { t: hit.t, interaction: self.0.surface(ray, &hit, needs), material: 0 })
+//!     fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+//!         let hit = self.0.intersect(ray, span)?;
+//!         Some(SurfaceHit { t: hit.t, interaction: self.0.surface(ray, &hit, needs), object: 0, material: 0 })
 //!     }
 //!     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
 //!         self.0.intersect(ray, span).is_some()
@@ -50,6 +50,7 @@
 
 mod appearance;
 mod first_hit;
+mod interior;
 mod light;
 mod material;
 mod needs;
@@ -60,6 +61,7 @@ mod whitted;
 
 pub use appearance::{Appearance, Background};
 pub use first_hit::FirstHitView;
+pub use interior::Interior;
 pub use light::{Falloff, Illumination, Light, LightKind};
 pub use material::{Coefficient, Highlight, Material, Phong, Transmission};
 pub use needs::Needs;

@@ -72,18 +72,21 @@ fn power(base: f64, exponent: f64) -> f64 {
     product
 }
 
-/// Light through the surface.
+/// Light through the surface into the body behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transmission {
     /// How much of the refracted light passes.
     pub coefficient: Coefficient,
-    /// Index of refraction of the inside relative to the outside, positive.
+    /// Index of refraction of the inside, positive; that of air is 1.
     pub ior: f64,
     /// Whether Fresnel's equations share the light between `mirror` and this coefficient. Otherwise both are constant
     /// and totally reflected light is dropped, as in Whitted's model.
     pub fresnel: bool,
     /// Absorption per world unit of way through the inside (Beer's law): light falls by exp(−absorption · length).
     pub absorption: Rgb,
+    /// Where transparent bodies overlap, the one of the greatest number is there, among equals the one that was entered
+    /// last: glass above the liquid that reaches into its wall, ice above the liquid that it swims in.
+    pub priority: i32,
 }
 
 /// The classical surface of Phong and Whitted.
@@ -116,6 +119,24 @@ impl Phong {
         let textured = |coefficient: &Coefficient| matches!(coefficient, Coefficient::Textured(..));
         [&self.ambient, &self.diffuse, &self.specular, &self.emission, &self.mirror].into_iter().any(textured)
             || self.transmission.is_some_and(|transmission| textured(&transmission.coefficient))
+    }
+}
+
+impl Phong {
+    /// True if nothing shows the surface but what its body's index of refraction does to light: where that is the same on
+    /// both sides, the surface is not to be seen.
+    pub fn is_clear(&self) -> bool {
+        let paint = [&self.ambient, &self.diffuse, &self.specular, &self.emission];
+        self.transmission.is_some_and(|transmission| {
+            paint.into_iter().all(Coefficient::is_zero)
+                && transmission.coefficient == Coefficient::Constant(Rgb::WHITE)
+                && (transmission.fresnel || self.mirror.is_zero())
+        })
+    }
+
+    /// True if the body is of air: in air there is nothing of it to be seen, and it casts no shadow.
+    pub fn is_air(&self) -> bool {
+        self.is_clear() && self.transmission.is_some_and(|inside| inside.ior == 1.0 && inside.absorption.is_black())
     }
 }
 

@@ -10,14 +10,32 @@ pub struct SurfaceHit {
     pub t: f64,
     /// The surface, in world space.
     pub interaction: SurfaceInteraction,
+    /// Number of the object that the surface belongs to, to tell bodies apart that a ray is inside of.
+    pub object: u32,
     /// Index into [`Appearance::materials`](crate::Appearance::materials).
     pub material: u32,
 }
 
+impl SurfaceHit {
+    /// What lies on the ray beyond this hit, for a ray that goes on as if the surface were not there.
+    ///
+    /// The ray stays what it is, so that everything behind is met at the same parameters to the bit. It goes as far as
+    /// rounding may have displaced the surface, as a spawned ray would: two triangles that share the edge which was hit
+    /// are one surface.
+    pub fn beyond(&self, ray: &Ray) -> Interval {
+        let normal = self.interaction.geometric_normal;
+        let way = normal.abs().dot(self.interaction.point_error) / normal.dot(ray.direction).abs();
+        let min = if way.is_finite() { self.t + way } else { self.t }.next_up();
+        // Nothing lies beyond infinity.
+        Interval::new(min, if min > self.t { f64::INFINITY } else { f64::NEG_INFINITY })
+    }
+}
+
 /// The world as an integrator sees it: it answers rays and counts them.
 pub trait Tracer {
-    /// The first surface along the ray, with what is needed of it; `None` if the ray leaves the world.
-    fn closest(&mut self, ray: &Ray, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit>;
+    /// The first surface along the ray within `span`, with what is needed of it; `None` if there is none. The ray counts
+    /// as one of its `kind`.
+    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit>;
 
     /// True if something that casts shadows lies on the ray within `span`.
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool;

@@ -17,7 +17,7 @@ fn from_above(content: Content) -> Scene {
         projection: Projection::Perspective { fov: 0.8, axis: FovAxis::Vertical },
         lens_shift: DVec2::ZERO,
     };
-    scene.cameras = vec![NamedCamera { name: "above".into(), settings: camera }];
+    scene.cameras = vec![NamedCamera { name: "above".into(), settings: camera, medium: None }];
     (scene.film.width, scene.film.height, scene.settings.spp) = (33, 33, 1);
     scene.settings.pattern = rt_camera::SamplePattern::Centre;
     let white = Coefficient::Constant(Rgb::WHITE);

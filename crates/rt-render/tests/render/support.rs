@@ -43,7 +43,7 @@ pub(crate) fn spheres() -> Scene {
         })
         .collect();
     Scene {
-        cameras: vec![NamedCamera { name: "main".into(), settings: camera }],
+        cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
         film: FilmSettings { width: 61, height: 43, ..FilmSettings::default() },
         settings: Settings { spp: 4, ..Settings::default() },
         appearance: Appearance {
@@ -85,7 +85,13 @@ fn sheet() -> TriangleMesh {
 pub(crate) fn everything() -> Scene {
     let mut scene = spheres();
     scene.name = "everything".into();
-    let glass = Transmission { coefficient: gray(1.0), ior: 1.5, fresnel: true, absorption: Rgb::new(0.5, 0.1, 0.4) };
+    let glass = Transmission {
+        coefficient: gray(1.0),
+        ior: 1.5,
+        fresnel: true,
+        absorption: Rgb::new(0.5, 0.1, 0.4),
+        priority: 0,
+    };
     let whitted_glass = Transmission { coefficient: gray(0.8), fresnel: false, absorption: Rgb::BLACK, ..glass };
     let checker = Coefficient::Textured(TextureId(0), Rgb::WHITE);
     scene.appearance.textures = vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::new(0.7, 0.1, 0.1), size: 0.25 }];

@@ -36,6 +36,10 @@ pub struct Camera {
     /// Shift of the image as a part of its width and height: (0.5, 0) shows what lies half an image to the right.
     #[serde(skip_serializing_if = "is_centred")]
     pub lens_shift: [f64; 2],
+    /// Name of the transparent material that the camera stands inside of. Without it, that is seen from the closed bodies
+    /// around it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub medium: Option<String>,
 }
 
 /// A side of the image.

@@ -38,7 +38,7 @@ pub enum Material {
         /// Share of light that passes through the surface, refracted; none by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         transmission: Option<Coefficient>,
-        /// Index of refraction of the inside; 1.5 by default. Used with `transmission`.
+        /// Index of refraction of the inside, where that of air is 1; 1.5 by default. Used with `transmission`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         ior: Option<f64>,
         /// Share the light between `mirror` and `transmission` by Fresnel's equations; by default both are constant, as in
@@ -48,6 +48,11 @@ pub enum Material {
         /// Absorption inside per unit of way: light falls by exp(−absorption · length). None by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         absorption: Option<Color>,
+        /// Where transparent bodies overlap, the one of the greatest number is there, among equals the one that light
+        /// entered last; 0 by default. Bodies that touch, such as a glass and the water in it, must overlap. Used with
+        /// `transmission`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        priority: Option<i32>,
     },
 }
 

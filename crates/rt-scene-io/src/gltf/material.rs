@@ -74,6 +74,7 @@ impl Surface {
             ior: self.ior,
             fresnel: true,
             absorption: Rgb::BLACK,
+            priority: 0,
         };
         let is_glass = !glass.coefficient.is_zero();
         Phong {

@@ -188,7 +188,7 @@ fn place_camera(source: &Source<'_>, document: &Document, world: &Transform, mod
         return;
     }
     let settings = CameraSettings { world_from_camera, projection, lens_shift: DVec2::ZERO };
-    model.cameras.push(NamedCamera { name, settings });
+    model.cameras.push(NamedCamera { name, settings, medium: None });
 }
 
 fn place_light(source: &Source<'_>, document: &Document, world: &Transform, model: &mut Model) {

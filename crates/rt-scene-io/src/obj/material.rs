@@ -89,7 +89,8 @@ fn transmission(mtl: &tobj::Material, model: u8, opacity: f64) -> Option<Transmi
         _ => (Rgb::gray(1.0 - opacity), 1.0),
     };
     let coefficient = Coefficient::Constant(filter);
-    (!filter.is_black()).then_some(Transmission { coefficient, ior, fresnel: model == 7, absorption: Rgb::BLACK })
+    let (fresnel, absorption, priority) = (model == 7, Rgb::BLACK, 0);
+    (!filter.is_black()).then_some(Transmission { coefficient, ior, fresnel, absorption, priority })
 }
 
 /// Tf, the share of each colour that passes; all of it if the file does not say.

@@ -9,18 +9,27 @@ use super::report::Report;
 use super::transform::transform;
 use super::value::{coordinate, positive, vector};
 use crate::format;
-use crate::{NamedCamera, Reason};
+use crate::{MaterialId, NamedCamera, Reason};
 
 /// Opening angle of a camera that does not say, in degrees.
 pub(super) const DEFAULT_FOV_DEGREES: f64 = 40.0;
 
-/// All cameras, the default one first, checked to be able to expose this film.
-pub(super) fn cameras(report: &mut Report, file: &format::SceneFile, film: &FilmSettings) -> Vec<NamedCamera> {
+/// The cameras of a file with their paths in the document, the default one first.
+pub(super) fn listed(file: &format::SceneFile) -> impl Iterator<Item = (String, &format::Camera)> {
     let first = file.camera.iter().map(|camera| ("camera".to_owned(), camera));
-    let others = file.cameras.iter().enumerate().map(|(i, camera)| (format!("cameras[{i}]"), camera));
+    first.chain(file.cameras.iter().enumerate().map(|(i, camera)| (format!("cameras[{i}]"), camera)))
+}
+
+/// All cameras, the default one first, checked to be able to expose this film. `media` are those that they stand in.
+pub(super) fn cameras(
+    report: &mut Report,
+    file: &format::SceneFile,
+    film: &FilmSettings,
+    media: &[Option<MaterialId>],
+) -> Vec<NamedCamera> {
     let mut names = HashSet::new();
     let mut cameras = Vec::new();
-    for (path, camera) in first.chain(others) {
+    for (index, (path, camera)) in listed(file).enumerate() {
         let name = camera.name.clone().unwrap_or_else(|| match cameras.len() {
             0 => "camera".to_owned(),
             before => format!("camera {}", before + 1),
@@ -31,7 +40,7 @@ pub(super) fn cameras(report: &mut Report, file: &format::SceneFile, film: &Film
         }
         if let Some(settings) = settings(report, &path, camera) {
             report.check(&path, Camera::new(&settings, film.width, film.height));
-            cameras.push(NamedCamera { name, settings });
+            cameras.push(NamedCamera { name, settings, medium: media.get(index).copied().flatten() });
         }
     }
     cameras

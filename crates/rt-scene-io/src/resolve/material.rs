@@ -117,6 +117,7 @@ fn changed(
         ior,
         fresnel,
         absorption,
+        priority,
     } = definition;
     let at = |field: &str| format!("materials[\"{name}\"].{field}");
     let mut read = |field: &str, given: &Option<format::Coefficient>, base: Coefficient| {
@@ -144,7 +145,8 @@ fn changed(
     };
     let ambient = report.check(at("ambient"), product(color?, ambient?));
     let diffuse = report.check(at("diffuse"), product(color?, diffuse?));
-    let inside = Transmission { coefficient: passing?, ior: ior?, fresnel, absorption: absorption? };
+    let priority = priority.unwrap_or(before.map_or(0, |t| t.priority));
+    let inside = Transmission { coefficient: passing?, ior: ior?, fresnel, absorption: absorption?, priority };
     Some(Phong {
         ambient: ambient?,
         diffuse: diffuse?,

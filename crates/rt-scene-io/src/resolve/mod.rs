@@ -49,14 +49,14 @@ pub(crate) fn resolve_with(
     }
     let given = file.clone();
     let models = Models::at_hand(model);
-    let Objects { mut report, materials, textures, meshes, groups, nodes, mut notes, .. } =
+    let Objects { mut report, materials, textures, meshes, groups, nodes, media, mut notes, .. } =
         Objects::resolve(&given, source, &options, models);
     notes.extend(studio::complete(file, &tree_bounds(&nodes, &groups, &meshes)));
 
     let (lights, ambient) = light::lights(&mut report, file.lights.as_deref().unwrap_or_default());
     let background = light::background(&mut report, file.background.as_ref());
     let film = film::film(&mut report, &file.film);
-    let cameras = camera::cameras(&mut report, file, &film);
+    let cameras = camera::cameras(&mut report, file, &film, &media);
     let settings = film::settings(&mut report, &file.settings);
     let truth = file.truth.as_ref().and_then(|truth| {
         let mean = report.check("truth.mean", value::colour(&truth.mean))?;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use rt_math::Transform;
 
+use super::camera::listed;
 use super::group::order;
 use super::include::Models;
 use super::limit;
@@ -31,6 +32,8 @@ pub(super) struct Objects<'a> {
     group_ids: HashMap<&'a str, GroupId>,
     pub(super) groups: Vec<Group>,
     pub(super) nodes: Vec<Node>,
+    /// What each camera of the file stands inside of.
+    pub(super) media: Vec<Option<MaterialId>>,
 }
 
 impl<'a> Objects<'a> {
@@ -49,6 +52,7 @@ impl<'a> Objects<'a> {
             group_ids: HashMap::new(),
             groups: Vec::new(),
             nodes: Vec::new(),
+            media: Vec::new(),
         };
         let order = objects.report.check("groups", order(&file.groups)).unwrap_or_default();
         for index in order {
@@ -60,6 +64,7 @@ impl<'a> Objects<'a> {
         }
         objects.nodes = objects.tree("nodes", &file.nodes, None, 1);
         objects.report.check("nodes", limit::check(&objects.nodes, &objects.groups));
+        objects.media = listed(file).map(|(path, camera)| objects.medium(&path, camera)).collect();
         objects.materials.check_unused(Textures::new(source, options), &mut objects.report);
         objects
     }
@@ -121,6 +126,19 @@ impl<'a> Objects<'a> {
         if let Some(name) = node.material.as_deref().filter(|name| !self.file.materials.contains_key(*name)) {
             self.material(path, Some(name));
         }
+    }
+
+    /// The material that a camera names as its medium.
+    fn medium(&mut self, path: &str, camera: &format::Camera) -> Option<MaterialId> {
+        let name = camera.medium.as_deref()?;
+        let id = self.materials.id(Some(name), &mut self.textures, &mut self.report).and_then(|id| {
+            if self.materials.list[id.0 as usize].phong.transmission.is_some() {
+                return Ok(id);
+            }
+            let rule = "is opaque: name a material that has `transmission`";
+            Err(Reason::invalid(format_args!("the material \"{name}\""), rule))
+        });
+        self.report.check(format_args!("{path}.medium"), id)
     }
 
     fn shape(&mut self, path: &str, name: &str, shape: &format::Shape) -> Option<Content> {

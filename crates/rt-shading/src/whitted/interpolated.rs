@@ -14,7 +14,7 @@ struct Facet {
 }
 
 impl Tracer for Facet {
-    fn closest(&mut self, ray: &Ray, kind: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+    fn closest(&mut self, ray: &Ray, _: Interval, kind: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
         if self.met {
             self.later.push((kind, *ray));
             return None;
@@ -28,7 +28,7 @@ impl Tracer for Facet {
             shading_normal: self.shading_normal,
             uv: [0.0; 2],
         };
-        Some(SurfaceHit { t: 1.0, interaction, material: 0 })
+        Some(SurfaceHit { t: 1.0, interaction, object: 0, material: 0 })
     }
 
     fn occluded(&mut self, ray: &Ray, _: Interval) -> bool {
@@ -79,7 +79,7 @@ fn mirrored_rays_start_and_stay_on_the_viewers_side() {
 
 #[test]
 fn refracted_rays_start_and_stay_on_the_far_side() {
-    let glass = Transmission { coefficient: WHITE, ior: 1.5, fresnel: false, absorption: Rgb::BLACK };
+    let glass = Transmission { coefficient: WHITE, ior: 1.5, fresnel: false, absorption: Rgb::BLACK, priority: 0 };
     let phong = Phong { transmission: Some(glass), ..bare() };
     // From inside, where the floor's normal points along the ray.
     let mut bent = 0;

@@ -21,7 +21,7 @@ impl Echo {
 }
 
 impl Tracer for Echo {
-    fn closest(&mut self, ray: &Ray, kind: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+    fn closest(&mut self, ray: &Ray, _: Interval, kind: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
         self.traced.push(kind);
         if self.traced.len() as u32 > self.bounces {
             return None;
@@ -37,7 +37,7 @@ impl Tracer for Echo {
             shading_normal: normal,
             uv: [0.0; 2],
         };
-        Some(SurfaceHit { t: 2.0 / ray.direction.length(), interaction, material: 0 })
+        Some(SurfaceHit { t: 2.0 / ray.direction.length(), interaction, object: 0, material: 0 })
     }
 
     fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
@@ -110,7 +110,7 @@ fn faint_rays_are_not_followed() {
 
 #[test]
 fn fresnels_equations_share_light_without_loss() {
-    let glass = Transmission { coefficient: gray(1.0), ior: 1.5, fresnel: true, absorption: Rgb::BLACK };
+    let glass = Transmission { coefficient: gray(1.0), ior: 1.5, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
     let appearance = white_room(Phong { mirror: gray(1.0), transmission: Some(glass), ..BARE });
     let mut world = Echo::new(1);
     let (seen, counts) = look(&mut world, &appearance, 1);
@@ -125,7 +125,13 @@ fn fresnels_equations_share_light_without_loss() {
 
 #[test]
 fn absorption_follows_beers_law() {
-    let tinted = Transmission { coefficient: gray(1.0), ior: 1.0, fresnel: false, absorption: Rgb::new(0.5, 0.0, 1.0) };
+    let tinted = Transmission {
+        coefficient: gray(1.0),
+        ior: 1.5,
+        fresnel: false,
+        absorption: Rgb::new(0.5, 0.0, 1.0),
+        priority: 0,
+    };
     let appearance = white_room(Phong { transmission: Some(tinted), ..BARE });
     let mut whitted = Whitted::new(2, 0.0, Needs::of(&appearance, |_| true));
     let ray = Ray::new(DVec3::ZERO, DVec3::NEG_Z);
@@ -137,13 +143,19 @@ fn absorption_follows_beers_law() {
 #[test]
 fn what_stands_inside_glass_is_seen_through_it() {
     // Into tinted glass, 2 units to an opaque glowing body in it, which is met from its outside.
-    let tinted = Transmission { coefficient: gray(1.0), ior: 1.0, fresnel: false, absorption: Rgb::new(0.5, 0.0, 1.0) };
+    let tinted = Transmission {
+        coefficient: gray(1.0),
+        ior: 1.5,
+        fresnel: false,
+        absorption: Rgb::new(0.5, 0.0, 1.0),
+        priority: 0,
+    };
     let mut appearance = white_room(Phong { transmission: Some(tinted), ..BARE });
     let core = Phong { emission: gray(1.0), mirror: gray(1.0), ..BARE };
     appearance.materials.push(Material { name: "core".into(), phong: core });
     struct Paperweight(u32);
     impl Tracer for Paperweight {
-        fn closest(&mut self, ray: &Ray, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+        fn closest(&mut self, ray: &Ray, _: Interval, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
             self.0 += 1;
             // The glass, the core, and the glass again from inside.
             let (normal, material) = match self.0 {
@@ -161,7 +173,7 @@ fn what_stands_inside_glass_is_seen_through_it() {
                 shading_normal: normal,
                 uv: [0.0; 2],
             };
-            Some(SurfaceHit { t: 2.0, interaction, material })
+            Some(SurfaceHit { t: 2.0, interaction, object: 0, material })
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
             false
@@ -177,11 +189,11 @@ fn what_stands_inside_glass_is_seen_through_it() {
 #[test]
 fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
     // A ray that grazes a denser outside: the shading normal is tilted, so that Snell has no solution.
-    let thin = Transmission { coefficient: gray(0.85), ior: 0.2, fresnel: false, absorption: Rgb::BLACK };
+    let thin = Transmission { coefficient: gray(0.85), ior: 0.2, fresnel: false, absorption: Rgb::BLACK, priority: 0 };
     let appearance = white_room(Phong { transmission: Some(thin), mirror: gray(0.2), ..BARE });
     struct Tilted(u32);
     impl Tracer for Tilted {
-        fn closest(&mut self, _: &Ray, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+        fn closest(&mut self, _: &Ray, _: Interval, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
             self.0 += 1;
             let normal = DVec3::new(0.8, 0.0, 0.6);
             let interaction = SurfaceInteraction {
@@ -192,7 +204,7 @@ fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
                 shading_normal: normal,
                 uv: [0.0; 2],
             };
-            (self.0 == 1).then_some(SurfaceHit { t: 1.0, interaction, material: 0 })
+            (self.0 == 1).then_some(SurfaceHit { t: 1.0, interaction, object: 0, material: 0 })
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
             false

@@ -1,0 +1,93 @@
+//! What camera rays start inside of.
+
+use rt_camera::{Camera, Projection};
+use rt_math::{Aabb, DVec2, DVec3, NoProbe, Ray};
+use rt_scene_io::{NamedCamera, Scene};
+use rt_shading::Interior;
+
+use crate::{
+    plan::World,
+    trace::WorldTracer,
+    world::{Levels, Part, PartGeometry, Parts},
+};
+
+/// Where a ray goes that finds out what the pinhole lies inside of. It leaves closed bodies whichever way it goes; this
+/// way it also leaves a sea through its surface. It runs along no axis and no diagonal, so that it meets few edges.
+const OUTWARD: DVec3 = DVec3::new(0.36, 0.80, 0.48);
+
+/// The transparent bodies around the origins of camera rays.
+#[derive(Debug)]
+pub(crate) enum Surroundings {
+    /// The same for all rays.
+    Same(Interior),
+    /// To be found for each ray that starts in this box: rays of a parallel projection start in different places.
+    ByRay(Aabb),
+}
+
+impl Surroundings {
+    /// In clear air.
+    pub(crate) fn air() -> Self {
+        Self::Same(Interior::default())
+    }
+
+    /// The medium that the camera names; otherwise what the world around it shows.
+    pub(crate) fn of(named: &NamedCamera, camera: &Camera, scene: &Scene, world: &World) -> Self {
+        if let Some(medium) = named.medium {
+            return Self::Same(Interior::filled_with(medium.0));
+        }
+        let reach = reach_of_transparent_bodies(scene, world);
+        if matches!(named.settings.projection, Projection::Orthographic { .. }) && !reach.is_empty() {
+            return Self::ByRay(reach);
+        }
+        let pinhole = camera.ray(DVec2::ZERO, 0.0).origin;
+        if !reach.contains(pinhole) {
+            return Self::air();
+        }
+        Self::Same(look_around(scene, world, &Ray::new(pinhole, OUTWARD)))
+    }
+}
+
+fn look_around(scene: &Scene, world: &World, ray: &Ray) -> Interior {
+    let materials = &scene.appearance.materials;
+    let mut interior = Interior::default();
+    match world {
+        World::Spheres(world, structure) => {
+            interior.look_around(&mut WorldTracer { world, structure, probe: NoProbe }, materials, ray);
+        }
+        World::Parts(top, levels) => {
+            let world = &Parts { parts: &top.parts, levels };
+            let structure = &top.structure;
+            interior.look_around(&mut WorldTracer { world, structure, probe: NoProbe }, materials, ray);
+        }
+    }
+    interior
+}
+
+/// The least box around all transparent bodies; all of space if one of them is unbounded.
+fn reach_of_transparent_bodies(scene: &Scene, world: &World) -> Aabb {
+    let is_transparent = |material: u32| {
+        scene.appearance.materials.get(material as usize).is_some_and(|m| m.phong.transmission.is_some())
+    };
+    let everywhere = Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY);
+    match world {
+        World::Spheres(world, _) => {
+            let spheres = world.spheres.as_slice().iter().zip(&world.materials);
+            let transparent = spheres.filter(|(_, material)| is_transparent(**material));
+            transparent.fold(Aabb::EMPTY, |sum, (sphere, _)| sum.union(sphere.bounds()))
+        }
+        World::Parts(top, levels) => {
+            let transparent = top.parts.iter().filter(|part| holds(part, levels, &is_transparent));
+            transparent.fold(Aabb::EMPTY, |sum, part| sum.union(part.bounds.unwrap_or(everywhere)))
+        }
+    }
+}
+
+/// True if the part, or one in its group, is of such a material.
+fn holds(part: &Part, levels: &Levels, is_wanted: &impl Fn(u32) -> bool) -> bool {
+    match &part.geometry {
+        PartGeometry::Group(level, _) => {
+            levels.groups[*level as usize].parts.iter().any(|inner| is_wanted(inner.material))
+        }
+        _ => is_wanted(part.material),
+    }
+}

@@ -1,0 +1,231 @@
+//! Transparent bodies within each other.
+
+use crate::{Material, SurfaceHit, Tracer, Transmission};
+use rt_geometry::SurfaceNeeds;
+use rt_math::{Interval, Ray, RayKind, Rgb};
+
+/// Most bodies that a point may lie inside of at once; further ones are not noticed, and counted.
+const CAPACITY: usize = 32;
+
+/// A body that was entered: the object whose surface was met, and the material that fills it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Body {
+    object: u32,
+    material: u32,
+}
+
+/// The transparent bodies around a point, in the order in which they were entered: the interior list of Schmidt and
+/// Budge, "Simple Nested Dielectrics in Ray Traced Images", Journal of Graphics Tools 7(2), 2002.
+///
+/// ```text
+///    air │glass▒▒▒▒│▒▒▒ both ▒▒▒│~~~~ water        glass 1, water 0: where they overlap there is glass
+///        entered   water: not   glass: left,
+///        glass     noticed      now in water
+/// ```
+///
+/// Where bodies overlap, the one of highest [`priority`](Transmission::priority) is there, among equals the one that
+/// was entered last. The surface of a body that is not there is not noticed. Of surfaces that coincide, a ray meets the
+/// one of the lower number only: bodies that touch should overlap instead.
+///
+/// A body that is left without having been entered (the ray started inside, or the surface has a hole) counts as having
+/// been around from the start. A body may be closed by several objects of one material: what was entered through one of
+/// them is left through any other.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Interior {
+    bodies: Vec<Body>,
+}
+
+/// What a part of space is filled with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Medium {
+    /// Index of refraction.
+    pub(crate) ior: f64,
+    /// Absorption per world unit.
+    pub(crate) absorption: Rgb,
+}
+
+impl Medium {
+    const AIR: Self = Self { ior: 1.0, absorption: Rgb::BLACK };
+}
+
+/// The way through a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    step: Step,
+    /// The medium on the near side.
+    pub(crate) before: Medium,
+    /// The medium on the far side.
+    pub(crate) after: Medium,
+    /// False if the same material is on both sides: the surface is not there.
+    pub(crate) is_boundary: bool,
+}
+
+impl Crossing {
+    /// Light goes straight on, and nothing of it is mirrored.
+    pub(crate) fn is_null(&self) -> bool {
+        self.before.ior == self.after.ior
+    }
+}
+
+/// How the list changes; a body that is left is known by its place.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    Enter(Body),
+    Leave(usize),
+}
+
+impl Interior {
+    /// Inside of something unbounded of the material with this index.
+    pub fn filled_with(material: u32) -> Self {
+        // The number of no object: it is left through any surface of the material.
+        Self { bodies: vec![Body { object: u32::MAX, material }] }
+    }
+
+    /// True outside of everything, in air.
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// Back outside of everything.
+    pub fn clear(&mut self) {
+        self.bodies.clear();
+    }
+
+    /// Finds out what the origin of a ray lies inside of: the bodies that the ray leaves, on its way to infinity, without
+    /// having entered them. Replaces what was known before.
+    pub fn look_around(&mut self, world: &mut impl Tracer, materials: &[Material], ray: &Ray) {
+        self.bodies.clear();
+        // Bodies around the origin come first in the list; behind them, bodies that were entered on the way.
+        let mut around = 0;
+        let mut span = Interval::FORWARD;
+        let needs = SurfaceNeeds { uv: false, shading_normal: false };
+        while let Some(hit) = world.closest(ray, span, RayKind::Refraction, needs) {
+            span = hit.beyond(ray);
+            if transmission(materials, hit.material).is_none() {
+                continue;
+            }
+            let body = Body { object: hit.object, material: hit.material };
+            if ray.direction.dot(hit.interaction.geometric_normal) <= 0.0 {
+                self.push(body);
+            } else if let Some(at) = find(&self.bodies[around..], body) {
+                self.bodies.remove(around + at);
+            } else if self.bodies.len() < CAPACITY {
+                // What is left later was entered earlier.
+                self.bodies.insert(0, body);
+                around += 1;
+            }
+        }
+        self.bodies.truncate(around);
+    }
+
+    /// The medium here.
+    pub(crate) fn medium(&self, materials: &[Material]) -> Medium {
+        medium(self.top(materials), materials)
+    }
+
+    /// What it means to go through the surface of a transparent body. `None` if the list is full: the surface is to be
+    /// ignored.
+    pub(crate) fn crossing(&mut self, materials: &[Material], hit: &SurfaceHit, leaving: bool) -> Option<Crossing> {
+        let body = Body { object: hit.object, material: hit.material };
+        let step = if leaving {
+            Step::Leave(find(&self.bodies, body).or_else(|| self.note_as_around(body))?)
+        } else {
+            (self.bodies.len() < CAPACITY).then_some(Step::Enter(body))?
+        };
+        let (before, after) = (self.top(materials), top(self.bodies_after(step), materials));
+        Some(Crossing {
+            step,
+            before: medium(before, materials),
+            after: medium(after, materials),
+            is_boundary: before != after,
+        })
+    }
+
+    /// Goes through the surface that a crossing was found for.
+    pub(crate) fn cross(&mut self, crossing: &Crossing) {
+        match crossing.step {
+            Step::Enter(body) => self.push(body),
+            Step::Leave(at) => {
+                self.bodies.remove(at);
+            }
+        }
+    }
+
+    fn push(&mut self, body: Body) {
+        if self.bodies.len() < CAPACITY {
+            self.bodies.push(body);
+        }
+    }
+
+    /// A body that nobody saw being entered was there before all others; its place.
+    fn note_as_around(&mut self, body: Body) -> Option<usize> {
+        (self.bodies.len() < CAPACITY).then(|| {
+            self.bodies.insert(0, body);
+            0
+        })
+    }
+
+    fn bodies_after(&self, step: Step) -> impl Iterator<Item = Body> {
+        let (left, entered) = match step {
+            Step::Enter(body) => (None, Some(body)),
+            Step::Leave(at) => (Some(at), None),
+        };
+        let stays = move |(at, body): (usize, &Body)| (Some(at) != left).then_some(*body);
+        self.bodies.iter().enumerate().filter_map(stays).chain(entered)
+    }
+
+    /// The material that is here.
+    fn top(&self, materials: &[Material]) -> Option<u32> {
+        top(self.bodies.iter().copied(), materials)
+    }
+}
+
+/// Lists of paths that wait, one behind the other: what is put on last is taken off first.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct InteriorStack {
+    bodies: Vec<Body>,
+}
+
+impl InteriorStack {
+    /// Puts a list on the stack, as it is, or as it will be beyond a surface; its length.
+    pub(crate) fn push(&mut self, interior: &Interior, crossing: Option<&Crossing>) -> u32 {
+        let length = self.bodies.len();
+        match crossing {
+            Some(crossing) => self.bodies.extend(interior.bodies_after(crossing.step)),
+            None => self.bodies.extend_from_slice(&interior.bodies),
+        }
+        (self.bodies.len() - length) as u32
+    }
+
+    /// Takes the list of this length off the stack.
+    pub(crate) fn pop(&mut self, interior: &mut Interior, length: u32) {
+        let start = self.bodies.len().saturating_sub(length as usize);
+        interior.bodies.clear();
+        interior.bodies.extend(self.bodies.drain(start..));
+    }
+}
+
+/// The place of a body, or else of another one of its material: the one that was entered last.
+fn find(bodies: &[Body], body: Body) -> Option<usize> {
+    let last = |matches: &dyn Fn(&Body) -> bool| bodies.iter().rposition(matches);
+    last(&|other| *other == body).or_else(|| last(&|other| other.material == body.material))
+}
+
+/// The material of highest priority, of equals the last.
+fn top(bodies: impl Iterator<Item = Body>, materials: &[Material]) -> Option<u32> {
+    let priority = |body: &Body| transmission(materials, body.material).map(|t| t.priority);
+    bodies.max_by_key(priority).map(|body| body.material)
+}
+
+fn medium(material: Option<u32>, materials: &[Material]) -> Medium {
+    material
+        .and_then(|material| transmission(materials, material))
+        .map_or(Medium::AIR, |transmission| Medium { ior: transmission.ior, absorption: transmission.absorption })
+}
+
+fn transmission(materials: &[Material], material: u32) -> Option<&Transmission> {
+    materials.get(material as usize)?.phong.transmission.as_ref()
+}
+
+#[cfg(test)]
+mod tests;
