@@ -22,6 +22,25 @@ pub(crate) fn area_vector(vertices: [DVec3; 3]) -> DVec3 {
     if area.length_squared() > sliver { area } else { exact_area_vector(vertices) }
 }
 
+/// The relative error that [`area_vector`] stays below.
+const AREA_ERROR: f64 = 1e-12;
+
+/// Newell's normal: twice the area enclosed by a polygon times its unit normal, on the side from which it runs
+/// counter-clockwise; defined for concave and bent polygons as well (Tampieri, Graphics Gems III, 1992). `None` if
+/// rounding cannot tell it from zero.
+///
+/// It is summed over the fan of triangles from the first corner, each of which is computed without cancellation.
+pub(crate) fn polygon_area_vector(vertices: &[DVec3]) -> Option<DVec3> {
+    let (hub, rim) = vertices.split_first()?;
+    let (mut sum, mut magnitude) = (DVec3::ZERO, 0.0);
+    for pair in rim.windows(2) {
+        let area = area_vector([*hub, pair[0], pair[1]]);
+        sum += area;
+        magnitude += area.abs().max_element();
+    }
+    (sum.abs().max_element() > AREA_ERROR * magnitude).then_some(sum)
+}
+
 /// The unit normal of a triangle; any unit vector for one without area.
 pub(crate) fn unit_normal(vertices: [DVec3; 3]) -> DVec3 {
     let area = area_vector(vertices);
@@ -94,6 +113,27 @@ mod tests {
         let vertices = [DVec3::X, DVec3::new(big, big, 0.0), DVec3::new(2.0 * big, 2.0 * big, 0.0)];
         assert_eq!(area_vector(vertices), DVec3::new(0.0, 0.0, -big));
         assert_eq!(unit_normal(vertices), DVec3::NEG_Z);
+    }
+
+    /// The grid of Kettner et al., "Classroom Examples of Robustness Problems in Geometric Computations", 2008. In
+    /// units of 2⁻⁵³ all coordinates are integers.
+    #[test]
+    fn no_orientation_on_the_kettner_grid_is_wrong() {
+        let half = 1i64 << 52;
+        let unit = 1.0 / (1i64 << 53) as f64;
+        let mut wrong_if_rounded = 0;
+        for i in 0..256 {
+            for j in 0..256 {
+                let integers = [[half + i, half + j, 0], [24 * half, 24 * half, 0], [48 * half, 48 * half, 0]];
+                let expected = exact(integers)[2].signum() as f64;
+                let [a, b, c] = integers.map(|v| DVec3::from(v.map(|x| x as f64 * unit)));
+                let sign = area_vector([a, b, c]).z;
+                assert_eq!(if sign == 0.0 { 0.0 } else { sign.signum() }, expected, "{i} {j}");
+                let rounded = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+                wrong_if_rounded += u32::from(rounded.partial_cmp(&0.0) != expected.partial_cmp(&0.0));
+            }
+        }
+        assert_eq!(wrong_if_rounded, 11_972, "the grid is hard");
     }
 
     #[test]

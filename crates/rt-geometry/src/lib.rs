@@ -16,7 +16,7 @@
 //! are offset ([`SurfaceInteraction::spawn_ray`]): they meet their own surface never again by rounding, whatever the
 //! scale of the scene, and there is no epsilon to tune.
 //!
-//! **Owns** the shapes ([`Sphere`], [`AxisBox`], [`Plane`], [`Triangle`], the enum [`Shape`]), shapes under affine
+//! **Owns** the shapes ([`Sphere`], [`AxisBox`], [`Plane`], [`Triangle`], [`Polygon`], the enum [`Shape`]), shapes under affine
 //! maps ([`Placed`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets ([`Spheres`]), their tests in `f64`, and the
 //! geometry of a hit.
 //! **Does not own** structures that find the first of many hits (rt-accel), materials and light (rt-shading), or
@@ -64,6 +64,7 @@ mod mesh_data;
 mod mesh_repair;
 mod placed;
 mod plane;
+mod polygon;
 mod rectangle;
 mod shape;
 mod sheared_ray;
@@ -87,6 +88,7 @@ pub use mesh_data::MeshData;
 pub use mesh_repair::{MeshError, MeshRepairs};
 pub use placed::Placed;
 pub use plane::Plane;
+pub use polygon::{InsideRule, Polygon, PolygonError};
 pub use rectangle::Rectangle;
 pub use shape::{Shape, ShapeHit};
 pub use sheared_ray::ShearedRay;

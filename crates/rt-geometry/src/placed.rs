@@ -2,6 +2,7 @@
 
 use crate::{AxisBox, Plane, Shape, ShapeHit, Sphere, SurfaceInteraction, SurfaceNeeds, Triangle};
 use rt_math::{Aabb, DMat3, DVec3, Interval, Ray, Transform};
+use std::sync::Arc;
 
 /// A shape somewhere in the world: rays are taken to its local space, where the parameter `t` is the same.
 ///
@@ -61,14 +62,14 @@ impl Placed {
 
     /// A world-space shape that looks the same in all respects, texture coordinates included: anything that is only
     /// moved, a sphere that is scaled alike along all axes, a box that is scaled along its axes without mirroring, a
-    /// triangle under any map that does not mirror. `None` if there is none.
+    /// triangle under any map that does not mirror, a plane or polygon that is shifted. `None` if there is none.
     pub fn baked(&self) -> Option<Shape> {
         let linear = self.world_from_local.linear();
         let scale = diagonal(&linear).filter(|scale| scale.min_element() > 0.0);
         let keeps_uv = match &self.shape {
             Shape::Sphere(_) => scale.is_some_and(|s| s.x == s.y && s.y == s.z),
             Shape::AxisBox(_) => scale.is_some(),
-            Shape::Plane(_) => linear == DMat3::IDENTITY,
+            Shape::Plane(_) | Shape::Polygon(_) => linear == DMat3::IDENTITY,
             Shape::Triangle(_) => !self.world_from_local.flips_handedness(),
             _ => false,
         };
@@ -76,7 +77,8 @@ impl Placed {
     }
 
     /// A world-space shape with the same points and the same front, but maybe other texture coordinates: a sphere
-    /// that stays round, a box that is scaled along its axes, any plane, any triangle. `None` if there is none.
+    /// that stays round, a box that is scaled along its axes, any plane, any triangle, any polygon that rounding does
+    /// not bend out of its shape. `None` if there is none.
     pub fn baked_without_uv(&self) -> Option<Shape> {
         let map = &self.world_from_local;
         match &self.shape {
@@ -99,6 +101,7 @@ impl Placed {
                 let vertices = if map.flips_handedness() { [a, c, b] } else { [a, b, c] };
                 Triangle::new(vertices).ok().map(Shape::Triangle)
             }
+            Shape::Polygon(polygon) => polygon.mapped(map).map(Arc::new).map(Shape::Polygon),
             // All others stand at the origin of their local space, along its axes.
             _ => None,
         }

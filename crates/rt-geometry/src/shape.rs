@@ -1,10 +1,11 @@
 //! The closed set of shapes.
 
 use crate::{
-    AxisBox, Cone, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, Plane, Rectangle, Sphere, SurfaceInteraction,
-    SurfaceNeeds, Torus, Triangle,
+    AxisBox, Cone, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, Plane, Polygon, Rectangle, Sphere,
+    SurfaceInteraction, SurfaceNeeds, Torus, Triangle,
 };
 use rt_math::{Aabb, DVec3, Interval, Ray};
+use std::sync::Arc;
 
 /// A hit on a single shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +29,8 @@ pub enum Shape {
     Plane(Plane),
     /// A triangle.
     Triangle(Triangle),
+    /// A flat polygon.
+    Polygon(Arc<Polygon>),
     /// A finite cylinder, with caps or open.
     Cylinder(Cylinder),
     /// An infinite cylinder.
@@ -54,6 +57,7 @@ impl Shape {
             Self::AxisBox(axis_box) => Some(axis_box.bounds()),
             Self::Plane(_) | Self::InfiniteCylinder(_) | Self::DoubleCone(_) => None,
             Self::Triangle(triangle) => Some(triangle.bounds()),
+            Self::Polygon(polygon) => Some(polygon.bounds()),
             Self::Cylinder(cylinder) => Some(cylinder.bounds()),
             Self::Cone(cone) => Some(cone.bounds()),
             Self::Frustum(frustum) => Some(frustum.bounds()),
@@ -76,6 +80,7 @@ impl Shape {
             Self::Triangle(triangle) => {
                 Some(triangle.vertices().map(|v| v.dot(direction)).into_iter().fold(f64::NEG_INFINITY, f64::max))
             }
+            Self::Polygon(polygon) => Some(polygon.support(direction)),
             Self::Cylinder(cylinder) => Some(cylinder.support(direction)),
             Self::Cone(cone) => Some(cone.support(direction)),
             Self::Frustum(frustum) => Some(frustum.support(direction)),
@@ -94,6 +99,7 @@ impl Shape {
             Self::AxisBox(axis_box) => axis_box.intersect(ray, span),
             Self::Plane(plane) => plane.intersect(ray, span),
             Self::Triangle(triangle) => triangle.intersect(ray, span),
+            Self::Polygon(polygon) => polygon.intersect(ray, span),
             Self::Cylinder(cylinder) => cylinder.intersect(ray, span),
             Self::InfiniteCylinder(cylinder) => cylinder.intersect(ray, span),
             Self::DoubleCone(cone) => cone.intersect(ray, span),
@@ -112,6 +118,7 @@ impl Shape {
             Self::AxisBox(axis_box) => axis_box.surface(ray, hit, needs),
             Self::Plane(plane) => plane.surface(ray, hit, needs),
             Self::Triangle(triangle) => triangle.surface(ray, hit, needs),
+            Self::Polygon(polygon) => polygon.surface(ray, hit, needs),
             Self::Cylinder(cylinder) => cylinder.surface(ray, hit, needs),
             Self::InfiniteCylinder(cylinder) => cylinder.surface(ray, hit, needs),
             Self::DoubleCone(cone) => cone.surface(ray, hit, needs),
@@ -127,16 +134,19 @@ impl Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::InsideRule;
     use proptest::prelude::*;
     use rt_math::DVec3;
 
     fn shapes() -> Vec<Shape> {
         let [closed, open] = [true, false];
+        let polygon = Polygon::new(vec![DVec3::X, DVec3::Y, DVec3::Z], Vec::new(), InsideRule::EvenOdd);
         vec![
             Shape::Sphere(Sphere::new(DVec3::X, 1.0).expect("a sphere")),
             Shape::AxisBox(AxisBox::new(DVec3::NEG_ONE, DVec3::ONE).expect("a box")),
             Shape::Plane(Plane::new(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)).expect("a plane")),
             Shape::Triangle(Triangle::new([DVec3::X, DVec3::Y, DVec3::Z]).expect("a triangle")),
+            Shape::Polygon(Arc::new(polygon.expect("a polygon"))),
             Shape::Cylinder(Cylinder::new(1.0, -0.5, 1.5, closed).expect("a cylinder")),
             Shape::Cylinder(Cylinder::new(1.0, -0.5, 1.5, open).expect("a cylinder")),
             Shape::InfiniteCylinder(InfiniteCylinder::new(1.0).expect("a cylinder")),

@@ -38,7 +38,7 @@ impl ShearedRay {
 
     /// A point as the ray sees it: x and y across the ray, z the ray parameter.
     #[inline]
-    fn map(&self, point: DVec3) -> DVec3 {
+    pub(crate) fn map(&self, point: DVec3) -> DVec3 {
         let p = rotated(point - self.origin, self.axis);
         DVec3::new(p.x - self.shear_x * p.z, p.y - self.shear_y * p.z, p.z * self.scale_z)
     }

@@ -1,10 +1,13 @@
 //! Rays that leave a surface neither meet it again by rounding nor jump over what is close to it.
 
 use proptest::prelude::*;
-use rt_geometry::{AxisBox, Placed, Plane, Shape, Sphere, SurfaceInteraction, SurfaceNeeds, Triangle};
+use rt_geometry::{
+    AxisBox, InsideRule, Placed, Plane, Polygon, Shape, Sphere, SurfaceInteraction, SurfaceNeeds, Triangle,
+};
 use rt_math::transcendental::{pow, sincos};
 use rt_math::{DVec3, Frame, Interval, Ray, Transform, random};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 fn draw(ray: u64, k: u64) -> f64 {
     random::unit(random::hash(&[ray, k]))
@@ -63,14 +66,17 @@ fn a_triangle_of_any_size_anywhere_has_neither_acne_nor_leaks() {
 }
 
 /// One shape of each kind. They are convex or flat: no ray that leaves on the outside meets its shape again.
-fn shapes(scale: f64, offset: f64) -> [Shape; 4] {
+fn shapes(scale: f64, offset: f64) -> [Shape; 5] {
     let centre = DVec3::splat(offset);
     let sphere = Sphere::new(centre, scale).expect("a sphere");
     let solid = AxisBox::new(centre - scale, centre + scale).expect("a box");
     let plane = Plane::new(centre, DVec3::new(0.6, 0.48, 0.64)).expect("a plane");
     let corners = [DVec3::X, DVec3::Y, DVec3::Z].map(|v| centre + v * scale);
     let triangle = Triangle::new(corners).expect("a triangle");
-    [Shape::Sphere(sphere), Shape::AxisBox(solid), Shape::Plane(plane), Shape::Triangle(triangle)]
+    let corners = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.5, -1.0, 1.5)].map(|v| centre + v * scale).to_vec();
+    let polygon = Arc::new(Polygon::new(corners, Vec::new(), InsideRule::EvenOdd).expect("a polygon"));
+    let [sphere, solid] = [Shape::Sphere(sphere), Shape::AxisBox(solid)];
+    [sphere, solid, Shape::Plane(plane), Shape::Triangle(triangle), Shape::Polygon(polygon)]
 }
 
 fn vector() -> impl Strategy<Value = DVec3> {
@@ -162,7 +168,7 @@ fn a_gap_of_a_billionth_is_crossed() {
 /// that goes there and back is off by more than the two steps account for.
 #[test]
 fn a_composed_transform_does_not_bring_spawned_rays_back_to_their_plane() {
-    let [_, _, plane, _] = shapes(1.0, 0.25);
+    let [_, _, plane, ..] = shapes(1.0, 0.25);
     let vector = |ray: u64, k: u64| DVec3::new(draw(ray, k), draw(ray, k + 1), draw(ray, k + 2)) * 2.0 - 1.0;
     for ray in 0..100_000 {
         let turn = Transform::rotate(vector(ray, 0), TAU * draw(ray, 3)).expect("an axis");

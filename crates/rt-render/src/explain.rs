@@ -78,6 +78,7 @@ struct Census {
     boxes: usize,
     planes: usize,
     triangles: usize,
+    polygons: usize,
     cylinders: usize,
     infinite_cylinders: usize,
     double_cones: usize,
@@ -119,6 +120,7 @@ impl Census {
             PartGeometry::Shape(Shape::AxisBox(_)) => self.boxes += 1,
             PartGeometry::Shape(Shape::Plane(_)) => self.planes += 1,
             PartGeometry::Shape(Shape::Triangle(_)) => self.triangles += 1,
+            PartGeometry::Shape(Shape::Polygon(_)) => self.polygons += 1,
             PartGeometry::Shape(Shape::Cylinder(_)) => self.cylinders += 1,
             PartGeometry::Shape(Shape::InfiniteCylinder(_)) => self.infinite_cylinders += 1,
             PartGeometry::Shape(Shape::DoubleCone(_)) => self.double_cones += 1,
@@ -137,11 +139,17 @@ impl Census {
 /// Bytes of a part, with what it has on the heap.
 fn part_memory(part: &Part) -> usize {
     let boxed = match &part.geometry {
-        PartGeometry::Placed(placed) => size_of_val(&**placed),
+        PartGeometry::Shape(shape) => shape_memory(shape),
+        PartGeometry::Placed(placed) => size_of_val(&**placed) + shape_memory(placed.shape()),
         PartGeometry::Mesh(_, Some(transform)) | PartGeometry::Group(_, Some(transform)) => size_of_val(&**transform),
         _ => 0,
     };
     size_of::<Part>() + boxed + part.name.len()
+}
+
+/// Bytes that a shape has on the heap.
+fn shape_memory(shape: &Shape) -> usize {
+    if let Shape::Polygon(polygon) = shape { polygon.memory() } else { 0 }
 }
 
 /// "1 sphere", "2 spheres".
@@ -181,6 +189,7 @@ impl RenderPlan<'_> {
             (census.boxes, "box", "boxes"),
             (census.planes, "plane", "planes"),
             (census.triangles, "single triangle", "single triangles"),
+            (census.polygons, "polygon", "polygons"),
             (census.cylinders, "cylinder", "cylinders"),
             (census.infinite_cylinders, "infinite cylinder", "infinite cylinders"),
             (census.double_cones, "double cone", "double cones"),
