@@ -5,7 +5,7 @@ use core::ops::ControlFlow;
 use rt_math::{Aabb, Primitives, Probe};
 
 use crate::structure::accelerator_by_walk;
-use crate::{BuildError, BuildStats, Bvh, Linear, RayQuery, RegionQuery, Structure, UniformGrid, Violation};
+use crate::{BuildError, BuildStats, Bvh, KdTree, Linear, RayQuery, RegionQuery, Structure, UniformGrid, Violation};
 
 /// Something to do with a structure of any type.
 pub trait StructureVisitor {
@@ -122,6 +122,8 @@ structures! {
     Grid(UniformGrid) = "grid",
     /// Binary tree of boxes.
     Bvh(Bvh) = "bvh",
+    /// Tree of planes at right angles to the axes.
+    Kd(KdTree) = "kd",
 }
 
 accelerator_by_walk!(AnyStructure);

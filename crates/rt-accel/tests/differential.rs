@@ -4,7 +4,9 @@
 
 mod soup;
 
-use rt_accel::{Aabb, Accelerator, Bvh, Counters, DVec3, Hit, Linear, NoProbe, Primitives, Structure, UniformGrid};
+use rt_accel::{
+    Aabb, Accelerator, Bvh, Counters, DVec3, Hit, KdTree, Linear, NoProbe, Primitives, Structure, UniformGrid,
+};
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
 use soup::{Solid, Soup};
@@ -93,6 +95,11 @@ fn bvh_is_valid() {
     for (scene, soup) in scenes(Draw::run_seed()) {
         assert_eq!(Bvh::build(&soup).unwrap().validate(&soup), Ok(()), "{scene}");
     }
+}
+
+#[test]
+fn kd_equals_brute_force() {
+    compare_all("kd", 0.1, |soup| KdTree::build(soup).unwrap());
 }
 
 #[test]

@@ -1,0 +1,92 @@
+//! Nodes in depth-first order.
+
+use crate::Violation;
+use crate::bounded_depth::MAX_DEPTH;
+
+/// A part of space. What lies below the cut of a node is the next node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) enum Node<C> {
+    /// Two parts.
+    Split {
+        cut: C,
+        /// Number of the node above the cut.
+        above: u32,
+    },
+    /// One part, and where its run of primitives is.
+    Leaf { first: u32, count: u32 },
+}
+
+/// Checks that the nodes are a tree in depth-first order that no walk can fall out of, with leaves of `n_references`
+/// in all.
+///
+/// # Errors
+/// The first node that is not where it should be, or too deep.
+pub(crate) fn check_order<C>(nodes: &[Node<C>], n_references: usize) -> Result<(), Violation> {
+    // Nodes that are yet to come, the next one last, with their depths.
+    let mut expected = vec![(0, 0)];
+    let mut next_first = 0;
+    for (number, node) in (0..).zip(nodes) {
+        let misplaced = Violation::Node { node: number };
+        let depth = match expected.pop() {
+            Some((promised, depth)) if promised == number => depth,
+            _ => return Err(misplaced),
+        };
+        match *node {
+            Node::Split { .. } if depth == MAX_DEPTH => return Err(Violation::Depth { depth: depth + 1 }),
+            Node::Split { above, .. } => expected.extend([(above, depth + 1), (number + 1, depth + 1)]),
+            Node::Leaf { first, count } => {
+                if first != next_first {
+                    return Err(misplaced);
+                }
+                next_first = first.checked_add(count).ok_or(misplaced)?;
+            }
+        }
+    }
+    match expected.pop() {
+        Some((missing, _)) => Err(Violation::Node { node: missing }),
+        None if next_first as usize != n_references => Err(Violation::Node { node: nodes.len() as u32 - 1 }),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn split(above: u32) -> Node<()> {
+        Node::Split { cut: (), above }
+    }
+
+    const fn leaf(first: u32, count: u32) -> Node<()> {
+        Node::Leaf { first, count }
+    }
+
+    #[test]
+    fn only_depth_first_trees_pass() {
+        let good = [split(4), split(3), leaf(0, 2), leaf(2, 0), leaf(2, 1)];
+        assert_eq!(check_order(&good, 3), Ok(()));
+        assert_eq!(check_order(&[leaf(0, 0)], 0), Ok(()));
+        let verdict = |nodes: &[Node<()>]| check_order(nodes, 3);
+        let at = |node| Err(Violation::Node { node });
+        assert_eq!(verdict(&[]), at(0));
+        assert_eq!(verdict(&good[..4]), at(4), "cut short");
+        assert_eq!(verdict(&[good[0], good[1], good[2], good[3], good[4], leaf(3, 0)]), at(5), "left over");
+        assert_eq!(verdict(&[split(0), leaf(0, 1), leaf(1, 2)]), at(2), "a loop");
+        assert_eq!(verdict(&[split(1), leaf(0, 1), leaf(1, 2)]), at(2), "a node with two parents");
+        assert_eq!(verdict(&[split(9), leaf(0, 1), leaf(1, 2)]), at(2), "a node that is not there");
+        assert_eq!(verdict(&[split(2), leaf(0, 1), leaf(1, 1)]), at(2), "a reference too few");
+        assert_eq!(verdict(&[split(2), leaf(0, 1), leaf(2, 1)]), at(2), "a reference left out");
+        assert_eq!(verdict(&[split(2), leaf(0, 1), leaf(1, u32::MAX)]), at(2), "past all numbers");
+    }
+
+    #[test]
+    fn deep_trees_do_not_pass() {
+        let comb = |depth: u32| {
+            let splits = (0..depth).map(|level| split(2 * depth - level));
+            splits.chain((0..=depth).map(|_| leaf(0, 0))).collect::<Vec<_>>()
+        };
+        assert_eq!(check_order(&comb(60), 0), Ok(()));
+        assert_eq!(check_order(&comb(61), 0), Err(Violation::Depth { depth: 61 }));
+    }
+}
