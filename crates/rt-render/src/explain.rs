@@ -4,13 +4,16 @@ use std::fmt;
 
 use rt_accel::{AnyStructure, Structure as _};
 use rt_geometry::Shape;
-use rt_scene_io::{Accel, Integrator};
+use rt_math::{DVec3, Primitives as _};
+use rt_scene_io::Integrator;
 use rt_shading::Texture;
 
 use crate::{
     RenderPlan,
     plan::World,
-    world::{Levels, Part, PartGeometry},
+    structure::choose,
+    visible::Visible,
+    world::{Assembly, Levels, Part, PartGeometry, Parts},
 };
 
 /// Something that a plan leaves out.
@@ -225,30 +228,44 @@ impl RenderPlan<'_> {
     }
 
     fn structures(&self) -> Vec<String> {
-        let auto = self.scene.settings.accel == Accel::Auto;
-        let line = |level: &str, structure: &AnyStructure, primitives: usize| {
-            let stats = structure.build_stats();
-            let why = match (auto, structure) {
-                (false, _) => "as asked",
-                (true, AnyStructure::Linear(_)) => "few primitives: asking each is faster than walking a tree",
-                (true, _) => "many primitives",
-            };
+        let accel = self.scene.settings.accel;
+        let line = |level: &str, structure: &AnyStructure, primitives: usize, why: String| {
             let primitives = count(primitives, "primitive", "primitives");
-            format!(
-                "{level}: {} over {primitives}, {} ({why})",
-                structure.kind().name(),
-                count(stats.nodes, "node", "nodes")
-            )
+            let nodes = count(structure.build_stats().nodes, "node", "nodes");
+            format!("{level}: {} over {primitives}, {nodes} ({why})", structure.kind().name())
         };
+        // The rule is asked again of the primitives that the structure was built over.
+        let assembly = |level: &str, assembly: &Assembly, levels: &Levels| {
+            let why = choose(accel, &Parts { parts: &assembly.parts, levels }).1;
+            line(level, &assembly.structure, assembly.parts.len(), why)
+        };
+        let visible = |why: &dyn Fn(&Visible) -> String| {
+            let visible = self.visible.as_ref()?;
+            Some(line("  for camera rays", visible.structure(), visible.of() - visible.left_out(), why(visible)))
+        };
+        let mut lines = Vec::new();
         match &self.world {
-            World::Spheres(world, structure) => vec![line("structure", structure, world.materials.len())],
-            World::Parts(top, Levels { meshes, groups }) => {
-                let mut lines = vec![line("structure", &top.structure, top.parts.len())];
-                lines.extend(groups.iter().map(|g| line("  of a group", &g.structure, g.parts.len())));
-                lines.extend(meshes.iter().map(|m| line("  of a mesh", &m.structure, m.mesh.data().triangles.len())));
-                lines
+            World::Spheres(world, structure) => {
+                lines.push(line("structure", structure, world.len(), choose(accel, world).1));
+                lines.extend(visible(&|visible| visible.why(accel, world)));
+            }
+            World::Parts(top, levels) => {
+                lines.push(assembly("structure", top, levels));
+                lines.extend(visible(&|visible| visible.why(accel, &Parts { parts: &top.parts, levels })));
+                lines.extend(levels.groups.iter().map(|group| assembly("  of a group", group, levels)));
+                lines.extend(levels.meshes.iter().map(|level| {
+                    let why = choose(accel, &*level.mesh).1;
+                    line("  of a mesh", &level.structure, level.mesh.data().triangles.len(), why)
+                }));
             }
         }
+        if self.origin != DVec3::ZERO {
+            lines.push(format!(
+                "coordinates relative to {}, as the scene is small and far from the origin",
+                self.origin
+            ));
+        }
+        lines
     }
 
     fn light(&self) -> Vec<String> {
@@ -300,6 +317,10 @@ impl RenderPlan<'_> {
         let listed = geometry.into_iter().chain(surface).chain(shading.into_iter().filter(|_| whitted));
         let mut left_out: Vec<LeftOut> =
             listed.filter(|(left, ..)| *left).map(|(_, what, why)| LeftOut { what, why: why.to_owned() }).collect();
+        if let Some(visible) = &self.visible {
+            let why = format!("{} of {} lie outside the view", visible.left_out(), visible.of());
+            left_out.push(LeftOut { what: "objects, for camera rays", why });
+        }
         if !whitted {
             left_out.push(LeftOut {
                 what: "light and materials",
@@ -325,6 +346,7 @@ impl RenderPlan<'_> {
                 (parts + meshes, structures + mesh_structures)
             }
         };
+        let structures = structures + self.visible.as_ref().map_or(0, Visible::memory);
         [("film", film), ("textures", self.texture_memory()), ("geometry", geometry), ("structures", structures)]
     }
 

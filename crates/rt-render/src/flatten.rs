@@ -19,8 +19,12 @@ const MAX_DEPTH: usize = 1024;
 /// more than any memory holds.
 const MAX_PARTS: u64 = 1 << 24;
 
-/// Flattens a scene and builds all structures.
-pub(crate) fn flatten(scene: &Scene, accel: Accel) -> Result<(Assembly, Levels), RenderError> {
+/// Flattens a scene, in the space that `plan_from_world` leads to, and builds all structures.
+pub(crate) fn flatten(
+    scene: &Scene,
+    accel: Accel,
+    plan_from_world: Transform,
+) -> Result<(Assembly, Levels), RenderError> {
     let mut flattener = Flattener {
         scene,
         accel,
@@ -30,7 +34,8 @@ pub(crate) fn flatten(scene: &Scene, accel: Accel) -> Result<(Assembly, Levels),
         group_sizes: vec![None; scene.groups.len()],
         levels: Levels::default(),
     };
-    let top = flattener.assembly(&scene.nodes, Level::TOP)?;
+    let level = Level { assembly_from_parent: plan_from_world, ..Level::TOP };
+    let top = flattener.assembly(&scene.nodes, level)?;
     Ok((top, flattener.levels))
 }
 

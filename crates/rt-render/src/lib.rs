@@ -49,12 +49,14 @@ mod error;
 mod explain;
 mod flatten;
 mod plan;
+mod rebase;
 mod render;
 mod statistics;
 mod structure;
 mod surroundings;
 mod tiles;
 mod trace;
+mod visible;
 mod world;
 
 pub use error::RenderError;

@@ -1,20 +1,22 @@
 //! The plan: a scene compiled once to what rendering needs, and no more.
 
-use std::time::Instant;
+use std::{borrow::Cow, time::Instant};
 
 use rt_accel::AnyStructure;
-use rt_camera::{Camera, CameraSettings, Filter, PixelSampler, SamplePattern};
+use rt_camera::{Camera, CameraSettings, FilmSettings, Filter, PixelSampler, SamplePattern, ViewVolume};
 use rt_geometry::{Shape, Spheres};
-use rt_math::{Aabb, DVec2};
+use rt_math::{Aabb, DVec2, DVec3};
 use rt_scene_io::{Integrator, MaterialId, NamedCamera, Scene};
 use rt_shading::{Appearance, FirstHitView, Needs};
 
 use crate::{
     RenderError,
     flatten::flatten,
+    rebase,
     surroundings::Surroundings,
     trace::SphereWorld,
-    world::{Assembly, Levels, PartGeometry},
+    visible::Visible,
+    world::{Assembly, Levels, PartGeometry, Parts},
 };
 
 /// A part of the image, in pixels from its upper left corner.
@@ -77,8 +79,12 @@ pub struct RenderPlan<'s> {
     pub(crate) depth: u32,
     pub(crate) min_contribution: f64,
     pub(crate) needs: Needs,
-    pub(crate) appearance: &'s Appearance,
+    pub(crate) appearance: Cow<'s, Appearance>,
     pub(crate) world: World,
+    /// What camera rays can meet, if that is much less than the world.
+    pub(crate) visible: Option<Visible>,
+    /// The point of the scene that all coordinates are relative to.
+    pub(crate) origin: DVec3,
     pub(crate) surroundings: Surroundings,
     pub(crate) full: bool,
     pub(crate) build_seconds: f64,
@@ -111,12 +117,22 @@ impl<'s> RenderPlan<'s> {
             let object = format!("camera {camera_name}");
             return Err(RenderError::Dangling { object, what: "material", index, count: material_count });
         }
-        let camera = Camera::new(camera_settings, film.width, film.height)
+        let origin = rebase::origin(scene, camera_settings);
+        let camera_settings = rebase::camera(camera_settings, origin);
+        let camera = Camera::new(&camera_settings, film.width, film.height)
             .map_err(|source| RenderError::Camera { name: camera_name.clone(), source })?;
 
-        let (top, levels) = flatten(scene, settings.accel)?;
+        let (top, levels) = flatten(scene, settings.accel, rebase::plan_from_world(origin))?;
+        // The cost view shows the work that the structure over the whole scene takes.
+        let visible = if options.full || settings.integrator == Integrator::Cost {
+            None
+        } else {
+            let volume = view_volume(&camera, film, crop);
+            Visible::build(settings.accel, &Parts { parts: &top.parts, levels: &levels }, &volume)
+                .map_err(|source| RenderError::Build { object: scene.name.clone(), source })?
+        };
         let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, *medium) };
-        let (near, far) = depth_range(camera_settings, &top);
+        let (near, far) = depth_range(&camera_settings, &top);
         let spp = settings.pattern.round_up(settings.spp);
         let world = if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) };
         let lit = settings.integrator == Integrator::Whitted;
@@ -140,9 +156,11 @@ impl<'s> RenderPlan<'s> {
             depth: settings.depth,
             min_contribution: settings.min_contribution,
             needs,
-            appearance: &scene.appearance,
+            appearance: rebase::appearance(&scene.appearance, origin),
             world,
             surroundings,
+            visible,
+            origin,
             full: options.full,
             camera,
             build_seconds: started.elapsed().as_secs_f64(),
@@ -187,6 +205,16 @@ fn check_crop(crop: Option<Crop>, film_width: u32, film_height: u32) -> Result<C
     } else {
         Err(RenderError::Crop { x, y, width, height, film_width, film_height })
     }
+}
+
+/// Where the rays of the crop run: through its pixels, moved by the sample offset, as far around as the filter reaches.
+fn view_volume(camera: &Camera, film: &FilmSettings, crop: Crop) -> ViewVolume {
+    // Raster coordinates are rounded to far less than this part of a pixel.
+    const ROUNDING: f64 = 1.0 / 1024.0;
+    let first = DVec2::new(f64::from(crop.x), f64::from(crop.y)) + film.sample_offset;
+    let last = first + DVec2::new(f64::from(crop.width - 1), f64::from(crop.height - 1));
+    let reach = film.filter.radius() + ROUNDING;
+    camera.view_volume(first - reach, last + reach)
 }
 
 /// What the materials of objects that are really there need, and of what is around the camera.

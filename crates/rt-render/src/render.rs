@@ -1,17 +1,17 @@
 //! The loop over tiles, pixels and samples.
 
-use std::{marker::PhantomData, sync::mpsc, time::Instant};
+use std::{sync::mpsc, time::Instant};
 
 use rayon::prelude::*;
-use rt_accel::{AnyStructure, StructureVisitor};
+use rt_accel::AnyStructure;
 use rt_camera::{Camera, Film, Filter, PixelSampler};
 use rt_geometry::SurfaceNeeds;
-use rt_math::{Accelerator, Counters, DVec2, Interval, Probe, Ray, RayCounts, RayKind, Rgb, Sampler, Tally};
+use rt_math::{Counters, DVec2, Interval, Probe, Ray, RayCounts, RayKind, Rgb, Sampler, Tally};
 use rt_scene_io::Integrator;
 use rt_shading::{FirstHitView, Interior, Seen, ShadingCounts, Tracer, Whitted};
 
 use crate::{
-    RenderError, RenderPlan, Statistics,
+    Crop, RenderError, RenderPlan, Statistics,
     plan::{View, World},
     surroundings::Surroundings,
     tiles::{Tile, tiles},
@@ -68,9 +68,10 @@ impl Countable for RayCounts {
 /// A rendered tile on its way to the film.
 struct Finished {
     tile: Tile,
-    pixels: Vec<[f32; 3]>,
+    /// Radiance, not yet rounded to what a film holds.
+    pixels: Vec<Rgb>,
     /// Coverage; empty unless the plan asks for it.
-    alpha: Vec<f32>,
+    alpha: Vec<f64>,
     counters: Counters,
     shading: ShadingCounts,
     bad_samples: u64,
@@ -120,16 +121,30 @@ impl RenderPlan<'_> {
         Ok(Rendering { film, statistics })
     }
 
-    /// Copies a tile to its place.
+    /// The radiance of one pixel as it is before the film rounds it to `f32`; (`x`, `y`) counts from the upper left
+    /// corner of the whole image. `None` outside of what the plan renders.
+    pub fn pixel(&self, x: u32, y: u32) -> Option<Rgb> {
+        let Crop { x: left, y: top, width, height } = self.crop;
+        let inside = (left..left + width).contains(&x) && (top..top + height).contains(&y);
+        let tile = Tile { x, y, width: 1, height: 1 };
+        if inside { self.render_tile(tile, false).pixels.first().copied() } else { None }
+    }
+
+    /// Rounds a tile to what the film holds, in its place.
     fn expose(&self, film: &mut Film, finished: &Finished) {
         let Tile { x, y, width, height } = finished.tile;
         let stride = film.width() as usize;
         for row in 0..height as usize {
             let at = (y - self.crop.y) as usize * stride + row * stride + (x - self.crop.x) as usize;
             let from = row * width as usize;
-            film.pixels_mut()[at..at + width as usize].copy_from_slice(&finished.pixels[from..][..width as usize]);
+            for (place, radiance) in film.pixels_mut()[at..at + width as usize].iter_mut().zip(&finished.pixels[from..])
+            {
+                *place = radiance.to_array().map(|c| c as f32);
+            }
             if let Some(alpha) = film.alpha_mut() {
-                alpha[at..at + width as usize].copy_from_slice(&finished.alpha[from..][..width as usize]);
+                for (place, coverage) in alpha[at..at + width as usize].iter_mut().zip(&finished.alpha[from..]) {
+                    *place = *coverage as f32;
+                }
             }
         }
     }
@@ -153,21 +168,12 @@ impl RenderPlan<'_> {
     }
 
     fn with_world<W: Surfaces, S: Countable>(&self, world: &W, structure: &AnyStructure, tile: Tile) -> Finished {
-        structure.accept(TileOf::<W, S> { plan: self, world, tile, probe: PhantomData })
-    }
-
-    fn with_structure<W: Surfaces, A: Accelerator, S: Countable>(
-        &self,
-        world: &W,
-        structure: &A,
-        tile: Tile,
-    ) -> Finished {
-        let mut tracer = WorldTracer { world, structure, probe: S::default() };
+        let mut tracer = WorldTracer { world, structure, visible: self.visible.as_ref(), probe: S::default() };
         let mut whitted = Whitted::new(self.depth, self.min_contribution, self.needs);
         let mut finished = match (&self.view, &self.surroundings) {
             (View::Light, Surroundings::Same(interior)) => {
                 whitted.set_surroundings(interior);
-                self.sample_tile(tile, |ray| whitted.radiance(&mut tracer, self.appearance, ray))
+                self.sample_tile(tile, |ray| whitted.radiance(&mut tracer, &self.appearance, ray))
             }
             (View::Light, Surroundings::ByRay(reach)) => {
                 let mut interior = Interior::default();
@@ -177,7 +183,7 @@ impl RenderPlan<'_> {
                         interior.look_around(&mut tracer, &self.appearance.materials, ray);
                     }
                     whitted.set_surroundings(&interior);
-                    whitted.radiance(&mut tracer, self.appearance, ray)
+                    whitted.radiance(&mut tracer, &self.appearance, ray)
                 })
             }
             (View::FirstHit(view), _) => self.sample_tile(tile, |ray| view.radiance(&mut tracer, ray)),
@@ -211,28 +217,12 @@ impl RenderPlan<'_> {
                 lobes[usize::from(weight < 0.0)].add(&seen, weight.abs(), self.transparent);
             }
             let (radiance, coverage) = Lobe::difference(&lobes);
-            finished.pixels.push(radiance.to_array().map(|c| c as f32));
+            finished.pixels.push(radiance);
             if self.transparent {
-                finished.alpha.push(coverage.clamp(0.0, 1.0) as f32);
+                finished.alpha.push(coverage.clamp(0.0, 1.0));
             }
         }
         finished
-    }
-}
-
-/// A tile of a picture of some world, whatever the structure.
-struct TileOf<'a, W, S> {
-    plan: &'a RenderPlan<'a>,
-    world: &'a W,
-    tile: Tile,
-    probe: PhantomData<S>,
-}
-
-impl<W: Surfaces, S: Countable> StructureVisitor for TileOf<'_, W, S> {
-    type Output = Finished;
-
-    fn visit<T: rt_accel::Structure>(self, structure: &T) -> Finished {
-        self.plan.with_structure::<_, _, S>(self.world, structure, self.tile)
     }
 }
 
@@ -301,7 +291,7 @@ fn camera_ray(
 
 /// Work of a camera ray, nodes and primitive tests together, on a logarithmic scale from black over blue, red and
 /// yellow to white: black is 1 step, white 1024 or more.
-fn cost<W: Surfaces, A: Accelerator, S: Countable>(tracer: &mut WorldTracer<'_, W, A, S>, ray: &Ray) -> Seen {
+fn cost<W: Surfaces, S: Countable>(tracer: &mut WorldTracer<'_, W, S>, ray: &Ray) -> Seen {
     let work = |tally: Tally| tally.nodes + tally.tests;
     let before = work(tracer.probe.counters().of(RayKind::Primary));
     let needs = SurfaceNeeds { uv: false, shading_normal: false };

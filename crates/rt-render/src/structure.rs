@@ -1,20 +1,27 @@
-//! Which acceleration structure.
+//! Which acceleration structure, and why.
 
 use rt_accel::{AnyStructure, BuildError, StructureKind};
 use rt_math::Primitives;
 use rt_scene_io::Accel;
 
 /// Up to this many primitives, asking each is faster than walking a tree.
-const FEW: usize = 8;
+pub(crate) const FEW: usize = 8;
 
-/// Builds what `accel` asks for; `Auto` is brute force for a few primitives and a hierarchy otherwise.
+/// Builds what `accel` asks for, or for `Auto` what fits the primitives.
 pub(crate) fn build<P: Primitives>(accel: Accel, primitives: &P) -> Result<AnyStructure, BuildError> {
-    let kind = match accel {
-        Accel::Linear => StructureKind::Linear,
-        Accel::Grid => StructureKind::Grid,
-        Accel::Bvh => StructureKind::Bvh,
-        Accel::Auto if primitives.len() <= FEW => StructureKind::Linear,
-        Accel::Auto => StructureKind::Bvh,
-    };
-    AnyStructure::build(kind, primitives)
+    AnyStructure::build(choose(accel, primitives).0, primitives)
+}
+
+/// What `accel` asks for, and the rule that applied, for people.
+pub(crate) fn choose<P: Primitives>(accel: Accel, primitives: &P) -> (StructureKind, String) {
+    let asked = |kind| (kind, "as asked".to_owned());
+    match accel {
+        Accel::Linear => asked(StructureKind::Linear),
+        Accel::Grid => asked(StructureKind::Grid),
+        Accel::Bvh => asked(StructureKind::Bvh),
+        Accel::Auto if primitives.len() <= FEW => {
+            (StructureKind::Linear, "few primitives: asking each is faster than walking a tree".to_owned())
+        }
+        Accel::Auto => (StructureKind::Bvh, "many primitives".to_owned()),
+    }
 }

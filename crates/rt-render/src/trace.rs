@@ -1,10 +1,11 @@
 //! Rays against a world: where structures and materials meet.
 
+use rt_accel::AnyStructure;
 use rt_geometry::{Spheres, SurfaceInteraction, SurfaceNeeds};
 use rt_math::{Accelerator, Hit, Interval, Primitives, Probe, Ray, RayKind};
 use rt_shading::{SurfaceHit, Tracer};
 
-use crate::world::Parts;
+use crate::{visible::Visible, world::Parts};
 
 /// Primitives that know what their surface is made of.
 pub(crate) trait Surfaces: Primitives {
@@ -61,17 +62,23 @@ impl Surfaces for SphereWorld {
     }
 }
 
-/// Answers an integrator's rays and counts them.
-pub(crate) struct WorldTracer<'w, W, A, S> {
+/// Answers an integrator's rays and counts them. Which structure it is, is asked once for each ray: integrators are not
+/// compiled anew for each.
+pub(crate) struct WorldTracer<'w, W, S> {
     pub(crate) world: &'w W,
-    pub(crate) structure: &'w A,
+    pub(crate) structure: &'w AnyStructure,
+    /// What camera rays are asked of instead, if that is less.
+    pub(crate) visible: Option<&'w Visible>,
     pub(crate) probe: S,
 }
 
-impl<W: Surfaces, A: Accelerator, S: Probe> Tracer for WorldTracer<'_, W, A, S> {
+impl<W: Surfaces, S: Probe> Tracer for WorldTracer<'_, W, S> {
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
         self.probe.ray(kind);
-        let hit = self.structure.closest(self.world, ray, span, &mut self.probe)?;
+        let hit = match (kind, self.visible) {
+            (RayKind::Primary, Some(visible)) => visible.closest(self.world, ray, span, &mut self.probe),
+            _ => self.structure.closest(self.world, ray, span, &mut self.probe),
+        }?;
         let (interaction, material) = self.world.surface_at(ray, &hit, needs)?;
         Some(SurfaceHit { t: hit.t, interaction, object: self.world.object_at(&hit), material })
     }

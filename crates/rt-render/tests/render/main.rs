@@ -1,5 +1,7 @@
 //! Tests of whole renders.
 
+mod culling;
+mod invariance;
 mod left_out;
 mod one_picture;
 mod radiance;

@@ -1,0 +1,117 @@
+//! What camera rays can meet: a second structure without the objects outside the view.
+
+use rt_accel::{AnyStructure, BuildError, Structure as _};
+use rt_camera::ViewVolume;
+use rt_math::{Aabb, Accelerator, Hit, Interval, LeafLayout, Primitives, Probe, Ray, own_box};
+use rt_scene_io::Accel;
+
+use crate::structure::{self, FEW};
+
+/// The primitives of a set that camera rays can meet, and the structure over them.
+///
+/// A hit counts only if the ray passes the primitive's own box, and the view volume rules a box out only if no camera
+/// ray passes it, so that asking these alone gives the same hit to the bit. Mirrors, glass and shadows look everywhere:
+/// their rays are asked of the whole set.
+#[derive(Debug)]
+pub(crate) struct Visible {
+    /// Indices in the whole set, rising.
+    indices: Vec<u32>,
+    structure: AnyStructure,
+    /// Number of primitives of the whole set.
+    of: usize,
+}
+
+impl Visible {
+    /// Finds what the volume does not exclude. `None` where a second structure does not pay: if fewer than half of the
+    /// primitives lie outside, or if there are few anyway. So it is at most half as large as the first.
+    pub(crate) fn build<P: Primitives>(
+        accel: Accel,
+        primitives: &P,
+        volume: &ViewVolume,
+    ) -> Result<Option<Self>, BuildError> {
+        let of = primitives.len();
+        if of <= FEW {
+            return Ok(None);
+        }
+        let inside = |index: &u32| own_box(primitives, *index).is_none_or(|own| !volume.excludes(&own));
+        let indices: Vec<u32> = (0..of as u32).filter(inside).collect();
+        if indices.len() > of / 2 {
+            return Ok(None);
+        }
+        let structure = structure::build(accel, &Subset { all: primitives, indices: &indices })?;
+        Ok(Some(Self { indices, structure, of }))
+    }
+
+    /// The first hit of a camera ray, named as in the whole set.
+    pub(crate) fn closest<P: Primitives, S: Probe>(
+        &self,
+        all: &P,
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> Option<Hit> {
+        self.structure.closest(&Subset { all, indices: &self.indices }, ray, span, probe)
+    }
+
+    pub(crate) const fn structure(&self) -> &AnyStructure {
+        &self.structure
+    }
+
+    /// The rule by which the structure was chosen.
+    pub(crate) fn why<P: Primitives>(&self, accel: Accel, all: &P) -> String {
+        structure::choose(accel, &Subset { all, indices: &self.indices }).1
+    }
+
+    /// Number of primitives that camera rays are spared.
+    pub(crate) const fn left_out(&self) -> usize {
+        self.of - self.indices.len()
+    }
+
+    /// Number of primitives of the whole set.
+    pub(crate) const fn of(&self) -> usize {
+        self.of
+    }
+
+    pub(crate) fn memory(&self) -> usize {
+        self.structure.memory() + size_of_val(self.indices.as_slice())
+    }
+}
+
+/// Some primitives of a set. Hits name them as in the whole set, so that ties go to the same.
+struct Subset<'a, P> {
+    all: &'a P,
+    /// Rising indices in the whole set.
+    indices: &'a [u32],
+}
+
+impl<P: Primitives> Primitives for Subset<'_, P> {
+    fn len(&self) -> usize {
+        self.indices.len()
+    }
+
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        self.all.bounds(self.indices[index as usize])
+    }
+
+    #[inline(always)]
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.all.intersect(self.indices[index as usize], ray, span)
+    }
+
+    fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
+        self.all.occludes(self.indices[index as usize], ray, span)
+    }
+
+    #[inline(always)]
+    fn intersect_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
+        self.all.intersect_probed(self.indices[index as usize], ray, span, probe)
+    }
+
+    fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        self.all.occludes_probed(self.indices[index as usize], ray, span, probe)
+    }
+
+    fn leaf_layout(&self, index: u32) -> LeafLayout {
+        self.all.leaf_layout(self.indices[index as usize])
+    }
+}

@@ -1,0 +1,153 @@
+//! Camera rays are spared what lies outside the view; all other rays, and the picture, are not.
+
+use crate::support::{everything, point_light, sphere, spheres};
+use rt_camera::{Film, Filter, Projection};
+use rt_math::{DVec2, RayKind, Rgb, Transform};
+use rt_render::{Crop, PlanOptions, RenderPlan, RunOptions, Statistics};
+use rt_scene_io::{Accel, Content, Group, GroupId, Integrator, MaterialId, Node, Scene};
+use rt_shading::{Coefficient, Phong};
+
+/// Mirrors all around the camera: 300 spheres in all directions, most of them outside the view.
+fn surrounded() -> Scene {
+    let mut scene = spheres();
+    scene.name = "surrounded".into();
+    let eye = scene.cameras[0].settings.world_from_camera.translation();
+    let mirror = Coefficient::Constant(Rgb::gray(0.5));
+    scene.appearance.materials[0].phong = Phong { mirror, ..Phong::default() };
+    scene.appearance.lights = vec![point_light((eye + 0.5).to_array(), 0.8)];
+    scene.nodes = (0..300u32)
+        .map(|i| {
+            let unit = |k| 2.0 * rt_math::random::unit(rt_math::random::hash(&[u64::from(i), k])) - 1.0;
+            let place = rt_math::DVec3::new(unit(0), unit(1), unit(2)).normalize() * (4.0 + f64::from(i % 7)) + eye;
+            Node::new(sphere(place.x, place.y, place.z, 0.3), MaterialId(0))
+        })
+        .collect();
+    scene.settings.depth = 3;
+    scene
+}
+
+fn render(scene: &Scene, options: PlanOptions) -> (Film, Statistics) {
+    let plan = RenderPlan::compile(scene, &options).expect("the scene compiles");
+    let rendering = plan.render(&RunOptions { threads: 0, count: true }, |_| {}).expect("threads start");
+    (rendering.film, rendering.statistics)
+}
+
+/// Number of objects that the plan leaves out for camera rays.
+fn culled(scene: &Scene, options: &PlanOptions) -> Option<usize> {
+    let plan = RenderPlan::compile(scene, options).expect("the scene compiles");
+    let line = plan.explain().left_out.into_iter().find(|left| left.what == "objects, for camera rays")?;
+    line.why.split(' ').next()?.parse().ok()
+}
+
+fn assert_same_picture(scene: &Scene, options: PlanOptions) {
+    let culled = render(scene, options).0;
+    let full = render(scene, PlanOptions { full: true, ..options }).0;
+    assert_eq!(culled, full, "{}", scene.name);
+    let distinct: std::collections::HashSet<_> = culled.pixels().iter().map(|p| p.map(f32::to_bits)).collect();
+    assert!(distinct.len() > culled.pixels().len() / 50, "a picture worth comparing");
+}
+
+#[test]
+fn the_picture_is_the_same_for_all_cameras_filters_and_crops() {
+    let mut scene = surrounded();
+    let view = scene.cameras[0].settings;
+    let parallel = Projection::Orthographic { height: 4.0 };
+    let crop = Some(Crop { x: 20, y: 10, width: 9, height: 7 });
+    for projection in [view.projection, parallel] {
+        scene.cameras[0].settings.projection = projection;
+        for filter in [Filter::Box, Filter::Gaussian { sigma: 2.0 }, Filter::Mitchell] {
+            scene.film.filter = filter;
+            for (crop, sample_offset) in [(None, 0.5), (crop, 0.5), (crop, -7.0)] {
+                scene.film.sample_offset = DVec2::splat(sample_offset);
+                let options = PlanOptions { crop, ..PlanOptions::default() };
+                assert!(culled(&scene, &options).expect("something to leave out") >= 150);
+                assert_same_picture(&scene, options);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_picture_is_the_same_for_all_structures_and_integrators() {
+    let mut scene = surrounded();
+    for integrator in [Integrator::Normals, Integrator::Depth, Integrator::Uv, Integrator::Whitted] {
+        scene.settings.integrator = integrator;
+        assert_same_picture(&scene, PlanOptions::default());
+    }
+    let picture = render(&scene, PlanOptions::default()).0;
+    for accel in Accel::ALL {
+        scene.settings.accel = accel;
+        assert!(culled(&scene, &PlanOptions::default()).is_some());
+        assert_eq!(render(&scene, PlanOptions::default()).0, picture, "{accel:?}");
+    }
+}
+
+#[test]
+fn mixed_worlds_keep_their_floor_and_their_groups() {
+    let mut scene = everything();
+    scene.name = "mixed".into();
+    let eye = scene.cameras[0].settings.world_from_camera.translation();
+    // Behind the camera: single spheres, and a group whose instances are left out as a whole.
+    scene.groups.push(Group { name: "ball".into(), nodes: vec![Node::new(sphere(0.0, 0.0, 0.0, 0.5), MaterialId(2))] });
+    let ball = GroupId(scene.groups.len() as u32 - 1);
+    for i in 0..40 {
+        let place = eye * 1.5 + rt_math::DVec3::X * f64::from(i - 20);
+        scene.nodes.push(Node::new(sphere(place.x, place.y, place.z, 0.4), MaterialId(0)));
+        scene.nodes.push(Node {
+            parent_from_local: Transform::translate(place + rt_math::DVec3::Y),
+            ..Node::new(Content::Instance(ball), MaterialId(0))
+        });
+    }
+    let left_out = culled(&scene, &PlanOptions::default()).expect("something to leave out");
+    assert!((80..90).contains(&left_out), "{left_out}: all that were added, and hardly more");
+    assert_same_picture(&scene, PlanOptions::default());
+}
+
+#[test]
+fn camera_rays_are_spared_work_and_no_others() {
+    let mut scene = surrounded();
+    let work = |scene: &Scene, options: PlanOptions| {
+        let counters = render(scene, options).1.counters;
+        (counters.of(RayKind::Primary), counters.of(RayKind::Reflection))
+    };
+    for accel in [Accel::Linear, Accel::Bvh] {
+        scene.settings.accel = accel;
+        let (primary, reflection) = work(&scene, PlanOptions::default());
+        let (primary_full, reflection_full) = work(&scene, PlanOptions { full: true, ..PlanOptions::default() });
+        assert_eq!((primary.rays, primary.hits > 0), (primary_full.rays, true));
+        assert!(
+            primary.nodes + primary.tests < primary_full.nodes + primary_full.tests,
+            "{primary:?} {primary_full:?}"
+        );
+        assert!(reflection.rays > 1000);
+        assert_eq!(reflection, reflection_full);
+    }
+    // Brute force asks each camera ray of what is left.
+    scene.settings.accel = Accel::Linear;
+    let (primary, _) = work(&scene, PlanOptions::default());
+    let left = 300 - culled(&scene, &PlanOptions::default()).expect("something to leave out") as u64;
+    assert_eq!(primary.tests, primary.rays * left);
+}
+
+#[test]
+fn a_second_structure_is_built_only_if_it_pays() {
+    assert_eq!(culled(&spheres(), &PlanOptions::default()), None, "all in the view");
+    let mut scene = surrounded();
+    scene.settings.integrator = Integrator::Cost;
+    assert_eq!(culled(&scene, &PlanOptions::default()), None, "the cost of the structure itself is shown");
+    scene.settings.integrator = Integrator::Whitted;
+    scene.nodes.truncate(8);
+    assert_eq!(culled(&scene, &PlanOptions::default()), None, "few objects");
+}
+
+#[test]
+fn predicted_memory_includes_the_second_structure() {
+    let scene = surrounded();
+    let structures = |integrator| {
+        let mut scene = scene.clone();
+        scene.settings.integrator = integrator;
+        RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles").explain().memory[3].1
+    };
+    let (with, without) = (structures(Integrator::Normals), structures(Integrator::Cost));
+    assert!(without < with && with <= without + without / 2, "{with} after {without}");
+}

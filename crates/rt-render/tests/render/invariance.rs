@@ -1,0 +1,141 @@
+//! A scene looks the same wherever it stands and whatever its size: each pixel's radiance, before the film rounds it, to
+//! 10⁻⁹ (stiff case S80).
+//!
+//! Where a scene is moved, its numbers must be exact before and after, or it is another scene: near 10⁶ the numbers are
+//! 10⁻¹⁰ apart, which a scene of size 10⁻³ sees as 10⁻⁷. So moves go with scales that are powers of two, the ones next to
+//! 10⁻³ and 10³, and the positions of cameras and lights have few digits. Then no sample crosses a silhouette either.
+
+use crate::support::{everything, spheres};
+use rt_camera::Projection;
+use rt_geometry::{Shape, Sphere};
+use rt_math::{DVec3, Rgb, Transform};
+use rt_render::{PlanOptions, RenderPlan};
+use rt_scene_io::{Content, MaterialId, Node, Scene};
+use rt_shading::{Falloff, LightKind};
+
+const ONE_IN_A_BILLION: f64 = 1e-9;
+
+/// The scene enlarged and then moved, as a whole: nodes by a transform above them all, camera and lights by their numbers.
+fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Scene {
+    let mut scene = scene.clone();
+    let enlarge = Transform::scale(DVec3::splat(scale)).expect("regular");
+    let root = Node {
+        content: None,
+        parent_from_local: Transform::translate(offset).then_first(&enlarge),
+        children: std::mem::take(&mut scene.nodes),
+        ..Node::new(crate::support::sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0))
+    };
+    scene.nodes = vec![root];
+    for camera in &mut scene.cameras {
+        let place = camera.settings.world_from_camera;
+        let translation = place.translation() * scale + offset;
+        camera.settings.world_from_camera = Transform::from_linear(place.linear(), translation).expect("regular");
+        if let Projection::Orthographic { height } = &mut camera.settings.projection {
+            *height *= scale;
+        }
+    }
+    for light in &mut scene.appearance.lights {
+        match &mut light.kind {
+            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
+                *position = *position * scale + offset
+            }
+            LightKind::Directional { .. } => {}
+        }
+    }
+    for material in &mut scene.appearance.materials {
+        if let Some(transmission) = &mut material.phong.transmission {
+            transmission.absorption = transmission.absorption * scale.recip();
+        }
+    }
+    scene
+}
+
+fn pixels(scene: &Scene) -> Vec<Rgb> {
+    let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");
+    let (width, height) = (scene.film.width, scene.film.height);
+    let all = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    all.map(|(x, y)| plan.pixel(x, y).expect("a pixel of the image")).collect()
+}
+
+/// The greatest difference of two pictures in any component of any pixel.
+fn difference(a: &[Rgb], b: &[Rgb]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let components = |(a, b): (&Rgb, &Rgb)| (*a - *b).to_array();
+    a.iter().zip(b).flat_map(components).fold(0.0, |worst: f64, c| worst.max(c.abs()))
+}
+
+/// Everything that the renderer has, but for light that weakens with the distance.
+fn stage() -> Scene {
+    let mut scene = everything();
+    for light in &mut scene.appearance.lights {
+        if let LightKind::Spot { falloff, .. } = &mut light.kind {
+            *falloff = Falloff::None;
+        }
+        light.intensity = Rgb::gray(0.4);
+    }
+    scene
+}
+
+fn stages() -> [Scene; 3] {
+    let mut parallel = stage();
+    parallel.name = "parallel".into();
+    parallel.cameras[0].settings.projection = Projection::Orthographic { height: 6.0 };
+    [spheres(), stage(), parallel]
+}
+
+#[test]
+fn the_size_of_a_scene_is_not_seen() {
+    for scene in stages() {
+        let expected = pixels(&scene);
+        for scale in [1e-3, 0.01, 7.0, 1e3] {
+            let worst = difference(&expected, &pixels(&moved(&scene, scale, DVec3::ZERO)));
+            assert!(worst <= ONE_IN_A_BILLION, "{} at scale {scale}: {worst:e}", scene.name);
+        }
+    }
+}
+
+#[test]
+fn the_place_of_a_scene_is_not_seen() {
+    let million = DVec3::new(1e6, -1e6, 1e6);
+    for scene in stages() {
+        let expected = pixels(&scene);
+        for scale in [1.0 / 1024.0, 1.0, 1024.0] {
+            for offset in [million, million * scale] {
+                let worst = difference(&expected, &pixels(&moved(&scene, scale, offset)));
+                assert!(worst <= ONE_IN_A_BILLION, "{} at scale {scale}, moved by {offset}: {worst:e}", scene.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn shapes_with_large_coordinates_of_their_own_look_the_same() {
+    let scene = spheres();
+    let expected = pixels(&scene);
+    let offset = DVec3::new(1e6, -1e6, 1e6);
+    let mut far = moved(&scene, 1.0, offset);
+    far.nodes = scene.nodes.clone();
+    for node in &mut far.nodes {
+        if let Some(Content::Shape(Shape::Sphere(sphere))) = &mut node.content {
+            *sphere = Sphere::new(sphere.centre() + offset, sphere.radius()).expect("a sphere");
+        }
+    }
+    let worst = difference(&expected, &pixels(&far));
+    assert!(worst <= ONE_IN_A_BILLION, "{worst:e}");
+}
+
+#[test]
+fn pixels_are_those_of_the_film_and_only_those() {
+    let scene = stage();
+    let crop = rt_render::Crop { x: 11, y: 5, width: 7, height: 3 };
+    let options = PlanOptions { crop: Some(crop), ..PlanOptions::default() };
+    let plan = RenderPlan::compile(&scene, &options).expect("the scene compiles");
+    let film = plan.render(&rt_render::RunOptions::default(), |_| {}).expect("threads start").film;
+    for (i, rounded) in (0..).zip(film.pixels()) {
+        let exact = plan.pixel(11 + i % 7, 5 + i / 7).expect("within the crop");
+        assert_eq!(exact.to_array().map(|c| c as f32), *rounded);
+    }
+    for (x, y) in [(10, 5), (18, 5), (11, 4), (11, 8)] {
+        assert_eq!(plan.pixel(x, y), None, "{x} {y}");
+    }
+}
