@@ -19,9 +19,25 @@ pub(crate) fn choose<P: Primitives>(accel: Accel, primitives: &P) -> (StructureK
         Accel::Linear => asked(StructureKind::Linear),
         Accel::Grid => asked(StructureKind::Grid),
         Accel::Bvh => asked(StructureKind::Bvh),
+        Accel::Kd => asked(StructureKind::Kd),
         Accel::Auto if primitives.len() <= FEW => {
             (StructureKind::Linear, "few primitives: asking each is faster than walking a tree".to_owned())
         }
         Accel::Auto => (StructureKind::Bvh, "many primitives".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_geometry::Spheres;
+
+    #[test]
+    fn every_structure_can_be_asked_for_by_its_name() {
+        let named = |accel: &Accel| choose(*accel, &Spheres::new(Vec::new())).0.name();
+        for accel in Accel::ALL.iter().filter(|accel| **accel != Accel::Auto) {
+            assert_eq!(named(accel), accel.name());
+        }
+        assert_eq!(Accel::ALL.len(), StructureKind::ALL.len() + 1);
     }
 }

@@ -63,11 +63,13 @@ pub enum Accel {
     Grid,
     /// Binary bounding volume hierarchy.
     Bvh,
+    /// Tree of planes at right angles to the axes.
+    Kd,
 }
 
 impl Accel {
     /// All choices.
-    pub const ALL: [Self; 4] = [Self::Auto, Self::Linear, Self::Grid, Self::Bvh];
+    pub const ALL: [Self; 5] = [Self::Auto, Self::Linear, Self::Grid, Self::Bvh, Self::Kd];
 
     /// The name in files and on the command line.
     pub const fn name(self) -> &'static str {
@@ -76,6 +78,7 @@ impl Accel {
             Self::Linear => "linear",
             Self::Grid => "grid",
             Self::Bvh => "bvh",
+            Self::Kd => "kd",
         }
     }
 }

@@ -5,22 +5,29 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use rt_accel::StructureKind;
+
 use super::{Context, Findings, Unit};
 use crate::error::TaskError;
 
-/// What must not matter. The first of a row is what the others are compared with.
-const VARIANTS: [&[&str]; 7] = [
+/// What must not matter beside the structure. The first is what the others are compared with.
+const VARIANTS: [&[&str]; 5] = [
     &["--threads", "1"],
     &["--threads", "2"],
     &["--threads", "3"],
     &["--threads", "8"],
-    &["--threads", "2", "--accel", "grid"],
-    &["--threads", "2", "--accel", "bvh"],
     &["--threads", "2", "--full-plan"],
 ];
 
 /// Brute force apart: at full quality it would take hours.
 const BRUTE_FORCE: [&[&str]; 2] = [&["--threads", "2"], &["--threads", "2", "--accel", "linear"]];
+
+/// All variants but brute force.
+fn variants() -> Vec<Vec<&'static str>> {
+    let structures = StructureKind::ALL.iter().filter(|kind| **kind != StructureKind::Linear);
+    let structures = structures.map(|kind| vec!["--threads", "2", "--accel", kind.name()]);
+    VARIANTS.iter().map(|variant| variant.to_vec()).chain(structures).collect()
+}
 
 /// Enough for several tiles, and for every kind of ray that the scene has.
 const REDUCED: &[&str] = &["--size", "48x36", "--spp", "4"];
@@ -53,7 +60,7 @@ impl Unit for OnePicture {
         let mut findings = Findings::default();
         let (quality, brute_force_quality): (&[&str], &[&str]) =
             if context.full { (&[], &["--spp", "1"]) } else { (REDUCED, REDUCED) };
-        self.compare(context, folder, quality, &VARIANTS, &mut findings)?;
+        self.compare(context, folder, quality, &variants(), &mut findings)?;
         self.compare(context, folder, brute_force_quality, &BRUTE_FORCE, &mut findings)?;
         Ok(findings)
     }
@@ -66,12 +73,13 @@ impl OnePicture {
         context: &Context,
         folder: &Path,
         quality: &[&str],
-        variants: &[&[&str]],
+        variants: &[impl AsRef<[&'static str]>],
         findings: &mut Findings,
     ) -> Result<(), TaskError> {
         let mut first: Option<Vec<u8>> = None;
         for variant in variants {
-            let args = quality.iter().chain(*variant).copied();
+            let variant = variant.as_ref();
+            let args = quality.iter().chain(variant).copied();
             let run = context.renderer.render(folder, &self.scene, "linear.pfm", args)?;
             let variant = variant.join(" ");
             if let Err(problem) = run.succeeded() {

@@ -38,7 +38,7 @@ fn threads_do_not_change_the_picture() {
 fn structures_do_not_change_the_picture() {
     for mut scene in [spheres(), everything()] {
         let auto = film(&scene);
-        for accel in [Accel::Linear, Accel::Grid, Accel::Bvh] {
+        for accel in Accel::ALL {
             scene.settings.accel = accel;
             assert_eq!(auto, film(&scene), "{}: {accel:?}", scene.name);
         }

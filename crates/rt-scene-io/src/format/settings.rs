@@ -86,4 +86,6 @@ pub enum Accel {
     Grid,
     /// Binary bounding volume hierarchy.
     Bvh,
+    /// Tree of planes at right angles to the axes.
+    Kd,
 }

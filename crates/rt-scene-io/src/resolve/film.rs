@@ -105,5 +105,6 @@ const fn accel(accel: format::Accel) -> Accel {
         format::Accel::Linear => Accel::Linear,
         format::Accel::Grid => Accel::Grid,
         format::Accel::Bvh => Accel::Bvh,
+        format::Accel::Kd => Accel::Kd,
     }
 }
