@@ -105,32 +105,15 @@ impl<'s> RenderPlan<'s> {
             return Err(RenderError::NoSamples);
         }
         let crop = check_crop(options.crop, film.width, film.height)?;
-        let named_camera = scene
-            .cameras
-            .get(options.camera)
-            .ok_or(RenderError::NoCamera { index: options.camera, count: scene.cameras.len() })?;
+        let named_camera = camera_of(scene, options.camera)?;
         let NamedCamera { name: camera_name, settings: camera_settings, medium } = named_camera;
-        let material_count = scene.appearance.materials.len();
-        if let Some(MaterialId(index)) = *medium
-            && index as usize >= material_count
-        {
-            let object = format!("camera {camera_name}");
-            return Err(RenderError::Dangling { object, what: "material", index, count: material_count });
-        }
         let origin = rebase::origin(scene, camera_settings);
         let camera_settings = rebase::camera(camera_settings, origin);
         let camera = Camera::new(&camera_settings, film.width, film.height)
             .map_err(|source| RenderError::Camera { name: camera_name.clone(), source })?;
 
         let (top, levels) = flatten(scene, settings.accel, rebase::plan_from_world(origin))?;
-        // The cost view shows the work that the structure over the whole scene takes.
-        let visible = if options.full || settings.integrator == Integrator::Cost {
-            None
-        } else {
-            let volume = view_volume(&camera, film, crop);
-            Visible::build(settings.accel, &Parts { parts: &top.parts, levels: &levels }, &volume)
-                .map_err(|source| RenderError::Build { object: scene.name.clone(), source })?
-        };
+        let visible = if options.full { None } else { visible(scene, &camera, crop, &top, &levels)? };
         let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, *medium) };
         let (near, far) = depth_range(&camera_settings, &top);
         let spp = settings.pattern.round_up(settings.spp);
@@ -195,6 +178,18 @@ impl World {
     }
 }
 
+/// The camera with this index, if all that it refers to is there.
+fn camera_of(scene: &Scene, index: usize) -> Result<&NamedCamera, RenderError> {
+    let camera = scene.cameras.get(index).ok_or(RenderError::NoCamera { index, count: scene.cameras.len() })?;
+    let count = scene.appearance.materials.len();
+    match camera.medium {
+        Some(MaterialId(index)) if index as usize >= count => {
+            Err(RenderError::Dangling { object: format!("camera {}", camera.name), what: "material", index, count })
+        }
+        _ => Ok(camera),
+    }
+}
+
 fn check_crop(crop: Option<Crop>, film_width: u32, film_height: u32) -> Result<Crop, RenderError> {
     let whole = Crop { x: 0, y: 0, width: film_width, height: film_height };
     let crop = crop.unwrap_or(whole);
@@ -205,6 +200,23 @@ fn check_crop(crop: Option<Crop>, film_width: u32, film_height: u32) -> Result<C
     } else {
         Err(RenderError::Crop { x, y, width, height, film_width, film_height })
     }
+}
+
+/// What the camera rays of the crop are asked of, where that pays. The cost view shows the work that the structure over
+/// the whole scene takes.
+fn visible(
+    scene: &Scene,
+    camera: &Camera,
+    crop: Crop,
+    top: &Assembly,
+    levels: &Levels,
+) -> Result<Option<Visible>, RenderError> {
+    if scene.settings.integrator == Integrator::Cost {
+        return Ok(None);
+    }
+    let volume = view_volume(camera, &scene.film, crop);
+    Visible::build(scene.settings.accel, &Parts { parts: &top.parts, levels }, &volume)
+        .map_err(|source| RenderError::Build { object: scene.name.clone(), source })
 }
 
 /// Where the rays of the crop run: through its pixels, moved by the sample offset, as far around as the filter reaches.
