@@ -5,7 +5,9 @@ use core::ops::ControlFlow;
 use rt_math::{Aabb, Primitives, Probe};
 
 use crate::structure::accelerator_by_walk;
-use crate::{BuildError, BuildStats, Bvh, KdTree, Linear, RayQuery, RegionQuery, Structure, UniformGrid, Violation};
+use crate::{
+    BspTree, BuildError, BuildStats, Bvh, KdTree, Linear, RayQuery, RegionQuery, Structure, UniformGrid, Violation,
+};
 
 /// Something to do with a structure of any type.
 pub trait StructureVisitor {
@@ -124,6 +126,8 @@ structures! {
     Bvh(Bvh) = "bvh",
     /// Tree of planes at right angles to the axes.
     Kd(KdTree) = "kd",
+    /// Tree of planes of any direction.
+    Bsp(BspTree) = "bsp",
 }
 
 accelerator_by_walk!(AnyStructure);

@@ -67,6 +67,7 @@
 mod any;
 mod bounded_depth;
 mod boxes;
+mod bsp;
 mod bvh;
 mod error;
 mod grid;
@@ -82,6 +83,7 @@ mod structure;
 
 pub use any::{AnyStructure, StructureKind, StructureVisitor};
 pub use boxes::Boxes;
+pub use bsp::BspTree;
 pub use bvh::Bvh;
 pub use error::{BuildError, Violation};
 pub use grid::UniformGrid;

@@ -5,7 +5,7 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, Bvh, Counters, DVec3, Hit, KdTree, Linear, NoProbe, Primitives, Structure, UniformGrid,
+    Aabb, Accelerator, BspTree, Bvh, Counters, DVec3, Hit, KdTree, Linear, NoProbe, Primitives, Structure, UniformGrid,
 };
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
@@ -100,6 +100,11 @@ fn bvh_is_valid() {
 #[test]
 fn kd_equals_brute_force() {
     compare_all("kd", 0.1, |soup| KdTree::build(soup).unwrap());
+}
+
+#[test]
+fn bsp_equals_brute_force() {
+    compare_all("bsp", 0.1, |soup| BspTree::build(soup).unwrap());
 }
 
 #[test]

@@ -5,11 +5,12 @@
 //! before, or just before the first face after, where it touches neither box (planes *in* a face would leave the box on
 //! both sides). In small parts all gaps are looked at; in large ones those between bins, whose ends are still faces.
 
+use glam::DVec3;
 use rt_math::Aabb;
 
 use super::plane::{Axis, AxisPlane};
 use crate::bounded_depth::leaves_room_for_halving;
-use crate::partition::{Chooser, Task};
+use crate::partition::{Chooser, Shape, Task};
 
 /// Cost of visiting a node relative to that of testing a primitive.
 const NODE_COST: f64 = 1.0;
@@ -22,10 +23,6 @@ const EMPTY_BONUS: f64 = 0.5;
 const MIN_BINNED: usize = 32;
 
 const BINS: usize = 32;
-
-/// An axis on which a cell has no extent counts as having this part of its longest one, so that its other extents
-/// still count.
-const THINNEST: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Cuts by the surface area heuristic (MacDonald and Booth 1990), and evenly once those cuts have used up the depth
 /// that halving needs.
@@ -63,35 +60,6 @@ enum Objective {
     Balance,
 }
 
-/// Half the surface area of a cell as a function of its extent along one axis.
-struct Shape {
-    /// By axis: the area of the faces at right angles to it, relative to that of all.
-    ends: [f64; 3],
-    /// By axis: 1 less that, the area of the faces along it.
-    sides: [f64; 3],
-}
-
-impl Shape {
-    /// `None` if the cell is a point. Extents are halved against overflow.
-    fn of(cell: &Aabb) -> Option<Self> {
-        let half = cell.max * 0.5 - cell.min * 0.5;
-        let longest = half.max_element();
-        if !(longest > 0.0) {
-            return None;
-        }
-        let [x, y, z] = (half / longest).to_array().map(|extent| extent.max(THINNEST));
-        let ends = [y * z, z * x, x * y];
-        let total: f64 = ends.iter().sum();
-        let ends = ends.map(|area| area / total);
-        Some(Self { ends, sides: ends.map(|area| 1.0 - area) })
-    }
-
-    /// The probability that a ray through the cell also meets a part of it, with `fraction` of its extent.
-    fn probability(&self, axis: Axis, fraction: f64) -> f64 {
-        self.ends[axis as usize] + fraction * self.sides[axis as usize]
-    }
-}
-
 /// The search for the best cut.
 struct Search<'t> {
     cell: &'t Aabb,
@@ -126,8 +94,9 @@ impl<'t> Search<'t> {
                 let (min, max) = (self.cell.min[plane.axis as usize], self.cell.max[plane.axis as usize]);
                 // Halves, as the extent may be too large to be a number.
                 let fraction = (plane.position * 0.5 - min * 0.5) / (max * 0.5 - min * 0.5);
-                let expected = shape.probability(plane.axis, fraction) * f64::from(below)
-                    + shape.probability(plane.axis, 1.0 - fraction) * f64::from(above);
+                let normal = DVec3::AXES[plane.axis as usize];
+                let expected = shape.probability(normal, fraction) * f64::from(below)
+                    + shape.probability(normal, 1.0 - fraction) * f64::from(above);
                 let cut_off = match (below, above) {
                     (0, _) => fraction,
                     (_, 0) => 1.0 - fraction,

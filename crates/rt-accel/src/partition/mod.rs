@@ -3,6 +3,7 @@
 mod build;
 mod cut;
 mod node;
+mod shape;
 mod validate;
 mod walk;
 
@@ -12,6 +13,7 @@ use crate::BuildStats;
 pub(crate) use build::{Chooser, Task};
 pub(crate) use cut::{Crossing, Cut};
 pub(crate) use node::Node;
+pub(crate) use shape::Shape;
 
 /// A binary space partition with cuts of one kind: leaves tile all of space, and a primitive is listed in every leaf
 /// that its own box touches.

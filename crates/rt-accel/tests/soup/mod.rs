@@ -9,7 +9,7 @@ pub(crate) mod draw;
 pub(crate) mod rays;
 pub(crate) mod structures;
 
-use rt_accel::{Aabb, DVec3, Hit, Interval, NearestPoint, Primitives, Ray};
+use rt_accel::{Aabb, DVec3, Hit, Interval, LeafLayout, NearestPoint, Primitives, Ray};
 use rt_math::SlabRay;
 
 use draw::Draw;
@@ -180,6 +180,15 @@ impl Primitives for Soup {
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
         let t = self.0[index as usize].intersect(ray, span)?;
         Some(Hit { t, instance: 0, primitive: index, uv: [0.0; 2] })
+    }
+
+    fn leaf_layout(&self, index: u32) -> LeafLayout {
+        match self.0[index as usize] {
+            Solid::Sphere { centre, radius } => LeafLayout::Sphere(centre, radius),
+            Solid::Box(aabb) => LeafLayout::Box(aabb),
+            Solid::Triangle(vertices) => LeafLayout::Triangle(vertices),
+            Solid::Sloppy(_) | Solid::Ground { .. } | Solid::Ghost(_) => LeafLayout::Opaque,
+        }
     }
 }
 
