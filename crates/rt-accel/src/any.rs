@@ -6,7 +6,8 @@ use rt_math::{Aabb, Primitives, Probe};
 
 use crate::structure::accelerator_by_walk;
 use crate::{
-    BspTree, BuildError, BuildStats, Bvh, KdTree, Linear, RayQuery, RegionQuery, Structure, UniformGrid, Violation,
+    Bih, BspTree, BuildError, BuildStats, Bvh, KdTree, LazyBih, Linear, RayQuery, RegionQuery, Structure, UniformGrid,
+    Violation,
 };
 
 /// Something to do with a structure of any type.
@@ -128,6 +129,10 @@ structures! {
     Kd(KdTree) = "kd",
     /// Tree of planes of any direction.
     Bsp(BspTree) = "bsp",
+    /// Bounding interval hierarchy.
+    Bih(Bih) = "bih",
+    /// Bounding interval hierarchy, built where rays go.
+    BihLazy(LazyBih) = "bih-lazy",
 }
 
 accelerator_by_walk!(AnyStructure);

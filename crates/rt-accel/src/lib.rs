@@ -16,14 +16,17 @@
 //! | [`Linear`] | O(n), checks only | 0 | n tests | up to about ten primitives; the truth to compare with |
 //! | [`UniformGrid`] | O(n) | 25 to 100 bytes | O(∛n) cells | primitives of similar size, evenly spread; frequent rebuilds |
 //! | [`Bvh`] | O(n log n) | about 50 bytes | O(log n) nodes | everything else |
+//! | [`Bih`] | O(n log n), a fraction of the time of `Bvh` | about 25 bytes | O(log n) nodes, more than `Bvh` | scenes that change all the time |
+//! | [`LazyBih`] | O(n), the rest while rays arrive | 56 bytes before, less after | as `Bih` | first pictures of scenes of which little is seen |
 //!
-//! **All three give the same answer, bit for bit**, ties included, for every ray: hits are accepted through
+//! **All give the same answer, bit for bit**, ties included, for every ray: hits are accepted through
 //! [`rt_math::decide`] alone, and what is culled provably cannot win. The modules of the sources state the proofs, and
 //! the tests try them on rays through vertices, edges and corners, along walls, and next to all of these. Primitives
 //! without bounds, such as infinite planes, are kept in a list and tested against every ray.
 //!
 //! **Owns** the structures, their builders and traversals. **Does not own** any shape: a structure holds indices and
-//! boxes, and borrows the caller's [`Primitives`] for each query. Nothing allocates, locks or fails during a query.
+//! boxes, and borrows the caller's [`Primitives`] for each query. Nothing allocates, locks or fails during a query; only
+//! [`LazyBih`] does the first two, where it splits a node.
 //!
 //! Types of `rt-math` that are needed to use the crate are re-exported, so that it is the only dependency to name.
 //! With the feature `parallel` (on by default) trees are built on all threads; the result is the same without it.
@@ -65,10 +68,12 @@
 #![forbid(unsafe_code)]
 
 mod any;
+mod bih;
 mod bounded_depth;
 mod boxes;
 mod bsp;
 mod bvh;
+mod coordinate;
 mod error;
 mod grid;
 mod kd;
@@ -80,8 +85,10 @@ mod region;
 mod region_query;
 mod stats;
 mod structure;
+mod tree;
 
 pub use any::{AnyStructure, StructureKind, StructureVisitor};
+pub use bih::{Bih, LazyBih};
 pub use boxes::Boxes;
 pub use bsp::BspTree;
 pub use bvh::Bvh;

@@ -5,7 +5,8 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, BspTree, Bvh, Counters, DVec3, Hit, KdTree, Linear, NoProbe, Primitives, Structure, UniformGrid,
+    Aabb, Accelerator, Bih, BspTree, Bvh, Counters, DVec3, Hit, KdTree, LazyBih, Linear, NoProbe, Primitives,
+    Structure, UniformGrid,
 };
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
@@ -105,6 +106,16 @@ fn kd_equals_brute_force() {
 #[test]
 fn bsp_equals_brute_force() {
     compare_all("bsp", 0.1, |soup| BspTree::build(soup).unwrap());
+}
+
+#[test]
+fn bih_equals_brute_force() {
+    compare_all("bih", 0.2, |soup| Bih::build(soup).unwrap());
+}
+
+#[test]
+fn lazy_bih_equals_brute_force() {
+    compare_all("lazy bih", 0.2, |soup| LazyBih::build(soup).unwrap());
 }
 
 #[test]

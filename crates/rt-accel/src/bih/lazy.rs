@@ -1,0 +1,149 @@
+//! The hierarchy that is built where rays go.
+
+mod node;
+mod validate;
+
+use core::ops::ControlFlow;
+
+use rt_math::{Aabb, Primitives, Probe};
+
+use super::walk::{Hierarchy, Step, search, walk};
+use crate::own_boxes::{OwnBoxes, validate_lists};
+use crate::structure::accelerator_by_walk;
+use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
+use node::{Known, LazyNode};
+
+/// A [`Bih`](crate::Bih) whose nodes are split when a query first comes to them.
+///
+/// Building it takes O(n), and parts of the scene that no ray ever enters are never sorted: take it for a first
+/// picture as soon as possible, of scenes of which little is seen. Once every node has been visited it is the full
+/// tree, asks the same and answers the same, at about twice the memory, and about ten times that of it before.
+///
+/// Any number of threads may ask at once. A node is split once, by whoever comes first while others wait, and into what
+/// depends on the primitives in it alone: the tree is the same whatever the order of the rays. It is the only
+/// structure whose queries allocate.
+///
+/// Copies, comparisons and statistics are of its state at that moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LazyBih {
+    /// Around all bounded primitives.
+    bounds: Aabb,
+    root: LazyNode,
+    unbounded: Vec<u32>,
+    primitives: u32,
+}
+
+impl LazyBih {
+    /// Collects the boxes of all primitives and nothing else: O(n).
+    ///
+    /// # Errors
+    ///
+    /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
+    pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
+        let OwnBoxes { bounded, unbounded, union } = OwnBoxes::collect(primitives)?;
+        let primitives = (bounded.len() + unbounded.len()) as u32;
+        Ok(Self { bounds: union, root: LazyNode::waiting(bounded, union, 0), unbounded, primitives })
+    }
+
+    /// Splits what is still to be split, as if rays had gone everywhere.
+    pub fn complete(&self) {
+        let mut pending = vec![&self.root];
+        while let Some(node) = pending.pop() {
+            if let Step::Node(_, children) = node.step() {
+                pending.extend(children);
+            }
+        }
+    }
+
+    /// Visits every node as far as it is known, depth first, with its box and its depth.
+    fn for_each_node<'s>(&'s self, mut visit: impl FnMut(&Known<'s>, Aabb, u32)) {
+        let mut pending = vec![(&self.root, self.bounds, 0)];
+        while let Some((node, bounds, depth)) = pending.pop() {
+            let known = node.known();
+            visit(&known, bounds, depth);
+            if let Known::Split(Step::Node(planes, children)) = known {
+                pending.extend([1, 0].map(|side| (children[side], planes.cut(side, bounds), depth + 1)));
+            }
+        }
+    }
+}
+
+impl<'h> Hierarchy<'h> for &'h LazyBih {
+    type Way = &'h LazyNode;
+
+    fn bounds(self) -> &'h Aabb {
+        &self.bounds
+    }
+
+    fn unbounded(self) -> &'h [u32] {
+        &self.unbounded
+    }
+
+    fn primitives(self) -> u32 {
+        self.primitives
+    }
+
+    fn root(self) -> &'h LazyNode {
+        &self.root
+    }
+
+    #[inline(always)]
+    fn follow(self, way: &'h LazyNode) -> Step<'h, &'h LazyNode> {
+        way.step()
+    }
+}
+
+impl Structure for LazyBih {
+    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+        &self,
+        primitives: &P,
+        query: &mut Q,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
+        walk(self, primitives, query, probe)
+    }
+
+    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        search(self, query)
+    }
+
+    /// Of its present state.
+    fn memory(&self) -> usize {
+        let mut heap = self.unbounded.capacity() * size_of::<u32>();
+        self.for_each_node(|known, _, _| heap += known.heap());
+        size_of::<Self>() + heap
+    }
+
+    /// Of its present state: what has not been split counts as a leaf.
+    fn build_stats(&self) -> BuildStats {
+        let mut stats = BuildStats {
+            primitives: self.primitives as usize,
+            unbounded: self.unbounded.len(),
+            references: self.primitives as usize - self.unbounded.len(),
+            ..BuildStats::default()
+        };
+        self.for_each_node(|known, _, depth| {
+            stats.max_depth = stats.max_depth.max(depth as usize);
+            if known.is_inner() {
+                stats.nodes += 1;
+            } else if stats.references > 0 {
+                stats.leaves += 1;
+            }
+        });
+        stats
+    }
+
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+        validate_lists(primitives, self.primitives, &self.unbounded)?;
+        validate::check(self, primitives)
+    }
+
+    /// Of its present state.
+    fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
+        if self.primitives as usize > self.unbounded.len() {
+            self.for_each_node(|_, aabb, depth| visit(aabb, depth));
+        }
+    }
+}
+
+accelerator_by_walk!(LazyBih);

@@ -1,0 +1,121 @@
+//! Bounding interval hierarchy.
+
+mod lazy;
+mod planes;
+mod split;
+mod walk;
+
+use core::ops::ControlFlow;
+
+use rt_math::{Aabb, Primitives, Probe};
+
+use crate::own_boxes::OwnBoxes;
+use crate::structure::accelerator_by_walk;
+use crate::tree::{Child, Place, Tree};
+use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
+pub use lazy::LazyBih;
+use planes::Planes;
+use walk::{Hierarchy, Step};
+
+/// A binary tree that keeps two planes per node: where its left side ends and where its right side begins.
+///
+/// Wächter and Keller, "Instant Ray Tracing: The Bounding Interval Hierarchy" (EGSR 2006). It is built about as fast as
+/// a list is sorted, because a cell is halved without weighing any cost: take it where the scene changes all the time
+/// and there are few rays to ask about each state. Each primitive is listed once, and a query takes O(log n) nodes for
+/// most scenes, two to three times as many as of a [`Bvh`](crate::Bvh). [`LazyBih`] is the same tree, built where
+/// rays go.
+///
+/// No leaf is deeper than 60 and none has more than 4 primitives.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Bih {
+    /// Around all bounded primitives.
+    bounds: Aabb,
+    tree: Tree<Planes>,
+}
+
+impl Bih {
+    /// Builds the tree: O(n log n) time, about 25 bytes per primitive afterwards.
+    ///
+    /// # Errors
+    ///
+    /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
+    pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
+        let boxes = OwnBoxes::collect(primitives)?;
+        let bounds = boxes.union;
+        Ok(Self { bounds, tree: Tree::grow(boxes, bounds, split::split) })
+    }
+}
+
+impl<'h> Hierarchy<'h> for &'h Bih {
+    type Way = Child;
+
+    fn bounds(self) -> &'h Aabb {
+        &self.bounds
+    }
+
+    fn unbounded(self) -> &'h [u32] {
+        &self.tree.unbounded
+    }
+
+    fn primitives(self) -> u32 {
+        self.tree.primitives()
+    }
+
+    fn root(self) -> Child {
+        self.tree.root
+    }
+
+    #[inline(always)]
+    fn follow(self, way: Child) -> Step<'h, Child> {
+        match self.tree.place(way) {
+            Place::Leaf(indices) => Step::Leaf(indices),
+            Place::Node(node) => Step::Node(&node.content, node.children),
+        }
+    }
+}
+
+impl Structure for Bih {
+    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+        &self,
+        primitives: &P,
+        query: &mut Q,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
+        walk::walk(self, primitives, query, probe)
+    }
+
+    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        walk::search(self, query)
+    }
+
+    fn memory(&self) -> usize {
+        size_of::<Self>() + self.tree.heap()
+    }
+
+    fn build_stats(&self) -> BuildStats {
+        self.tree.stats()
+    }
+
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+        self.tree.validate(primitives, Planes::encloses)?;
+        encloses_all(&self.bounds, primitives)
+    }
+
+    fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
+        if !self.tree.indices.is_empty() {
+            self.tree.for_each_child(self.bounds, Planes::cut, |_, aabb, depth| visit(aabb, depth));
+        }
+    }
+}
+
+accelerator_by_walk!(Bih);
+
+/// Checks that a box contains the own boxes of all bounded primitives.
+fn encloses_all<P: Primitives>(bounds: &Aabb, primitives: &P) -> Result<(), Violation> {
+    let reaches_out = |&index: &u32| rt_math::own_box(primitives, index).is_some_and(|own| !bounds.encloses(&own));
+    match (0..primitives.len() as u32).find(reaches_out) {
+        Some(primitive) => Err(Violation::Outside { primitive }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,87 @@
+//! Where to cut a set of boxes in two: the global heuristic of Wächter and Keller.
+
+use rt_math::Aabb;
+
+use super::planes::Planes;
+use crate::bounded_depth::leaves_room_for_halving;
+use crate::coordinate::Coordinate;
+use crate::tree::{Cut, Item, halve};
+
+/// Most primitives in a leaf.
+pub(super) const MAX_LEAF: usize = 4;
+
+/// A cell that has been halved so often without dividing anything holds things too small for it.
+const MOST_EMPTY_HALVES: u32 = 256;
+
+/// Reorders `items` and cuts them in two, or returns `None` where they should be a leaf: a pure function.
+///
+/// The cell of a node is halved across its longest side, and items go where their centres are. An empty half is
+/// dropped and the other one halved again, so that planes lie on a regular grid over the whole scene wherever items
+/// are. Where halving divides nothing, because all centres coincide, and where it has used up the depth that is left,
+/// the set is halved instead of the cell.
+pub(super) fn split(items: &mut [Item], cell: &Aabb, depth: u32) -> Option<Cut<Planes, Aabb>> {
+    if items.len() <= MAX_LEAF {
+        return None;
+    }
+    let centres = Aabb::from_points(items.iter().map(|(_, own)| own.centre()));
+    let halves = if leaves_room_for_halving(items.len(), depth) { halve_cell(*cell, &centres) } else { None };
+    let (axis, middle, sides) = match halves {
+        Some(Halves { axis, plane, cells }) => (axis, partition(items, axis, plane), cells),
+        None => {
+            let axis = Coordinate::ALL[centres.extent().max_position()];
+            (axis, halve(items, &centres), [*cell; 2])
+        }
+    };
+    let [left, right] = [&items[..middle], &items[middle..]].map(union);
+    Some(Cut { middle, content: Planes::around(axis, &left, &right), sides })
+}
+
+/// Two halves of a cell with something in both.
+struct Halves {
+    axis: Coordinate,
+    plane: f64,
+    cells: [Aabb; 2],
+}
+
+fn halve_cell(mut cell: Aabb, centres: &Aabb) -> Option<Halves> {
+    if centres.min == centres.max {
+        return None;
+    }
+    for _ in 0..MOST_EMPTY_HALVES {
+        // Half the extent, which does not overflow.
+        let axis = (cell.max * 0.5 - cell.min * 0.5).max_position();
+        let plane = cell.centre()[axis];
+        let (mut lower, mut upper) = (cell, cell);
+        (lower.max[axis], upper.min[axis]) = (plane, plane);
+        if centres.max[axis] < plane {
+            cell = lower;
+        } else if plane <= centres.min[axis] {
+            cell = upper;
+        } else {
+            return Some(Halves { axis: Coordinate::ALL[axis], plane, cells: [lower, upper] });
+        }
+    }
+    None
+}
+
+/// Moves the items with centres below the plane to the front, in a fixed order, and counts them.
+fn partition(items: &mut [Item], axis: Coordinate, plane: f64) -> usize {
+    let is_left = |(_, own): &Item| own.centre()[axis as usize] < plane;
+    let (mut left, mut right) = (0, items.len());
+    loop {
+        while left < right && is_left(&items[left]) {
+            left += 1;
+        }
+        while left < right && !is_left(&items[right - 1]) {
+            right -= 1;
+        }
+        if left >= right {
+            return left;
+        }
+        items.swap(left, right - 1);
+    }
+}
+
+fn union(items: &[Item]) -> Aabb {
+    items.iter().fold(Aabb::EMPTY, |all, (_, own)| all.union(*own))
+}

@@ -1,0 +1,126 @@
+//! Checks, measures and fits trees.
+
+use core::ops::Range;
+
+use rt_math::{Aabb, Primitives, own_box};
+
+use super::{Child, Tree};
+use crate::bounded_depth::MAX_DEPTH;
+use crate::own_boxes::validate_lists;
+use crate::{BuildStats, Violation};
+
+/// Where in the list of indices the primitives below each node are.
+pub(crate) struct Runs(Vec<Range<usize>>);
+
+impl Runs {
+    pub(crate) fn below(&self, child: Child) -> Range<usize> {
+        if child.count == 0 {
+            self.0[child.first as usize].clone()
+        } else {
+            child.first as usize..child.first as usize + child.count as usize
+        }
+    }
+}
+
+impl<C> Tree<C> {
+    pub(crate) fn runs(&self) -> Runs {
+        let mut runs = Runs(vec![0..0; self.nodes.len()]);
+        for (number, node) in self.nodes.iter().enumerate().rev() {
+            let [left, right] = node.children.map(|child| runs.below(child));
+            runs.0[number] = left.start..right.end;
+        }
+        runs
+    }
+
+    /// Visits every child of every node, depth first, with what `step` makes of what its parent was visited with.
+    pub(crate) fn for_each_child<T: Copy>(
+        &self,
+        root: T,
+        step: impl Fn(&C, usize, T) -> T,
+        mut visit: impl FnMut(Child, T, u32),
+    ) {
+        let mut pending = vec![(self.root, root, 0)];
+        while let Some((child, carried, depth)) = pending.pop() {
+            visit(child, carried, depth);
+            let Some(node) = self.nodes.get(child.first as usize).filter(|_| child.count == 0) else { continue };
+            for side in [1, 0] {
+                pending.push((node.children[side], step(&node.content, side, carried), depth + 1));
+            }
+        }
+    }
+
+    pub(crate) fn stats(&self) -> BuildStats {
+        let mut max_depth = 0;
+        self.for_each_child((), |_, _, ()| (), |_, (), depth| max_depth = max_depth.max(depth));
+        BuildStats {
+            primitives: self.primitives() as usize,
+            unbounded: self.unbounded.len(),
+            nodes: self.nodes.len(),
+            leaves: if self.indices.is_empty() { 0 } else { self.nodes.len() + 1 },
+            max_depth: max_depth as usize,
+            references: self.indices.len(),
+        }
+    }
+
+    /// Checks that the tree is as a builder makes it: nodes and leaves in order, none too deep, each primitive once.
+    pub(crate) fn check_shape(&self) -> Result<(), Violation> {
+        let (mut n_nodes, mut n_placed) = (0, 0);
+        let mut pending = vec![(self.root, 0, 0)];
+        while let Some((child, depth, parent)) = pending.pop() {
+            if depth > MAX_DEPTH {
+                return Err(Violation::Depth { depth });
+            }
+            let expected = if child.count == 0 { n_nodes } else { n_placed };
+            if child.first as usize != expected {
+                return Err(Violation::Node { node: parent });
+            }
+            if child.count > 0 {
+                n_placed += child.count as usize;
+            } else if let Some(node) = self.nodes.get(n_nodes) {
+                n_nodes += 1;
+                pending.extend([1, 0].map(|side| (node.children[side], depth + 1, child.first)));
+            } else if !self.indices.is_empty() || depth > 0 {
+                return Err(Violation::Node { node: child.first });
+            }
+        }
+        if n_nodes != self.nodes.len() || n_placed != self.indices.len() {
+            return Err(Violation::Node { node: n_nodes as u32 });
+        }
+        self.check_indices()
+    }
+
+    /// Checks that the lists number all primitives, and each of them once.
+    fn check_indices(&self) -> Result<(), Violation> {
+        let mut is_listed = vec![false; self.indices.len() + self.unbounded.len()];
+        for &primitive in self.indices.iter().chain(&self.unbounded) {
+            match is_listed.get_mut(primitive as usize) {
+                Some(listed) if !*listed => *listed = true,
+                _ => return Err(Violation::Misplaced { primitive }),
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks the shape, the lists, and that `encloses` holds for what each node knows of a side and the own box of
+    /// every primitive on it.
+    pub(crate) fn validate<P: Primitives>(
+        &self,
+        primitives: &P,
+        encloses: impl Fn(&C, usize, &Aabb) -> bool,
+    ) -> Result<(), Violation> {
+        self.check_shape()?;
+        validate_lists(primitives, self.primitives(), &self.unbounded)?;
+        let own = |&primitive: &u32| own_box(primitives, primitive).ok_or(Violation::Misplaced { primitive });
+        let boxes = self.indices.iter().map(own).collect::<Result<Vec<_>, _>>()?;
+        let runs = self.runs();
+        for node in &self.nodes {
+            for side in 0..2 {
+                let run = runs.below(node.children[side]);
+                if let Some(outside) = run.clone().find(|&place| !encloses(&node.content, side, &boxes[place])) {
+                    return Err(Violation::Outside { primitive: self.indices[outside] });
+                }
+            }
+        }
+        Ok(())
+    }
+}
