@@ -42,6 +42,7 @@ macro_rules! structures {
 
         /// A structure of a kind that is chosen at run time, at the cost of one `match` per query.
         #[derive(Clone, Debug, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub enum AnyStructure {
             $($(#[$doc])* $name($structure),)+
         }

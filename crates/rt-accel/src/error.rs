@@ -23,6 +23,8 @@ pub enum BuildError {
         /// How many there may be.
         limit: u64,
     },
+    /// The primitives are not those that a structure was built over, so that it cannot be fitted to them.
+    Changed(Violation),
 }
 
 impl fmt::Display for BuildError {
@@ -41,6 +43,7 @@ impl fmt::Display for BuildError {
             Self::TooMany { count, limit } => {
                 write!(f, "{count} primitives, cells or references, but at most {limit} can be numbered")
             }
+            Self::Changed(violation) => write!(f, "the structure does not belong to these primitives: {violation}"),
         }
     }
 }

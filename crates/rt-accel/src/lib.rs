@@ -83,6 +83,8 @@ mod partition;
 mod ray_query;
 mod region;
 mod region_query;
+#[cfg(feature = "serde")]
+mod saved;
 mod stats;
 mod structure;
 mod tree;
@@ -91,7 +93,7 @@ pub use any::{AnyStructure, StructureKind, StructureVisitor};
 pub use bih::{Bih, LazyBih};
 pub use boxes::Boxes;
 pub use bsp::BspTree;
-pub use bvh::Bvh;
+pub use bvh::{Bvh, SplitMethod};
 pub use error::{BuildError, Violation};
 pub use grid::UniformGrid;
 pub use kd::KdTree;

@@ -6,12 +6,13 @@ use rt_math::{Aabb, Primitives, Probe};
 
 use crate::own_boxes::{checked_own_box, count};
 use crate::structure::accelerator_by_walk;
-use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
+use crate::{BuildError, BuildStats, RayQuery, Refit, RegionQuery, Structure, Violation};
 
 /// Tests every primitive in turn. O(n) per ray, no memory.
 ///
 /// What it answers is by definition right; every other structure gives the same bits.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct Linear {
     primitives: u32,
     unbounded: u32,
@@ -31,6 +32,17 @@ impl Linear {
             }
         }
         Ok(linear)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl Linear {
+    const fn check_shape(&self) -> Result<(), Violation> {
+        if self.unbounded <= self.primitives {
+            Ok(())
+        } else {
+            Err(Violation::Count { built: self.primitives, given: self.unbounded as usize })
+        }
     }
 }
 
@@ -79,4 +91,18 @@ impl Structure for Linear {
     fn for_each_box(&self, _visit: impl FnMut(Aabb, u32)) {}
 }
 
+impl Refit for Linear {
+    fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
+        let fitted = Self::build(primitives)?;
+        if fitted == *self {
+            Ok(())
+        } else {
+            let built = self.primitives;
+            Err(BuildError::Changed(Violation::Count { built, given: primitives.len() }))
+        }
+    }
+}
+
 accelerator_by_walk!(Linear);
+#[cfg(feature = "serde")]
+crate::saved::saved_and_checked!(Linear, Linear::check_shape);

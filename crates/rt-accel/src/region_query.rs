@@ -17,7 +17,8 @@ pub trait RegionQuery {
     fn focus(&self) -> DVec3;
 
     /// How far off a box is; the smaller, the sooner it should be looked into. `None` if nothing in it can matter.
-    /// Monotone: a box within another is no nearer.
+    /// Monotone: a box within another is no nearer. A structure that keeps primitives in several places must not leave
+    /// out by this what overlaps the `bounds`.
     fn reach(&self, aabb: &Aabb) -> Option<f64>;
 
     /// Takes a primitive into account. A structure that keeps it in several places may offer it from each: `owns` says

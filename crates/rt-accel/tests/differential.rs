@@ -6,7 +6,7 @@ mod soup;
 
 use rt_accel::{
     Aabb, Accelerator, Bih, BspTree, Bvh, Counters, DVec3, Hit, KdTree, LazyBih, Linear, NoProbe, Primitives,
-    Structure, UniformGrid,
+    SplitMethod, Structure, UniformGrid,
 };
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
@@ -22,6 +22,8 @@ struct Outcome {
     n_hits: usize,
     /// Part of all primitives that were tested: 1 if nothing was culled, and the comparison says nothing.
     tested: f64,
+    /// Nodes visited per ray.
+    nodes: f64,
 }
 
 fn compare<A: Structure>(name: &str, structure: &A, soup: &Soup, seed: u64) -> Outcome {
@@ -42,7 +44,7 @@ fn compare<A: Structure>(name: &str, structure: &A, soup: &Soup, seed: u64) -> O
         n_hits += usize::from(expected.is_some());
     }
     let tested = counters.total().tests as f64 / (n_rays() * soup.len()) as f64;
-    Outcome { n_hits, tested }
+    Outcome { n_hits, tested, nodes: counters.total().nodes as f64 / n_rays() as f64 }
 }
 
 /// Mixed solids at several distances from the origin and of several sizes, with and without an unbounded one.
@@ -68,7 +70,7 @@ fn compare_all<A: Structure>(name: &str, most_tested: f64, build: impl Fn(&Soup)
     println!("{name}: seed {seed}");
     let mut total = 0;
     for (i, (scene, soup)) in scenes(seed).iter().enumerate() {
-        let Outcome { n_hits, tested } = compare(&format!("{name}, {scene}"), &build(soup), soup, seed + i as u64);
+        let Outcome { n_hits, tested, .. } = compare(&format!("{name}, {scene}"), &build(soup), soup, seed + i as u64);
         println!("{name}, {scene}: {} rays, {n_hits} hits, {tested:.3} of primitives tested, 0 differences", n_rays());
         assert!(n_hits > n_rays() / 10, "{scene}: rays must hit something to mean anything, {n_hits} did");
         assert!(tested < most_tested, "{scene}: {tested} of all primitives were tested");
@@ -80,6 +82,29 @@ fn compare_all<A: Structure>(name: &str, most_tested: f64, build: impl Fn(&Soup)
 #[test]
 fn bvh_equals_brute_force() {
     compare_all("bvh", 0.1, |soup| Bvh::build(soup).unwrap());
+}
+
+#[test]
+fn bvhs_of_other_methods_equal_brute_force() {
+    compare_all("bvh by medians", 0.2, |soup| Bvh::build_with(soup, SplitMethod::Median).unwrap());
+    compare_all("bvh with spatial splits", 0.1, |soup| Bvh::build_with(soup, SplitMethod::Spatial).unwrap());
+}
+
+/// Long thin solids that cross each other: planes cut through nearly all of them.
+#[test]
+fn spatial_splits_of_crossing_sticks_equal_brute_force() {
+    for (i, offset) in [0.0, 1e7].into_iter().enumerate() {
+        let mut sticks = Soup::sticks(300, &mut Draw::new(41));
+        sticks.0.extend(Soup::spheres(300, &mut Draw::new(40)).0);
+        let sticks = sticks.moved(DVec3::splat(offset));
+        let bvh = Bvh::build_with(&sticks, SplitMethod::Spatial).unwrap();
+        assert_eq!(bvh.validate(&sticks), Ok(()));
+        let [all, whole] = [bvh.build_stats().references, sticks.len()];
+        assert!(all > whole + whole / 4, "{all} references to {whole} sticks: hardly any is cut");
+        let outcome = compare("sticks", &bvh, &sticks, 42 + i as u64);
+        let by_area = compare("sticks", &Bvh::build(&sticks).unwrap(), &sticks, 42 + i as u64);
+        assert!(outcome.nodes < by_area.nodes, "{} and {} nodes", outcome.nodes, by_area.nodes);
+    }
 }
 
 #[test]

@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use rt_accel::{
-    Aabb, Accelerator, AnyStructure, Ball, Boxes, DVec3, Frustum, Hit, Interval, Linear, NearestPoint, NoProbe,
-    Primitives, Ray, Region, Structure, StructureKind,
+    Aabb, Accelerator, AnyStructure, Ball, Boxes, Bvh, DVec3, Frustum, Hit, Interval, Linear, NearestPoint, NoProbe,
+    Primitives, Ray, Region, SplitMethod, Structure, StructureKind,
 };
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
@@ -191,6 +191,29 @@ fn overlaps_are_found_once_each() {
         }
     }
     assert!(n_found > 100_000, "{n_found}");
+}
+
+/// A primitive that several leaves list is found once all the same.
+#[test]
+fn spatial_splits_do_not_repeat_overlaps() {
+    let sticks = Soup::sticks(300, &mut Draw::new(21)).moved(DVec3::splat(1e6));
+    let bvh = AnyStructure::Bvh(Bvh::build_with(&sticks, SplitMethod::Spatial).unwrap());
+    let linear = AnyStructure::build(StructureKind::Linear, &sticks).unwrap();
+    let mut draw = Draw::new(22);
+    let mut n_found = 0;
+    for _ in 0..3000 {
+        let ball = Ball { centre: DVec3::splat(1e6) + draw.point(), radius: draw.pick(&[0.0, 0.01, 0.3]) };
+        // Touches the corner of a stick's box.
+        let corner = sticks.bounds(draw.below(300) as u32).unwrap().max;
+        for region in [ball.bounds(), Aabb::new(corner, corner)] {
+            let expected = overlapping(&linear, &sticks, &region);
+            n_found += expected.len();
+            assert_eq!(overlapping(&bvh, &sticks, &region), expected, "{region:?}");
+        }
+        assert_eq!(overlapping(&bvh, &sticks, &ball), overlapping(&linear, &sticks, &ball));
+        assert_eq!(bvh.nearest_point(&sticks, ball.centre, 9.0), linear.nearest_point(&sticks, ball.centre, 9.0));
+    }
+    assert!(n_found > 10_000, "{n_found}");
 }
 
 #[test]

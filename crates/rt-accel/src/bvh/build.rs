@@ -1,7 +1,7 @@
 //! Grows a tree from the root down, on one thread or on several, with the same result.
 
 use super::node::{Child, Node, NodeBox};
-use super::split::{Item, Split, split, union};
+use super::split::{Item, Split, SplitMethod, split, union};
 
 /// A tree, or the part of one that is below a node; nodes are in depth-first order and numbered from 0.
 #[derive(Debug, PartialEq)]
@@ -20,20 +20,25 @@ struct Task<'a> {
     first: u32,
     bounds: NodeBox,
     depth: u32,
+    method: SplitMethod,
 }
 
 impl<'a> Task<'a> {
-    fn whole(items: &'a mut [Item]) -> Self {
-        Self { bounds: union(items), items, first: 0, depth: 0 }
+    fn whole(items: &'a mut [Item], method: SplitMethod) -> Self {
+        Self { bounds: union(items), items, first: 0, depth: 0, method }
+    }
+
+    fn split(&mut self) -> Option<Split> {
+        split(self.items, &self.bounds, self.depth, self.method)
     }
 
     /// The two tasks that a split leaves, and their boxes.
     fn divide(self, Split { middle, bounds }: Split) -> [Self; 2] {
         let (left, right) = self.items.split_at_mut(middle);
-        let depth = self.depth + 1;
+        let (depth, method) = (self.depth + 1, self.method);
         [
-            Task { items: left, first: self.first, bounds: bounds[0], depth },
-            Task { items: right, first: self.first + middle as u32, bounds: bounds[1], depth },
+            Task { items: left, first: self.first, bounds: bounds[0], depth, method },
+            Task { items: right, first: self.first + middle as u32, bounds: bounds[1], depth, method },
         ]
     }
 
@@ -43,8 +48,8 @@ impl<'a> Task<'a> {
 }
 
 /// Grows the tree over `items`, which must not be empty, and reorders them so that each leaf is a run.
-pub(super) fn build(items: &mut [Item]) -> Subtree {
-    let task = Task::whole(items);
+pub(super) fn build(items: &mut [Item], method: SplitMethod) -> Subtree {
+    let task = Task::whole(items, method);
     #[cfg(feature = "parallel")]
     return parallel::grow(task);
     #[cfg(not(feature = "parallel"))]
@@ -53,33 +58,52 @@ pub(super) fn build(items: &mut [Item]) -> Subtree {
 
 /// What a node or leaf, once made, is attached to.
 #[derive(Clone, Copy)]
-enum Parent {
+pub(super) enum Parent {
     None,
     Node { number: usize, side: usize },
 }
 
-fn grow(task: Task<'_>) -> Subtree {
-    let mut subtree = Subtree { nodes: Vec::new(), root: task.leaf(), leaves: 0, max_depth: 0 };
-    let mut pending = vec![(task, Parent::None)];
-    while let Some((task, parent)) = pending.pop() {
-        let child = match split(task.items, &task.bounds, task.depth) {
-            None => {
-                subtree.leaves += 1;
-                subtree.max_depth = subtree.max_depth.max(task.depth);
-                task.leaf()
-            }
-            Some(split) => {
-                let number = subtree.nodes.len();
-                subtree.nodes.push(Node::new(split.bounds, [Child::node(0); 2]));
-                let [left, right] = task.divide(split);
-                pending.push((right, Parent::Node { number, side: 1 }));
-                pending.push((left, Parent::Node { number, side: 0 }));
-                Child::node(number as u32)
-            }
-        };
+impl Subtree {
+    /// A tree without nodes.
+    pub(super) const fn new() -> Self {
+        Self { nodes: Vec::new(), root: Child::leaf(0, 0), leaves: 0, max_depth: 0 }
+    }
+
+    /// Attaches a leaf at this depth.
+    pub(super) fn attach_leaf(&mut self, parent: Parent, leaf: Child, depth: u32) {
+        self.leaves += 1;
+        self.max_depth = self.max_depth.max(depth);
+        self.attach(parent, leaf);
+    }
+
+    /// Attaches a node, and says what its children are to be attached to.
+    pub(super) fn attach_node(&mut self, parent: Parent, bounds: [NodeBox; 2]) -> [Parent; 2] {
+        let number = self.nodes.len();
+        self.nodes.push(Node::new(bounds, [Child::node(0); 2]));
+        self.attach(parent, Child::node(number as u32));
+        [0, 1].map(|side| Parent::Node { number, side })
+    }
+
+    fn attach(&mut self, parent: Parent, child: Child) {
         match parent {
-            Parent::None => subtree.root = child,
-            Parent::Node { number, side } => subtree.nodes[number].children[side] = child,
+            Parent::None => self.root = child,
+            Parent::Node { number, side } => self.nodes[number].children[side] = child,
+        }
+    }
+}
+
+fn grow(task: Task<'_>) -> Subtree {
+    let mut subtree = Subtree::new();
+    let mut pending = vec![(task, Parent::None)];
+    while let Some((mut task, parent)) = pending.pop() {
+        match task.split() {
+            None => subtree.attach_leaf(parent, task.leaf(), task.depth),
+            Some(split) => {
+                let [left_of, right_of] = subtree.attach_node(parent, split.bounds);
+                let [left, right] = task.divide(split);
+                pending.push((right, right_of));
+                pending.push((left, left_of));
+            }
         }
     }
     subtree
@@ -87,18 +111,18 @@ fn grow(task: Task<'_>) -> Subtree {
 
 #[cfg(feature = "parallel")]
 mod parallel {
-    use super::{Child, Node, Subtree, Task, grow as grow_serially, split};
+    use super::{Child, Node, Subtree, Task, grow as grow_serially};
 
     /// Sets below this size are not worth another task.
     const MIN_ITEMS: usize = 8192;
 
     /// As the serial function, but both sides of large sets grow at the same time. The recursion is as deep as the
     /// tree, which is bounded.
-    pub(super) fn grow(task: Task<'_>) -> Subtree {
+    pub(super) fn grow(mut task: Task<'_>) -> Subtree {
         if task.items.len() < MIN_ITEMS {
             return grow_serially(task);
         }
-        let Some(split) = split(task.items, &task.bounds, task.depth) else {
+        let Some(split) = task.split() else {
             return grow_serially(task);
         };
         let bounds = split.bounds;
@@ -157,7 +181,7 @@ mod tests {
     #[test]
     fn leaves_are_small_and_nodes_are_one_fewer() {
         let mut items = items(5000);
-        let tree = build(&mut items);
+        let tree = build(&mut items, SplitMethod::SurfaceArea);
         assert_eq!(tree.leaves, tree.nodes.len() + 1);
         let counts = tree.nodes.iter().flat_map(|node| node.children).map(|child| child.count as usize);
         assert!(counts.clone().all(|count| count <= super::super::split::MAX_LEAF));
@@ -171,11 +195,11 @@ mod tests {
     #[test]
     fn any_number_of_threads_grows_the_same_tree() {
         let mut serial_items = items(50_000);
-        let serial = grow(Task::whole(&mut serial_items));
+        let serial = grow(Task::whole(&mut serial_items, SplitMethod::SurfaceArea));
         for n_threads in [1, 2, 7] {
             let mut items = items(50_000);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().expect("a pool");
-            let tree = pool.install(|| parallel::grow(Task::whole(&mut items)));
+            let tree = pool.install(|| parallel::grow(Task::whole(&mut items, SplitMethod::SurfaceArea)));
             assert_eq!(tree, serial);
             assert_eq!(order(&items), order(&serial_items));
         }

@@ -2,6 +2,8 @@
 
 mod build;
 mod node;
+mod refit;
+mod spatial;
 mod split;
 mod traverse;
 mod validate;
@@ -16,17 +18,19 @@ use crate::ray_query::is_finite;
 use crate::structure::accelerator_by_walk;
 use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
 use node::{Child, Node, NodeBox};
+use spatial::{Piece, SpatialTree};
 use split::Item;
+pub use split::SplitMethod;
 
 /// A binary tree of boxes: O(log n) per ray for most scenes, whatever the sizes of the primitives.
 ///
-/// Built from the root down by the surface area heuristic (MacDonald and Booth 1990), evaluated over bins (Wald 2007).
-/// Nodes are cache lines of 64 bytes that hold the boxes of both children as `f32`, relative to the centre of the
+/// Built from the root down by one of the [`SplitMethod`]s. Nodes are cache lines of 64 bytes that hold the boxes of both children as `f32`, relative to the centre of the
 /// tree and rounded outward; all culling arithmetic is `f64`. No leaf is deeper than 60, so that a traversal needs a
 /// small fixed stack and never allocates.
 ///
 /// The tree is a pure function of the primitives, with or without the feature `parallel`.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct Bvh {
     nodes: Vec<Node>,
     /// Bounded primitives, leaf by leaf.
@@ -37,6 +41,10 @@ pub struct Bvh {
     unbounded: Vec<u32>,
     leaves: usize,
     max_depth: u32,
+    /// Number of bounded primitives, each of which is listed at least once.
+    bounded: u32,
+    /// Cells of the references to primitives that are listed several times.
+    pieces: Vec<Piece>,
 }
 
 impl Bvh {
@@ -46,6 +54,15 @@ impl Bvh {
     ///
     /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
+        Self::build_with(primitives, SplitMethod::default())
+    }
+
+    /// Builds the tree by this method.
+    ///
+    /// # Errors
+    ///
+    /// As [`build`](Self::build).
+    pub fn build_with<P: Primitives>(primitives: &P, method: SplitMethod) -> Result<Self, BuildError> {
         let OwnBoxes { bounded, unbounded, union } = OwnBoxes::collect(primitives)?;
         if bounded.is_empty() {
             return Ok(Self {
@@ -56,21 +73,34 @@ impl Bvh {
                 unbounded,
                 leaves: 0,
                 max_depth: 0,
+                bounded: 0,
+                pieces: Vec::new(),
             });
         }
         let centre = union.centre();
         let mut items: Vec<_> =
             bounded.into_iter().map(|(index, own)| Item { bounds: NodeBox::outward(&own, centre), index }).collect();
-        let mut tree = build::build(&mut items);
+        let SpatialTree { subtree: mut tree, mut indices, mut pieces } = match method {
+            SplitMethod::Spatial => spatial::build(&items),
+            SplitMethod::Median | SplitMethod::SurfaceArea => {
+                let subtree = build::build(&mut items, method);
+                let indices = items.iter().map(|item| item.index).collect();
+                SpatialTree { subtree, indices, pieces: Vec::new() }
+            }
+        };
         tree.nodes.shrink_to_fit();
+        indices.shrink_to_fit();
+        pieces.shrink_to_fit();
         Ok(Self {
             nodes: tree.nodes,
-            indices: items.iter().map(|item| item.index).collect(),
+            indices,
             root: tree.root,
             centre,
             unbounded,
             leaves: tree.leaves,
             max_depth: tree.max_depth,
+            bounded: items.len() as u32,
+            pieces,
         })
     }
 
@@ -104,11 +134,12 @@ impl Structure for Bvh {
         size_of::<Self>()
             + self.nodes.capacity() * size_of::<Node>()
             + (self.indices.capacity() + self.unbounded.capacity()) * size_of::<u32>()
+            + self.pieces.capacity() * size_of::<Piece>()
     }
 
     fn build_stats(&self) -> BuildStats {
         BuildStats {
-            primitives: self.indices.len() + self.unbounded.len(),
+            primitives: self.bounded as usize + self.unbounded.len(),
             unbounded: self.unbounded.len(),
             nodes: self.nodes.len(),
             leaves: self.leaves,
@@ -134,3 +165,5 @@ impl Structure for Bvh {
 }
 
 accelerator_by_walk!(Bvh);
+#[cfg(feature = "serde")]
+crate::saved::saved_and_checked!(Bvh, Bvh::check_shape);

@@ -22,6 +22,9 @@
 use glam::{DVec3, Vec3A};
 use rt_math::{Aabb, FAR_FACTOR, Interval, SlabRay};
 
+/// The far factor of what lies behind the origin of a ray.
+const BEHIND_FACTOR: f64 = 2.0 - FAR_FACTOR;
+
 /// A box relative to the centre of its tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct NodeBox {
@@ -42,6 +45,11 @@ impl NodeBox {
     #[inline(always)]
     pub(super) fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    #[inline]
+    pub(super) fn intersection(self, other: Self) -> Self {
+        Self { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
     /// The box in world space, around all `aabb` that it was made of: as those are made of `f64`, rounding the sums
@@ -71,6 +79,7 @@ fn above(difference: f64) -> f32 {
 
 /// What is behind one box of a node: a run of primitives, or another node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Child {
     /// Start of the run in the list of indices, or the number of the node.
     pub(super) first: u32,
@@ -90,6 +99,7 @@ impl Child {
 
 /// Two boxes side by side and what is behind them: one cache line.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// By axis, by side (lower, upper), by child.
@@ -158,7 +168,9 @@ impl NodeRay {
                 leave[child] = if t_far < leave[child] { t_far } else { leave[child] };
             }
         }
-        Crossings { enter, leave: leave.map(|t_far| t_far * FAR_FACTOR), limit: span.max }
+        // Behind the origin, farther out is closer to 0.
+        let outward = |t_far: f64| t_far * if t_far < 0.0 { BEHIND_FACTOR } else { FAR_FACTOR };
+        Crossings { enter, leave: leave.map(outward), limit: span.max }
     }
 }
 

@@ -1,46 +1,76 @@
 //! Checks what the proof of the traversal rests on.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use rt_math::{Aabb, Primitives, own_box};
 
 use super::Bvh;
 use super::node::{Child, NodeBox};
+use super::spatial::Cell;
 use crate::Violation;
 use crate::bounded_depth::MAX_DEPTH;
 use crate::own_boxes::validate_lists;
 
 impl Bvh {
-    /// Every bounded primitive is in exactly one leaf, all boxes above it contain its own box, and no leaf is too deep
-    /// for the traversal stack.
+    /// Checks all that can be checked without the primitives: every node has one parent, no leaf is too deep for the
+    /// stack of a walk, boxes contain those below, leaves list each reference once, and lists name primitives.
+    pub(super) fn check_shape(&self) -> Result<(), Violation> {
+        let mut n_listed = 0;
+        self.for_each_leaf(|leaf, _| {
+            // Leaves follow one another, so that these sums show gaps and repetitions.
+            if leaf.first as usize != n_listed {
+                return Err(Violation::Misplaced {
+                    primitive: self.indices.get(n_listed).copied().unwrap_or_default(),
+                });
+            }
+            n_listed += leaf.count as usize;
+            Ok(())
+        })?;
+        let count = u64::from(self.bounded) + self.unbounded.len() as u64;
+        let is_named = |&&index: &&u32| u64::from(index) < count;
+        if let Some(&primitive) = self.indices.iter().chain(&self.unbounded).find(|index| !is_named(index)) {
+            return Err(Violation::Misplaced { primitive });
+        }
+        if n_listed != self.indices.len() || count > u64::from(u32::MAX) {
+            return Err(Violation::Count { built: self.bounded, given: n_listed });
+        }
+        let is_sorted = self.pieces.is_sorted_by(|a, b| a.position < b.position);
+        if !is_sorted || self.pieces.last().is_some_and(|piece| piece.position as usize >= self.indices.len()) {
+            return Err(Violation::Count { built: self.indices.len() as u32, given: self.pieces.len() });
+        }
+        Ok(())
+    }
+
+    /// Checks the shape, and that boxes contain what they are around: every bounded primitive is in exactly one leaf
+    /// inside of which its own box lies, or in several that each contain its part of a tiling of space.
     pub(super) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
-        let count = self.indices.len() + self.unbounded.len();
+        self.check_shape()?;
+        let count = self.bounded as usize + self.unbounded.len();
         validate_lists(primitives, count as u32, &self.unbounded)?;
         let mut is_placed = vec![false; count];
-        let everything = NodeBox { min: glam::Vec3A::NEG_INFINITY, max: glam::Vec3A::INFINITY };
-        let mut pending = vec![(self.root, everything, 0)];
-        let mut n_visited = 0;
-        while let Some((child, bounds, depth)) = pending.pop() {
-            if depth > MAX_DEPTH {
-                return Err(Violation::Depth { depth });
-            }
-            if child.count > 0 || self.nodes.is_empty() {
-                self.validate_leaf(primitives, child, &bounds, &mut is_placed)?;
-                continue;
-            }
-            let number = child.first;
-            n_visited += 1;
-            let Some(node) = self.nodes.get(number as usize).filter(|_| n_visited <= self.nodes.len()) else {
-                return Err(Violation::Node { node: number });
-            };
-            for side in 0..2 {
-                let inner = node.child_box(side);
-                if inner.union(bounds) != bounds {
-                    return Err(Violation::Node { node: number });
+        self.unbounded.iter().for_each(|&primitive| is_placed[primitive as usize] = true);
+        let mut pieces = self.pieces.iter().peekable();
+        let mut cells: Vec<(u32, Cell)> = Vec::new();
+        self.for_each_leaf(|leaf, bounds| {
+            for (position, &primitive) in (leaf.first..).zip(self.leaf(leaf)) {
+                let cell = pieces.next_if(|piece| piece.position == position).map(|piece| piece.cell);
+                let own = own_box(primitives, primitive).ok_or(Violation::Misplaced { primitive })?;
+                if !encloses(bounds, &own, &cell.unwrap_or(Cell::EVERYWHERE), self.centre) {
+                    return Err(Violation::Outside { primitive });
                 }
-                pending.push((node.children[side], inner, depth + 1));
+                match cell {
+                    Some(cell) => cells.push((primitive, cell)),
+                    None if is_placed[primitive as usize] => return Err(Violation::Misplaced { primitive }),
+                    None => is_placed[primitive as usize] = true,
+                }
             }
-        }
-        for &primitive in &self.unbounded {
+            Ok(())
+        })?;
+        cells.sort_by_key(|&(primitive, _)| primitive);
+        for parts in cells.chunk_by(|a, b| a.0 == b.0) {
+            let primitive = parts[0].0;
+            if is_placed[primitive as usize] || !tile_space(parts.iter().map(|part| part.1).collect()) {
+                return Err(Violation::Misplaced { primitive });
+            }
             is_placed[primitive as usize] = true;
         }
         match is_placed.iter().position(|placed| !placed) {
@@ -49,35 +79,73 @@ impl Bvh {
         }
     }
 
-    fn validate_leaf<P: Primitives>(
-        &self,
-        primitives: &P,
-        leaf: Child,
-        bounds: &NodeBox,
-        is_placed: &mut [bool],
-    ) -> Result<(), Violation> {
-        let run = leaf.first as usize..leaf.first as usize + leaf.count as usize;
-        for &primitive in self.indices.get(run).unwrap_or_default() {
-            match is_placed.get_mut(primitive as usize) {
-                Some(placed) if !*placed => *placed = true,
-                _ => return Err(Violation::Misplaced { primitive }),
+    /// Visits the leaves from left to right, with their boxes, and checks the nodes on the way.
+    fn for_each_leaf(&self, mut visit: impl FnMut(Child, &NodeBox) -> Result<(), Violation>) -> Result<(), Violation> {
+        let everything = NodeBox { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
+        let mut pending = vec![(self.root, everything, 0)];
+        let mut n_visited = 0;
+        while let Some((child, bounds, depth)) = pending.pop() {
+            if depth > MAX_DEPTH {
+                return Err(Violation::Depth { depth });
             }
-            let Some(own) = own_box(primitives, primitive) else {
-                return Err(Violation::Misplaced { primitive });
+            if child.count > 0 || self.nodes.is_empty() {
+                if (child.first as usize).saturating_add(child.count as usize) > self.indices.len() {
+                    return Err(Violation::Count { built: self.indices.len() as u32, given: child.first as usize });
+                }
+                visit(child, &bounds)?;
+                continue;
+            }
+            let number = child.first;
+            n_visited += 1;
+            let Some(node) = self.nodes.get(number as usize).filter(|_| n_visited <= self.nodes.len()) else {
+                return Err(Violation::Node { node: number });
             };
-            if !encloses(bounds, &own, self.centre) {
-                return Err(Violation::Outside { primitive });
+            for side in [1, 0] {
+                let inner = node.child_box(side);
+                // Children come after their parents, which `refit` relies on.
+                let is_ahead = node.children[side].count > 0 || node.children[side].first > number;
+                if inner.union(bounds) != bounds || !is_ahead {
+                    return Err(Violation::Node { node: number });
+                }
+                pending.push((node.children[side], inner, depth + 1));
             }
         }
         Ok(())
     }
 }
 
-/// True if `outer` contains `aabb − centre`, without rounding.
-fn encloses(outer: &NodeBox, aabb: &Aabb, centre: DVec3) -> bool {
+/// True if every point belongs to exactly one of the cells. They come from planes that cut all of space, or all of
+/// what one side of another such plane leaves, so there is always one that separates some from the others.
+fn tile_space(cells: Vec<Cell>) -> bool {
+    let mut pending = vec![(Cell::EVERYWHERE, cells)];
+    while let Some((whole, cells)) = pending.pop() {
+        if let [cell] = cells[..] {
+            if cell == whole {
+                continue;
+            }
+            return false;
+        }
+        let separates = |axis: usize, plane: f32| {
+            cells.iter().all(|cell| cell.max[axis] <= plane || cell.min[axis] >= plane)
+                && (whole.min[axis] < plane && plane < whole.max[axis])
+        };
+        let planes = cells.iter().flat_map(|cell| (0..3).map(|axis| (axis, cell.max[axis])));
+        let Some((axis, plane)) = planes.into_iter().find(|&(axis, plane)| separates(axis, plane)) else {
+            return false;
+        };
+        let (left, right) = cells.into_iter().partition(|cell| cell.max[axis] <= plane);
+        let [left_whole, right_whole] = whole.cut(axis, plane);
+        pending.push((left_whole, left));
+        pending.push((right_whole, right));
+    }
+    true
+}
+
+/// True if `outer` contains the part of `aabb − centre` in a cell, without rounding.
+fn encloses(outer: &NodeBox, aabb: &Aabb, cell: &Cell, centre: DVec3) -> bool {
     (0..3).all(|axis| {
-        is_at_most(outer.min[axis], aabb.min[axis], centre[axis])
-            && is_at_most(-outer.max[axis], -aabb.max[axis], -centre[axis])
+        (is_at_most(outer.min[axis], aabb.min[axis], centre[axis]) || outer.min[axis] < cell.min[axis])
+            && (is_at_most(-outer.max[axis], -aabb.max[axis], -centre[axis]) || outer.max[axis] > cell.max[axis])
     })
 }
 

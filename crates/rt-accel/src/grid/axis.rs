@@ -29,6 +29,7 @@ const FINEST: f64 = 1.0 / (1u64 << 32) as f64;
 
 /// Equal cells along one coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Axis {
     min: f64,
     cell: f64,
@@ -46,6 +47,12 @@ impl Axis {
         let finest = if extent.is_finite() { (extent / (magnitude * FINEST)) as u32 } else { 1 };
         let cells = wanted.min(finest).max(1);
         Self { min, cell: extent / f64::from(cells), cells, magnitude }
+    }
+
+    /// True if the axis has cells, and coordinates are numbers.
+    #[cfg(feature = "serde")]
+    pub(super) fn is_sound(&self) -> bool {
+        self.cells > 0 && self.cell >= 0.0 && !self.min.is_nan() && self.magnitude >= 0.0
     }
 
     /// Coordinate of the lower plane of cell `index`: a product, so that errors do not add up along a walk.

@@ -26,6 +26,7 @@ const MAX_REFERENCES: u64 = 1 << 30;
 /// Where a few small primitives lie in a large scene they all share one cell ("teapot in a stadium"): prefer
 /// [`Bvh`](crate::Bvh) there.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct UniformGrid {
     bounds: Aabb,
     axes: [Axis; 3],
@@ -101,6 +102,24 @@ impl UniformGrid {
     /// Number of cells along x, y and z.
     pub fn resolution(&self) -> [u32; 3] {
         self.axes.map(|axis| axis.cells)
+    }
+
+    /// Checks all that can be checked without the primitives.
+    #[cfg(feature = "serde")]
+    fn check_shape(&self) -> Result<(), Violation> {
+        let cells = self.axes.iter().try_fold(1u64, |product, axis| product.checked_mul(u64::from(axis.cells)));
+        let is_divided = self.axes.iter().all(Axis::is_sound);
+        let ends = [self.starts.first(), self.starts.last()].map(|end| end.map(|&end| end as usize));
+        let is_listed = cells.is_some_and(|cells| cells > 0 && self.starts.len() as u64 == cells + 1)
+            && self.starts.is_sorted()
+            && ends == [Some(0), Some(self.indices.len())];
+        if !(is_divided && is_listed) {
+            return Err(Violation::Count { built: self.primitives, given: self.indices.len() });
+        }
+        match self.indices.iter().chain(&self.unbounded).find(|&&index| index >= self.primitives) {
+            Some(&primitive) => Err(Violation::Misplaced { primitive }),
+            None => Ok(()),
+        }
     }
 
     /// The primitives listed in a cell.
@@ -267,6 +286,8 @@ impl Structure for UniformGrid {
 }
 
 accelerator_by_walk!(UniformGrid);
+#[cfg(feature = "serde")]
+crate::saved::saved_and_checked!(UniformGrid, UniformGrid::check_shape);
 
 /// The cells whose numbers differ from those of a starting cell by `distance` on one axis, and by no more on others.
 struct Shell {

@@ -45,6 +45,17 @@ impl Soup {
         )
     }
 
+    /// Long thin triangles, each nearly along one of the axes.
+    pub(crate) fn sticks(count: u64, draw: &mut Draw) -> Self {
+        let stick = |_| {
+            let along = DVec3::AXES[draw.below(3)];
+            let from = draw.point() * (1.0 - along) - along;
+            let to = from + along * 2.0 + draw.point() * 0.02;
+            Solid::Triangle([from, to, to + draw.point() * 0.02])
+        };
+        Self((0..count).map(stick).collect())
+    }
+
     /// Small solids of all bounded kinds and a bumpy sheet of triangles with shared vertices, all within one unit of
     /// the origin.
     pub(crate) fn mixed(draw: &mut Draw) -> Self {

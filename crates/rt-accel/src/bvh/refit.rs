@@ -1,0 +1,41 @@
+//! New boxes for the same tree.
+
+use rt_math::Primitives;
+
+use super::Bvh;
+use super::node::{Child, Node, NodeBox};
+use crate::own_boxes::{OwnBoxes, validate_lists};
+use crate::{BuildError, Refit};
+
+impl Refit for Bvh {
+    /// A primitive that several leaves list is within each of them from then on.
+    fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
+        let built = self.bounded + self.unbounded.len() as u32;
+        let OwnBoxes { bounded, union, .. } = OwnBoxes::collect(primitives)?;
+        validate_lists(primitives, built, &self.unbounded).map_err(BuildError::Changed)?;
+        self.centre = if bounded.is_empty() { self.centre } else { union.centre() };
+        let mut boxes = vec![NodeBox::EMPTY; built as usize];
+        for (index, own) in &bounded {
+            boxes[*index as usize] = NodeBox::outward(own, self.centre);
+        }
+        // Children come after their parents.
+        for number in (0..self.nodes.len()).rev() {
+            let children = self.nodes[number].children;
+            let around = children.map(|child| self.box_around(child, &boxes));
+            self.nodes[number] = Node::new(around, children);
+        }
+        Ok(())
+    }
+}
+
+impl Bvh {
+    /// The box around a leaf, or around what is below a node that has been fitted.
+    fn box_around(&self, child: Child, boxes: &[NodeBox]) -> NodeBox {
+        if child.count > 0 {
+            let listed = self.leaf(child).iter().map(|&index| boxes[index as usize]);
+            return listed.fold(NodeBox::EMPTY, NodeBox::union);
+        }
+        let node = &self.nodes[child.first as usize];
+        node.child_box(0).union(node.child_box(1))
+    }
+}

@@ -1,0 +1,82 @@
+//! Structures survive being saved; what was tampered with is refused, or answers without panicking.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests fail by panicking and print what they tried")]
+
+mod soup;
+
+use rt_accel::{AnyStructure, Bvh, DVec3, Interval, NoProbe, Ray, SplitMethod, Structure, StructureKind};
+use serde::de::DeserializeOwned;
+use soup::draw::Draw;
+use soup::{Solid, Soup};
+
+fn scene() -> Soup {
+    let mut soup = Soup(Soup::mixed(&mut Draw::new(1)).0.into_iter().take(60).collect());
+    soup.0.push(Solid::Ground { height: -0.5 });
+    soup
+}
+
+fn rays() -> Vec<Ray> {
+    let mut draw = Draw::new(2);
+    (0..200).map(|_| Ray::new(draw.point() * 2.0, draw.point())).collect()
+}
+
+/// Changes numbers of the saved text, one at a time.
+fn mutations(text: &str) -> impl Iterator<Item = String> {
+    let digits: Vec<_> = text.char_indices().filter(|(_, c)| c.is_ascii_digit()).map(|(at, _)| at).collect();
+    let step = (digits.len() / 400).max(1);
+    let replacements = ["9", "-1", "4294967295", "1e300", "0"];
+    digits.into_iter().step_by(step).zip(replacements.into_iter().cycle()).map(move |(at, with)| {
+        let mut changed = text.to_owned();
+        changed.replace_range(at..=at, with);
+        changed
+    })
+}
+
+fn check<S: Structure + serde::Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(
+    structure: &S,
+    soup: &Soup,
+) {
+    let text = serde_json::to_string(structure).unwrap();
+    let loaded: S = serde_json::from_str(&text).unwrap();
+    assert_eq!(&loaded, structure);
+    assert_eq!(loaded.validate(soup), Ok(()));
+    let (mut n_refused, mut n_harmless) = (0, 0);
+    for changed in mutations(&text) {
+        let Ok(loaded) = serde_json::from_str::<S>(&changed) else {
+            n_refused += 1;
+            continue;
+        };
+        // One for more primitives than there are belongs to others.
+        if loaded.build_stats().primitives > soup.0.len() {
+            n_refused += 1;
+            continue;
+        }
+        // It may well miss things, but it must not fall over or run forever.
+        for ray in rays() {
+            loaded.closest(soup, &ray, Interval::FORWARD, &mut NoProbe);
+            loaded.occluded(soup, &ray, Interval::FORWARD, &mut NoProbe);
+        }
+        loaded.nearest_point(soup, DVec3::ZERO, 1.0);
+        n_harmless += 1;
+    }
+    println!("{n_refused} changes refused, {n_harmless} harmless");
+    assert!(n_refused > 0);
+}
+
+#[test]
+fn every_structure_can_be_saved() {
+    for &kind in StructureKind::ALL {
+        check(&AnyStructure::build(kind, &scene()).unwrap(), &scene());
+    }
+}
+
+#[test]
+fn trees_of_all_methods_can_be_saved() {
+    check(&Bvh::build_with(&scene(), SplitMethod::Median).unwrap(), &scene());
+    let sticks = Soup::sticks(60, &mut Draw::new(3));
+    let cut = Bvh::build_with(&sticks, SplitMethod::Spatial).unwrap();
+    assert!(cut.build_stats().references > 60);
+    check(&cut, &sticks);
+    let nothing = Soup(vec![]);
+    check(&Bvh::build(&nothing).unwrap(), &nothing);
+}
