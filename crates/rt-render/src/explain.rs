@@ -1,6 +1,6 @@
 //! What a plan uses, what it leaves out, and why.
 
-use std::fmt;
+use std::{collections::BTreeSet, fmt};
 
 use rt_accel::{AnyStructure, Structure as _};
 use rt_geometry::Shape;
@@ -12,6 +12,7 @@ use crate::{
     RenderPlan,
     plan::World,
     structure::choose,
+    surroundings::Surroundings,
     visible::Visible,
     world::{Assembly, Levels, Part, PartGeometry, Parts},
 };
@@ -275,7 +276,26 @@ impl RenderPlan<'_> {
         if self.needs.reflection || self.needs.refraction {
             lines.push(format!("up to {} after the first hit", count(self.depth as usize, "bounce", "bounces")));
         }
+        if self.needs.refraction {
+            lines.push(self.nesting());
+        }
         lines
+    }
+
+    /// Which transparent body is where several overlap, and what the camera stands in.
+    fn nesting(&self) -> String {
+        let transparent = self.appearance.materials.iter().filter_map(|material| material.phong.transmission);
+        let priorities: BTreeSet<i32> = transparent.map(|inside| inside.priority).collect();
+        let order = match (priorities.first(), priorities.last()) {
+            (Some(least), Some(greatest)) if least < greatest => format!("priorities {least} to {greatest}"),
+            _ => "all of one priority".to_owned(),
+        };
+        let camera = match &self.surroundings {
+            Surroundings::Same(interior) if interior.is_empty() => "the camera stands in air",
+            Surroundings::Same(_) => "the camera stands inside of one",
+            Surroundings::ByRay(_) => "each camera ray looks which it starts in",
+        };
+        format!("transparent bodies within each other: {order}; {camera}")
     }
 
     fn left_out(&self, census: &Census) -> Vec<LeftOut> {
@@ -310,6 +330,7 @@ impl RenderPlan<'_> {
             (!n.shadows, "shadow rays", "no light, or no object, casts shadows"),
             (!n.reflection, "reflection", "no surface mirrors"),
             (!n.refraction, "refraction", "no surface lets light through"),
+            (!n.refraction, "nested dielectrics", "no ray is ever inside of a body"),
             (n.refraction && !n.fresnel, "Fresnel's equations", "transparent surfaces mix by constants"),
             (n.refraction && !n.absorption, "absorption", "transparent bodies are clear"),
             (!n.reflection && !n.refraction, "ray tree", "nothing sends rays on"),

@@ -124,13 +124,14 @@ impl Phong {
 
 impl Phong {
     /// True if nothing shows the surface but what its body's index of refraction does to light: where that is the same on
-    /// both sides, the surface is not to be seen.
+    /// both sides, the surface is not to be seen. Reflections and highlights are the work of that index where Fresnel's
+    /// equations rule, and otherwise constants that stay.
     pub fn is_clear(&self) -> bool {
-        let paint = [&self.ambient, &self.diffuse, &self.specular, &self.emission];
+        let is_zero = |coefficients: &[Coefficient]| coefficients.iter().all(Coefficient::is_zero);
         self.transmission.is_some_and(|transmission| {
-            paint.into_iter().all(Coefficient::is_zero)
-                && transmission.coefficient == Coefficient::Constant(Rgb::WHITE)
-                && (transmission.fresnel || self.mirror.is_zero())
+            transmission.coefficient == Coefficient::Constant(Rgb::WHITE)
+                && is_zero(&[self.ambient, self.diffuse, self.emission])
+                && (transmission.fresnel || is_zero(&[self.specular, self.mirror]))
         })
     }
 

@@ -1,1 +1,129 @@
+//! Tests of the list itself; what it does to light is tested with the integrator.
 
+use super::*;
+use crate::{Coefficient, Phong};
+use rt_geometry::SurfaceInteraction;
+use rt_math::DVec3;
+
+fn materials(priorities: &[i32]) -> Vec<Material> {
+    let inside = |priority: i32, ior: f64| {
+        let coefficient = Coefficient::Constant(Rgb::WHITE);
+        Transmission { coefficient, ior, fresnel: true, absorption: Rgb::BLACK, priority }
+    };
+    let material = |(i, priority): (usize, &i32)| Material {
+        name: format!("{i}"),
+        phong: Phong { transmission: Some(inside(*priority, 1.0 + i as f64)), ..Phong::default() },
+    };
+    priorities.iter().enumerate().map(material).collect()
+}
+
+fn hit(object: u32, material: u32) -> SurfaceHit {
+    let interaction = SurfaceInteraction {
+        point: DVec3::ZERO,
+        point_error: DVec3::ZERO,
+        shadow_point: DVec3::ZERO,
+        geometric_normal: DVec3::Y,
+        shading_normal: DVec3::Y,
+        uv: [0.0; 2],
+    };
+    SurfaceHit { t: 1.0, interaction, object, material }
+}
+
+/// Goes through a surface; the iors on both sides of it, or `None` where it is not there.
+fn cross(interior: &mut Interior, materials: &[Material], hit: &SurfaceHit, leaving: bool) -> Option<[f64; 2]> {
+    let crossing = interior.crossing(materials, hit, leaving).expect("room in the list");
+    interior.cross(&crossing);
+    assert_eq!(interior.medium(materials), crossing.after);
+    crossing.is_boundary.then_some([crossing.before.ior, crossing.after.ior])
+}
+
+#[test]
+fn the_greatest_priority_is_there() {
+    let materials = materials(&[0, 5, -3]);
+    let mut interior = Interior::default();
+    assert_eq!(cross(&mut interior, &materials, &hit(0, 0), false), Some([1.0, 1.0]));
+    assert_eq!(cross(&mut interior, &materials, &hit(1, 1), false), Some([1.0, 2.0]));
+    assert_eq!(cross(&mut interior, &materials, &hit(2, 2), false), None);
+    assert_eq!(cross(&mut interior, &materials, &hit(0, 0), true), None);
+    assert_eq!(cross(&mut interior, &materials, &hit(1, 1), true), Some([2.0, 3.0]));
+    assert_eq!(cross(&mut interior, &materials, &hit(2, 2), true), Some([3.0, 1.0]));
+    assert!(interior.is_empty());
+}
+
+#[test]
+fn among_equals_the_body_that_was_entered_last_is_there() {
+    // Objects 0 and 2 are of one material: which of them is left decides whether 1 is there.
+    let materials = materials(&[7, 7]);
+    for (left, there) in [(0, 1.0), (2, 2.0)] {
+        let mut interior = Interior::default();
+        for (object, material) in [(0, 0), (1, 1), (2, 0)] {
+            assert!(cross(&mut interior, &materials, &hit(object, material), false).is_some());
+        }
+        cross(&mut interior, &materials, &hit(left, 0), true);
+        assert_eq!(interior.medium(&materials).ior, there, "after leaving {left}");
+    }
+}
+
+#[test]
+fn what_is_left_without_having_been_entered_lay_below_all_else() {
+    let materials = materials(&[0, 0, 1]);
+    let mut interior = Interior::default();
+    cross(&mut interior, &materials, &hit(1, 1), false);
+    assert_eq!(cross(&mut interior, &materials, &hit(0, 0), true), None, "covered by an equal that was entered");
+    assert_eq!(cross(&mut interior, &materials, &hit(2, 2), true), Some([3.0, 2.0]), "of higher priority");
+    assert_eq!(interior.bodies, [Body { object: 1, material: 1 }]);
+}
+
+#[test]
+fn a_full_list_refuses_more() {
+    let materials = materials(&[0, 0]);
+    let mut interior = Interior::default();
+    for object in 0..CAPACITY as u32 {
+        cross(&mut interior, &materials, &hit(object, 0), false);
+    }
+    assert!(interior.crossing(&materials, &hit(99, 0), false).is_none());
+    assert!(interior.crossing(&materials, &hit(99, 1), true).is_none(), "nor can it be noted as around");
+    assert!(interior.crossing(&materials, &hit(99, 0), true).is_some());
+}
+
+#[test]
+fn lists_come_off_the_stack_as_they_were_put_on() {
+    let materials = materials(&[0, 1]);
+    let mut stack = InteriorStack::default();
+    let mut interior = Interior::filled_with(0);
+    let entering = interior.crossing(&materials, &hit(4, 1), false).expect("room");
+    let beyond = stack.push(&interior, Some(&entering));
+    let here = stack.push(&interior, None);
+    assert_eq!((beyond, here), (2, 1));
+    stack.pop(&mut interior, here);
+    assert_eq!(interior, Interior::filled_with(0));
+    stack.pop(&mut interior, beyond);
+    assert_eq!(interior.bodies[1], Body { object: 4, material: 1 });
+    assert!(stack.bodies.is_empty());
+}
+
+#[test]
+fn looking_around_finds_the_bodies_of_the_origin_in_their_order() {
+    // From inside of 0 and 1, through a body 2 that is entered and left on the way, and an opaque one that is not there.
+    struct Way(Vec<(u32, u32, bool)>);
+    impl Tracer for Way {
+        fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+            let at = if span.min > 0.0 { span.min as usize } else { 0 };
+            let &(object, material, leaving) = self.0.get(at)?;
+            let mut met = SurfaceHit { t: (at + 1) as f64, ..hit(object, material) };
+            met.interaction.geometric_normal = if leaving { ray.direction } else { -ray.direction };
+            Some(met)
+        }
+        fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
+            false
+        }
+    }
+    let materials = materials(&[0, 0, 0]);
+    let mut way = Way(vec![(1, 1, true), (2, 2, false), (9, 77, false), (2, 2, true), (0, 0, true)]);
+    let mut interior = Interior::filled_with(2);
+    interior.look_around(&mut way, &materials, &Ray::new(DVec3::ZERO, DVec3::Z));
+    assert_eq!(interior.bodies, [Body { object: 0, material: 0 }, Body { object: 1, material: 1 }]);
+    assert_eq!(interior.medium(&materials).ior, 2.0, "the innermost was entered last");
+    interior.clear();
+    assert!(interior.is_empty());
+}

@@ -1,0 +1,212 @@
+//! Transparent bodies within each other, from scene to picture.
+
+use crate::support::{everything, point_light, sphere, spheres};
+use rt_camera::{CameraSettings, Film, Projection};
+use rt_geometry::{AxisBox, Shape};
+use rt_math::{DVec2, DVec3, Rgb, Transform, transcendental::exp};
+use rt_render::{PlanOptions, RenderError, RenderPlan, Rendering, RunOptions};
+use rt_scene_io::{Accel, Content, MaterialId, Node, Scene};
+use rt_shading::{Bitmap, Coefficient, Material, Phong, Texture, TextureId, Transmission, Wrap};
+
+fn render(scene: &Scene, options: &PlanOptions) -> Rendering {
+    let plan = RenderPlan::compile(scene, options).expect("the scene compiles");
+    plan.render(&RunOptions::default(), |_| {}).expect("threads start")
+}
+
+fn film(scene: &Scene) -> Film {
+    render(scene, &PlanOptions::default()).film
+}
+
+/// The same bits; says no more than where they differ.
+fn assert_same(a: &Film, b: &Film, what: &str) {
+    let differing = a.pixels().iter().zip(b.pixels()).filter(|(a, b)| a != b).count();
+    assert!(a == b, "{what}: {differing} pixels differ");
+}
+
+fn dielectric(ior: f64, absorption: f64, priority: i32) -> Material {
+    let white = Coefficient::Constant(Rgb::WHITE);
+    let absorption = Rgb::new(absorption, 0.5 * absorption, 0.0);
+    let inside = Transmission { coefficient: white, ior, fresnel: true, absorption, priority };
+    let (ambient, diffuse) = (Coefficient::ZERO, Coefficient::ZERO);
+    let phong = Phong { ambient, diffuse, mirror: white, transmission: Some(inside), ..Phong::default() };
+    Material { name: "dielectric".into(), phong }
+}
+
+fn slab(min: [f64; 3], max: [f64; 3]) -> Content {
+    Content::Shape(Shape::AxisBox(AxisBox::new(DVec3::from(min), DVec3::from(max)).expect("a box")))
+}
+
+/// Glass with water and ice in it and a bubble in that, all overlapping, among the spheres.
+fn drink() -> Scene {
+    let mut scene = spheres();
+    scene.name = "drink".into();
+    scene.settings.depth = 12;
+    let first = scene.appearance.materials.len() as u32;
+    let bodies = [(1.5, 0.2, 0), (1.33, 0.4, 1), (1.31, 0.0, 2), (1.0, 0.0, 3)];
+    scene.appearance.materials.extend(bodies.map(|(ior, absorption, priority)| dielectric(ior, absorption, priority)));
+    let node = |content: Content, body: u32| Node::new(content, MaterialId(first + body));
+    scene.nodes.extend([
+        node(slab([-1.5, -1.5, 1.8], [1.5, 1.5, 4.0]), 0),
+        node(slab([-1.2, -1.2, 2.0], [1.2, 0.8, 3.8]), 1),
+        node(sphere(0.2, 0.7, 3.0, 0.5), 2),
+        node(sphere(-0.5, -0.4, 3.0, 0.3), 3),
+    ]);
+    scene
+}
+
+#[test]
+fn trimming_threads_and_structures_do_not_change_nested_glass() {
+    let mut scene = drink();
+    let picture = film(&scene);
+    let full = PlanOptions { full: true, ..PlanOptions::default() };
+    assert_same(&picture, &render(&scene, &full).film, "full plan");
+    for accel in [Accel::Linear, Accel::Grid, Accel::Bvh] {
+        scene.settings.accel = accel;
+        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+        let one = plan.render(&RunOptions { threads: 1, count: true }, |_| {}).expect("threads start");
+        assert_same(&picture, &one.film, accel.name());
+        assert!(one.statistics.shading.passages > 0 && one.statistics.shading.interior_overflows == 0);
+    }
+}
+
+#[test]
+fn glass_of_the_density_of_air_gives_the_picture_without_it() {
+    for (mut scene, transparent) in [(spheres(), false), (everything(), false), (spheres(), true)] {
+        let options = PlanOptions { transparent, ..PlanOptions::default() };
+        let without = render(&scene, &options).film;
+        let air = MaterialId(scene.appearance.materials.len() as u32);
+        // Where it overlaps glass, there is glass.
+        scene.appearance.materials.push(dielectric(1.0, 0.0, -1));
+        // Before, among and above the objects, across the light's way to them, and around the camera.
+        scene.nodes.insert(0, Node::new(sphere(0.3, 0.6, 2.5, 1.2), air));
+        scene.nodes.push(Node::new(sphere(3.0, 5.0, 4.0, 2.0), air));
+        scene.nodes.push(Node::new(sphere(1.0, 3.0, 9.0, 0.5), air));
+        assert_same(&without, &render(&scene, &options).film, &scene.name);
+    }
+}
+
+#[test]
+fn bodies_of_one_density_and_tint_within_each_other_are_one_body() {
+    let mut scene = spheres();
+    let glass = MaterialId(scene.appearance.materials.len() as u32);
+    let same = MaterialId(glass.0 + 1);
+    scene.appearance.materials.extend([dielectric(1.5, 0.3, 0), dielectric(1.5, 0.3, 0)]);
+    scene.nodes.push(Node::new(slab([-2.0, -1.0, 2.0], [2.0, 1.0, 4.0]), glass));
+    let one = film(&scene);
+    scene.nodes.extend([
+        Node::new(sphere(-0.4, 0.1, 3.0, 0.8), same),
+        Node::new(sphere(0.3, -0.2, 2.8, 0.7), glass),
+        Node::new(slab([-1.0, -0.5, 2.4], [1.5, 0.9, 3.1]), same),
+    ]);
+    let several = render(&scene, &PlanOptions::default());
+    assert!(several.statistics.shading.passages > 1000);
+    assert_same(&one, &several.film, &scene.name);
+}
+
+/// A ball of smoke of radius 2 around the camera, or one that the camera's rays start in.
+fn in_smoke(projection: Projection) -> Scene {
+    let mut scene = spheres();
+    scene.appearance.materials = vec![dielectric(1.0, 0.5, 0)];
+    scene.cameras[0].settings = CameraSettings {
+        world_from_camera: Transform::translate(DVec3::new(0.0, 0.0, 0.5)),
+        projection,
+        lens_shift: DVec2::ZERO,
+    };
+    scene.nodes = vec![Node::new(sphere(0.0, 0.0, 0.5, 2.0), MaterialId(0))];
+    scene
+}
+
+#[test]
+fn a_camera_in_smoke_sees_all_of_it_in_all_directions() {
+    let scene = in_smoke(spheres().cameras[0].settings.projection);
+    let expected = [0.1 * exp(-1.0), 0.2 * exp(-0.5), 0.3].map(|c| c as f32);
+    let mut named = scene.clone();
+    named.cameras[0].medium = Some(MaterialId(0));
+    for scene in [&scene, &named] {
+        for pixel in film(scene).pixels() {
+            assert!(pixel.iter().zip(expected).all(|(seen, expected)| (seen - expected).abs() < 1e-7), "{pixel:?}");
+        }
+    }
+}
+
+/// Glass with the camera in it, and a bubble before the camera: what it is inside of decides about both.
+#[test]
+fn a_camera_knows_what_it_stands_in() {
+    for projection in [spheres().cameras[0].settings.projection, Projection::Orthographic { height: 1.0 }] {
+        let mut scene = in_smoke(projection);
+        scene.appearance.materials = vec![dielectric(1.5, 0.2, 0), dielectric(1.0, 0.0, 1)];
+        scene.nodes.push(Node::new(sphere(0.1, 0.0, -0.5, 0.3), MaterialId(1)));
+        let found = film(&scene);
+        scene.cameras[0].medium = Some(MaterialId(0));
+        assert_same(&found, &film(&scene), "found and named");
+        scene.nodes.swap(0, 1);
+        assert_same(&found, &film(&scene), "named, in another order");
+        // Without the bubble's ball of glass, the bubble is nothing in air.
+        scene.cameras[0].medium = None;
+        scene.nodes.truncate(1);
+        assert!(film(&scene).pixels().iter().all(|pixel| (pixel[2] - 0.3).abs() < 1e-7));
+        assert!(found.pixels().iter().any(|pixel| (pixel[0] - found.pixels()[0][0]).abs() > 1e-3));
+    }
+}
+
+#[test]
+fn orthographic_rays_look_where_each_of_them_starts() {
+    // The camera's plane cuts a slab of smoke: the left half of the rays starts in it.
+    let mut scene = in_smoke(Projection::Orthographic { height: 1.0 });
+    scene.settings.pattern = rt_camera::SamplePattern::Centre;
+    scene.settings.spp = 1;
+    scene.nodes = vec![
+        Node::new(slab([-9.0, -9.0, -0.5], [0.0, 9.0, 1.0]), MaterialId(0)),
+        Node::new(slab([-9.0, -9.0, -2.5], [9.0, 9.0, -1.5]), MaterialId(0)),
+    ];
+    let film = film(&scene);
+    for (i, pixel) in film.pixels().iter().enumerate() {
+        let x = (i % 61) as i32 - 30;
+        let way = if x < 0 { 2.0 } else { 1.0 };
+        assert!(x == 0 || (f64::from(pixel[0]) - 0.1 * exp(-0.5 * way)).abs() < 1e-7, "pixel {i}: {pixel:?}");
+    }
+}
+
+#[test]
+fn a_medium_that_is_not_there_is_refused() {
+    let mut scene = spheres();
+    scene.cameras[0].medium = Some(MaterialId(9));
+    let refusal = RenderPlan::compile(&scene, &PlanOptions::default()).expect_err("there is no such material");
+    assert!(matches!(refusal, RenderError::Dangling { what: "material", index: 9, .. }), "{refusal}");
+}
+
+#[test]
+fn explanations_say_what_nests() {
+    let used = |scene: &Scene| {
+        let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");
+        plan.explain().used.join("\n")
+    };
+    let mut scene = drink();
+    let explained = used(&scene);
+    assert!(explained.contains("priorities 0 to 3; the camera stands in air"), "{explained}");
+    scene.cameras[0].medium = Some(MaterialId(1));
+    assert!(used(&scene).contains("the camera stands inside of one"));
+    assert!(!used(&spheres()).contains("transparent bodies"));
+}
+
+/// One texel of four by two is NaN; a floor of 61 by 43 pixels shows it over the whole picture.
+#[test]
+fn each_sample_of_a_texel_that_is_not_a_number_is_counted() {
+    let mut scene = in_smoke(Projection::Orthographic { height: 2.0 });
+    (scene.film.width, scene.film.height, scene.settings.spp) = (64, 32, 4);
+    let mut pixels = vec![[0.5; 3]; 8];
+    pixels[1] = [0.5, f32::NAN, 0.5];
+    let bitmap = Bitmap { width: 4, height: 2, pixels };
+    scene.appearance.textures = vec![Texture::Image { bitmap, wrap: [Wrap::Clamp; 2], smooth: false }];
+    let emission = Coefficient::Textured(TextureId(0), Rgb::WHITE);
+    let phong = Phong { ambient: Coefficient::ZERO, diffuse: Coefficient::ZERO, emission, ..Phong::default() };
+    scene.appearance.materials = vec![Material { name: "screen".into(), phong }];
+    scene.appearance.lights = vec![point_light([0.0, 0.0, 9.0], 1.0)];
+    // The face of the box towards the camera shows the whole image.
+    scene.nodes = vec![Node::new(slab([-2.0, -1.0, -3.0], [2.0, 1.0, -2.0]), MaterialId(0))];
+    let rendering = render(&scene, &PlanOptions::default());
+    assert_eq!(rendering.statistics.bad_samples, 16 * 16 * 4);
+    let black = rendering.film.pixels().iter().filter(|pixel| **pixel == [0.0; 3]).count();
+    let half = rendering.film.pixels().iter().filter(|pixel| **pixel == [0.5; 3]).count();
+    assert_eq!((black, half), (16 * 16, 7 * 16 * 16));
+}
