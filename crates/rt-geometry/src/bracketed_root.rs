@@ -41,3 +41,49 @@ pub(crate) fn bracketed_root(f: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2], t
         fraction = if is_safe { interpolated() } else { 0.5 }.clamp(step, 1.0 - step);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::transcendental::{atan, exp};
+    use std::cell::Cell;
+
+    #[test]
+    fn zeros_are_found_to_the_last_digits_in_few_steps() {
+        let cases: [(fn(f64) -> f64, [f64; 2], f64); 5] = [
+            (|x| x * x - 2.0, [0.0, 2.0], std::f64::consts::SQRT_2),
+            (|x| x * x * x - 2.0 * x - 5.0, [3.0, 2.0], 2.094_551_481_542_326_6),
+            (|x| exp(x) - 2.0, [-4.0, 1.0], std::f64::consts::LN_2),
+            (|x| atan(x - 0.25) * 1e-30, [-1e6, 1e3], 0.25),
+            (|x| if x < 0.1 { -1.0 } else { 1e-9 }, [-1.0, 1.0], 0.1),
+        ];
+        for (f, bracket, zero) in cases {
+            let steps = Cell::new(0);
+            let counted = |x| {
+                steps.set(steps.get() + 1);
+                f(x)
+            };
+            let found = bracketed_root(counted, bracket, 1e-300);
+            assert!((found - zero).abs() <= 4.0 * f64::EPSILON * zero, "{found} instead of {zero}");
+            assert!(steps.get() < 80, "{} steps to {zero}", steps.get());
+        }
+    }
+
+    /// A zero of such a high order that interpolation does not get ahead.
+    #[test]
+    fn the_work_is_bounded() {
+        let steps = Cell::new(0);
+        let flat = |x: f64| {
+            steps.set(steps.get() + 1);
+            let cube = (x - 0.3) * (x - 0.3) * (x - 0.3);
+            cube * cube * cube
+        };
+        assert!((bracketed_root(flat, [-1.0, 1.0], 0.0) - 0.3).abs() < 1e-6);
+        assert!(steps.get() < 1200, "{} steps", steps.get());
+    }
+
+    #[test]
+    fn a_function_without_values_ends_the_search() {
+        assert!((0.0..=1.0).contains(&bracketed_root(|_| f64::NAN, [0.0, 1.0], 1e-9)));
+    }
+}

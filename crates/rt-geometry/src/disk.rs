@@ -88,3 +88,47 @@ pub(crate) fn on_disk(ray: &Ray, t: f64, y: f64, radius: f64) -> (DVec3, DVec3) 
 pub(crate) fn cap_uv(point: DVec3, radius: f64, facing: f64) -> [f64; 2] {
     [0.5 + 0.5 * point.x / radius, 0.5 - 0.5 * facing * point.z / radius]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hit(disk: Disk, origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, DVec3, [f64; 2])> {
+        let ray = Ray::new(origin.into(), direction.into());
+        let hit = disk.intersect(&ray, Interval::FORWARD)?;
+        let surface = disk.surface(&ray, &hit, SurfaceNeeds::ALL);
+        assert_eq!((surface.point.y, surface.geometric_normal), (0.0, DVec3::Y));
+        Some((hit.t, surface.point, surface.uv))
+    }
+
+    #[test]
+    fn a_disk_is_hit_from_both_sides_up_to_its_rim() {
+        let disk = Disk::new(2.0, 0.0).expect("a disk");
+        assert_eq!(
+            hit(disk, [1.0, 3.0, -1.0], [0.0, -1.0, 0.0]),
+            Some((3.0, DVec3::new(1.0, 0.0, -1.0), [0.75, 0.75]))
+        );
+        assert_eq!(hit(disk, [0.0, -3.0, 0.0], [0.0, 2.0, 0.0]), Some((1.5, DVec3::ZERO, [0.5, 0.5])));
+        assert!(hit(disk, [2.0, 1.0, 0.0], [0.0, -1.0, 0.0]).is_some(), "the rim");
+        assert!(hit(disk, [2.0f64.next_up(), 1.0, 0.0], [0.0, -1.0, 0.0]).is_none());
+        assert!(hit(disk, [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]).is_none(), "behind");
+        assert!(hit(disk, [-3.0, 0.0, 0.0], [1.0, 0.0, 0.0]).is_none(), "within the disk");
+    }
+
+    #[test]
+    fn a_ring_has_a_hole_without_its_rim() {
+        let ring = Disk::new(2.0, 1.0).expect("a ring");
+        assert!(hit(ring, [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]).is_none());
+        assert!(hit(ring, [1.0f64.next_down(), 1.0, 0.0], [0.0, -1.0, 0.0]).is_none());
+        assert!(hit(ring, [0.0, 1.0, 1.0], [0.0, -1.0, 0.0]).is_some(), "the inner rim");
+        assert!(hit(ring, [0.0, 1.0, 1.5], [0.0, -1.0, 0.0]).is_some());
+    }
+
+    #[test]
+    fn bad_disks_are_refused() {
+        assert_eq!(Disk::new(0.0, 0.0), Err(ShapeError::BadRadius(0.0)));
+        assert_eq!(Disk::new(1.0, 1.0), Err(ShapeError::BadInnerRadius { inner: 1.0, outer: 1.0 }));
+        assert_eq!(Disk::new(1.0, -0.5), Err(ShapeError::BadInnerRadius { inner: -0.5, outer: 1.0 }));
+        assert!(Disk::new(1.0, f64::NAN).is_err());
+    }
+}

@@ -1,7 +1,7 @@
 //! The curved side that cylinders, cones and frusta share.
 
 use crate::SurfaceInteraction;
-use rt_math::float::{difference_of_products, gamma};
+use rt_math::float::{difference_of_products, gamma, two_product};
 use rt_math::transcendental::atan2;
 use rt_math::{DVec3, Interval, Ray};
 use std::f64::consts::TAU;
@@ -41,17 +41,16 @@ impl Lateral {
     /// Where the ray is inside; `None` if nowhere, and for rays with a NaN.
     ///
     /// With the radius ρ + σ·t along the ray, the crossings solve a·t² − 2b·t + c = 0. Each cancellation of the
-    /// textbook form is avoided: a and c are products of a sum and a difference of lengths, the smaller root is c/q,
-    /// and by Lagrange's identity the discriminant is |ρ·d − σ·o|² − (o × d)² in the plane across the axis, with each
-    /// difference of products taken to the last digit.
+    /// textbook form is avoided: a, b and c are sums of products without loss of digits, the smaller root is c/q, and
+    /// by Lagrange's identity the discriminant is |ρ·d − σ·o|² − (o × d)² in the plane across the axis, as a product of
+    /// a sum and a difference of lengths.
     #[inline]
     pub(crate) fn inside(&self, ray: &Ray) -> Option<Inside> {
         let (o, d) = (ray.origin, ray.direction);
         let (rho, sigma) = (self.radius_at(o.y), self.slope * d.y);
-        let (start, speed) = (length(o.x, o.z), length(d.x, d.z));
-        let a = (speed - sigma.abs()) * (speed + sigma.abs());
-        let b = rho * sigma - (o.x * d.x + o.z * d.z);
-        let c = (start - rho.abs()) * (start + rho.abs());
+        let a = dot([d.x, d.z, sigma], [d.x, d.z, -sigma]);
+        let b = -dot([o.x, o.z, rho], [d.x, d.z, -sigma]);
+        let c = dot([o.x, o.z, rho], [o.x, o.z, -rho]);
         let reach = length(difference_of_products(rho, d.x, sigma, o.x), difference_of_products(rho, d.z, sigma, o.z));
         let moment = difference_of_products(o.x, d.z, o.z, d.x).abs();
         let discriminant = (reach - moment) * (reach + moment);
@@ -109,4 +108,31 @@ pub(crate) fn longitude(point: DVec3) -> f64 {
 /// The length of a vector in the plane across the axis.
 fn length(x: f64, z: f64) -> f64 {
     (x * x + z * z).sqrt()
+}
+
+/// The dot product of two vectors, to the last digits even if its terms cancel: where they do, with the errors of all
+/// products and sums added up apart (Ogita, Rump, Oishi, "Accurate Sum and Dot Product", 2005, algorithm 5.3).
+#[inline]
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let terms = [a[0] * b[0], a[1] * b[1], a[2] * b[2]];
+    let plain = terms[0] + terms[1] + terms[2];
+    if 2.0 * plain.abs() >= terms[0].abs() + terms[1].abs() + terms[2].abs() {
+        return plain;
+    }
+    let (mut sum, mut error) = two_product(a[0], b[0]);
+    for i in 1..3 {
+        let (product, product_error) = two_product(a[i], b[i]);
+        let (next, sum_error) = two_sum(sum, product);
+        sum = next;
+        error += product_error + sum_error;
+    }
+    sum + error
+}
+
+/// `a + b` as the unevaluated sum of the rounded sum and its exact error (Knuth).
+#[inline]
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let from_b = sum - a;
+    (sum, (a - (sum - from_b)) + (b - from_b))
 }

@@ -73,3 +73,35 @@ impl Rectangle {
         SurfaceInteraction::flat(point, point_error, DVec3::Y, uv)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hit(origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, [f64; 2])> {
+        let rectangle = Rectangle::new(4.0, 2.0).expect("a rectangle");
+        let ray = Ray::new(origin.into(), direction.into());
+        let hit = rectangle.intersect(&ray, Interval::FORWARD)?;
+        let surface = rectangle.surface(&ray, &hit, SurfaceNeeds::ALL);
+        assert_eq!((surface.point, surface.geometric_normal), (ray.at(hit.t), DVec3::Y));
+        Some((hit.t, surface.uv))
+    }
+
+    #[test]
+    fn known_values() {
+        assert_eq!(hit([-1.0, 3.0, -0.5], [0.0, -1.0, 0.0]), Some((3.0, [0.25, 0.75])));
+        assert_eq!(hit([0.0, -3.0, 0.0], [0.0, 1.0, 0.0]), Some((3.0, [0.5, 0.5])), "from below");
+        assert_eq!(hit([2.0, 3.0, 1.0], [0.0, -1.0, 0.0]), Some((3.0, [1.0, 0.0])), "a corner");
+        assert_eq!(hit([2.0f64.next_up(), 3.0, 0.0], [0.0, -1.0, 0.0]), None);
+        assert_eq!(hit([0.0, 3.0, -(1.0f64.next_up())], [0.0, -1.0, 0.0]), None);
+        assert_eq!(hit([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0]), None, "within the rectangle");
+        assert_eq!(hit([0.0, 1.0, 0.0], [0.0, 1.0, 0.0]), None, "behind");
+    }
+
+    #[test]
+    fn bad_rectangles_are_refused() {
+        assert_eq!(Rectangle::new(0.0, 1.0), Err(ShapeError::BadLength("width", 0.0)));
+        assert_eq!(Rectangle::new(1.0, -1.0), Err(ShapeError::BadLength("depth", -1.0)));
+        assert!(Rectangle::new(f64::INFINITY, 1.0).is_err());
+    }
+}

@@ -188,3 +188,202 @@ impl<'a> Chord<'a> {
         bracketed_root(|s| self.slope(s), [a, b], UNIT_ROUNDOFF * self.torus.tube_radius)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use rt_math::random;
+
+    fn torus(radius: f64, tube_radius: f64) -> Torus {
+        Torus::new(radius, tube_radius).expect("a torus")
+    }
+
+    /// All crossings, one by one through `span.min`.
+    fn crossings(torus: Torus, ray: &Ray) -> Vec<f64> {
+        let mut found: Vec<f64> = Vec::new();
+        let mut min = f64::NEG_INFINITY;
+        while let Some(hit) = torus.intersect(ray, Interval::new(min, f64::INFINITY)) {
+            found.push(hit.t);
+            min = hit.t.next_up();
+        }
+        found
+    }
+
+    /// Roots of the quartic in 80-digit arithmetic, of the very numbers given.
+    #[test]
+    fn known_roots_keep_their_digits() {
+        type Case<'a> = (f64, [f64; 3], [f64; 3], &'a [f64]);
+        let cases: [Case; 9] = [
+            (
+                0.25,
+                [-3.0, 0.1, 0.2],
+                [1.0, 0.0, 0.0],
+                &[1.7872520585481978, 2.255525399691557, 3.744474600308443, 4.212747941451802],
+            ),
+            (
+                0.25,
+                [-3.0, 0.5, 0.3],
+                [1.0, -0.15, 0.02],
+                &[1.919390740603132, 2.2701281479264253, 3.656048843881147, 4.155605402793128],
+            ),
+            // In the plane of the ring.
+            (0.25, [-3.0, 0.0, 0.0], [1.0, 0.0, 0.0], &[1.75, 2.25, 3.75, 4.25]),
+            (
+                0.25,
+                [-6e5 + 0.4, 3.0, -8e5 - 0.3],
+                [0.6, -3e-6, 0.8],
+                &[999998.8543560763, 999999.4409830056, 1000000.5590169944, 1000001.1456439237],
+            ),
+            // Wires.
+            (
+                1e-4,
+                [-3.0, 2e-5, 0.5],
+                [1.0, 1e-5, 0.0],
+                &[2.1338694559237983, 2.1340797385961484, 3.865931885434002, 3.866118918046051],
+            ),
+            (1e-4, [0.3, 5.0, 0.954], [0.0, -1.0, 0.0], &[4.999918537155108, 5.000081462844892]),
+            (
+                1e-4,
+                [-1e6, 5e-5, 0.7],
+                [1.0, 0.0, 0.0],
+                &[999999.2857358944, 999999.28597843, 1000000.71402157, 1000000.7142641056],
+            ),
+            // Hardly a hole.
+            (0.999, [0.1, 4.0, 0.2], [0.01, -1.0, 0.02], &[3.2900442208559126, 4.740661785690810]),
+            (0.25, [0.0, 3.0, 0.0], [0.0, -1.0, 0.0], &[]),
+        ];
+        for (tube_radius, origin, direction, exact) in cases {
+            let ray = Ray::new(origin.into(), direction.into());
+            let found = crossings(torus(1.0, tube_radius), &ray);
+            assert_eq!(found.len(), exact.len(), "{origin:?}: {found:?}");
+            for (t, exact) in found.into_iter().zip(exact) {
+                assert!((t - exact).abs() <= 1e-15 * exact, "{origin:?}: {t} instead of {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn from_inside_the_tube_the_way_out_comes_first() {
+        let ray = Ray::new(DVec3::new(2.0, 0.0, 0.1), DVec3::new(-1.0, 0.05, 0.0));
+        let found = crossings(torus(2.0, 0.5), &ray);
+        let exact = [-0.49737985378934553, 0.5027034597807883, 3.528900773321398, 4.445825495998880];
+        assert_eq!(found.len(), 4);
+        assert!(found.iter().zip(exact).all(|(t, exact)| (t - exact).abs() < 1e-14), "{found:?}");
+        let first = torus(2.0, 0.5).intersect(&ray, Interval::FORWARD).map(|hit| hit.t);
+        assert_eq!(first, Some(found[1]));
+        let short = Interval::new(0.0, found[1].next_down());
+        assert_eq!(torus(2.0, 0.5).intersect(&ray, short), None);
+    }
+
+    /// Tangents: a ray one number nearer crosses twice, one number farther misses.
+    #[test]
+    fn tangents_have_two_crossings_or_none() {
+        let lid = |y: f64| crossings(torus(1.0, 0.25), &Ray::new(DVec3::new(-3.0, y, 0.0), DVec3::X));
+        assert_eq!(lid(0.25f64.next_up()).len(), 0);
+        let found = lid(0.25f64.next_down());
+        assert!(found.len() == 4 || found.len() == 2, "{found:?}");
+        assert!(found.iter().all(|t| (t - 2.0).abs() < 1e-7 || (t - 4.0).abs() < 1e-7), "{found:?}");
+        // Along the outside of the ring, in its plane.
+        let outside = |x: f64| crossings(torus(1.0, 0.25), &Ray::new(DVec3::new(x, 0.0, -3.0), DVec3::Z));
+        assert_eq!(outside(1.25f64.next_up()).len(), 0);
+        assert_eq!(outside(1.25 - 1e-12).len(), 2);
+        // Along the inside of the ring: through the tube, or cut by its inner wall.
+        assert_eq!(outside(0.75 + 1e-12).len(), 2);
+        assert_eq!(outside(0.75 - 1e-12).len(), 4);
+    }
+
+    #[test]
+    fn rays_across_the_axis_are_not_lost_in_its_kink() {
+        for k in 0..2000u64 {
+            let draw = |i: u64| random::unit(random::hash(&[k, i])) - 0.5;
+            let across = DVec3::new(draw(0), 0.0, draw(2)).normalize_or(DVec3::X);
+            let direction = across + DVec3::Y * (0.4 * draw(1));
+            let ray = Ray::new(DVec3::Y * (0.4 * draw(3)) - direction * 20.0, direction);
+            assert_eq!(crossings(torus(1.0, 0.6), &ray).len(), 4, "ray {k}");
+        }
+    }
+
+    #[test]
+    fn texture_coordinates_run_around_the_ring_and_the_tube() {
+        let uv = |origin: [f64; 3], direction: [f64; 3]| {
+            let ray = Ray::new(origin.into(), direction.into());
+            let hit = torus(1.0, 0.25).intersect(&ray, Interval::FORWARD).expect("a hit");
+            torus(1.0, 0.25).surface(&ray, &hit, SurfaceNeeds::ALL).uv
+        };
+        assert_eq!(uv([0.0, 0.0, 3.0], [0.0, 0.0, -1.0]), [0.5, 0.5]);
+        assert_eq!(uv([3.0, 0.0, 0.0], [-1.0, 0.0, 0.0]), [0.75, 0.5]);
+        let top = uv([1.0, 3.0, 0.0], [0.0, -1.0, 0.0]);
+        assert!((top[0] - 0.75).abs() < 1e-15 && (top[1] - 0.75).abs() < 1e-15, "{top:?}");
+    }
+
+    #[test]
+    fn bad_tori_are_refused() {
+        assert_eq!(Torus::new(0.0, 0.0), Err(ShapeError::BadRadius(0.0)));
+        assert_eq!(Torus::new(1.0, -0.5), Err(ShapeError::BadRadius(-0.5)));
+        assert_eq!(Torus::new(1.0, 1.0), Err(ShapeError::ClosedHole { radius: 1.0, tube_radius: 1.0 }));
+        assert!(Torus::new(1.0, f64::NAN).is_err());
+    }
+
+    fn vector(range: f64) -> impl Strategy<Value = DVec3> {
+        let side = -range..range;
+        (side.clone(), side.clone(), side).prop_map(DVec3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn hits_lie_on_the_torus(
+            radius in 0.1..10.0f64, log_thickness in -5.0..-1e-6f64, from in vector(1.0), log_far in 0.0..6.0f64, to in vector(1.0),
+        ) {
+            let ten_to = |x: f64| rt_math::transcendental::pow(10.0, x);
+            let torus = torus(radius, radius * ten_to(log_thickness));
+            // Towards a point inside the tube.
+            let on_circle = DVec3::new(to.x, 0.0, to.z).normalize_or(DVec3::X) * radius;
+            let inside = on_circle + to * (0.5 * torus.tube_radius());
+            let ray = Ray::new(from * (10.0 * ten_to(log_far)), inside - from * (10.0 * ten_to(log_far)));
+            let found = crossings(torus, &ray);
+            prop_assert!(log_far + log_thickness.abs() > 5.0 || found.len() >= 2, "{found:?}");
+            prop_assert!(found.len() % 2 == 0 && found.len() <= 4, "{found:?}");
+            for t in found {
+                let hit = torus.intersect(&ray, Interval::new(t, t)).expect("this very crossing");
+                let surface = torus.surface(&ray, &hit, SurfaceNeeds::ALL);
+                let (p, normal) = (surface.point, surface.geometric_normal);
+                let outwards = DVec3::new(p.x, 0.0, p.z).length() - radius;
+                let gap = DVec3::new(outwards, p.y, 0.0).length() - torus.tube_radius();
+                prop_assert!(gap.abs() <= normal.abs().dot(surface.point_error), "{gap}");
+                prop_assert!((p - ray.at(t)).length() < 1e-15 * ray.origin.length() + 1e-13 * radius);
+                prop_assert!((normal.length() - 1.0).abs() < 1e-15);
+                prop_assert!(torus.bounds().padded().contains(p));
+                prop_assert!(surface.uv.iter().all(|x| (0.0..=1.0).contains(x)), "{:?}", surface.uv);
+            }
+        }
+
+        /// Between its crossings the ray alternates between outside and inside, by the distance to the circle.
+        #[test]
+        fn crossings_separate_inside_from_outside(
+            thickness in 0.05..0.95f64, from in vector(3.0), to in vector(1.2),
+        ) {
+            let torus = torus(1.0, thickness);
+            let ray = Ray::new(from, to - from);
+            let found = crossings(torus, &ray);
+            let depth = |t: f64| {
+                let p = ray.at(t);
+                thickness - DVec3::new(DVec3::new(p.x, 0.0, p.z).length() - 1.0, p.y, 0.0).length()
+            };
+            for step in 0..400 {
+                let t = -1.0 + 0.0125 * f64::from(step);
+                let before = found.iter().filter(|&&root| root < t).count();
+                prop_assert!(depth(t).abs() < 1e-9 || (depth(t) > 0.0) == (before % 2 == 1), "t {t}: {found:?}");
+            }
+        }
+
+        #[test]
+        fn t_scales_exactly_with_the_direction(from in vector(3.0), to in vector(1.0), k in -60i32..60) {
+            let scale = rt_math::transcendental::exp2(f64::from(k));
+            let ray = Ray::new(from, to - from);
+            let scaled = Ray::new(from, (to - from) * scale);
+            let plain = crossings(torus(1.0, 0.5), &ray);
+            prop_assert_eq!(plain, crossings(torus(1.0, 0.5), &scaled).into_iter().map(|t| t * scale).collect::<Vec<_>>());
+        }
+    }
+}

@@ -82,6 +82,87 @@ pub enum Shape {
         #[serde(default = "up")]
         normal: [f64; 3],
     },
+    /// A cylinder that stands around the y axis.
+    Cylinder {
+        /// Its radius.
+        #[serde(default = "one")]
+        radius: f64,
+        /// Height of its bottom.
+        #[serde(default)]
+        bottom: f64,
+        /// Height of its top.
+        #[serde(default = "one")]
+        top: f64,
+        /// Whether it is a closed solid; an open tube otherwise.
+        #[serde(default = "yes")]
+        caps: bool,
+    },
+    /// A cylinder around the y axis without ends.
+    InfiniteCylinder {
+        /// Its radius.
+        #[serde(default = "one")]
+        radius: f64,
+    },
+    /// Two cones without ends around the y axis that meet in the origin.
+    DoubleCone {
+        /// Their radius at a distance of 1 from the origin.
+        #[serde(default = "one")]
+        slope: f64,
+    },
+    /// A cone around the y axis that stands on the plane y = 0.
+    Cone {
+        /// Radius of its base.
+        #[serde(default = "one")]
+        radius: f64,
+        /// Height of its apex.
+        #[serde(default = "one")]
+        height: f64,
+        /// Whether it has a base and so is a closed solid; an open surface otherwise.
+        #[serde(default = "yes")]
+        caps: bool,
+    },
+    /// A cone without its tip, around the y axis, that stands on the plane y = 0.
+    Frustum {
+        /// Radius of its lower end.
+        #[serde(default = "one")]
+        bottom_radius: f64,
+        /// Radius of its upper end.
+        #[serde(default = "half")]
+        top_radius: f64,
+        /// Its height.
+        #[serde(default = "one")]
+        height: f64,
+        /// Whether its ends are closed; an open surface otherwise.
+        #[serde(default = "yes")]
+        caps: bool,
+    },
+    /// A disk or ring around the origin that faces +y.
+    Disk {
+        /// Its radius.
+        #[serde(default = "one")]
+        radius: f64,
+        /// Radius of the hole; 0 for a full disk.
+        #[serde(default)]
+        inner_radius: f64,
+    },
+    /// A rectangle around the origin that faces +y.
+    Rectangle {
+        /// Its extent along x.
+        #[serde(default = "one")]
+        width: f64,
+        /// Its extent along z.
+        #[serde(default = "one")]
+        depth: f64,
+    },
+    /// A ring around the y axis, round in section.
+    Torus {
+        /// Radius of the circle in the middle of its tube.
+        #[serde(default = "one")]
+        radius: f64,
+        /// Radius of its tube, less than `radius`.
+        #[serde(default = "quarter")]
+        tube_radius: f64,
+    },
     /// A triangle by its corners, counter-clockwise seen from the front.
     Triangle([f64; 3], [f64; 3], [f64; 3]),
     /// A flat four-cornered face by its corners, counter-clockwise seen from the front. Its texture coordinates are
@@ -104,6 +185,18 @@ pub enum Shape {
 
 fn one() -> f64 {
     1.0
+}
+
+fn half() -> f64 {
+    0.5
+}
+
+fn quarter() -> f64 {
+    0.25
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn up() -> [f64; 3] {

@@ -1,6 +1,9 @@
 //! Shapes of the file to shapes and meshes of the scene.
 
-use rt_geometry::{AxisBox, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
+use rt_geometry::{
+    AxisBox, Cone, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, MeshData, Plane, Rectangle, Shape, Sphere,
+    Torus, Triangle, TriangleMesh,
+};
 use rt_math::DVec3;
 
 use crate::format;
@@ -22,6 +25,18 @@ pub(super) fn solid(shape: &format::Shape, place: &str, warnings: &mut Vec<Warni
         format::Shape::Sphere { center, radius } => Shape::Sphere(Sphere::new(point(*center), *radius)?),
         format::Shape::Box { min, max } => Shape::AxisBox(AxisBox::new(point(*min), point(*max))?),
         format::Shape::Plane { point: on, normal } => Shape::Plane(Plane::new(point(*on), point(*normal))?),
+        format::Shape::Cylinder { radius, bottom, top, caps } => {
+            Shape::Cylinder(Cylinder::new(*radius, *bottom, *top, *caps)?)
+        }
+        format::Shape::InfiniteCylinder { radius } => Shape::InfiniteCylinder(InfiniteCylinder::new(*radius)?),
+        format::Shape::DoubleCone { slope } => Shape::DoubleCone(DoubleCone::new(*slope)?),
+        format::Shape::Cone { radius, height, caps } => Shape::Cone(Cone::new(*radius, *height, *caps)?),
+        format::Shape::Frustum { bottom_radius, top_radius, height, caps } => {
+            Shape::Frustum(Frustum::new(*bottom_radius, *top_radius, *height, *caps)?)
+        }
+        format::Shape::Disk { radius, inner_radius } => Shape::Disk(Disk::new(*radius, *inner_radius)?),
+        format::Shape::Rectangle { width, depth } => Shape::Rectangle(Rectangle::new(*width, *depth)?),
+        format::Shape::Torus { radius, tube_radius } => Shape::Torus(Torus::new(*radius, *tube_radius)?),
         format::Shape::Triangle(a, b, c) => Shape::Triangle(Triangle::new([*a, *b, *c].map(DVec3::from))?),
         format::Shape::Quad(a, b, c, d) => {
             return mesh(MeshData {
