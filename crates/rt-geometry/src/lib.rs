@@ -16,9 +16,10 @@
 //! are offset ([`SurfaceInteraction::spawn_ray`]): they meet their own surface never again by rounding, whatever the
 //! scale of the scene, and there is no epsilon to tune.
 //!
-//! **Owns** the shapes ([`Sphere`], [`AxisBox`], [`Plane`], [`Triangle`], [`Polygon`], the enum [`Shape`]), shapes under affine
-//! maps ([`Placed`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets ([`Spheres`]), their tests in `f64`, and the
-//! geometry of a hit.
+//! **Owns** the shapes ([`Sphere`], [`AxisBox`], [`Plane`], [`Triangle`], [`Polygon`], [`Cylinder`],
+//! [`InfiniteCylinder`], [`Cone`], [`DoubleCone`], [`Frustum`], [`Disk`], [`Rectangle`], [`Torus`], the enum [`Shape`]),
+//! shapes under affine maps ([`Placed`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets ([`Spheres`]), their tests in
+//! `f64`, and the geometry of a hit.
 //! **Does not own** structures that find the first of many hits (rt-accel), materials and light (rt-shading), or
 //! files (rt-scene-io).
 //!

@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 use rt_geometry::{
-    AxisBox, InsideRule, Placed, Plane, Polygon, Shape, Sphere, SurfaceInteraction, SurfaceNeeds, Triangle,
+    AxisBox, Cone, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, InsideRule, Placed, Plane, Polygon,
+    Rectangle, Shape, Sphere, SurfaceInteraction, SurfaceNeeds, Torus, Triangle,
 };
 use rt_math::transcendental::{pow, sincos};
 use rt_math::{DVec3, Frame, Interval, Ray, Transform, random};
@@ -79,6 +80,24 @@ fn shapes(scale: f64, offset: f64) -> [Shape; 5] {
     [sphere, solid, Shape::Plane(plane), Shape::Triangle(triangle), Shape::Polygon(polygon)]
 }
 
+/// Shapes around the y axis that no ray which leaves on the outside meets again.
+fn convex_around_the_axis(scale: f64) -> Vec<Shape> {
+    let mut shapes = vec![
+        Shape::InfiniteCylinder(InfiniteCylinder::new(scale).expect("a cylinder")),
+        Shape::Disk(Disk::new(scale, 0.3 * scale).expect("a ring")),
+        Shape::Rectangle(Rectangle::new(2.0 * scale, scale).expect("a rectangle")),
+        Shape::Cone(Cone::new(scale, 0.01 * scale, false).expect("a flat cone")),
+    ];
+    for caps in [true, false] {
+        shapes.extend([
+            Shape::Cylinder(Cylinder::new(scale, -scale, scale, caps).expect("a cylinder")),
+            Shape::Cone(Cone::new(scale, 1.5 * scale, caps).expect("a cone")),
+            Shape::Frustum(Frustum::new(0.7 * scale, scale, scale, caps).expect("a frustum")),
+        ]);
+    }
+    shapes
+}
+
 fn vector() -> impl Strategy<Value = DVec3> {
     (-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64).prop_map(DVec3::from)
 }
@@ -135,7 +154,7 @@ proptest! {
     fn no_placed_shape_is_hit_by_the_rays_that_leave_it(
         map in transform(), from in vector(), to in vector(), cosine in 0.0..1.0f64, turn in 0.0..1.0f64,
     ) {
-        for shape in shapes(1.0, 0.25) {
+        for shape in shapes(1.0, 0.25).into_iter().chain(convex_around_the_axis(1.0)) {
             let placed = Placed::new(shape, map);
             let ray = map.ray(&Ray::new(from * 10.0, to - from * 10.0));
             let Some(hit) = placed.intersect(&ray, Interval::FORWARD) else { continue };
@@ -181,5 +200,98 @@ fn a_composed_transform_does_not_bring_spawned_rays_back_to_their_plane() {
         let surface = placed.surface(&arriving, &hit, SurfaceNeeds::ALL);
         let leaving = surface.spawn_ray(upwards(surface.geometric_normal, draw(ray, 10), draw(ray, 11)), 0.0);
         assert_eq!(placed.intersect(&leaving, Interval::FORWARD), None, "ray {ray}");
+    }
+}
+
+/// A shape, whether it is convex, and for a closed one what encloses it at a distance of a thousandth of its size.
+struct Curved {
+    shape: Shape,
+    is_convex: bool,
+    enclosure: Option<Placed>,
+}
+
+fn curved(scale: f64) -> Vec<Curved> {
+    let larger = Transform::scale(DVec3::splat(1.002)).expect("regular");
+    let larger = Transform::translate(DVec3::NEG_Y * (0.001 * scale)).then_first(&larger);
+    let convex = convex_around_the_axis(scale).into_iter().map(|shape| {
+        let is_closed = match &shape {
+            Shape::Cylinder(cylinder) => cylinder.has_caps(),
+            Shape::Cone(cone) => cone.has_caps(),
+            Shape::Frustum(frustum) => frustum.has_caps(),
+            _ => false,
+        };
+        let enclosure = is_closed.then(|| Placed::new(shape.clone(), larger));
+        Curved { shape, is_convex: true, enclosure }
+    });
+    let torus = |tube: f64| Shape::Torus(Torus::new(scale, tube * scale).expect("a torus"));
+    let tori = [0.4, 0.01].map(|tube| {
+        let enclosure = Placed::new(torus(tube + 0.001), Transform::IDENTITY);
+        Curved { shape: torus(tube), is_convex: false, enclosure: Some(enclosure) }
+    });
+    let cone = Shape::DoubleCone(DoubleCone::new(0.7).expect("a cone"));
+    convex.chain(tori).chain([Curved { shape: cone, is_convex: false, enclosure: None }]).collect()
+}
+
+/// Of rays spawned outwards from a shape: how many meet it again where they start, and how many miss what encloses it;
+/// and of rays spawned inwards, how many miss the other wall. The shape has one size as it is, another after the map.
+fn acne_and_leaks_of(curved: &Curved, map: Transform, [size, extent]: [f64; 2]) -> [usize; 3] {
+    let placed = Placed::new(curved.shape.clone(), map);
+    let enclosure =
+        curved.enclosure.as_ref().map(|e| Placed::new(e.shape().clone(), map.then_first(e.world_from_local())));
+    let (mut acne, mut outside, mut inside, mut spawned) = (0, 0, 0, 0);
+    for ray in 0..4_000 {
+        let point = |k: u64| DVec3::new(draw(ray, k), draw(ray, k + 1), draw(ray, k + 2)) * 2.0 - 1.0;
+        let from = point(0).normalize_or(DVec3::X) * 3.0;
+        let arriving = map.ray(&Ray::new(from * size, (point(3) - from) * size));
+        let Some(hit) = placed.intersect(&arriving, Interval::FORWARD) else { continue };
+        spawned += 1;
+        let surface = placed.surface(&arriving, &hit, SurfaceNeeds::ALL);
+        let towards = upwards(surface.geometric_normal, draw(ray, 6), draw(ray, 7));
+        let leaving = surface.spawn_ray(towards, 0.0);
+        // A shape with a hollow is met again, but not where the ray starts.
+        let again = placed.intersect(&leaving, Interval::FORWARD);
+        acne += usize::from(again.is_some_and(|hit| curved.is_convex || hit.t < 1e-7 * extent));
+        if let Some(enclosure) = &enclosure {
+            outside += usize::from(enclosure.intersect(&leaving, Interval::FORWARD).is_none());
+            let entering = surface.spawn_ray(-towards, 0.0);
+            inside += usize::from(placed.intersect(&entering, Interval::FORWARD).is_none());
+        }
+    }
+    assert!(spawned > 50, "{spawned}");
+    [acne, outside, inside]
+}
+
+#[test]
+fn curved_shapes_of_any_size_anywhere_have_neither_acne_nor_leaks() {
+    let at_origin = [1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6].map(|scale| (scale, 0.0));
+    let far_away = [1e2, 1e4, 1e5, 1e7].map(|offset| (1.0, offset));
+    let turn = Transform::rotate(DVec3::new(1.0, 2.0, -0.5), 0.8).expect("an axis");
+    for (scale, offset) in at_origin.into_iter().chain(far_away) {
+        let moved = Transform::translate(DVec3::splat(offset));
+        let scaled = moved.then_first(&turn).then_first(&Transform::scale(DVec3::splat(scale)).expect("regular"));
+        for (size, map) in [(scale, moved), (scale, moved.then_first(&turn)), (1.0, scaled)] {
+            for curved in curved(size) {
+                let found = acne_and_leaks_of(&curved, map, [size, scale]);
+                assert_eq!(found, [0; 3], "{:?}, scale {scale}, offset {offset}", curved.shape);
+            }
+        }
+    }
+}
+
+/// The errors of a transform are not there to cover up for those of the shape.
+#[test]
+fn curved_shapes_in_their_own_space_have_no_acne() {
+    for scale in [1e-6, 1.0, 1e6] {
+        for shape in convex_around_the_axis(scale) {
+            for ray in 0..20_000 {
+                let point = |k: u64| DVec3::new(draw(ray, k), draw(ray, k + 1), draw(ray, k + 2)) * 2.0 - 1.0;
+                let from = point(0).normalize_or(DVec3::X) * 3.0;
+                let arriving = Ray::new(from * scale, (point(3) - from) * scale);
+                let Some(hit) = shape.intersect(&arriving, Interval::FORWARD) else { continue };
+                let surface = shape.surface(&arriving, &hit, SurfaceNeeds::ALL);
+                let leaving = surface.spawn_ray(upwards(surface.geometric_normal, draw(ray, 6), draw(ray, 7)), 0.0);
+                assert_eq!(shape.intersect(&leaving, Interval::FORWARD), None, "{shape:?}, ray {ray}");
+            }
+        }
     }
 }
