@@ -48,9 +48,12 @@ mod tests {
     use rt_math::transcendental::{atan, exp};
     use std::cell::Cell;
 
+    /// Function, bracket, zero.
+    type Case = (fn(f64) -> f64, [f64; 2], f64);
+
     #[test]
     fn zeros_are_found_to_the_last_digits_in_few_steps() {
-        let cases: [(fn(f64) -> f64, [f64; 2], f64); 5] = [
+        let cases: [Case; 5] = [
             (|x| x * x - 2.0, [0.0, 2.0], std::f64::consts::SQRT_2),
             (|x| x * x * x - 2.0 * x - 5.0, [3.0, 2.0], 2.094_551_481_542_326_6),
             (|x| exp(x) - 2.0, [-4.0, 1.0], std::f64::consts::LN_2),

@@ -219,7 +219,7 @@ mod tests {
                 0.25,
                 [-3.0, 0.1, 0.2],
                 [1.0, 0.0, 0.0],
-                &[1.7872520585481978, 2.255525399691557, 3.744474600308443, 4.212747941451802],
+                &[1.787_252_058_548_198, 2.255525399691557, 3.744474600308443, 4.212747941451802],
             ),
             (
                 0.25,
@@ -250,7 +250,7 @@ mod tests {
                 &[999999.2857358944, 999999.28597843, 1000000.71402157, 1000000.7142641056],
             ),
             // Hardly a hole.
-            (0.999, [0.1, 4.0, 0.2], [0.01, -1.0, 0.02], &[3.2900442208559126, 4.740661785690810]),
+            (0.999, [0.1, 4.0, 0.2], [0.01, -1.0, 0.02], &[3.2900442208559126, 4.740_661_785_690_81]),
             (0.25, [0.0, 3.0, 0.0], [0.0, -1.0, 0.0], &[]),
         ];
         for (tube_radius, origin, direction, exact) in cases {
@@ -267,7 +267,7 @@ mod tests {
     fn from_inside_the_tube_the_way_out_comes_first() {
         let ray = Ray::new(DVec3::new(2.0, 0.0, 0.1), DVec3::new(-1.0, 0.05, 0.0));
         let found = crossings(torus(2.0, 0.5), &ray);
-        let exact = [-0.49737985378934553, 0.5027034597807883, 3.528900773321398, 4.445825495998880];
+        let exact = [-0.497_379_853_789_345_5, 0.5027034597807883, 3.528900773321398, 4.445_825_495_998_88];
         assert_eq!(found.len(), 4);
         assert!(found.iter().zip(exact).all(|(t, exact)| (t - exact).abs() < 1e-14), "{found:?}");
         let first = torus(2.0, 0.5).intersect(&ray, Interval::FORWARD).map(|hit| hit.t);
@@ -343,7 +343,7 @@ mod tests {
             let ray = Ray::new(from * (10.0 * ten_to(log_far)), inside - from * (10.0 * ten_to(log_far)));
             let found = crossings(torus, &ray);
             prop_assert!(log_far + log_thickness.abs() > 5.0 || found.len() >= 2, "{found:?}");
-            prop_assert!(found.len() % 2 == 0 && found.len() <= 4, "{found:?}");
+            prop_assert!(found.len().is_multiple_of(2) && found.len() <= 4, "{found:?}");
             for t in found {
                 let hit = torus.intersect(&ray, Interval::new(t, t)).expect("this very crossing");
                 let surface = torus.surface(&ray, &hit, SurfaceNeeds::ALL);
