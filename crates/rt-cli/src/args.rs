@@ -5,7 +5,7 @@ mod values;
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueHint};
+use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 
 pub(crate) use picture::{BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 
@@ -34,6 +34,8 @@ pub(crate) enum Command {
     Render(RenderArgs),
     /// Show what a render would use, what it would leave out and why, and its memory
     Explain(ExplainArgs),
+    /// Report on the numerical health of a scene: sizes, transforms, meshes, glass, precision
+    Check(CheckArgs),
     /// Turn a scene or model into a scene file to edit
     Convert(ConvertArgs),
     /// Turn an image of linear light into a picture: exposure, tone curve, gamma
@@ -85,6 +87,36 @@ pub(crate) struct ExplainArgs {
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
 }
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+pub(crate) struct CheckArgs {
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+
+    /// How to print the report
+    #[arg(long, value_enum, default_value_t = ReportFormat::Text, long_help = CHECK_FORMAT_HELP)]
+    pub(crate) format: ReportFormat,
+
+    /// Exit with code 3 if there is a warning or an error
+    #[arg(long)]
+    pub(crate) strict: bool,
+}
+
+/// How a report is printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ReportFormat {
+    Text,
+    Json,
+}
+
+const CHECK_FORMAT_HELP: &str = "\
+How to print the report
+
+In JSON, `measures` holds what was measured of the scene as a whole, lengths in world units. `findings` lists what was \
+found, the severest first: its `severity` (error, warning, info), its `kind` (a name that stays the same between \
+versions), the `object`, measured `values` by name (null for infinite), a `message`, and `advice`. Of many findings of \
+one kind, the first are listed, and `more` holds the count of the others. `errors`, `warnings` and `notes` count all.";
 
 /// Arguments of `convert`.
 #[derive(Debug, Args)]

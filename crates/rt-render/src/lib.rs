@@ -45,6 +45,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod check;
 mod error;
 mod explain;
 mod flatten;

@@ -1,6 +1,7 @@
 //! The program as its users meet it: the real binary, run in a folder of its own.
 
 mod bad_input;
+mod checking;
 mod converting;
 mod determinism;
 mod documentation;

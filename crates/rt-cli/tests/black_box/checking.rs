@@ -1,0 +1,129 @@
+//! Reports on the health of scenes.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use crate::program::{Run, Workplace};
+
+/// A little of everything that can be wrong with a scene that renders.
+const SICK: &str = r#"(
+    name: "sick",
+    camera: (look_from: (0, 2, 8), look_at: (0, 1, 0), fov: 40),
+    film: (size: (48, 32)),
+    lights: [
+        point(position: (3, 0.5, 0), intensity: gray(1)),
+        point(position: (0, 1e9, 0), intensity: gray(1)),
+    ],
+    materials: {
+        "red": phong(color: rgb(0.9, 0.1, 0.1)),
+        "shiny": phong(diffuse: gray(0.9), specular: gray(0.9), exponent: 4),
+        "glass": phong(diffuse: gray(0), transmission: gray(0.9), ior: 1.5, fresnel: true),
+    },
+    nodes: [
+        (shape: plane(), material: "shiny"),
+        (name: "sunk", shape: box(min: (-4, -1, 0), max: (-3, 0, 1)), material: "red"),
+        (name: "bulb", shape: sphere(center: (3, 0.5, 0), radius: 0.5), material: "red"),
+        (name: "pane", shape: triangle((-1, 0.1, 1), (1, 0.1, 1), (0, 2, 1)), material: "glass"),
+        (name: "speck", shape: sphere(center: (0, 3, 0), radius: 1e-9)),
+        (name: "needle", transform: [stretch(1e-7, 1, 1)], shape: sphere(center: (0, 1, 2), radius: 0.5)),
+        (name: "mirrored", transform: [stretch(-1, 1, 1)], shape: sphere(center: (2, 1, -2), radius: 0.5)),
+    ],
+)"#;
+
+fn report(place: &Workplace, arguments: &str) -> Value {
+    let run = place.succeed(&format!("check {arguments} --format json"));
+    serde_json::from_str(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}", run.stdout))
+}
+
+#[test]
+fn a_sick_scene_is_reported_as_text() {
+    let place = Workplace::new();
+    place.write("sick.ron", SICK);
+    let Run { stdout, stderr, .. } = place.succeed("check sick.ron");
+    assert_eq!(stderr, "");
+    insta::assert_snapshot!("sick_text", stdout);
+}
+
+#[test]
+fn a_sick_scene_is_reported_as_json() {
+    let place = Workplace::new();
+    place.write("sick.ron", SICK);
+    let mut report = report(&place, "sick.ron");
+    assert_eq!(report["version"].take(), json!(env!("CARGO_PKG_VERSION")));
+    insta::assert_snapshot!("sick_json", serde_json::to_string_pretty(&report).expect("JSON"));
+}
+
+#[test]
+fn only_strict_reports_fail() {
+    let place = Workplace::with_scene();
+    place.write("sick.ron", SICK);
+    place.succeed("check scene.ron --strict");
+    let strict = place.run("check sick.ron --strict");
+    assert_eq!(strict.code, Some(3), "{strict:?}");
+    assert!(strict.stdout.ends_with(" notes\n"), "the report is printed all the same: {strict:?}");
+    assert!(strict.stderr.starts_with("error: sick.ron: "), "{strict:?}");
+    assert_eq!(place.run("check sick.ron --format yaml").code, Some(2));
+    assert_eq!(place.run("check missing.ron").code, Some(3));
+    assert_eq!(place.files(), ["scene.ron", "sick.ron"]);
+}
+
+#[test]
+fn what_the_loader_mends_is_found() {
+    let place = Workplace::new();
+    place.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
+    let report = report(&place, "flat.obj");
+    let findings = report["findings"].as_array().expect("a list");
+    let mended = findings.iter().find(|finding| finding["kind"] == "mended").expect("it is listed");
+    assert!(mended["message"].as_str().is_some_and(|text| text.starts_with("1 triangles without area")), "{mended}");
+    assert_eq!(report["warnings"], json!(1), "{report}");
+}
+
+/// Files below a folder with one of these endings, sorted.
+fn files_below(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
+    let (mut open, mut found) = (vec![folder.to_path_buf()], Vec::new());
+    while let Some(folder) = open.pop() {
+        for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|e| endings.iter().any(|ending| e == *ending)) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn every_scene_has_a_report() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut files = files_below(&root.join("scenes"), &["ron"]);
+    assert!(files.len() >= 13, "{files:?}");
+    let models = root.join("../shared/data");
+    if models.is_dir() {
+        files.extend(files_below(&models, &["obj", "gltf", "glb"]));
+    } else {
+        println!("skipped: there are no models in {}", models.display());
+    }
+    let place = Workplace::new();
+    for file in files {
+        let started = Instant::now();
+        let mut command = place.command("check --format json");
+        let output = command.arg(&file).output().expect("it starts");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(started.elapsed() < Duration::from_secs(60), "{} takes too long", file.display());
+        assert!(!stderr.contains("panicked"), "{}: {stderr}", file.display());
+        // Models that are broken on purpose are refused when they are loaded.
+        if output.status.code() == Some(3) {
+            assert!(file.starts_with(&models), "{}: {stderr}", file.display());
+            continue;
+        }
+        assert_eq!(output.status.code(), Some(0), "{}: {stderr}", file.display());
+        let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(report["errors"], json!(0), "{}: {report}", file.display());
+    }
+}

@@ -1,0 +1,89 @@
+//! Small scenes for the tests of checks.
+
+use std::sync::Arc;
+
+use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
+use rt_geometry::{MeshData, Plane, Shape, Sphere, TriangleMesh};
+use rt_math::{DVec2, DVec3, Rgb, Transform, Vec3};
+use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene};
+use rt_shading::{
+    Appearance, Coefficient, Falloff, Light, LightKind, Material, Phong, Texture, TextureId, Transmission,
+};
+
+use super::{Finding, Kind, Severity, check};
+
+pub(super) const GREY: MaterialId = MaterialId(0);
+pub(super) const GLASS: MaterialId = MaterialId(1);
+pub(super) const CHECKER: MaterialId = MaterialId(2);
+
+/// Three materials, a small square image, and nothing to see.
+pub(super) fn empty() -> Scene {
+    let material = |name: &str, phong| Material { name: name.into(), phong };
+    let white = Coefficient::Constant(Rgb::WHITE);
+    let inside = Transmission { coefficient: white, ior: 1.5, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
+    let glass = Phong { diffuse: Coefficient::ZERO, mirror: white, transmission: Some(inside), ..Phong::default() };
+    let checker = Phong { diffuse: Coefficient::Textured(TextureId(0), Rgb::WHITE), ..Phong::default() };
+    Scene {
+        film: FilmSettings { width: 48, height: 48, ..FilmSettings::default() },
+        appearance: Appearance {
+            materials: vec![material("grey", Phong::default()), material("glass", glass), material("checker", checker)],
+            textures: vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::BLACK, size: 1.0 }],
+            ..Appearance::default()
+        },
+        ..Scene::empty("test")
+    }
+}
+
+pub(super) fn ball(centre: DVec3, radius: f64) -> Node {
+    Node::new(Content::Shape(Shape::Sphere(Sphere::new(centre, radius).unwrap())), GREY)
+}
+
+/// A plane that faces upwards.
+pub(super) fn floor(height: f64) -> Node {
+    Node::new(Content::Shape(Shape::Plane(Plane::new(DVec3::Y * height, DVec3::Y).unwrap())), GREY)
+}
+
+pub(super) fn camera(from: DVec3, at: DVec3) -> NamedCamera {
+    let settings = CameraSettings {
+        world_from_camera: Transform::look_at(from, at, DVec3::Y).unwrap(),
+        projection: Projection::Perspective { fov: 40f64.to_radians(), axis: FovAxis::Vertical },
+        lens_shift: DVec2::ZERO,
+    };
+    NamedCamera { name: "main".into(), settings, medium: None }
+}
+
+pub(super) fn lamp(position: DVec3, lamp_radius: f64) -> Light {
+    let kind = LightKind::Point { position, falloff: Falloff::None, lamp_radius };
+    Light { name: "lamp".into(), kind, intensity: Rgb::WHITE, casts_shadows: true }
+}
+
+/// The unit cube from the origin to (1, 1, 1), its front outside.
+pub(super) fn cube_data() -> MeshData {
+    let positions = (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32)).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    MeshData { positions, triangles, ..MeshData::default() }
+}
+
+/// Adds a mesh to the scene and returns a node that shows it; mesh and node are named "cube".
+pub(super) fn add_mesh(scene: &mut Scene, data: MeshData) -> Node {
+    let id = MeshId(scene.meshes.len() as u32);
+    scene.meshes.push(NamedMesh { name: "cube".into(), mesh: Arc::new(TriangleMesh::build(data).unwrap().0) });
+    Node { name: "cube".into(), ..Node::new(Content::Mesh(id), GREY) }
+}
+
+/// The findings of a kind.
+pub(super) fn of_kind(scene: &Scene, kind: Kind) -> Vec<Finding> {
+    check(scene).findings.into_iter().filter(|finding| finding.kind == kind).collect()
+}
+
+/// The one finding of a kind in a scene that has nothing else to warn of.
+#[track_caller]
+pub(super) fn only(scene: &Scene, kind: Kind) -> Finding {
+    let report = check(scene);
+    let others: Vec<_> = report.findings.iter().filter(|f| f.kind != kind && f.severity > Severity::Info).collect();
+    assert!(others.is_empty(), "{others:#?}");
+    let mut found: Vec<_> = report.findings.into_iter().filter(|finding| finding.kind == kind).collect();
+    assert_eq!(found.len(), 1, "{found:#?}");
+    found.remove(0)
+}

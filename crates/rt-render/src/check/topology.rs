@@ -1,0 +1,211 @@
+//! How the triangles of a mesh hang together: borders, fronts, and what is inside.
+
+use rt_geometry::TriangleMesh;
+use rt_math::DVec3;
+use rt_scene_io::NamedMesh;
+
+use super::report::{Finding, Findings, Kind, Severity, value};
+use super::welded::{Welded, corners};
+
+/// The edges of a mesh by how its triangles use them, and its volume.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Topology {
+    /// Edges of one triangle.
+    pub(super) open: usize,
+    /// Edges of two triangles that run along it in the same direction: their fronts disagree.
+    pub(super) inconsistent: usize,
+    /// Edges of more than two triangles.
+    pub(super) crowded: usize,
+    /// Edges that are run along more often in one direction than in the other.
+    unbalanced: usize,
+    /// Sum of signed tetrahedra (divergence theorem): positive for a closed mesh whose front is outside.
+    pub(super) volume: f64,
+}
+
+impl Topology {
+    pub(super) fn of(mesh: &TriangleMesh, welded: &Welded) -> Self {
+        let mut topology = Self { volume: volume(mesh), ..Self::default() };
+        let mut edges = directed_edges(welded);
+        edges.sort_unstable();
+        for edge in edges.chunk_by(|a, b| a.0 == b.0) {
+            let backward = edge.iter().filter(|(_, backward)| *backward).count();
+            let forward = edge.len() - backward;
+            topology.unbalanced += usize::from(forward != backward);
+            match edge.len() {
+                1 => topology.open += 1,
+                2 => topology.inconsistent += usize::from(forward != backward),
+                _ => topology.crowded += 1,
+            }
+        }
+        topology
+    }
+
+    /// True if the surface separates an inside from an outside, with its front on one and the same side: every edge is
+    /// run along as often in one direction as in the other.
+    pub(super) const fn is_closed(&self) -> bool {
+        self.unbalanced == 0
+    }
+}
+
+/// Edges with their lesser vertex first, and whether a triangle runs from the greater one. A triangle that stands twice
+/// counts once.
+fn directed_edges(welded: &Welded) -> Vec<((u32, u32), bool)> {
+    let mut triangles: Vec<[u32; 3]> = welded
+        .triangles
+        .iter()
+        .map(|&[a, b, c]| {
+            if a < b && a < c {
+                [a, b, c]
+            } else if b < c {
+                [b, c, a]
+            } else {
+                [c, a, b]
+            }
+        })
+        .collect();
+    triangles.sort_unstable();
+    triangles.dedup();
+    let edge = |a: u32, b: u32| if a < b { ((a, b), false) } else { ((b, a), true) };
+    triangles.iter().flat_map(|&[a, b, c]| [edge(a, b), edge(b, c), edge(c, a)]).collect()
+}
+
+/// Relative to the middle of the mesh, so that it does not drown in the distance from the origin.
+fn volume(mesh: &TriangleMesh) -> f64 {
+    let middle = mesh.bounds().centre();
+    let parallelepiped = |triangle: &[u32; 3]| {
+        let [a, b, c]: [DVec3; 3] = corners(mesh, *triangle).map(|corner| corner - middle);
+        a.dot(b.cross(c))
+    };
+    mesh.data().triangles.iter().map(parallelepiped).sum::<f64>() / 6.0
+}
+
+pub(super) fn check(named: &NamedMesh, topology: &Topology, is_glass: bool, findings: &mut Findings) {
+    let counted = |kind, severity, count: usize, what: &str, advice| Finding {
+        severity,
+        kind,
+        object: named.name.clone(),
+        values: vec![value("count", count as f64)],
+        message: format!("{count} {what}"),
+        advice,
+    };
+    if topology.inconsistent > 0 {
+        findings.add(counted(
+            Kind::InconsistentWinding,
+            if is_glass { Severity::Warning } else { Severity::Info },
+            topology.inconsistent,
+            "edges have their two triangles' fronts on different sides",
+            "let all triangles run counter-clockwise seen from outside; glass needs it, other surfaces have two fronts",
+        ));
+    }
+    if topology.crowded > 0 {
+        findings.add(counted(
+            Kind::NonManifoldEdges,
+            Severity::Info,
+            topology.crowded,
+            "edges have more than two triangles",
+            "separate the parts that meet there if the mesh is to be a body; as a surface it renders as it is",
+        ));
+    }
+    if topology.open > 0 {
+        findings.add(counted(
+            Kind::OpenEdges,
+            Severity::Info,
+            topology.open,
+            "edges have one triangle: the mesh has a border",
+            "nothing for a surface; close the mesh if it is to be a body, and weld corners that should be one",
+        ));
+    }
+    if topology.is_closed() && topology.volume < 0.0 {
+        findings.add(Finding {
+            severity: if is_glass { Severity::Warning } else { Severity::Info },
+            kind: Kind::InsideOut,
+            object: named.name.clone(),
+            values: vec![value("volume", topology.volume)],
+            message: format!("the front is inside (signed volume {:.6e})", topology.volume),
+            advice: "turn all triangles over: glass takes the outside for its inside",
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture::*;
+    use super::*;
+    use rt_geometry::MeshData;
+    use rt_math::Vec3;
+
+    fn topology(data: MeshData) -> Topology {
+        let mesh = TriangleMesh::build(data).unwrap().0;
+        Topology::of(&mesh, &Welded::new(mesh.data()))
+    }
+
+    #[test]
+    fn a_cube_is_closed_wherever_it_stands() {
+        let cube = topology(cube_data());
+        assert_eq!(cube, Topology { volume: 1.0, ..Topology::default() });
+        let mut far = cube_data();
+        far.positions.iter_mut().for_each(|p| *p += Vec3::splat(4096.0));
+        assert_eq!(topology(far).volume, 1.0);
+        assert!(cube.is_closed());
+    }
+
+    #[test]
+    fn seams_do_not_open_a_mesh() {
+        let mut data = cube_data();
+        data.positions = data.triangles.iter().flatten().map(|&i| data.positions[i as usize]).collect();
+        data.triangles = (0..12).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        assert!(topology(data).is_closed());
+    }
+
+    #[test]
+    fn borders_fronts_and_crowds_are_counted() {
+        let mut open = cube_data();
+        open.triangles.pop();
+        assert_eq!(topology(open).open, 3);
+
+        let mut turned = cube_data();
+        turned.triangles[0].swap(1, 2);
+        let turned = topology(turned);
+        assert_eq!((turned.inconsistent, turned.open, turned.is_closed()), (3, 0, false));
+
+        let mut fin = cube_data();
+        fin.positions.push(Vec3::splat(-1.0));
+        fin.triangles.push([0, 1, 8]);
+        let fin = topology(fin);
+        assert_eq!((fin.crowded, fin.open), (1, 2));
+
+        let mut twice = cube_data();
+        twice.triangles.extend_from_within(..);
+        assert!(topology(twice).is_closed(), "a triangle that stands twice has a finding of its own");
+    }
+
+    #[test]
+    fn severity_depends_on_the_material() {
+        let mut scene = empty();
+        let mut data = cube_data();
+        data.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        let mut node = add_mesh(&mut scene, data);
+        scene.nodes = vec![node.clone()];
+        let finding = only(&scene, Kind::InsideOut);
+        assert_eq!((finding.severity, finding.values), (Severity::Info, vec![value("volume", -1.0)]));
+        node.material = GLASS;
+        scene.nodes = vec![node];
+        assert_eq!(only(&scene, Kind::InsideOut).severity, Severity::Warning);
+    }
+
+    #[test]
+    fn findings_name_the_mesh_and_the_count() {
+        let mut scene = empty();
+        let mut data = cube_data();
+        data.triangles.pop();
+        data.triangles[0].swap(1, 2);
+        data.positions.push(Vec3::splat(-1.0));
+        data.triangles.push([0, 1, 8]);
+        let node = add_mesh(&mut scene, data);
+        scene.nodes = vec![node];
+        for (kind, count) in [(Kind::OpenEdges, 5.0), (Kind::InconsistentWinding, 3.0), (Kind::NonManifoldEdges, 1.0)] {
+            let finding = only(&scene, kind);
+            assert_eq!((finding.object.as_str(), finding.values), ("cube", vec![value("count", count)]), "{kind:?}");
+        }
+    }
+}
