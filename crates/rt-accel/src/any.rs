@@ -6,8 +6,8 @@ use rt_math::{Aabb, Primitives, Probe};
 
 use crate::structure::accelerator_by_walk;
 use crate::{
-    Bih, BspTree, BuildError, BuildStats, Bvh, KdTree, LazyBih, Linear, RayQuery, RegionQuery, Structure, UniformGrid,
-    Violation,
+    Bih, BspTree, BuildError, BuildStats, Bvh, CylinderTree, KdTree, LazyBih, Linear, RayQuery, RegionQuery,
+    SphereTree, Structure, UniformGrid, Violation,
 };
 
 /// Something to do with a structure of any type.
@@ -130,6 +130,10 @@ structures! {
     Kd(KdTree) = "kd",
     /// Tree of planes of any direction.
     Bsp(BspTree) = "bsp",
+    /// Tree of spheres.
+    Spheres(SphereTree) = "spheres",
+    /// Tree of cylinders.
+    Cylinders(CylinderTree) = "cylinders",
     /// Bounding interval hierarchy.
     Bih(Bih) = "bih",
     /// Bounding interval hierarchy, built where rays go.

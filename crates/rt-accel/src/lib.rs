@@ -88,6 +88,7 @@ mod saved;
 mod stats;
 mod structure;
 mod tree;
+mod volume_tree;
 
 pub use any::{AnyStructure, StructureKind, StructureVisitor};
 pub use bih::{Bih, LazyBih};
@@ -107,3 +108,4 @@ pub use rt_math::{
 };
 pub use stats::BuildStats;
 pub use structure::{Refit, Structure};
+pub use volume_tree::{BoundingCylinder, BoundingSphere, BoundingVolume, CylinderTree, SphereTree, VolumeTree};

@@ -5,8 +5,8 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, Bih, BspTree, Bvh, Counters, DVec3, Hit, KdTree, LazyBih, Linear, NoProbe, Primitives,
-    SplitMethod, Structure, UniformGrid,
+    Aabb, Accelerator, Bih, BspTree, Bvh, Counters, CylinderTree, DVec3, Hit, KdTree, LazyBih, Linear, NoProbe,
+    Primitives, SphereTree, SplitMethod, Structure, UniformGrid,
 };
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
@@ -131,6 +131,16 @@ fn kd_equals_brute_force() {
 #[test]
 fn bsp_equals_brute_force() {
     compare_all("bsp", 0.1, |soup| BspTree::build(soup).unwrap());
+}
+
+#[test]
+fn spheres_equal_brute_force() {
+    compare_all("spheres", 0.3, |soup| SphereTree::build(soup).unwrap());
+}
+
+#[test]
+fn cylinders_equal_brute_force() {
+    compare_all("cylinders", 0.3, |soup| CylinderTree::build(soup).unwrap());
 }
 
 #[test]

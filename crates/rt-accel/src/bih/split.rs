@@ -5,7 +5,7 @@ use rt_math::Aabb;
 use super::planes::Planes;
 use crate::bounded_depth::leaves_room_for_halving;
 use crate::coordinate::Coordinate;
-use crate::tree::{Cut, Item, halve};
+use crate::tree::{Cut, Item, halve, partition};
 
 /// Most primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 4;
@@ -26,7 +26,9 @@ pub(super) fn split(items: &mut [Item], cell: &Aabb, depth: u32) -> Option<Cut<P
     let centres = Aabb::from_points(items.iter().map(|(_, own)| own.centre()));
     let halves = if leaves_room_for_halving(items.len(), depth) { halve_cell(*cell, &centres) } else { None };
     let (axis, middle, sides) = match halves {
-        Some(Halves { axis, plane, cells }) => (axis, partition(items, axis, plane), cells),
+        Some(Halves { axis, plane, cells }) => {
+            (axis, partition(items, |(_, own)| own.centre()[axis as usize] < plane), cells)
+        }
         None => {
             let axis = Coordinate::ALL[centres.extent().max_position()];
             (axis, halve(items, &centres), [*cell; 2])
@@ -62,24 +64,6 @@ fn halve_cell(mut cell: Aabb, centres: &Aabb) -> Option<Halves> {
         }
     }
     None
-}
-
-/// Moves the items with centres below the plane to the front, in a fixed order, and counts them.
-fn partition(items: &mut [Item], axis: Coordinate, plane: f64) -> usize {
-    let is_left = |(_, own): &Item| own.centre()[axis as usize] < plane;
-    let (mut left, mut right) = (0, items.len());
-    loop {
-        while left < right && is_left(&items[left]) {
-            left += 1;
-        }
-        while left < right && !is_left(&items[right - 1]) {
-            right -= 1;
-        }
-        if left >= right {
-            return left;
-        }
-        items.swap(left, right - 1);
-    }
 }
 
 fn union(items: &[Item]) -> Aabb {

@@ -78,3 +78,20 @@ pub(crate) fn halve(items: &mut [Item], centres: &Aabb) -> usize {
     }
     items.len() / 2
 }
+
+/// Moves the items for which `is_left` holds to the front, in a fixed order, and counts them.
+pub(crate) fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
+    let (mut left, mut right) = (0, items.len());
+    loop {
+        while left < right && is_left(&items[left]) {
+            left += 1;
+        }
+        while left < right && !is_left(&items[right - 1]) {
+            right -= 1;
+        }
+        if left >= right {
+            return left;
+        }
+        items.swap(left, right - 1);
+    }
+}

@@ -3,7 +3,7 @@
 mod grow;
 mod shape;
 
-pub(crate) use grow::{Cut, halve};
+pub(crate) use grow::{Cut, halve, partition};
 
 use rt_math::Aabb;
 

@@ -1,0 +1,127 @@
+//! Cylinders along the axes.
+
+use core::f64::consts::PI;
+
+use glam::DVec3;
+use rt_math::{Aabb, FAR_FACTOR, Interval, SlabRay};
+
+use super::chord::{above, chord, entry, margin};
+use super::volume::BoundingVolume;
+use crate::coordinate::Coordinate;
+
+/// A cylinder with caps along the x, y or z axis, whichever makes the smallest surface.
+///
+/// It fits what is long or flat as well as a box does, and what stands upright and round better.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BoundingCylinder {
+    axis: Coordinate,
+    centre: DVec3,
+    /// Infinite if there is no better number.
+    radius: f64,
+    /// Where the caps are on the axis.
+    caps: [f64; 2],
+}
+
+impl BoundingCylinder {
+    /// The number of the axis that it is parallel to.
+    pub fn axis(&self) -> usize {
+        self.axis as usize
+    }
+
+    /// Its centre.
+    pub fn centre(&self) -> DVec3 {
+        self.centre
+    }
+
+    /// Its radius.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Coordinates of its caps on the axis.
+    pub fn caps(&self) -> [f64; 2] {
+        self.caps
+    }
+
+    fn along(axis: Coordinate, union: &Aabb, boxes: impl Iterator<Item = Aabb>) -> Self {
+        let centre = union.centre();
+        Self {
+            axis,
+            centre,
+            radius: boxes.fold(0.0, |radius: f64, own| radius.max(reach(axis, centre, &own))),
+            caps: [union.min[axis as usize], union.max[axis as usize]],
+        }
+    }
+
+    /// Where the ray is between the caps. As the slab test, it is monotone: see [`Aabb::clip`].
+    #[inline(always)]
+    fn between_caps(&self, ray: &SlabRay) -> Interval {
+        let (origin, inverse) = (ray.ray.origin[self.axis as usize], ray.inverse[self.axis as usize]);
+        let near = usize::from(inverse.is_sign_negative());
+        let t_near = (self.caps[near] - origin) * inverse;
+        let t_far = (self.caps[near ^ 1] - origin) * inverse * FAR_FACTOR;
+        // A NaN is no constraint.
+        Interval::new(
+            if t_near > f64::NEG_INFINITY { t_near } else { f64::NEG_INFINITY },
+            if t_far < f64::INFINITY { t_far } else { f64::INFINITY },
+        )
+    }
+}
+
+/// The part of a vector across an axis.
+#[inline(always)]
+fn across(axis: Coordinate, mut vector: DVec3) -> DVec3 {
+    vector[axis as usize] = 0.0;
+    vector
+}
+
+/// No less than the distance from the line through a point to the farthest edge of a box.
+fn reach(axis: Coordinate, centre: DVec3, aabb: &Aabb) -> f64 {
+    above(across(axis, (centre - aabb.min).max(aabb.max - centre)).length())
+}
+
+impl BoundingVolume for BoundingCylinder {
+    fn around(boxes: impl Iterator<Item = Aabb> + Clone) -> Self {
+        let union = boxes.clone().fold(Aabb::EMPTY, Aabb::union);
+        let [x, y, z] = Coordinate::ALL.map(|axis| Self::along(axis, &union, boxes.clone()));
+        let smaller = |a: Self, b: Self| if b.measure() < a.measure() { b } else { a };
+        smaller(smaller(x, y), z)
+    }
+
+    fn encloses(&self, aabb: &Aabb) -> bool {
+        let axis = self.axis as usize;
+        self.caps[0] <= aabb.min[axis]
+            && aabb.max[axis] <= self.caps[1]
+            && reach(self.axis, self.centre, aabb) <= self.radius
+    }
+
+    #[inline(always)]
+    fn enter(&self, ray: &SlabRay, span: Interval) -> Option<f64> {
+        let between = self.between_caps(ray);
+        let offset = ray.ray.origin - self.centre;
+        let inside = match margin(&ray.ray, offset, self.radius + (self.caps[1] - self.caps[0])) {
+            None => between,
+            Some(margin) => {
+                let direction = ray.ray.direction;
+                let speed = direction.abs().max_element();
+                let [offset, direction] = [offset, direction].map(|vector| across(self.axis, vector));
+                let inside = chord(offset, direction, speed, self.radius, margin)?;
+                Interval::new(between.min.max(inside.min), between.max.min(inside.max))
+            }
+        };
+        entry(inside, span)
+    }
+
+    fn bounds(&self) -> Aabb {
+        let reach = DVec3::splat(self.radius);
+        let mut bounds = Aabb::new((self.centre - reach).map(f64::next_down), (self.centre + reach).map(f64::next_up));
+        bounds.min[self.axis as usize] = self.caps[0];
+        bounds.max[self.axis as usize] = self.caps[1];
+        bounds
+    }
+
+    fn measure(&self) -> f64 {
+        2.0 * PI * self.radius * (self.radius + (self.caps[1] - self.caps[0]))
+    }
+}
