@@ -16,6 +16,7 @@
 //! | [`Linear`] | O(n), checks only | 0 | n tests | up to about ten primitives; the truth to compare with |
 //! | [`UniformGrid`] | O(n) | 25 to 100 bytes | O(∛n) cells | primitives of similar size, evenly spread; frequent rebuilds |
 //! | [`Bvh`] | O(n log n) | about 50 bytes | O(log n) nodes | everything else |
+//! | [`SphereTree`], [`CylinderTree`] | O(n log n) | about 50 and 80 bytes | O(log n) nodes, more than `Bvh` | comparing shapes of volumes |
 //! | [`Bih`] | O(n log n), a fraction of the time of `Bvh` | about 25 bytes | O(log n) nodes, more than `Bvh` | scenes that change all the time |
 //! | [`LazyBih`] | O(n), the rest while rays arrive | 56 bytes before, less after | as `Bih` | first pictures of scenes of which little is seen |
 //!

@@ -5,8 +5,8 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, BuildError, Bvh, Counters, DVec3, Hit, Interval, Linear, NoProbe, Primitives, Refit,
-    SplitMethod, Structure,
+    Aabb, Accelerator, Bih, BuildError, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, LazyBih, Linear, NoProbe,
+    Primitives, Refit, SphereTree, SplitMethod, Structure,
 };
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
@@ -70,6 +70,30 @@ fn trees_of_boxes_follow() {
     check("bvh", |soup| Bvh::build(soup).unwrap());
     check("bvh by medians", |soup| Bvh::build_with(soup, SplitMethod::Median).unwrap());
     check("bvh with spatial splits", |soup| Bvh::build_with(soup, SplitMethod::Spatial).unwrap());
+}
+
+#[test]
+fn trees_of_other_volumes_and_of_intervals_follow() {
+    check("spheres", |soup| SphereTree::build(soup).unwrap());
+    check("cylinders", |soup| CylinderTree::build(soup).unwrap());
+    check("bih", |soup| Bih::build(soup).unwrap());
+    check("lazy bih", |soup| LazyBih::build(soup).unwrap());
+}
+
+#[test]
+fn what_has_not_moved_is_fitted_to_the_same_bits() {
+    fn check<R: Refit + Clone + PartialEq + core::fmt::Debug>(built: R, soup: &Soup) {
+        let mut structure = built.clone();
+        assert_eq!(structure.refit(soup), Ok(()));
+        assert_eq!(structure, built);
+        structure.refit(&soup.clone().moved(DVec3::X)).unwrap();
+        assert_ne!(structure, built);
+    }
+    let soup = Soup::mixed(&mut Draw::new(5));
+    check(SphereTree::build(&soup).unwrap(), &soup);
+    check(CylinderTree::build(&soup).unwrap(), &soup);
+    check(Bih::build(&soup).unwrap(), &soup);
+    check(LazyBih::build(&soup).unwrap(), &soup);
 }
 
 #[test]

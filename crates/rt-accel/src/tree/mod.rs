@@ -82,26 +82,5 @@ impl<C> Tree<C> {
     }
 }
 
-/// Loads and saves a tree through what serde derives, and refuses to load one that no builder makes: the walks rely
-/// on its shape.
 #[cfg(feature = "serde")]
-mod saved {
-    use serde::de::Error;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    use super::Tree;
-
-    impl<C: Serialize> Serialize for Tree<C> {
-        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-            Self::serialize(self, serializer)
-        }
-    }
-
-    impl<'de, C: Deserialize<'de>> Deserialize<'de> for Tree<C> {
-        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-            let tree = Self::deserialize(deserializer)?;
-            tree.check_shape().map_err(D::Error::custom)?;
-            Ok(tree)
-        }
-    }
-}
+crate::saved::saved_and_checked!(Tree<C>, Tree::check_shape, C: Sized);

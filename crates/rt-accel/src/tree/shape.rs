@@ -6,8 +6,8 @@ use rt_math::{Aabb, Primitives, own_box};
 
 use super::{Child, Tree};
 use crate::bounded_depth::MAX_DEPTH;
-use crate::own_boxes::validate_lists;
-use crate::{BuildStats, Violation};
+use crate::own_boxes::{OwnBoxes, validate_lists};
+use crate::{BuildError, BuildStats, Violation};
 
 /// Where in the list of indices the primitives below each node are.
 pub(crate) struct Runs(Vec<Range<usize>>);
@@ -122,5 +122,25 @@ impl<C> Tree<C> {
             }
         }
         Ok(())
+    }
+
+    /// Gives every node what `fit` makes of it and of the own boxes on its two sides, as they are now. Returns these.
+    pub(crate) fn refit<P: Primitives>(
+        &mut self,
+        primitives: &P,
+        fit: impl Fn(&C, [&[Aabb]; 2]) -> C,
+    ) -> Result<OwnBoxes, BuildError> {
+        let boxes = OwnBoxes::collect(primitives)?;
+        validate_lists(primitives, self.primitives(), &self.unbounded).map_err(BuildError::Changed)?;
+        let mut by_index = vec![Aabb::EMPTY; self.primitives() as usize];
+        for &(index, own) in &boxes.bounded {
+            by_index[index as usize] = own;
+        }
+        let in_order: Vec<_> = self.indices.iter().map(|&index| by_index[index as usize]).collect();
+        let runs = self.runs();
+        for node in &mut self.nodes {
+            node.content = fit(&node.content, node.children.map(|child| &in_order[runs.below(child)]));
+        }
+        Ok(boxes)
     }
 }

@@ -36,7 +36,7 @@ use glam::DVec3;
 use rt_math::float::UNIT_ROUNDOFF;
 use rt_math::{Interval, Ray};
 
-/// The powers of two between which the proof holds.
+/// A power of two.
 const fn exp2(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
@@ -81,8 +81,9 @@ pub(super) fn entry(inside: Interval, span: Interval) -> Option<f64> {
 }
 
 /// A number no less than the distance from which this one was computed, with five roundings and whatever underflowed.
+/// Where squares overflowed it is the greatest number, for which [`margin`] refuses every ray.
 pub(super) fn above(distance: f64) -> f64 {
-    distance * (1.0 + 16.0 * UNIT_ROUNDOFF) + exp2(-511)
+    (distance * (1.0 + 16.0 * UNIT_ROUNDOFF) + exp2(-511)).min(f64::MAX)
 }
 
 #[cfg(test)]

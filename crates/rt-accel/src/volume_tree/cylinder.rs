@@ -17,7 +17,7 @@ use crate::coordinate::Coordinate;
 pub struct BoundingCylinder {
     axis: Coordinate,
     centre: DVec3,
-    /// Infinite if there is no better number.
+    /// `f64::MAX` where there is no better number.
     radius: f64,
     /// Where the caps are on the axis.
     caps: [f64; 2],

@@ -16,7 +16,7 @@ use super::volume::BoundingVolume;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoundingSphere {
     centre: DVec3,
-    /// Infinite if there is no better number.
+    /// `f64::MAX` where there is no better number.
     radius: f64,
 }
 

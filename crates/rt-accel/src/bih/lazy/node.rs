@@ -23,7 +23,7 @@ pub(in crate::bih) struct LazyNode {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Waiting {
     pub(super) items: Vec<Item>,
-    cell: Aabb,
+    pub(super) cell: Aabb,
     depth: u32,
 }
 
@@ -51,6 +51,16 @@ pub(super) enum Known<'n> {
 impl LazyNode {
     pub(super) fn waiting(items: Vec<Item>, cell: Aabb, depth: u32) -> Self {
         Self { found: OnceLock::new(), waiting: Mutex::new(Some(Box::new(Waiting { items, cell, depth }))) }
+    }
+
+    #[cfg(feature = "serde")]
+    pub(super) fn leaf(indices: Vec<u32>) -> Self {
+        Self { found: OnceLock::from(Found::Leaf(indices.into())), waiting: Mutex::new(None) }
+    }
+
+    #[cfg(feature = "serde")]
+    pub(super) fn inner(planes: Planes, children: [Self; 2]) -> Self {
+        Self { found: OnceLock::from(Found::Node(Box::new(Sides { planes, children }))), waiting: Mutex::new(None) }
     }
 
     /// What it leads to; it is split if it has not been.
