@@ -67,13 +67,14 @@ fn it_does_the_same_work_as_the_full_tree() {
         assert_eq!(lazy.closest(&soup, &ray, span, &mut counted), hit, "{ray:?}");
         assert_eq!(counted, expected, "{ray:?}");
     }
-    let boxes = |structure: &dyn Fn(&mut dyn FnMut(Aabb, u32))| {
-        let mut all = Vec::new();
-        structure(&mut |aabb, depth| all.push((aabb, depth)));
-        all
-    };
     lazy.complete();
-    assert_eq!(boxes(&|visit| lazy.for_each_box(visit)), boxes(&|visit| full.for_each_box(visit)));
+    assert_eq!(boxes(&lazy), boxes(&full));
+}
+
+fn boxes(structure: &impl Structure) -> Vec<(Aabb, u32)> {
+    let mut all = Vec::new();
+    structure.for_each_box(|aabb, depth| all.push((aabb, depth)));
+    all
 }
 
 /// All threads begin at once, each with another ray, so that they race for the same nodes.
