@@ -5,8 +5,8 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, AnyStructure, BuildError, Bvh, DVec3, Hit, Interval, Linear, NoProbe, Primitives, Ray,
-    Structure, StructureKind, UniformGrid, Violation,
+    Aabb, Accelerator, AnyStructure, BspTree, BuildError, DVec3, Hit, Interval, KdTree, Linear, NoProbe, Primitives,
+    Ray, Structure, StructureKind, UniformGrid, Violation,
 };
 use soup::draw::Draw;
 use soup::structures::{Structures, tests_per_ray};
@@ -102,6 +102,77 @@ fn identical_centroids_are_halved_into_small_leaves() {
 }
 
 #[test]
+fn a_million_identical_boxes_are_one_leaf_of_a_partition() {
+    let soup = Soup(vec![Solid::Ghost(Aabb::new(DVec3::ONE, DVec3::splat(2.0))); 1_000_000]);
+    for stats in [KdTree::build(&soup).unwrap().build_stats(), BspTree::build(&soup).unwrap().build_stats()] {
+        assert_eq!((stats.nodes, stats.leaves, stats.references), (0, 1, 1_000_000));
+    }
+    // With something else around, it is cut off.
+    let mut soup = Soup(vec![Solid::Ghost(Aabb::new(DVec3::ONE, DVec3::splat(2.0))); 10_000]);
+    soup.0.extend([unit_box(DVec3::splat(50.0)), unit_box(DVec3::splat(-50.0))]);
+    let all = Structures::build(&soup);
+    for structure in &all.0[1..] {
+        assert!(tests_per_ray(structure, &soup, &[down(50.5, 50.5)]) < 20.0, "{}", structure.kind().name());
+    }
+}
+
+#[test]
+fn boxes_around_each_other_take_no_more_than_the_budget() {
+    let nested = |i: u32| Aabb::new(DVec3::splat(-f64::from(i)), DVec3::splat(f64::from(i)));
+    let soup = Soup((1..20_000).map(|i| Solid::Ghost(nested(i))).collect());
+    for stats in [KdTree::build(&soup).unwrap().build_stats(), BspTree::build(&soup).unwrap().build_stats()] {
+        assert!(stats.references + stats.nodes <= 16 * 20_000 + 4096 && stats.max_depth <= 60, "{stats:?}");
+    }
+}
+
+#[test]
+fn partitions_divide_denormal_and_huge_coordinates() {
+    for scale in [5e-324, 1e-310, 1e-300, 1e300, 1e306] {
+        let corner = |i: u64| DVec3::new((i % 20) as f64, (i / 20 % 20) as f64, (i / 400) as f64);
+        let boxes = (0..2000).map(|i| Aabb::new(corner(i) * scale, (corner(i) + 1.0) * scale));
+        let soup = Soup(boxes.map(Solid::Box).collect());
+        let linear = Linear::build(&soup).unwrap();
+        for kind in [StructureKind::Kd, StructureKind::Bsp] {
+            let tree = AnyStructure::build(kind, &soup).unwrap();
+            assert_eq!(tree.validate(&soup), Ok(()));
+            assert!(tree.build_stats().max_depth <= 60);
+            // Boxes of the smallest number have no plane between them.
+            let may_be_divided = kind == StructureKind::Kd && scale > 5e-324;
+            assert!(!may_be_divided || tree.build_stats().leaves > 100, "{:?}", tree.build_stats());
+            for i in 0..200 {
+                let origin = corner(i * 7) * scale;
+                let ray = Ray::new(origin, DVec3::splat(2.2) * scale - origin);
+                let expected = linear.closest(&soup, &ray, FORWARD, &mut NoProbe);
+                assert_eq!(tree.closest(&soup, &ray, FORWARD, &mut NoProbe), expected, "scale {scale}: {ray:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rays_in_the_planes_of_a_tree_miss_nothing() {
+    let soup = Soup::mixed(&mut Draw::new(31));
+    let all = Structures::build(&soup);
+    let mut draw = Draw::new(32);
+    for kind in [StructureKind::Kd, StructureKind::Bsp] {
+        let mut cells = Vec::new();
+        all.0.iter().find(|structure| structure.kind() == kind).unwrap().for_each_box(|cell, _| cells.push(cell));
+        assert!(cells.len() > 300, "{}", cells.len());
+        for _ in 0..20_000 {
+            let cell = draw.pick(&cells);
+            let axis = draw.below(3);
+            let mut origin = draw.point() * 2.0;
+            let mut direction = draw.pick(&cell.corners()) - origin;
+            origin[axis] =
+                draw.pick(&[cell.min[axis], cell.max[axis], cell.max[axis].next_up(), cell.min[axis].next_down()]);
+            direction[axis] = draw.pick(&[0.0, -0.0, 5e-324, -1e-310, 1e-17]);
+            all.closest(&soup, &Ray::new(origin, direction), FORWARD);
+            all.closest(&soup, &Ray::new(origin, direction), Interval::new(-1.0, 1.0));
+        }
+    }
+}
+
+#[test]
 fn flat_scenes_are_divided_along_the_plane() {
     for flat in [|x, z| DVec3::new(x, 0.0, z), |x, z| DVec3::new(x, z, 0.0), |x, z| DVec3::new(-3.0, x, z)] {
         let soup = Soup(sheet(40, flat).collect());
@@ -194,12 +265,8 @@ fn bounds_that_are_no_boxes_are_refused_by_index() {
         let mut soup = Soup(vec![Solid::Ghost(good); 9]);
         soup.0[7] = Solid::Ghost(bounds);
         soup.0[8] = Solid::Ghost(bounds);
-        for error in [
-            Linear::build(&soup).unwrap_err(),
-            UniformGrid::build(&soup).unwrap_err(),
-            UniformGrid::with_resolution(&soup, [2; 3]).unwrap_err(),
-            Bvh::build(&soup).unwrap_err(),
-        ] {
+        let of_kinds = StructureKind::ALL.iter().map(|&kind| AnyStructure::build(kind, &soup).unwrap_err());
+        for error in of_kinds.chain([UniformGrid::with_resolution(&soup, [2; 3]).unwrap_err()]) {
             assert!(matches!(error, BuildError::BadBounds { index: 7, .. }), "{error:?}");
             assert!(error.to_string().contains("primitive 7") && error.to_string().contains(reason), "{error}");
         }
@@ -221,9 +288,9 @@ fn too_many_primitives_or_cells_are_refused() {
         }
     }
     let expected = BuildError::TooMany { count: u64::from(u32::MAX), limit: u64::from(u32::MAX - 1) };
-    assert_eq!(Linear::build(&Endless).unwrap_err(), expected);
-    assert_eq!(UniformGrid::build(&Endless).unwrap_err(), expected);
-    assert_eq!(Bvh::build(&Endless).unwrap_err(), expected);
+    for &kind in StructureKind::ALL {
+        assert_eq!(AnyStructure::build(kind, &Endless).unwrap_err(), expected, "{}", kind.name());
+    }
 
     let soup = Soup(vec![unit_box(DVec3::ONE); 100]);
     for resolution in [[4096; 3], [u32::MAX; 3], [300; 3]] {
@@ -343,18 +410,19 @@ fn memory_is_what_the_parts_add_up_to() {
 fn structures_notice_that_primitives_have_changed() {
     let mut soup = Soup::spheres(300, &mut Draw::new(1));
     let all = Structures::build(&soup);
-    let verdicts = |soup: &Soup| [all.bvh().validate(soup), all.grid().validate(soup)];
+    let verdicts = |soup: &Soup| all.0[1..].iter().map(|structure| structure.validate(soup)).collect::<Vec<_>>();
+    let each = |verdict| vec![verdict; all.0.len() - 1];
 
     let last = soup.0.pop().unwrap();
     let fewer = Violation::Count { built: 300, given: 299 };
-    assert_eq!(verdicts(&soup), [Err(fewer); 2]);
+    assert_eq!(verdicts(&soup), each(Err(fewer)));
     assert_eq!(all.linear().validate(&soup), Err(fewer));
     soup.0.push(Solid::Ground { height: 0.0 });
-    assert_eq!(verdicts(&soup), [Err(Violation::Misplaced { primitive: 299 }); 2]);
+    assert_eq!(verdicts(&soup), each(Err(Violation::Misplaced { primitive: 299 })));
     soup.0[299] = Solid::Box(Aabb::new(DVec3::splat(5.0), DVec3::splat(6.0)));
-    assert_eq!(verdicts(&soup), [Err(Violation::Outside { primitive: 299 }); 2]);
+    assert_eq!(verdicts(&soup), each(Err(Violation::Outside { primitive: 299 })));
     soup.0[299] = last;
-    assert_eq!(verdicts(&soup), [Ok(()); 2]);
+    assert_eq!(verdicts(&soup), each(Ok(())));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use rt_math::Primitives;
 use crate::BuildError;
 use crate::partition::{Partition, structure_by_partition};
 use plane::Plane;
-use split::Sampled;
+pub(crate) use split::Sampled;
 
 /// A tree that cuts space in two by planes that the primitives suggest (Fuchs, Kedem and Naylor, "On visible surface
 /// generation by a priori tree structures", 1980): of triangles, their own planes; of spheres, tangent planes and such
@@ -20,15 +20,15 @@ use split::Sampled;
 /// a plane that their own box touches or comes within rounding of. Choose it where long walls stand at odd angles and
 /// what is between them is small; otherwise a [`KdTree`](crate::KdTree) builds faster and costs less per node.
 ///
-/// No leaf is deeper than 60, and nodes and references are at most 16 per primitive and 4096 in all. Primitives that no
+/// No leaf is deeper than 60, and cuts and references together are at most 16 per primitive and 4096 more. Primitives that no
 /// plane can separate share a leaf, however many they are. The tree is a pure function of the primitives, with or
-/// without the feature `parallel`.
+/// without the feature `parallel`. With the feature `serde`, save it in a format that keeps every bit of an `f64`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct BspTree(Partition<Plane>);
+pub struct BspTree(pub(crate) Partition<Plane>);
 
 impl BspTree {
-    /// Builds the tree: O(n log n) time, about 100 bytes per primitive afterwards.
+    /// Builds the tree: O(n log n) time, 80 to 130 bytes per primitive afterwards.
     ///
     /// # Errors
     ///
@@ -39,3 +39,108 @@ impl BspTree {
 }
 
 structure_by_partition!(BspTree);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::partition::{Chooser, Task};
+    use crate::{Ball, Linear, Structure};
+    use core::ops::ControlFlow;
+    use glam::DVec3;
+    use rt_math::random::{hash, unit};
+    use rt_math::{Aabb, Accelerator, Counters, Hit, Interval, NoProbe, Ray, SlabRay};
+
+    /// Boxes that a ray enters and leaves.
+    struct Chests(Vec<Aabb>);
+
+    impl Primitives for Chests {
+        fn len(&self) -> usize {
+            self.0.len()
+        }
+        fn bounds(&self, index: u32) -> Option<Aabb> {
+            Some(self.0[index as usize])
+        }
+        fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+            let everywhere = Interval::new(f64::NEG_INFINITY, f64::INFINITY);
+            let inside = self.0[index as usize].clip(&SlabRay::new(ray), everywhere)?;
+            let t = span.first(inside.min, inside.max)?;
+            Some(Hit { t, instance: 0, primitive: index, uv: [0.0; 2] })
+        }
+    }
+
+    /// Cuts through or next to some box, in any direction.
+    struct Haphazard;
+
+    impl Chooser<Plane> for Haphazard {
+        fn choose(&self, boxes: &[(u32, Aabb)], task: &Task<Plane>) -> Option<Plane> {
+            let draw = |k: u64| unit(hash(&[task.path, k]));
+            let normal = (DVec3::new(draw(0), draw(1), draw(2)) - 0.5).try_normalize()?;
+            let own = boxes[*task.items.get((draw(3) * task.items.len() as f64) as usize)? as usize].1;
+            let [under, over] = Plane::around(normal, &own);
+            let through = Plane { normal, offset: normal.dot(own.min) };
+            (task.items.len() > 2 && task.depth < 25).then_some([under, over, through][(draw(4) * 3.0) as usize])
+        }
+    }
+
+    fn vector(i: u64, k: u64) -> DVec3 {
+        DVec3::new(unit(hash(&[i, k])), unit(hash(&[i, k + 1])), unit(hash(&[i, k + 2]))) * 2.0 - 1.0
+    }
+
+    /// The walks, over cuts that no heuristic would choose.
+    #[test]
+    fn trees_of_haphazard_planes_equal_brute_force() {
+        for (scale, offset) in [(1.0, 0.0), (1e-4, 1e3), (1.0, 1e7), (1e30, 0.0)] {
+            let place = |v: DVec3| v * scale + DVec3::new(offset, -0.7 * offset, 0.3 * offset);
+            let chests = Chests(
+                (0..200)
+                    .map(|i| Aabb::from_points([place(vector(i, 0)), place(vector(i, 0) + 0.2 * vector(i, 3))]))
+                    .collect(),
+            );
+            let tree = BspTree(Partition::build(&chests, &Haphazard).expect("boxes"));
+            assert_eq!(tree.validate(&chests), Ok(()));
+            assert!(tree.build_stats().leaves > 100, "{:?}", tree.build_stats());
+            let linear = Linear::build(&chests).expect("boxes");
+            let (mut counters, mut n_hits) = (Counters::default(), 0u64);
+            for i in 0..20_000 {
+                let bits = hash(&[i, 20]);
+                let corner = |k: u64| chests.0[(k % 200) as usize].corners()[(k >> 20) as usize % 8];
+                let origin = if bits & 1 == 0 { corner(bits >> 8) } else { place(2.0 * vector(i, 21)) };
+                let mut direction = corner(hash(&[i, 22])) - origin;
+                if bits & 6 == 0 {
+                    direction[(bits >> 40) as usize % 3] = [0.0, -0.0, 5e-324, 1e-30][(bits >> 50) as usize % 4];
+                }
+                let ray = Ray::new(origin, direction);
+                for span in [Interval::FORWARD, Interval::SEGMENT, Interval::new(-2.0, 2.0)] {
+                    let expected = linear.closest(&chests, &ray, span, &mut NoProbe);
+                    let found = tree.closest(&chests, &ray, span, &mut counters);
+                    let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.primitive));
+                    assert_eq!(key(found), key(expected), "{ray:?} {span:?}");
+                    n_hits += u64::from(expected.is_some());
+                }
+            }
+            let tested = counters.total().tests as f64 / (3.0 * 20_000.0 * 200.0);
+            assert!(n_hits > 20_000 && tested < 0.5, "{n_hits} hits, {tested} tested");
+        }
+    }
+
+    #[test]
+    fn searches_of_haphazard_planes_find_everything_once() {
+        let chests =
+            Chests((0..300).map(|i| Aabb::from_points([vector(i, 0), vector(i, 0) + 0.3 * vector(i, 3)])).collect());
+        let tree = BspTree(Partition::build(&chests, &Haphazard).expect("boxes"));
+        let linear = Linear::build(&chests).expect("boxes");
+        fn found(structure: &impl Structure, chests: &Chests, ball: &Ball) -> Vec<u32> {
+            let mut found = Vec::new();
+            structure.visit_overlapping(chests, ball, |index| {
+                found.push(index);
+                ControlFlow::Continue(())
+            });
+            found.sort_unstable();
+            found
+        }
+        for i in 0..2000 {
+            let ball = Ball { centre: vector(i, 9), radius: 0.5 * unit(hash(&[i, 12])) };
+            assert_eq!(found(&tree, &chests, &ball), found(&linear, &chests, &ball), "{ball:?}");
+        }
+    }
+}

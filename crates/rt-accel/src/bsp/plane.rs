@@ -40,9 +40,9 @@ const LARGEST: f64 = 1e300;
 /// All points with `normal · p = offset`; above is where the normal points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Plane {
-    pub(super) normal: DVec3,
-    pub(super) offset: f64,
+pub(crate) struct Plane {
+    pub(crate) normal: DVec3,
+    pub(crate) offset: f64,
 }
 
 impl Plane {
@@ -69,7 +69,7 @@ fn uncertainty(normal: DVec3, aabb: &Aabb, offset: f64) -> f64 {
 
 /// A ray prepared for planes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PlaneRay {
+pub(crate) struct PlaneRay {
     origin: DVec3,
     /// Zero where the slab test takes its inverse to be infinite.
     direction: DVec3,
@@ -135,6 +135,10 @@ impl Cut for Plane {
             }
         }
         parts
+    }
+
+    fn divides_exactly(&self) -> bool {
+        self.normal.to_array().iter().filter(|&&n| n != 0.0).count() == 1
     }
 
     fn is_sound(&self) -> bool {

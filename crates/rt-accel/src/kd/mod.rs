@@ -8,7 +8,7 @@ use rt_math::Primitives;
 use crate::BuildError;
 use crate::partition::{Partition, structure_by_partition};
 use plane::AxisPlane;
-use split::SurfaceArea;
+pub(crate) use split::SurfaceArea;
 
 /// A tree that cuts space in two by planes at right angles to the axes (Bentley 1975): O(log n) per ray, with the
 /// fewest visits of all where primitives do not overlap, as in most meshes of rooms and buildings.
@@ -19,15 +19,15 @@ use split::SurfaceArea;
 /// times, and where primitives overlap much a [`Bvh`](crate::Bvh) is smaller and faster. A walk goes from leaf to leaf
 /// in strict order, and ends at the first hit that lies before the next leaf. Primitives that move need a new tree.
 ///
-/// No leaf is deeper than 60, and nodes and references are at most 16 per primitive and 4096 in all. Primitives that no
+/// No leaf is deeper than 60, and cuts and references together are at most 16 per primitive and 4096 more. Primitives that no
 /// plane can separate share a leaf, however many they are. The tree is a pure function of the primitives, with or
-/// without the feature `parallel`.
+/// without the feature `parallel`. With the feature `serde`, save it in a format that keeps every bit of an `f64`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct KdTree(Partition<AxisPlane>);
+pub struct KdTree(pub(crate) Partition<AxisPlane>);
 
 impl KdTree {
-    /// Builds the tree: O(n log n) time, about 100 bytes per primitive afterwards.
+    /// Builds the tree: O(n log n) time, 60 to 100 bytes per primitive afterwards.
     ///
     /// # Errors
     ///

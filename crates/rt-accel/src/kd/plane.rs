@@ -23,7 +23,7 @@ use crate::partition::{Crossing, Cut};
 /// Which coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) enum Axis {
+pub(crate) enum Axis {
     X,
     Y,
     Z,
@@ -37,9 +37,9 @@ impl Axis {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(Rust, packed(4))]
-pub(super) struct AxisPlane {
-    pub(super) position: f64,
-    pub(super) axis: Axis,
+pub(crate) struct AxisPlane {
+    pub(crate) position: f64,
+    pub(crate) axis: Axis,
 }
 
 impl Cut for AxisPlane {
@@ -77,6 +77,10 @@ impl Cut for AxisPlane {
         parts[0].max[self.axis as usize] = self.position;
         parts[1].min[self.axis as usize] = self.position;
         parts
+    }
+
+    fn divides_exactly(&self) -> bool {
+        true
     }
 
     fn is_sound(&self) -> bool {

@@ -1,7 +1,7 @@
 //! Where to cut a part of space: the surface area heuristic at the faces of own boxes.
 //!
-//! Along an axis the numbers of boxes below and above a plane change at faces only, and between two faces the cost is a
-//! linear function of the plane. So the best plane of such a gap is next to one of its ends: just past the last face
+//! Along an axis the numbers of boxes below and above a plane change at faces only, and between two faces the cost has no
+//! minimum. So the best plane of such a gap is next to one of its ends: just past the last face
 //! before, or just before the first face after, where it touches neither box (planes *in* a face would leave the box on
 //! both sides). In small parts all gaps are looked at; in large ones those between bins, whose ends are still faces.
 
@@ -12,13 +12,6 @@ use super::plane::{Axis, AxisPlane};
 use crate::bounded_depth::leaves_room_for_halving;
 use crate::partition::{Chooser, Shape, Task};
 
-/// Cost of visiting a node relative to that of testing a primitive.
-const NODE_COST: f64 = 1.0;
-
-/// What cutting off empty space is worth beyond the tests it saves (Wald and Havran 2006): so much of the cost, times
-/// the part of the extent that is cut off. A fixed bonus would pay for slivers.
-const EMPTY_BONUS: f64 = 0.5;
-
 /// From this number of boxes on, bins are looked at and not all faces.
 const MIN_BINNED: usize = 32;
 
@@ -26,10 +19,10 @@ const BINS: usize = 32;
 
 /// Cuts by the surface area heuristic (MacDonald and Booth 1990), and evenly once those cuts have used up the depth
 /// that halving needs.
-pub(super) struct SurfaceArea;
+pub(crate) struct SurfaceArea;
 
 impl Chooser<AxisPlane> for SurfaceArea {
-    fn choose(&self, boxes: &[(u32, Aabb)], task: &Task) -> Option<AxisPlane> {
+    fn choose(&self, boxes: &[(u32, Aabb)], task: &Task<AxisPlane>) -> Option<AxisPlane> {
         let count = task.items.len();
         let faces = |axis: Axis| {
             let axis = axis as usize;
@@ -71,7 +64,7 @@ struct Search<'t> {
 }
 
 impl<'t> Search<'t> {
-    fn new(task: &'t Task, objective: Objective) -> Self {
+    fn new(task: &'t Task<AxisPlane>, objective: Objective) -> Self {
         let count = task.items.len() as u32;
         Self { cell: &task.cell, count, objective, cost: f64::from(count), best: None }
     }
@@ -94,15 +87,7 @@ impl<'t> Search<'t> {
                 let (min, max) = (self.cell.min[plane.axis as usize], self.cell.max[plane.axis as usize]);
                 // Halves, as the extent may be too large to be a number.
                 let fraction = (plane.position * 0.5 - min * 0.5) / (max * 0.5 - min * 0.5);
-                let normal = DVec3::AXES[plane.axis as usize];
-                let expected = shape.probability(normal, fraction) * f64::from(below)
-                    + shape.probability(normal, 1.0 - fraction) * f64::from(above);
-                let cut_off = match (below, above) {
-                    (0, _) => fraction,
-                    (_, 0) => 1.0 - fraction,
-                    _ => 0.0,
-                };
-                (1.0 - EMPTY_BONUS * cut_off) * (NODE_COST + expected)
+                shape.cost(DVec3::AXES[plane.axis as usize], fraction, f64::from(below), f64::from(above))
             }
             Objective::Balance => f64::from(below.max(above)),
         };
@@ -139,9 +124,10 @@ impl<'t> Search<'t> {
     /// Looks at the gaps between equal bins.
     fn bin(&mut self, axis: Axis, faces: impl Iterator<Item = (f64, f64)>) {
         let (min, max) = (self.cell.min[axis as usize], self.cell.max[axis as usize]);
-        // Monotone whatever the extent, as the cast of NaN is 0; if it is infinite, there is one bin.
-        let scale = BINS as f64 / (max - min);
-        let place = |x: f64| (((x - min) * scale) as usize).min(BINS - 1);
+        // Monotone whatever the extent: if it is infinite, there is one bin, as the cast of NaN is 0. The inverse of a
+        // denormal extent would be infinite.
+        let extent = max - min;
+        let place = |x: f64| (((x - min) / extent * BINS as f64) as usize).min(BINS - 1);
         let mut bins = [Bin::EMPTY; BINS];
         let (mut begun, mut ended) = (0, 0);
         for (start, end) in faces {
@@ -187,5 +173,95 @@ impl Bin {
     fn include(&mut self, face: f64) {
         self.first = self.first.min(face);
         self.last = self.last.max(face);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::partition::Cut;
+    use rt_math::random::{hash, unit};
+
+    fn task(boxes: &[(u32, Aabb)], depth: u32) -> Task<AxisPlane> {
+        let cell = boxes.iter().fold(Aabb::EMPTY, |all, (_, own)| all.union(*own));
+        Task { items: (0..boxes.len() as u32).collect(), cell, walls: Vec::new(), depth, path: 1, budget: 1 << 20 }
+    }
+
+    fn row(places: impl IntoIterator<Item = f64>) -> Vec<(u32, Aabb)> {
+        let at = |x: f64| Aabb::new(DVec3::new(x, 0.0, 0.0), DVec3::new(x + 1.0, 1.0, 1.0));
+        (0..).zip(places).map(|(index, x)| (index, at(x))).collect()
+    }
+
+    fn counts(boxes: &[(u32, Aabb)], plane: &AxisPlane) -> [usize; 2] {
+        [0, 1].map(|side| boxes.iter().filter(|(_, own)| plane.sides(own)[side]).count())
+    }
+
+    #[test]
+    fn clusters_are_parted_next_to_a_face_that_is_left_whole() {
+        for n in [4, 100] {
+            let step = |i: u32| f64::from(i) * 2.0 / f64::from(n);
+            let boxes = row((0..n).map(step).chain((0..n).map(|i| 50.0 + step(i))));
+            let plane = SurfaceArea.choose(&boxes, &task(&boxes, 0)).expect("two clusters");
+            let position = plane.position;
+            let last = boxes[n as usize - 1].1.max.x;
+            assert!(position == last.next_up() || position == 50f64.next_down(), "{plane:?}");
+            assert_eq!(counts(&boxes, &plane), [n as usize; 2]);
+        }
+    }
+
+    #[test]
+    fn empty_space_is_cut_off_at_the_last_face_before_it() {
+        let boxes = row((0..40).map(|i| f64::from(i) * 0.01));
+        let wide = Task { cell: Aabb::new(DVec3::ZERO, DVec3::new(100.0, 1.0, 1.0)), ..task(&boxes, 0) };
+        let plane = SurfaceArea.choose(&boxes, &wide).expect("emptiness");
+        let position = plane.position;
+        assert_eq!((plane.axis, position), (Axis::X, boxes[39].1.max.x.next_up()));
+    }
+
+    #[test]
+    fn what_cannot_be_parted_is_not_cut() {
+        for n in [1, 2, 31, 1000] {
+            let same = row((0..n).map(|_| 3.0));
+            assert_eq!(SurfaceArea.choose(&same, &task(&same, 0)), None);
+            assert_eq!(SurfaceArea.choose(&same, &task(&same, 59)), None);
+        }
+        assert_eq!(SurfaceArea.choose(&[], &task(&[], 0)), None);
+    }
+
+    #[test]
+    fn lopsided_sets_are_halved_when_depth_runs_out() {
+        let boxes = row([1e6].into_iter().chain((0..1000).map(|i| 2.0 * f64::from(i))));
+        let sides_at = |depth| SurfaceArea.choose(&boxes, &task(&boxes, depth)).map(|plane| counts(&boxes, &plane));
+        assert_eq!(sides_at(0), Some([1000, 1]));
+        assert_eq!(sides_at(55), Some([500, 501]));
+    }
+
+    /// The counts that a search goes by are those of the boxes.
+    #[test]
+    fn bins_are_nearly_as_good_as_all_faces() {
+        for seed in 0..50 {
+            let draw = |i: u64, k: u64| unit(hash(&[seed, i, k]));
+            let vector = |i, k| DVec3::new(draw(i, k), draw(i, k + 1), draw(i, k + 2) * draw(i, k + 6));
+            let boxes: Vec<_> = (0..300)
+                .map(|i| (i as u32, vector(i, 0)))
+                .map(|(i, p)| (i, Aabb::new(p, p + 0.2 * vector(i.into(), 3))))
+                .collect();
+            let task = task(&boxes, 0);
+            let best = |by_bins: bool| {
+                let mut search = Search::new(&task, Objective::Area(Shape::of(&task.cell).expect("a box")));
+                for axis in Axis::ALL {
+                    let faces = boxes.iter().map(|(_, own)| (own.min[axis as usize], own.max[axis as usize]));
+                    if by_bins { search.bin(axis, faces) } else { search.sweep(axis, faces) }
+                }
+                let plane = search.best.expect("a cut");
+                let [below, above] = counts(&boxes, &plane).map(|count| count as u32);
+                let mut again = Search::new(&task, search.objective);
+                again.consider(plane, below, above);
+                assert_eq!(again.cost, search.cost, "{plane:?}");
+                search.cost
+            };
+            let (binned, swept) = (best(true), best(false));
+            assert!(swept <= binned && binned < 1.05 * swept, "{binned} {swept}");
+        }
     }
 }

@@ -43,6 +43,9 @@ pub(crate) trait Cut: Copy + Debug + PartialEq + Send + Sync {
     /// Boxes around the parts of `cell` below and above.
     fn divide(&self, cell: &Aabb) -> [Aabb; 2];
 
+    /// True if the boxes of [`divide`](Self::divide) are the parts of `cell`, and not only around them.
+    fn divides_exactly(&self) -> bool;
+
     /// True if all numbers are such that the proofs hold.
     fn is_sound(&self) -> bool;
 }

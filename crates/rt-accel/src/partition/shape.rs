@@ -1,4 +1,4 @@
-//! How probably a ray through a cell also meets a part of it.
+//! What a cut is worth: the surface area heuristic (MacDonald and Booth 1990).
 
 use glam::DVec3;
 use rt_math::Aabb;
@@ -6,6 +6,13 @@ use rt_math::Aabb;
 /// An axis on which a cell has no extent counts as having this part of its longest one, so that its other extents
 /// still count.
 const THINNEST: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// Cost of visiting a node relative to that of testing a primitive.
+const NODE_COST: f64 = 1.0;
+
+/// What cutting off empty space is worth beyond the tests it saves (Wald and Havran 2006): so much of the cost, times
+/// the fraction that is cut off. A fixed bonus would pay for slivers.
+const EMPTY_BONUS: f64 = 0.5;
 
 /// The proportions of a box.
 #[derive(Clone, Copy, Debug)]
@@ -30,10 +37,24 @@ impl Shape {
     /// The ratio of the surface area of a part to that of the whole (a mean over all rays: Santaló 1976), where the
     /// part has the same outline in direction `normal`, of unit length, and `fraction` of the extent along it. Exact for
     /// the parts of a box at right angles to an axis.
-    pub(crate) fn probability(&self, normal: DVec3, fraction: f64) -> f64 {
+    fn probability(&self, normal: DVec3, fraction: f64) -> f64 {
         // The area of the outline of a box is the sum of those of its faces.
         let outline = self.ends.dot(normal.abs());
         outline + fraction * (1.0 - outline)
+    }
+
+    /// The expected cost of a ray through the cell, after a cut at right angles to `normal` that leaves `fraction` of
+    /// the cell and `below` primitives on the one side, and `above` on the other. A leaf costs 1 for each primitive.
+    pub(crate) fn cost(&self, normal: DVec3, fraction: f64, below: f64, above: f64) -> f64 {
+        let cut_off = if below == 0.0 {
+            fraction
+        } else if above == 0.0 {
+            1.0 - fraction
+        } else {
+            0.0
+        };
+        let tests = self.probability(normal, fraction) * below + self.probability(normal, 1.0 - fraction) * above;
+        (1.0 - EMPTY_BONUS * cut_off) * (NODE_COST + tests)
     }
 }
 
@@ -50,6 +71,16 @@ mod tests {
         let cube = Shape::of(&Aabb::new(DVec3::ZERO, DVec3::ONE)).expect("a box");
         let prism = (3.0 + 2f64.sqrt()) / 6.0;
         assert!((cube.probability(DVec3::new(1.0, 1.0, 0.0).normalize(), 0.5) - prism).abs() < 1e-15);
+    }
+
+    #[test]
+    fn halving_pays_and_slivers_do_not() {
+        let cube = Shape::of(&Aabb::new(DVec3::ZERO, DVec3::ONE)).expect("a box");
+        assert!(cube.cost(DVec3::X, 0.5, 10.0, 10.0) < 20.0);
+        assert!(cube.cost(DVec3::X, 0.5, 2.0, 2.0) < 4.0 && cube.cost(DVec3::X, 0.5, 1.0, 1.0) > 2.0);
+        assert!(cube.cost(DVec3::X, 0.5, 0.0, 20.0) < cube.cost(DVec3::X, 0.5, 1.0, 19.0), "empty space");
+        assert_eq!(cube.cost(DVec3::X, 0.3, 0.0, 20.0), cube.cost(DVec3::X, 0.7, 20.0, 0.0));
+        assert!(cube.cost(DVec3::X, 1e-9, 0.0, 20.0) > 20.0, "a sliver");
     }
 
     #[test]

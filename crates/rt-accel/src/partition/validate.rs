@@ -73,3 +73,113 @@ mod saved {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded_depth::MAX_DEPTH;
+    use crate::{BspTree, KdTree};
+    use glam::DVec3;
+    use rt_math::{Aabb, Hit, Interval, Ray};
+
+    /// Boxes in a row, 0.5 wide and 1 apart.
+    struct Row;
+
+    impl Primitives for Row {
+        fn len(&self) -> usize {
+            100
+        }
+        fn bounds(&self, index: u32) -> Option<Aabb> {
+            Some(Aabb::new(DVec3::X * f64::from(index), DVec3::X * f64::from(index) + 0.5))
+        }
+        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
+            None
+        }
+    }
+
+    fn damage_is_found<C: Cut>(good: &Partition<C>) {
+        assert_eq!(good.validate(&Row), Ok(()));
+        let verdict = |damage: &dyn Fn(&mut Partition<C>)| {
+            let mut tree = good.clone();
+            damage(&mut tree);
+            tree.validate(&Row)
+        };
+        let is_misplaced = |verdict| matches!(verdict, Err(Violation::Misplaced { .. }));
+        let root = |tree: &mut Partition<C>, number: u32| match &mut tree.nodes[0] {
+            Node::Split { above, .. } => *above = number,
+            Node::Leaf { .. } => panic!("a leaf of all"),
+        };
+        assert!(is_misplaced(verdict(&|tree| tree.indices[1] = tree.indices[0])), "one is listed twice");
+        assert!(is_misplaced(verdict(&|tree| tree.indices[0] = 100)), "one that is not there");
+        assert!(is_misplaced(verdict(&|tree| tree.unbounded.push(3))), "one that is bounded");
+        assert!(matches!(verdict(&|tree| root(tree, 0)), Err(Violation::Node { .. })), "a loop");
+        assert!(matches!(verdict(&|tree| root(tree, 9999)), Err(Violation::Node { .. })), "a node that is not there");
+        assert!(verdict(&|tree| _ = tree.nodes.pop()).is_err(), "a node lost");
+        assert!(verdict(&|tree| _ = tree.indices.pop()).is_err(), "a reference lost");
+        assert_eq!(verdict(&|tree| tree.primitives = 99), Err(Violation::Misplaced { primitive: 99 }));
+        assert_eq!(verdict(&|tree| tree.bounds.max.x -= 1.0), Err(Violation::Outside { primitive: 99 }));
+        let comb = |tree: &mut Partition<C>| {
+            let Node::Split { cut, .. } = tree.nodes[0] else { return };
+            let depth = MAX_DEPTH + 1;
+            tree.nodes = (0..depth).map(|level| Node::Split { cut, above: 2 * depth - level }).collect();
+            tree.nodes.extend((0..=depth).map(|_| Node::Leaf { first: 0, count: 0 }));
+            tree.indices.clear();
+        };
+        assert_eq!(verdict(&comb), Err(Violation::Depth { depth: MAX_DEPTH + 1 }));
+        // Two leaves of different primitives, exchanged.
+        let exchanged = verdict(&|tree| {
+            let last = tree.indices.len() - 1;
+            tree.indices.swap(0, last);
+        });
+        assert!(is_misplaced(exchanged), "{exchanged:?}");
+    }
+
+    #[test]
+    fn damage_to_trees_of_both_kinds_is_found() {
+        damage_is_found(&KdTree::build(&Row).expect("boxes").0);
+        damage_is_found(&BspTree::build(&Row).expect("boxes").0);
+    }
+
+    #[test]
+    fn cuts_that_are_no_planes_are_found() {
+        let mut tree = KdTree::build(&Row).expect("boxes").0;
+        let Node::Split { cut, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
+        cut.position = f64::NAN;
+        assert_eq!(tree.validate(&Row), Err(Violation::Node { node: 0 }));
+        let mut tree = BspTree::build(&Row).expect("boxes").0;
+        let Node::Split { cut, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
+        cut.normal *= 2.0;
+        assert_eq!(tree.validate(&Row), Err(Violation::Node { node: 0 }));
+    }
+
+    #[cfg(feature = "serde")]
+    #[test]
+    fn what_is_loaded_is_what_was_saved_or_refused() {
+        use rt_math::Primitives;
+        struct Nothing;
+        impl Primitives for Nothing {
+            fn len(&self) -> usize {
+                0
+            }
+            fn bounds(&self, _: u32) -> Option<Aabb> {
+                None
+            }
+            fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
+                None
+            }
+        }
+        let kd = KdTree::build(&Row).expect("boxes");
+        let bsp = BspTree::build(&Row).expect("boxes");
+        let empty = KdTree::build(&Nothing).expect("nothing");
+        let text = serde_json::to_string(&(&kd, &bsp, &empty)).expect("plain data");
+        assert_eq!(
+            serde_json::from_str::<(KdTree, BspTree, KdTree)>(&text).expect("what was saved"),
+            (kd.clone(), bsp, empty)
+        );
+        let mut damaged = kd;
+        damaged.0.indices[5] = 100;
+        let text = serde_json::to_string(&damaged).expect("plain data");
+        let error = serde_json::from_str::<KdTree>(&text).expect_err("a primitive that is not there");
+        assert!(error.to_string().contains("primitive 100"), "{error}");
+    }
+}
