@@ -78,8 +78,8 @@ fn unused(objects: &Objects<'_>, findings: &mut Findings) {
     };
     let names = scene.appearance.materials.iter().map(|material| material.name.as_str());
     names.zip(&materials).filter(|(_, used)| !**used).for_each(|(name, _)| note("material", name));
-    let names = scene.meshes.iter().map(|mesh| mesh.name.as_str());
-    names.zip(&meshes).filter(|(_, used)| !**used).for_each(|(name, _)| note("mesh", name));
+    let named = objects.meshes().zip(&meshes);
+    named.filter(|(_, used)| !**used).for_each(|(mesh, _)| note("mesh", &mesh.name));
     let names = scene.groups.iter().map(|group| group.name.as_str());
     names.zip(&objects.group_used).filter(|(_, used)| !**used).for_each(|(name, _)| note("group", name));
 }

@@ -140,8 +140,8 @@ pub(super) fn check(objects: &Objects<'_>, measures: &Measures, findings: &mut F
         let message = format!("stands {distance:.3e} times its extent away from the origin");
         findings.add(whole(Kind::FarFromOrigin, severity, "origin_distance", distance, message));
     }
-    for named in &objects.scene.meshes {
-        findings.extend(coarse_vertices(named));
+    for named in objects.meshes() {
+        findings.extend(coarse_vertices(&named));
     }
 }
 

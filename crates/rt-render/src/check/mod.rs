@@ -89,12 +89,12 @@ fn meshes(objects: &Objects<'_>, findings: &mut Findings) -> Vec<Topology> {
         }
     }
     let mut topologies = Vec::with_capacity(scene.meshes.len());
-    for (index, named) in scene.meshes.iter().enumerate() {
+    for (index, named) in objects.meshes().enumerate() {
         let welded = Welded::new(named.mesh.data());
         let topology = Topology::of(&named.mesh, &welded);
-        triangles::check(named, &welded, findings);
-        topology::check(named, &topology, glass[index], findings);
-        normals::check(named, textured[index], findings);
+        triangles::check(&named, &welded, findings);
+        topology::check(&named, &topology, glass[index], findings);
+        normals::check(&named, textured[index], findings);
         topologies.push(topology);
     }
     topologies

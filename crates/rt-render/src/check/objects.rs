@@ -1,10 +1,11 @@
 //! Everything that stands in a scene, with its path in the tree.
 
 use std::fmt::Write;
+use std::sync::Arc;
 
 use rt_geometry::{Placed, Shape, TriangleMesh};
 use rt_math::{Aabb, Transform};
-use rt_scene_io::{Content, Group, Node, Scene};
+use rt_scene_io::{Content, Group, NamedMesh, Node, Scene};
 use rt_shading::Phong;
 
 use super::transforms::condition;
@@ -180,6 +181,14 @@ impl<'s> Objects<'s> {
             Some("") | None => path,
             Some(name) => format!("{path} {name:?}"),
         }
+    }
+
+    /// The meshes of the scene; those without a name are numbered.
+    pub(super) fn meshes(&self) -> impl Iterator<Item = NamedMesh> {
+        self.scene.meshes.iter().enumerate().map(|(index, named)| match named.name.as_str() {
+            "" => NamedMesh { name: format!("mesh number {index}"), mesh: Arc::clone(&named.mesh) },
+            _ => named.clone(),
+        })
     }
 
     /// The surface of an object; `None` if its material does not exist.

@@ -22,6 +22,16 @@ fn a_scene_that_cannot_be_rendered_says_why() {
 }
 
 #[test]
+fn a_mesh_without_a_name_is_numbered() {
+    let mut scene = empty();
+    let mut data = cube_data();
+    data.triangles.pop();
+    scene.nodes = vec![add_mesh(&mut scene, data)];
+    scene.meshes[0].name.clear();
+    assert_eq!(only(&scene, Kind::OpenEdges).object, "mesh number 0");
+}
+
+#[test]
 fn codes_are_kebab_case_and_unique() {
     let codes: std::collections::BTreeSet<_> = Kind::ALL.iter().map(|kind| kind.code()).collect();
     assert_eq!(codes.len(), Kind::ALL.len());
