@@ -5,8 +5,8 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, AnyStructure, BspTree, BuildError, DVec3, Hit, Interval, KdTree, Linear, NoProbe, Primitives,
-    Ray, Structure, StructureKind, UniformGrid, Violation,
+    Aabb, Accelerator, AnyStructure, Bih, BspTree, BuildError, CylinderTree, DVec3, Hit, Interval, KdTree, LazyBih,
+    Linear, NoProbe, Primitives, Ray, SphereTree, Structure, StructureKind, UniformGrid, Violation,
 };
 use soup::draw::Draw;
 use soup::structures::{Structures, tests_per_ray};
@@ -438,5 +438,24 @@ fn batches_equal_single_queries() {
     for (i, (ray, span)) in rays.iter().enumerate() {
         assert_eq!(hits[i], all.closest(&soup, ray, *span));
         assert_eq!(blocked[i], hits[i].is_some());
+    }
+}
+
+#[test]
+fn no_leaf_of_any_tree_is_too_deep_or_too_full() {
+    let at = |x: f64| Solid::Box(Aabb::new(DVec3::new(x, 0.0, 0.0), DVec3::new(x, 1e-3 * x.abs(), 0.0)));
+    let same = Soup(vec![unit_box(DVec3::ONE); 20_000]);
+    let powers = Soup((0..1075).map(|i| at(exp2(-i))).collect());
+    let crowded = Soup((-1000..1000).flat_map(|i| [exp2(i), -exp2(i)]).flat_map(|x| [at(x); 20]).collect());
+    for soup in [same, powers, crowded] {
+        let [spheres, cylinders] =
+            [SphereTree::build(&soup).unwrap().build_stats(), CylinderTree::build(&soup).unwrap().build_stats()];
+        let lazy = LazyBih::build(&soup).unwrap();
+        lazy.complete();
+        let bih = Bih::build(&soup).unwrap().build_stats();
+        assert_eq!(lazy.build_stats(), bih);
+        for (stats, most) in [(spheres, 8), (cylinders, 8), (bih, 4)] {
+            assert!(stats.max_depth <= 60 && stats.leaves >= soup.len() / most, "{stats:?}");
+        }
     }
 }

@@ -135,22 +135,22 @@ fn bsp_equals_brute_force() {
 
 #[test]
 fn spheres_equal_brute_force() {
-    compare_all("spheres", 0.3, |soup| SphereTree::build(soup).unwrap());
+    compare_all("spheres", 0.1, |soup| SphereTree::build(soup).unwrap());
 }
 
 #[test]
 fn cylinders_equal_brute_force() {
-    compare_all("cylinders", 0.3, |soup| CylinderTree::build(soup).unwrap());
+    compare_all("cylinders", 0.1, |soup| CylinderTree::build(soup).unwrap());
 }
 
 #[test]
 fn bih_equals_brute_force() {
-    compare_all("bih", 0.2, |soup| Bih::build(soup).unwrap());
+    compare_all("bih", 0.1, |soup| Bih::build(soup).unwrap());
 }
 
 #[test]
 fn lazy_bih_equals_brute_force() {
-    compare_all("lazy bih", 0.2, |soup| LazyBih::build(soup).unwrap());
+    compare_all("lazy bih", 0.1, |soup| LazyBih::build(soup).unwrap());
 }
 
 #[test]

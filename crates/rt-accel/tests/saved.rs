@@ -4,7 +4,11 @@
 
 mod soup;
 
-use rt_accel::{AnyStructure, Bvh, DVec3, Interval, NoProbe, Ray, SplitMethod, Structure, StructureKind};
+use rt_accel::{
+    Aabb, Accelerator, AnyStructure, Bih, BuildError, Bvh, CylinderTree, DVec3, Interval, LazyBih, NoProbe, Ray,
+    SphereTree, SplitMethod, Structure, StructureKind,
+};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use soup::draw::Draw;
 use soup::{Solid, Soup};
@@ -32,10 +36,7 @@ fn mutations(text: &str) -> impl Iterator<Item = String> {
     })
 }
 
-fn check<S: Structure + serde::Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(
-    structure: &S,
-    soup: &Soup,
-) {
+fn check<S: Structure + Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(structure: &S, soup: &Soup) {
     let text = serde_json::to_string(structure).unwrap();
     let loaded: S = serde_json::from_str(&text).unwrap();
     assert_eq!(&loaded, structure);
@@ -79,4 +80,35 @@ fn trees_of_all_methods_can_be_saved() {
     check(&cut, &sticks);
     let nothing = Soup(vec![]);
     check(&Bvh::build(&nothing).unwrap(), &nothing);
+}
+
+#[test]
+fn a_tree_is_saved_as_far_as_it_has_been_split() {
+    let soup = scene();
+    let lazy = LazyBih::build(&soup).unwrap();
+    for ray in &rays()[..3] {
+        lazy.closest(&soup, ray, Interval::FORWARD, &mut NoProbe);
+    }
+    let part = lazy.build_stats();
+    check(&lazy, &soup);
+    assert_eq!(lazy.build_stats(), part, "saving splits nothing");
+    lazy.complete();
+    assert!(part.nodes > 0 && part.nodes < lazy.build_stats().nodes, "{part:?}");
+    check(&lazy, &soup);
+}
+
+#[test]
+fn trees_of_nothing_and_of_extreme_numbers_can_be_saved() {
+    fn check<S: Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(structure: Result<S, BuildError>) {
+        let structure = structure.unwrap();
+        let text = serde_json::to_string(&structure).unwrap();
+        assert_eq!(serde_json::from_str::<S>(&text).unwrap(), structure);
+    }
+    let huge = Aabb::new(DVec3::splat(-1e300), DVec3::splat(1e300));
+    for soup in [Soup(vec![]), Soup(vec![Solid::Ghost(huge); 20])] {
+        check(SphereTree::build(&soup));
+        check(CylinderTree::build(&soup));
+        check(Bih::build(&soup));
+        check(LazyBih::build(&soup));
+    }
 }

@@ -144,3 +144,96 @@ impl<C> Tree<C> {
         Ok(boxes)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tree::Node;
+    use crate::{Bih, Structure};
+    use glam::DVec3;
+    use rt_math::{Hit, Interval, Ray};
+
+    struct Row(f64);
+
+    impl Primitives for Row {
+        fn len(&self) -> usize {
+            101
+        }
+        fn bounds(&self, index: u32) -> Option<Aabb> {
+            let corner = DVec3::X * f64::from(index);
+            (index != 100).then_some(Aabb::new(corner, corner + self.0))
+        }
+        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
+            None
+        }
+    }
+
+    /// Halves down to four, and keeps the box around each side.
+    fn tree() -> Tree<[Aabb; 2]> {
+        let union = |items: &[crate::tree::Item]| items.iter().fold(Aabb::EMPTY, |all, (_, own)| all.union(*own));
+        let boxes = OwnBoxes::collect(&Row(0.5)).expect("boxes");
+        Tree::grow(boxes, (), |items, (), _| {
+            let middle = items.len() / 2;
+            let content = [union(&items[..middle]), union(&items[middle..])];
+            (items.len() > 4).then_some(crate::tree::Cut { middle, content, sides: [(); 2] })
+        })
+    }
+
+    fn verdict(tree: &Tree<[Aabb; 2]>, row: &Row) -> Result<(), Violation> {
+        tree.validate(row, |boxes, side, own| boxes[side].encloses(own))
+    }
+
+    fn damaged(damage: impl FnOnce(&mut Tree<[Aabb; 2]>)) -> Result<(), Violation> {
+        let mut tree = tree();
+        assert_eq!(verdict(&tree, &Row(0.5)), Ok(()));
+        damage(&mut tree);
+        verdict(&tree, &Row(0.5))
+    }
+
+    #[test]
+    fn damage_is_found() {
+        let reaches_out = damaged(|tree| tree.nodes[0].content[1].max.x -= 0.1);
+        assert_eq!(reaches_out, Err(Violation::Outside { primitive: 99 }));
+        assert_eq!(damaged(|tree| tree.indices[1] = 0), Err(Violation::Misplaced { primitive: 0 }));
+        assert_eq!(damaged(|tree| tree.indices[1] = 4000), Err(Violation::Misplaced { primitive: 4000 }));
+        let fewer = Violation::Count { built: 100, given: 101 };
+        assert_eq!(damaged(|tree| tree.unbounded.clear()), Err(fewer));
+        let is_node = |verdict: Result<(), Violation>| matches!(verdict, Err(Violation::Node { .. }));
+        assert!(is_node(damaged(|tree| tree.nodes[0].children[0] = Child::node(0))), "a loop");
+        assert!(is_node(damaged(|tree| tree.nodes[0].children[1] = Child::node(9999))), "a node past the end");
+        assert!(is_node(damaged(|tree| tree.nodes[0].children.swap(0, 1))), "out of order");
+        assert!(is_node(damaged(|tree| tree.root = Child::leaf(0, 100))), "nodes that nothing leads to");
+        assert!(is_node(damaged(|tree| tree.root = Child::leaf(0, u32::MAX))), "a leaf past the end");
+        assert!(is_node(damaged(|tree| tree.nodes.clear())), "no nodes");
+        assert!(is_node(damaged(|tree| tree.nodes.truncate(10))), "nodes are missing");
+    }
+
+    #[test]
+    fn trees_deeper_than_the_stack_are_refused() {
+        let boxes = [Aabb::new(DVec3::splat(-1e9), DVec3::splat(1e9)); 2];
+        let mut tree = tree();
+        tree.root = Child::node(0);
+        // Each node has one primitive on its left side and all others on its right.
+        tree.nodes = (0..99)
+            .map(|i| {
+                let right = if i == 98 { Child::leaf(99, 1) } else { Child::node(i + 1) };
+                Node { content: boxes, children: [Child::leaf(i, 1), right] }
+            })
+            .collect();
+        assert_eq!(verdict(&tree, &Row(0.5)), Err(Violation::Depth { depth: 61 }));
+    }
+
+    #[test]
+    fn other_primitives_are_noticed_and_fitted_to() {
+        let mut tree = tree();
+        assert!(matches!(verdict(&tree, &Row(0.6)), Err(Violation::Outside { .. })));
+        let union = |boxes: &[Aabb]| boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
+        assert!(tree.refit(&Row(0.6), |_, sides| sides.map(union)).is_ok());
+        assert_eq!(verdict(&tree, &Row(0.6)), Ok(()));
+        assert_eq!(tree.stats().max_depth, 5);
+        let mut bih = Bih::build(&Row(0.5)).expect("bounded");
+        assert!(bih.validate(&Row(0.6)).is_err());
+        assert_eq!(crate::Refit::refit(&mut bih, &Row(0.6)), Ok(()));
+        assert_eq!(bih.validate(&Row(0.6)), Ok(()));
+    }
+}
