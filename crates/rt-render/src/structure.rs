@@ -20,6 +20,9 @@ pub(crate) fn choose<P: Primitives>(accel: Accel, primitives: &P) -> (StructureK
         Accel::Grid => asked(StructureKind::Grid),
         Accel::Bvh => asked(StructureKind::Bvh),
         Accel::Kd => asked(StructureKind::Kd),
+        Accel::Bsp => asked(StructureKind::Bsp),
+        Accel::Bih => asked(StructureKind::Bih),
+        Accel::BihLazy => asked(StructureKind::BihLazy),
         Accel::Auto if primitives.len() <= FEW => {
             (StructureKind::Linear, "few primitives: asking each is faster than walking a tree".to_owned())
         }

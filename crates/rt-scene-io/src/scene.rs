@@ -65,11 +65,18 @@ pub enum Accel {
     Bvh,
     /// Tree of planes at right angles to the axes.
     Kd,
+    /// Tree of planes of any direction.
+    Bsp,
+    /// Bounding interval hierarchy.
+    Bih,
+    /// Bounding interval hierarchy, built where rays go.
+    BihLazy,
 }
 
 impl Accel {
     /// All choices.
-    pub const ALL: [Self; 5] = [Self::Auto, Self::Linear, Self::Grid, Self::Bvh, Self::Kd];
+    pub const ALL: [Self; 8] =
+        [Self::Auto, Self::Linear, Self::Grid, Self::Bvh, Self::Kd, Self::Bsp, Self::Bih, Self::BihLazy];
 
     /// The name in files and on the command line.
     pub const fn name(self) -> &'static str {
@@ -79,6 +86,9 @@ impl Accel {
             Self::Grid => "grid",
             Self::Bvh => "bvh",
             Self::Kd => "kd",
+            Self::Bsp => "bsp",
+            Self::Bih => "bih",
+            Self::BihLazy => "bih-lazy",
         }
     }
 }

@@ -88,4 +88,10 @@ pub enum Accel {
     Bvh,
     /// Tree of planes at right angles to the axes.
     Kd,
+    /// Tree of planes of any direction.
+    Bsp,
+    /// Bounding interval hierarchy.
+    Bih,
+    /// Bounding interval hierarchy, built where rays go.
+    BihLazy,
 }

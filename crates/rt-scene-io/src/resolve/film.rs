@@ -106,5 +106,8 @@ const fn accel(accel: format::Accel) -> Accel {
         format::Accel::Grid => Accel::Grid,
         format::Accel::Bvh => Accel::Bvh,
         format::Accel::Kd => Accel::Kd,
+        format::Accel::Bsp => Accel::Bsp,
+        format::Accel::Bih => Accel::Bih,
+        format::Accel::BihLazy => Accel::BihLazy,
     }
 }
