@@ -11,7 +11,7 @@ use rt_shading::Texture;
 use crate::{
     RenderPlan,
     plan::World,
-    structure::choose,
+    structure::why,
     surroundings::Surroundings,
     visible::Visible,
     world::{Assembly, Levels, Part, PartGeometry, Parts},
@@ -237,7 +237,7 @@ impl RenderPlan<'_> {
         };
         // The rule is asked again of the primitives that the structure was built over.
         let assembly = |level: &str, assembly: &Assembly, levels: &Levels| {
-            let why = choose(accel, &Parts { parts: &assembly.parts, levels }).1;
+            let why = why(accel, &Parts { parts: &assembly.parts, levels });
             line(level, &assembly.structure, assembly.parts.len(), why)
         };
         let visible = |why: &dyn Fn(&Visible) -> String| {
@@ -247,7 +247,7 @@ impl RenderPlan<'_> {
         let mut lines = Vec::new();
         match &self.world {
             World::Spheres(world, structure) => {
-                lines.push(line("structure", structure, world.len(), choose(accel, world).1));
+                lines.push(line("structure", structure, world.len(), why(accel, world)));
                 lines.extend(visible(&|visible| visible.why(accel, world)));
             }
             World::Parts(top, levels) => {
@@ -255,7 +255,7 @@ impl RenderPlan<'_> {
                 lines.extend(visible(&|visible| visible.why(accel, &Parts { parts: &top.parts, levels })));
                 lines.extend(levels.groups.iter().map(|group| assembly("  of a group", group, levels)));
                 lines.extend(levels.meshes.iter().map(|level| {
-                    let why = choose(accel, &*level.mesh).1;
+                    let why = why(accel, &*level.mesh);
                     line("  of a mesh", &level.structure, level.mesh.data().triangles.len(), why)
                 }));
             }

@@ -9,38 +9,76 @@ pub(crate) const FEW: usize = 8;
 
 /// Builds what `accel` asks for, or for `Auto` what fits the primitives.
 pub(crate) fn build<P: Primitives>(accel: Accel, primitives: &P) -> Result<AnyStructure, BuildError> {
-    AnyStructure::build(choose(accel, primitives).0, primitives)
+    AnyStructure::build(choose(accel, primitives.len()), primitives)
 }
 
-/// What `accel` asks for, and the rule that applied, for people.
-pub(crate) fn choose<P: Primitives>(accel: Accel, primitives: &P) -> (StructureKind, String) {
-    let asked = |kind| (kind, "as asked".to_owned());
+/// What `accel` asks for; `Auto` is brute force for a few primitives and a tree of boxes otherwise.
+fn choose(accel: Accel, count: usize) -> StructureKind {
     match accel {
-        Accel::Linear => asked(StructureKind::Linear),
-        Accel::Grid => asked(StructureKind::Grid),
-        Accel::Bvh => asked(StructureKind::Bvh),
-        Accel::Kd => asked(StructureKind::Kd),
-        Accel::Bsp => asked(StructureKind::Bsp),
-        Accel::Bih => asked(StructureKind::Bih),
-        Accel::BihLazy => asked(StructureKind::BihLazy),
-        Accel::Auto if primitives.len() <= FEW => {
-            (StructureKind::Linear, "few primitives: asking each is faster than walking a tree".to_owned())
+        Accel::Auto if count <= FEW => StructureKind::Linear,
+        Accel::Auto | Accel::Bvh => StructureKind::Bvh,
+        Accel::Linear => StructureKind::Linear,
+        Accel::Grid => StructureKind::Grid,
+        Accel::Kd => StructureKind::Kd,
+        Accel::Bsp => StructureKind::Bsp,
+        Accel::Bih => StructureKind::Bih,
+        Accel::BihLazy => StructureKind::BihLazy,
+    }
+}
+
+/// The rule by which [`build`] chooses, and the measures that it looks at, for people.
+pub(crate) fn why<P: Primitives>(accel: Accel, primitives: &P) -> String {
+    match (accel, primitives.len()) {
+        (Accel::Auto, 0..=FEW) => format!("up to {FEW}: asking each is faster than walking a tree"),
+        (Accel::Auto, _) => {
+            format!("more than {FEW}, {}: trees of boxes suit all sizes and places", spread(primitives))
         }
-        Accel::Auto => (StructureKind::Bvh, "many primitives".to_owned()),
+        _ => "as asked".to_owned(),
+    }
+}
+
+/// How different in size the primitives are, by the longest edges of their boxes.
+fn spread<P: Primitives>(primitives: &P) -> String {
+    let sizes = (0..primitives.len() as u32).filter_map(|index| primitives.bounds(index));
+    let sizes = sizes.map(|bounds| bounds.extent().max_element());
+    let (least, greatest) = sizes.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), size| (a.min(size), b.max(size)));
+    let ratio = greatest / least;
+    match ratio {
+        _ if least == f64::INFINITY => "none of them bounded".to_owned(),
+        0.0..1.5 => "all of about one size".to_owned(),
+        1.5..10.0 => format!("sizes spread 1:{ratio:.1}"),
+        10.0..1e6 => format!("sizes spread 1:{ratio:.0}"),
+        _ => format!("sizes from {least:.1e} to {greatest:.1e}"),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rt_geometry::Spheres;
+    use rt_geometry::{Sphere, Spheres};
+    use rt_math::DVec3;
 
     #[test]
     fn every_structure_can_be_asked_for_by_its_name() {
-        let named = |accel: &Accel| choose(*accel, &Spheres::new(Vec::new())).0.name();
+        let named = |accel: &Accel| choose(*accel, 0).name();
         for accel in Accel::ALL.iter().filter(|accel| **accel != Accel::Auto) {
             assert_eq!(named(accel), accel.name());
         }
         assert_eq!(Accel::ALL.len(), StructureKind::ALL.len() + 1);
+    }
+
+    fn spheres(radii: &[f64]) -> Spheres {
+        Spheres::new(radii.iter().map(|&radius| Sphere::new(DVec3::ZERO, radius).expect("a sphere")).collect())
+    }
+
+    #[test]
+    fn reasons_name_the_rule_and_what_it_looked_at() {
+        let why = |radii: &[f64]| why(Accel::Auto, &spheres(radii));
+        assert_eq!(why(&[1.0; 8]), "up to 8: asking each is faster than walking a tree");
+        let of = |least: f64| why(&[least, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+        assert_eq!(of(0.025), "more than 8, sizes spread 1:40: trees of boxes suit all sizes and places");
+        assert!(of(0.9).contains("about one size") && of(0.4).contains("1:2.5"), "{}", of(0.4));
+        assert!(of(1e-9).contains("sizes from 2.0e-9 to 2.0e0"), "{}", of(1e-9));
+        assert_eq!(super::why(Accel::Grid, &spheres(&[1.0])), "as asked");
     }
 }

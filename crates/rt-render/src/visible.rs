@@ -59,7 +59,7 @@ impl Visible {
 
     /// The rule by which the structure was chosen.
     pub(crate) fn why<P: Primitives>(&self, accel: Accel, all: &P) -> String {
-        structure::choose(accel, &Subset { all, indices: &self.indices }).1
+        structure::why(accel, &Subset { all, indices: &self.indices })
     }
 
     /// Number of primitives that camera rays are spared.
