@@ -19,6 +19,8 @@ fn choose(accel: Accel, count: usize) -> StructureKind {
         Accel::Auto | Accel::Bvh => StructureKind::Bvh,
         Accel::Linear => StructureKind::Linear,
         Accel::Grid => StructureKind::Grid,
+        Accel::Spheres => StructureKind::Spheres,
+        Accel::Cylinders => StructureKind::Cylinders,
         Accel::Kd => StructureKind::Kd,
         Accel::Bsp => StructureKind::Bsp,
         Accel::Bih => StructureKind::Bih,

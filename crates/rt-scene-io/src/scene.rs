@@ -63,6 +63,10 @@ pub enum Accel {
     Grid,
     /// Binary bounding volume hierarchy.
     Bvh,
+    /// Tree of bounding spheres.
+    Spheres,
+    /// Tree of bounding cylinders.
+    Cylinders,
     /// Tree of planes at right angles to the axes.
     Kd,
     /// Tree of planes of any direction.
@@ -75,8 +79,18 @@ pub enum Accel {
 
 impl Accel {
     /// All choices.
-    pub const ALL: [Self; 8] =
-        [Self::Auto, Self::Linear, Self::Grid, Self::Bvh, Self::Kd, Self::Bsp, Self::Bih, Self::BihLazy];
+    pub const ALL: [Self; 10] = [
+        Self::Auto,
+        Self::Linear,
+        Self::Grid,
+        Self::Bvh,
+        Self::Spheres,
+        Self::Cylinders,
+        Self::Kd,
+        Self::Bsp,
+        Self::Bih,
+        Self::BihLazy,
+    ];
 
     /// The name in files and on the command line.
     pub const fn name(self) -> &'static str {
@@ -85,6 +99,8 @@ impl Accel {
             Self::Linear => "linear",
             Self::Grid => "grid",
             Self::Bvh => "bvh",
+            Self::Spheres => "spheres",
+            Self::Cylinders => "cylinders",
             Self::Kd => "kd",
             Self::Bsp => "bsp",
             Self::Bih => "bih",

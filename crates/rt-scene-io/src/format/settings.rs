@@ -86,6 +86,10 @@ pub enum Accel {
     Grid,
     /// Binary bounding volume hierarchy.
     Bvh,
+    /// Tree of bounding spheres.
+    Spheres,
+    /// Tree of bounding cylinders.
+    Cylinders,
     /// Tree of planes at right angles to the axes.
     Kd,
     /// Tree of planes of any direction.
