@@ -43,8 +43,10 @@ impl Axis {
     pub(super) fn new(min: f64, max: f64, wanted: u32) -> Self {
         let extent = max - min;
         let magnitude = min.abs().max(max.abs());
-        // The cast saturates; 0/0, where everything lies in one plane through the origin, is 0.
-        let finest = if extent.is_finite() { (extent / (magnitude * FINEST)) as u32 } else { 1 };
+        // Products with smaller cells would underflow.
+        let smallest = (magnitude * FINEST).max(f64::MIN_POSITIVE / UNIT_ROUNDOFF);
+        // The cast saturates.
+        let finest = if extent.is_finite() { (extent / smallest) as u32 } else { 1 };
         let cells = wanted.min(finest).max(1);
         Self { min, cell: extent / f64::from(cells), cells, magnitude }
     }
