@@ -16,10 +16,10 @@
 //! | [`Linear`] | O(n), checks only | 0 | n tests | up to about ten primitives; the truth to compare with |
 //! | [`UniformGrid`] | O(n) | 25 to 100 bytes | O(∛n) cells | primitives of similar size, evenly spread; frequent rebuilds |
 //! | [`Bvh`] | O(n log n) | about 50 bytes | O(log n) nodes | everything else |
-//! | [`SphereTree`], [`CylinderTree`] | O(n log n) | about 50 and 80 bytes | O(log n) nodes, more than `Bvh` | comparing shapes of volumes |
+//! | [`SphereTree`], [`CylinderTree`] | O(n log n) | about 75 and 110 bytes | O(log n) nodes, more than `Bvh` | comparing shapes of volumes |
 //! | [`KdTree`] | O(n log n), twice a `Bvh` | 60 to 100 bytes | O(log n) nodes | primitives that overlap little, seen from within; queries of regions |
 //! | [`BspTree`] | O(n log n), four times a `Bvh` | 80 to 130 bytes | O(log n) nodes | walls at odd angles with empty space between them |
-//! | [`Bih`] | O(n log n), a fraction of the time of `Bvh` | about 25 bytes | O(log n) nodes, more than `Bvh` | scenes that change all the time |
+//! | [`Bih`] | O(n log n), a fraction of the time of `Bvh` | about 20 bytes | O(log n) nodes, more tests than `Bvh` | scenes that change all the time |
 //! | [`LazyBih`] | O(n), the rest while rays arrive | 56 bytes before, less after | as `Bih` | first pictures of scenes of which little is seen |
 //!
 //! **All give the same answer, bit for bit**, ties included, for every ray: hits are accepted through

@@ -80,10 +80,10 @@ pub(super) fn entry(inside: Interval, span: Interval) -> Option<f64> {
     (enter <= leave).then_some(enter)
 }
 
-/// A number no less than the distance from which this one was computed, with five roundings and whatever underflowed.
-/// Where squares overflowed it is the greatest number, for which [`margin`] refuses every ray.
-pub(super) fn above(distance: f64) -> f64 {
-    (distance * (1.0 + 16.0 * UNIT_ROUNDOFF) + exp2(-511)).min(f64::MAX)
+/// A number no less than the distance whose square was computed, with five roundings in all and whatever underflowed.
+/// Where it overflowed this is the greatest number, for which [`margin`] refuses every ray.
+pub(super) fn root_above(square: f64) -> f64 {
+    (square.sqrt() * (1.0 + 16.0 * UNIT_ROUNDOFF) + exp2(-511)).min(f64::MAX)
 }
 
 #[cfg(test)]

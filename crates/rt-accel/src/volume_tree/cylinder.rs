@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use glam::DVec3;
 use rt_math::{Aabb, FAR_FACTOR, Interval, SlabRay};
 
-use super::chord::{above, chord, entry, margin};
+use super::chord::{chord, entry, margin, root_above};
 use super::volume::BoundingVolume;
 use crate::coordinate::Coordinate;
 
@@ -44,16 +44,6 @@ impl BoundingCylinder {
         self.caps
     }
 
-    fn along(axis: Coordinate, union: &Aabb, boxes: impl Iterator<Item = Aabb>) -> Self {
-        let centre = union.centre();
-        Self {
-            axis,
-            centre,
-            radius: boxes.fold(0.0, |radius: f64, own| radius.max(reach(axis, centre, &own))),
-            caps: [union.min[axis as usize], union.max[axis as usize]],
-        }
-    }
-
     /// Where the ray is between the caps. As the slab test, it is monotone: see [`Aabb::clip`].
     #[inline(always)]
     fn between_caps(&self, ray: &SlabRay) -> Interval {
@@ -76,15 +66,23 @@ fn across(axis: Coordinate, mut vector: DVec3) -> DVec3 {
     vector
 }
 
-/// No less than the distance from the line through a point to the farthest edge of a box.
-fn reach(axis: Coordinate, centre: DVec3, aabb: &Aabb) -> f64 {
-    above(across(axis, (centre - aabb.min).max(aabb.max - centre)).length())
+/// The squares of the distances from the lines through a point, along x, y and z, to the farthest edges of a box around
+/// it.
+fn reach_squared(centre: DVec3, aabb: &Aabb) -> DVec3 {
+    let farthest = (centre - aabb.min).max(aabb.max - centre);
+    let square = farthest * farthest;
+    DVec3::new(square.y + square.z, square.x + square.z, square.x + square.y)
 }
 
 impl BoundingVolume for BoundingCylinder {
     fn around(boxes: impl Iterator<Item = Aabb> + Clone) -> Self {
         let union = boxes.clone().fold(Aabb::EMPTY, Aabb::union);
-        let [x, y, z] = Coordinate::ALL.map(|axis| Self::along(axis, &union, boxes.clone()));
+        let centre = union.centre();
+        let reach = boxes.fold(DVec3::ZERO, |most, own| most.max(reach_squared(centre, &own)));
+        let [x, y, z] = Coordinate::ALL.map(|axis| {
+            let caps = [union.min[axis as usize], union.max[axis as usize]];
+            Self { axis, centre, radius: root_above(reach[axis as usize]), caps }
+        });
         let smaller = |a: Self, b: Self| if b.measure() < a.measure() { b } else { a };
         smaller(smaller(x, y), z)
     }
@@ -93,7 +91,7 @@ impl BoundingVolume for BoundingCylinder {
         let axis = self.axis as usize;
         self.caps[0] <= aabb.min[axis]
             && aabb.max[axis] <= self.caps[1]
-            && reach(self.axis, self.centre, aabb) <= self.radius
+            && root_above(reach_squared(self.centre, aabb)[axis]) <= self.radius
     }
 
     #[inline(always)]

@@ -41,7 +41,7 @@ pub type SphereTree = VolumeTree<BoundingSphere>;
 pub type CylinderTree = VolumeTree<BoundingCylinder>;
 
 impl<V: BoundingVolume> VolumeTree<V> {
-    /// Builds the tree: O(n log n) time, for spheres about 50 bytes per primitive afterwards, for cylinders 80.
+    /// Builds the tree: O(n log n) time, for spheres about 75 bytes per primitive afterwards, for cylinders 110.
     ///
     /// # Errors
     ///

@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use glam::DVec3;
 use rt_math::{Aabb, Interval, SlabRay};
 
-use super::chord::{above, chord, entry, margin};
+use super::chord::{chord, entry, margin, root_above};
 use super::volume::BoundingVolume;
 
 /// A ball around the centre of some boxes.
@@ -32,19 +32,19 @@ impl BoundingSphere {
     }
 }
 
-/// No less than the distance from a point to the farthest corner of a box.
-fn reach(centre: DVec3, aabb: &Aabb) -> f64 {
-    above((centre - aabb.min).max(aabb.max - centre).length())
+/// The square of the distance from a point to the farthest corner of a box around it.
+fn reach_squared(centre: DVec3, aabb: &Aabb) -> f64 {
+    (centre - aabb.min).max(aabb.max - centre).length_squared()
 }
 
 impl BoundingVolume for BoundingSphere {
     fn around(boxes: impl Iterator<Item = Aabb> + Clone) -> Self {
         let centre = boxes.clone().fold(Aabb::EMPTY, Aabb::union).centre();
-        Self { centre, radius: boxes.fold(0.0, |radius: f64, own| radius.max(reach(centre, &own))) }
+        Self { centre, radius: root_above(boxes.fold(0.0, |most: f64, own| most.max(reach_squared(centre, &own)))) }
     }
 
     fn encloses(&self, aabb: &Aabb) -> bool {
-        reach(self.centre, aabb) <= self.radius
+        root_above(reach_squared(self.centre, aabb)) <= self.radius
     }
 
     #[inline(always)]

@@ -115,7 +115,8 @@ impl Binning {
             for bin in 1..BINS {
                 left = left.merge(&bins[bin - 1]);
                 let right = right_of[bin - 1];
-                if left.count == 0 || right.count == 0 {
+                // Next to an empty bin the cut is the one before.
+                if bins[bin - 1].count == 0 || right.count == 0 {
                     continue;
                 }
                 let cost = left.cost::<V>() + right.cost::<V>();
