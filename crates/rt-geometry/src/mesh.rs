@@ -112,6 +112,11 @@ impl TriangleMesh {
         triangle.map(|i| self.data.positions[i as usize].as_dvec3())
     }
 
+    /// The vertices of a triangle; `None` if there is no such one.
+    pub(crate) fn vertices(&self, index: u32) -> Option<[DVec3; 3]> {
+        self.data.triangles.get(index as usize).map(|triangle| self.corners(*triangle))
+    }
+
     fn triangle_bounds(&self, index: usize) -> Aabb {
         Aabb::from_points(self.corners(self.data.triangles[index]))
     }
@@ -132,8 +137,7 @@ impl Primitives for TriangleMesh {
     }
 
     fn leaf_layout(&self, index: u32) -> LeafLayout {
-        let triangle = self.data.triangles.get(index as usize);
-        triangle.map_or(LeafLayout::Opaque, |triangle| LeafLayout::Triangle(self.corners(*triangle)))
+        self.vertices(index).map_or(LeafLayout::Opaque, LeafLayout::Triangle)
     }
 }
 

@@ -17,6 +17,34 @@ pub enum MeshError {
         /// Number of vertices.
         count: usize,
     },
+    /// A face names a vertex that is not there.
+    #[error("face {face} refers to vertex {vertex}, but there are {count}")]
+    BadCorner {
+        /// Which face.
+        face: usize,
+        /// The vertex that it names.
+        vertex: u32,
+        /// Number of vertices.
+        count: usize,
+    },
+    /// A face whose outline or one of whose holes has fewer than three corners.
+    #[error("face {face} has a ring of {count} corners: it needs at least 3")]
+    TooFewCorners {
+        /// Which face.
+        face: usize,
+        /// How many corners the ring has.
+        count: usize,
+    },
+    /// A face with more corners than can be cut in reasonable time.
+    #[error("face {face} has {count} corners; at most {limit} are accepted")]
+    TooManyCorners {
+        /// Which face.
+        face: usize,
+        /// How many corners it has.
+        count: usize,
+        /// How many it may have.
+        limit: usize,
+    },
     /// The number of normals or texture coordinates differs from that of positions.
     #[error("{count} {what} for {positions} positions")]
     CountMismatch {

@@ -5,7 +5,7 @@ use gltf::{
     mesh::Mode,
     texture::{Info, TextureTransform},
 };
-use rt_geometry::MeshData;
+use rt_geometry::{MeshData, fan, strip};
 use rt_math::{Vec3, transcendental::sincos};
 
 use super::{
@@ -105,14 +105,8 @@ pub(super) fn read(
 fn assemble(mode: Mode, order: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::Triangles => order.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
-        Mode::TriangleStrip => order
-            .windows(3)
-            .enumerate()
-            .map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] })
-            .collect(),
-        Mode::TriangleFan => order
-            .split_first()
-            .map_or_else(Vec::new, |(hub, rim)| rim.windows(2).map(|pair| [pair[0], pair[1], *hub]).collect()),
+        Mode::TriangleStrip => strip(order).collect(),
+        Mode::TriangleFan => fan(order).collect(),
         Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Vec::new(),
     }
 }

@@ -5,6 +5,7 @@
 //! So the statements are sorted first: all vertices, then the faces of each [`Part`] as a group of its own, with
 //! absolute indices. Whatever cannot be read is refused here, where its line is known.
 
+use rt_geometry::MeshData;
 use std::{
     collections::{BTreeMap, HashMap},
     fmt::Write,
@@ -48,8 +49,8 @@ pub(super) struct BadLine {
     pub(super) message: String,
 }
 
-/// More corners than any modeller makes; clipping the ears of more would take forever.
-const MAX_CORNERS: usize = 100_000;
+/// More corners than any modeller makes.
+const MAX_CORNERS: usize = MeshData::MAX_CORNERS;
 
 /// Statements without effect on a picture made of triangles, or for other programs only.
 const HARMLESS: [&str; 7] = ["mg", "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"];

@@ -14,18 +14,16 @@ mod lines;
 mod map;
 mod material;
 mod mtl;
-mod polygon;
 mod smoothing;
 
 use std::{path::Path, sync::Arc};
 
-use rt_geometry::MeshData;
+use rt_geometry::{Face, MeshData, MeshError};
 use rt_math::{Transform, Vec3};
 
 use self::{
     document::{BadLine, Document, Part},
     library::Library,
-    polygon::Triangulator,
 };
 use crate::{
     Content, LoadError, LoadOptions, MeshId, Model, NamedMesh, Node, Place, Reason, Warning, files::read_file,
@@ -61,11 +59,11 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
     };
 
     let mut library = Library::open(&document.libraries, path, options, &mut model)?;
-    let mut triangulator = Triangulator::new();
     for group in groups {
         let Some(part) = group.name.parse().ok().and_then(|i: usize| document.parts.get(i)) else { continue };
-        let data = smoothing::add_normals(mesh_data(&group.mesh, &mut triangulator), part.smoothing);
         let place = format!("{}: {}", path.display(), display_name(part));
+        let data = mesh_data(&group.mesh).map_err(|e| Reason::from(e).at(path, display_name(part)))?;
+        let data = smoothing::add_normals(data, part.smoothing);
         let mesh =
             build_mesh(data, &place, &mut model.warnings).map_err(|e| Reason::from(e).at(path, display_name(part)))?;
         let Some(mesh) = mesh else { continue };
@@ -111,20 +109,19 @@ fn unexplained(error: tobj::LoadError, path: &Path) -> LoadError {
 }
 
 /// The arrays of a group, with its polygons cut into triangles.
-fn mesh_data(mesh: &tobj::Mesh, triangulator: &mut Triangulator) -> MeshData {
+fn mesh_data(mesh: &tobj::Mesh) -> Result<MeshData, MeshError> {
     let vectors = |numbers: &[f32]| numbers.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<Vec3>>();
-    let positions = vectors(&mesh.positions);
-    let mut triangles = Vec::with_capacity(mesh.indices.len() / 3);
     let mut rest = mesh.indices.as_slice();
     // `tobj` leaves the number of corners out where all faces are triangles.
     let all_triangles = std::iter::repeat_n(3, if mesh.face_arities.is_empty() { rest.len() / 3 } else { 0 });
-    for corners in mesh.face_arities.iter().copied().chain(all_triangles) {
-        let (face, after) = rest.split_at(corners as usize);
-        triangulator.append(&positions, face, &mut triangles);
+    let faces = mesh.face_arities.iter().copied().chain(all_triangles).map(|corners| {
+        let (outline, after) = rest.split_at(corners as usize);
         rest = after;
-    }
+        Face { outline, holes: &[] }
+    });
+    let data = MeshData::from_polygons(vectors(&mesh.positions), faces)?;
     let uvs = mesh.texcoords.chunks_exact(2).map(|uv| [uv[0], uv[1]]).collect();
-    MeshData { positions, triangles, normals: vectors(&mesh.normals), uvs }
+    Ok(MeshData { normals: vectors(&mesh.normals), uvs, ..data })
 }
 
 #[cfg(test)]

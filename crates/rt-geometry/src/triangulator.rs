@@ -1,28 +1,42 @@
 //! Polygons to triangles: fans where the polygon is convex, ear clipping where it is not.
 
+use crate::Face;
+use crate::area::polygon_area_vector;
 use earcut::Earcut;
 use rt_math::{DVec3, Frame, Vec3};
 
-/// Cuts polygons into triangles. It keeps its buffers from one polygon to the next.
-pub(super) struct Triangulator {
+/// Cuts faces into triangles. It keeps its buffers from one face to the next.
+pub(crate) struct Triangulator {
     earcut: Earcut<f64>,
+    /// The corners of all rings in a row, as indices, in space and in the plane of the face.
+    corners: Vec<u32>,
+    points: Vec<DVec3>,
     flat: Vec<[f64; 2]>,
+    hole_starts: Vec<u32>,
     ears: Vec<u32>,
 }
 
 impl Triangulator {
-    pub(super) fn new() -> Self {
-        Self { earcut: Earcut::new(), flat: Vec::new(), ears: Vec::new() }
+    pub(crate) fn new() -> Self {
+        Self {
+            earcut: Earcut::new(),
+            corners: Vec::new(),
+            points: Vec::new(),
+            flat: Vec::new(),
+            hole_starts: Vec::new(),
+            ears: Vec::new(),
+        }
     }
 
-    /// Appends the triangles of the polygon whose corners are `positions[corners[i]]`, with its orientation.
+    /// Appends the triangles of a face, with the orientation of its outline.
     ///
-    /// A polygon without area, or with a NaN or infinite corner, becomes a fan: the mesh drops and counts the triangles
-    /// that it cannot use. The corners must be valid indices, at least three.
-    pub(super) fn append(&mut self, positions: &[Vec3], corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
-        let n = corners.len();
+    /// A face whose outline has no area, or with a NaN or infinite corner, becomes the fan of its outline: the mesh
+    /// drops and counts the triangles that it cannot use. All rings must have at least three corners, and these must be
+    /// valid indices.
+    pub(crate) fn append(&mut self, positions: &[Vec3], face: &Face<'_>, triangles: &mut Vec<[u32; 3]>) {
+        let n = face.outline.len();
         let mut start = 0;
-        if n > 3 && self.project(positions, corners) {
+        if (n > 3 || !face.holes.is_empty()) && self.project(positions, face) {
             let turn_at = |i: usize| turn(self.flat[(i + n - 1) % n], self.flat[i], self.flat[(i + 1) % n]);
             let mut least = turn_at(0);
             for i in 1..n {
@@ -30,22 +44,23 @@ impl Triangulator {
                     (start, least) = (i, turn_at(i));
                 }
             }
-            if least < 0.0 && n > 4 {
-                self.clip_ears(corners, triangles);
+            if !face.holes.is_empty() || (least < 0.0 && n > 4) {
+                self.clip_ears(triangles);
                 return;
             }
         }
         // From the notch of a quadrilateral, or from a corner on a straight edge, all triangles of the fan lie inside
         // and no corner is lost, even if the polygon is bent.
-        let corner = |i: usize| corners[(start + i) % n];
+        let corner = |i: usize| face.outline[(start + i) % n];
         triangles.extend((1..n - 1).map(|i| [corner(0), corner(i), corner(i + 1)]));
     }
 
-    fn clip_ears(&mut self, corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
-        self.earcut.earcut(self.flat.iter().copied(), &[], &mut self.ears);
-        triangles.extend(self.ears.chunks_exact(3).map(|ear| {
+    fn clip_ears(&mut self, triangles: &mut Vec<[u32; 3]>) {
+        let Self { earcut, corners, flat, hole_starts, ears, .. } = self;
+        earcut.earcut_slice(flat, hole_starts, ears);
+        triangles.extend(ears.chunks_exact(3).map(|ear| {
             let [a, b, c] = [ear[0] as usize, ear[1] as usize, ear[2] as usize];
-            if turn(self.flat[a], self.flat[b], self.flat[c]) < 0.0 {
+            if turn(flat[a], flat[b], flat[c]) < 0.0 {
                 [corners[a], corners[c], corners[b]]
             } else {
                 [corners[a], corners[b], corners[c]]
@@ -53,22 +68,28 @@ impl Triangulator {
         }));
     }
 
-    /// Projects the polygon on the plane of its normal, where it runs counter-clockwise. False if it has no area or is
-    /// not finite.
-    fn project(&mut self, positions: &[Vec3], corners: &[u32]) -> bool {
-        let corner = |i: &u32| positions[*i as usize].as_dvec3();
+    /// Projects all rings on the plane of the outline's normal, where that runs counter-clockwise. False if it has no
+    /// area or anything is not finite.
+    fn project(&mut self, positions: &[Vec3], face: &Face<'_>) -> bool {
+        self.corners.clear();
+        self.corners.extend_from_slice(face.outline);
+        self.hole_starts.clear();
+        for hole in face.holes {
+            self.hole_starts.push(self.corners.len() as u32);
+            self.corners.extend_from_slice(hole);
+        }
+        self.points.clear();
+        self.points.extend(self.corners.iter().map(|i| positions[*i as usize].as_dvec3()));
+        let Some(area) = polygon_area_vector(&self.points[..face.outline.len()]) else { return false };
+        let frame = Frame::from_z(area.normalize());
         // Relative to the first corner, so that small polygons far from the origin stay sharp.
-        let origin = corner(&corners[0]);
-        let Some(normal) = newell_normal(corners.iter().map(|i| corner(i) - origin)).try_normalize() else {
-            return false;
-        };
-        let frame = Frame::from_z(normal);
+        let origin = self.points[0];
         self.flat.clear();
-        self.flat.extend(corners.iter().map(|i| {
-            let local = frame.to_local(corner(i) - origin);
+        self.flat.extend(self.points.iter().map(|point| {
+            let local = frame.to_local(*point - origin);
             [local.x, local.y]
         }));
-        true
+        self.points.iter().all(|point| point.is_finite())
     }
 }
 
@@ -77,27 +98,28 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Newell's normal of a polygon that starts at the origin, of length twice the area; defined for concave and slightly
-/// bent polygons as well (Tampieri, Graphics Gems III, 1992).
-fn newell_normal(corners: impl Iterator<Item = DVec3>) -> DVec3 {
-    let (mut previous, mut sum) = (DVec3::ZERO, DVec3::ZERO);
-    for corner in corners {
-        sum += previous.cross(corner);
-        previous = corner;
-    }
-    sum
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn triangulated(polygon: &[[f32; 3]]) -> (f64, usize) {
-        let positions: Vec<Vec3> = polygon.iter().map(|&p| Vec3::from(p)).collect();
-        let corners: Vec<u32> = (0..polygon.len() as u32).collect();
+        with_holes(polygon, &[])
+    }
+
+    /// The area of all triangles, and their number.
+    fn with_holes(polygon: &[[f32; 3]], holes: &[&[[f32; 3]]]) -> (f64, usize) {
+        let mut positions = Vec::new();
+        let mut ring = |ring: &[[f32; 3]]| -> Vec<u32> {
+            let start = positions.len() as u32;
+            positions.extend(ring.iter().map(|&p| Vec3::from(p)));
+            (start..positions.len() as u32).collect()
+        };
+        let outline = ring(polygon);
+        let holes: Vec<Vec<u32>> = holes.iter().map(|hole| ring(hole)).collect();
         let mut triangles = Vec::new();
-        Triangulator::new().append(&positions, &corners, &mut triangles);
-        let normal = newell_normal(positions.iter().map(|p| (*p - positions[0]).as_dvec3())).normalize();
+        Triangulator::new().append(&positions, &Face { outline: &outline, holes: &holes }, &mut triangles);
+        let corners: Vec<DVec3> = outline.iter().map(|i| positions[*i as usize].as_dvec3()).collect();
+        let normal = polygon_area_vector(&corners).expect("an area").normalize();
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| positions[i as usize].as_dvec3());
             let cross = (b - a).cross(c - a);
@@ -124,6 +146,21 @@ mod tests {
             polygon.reverse();
             assert_eq!(triangulated(&polygon).0, 7.0);
         }
+    }
+
+    #[test]
+    fn holes_are_left_out_whichever_way_they_run() {
+        let square = |low: f32, high: f32| [[low, 1., low], [low, 1., high], [high, 1., high], [high, 1., low]];
+        let (outline, mut hole, other) = (square(0.0, 4.0), square(0.5, 1.5), square(2.0, 3.0));
+        for _ in 0..2 {
+            assert_eq!(with_holes(&outline, &[&hole, &other]).0, 14.0);
+            hole.reverse();
+        }
+        // Three corners with a hole are not a triangle.
+        assert_eq!(
+            with_holes(&[[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]], &[&[[1., 1., 0.], [1., 2., 0.], [2., 1., 0.]]]).0,
+            7.5
+        );
     }
 
     #[test]
@@ -162,7 +199,7 @@ mod tests {
         for bad in [f32::NAN, f32::INFINITY, 0.0] {
             let positions = [Vec3::ZERO, Vec3::X, Vec3::X * 2.0, Vec3::splat(bad)];
             let mut triangles = Vec::new();
-            Triangulator::new().append(&positions, &[0, 1, 2, 3], &mut triangles);
+            Triangulator::new().append(&positions, &Face { outline: &[0, 1, 2, 3], holes: &[] }, &mut triangles);
             assert_eq!(triangles, [[0, 1, 2], [0, 2, 3]]);
         }
     }
