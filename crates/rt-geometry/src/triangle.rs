@@ -8,7 +8,8 @@ use rt_math::{Aabb, DVec3, Interval, Ray};
 
 /// A flat triangle; its front is the side from which the vertices run counter-clockwise.
 ///
-/// Its texture coordinates are the barycentric weights of the second and third vertex.
+/// A hit holds its barycentric coordinates: the weights of the second and third vertex, which are the texture coordinates
+/// as well. They are exactly 0 or 1 for a ray that passes exactly through a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
     vertices: [DVec3; 3],
@@ -89,6 +90,18 @@ mod tests {
         assert_eq!(hit([-1e-300, 0.5, 3.0], [0.0, 0.0, -1.0]), None);
         assert_eq!(hit([0.25, 0.5, 3.0], [0.0, 0.0, 1.0]), None, "behind");
         assert_eq!(hit([-1.0, 0.25, 0.0], [1.0, 0.0, 0.0]), None, "edge-on");
+    }
+
+    #[test]
+    fn barycentric_coordinates_are_exact_at_the_vertices() {
+        let vertices = [[0.1, 0.7, -2.0], [1.3, 0.2, 0.3], [-0.4, 1.9, 1.1]].map(DVec3::from);
+        let triangle = Triangle::new(vertices).expect("a triangle");
+        for (vertex, uv) in vertices.into_iter().zip([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]) {
+            let ray = Ray::new(DVec3::new(vertex.x, vertex.y, 5.0), DVec3::NEG_Z);
+            let hit = triangle.intersect(&ray, Interval::FORWARD).expect("a hit");
+            let surface = triangle.surface(&ray, &hit, SurfaceNeeds::ALL);
+            assert_eq!((hit.uv, surface.uv, surface.point), (uv, uv, vertex));
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use rt_camera::CameraError;
-use rt_geometry::{MeshError, ShapeError};
+use rt_geometry::{MeshError, PolygonError, ShapeError};
 use rt_math::TransformError;
 
 use crate::texture::TextureError;
@@ -132,6 +132,9 @@ pub enum Reason {
     /// A bad shape.
     #[error(transparent)]
     Shape(#[from] ShapeError),
+    /// A bad polygon.
+    #[error(transparent)]
+    Polygon(#[from] PolygonError),
     /// A bad mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),

@@ -24,12 +24,12 @@ pub enum PolygonError {
     #[error(transparent)]
     Shape(#[from] ShapeError),
     /// An outline without area: collinear, or with loops that cancel. It has no plane.
-    #[error("the outline of the polygon has no area")]
+    #[error("the outline of the polygon has no area: its corners lie on a line, or its loops cancel")]
     NoArea,
     /// A corner off the plane of the outline.
     #[error(
         "the polygon is not flat: {vertex} lies {distance:e} off its plane, \
-         more than a millionth of its diameter {diameter}"
+         more than a millionth of its diameter {diameter}: cut it into flat parts"
     )]
     NotFlat {
         /// The corner that is farthest off.
@@ -40,13 +40,13 @@ pub enum PolygonError {
         diameter: f64,
     },
     /// A concave or self-crossing outline under [`InsideRule::Convex`](crate::InsideRule::Convex).
-    #[error("the polygon is not convex at corner {vertex}, counted from 0")]
+    #[error("the polygon is not convex at corner {vertex}, counted from 0: choose another rule for it")]
     NotConvex {
         /// The first corner where the outline turns the wrong way, or more than once around.
         vertex: usize,
     },
     /// Holes under [`InsideRule::Convex`](crate::InsideRule::Convex).
-    #[error("a convex polygon has no holes, but {0} are given")]
+    #[error("a convex polygon has no holes, but the number given is {0}: choose another rule for it")]
     ConvexWithHoles(usize),
 }
 

@@ -24,7 +24,7 @@ pub use colour::{Coefficient, Color, Wrap};
 pub use film::{Encoding, Film, Filter, Tone};
 pub use light::{Background, Falloff, Light};
 pub use material::{Highlight, Material};
-pub use node::{Node, Shape};
+pub use node::{InsideRule, Node, Shape};
 pub use parse::{parse_json, parse_ron};
 pub use settings::{Accel, Integrator, Sampler, Settings};
 pub use transform::Step;

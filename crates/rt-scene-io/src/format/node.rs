@@ -168,12 +168,36 @@ pub enum Shape {
     /// A flat four-cornered face by its corners, counter-clockwise seen from the front. Its texture coordinates are
     /// (0, 0), (1, 0), (1, 1) and (0, 1) at the corners.
     Quad([f32; 3], [f32; 3], [f32; 3], [f32; 3]),
+    /// A flat polygon by its corners, counter-clockwise seen from the front. It may be concave and have holes. Corners
+    /// may lie off its plane by a millionth of its size. Its texture coordinates run from 0 to 1 over its box within
+    /// the plane.
+    Polygon {
+        /// The corners of the outline, at least three; the last is joined to the first.
+        points: Vec<[f64; 3]>,
+        /// The corners of each hole, in either direction.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        holes: Vec<Vec<[f64; 3]>>,
+        /// What counts as inside.
+        #[serde(default)]
+        rule: InsideRule,
+    },
+    /// A strip of triangles: each point after the second makes one with the two before it. The first triangle is
+    /// counter-clockwise seen from the front, and the others face the same side. Points are repeated to join strips.
+    Strip(Vec<[f32; 3]>),
+    /// A fan of triangles: each point after the second makes one with the point before it and the first,
+    /// counter-clockwise seen from the front.
+    Fan(Vec<[f32; 3]>),
     /// A triangle mesh.
     Mesh {
         /// Vertices.
         positions: Vec<[f32; 3]>,
         /// Three vertices for each triangle, numbered from 0, counter-clockwise seen from the front.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
         triangles: Vec<[u32; 3]>,
+        /// Three or more vertices for each flat face, numbered as for `triangles`. Faces may be concave; they are cut
+        /// into triangles, which follow those of `triangles`.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        faces: Vec<Vec<u32>>,
         /// A normal for each vertex, for smooth shading.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         normals: Vec<[f32; 3]>,
@@ -181,6 +205,20 @@ pub enum Shape {
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         uvs: Vec<[f32; 2]>,
     },
+}
+
+/// What counts as the inside of a polygon.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum InsideRule {
+    /// The common part of the half-planes along the edges. A polygon that is concave or has holes is refused.
+    Convex,
+    /// The outline winds around the point. All of a pentagram is inside.
+    Winding,
+    /// A line from the point to infinity crosses the outline an odd number of times. The middle of a pentagram is
+    /// outside.
+    #[default]
+    EvenOdd,
 }
 
 fn one() -> f64 {

@@ -1,10 +1,12 @@
 //! Shapes of the file to shapes and meshes of the scene.
 
+use std::sync::Arc;
+
 use rt_geometry::{
-    AxisBox, Cone, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, MeshData, Plane, Rectangle, Shape, Sphere,
-    Torus, Triangle, TriangleMesh,
+    AxisBox, Cone, Cylinder, Disk, DoubleCone, Face, Frustum, InfiniteCylinder, InsideRule, MeshData, Plane, Polygon,
+    PolygonError, Rectangle, Shape, Sphere, Torus, Triangle, TriangleMesh,
 };
-use rt_math::DVec3;
+use rt_math::{DVec3, Vec3};
 
 use crate::format;
 use crate::mesh_build::build_mesh;
@@ -46,16 +48,37 @@ pub(super) fn solid(shape: &format::Shape, place: &str, warnings: &mut Vec<Warni
                 uvs: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
             });
         }
-        format::Shape::Mesh { positions, triangles, normals, uvs } => {
-            return mesh(MeshData {
-                positions: positions.iter().map(|&p| p.into()).collect(),
-                triangles: triangles.clone(),
-                normals: normals.iter().map(|&n| n.into()).collect(),
-                uvs: uvs.clone(),
-            });
+        format::Shape::Polygon { points, holes, rule } => Shape::Polygon(Arc::new(polygon(points, holes, *rule)?)),
+        format::Shape::Strip(points) => return mesh(MeshData::from_strip(positions("the strip", points)?).0),
+        format::Shape::Fan(points) => return mesh(MeshData::from_fan(positions("the fan", points)?).0),
+        format::Shape::Mesh { positions, triangles, faces, normals, uvs } => {
+            let faces = faces.iter().map(|outline| Face { outline, holes: &[] });
+            let mut data = MeshData::from_polygons(positions.iter().map(|&p| p.into()).collect(), faces)?;
+            data.triangles.splice(..0, triangles.iter().copied());
+            data.normals = normals.iter().map(|&n| n.into()).collect();
+            data.uvs = uvs.clone();
+            return mesh(data);
         }
     };
     Ok(Solid::Shape(shape))
+}
+
+fn polygon(points: &[[f64; 3]], holes: &[Vec<[f64; 3]>], rule: format::InsideRule) -> Result<Polygon, PolygonError> {
+    let ring = |points: &[[f64; 3]]| points.iter().map(|&p| DVec3::from(p)).collect();
+    let rule = match rule {
+        format::InsideRule::Convex => InsideRule::Convex,
+        format::InsideRule::Winding => InsideRule::Winding,
+        format::InsideRule::EvenOdd => InsideRule::EvenOdd,
+    };
+    Polygon::new(ring(points), holes.iter().map(|hole| ring(hole)).collect(), rule)
+}
+
+/// The points of a strip or fan.
+fn positions(what: &str, points: &[[f32; 3]]) -> Result<Vec<Vec3>, Reason> {
+    if points.len() < 3 {
+        return Err(Reason::invalid(format_args!("{what} of {} points", points.len()), "needs at least 3"));
+    }
+    Ok(points.iter().map(|&p| p.into()).collect())
 }
 
 fn checked_mesh(data: MeshData, place: &str, warnings: &mut Vec<Warning>) -> Result<Option<TriangleMesh>, Reason> {
