@@ -4,6 +4,7 @@
 //!   cargo xtask regress    golden images and checks, through the real binary
 //!   cargo xtask tidy       rules of the house that no compiler checks
 //!   cargo xtask bench      rays per second and build times of each structure
+//!   cargo xtask costs      what each structure costs, and how that grows
 //!   cargo xtask table1     the table of the report that this ray tracer began with
 //! ```
 //!
@@ -20,9 +21,12 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 mod bench;
+mod costs;
 mod error;
+mod number;
 mod regress;
 mod renderer;
+mod scenes;
 mod statistics;
 mod table1;
 mod tidy;
@@ -47,6 +51,8 @@ enum Task {
     Tidy,
     /// Measure rays per second and build times.
     Bench(bench::Options),
+    /// Measure what each structure costs on scenes of growing size.
+    Costs(costs::Options),
     /// Make the report's Table 1 again, its figures beside ours.
     Table1(table1::Options),
 }
@@ -69,6 +75,7 @@ fn run(task: Task) -> Result<bool, TaskError> {
         Task::Regress(options) => regress::run(workspace, &options),
         Task::Tidy => tidy::run(&workspace),
         Task::Bench(options) => bench::run(&options).map(|()| true),
+        Task::Costs(options) => costs::run(&workspace, &options).map(|()| true),
         Task::Table1(options) => table1::run(&workspace, &options).map(|()| true),
     }
 }

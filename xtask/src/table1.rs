@@ -11,6 +11,7 @@ use std::{
 
 use crate::{
     error::TaskError,
+    number::grouped,
     renderer::Renderer,
     statistics::{REPORT, REPORT_PRIMARY, ReportRow, Statistics, measure},
     workspace::Workspace,
@@ -99,19 +100,6 @@ fn markdown(rows: &[Row]) -> String {
     table
 }
 
-/// Digits in groups of three.
-fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.char_indices() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 /// The text with everything between the two markers replaced by the table.
 fn replace_block(text: &str, table: &str) -> Result<String, String> {
     let parts = text.split_once(START).and_then(|(before, rest)| Some((before, rest.split_once(END)?.1)));
@@ -122,11 +110,6 @@ fn replace_block(text: &str, table: &str) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn digits_are_grouped() {
-        assert_eq!([0, 999, 1000, 14_745_600].map(grouped), ["0", "999", "1,000", "14,745,600"]);
-    }
 
     #[test]
     fn only_the_block_is_replaced() {

@@ -2,26 +2,25 @@
 
 use std::time::Instant;
 
-use rt_accel::{Accelerator, Bvh, NoProbe};
-use rt_accel::{AnyStructure, Structure as _, StructureKind};
-use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
-use rt_math::{Hit, Primitives, Ray};
+use rt_accel::{AnyStructure, Bvh, Structure as _, StructureKind};
+use rt_math::Primitives;
 
-use super::{BuildFigure, Figures, Options, Scene, Seconds, TraceFigure, rays, rays::RaySet, structure::count_hits};
-use crate::error::TaskError;
+use super::{BuildFigure, Figures, Options, Seconds, TraceFigure, structure::count_hits};
+use crate::{
+    error::TaskError,
+    scenes::{
+        Scene, Surfaces,
+        rays::{self, RaySet},
+    },
+};
 
 /// Brute force gets as many rays as make about this many primitive tests.
 const LINEAR_TESTS: usize = 30_000_000;
 
-/// Measures every structure on one scene. `surface` gives the surface at a hit, for rays that start there.
-pub(super) fn scene<P: Primitives>(
-    scene: &Scene<P>,
-    surface: impl Fn(&P, &Ray, &Hit, SurfaceNeeds) -> Option<SurfaceInteraction>,
-    options: &Options,
-    figures: &mut Figures,
-) -> Result<(), TaskError> {
+/// Measures every structure on one scene.
+pub(super) fn scene<P: Surfaces>(scene: &Scene<P>, options: &Options, figures: &mut Figures) -> Result<(), TaskError> {
     let structures = build(scene, options, figures)?;
-    for set in ray_sets(scene, surface, options.rays)? {
+    for set in ray_sets(scene, options.rays)? {
         check(scene, &structures, &set)?;
         figures.traces.extend(trace(scene, &structures, &set, options.repeats));
     }
@@ -56,22 +55,13 @@ fn build<P: Primitives>(
     Ok(built)
 }
 
-fn ray_sets<P: Primitives>(
-    scene: &Scene<P>,
-    surface: impl Fn(&P, &Ray, &Hit, SurfaceNeeds) -> Option<SurfaceInteraction>,
-    count: u32,
-) -> Result<[RaySet; 4], TaskError> {
-    let bounds = scene.bounds();
-    let primary = rays::primary(&bounds, count);
+fn ray_sets<P: Surfaces>(scene: &Scene<P>, count: u32) -> Result<[RaySet; 4], TaskError> {
+    let primary = rays::primary(&scene.view, count);
     let bvh = Bvh::build(&scene.primitives).map_err(not_built)?;
-    let surfaces = rays::surfaces(
-        &primary,
-        |ray, span| bvh.closest(&scene.primitives, ray, span, &mut NoProbe),
-        |ray, hit| surface(&scene.primitives, ray, hit, SurfaceNeeds::ALL),
-    );
-    let shadow = rays::shadow(&bounds, &surfaces, count);
+    let surfaces = rays::surfaces(&scene.primitives, &bvh, &primary);
+    let shadow = rays::shadow(&scene.view, &surfaces, count);
     let diffuse = rays::diffuse(&surfaces, &primary, count);
-    let random = rays::random(&bounds, count);
+    let random = rays::random(&scene.view, count);
     Ok([primary, shadow, diffuse, random])
 }
 
@@ -156,7 +146,7 @@ mod tests {
     fn a_small_run_measures_everything_and_all_structures_agree() {
         let options = Options { json: None, rays: 400, repeats: 1 };
         let mut figures = Figures::default();
-        scene(&super::super::scenes::heap().unwrap(), rt_geometry::Spheres::surface, &options, &mut figures).unwrap();
+        scene(&crate::scenes::mound(1_000).unwrap(), &options, &mut figures).unwrap();
         assert_eq!((figures.builds.len(), figures.traces.len()), (3, 3 * 4));
         for figure in &figures.traces {
             assert_eq!(figure.rays, 400, "{figure:?}");

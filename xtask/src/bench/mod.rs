@@ -5,18 +5,15 @@
 
 use std::{fs, path::PathBuf};
 
-use rt_geometry::{Spheres, TriangleMesh};
-use rt_math::Primitives;
 use serde::Serialize;
 
 use crate::{
     error::TaskError,
+    scenes,
     workspace::{cargo, output_of},
 };
 
 mod measure;
-mod rays;
-mod scenes;
 mod structure;
 mod table;
 
@@ -83,12 +80,9 @@ pub(crate) fn run(options: &Options) -> Result<(), TaskError> {
         return run_release_build();
     }
     let mut figures = Figures::default();
-    let heap = scenes::heap()?;
-    measure::scene(&heap, Spheres::surface, options, &mut figures)?;
-    let flake = scenes::sphereflake()?;
-    measure::scene(&flake, Spheres::surface, options, &mut figures)?;
-    let rock = scenes::rock()?;
-    measure::scene(&rock, TriangleMesh::surface, options, &mut figures)?;
+    measure::scene(&scenes::mound(1_000)?, options, &mut figures)?;
+    measure::scene(&scenes::balls(7_000)?, options, &mut figures)?;
+    measure::scene(&scenes::rock(80_000)?, options, &mut figures)?;
     print!("{}", table::markdown(&figures));
     if let Some(path) = &options.json {
         let file = fs::File::create(path).map_err(TaskError::file(path))?;
@@ -99,25 +93,9 @@ pub(crate) fn run(options: &Options) -> Result<(), TaskError> {
 }
 
 /// Figures of a build with overflow checks and without optimisation across crates are not what users get.
-fn run_release_build() -> Result<(), TaskError> {
+pub(crate) fn run_release_build() -> Result<(), TaskError> {
     let mut command = cargo();
     command.args(["run", "--quiet", "--release", "--package", "xtask", "--"]).args(std::env::args_os().skip(1));
     print!("{}", output_of(&mut command)?);
     Ok(())
-}
-
-/// Primitives under a name.
-#[derive(Debug)]
-struct Scene<P> {
-    name: &'static str,
-    primitives: P,
-}
-
-impl<P: Primitives> Scene<P> {
-    /// The box around everything.
-    fn bounds(&self) -> rt_math::Aabb {
-        let count = self.primitives.len() as u32;
-        let boxes = (0..count).filter_map(|index| self.primitives.bounds(index));
-        boxes.fold(rt_math::Aabb::EMPTY, rt_math::Aabb::union)
-    }
 }

@@ -2,7 +2,7 @@
 
 use rt_accel::{AnyStructure, NoProbe, Primitives, Structure, StructureVisitor};
 
-use super::rays::RaySet;
+use crate::scenes::rays::RaySet;
 
 /// Traces the first `count` rays one by one and counts those that hit.
 pub(super) fn count_hits<P: Primitives>(structure: &AnyStructure, primitives: &P, rays: &RaySet, count: usize) -> u64 {

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use rt_accel::StructureKind;
 
 use super::{Figures, TraceFigure};
+use crate::number::three_digits;
 
 /// Two tables: rays per second, and builds.
 pub(super) fn markdown(figures: &Figures) -> String {
@@ -50,18 +51,6 @@ pub(super) fn markdown(figures: &Figures) -> String {
     text
 }
 
-/// A positive number with at least three digits that count.
-fn three_digits(number: f64) -> String {
-    let mut decimals = 0;
-    let mut scaled = number;
-    // What rounds to 100 has its three digits.
-    while scaled < 99.95 && decimals < 9 {
-        scaled *= 10.0;
-        decimals += 1;
-    }
-    format!("{number:.decimals$}")
-}
-
 fn same_rays(a: &TraceFigure, b: &TraceFigure) -> bool {
     (a.scene, a.kind) == (b.scene, b.kind)
 }
@@ -73,12 +62,6 @@ mod tests {
     fn figure(structure: &'static str, least: f64) -> TraceFigure {
         let seconds = Seconds { least, median: least };
         TraceFigure { scene: "s", structure, kind: "primary", rays: 1_000_000, hits: 1, seconds }
-    }
-
-    #[test]
-    fn small_numbers_keep_their_digits() {
-        assert_eq!([123.4, 1.234, 0.0001234].map(three_digits), ["123", "1.23", "0.000123"]);
-        assert_eq!(three_digits(f64::NAN), "NaN");
     }
 
     #[test]

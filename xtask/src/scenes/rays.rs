@@ -2,13 +2,15 @@
 
 use rt_geometry::SurfaceInteraction;
 use rt_math::{
-    Aabb, DVec3, Hit, Interval, Ray,
+    Aabb, Accelerator, DVec3, Interval, NoProbe, Ray,
     random::{hash, unit},
 };
 
+use super::Surfaces;
+
 /// Rays of one kind.
 #[derive(Debug)]
-pub(super) struct RaySet {
+pub(crate) struct RaySet {
     pub kind: &'static str,
     /// Ask whether anything is hit, not what is hit first.
     pub any: bool,
@@ -40,7 +42,7 @@ impl View {
 }
 
 /// Rays from a camera in front of the box, row by row.
-pub(super) fn primary(bounds: &Aabb, count: u32) -> RaySet {
+pub(crate) fn primary(bounds: &Aabb, count: u32) -> RaySet {
     let view = View::of(bounds);
     let side = count.isqrt().max(1);
     let ray = |index: u32| {
@@ -52,7 +54,7 @@ pub(super) fn primary(bounds: &Aabb, count: u32) -> RaySet {
 }
 
 /// Rays from where the primary rays hit to a lamp above the camera.
-pub(super) fn shadow(bounds: &Aabb, surfaces: &[SurfaceInteraction], count: u32) -> RaySet {
+pub(crate) fn shadow(bounds: &Aabb, surfaces: &[SurfaceInteraction], count: u32) -> RaySet {
     let view = View::of(bounds);
     let lamp = view.eye + view.up + view.right;
     let ray = |surface: &SurfaceInteraction| (surface.spawn_shadow_ray(lamp, 0.0), Interval::SEGMENT);
@@ -61,7 +63,7 @@ pub(super) fn shadow(bounds: &Aabb, surfaces: &[SurfaceInteraction], count: u32)
 
 /// Rays from where the primary rays hit, scattered by the cosine: a random point of the unit ball around the tip of
 /// the normal's unit sphere (Shirley).
-pub(super) fn diffuse(surfaces: &[SurfaceInteraction], eye_rays: &RaySet, count: u32) -> RaySet {
+pub(crate) fn diffuse(surfaces: &[SurfaceInteraction], eye_rays: &RaySet, count: u32) -> RaySet {
     let Some((first, _)) = eye_rays.rays.first() else {
         return RaySet { kind: "diffuse", any: false, rays: Vec::new() };
     };
@@ -74,7 +76,7 @@ pub(super) fn diffuse(surfaces: &[SurfaceInteraction], eye_rays: &RaySet, count:
 }
 
 /// Rays between random points of the box.
-pub(super) fn random(bounds: &Aabb, count: u32) -> RaySet {
+pub(crate) fn random(bounds: &Aabb, count: u32) -> RaySet {
     let point = |index: u64, end: u64| {
         let [x, y, z] = [0, 1, 2].map(|axis| unit(hash(&[index, end, axis])));
         bounds.min + (bounds.max - bounds.min) * DVec3::new(x, y, z)
@@ -87,12 +89,15 @@ pub(super) fn random(bounds: &Aabb, count: u32) -> RaySet {
 }
 
 /// Surfaces at what the rays hit.
-pub(super) fn surfaces(
+pub(crate) fn surfaces<P: Surfaces>(
+    primitives: &P,
+    structure: &impl Accelerator,
     rays: &RaySet,
-    closest: impl Fn(&Ray, Interval) -> Option<Hit>,
-    surface: impl Fn(&Ray, &Hit) -> Option<SurfaceInteraction>,
 ) -> Vec<SurfaceInteraction> {
-    rays.rays.iter().filter_map(|(ray, span)| surface(ray, &closest(ray, *span)?)).collect()
+    let surface = |(ray, span): &(Ray, Interval)| {
+        primitives.surface(ray, &structure.closest(primitives, ray, *span, &mut NoProbe)?)
+    };
+    rays.rays.iter().filter_map(surface).collect()
 }
 
 /// The surfaces again and again until there are `count`, numbered; none if there are none.

@@ -1,0 +1,285 @@
+//! What reports and lectures say about structures, beside what was measured. Every verdict is computed.
+
+use super::{Costs, Figure, RayFigure, growth::Growth};
+use crate::number::{grouped, three_digits};
+
+/// One line for each claim that the figures can answer.
+pub(super) fn of(costs: &Costs) -> Vec<String> {
+    let claims = [brute_force, even_spheres, cube_root, logarithm, stadium, fewest, loose, planes, intervals, lazy];
+    claims.into_iter().filter_map(|claim| claim(costs)).collect()
+}
+
+const TREES: [&str; 7] = ["bvh", "spheres", "cylinders", "kd", "bsp", "bih", "bih-lazy"];
+
+impl Costs {
+    /// A structure on the largest scene of a name.
+    fn largest(&self, scene: &str, structure: &str) -> Option<&Figure> {
+        let figures = self.figures.iter().filter(|figure| (figure.scene, figure.structure) == (scene, structure));
+        figures.max_by_key(|figure| figure.primitives)
+    }
+
+    /// The largest scene of each name, with two structures on it.
+    fn pairs(&self, a: &str, b: &str) -> Vec<(&Figure, &Figure)> {
+        let mut scenes: Vec<&str> = Vec::new();
+        for figure in &self.figures {
+            if !scenes.contains(&figure.scene) {
+                scenes.push(figure.scene);
+            }
+        }
+        scenes.into_iter().filter_map(|scene| Some((self.largest(scene, a)?, self.largest(scene, b)?))).collect()
+    }
+
+    fn growth(&self, scene: &str, structure: &str) -> Option<&Growth> {
+        self.growth.iter().find(|growth| (growth.scene, growth.structure) == (scene, structure))
+    }
+}
+
+fn verdict(holds: usize, of: usize) -> String {
+    match holds {
+        0 => "does not hold".to_owned(),
+        all if all == of => "holds".to_owned(),
+        some => format!("holds on {some} of {of} scenes"),
+    }
+}
+
+/// The least and the greatest of some numbers.
+fn range(numbers: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+    let numbers: Vec<f64> = numbers.into_iter().collect();
+    Some((numbers.iter().copied().reduce(f64::min)?, numbers.iter().copied().reduce(f64::max)?))
+}
+
+fn brute_force(costs: &Costs) -> Option<String> {
+    let Growth { work, time, .. } = costs.growth("mound", "linear")?;
+    let holds = (work.exponent - 1.0).abs() < 0.01 && (time.exponent - 1.0).abs() < 0.2;
+    Some(format!(
+        "**Brute force takes time in proportion to the number of spheres** (the report): on `mound` the tests of a ray \
+         grow as n^{:.2} ± {:.2}, its time as n^{:.2} ± {:.2}. It {}.",
+        work.exponent,
+        work.error,
+        time.exponent,
+        time.error,
+        verdict(usize::from(holds), 1)
+    ))
+}
+
+fn even_spheres(costs: &Costs) -> Option<String> {
+    let grid = costs.largest("mound", "grid")?;
+    let trees: Vec<&Figure> = TREES.iter().filter_map(|tree| costs.largest("mound", tree)).collect();
+    let fastest = trees.iter().min_by(|a, b| a.seconds_per_ray().total_cmp(&b.seconds_per_ray()))?;
+    let leanest = trees.iter().min_by(|a, b| a.work().total_cmp(&b.work()))?;
+    Some(format!(
+        "**The grid beats trees on evenly spread spheres** (the report): on `mound` with {} spheres a ray takes {} nodes \
+         and tests in the grid and {} in the leanest tree, `{}`; the time of a ray is {} times that in the fastest tree, \
+         `{}`, and of the build {} times that of `bvh`. In work it {}, in time it {}.",
+        grouped(grid.primitives as u64),
+        three_digits(grid.work()),
+        three_digits(leanest.work()),
+        leanest.structure,
+        three_digits(grid.seconds_per_ray() / fastest.seconds_per_ray()),
+        fastest.structure,
+        three_digits(grid.build_seconds / costs.largest("mound", "bvh")?.build_seconds),
+        verdict(usize::from(grid.work() < leanest.work()), 1),
+        verdict(usize::from(grid.seconds_per_ray() < fastest.seconds_per_ray()), 1),
+    ))
+}
+
+fn cube_root(costs: &Costs) -> Option<String> {
+    let slope = costs.growth("mound", "grid")?.work;
+    Some(format!(
+        "**A grid walks through ∛n cells** (the lecture): the work of a ray on `mound` grows as n^{:.2} ± {:.2}, where \
+         ∛n would be 0.33 for rays that cross everything; most end at a surface before.",
+        slope.exponent, slope.error
+    ))
+}
+
+fn logarithm(costs: &Costs) -> Option<String> {
+    let sizes: Vec<usize> =
+        costs.figures.iter().filter(|figure| figure.scene == "mound").map(|figure| figure.primitives).collect();
+    let (least, most) = (*sizes.iter().min()? as f64, *sizes.iter().max()? as f64);
+    let log = rt_math::transcendental::log;
+    let expected = log(log(most) / log(least)) / log(most / least);
+    let slopes = |structure: &str| {
+        let slopes = costs.growth.iter().filter(|growth| growth.structure == structure);
+        let (least, greatest) = range(slopes.map(|growth| growth.work.exponent))?;
+        Some(format!("`{structure}` {least:.2} to {greatest:.2}"))
+    };
+    let slopes: Vec<String> = TREES.iter().filter_map(|tree| slopes(tree)).collect();
+    Some(format!(
+        "**Hierarchies need O(log n)** (the lecture): over these sizes log n looks like n^{expected:.2}, and √n would be \
+         n^0.50. The work of a ray grows with exponents of {}, the least and the greatest of all scenes.",
+        slopes.join(", ")
+    ))
+}
+
+fn stadium(costs: &Costs) -> Option<String> {
+    let [grid, bvh] = [costs.largest("stadium", "grid")?, costs.largest("stadium", "bvh")?];
+    let ratio = grid.work() / bvh.work();
+    Some(format!(
+        "**A teapot in a stadium defeats the grid** (Haines): a ray takes {} nodes and tests in the grid and {} in `bvh`, \
+         {} times as many, and {} times as long; in the grid this work grows as n^{:.2}. It {}.",
+        three_digits(grid.work()),
+        three_digits(bvh.work()),
+        three_digits(ratio),
+        three_digits(grid.seconds_per_ray() / bvh.seconds_per_ray()),
+        costs.growth("stadium", "grid")?.work.exponent,
+        verdict(usize::from(ratio > 10.0), 1)
+    ))
+}
+
+fn fewest(costs: &Costs) -> Option<String> {
+    let scenes = costs.pairs("kd", "kd");
+    if scenes.is_empty() {
+        return None;
+    }
+    let least = |cost: fn(&RayFigure) -> f64| {
+        let best = |scene: &str| {
+            let cost = |figure: &Figure| figure.rays.iter().map(cost).sum::<f64>();
+            let figures = TREES.iter().filter_map(|tree| costs.largest(scene, tree));
+            figures.min_by(|a, b| cost(a).total_cmp(&cost(b))).map(|figure| (figure.scene, figure.structure))
+        };
+        scenes.iter().filter_map(|(figure, _)| best(figure.scene)).collect::<Vec<_>>()
+    };
+    let list = |winners: &[(&str, &str)]| {
+        winners.iter().map(|(scene, structure)| format!("{scene} `{structure}`")).collect::<Vec<_>>().join(", ")
+    };
+    let (nodes, tests) = (least(RayFigure::nodes_per_ray), least(RayFigure::tests_per_ray));
+    let holds = nodes.iter().filter(|(_, structure)| *structure == "kd").count();
+    Some(format!(
+        "**The kd-tree visits the fewest nodes of all trees** (the lecture): the fewest nodes are visited on {}; the fewest \
+         primitives are tested on {}. It {}. A visit of `bvh` looks at two boxes, one of `kd` at one plane.",
+        list(&nodes),
+        list(&tests),
+        verdict(holds, nodes.len())
+    ))
+}
+
+/// Ratios of one structure to another, as a range over all scenes.
+fn ratios(costs: &Costs, a: &str, b: &str, cost: fn(&Figure) -> f64) -> Option<String> {
+    let (least, greatest) = range(costs.pairs(a, b).into_iter().map(|(a, b)| cost(a) / cost(b)))?;
+    Some(format!("{} to {}", three_digits(least), three_digits(greatest)))
+}
+
+fn loose(costs: &Costs) -> Option<String> {
+    let against = |structure| ratios(costs, structure, "bvh", Figure::work);
+    let pairs = [costs.pairs("spheres", "bvh"), costs.pairs("cylinders", "bvh")].concat();
+    let holds = pairs.iter().filter(|(volume, bvh)| volume.work() > bvh.work()).count();
+    Some(format!(
+        "**Boxes fit better than spheres and cylinders** (the lecture): in `spheres` a ray takes {} times the nodes and \
+         tests of `bvh`, in `cylinders` {} times. Boxes need less work in {holds} of {} comparisons.",
+        against("spheres")?,
+        against("cylinders")?,
+        pairs.len()
+    ))
+}
+
+fn planes(costs: &Costs) -> Option<String> {
+    let pairs = costs.pairs("bsp", "kd");
+    let holds = pairs.iter().filter(|(bsp, kd)| bsp.work() < kd.work()).count();
+    Some(format!(
+        "**Planes of any direction fit better than those along the axes** (the lecture): in `bsp` a ray takes {} times the \
+         nodes and tests of `kd`, and the build {} times as long. Of the work it {}.",
+        ratios(costs, "bsp", "kd", Figure::work)?,
+        ratios(costs, "bsp", "kd", |figure| figure.build_seconds)?,
+        verdict(holds, pairs.len())
+    ))
+}
+
+fn intervals(costs: &Costs) -> Option<String> {
+    let pairs = costs.pairs("bih", "bvh");
+    let builds = pairs.iter().filter(|(bih, bvh)| bih.build_seconds < bvh.build_seconds).count();
+    let walks = pairs.iter().filter(|(bih, bvh)| bih.work() > bvh.work()).count();
+    Some(format!(
+        "**A bounding interval hierarchy is built faster than a tree of boxes and walked slower** (Wächter and Keller): \
+         `bih` takes {} times the build time of `bvh`, {} times its memory and {} times its nodes and tests. For the build \
+         it {}, for the work it {}.",
+        ratios(costs, "bih", "bvh", |figure| figure.build_seconds)?,
+        ratios(costs, "bih", "bvh", Figure::bytes_per_primitive)?,
+        ratios(costs, "bih", "bvh", Figure::work)?,
+        verdict(builds, pairs.len()),
+        verdict(walks, pairs.len())
+    ))
+}
+
+/// Build and first picture; NaN without primary rays.
+fn first_picture(figure: &Figure) -> f64 {
+    figure.build_seconds + figure.of("primary").map_or(f64::NAN, |rays| rays.first_seconds)
+}
+
+fn lazy(costs: &Costs) -> Option<String> {
+    let pairs = costs.pairs("bih-lazy", "bih");
+    let rays = pairs.first()?.0.of("primary")?.rays;
+    let holds = pairs.iter().filter(|(lazy, full)| first_picture(lazy) < first_picture(full)).count();
+    Some(format!(
+        "**Building where rays go shows the first picture sooner** (Wächter and Keller): build and {rays} first primary \
+         rays take {} times as long with `bih-lazy` as with `bih`, and {} times as long as with `bvh`. Against `bih` it {}.",
+        ratios(costs, "bih-lazy", "bih", first_picture)?,
+        ratios(costs, "bih-lazy", "bvh", first_picture)?,
+        verdict(holds, pairs.len())
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::growth, *};
+
+    fn figure(scene: &'static str, primitives: usize, structure: &'static str, work: u64) -> Figure {
+        let rays = |kind| RayFigure {
+            kind,
+            rays: 10,
+            hits: 5,
+            nodes: work * 10,
+            tests: 0,
+            seconds: work as f64,
+            first_seconds: 1.0,
+        };
+        Figure {
+            scene,
+            primitives,
+            structure,
+            build_seconds: 1.0,
+            bytes: primitives,
+            nodes: 1,
+            leaves: 1,
+            references: 1,
+            max_depth: 1,
+            rays: ["primary", "shadow", "diffuse"].map(rays).into(),
+        }
+    }
+
+    /// `grid_work` on the largest mound, where the tree takes 20.
+    fn costs(grid_work: u64) -> Costs {
+        let mut figures = Vec::new();
+        for (size, work) in [(10, 5), (100, 10), (1000, 20)] {
+            figures.push(figure("mound", size, "linear", size as u64));
+            figures.push(figure("mound", size, "grid", grid_work * work / 20));
+            figures.push(figure("mound", size, "bvh", work));
+            figures.push(figure("rock", size, "bvh", work));
+        }
+        Costs { growth: growth::of(&figures), figures }
+    }
+
+    #[test]
+    fn verdicts_follow_the_figures() {
+        assert!(even_spheres(&costs(10)).unwrap().ends_with("In work it holds, in time it holds."));
+        let slow = even_spheres(&costs(40)).unwrap();
+        assert!(slow.ends_with("In work it does not hold, in time it does not hold."), "{slow}");
+        assert!(slow.contains("40.0 nodes and tests in the grid and 20.0 in the leanest tree, `bvh`"), "{slow}");
+        assert!(brute_force(&costs(10)).unwrap().contains("n^1.00 ± 0.00, its time as n^1.00 ± 0.00. It holds."));
+    }
+
+    #[test]
+    fn what_was_not_measured_is_not_claimed() {
+        assert_eq!(of(&Costs::default()), [""; 0]);
+        assert!(stadium(&costs(10)).is_none());
+    }
+
+    #[test]
+    fn pairs_are_of_the_largest_scenes() {
+        let costs = costs(10);
+        let pairs = costs.pairs("bvh", "bvh");
+        assert_eq!(
+            pairs.iter().map(|(a, _)| (a.scene, a.primitives)).collect::<Vec<_>>(),
+            [("mound", 1000), ("rock", 1000)]
+        );
+    }
+}

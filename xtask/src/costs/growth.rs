@@ -1,0 +1,92 @@
+//! How costs grow with the number of primitives: slopes in log–log diagrams.
+
+use rt_math::transcendental::log;
+use serde::Serialize;
+
+use super::Figure;
+
+/// The exponent k of cost ~ nᵏ, with its standard error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct Slope {
+    pub exponent: f64,
+    pub error: f64,
+}
+
+/// How the costs of a structure grow with a scene.
+#[derive(Debug, Serialize)]
+pub(super) struct Growth {
+    pub scene: &'static str,
+    pub structure: &'static str,
+    pub build: Slope,
+    pub memory: Slope,
+    /// Nodes and tests of a ray.
+    pub work: Slope,
+    /// Time of a ray.
+    pub time: Slope,
+}
+
+/// Growth of every structure on every scene with three sizes or more.
+pub(super) fn of(figures: &[Figure]) -> Vec<Growth> {
+    let mut growth = Vec::new();
+    for (index, first) in figures.iter().enumerate() {
+        let same = |figure: &&Figure| (figure.scene, figure.structure) == (first.scene, first.structure);
+        if figures[..index].iter().any(|figure| same(&figure)) {
+            continue;
+        }
+        let series: Vec<&Figure> = figures.iter().filter(same).collect();
+        let slope = |cost: fn(&Figure) -> f64| {
+            fit(&series.iter().map(|figure| (figure.primitives as f64, cost(figure))).collect::<Vec<_>>())
+        };
+        if let (Some(build), Some(memory), Some(work), Some(time)) = (
+            slope(|figure| figure.build_seconds),
+            slope(|figure| figure.bytes as f64),
+            slope(Figure::work),
+            slope(Figure::seconds_per_ray),
+        ) {
+            growth.push(Growth { scene: first.scene, structure: first.structure, build, memory, work, time });
+        }
+    }
+    growth
+}
+
+/// The line of least squares through the logarithms of points; `None` for fewer than three.
+fn fit(points: &[(f64, f64)]) -> Option<Slope> {
+    let count = points.len() as f64;
+    if points.len() < 3 {
+        return None;
+    }
+    let logs: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (log(x), log(y))).collect();
+    let mean = |of: fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / count;
+    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
+    let spread: f64 = logs.iter().map(|point| (point.0 - x) * (point.0 - x)).sum();
+    let exponent = logs.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / spread;
+    let residual = |point: &(f64, f64)| point.1 - y - exponent * (point.0 - x);
+    let squares: f64 = logs.iter().map(|point| residual(point) * residual(point)).sum();
+    Some(Slope { exponent, error: (squares / (count - 2.0) / spread).sqrt() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_are_found_exactly() {
+        let points = [1e3, 1e4, 1e5].map(|n: f64| (n, 7.0 * n.sqrt()));
+        let slope = fit(&points).unwrap();
+        assert!((slope.exponent - 0.5).abs() < 1e-12 && slope.error < 1e-12);
+    }
+
+    #[test]
+    fn the_error_is_that_of_a_regression() {
+        // Logarithms (0, 0), (1, 2), (2, 1): slope 1/2, residuals −1/2, 1, −1/2, error √(1.5 / 1 / 2).
+        let e = core::f64::consts::E;
+        let slope = fit(&[(1.0, 1.0), (e, e * e), (e * e, e)]).unwrap();
+        assert!((slope.exponent - 0.5).abs() < 1e-12);
+        assert!((slope.error - 0.75f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn two_points_are_no_series() {
+        assert_eq!(fit(&[(1.0, 1.0), (2.0, 2.0)]), None);
+    }
+}

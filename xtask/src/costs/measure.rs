@@ -1,0 +1,169 @@
+//! The measurements of one scene.
+
+use std::time::Instant;
+
+use rt_accel::{AnyStructure, Bvh, Structure as _, StructureKind};
+use rt_math::Primitives;
+
+use super::{
+    Figure, Options, RayFigure,
+    query::{Answer, Sample, count, time},
+};
+use crate::{
+    error::TaskError,
+    scenes::{
+        Scene, Surfaces,
+        rays::{self, RaySet},
+    },
+};
+
+/// A structure that needs more nodes and tests than this for all rays of a set is given fewer rays.
+const AFFORDABLE: f64 = 5e7;
+/// Rays to find out with.
+const PILOT: usize = 50;
+/// Builds that take longer than this many seconds together are not repeated.
+const PATIENCE: f64 = 2.0;
+
+/// Measures every structure on one scene.
+pub(super) fn scene<P: Surfaces>(scene: &Scene<P>, options: &Options) -> Result<Vec<Figure>, TaskError> {
+    let sets = ray_sets(scene, options.rays)?;
+    let mut answers = vec![Vec::new(); sets.len()];
+    let mut structures = Vec::new();
+    let mut figures = Vec::new();
+    // A tree sets the answers for all rays of a set, and brute force confirms those that it can afford.
+    let mut kinds = StructureKind::ALL.to_vec();
+    kinds.sort_by_key(|kind| *kind != StructureKind::Bvh);
+    for kind in kinds {
+        let (structure, build_seconds) = build(kind, &scene.primitives, options.repeats)?;
+        let mut rays = Vec::new();
+        for (set, expected) in sets.iter().zip(&mut answers) {
+            rays.push(first_pass(&structure, scene, set, expected)?);
+        }
+        figures.push(figure(scene, &structure, build_seconds, rays));
+        structures.push(structure);
+    }
+    // Structures take turns, so that a machine that slows down meanwhile slows them all.
+    for _ in 0..options.repeats {
+        for (structure, figure) in structures.iter().zip(&mut figures) {
+            for (set, figure) in sets.iter().zip(&mut figure.rays) {
+                let seconds = time(structure, &scene.primitives, Sample { set, rays: figure.rays });
+                figure.seconds = figure.seconds.min(seconds);
+            }
+        }
+    }
+    figures.sort_by_key(|figure| StructureKind::ALL.iter().position(|kind| kind.name() == figure.structure));
+    Ok(figures)
+}
+
+fn build<P: Primitives>(kind: StructureKind, primitives: &P, repeats: u32) -> Result<(AnyStructure, f64), TaskError> {
+    let mut least = f64::INFINITY;
+    let mut spent = 0.0;
+    for repeat in 1.. {
+        let started = Instant::now();
+        let structure = AnyStructure::build(kind, primitives).map_err(not_built)?;
+        let seconds = started.elapsed().as_secs_f64();
+        least = least.min(seconds);
+        spent += seconds;
+        if repeat >= repeats || spent > PATIENCE {
+            return Ok((structure, least));
+        }
+    }
+    Err(TaskError::Other("there are no repeats".into()))
+}
+
+fn ray_sets<P: Surfaces>(scene: &Scene<P>, count: u32) -> Result<[RaySet; 3], TaskError> {
+    let primary = rays::primary(&scene.view, count);
+    let bvh = Bvh::build(&scene.primitives).map_err(not_built)?;
+    let surfaces = rays::surfaces(&scene.primitives, &bvh, &primary);
+    let shadow = rays::shadow(&scene.view, &surfaces, count);
+    let diffuse = rays::diffuse(&surfaces, &primary, count);
+    Ok([primary, shadow, diffuse])
+}
+
+/// Counts, and compares the answers with those of the first structure.
+fn first_pass<P: Primitives>(
+    structure: &AnyStructure,
+    scene: &Scene<P>,
+    set: &RaySet,
+    expected: &mut Vec<Answer>,
+) -> Result<RayFigure, TaskError> {
+    let started = Instant::now();
+    let pilot = Sample { set, rays: set.rays.len().min(PILOT) };
+    let (_, tally) = count(structure, &scene.primitives, pilot);
+    let work = (tally.nodes + tally.tests) as f64 / pilot.rays as f64;
+    let sample = Sample { set, rays: set.rays.len().min((AFFORDABLE / work) as usize).max(pilot.rays) };
+    let (answers, tally) = count(structure, &scene.primitives, sample);
+    let first_seconds = started.elapsed().as_secs_f64();
+    if expected.is_empty() {
+        expected.clone_from(&answers);
+    }
+    if sample.places().zip(&answers).any(|(place, answer)| expected.get(place) != Some(answer)) {
+        let (scene, kind, name) = (scene.name, set.kind, structure.kind().name());
+        return Err(TaskError::Other(format!("{scene}, {kind} rays: {name} gives another answer")));
+    }
+    let hits = answers.iter().filter(|answer| **answer != Answer::Miss).count();
+    let (nodes, tests) = (tally.nodes, tally.tests);
+    Ok(RayFigure { kind: set.kind, rays: sample.rays, hits, nodes, tests, seconds: f64::INFINITY, first_seconds })
+}
+
+fn figure<P: Primitives>(
+    scene: &Scene<P>,
+    structure: &AnyStructure,
+    build_seconds: f64,
+    rays: Vec<RayFigure>,
+) -> Figure {
+    let stats = structure.build_stats();
+    Figure {
+        scene: scene.name,
+        primitives: scene.primitives.len(),
+        structure: structure.kind().name(),
+        build_seconds,
+        bytes: structure.memory(),
+        nodes: stats.nodes,
+        leaves: stats.leaves,
+        references: stats.references,
+        max_depth: stats.max_depth,
+        rays,
+    }
+}
+
+fn not_built(error: rt_accel::BuildError) -> TaskError {
+    TaskError::Other(error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes;
+
+    const OPTIONS: Options = Options { full: false, write: false, rays: 400, repeats: 1, model: None };
+
+    #[test]
+    fn every_structure_is_measured_and_brute_force_tests_everything() {
+        let figures = scene(&scenes::mound(700).unwrap(), &OPTIONS).unwrap();
+        assert_eq!(figures.len(), StructureKind::ALL.len());
+        for figure in &figures {
+            assert!(figure.build_seconds > 0.0 && figure.bytes > 0);
+            for rays in &figure.rays {
+                assert!(rays.rays == 400 && rays.seconds.is_finite() && rays.tests > 0, "{figure:?}");
+            }
+        }
+        let [linear, others @ ..] = figures.as_slice() else { panic!("no figures") };
+        let tests = |figure: &Figure, kind| figure.of(kind).unwrap().tests;
+        assert_eq!(tests(linear, "primary"), 700 * 400);
+        assert!(others.iter().all(|figure| tests(figure, "primary") < 700 * 400 / 4));
+        assert!(others.iter().all(|figure| figure.of("diffuse").unwrap().hits == linear.of("diffuse").unwrap().hits));
+    }
+
+    #[test]
+    fn another_answer_is_noticed() {
+        let scene = scenes::mound(50).unwrap();
+        let set = rays::primary(&scene.view, 100);
+        let structure = AnyStructure::build(StructureKind::Linear, &scene.primitives).unwrap();
+        let mut expected = Vec::new();
+        first_pass(&structure, &scene, &set, &mut expected).unwrap();
+        first_pass(&structure, &scene, &set, &mut expected).unwrap();
+        expected[57] = Answer::Blocked;
+        assert!(first_pass(&structure, &scene, &set, &mut expected).is_err());
+    }
+}

@@ -1,0 +1,97 @@
+//! The tables, on the terminal and as a page.
+
+use std::{fmt::Display, fs};
+
+use super::{Costs, Figure, claims, growth::Growth, growth::Slope, matrix::Matrix};
+use crate::number::three_digits;
+
+/// All tables for the terminal.
+pub(super) fn terminal(costs: &Costs) -> String {
+    let tables = matrices(costs).into_iter().map(|matrix| format!("{}\n{}\n\n", matrix.title, matrix.terminal()));
+    tables.chain(claims::of(costs).into_iter().map(|claim| format!("* {claim}\n"))).collect()
+}
+
+/// The whole page `docs/COSTS.md`.
+pub(super) fn markdown(costs: &Costs, full: bool, model: impl Display) -> String {
+    let command = if full { "cargo xtask costs --full --write" } else { "cargo xtask costs --write" };
+    let mut text = format!(
+        "# What each structure costs\n\n\
+         Written by `{command}` on one {}. Nodes, tests and bytes are the same in every run and on every machine. Times \
+         vary with the machine and its load: only their ratios say anything about structures. Rays are traced on one \
+         thread, trees are built on all. All structures gave the same answers, to the last bit, on every ray that is \
+         counted here; where a ray costs very much, fewer of them are.\n\n\
+         * `mound`: the report's heap of overlapping spheres of similar size, in half a ball.\n\
+         * `balls`, `tree`, `gears`: after Haines, \"A Proposal for Standard Graphics Environments\", 1987. Spheres on \
+           spheres; frusta and spheres that fork; gear wheels of thin triangles.\n\
+         * `rock`: a closed mesh of small triangles.\n\
+         * `stadium`: such a rock in the middle of a stadium a thousand times its size; the camera looks at the rock.\n\
+         * `model`: a mesh that somebody made, `{model}`.\n\n\
+         `bih-lazy` is measured after its rays have been traced once, but for its build, which is only the beginning of \
+         one. Shadow rays ask whether anything is hit, the others for the first hit; diffuse rays are incoherent.\n\n\
+         ## Claims\n\n",
+        processor()
+    );
+    text.extend(claims::of(costs).into_iter().map(|claim| format!("* {claim}\n")));
+    for matrix in matrices(costs) {
+        text.push_str(&format!("\n## {}\n\n{}", matrix.title, matrix.markdown()));
+    }
+    text
+}
+
+fn matrices(costs: &Costs) -> Vec<Matrix> {
+    let mut all = vec![
+        each(costs, "Build, milliseconds", |figure| Some(three_digits(figure.build_seconds * 1e3))),
+        each(costs, "Memory, bytes per primitive", |figure| Some(three_digits(figure.bytes_per_primitive()))),
+    ];
+    for kind in ["primary", "shadow", "diffuse"] {
+        let title = format!("Nodes + tests of a {kind} ray");
+        all.push(each(costs, &title, |figure| {
+            let rays = figure.of(kind)?;
+            Some(format!("{} + {}", three_digits(rays.nodes_per_ray()), three_digits(rays.tests_per_ray())))
+        }));
+    }
+    for kind in ["primary", "shadow", "diffuse"] {
+        let title = format!("Millions of {kind} rays per second");
+        all.push(each(costs, &title, |figure| Some(three_digits(figure.of(kind)?.mega_rays()))));
+    }
+    all.push(growth(costs, "Growth of the build: k in time ~ nᵏ, ± standard error", |growth| growth.build));
+    all.push(growth(costs, "Growth of memory: k in bytes ~ nᵏ", |growth| growth.memory));
+    all.push(growth(costs, "Growth of work: k in nodes and tests of a ray ~ nᵏ, mean of all kinds", |growth| {
+        growth.work
+    }));
+    all.push(growth(costs, "Growth of time: k in time of a ray ~ nᵏ, mean of all kinds", |growth| growth.time));
+    all
+}
+
+/// A row for each scene and size.
+fn each(costs: &Costs, title: &str, cell: impl Fn(&Figure) -> Option<String>) -> Matrix {
+    let mut rows: Vec<(&str, usize)> = costs.figures.iter().map(|figure| (figure.scene, figure.primitives)).collect();
+    rows.dedup();
+    // A stable sort by first appearance puts the sizes of a scene together.
+    let first = |scene: &str| costs.figures.iter().position(|figure| figure.scene == scene);
+    rows.sort_by_key(|(scene, _)| first(scene));
+    let rows = rows.into_iter().map(|row| (format!("{} {}", row.0, crate::number::grouped(row.1 as u64)), row));
+    Matrix::new(title, rows, |&(scene, primitives), structure| {
+        let key = (scene, primitives, structure);
+        cell(costs.figures.iter().find(|figure| (figure.scene, figure.primitives, figure.structure) == key)?)
+    })
+}
+
+/// A row for each scene.
+fn growth(costs: &Costs, title: &str, slope: impl Fn(&Growth) -> Slope) -> Matrix {
+    let mut rows: Vec<&str> = costs.growth.iter().map(|growth| growth.scene).collect();
+    rows.dedup();
+    Matrix::new(title, rows.into_iter().map(|scene| (scene.to_owned(), scene)), |scene, structure| {
+        let key = (*scene, structure);
+        let Slope { exponent, error } =
+            slope(costs.growth.iter().find(|growth| (growth.scene, growth.structure) == key)?);
+        Some(format!("{exponent:.2} ± {error:.2}"))
+    })
+}
+
+/// The name of the processor, where the system tells it, or else its architecture.
+fn processor() -> String {
+    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    name.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
+}

@@ -1,0 +1,83 @@
+//! A tree of branches that fork.
+
+use rt_geometry::{Frustum, Placed, Shape, Sphere};
+use rt_math::{DMat3, DVec3, Frame, Transform, transcendental::sincos};
+
+use super::{Scene, Solids, nearest, other};
+use crate::error::TaskError;
+
+/// How much shorter and thinner a branch is than the one it grows from.
+const SHRINK: f64 = 0.8;
+/// How far a branch leans away from the one it grows from, in radians.
+const LEAN: f64 = 0.5;
+/// How far the forks of a branch are turned against its own, in radians.
+const TURN: f64 = 1.9;
+
+/// A tree like that of Haines, "A Proposal for Standard Graphics Environments", 1987: branches are frusta with a sphere
+/// at the joint, and fork in two. Primitives are long, thin, oblique, of all sizes, and leave most of space empty.
+pub(crate) fn tree(wanted: usize) -> Result<Scene<Solids>, TaskError> {
+    let generations = nearest(wanted, 0..24, |generations| 2 * ((1 << (generations + 1)) - 1));
+    let trunk = Branch { foot: DVec3::ZERO, frame: Frame::from_z(DVec3::Y), length: 1.0, radius: 0.1 };
+    let mut solids = Vec::new();
+    let mut growing = vec![trunk];
+    for _ in 0..=generations {
+        let mut next = Vec::with_capacity(2 * growing.len());
+        for branch in growing {
+            solids.extend(branch.solids()?);
+            next.extend([1.0, -1.0].map(|side| branch.fork(side)));
+        }
+        growing = next;
+    }
+    Ok(Scene::whole("tree", Solids(solids)))
+}
+
+struct Branch {
+    foot: DVec3,
+    /// Its z axis is the direction of the branch.
+    frame: Frame,
+    length: f64,
+    radius: f64,
+}
+
+impl Branch {
+    fn tip(&self) -> DVec3 {
+        self.foot + self.frame.z * self.length
+    }
+
+    fn solids(&self) -> Result<[Placed; 2], TaskError> {
+        let frustum = Frustum::new(self.radius, self.radius * SHRINK, self.length, false).map_err(other)?;
+        // A frustum stands along y.
+        let axes = DMat3::from_cols(self.frame.y, self.frame.z, self.frame.x);
+        let stand = Transform::from_linear(axes, self.foot).map_err(other)?;
+        let joint = Sphere::new(self.tip(), self.radius * SHRINK).map_err(other)?;
+        let stay = Transform::from_linear(DMat3::IDENTITY, DVec3::ZERO).map_err(other)?;
+        Ok([Placed::new(Shape::Frustum(frustum), stand), Placed::new(Shape::Sphere(joint), stay)])
+    }
+
+    fn fork(&self, side: f64) -> Self {
+        let (sin_turn, cos_turn) = sincos(TURN);
+        let (sin_lean, cos_lean) = sincos(LEAN * side);
+        let across = self.frame.x * cos_turn + self.frame.y * sin_turn;
+        let z = (self.frame.z * cos_lean + across * sin_lean).normalize();
+        let y = z.cross(across).normalize();
+        let frame = Frame { x: y.cross(z), y, z };
+        Self { foot: self.tip(), frame, length: self.length * SHRINK, radius: self.radius * SHRINK }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn branches_grow_from_the_tip_of_their_parent_at_the_lean() {
+        let trunk = Branch { foot: DVec3::ZERO, frame: Frame::from_z(DVec3::Y), length: 1.0, radius: 0.1 };
+        for side in [1.0, -1.0] {
+            let branch = trunk.fork(side);
+            assert_eq!(branch.foot, trunk.tip());
+            assert!((branch.frame.z.dot(trunk.frame.z) - rt_math::transcendental::cos(LEAN)).abs() < 1e-14);
+            let Frame { x, y, z } = branch.frame;
+            assert!((x.cross(y) - z).length() < 1e-14, "right-handed and orthonormal");
+        }
+    }
+}
