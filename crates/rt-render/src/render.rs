@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use rt_accel::AnyStructure;
 use rt_camera::{Camera, Film, Filter, PixelSampler};
 use rt_geometry::SurfaceNeeds;
-use rt_math::{Counters, DVec2, Interval, Probe, Ray, RayCounts, RayKind, Rgb, Sampler, Tally};
+use rt_math::{Counters, DVec2, Interval, NoProbe, Probe, Ray, RayCounts, RayKind, Rgb, Sampler, Tally};
 use rt_scene_io::Integrator;
 use rt_shading::{FirstHitView, Interior, Seen, ShadingCounts, Tracer, Whitted};
 
@@ -48,20 +48,22 @@ pub struct Rendering {
     pub statistics: Statistics,
 }
 
-/// Turns the counts of a probe into the full table, whatever the probe counts.
+/// What structures report to: a probe that counts all, or none. Rays are counted beside it, so that structures need no
+/// code for a third.
 trait Countable: Probe + Default + Send {
-    fn counters(&self) -> Counters;
+    /// The full table, as far as it is known.
+    fn counters(&self, rays: RayCounts) -> Counters;
 }
 
 impl Countable for Counters {
-    fn counters(&self) -> Counters {
+    fn counters(&self, _rays: RayCounts) -> Counters {
         *self
     }
 }
 
-impl Countable for RayCounts {
-    fn counters(&self) -> Counters {
-        Counters::from(*self)
+impl Countable for NoProbe {
+    fn counters(&self, rays: RayCounts) -> Counters {
+        Counters::from(rays)
     }
 }
 
@@ -154,7 +156,7 @@ impl RenderPlan<'_> {
         if count || self.integrator == Integrator::Cost {
             self.with_probe::<Counters>(tile)
         } else {
-            self.with_probe::<RayCounts>(tile)
+            self.with_probe::<NoProbe>(tile)
         }
     }
 
@@ -168,7 +170,7 @@ impl RenderPlan<'_> {
     }
 
     fn with_world<W: Surfaces, S: Countable>(&self, world: &W, structure: &AnyStructure, tile: Tile) -> Finished {
-        let mut tracer = WorldTracer { world, structure, visible: self.visible.as_ref(), probe: S::default() };
+        let mut tracer = WorldTracer::new(world, structure, self.visible.as_ref(), S::default());
         let mut whitted = Whitted::new(self.depth, self.min_contribution, self.needs);
         let mut finished = match (&self.view, &self.surroundings) {
             (View::Light, Surroundings::Same(interior)) => {
@@ -189,7 +191,7 @@ impl RenderPlan<'_> {
             (View::FirstHit(view), _) => self.sample_tile(tile, |ray| view.radiance(&mut tracer, ray)),
             (View::Cost, _) => self.sample_tile(tile, |ray| cost(&mut tracer, ray)),
         };
-        finished.counters = tracer.probe.counters();
+        finished.counters = tracer.probe.counters(tracer.rays);
         finished.shading = whitted.counts();
         finished
     }
@@ -293,10 +295,10 @@ fn camera_ray(
 /// yellow to white: black is 1 step, white 1024 or more.
 fn cost<W: Surfaces, S: Countable>(tracer: &mut WorldTracer<'_, W, S>, ray: &Ray) -> Seen {
     let work = |tally: Tally| tally.nodes + tally.tests;
-    let before = work(tracer.probe.counters().of(RayKind::Primary));
+    let before = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary));
     let needs = SurfaceNeeds { uv: false, shading_normal: false };
     let hit = tracer.closest(ray, Interval::FORWARD, RayKind::Primary, needs);
-    let steps = work(tracer.probe.counters().of(RayKind::Primary)) - before;
+    let steps = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary)) - before;
     let heat = (rt_math::transcendental::log2(steps.max(1) as f64) / 10.0).min(1.0);
     Seen { radiance: heat_colour(heat), hit: hit.is_some() }
 }

@@ -52,12 +52,12 @@ fn look_around(scene: &Scene, world: &World, ray: &Ray) -> Interior {
     let mut interior = Interior::default();
     match world {
         World::Spheres(world, structure) => {
-            interior.look_around(&mut WorldTracer { world, structure, visible: None, probe: NoProbe }, materials, ray);
+            interior.look_around(&mut WorldTracer::new(world, structure, None, NoProbe), materials, ray);
         }
         World::Parts(top, levels) => {
             let world = &Parts { parts: &top.parts, levels };
             let structure = &top.structure;
-            interior.look_around(&mut WorldTracer { world, structure, visible: None, probe: NoProbe }, materials, ray);
+            interior.look_around(&mut WorldTracer::new(world, structure, None, NoProbe), materials, ray);
         }
     }
     interior

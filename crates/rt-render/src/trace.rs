@@ -2,7 +2,7 @@
 
 use rt_accel::AnyStructure;
 use rt_geometry::{Spheres, SurfaceInteraction, SurfaceNeeds};
-use rt_math::{Accelerator, Hit, Interval, Primitives, Probe, Ray, RayKind};
+use rt_math::{Accelerator, Hit, Interval, Primitives, Probe, Ray, RayCounts, RayKind};
 use rt_shading::{SurfaceHit, Tracer};
 
 use crate::{visible::Visible, world::Parts};
@@ -69,12 +69,26 @@ pub(crate) struct WorldTracer<'w, W, S> {
     pub(crate) structure: &'w AnyStructure,
     /// What camera rays are asked of instead, if that is less.
     pub(crate) visible: Option<&'w Visible>,
+    /// Rays by kind.
+    pub(crate) rays: RayCounts,
+    /// The structure's work.
     pub(crate) probe: S,
+}
+
+impl<'w, W, S: Probe> WorldTracer<'w, W, S> {
+    pub(crate) fn new(world: &'w W, structure: &'w AnyStructure, visible: Option<&'w Visible>, probe: S) -> Self {
+        Self { world, structure, visible, rays: RayCounts::default(), probe }
+    }
+
+    fn count(&mut self, kind: RayKind) {
+        self.rays.ray(kind);
+        self.probe.ray(kind);
+    }
 }
 
 impl<W: Surfaces, S: Probe> Tracer for WorldTracer<'_, W, S> {
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
-        self.probe.ray(kind);
+        self.count(kind);
         let hit = match (kind, self.visible) {
             (RayKind::Primary, Some(visible)) => visible.closest(self.world, ray, span, &mut self.probe),
             _ => self.structure.closest(self.world, ray, span, &mut self.probe),
@@ -84,7 +98,7 @@ impl<W: Surfaces, S: Probe> Tracer for WorldTracer<'_, W, S> {
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
-        self.probe.ray(RayKind::Shadow);
+        self.count(RayKind::Shadow);
         self.structure.occluded(self.world, ray, span, &mut self.probe)
     }
 }
