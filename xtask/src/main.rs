@@ -5,6 +5,7 @@
 //!   cargo xtask tidy       rules of the house that no compiler checks
 //!   cargo xtask bench      rays per second and build times of each structure
 //!   cargo xtask costs      what each structure costs, and how that grows
+//!   cargo xtask figures    the pictures in the guide of rt-accel
 //!   cargo xtask table1     the table of the report that this ray tracer began with
 //! ```
 //!
@@ -23,6 +24,7 @@ use clap::{Parser, Subcommand};
 mod bench;
 mod costs;
 mod error;
+mod figures;
 mod number;
 mod regress;
 mod renderer;
@@ -53,6 +55,8 @@ enum Task {
     Bench(bench::Options),
     /// Measure what each structure costs on scenes of growing size.
     Costs(costs::Options),
+    /// Render the pictures in the guide of rt-accel.
+    Figures,
     /// Make the report's Table 1 again, its figures beside ours.
     Table1(table1::Options),
 }
@@ -76,6 +80,7 @@ fn run(task: Task) -> Result<bool, TaskError> {
         Task::Tidy => tidy::run(&workspace),
         Task::Bench(options) => bench::run(&options).map(|()| true),
         Task::Costs(options) => costs::run(&workspace, &options).map(|()| true),
+        Task::Figures => figures::run(&workspace).map(|()| true),
         Task::Table1(options) => table1::run(&workspace, &options).map(|()| true),
     }
 }

@@ -77,10 +77,19 @@ impl Workspace {
 
     /// Builds the renderer as users get it and returns the program.
     pub(crate) fn build_renderer(&self) -> Result<PathBuf, TaskError> {
+        self.build_program("release", "release")
+    }
+
+    /// Builds the renderer as developers have it, which takes less time and gives the same pictures.
+    pub(crate) fn build_dev_renderer(&self) -> Result<PathBuf, TaskError> {
+        self.build_program("dev", "debug")
+    }
+
+    fn build_program(&self, profile: &str, folder: &str) -> Result<PathBuf, TaskError> {
         let mut command = cargo();
-        command.args(["build", "--release", "--package", "rt-cli"]).current_dir(&self.root);
+        command.args(["build", "--profile", profile, "--package", "rt-cli"]).current_dir(&self.root);
         output_of(&mut command)?;
-        Ok(self.target.join("release").join(format!("rt-cli{}", std::env::consts::EXE_SUFFIX)))
+        Ok(self.target.join(folder).join(format!("rt-cli{}", std::env::consts::EXE_SUFFIX)))
     }
 
     /// `path` as it reads from the root; unchanged if it lies elsewhere.

@@ -28,7 +28,7 @@ pub(crate) use split::Sampled;
 pub struct BspTree(pub(crate) Partition<Plane>);
 
 impl BspTree {
-    /// Builds the tree: O(n log n) time, 80 to 130 bytes per primitive afterwards.
+    /// Builds the tree: O(n log n) time, 110 to 210 bytes per primitive afterwards.
     ///
     /// # Errors
     ///

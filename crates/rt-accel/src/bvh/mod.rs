@@ -48,7 +48,7 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// Builds the tree: O(n log n) time, about 50 bytes per primitive afterwards.
+    /// Builds the tree: O(n log n) time, 25 to 45 bytes per primitive afterwards.
     ///
     /// # Errors
     ///

@@ -27,7 +27,7 @@ pub(crate) use split::SurfaceArea;
 pub struct KdTree(pub(crate) Partition<AxisPlane>);
 
 impl KdTree {
-    /// Builds the tree: O(n log n) time, 60 to 100 bytes per primitive afterwards.
+    /// Builds the tree: O(n log n) time, 45 to 100 bytes per primitive afterwards.
     ///
     /// # Errors
     ///

@@ -1,0 +1,47 @@
+//! Which structure to take.
+//!
+//! ```text
+//!     up to ten primitives? ──────────── yes ─▶ Linear
+//!        │ no
+//!     of similar size, evenly spread? ── yes ─▶ UniformGrid
+//!        │ no
+//!     another scene for every picture? ─ yes ─▶ Bih, or LazyBih if little of it is seen
+//!        │ no
+//!     else ────────────────────────────────────▶ Bvh
+//! ```
+//!
+//! | what you have | take | because |
+//! |---|---|---|
+//! | no idea | [`Bvh`](crate::Bvh) | least work of all on most scenes, no bad ones |
+//! | particles, atoms, a heap | [`UniformGrid`](crate::UniformGrid) | as fast as the best tree, a tenth of its build |
+//! | small things in a large world | [`Bvh`](crate::Bvh) | the grid takes 1500 times its work on *stadium* |
+//! | things that move a little | [`Bvh`](crate::Bvh) and [`Refit`](crate::Refit) | O(n), keeps the tree |
+//! | things that move at random | [`Bih`](crate::Bih) or [`UniformGrid`](crate::UniformGrid) | builds take a tenth to a quarter |
+//! | the inside of a building | [`Bvh`](crate::Bvh) or [`KdTree`](crate::KdTree) | measure both; the latter never overlaps |
+//! | little memory | [`Bih`](crate::Bih) | under 20 bytes per primitive |
+//! | a volume of your own | [`VolumeTree`](crate::VolumeTree) | one trait to implement |
+//! | a test to write | [`Linear`](crate::Linear) | it is right by definition |
+//!
+//! All answer alike, to the last bit, so that a choice can be changed at any time without changing a picture:
+//!
+//! ```
+//! use rt_accel::{Aabb, Accelerator, AnyStructure, Boxes, DVec3, Interval, NoProbe, Ray, StructureKind};
+//!
+//! let boxes: Vec<Aabb> = (0..100)
+//!     .map(|i| DVec3::new(f64::from(i % 10), f64::from(i / 10), f64::from(i % 7)))
+//!     .map(|corner| Aabb::new(corner, corner + 0.8))
+//!     .collect();
+//! let boxes = Boxes(&boxes);
+//! let ray = Ray::new(DVec3::new(-1.0, 0.3, 0.2), DVec3::new(1.0, 0.2, 0.1));
+//! let truth = AnyStructure::build(StructureKind::Linear, &boxes)?;
+//! let expected = truth.closest(&boxes, &ray, Interval::FORWARD, &mut NoProbe);
+//! for kind in StructureKind::ALL {
+//!     let structure = AnyStructure::build(*kind, &boxes)?;
+//!     assert_eq!(structure.closest(&boxes, &ray, Interval::FORWARD, &mut NoProbe), expected);
+//! }
+//! # Ok::<(), rt_accel::BuildError>(())
+//! ```
+//!
+//! [`AnyStructure`](crate::AnyStructure) chooses while the program runs, for one `match` in each query. Measure with your
+//! own primitives: [`Counters`](crate::Counters) count nodes and tests, and
+//! [`build_stats`](crate::Structure::build_stats) tells what was built.
