@@ -1,6 +1,7 @@
 //! The curved side that cylinders, cones and frusta share.
 
 use crate::SurfaceInteraction;
+use crate::rescaling::rescaling;
 use rt_math::float::{difference_of_products, gamma, two_product};
 use rt_math::transcendental::atan2;
 use rt_math::{DVec3, Interval, Ray};
@@ -46,7 +47,8 @@ impl Lateral {
     /// a sum and a difference of lengths.
     #[inline]
     pub(crate) fn inside(&self, ray: &Ray) -> Option<Inside> {
-        let (o, d) = (ray.origin, ray.direction);
+        let scale = rescaling(ray.direction);
+        let (o, d) = (ray.origin, ray.direction * scale);
         let (rho, sigma) = (self.radius_at(o.y), self.slope * d.y);
         let a = dot([d.x, d.z, sigma], [d.x, d.z, -sigma]);
         let b = -dot([o.x, o.z, rho], [d.x, d.z, -sigma]);
@@ -64,7 +66,7 @@ impl Lateral {
         }
         // Both roots are 0 for a tangent at its own origin. A ray along a generator has its second one at infinity.
         let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
-        let (near, far) = (t0.min(t1), t0.max(t1));
+        let (near, far) = (t0.min(t1) * scale, t0.max(t1) * scale);
         Some(if a < 0.0 { Inside::Beyond(near, far) } else { Inside::Between(near, far) })
     }
 

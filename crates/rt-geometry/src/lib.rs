@@ -69,6 +69,7 @@ mod placed;
 mod plane;
 mod polygon;
 mod rectangle;
+mod rescaling;
 mod shape;
 mod sheared_ray;
 mod sphere;

@@ -1,6 +1,7 @@
 //! Spheres.
 
 use crate::error::{ShapeError, check_coordinates, check_radius};
+use crate::rescaling::rescaling;
 use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
 use rt_math::float::{UNIT_ROUNDOFF, gamma};
 use rt_math::transcendental::{atan2, hypot};
@@ -68,14 +69,16 @@ impl Sphere {
         let (a, b, ff, rr) = (d.dot(d), -f.dot(d), f.dot(f), self.radius * self.radius);
         // Positive only if the origin is outside.
         let excess = ff * (1.0 - REJECTION) - rr * (1.0 + REJECTION);
-        let passes_by = b * b < a * excess;
+        // Of directions whose square is about to leave the range of numbers, nothing is beyond doubt.
+        let passes_by = b * b < a * excess && (1e-100..1e100).contains(&a);
         let lies_behind = excess > 0.0 && b < 0.0 && span.min >= 0.0;
         passes_by | lies_behind
     }
 
     #[inline(never)]
     fn crossing(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
-        let d = ray.direction;
+        let scale = rescaling(ray.direction);
+        let d = ray.direction * scale;
         let f = ray.origin - self.centre;
         let (a, b, ff, rr) = (d.dot(d), -f.dot(d), f.dot(f), self.radius * self.radius);
         let closest = f + d * (b / a);
@@ -88,7 +91,7 @@ impl Sphere {
         let c = (length - self.radius) * (length + self.radius);
         // Both roots are 0 for a tangent at its own origin.
         let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
-        let t = span.first(t0.min(t1), t0.max(t1))?;
+        let t = span.first(t0.min(t1) * scale, t0.max(t1) * scale)?;
         Some(ShapeHit { t, uv: [0.0; 2] })
     }
 
@@ -170,12 +173,26 @@ mod tests {
                 let mut broken = [0.25; 3];
                 broken[k] = bad;
                 assert_eq!(hit(1.0, broken, [0.0, 0.0, 1.0], Interval::FORWARD), None);
+                if bad == 1e200 {
+                    continue;
+                }
                 assert_eq!(hit(1.0, [0.0; 3], broken, Interval::FORWARD), None);
                 assert_eq!(hit(1.0, [0.0, 0.0, 3.0], broken, Interval::FORWARD), None);
             }
         }
         for origin in [[0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 3.0]] {
             assert_eq!(hit(1.0, origin, [0.0; 3], Interval::FORWARD), None);
+        }
+    }
+
+    #[test]
+    fn directions_of_any_length_are_met() {
+        for k in [-900, -520, -510, 510, 520, 900] {
+            let scale = exp2(f64::from(k));
+            let t = hit(1.0, [0.25, 0.0, -3.0], [0.0, 0.0, scale], Interval::FORWARD);
+            let expected = hit(1.0, [0.25, 0.0, -3.0], [0.0, 0.0, 1.0], Interval::FORWARD);
+            assert_eq!(t, expected.map(|t| t / scale), "2^{k}");
+            assert_eq!(hit(1.0, [1.25, 0.0, -3.0], [0.0, 0.0, scale], Interval::FORWARD), None, "2^{k}");
         }
     }
 

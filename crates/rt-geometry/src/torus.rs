@@ -3,6 +3,7 @@
 use crate::bracketed_root::bracketed_root;
 use crate::error::{ShapeError, check_radius};
 use crate::lateral::longitude;
+use crate::rescaling::rescaling;
 use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
 use rt_math::float::{UNIT_ROUNDOFF, cross, gamma};
 use rt_math::transcendental::{atan2, cbrt};
@@ -116,16 +117,18 @@ struct Chord<'a> {
 impl<'a> Chord<'a> {
     /// `None` if the ray passes by the sphere around the torus, has a NaN or no direction.
     fn new(torus: &'a Torus, ray: &Ray) -> Option<Self> {
-        let (o, d) = (ray.origin, ray.direction);
+        let scale = rescaling(ray.direction);
+        let (o, d) = (ray.origin, ray.direction * scale);
         let square = d.dot(d);
         // Not o + t·d, which would be off by a rounding error of a faraway origin.
         let middle = cross(d, cross(o, d)) / square;
-        let (speed, t_middle) = (square.sqrt(), -o.dot(d) / square);
+        let towards = d / square.sqrt();
+        let (speed, t_middle) = (square.sqrt() / scale, -o.dot(d) / square * scale);
         // Wider than the torus by more than rounding: the ends of the chord are outside.
         let outer = (torus.radius + torus.tube_radius) * (1.0 + 1.0 / 1024.0);
         let reach = (outer * outer - middle.dot(middle)).sqrt();
         let is_sound = reach > 0.0 && t_middle.is_finite() && speed > 0.0 && speed.is_finite();
-        is_sound.then(|| Self { torus, middle, towards: d / speed, t_middle, speed, reach })
+        is_sound.then_some(Self { torus, middle, towards, t_middle, speed, reach })
     }
 
     fn at(&self, s: f64) -> DVec3 {
