@@ -25,16 +25,22 @@ pub fn refract(direction: DVec3, normal: DVec3, eta: f64) -> Option<DVec3> {
 /// Part of unpolarised light that a smooth dielectric reflects (Fresnel 1823): `cos_i` is the cosine of the angle of
 /// incidence, in [0, 1], `eta` as in [`refract`]. 1 on total internal reflection.
 pub fn fresnel(cos_i: f64, eta: f64) -> f64 {
+    let [perpendicular, parallel] = polarised_fresnel(cos_i, eta);
+    0.5 * (perpendicular + parallel)
+}
+
+/// As [`fresnel`], of light that is polarised across the plane of incidence, and of light that is polarised in it.
+pub fn polarised_fresnel(cos_i: f64, eta: f64) -> [f64; 2] {
     let cos_i = cos_i.clamp(0.0, 1.0);
     let sin_t = eta * ((1.0 - cos_i) * (1.0 + cos_i)).sqrt();
     let cos2_t = (1.0 - sin_t) * (1.0 + sin_t);
     if cos2_t <= 0.0 {
-        return 1.0;
+        return [1.0; 2];
     }
     let cos_t = cos2_t.sqrt();
     let perpendicular = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     let parallel = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    0.5 * (perpendicular * perpendicular + parallel * parallel)
+    [perpendicular * perpendicular, parallel * parallel]
 }
 
 #[cfg(test)]
@@ -68,11 +74,8 @@ mod tests {
 
     #[test]
     fn parallel_light_passes_whole_at_brewsters_angle() {
-        let angle = atan(GLASS);
-        let (c, s) = (cos(angle), sin(angle));
-        let cos_t = (1.0 - (s / GLASS) * (s / GLASS)).sqrt();
-        let parallel = (c - cos_t / GLASS) / (c + cos_t / GLASS);
-        assert!(parallel * parallel < 1e-30);
+        let [perpendicular, parallel] = polarised_fresnel(cos(atan(GLASS)), 1.0 / GLASS);
+        assert!(parallel < 1e-30 && (perpendicular - (1.25 / 3.25) * (1.25 / 3.25)).abs() < 1e-15);
     }
 
     #[test]
