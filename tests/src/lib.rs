@@ -1,1 +1,34 @@
-//! Home of the tests that need the whole workspace; see the `tests` folder beside this one.
+//! # rt-tests: what the crates are tried with
+//!
+//! ```text
+//!   tests/tests ──┐
+//!                 ├── rt-tests: shapes, meshes, scenes, and rays that look for the seams
+//!   xtask ────────┘
+//! ```
+//!
+//! **Owns** generators of shapes, meshes, scenes and rays that more than one crate's tests or tasks need; the tests of the whole
+//! workspace live beside it in the `tests` folder. **Does not own** any expectation: those stand in the tests.
+//!
+//! ```
+//! use rt_tests::{Draw, icosphere};
+//!
+//! let (vertices, triangles) = icosphere(2);
+//! assert_eq!((vertices.len(), triangles.len()), (162, 320));
+//! assert_eq!(Draw::new(7).point(), Draw::new(7).point());
+//! ```
+
+#![forbid(unsafe_code)]
+
+mod draw;
+mod icosphere;
+mod moved;
+mod seams;
+mod shape_set;
+mod spawned;
+
+pub use draw::Draw;
+pub use icosphere::icosphere;
+pub use moved::moved;
+pub use seams::{Seams, span_at};
+pub use shape_set::{ShapeKind, ShapeSet};
+pub use spawned::{SPAWN_SETUPS, SpawnSetup, Spawned};

@@ -79,48 +79,7 @@ fn rotated(v: DVec3, axis: usize) -> DVec3 {
 mod tests {
     use super::*;
     use rt_math::random;
-    use std::collections::HashMap;
-
-    /// A closed mesh of 20·4ⁿ triangles around the origin with shared vertices.
-    fn icosphere(levels: usize) -> (Vec<DVec3>, Vec<[usize; 3]>) {
-        let golden = (1.0 + 5.0f64.sqrt()) / 2.0;
-        let mut vertices: Vec<DVec3> = (0..12)
-            .map(|i| {
-                let (long, short) = (if i & 1 == 0 { golden } else { -golden }, if i & 2 == 0 { 1.0 } else { -1.0 });
-                rotated(DVec3::new(0.0, short, long), i / 4).normalize()
-            })
-            .collect();
-        let edge = 2.0 / (golden * golden + 1.0).sqrt();
-        let near = |a: DVec3, b: DVec3| (a - b).length() < edge * 1.01;
-        let mut triangles = Vec::new();
-        for a in 0..12 {
-            for b in a + 1..12 {
-                for c in b + 1..12 {
-                    let [p, q, r] = [vertices[a], vertices[b], vertices[c]];
-                    if near(p, q) && near(q, r) && near(r, p) {
-                        triangles.push([a, b, c]);
-                    }
-                }
-            }
-        }
-        for _ in 0..levels {
-            let mut middles = HashMap::new();
-            let mut middle = |a: usize, b: usize| {
-                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                    vertices.push((vertices[a] + vertices[b]).normalize());
-                    vertices.len() - 1
-                })
-            };
-            triangles = triangles
-                .into_iter()
-                .flat_map(|[a, b, c]| {
-                    let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
-                    [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
-                })
-                .collect();
-        }
-        (vertices, triangles)
-    }
+    use rt_tests::icosphere;
 
     const GRID: f64 = (1u32 << 18) as f64;
 

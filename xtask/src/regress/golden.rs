@@ -10,7 +10,7 @@ use super::{
     compare::Difference,
     panels::three_panels,
 };
-use crate::error::TaskError;
+use crate::{error::TaskError, workspace::Workspace};
 
 /// A folder of `tests/golden`.
 struct Golden {
@@ -18,8 +18,8 @@ struct Golden {
 }
 
 /// One unit per folder.
-pub(super) fn units(context: &Context) -> Result<Vec<Box<dyn Unit>>, TaskError> {
-    let cases = context.workspace.files("tests/golden", "case.toml")?;
+pub(super) fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
+    let cases = workspace.files("tests/golden", "case.toml")?;
     let folders = cases.iter().filter_map(|case| case.parent());
     Ok(folders.map(|folder| Box::new(Golden { folder: folder.to_path_buf() }) as Box<dyn Unit>).collect())
 }
@@ -148,14 +148,14 @@ fn mean(pixels: &[[f32; 3]]) -> [f64; 3] {
 
 /// Turns the verdict round: what is known to fail must fail.
 fn known_failure(findings: Findings, reason: &str) -> Findings {
-    let Findings { problems, mut notes, picture } = findings;
+    let Findings { problems, mut notes, picture, trial } = findings;
     if problems.is_empty() {
         let problem = format!("passes, although it is known to fail ({reason}): remove `known_failure`");
-        return Findings { problems: vec![problem], notes, picture };
+        return Findings { problems: vec![problem], notes, picture, trial };
     }
     notes.push(format!("known failure: {reason}"));
     notes.extend(problems);
-    Findings { problems: Vec::new(), notes, picture }
+    Findings { problems: Vec::new(), notes, picture, trial }
 }
 
 pub(super) fn open(path: &Path) -> Result<RgbaImage, TaskError> {

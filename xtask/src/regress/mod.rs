@@ -21,7 +21,9 @@ mod minray;
 mod one_picture;
 mod panels;
 mod report;
+mod stiff;
 mod table1_counts;
+mod trials;
 
 /// A render that takes longer than this hangs.
 const TIMEOUT: Duration = Duration::from_secs(120);
@@ -58,6 +60,12 @@ trait Unit: Sync {
     /// Unique; slashes make folders.
     fn name(&self) -> String;
 
+    /// True if it calls the crates on all processors rather than the program: it then runs alone, so that its seconds
+    /// are its own.
+    fn runs_in_process(&self) -> bool {
+        false
+    }
+
     /// Runs in `folder`, which is empty and its own.
     fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError>;
 }
@@ -71,6 +79,21 @@ struct Findings {
     notes: Vec<String>,
     /// A picture that shows it.
     picture: Option<PathBuf>,
+    /// How often something was tried, for the table at the end.
+    trial: Option<Trial>,
+}
+
+/// Something that was tried many times.
+#[derive(Debug)]
+struct Trial {
+    title: &'static str,
+    /// What theory says, and how near to it is near enough.
+    expected: &'static str,
+    tolerance: &'static str,
+    tried: u64,
+    failed: u64,
+    /// Greatest error, in the measure of the tolerance; `None` where there is nothing to measure.
+    worst: Option<f64>,
 }
 
 impl Findings {
@@ -99,38 +122,46 @@ impl Outcome {
 
 /// Runs everything that matches the filter. True if all of it passed.
 pub(crate) fn run(workspace: Workspace, options: &Options) -> Result<bool, TaskError> {
-    let program = workspace.build_renderer()?;
-    let folder = workspace.fresh_folder("regress")?;
-    let renderer = Renderer::new(program, if options.full { FULL_TIMEOUT } else { TIMEOUT });
-    let context = Context { workspace, renderer, bless: options.bless, full: options.full };
-
-    let mut units = units(&context)?;
+    let mut units = units(&workspace)?;
     if let Some(filter) = &options.filter {
         units.retain(|unit| unit.name().contains(filter.as_str()));
     }
     if units.is_empty() {
         return Err(TaskError::Other("nothing matches the filter".to_owned()));
     }
+    let program =
+        if units.iter().all(|unit| unit.runs_in_process()) { PathBuf::new() } else { workspace.build_renderer()? };
+    let folder = workspace.fresh_folder("regress")?;
+    let renderer = Renderer::new(program, if options.full { FULL_TIMEOUT } else { TIMEOUT });
+    let context = Context { workspace, renderer, bless: options.bless, full: options.full };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs).build();
     let pool = pool.map_err(|error| TaskError::Other(error.to_string()))?;
-    let outcomes: Vec<Outcome> =
-        pool.install(|| units.par_iter().map(|unit| run_unit(unit.as_ref(), &context, &folder)).collect());
+    let (alone, together): (Vec<_>, Vec<_>) = units.into_iter().partition(|unit| unit.runs_in_process());
+    let run = |unit: &dyn Unit| run_unit(unit, &context, &folder);
+    let mut outcomes: Vec<Outcome> = pool.install(|| together.par_iter().map(|unit| run(unit.as_ref())).collect());
+    outcomes.extend(alone.iter().map(|unit| pool.install(|| run(unit.as_ref()))));
 
     let page = folder.join("index.html");
     fs::write(&page, report::html(&outcomes)?).map_err(TaskError::file(&page))?;
+    if let Some(table) = trials::markdown(&outcomes) {
+        println!("\n{table}");
+        let path = folder.join("trials.md");
+        fs::write(&path, table).map_err(TaskError::file(&path))?;
+    }
     let failed = outcomes.iter().filter(|outcome| !outcome.passed()).count();
     println!("{} of {} passed; see {}", outcomes.len() - failed, outcomes.len(), context.workspace.relative(&page));
     Ok(failed == 0)
 }
 
-fn units(context: &Context) -> Result<Vec<Box<dyn Unit>>, TaskError> {
+fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
     let mut units: Vec<Box<dyn Unit>> = Vec::new();
     // The long ones come first, so that they do not run alone at the end.
     units.push(Box::new(minray::Minray));
     units.extend(table1_counts::units());
-    units.extend(one_picture::units(context)?);
+    units.extend(one_picture::units(workspace)?);
     units.extend(bad_inputs::units());
-    units.extend(golden::units(context)?);
+    units.extend(golden::units(workspace)?);
+    units.extend(stiff::units());
     Ok(units)
 }
 

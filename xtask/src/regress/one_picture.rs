@@ -8,7 +8,7 @@ use std::{
 use rt_accel::StructureKind;
 
 use super::{Context, Findings, Unit};
-use crate::error::TaskError;
+use crate::{error::TaskError, workspace::Workspace};
 
 /// What must not matter beside the structure. The first is what the others are compared with.
 const VARIANTS: [&[&str]; 5] = [
@@ -38,8 +38,7 @@ struct OnePicture {
 }
 
 /// One unit per scene file of the gallery and of the golden images.
-pub(super) fn units(context: &Context) -> Result<Vec<Box<dyn Unit>>, TaskError> {
-    let workspace = &context.workspace;
+pub(super) fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
     let mut scenes = workspace.files("scenes", ".ron")?;
     scenes.extend(workspace.files("tests/golden", ".ron")?);
     Ok(scenes

@@ -4,7 +4,7 @@ use std::fs;
 
 use base64::{Engine, prelude::BASE64_STANDARD};
 
-use super::Outcome;
+use super::{Outcome, trials};
 use crate::error::TaskError;
 
 const HEAD: &str = "<!DOCTYPE html>
@@ -17,6 +17,8 @@ const HEAD: &str = "<!DOCTYPE html>
   section.failed { border-color: #c22; }
   h2 { font-size: 1.1em; margin: 0; }
   pre { white-space: pre-wrap; margin: .3em 0; }
+  table { border-collapse: collapse; }
+  td, th { border: 1px solid #ccc; padding: .2em .5em; text-align: left; }
   img { image-rendering: pixelated; min-width: 300px; background: repeating-conic-gradient(#ddd 0 25%, #fff 0 50%) 0 / 16px 16px; }
 </style>
 ";
@@ -31,7 +33,21 @@ pub(super) fn html(outcomes: &[Outcome]) -> Result<String, TaskError> {
     for outcome in in_order {
         page.push_str(&section(outcome)?);
     }
+    page.push_str(&trial_table(outcomes));
     Ok(page)
+}
+
+/// What was tried and what failed; nothing without trials.
+fn trial_table(outcomes: &[Outcome]) -> String {
+    let row = |cells: &[String], tag: &str| {
+        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    let rows: String = trials::rows(outcomes).iter().map(|cells| row(cells, "td")).collect();
+    if rows.is_empty() {
+        return rows;
+    }
+    format!("<table>\n{}{rows}</table>\n", row(&trials::HEAD.map(str::to_owned), "th"))
 }
 
 fn section(outcome: &Outcome) -> Result<String, TaskError> {

@@ -8,46 +8,16 @@
 use crate::support::{everything, spheres};
 use rt_camera::Projection;
 use rt_geometry::{Shape, Sphere};
-use rt_math::{DVec3, Rgb, Transform};
+use rt_math::{DVec3, Rgb};
 use rt_render::{PlanOptions, RenderPlan};
-use rt_scene_io::{Content, MaterialId, Node, Scene};
+use rt_scene_io::{Content, Scene};
 use rt_shading::{Falloff, LightKind};
 
 const ONE_IN_A_BILLION: f64 = 1e-9;
 
-/// The scene enlarged and then moved, as a whole: nodes by a transform above them all, camera and lights by their numbers.
+/// The scene enlarged and then moved, as a whole.
 fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Scene {
-    let mut scene = scene.clone();
-    let enlarge = Transform::scale(DVec3::splat(scale)).expect("regular");
-    let root = Node {
-        content: None,
-        parent_from_local: Transform::translate(offset).then_first(&enlarge),
-        children: std::mem::take(&mut scene.nodes),
-        ..Node::new(crate::support::sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0))
-    };
-    scene.nodes = vec![root];
-    for camera in &mut scene.cameras {
-        let place = camera.settings.world_from_camera;
-        let translation = place.translation() * scale + offset;
-        camera.settings.world_from_camera = Transform::from_linear(place.linear(), translation).expect("regular");
-        if let Projection::Orthographic { height } = &mut camera.settings.projection {
-            *height *= scale;
-        }
-    }
-    for light in &mut scene.appearance.lights {
-        match &mut light.kind {
-            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
-                *position = *position * scale + offset
-            }
-            LightKind::Directional { .. } => {}
-        }
-    }
-    for material in &mut scene.appearance.materials {
-        if let Some(transmission) = &mut material.phong.transmission {
-            transmission.absorption = transmission.absorption * scale.recip();
-        }
-    }
-    scene
+    rt_tests::moved(scene, scale, offset).expect("regular")
 }
 
 fn pixels(scene: &Scene) -> Vec<Rgb> {

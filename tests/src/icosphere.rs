@@ -1,0 +1,93 @@
+//! A closed mesh.
+
+use rt_math::DVec3;
+use std::collections::HashMap;
+
+/// Vertices and triangles of an icosahedron whose faces were cut in four `levels` times, pushed out to the unit sphere:
+/// 20·4ˡ triangles that share their vertices and close without gaps.
+pub fn icosphere(levels: u32) -> (Vec<DVec3>, Vec<[usize; 3]>) {
+    let mut vertices = icosahedron_vertices();
+    let mut triangles = icosahedron_triangles(&vertices);
+    for _ in 0..levels {
+        let mut middles = HashMap::new();
+        let mut middle = |a: usize, b: usize| {
+            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                vertices.push((vertices[a] + vertices[b]).normalize());
+                vertices.len() - 1
+            })
+        };
+        triangles = triangles
+            .into_iter()
+            .flat_map(|[a, b, c]| {
+                let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+                [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    (vertices, triangles)
+}
+
+/// Corners of three golden rectangles at right angles.
+fn icosahedron_vertices() -> Vec<DVec3> {
+    let golden = f64::midpoint(1.0, 5f64.sqrt());
+    let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+    let corner = |(s, t): (f64, f64)| DVec3::new(0.0, s, t * golden).normalize();
+    signs.into_iter().flat_map(|sign| [corner(sign), corner(sign).yzx(), corner(sign).zxy()]).collect()
+}
+
+/// All triples of mutual neighbours, counter-clockwise from outside.
+fn icosahedron_triangles(vertices: &[DVec3]) -> Vec<[usize; 3]> {
+    // Neighbours are at 1.05, the next nearest vertices at 1.70.
+    let near = |a: usize, b: usize| vertices[a].distance(vertices[b]) < 1.2;
+    let mut triangles = Vec::new();
+    for a in 0..vertices.len() {
+        for b in a + 1..vertices.len() {
+            for c in b + 1..vertices.len() {
+                if near(a, b) && near(b, c) && near(c, a) {
+                    let outwards = vertices[a].dot((vertices[b] - vertices[a]).cross(vertices[c] - vertices[a])) > 0.0;
+                    triangles.push(if outwards { [a, b, c] } else { [a, c, b] });
+                }
+            }
+        }
+    }
+    triangles
+}
+
+/// Cyclic permutations of the axes.
+trait Cyclic {
+    fn yzx(self) -> Self;
+    fn zxy(self) -> Self;
+}
+
+impl Cyclic for DVec3 {
+    fn yzx(self) -> Self {
+        Self::new(self.y, self.z, self.x)
+    }
+
+    fn zxy(self) -> Self {
+        Self::new(self.z, self.x, self.y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_closed_and_faces_outwards() {
+        for levels in 0..4 {
+            let (vertices, triangles) = icosphere(levels);
+            assert_eq!(triangles.len(), 20 << (2 * levels));
+            assert_eq!(vertices.len(), triangles.len() / 2 + 2, "Euler's formula for a sphere");
+            let mut edges = HashMap::new();
+            for [a, b, c] in &triangles {
+                let [p, q, r] = [a, b, c].map(|&i| vertices[i]);
+                assert!(p.dot((q - p).cross(r - p)) > 0.0);
+                for edge in [(a, b), (b, c), (c, a)] {
+                    *edges.entry(edge).or_insert(0) += 1;
+                }
+            }
+            assert!(edges.iter().all(|(&(a, b), &count)| count == 1 && edges.get(&(b, a)) == Some(&1)));
+        }
+    }
+}

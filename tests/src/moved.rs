@@ -1,0 +1,56 @@
+//! Scenes somewhere else, in another size.
+
+use rt_camera::Projection;
+use rt_math::{DVec3, Transform, TransformError};
+use rt_scene_io::{Node, Scene};
+use rt_shading::{Falloff, LightKind};
+
+/// The scene enlarged and then moved, as a whole: nodes by a transform above them all, cameras and lights by their
+/// numbers. It looks the same.
+///
+/// # Errors
+/// If the scale is 0 or not finite.
+pub fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Result<Scene, TransformError> {
+    let mut scene = scene.clone();
+    let enlarge = Transform::scale(DVec3::splat(scale))?;
+    let root = Node {
+        name: String::new(),
+        parent_from_local: Transform::translate(offset).then_first(&enlarge),
+        content: None,
+        material: rt_scene_io::MaterialId(0),
+        casts_shadow: true,
+        children: std::mem::take(&mut scene.nodes),
+    };
+    scene.nodes = vec![root];
+    for camera in &mut scene.cameras {
+        let place = camera.settings.world_from_camera;
+        let translation = place.translation() * scale + offset;
+        camera.settings.world_from_camera = Transform::from_linear(place.linear(), translation)?;
+        if let Projection::Orthographic { height } = &mut camera.settings.projection {
+            *height *= scale;
+        }
+    }
+    for light in &mut scene.appearance.lights {
+        let falloff = match &mut light.kind {
+            LightKind::Point { position, falloff, lamp_radius } => {
+                *position = *position * scale + offset;
+                *lamp_radius *= scale;
+                *falloff
+            }
+            LightKind::Spot { position, falloff, .. } => {
+                *position = *position * scale + offset;
+                *falloff
+            }
+            LightKind::Directional { .. } => Falloff::None,
+        };
+        if falloff == Falloff::InverseSquare {
+            light.intensity = light.intensity * (scale * scale);
+        }
+    }
+    for material in &mut scene.appearance.materials {
+        if let Some(transmission) = &mut material.phong.transmission {
+            transmission.absorption = transmission.absorption * scale.recip();
+        }
+    }
+    Ok(scene)
+}

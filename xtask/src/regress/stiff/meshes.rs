@@ -1,0 +1,250 @@
+//! Triangles and meshes of them.
+
+use std::{error::Error, f64::consts::TAU};
+
+use rt_accel::{Accelerator, Bvh};
+use rt_geometry::{MeshData, ShearedRay, SurfaceNeeds, Triangle, TriangleMesh};
+use rt_math::{
+    Aabb, DVec3, Hit, Interval, NoProbe, Primitives, Ray, SlabRay, Transform, decide, transcendental::sincos,
+};
+use rt_tests::{Draw, icosphere};
+
+use super::{
+    Case, Conditions, Found, Tally,
+    scenes::{all_structures, key},
+};
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        id: "S23",
+        title: "rays from inside closed meshes of 80·4ᵏ triangles, at edges and vertices",
+        expected: "0 misses",
+        tolerance: "0",
+        run: closed_meshes,
+    },
+    Case {
+        id: "S24",
+        title: "the same at offsets 0…1e7 and scales 1e-3…1e3, in place and as an instance",
+        expected: "0 misses",
+        tolerance: "0",
+        run: closed_meshes_elsewhere,
+    },
+    Case {
+        id: "S25",
+        title: "rays at the hub of a fan of 1e6 triangles",
+        expected: "the first of those at the least t, in all structures",
+        tolerance: "bits",
+        run: fan,
+    },
+    Case {
+        id: "S26",
+        title: "a mesh with T-junctions",
+        expected: "not closed: rays slip through, and are counted",
+        tolerance: "–",
+        run: junctions,
+    },
+    Case {
+        id: "S27",
+        title: "slivers of aspect 1e12, edge-on and across",
+        expected: "a hit on itself with a sound normal, or a miss",
+        tolerance: "–",
+        run: slivers,
+    },
+];
+
+/// Triangles in `f64`, with shared corners.
+struct Facets {
+    vertices: Vec<DVec3>,
+    triangles: Vec<[usize; 3]>,
+}
+
+impl Facets {
+    fn corners(&self, index: u32) -> Option<[DVec3; 3]> {
+        self.triangles.get(index as usize).map(|triangle| triangle.map(|vertex| self.vertices[vertex]))
+    }
+
+    /// A vertex, a point of an edge or its middle, of some triangle.
+    fn aim(&self, draw: &mut Draw) -> DVec3 {
+        let triangle = self.triangles[draw.below(self.triangles.len())];
+        let corner = draw.below(3);
+        let [a, b] = [triangle[corner], triangle[(corner + 1) % 3]].map(|vertex| self.vertices[vertex]);
+        match draw.below(4) {
+            0 | 1 => a,
+            2 => a.midpoint(b),
+            _ => a.lerp(b, draw.unit()),
+        }
+    }
+}
+
+impl Primitives for Facets {
+    fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        self.corners(index).map(Aabb::from_points)
+    }
+
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        let hit = ShearedRay::new(ray).intersect(self.corners(index)?, span)?;
+        Some(Hit { t: hit.t, instance: 0, primitive: index, uv: hit.uv })
+    }
+}
+
+fn closed_meshes(conditions: &Conditions) -> Found {
+    const LEVELS: [u32; 5] = [1, 2, 3, 4, 5];
+    let rays = conditions.count(100_000, 2_000_000);
+    let mut all = Tally::default();
+    for levels in LEVELS {
+        let (vertices, triangles) = icosphere(levels);
+        all = all.and(misses(&Facets { vertices, triangles }, DVec3::ZERO, 1.0, rays)?);
+    }
+    Ok(all)
+}
+
+/// Rays from around the centre that no triangle stops.
+fn misses(mesh: &Facets, centre: DVec3, scale: f64, rays: u64) -> Found {
+    let structure = Bvh::build(mesh)?;
+    Ok(Tally::of_all(rays, |index, tally| {
+        let mut draw = Draw::of(23, index);
+        let origin = centre + draw.point() * (0.4 * scale);
+        let ray = Ray::new(origin, mesh.aim(&mut draw) - origin);
+        let hit = structure.closest(mesh, &ray, Interval::FORWARD, &mut NoProbe);
+        tally.check(hit.is_some(), || format!("centre {centre}, scale {scale:e}: {ray:?}"));
+    }))
+}
+
+fn closed_meshes_elsewhere(conditions: &Conditions) -> Found {
+    const OFFSETS: [f64; 6] = [0.0, 1.0, 1e2, 1e4, 1e6, 1e7];
+    const SCALES: [f64; 3] = [1e-3, 1.0, 1e3];
+    let rays = conditions.count(10_000, 300_000);
+    let (sphere, triangles) = icosphere(2);
+    let mut all = Tally::default();
+    for offset in OFFSETS {
+        for scale in SCALES {
+            let centre = DVec3::new(offset, offset * 0.75, -offset);
+            let vertices = sphere.iter().map(|vertex| *vertex * scale + centre).collect();
+            all = all.and(misses(&Facets { vertices, triangles: triangles.clone() }, centre, scale, rays)?);
+            let scaling = Transform::scale(DVec3::splat(scale))?;
+            let turn = Transform::rotate(DVec3::new(0.3, 1.0, 0.6), 0.9)?;
+            let place = Transform::translate(centre).then_first(&turn).then_first(&scaling);
+            all = all.and(misses_of_instance(&sphere, &triangles, &place, rays)?);
+        }
+    }
+    Ok(all)
+}
+
+/// As [`misses`], for a mesh with vertices of `f32` under a transform, as scenes hold it.
+fn misses_of_instance(sphere: &[DVec3], triangles: &[[usize; 3]], place: &Transform, rays: u64) -> Found {
+    let data = MeshData {
+        positions: sphere.iter().map(|vertex| vertex.as_vec3()).collect(),
+        triangles: triangles.iter().map(|triangle| triangle.map(|vertex| vertex as u32)).collect(),
+        ..MeshData::default()
+    };
+    let (mesh, _) = TriangleMesh::build(data)?;
+    let structure = Bvh::build(&mesh)?;
+    let vertices = mesh.data().positions.iter().map(|vertex| place.point(vertex.as_dvec3())).collect();
+    let world = Facets { vertices, triangles: triangles.to_vec() };
+    Ok(Tally::of_all(rays, |index, tally| {
+        let mut draw = Draw::of(24, index);
+        let origin = place.point(draw.point() * 0.4);
+        let ray = Ray::new(origin, world.aim(&mut draw) - origin);
+        let hit = structure.closest(&mesh, &place.inverse_ray(&ray), Interval::FORWARD, &mut NoProbe);
+        tally.check(hit.is_some(), || format!("instance at {}: {ray:?}", place.translation()));
+    }))
+}
+
+fn fan(conditions: &Conditions) -> Found {
+    let count = conditions.count(20_000, 1_000_000) as usize;
+    let rim = |i: usize| {
+        let (sin, cos) = sincos(TAU * i as f64 / count as f64);
+        DVec3::new(cos, sin, 0.2 * (i % 2) as f64)
+    };
+    let hub = DVec3::new(0.01, -0.02, 0.1);
+    let mesh = Facets {
+        vertices: (0..count).map(rim).chain([hub]).collect(),
+        triangles: (0..count).map(|i| [count, i, (i + 1) % count]).collect(),
+    };
+    let structures = all_structures(&mesh)?;
+    let mut tied = 0;
+    let mut tally = Tally::default();
+    for index in 0..conditions.count(20, 40) {
+        let mut draw = Draw::of(25, index);
+        let origin = hub + draw.above(DVec3::Z, 0.3) * 2.0;
+        let ray = Ray::new(origin, hub - origin);
+        let slab = SlabRay::new(&ray);
+        let hits: Vec<Hit> =
+            (0..count as u32).filter_map(|i| decide(&mesh, i, &slab, Interval::FORWARD, &mut NoProbe)).collect();
+        let least = hits.iter().map(|hit| hit.t).fold(f64::INFINITY, f64::min);
+        let mut nearest = hits.iter().filter(|hit| hit.t == least);
+        let first = nearest.next().copied();
+        tied += nearest.count();
+        tally.check(first.is_some(), || format!("a miss from {origin}"));
+        for structure in &structures {
+            let found = structure.closest(&mesh, &ray, Interval::FORWARD);
+            tally.same(key(found), key(first), structure.name());
+        }
+    }
+    tally.note(format!("{count} triangles; {tied} further hits at the same t"));
+    Ok(tally)
+}
+
+/// A square of two triangles beside one whose edge has a corner more, off the line by rounding.
+fn junctions(conditions: &Conditions) -> Found {
+    let turn = Transform::rotate(DVec3::new(1.0, 0.4, -0.3), 0.7)?;
+    let place = |x: f64, y: f64| turn.point(DVec3::new(x, y, 0.0));
+    let [a, b] = [place(-1.0, 0.0), place(1.0, 0.0)];
+    let middle = a.lerp(b, 0.6);
+    let vertices = vec![a, b, middle, place(0.0, 2.0), place(-1.0, -1.0), place(1.0, -1.0)];
+    let mesh = Facets { vertices, triangles: vec![[0, 1, 3], [0, 4, 2], [2, 4, 5], [2, 5, 1]] };
+    let rays = conditions.count(100_000, 10_000_000);
+    let missed = Tally::of_all(rays, |index, tally| {
+        let mut draw = Draw::of(26, index);
+        let aim = a.lerp(b, draw.between(0.05, 0.95));
+        let origin = DVec3::new(draw.unit(), draw.unit(), 3.0 + draw.unit());
+        let ray = Ray::new(origin, aim - origin);
+        let hit = (0..4).any(|i| mesh.intersect(i, &ray, Interval::FORWARD).is_some());
+        tally.check(hit, String::new);
+    });
+    let mut tally = Tally { tried: missed.tried, ..Tally::default() };
+    tally.note(format!(
+        "{} of {rays} rays at the edge slipped through: meshes with T-junctions are not closed",
+        missed.failed
+    ));
+    Ok(tally)
+}
+
+fn slivers(conditions: &Conditions) -> Found {
+    let sliver = |length: f64, width: f64, turn: &Transform| -> Result<Triangle, Box<dyn Error + Send + Sync>> {
+        let corners = [DVec3::ZERO, DVec3::X * length, DVec3::new(0.5 * length, width, 0.0)];
+        Ok(Triangle::new(corners.map(|corner| turn.point(corner)))?)
+    };
+    let mut all = Tally::default();
+    for (length, width) in [(1e6, 1e-6), (1.0, 1e-12), (1e-3, 1e-15), (1e12, 1.0)] {
+        let turn = Transform::rotate(DVec3::new(0.2, -0.5, 0.9), 0.6)?;
+        for place in [Transform::IDENTITY, turn] {
+            let triangle = sliver(length, width, &place)?;
+            let slack = DVec3::splat(1e-12 * length);
+            let around = Aabb::new(triangle.bounds().min - slack, triangle.bounds().max + slack);
+            all = all.and(Tally::of_all(conditions.count(2_000, 100_000), |index, tally| {
+                let mut draw = Draw::of(27, index);
+                let aim = DVec3::new(draw.unit() * length, draw.between(-0.5, 1.5) * width, 0.0);
+                let from = match draw.below(3) {
+                    // In the plane, nearly in it, and from anywhere.
+                    0 => DVec3::new(draw.between(-1.0, 2.0) * length, draw.between(-1.0, 1.0) * length, 0.0),
+                    1 => DVec3::new(draw.between(-1.0, 2.0) * length, length, width * draw.between(-1.0, 1.0)),
+                    _ => draw.point() * length,
+                };
+                let [aim, origin] = [aim, from].map(|point| place.point(point));
+                let ray = Ray::new(origin, aim - origin);
+                let sound = triangle.intersect(&ray, Interval::FORWARD).is_none_or(|hit| {
+                    let surface = triangle.surface(&ray, &hit, SurfaceNeeds::ALL);
+                    let is_unit = (surface.geometric_normal.length() - 1.0).abs() < 1e-14;
+                    hit.t.is_finite() && around.contains(surface.point) && is_unit
+                });
+                tally.check(sound, || format!("{:?} for {ray:?}", triangle.intersect(&ray, Interval::FORWARD)));
+            }));
+        }
+    }
+    Ok(all)
+}

@@ -1,0 +1,147 @@
+//! Counting what is tried and what fails.
+
+use std::fmt::Display;
+
+use rayon::prelude::*;
+use rt_math::float::UNIT_ROUNDOFF;
+
+/// Failures that are described; further ones are only counted.
+const DESCRIBED: usize = 5;
+/// Checks that a thread makes in one go.
+const BLOCK: u64 = 512;
+
+/// How near is near enough.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Tolerance {
+    /// The same number to the last bit; 0 and −0 are the same.
+    Bits,
+    /// Relative to what is expected.
+    Relative(f64),
+    Absolute(f64),
+}
+
+/// Four times the unit roundoff: two steps from number to number.
+pub(super) const FOUR_U: Tolerance = Tolerance::Relative(4.0 * UNIT_ROUNDOFF);
+
+/// What was tried and what failed.
+#[derive(Debug, Default)]
+pub(super) struct Tally {
+    pub tried: u64,
+    pub failed: u64,
+    /// Greatest error, in the measure of the tolerance.
+    pub worst: Option<f64>,
+    /// The first failures.
+    pub problems: Vec<String>,
+    pub notes: Vec<String>,
+}
+
+impl Tally {
+    /// Something that holds or fails.
+    pub(super) fn check(&mut self, holds: bool, problem: impl FnOnce() -> String) {
+        self.tried += 1;
+        if !holds {
+            self.failed += 1;
+            if self.problems.len() < DESCRIBED {
+                self.problems.push(problem());
+            }
+        }
+    }
+
+    /// An error that counts for the worst, and fails beyond the limit or if it is no number.
+    pub(super) fn limit(&mut self, error: f64, limit: f64, what: impl Display) {
+        let size = if error.is_nan() { f64::INFINITY } else { error.abs() };
+        self.worst = Some(self.worst.unwrap_or(0.0).max(size));
+        self.check(size <= limit, || format!("{what}: off by {error:e}"));
+    }
+
+    /// A number beside the one that it should be.
+    pub(super) fn near(&mut self, computed: f64, expected: f64, tolerance: Tolerance, what: impl Display) {
+        let what = format_args!("{what}: {computed:?} instead of {expected:?}");
+        match tolerance {
+            // Infinities are equal, though their difference is no number.
+            _ if computed == expected => self.limit(0.0, 0.0, what),
+            Tolerance::Bits => self.limit(computed - expected, 0.0, what),
+            Tolerance::Relative(limit) => self.limit((computed - expected) / expected, limit, what),
+            Tolerance::Absolute(limit) => self.limit(computed - expected, limit, what),
+        }
+    }
+
+    /// As [`near`](Self::near), where a miss is a failure as well.
+    pub(super) fn hit(&mut self, computed: Option<f64>, expected: f64, tolerance: Tolerance, what: impl Display) {
+        match computed {
+            Some(computed) => self.near(computed, expected, tolerance, what),
+            None => self.check(false, || format!("{what}: a miss instead of {expected:?}")),
+        }
+    }
+
+    /// Two things that should be equal.
+    pub(super) fn same<T: PartialEq + std::fmt::Debug>(&mut self, computed: T, expected: T, what: impl Display) {
+        let holds = computed == expected;
+        self.check(holds, || format!("{what}: {computed:?} instead of {expected:?}"));
+    }
+
+    pub(super) fn note(&mut self, note: impl Into<String>) {
+        self.notes.push(note.into());
+    }
+
+    /// Both together.
+    pub(super) fn and(mut self, other: Self) -> Self {
+        self.tried += other.tried;
+        self.failed += other.failed;
+        self.worst = match (self.worst, other.worst) {
+            (Some(a), Some(b)) => Some(a.max(b)),
+            (a, b) => a.or(b),
+        };
+        let room = DESCRIBED.saturating_sub(self.problems.len());
+        self.problems.extend(other.problems.into_iter().take(room));
+        self.notes.extend(other.notes);
+        self
+    }
+
+    /// Makes the checks of items 0 to `count` − 1 on all threads.
+    pub(super) fn of_all(count: u64, check: impl Fn(u64, &mut Self) + Sync) -> Self {
+        (0..count.div_ceil(BLOCK))
+            .into_par_iter()
+            .map(|block| {
+                let mut tally = Self::default();
+                for index in block * BLOCK..count.min((block + 1) * BLOCK) {
+                    check(index, &mut tally);
+                }
+                tally
+            })
+            .reduce(Self::default, Self::and)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_measured_as_the_tolerance_says() {
+        let mut tally = Tally::default();
+        tally.near(8.0, 8.0, Tolerance::Bits, "same");
+        tally.near(0.0, -0.0, Tolerance::Bits, "zeros");
+        tally.near(f64::INFINITY, f64::INFINITY, FOUR_U, "infinities");
+        tally.near(8.0 * (1.0 + 1e-9), 8.0, Tolerance::Relative(1e-8), "relative");
+        assert_eq!((tally.tried, tally.failed), (4, 0));
+        assert!((tally.worst.unwrap() - 1e-9).abs() < 1e-15);
+        tally.near(8.5, 8.0, Tolerance::Absolute(0.25), "absolute");
+        tally.near(1f64.next_up(), 1.0, Tolerance::Bits, "next");
+        tally.near(f64::NAN, 1.0, Tolerance::Absolute(9.0), "no number");
+        tally.hit(None, 1.0, FOUR_U, "nothing");
+        assert_eq!((tally.tried, tally.failed, tally.worst), (8, 4, Some(f64::INFINITY)));
+        assert_eq!(tally.problems.len(), 4);
+        assert_eq!(tally.problems[3], "nothing: a miss instead of 1.0");
+    }
+
+    #[test]
+    fn all_items_are_checked_once_and_the_first_failures_told() {
+        let tally = Tally::of_all(10_000, |index, tally| {
+            tally.check(index % 1000 != 999, || index.to_string());
+            tally.limit(index as f64, f64::INFINITY, index);
+        });
+        assert_eq!((tally.tried, tally.failed, tally.worst), (20_000, 10, Some(9999.0)));
+        assert_eq!(tally.problems, ["999", "1999", "2999", "3999", "4999"]);
+    }
+}
