@@ -14,14 +14,14 @@
 //! | structure | build | bytes per primitive | ray, n primitives | choose it for |
 //! |---|---|---|---|---|
 //! | [`Linear`] | O(n), checks only | 0 | n tests | up to about ten primitives; the truth to compare with |
-//! | [`UniformGrid`] | O(n), a tenth of `Bvh` | 30 to 100 | O(∛n) cells | primitives of similar size, evenly spread; frequent rebuilds |
+//! | [`UniformGrid`] | O(n), a tenth to a quarter of `Bvh` | 30 to 100 | O(∛n) cells | primitives of similar size, evenly spread; frequent rebuilds |
 //! | [`Bvh`] | O(n log n) | 25 to 45 | O(log n) nodes | everything else |
 //! | [`SphereTree`] | O(n log n), as `Bvh` | 15 to 50 | O(log n) nodes, 1.4 to 2.7 times the work of `Bvh` | comparing shapes of volumes |
-//! | [`CylinderTree`] | O(n log n), 3 to 8 times `Bvh` | 45 to 85 | O(log n) nodes, 1.1 to 1.3 times the work of `Bvh` | comparing shapes of volumes |
+//! | [`CylinderTree`] | O(n log n), twice `Bvh` | 45 to 85 | O(log n) nodes, 1.1 to 1.2 times the work of `Bvh` | comparing shapes of volumes |
 //! | [`KdTree`] | O(n log n), 2 to 8 times `Bvh` | 45 to 100 | O(log n) nodes | primitives that overlap little, seen from within; queries of regions |
-//! | [`BspTree`] | O(n log n), 2 to 4 times `KdTree` | 110 to 210 | O(log n) nodes | walls at odd angles with empty space between them |
-//! | [`Bih`] | O(n log n), a tenth to a quarter of `Bvh` | under 20 | O(log n) nodes, 1.5 to 5 times the work of `Bvh` | scenes that change all the time |
-//! | [`LazyBih`] | O(n), the rest while rays arrive | 56 before, 45 to 65 after | as `Bih` | first pictures of scenes of which little is seen |
+//! | [`BspTree`] | O(n log n), 2 to 5 times `KdTree` | 110 to 210 | O(log n) nodes | walls at odd angles with empty space between them |
+//! | [`Bih`] | O(n log n), a tenth to a fifth of `Bvh` | under 20 | O(log n) nodes, 1.5 to 5 times the work of `Bvh` | scenes that change all the time |
+//! | [`LazyBih`] | O(n), the rest while rays arrive | 56 before, 40 to 60 after | as `Bih` | first pictures of scenes of which little is seen |
 //!
 //! Numbers are of 10³ to 10⁵ primitives; `docs/COSTS.md` of the repository has them all. The [`guide`] explains each
 //! structure with pictures.

@@ -210,8 +210,9 @@ fn lazy(costs: &Costs) -> Option<String> {
     let rays = pairs.first()?.0.of("primary")?.rays;
     let holds = pairs.iter().filter(|(lazy, full)| first_picture(lazy) < first_picture(full)).count();
     Some(format!(
-        "**Building where rays go shows the first picture sooner** (Wächter and Keller): build and {rays} first primary \
+        "**Building where rays go shows the first picture sooner** (Wächter and Keller): build and {} first primary \
          rays take {} times as long with `bih-lazy` as with `bih`, and {} times as long as with `bvh`. Against `bih` it {}.",
+        grouped(rays as u64),
         ratios(costs, "bih-lazy", "bih", first_picture)?,
         ratios(costs, "bih-lazy", "bvh", first_picture)?,
         verdict(holds, pairs.len())

@@ -20,7 +20,7 @@ use node::{Known, LazyNode};
 ///
 /// Building it takes O(n), and parts of the scene that no ray ever enters are never sorted: take it for a first
 /// picture as soon as possible, or for scenes of which little is seen. Once every node has been visited it is the full
-/// tree and does the same work for every query. It begins with 56 bytes per primitive and ends with 45 to 65, some three
+/// tree and does the same work for every query. It begins with 56 bytes per primitive and ends with 40 to 60, some three
 /// times as many as the full tree: nodes lie apart.
 ///
 /// Any number of threads may ask at once. A node is split once, by whoever comes first while others wait, and into what

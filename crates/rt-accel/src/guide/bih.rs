@@ -29,11 +29,11 @@
 //!
 //! | | mound | balls | rock | stadium |
 //! |---|---|---|---|---|
-//! | nodes + tests of a primary ray | 15 + 12 | 40 + 27 | 24 + 21 | 65 + 70 |
-//! | nodes + tests of a diffuse ray | 32 + 22 | 80 + 49 | 47 + 41 | 48 + 53 |
+//! | nodes + tests of a primary ray | 15 + 12 | 40 + 27 | 24 + 21 | 63 + 61 |
+//! | nodes + tests of a diffuse ray | 32 + 22 | 79 + 47 | 47 + 41 | 47 + 46 |
 //!
-//! Under 20 bytes per primitive, and a tenth to a quarter of the build of [`bvh`](super::bvh), for 1.5 to 5 times its
-//! nodes and tests. Lazy trees begin with 56 bytes per primitive, for the boxes of all, and end with 45 to 65.
+//! Under 20 bytes per primitive, and a tenth to a fifth of the build of [`bvh`](super::bvh), for 1.5 to 5 times its
+//! nodes and tests. Lazy trees begin with 56 bytes per primitive, for the boxes of all, and end with 40 to 60.
 //!
 //! **Choose it** for scenes that change with every picture and are seen by few rays, and the lazy one where only a
 //! small part of a large scene is seen. Where much is seen, building at once takes less time in all.

@@ -22,10 +22,10 @@
 //!
 //! | | mound | balls | rock | stadium |
 //! |---|---|---|---|---|
-//! | nodes + tests of a primary ray | 14 + 4 | 18 + 3 | 18 + 4 | 52 + 11 |
-//! | nodes + tests of a diffuse ray | 28 + 13 | 37 + 10 | 41 + 17 | 49 + 13 |
+//! | nodes + tests of a primary ray | 14 + 4 | 18 + 3 | 17 + 4 | 53 + 12 |
+//! | nodes + tests of a diffuse ray | 28 + 13 | 37 + 10 | 40 + 16 | 44 + 12 |
 //!
-//! About 110 to 210 bytes per primitive, and 2 to 4 times the build of a kd-tree. On our scenes that freedom does not
+//! About 110 to 210 bytes per primitive, and 2 to 5 times the build of a kd-tree. On our scenes that freedom does not
 //! pay: own boxes are along the axes, so that slanted planes separate them less well than they would the primitives.
 //!
 //! **Choose it** where long walls stand at odd angles with emptiness between them, or to see which planes fit a scene.

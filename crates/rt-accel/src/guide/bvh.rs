@@ -26,8 +26,8 @@
 //!
 //! | | mound | balls | rock | stadium |
 //! |---|---|---|---|---|
-//! | nodes + tests of a primary ray | 9 + 2 | 8 + 1 | 9 + 2 | 19 + 7 |
-//! | nodes + tests of a diffuse ray | 24 + 6 | 25 + 3 | 24 + 6 | 19 + 9 |
+//! | nodes + tests of a primary ray | 9 + 2 | 8 + 1 | 9 + 2 | 19 + 4 |
+//! | nodes + tests of a diffuse ray | 24 + 6 | 24 + 3 | 23 + 6 | 19 + 6 |
 //!
 //! About 25 to 45 bytes per primitive, O(n log n) to build, O(log n) nodes for a ray. One node is two boxes.
 //!

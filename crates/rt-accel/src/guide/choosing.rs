@@ -14,10 +14,10 @@
 //! |---|---|---|
 //! | no idea | [`Bvh`](crate::Bvh) | least work of all on most scenes, no bad ones |
 //! | particles, atoms, a heap | [`UniformGrid`](crate::UniformGrid) | as fast as the best tree, a tenth of its build |
-//! | small things in a large world | [`Bvh`](crate::Bvh) | the grid takes 1500 times its work on *stadium* |
+//! | small things in a large world | [`Bvh`](crate::Bvh) | the grid takes 1700 times its work on *stadium* |
 //! | things that move a little | [`Bvh`](crate::Bvh) and [`Refit`](crate::Refit) | O(n), keeps the tree |
-//! | things that move at random | [`Bih`](crate::Bih) or [`UniformGrid`](crate::UniformGrid) | builds take a tenth to a quarter |
-//! | the inside of a building | [`Bvh`](crate::Bvh) or [`KdTree`](crate::KdTree) | measure both; the latter never overlaps |
+//! | things that move at random | [`Bih`](crate::Bih) or [`UniformGrid`](crate::UniformGrid) | builds take a tenth to a fifth |
+//! | the inside of a building | [`Bvh`](crate::Bvh) or [`KdTree`](crate::KdTree) | measure both: parts of the latter never overlap |
 //! | little memory | [`Bih`](crate::Bih) | under 20 bytes per primitive |
 //! | a volume of your own | [`VolumeTree`](crate::VolumeTree) | one trait to implement |
 //! | a test to write | [`Linear`](crate::Linear) | it is right by definition |

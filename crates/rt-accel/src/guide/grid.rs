@@ -25,7 +25,7 @@
 //! | | mound | balls | rock | stadium |
 //! |---|---|---|---|---|
 //! | nodes + tests of a primary ray | 12 + 5 | 24 + 7 | 20 + 9 | 2 + 48,000 |
-//! | nodes + tests of a diffuse ray | 12 + 16 | 22 + 25 | 23 + 32 | 51 + 31,000 |
+//! | nodes + tests of a diffuse ray | 12 + 16 | 23 + 24 | 23 + 31 | 50 + 32,000 |
 //!
 //! About 30 to 100 bytes per primitive. A ray that crosses everything passes O(∛n) cells. The stadium shows how a grid
 //! fails: the whole rock fits into a few cells, all of whose triangles are asked. On the right, rays that pass the

@@ -28,13 +28,13 @@
 //!
 //! | nodes + tests | mound | balls | rock | stadium |
 //! |---|---|---|---|---|
-//! | spheres, a primary ray | 16 + 4 | 11 + 2 | 14 + 3 | 36 + 31 |
-//! | spheres, a diffuse ray | 45 + 14 | 35 + 8 | 38 + 11 | 35 + 26 |
-//! | cylinders, a primary ray | 11 + 2 | 9 + 1 | 10 + 2 | 22 + 12 |
-//! | cylinders, a diffuse ray | 28 + 8 | 27 + 4 | 27 + 8 | 22 + 14 |
+//! | spheres, a primary ray | 16 + 4 | 11 + 2 | 14 + 3 | 26 + 17 |
+//! | spheres, a diffuse ray | 45 + 14 | 35 + 8 | 37 + 11 | 28 + 18 |
+//! | cylinders, a primary ray | 11 + 2 | 9 + 1 | 10 + 2 | 21 + 7 |
+//! | cylinders, a diffuse ray | 28 + 8 | 27 + 4 | 27 + 7 | 21 + 9 |
 //!
 //! Some 15 to 50 bytes per primitive for spheres and 45 to 85 for cylinders. Spheres take 1.4 to 2.7 times the work of
-//! boxes on our scenes, cylinders 1.1 to 1.3 times; each volume also takes longer to look at than a box.
+//! boxes on our scenes, cylinders 1.1 to 1.2 times; each volume also takes longer to look at than a box.
 //!
 //! **Choose them** to compare volumes, or for a volume of your own that fits your primitives better than boxes do.
 //! Otherwise take the [`Bvh`](crate::Bvh).
