@@ -61,7 +61,7 @@ impl Torus {
 
     /// The first of up to four crossings within `span`. `None` on a miss, and for rays without a direction.
     ///
-    /// The quartic is never expanded, as its coefficients would swallow a thin tube. The excess of [`Chord::excess`]
+    /// The quartic is never expanded, as its coefficients would swallow a thin tube. The excess of `Chord::excess`
     /// has the sign of the quartic and is evaluated from geometry; the zeros of its slope split the ray into stretches
     /// where it is monotone, and in each of them a change of sign brackets one root.
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
