@@ -98,6 +98,7 @@ mod stats;
 mod structure;
 mod tree;
 mod volume_tree;
+mod wide;
 
 pub use any::{AnyStructure, StructureKind, StructureVisitor};
 pub use bih::{Bih, LazyBih};

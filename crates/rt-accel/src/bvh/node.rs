@@ -27,39 +27,39 @@ const BEHIND_FACTOR: f64 = 2.0 - FAR_FACTOR;
 
 /// A box relative to the centre of its tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct NodeBox {
-    pub(super) min: Vec3A,
-    pub(super) max: Vec3A,
+pub(crate) struct NodeBox {
+    pub(crate) min: Vec3A,
+    pub(crate) max: Vec3A,
 }
 
 impl NodeBox {
     /// The neutral element of [`union`](Self::union).
-    pub(super) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+    pub(crate) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
     /// A box around `aabb − centre`.
-    pub(super) fn outward(aabb: &Aabb, centre: DVec3) -> Self {
+    pub(crate) fn outward(aabb: &Aabb, centre: DVec3) -> Self {
         let (min, max) = (aabb.min - centre, aabb.max - centre);
         Self { min: Vec3A::from_array(min.to_array().map(below)), max: Vec3A::from_array(max.to_array().map(above)) }
     }
 
     #[inline(always)]
-    pub(super) fn union(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     #[inline]
-    pub(super) fn intersection(self, other: Self) -> Self {
+    pub(crate) fn intersection(self, other: Self) -> Self {
         Self { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
     /// The box in world space, around all `aabb` that it was made of: as those are made of `f64`, rounding the sums
     /// cannot pass them.
-    pub(super) fn at(&self, centre: DVec3) -> Aabb {
+    pub(crate) fn at(&self, centre: DVec3) -> Aabb {
         Aabb::new(centre + self.min.as_dvec3(), centre + self.max.as_dvec3())
     }
 
     /// Half of the surface area: finite for any `f32` corners, meaningless for an empty box.
-    pub(super) fn half_area(&self) -> f64 {
+    pub(crate) fn half_area(&self) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.max[axis]) - f64::from(self.min[axis]));
         x * y + y * z + z * x
     }

@@ -1,0 +1,155 @@
+//! Which nodes of the binary tree become nodes of the wide one, and which leaves: the choice of least expected cost, by
+//! dynamic programming (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
+//! BVHs", 2017, section 4.1).
+//!
+//! ```text
+//!     C(n, 1) = min(leaf(n), area(n) · NODE + D(n, 8))
+//!     C(n, k) = min(D(n, k), C(n, k − 1))                  for k from 2 to 7
+//!     D(n, k) = min over j of C(left, j) + C(right, k − j)
+//! ```
+//!
+//! `C(n, k)` is the cost of what is below the binary node `n` if it is to become at most `k` children of a wide node,
+//! and `leaf(n)` is `area(n) · (LEAF + PRIMITIVE · count)` where the references fit into a leaf.
+
+/// Children of a wide node.
+pub(super) const WIDTH: usize = 8;
+
+/// Cost of visiting a node, the unit of the others.
+pub(super) const NODE: f32 = 1.0;
+
+/// Cost of visiting a leaf: a test of eight primitives at once.
+pub(super) const LEAF: f32 = 0.6;
+
+/// Cost of a primitive in a leaf: memory to read.
+pub(super) const PRIMITIVE: f32 = 0.1;
+
+/// The costs of what is below a binary node.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Costs {
+    /// C(n, k) for k from 1 to 8; no smaller number of children is dearer. The last repeats the one before.
+    of: [f32; WIDTH],
+    /// Number of references.
+    count: u32,
+}
+
+/// How a binary node is best collapsed: four bits for each number of children from 1 to 7, lowest first.
+///
+/// The bits are the part of the children that comes from the left side; 0 says that one child fewer is no dearer, or for
+/// one child, that it is a leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Plan(u32);
+
+/// What becomes of a binary node that was given some children of a wide node to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Share {
+    Leaf,
+    /// A wide node, so many of whose children come from the left side.
+    Node(usize),
+    /// No child of its own: so many from each side.
+    Open([usize; 2]),
+}
+
+impl Plan {
+    pub(super) const LEAF: Self = Self(0);
+
+    fn at(self, k: usize) -> usize {
+        (self.0 >> (4 * (k - 1)) & 15) as usize
+    }
+
+    /// What to do if up to `k` children are to be had, for k from 1 to 7.
+    pub(super) fn share(self, mut k: usize) -> Share {
+        while k > 1 && self.at(k) == 0 {
+            k -= 1;
+        }
+        match (k, self.at(k)) {
+            (1, 0) => Share::Leaf,
+            (1, left) => Share::Node(left),
+            (_, left) => Share::Open([left, k - left]),
+        }
+    }
+}
+
+impl Costs {
+    pub(super) fn leaf(area: f32, count: u32) -> Self {
+        Self { of: [leaf_cost(area, count); WIDTH], count }
+    }
+
+    /// The costs of a node of this area above two others.
+    pub(super) fn above(area: f32, [left, right]: [&Self; 2], max_leaf: usize) -> (Self, Plan) {
+        // Row k − 2 is D(n, k) for k from 2 to 8. Infinity stands where the right side would get no child.
+        let mut padded = [f32::INFINITY; 2 * WIDTH];
+        padded[WIDTH..].copy_from_slice(&right.of);
+        let (mut best, mut from_left) = ([f32::INFINITY; WIDTH], [1u32; WIDTH]);
+        for j in 1..WIDTH {
+            let left = left.of[j - 1];
+            let right = &padded[WIDTH + 1 - j..][..WIDTH];
+            for row in 0..WIDTH {
+                let cost = left + right[row];
+                let is_less = cost < best[row];
+                best[row] = if is_less { cost } else { best[row] };
+                from_left[row] = if is_less { j as u32 } else { from_left[row] };
+            }
+        }
+        let count = left.count + right.count;
+        let inner = area * NODE + best[WIDTH - 2];
+        let leaf = if count as usize <= max_leaf { leaf_cost(area, count) } else { f32::INFINITY };
+        let is_leaf = count as usize <= max_leaf && !(inner < leaf);
+        let mut plan = if is_leaf { 0 } else { from_left[WIDTH - 2] };
+        let mut of = [if is_leaf { leaf } else { inner }; WIDTH];
+        for k in 2..WIDTH {
+            let is_less = best[k - 2] < of[k - 2];
+            of[k - 1] = if is_less { best[k - 2] } else { of[k - 2] };
+            plan |= if is_less { from_left[k - 2] << (4 * (k - 1)) } else { 0 };
+        }
+        of[WIDTH - 1] = of[WIDTH - 2];
+        (Self { of, count }, Plan(plan))
+    }
+}
+
+pub(super) fn leaf_cost(area: f32, count: u32) -> f32 {
+    area * (LEAF + PRIMITIVE * count as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_distant_primitives_are_better_apart() {
+        let side = Costs::leaf(0.01, 1);
+        let (costs, plan) = Costs::above(1.0, [&side; 2], 8);
+        // A leaf of both is 1 · (0.6 + 0.2), and a leaf of each is 0.01 · 0.7.
+        assert!((costs.of[0] - 0.8).abs() < 1e-6 && (costs.of[1] - 0.014).abs() < 1e-6);
+        assert_eq!(
+            (plan.share(1), plan.share(2), plan.share(7)),
+            (Share::Leaf, Share::Open([1, 1]), Share::Open([1, 1]))
+        );
+    }
+
+    #[test]
+    fn a_leaf_is_never_too_large() {
+        let side = Costs::leaf(1.0, 4);
+        let (costs, plan) = Costs::above(1.0, [&side; 2], 7);
+        assert_eq!(plan.share(1), Share::Node(1));
+        assert!((costs.of[0] - 3.0).abs() < 1e-6);
+        assert_eq!(Costs::above(1.0, [&side; 2], 8).1.share(1), Share::Leaf);
+    }
+
+    #[test]
+    fn eight_leaves_make_one_node() {
+        let pair = |left: &Costs, right: &Costs| Costs::above(1.0, [left, right], 1).0;
+        let [one, mut all] = [Costs::leaf(0.01, 1); 2];
+        for _ in 0..6 {
+            all = pair(&all, &one);
+        }
+        let (costs, plan) = Costs::above(1.0, [&one, &all], 1);
+        assert_eq!(plan.share(1), Share::Node(1));
+        assert!((costs.of[0] - (1.0 + 8.0 * 0.01 * 0.7)).abs() < 1e-6, "{:?}", costs.of);
+    }
+
+    #[test]
+    fn costs_that_are_no_numbers_still_plan() {
+        let side = Costs::leaf(f32::NAN, 8);
+        assert_eq!(Costs::above(f32::NAN, [&side; 2], 8).1.share(1), Share::Node(1));
+    }
+}

@@ -1,0 +1,38 @@
+//! What a caller may ask of the builder.
+
+/// How much time the builder takes to make rays cheap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Quality {
+    /// Binned splits of the widest axis alone: for scenes that change before many rays have been traced.
+    Low,
+    /// Binned splits of all axes (Wald 2007).
+    #[default]
+    Medium,
+    /// As medium, and then the tree is improved.
+    High,
+}
+
+/// How a wide hierarchy is built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BuildParams {
+    /// Time to build against time to trace.
+    pub quality: Quality,
+    /// Most primitives in a leaf; what is outside 1 to 8 is taken for the nearer of these.
+    pub max_leaf: usize,
+}
+
+impl BuildParams {
+    /// Most primitives in a leaf, in 1 to 8.
+    pub(super) fn leaf_limit(&self) -> usize {
+        self.max_leaf.clamp(1, 8)
+    }
+}
+
+impl Default for BuildParams {
+    /// Medium quality, leaves of up to eight primitives.
+    fn default() -> Self {
+        Self { quality: Quality::Medium, max_leaf: 8 }
+    }
+}
