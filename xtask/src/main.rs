@@ -25,6 +25,8 @@ mod bench;
 mod costs;
 mod error;
 mod figures;
+mod machine;
+mod matrix;
 mod number;
 mod regress;
 mod renderer;
@@ -52,7 +54,7 @@ enum Task {
     /// Check crate edges, documentation, file lengths and stray paths.
     Tidy,
     /// Measure rays per second and build times.
-    Bench(bench::Options),
+    Bench(Box<bench::Options>),
     /// Measure what each structure costs on scenes of growing size.
     Costs(costs::Options),
     /// Render the pictures in the guide of rt-accel.
@@ -78,7 +80,7 @@ fn run(task: Task) -> Result<bool, TaskError> {
     match task {
         Task::Regress(options) => regress::run(workspace, &options),
         Task::Tidy => tidy::run(&workspace),
-        Task::Bench(options) => bench::run(&options).map(|()| true),
+        Task::Bench(options) => bench::run(&workspace, &options).map(|()| true),
         Task::Costs(options) => costs::run(&workspace, &options).map(|()| true),
         Task::Figures => figures::run(&workspace).map(|()| true),
         Task::Table1(options) => table1::run(&workspace, &options).map(|()| true),

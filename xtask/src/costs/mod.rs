@@ -14,7 +14,6 @@ use crate::{bench::run_release_build, error::TaskError, scenes, workspace::Works
 
 mod claims;
 mod growth;
-mod matrix;
 mod measure;
 mod page;
 mod query;

@@ -1,9 +1,9 @@
 //! The tables, on the terminal and as a page.
 
-use std::{fmt::Display, fs};
+use std::fmt::Display;
 
-use super::{Costs, Figure, claims, growth::Growth, growth::Slope, matrix::Matrix};
-use crate::number::three_digits;
+use super::{Costs, Figure, claims, growth::Growth, growth::Slope};
+use crate::{matrix::Matrix, number::three_digits};
 
 /// All tables for the terminal.
 pub(super) fn terminal(costs: &Costs) -> String {
@@ -29,7 +29,7 @@ pub(super) fn markdown(costs: &Costs, full: bool, model: impl Display) -> String
          `bih-lazy` is measured after its rays have been traced once, but for its build, which is only the beginning of \
          one. Shadow rays ask whether anything is hit, the others for the first hit; diffuse rays are incoherent.\n\n\
          ## Claims\n\n",
-        processor()
+        crate::machine::processor()
     );
     text.extend(claims::of(costs).into_iter().map(|claim| format!("* {claim}\n")));
     for matrix in matrices(costs) {
@@ -87,11 +87,4 @@ fn growth(costs: &Costs, title: &str, slope: impl Fn(&Growth) -> Slope) -> Matri
             slope(costs.growth.iter().find(|growth| (growth.scene, growth.structure) == key)?);
         Some(format!("{exponent:.2} ± {error:.2}"))
     })
-}
-
-/// The name of the processor, where the system tells it, or else its architecture.
-fn processor() -> String {
-    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
-    name.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
 }

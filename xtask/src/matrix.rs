@@ -5,7 +5,7 @@ use rt_accel::StructureKind;
 
 /// One quantity: a row for each scene, a column for each structure.
 #[derive(Debug)]
-pub(super) struct Matrix {
+pub(crate) struct Matrix {
     pub title: String,
     rows: Vec<(String, Vec<String>)>,
 }
@@ -15,7 +15,7 @@ const NOTHING: &str = "–";
 
 impl Matrix {
     /// Fills each cell with what `cell` says of its row and its structure.
-    pub(super) fn new<R>(
+    pub(crate) fn new<R>(
         title: &str,
         rows: impl IntoIterator<Item = (String, R)>,
         cell: impl Fn(&R, &str) -> Option<String>,
@@ -31,7 +31,7 @@ impl Matrix {
         std::iter::once("").chain(StructureKind::ALL.iter().map(|kind| kind.name()))
     }
 
-    pub(super) fn markdown(&self) -> String {
+    pub(crate) fn markdown(&self) -> String {
         let line = |cells: Vec<&str>| format!("| {} |\n", cells.join(" | "));
         let mut text = line(Self::header().collect());
         text.push_str(&format!("|:--|{}\n", "--:|".repeat(StructureKind::ALL.len())));
@@ -41,7 +41,7 @@ impl Matrix {
         text
     }
 
-    pub(super) fn terminal(&self) -> String {
+    pub(crate) fn terminal(&self) -> String {
         let mut table = Table::new();
         table.load_style(presets::NOTHING).set_header(Self::header());
         for (name, cells) in &self.rows {

@@ -5,8 +5,9 @@ use std::time::Instant;
 use rt_accel::{AnyStructure, Bvh, Structure as _, StructureKind};
 use rt_math::Primitives;
 
-use super::{BuildFigure, Figures, Options, Seconds, TraceFigure, structure::count_hits};
+use super::{BuildFigure, Figures, Options, TraceFigure, query::count_hits};
 use crate::{
+    bench::spread::Spread,
     error::TaskError,
     scenes::{
         Scene, Surfaces,
@@ -22,7 +23,7 @@ pub(super) fn scene<P: Surfaces>(scene: &Scene<P>, options: &Options, figures: &
     let structures = build(scene, options, figures)?;
     for set in ray_sets(scene, options.rays)? {
         check(scene, &structures, &set)?;
-        figures.traces.extend(trace(scene, &structures, &set, options.repeats));
+        figures.traces.extend(trace(scene, &structures, &set, options.reps));
     }
     Ok(())
 }
@@ -33,10 +34,10 @@ fn build<P: Primitives>(
     figures: &mut Figures,
 ) -> Result<Vec<(StructureKind, AnyStructure)>, TaskError> {
     let mut built = Vec::new();
-    for kind in [StructureKind::Linear, StructureKind::Grid, StructureKind::Bvh] {
+    for &kind in StructureKind::ALL {
         let mut seconds = Vec::new();
         let mut last = None;
-        for _ in 0..options.repeats {
+        for _ in 0..options.reps {
             let started = Instant::now();
             let structure = AnyStructure::build(kind, &scene.primitives).map_err(not_built)?;
             seconds.push(started.elapsed().as_secs_f64());
@@ -47,7 +48,7 @@ fn build<P: Primitives>(
             scene: scene.name,
             primitives: scene.primitives.len(),
             structure: kind.name(),
-            seconds: Seconds::of(seconds),
+            seconds: Spread::of(seconds),
             bytes: structure.memory(),
         });
         built.push((kind, structure));
@@ -70,11 +71,11 @@ fn trace<P: Primitives>(
     scene: &Scene<P>,
     structures: &[(StructureKind, AnyStructure)],
     set: &RaySet,
-    repeats: u32,
+    reps: u32,
 ) -> Vec<TraceFigure> {
     let mut seconds = vec![Vec::new(); structures.len()];
     let mut hits = vec![0; structures.len()];
-    for round in 0..=repeats {
+    for round in 0..=reps {
         for (index, (kind, structure)) in structures.iter().enumerate() {
             let started = Instant::now();
             hits[index] = count_hits(structure, &scene.primitives, set, ray_count(*kind, scene, set));
@@ -89,7 +90,7 @@ fn trace<P: Primitives>(
         kind: set.kind,
         rays: ray_count(*kind, scene, set),
         hits,
-        seconds: Seconds::of(seconds),
+        seconds: Spread::of(seconds),
     };
     structures.iter().zip(seconds.into_iter().zip(hits)).map(figure).collect()
 }
@@ -123,34 +124,20 @@ fn not_built(error: rt_accel::BuildError) -> TaskError {
     TaskError::Other(error.to_string())
 }
 
-impl Seconds {
-    /// Of at least one measurement.
-    pub(super) fn of(mut seconds: Vec<f64>) -> Self {
-        seconds.sort_by(f64::total_cmp);
-        let at = |index: usize| seconds.get(index).copied().unwrap_or(f64::NAN);
-        Self { least: at(0), median: at(seconds.len() / 2) }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn least_and_median_do_not_depend_on_the_order() {
-        assert_eq!(Seconds::of(vec![3.0, 1.0, 2.0]), Seconds { least: 1.0, median: 2.0 });
-        assert_eq!(Seconds::of(vec![5.0]), Seconds { least: 5.0, median: 5.0 });
-    }
-
-    #[test]
     fn a_small_run_measures_everything_and_all_structures_agree() {
-        let options = Options { json: None, rays: 400, repeats: 1 };
+        let options = Options { write: false, rays: 400, reps: 1 };
+        let all = StructureKind::ALL.len();
         let mut figures = Figures::default();
         scene(&crate::scenes::mound(1_000).unwrap(), &options, &mut figures).unwrap();
-        assert_eq!((figures.builds.len(), figures.traces.len()), (3, 3 * 4));
+        assert_eq!((figures.builds.len(), figures.traces.len()), (all, 4 * all));
         for figure in &figures.traces {
             assert_eq!(figure.rays, 400, "{figure:?}");
-            assert!(figure.hits > 40 && figure.seconds.least > 0.0, "{figure:?}");
+            assert!(figure.hits > 40 && figure.seconds.min > 0.0, "{figure:?}");
         }
     }
 }

@@ -1,0 +1,149 @@
+//! Tracing a set of rays, compiled for each structure, so that no ray pays for the choice.
+
+use rayon::prelude::*;
+use rt_accel::{AnyStructure, NoProbe, Structure, StructureVisitor};
+use rt_geometry::TriangleMesh;
+use rt_math::{Hit, Interval, Ray};
+
+use super::files::{HitRecord, RayRecord};
+
+/// Consecutive rays that a thread takes at a time, unless batches have a size of their own.
+const SHARE: usize = 4096;
+
+/// What is asked of each ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Query {
+    /// The first hit.
+    Closest,
+    /// Whether there is any hit.
+    Occluded,
+}
+
+/// How rays are traced.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Method {
+    pub query: Query,
+    /// Rays of a batch; `None` traces them one by one.
+    pub batch: Option<usize>,
+}
+
+/// What is kept of an answer.
+pub(super) trait Answer: Copy + Send {
+    fn closest(hit: Option<Hit>) -> Self;
+    fn occluded(is_blocked: bool) -> Self;
+}
+
+impl Answer for HitRecord {
+    #[inline]
+    fn closest(hit: Option<Hit>) -> Self {
+        hit.into()
+    }
+
+    #[inline]
+    fn occluded(is_blocked: bool) -> Self {
+        if is_blocked { Self::BLOCKED } else { Self::MISS }
+    }
+}
+
+/// Every bit of an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Bits {
+    Miss,
+    Blocked,
+    Hit { t: u64, instance: u32, primitive: u32, uv: [u64; 2] },
+}
+
+impl Answer for Bits {
+    fn closest(hit: Option<Hit>) -> Self {
+        hit.map_or(Self::Miss, |Hit { t, instance, primitive, uv }| Self::Hit {
+            t: t.to_bits(),
+            instance,
+            primitive,
+            uv: uv.map(f64::to_bits),
+        })
+    }
+
+    fn occluded(is_blocked: bool) -> Self {
+        if is_blocked { Self::Blocked } else { Self::Miss }
+    }
+}
+
+/// Answers `rays[i]` in `answers[i]`, on the threads of the current pool.
+pub(super) fn trace<A: Answer>(
+    structure: &AnyStructure,
+    mesh: &TriangleMesh,
+    method: Method,
+    rays: &[RayRecord],
+    answers: &mut [A],
+) {
+    structure.accept(Trace { mesh, method, rays, answers });
+}
+
+struct Trace<'a, A> {
+    mesh: &'a TriangleMesh,
+    method: Method,
+    rays: &'a [RayRecord],
+    answers: &'a mut [A],
+}
+
+impl<A: Answer> StructureVisitor for Trace<'_, A> {
+    type Output = ();
+
+    fn visit<T: Structure>(self, structure: &T) {
+        let Self { mesh, method, rays, answers } = self;
+        let share = method.batch.unwrap_or(SHARE);
+        let shares = rays.par_chunks(share).zip(answers.par_chunks_mut(share));
+        match (method.batch, method.query) {
+            (None, Query::Closest) => shares.for_each(|(rays, answers)| {
+                for (record, answer) in rays.iter().zip(answers) {
+                    let (ray, span) = record.widen();
+                    *answer = A::closest(structure.closest(mesh, &ray, span, &mut NoProbe));
+                }
+            }),
+            (None, Query::Occluded) => shares.for_each(|(rays, answers)| {
+                for (record, answer) in rays.iter().zip(answers) {
+                    let (ray, span) = record.widen();
+                    *answer = A::occluded(structure.occluded(mesh, &ray, span, &mut NoProbe));
+                }
+            }),
+            (Some(_), Query::Closest) => shares.for_each_init(Batch::default, |batch, (rays, answers)| {
+                batch.fill(rays, None);
+                structure.closest_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
+                batch.store(answers, A::closest);
+            }),
+            (Some(_), Query::Occluded) => shares.for_each_init(Batch::default, |batch, (rays, answers)| {
+                batch.fill(rays, false);
+                structure.occluded_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
+                batch.store(answers, A::occluded);
+            }),
+        }
+    }
+}
+
+/// Room for the rays of a batch and what they find, used again for each batch of a thread.
+struct Batch<F> {
+    rays: Vec<(Ray, Interval)>,
+    found: Vec<F>,
+}
+
+impl<F> Default for Batch<F> {
+    fn default() -> Self {
+        Self { rays: Vec::new(), found: Vec::new() }
+    }
+}
+
+impl<F: Copy> Batch<F> {
+    fn fill(&mut self, records: &[RayRecord], nothing: F) {
+        self.rays.clear();
+        self.rays.extend(records.iter().map(RayRecord::widen));
+        self.found.clear();
+        self.found.resize(records.len(), nothing);
+    }
+
+    fn store<A>(&self, answers: &mut [A], answer: impl Fn(F) -> A) {
+        for (to, found) in answers.iter_mut().zip(&self.found) {
+            *to = answer(*found);
+        }
+    }
+}
