@@ -55,6 +55,14 @@ pub(crate) fn output_of(command: &mut Command) -> Result<String, TaskError> {
     String::from_utf8(output.stdout).map_err(|error| failed(error.to_string()))
 }
 
+/// What lies in a folder, sorted.
+pub(crate) fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, TaskError> {
+    let entries = fs::read_dir(folder).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
+    let mut paths: Vec<PathBuf> = entries.map_err(TaskError::file(folder))?;
+    paths.sort();
+    Ok(paths)
+}
+
 impl Workspace {
     /// Asks cargo.
     pub(crate) fn load() -> Result<Self, TaskError> {

@@ -3,11 +3,14 @@
 //! ```text
 //!   cargo xtask bench                    every structure on scenes that are made here
 //!   cargo xtask bench rays MESH RAYS     meshes and rays from neutral files, which other tracers read as well
+//!   cargo xtask bench render             whole pictures, from neutral descriptions
 //! ```
 //!
 //! All figures go to standard output as JSON, and the table for people to standard error. Only ratios of one run are
 //! worth comparing between machines.
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use rt_accel::StructureKind;
 use serde::Serialize;
 
 use crate::{
@@ -17,6 +20,7 @@ use crate::{
 
 mod own_scenes;
 mod rays;
+mod render;
 mod spread;
 
 /// What the command line asks for.
@@ -33,6 +37,8 @@ pub(crate) struct Options {
 enum What {
     /// Trace rays from neutral files, and count wrong hits.
     Rays(rays::Options),
+    /// Render whole pictures from neutral descriptions, as processes of their own.
+    Render(render::Options),
 }
 
 /// Measures, prints the JSON and a table, and writes what was asked for.
@@ -43,6 +49,7 @@ pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
     match &options.what {
         None => own_scenes::run(workspace, &options.own_scenes),
         Some(What::Rays(options)) => rays::run(options),
+        Some(What::Render(options)) => render::run(workspace, options),
     }
 }
 
@@ -60,4 +67,10 @@ fn print(figures: &impl Serialize, table: &str) -> Result<(), TaskError> {
     println!("{json}");
     eprint!("{table}");
     Ok(())
+}
+
+/// The name of a structure on the command line.
+fn structure() -> impl TypedValueParser<Value = StructureKind> {
+    let names = PossibleValuesParser::new(StructureKind::ALL.iter().map(|kind| kind.name()));
+    names.try_map(|name| StructureKind::ALL.iter().copied().find(|kind| kind.name() == name).ok_or("no such structure"))
 }

@@ -1,12 +1,9 @@
 //! Which files to measure.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use super::{Options, files, trace::Query};
-use crate::error::TaskError;
+use crate::{error::TaskError, workspace::sorted_entries};
 
 /// The absolute tolerance of scenes that have no file of it.
 const TOLERANCE: f32 = 1e-5;
@@ -71,7 +68,7 @@ fn named(options: &Options) -> Result<Vec<Job>, TaskError> {
 
 /// Every `scene.mesh` with every `scene.kind.rays`, and the `scene.kind.ref` beside.
 fn in_folder(folder: &Path, options: &Options) -> Result<Vec<Job>, TaskError> {
-    let files = sorted_files(folder)?;
+    let files = sorted_entries(folder)?;
     let mut jobs = Vec::new();
     for mesh in files.iter().filter(|path| path.extension().is_some_and(|extension| extension == "mesh")) {
         let mut job = job(mesh, options)?;
@@ -96,16 +93,6 @@ fn in_folder(folder: &Path, options: &Options) -> Result<Vec<Job>, TaskError> {
         jobs.push(job);
     }
     Ok(jobs)
-}
-
-fn sorted_files(folder: &Path) -> Result<Vec<PathBuf>, TaskError> {
-    let entries = fs::read_dir(folder).map_err(TaskError::file(folder))?;
-    let mut files = entries
-        .map(|entry| entry.map(|entry| entry.path()))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(TaskError::file(folder))?;
-    files.sort();
-    Ok(files)
 }
 
 /// A mesh without rays as yet.
@@ -137,6 +124,7 @@ fn query(kind: &str, options: &Options) -> Query {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn a_folder_gives_every_scene_with_its_rays() {

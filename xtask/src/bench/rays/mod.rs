@@ -4,11 +4,11 @@
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::TypedValueParser;
 use rt_accel::{AnyStructure, Structure, StructureKind};
 use serde::Serialize;
 
-use super::{print, spread::Spread};
+use super::{print, spread::Spread, structure};
 use crate::error::TaskError;
 
 mod files;
@@ -69,11 +69,6 @@ pub(super) struct Options {
     /// Count the rays of which this structure, asked one by one, gives an answer with other bits.
     #[arg(long, value_name = "ACCEL", value_parser = structure())]
     same_as: Option<StructureKind>,
-}
-
-fn structure() -> impl TypedValueParser<Value = StructureKind> {
-    let names = PossibleValuesParser::new(StructureKind::ALL.iter().map(|kind| kind.name()));
-    names.try_map(|name| StructureKind::ALL.iter().copied().find(|kind| kind.name() == name).ok_or("no such structure"))
 }
 
 fn positive() -> impl TypedValueParser<Value = usize> {

@@ -1,0 +1,165 @@
+//! Whole pictures, as users get them: the release binary as a process of its own, from start to written picture.
+
+use std::{
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use rt_accel::StructureKind;
+use serde::Serialize;
+
+use super::{print, spread::Spread, structure};
+use crate::{
+    error::TaskError,
+    renderer::Renderer,
+    statistics::{self, Statistics},
+    workspace::{Workspace, sorted_entries},
+};
+
+mod convert;
+mod neutral;
+mod peers;
+mod process;
+mod table;
+
+use peers::Peer;
+use process::{Program, Usage};
+
+/// A run that takes longer than this has gone wrong.
+const TIMEOUT: Duration = Duration::from_secs(600);
+
+/// What the command line asks for.
+#[derive(Debug, clap::Args)]
+pub(super) struct Options {
+    /// Folder of neutral scene descriptions, `*.json`.
+    #[arg(long, value_name = "DIR")]
+    folder: PathBuf,
+    /// Only these scenes.
+    #[arg(long, value_delimiter = ',')]
+    scene: Vec<String>,
+    /// Runs of each scene that are measured, after one that counts rays.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    reps: u32,
+    /// Threads of the renderer.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: u16,
+    /// The structure, instead of the renderer's own choice.
+    #[arg(long, value_parser = structure())]
+    accel: Option<StructureKind>,
+}
+
+/// One scene.
+#[derive(Debug, Serialize)]
+struct Figure {
+    scene: String,
+    size: (u64, u64),
+    spp: u64,
+    threads: u16,
+    primary_rays: u64,
+    shadow_rays: u64,
+    all_rays: u64,
+    cpu_seconds: Spread,
+    wall_seconds: Spread,
+    peak_bytes: u64,
+    /// From start to end with 8×8 pixels of one sample: start, parsing, building, writing.
+    small_wall_seconds: Spread,
+    fastest_peer: Option<Peer>,
+    picture: PathBuf,
+}
+
+/// All that was measured.
+#[derive(Debug, Default, Serialize)]
+struct Figures {
+    scenes: Vec<Figure>,
+    /// Figures of memory are not less than this, which a run takes that does nothing.
+    least_bytes: u64,
+    peers: &'static str,
+}
+
+/// Measures and prints.
+pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
+    let program = workspace.build_renderer()?;
+    let folder = workspace.fresh_folder("bench-render")?;
+    let program = Program { path: program, folder };
+    let least_bytes = program.empty()?.bytes;
+    let mut figures = Figures { least_bytes, peers: peers::SOURCE, ..Figures::default() };
+    for path in descriptions(options)? {
+        figures.scenes.extend(scene(&program, &path, options)?);
+    }
+    if figures.scenes.is_empty() {
+        let folder = options.folder.display();
+        return Err(TaskError::Other(format!("{folder}: there is no scene to render")));
+    }
+    print(&figures, &table::markdown(&figures))
+}
+
+/// All descriptions of the folder that were asked for.
+fn descriptions(options: &Options) -> Result<Vec<PathBuf>, TaskError> {
+    let wanted = |path: &Path| {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        path.extension().is_some_and(|extension| extension == "json")
+            && (options.scene.is_empty() || options.scene.iter().any(|scene| *scene == name))
+    };
+    let mut paths = sorted_entries(&options.folder)?;
+    paths.retain(|path| wanted(path));
+    Ok(paths)
+}
+
+/// `None` for a scene that cannot be rendered as yet.
+fn scene(program: &Program, description: &Path, options: &Options) -> Result<Option<Figure>, TaskError> {
+    let neutral = neutral::read(description)?;
+    let name = neutral.name.clone();
+    if let Some(reason) = convert::beyond_us(&neutral) {
+        eprintln!("{name} is left out: {reason}");
+        return Ok(None);
+    }
+    let file = convert::convert(neutral);
+    let (size, spp) = (file.film.size, file.settings.spp);
+    let path = program.folder.join(format!("{name}.json"));
+    std::fs::write(&path, file.to_json()).map_err(TaskError::file(&path))?;
+    drop(file);
+    let rays = count_rays(program, &path, options)?;
+    let picture = format!("{name}.png");
+    let whole = runs(program, &path, &picture, options, &[])?;
+    let small = runs(program, &path, "small.png", options, &["--size", "8x8", "--spp", "1"])?;
+    let spread = |runs: &[Usage], of: fn(&Usage) -> f64| Spread::of(runs.iter().map(of).collect());
+    Ok(Some(Figure {
+        size,
+        spp,
+        threads: options.threads,
+        primary_rays: rays.rays.primary.rays,
+        shadow_rays: rays.shadow_rays(),
+        all_rays: rays.rays.total.rays,
+        cpu_seconds: spread(&whole, |usage| usage.cpu_seconds),
+        wall_seconds: spread(&whole, |usage| usage.wall_seconds),
+        peak_bytes: whole.iter().map(|usage| usage.bytes).max().unwrap_or_default(),
+        small_wall_seconds: spread(&small, |usage| usage.wall_seconds),
+        fastest_peer: peers::fastest(&name),
+        picture: program.folder.join(picture),
+        scene: name,
+    }))
+}
+
+/// Of a run that is not timed.
+fn count_rays(program: &Program, scene: &Path, options: &Options) -> Result<Statistics, TaskError> {
+    let renderer = Renderer::new(program.path.clone(), TIMEOUT);
+    let accel = accel(options);
+    statistics::measure(&renderer, &program.folder, scene, &accel)?.map_err(TaskError::Other)
+}
+
+fn runs(
+    program: &Program,
+    scene: &Path,
+    picture: &str,
+    options: &Options,
+    more: &[&str],
+) -> Result<Vec<Usage>, TaskError> {
+    let (scene, threads) = (scene.to_string_lossy(), options.threads.to_string());
+    let common = ["render", &scene, "-o", picture, "--quiet", "--threads", &threads];
+    let args = [&common, accel(options).as_slice(), more].concat();
+    (0..options.reps).map(|_| program.run(&args)).collect()
+}
+
+fn accel(options: &Options) -> Vec<&'static str> {
+    options.accel.map_or_else(Vec::new, |kind| vec!["--accel", kind.name()])
+}

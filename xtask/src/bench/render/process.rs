@@ -1,0 +1,82 @@
+//! What a whole process takes.
+
+use std::{
+    fs::File,
+    path::PathBuf,
+    process::{Command, Stdio},
+    time::Instant,
+};
+
+use wait4::Wait4;
+
+use crate::error::TaskError;
+
+/// A program to run in a folder.
+#[derive(Debug)]
+pub(super) struct Program {
+    pub path: PathBuf,
+    pub folder: PathBuf,
+}
+
+/// What one run took.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Usage {
+    pub wall_seconds: f64,
+    /// In the program and in the system, over all threads.
+    pub cpu_seconds: f64,
+    /// Greatest resident memory. Before a process becomes the program, it is a copy of this one, which counts as well:
+    /// no run takes less than [`empty`](Program::empty) says.
+    pub bytes: u64,
+}
+
+impl Program {
+    /// Runs the program to its end; an error if it fails.
+    pub(super) fn run(&self, args: &[&str]) -> Result<Usage, TaskError> {
+        let log_path = self.folder.join("log.txt");
+        let log = File::create(&log_path).map_err(TaskError::file(&log_path))?;
+        let log_twin = log.try_clone().map_err(TaskError::file(&log_path))?;
+        let mut command = Command::new(&self.path);
+        command.args(args).current_dir(&self.folder).stdin(Stdio::null()).stdout(log).stderr(log_twin);
+        let started = Instant::now();
+        let mut child = command.spawn().map_err(TaskError::file(&self.path))?;
+        let used = child.wait4().map_err(TaskError::file(&self.path))?;
+        let wall_seconds = started.elapsed().as_secs_f64();
+        if !used.status.success() {
+            let said = std::fs::read_to_string(&log_path).unwrap_or_default();
+            let last = said.trim().lines().last().unwrap_or("no message");
+            let reason = format!("{}: {last}", used.status);
+            return Err(TaskError::Command { command: format!("{command:?}"), reason });
+        }
+        let cpu_seconds = (used.rusage.utime + used.rusage.stime).as_secs_f64();
+        Ok(Usage { wall_seconds, cpu_seconds, bytes: used.rusage.maxrss })
+    }
+
+    /// What a run takes that does nothing.
+    pub(super) fn empty(&self) -> Result<Usage, TaskError> {
+        self.run(&["--version"])
+    }
+}
+
+#[cfg(test)]
+#[cfg(unix)]
+mod tests {
+    use super::*;
+
+    fn shell(script: &str) -> Result<Usage, TaskError> {
+        let folder = tempfile::tempdir().unwrap();
+        Program { path: "sh".into(), folder: folder.path().into() }.run(&["-c", script])
+    }
+
+    #[test]
+    fn sleep_takes_time_on_the_wall_alone() {
+        let usage = shell("sleep 0.2").unwrap();
+        assert!(usage.wall_seconds >= 0.2 && usage.cpu_seconds < 0.1, "{usage:?}");
+        assert!(usage.bytes > 100_000, "{usage:?}");
+    }
+
+    #[test]
+    fn failure_is_no_figure() {
+        let error = shell("echo why >&2; exit 3").unwrap_err().to_string();
+        assert!(error.contains("why") && error.contains('3'), "{error}");
+    }
+}
