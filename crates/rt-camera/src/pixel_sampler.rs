@@ -2,7 +2,7 @@
 
 use rt_math::{
     Sampler,
-    random::{hash, mix, permute, unit},
+    random::{Permutation, hash, mix, permute, unit},
 };
 
 use crate::{SamplePattern, pattern::grid_side, sobol::SobolSet};
@@ -50,6 +50,8 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 pub struct PixelSampler {
     pattern: SamplePattern,
     spp: u32,
+    /// Side of the grid of `spp` cells.
+    side: u32,
     seed: u64,
 }
 
@@ -57,7 +59,8 @@ impl PixelSampler {
     /// A sampler for `spp` samples per pixel; a count that the pattern cannot have is rounded up by
     /// [`SamplePattern::round_up`].
     pub const fn new(pattern: SamplePattern, spp: u32, seed: u64) -> Self {
-        Self { pattern, spp: pattern.round_up(spp), seed }
+        let spp = pattern.round_up(spp);
+        Self { pattern, spp, side: grid_side(spp), seed }
     }
 
     /// The pattern.
@@ -72,22 +75,62 @@ impl PixelSampler {
 
     /// The sample number `index` of a pixel.
     pub fn sample(&self, pixel: [u32; 2], index: u32) -> PixelSample {
-        let pixel_key = hash(&[self.seed, u64::from(pixel[0]) << 32 | u64::from(pixel[1])]);
-        // Each round of a whole pattern has keys of its own.
-        let (round, index) = match self.pattern {
+        let (round, index) = self.round_of(index);
+        let key = round_key(self.pixel_key(pixel), round);
+        PixelSample { sampler: *self, index, key, dimension: 0, sobol: SobolSet::EMPTY }
+    }
+
+    /// The positions in the pixel of the samples from number `first` on: the first pair of each
+    /// [`sample`](Self::sample), but what all samples of a pixel have in common is computed once.
+    pub fn positions(&self, pixel: [u32; 2], first: u32, positions: &mut [[f64; 2]]) {
+        match self.pattern {
+            SamplePattern::Centre => positions.fill([0.5; 2]),
+            SamplePattern::Sobol => {
+                for (position, index) in positions.iter_mut().zip(first..) {
+                    *position = self.sample(pixel, index).next_2d();
+                }
+            }
+            _ => self.arranged_positions(pixel, first, positions),
+        }
+    }
+
+    fn arranged_positions(&self, pixel: [u32; 2], first: u32, positions: &mut [[f64; 2]]) {
+        let pixel_key = self.pixel_key(pixel);
+        let (mut round, mut index) = self.round_of(first);
+        let mut arrangement = Arrangement::new(self, round_key(pixel_key, round), 0);
+        for position in positions {
+            if index == self.spp {
+                (round, index) = (round.wrapping_add(1), 0);
+                arrangement = Arrangement::new(self, round_key(pixel_key, round), 0);
+            }
+            *position = arrangement.pair(index);
+            index += 1;
+        }
+    }
+
+    /// Random bits of a pixel.
+    fn pixel_key(&self, pixel: [u32; 2]) -> u64 {
+        hash(&[self.seed, u64::from(pixel[0]) << 32 | u64::from(pixel[1])])
+    }
+
+    /// Which repetition of the whole pattern a sample belongs to, and its place there.
+    const fn round_of(&self, index: u32) -> (u32, u32) {
+        match self.pattern {
             SamplePattern::Sobol => (index >> SobolSet::INDEX_BITS, index & SobolSet::INDEX_MASK),
             _ => (index / self.spp, index % self.spp),
-        };
-        let key = mix(pixel_key ^ u64::from(round));
-        PixelSample { pattern: self.pattern, spp: self.spp, index, key, dimension: 0, sobol: SobolSet::EMPTY }
+        }
     }
+}
+
+/// Each round of a whole pattern has random bits of its own.
+fn round_key(pixel_key: u64, round: u32) -> u64 {
+    mix(pixel_key ^ u64::from(round))
 }
 
 /// The coordinates of one sample of one pixel, drawn in order.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelSample {
-    pattern: SamplePattern,
-    spp: u32,
+    sampler: PixelSampler,
     /// Position in the pattern, below `spp`.
     index: u32,
     /// Hash of seed, pixel and round.
@@ -101,19 +144,20 @@ impl Sampler for PixelSample {
     fn next_1d(&mut self) -> f64 {
         let dimension = self.dimension;
         self.dimension += 1;
-        if self.pattern == SamplePattern::Sobol {
+        let PixelSampler { pattern, spp, .. } = self.sampler;
+        if pattern == SamplePattern::Sobol {
             return self.sobol.coordinate(self.key, self.index, dimension);
         }
-        let key = self.dimension_key(dimension);
-        let jitter = unit(self.noise(key));
-        match self.pattern {
+        let key = dimension_key(self.key, dimension);
+        let jitter = unit(noise(key, self.index));
+        match pattern {
             SamplePattern::Centre | SamplePattern::Random => jitter,
-            _ => in_stratum(permute(self.index, self.spp, key), self.spp, jitter),
+            _ => in_stratum(permute(self.index, spp, key), spp, jitter),
         }
     }
 
     fn next_2d(&mut self) -> [f64; 2] {
-        if self.pattern == SamplePattern::Sobol {
+        if self.sampler.pattern == SamplePattern::Sobol {
             // A pair must not straddle two sets, which are independent of each other.
             let dimension = self.dimension.next_multiple_of(2);
             self.dimension = dimension + 2;
@@ -121,52 +165,73 @@ impl Sampler for PixelSample {
         }
         let dimension = self.dimension;
         self.dimension += 2;
-        let key = self.dimension_key(dimension);
-        let bits = self.noise(key);
-        let jitter = [unit(bits), unit(mix(bits))];
-        match (self.pattern, dimension) {
-            (SamplePattern::Centre, 0) => [0.5; 2],
-            (SamplePattern::Centre | SamplePattern::Random, _) => jitter,
-            (SamplePattern::Grid, 0) => self.jittered(key, [0.5; 2]),
-            (SamplePattern::HalfJittered, 0) => self.jittered(key, jitter.map(|xi| 0.25 + 0.5 * xi)),
-            (SamplePattern::MultiJittered, _) => self.multi_jittered(key, jitter),
-            _ => self.jittered(key, jitter),
-        }
+        Arrangement::new(&self.sampler, self.key, dimension).pair(self.index)
     }
 }
 
-impl PixelSample {
-    /// Chooses the arrangement of the pixel's samples in one dimension.
-    fn dimension_key(&self, dimension: u32) -> u64 {
-        mix(self.key ^ u64::from(dimension))
+/// Random bits for all samples of a round in one dimension.
+fn dimension_key(round_key: u64, dimension: u32) -> u64 {
+    mix(round_key ^ u64::from(dimension))
+}
+
+/// Random bits for one sample alone.
+#[inline]
+fn noise(dimension_key: u64, index: u32) -> u64 {
+    // Index 0 must not give the bits that `permute` makes of the same key, so the count starts at 1.
+    mix(dimension_key.wrapping_add(mix(u64::from(index) + 1)))
+}
+
+/// How the samples of a round lie in one pair of dimensions, for all patterns but Sobol'.
+struct Arrangement {
+    pattern: SamplePattern,
+    /// True for the pair that is the position in the pixel.
+    is_position: bool,
+    spp: u32,
+    side: u32,
+    key: u64,
+    /// Takes samples to their cells.
+    cells: Permutation,
+}
+
+impl Arrangement {
+    fn new(sampler: &PixelSampler, round_key: u64, dimension: u32) -> Self {
+        let PixelSampler { pattern, spp, side, .. } = *sampler;
+        let key = dimension_key(round_key, dimension);
+        Self { pattern, is_position: dimension == 0, spp, side, key, cells: Permutation::new(spp, key) }
     }
 
-    /// Random bits for this sample alone.
-    fn noise(&self, dimension_key: u64) -> u64 {
-        // Index 0 must not give the bits that `permute` makes of the same key, so the count starts at 1.
-        mix(dimension_key.wrapping_add(mix(u64::from(self.index) + 1)))
+    /// The coordinates of a sample.
+    #[inline]
+    fn pair(&self, index: u32) -> [f64; 2] {
+        let bits = noise(self.key, index);
+        let jitter = [unit(bits), unit(mix(bits))];
+        match (self.pattern, self.is_position) {
+            (SamplePattern::Centre, true) => [0.5; 2],
+            (SamplePattern::Centre | SamplePattern::Random, _) => jitter,
+            (SamplePattern::Grid, true) => self.in_cell(index, [0.5; 2]),
+            (SamplePattern::HalfJittered, true) => self.in_cell(index, jitter.map(|xi| 0.25 + 0.5 * xi)),
+            (SamplePattern::MultiJittered, _) => self.multi_jittered(index, jitter),
+            _ => self.in_cell(index, jitter),
+        }
     }
 
     /// A place in the sample's cell of the square grid, given by its coordinates within the cell.
-    fn jittered(&self, key: u64, in_cell: [f64; 2]) -> [f64; 2] {
-        let side = grid_side(self.spp);
-        let cell = permute(self.index, self.spp, key);
-        [in_stratum(cell % side, side, in_cell[0]), in_stratum(cell / side, side, in_cell[1])]
+    #[inline]
+    fn in_cell(&self, index: u32, within: [f64; 2]) -> [f64; 2] {
+        let cell = self.cells.position(index);
+        [in_stratum(cell % self.side, self.side, within[0]), in_stratum(cell / self.side, self.side, within[1])]
     }
 
     /// Multi-jittering (Chiu, Shirley, Wang 1994): a point in each cell, and in each column and row of a grid that is
     /// finer by another factor of n. One permutation for all columns of cells, and one for all rows (Kensler 2013),
     /// would be cheaper, but the error of a smooth integrand then falls as N^-0.8 instead of 1/N (measured).
-    fn multi_jittered(&self, key: u64, jitter: [f64; 2]) -> [f64; 2] {
-        let side = grid_side(self.spp);
-        let cell = permute(self.index, self.spp, key);
+    fn multi_jittered(&self, index: u32, jitter: [f64; 2]) -> [f64; 2] {
+        let Self { side, spp, key, .. } = *self;
+        let cell = self.cells.position(index);
         let (column, row) = (cell % side, cell / side);
         let sub_column = permute(row, side, key ^ mix(u64::from(column) + 1));
         let sub_row = permute(column, side, !key ^ mix(u64::from(row) + 1));
-        [
-            in_stratum(column * side + sub_column, self.spp, jitter[0]),
-            in_stratum(row * side + sub_row, self.spp, jitter[1]),
-        ]
+        [in_stratum(column * side + sub_column, spp, jitter[0]), in_stratum(row * side + sub_row, spp, jitter[1])]
     }
 }
 

@@ -24,31 +24,57 @@ pub fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
 
-/// Position of `index` under a pseudo-random permutation of `0..length` chosen by `seed` (after Kensler 2013). Returns
-/// 0 for an empty range.
-///
-/// The permutation is a bijection of the next power of two, repeated until it lands in the range, and a rotation of
-/// the range, by which every index is equally likely to come to every position.
+/// Position of `index` under a pseudo-random permutation of `0..length` chosen by `seed`; 0 for an empty range. For more
+/// than one index of the same permutation, prepare a [`Permutation`].
 pub fn permute(index: u32, length: u32, seed: u64) -> u32 {
-    if length <= 1 {
-        return 0;
+    Permutation::new(length, seed).position(index)
+}
+
+/// A pseudo-random permutation of `0..length` (after Kensler 2013).
+///
+/// It is a bijection of the next power of two, repeated until it lands in the range, and a rotation of the range, by
+/// which every index is equally likely to come to every position.
+#[derive(Clone, Copy, Debug)]
+pub struct Permutation {
+    length: u32,
+    mask: u32,
+    /// Half of the bits of a position.
+    half: u32,
+    rotation: u32,
+    key: u64,
+}
+
+impl Permutation {
+    /// The permutation of `0..length` that belongs to `seed`.
+    #[inline]
+    pub fn new(length: u32, seed: u64) -> Self {
+        let bits = if length <= 1 { 1 } else { (length - 1).ilog2() + 1 };
+        let key = mix(seed);
+        let rotation = (((key >> 32) * u64::from(length)) >> 32) as u32;
+        Self { length, mask: u32::MAX >> (32 - bits), half: (bits / 2).max(1), rotation, key }
     }
-    let bits = (length - 1).ilog2() + 1;
-    let mask = u32::MAX >> (32 - bits);
-    let key = mix(seed);
-    let mut value = index % length;
-    loop {
-        // Xor, odd multiplication and xor-shift are bijections. Multiplication carries changes to higher bits and the
-        // shift to lower ones; the shortest ranges need all eight rounds.
-        for round in 0..8u32 {
-            let key = key.rotate_left(8 * round);
-            value ^= key as u32 & mask;
-            value = value.wrapping_mul((key >> 32) as u32 | 1) & mask;
-            value ^= value >> if round % 2 == 0 { (bits / 2).max(1) } else { 1 };
+
+    /// Where `index` comes to; 0 in an empty range. Indices beyond the range start again from its beginning.
+    #[inline]
+    pub fn position(&self, index: u32) -> u32 {
+        let length = self.length;
+        if length <= 1 {
+            return 0;
         }
-        if value < length {
-            let rotation = ((key >> 32) * u64::from(length)) >> 32;
-            return ((u64::from(value) + rotation) % u64::from(length)) as u32;
+        let mut value = if index < length { index } else { index % length };
+        loop {
+            // Xor, odd multiplication and xor-shift are bijections. Multiplication carries changes to higher bits and
+            // the shift to lower ones; the shortest ranges need all eight rounds.
+            for round in 0..8u32 {
+                let key = self.key.rotate_left(8 * round);
+                value ^= key as u32 & self.mask;
+                value = value.wrapping_mul((key >> 32) as u32 | 1) & self.mask;
+                value ^= value >> if round % 2 == 0 { self.half } else { 1 };
+            }
+            if value < length {
+                let to_the_end = length - self.rotation;
+                return if value < to_the_end { value + self.rotation } else { value - to_the_end };
+            }
         }
     }
 }

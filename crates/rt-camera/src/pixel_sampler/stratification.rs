@@ -210,6 +210,19 @@ fn every_sample_of_a_pattern_is_uniform_over_the_pixel() {
     }
 }
 
+#[test]
+fn positions_are_the_first_pairs_of_the_samples() {
+    for pattern in SamplePattern::ALL {
+        for (spp, first, count) in [(1, 0, 5), (5, 0, 30), (16, 0, 16), (16, 13, 40), (49, 4_000_000_000, 64)] {
+            let sampler = PixelSampler::new(pattern, spp, 3);
+            let mut positions = vec![[0.0; 2]; count];
+            sampler.positions([17, 4], first, &mut positions);
+            let single: Vec<_> = (first..).take(count).map(|index| sampler.sample([17, 4], index).next_2d()).collect();
+            assert_eq!(positions, single, "{pattern:?}, {spp} from {first}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
     #[test]
