@@ -144,6 +144,7 @@ impl Camera {
     }
 
     /// The ray through a raster point, at a moment of the shutter. Points outside the image are fine.
+    #[inline]
     pub fn ray(&self, raster: DVec2, time: f64) -> Ray {
         let from_centre = raster - self.principal_point;
         let across = self.step_right * from_centre.x + self.step_down * from_centre.y;

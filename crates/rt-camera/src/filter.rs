@@ -42,6 +42,11 @@ impl Filter {
         }
     }
 
+    /// True if it is negative somewhere. All samples of other filters have weight 1.
+    pub const fn has_negative_lobes(self) -> bool {
+        matches!(self, Self::Mitchell)
+    }
+
     /// Value at an offset from the pixel's centre, in pixels; its integral over the plane is 1.
     pub fn value(self, offset: DVec2) -> f64 {
         match self {
@@ -61,6 +66,7 @@ impl Filter {
     /// Takes a point of `[0, 1)²` to an offset from the pixel's centre, in pixels, with density proportional to the
     /// filter's absolute value, and the weight of a sample there: 1, or for filters with negative lobes
     /// ±(∫|f| / ∫f), so that the mean weight is 1.
+    #[inline]
     pub fn sample(self, u: [f64; 2]) -> (DVec2, f64) {
         match self {
             Self::Box => (DVec2::from_array(u) - 0.5, 1.0),
@@ -179,6 +185,7 @@ mod tests {
         let below_one = 1.0 - f64::EPSILON / 2.0;
         for filter in FILTERS {
             for u in [0.0, 1e-300, 0.25, 0.5, 0.75, below_one] {
+                assert!(filter.has_negative_lobes() || filter.sample([u; 2]).1 == 1.0, "{filter:?}");
                 for v in [0.0, 0.5, below_one] {
                     let (offset, weight) = filter.sample([u, v]);
                     assert!(

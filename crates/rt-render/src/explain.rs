@@ -11,7 +11,7 @@ use rt_shading::Texture;
 use crate::{
     RenderPlan,
     plan::World,
-    structure::why,
+    structure::{FEW, why},
     surroundings::Surroundings,
     visible::Visible,
     world::{Assembly, Levels, Part, PartGeometry, Parts},
@@ -259,6 +259,10 @@ impl RenderPlan<'_> {
                     line("  of a mesh", &level.structure, level.mesh.data().triangles.len(), why)
                 }));
             }
+        }
+        if self.narrows {
+            let what = "asked in turn in tiles in whose part of the view no others lie";
+            lines.push(format!("  for camera rays: up to {FEW} objects {what}"));
         }
         if self.origin != DVec3::ZERO {
             lines.push(format!(

@@ -49,6 +49,7 @@ pub mod check;
 mod error;
 mod explain;
 mod flatten;
+mod pixel;
 mod plan;
 mod rebase;
 mod render;

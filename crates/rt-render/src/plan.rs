@@ -3,10 +3,10 @@
 use std::{borrow::Cow, time::Instant};
 
 use rt_accel::AnyStructure;
-use rt_camera::{Camera, CameraSettings, FilmSettings, Filter, PixelSampler, SamplePattern, ViewVolume};
+use rt_camera::{Camera, CameraSettings, Filter, PixelSampler, SamplePattern, ViewVolume};
 use rt_geometry::{Shape, Spheres};
 use rt_math::{Aabb, DVec2, DVec3};
-use rt_scene_io::{Integrator, MaterialId, NamedCamera, Scene};
+use rt_scene_io::{Accel, Integrator, MaterialId, NamedCamera, Scene};
 use rt_shading::{Appearance, FirstHitView, Needs};
 
 use crate::{
@@ -83,6 +83,8 @@ pub struct RenderPlan<'s> {
     pub(crate) world: World,
     /// What camera rays can meet, if that is much less than the world.
     pub(crate) visible: Option<Visible>,
+    /// Whether each tile looks for what its camera rays can meet.
+    pub(crate) narrows: bool,
     /// The point of the scene that all coordinates are relative to.
     pub(crate) origin: DVec3,
     pub(crate) surroundings: Surroundings,
@@ -143,6 +145,7 @@ impl<'s> RenderPlan<'s> {
             world,
             surroundings,
             visible,
+            narrows: !options.full && settings.accel == Accel::Auto && settings.integrator != Integrator::Cost,
             origin,
             full: options.full,
             camera,
@@ -153,6 +156,11 @@ impl<'s> RenderPlan<'s> {
     /// Samples per pixel that will be taken: those asked for, rounded up to what the pattern needs.
     pub const fn samples_per_pixel(&self) -> u32 {
         self.spp
+    }
+
+    /// Where the camera rays of a part of the image run.
+    pub(crate) fn view_volume(&self, part: Crop) -> ViewVolume {
+        view_volume(&self.camera, self.sample_offset, self.filter, part)
     }
 
     /// Seconds that compilation took, structures included.
@@ -214,18 +222,19 @@ fn visible(
     if scene.settings.integrator == Integrator::Cost {
         return Ok(None);
     }
-    let volume = view_volume(camera, &scene.film, crop);
+    let volume = view_volume(camera, scene.film.sample_offset, scene.film.filter, crop);
     Visible::build(scene.settings.accel, &Parts { parts: &top.parts, levels }, &volume)
         .map_err(|source| RenderError::Build { object: scene.name.clone(), source })
 }
 
-/// Where the rays of the crop run: through its pixels, moved by the sample offset, as far around as the filter reaches.
-fn view_volume(camera: &Camera, film: &FilmSettings, crop: Crop) -> ViewVolume {
+/// Where the rays of a part of the image run: through its pixels, moved by the sample offset, as far around as the filter
+/// reaches.
+fn view_volume(camera: &Camera, sample_offset: DVec2, filter: Filter, part: Crop) -> ViewVolume {
     // Raster coordinates are rounded to far less than this part of a pixel.
     const ROUNDING: f64 = 1.0 / 1024.0;
-    let first = DVec2::new(f64::from(crop.x), f64::from(crop.y)) + film.sample_offset;
-    let last = first + DVec2::new(f64::from(crop.width - 1), f64::from(crop.height - 1));
-    let reach = film.filter.radius() + ROUNDING;
+    let first = DVec2::new(f64::from(part.x), f64::from(part.y)) + sample_offset;
+    let last = first + DVec2::new(f64::from(part.width - 1), f64::from(part.height - 1));
+    let reach = filter.radius() + ROUNDING;
     camera.view_volume(first - reach, last + reach)
 }
 

@@ -4,20 +4,25 @@ use std::{sync::mpsc, time::Instant};
 
 use rayon::prelude::*;
 use rt_accel::AnyStructure;
-use rt_camera::{Camera, Film, Filter, PixelSampler};
+use rt_camera::Film;
 use rt_geometry::SurfaceNeeds;
-use rt_math::{Counters, DVec2, Interval, NoProbe, Probe, Ray, RayCounts, RayKind, Rgb, Sampler, Tally};
+use rt_math::{Counters, DVec2, Interval, NoProbe, Probe, Ray, RayCounts, RayKind, Rgb, Tally};
 use rt_scene_io::Integrator;
-use rt_shading::{FirstHitView, Interior, Seen, ShadingCounts, Tracer, Whitted};
+use rt_shading::{Background, FirstHitView, Interior, Seen, ShadingCounts, Tracer, Whitted};
 
 use crate::{
     Crop, RenderError, RenderPlan, Statistics,
+    pixel::Pixel,
     plan::{View, World},
     surroundings::Surroundings,
     tiles::{Tile, tiles},
     trace::{Surfaces, WorldTracer},
+    visible::Visible,
     world::Parts,
 };
+
+/// Positions of samples that are computed at a time.
+const POSITIONS: u32 = 64;
 
 /// How to run a plan; none of it changes the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -77,6 +82,29 @@ struct Finished {
     counters: Counters,
     shading: ShadingCounts,
     bad_samples: u64,
+}
+
+impl Finished {
+    /// A tile without its pixels.
+    fn new(tile: Tile, with_alpha: bool) -> Self {
+        let count = tile.width as usize * tile.height as usize;
+        Self {
+            tile,
+            pixels: Vec::with_capacity(count),
+            alpha: Vec::with_capacity(if with_alpha { count } else { 0 }),
+            counters: Counters::default(),
+            shading: ShadingCounts::default(),
+            bad_samples: 0,
+        }
+    }
+
+    /// Adds the next pixel of the tile.
+    fn push(&mut self, pixel: &Pixel) {
+        let (radiance, coverage) = pixel.mean();
+        self.pixels.push(radiance);
+        self.alpha.extend(coverage);
+        self.bad_samples += pixel.bad_samples();
+    }
 }
 
 impl RenderPlan<'_> {
@@ -170,7 +198,14 @@ impl RenderPlan<'_> {
     }
 
     fn with_world<W: Surfaces, S: Countable>(&self, world: &W, structure: &AnyStructure, tile: Tile) -> Finished {
-        let mut tracer = WorldTracer::new(world, structure, self.visible.as_ref(), S::default());
+        let few = self.few_in(tile, world, structure);
+        if few.as_ref().is_some_and(Visible::is_empty)
+            && let Some(finished) = self.empty_tile(tile)
+        {
+            return finished;
+        }
+        let visible = few.as_ref().or(self.visible.as_ref());
+        let mut tracer = WorldTracer::new(world, structure, visible, S::default());
         let mut whitted = Whitted::new(self.depth, self.min_contribution, self.needs);
         let mut finished = match (&self.view, &self.surroundings) {
             (View::Light, Surroundings::Same(interior)) => {
@@ -196,99 +231,55 @@ impl RenderPlan<'_> {
         finished
     }
 
+    /// What the camera rays of the tile can meet, if that is little.
+    fn few_in<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyStructure) -> Option<Visible> {
+        let Tile { x, y, width, height } = tile;
+        let volume = self.narrows.then(|| self.view_volume(Crop { x, y, width, height }))?;
+        Visible::few(world, structure, self.visible.as_ref(), &volume)
+    }
+
     fn sample_tile(&self, tile: Tile, mut radiance: impl FnMut(&Ray) -> Seen) -> Finished {
-        let count = tile.width as usize * tile.height as usize;
-        let mut finished = Finished {
-            tile,
-            pixels: Vec::with_capacity(count),
-            alpha: Vec::with_capacity(if self.transparent { count } else { 0 }),
-            counters: Counters::default(),
-            shading: ShadingCounts::default(),
-            bad_samples: 0,
-        };
-        for pixel in tile.pixels() {
-            let mut lobes = [Lobe::default(); 2];
-            for index in 0..self.spp {
-                let (ray, weight) =
-                    camera_ray(&self.camera, &self.sampler, self.filter, self.sample_offset, pixel, index);
-                let mut seen = radiance(&ray);
-                if !is_radiance(seen.radiance) {
-                    finished.bad_samples += 1;
-                    seen.radiance = Rgb::BLACK;
+        let mut finished = Finished::new(tile, self.transparent);
+        let mut positions = vec![[0.0; 2]; self.spp.min(POSITIONS) as usize];
+        for [x, y] in tile.pixels() {
+            let corner = DVec2::new(f64::from(x), f64::from(y)) + self.sample_offset;
+            let mut pixel = Pixel::new(self.transparent);
+            for first in (0..self.spp).step_by(positions.len()) {
+                let count = positions.len().min((self.spp - first) as usize);
+                self.sampler.positions([x, y], first, &mut positions[..count]);
+                for &position in &positions[..count] {
+                    let (offset, weight) = self.filter.sample(position);
+                    let ray = self.camera.ray(corner + offset, 0.0);
+                    pixel.add(&radiance(&ray), weight);
                 }
-                lobes[usize::from(weight < 0.0)].add(&seen, weight.abs(), self.transparent);
             }
-            let (radiance, coverage) = Lobe::difference(&lobes);
-            finished.pixels.push(radiance);
-            if self.transparent {
-                finished.alpha.push(coverage.clamp(0.0, 1.0));
-            }
+            finished.push(&pixel);
         }
         finished
     }
-}
 
-/// True for what a film can record: no NaN, nothing negative, nothing beyond the range of `f32`.
-fn is_radiance(rgb: Rgb) -> bool {
-    rgb.to_array().iter().all(|c| (0.0..=f64::from(f32::MAX)).contains(c))
-}
-
-/// Samples that fell into the positive or into the negative part of a filter.
-///
-/// The two are averaged apart and then subtracted: a flat area stays flat, however many samples fall into each. All
-/// samples of filters without negative lobes have weight 1 and lie in the first.
-#[derive(Clone, Copy, Default)]
-struct Lobe {
-    radiance: Rgb,
-    coverage: f64,
-    count: f64,
-    /// Magnitude of the weights, the same for all: (∫ positive part + ∫ negative part) / ∫ filter.
-    magnitude: f64,
-}
-
-impl Lobe {
-    fn add(&mut self, seen: &Seen, magnitude: f64, transparent: bool) {
-        self.count += 1.0;
-        self.magnitude = magnitude;
-        if seen.hit || !transparent {
-            self.radiance += seen.radiance;
-            self.coverage += 1.0;
+    /// A tile in whose part of the view there is nothing, if that can be told without a ray: where all samples see the
+    /// same background and weigh the same, so that no pixel depends on where they are.
+    fn empty_tile(&self, tile: Tile) -> Option<Finished> {
+        let (View::Light, Surroundings::Same(_), Background::Constant(radiance)) =
+            (&self.view, &self.surroundings, self.appearance.background)
+        else {
+            return None;
+        };
+        if self.filter.has_negative_lobes() {
+            return None;
         }
-    }
-
-    fn mean(&self) -> (Rgb, f64) {
-        let scale = 1.0 / self.count;
-        (self.radiance * scale, self.coverage * scale)
-    }
-
-    /// The filtered radiance and coverage of a pixel; where one lobe has no sample, the mean of the other.
-    fn difference([positive, negative]: &[Self; 2]) -> (Rgb, f64) {
-        if negative.count == 0.0 {
-            return positive.mean();
+        let mut pixel = Pixel::new(self.transparent);
+        for _ in 0..self.spp {
+            pixel.add(&Seen { radiance, hit: false }, 1.0);
         }
-        if positive.count == 0.0 {
-            return negative.mean();
-        }
-        // The parts differ by 1 and add up to the magnitude.
-        let share = 0.5 * (negative.magnitude - 1.0);
-        let ((plus, plus_coverage), (minus, minus_coverage)) = (positive.mean(), negative.mean());
-        (plus * (1.0 + share) - minus * share, plus_coverage * (1.0 + share) - minus_coverage * share)
+        let mut finished = Finished::new(tile, self.transparent);
+        tile.pixels().for_each(|_| finished.push(&pixel));
+        let mut rays = RayCounts::default();
+        rays.rays[RayKind::Primary as usize] = finished.pixels.len() as u64 * u64::from(self.spp);
+        finished.counters = Counters::from(rays);
+        Some(finished)
     }
-}
-
-/// The camera ray of one sample, and the weight of what it sees.
-fn camera_ray(
-    camera: &Camera,
-    sampler: &PixelSampler,
-    filter: Filter,
-    sample_offset: DVec2,
-    pixel: [u32; 2],
-    index: u32,
-) -> (Ray, f64) {
-    let mut sample = sampler.sample(pixel, index);
-    let (offset, weight) = filter.sample(sample.next_2d());
-    let raster = DVec2::new(f64::from(pixel[0]), f64::from(pixel[1])) + sample_offset + offset;
-    (camera.ray(raster, 0.0), weight)
 }
 
 /// Work of a camera ray, nodes and primitive tests together, on a logarithmic scale from black over blue, red and

@@ -53,6 +53,7 @@ impl Primitives for SphereWorld {
 }
 
 impl Surfaces for SphereWorld {
+    #[inline]
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<(SurfaceInteraction, u32)> {
         Some((self.spheres.surface(ray, hit, needs)?, *self.materials.get(hit.primitive as usize)?))
     }

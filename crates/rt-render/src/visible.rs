@@ -1,8 +1,10 @@
 //! What camera rays can meet: a second structure without the objects outside the view.
 
-use rt_accel::{AnyStructure, BuildError, Structure as _};
+use core::ops::ControlFlow;
+
+use rt_accel::{AnyStructure, BuildError, Region, Structure as _, StructureKind};
 use rt_camera::ViewVolume;
-use rt_math::{Aabb, Accelerator, Hit, Interval, LeafLayout, Primitives, Probe, Ray, own_box};
+use rt_math::{Aabb, Accelerator, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, own_box};
 use rt_scene_io::Accel;
 
 use crate::structure::{self, FEW};
@@ -42,6 +44,46 @@ impl Visible {
         Ok(Some(Self { indices, structure, of }))
     }
 
+    /// What a narrower volume does not exclude, to be asked in turn; `None` if these are more than a [`FEW`]. Looks in the
+    /// `wider` part, if there is one, and otherwise in the structure over all primitives.
+    pub(crate) fn few<P: Primitives>(
+        primitives: &P,
+        structure: &AnyStructure,
+        wider: Option<&Self>,
+        volume: &ViewVolume,
+    ) -> Option<Self> {
+        let mut indices = Vec::with_capacity(FEW);
+        let mut are_few = true;
+        let mut note = |index: u32| {
+            are_few = indices.len() < FEW;
+            if !are_few {
+                return ControlFlow::Break(());
+            }
+            indices.push(index);
+            ControlFlow::Continue(())
+        };
+        let region = OwnBoxesIn(volume);
+        match wider {
+            None => structure.visit_overlapping(primitives, &region, note),
+            Some(wider) => {
+                let subset = Subset { all: primitives, indices: &wider.indices };
+                wider.structure.visit_overlapping(&subset, &region, |at| note(wider.indices[at as usize]));
+            }
+        }
+        if !are_few {
+            return None;
+        }
+        indices.sort_unstable();
+        let structure =
+            AnyStructure::build(StructureKind::Linear, &Subset { all: primitives, indices: &indices }).ok()?;
+        Some(Self { indices, structure, of: primitives.len() })
+    }
+
+    /// True if camera rays can meet nothing.
+    pub(crate) const fn is_empty(&self) -> bool {
+        self.indices.is_empty()
+    }
+
     /// The first hit of a camera ray, named as in the whole set.
     pub(crate) fn closest<P: Primitives, S: Probe>(
         &self,
@@ -50,6 +92,9 @@ impl Visible {
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
+        if self.is_empty() {
+            return None;
+        }
         self.structure.closest(&Subset { all, indices: &self.indices }, ray, span, probe)
     }
 
@@ -74,6 +119,19 @@ impl Visible {
 
     pub(crate) fn memory(&self) -> usize {
         self.structure.memory() + size_of_val(self.indices.as_slice())
+    }
+}
+
+/// All boxes that a view volume may have something in common with, once they are widened to own boxes.
+struct OwnBoxesIn<'v>(&'v ViewVolume);
+
+impl Region for OwnBoxesIn<'_> {
+    fn bounds(&self) -> Aabb {
+        Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY)
+    }
+
+    fn overlaps(&self, aabb: &Aabb) -> bool {
+        !self.0.excludes(&aabb.padded())
     }
 }
 

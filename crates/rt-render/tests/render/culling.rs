@@ -5,7 +5,7 @@ use rt_camera::{Film, Filter, Projection};
 use rt_math::{DVec2, RayKind, Rgb, Transform};
 use rt_render::{Crop, PlanOptions, RenderPlan, RunOptions, Statistics};
 use rt_scene_io::{Accel, Content, Group, GroupId, Integrator, MaterialId, Node, Scene};
-use rt_shading::{Coefficient, Phong};
+use rt_shading::{Background, Coefficient, Phong};
 
 /// Mirrors all around the camera: 300 spheres in all directions, most of them outside the view.
 fn surrounded() -> Scene {
@@ -150,4 +150,60 @@ fn predicted_memory_includes_the_second_structure() {
     };
     let (with, without) = (structures(Integrator::Normals), structures(Integrator::Cost));
     assert!(without < with && with <= without + without / 2, "{with} after {without}");
+}
+
+/// Tiles that see nothing, a few spheres, and more than a few.
+fn scattered() -> Scene {
+    let mut scene = surrounded();
+    scene.nodes = (0..40u32)
+        .map(|i| {
+            let (x, y) = (f64::from(i % 8), f64::from(i / 8));
+            Node::new(sphere(-1.0 + 0.1 * x, 0.2 + 0.05 * y * y, -y, 0.12), MaterialId(0))
+        })
+        .collect();
+    (scene.film.width, scene.film.height) = (96, 64);
+    scene
+}
+
+#[test]
+fn tiles_that_see_little_show_the_same_picture_by_as_many_rays() {
+    let mut scene = scattered();
+    let gradient = Background::Gradient { bottom: Rgb::gray(0.1), top: Rgb::gray(0.9) };
+    for background in [Background::Constant(Rgb::new(0.1, 0.2, 0.7)), gradient] {
+        scene.appearance.background = background;
+        for filter in [Filter::Box, Filter::Gaussian { sigma: 2.0 }, Filter::Mitchell] {
+            scene.film.filter = filter;
+            for transparent in [false, true] {
+                let options = PlanOptions { transparent, ..PlanOptions::default() };
+                let (narrowed, work) = render(&scene, options);
+                let (full, full_work) = render(&scene, PlanOptions { full: true, ..options });
+                assert_eq!(narrowed.checksum(), full.checksum(), "{background:?}, {filter:?}, {transparent}");
+                for kind in RayKind::ALL {
+                    assert_eq!(work.counters.of(kind).rays, full_work.counters.of(kind).rays, "{kind:?}");
+                }
+                let nodes = |work: &Statistics| work.counters.of(RayKind::Primary).nodes;
+                assert!(2 * nodes(&work) < nodes(&full_work), "most tiles walk no tree");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_background_that_is_no_radiance_is_counted_in_tiles_that_see_nothing() {
+    let mut scene = scattered();
+    scene.nodes.truncate(1);
+    scene.appearance.background = Background::Constant(Rgb::new(f64::NAN, 0.0, 0.0));
+    let (film, work) = render(&scene, PlanOptions::default());
+    let (full, full_work) = render(&scene, PlanOptions { full: true, ..PlanOptions::default() });
+    assert_eq!((film.checksum(), work.bad_samples), (full.checksum(), full_work.bad_samples));
+    assert!(work.bad_samples > work.samples / 2);
+}
+
+#[test]
+fn a_structure_that_is_asked_for_gets_all_camera_rays() {
+    let mut scene = scattered();
+    scene.settings.accel = Accel::Linear;
+    let (_, work) = render(&scene, PlanOptions::default());
+    let primary = work.counters.of(RayKind::Primary);
+    assert_eq!(primary.tests, primary.rays * scene.nodes.len() as u64);
 }

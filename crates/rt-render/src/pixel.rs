@@ -1,0 +1,90 @@
+//! The mean of a pixel's samples.
+
+use rt_math::Rgb;
+use rt_shading::Seen;
+
+/// A pixel being sampled.
+#[derive(Clone, Copy)]
+pub(crate) struct Pixel {
+    lobes: [Lobe; 2],
+    transparent: bool,
+    bad_samples: u64,
+}
+
+impl Pixel {
+    /// A pixel without samples; `transparent` leaves the background out and records coverage.
+    pub(crate) fn new(transparent: bool) -> Self {
+        Self { lobes: [Lobe::default(); 2], transparent, bad_samples: 0 }
+    }
+
+    /// Adds a sample with the weight that the filter gives it. One that is not a radiance is counted, and black.
+    #[inline]
+    pub(crate) fn add(&mut self, seen: &Seen, weight: f64) {
+        let is_bad = !is_radiance(seen.radiance);
+        self.bad_samples += u64::from(is_bad);
+        let radiance = if is_bad { Rgb::BLACK } else { seen.radiance };
+        let shows = seen.hit || !self.transparent;
+        self.lobes[usize::from(weight < 0.0)].add(shows.then_some(radiance), weight.abs());
+    }
+
+    /// The filtered radiance, and coverage if the background is left out.
+    pub(crate) fn mean(&self) -> (Rgb, Option<f64>) {
+        let (radiance, coverage) = Lobe::difference(&self.lobes);
+        (radiance, self.transparent.then(|| coverage.clamp(0.0, 1.0)))
+    }
+
+    /// Number of samples that were not a radiance.
+    pub(crate) const fn bad_samples(&self) -> u64 {
+        self.bad_samples
+    }
+}
+
+/// True for what a film can record: no NaN, nothing negative, nothing beyond the range of `f32`.
+fn is_radiance(rgb: Rgb) -> bool {
+    rgb.to_array().iter().all(|c| (0.0..=f64::from(f32::MAX)).contains(c))
+}
+
+/// Samples that fell into the positive or into the negative part of a filter.
+///
+/// The two are averaged apart and then subtracted: a flat area stays flat, however many samples fall into each. All
+/// samples of filters without negative lobes have weight 1 and lie in the first.
+#[derive(Clone, Copy, Default)]
+struct Lobe {
+    radiance: Rgb,
+    coverage: f64,
+    count: f64,
+    /// Magnitude of the weights, the same for all: (∫ positive part + ∫ negative part) / ∫ filter.
+    magnitude: f64,
+}
+
+impl Lobe {
+    /// Adds a sample; `None` shows nothing.
+    #[inline]
+    fn add(&mut self, radiance: Option<Rgb>, magnitude: f64) {
+        self.count += 1.0;
+        self.magnitude = magnitude;
+        if let Some(radiance) = radiance {
+            self.radiance += radiance;
+            self.coverage += 1.0;
+        }
+    }
+
+    fn mean(&self) -> (Rgb, f64) {
+        let scale = 1.0 / self.count;
+        (self.radiance * scale, self.coverage * scale)
+    }
+
+    /// The filtered radiance and coverage of a pixel; where one lobe has no sample, the mean of the other.
+    fn difference([positive, negative]: &[Self; 2]) -> (Rgb, f64) {
+        if negative.count == 0.0 {
+            return positive.mean();
+        }
+        if positive.count == 0.0 {
+            return negative.mean();
+        }
+        // The parts differ by 1 and add up to the magnitude.
+        let share = 0.5 * (negative.magnitude - 1.0);
+        let ((plus, plus_coverage), (minus, minus_coverage)) = (positive.mean(), negative.mean());
+        (plus * (1.0 + share) - minus * share, plus_coverage * (1.0 + share) - minus_coverage * share)
+    }
+}
