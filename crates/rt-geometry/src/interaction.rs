@@ -63,23 +63,27 @@ impl SurfaceInteraction {
     /// the direction, by the error bound of the hit point, so that it cannot meet the same surface again by rounding.
     ///
     /// Pharr, Jakob, Humphreys, PBR 4th ed., section 6.8.6.
+    #[inline]
     pub fn spawn_ray(&self, direction: DVec3, time: f64) -> Ray {
         Ray { origin: self.offset(self.point, direction.dot(self.geometric_normal)), direction, time }
     }
 
     /// A shadow ray to `target`, which it reaches at `t = 1`.
+    #[inline]
     pub fn spawn_shadow_ray(&self, target: DVec3, time: f64) -> Ray {
         let origin = self.shadow_origin(target - self.point);
         Ray { origin, direction: target - origin, time }
     }
 
     /// A shadow ray in `direction`, to a light infinitely far away.
+    #[inline]
     pub fn spawn_shadow_ray_towards(&self, direction: DVec3, time: f64) -> Ray {
         Ray { origin: self.shadow_origin(direction), direction, time }
     }
 
     /// The shading normal tells which side is lit: a light just below a facet still lights the smooth surface that the
     /// facet stands for. `shadow_point` is for that side only to which it is lifted.
+    #[inline]
     fn shadow_origin(&self, direction: DVec3) -> DVec3 {
         let side = direction.dot(self.shading_normal);
         let lift = (self.shadow_point - self.point).dot(self.geometric_normal);
@@ -87,6 +91,7 @@ impl SurfaceInteraction {
     }
 
     /// The point moved off the surface, to the back if `side` is negative.
+    #[inline]
     fn offset(&self, point: DVec3, side: f64) -> DVec3 {
         let normal = self.geometric_normal;
         let outwards = if side < 0.0 { -normal } else { normal };
@@ -100,6 +105,7 @@ impl SurfaceInteraction {
 }
 
 /// The next number in the direction of `side`; `x` itself where that is 0. Makes up for the rounding of a sum.
+#[inline]
 fn rounded_towards(x: f64, side: f64) -> f64 {
     if side > 0.0 {
         x.next_up()

@@ -44,6 +44,7 @@ impl Sphere {
     }
 
     /// The smallest box around the sphere, rounded outwards.
+    #[inline]
     pub fn bounds(&self) -> Aabb {
         let (min, max) = (self.centre - self.radius, self.centre + self.radius);
         Aabb::new(min.map(f64::next_down), max.map(f64::next_up))
@@ -96,6 +97,7 @@ impl Sphere {
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).
+    #[inline]
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
         let f = (ray.origin - self.centre) + ray.direction * hit.t;
         // From so far away that rounding puts the hit on the centre, the best guess is the side of the viewer.

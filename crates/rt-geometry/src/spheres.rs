@@ -19,6 +19,7 @@ impl Spheres {
     }
 
     /// The surface at a hit of this set with this ray; `None` for a hit on a primitive that it does not have.
+    #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceInteraction> {
         let sphere = self.0.get(hit.primitive as usize)?;
         Some(sphere.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, needs))
@@ -30,6 +31,7 @@ impl Primitives for Spheres {
         self.0.len()
     }
 
+    #[inline]
     fn bounds(&self, index: u32) -> Option<Aabb> {
         self.0.get(index as usize).map(Sphere::bounds)
     }

@@ -75,6 +75,7 @@ pub struct Illumination {
 impl Light {
     /// The unshadowed light at `point` (world space). `None` where the light does not reach: outside the cone of a
     /// spot, or at the very place of the light.
+    #[inline]
     pub fn illuminate(&self, point: DVec3) -> Option<Illumination> {
         let (position, falloff) = match self.kind {
             LightKind::Directional { direction } => {
@@ -99,6 +100,7 @@ impl Light {
     }
 
     /// Strength, 0 to 1, of the light that leaves along `away` (unit).
+    #[inline]
     fn beam(&self, away: DVec3) -> f64 {
         match self.kind {
             LightKind::Spot { direction, cos_inner, cos_outer, .. } => {
@@ -111,6 +113,7 @@ impl Light {
     }
 
     /// The ray to ask for blockers between a surface and this light, and the part of it that counts.
+    #[inline]
     pub fn shadow_ray(&self, surface: &SurfaceInteraction, light: &Illumination, time: f64) -> (Ray, Interval) {
         match self.kind {
             LightKind::Directional { .. } => {

@@ -22,6 +22,7 @@ impl Coefficient {
     }
 
     /// The value at texture coordinates `uv`. A texture that is not in the list is black.
+    #[inline]
     pub fn at(&self, textures: &[Texture], uv: [f64; 2]) -> Rgb {
         match self {
             Self::Constant(rgb) => *rgb,
@@ -44,6 +45,7 @@ pub enum Highlight {
 impl Highlight {
     /// Strength of the highlight, 0 to 1, for unit vectors: the `normal` on the viewer's side, `wo` to the viewer,
     /// `wi` to the light.
+    #[inline]
     pub fn strength(self, normal: DVec3, wo: DVec3, wi: DVec3, exponent: f64) -> f64 {
         let cosine = match self {
             Self::Phong => (normal * (2.0 * normal.dot(wi)) - wi).dot(wo),
@@ -57,10 +59,11 @@ impl Highlight {
 /// than the general function.
 fn power(base: f64, exponent: f64) -> f64 {
     const WHOLE: f64 = 1024.0;
-    if !(exponent <= WHOLE && exponent.fract() == 0.0) {
+    // The conversion cuts the fraction off.
+    let mut remaining = exponent as u32;
+    if !(exponent <= WHOLE && f64::from(remaining) == exponent) {
         return transcendental::pow(base, exponent);
     }
-    let mut remaining = exponent as u32;
     let (mut square, mut product) = (base, 1.0);
     while remaining > 0 {
         if remaining & 1 == 1 {

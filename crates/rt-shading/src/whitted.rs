@@ -8,7 +8,7 @@ use crate::{
     optics,
 };
 use rt_math::{Interval, Ray, RayKind, Rgb, transcendental::exp};
-use view::View;
+use view::{View, is_inside};
 
 /// So many surfaces that do nothing to a ray may stand one behind the other in its way; each further one costs a bounce,
 /// so that paths end.
@@ -126,37 +126,37 @@ impl Whitted {
     /// Radiance that a camera ray sees. Infinite or NaN if the scene is; the caller decides about such samples.
     pub fn radiance(&mut self, world: &mut impl Tracer, appearance: &Appearance, ray: &Ray) -> Seen {
         let mut seen = Seen { radiance: Rgb::BLACK, hit: false };
-        let first = Pending { ray: *ray, kind: RayKind::Primary, depth: 0, weight: Rgb::WHITE, bodies: 0 };
+        let mut path = Pending { ray: *ray, kind: RayKind::Primary, depth: 0, weight: Rgb::WHITE, bodies: 0 };
         if self.needs.refraction {
             self.interior.clone_from(&self.surroundings);
         }
-        let mut next = Some(first);
-        while let Some(path) = next {
-            self.follow(world, appearance, path, &mut seen);
-            next = self.pending.pop();
-            if let Some(path) = &next
-                && self.needs.refraction
-            {
+        loop {
+            self.follow(world, appearance, &mut path, &mut seen);
+            match self.pending.pop() {
+                Some(next) => path = next,
+                None => return seen,
+            }
+            if self.needs.refraction {
                 self.interiors.pop(&mut self.interior, path.bodies);
             }
         }
-        seen
     }
 
     /// Follows a path to the first surface that shows: adds what is seen there, puts the rays that it depends on aside.
-    fn follow(&mut self, world: &mut impl Tracer, appearance: &Appearance, mut path: Pending, seen: &mut Seen) {
+    fn follow(&mut self, world: &mut impl Tracer, appearance: &Appearance, path: &mut Pending, seen: &mut Seen) {
         let mut span = if path.kind == RayKind::Primary { Interval::FORWARD } else { Interval::SPAWNED };
         // Absorption is accounted for up to this parameter of the ray.
         let mut start = 0.0;
         let mut passages = 0;
-        while let Some(hit) = world.closest(&path.ray, span, path.kind, self.needs.surface()) {
+        while let Some(mut hit) = world.closest(&path.ray, span, path.kind, self.needs.surface()) {
             let Some(Material { phong, .. }) = appearance.materials.get(hit.material as usize) else {
                 seen.hit = true;
                 return;
             };
             let length = path.ray.direction.length();
-            let view = View::new(path.ray.direction / length, &hit.interaction);
-            let meeting = self.meet(appearance, phong, &hit, view.inside);
+            let direction = path.ray.direction / length;
+            let inside = is_inside(direction, &hit.interaction);
+            let meeting = self.meet(appearance, phong, &hit, inside);
             let way = (hit.t - start) * length;
             if let Meeting::Nothing(crossing) = meeting {
                 if let Some(crossing) = &crossing {
@@ -183,8 +183,9 @@ impl Whitted {
                 let medium = crossing.map_or_else(|| self.interior.medium(&appearance.materials), |c| c.before);
                 self.absorb(&mut path.weight, medium.absorption, way);
             }
+            let view = View::new(direction, inside, &mut hit.interaction);
             seen.radiance += path.weight * self.emitted_and_reflected(world, appearance, phong, &view, path.ray.time);
-            self.send_on(appearance, phong, &view, crossing, &path);
+            self.send_on(appearance, phong, &view, crossing, path);
             return;
         }
         seen.radiance += path.weight * appearance.background.radiance(path.ray.direction);
@@ -224,7 +225,7 @@ impl Whitted {
         view: &View,
         time: f64,
     ) -> Rgb {
-        let surface = &view.surface;
+        let surface = view.surface;
         let textures = &appearance.textures;
         let mut sum = Rgb::BLACK;
         if self.needs.emission {
@@ -274,7 +275,7 @@ impl Whitted {
             self.counts.depth_limited += u64::from(crossing.is_some() || !phong.mirror.is_zero());
             return;
         }
-        let surface = &view.surface;
+        let surface = view.surface;
         let mut reflected_part = 1.0;
         if let (Some(crossing), Some(transmission)) = (crossing, &phong.transmission) {
             self.counts.refractions += 1;
@@ -289,24 +290,31 @@ impl Whitted {
             let refracted = if crossing.is_null() { Some(view.direction) } else { view.refracted(eta) };
             if let Some(direction) = refracted {
                 let ray = || surface.spawn_ray(direction, path.ray.time);
-                self.put_aside(&Pending { weight, ..*path }, RayKind::Refraction, Some(crossing), ray);
+                self.put_aside(path, weight, RayKind::Refraction, Some(crossing), ray);
             }
         }
         if self.needs.reflection {
             self.counts.mirrors += 1;
             let weight = path.weight * phong.mirror.at(&appearance.textures, surface.uv) * reflected_part;
             let ray = || surface.spawn_ray(view.mirrored(), path.ray.time);
-            self.put_aside(&Pending { weight, ..*path }, RayKind::Reflection, None, ray);
+            self.put_aside(path, weight, RayKind::Reflection, None, ray);
         }
     }
 
     /// Puts aside what goes on from `path` along `ray`, through a surface if there is a crossing, if its weight matters.
-    fn put_aside(&mut self, path: &Pending, kind: RayKind, crossing: Option<&Crossing>, ray: impl FnOnce() -> Ray) {
-        if path.weight.is_black() || path.weight.max_component() < self.min_contribution {
+    fn put_aside(
+        &mut self,
+        path: &Pending,
+        weight: Rgb,
+        kind: RayKind,
+        crossing: Option<&Crossing>,
+        ray: impl FnOnce() -> Ray,
+    ) {
+        if weight.is_black() || weight.max_component() < self.min_contribution {
             return;
         }
         let bodies = if self.needs.refraction { self.interiors.push(&self.interior, crossing) } else { 0 };
-        self.pending.push(Pending { ray: ray(), kind, depth: path.depth + 1, bodies, ..*path });
+        self.pending.push(Pending { ray: ray(), kind, depth: path.depth + 1, weight, bodies });
     }
 }
 

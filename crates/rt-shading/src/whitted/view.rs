@@ -6,28 +6,27 @@ use rt_math::DVec3;
 use crate::optics;
 
 /// A surface as the ray that met it sees it.
-pub(super) struct View {
-    /// The surface, to start rays from.
-    pub(super) surface: SurfaceInteraction,
+pub(super) struct View<'s> {
+    /// The surface, to start rays from. Its shading normal is the one that is shaded with.
+    pub(super) surface: &'s SurfaceInteraction,
     /// Unit direction of the ray.
     pub(super) direction: DVec3,
     /// Unit shading normal, turned to the viewer's side of the surface.
     pub(super) normal: DVec3,
     /// Unit geometric normal, turned against the ray.
     geometric_normal: DVec3,
-    /// The ray comes from behind the surface: from the inside of a closed shape.
-    pub(super) inside: bool,
 }
 
-impl View {
-    pub(super) fn new(direction: DVec3, surface: &SurfaceInteraction) -> Self {
-        let inside = direction.dot(surface.geometric_normal) > 0.0;
+impl<'s> View<'s> {
+    /// The surface as seen along a unit direction, from the `inside` or not ([`is_inside`]).
+    #[inline]
+    pub(super) fn new(direction: DVec3, inside: bool, surface: &'s mut SurfaceInteraction) -> Self {
         let side = if inside { -1.0 } else { 1.0 };
         let geometric_normal = surface.geometric_normal * side;
         let normal = turned_to(-direction, surface.shading_normal * side).unwrap_or(geometric_normal);
         // Shadow rays take their side from the normal that is shaded with.
-        let surface = SurfaceInteraction { shading_normal: normal * side, ..*surface };
-        Self { surface, direction, normal, geometric_normal, inside }
+        surface.shading_normal = normal * side;
+        Self { surface, direction, normal, geometric_normal }
     }
 
     /// The mirrored direction, on the viewer's side of the surface.
@@ -48,10 +47,17 @@ impl View {
     }
 }
 
+/// True if a ray comes from behind the surface: from the inside of a closed shape.
+#[inline]
+pub(super) fn is_inside(direction: DVec3, surface: &SurfaceInteraction) -> bool {
+    direction.dot(surface.geometric_normal) > 0.0
+}
+
 /// The unit normal itself if it faces the viewer, who is in the unit direction `wo`.
 ///
 /// Near silhouettes an interpolated normal may face away. It is bent until it is perpendicular to the view, and no
 /// further, so that shading does not jump there. `None` if it points straight away.
+#[inline]
 fn turned_to(wo: DVec3, normal: DVec3) -> Option<DVec3> {
     let facing = normal.dot(wo);
     if facing >= 0.0 { Some(normal) } else { (normal - wo * facing).try_normalize() }
