@@ -35,23 +35,33 @@ pub(super) struct Binning {
     scale: Vec3A,
     /// Number of bins in use.
     len: usize,
+    axes: Axes,
+}
+
+/// The axes on which a cut is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Axes {
+    All,
+    /// The one on which the centroids are farthest apart.
+    Widest,
 }
 
 /// A cut between two bins.
 #[derive(Clone, Copy)]
 pub(super) struct Cut {
-    binning: Binning,
     axis: usize,
+    least: f32,
+    scale: f32,
     /// First bin on the right.
-    bin: u32,
+    first_right: u32,
 }
 
 impl Binning {
     /// For `count` references whose centroids lie in this box.
-    pub(super) fn new(centroids: &NodeBox, count: usize) -> Self {
-        let len = (4 + count / 16).min(MOST_BINS);
+    pub(super) fn new(centroids: &NodeBox, count: usize, axes: Axes) -> Self {
+        let len = (4 + count / 8).min(MOST_BINS);
         let scale = Vec3A::splat(len as f32 * 0.99999) / (centroids.max - centroids.min);
-        Self { least: centroids.min, scale: scale.min(Vec3A::splat(f32::MAX)), len }
+        Self { least: centroids.min, scale: scale.min(Vec3A::splat(f32::MAX)), len, axes }
     }
 
     /// The bin on each axis. All centroids are in bin 0 of an axis on which they coincide, or have no finite extent.
@@ -59,16 +69,43 @@ impl Binning {
     fn bins(&self, reference: &Reference) -> [u32; 3] {
         let position = (reference.centroid() - self.least) * self.scale;
         let rounded = (position - 0.5) + ROUNDING;
-        rounded.to_array().map(|x| x.to_bits() % MOST_BINS as u32)
+        rounded.to_array().map(bin_at)
+    }
+
+    fn cut(&self, axis: usize, first_right: u32) -> Cut {
+        Cut { axis, least: self.least[axis], scale: self.scale[axis], first_right }
     }
 }
 
 impl Cut {
+    #[inline(always)]
+    fn bin(&self, reference: &Reference) -> u32 {
+        let position = (reference.centroid_on(self.axis) - self.least) * self.scale;
+        bin_at((position - 0.5) + ROUNDING)
+    }
+
     /// The side of a reference: 0 or 1.
     #[inline(always)]
     pub(super) fn side(&self, reference: &Reference) -> usize {
-        usize::from(self.binning.bins(reference)[self.axis] >= self.bin)
+        usize::from(self.bin(reference) >= self.first_right)
     }
+}
+
+#[inline(always)]
+fn bin_at(rounded: f32) -> u32 {
+    rounded.to_bits() % MOST_BINS as u32
+}
+
+/// Visits all, by turns from both halves: neighbours often share bins, and would wait for each other.
+#[inline(always)]
+fn in_two_streams(references: &[Reference], mut visit: impl FnMut(&Reference)) {
+    let (front, back) = references.split_at(references.len() / 2);
+    let (last, back) = back.split_at(back.len() - front.len());
+    for (a, b) in front.iter().zip(back) {
+        visit(a);
+        visit(b);
+    }
+    last.iter().for_each(visit);
 }
 
 /// What the bins of all three axes hold.
@@ -87,21 +124,53 @@ pub(super) struct Best {
 }
 
 impl Bins {
-    pub(super) fn new(binning: Binning) -> Self {
+    pub(super) fn new() -> Self {
+        let binning = Binning::new(&NodeBox::EMPTY, 0, Axes::All);
         Self { binning, boxes: [[NodeBox::EMPTY; 3]; MOST_BINS], counts: [[0; 4]; MOST_BINS] }
     }
 
-    #[inline]
+    /// Empties the bins that are now in use.
+    pub(super) fn reset(&mut self, binning: Binning) {
+        self.binning = binning;
+        self.boxes[..binning.len].fill([NodeBox::EMPTY; 3]);
+        self.counts[..binning.len].fill([0; 4]);
+    }
+
     pub(super) fn add(&mut self, references: &[Reference]) {
-        for reference in references {
-            let bins = self.binning.bins(reference);
-            let bounds = reference.bounds();
-            for (axis, bin) in bins.into_iter().enumerate() {
-                let bin = bin as usize;
-                self.boxes[bin][axis] = self.boxes[bin][axis].union(bounds);
-                self.counts[bin][axis] += 1;
+        match self.binning.axes {
+            Axes::All => in_two_streams(references, |reference| {
+                let bounds = reference.bounds();
+                for (axis, bin) in self.binning.bins(reference).into_iter().enumerate() {
+                    let bin = bin as usize;
+                    self.boxes[bin][axis] = self.boxes[bin][axis].union(bounds);
+                    self.counts[bin][axis] += 1;
+                }
+            }),
+            Axes::Widest => {
+                let (axis, cut) =
+                    (self.binning.scale.min_position(), self.binning.cut(self.binning.scale.min_position(), 0));
+                in_two_streams(references, |reference| {
+                    let bin = cut.bin(reference) as usize;
+                    self.boxes[bin][axis] = self.boxes[bin][axis].union(reference.bounds());
+                    self.counts[bin][axis] += 1;
+                });
             }
         }
+    }
+
+    /// Adds what the bins of the same map hold.
+    pub(super) fn merge(&mut self, other: &Self) {
+        for bin in 0..self.binning.len {
+            for axis in 0..3 {
+                self.boxes[bin][axis] = self.boxes[bin][axis].union(other.boxes[bin][axis]);
+                self.counts[bin][axis] += other.counts[bin][axis];
+            }
+        }
+    }
+
+    /// Number of references on the left of a cut.
+    pub(super) fn left_of(&self, cut: &Cut) -> usize {
+        self.counts[..cut.first_right as usize].iter().map(|counts| counts[cut.axis] as usize).sum()
     }
 
     /// The cheapest cut with references on both sides; the first one in order of axes and bins where several are.
@@ -135,10 +204,7 @@ impl Bins {
     fn at(&self, axis: usize, bin: usize) -> Best {
         let union = |boxes: &[[NodeBox; 3]]| boxes.iter().fold(NodeBox::EMPTY, |all, bins| all.union(bins[axis]));
         let (left, right) = self.boxes[..self.binning.len].split_at(bin);
-        Best {
-            cut: Cut { binning: self.binning, axis, bin: bin as u32 },
-            middle: self.counts[..bin].iter().map(|counts| counts[axis] as usize).sum(),
-            bounds: [union(left), union(right)],
-        }
+        let cut = self.binning.cut(axis, bin as u32);
+        Best { cut, middle: self.left_of(&cut), bounds: [union(left), union(right)] }
     }
 }

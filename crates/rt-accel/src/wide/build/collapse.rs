@@ -74,6 +74,11 @@ impl Costs {
         Self { of: [leaf_cost(area, count); WIDTH], count }
     }
 
+    /// The least cost as one child.
+    pub(super) fn whole(&self) -> f32 {
+        self.of[0]
+    }
+
     /// The costs of a node of this area above two others.
     pub(super) fn above(area: f32, [left, right]: [&Self; 2], max_leaf: usize) -> (Self, Plan) {
         // Row k − 2 is D(n, k) for k from 2 to 8. Infinity stands where the right side would get no child.

@@ -2,16 +2,10 @@
 
 use super::binary::Content;
 use super::collapse::{LEAF, NODE, PRIMITIVE, Share, WIDTH};
-use super::forest::Forest;
+use super::forest::{Forest, Place};
+use super::reference::Run;
 use super::{WideChild, WideNode, WideTree};
 use crate::bvh::NodeBox;
-
-/// A node of the binary tree that becomes a child of a wide one.
-#[derive(Clone, Copy)]
-struct Place {
-    tree: u32,
-    node: u32,
-}
 
 /// A wide node to be made.
 struct Pending {
@@ -26,20 +20,20 @@ struct Pending {
 pub(super) struct Emission<'a> {
     forest: &'a Forest,
     /// Indices of primitives, by place.
-    indices: &'a [u32],
+    indices: &'a [Run],
     wide: WideTree,
 }
 
 impl<'a> Emission<'a> {
-    pub(super) fn new(forest: &'a Forest, indices: &'a [u32]) -> Self {
-        let wide = WideTree { nodes: Vec::new(), order: Vec::with_capacity(indices.len()), depth: 1, sah_cost: 0.0 };
+    pub(super) fn new(forest: &'a Forest, indices: &'a [Run], count: usize) -> Self {
+        let wide = WideTree { nodes: Vec::new(), order: Vec::with_capacity(count), depth: 1, sah_cost: 0.0 };
         Self { forest, indices, wide }
     }
 
     pub(super) fn run(mut self) -> WideTree {
-        let root = self.follow(Place { tree: 0, node: self.forest.trees[0].root() });
+        let root = self.forest.root();
         let mut pending = Vec::new();
-        match self.share(root, 1) {
+        match self.forest.plan(root).share(1) {
             Share::Node(from_left) => pending.push(Pending { place: root, from_left, depth: 1, parent: None }),
             Share::Leaf | Share::Open(_) => {
                 let mut node = WideNode::EMPTY;
@@ -50,7 +44,7 @@ impl<'a> Emission<'a> {
         while let Some(next) = pending.pop() {
             self.node(next, &mut pending);
         }
-        self.wide.sah_cost = self.wide.cost(&self.bounds(root));
+        self.wide.sah_cost = self.wide.cost(&self.forest.bounds(root));
         self.wide
     }
 
@@ -65,24 +59,24 @@ impl<'a> Emission<'a> {
         // The parts that are yet to be looked at, the next one last.
         let mut parts = [(place, 0); WIDTH];
         let mut len = 0;
-        if let Content::Inner([left, right]) = self.content(place) {
-            parts[0] = (self.follow(Place { node: right, ..place }), WIDTH - from_left);
-            parts[1] = (self.follow(Place { node: left, ..place }), from_left);
+        if let Content::Inner([left, right]) = self.forest.content(place) {
+            parts[0] = (self.forest.follow(Place { node: right, ..place }), WIDTH - from_left);
+            parts[1] = (self.forest.follow(Place { node: left, ..place }), from_left);
             len = 2;
         }
         while len > 0 {
             len -= 1;
             let (place, children) = parts[len];
-            match (self.share(place, children), self.content(place)) {
+            match (self.forest.plan(place).share(children), self.forest.content(place)) {
                 (Share::Open([of_left, of_right]), Content::Inner([left, right])) => {
-                    parts[len] = (self.follow(Place { node: right, ..place }), of_right);
-                    parts[len + 1] = (self.follow(Place { node: left, ..place }), of_left);
+                    parts[len] = (self.forest.follow(Place { node: right, ..place }), of_right);
+                    parts[len + 1] = (self.forest.follow(Place { node: left, ..place }), of_left);
                     len += 2;
                 }
                 (Share::Node(from_left), _) => {
                     let parent = Some((number, usize::from(node.count)));
                     pending.push(Pending { place, from_left, depth: depth + 1, parent });
-                    node.push(self.bounds(place), WideChild::Node(0));
+                    node.push(self.forest.bounds(place), WideChild::Node(0));
                 }
                 _ => self.leaf(&mut node, place),
             }
@@ -96,41 +90,26 @@ impl<'a> Emission<'a> {
         self.list(place);
         self.wide.order[first..].sort_unstable();
         let count = self.wide.order.len() - first;
-        node.push(self.bounds(place), WideChild::Leaf { first: first as u32, count: count as u32 });
+        node.push(self.forest.bounds(place), WideChild::Leaf { first: first as u32, count: count as u32 });
     }
 
     /// Lists what is below a node that becomes a leaf.
     fn list(&mut self, place: Place) {
-        match self.content(place) {
+        match self.forest.content(place) {
             Content::Leaf { first, count } => {
-                self.wide.order.extend_from_slice(&self.indices[first as usize..][..count as usize]);
+                for run in &self.indices[first as usize..][..count as usize] {
+                    self.wide.order.push(run.first);
+                    if run.count == 2 {
+                        self.wide.order.push(run.first + 1);
+                    }
+                }
             }
             Content::Inner(children) => {
                 for node in children {
-                    self.list(self.follow(Place { node, ..place }));
+                    self.list(self.forest.follow(Place { node, ..place }));
                 }
             }
             Content::Link(_) => {}
-        }
-    }
-
-    fn content(&self, place: Place) -> Content {
-        self.forest.trees[place.tree as usize].nodes[place.node as usize].content()
-    }
-
-    fn bounds(&self, place: Place) -> NodeBox {
-        self.forest.trees[place.tree as usize].nodes[place.node as usize].bounds()
-    }
-
-    fn share(&self, place: Place, children: usize) -> Share {
-        self.forest.trees[place.tree as usize].plans[place.node as usize].share(children)
-    }
-
-    /// The root of the other tree, if that is what a node stands for.
-    fn follow(&self, place: Place) -> Place {
-        match self.content(place) {
-            Content::Link(tree) => Place { tree, node: self.forest.trees[tree as usize].root() },
-            Content::Inner(_) | Content::Leaf { .. } => place,
         }
     }
 }

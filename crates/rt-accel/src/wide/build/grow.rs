@@ -3,9 +3,9 @@
 use glam::Vec3A;
 
 use super::binary::{BinaryNode, BinaryTree, Content};
-use super::binning::{AreaUnit, Best, Binning, Bins};
+use super::binning::{AreaUnit, Axes, Best, Binning, Bins, Cut};
 use super::collapse::{Costs, Plan};
-use super::reference::Reference;
+use super::reference::{Reference, Run};
 use crate::bounded_depth::leaves_room_for_halving;
 use crate::bvh::NodeBox;
 
@@ -13,6 +13,7 @@ use crate::bvh::NodeBox;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rules {
     pub(super) unit: AreaUnit,
+    pub(super) axes: Axes,
     pub(super) max_leaf: usize,
 }
 
@@ -21,8 +22,8 @@ pub(super) struct Set<'a> {
     /// The references, and room to put them in another order.
     pub(super) references: &'a mut [Reference],
     pub(super) room: &'a mut [Reference],
-    /// What the references in leaves are the indices of.
-    pub(super) order: &'a mut [u32],
+    /// What the leaves list.
+    pub(super) order: &'a mut [Run],
     /// Place of the set in the list of all.
     pub(super) first: u32,
     pub(super) extent: Extent,
@@ -30,7 +31,7 @@ pub(super) struct Set<'a> {
 }
 
 /// Where the references of a set are.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extent {
     pub(super) bounds: NodeBox,
     /// Around all centroids, on the scale of [`Reference::centroid`].
@@ -52,6 +53,25 @@ impl Extent {
     }
 }
 
+/// Copies each reference to its side, and returns the boxes of the centroids on both. No branch depends on the side,
+/// which cannot be foreseen.
+pub(super) fn scatter(references: &[Reference], cut: &Cut, sides: [&mut [Reference]; 2]) -> [NodeBox; 2] {
+    const AWAY: [[f32; 2]; 2] = [[0.0, f32::INFINITY], [f32::INFINITY, 0.0]];
+    let mut centroids = [NodeBox::EMPTY; 2];
+    let mut next = [0; 2];
+    for reference in references {
+        let side = cut.side(reference);
+        let centroid = reference.centroid();
+        for (bounds, away) in centroids.iter_mut().zip(AWAY[side]) {
+            bounds.min = (centroid + away).min(bounds.min);
+            bounds.max = (centroid - away).max(bounds.max);
+        }
+        sides[side][next[side]] = *reference;
+        next[side] += 1;
+    }
+    centroids
+}
+
 #[inline(always)]
 fn include(bounds: NodeBox, point: Vec3A) -> NodeBox {
     NodeBox { min: bounds.min.min(point), max: bounds.max.max(point) }
@@ -59,11 +79,9 @@ fn include(bounds: NodeBox, point: Vec3A) -> NodeBox {
 
 impl<'a> Set<'a> {
     /// Cuts a set of two or more references in two.
-    pub(super) fn split(self, rules: &Rules) -> [Self; 2] {
-        let binning = leaves_room_for_halving(self.references.len(), self.depth)
-            .then(|| Binning::new(&self.extent.centroids, self.references.len()));
-        let best = binning.and_then(|binning| {
-            let mut bins = Bins::new(binning);
+    pub(super) fn split(self, rules: &Rules, bins: &mut Bins) -> [Self; 2] {
+        let best = self.binning(rules).and_then(|binning| {
+            bins.reset(binning);
             bins.add(self.references);
             bins.best_cut(rules.unit)
         });
@@ -73,23 +91,26 @@ impl<'a> Set<'a> {
         }
     }
 
+    /// The map to bins, unless the depth that halving needs has been used up.
+    pub(super) fn binning(&self, rules: &Rules) -> Option<Binning> {
+        let count = self.references.len();
+        leaves_room_for_halving(count, self.depth).then(|| Binning::new(&self.extent.centroids, count, rules.axes))
+    }
+
     /// Moves the references over, those on the left of the cut first, in the order in which they were.
     fn partition(self, Best { cut, middle, bounds }: &Best) -> [Self; 2] {
-        let mut centroids = [NodeBox::EMPTY; 2];
-        let mut next = [0, *middle];
-        for reference in &*self.references {
-            let side = cut.side(reference);
-            centroids[side] = include(centroids[side], reference.centroid());
-            self.room[next[side]] = *reference;
-            next[side] += 1;
-        }
-        let extents = [0, 1].map(|side| Extent { bounds: bounds[side], centroids: centroids[side] });
-        let moved = Set { references: self.room, room: self.references, ..self };
-        moved.divide(*middle, extents)
+        let (left, right) = self.room.split_at_mut(*middle);
+        let centroids = scatter(self.references, cut, [left, right]);
+        self.exchange(*middle, [0, 1].map(|side| Extent { bounds: bounds[side], centroids: centroids[side] }))
+    }
+
+    /// Goes on with what was moved over.
+    pub(super) fn exchange(self, middle: usize, extents: [Extent; 2]) -> [Self; 2] {
+        Set { references: self.room, room: self.references, ..self }.divide(middle, extents)
     }
 
     /// Cuts at the median centroid of the widest axis; by order alone if all centroids coincide.
-    fn halve(self) -> [Self; 2] {
+    pub(super) fn halve(self) -> [Self; 2] {
         let spread = self.extent.centroids.max - self.extent.centroids.min;
         let middle = self.references.len() / 2;
         if !spread.cmple(Vec3A::ZERO).all() {
@@ -130,18 +151,20 @@ impl BinaryTree {
     }
 
     /// Adds the tree over a set that is not empty. The recursion is as deep as the tree, which is bounded.
-    pub(super) fn grow(&mut self, set: Set<'_>, rules: &Rules) -> (u32, Costs) {
+    pub(super) fn grow(&mut self, set: Set<'_>, rules: &Rules, bins: &mut Bins) -> (u32, Costs) {
         let bounds = set.extent.bounds;
-        if set.references.len() == 1 {
+        let count = set.references.len();
+        let area = rules.unit.area(&bounds);
+        if let Some(costs) = rules.leaf(set.references, area) {
             for (place, reference) in set.order.iter_mut().zip(&*set.references) {
-                *place = reference.index();
+                *place = reference.run();
             }
-            let leaf = Content::Leaf { first: set.first, count: 1 };
-            return (self.push(&bounds, leaf, Plan::LEAF), Costs::leaf(rules.unit.area(&bounds), 1));
+            let leaf = Content::Leaf { first: set.first, count: count as u32 };
+            return (self.push(&bounds, leaf, Plan::LEAF), costs);
         }
-        let [left, right] = set.split(rules);
-        let (left, left_costs) = self.grow(left, rules);
-        let (right, right_costs) = self.grow(right, rules);
+        let [left, right] = if count == 2 { set.halve() } else { set.split(rules, bins) };
+        let (left, left_costs) = self.grow(left, rules, bins);
+        let (right, right_costs) = self.grow(right, rules, bins);
         self.join(&bounds, [left, right], [&left_costs, &right_costs], rules)
     }
 

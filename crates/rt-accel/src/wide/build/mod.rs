@@ -2,21 +2,26 @@
 
 mod binary;
 mod binning;
+#[cfg(feature = "parallel")]
+mod chunks;
+mod cluster;
 mod collapse;
 mod emit;
 mod forest;
 mod grow;
 mod params;
 mod reference;
+mod reinsertion;
 
 use crate::bvh::NodeBox;
-use binning::AreaUnit;
+use binning::{AreaUnit, Axes};
 use collapse::WIDTH;
 use emit::Emission;
 use forest::Forest;
 use grow::{Extent, Rules, Set};
 pub use params::{BuildParams, Quality};
 pub(crate) use reference::Reference;
+use reference::Run;
 
 /// A tree whose nodes have up to eight children. The first node is the root.
 #[derive(Debug, PartialEq)]
@@ -74,13 +79,27 @@ pub(super) fn build(mut references: Vec<Reference>, params: &BuildParams) -> Wid
     if references.is_empty() {
         return WideTree { nodes: vec![WideNode::EMPTY], order: Vec::new(), depth: 0, sah_cost: 0.0 };
     }
-    let extent = Extent::of(&references);
-    let rules = Rules { unit: AreaUnit::new(&extent.bounds), max_leaf: params.leaf_limit() };
+    let count = references.len();
+    let axes = if params.quality == Quality::Low { Axes::Widest } else { Axes::All };
+    let unit = AreaUnit::new(&extent(&references).bounds);
+    let rules = Rules { unit, axes, max_leaf: params.leaf_limit() };
+    rules.pair(&mut references);
+    let extent = extent(&references);
     let mut room = references.clone();
-    let mut order = vec![0; references.len()];
+    let mut order = vec![Run::default(); references.len()];
     let set = Set { references: &mut references, room: &mut room, order: &mut order, first: 0, extent, depth: 0 };
-    let forest = Forest::grow(set, &rules);
-    Emission::new(&forest, &order).run()
+    let mut forest = Forest::grow(set, &rules);
+    if params.quality == Quality::High {
+        forest = forest.reinserted(&order, &rules);
+    }
+    Emission::new(&forest, &order, count).run()
+}
+
+fn extent(references: &[Reference]) -> Extent {
+    #[cfg(feature = "parallel")]
+    return Extent::of_many(references);
+    #[cfg(not(feature = "parallel"))]
+    Extent::of(references)
 }
 
 #[cfg(test)]

@@ -4,41 +4,72 @@ use glam::{Vec3A, Vec4};
 
 use crate::bvh::NodeBox;
 
-/// A box and the index of the primitive in it, in 32 bytes.
+/// A box and the one or two primitives in it, in 32 bytes.
 ///
-/// The fourth lane of each corner holds half of the index, in the mantissa of a number from 1 to 2: one that arithmetic
-/// on the whole corner cannot turn into a denormal number or a NaN, which slow down some processors.
+/// The fourth lane of each corner holds half of the first index, in the mantissa of a number from 1 to 2: one that
+/// arithmetic on the whole corner cannot turn into a denormal number or a NaN, which slow down some processors.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
 pub(crate) struct Reference {
-    min: Vec4,
-    max: Vec4,
+    min: [f32; 4],
+    max: [f32; 4],
+}
+
+/// Primitives that follow each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Run {
+    pub(super) first: u32,
+    /// 1 or 2.
+    pub(super) count: u32,
 }
 
 const ONE: u32 = 1.0f32.to_bits();
+
+/// Set where there are two primitives.
+const PAIR: u32 = 1 << 16;
 
 impl Reference {
     /// The box must not be empty. Zeros lose their sign, so that the least of several is the same in any order.
     #[inline(always)]
     pub(crate) fn new(bounds: NodeBox, index: u32) -> Self {
-        let tagged = |corner: Vec3A, half: u32| (corner + Vec3A::ZERO).extend(f32::from_bits(ONE | half));
+        let tagged = |corner: Vec3A, half: u32| (corner + Vec3A::ZERO).extend(f32::from_bits(ONE | half)).to_array();
         Self { min: tagged(bounds.min, index & 0xffff), max: tagged(bounds.max, index >> 16) }
+    }
+
+    /// Both primitives of two references, of which the second follows the first, in one box.
+    #[inline(always)]
+    pub(super) fn pair(&self, bounds: &NodeBox) -> Self {
+        let tagged = |corner: Vec3A, tag: u32| corner.extend(f32::from_bits(tag)).to_array();
+        Self { min: tagged(bounds.min, self.min[3].to_bits() | PAIR), max: tagged(bounds.max, self.max[3].to_bits()) }
     }
 
     #[inline(always)]
     pub(crate) fn bounds(&self) -> NodeBox {
-        NodeBox { min: Vec3A::from_vec4(self.min), max: Vec3A::from_vec4(self.max) }
+        NodeBox { min: Vec3A::from_vec4(Vec4::from_array(self.min)), max: Vec3A::from_vec4(Vec4::from_array(self.max)) }
+    }
+
+    /// The index of the first primitive.
+    #[inline(always)]
+    pub(crate) fn index(&self) -> u32 {
+        let half = |corner: [f32; 4]| corner[3].to_bits() & 0xffff;
+        half(self.min) | half(self.max) << 16
     }
 
     #[inline(always)]
-    pub(crate) fn index(&self) -> u32 {
-        let half = |corner: Vec4| corner.w.to_bits() & 0xffff;
-        half(self.min) | half(self.max) << 16
+    pub(super) fn run(&self) -> Run {
+        Run { first: self.index(), count: 1 + u32::from(self.min[3].to_bits() & PAIR != 0) }
     }
 
     /// Twice the centre of the box, which orders references just as well.
     #[inline(always)]
     pub(super) fn centroid(&self) -> Vec3A {
-        Vec3A::from_vec4(self.min + self.max)
+        Vec3A::from_vec4(Vec4::from_array(self.min) + Vec4::from_array(self.max))
+    }
+
+    /// One coordinate of the centroid.
+    #[inline(always)]
+    pub(super) fn centroid_on(&self, axis: usize) -> f32 {
+        self.min[axis] + self.max[axis]
     }
 }
 

@@ -6,7 +6,7 @@ use rt_math::random::{hash, unit};
 use super::*;
 
 /// Boxes of all sizes, some of them flat, some with the same centre.
-fn soup(count: u32, seed: u64, scale: f32) -> Vec<Reference> {
+pub(super) fn soup(count: u32, seed: u64, scale: f32) -> Vec<Reference> {
     let reference = |index: u32| {
         let draw = |axis| unit(hash(&[seed, u64::from(index), axis])) as f32;
         let centre = Vec3A::new((draw(0) * 40.0).round(), draw(1) * 20.0, draw(2) * 3.0) - 10.0;

@@ -1,0 +1,90 @@
+//! Primitives that are better in one leaf than in two, found before the tree grows and while it does.
+//!
+//! Neighbours in a list are mostly neighbours in space, as in the halves of quadrilaterals. Joining them first leaves the
+//! builder with little more than half of the references, and the tree that it grows is as good.
+
+use super::collapse::{Costs, leaf_cost};
+use super::grow::Rules;
+use super::reference::Reference;
+
+/// Sets of at most this many references may become leaves at once.
+const FEW: usize = 4;
+
+/// A set of three or four is a leaf if a leaf of each would cost more than this part of it: a cut that takes off one
+/// reference alone could still pay otherwise.
+const SURE: f32 = 0.75;
+
+impl Rules {
+    /// Joins pairs of references that follow each other, where two leaves would be no better than one.
+    pub(super) fn pair(&self, references: &mut Vec<Reference>) {
+        let (mut read, mut write) = (0, 0);
+        while let Some(next) = references.get(read) {
+            let pair = references.get(read + 1).and_then(|other| self.try_pair(next, other));
+            read += if pair.is_some() { 2 } else { 1 };
+            references[write] = pair.unwrap_or(*next);
+            write += 1;
+        }
+        references.truncate(write);
+    }
+
+    #[inline(always)]
+    fn try_pair(&self, a: &Reference, b: &Reference) -> Option<Reference> {
+        let both = a.bounds().union(b.bounds());
+        let apart = self.leaf_cost(a) + self.leaf_cost(b);
+        let pays = leaf_cost(self.unit.area(&both), 2) <= apart;
+        (pays && self.max_leaf > 1 && b.index().checked_sub(a.index()) == Some(1)).then(|| a.pair(&both))
+    }
+
+    /// The costs of a leaf, if a set in a box of this area can hardly gain by being cut.
+    pub(super) fn leaf(&self, references: &[Reference], area: f32) -> Option<Costs> {
+        if references.len() > FEW {
+            return None;
+        }
+        let count = references.iter().map(|reference| reference.run().count).sum();
+        let apart: f32 = references.iter().map(|reference| self.leaf_cost(reference)).sum();
+        let limit = if references.len() > 2 { SURE * apart } else { apart };
+        let is_leaf = references.len() == 1 || count as usize <= self.max_leaf && leaf_cost(area, count) <= limit;
+        is_leaf.then(|| Costs::leaf(area, count))
+    }
+
+    fn leaf_cost(&self, reference: &Reference) -> f32 {
+        leaf_cost(self.unit.area(&reference.bounds()), reference.run().count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3A;
+
+    use super::*;
+    use crate::bvh::NodeBox;
+    use crate::wide::build::binning::{AreaUnit, Axes};
+    use crate::wide::build::reference::Run;
+
+    fn at(x: f32, index: u32) -> Reference {
+        Reference::new(NodeBox { min: Vec3A::new(x, 0.0, 0.0), max: Vec3A::new(x + 1.0, 1.0, 0.0) }, index)
+    }
+
+    fn paired(mut references: Vec<Reference>, max_leaf: usize) -> Vec<Run> {
+        let unit = AreaUnit::new(&NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(10.0) });
+        Rules { unit, axes: Axes::All, max_leaf }.pair(&mut references);
+        references.iter().map(Reference::run).collect()
+    }
+
+    #[test]
+    fn neighbours_become_pairs() {
+        // 0 and 1 are halves of a square. Two squares side by side would cost 2 · 0.8 together and 2 · 0.7 apart. 3 and 5
+        // coincide, but do not follow each other, and 6 is alone.
+        let references = vec![at(0.0, 0), at(0.0, 1), at(1.0, 2), at(2.0, 3), at(2.0, 5), at(9.0, 6)];
+        let runs = paired(references, 8);
+        let expected = [(0, 2), (2, 1), (3, 1), (5, 1), (6, 1)];
+        assert_eq!(runs, expected.map(|(first, count)| Run { first, count }));
+    }
+
+    #[test]
+    fn pairs_overlap_enough() {
+        // 1.5 · 0.8 together, and 2 · 0.7 apart.
+        assert_eq!(paired(vec![at(0.0, 0), at(0.5, 1)], 8), [Run { first: 0, count: 2 }]);
+        assert_eq!(paired(vec![at(0.0, 0), at(0.5, 1)], 1).len(), 2, "no leaf may hold two");
+    }
+}
