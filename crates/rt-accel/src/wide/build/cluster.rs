@@ -7,12 +7,21 @@ use super::collapse::{Costs, leaf_cost};
 use super::grow::Rules;
 use super::reference::Reference;
 
-/// Sets of at most this many references may become leaves at once.
-const FEW: usize = 4;
+/// When a set of three or more becomes a leaf at once, without a look at its cuts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Haste {
+    /// Most references in the set.
+    few: usize,
+    /// The leaf may cost this part of what a leaf of each reference would.
+    limit: f32,
+}
 
-/// A set of three or four is a leaf if a leaf of each would cost more than this part of it: a cut that takes off one
-/// reference alone could still pay otherwise.
-const SURE: f32 = 0.75;
+impl Haste {
+    /// Trees are as good as if all sets were cut.
+    pub(super) const LITTLE: Self = Self { few: 4, limit: 0.75 };
+    /// A fifth to a third less time, and costs up to a twentieth higher.
+    pub(super) const GREAT: Self = Self { few: 8, limit: 1.3 };
+}
 
 impl Rules {
     /// Joins pairs of references that follow each other, where two leaves would be no better than one.
@@ -37,12 +46,12 @@ impl Rules {
 
     /// The costs of a leaf, if a set in a box of this area can hardly gain by being cut.
     pub(super) fn leaf(&self, references: &[Reference], area: f32) -> Option<Costs> {
-        if references.len() > FEW {
+        if references.len() > self.haste.few {
             return None;
         }
         let count = references.iter().map(|reference| reference.run().count).sum();
         let apart: f32 = references.iter().map(|reference| self.leaf_cost(reference)).sum();
-        let limit = if references.len() > 2 { SURE * apart } else { apart };
+        let limit = if references.len() > 2 { self.haste.limit * apart } else { apart };
         let is_leaf = references.len() == 1 || count as usize <= self.max_leaf && leaf_cost(area, count) <= limit;
         is_leaf.then(|| Costs::leaf(area, count))
     }
@@ -67,7 +76,7 @@ mod tests {
 
     fn paired(mut references: Vec<Reference>, max_leaf: usize) -> Vec<Run> {
         let unit = AreaUnit::new(&NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(10.0) });
-        Rules { unit, axes: Axes::All, max_leaf }.pair(&mut references);
+        Rules { unit, axes: Axes::All, haste: Haste::LITTLE, max_leaf }.pair(&mut references);
         references.iter().map(Reference::run).collect()
     }
 

@@ -4,6 +4,7 @@ use glam::Vec3A;
 
 use super::binary::{BinaryNode, BinaryTree, Content};
 use super::binning::{AreaUnit, Axes, Best, Binning, Bins, Cut};
+use super::cluster::Haste;
 use super::collapse::{Costs, Plan};
 use super::reference::{Reference, Run};
 use crate::bounded_depth::leaves_room_for_halving;
@@ -14,6 +15,7 @@ use crate::bvh::NodeBox;
 pub(super) struct Rules {
     pub(super) unit: AreaUnit,
     pub(super) axes: Axes,
+    pub(super) haste: Haste,
     pub(super) max_leaf: usize,
 }
 

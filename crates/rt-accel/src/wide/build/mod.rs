@@ -15,6 +15,7 @@ mod reinsertion;
 
 use crate::bvh::NodeBox;
 use binning::{AreaUnit, Axes};
+use cluster::Haste;
 use collapse::WIDTH;
 use emit::Emission;
 use forest::Forest;
@@ -80,9 +81,12 @@ pub(super) fn build(mut references: Vec<Reference>, params: &BuildParams) -> Wid
         return WideTree { nodes: vec![WideNode::EMPTY], order: Vec::new(), depth: 0, sah_cost: 0.0 };
     }
     let count = references.len();
-    let axes = if params.quality == Quality::Low { Axes::Widest } else { Axes::All };
+    let (axes, haste) = match params.quality {
+        Quality::Low => (Axes::Widest, Haste::GREAT),
+        Quality::Medium | Quality::High => (Axes::All, Haste::LITTLE),
+    };
     let unit = AreaUnit::new(&extent(&references).bounds);
-    let rules = Rules { unit, axes, max_leaf: params.leaf_limit() };
+    let rules = Rules { unit, axes, haste, max_leaf: params.leaf_limit() };
     rules.pair(&mut references);
     let extent = extent(&references);
     let mut room = references.clone();

@@ -4,12 +4,14 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Quality {
-    /// Binned splits of the widest axis alone: for scenes that change before many rays have been traced.
+    /// Binned splits of the widest axis alone, and the first leaf that will do: a fifth less time than medium, for scenes
+    /// that change before many rays have been traced.
     Low,
-    /// Binned splits of all axes (Wald 2007).
+    /// Binned splits of all axes (Wald 2007): 0.2 to 0.3 µs per primitive on one thread.
     #[default]
     Medium,
-    /// As medium, and then the tree is improved.
+    /// As medium, and then subtrees are moved to where they cost least (Bittner, Hapala and Havran 2013): three to five
+    /// times as slow to build. Pays where large primitives lie among small ones.
     High,
 }
 

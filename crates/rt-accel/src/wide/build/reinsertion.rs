@@ -232,3 +232,43 @@ impl Linked {
         Some(Forest { trees: vec![tree], costs: made[0].1 })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3A;
+
+    use super::*;
+
+    #[test]
+    fn a_leaf_far_from_its_sibling_moves_to_its_neighbour() {
+        // From (((0, 100), 1), 101) to ((0, 1), (100, 101)).
+        let order = [0, 1, 2, 3].map(|first| Run { first, count: 1 });
+        let unit = AreaUnit::new(&NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(102.0) });
+        let rules = Rules {
+            unit,
+            axes: crate::wide::build::binning::Axes::All,
+            haste: crate::wide::build::cluster::Haste::LITTLE,
+            max_leaf: 1,
+        };
+        let mut tree = BinaryTree::default();
+        let leaves = [0.0, 100.0, 1.0, 101.0].into_iter().zip(0..).map(|(x, first)| {
+            let bounds = NodeBox { min: Vec3A::X * x, max: Vec3A::new(x + 1.0, 1.0, 1.0) };
+            let number = tree.push(&bounds, Content::Leaf { first, count: 1 }, Plan::LEAF);
+            (number, bounds, Costs::leaf(unit.area(&bounds), 1))
+        });
+        let leaves: Vec<_> = leaves.collect();
+        let whole = leaves.into_iter().reduce(|(a, a_box, a_costs), (b, b_box, b_costs)| {
+            let bounds = a_box.union(b_box);
+            let (number, costs) = tree.join(&bounds, [a, b], [&a_costs, &b_costs], &rules);
+            (number, bounds, costs)
+        });
+        let (_, _, costs) = whole.expect("four leaves");
+        let mut linked = Linked::new(&Forest { trees: vec![tree], costs }, unit);
+        while (1..7).any(|number| linked.improve(number)) {}
+        let inner = linked.nodes.iter().filter(|node| matches!(node.content, Content::Inner(_)));
+        let mut lengths: Vec<_> = inner.map(|node| node.bounds.max.x - node.bounds.min.x).collect();
+        lengths.sort_unstable_by(f32::total_cmp);
+        assert_eq!(lengths, [2.0, 2.0, 102.0]);
+        assert!(linked.collapse(&order, &rules).is_some_and(|better| better.costs.whole() <= costs.whole()));
+    }
+}
