@@ -4,6 +4,7 @@
 //!   cargo xtask bench                    every structure on scenes that are made here
 //!   cargo xtask bench rays MESH RAYS     meshes and rays from neutral files, which other tracers read as well
 //!   cargo xtask bench render             whole pictures, from neutral descriptions
+//!   cargo xtask bench convert JSON SCENE the scene file of such a description
 //! ```
 //!
 //! All figures go to standard output as JSON, and the table for people to standard error. Only ratios of one run are
@@ -39,6 +40,8 @@ enum What {
     Rays(rays::Options),
     /// Render whole pictures from neutral descriptions, as processes of their own.
     Render(render::Options),
+    /// Write the scene file of a neutral description.
+    Convert(render::convert::Options),
 }
 
 /// Measures, prints the JSON and a table, and writes what was asked for.
@@ -50,6 +53,7 @@ pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
         None => own_scenes::run(workspace, &options.own_scenes),
         Some(What::Rays(options)) => rays::run(options),
         Some(What::Render(options)) => render::run(workspace, options),
+        Some(What::Convert(options)) => render::convert::run(options),
     }
 }
 

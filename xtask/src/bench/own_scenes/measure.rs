@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use cpu_time::ThreadTime;
 use rt_accel::{AnyStructure, Bvh, Structure as _, StructureKind};
 use rt_math::Primitives;
 
@@ -66,7 +67,8 @@ fn ray_sets<P: Surfaces>(scene: &Scene<P>, count: u32) -> Result<[RaySet; 4], Ta
     Ok([primary, shadow, diffuse, random])
 }
 
-/// Structures take turns; the first round only warms up.
+/// Structures take turns; the first round only warms up. The clock is that of the processor, on which neighbours do
+/// not count.
 fn trace<P: Primitives>(
     scene: &Scene<P>,
     structures: &[(StructureKind, AnyStructure)],
@@ -77,7 +79,7 @@ fn trace<P: Primitives>(
     let mut hits = vec![0; structures.len()];
     for round in 0..=reps {
         for (index, (kind, structure)) in structures.iter().enumerate() {
-            let started = Instant::now();
+            let started = ThreadTime::now();
             hits[index] = count_hits(structure, &scene.primitives, set, ray_count(*kind, scene, set));
             if round > 0 {
                 seconds[index].push(started.elapsed().as_secs_f64());

@@ -12,7 +12,8 @@ pub(super) fn page(tables: &str, options: &Options) -> String {
         "# How fast each structure is\n\n\
          Written by `cargo xtask bench --write --rays {rays} --reps {reps}` on one {}. Times vary with the machine and \
          its load: only the ratios, which stand in brackets, say anything about structures. Rays are traced on one \
-         thread and structures take turns; trees are built on all threads. All structures hit as often as brute force \
+         thread, by the clock of its processor, and structures take turns; trees are built on all threads, by the clock \
+         on the wall. The least of all measurements is shown. All structures hit as often as brute force \
          on the rays that it was given.\n\n\
          * `mound`: the report's heap of overlapping spheres of similar size.\n\
          * `balls`: spheres on spheres, after Haines, \"A Proposal for Standard Graphics Environments\", 1987.\n\

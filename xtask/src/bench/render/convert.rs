@@ -1,22 +1,33 @@
 //! Neutral descriptions to scene files, so that every renderer does equal work: the same size, samples, depth, lights.
 
+use std::path::PathBuf;
+
 use rt_scene_io::format::{
     Background, Camera, Coefficient, Color, Falloff, Film, Light, Material, Node, Sampler, SceneFile, Settings, Shape,
 };
 
 use super::neutral;
+use crate::error::TaskError;
 
-/// What the description asks for that no integrator here can do; `None` if there is nothing.
-pub(super) fn beyond_us(scene: &neutral::Scene) -> Option<&'static str> {
-    if scene.gi {
-        return Some("it needs global illumination");
-    }
-    let is_area = |light: &neutral::Light| matches!(light, neutral::Light::Rect {});
-    scene.lights.iter().any(is_area).then_some("it has an area light")
+/// The files to convert.
+#[derive(Debug, clap::Args)]
+pub(in crate::bench) struct Options {
+    /// A neutral description.
+    #[arg(value_name = "JSON")]
+    from: PathBuf,
+    /// The scene file to write.
+    #[arg(value_name = "SCENE.json")]
+    to: PathBuf,
+}
+
+/// Reads the one and writes the other.
+pub(in crate::bench) fn run(options: &Options) -> Result<(), TaskError> {
+    let text = convert(neutral::read(&options.from)?).to_json();
+    std::fs::write(&options.to, text).map_err(TaskError::file(&options.to))
 }
 
 /// The scene file.
-pub(super) fn convert(scene: neutral::Scene) -> SceneFile {
+fn convert(scene: neutral::Scene) -> SceneFile {
     let mut lights = vec![Light::Ambient(Color::from_rgb(scene.ambient))];
     lights.extend(scene.lights.iter().filter_map(light));
     let neutral::Camera { eye, at, up, vfov } = scene.camera;
@@ -119,8 +130,8 @@ fn flat(points: &[[f32; 3]]) -> Vec<[f32; 2]> {
 mod tests {
     use super::*;
 
-    fn scene(lights: &str) -> neutral::Scene {
-        let text = format!(
+    fn description(lights: &str) -> String {
+        format!(
             r#"{{"name": "s", "w": 8, "h": 4, "spp": 16, "depth": 6, "gi": false,
             "camera": {{"eye": [0, 1, 5], "at": [0, 0, 0], "up": [0, 1, 0], "vfov": 30}},
             "background": [0.1, 0.1, 0.2], "ambient": [1, 1, 1], "lights": [{lights}],
@@ -134,17 +145,16 @@ mod tests {
                 {{"type": "sphere", "c": [0, 1, 0], "r": 1, "mat": "ball", "no_shadow": true}},
                 {{"type": "poly", "pts": [[-6, 0, -14], [-6, 0, 4], [6, 0, 4], [6, 0, -14]], "mat": "floor"}}
             ]}}"#
-        );
-        serde_json::from_str(&text).unwrap()
+        )
     }
 
     #[test]
     fn nothing_is_lost_on_the_way_to_a_scene_file() {
         let lights = r#"{"type": "point", "p": [1, 2, 3], "color": [0.7, 0.7, 0.7], "dref": 9},
                         {"type": "sphere_light", "obj": 1, "p": [3, 2, 1], "r": 2, "color": [1, 0, 0], "dref": null}"#;
-        let neutral = scene(lights);
-        assert_eq!(beyond_us(&neutral), None);
-        let file = convert(neutral);
+        let text = description(lights);
+        assert_eq!(serde_json::from_str::<neutral::Outline>(&text).unwrap().beyond_us(), None);
+        let file = convert(serde_json::from_str(&text).unwrap());
         assert_eq!(
             rt_scene_io::format::parse_json(&file.to_json(), "s.json".as_ref()).unwrap(),
             file,
@@ -168,6 +178,6 @@ mod tests {
     #[test]
     fn area_lights_are_owned_up_to() {
         let lamp = r#"{"type": "rect", "p": [0, 0, 0], "u": [1, 0, 0], "v": [0, 1, 0], "radiance": [1, 1, 1], "color": [1, 1, 1]}"#;
-        assert!(beyond_us(&scene(lamp)).is_some());
+        assert!(serde_json::from_str::<neutral::Outline>(&description(lamp)).unwrap().beyond_us().is_some());
     }
 }

@@ -2,6 +2,7 @@
 
 use std::{
     path::{Path, PathBuf},
+    process::Command,
     time::Duration,
 };
 
@@ -13,15 +14,16 @@ use crate::{
     error::TaskError,
     renderer::Renderer,
     statistics::{self, Statistics},
-    workspace::{Workspace, sorted_entries},
+    workspace::{Workspace, output_of, sorted_entries},
 };
 
-mod convert;
+pub(super) mod convert;
 mod neutral;
 mod peers;
 mod process;
 mod table;
 
+use neutral::Outline;
 use peers::Peer;
 use process::{Program, Usage};
 
@@ -107,25 +109,22 @@ fn descriptions(options: &Options) -> Result<Vec<PathBuf>, TaskError> {
 
 /// `None` for a scene that cannot be rendered as yet.
 fn scene(program: &Program, description: &Path, options: &Options) -> Result<Option<Figure>, TaskError> {
-    let neutral = neutral::read(description)?;
-    let name = neutral.name.clone();
-    if let Some(reason) = convert::beyond_us(&neutral) {
+    let outline: Outline = neutral::read(description)?;
+    let name = outline.name.clone();
+    if let Some(reason) = outline.beyond_us() {
         eprintln!("{name} is left out: {reason}");
         return Ok(None);
     }
-    let file = convert::convert(neutral);
-    let (size, spp) = (file.film.size, file.settings.spp);
     let path = program.folder.join(format!("{name}.json"));
-    std::fs::write(&path, file.to_json()).map_err(TaskError::file(&path))?;
-    drop(file);
+    convert_elsewhere(description, &path)?;
     let rays = count_rays(program, &path, options)?;
     let picture = format!("{name}.png");
     let whole = runs(program, &path, &picture, options, &[])?;
     let small = runs(program, &path, "small.png", options, &["--size", "8x8", "--spp", "1"])?;
     let spread = |runs: &[Usage], of: fn(&Usage) -> f64| Spread::of(runs.iter().map(of).collect());
     Ok(Some(Figure {
-        size,
-        spp,
+        size: (outline.w, outline.h),
+        spp: outline.spp,
         threads: options.threads,
         primary_rays: rays.rays.primary.rays,
         shadow_rays: rays.shadow_rays(),
@@ -138,6 +137,14 @@ fn scene(program: &Program, description: &Path, options: &Options) -> Result<Opt
         picture: program.folder.join(picture),
         scene: name,
     }))
+}
+
+/// Lets a process of its own convert the description: whatever this process has ever held would count as memory of
+/// every process that it starts.
+fn convert_elsewhere(description: &Path, scene: &Path) -> Result<(), TaskError> {
+    let program = std::env::current_exe().map_err(|error| TaskError::Other(error.to_string()))?;
+    let mut command = Command::new(program);
+    output_of(command.args(["bench", "convert"]).arg(description).arg(scene)).map(|_| ())
 }
 
 /// Of a run that is not timed.

@@ -1,11 +1,34 @@
 //! Scene descriptions that belong to no renderer: one right-handed world, plain numbers, from which each renderer's own
 //! file is made.
 
-use std::{collections::BTreeMap, fs, path::Path};
+use std::{collections::BTreeMap, fs::File, io::BufReader, path::Path};
 
-use serde::Deserialize;
+use serde::{Deserialize, de::DeserializeOwned};
 
 use crate::error::TaskError;
+
+/// What a scene asks for, without its objects.
+#[derive(Debug, Deserialize)]
+pub(super) struct Outline {
+    pub name: String,
+    pub w: u64,
+    pub h: u64,
+    /// Samples per pixel.
+    pub spp: u64,
+    /// Global illumination.
+    gi: bool,
+    lights: Vec<Light>,
+}
+
+impl Outline {
+    /// What it asks for that no integrator here can do; `None` if there is nothing.
+    pub(super) fn beyond_us(&self) -> Option<&'static str> {
+        if self.gi {
+            return Some("it needs global illumination");
+        }
+        self.lights.iter().any(|light| matches!(light, Light::Rect {})).then_some("it has an area light")
+    }
+}
 
 /// A scene.
 #[derive(Debug, Deserialize)]
@@ -17,8 +40,6 @@ pub(super) struct Scene {
     pub spp: u64,
     /// Levels of rays: 1 traces camera rays alone.
     pub depth: u64,
-    /// Global illumination.
-    pub gi: bool,
     pub camera: Camera,
     pub background: [f64; 3],
     pub ambient: [f64; 3],
@@ -104,8 +125,8 @@ pub(super) enum Shape {
     },
 }
 
-/// Reads a description.
-pub(super) fn read(path: &Path) -> Result<Scene, TaskError> {
-    let text = fs::read_to_string(path).map_err(TaskError::file(path))?;
-    serde_json::from_str(&text).map_err(|source| TaskError::Json { path: path.to_owned(), source })
+/// Reads a description, or its outline.
+pub(super) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, TaskError> {
+    let file = File::open(path).map_err(TaskError::file(path))?;
+    serde_json::from_reader(BufReader::new(file)).map_err(|source| TaskError::Json { path: path.to_owned(), source })
 }
