@@ -19,7 +19,7 @@ pub(super) struct Haste {
 impl Haste {
     /// Trees are as good as if all sets were cut.
     pub(super) const LITTLE: Self = Self { few: 4, limit: 0.75 };
-    /// A fifth to a third less time, and costs up to a twentieth higher.
+    /// Up to a quarter less time, and costs up to a hundredth higher.
     pub(super) const GREAT: Self = Self { few: 8, limit: 1.3 };
 }
 

@@ -7,10 +7,10 @@ pub enum Quality {
     /// Binned splits of the widest axis alone, and the first leaf that will do: a fifth less time than medium, for scenes
     /// that change before many rays have been traced.
     Low,
-    /// Binned splits of all axes (Wald 2007): 0.2 to 0.3 µs per primitive on one thread.
+    /// Binned splits of all axes (Wald 2007): 0.15 to 0.31 µs per triangle on one thread.
     #[default]
     Medium,
-    /// As medium, and then subtrees are moved to where they cost least (Bittner, Hapala and Havran 2013): three to five
+    /// As medium, and then subtrees are moved to where they cost least (Bittner, Hapala and Havran 2013): three to four
     /// times as slow to build. Pays where large primitives lie among small ones.
     High,
 }
