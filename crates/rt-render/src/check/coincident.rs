@@ -1,5 +1,6 @@
-//! Surfaces that lie in each other. Which one is seen there is no accident, since equal distances go to the object that
-//! comes first; but it is seldom what was meant.
+//! Surfaces that lie in each other. Where both are met at the same distance to the last bit, the object that comes first
+//! is seen. Faces that are turned against each other in their plane are met at distances that rounding makes differ, and
+//! either may be seen. It is seldom what was meant.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -183,7 +184,9 @@ impl Search<'_> {
             kind: Kind::CoincidentSurfaces,
             object: name,
             values,
-            message: format!("lies in {other} ({faces} pairs of faces); the first of the two is seen"),
+            message: format!(
+                "lies in {other} ({faces} pairs of faces); the first of the two is seen, either if one is turned"
+            ),
             advice: "move one of them, or order them so that the one to be seen comes first",
         })
     }

@@ -12,6 +12,7 @@ mod accelerators;
 mod boxes_planes;
 mod differential;
 mod exact;
+mod invariance;
 mod meshes;
 mod optics;
 mod pictures;
@@ -53,7 +54,7 @@ impl Conditions<'_> {
     }
 }
 
-const CHAPTERS: [&[Case]; 10] = [
+const CHAPTERS: [&[Case]; 11] = [
     spheres::CASES,
     boxes_planes::CASES,
     quadrics::CASES,
@@ -64,6 +65,7 @@ const CHAPTERS: [&[Case]; 10] = [
     differential::CASES,
     optics::CASES,
     pictures::CASES,
+    invariance::CASES,
 ];
 
 /// One unit per case.

@@ -2,7 +2,6 @@
 
 use std::{error::Error, f64::consts::PI, path::Path, sync::Arc};
 
-use rayon::prelude::*;
 use rt_camera::{CameraSettings, FilmSettings, Filter, Projection, SamplePattern};
 use rt_geometry::{MeshData, Rectangle, Shape, Sphere, TriangleMesh};
 use rt_math::{DVec2, DVec3, Rgb, Transform, Vec3, transcendental::sincos};
@@ -13,7 +12,6 @@ use rt_scene_io::{
 use rt_shading::{
     Appearance, Background, Bitmap, Coefficient, Light, LightKind, Material, Phong, Texture, TextureId, Wrap,
 };
-use rt_tests::moved;
 
 use super::{Case, Conditions, Found, Tally};
 
@@ -46,16 +44,9 @@ pub(super) const CASES: &[Case] = &[
         tolerance: "bits",
         run: extreme_sizes,
     },
-    Case {
-        id: "S80",
-        title: "scene files scaled by 1e-3…1e3 and moved by 1e6",
-        expected: "the same radiance",
-        tolerance: "1e-9 abs",
-        run: invariance,
-    },
 ];
 
-type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
+pub(super) type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 /// An orthographic view along −z of a square 2 units high, one sample in the middle of each pixel.
 fn facing(width: u32, height: u32, node: Node, phong: Phong) -> Scene {
@@ -128,7 +119,7 @@ fn terminator(conditions: &Conditions) -> Found {
 }
 
 /// A scene file, smaller than it is.
-fn small(file: &Path, width: u32, spp: u32) -> Fallible<Scene> {
+pub(super) fn small(file: &Path, width: u32, spp: u32) -> Fallible<Scene> {
     let mut scene = load(file, &LoadOptions::default())?;
     let FilmSettings { width: full_width, height, .. } = scene.film;
     scene.film.height = (u64::from(width) * u64::from(height) / u64::from(full_width)).max(1) as u32;
@@ -220,54 +211,4 @@ fn extreme_sizes(_: &Conditions) -> Found {
         tally.same(corner.pixel(x, y), plan.pixel(x, y), "the last pixel");
     }
     Ok(tally)
-}
-
-fn invariance(conditions: &Conditions) -> Found {
-    let mut tally = Tally::default();
-    let (width, spp) = if conditions.full { (96, 4) } else { (16, 1) };
-    for file in conditions.workspace.files("scenes", ".ron")? {
-        let mut scene = small(&file, width, spp)?;
-        with_few_digits(&mut scene)?;
-        let expected = radiance(&scene)?;
-        let mut worst = 0f64;
-        // Where a scene is moved its numbers must stay exact, or it is another scene: so powers of two near 1e±3, and a
-        // million of its own units where it grows.
-        let million = DVec3::new(1e6, -1e6, 1e6);
-        let sizes = [1e-3, 0.1, 7.0, 1e3].map(|scale| (scale, 0.0));
-        let moves = [(1.0 / 1024.0, 1.0), (1.0 / 1024.0, 1.0 / 1024.0), (1.0, 1.0), (1024.0, 1024.0)];
-        for (scale, shift) in sizes.into_iter().chain(moves) {
-            let elsewhere = radiance(&moved(&scene, scale, million * shift)?)?;
-            for (index, (found, expected)) in elsewhere.iter().zip(&expected).enumerate() {
-                let off = (*found - *expected).to_array().into_iter().fold(0f64, |worst, c| worst.max(c.abs()));
-                worst = worst.max(off);
-                let place = format_args!("{}, scale {scale}, moved {shift}·1e6, pixel {index}", scene.name);
-                tally.limit(off, 1e-9, place);
-            }
-        }
-        tally.note(format!("{}: {worst:.1e}", scene.name));
-    }
-    Ok(tally)
-}
-
-/// Cameras and lights at positions that keep their numbers when they are moved by a million.
-fn with_few_digits(scene: &mut Scene) -> Fallible<()> {
-    let rounded = |position: DVec3| (position * 256.0).round() / 256.0;
-    for camera in &mut scene.cameras {
-        let place = &mut camera.settings.world_from_camera;
-        *place = Transform::from_linear(place.linear(), rounded(place.translation()))?;
-    }
-    for light in &mut scene.appearance.lights {
-        if let LightKind::Point { position, .. } | LightKind::Spot { position, .. } = &mut light.kind {
-            *position = rounded(*position);
-        }
-    }
-    Ok(())
-}
-
-/// The radiance of all pixels, before the film rounds it.
-fn radiance(scene: &Scene) -> Fallible<Vec<Rgb>> {
-    let plan = RenderPlan::compile(scene, &PlanOptions::default())?;
-    let (width, height) = (scene.film.width, scene.film.height);
-    let pixel = |index: u32| plan.pixel(index % width, index / width).ok_or("a pixel outside of the picture");
-    Ok((0..width * height).into_par_iter().map(pixel).collect::<Result<_, _>>()?)
 }
