@@ -5,9 +5,10 @@ use core::ops::ControlFlow;
 use rt_math::{Aabb, Primitives, Probe};
 
 use crate::structure::accelerator_by_walk;
+use crate::wide::SimdLevel;
 use crate::{
     Bih, BspTree, BuildError, BuildStats, Bvh, CylinderTree, KdTree, LazyBih, Linear, RayQuery, RegionQuery,
-    SphereTree, Structure, UniformGrid, Violation,
+    SphereTree, Structure, UniformGrid, Violation, WideBvh,
 };
 
 /// Something to do with a structure of any type.
@@ -57,6 +58,15 @@ macro_rules! structures {
                 Ok(match kind {
                     $(StructureKind::$name => Self::$name(<$structure>::build(primitives)?),)+
                 })
+            }
+
+            /// Has a wide structure walked by these instructions; changes no answer, and nothing about the others.
+            #[must_use]
+            pub fn with_level(self, level: SimdLevel) -> Self {
+                match self {
+                    Self::Wide(wide) => Self::Wide(wide.with_level(level)),
+                    other => other,
+                }
             }
 
             /// Hands the structure itself to a visitor: the way to choose once and then query without a `match`.
@@ -126,6 +136,8 @@ structures! {
     Grid(UniformGrid) = "grid",
     /// Binary tree of boxes.
     Bvh(Bvh) = "bvh",
+    /// Tree of boxes with eight children to a node.
+    Wide(WideBvh) = "wide",
     /// Tree of planes at right angles to the axes.
     Kd(KdTree) = "kd",
     /// Tree of planes of any direction.

@@ -72,7 +72,7 @@
 //! # Ok::<(), rt_accel::BuildError>(())
 //! ```
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod any;
 mod bih;
@@ -98,7 +98,7 @@ mod stats;
 mod structure;
 mod tree;
 mod volume_tree;
-mod wide;
+pub mod wide;
 
 pub use any::{AnyStructure, StructureKind, StructureVisitor};
 pub use bih::{Bih, LazyBih};
@@ -119,3 +119,4 @@ pub use rt_math::{
 pub use stats::BuildStats;
 pub use structure::{Refit, Structure};
 pub use volume_tree::{BoundingCylinder, BoundingSphere, BoundingVolume, CylinderTree, SphereTree, VolumeTree};
+pub use wide::WideBvh;

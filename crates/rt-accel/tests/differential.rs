@@ -6,7 +6,8 @@ mod soup;
 
 use rt_accel::{
     Aabb, Accelerator, Bih, BspTree, Bvh, Counters, CylinderTree, DVec3, Hit, KdTree, LazyBih, Linear, NoProbe,
-    Primitives, SphereTree, SplitMethod, Structure, UniformGrid,
+    Primitives, SphereTree, SplitMethod, Structure, UniformGrid, WideBvh,
+    wide::{BuildParams, Quality, SimdLevel},
 };
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
@@ -120,6 +121,50 @@ fn bvh_over_one_primitive_equals_brute_force() {
 fn bvh_is_valid() {
     for (scene, soup) in scenes(Draw::run_seed()) {
         assert_eq!(Bvh::build(&soup).unwrap().validate(&soup), Ok(()), "{scene}");
+    }
+}
+
+/// Each kind of leaf, near and far, large and small, by all instructions that the processor has.
+#[test]
+fn wide_equals_brute_force_with_all_leaves_and_instructions() {
+    let seed = Draw::run_seed();
+    println!("wide: seed {seed}");
+    type Kind = (&'static str, fn(&mut Draw) -> Soup);
+    let kinds: [Kind; 4] = [
+        ("facets", Soup::facets),
+        ("triangles", Soup::triangles),
+        ("spheres", |draw| Soup::spheres(300, draw)),
+        ("mixed", Soup::mixed),
+    ];
+    let n_levels = SimdLevel::ALL.iter().filter(|level| level.is_available()).count();
+    for (i, &level) in SimdLevel::ALL.iter().filter(|level| level.is_available()).enumerate() {
+        for (name, soup) in kinds {
+            for (j, (scale, offset)) in
+                [(1.0, 0.0), (1e-3, 0.0), (1e3, 7e3), (1.0, 1e4), (1e12, 0.0)].iter().enumerate()
+            {
+                let draw = &mut Draw::new(seed);
+                let soup = soup(draw).scaled(*scale).moved(DVec3::new(1.0, -0.7, 0.3) * *offset);
+                let wide = WideBvh::build(&soup).unwrap().with_level(level);
+                assert_eq!((wide.level(), wide.validate(&soup)), (level, Ok(())));
+                let name = format!("{} {name}, scale {scale:e}, offset {offset:e}", level.name());
+                let outcome = compare(&name, &wide, &soup, seed + (5 * i + j) as u64);
+                assert!(outcome.n_hits > n_rays() / 10, "{name}: {} hits", outcome.n_hits);
+                assert!(outcome.tested < 0.15, "{name}: {} of all primitives were tested", outcome.tested);
+            }
+        }
+    }
+    assert!(n_levels >= 1);
+}
+
+#[test]
+fn wide_of_every_quality_equals_brute_force() {
+    for quality in [Quality::Low, Quality::Medium, Quality::High] {
+        let build = |soup: &Soup| {
+            let wide = WideBvh::build_with(soup, &BuildParams { quality, ..BuildParams::default() }).unwrap();
+            assert_eq!(wide.validate(soup), Ok(()));
+            wide
+        };
+        compare_all(&format!("wide, {quality:?}"), 0.1, build);
     }
 }
 

@@ -36,6 +36,7 @@ pub(crate) fn apply(args: &PictureArgs, scene: &mut Scene) -> Result<PlanOptions
         crop: args.crop,
         transparent: args.background == Some(BackgroundChoice::Transparent),
         full: args.full_plan,
+        simd: args.simd,
     })
 }
 

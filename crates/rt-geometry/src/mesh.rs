@@ -137,7 +137,8 @@ impl Primitives for TriangleMesh {
     }
 
     fn leaf_layout(&self, index: u32) -> LeafLayout {
-        self.vertices(index).map_or(LeafLayout::Opaque, LeafLayout::Triangle)
+        let corners = |triangle: &[u32; 3]| triangle.map(|i| self.data.positions[i as usize]);
+        self.data.triangles.get(index as usize).map(corners).map_or(LeafLayout::Opaque, LeafLayout::Watertight)
     }
 }
 
@@ -185,7 +186,7 @@ mod tests {
         assert_eq!((bare.uv, bare.shadow_point), ([0.0; 2], bare.point));
         assert_eq!(mesh.bounds(), Aabb::new(DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)));
         assert_eq!(mesh.memory(), 4 * 12 + 2 * 12 + 4 * 12 + 4 * 8);
-        assert_eq!(mesh.leaf_layout(0), LeafLayout::Triangle([DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0)]));
+        assert_eq!(mesh.leaf_layout(0), LeafLayout::Watertight([Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)]));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::{
     AxisBox, Cone, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, Plane, Polygon, Rectangle, Sphere,
     SurfaceInteraction, SurfaceNeeds, Torus, Triangle,
 };
-use rt_math::{Aabb, DVec3, Interval, Ray};
+use rt_math::{Aabb, DVec3, Interval, Ray, TriangleHit};
 use std::sync::Arc;
 
 /// A hit on a single shape.
@@ -16,6 +16,13 @@ pub struct ShapeHit {
     /// triangles, `[face, 0]` for boxes and for solids with caps, `[distance along the ray, 0]` for tori, unused
     /// otherwise.
     pub uv: [f64; 2],
+}
+
+impl From<TriangleHit> for ShapeHit {
+    #[inline(always)]
+    fn from(TriangleHit { t, uv }: TriangleHit) -> Self {
+        Self { t, uv }
+    }
 }
 
 /// Any single shape, in its own local space.

@@ -39,7 +39,7 @@ impl Triangle {
     /// direction. See [`ShearedRay`] for the test.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
-        ShearedRay::new(ray).intersect(self.vertices, span)
+        ShearedRay::new(ray).intersect(self.vertices, span).map(ShapeHit::from)
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).

@@ -137,7 +137,7 @@ impl Aabb {
     /// The slab test (Williams et al. 2005) with the far side moved out by a rounding error. `0 · ∞`, a ray in the
     /// plane of a face, is NaN and imposes no constraint, so the box is closed. Each operation is monotone in the
     /// box: a larger box is never entered later nor left earlier. On that the equality of all structures rests.
-    #[inline]
+    #[inline(always)]
     pub fn clip(&self, ray: &SlabRay, span: Interval) -> Option<Interval> {
         let Interval { min: mut enter, max: mut leave } = span;
         for axis in 0..3 {
@@ -158,6 +158,21 @@ impl Aabb {
             }
         }
         (enter <= leave).then_some(Interval { min: enter, max: leave })
+    }
+
+    /// Where [`clip`](Self::clip) begins, at `start` or later, if the ray passes the box.
+    #[inline(always)]
+    pub(crate) fn entry(&self, ray: &SlabRay, start: f64) -> f64 {
+        let mut enter = start;
+        for axis in 0..3 {
+            let (origin, inverse) = (ray.ray.origin[axis], ray.inverse[axis]);
+            let near = if inverse.is_sign_negative() { self.max[axis] } else { self.min[axis] };
+            let t_near = (near - origin) * inverse;
+            if t_near > enter {
+                enter = t_near;
+            }
+        }
+        enter
     }
 }
 

@@ -1,6 +1,7 @@
 //! The one function through which every hit is accepted.
 
-use crate::{Aabb, Hit, Interval, Primitives, Probe, SlabRay};
+use crate::{Aabb, Hit, Interval, Primitives, Probe, ShearedRay, SlabRay, TriangleHit};
+use glam::DVec3;
 
 /// The box that decides about hits on a primitive: its bounds, padded. `None` if it is unbounded.
 ///
@@ -27,10 +28,45 @@ pub fn decide<P: Primitives, S: Probe>(
     probe: &mut S,
 ) -> Option<Hit> {
     probe.test();
+    decide_offered(primitives, index, ray, span, probe)
+}
+
+/// As [`decide`], of a primitive that the caller has counted as offered.
+#[inline(always)]
+pub fn decide_offered<P: Primitives, S: Probe>(
+    primitives: &P,
+    index: u32,
+    ray: &SlabRay,
+    span: Interval,
+    probe: &mut S,
+) -> Option<Hit> {
     let hit = primitives.intersect_probed(index, &ray.ray, span, probe)?;
     let entry = own_box_entry(primitives, index, ray, span)?;
     probe.hit();
     Some(Hit { t: hit.t.max(entry), ..hit })
+}
+
+/// As [`decide_offered`], of a primitive whose layout is [`LeafLayout::Watertight`](crate::LeafLayout::Watertight),
+/// from a copy of its vertices: the same bits without asking the primitives. `sheared` is made of the same ray.
+#[inline(always)]
+pub fn decide_triangle(
+    vertices: [DVec3; 3],
+    index: u32,
+    ray: &SlabRay,
+    sheared: &ShearedRay,
+    span: Interval,
+) -> Option<Hit> {
+    let TriangleHit { t, uv } = sheared.intersect(vertices, span)?;
+    let entry = Aabb::from_points(vertices).padded().clip(ray, span)?.min;
+    Some(Hit { t: t.max(entry), instance: 0, primitive: index, uv })
+}
+
+/// As [`decide_triangle`], of a triangle that is certain to be hit: without a look at what could rule it out.
+#[inline(always)]
+pub fn certain_triangle(vertices: [DVec3; 3], index: u32, ray: &SlabRay, sheared: &ShearedRay, span: Interval) -> Hit {
+    let TriangleHit { t, uv } = sheared.certain_hit(vertices);
+    let entry = Aabb::from_points(vertices).padded().entry(ray, span.min);
+    Hit { t: t.max(entry), instance: 0, primitive: index, uv }
 }
 
 /// True if primitive `index` blocks the ray within `span`: exactly when [`decide`] would find a hit on a primitive
@@ -44,6 +80,18 @@ pub fn decide_occluded<P: Primitives, S: Probe>(
     probe: &mut S,
 ) -> bool {
     probe.test();
+    decide_offered_occluded(primitives, index, ray, span, probe)
+}
+
+/// As [`decide_occluded`], of a primitive that the caller has counted as offered.
+#[inline(always)]
+pub fn decide_offered_occluded<P: Primitives, S: Probe>(
+    primitives: &P,
+    index: u32,
+    ray: &SlabRay,
+    span: Interval,
+    probe: &mut S,
+) -> bool {
     let blocked = primitives.occludes_probed(index, &ray.ray, span, probe)
         && own_box_entry(primitives, index, ray, span).is_some();
     if blocked {
@@ -67,7 +115,6 @@ fn own_box_entry<P: Primitives>(primitives: &P, index: u32, ray: &SlabRay, span:
 mod tests {
     use super::*;
     use crate::{Counters, NoProbe, Ray};
-    use glam::DVec3;
 
     /// A kernel that reports a hit at a fixed `t`, whatever the ray.
     struct Fixed(f64, Option<Aabb>);

@@ -40,13 +40,19 @@ fn split(a: f64) -> (f64, f64) {
 pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let (ab, cd) = (a * b, c * d);
     let plain = ab - cd;
-    // Each product is off by at most u of itself and the difference by u of itself.
-    if plain.abs() > 4.0 * UNIT_ROUNDOFF * (ab.abs() + cd.abs()) {
+    if is_sign_settled(plain, ab, cd) {
         return plain;
     }
     let (cd, cd_error) = two_product(c, d);
     let (ab, ab_error) = two_product(a, b);
     (ab - cd) + (ab_error - cd_error)
+}
+
+/// True if the rounded difference of two rounded products has the sign of what is not rounded.
+#[inline(always)]
+pub(crate) fn is_sign_settled(difference: f64, minuend: f64, subtrahend: f64) -> bool {
+    // Each product is off by at most u of itself and the difference by u of itself.
+    difference.abs() > 4.0 * UNIT_ROUNDOFF * (minuend.abs() + subtrahend.abs())
 }
 
 /// `a × b` with [`difference_of_products`] in each component.

@@ -11,8 +11,8 @@
 //! **Owns** [`Ray`], [`Interval`], [`Aabb`] and its slab test, [`Transform`] (an affine map kept in both
 //! directions), [`Rgb`], [`Frame`], the statistics ([`Probe`], [`Counters`]), the hash that all random numbers come
 //! from ([`random`]), and the contracts [`Primitives`], [`NearestPoint`], [`Accelerator`] and
-//! [`Sampler`].
-//! **Does not own** any shape, structure, light or camera.
+//! [`Sampler`], and the one test of triangles ([`ShearedRay`]), which structures may run on copies of them.
+//! **Does not own** any other shape, nor any structure, light or camera.
 //!
 //! Everything is `f64`. Functions whose last bit differs between platforms come from [`transcendental`].
 //!
@@ -46,12 +46,15 @@ pub mod random;
 mod ray;
 mod rgb;
 mod sampler;
+mod sheared_ray;
 pub mod transcendental;
 mod transform;
 
 pub use aabb::{Aabb, FAR_FACTOR, SlabRay};
 pub use accelerator::Accelerator;
-pub use decide::{decide, decide_occluded, own_box};
+pub use decide::{
+    certain_triangle, decide, decide_occluded, decide_offered, decide_offered_occluded, decide_triangle, own_box,
+};
 pub use frame::Frame;
 pub use hit::Hit;
 pub use interval::Interval;
@@ -61,6 +64,7 @@ pub use probe::{Counters, NoProbe, Probe, RayCounts, RayKind, Tally};
 pub use ray::Ray;
 pub use rgb::Rgb;
 pub use sampler::Sampler;
+pub use sheared_ray::{ShearedRay, TriangleHit};
 pub use transform::{Transform, TransformError};
 
 pub use glam::{DMat3, DQuat, DVec2, DVec3, Vec2, Vec3};

@@ -1,13 +1,20 @@
 //! The contract of anything that rays can be traced against.
 
 use crate::{Aabb, Hit, Interval, Probe, Ray};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// Plain numbers of a primitive that a wide leaf filter can pack, or nothing.
+///
+/// Filters rule out what these numbers say is missed, and rely on it that a primitive is hit, and occludes, where they
+/// say that it is hit by a wide margin. Primitives that can be hit without casting a shadow are `Opaque`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LeafLayout {
     /// Only the primitive itself knows its shape.
     Opaque,
+    /// Exactly a triangle: `intersect` is [`ShearedRay::intersect`](crate::ShearedRay::intersect) of these vertices and
+    /// names the hit (instance 0, primitive `index`), and `bounds` is the smallest box around them. A structure may
+    /// keep a copy and decide by it ([`decide_triangle`](crate::decide_triangle)).
+    Watertight([Vec3; 3]),
     /// Three vertices in the order of the primitive.
     Triangle([DVec3; 3]),
     /// Centre and radius.

@@ -47,13 +47,23 @@ pub trait Probe {
     /// An offered primitive was hit within the span.
     #[inline]
     fn hit(&mut self) {}
+    /// So many nodes were visited, primitives offered, and of those hit: as calls of the methods for one.
+    #[inline]
+    fn work(&mut self, nodes: u64, tests: u64, hits: u64) {
+        (0..nodes).for_each(|_| self.node());
+        (0..tests).for_each(|_| self.test());
+        (0..hits).for_each(|_| self.hit());
+    }
 }
 
 /// Counts nothing and compiles to nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoProbe;
 
-impl Probe for NoProbe {}
+impl Probe for NoProbe {
+    #[inline]
+    fn work(&mut self, _: u64, _: u64, _: u64) {}
+}
 
 /// Counts rays by kind and nothing else.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -160,6 +170,11 @@ impl Probe for Counters {
     #[inline]
     fn hit(&mut self) {
         self.by_kind[self.current as usize].hits += 1;
+    }
+
+    #[inline]
+    fn work(&mut self, nodes: u64, tests: u64, hits: u64) {
+        self.by_kind[self.current as usize] += Tally { rays: 0, nodes, tests, hits };
     }
 }
 

@@ -229,7 +229,7 @@ impl RenderPlan<'_> {
     }
 
     fn structures(&self) -> Vec<String> {
-        let accel = self.scene.settings.accel;
+        let wanted = self.wanted;
         let line = |level: &str, structure: &AnyStructure, primitives: usize, why: String| {
             let primitives = count(primitives, "primitive", "primitives");
             let nodes = count(structure.build_stats().nodes, "node", "nodes");
@@ -237,7 +237,7 @@ impl RenderPlan<'_> {
         };
         // The rule is asked again of the primitives that the structure was built over.
         let assembly = |level: &str, assembly: &Assembly, levels: &Levels| {
-            let why = why(accel, &Parts { parts: &assembly.parts, levels });
+            let why = why(wanted, &Parts { parts: &assembly.parts, levels });
             line(level, &assembly.structure, assembly.parts.len(), why)
         };
         let visible = |why: &dyn Fn(&Visible) -> String| {
@@ -247,15 +247,15 @@ impl RenderPlan<'_> {
         let mut lines = Vec::new();
         match &self.world {
             World::Spheres(world, structure) => {
-                lines.push(line("structure", structure, world.len(), why(accel, world)));
-                lines.extend(visible(&|visible| visible.why(accel, world)));
+                lines.push(line("structure", structure, world.len(), why(wanted, world)));
+                lines.extend(visible(&|visible| visible.why(wanted, world)));
             }
             World::Parts(top, levels) => {
                 lines.push(assembly("structure", top, levels));
-                lines.extend(visible(&|visible| visible.why(accel, &Parts { parts: &top.parts, levels })));
+                lines.extend(visible(&|visible| visible.why(wanted, &Parts { parts: &top.parts, levels })));
                 lines.extend(levels.groups.iter().map(|group| assembly("  of a group", group, levels)));
                 lines.extend(levels.meshes.iter().map(|level| {
-                    let why = why(accel, &*level.mesh);
+                    let why = why(wanted, &*level.mesh);
                     line("  of a mesh", &level.structure, level.mesh.data().triangles.len(), why)
                 }));
             }

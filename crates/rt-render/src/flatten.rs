@@ -5,10 +5,11 @@ use std::sync::Arc;
 use rt_accel::BuildError;
 use rt_geometry::{Placed, Shape};
 use rt_math::{Aabb, Transform};
-use rt_scene_io::{Accel, Content, Group, GroupId, Integrator, MeshId, Node, Scene};
+use rt_scene_io::{Content, Group, GroupId, Integrator, MeshId, Node, Scene};
 
 use crate::{
-    RenderError, structure,
+    RenderError,
+    structure::{self, Wanted},
     world::{Assembly, Levels, MeshLevel, Part, PartGeometry, Parts},
 };
 
@@ -22,12 +23,12 @@ const MAX_PARTS: u64 = 1 << 24;
 /// Flattens a scene, in the space that `plan_from_world` leads to, and builds all structures.
 pub(crate) fn flatten(
     scene: &Scene,
-    accel: Accel,
+    wanted: Wanted,
     plan_from_world: Transform,
 ) -> Result<(Assembly, Levels), RenderError> {
     let mut flattener = Flattener {
         scene,
-        accel,
+        wanted,
         mesh_levels: vec![None; scene.meshes.len()],
         group_levels: vec![None; scene.groups.len()],
         group_uses: count_group_uses(scene)?,
@@ -89,7 +90,7 @@ impl Level {
 
 struct Flattener<'s> {
     scene: &'s Scene,
-    accel: Accel,
+    wanted: Wanted,
     /// Level of each mesh that has one already.
     mesh_levels: Vec<Option<u32>>,
     group_levels: Vec<Option<u32>>,
@@ -111,7 +112,7 @@ impl<'s> Flattener<'s> {
             self.number(&mut parts)?;
         }
         let set = Parts { parts: &parts, levels: &self.levels };
-        let structure = structure::build(self.accel, &set).map_err(|source| {
+        let structure = structure::build(self.wanted, &set).map_err(|source| {
             let object = match source {
                 BuildError::BadBounds { index, .. } => parts[index as usize].name.to_string(),
                 _ => self.scene.name.clone(),
@@ -250,7 +251,7 @@ impl<'s> Flattener<'s> {
         let level = match self.mesh_levels[id.0 as usize] {
             Some(level) => level,
             None => {
-                let structure = structure::build(self.accel, &*named.mesh)
+                let structure = structure::build(self.wanted, &*named.mesh)
                     .map_err(|source| RenderError::Build { object: named.name.clone(), source })?;
                 let level = self.levels.meshes.len() as u32;
                 self.levels.meshes.push(MeshLevel { mesh: Arc::clone(&named.mesh), structure });

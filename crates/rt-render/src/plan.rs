@@ -3,6 +3,7 @@
 use std::{borrow::Cow, time::Instant};
 
 use rt_accel::AnyStructure;
+use rt_accel::wide::SimdLevel;
 use rt_camera::{Camera, CameraSettings, Filter, PixelSampler, SamplePattern, ViewVolume};
 use rt_geometry::{Shape, Spheres};
 use rt_math::{Aabb, DVec2, DVec3};
@@ -13,6 +14,7 @@ use crate::{
     RenderError,
     flatten::flatten,
     rebase,
+    structure::Wanted,
     surroundings::Surroundings,
     trace::SphereWorld,
     visible::Visible,
@@ -43,6 +45,9 @@ pub struct PlanOptions {
     pub transparent: bool,
     /// Leave nothing out. The picture is the same to the bit; this is how tests prove it.
     pub full: bool,
+    /// The instructions that structures use; `None` for the best that the processor has. What it does not have is
+    /// replaced by what every processor has. The picture is the same to the bit.
+    pub simd: Option<SimdLevel>,
 }
 
 /// What camera rays are asked for.
@@ -83,6 +88,7 @@ pub struct RenderPlan<'s> {
     pub(crate) world: World,
     /// What camera rays can meet, if that is much less than the world.
     pub(crate) visible: Option<Visible>,
+    pub(crate) wanted: Wanted,
     /// Whether each tile looks for what its camera rays can meet.
     pub(crate) narrows: bool,
     /// The point of the scene that all coordinates are relative to.
@@ -114,8 +120,9 @@ impl<'s> RenderPlan<'s> {
         let camera = Camera::new(&camera_settings, film.width, film.height)
             .map_err(|source| RenderError::Camera { name: camera_name.clone(), source })?;
 
-        let (top, levels) = flatten(scene, settings.accel, rebase::plan_from_world(origin))?;
-        let visible = if options.full { None } else { visible(scene, &camera, crop, &top, &levels)? };
+        let wanted = Wanted { accel: settings.accel, simd: options.simd };
+        let (top, levels) = flatten(scene, wanted, rebase::plan_from_world(origin))?;
+        let visible = if options.full { None } else { visible(scene, wanted, &camera, crop, &top, &levels)? };
         let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, *medium) };
         let (near, far) = depth_range(&camera_settings, &top);
         let spp = settings.pattern.round_up(settings.spp);
@@ -145,6 +152,7 @@ impl<'s> RenderPlan<'s> {
             world,
             surroundings,
             visible,
+            wanted,
             narrows: !options.full && settings.accel == Accel::Auto && settings.integrator != Integrator::Cost,
             origin,
             full: options.full,
@@ -214,6 +222,7 @@ fn check_crop(crop: Option<Crop>, film_width: u32, film_height: u32) -> Result<C
 /// the whole scene takes.
 fn visible(
     scene: &Scene,
+    wanted: Wanted,
     camera: &Camera,
     crop: Crop,
     top: &Assembly,
@@ -223,7 +232,7 @@ fn visible(
         return Ok(None);
     }
     let volume = view_volume(camera, scene.film.sample_offset, scene.film.filter, crop);
-    Visible::build(scene.settings.accel, &Parts { parts: &top.parts, levels }, &volume)
+    Visible::build(wanted, &Parts { parts: &top.parts, levels }, &volume)
         .map_err(|source| RenderError::Build { object: scene.name.clone(), source })
 }
 

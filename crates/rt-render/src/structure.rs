@@ -1,5 +1,6 @@
 //! Which acceleration structure, and why.
 
+use rt_accel::wide::SimdLevel;
 use rt_accel::{AnyStructure, BuildError, StructureKind};
 use rt_math::Primitives;
 use rt_scene_io::Accel;
@@ -7,16 +8,29 @@ use rt_scene_io::Accel;
 /// Up to this many primitives, asking each is faster than walking a tree.
 pub(crate) const FEW: usize = 8;
 
-/// Builds what `accel` asks for, or for `Auto` what fits the primitives.
-pub(crate) fn build<P: Primitives>(accel: Accel, primitives: &P) -> Result<AnyStructure, BuildError> {
-    AnyStructure::build(choose(accel, primitives.len()), primitives)
+/// What structures are asked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wanted {
+    pub(crate) accel: Accel,
+    /// The instructions to use; `None` for the best that the processor has.
+    pub(crate) simd: Option<SimdLevel>,
 }
 
-/// What `accel` asks for; `Auto` is brute force for a few primitives and a tree of boxes otherwise.
+/// Builds what is wanted, or for `Auto` what fits the primitives.
+pub(crate) fn build<P: Primitives>(wanted: Wanted, primitives: &P) -> Result<AnyStructure, BuildError> {
+    let structure = AnyStructure::build(choose(wanted.accel, primitives.len()), primitives)?;
+    Ok(match wanted.simd {
+        Some(level) => structure.with_level(level),
+        None => structure,
+    })
+}
+
+/// What `accel` asks for; `Auto` is brute force for a few primitives and the wide tree of boxes otherwise.
 fn choose(accel: Accel, count: usize) -> StructureKind {
     match accel {
         Accel::Auto if count <= FEW => StructureKind::Linear,
-        Accel::Auto | Accel::Bvh => StructureKind::Bvh,
+        Accel::Auto | Accel::Wide => StructureKind::Wide,
+        Accel::Bvh => StructureKind::Bvh,
         Accel::Linear => StructureKind::Linear,
         Accel::Grid => StructureKind::Grid,
         Accel::Spheres => StructureKind::Spheres,
@@ -29,11 +43,11 @@ fn choose(accel: Accel, count: usize) -> StructureKind {
 }
 
 /// The rule by which [`build`] chooses, and the measures that it looks at, for people.
-pub(crate) fn why<P: Primitives>(accel: Accel, primitives: &P) -> String {
-    match (accel, primitives.len()) {
+pub(crate) fn why<P: Primitives>(wanted: Wanted, primitives: &P) -> String {
+    match (wanted.accel, primitives.len()) {
         (Accel::Auto, 0..=FEW) => format!("up to {FEW}: asking each is faster than walking a tree"),
         (Accel::Auto, _) => {
-            format!("more than {FEW}, {}: trees of boxes suit all sizes and places", spread(primitives))
+            format!("more than {FEW}, {}: eight boxes at a time suit all sizes and places", spread(primitives))
         }
         _ => "as asked".to_owned(),
     }
@@ -75,12 +89,13 @@ mod tests {
 
     #[test]
     fn reasons_name_the_rule_and_what_it_looked_at() {
-        let why = |radii: &[f64]| why(Accel::Auto, &spheres(radii));
+        let auto = Wanted { accel: Accel::Auto, simd: None };
+        let why = |radii: &[f64]| why(auto, &spheres(radii));
         assert_eq!(why(&[1.0; 8]), "up to 8: asking each is faster than walking a tree");
         let of = |least: f64| why(&[least, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
-        assert_eq!(of(0.025), "more than 8, sizes spread 1:40: trees of boxes suit all sizes and places");
+        assert_eq!(of(0.025), "more than 8, sizes spread 1:40: eight boxes at a time suit all sizes and places");
         assert!(of(0.9).contains("about one size") && of(0.4).contains("1:2.5"), "{}", of(0.4));
         assert!(of(1e-9).contains("sizes from 2.0e-9 to 2.0e0"), "{}", of(1e-9));
-        assert_eq!(super::why(Accel::Grid, &spheres(&[1.0])), "as asked");
+        assert_eq!(super::why(Wanted { accel: Accel::Grid, simd: None }, &spheres(&[1.0])), "as asked");
     }
 }

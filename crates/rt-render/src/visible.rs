@@ -5,9 +5,8 @@ use core::ops::ControlFlow;
 use rt_accel::{AnyStructure, BuildError, Region, Structure as _, StructureKind};
 use rt_camera::ViewVolume;
 use rt_math::{Aabb, Accelerator, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, own_box};
-use rt_scene_io::Accel;
 
-use crate::structure::{self, FEW};
+use crate::structure::{self, FEW, Wanted};
 
 /// The primitives of a set that camera rays can meet, and the structure over them.
 ///
@@ -27,7 +26,7 @@ impl Visible {
     /// Finds what the volume does not exclude. `None` where a second structure does not pay: if fewer than half of the
     /// primitives lie outside, or if there are few anyway. So it is at most half as large as the first.
     pub(crate) fn build<P: Primitives>(
-        accel: Accel,
+        wanted: Wanted,
         primitives: &P,
         volume: &ViewVolume,
     ) -> Result<Option<Self>, BuildError> {
@@ -40,7 +39,7 @@ impl Visible {
         if indices.len() > of / 2 {
             return Ok(None);
         }
-        let structure = structure::build(accel, &Subset { all: primitives, indices: &indices })?;
+        let structure = structure::build(wanted, &Subset { all: primitives, indices: &indices })?;
         Ok(Some(Self { indices, structure, of }))
     }
 
@@ -103,8 +102,8 @@ impl Visible {
     }
 
     /// The rule by which the structure was chosen.
-    pub(crate) fn why<P: Primitives>(&self, accel: Accel, all: &P) -> String {
-        structure::why(accel, &Subset { all, indices: &self.indices })
+    pub(crate) fn why<P: Primitives>(&self, wanted: Wanted, all: &P) -> String {
+        structure::why(wanted, &Subset { all, indices: &self.indices })
     }
 
     /// Number of primitives that camera rays are spared.
@@ -170,6 +169,10 @@ impl<P: Primitives> Primitives for Subset<'_, P> {
     }
 
     fn leaf_layout(&self, index: u32) -> LeafLayout {
-        self.all.leaf_layout(self.indices[index as usize])
+        match self.all.leaf_layout(self.indices[index as usize]) {
+            // Hits are named as the whole set names them, which a structure that decides by itself would not know.
+            LeafLayout::Watertight(vertices) => LeafLayout::Triangle(vertices.map(|vertex| vertex.as_dvec3())),
+            layout => layout,
+        }
     }
 }

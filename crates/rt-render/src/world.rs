@@ -166,7 +166,9 @@ impl Primitives for Parts<'_> {
     }
 
     fn leaf_layout(&self, index: u32) -> LeafLayout {
-        match &self.parts[index as usize].geometry {
+        let part = &self.parts[index as usize];
+        match &part.geometry {
+            _ if !part.casts_shadow => LeafLayout::Opaque,
             PartGeometry::Shape(Shape::Sphere(sphere)) => LeafLayout::Sphere(sphere.centre(), sphere.radius()),
             PartGeometry::Shape(Shape::AxisBox(axis_box)) => LeafLayout::Box(axis_box.bounds()),
             PartGeometry::Shape(Shape::Triangle(triangle)) => LeafLayout::Triangle(triangle.vertices()),

@@ -63,6 +63,8 @@ pub enum Accel {
     Grid,
     /// Binary bounding volume hierarchy.
     Bvh,
+    /// Bounding volume hierarchy with eight children to a node.
+    Wide,
     /// Tree of bounding spheres.
     Spheres,
     /// Tree of bounding cylinders.
@@ -79,11 +81,12 @@ pub enum Accel {
 
 impl Accel {
     /// All choices.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Auto,
         Self::Linear,
         Self::Grid,
         Self::Bvh,
+        Self::Wide,
         Self::Spheres,
         Self::Cylinders,
         Self::Kd,
@@ -99,6 +102,7 @@ impl Accel {
             Self::Linear => "linear",
             Self::Grid => "grid",
             Self::Bvh => "bvh",
+            Self::Wide => "wide",
             Self::Spheres => "spheres",
             Self::Cylinders => "cylinders",
             Self::Kd => "kd",

@@ -8,15 +8,17 @@ mod crate_graph;
 mod front_pages;
 mod source_files;
 mod tracked_text;
+mod unsafe_code;
 mod whole;
 
 /// Rules by name.
 type Rule = fn(&Workspace) -> Result<Report, TaskError>;
 
-const RULES: [(&str, Rule); 5] = [
+const RULES: [(&str, Rule); 6] = [
     ("crate graph", crate_graph::check),
     ("front pages", front_pages::check),
     ("source files", source_files::check),
+    ("unsafe code", unsafe_code::check),
     ("text", tracked_text::check),
     ("completeness", whole::check),
 ];

@@ -19,6 +19,10 @@ pub(super) fn for_each(layout: LeafLayout, own: &Aabb, neighbour: DVec3, mut vis
         visit(Candidate { plane, is_axial: true });
     }
     let facing = match layout {
+        LeafLayout::Watertight(vertices) => {
+            let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
+            normal_of([a, b, c]).map(|normal| (normal, a))
+        }
         LeafLayout::Triangle([a, b, c]) => normal_of([a, b, c]).map(|normal| (normal, a)),
         LeafLayout::Sphere(centre, _) => unit(neighbour - centre).map(|normal| (normal, centre)),
         LeafLayout::Box(_) | LeafLayout::Opaque => None,

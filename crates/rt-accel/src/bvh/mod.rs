@@ -17,11 +17,13 @@ use crate::own_boxes::OwnBoxes;
 use crate::ray_query::is_finite;
 use crate::structure::accelerator_by_walk;
 use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
-pub(crate) use node::NodeBox;
 use node::{Child, Node};
+pub(crate) use node::{NodeBox, NodeRay};
+pub(crate) use spatial::Cell;
 use spatial::{Piece, SpatialTree};
 use split::Item;
 pub use split::SplitMethod;
+pub(crate) use validate::encloses;
 
 /// A binary tree of boxes: O(log n) per ray for most scenes, whatever the sizes of the primitives.
 ///

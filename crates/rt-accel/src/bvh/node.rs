@@ -58,6 +58,11 @@ impl NodeBox {
         Aabb::new(centre + self.min.as_dvec3(), centre + self.max.as_dvec3())
     }
 
+    /// Greatest magnitude of any coordinate.
+    pub(crate) fn max_abs(&self) -> f64 {
+        f64::from(self.min.abs().max(self.max.abs()).max_element())
+    }
+
     /// Half of the surface area: finite for any `f32` corners, meaningless for an empty box.
     pub(crate) fn half_area(&self) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.max[axis]) - f64::from(self.min[axis]));
@@ -123,7 +128,7 @@ impl Node {
 }
 
 /// A ray prepared for the boxes of one tree.
-pub(super) struct NodeRay {
+pub(crate) struct NodeRay {
     /// Subtracted from near planes.
     near: [f64; 3],
     /// Subtracted from far planes.
@@ -136,7 +141,7 @@ pub(super) struct NodeRay {
 impl NodeRay {
     /// `ray` must be finite.
     #[inline]
-    pub(super) fn new(ray: &SlabRay, centre: DVec3) -> Self {
+    pub(crate) fn new(ray: &SlabRay, centre: DVec3) -> Self {
         let origin = (ray.ray.origin - centre).to_array();
         let inverse = ray.inverse.to_array();
         let shifted = |is_near: bool| {
@@ -150,6 +155,21 @@ impl NodeRay {
         };
         let near_side = inverse.map(|inverse| usize::from(inverse.is_sign_negative()));
         Self { near: shifted(true), far: shifted(false), inverse, near_side }
+    }
+
+    /// Where the ray enters and leaves one box; the box is missed if the interval is empty or begins after `span`.
+    #[inline(always)]
+    pub(crate) fn cross(&self, bounds: &NodeBox, span: Interval) -> Interval {
+        let sides = [bounds.min.to_array(), bounds.max.to_array()];
+        let (mut enter, mut leave) = (span.min, f64::INFINITY);
+        for (axis, near_side) in self.near_side.into_iter().enumerate() {
+            let side = near_side & 1;
+            let t_near = (f64::from(sides[side][axis]) - self.near[axis]) * self.inverse[axis];
+            let t_far = (f64::from(sides[side ^ 1][axis]) - self.far[axis]) * self.inverse[axis];
+            enter = if t_near > enter { t_near } else { enter };
+            leave = if t_far < leave { t_far } else { leave };
+        }
+        Interval { min: enter, max: outward(leave) }
     }
 
     /// Where the ray enters and leaves the two boxes, within `span`. A box is missed if `enter > leave`.
@@ -168,10 +188,14 @@ impl NodeRay {
                 leave[child] = if t_far < leave[child] { t_far } else { leave[child] };
             }
         }
-        // Behind the origin, farther out is closer to 0.
-        let outward = |t_far: f64| t_far * if t_far < 0.0 { BEHIND_FACTOR } else { FAR_FACTOR };
         Crossings { enter, leave: leave.map(outward), limit: span.max }
     }
+}
+
+/// Farther out by a rounding error; behind the origin, that is closer to 0.
+#[inline(always)]
+fn outward(t_far: f64) -> f64 {
+    t_far * if t_far < 0.0 { BEHIND_FACTOR } else { FAR_FACTOR }
 }
 
 /// Where a ray crosses the two boxes of a node.

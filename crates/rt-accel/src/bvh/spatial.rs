@@ -33,13 +33,13 @@ const OVERLAP: f64 = 1e-5;
 /// as not every format that trees are saved in knows infinity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Cell {
+pub(crate) struct Cell {
     pub(super) min: [f32; 3],
     pub(super) max: [f32; 3],
 }
 
 impl Cell {
-    pub(super) const EVERYWHERE: Self = Self { min: [f32::MIN; 3], max: [f32::MAX; 3] };
+    pub(crate) const EVERYWHERE: Self = Self { min: [f32::MIN; 3], max: [f32::MAX; 3] };
 
     /// True if the cell owns a point.
     pub(super) fn owns(&self, point: DVec3, centre: DVec3) -> bool {

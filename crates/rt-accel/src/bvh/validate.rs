@@ -142,7 +142,7 @@ fn tile_space(cells: Vec<Cell>) -> bool {
 }
 
 /// True if `outer` contains the part of `aabb − centre` in a cell, without rounding.
-fn encloses(outer: &NodeBox, aabb: &Aabb, cell: &Cell, centre: DVec3) -> bool {
+pub(crate) fn encloses(outer: &NodeBox, aabb: &Aabb, cell: &Cell, centre: DVec3) -> bool {
     (0..3).all(|axis| {
         (is_at_most(outer.min[axis], aabb.min[axis], centre[axis]) || outer.min[axis] < cell.min[axis])
             && (is_at_most(-outer.max[axis], -aabb.max[axis], -centre[axis]) || outer.max[axis] > cell.max[axis])

@@ -1,4 +1,324 @@
-//! Bounding volume hierarchy with eight children to a node.
+//! Bounding volume hierarchy with eight children to a node, walked eight boxes at a time.
+//!
+//! * `build`: from boxes to a tree
+//! * `node`, `leaf`: what a tree is made of
+//! * `simd`: eight numbers at a time, on any processor
+//! * `ray`, and the kinds of `leaf`: why what filters rule out is missed
+//! * `walk`: how a ray goes through it; `exact`: how it goes where filters cannot
+//!
+//! This is the only module with `unsafe`: for instructions that a processor may not have, for numbers that builders and
+//! loaders have checked, and for memory that is written before it is read.
+#![allow(unsafe_code, reason = "instructions chosen at run time, and loads without checks of what was checked before")]
 
-#[allow(dead_code, unreachable_pub, unused_imports, reason = "the structure over the tree is the next step")]
 mod build;
+mod check;
+mod exact;
+mod four;
+mod leaf;
+mod node;
+mod ray;
+mod simd;
+mod stack;
+mod walk;
+
+use core::ops::ControlFlow;
+
+use rt_math::{
+    Aabb, Accelerator, DVec3, Hit, Interval, Primitives, Probe, Ray, SlabRay, decide_offered, decide_offered_occluded,
+    own_box,
+};
+
+use crate::bounded_depth::MAX_DEPTH;
+use crate::bvh::NodeBox;
+use crate::own_boxes::OwnBoxes;
+use crate::ray_query::{Any, Closest, is_finite};
+use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
+pub use build::{BuildParams, Quality};
+use build::{Reference, WideChild, WideTree};
+use leaf::{LeafKind, Leaves, Line};
+use node::{Child, Node};
+pub use simd::SimdLevel;
+use simd::{Answer, Available};
+use walk::{AnyHit, FirstHit, Judge, Outcome, Query};
+
+/// Entries of a walk's stack: seven children put off on every level, and one to spare.
+const STACK: usize = 7 * MAX_DEPTH as usize + 8;
+
+/// A tree of boxes with eight children to a node: the fastest to trace, whatever the primitives.
+///
+/// Eight boxes are tested at a time in `f32`, and so are the triangles, spheres or boxes in a leaf
+/// ([`LeafLayout`](crate::LeafLayout)); what these filters leave is decided in `f64`, so that the answers are those of
+/// brute force to the last bit. They run on AVX-512, AVX2 or anything, as the processor has it ([`SimdLevel`]), with the
+/// same answers.
+///
+/// Wald, Benthin and Boulos, "Getting Rid of Packets", 2008; Ernst and Greiner, "Multi Bounding Volume Hierarchies", 2008.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
+pub struct WideBvh {
+    /// The root comes first, and all others after their parents.
+    nodes: Vec<Node>,
+    leaves: Leaves,
+    root: Child,
+    /// World position that the boxes are relative to.
+    centre: DVec3,
+    /// Greatest coordinate relative to the centre.
+    size: f64,
+    unbounded: Vec<u32>,
+    /// Number of bounded primitives.
+    bounded: u32,
+    n_leaves: usize,
+    max_depth: u32,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    level: Available,
+}
+
+impl WideBvh {
+    /// Builds the tree with medium quality: O(n log n) time, some 60 bytes per triangle afterwards.
+    ///
+    /// # Errors
+    ///
+    /// [`BuildError`] if bounds are NaN, inverted or infinite, or 28 bits cannot number the nodes and leaves.
+    pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
+        Self::build_with(primitives, &BuildParams::default())
+    }
+
+    /// Builds the tree as the parameters say.
+    ///
+    /// # Errors
+    ///
+    /// As [`build`](Self::build).
+    pub fn build_with<P: Primitives>(primitives: &P, params: &BuildParams) -> Result<Self, BuildError> {
+        let OwnBoxes { bounded, unbounded, union } = OwnBoxes::collect(primitives)?;
+        let (centre, size) = if bounded.is_empty() {
+            (DVec3::ZERO, 0.0)
+        } else {
+            (union.centre(), NodeBox::outward(&union, union.centre()).max_abs())
+        };
+        let references: Vec<_> =
+            bounded.iter().map(|(index, own)| Reference::new(NodeBox::outward(own, centre), *index)).collect();
+        let indices: Vec<u32> = bounded.iter().map(|(index, _)| *index).collect();
+        let kind = LeafKind::of(primitives, &indices, centre, size);
+        drop(bounded);
+        let tree = build::build(references, params);
+        let mut this = Self {
+            nodes: Vec::with_capacity(tree.nodes.len()),
+            leaves: Leaves::new(kind),
+            root: Child::node(0),
+            centre,
+            size,
+            unbounded,
+            bounded: indices.len() as u32,
+            n_leaves: 0,
+            max_depth: tree.depth,
+            level: Available::default(),
+        };
+        match this.lay_out(primitives, &tree) {
+            Some(()) => Ok(this),
+            None => Err(BuildError::TooMany { count: indices.len() as u64, limit: Child::LIMIT as u64 }),
+        }
+    }
+
+    /// Packs the tree into nodes and leaves; `None` if numbers run out.
+    fn lay_out<P: Primitives>(&mut self, primitives: &P, tree: &WideTree) -> Option<()> {
+        if tree.nodes.len() > Child::LIMIT {
+            return None;
+        }
+        let centre = self.centre;
+        let own = |index: u32| own_box(primitives, index).map_or(NodeBox::EMPTY, |own| NodeBox::outward(&own, centre));
+        for from in &tree.nodes {
+            let mut node = Node::EMPTY;
+            for lane in 0..usize::from(from.count) {
+                let child = match from.children[lane] {
+                    WideChild::Node(number) => Child::node(number),
+                    WideChild::Leaf { first, count } => {
+                        let indices = tree.order.get(first as usize..(first + count) as usize)?;
+                        self.n_leaves += 1;
+                        self.leaves.push(primitives, indices, centre, own)?
+                    }
+                };
+                node.set(lane, &from.boxes[lane], child);
+            }
+            self.nodes.push(node);
+        }
+        self.leaves.finish();
+        Some(())
+    }
+
+    /// The same tree, walked by other instructions: for tests and comparisons, as the best that the processor has are
+    /// chosen when it is built. What the processor does not have is replaced by the portable level.
+    #[must_use]
+    pub fn with_level(mut self, level: SimdLevel) -> Self {
+        self.level = Available::new(level);
+        self
+    }
+
+    /// The instructions that it is walked by.
+    pub const fn level(&self) -> SimdLevel {
+        self.level.level()
+    }
+
+    /// The first hit on a bounded primitive.
+    #[inline]
+    fn closest_bounded<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> Option<Hit> {
+        let mut judge = Asked { primitives, probe };
+        let mut query = Query { judge: &mut judge, outcome: Outcome::new() };
+        let answer = self.level.dispatch(FirstHit { tree: self, query: &mut query }, ray, span);
+        let Outcome { nodes, tests, hits, hit } = query.outcome;
+        match answer {
+            Answer::Missed => {
+                probe.work(nodes, tests, hits);
+                None
+            }
+            Answer::Hit => {
+                probe.work(nodes, tests, hits);
+                Some(hit)
+            }
+            Answer::Unproven => {
+                let mut query = Closest::new(ray, span);
+                let _ = self.walk_bounded(primitives, &mut query, probe);
+                query.hit
+            }
+        }
+    }
+
+    /// Offers the query every bounded primitive that can matter to it, in `f64`.
+    fn walk_bounded<P: Primitives, Q: RayQuery, S: Probe>(
+        &self,
+        primitives: &P,
+        query: &mut Q,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
+        if is_finite(&query.ray().ray) {
+            return self.descend(primitives, query, probe);
+        }
+        for leaf in self.leaves() {
+            query.offer_all(primitives, self.leaves.indices(leaf), probe)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Where a child lies in memory.
+    #[inline(always)]
+    fn line(&self, child: Child) -> *const Line {
+        if child.is_node() { self.nodes.as_ptr().wrapping_add(child.number()).cast() } else { self.leaves.line(child) }
+    }
+}
+
+/// The primitives of a query, and who counts.
+struct Asked<'a, P, S> {
+    primitives: &'a P,
+    probe: &'a mut S,
+}
+
+impl<P: Primitives, S: Probe> Judge for Asked<'_, P, S> {
+    fn closest(&mut self, index: u32, ray: &SlabRay, span: Interval) -> Option<Hit> {
+        decide_offered(self.primitives, index, ray, span, self.probe)
+    }
+
+    fn occluded(&mut self, index: u32, ray: &SlabRay, span: Interval) -> bool {
+        decide_offered_occluded(self.primitives, index, ray, span, self.probe)
+    }
+}
+
+impl Accelerator for WideBvh {
+    #[inline]
+    fn closest<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> Option<Hit> {
+        if self.unbounded.is_empty() {
+            return self.closest_bounded(primitives, ray, span, probe);
+        }
+        let mut query = Closest::new(ray, span);
+        let _ = query.offer_all(primitives, &self.unbounded, probe);
+        // What is equally near, but of lower index, must still be found.
+        let bounded = self.closest_bounded(primitives, ray, query.span(), probe);
+        match (query.hit, bounded) {
+            (Some(unbounded), Some(bounded)) => Some(if bounded.precedes(&unbounded) { bounded } else { unbounded }),
+            (unbounded, bounded) => unbounded.or(bounded),
+        }
+    }
+
+    #[inline]
+    fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        if !self.unbounded.is_empty() {
+            let mut query = Any::new(ray, span);
+            if query.offer_all(primitives, &self.unbounded, probe).is_break() {
+                return true;
+            }
+        }
+        let mut judge = Asked { primitives, probe };
+        let mut query = Query { judge: &mut judge, outcome: Outcome::new() };
+        let answer = self.level.dispatch(AnyHit { tree: self, query: &mut query }, ray, span);
+        let Outcome { nodes, tests, hits, .. } = query.outcome;
+        match answer {
+            Answer::Missed | Answer::Hit => {
+                probe.work(nodes, tests, hits);
+                answer == Answer::Hit
+            }
+            Answer::Unproven => self.walk_bounded(primitives, &mut Any::new(ray, span), probe).is_break(),
+        }
+    }
+}
+
+impl Structure for WideBvh {
+    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+        &self,
+        primitives: &P,
+        query: &mut Q,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
+        query.offer_all(primitives, &self.unbounded, probe)?;
+        self.walk_bounded(primitives, query, probe)
+    }
+
+    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        query.offer_all(&self.unbounded)?;
+        self.descend_region(query)
+    }
+
+    fn memory(&self) -> usize {
+        size_of::<Self>()
+            + self.nodes.capacity() * size_of::<Node>()
+            + self.leaves.memory()
+            + self.unbounded.capacity() * size_of::<u32>()
+    }
+
+    fn build_stats(&self) -> BuildStats {
+        BuildStats {
+            primitives: self.bounded as usize + self.unbounded.len(),
+            unbounded: self.unbounded.len(),
+            nodes: self.nodes.len(),
+            leaves: self.n_leaves,
+            max_depth: self.max_depth as usize,
+            references: self.leaves().map(|leaf| leaf.count()).sum(),
+        }
+    }
+
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+        self.check(primitives)
+    }
+
+    fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
+        let mut pending = vec![(self.root, 0)];
+        while let Some((child, depth)) = pending.pop() {
+            let Some(node) = self.nodes.get(child.number()).filter(|_| child.is_node()) else { continue };
+            for (bounds, child) in node.children() {
+                visit(bounds.at(self.centre), depth + 1);
+                pending.push((child, depth + 1));
+            }
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+crate::saved::saved_and_checked!(WideBvh, WideBvh::check_shape);

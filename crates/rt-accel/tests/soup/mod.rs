@@ -10,7 +10,7 @@ pub(crate) mod rays;
 pub(crate) mod structures;
 
 use rt_accel::{Aabb, DVec3, Hit, Interval, LeafLayout, NearestPoint, Primitives, Ray};
-use rt_math::SlabRay;
+use rt_math::{ShearedRay, SlabRay, Vec3};
 
 use draw::Draw;
 
@@ -22,6 +22,8 @@ pub(crate) enum Solid {
     },
     Box(Aabb),
     Triangle([DVec3; 3]),
+    /// A triangle of a mesh, hit by the watertight test.
+    Facet([Vec3; 3]),
     /// Hit somewhere around the box, by a hash of the ray: no kernel could be worse.
     Sloppy(Aabb),
     /// The unbounded plane `y = height`.
@@ -77,6 +79,28 @@ impl Soup {
         Self(solids)
     }
 
+    /// A ball of triangles that share vertices, and small ones around it.
+    pub(crate) fn triangles(draw: &mut Draw) -> Self {
+        let bumps = |x: f64, z: f64| DVec3::new(x, (x * z).abs() - 0.5, z);
+        let mut solids: Vec<_> = sheet(12, bumps).collect();
+        solids.extend(Self::sticks(40, draw).0);
+        for _ in 0..100 {
+            let corner = draw.point();
+            solids.push(Solid::Triangle([corner, corner + draw.point() * 0.2, corner + draw.point() * 0.2]));
+        }
+        solids.extend_from_within(0..20);
+        Self(solids)
+    }
+
+    /// As a mesh has them.
+    pub(crate) fn facets(draw: &mut Draw) -> Self {
+        let facet = |solid| match solid {
+            Solid::Triangle(vertices) => Solid::Facet(vertices.map(|vertex| vertex.as_vec3())),
+            other => other,
+        };
+        Self(Self::triangles(draw).0.into_iter().map(facet).collect())
+    }
+
     pub(crate) fn scaled(mut self, scale: f64) -> Self {
         self.map_points(|p| p * scale, scale);
         self
@@ -93,6 +117,7 @@ impl Soup {
                 Solid::Sphere { centre, radius } => Solid::Sphere { centre: point(centre), radius: radius * scale },
                 Solid::Box(b) => Solid::Box(Aabb::new(point(b.min), point(b.max))),
                 Solid::Triangle(vertices) => Solid::Triangle(vertices.map(&point)),
+                Solid::Facet(vertices) => Solid::Facet(vertices.map(|vertex| point(vertex.as_dvec3()).as_vec3())),
                 Solid::Sloppy(b) => Solid::Sloppy(Aabb::new(point(b.min), point(b.max))),
                 Solid::Ground { height } => Solid::Ground { height: point(DVec3::Y * height).y },
                 Solid::Ghost(b) => Solid::Ghost(Aabb::new(point(b.min), point(b.max))),
@@ -122,6 +147,7 @@ impl Solid {
             }
             Self::Box(aabb) | Self::Sloppy(aabb) | Self::Ghost(aabb) => Some(aabb),
             Self::Triangle(vertices) => Some(Aabb::from_points(vertices)),
+            Self::Facet(vertices) => Some(Aabb::from_points(vertices.map(|vertex| vertex.as_dvec3()))),
             Self::Ground { .. } => None,
         }
     }
@@ -138,7 +164,7 @@ impl Solid {
             Self::Ground { height } => {
                 Some((height - ray.origin.y) / ray.direction.y).filter(|&t| t.is_finite() && span.contains(t))
             }
-            Self::Ghost(_) => None,
+            Self::Facet(_) | Self::Ghost(_) => None,
         }
     }
 }
@@ -189,6 +215,10 @@ impl Primitives for Soup {
     }
 
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        if let Solid::Facet(vertices) = self.0[index as usize] {
+            let hit = ShearedRay::new(ray).intersect(vertices.map(|vertex| vertex.as_dvec3()), span)?;
+            return Some(Hit { t: hit.t, instance: 0, primitive: index, uv: hit.uv });
+        }
         let t = self.0[index as usize].intersect(ray, span)?;
         Some(Hit { t, instance: 0, primitive: index, uv: [0.0; 2] })
     }
@@ -198,6 +228,7 @@ impl Primitives for Soup {
             Solid::Sphere { centre, radius } => LeafLayout::Sphere(centre, radius),
             Solid::Box(aabb) => LeafLayout::Box(aabb),
             Solid::Triangle(vertices) => LeafLayout::Triangle(vertices),
+            Solid::Facet(vertices) => LeafLayout::Watertight(vertices),
             Solid::Sloppy(_) | Solid::Ground { .. } | Solid::Ghost(_) => LeafLayout::Opaque,
         }
     }

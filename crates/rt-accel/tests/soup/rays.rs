@@ -62,6 +62,8 @@ fn special_point(soup: &Soup, draw: &mut Draw) -> DVec3 {
     let Some(bounds) = solid.bounds() else { return draw.point() };
     match (solid, draw.below(6)) {
         (Solid::Triangle(vertices), 0 | 1) => draw.pick(&vertices),
+        (Solid::Facet(vertices), 0 | 1) => draw.pick(&vertices).as_dvec3(),
+        (Solid::Facet([a, b, _]), 2) => a.as_dvec3().lerp(b.as_dvec3(), draw.pick(&[0.25, 0.5, 0.3])),
         (Solid::Triangle([a, b, _]), 2) => a.lerp(b, draw.pick(&[0.25, 0.5, 0.3])),
         (Solid::Sphere { centre, radius }, 0 | 1) => centre + draw.point().normalize_or(DVec3::X) * radius,
         (Solid::Sphere { centre, radius }, 2) => centre + draw.pick(&DVec3::AXES) * radius,

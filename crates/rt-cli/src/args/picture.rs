@@ -3,7 +3,7 @@
 use clap::Args;
 use rt_camera::{SamplePattern, ToneCurve};
 use rt_math::{DVec3, Rgb};
-use rt_render::Crop;
+use rt_render::{Crop, SimdLevel};
 use rt_scene_io::{Accel, Integrator};
 
 use super::values::{self, choice};
@@ -38,6 +38,10 @@ pub(crate) struct PictureArgs {
     /// Acceleration structure. Any gives the same picture
     #[arg(long, value_name = "NAME", value_parser = choice(Accel::ALL, Accel::name), help_heading = "How")]
     pub(crate) accel: Option<Accel>,
+
+    /// Instructions for the structure `wide`; the best that the processor has by default. Any give the same picture
+    #[arg(long, value_name = "NAME", value_parser = values::simd(), help_heading = "How")]
+    pub(crate) simd: Option<SimdLevel>,
 
     /// Leave nothing out of the plan. The picture is the same
     #[arg(long, hide = true)]

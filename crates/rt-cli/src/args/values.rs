@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use rt_camera::{Development, Encoding, FilmSettings, ToneCurve};
 use rt_math::{DVec3, Rgb};
-use rt_render::Crop;
+use rt_render::{Crop, SimdLevel};
 
 use super::BackgroundChoice;
 
@@ -26,6 +26,15 @@ pub(super) fn choice<T: Copy + Send + Sync + 'static, const N: usize>(
 ) -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(all.map(name))
         .try_map(move |typed| all.into_iter().find(|&value| name(value) == typed).ok_or("no such choice"))
+}
+
+/// Instructions that this processor has.
+pub(super) fn simd() -> impl TypedValueParser<Value = SimdLevel> {
+    let names = PossibleValuesParser::new(SimdLevel::ALL.iter().map(|level| level.name()));
+    names.try_map(|typed| {
+        let known = SimdLevel::ALL.iter().find(|level| level.name() == typed);
+        known.copied().filter(|level| level.is_available()).ok_or("this processor does not have it")
+    })
 }
 
 /// `WxH`.

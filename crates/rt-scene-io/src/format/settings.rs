@@ -86,6 +86,8 @@ pub enum Accel {
     Grid,
     /// Binary bounding volume hierarchy.
     Bvh,
+    /// Bounding volume hierarchy with eight children to a node.
+    Wide,
     /// Tree of bounding spheres.
     Spheres,
     /// Tree of bounding cylinders.

@@ -105,6 +105,7 @@ const fn accel(accel: format::Accel) -> Accel {
         format::Accel::Linear => Accel::Linear,
         format::Accel::Grid => Accel::Grid,
         format::Accel::Bvh => Accel::Bvh,
+        format::Accel::Wide => Accel::Wide,
         format::Accel::Spheres => Accel::Spheres,
         format::Accel::Cylinders => Accel::Cylinders,
         format::Accel::Kd => Accel::Kd,

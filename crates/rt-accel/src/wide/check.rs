@@ -1,0 +1,93 @@
+//! Checks what the walks and their proofs rest on.
+
+use glam::Vec3A;
+use rt_math::{Primitives, own_box};
+
+use super::WideBvh;
+use super::leaf::MAX_LEAF;
+use super::node::Child;
+use crate::Violation;
+use crate::bounded_depth::MAX_DEPTH;
+use crate::bvh::{Cell, NodeBox, encloses};
+use crate::own_boxes::validate_lists;
+
+impl WideBvh {
+    /// Checks all that can be checked without the primitives: every node has one parent, which comes before it, no leaf
+    /// is too deep for the stack of a walk, boxes contain those below, leaves lie where they can be read, and lists name
+    /// primitives, each once.
+    pub(super) fn check_shape(&self) -> Result<(), Violation> {
+        let count = u64::from(self.bounded) + self.unbounded.len() as u64;
+        let mut is_listed = vec![false; self.bounded as usize + self.unbounded.len()];
+        let mut list = |primitive: u32| match is_listed.get_mut(primitive as usize) {
+            Some(listed) if !*listed => {
+                *listed = true;
+                Ok(())
+            }
+            _ => Err(Violation::Misplaced { primitive }),
+        };
+        self.unbounded.iter().try_for_each(|&primitive| list(primitive))?;
+        self.for_each_leaf(|leaf, _| self.leaves.indices(leaf).iter().try_for_each(|&primitive| list(primitive)))?;
+        if count > u64::from(u32::MAX) {
+            return Err(Violation::Count { built: self.bounded, given: self.unbounded.len() });
+        }
+        match is_listed.iter().position(|listed| !listed) {
+            Some(primitive) => Err(Violation::Misplaced { primitive: primitive as u32 }),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks the shape, that every own box lies within the box of its leaf, and what filters are told about it.
+    pub(super) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+        self.check_shape()?;
+        validate_lists(primitives, self.bounded + self.unbounded.len() as u32, &self.unbounded)?;
+        let own =
+            |index: u32| own_box(primitives, index).map_or(NodeBox::EMPTY, |own| NodeBox::outward(&own, self.centre));
+        self.for_each_leaf(|leaf, bounds| {
+            for &primitive in self.leaves.indices(leaf) {
+                let own = own_box(primitives, primitive).ok_or(Violation::Misplaced { primitive })?;
+                if !encloses(bounds, &own, &Cell::EVERYWHERE, self.centre) {
+                    return Err(Violation::Outside { primitive });
+                }
+            }
+            if !self.leaves.fits(leaf, primitives, self.centre, own) {
+                let primitive = self.leaves.indices(leaf).first().copied().unwrap_or_default();
+                return Err(Violation::Outside { primitive });
+            }
+            Ok(())
+        })
+    }
+
+    /// Visits the leaves with their boxes, and checks the nodes on the way.
+    fn for_each_leaf(&self, mut visit: impl FnMut(Child, &NodeBox) -> Result<(), Violation>) -> Result<(), Violation> {
+        let everything = NodeBox { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
+        let mut pending = vec![(self.root, everything, 0)];
+        let mut n_visited = 0;
+        while let Some((child, bounds, depth)) = pending.pop() {
+            if depth > MAX_DEPTH {
+                return Err(Violation::Depth { depth });
+            }
+            if !child.is_node() {
+                if !self.leaves.contain(child) || child.count() > MAX_LEAF {
+                    return Err(Violation::Count { built: self.bounded, given: child.number() });
+                }
+                visit(child, &bounds)?;
+                continue;
+            }
+            let number = child.number();
+            n_visited += 1;
+            let bad = Violation::Node { node: number as u32 };
+            let Some(node) = self.nodes.get(number).filter(|_| n_visited <= self.nodes.len()) else {
+                return Err(bad);
+            };
+            for (inner, child) in node.children() {
+                let is_ahead = !child.is_node() || child.number() > number;
+                let is_within_size = inner.max_abs() <= self.size;
+                if inner.union(bounds) != bounds || !is_ahead || !is_within_size {
+                    return Err(bad);
+                }
+                pending.push((child, inner, depth + 1));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,54 @@
+//! Leaves of boxes, for primitives of any kind: the filter is that of nodes.
+
+use rt_math::{Interval, SlabRay};
+
+use super::{Block, Filter, LeafView, Verdict};
+use crate::bvh::NodeBox;
+use crate::wide::WideBvh;
+use crate::wide::ray::{FilterRay, at_most};
+use crate::wide::simd::Simd;
+
+/// Lower and upper plane of each axis.
+pub(super) const NUMBERS: usize = 6;
+
+pub(super) fn fill(block: &mut Block<'_>, indices: &[u32], own: impl Fn(u32) -> NodeBox) {
+    for (lane, &index) in indices.iter().enumerate() {
+        let own = own(index);
+        for axis in 0..3 {
+            block.set(2 * axis, lane, own.min[axis]);
+            block.set(2 * axis + 1, lane, own.max[axis]);
+        }
+    }
+}
+
+/// Rules out whose box is missed; says of nothing that it is hit.
+#[derive(Clone, Copy)]
+pub(in crate::wide) struct BoxFilter {
+    ray: FilterRay,
+    min: f32,
+}
+
+impl Filter for BoxFilter {
+    #[inline(always)]
+    fn new(_ray: &SlabRay, filter_ray: &FilterRay, span: Interval, _tree: &WideBvh) -> Self {
+        Self { ray: *filter_ray, min: at_most(span.min) }
+    }
+
+    #[inline(always)]
+    fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
+        let (mut enter, mut leave) = (simd.splat(self.min), simd.splat(limit));
+        for axis in 0..3 {
+            let side = self.ray.near_side[axis];
+            let near = leaf.lanes(simd, (2 * axis + side) * leaf.count);
+            let far = leaf.lanes(simd, (2 * axis + (side ^ 1)) * leaf.count);
+            enter = simd.max(self.ray.near(simd, axis, near), enter);
+            leave = simd.min(self.ray.far(simd, axis, far), leave);
+        }
+        Verdict { maybe: simd.le(enter, leave) & leaf.mask(), sure: 0, near: enter, far: leave }
+    }
+
+    #[inline(always)]
+    fn index(leaf: LeafView<'_>, lane: usize) -> u32 {
+        leaf.word(NUMBERS * leaf.count + lane)
+    }
+}

@@ -1,0 +1,268 @@
+//! What leaves hold: plain numbers side by side, that a filter rules primitives out by, eight at a time.
+//!
+//! A leaf of n primitives is a block of 32-bit words that begins at a cache line: the header of its kind, then one number
+//! of each primitive after the other, then the next number of each, and at last their indices. Eight numbers are read at
+//! a time; those that belong to what comes after are not looked at.
+
+mod boxes;
+mod spheres;
+mod triangles;
+
+use glam::DVec3;
+use rt_math::{LeafLayout, Primitives};
+
+pub(super) use boxes::BoxFilter;
+pub(super) use spheres::SphereFilter;
+pub(super) use triangles::TriangleFilter;
+
+use super::node::Child;
+use super::ray::FilterRay;
+use super::simd::Simd;
+use crate::bvh::NodeBox;
+use rt_math::{Interval, SlabRay};
+
+/// Most primitives in a leaf.
+pub(super) const MAX_LEAF: usize = 8;
+
+/// Words in a cache line.
+const LINE: usize = 16;
+
+/// Words of the greatest leaf, in whole lines.
+const MAX_WORDS: usize = 6 * LINE;
+
+/// A cache line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(C, align(64))]
+pub(super) struct Line([u32; LINE]);
+
+/// What the leaves of a tree hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) enum LeafKind {
+    /// The vertices of triangles as they are, which decide.
+    Watertight,
+    /// The vertices of triangles relative to the centre of the tree, rounded.
+    Triangles,
+    /// Centres relative to that of the tree, and radii, rounded.
+    Spheres,
+    /// Boxes relative to the centre of the tree, rounded outward.
+    Boxes,
+}
+
+/// Vertices are taken as they are if the tree is no farther from the origin than this many of its sizes. Farther off
+/// a filter sees better what is relative to the centre.
+const NEAR: f64 = 64.0;
+
+impl LeafKind {
+    /// The most particular kind that all primitives are of.
+    pub(super) fn of<P: Primitives>(primitives: &P, bounded: &[u32], centre: DVec3, size: f64) -> Self {
+        let all = |is: fn(&LeafLayout) -> bool| bounded.iter().all(|&index| is(&primitives.leaf_layout(index)));
+        if all(|layout| matches!(layout, LeafLayout::Sphere(..))) {
+            Self::Spheres
+        } else if all(|layout| matches!(layout, LeafLayout::Watertight(_))) && centre.abs().max_element() <= NEAR * size
+        {
+            Self::Watertight
+        } else if all(|layout| matches!(layout, LeafLayout::Watertight(_) | LeafLayout::Triangle(_))) {
+            Self::Triangles
+        } else {
+            Self::Boxes
+        }
+    }
+
+    /// Words before the numbers, and numbers of each primitive.
+    const fn shape(self) -> (usize, usize) {
+        match self {
+            Self::Watertight | Self::Triangles => (triangles::HEADER, triangles::NUMBERS),
+            Self::Spheres => (spheres::HEADER, spheres::NUMBERS),
+            Self::Boxes => (0, boxes::NUMBERS),
+        }
+    }
+}
+
+/// All leaves of a tree.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Leaves {
+    pub(super) kind: LeafKind,
+    lines: Vec<Line>,
+}
+
+/// A leaf to be filled.
+struct Block<'a> {
+    words: &'a mut [u32; MAX_WORDS],
+    count: usize,
+    header: usize,
+}
+
+impl Block<'_> {
+    fn set(&mut self, number: usize, lane: usize, value: f32) {
+        self.words[self.header + number * self.count + lane] = value.to_bits();
+    }
+
+    fn set_header(&mut self, word: usize, value: f32) {
+        self.words[word] = value.to_bits();
+    }
+}
+
+impl Leaves {
+    pub(super) const fn new(kind: LeafKind) -> Self {
+        Self { kind, lines: Vec::new() }
+    }
+
+    /// Appends a leaf of 1 to 8 primitives, `None` if cache lines have run out of numbers.
+    pub(super) fn push<P: Primitives>(
+        &mut self,
+        primitives: &P,
+        indices: &[u32],
+        centre: DVec3,
+        own: impl Fn(u32) -> NodeBox,
+    ) -> Option<Child> {
+        let (header, numbers) = self.kind.shape();
+        let (line, count) = (self.lines.len(), indices.len());
+        let n_words = header + (numbers + 1) * count;
+        if line + n_words.div_ceil(LINE) > Child::LIMIT || count > MAX_LEAF {
+            return None;
+        }
+        let mut words = [0; MAX_WORDS];
+        let mut block = Block { words: &mut words, count, header };
+        match self.kind {
+            LeafKind::Watertight => triangles::fill(&mut block, primitives, indices, DVec3::ZERO),
+            LeafKind::Triangles => triangles::fill(&mut block, primitives, indices, centre),
+            LeafKind::Spheres => spheres::fill(&mut block, primitives, indices, centre),
+            LeafKind::Boxes => boxes::fill(&mut block, indices, own),
+        }
+        for (lane, &index) in indices.iter().enumerate() {
+            block.words[header + numbers * count + lane] = index;
+        }
+        let (lines, _) = words.as_chunks();
+        self.lines.extend(lines.iter().take(n_words.div_ceil(LINE)).copied().map(Line));
+        Some(Child::leaf(line as u32, count as u32))
+    }
+
+    /// Lets filters read eight numbers at the end of the last leaf.
+    pub(super) fn finish(&mut self) {
+        self.lines.resize(self.lines.len() + MAX_LEAF.div_ceil(LINE), Line::default());
+        self.lines.shrink_to_fit();
+    }
+
+    /// True if the leaf holds the numbers of the primitives that it lists.
+    pub(super) fn fits<P: Primitives>(
+        &self,
+        leaf: Child,
+        primitives: &P,
+        centre: DVec3,
+        own: impl Fn(u32) -> NodeBox,
+    ) -> bool {
+        let mut anew = Self::new(self.kind);
+        anew.push(primitives, self.indices(leaf), centre, own).is_some()
+            && self.lines[leaf.number()..].starts_with(&anew.lines)
+    }
+
+    pub(super) fn memory(&self) -> usize {
+        self.lines.capacity() * size_of::<Line>()
+    }
+
+    /// The indices in a leaf, which ends within the list.
+    #[inline]
+    pub(super) fn indices(&self, leaf: Child) -> &[u32] {
+        let (header, numbers) = self.kind.shape();
+        let first = leaf.number() * LINE + header + numbers * leaf.count();
+        self.words().get(first..first + leaf.count()).unwrap_or(&[])
+    }
+
+    /// True if all that filters may read of this leaf is there.
+    pub(super) fn contain(&self, leaf: Child) -> bool {
+        let (header, numbers) = self.kind.shape();
+        let end = leaf.number() * LINE + header + numbers * leaf.count() + MAX_LEAF;
+        (1..=MAX_LEAF).contains(&leaf.count()) && end <= self.lines.len() * LINE
+    }
+
+    #[inline(always)]
+    fn words(&self) -> &[u32] {
+        // SAFETY: a line is sixteen words and nothing else.
+        unsafe { core::slice::from_raw_parts(self.lines.as_ptr().cast(), self.lines.len() * LINE) }
+    }
+
+    /// Where a leaf begins.
+    #[inline(always)]
+    pub(super) fn line(&self, leaf: Child) -> *const Line {
+        self.lines.as_ptr().wrapping_add(leaf.number())
+    }
+
+    #[inline(always)]
+    pub(super) fn view(&self, leaf: Child) -> LeafView<'_> {
+        debug_assert!(self.contain(leaf), "leaves are checked when they are made and when they are loaded");
+        LeafView { words: self.words(), first: leaf.number() * LINE, count: leaf.count() }
+    }
+}
+
+/// A leaf to be read.
+#[derive(Clone, Copy)]
+pub(super) struct LeafView<'a> {
+    words: &'a [u32],
+    first: usize,
+    pub(super) count: usize,
+}
+
+impl LeafView<'_> {
+    /// Word `at` of the leaf.
+    #[inline(always)]
+    fn word(&self, at: usize) -> u32 {
+        debug_assert!(self.first + at < self.words.len());
+        // SAFETY: callers read words of a leaf that `Leaves::contain`.
+        unsafe { *self.words.get_unchecked(self.first + at) }
+    }
+
+    #[inline(always)]
+    fn number(&self, at: usize) -> f32 {
+        f32::from_bits(self.word(at))
+    }
+
+    /// Eight numbers from word `at` of the leaf on, of which the first `count` are those asked for.
+    #[inline(always)]
+    fn lanes<S: Simd>(&self, simd: S, at: usize) -> S::Lanes {
+        debug_assert!(self.first + at + 8 <= self.words.len());
+        // SAFETY: as `word`; eight words from any number of the leaf on are there, and any word is an `f32`.
+        simd.load(unsafe { &*self.words.as_ptr().add(self.first + at).cast() })
+    }
+
+    /// A bit for each primitive.
+    #[inline(always)]
+    fn mask(&self) -> u32 {
+        (1 << self.count) - 1
+    }
+}
+
+/// What a filter says about the primitives of a leaf, a bit for each.
+pub(super) struct Verdict<S: Simd> {
+    /// Not missed for sure.
+    pub(super) maybe: u32,
+    /// Hit for sure, within the span and first at a `t` between `near` and `far`.
+    pub(super) sure: u32,
+    /// Meaningless but for `sure`.
+    pub(super) near: S::Lanes,
+    /// Meaningless but for `sure`.
+    pub(super) far: S::Lanes,
+}
+
+/// The span of a query, as filters see it.
+#[derive(Clone, Copy)]
+pub(super) struct FilterSpan {
+    /// Between these a number is neither certainly before nor certainly after the begin.
+    pub(super) min: [f32; 2],
+    /// What is not after this is within the whole span.
+    pub(super) max: f32,
+}
+
+/// Rules primitives out.
+pub(super) trait Filter: Copy {
+    /// Prepares a ray.
+    fn new(ray: &SlabRay, filter_ray: &FilterRay, span: Interval, tree: &super::WideBvh) -> Self;
+
+    /// Judges the primitives of a leaf; what is hit after `limit` is missed.
+    fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S>;
+
+    /// The index of a primitive.
+    fn index(leaf: LeafView<'_>, lane: usize) -> u32;
+}

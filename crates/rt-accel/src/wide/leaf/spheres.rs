@@ -1,0 +1,140 @@
+//! Leaves of spheres: how far the ray passes from the centre, in `f32` with a margin.
+//!
+//! # Why the filter is right
+//!
+//! Let `X` be the sum of the greatest coordinates of the origin and of the leaf, both relative to the centre of the tree,
+//! and `v = 2⁻²⁴`. Centre and origin are rounded and subtracted, to within `4v·X` on each axis; the direction, its
+//! square, the projection and the perpendicular that is left add some `20v·X`. So the distance `l` of the ray from the
+//! centre is computed to within `δ = 64v·X`, which also covers the rounding of the radius `r` (which is part of the
+//! greatest coordinate). A ray hits if `l < r − δ` and misses if `l > r + δ`. Where it hits, `r² − l²` is off by at most
+//! `4(r + δ)·δ`, the projection by `24v·X`, and the `t` of the first root follows.
+
+use glam::DVec3;
+use rt_math::{Interval, LeafLayout, Primitives, SlabRay};
+
+use super::{Block, Filter, FilterSpan, LeafView, Verdict};
+use crate::wide::WideBvh;
+use crate::wide::four::Four;
+use crate::wide::ray::{FilterRay, at_least, at_most, greater};
+use crate::wide::simd::Simd;
+
+/// The greatest coordinate that a sphere reaches.
+pub(super) const HEADER: usize = 1;
+
+/// Centre and radius.
+pub(super) const NUMBERS: usize = 4;
+
+/// `δ/X`
+const MARGIN: f32 = 64.0 / (1 << 24) as f32;
+
+pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices: &[u32], centre: DVec3) {
+    let mut greatest = 0.0f64;
+    for (lane, &index) in indices.iter().enumerate() {
+        let (position, radius) = match primitives.leaf_layout(index) {
+            LeafLayout::Sphere(position, radius) => (position - centre, radius),
+            _ => (DVec3::NAN, f64::NAN),
+        };
+        greatest = greatest.max(position.abs().max_element() + radius);
+        for axis in 0..3 {
+            block.set(axis, lane, position[axis] as f32);
+        }
+        block.set(3, lane, radius as f32);
+    }
+    block.set_header(0, at_least(greatest));
+}
+
+/// Distance of the ray from centres, with three answers.
+#[derive(Clone, Copy)]
+pub(in crate::wide) struct SphereFilter {
+    origin: [f32; 4],
+    direction: [f32; 4],
+    /// One over the length of the direction.
+    inverse_length: f32,
+    /// Greatest coordinate of the origin.
+    reach: f32,
+    span: FilterSpan,
+}
+
+#[inline(always)]
+fn dot<S: Simd>(simd: S, a: [S::Lanes; 3], b: [S::Lanes; 3]) -> S::Lanes {
+    simd.mul_add(a[2], b[2], simd.mul_add(a[1], b[1], simd.mul(a[0], b[0])))
+}
+
+/// The square root, 0 for what is negative.
+#[inline(always)]
+fn root<S: Simd>(simd: S, x: S::Lanes) -> S::Lanes {
+    simd.sqrt(simd.max(x, simd.splat(0.0)))
+}
+
+impl SphereFilter {
+    /// One coordinate of the centres, relative to the origin.
+    #[inline(always)]
+    fn offset<S: Simd>(&self, simd: S, leaf: LeafView<'_>, axis: usize) -> S::Lanes {
+        simd.sub(leaf.lanes(simd, HEADER + axis * leaf.count), simd.splat(self.origin[axis]))
+    }
+}
+
+impl Filter for SphereFilter {
+    #[inline(always)]
+    fn new(ray: &SlabRay, _filter_ray: &FilterRay, span: Interval, tree: &WideBvh) -> Self {
+        let origin = ray.ray.origin - tree.centre;
+        let distance = origin.abs();
+        let inverse_length = 1.0 / ray.ray.direction.length();
+        let unit = ray.ray.direction * inverse_length;
+        Self {
+            origin: Four::new(origin, 0.0).to_f32(),
+            direction: Four::new(unit, 0.0).to_f32(),
+            inverse_length: inverse_length as f32,
+            reach: at_least(greater(greater(distance.x, distance.y), distance.z)),
+            span: FilterSpan { min: [at_most(span.min), at_least(span.min)], max: at_most(span.max) },
+        }
+    }
+
+    #[inline(always)]
+    fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
+        let n = leaf.count;
+        let reach = self.reach + leaf.number(0);
+        let margin = reach * MARGIN;
+        let [x, y, z, _] = self.direction;
+        let direction = [simd.splat(x), simd.splat(y), simd.splat(z)];
+        let to_centre = [self.offset(simd, leaf, 0), self.offset(simd, leaf, 1), self.offset(simd, leaf, 2)];
+        let radius = leaf.lanes(simd, HEADER + 3 * n);
+        let along = dot(simd, to_centre, direction);
+        let across = [
+            simd.neg_mul_add(along, direction[0], to_centre[0]),
+            simd.neg_mul_add(along, direction[1], to_centre[1]),
+            simd.neg_mul_add(along, direction[2], to_centre[2]),
+        ];
+        let distance_squared = dot(simd, across, across);
+        let outer = simd.add(radius, simd.splat(margin));
+        let maybe = simd.le(distance_squared, simd.mul(outer, outer)) & leaf.mask();
+        if maybe == 0 {
+            return Verdict { maybe, sure: 0, near: along, far: along };
+        }
+
+        let inner = simd.max(simd.sub(radius, simd.splat(margin)), simd.splat(0.0));
+        let inside = simd.le(distance_squared, simd.mul(inner, simd.sub(inner, simd.splat(margin))));
+        let half_chord_squared = simd.mul_sub(radius, radius, distance_squared);
+        let slack = simd.mul(outer, simd.splat(4.25 * margin));
+        let longest = simd.add(root(simd, simd.add(half_chord_squared, slack)), simd.splat(margin));
+        let shortest = simd.sub(root(simd, simd.sub(half_chord_squared, slack)), simd.splat(margin));
+        let to_t = simd.splat(self.inverse_length);
+        // A rounding or two of the largest number in sight.
+        let rounding = simd.splat(margin * self.inverse_length * 0.125);
+        let near = simd.sub(simd.mul(simd.sub(along, longest), to_t), rounding);
+        let far = simd.add(simd.mul(simd.sub(along, shortest), to_t), rounding);
+        let last = simd.add(simd.mul(simd.add(along, longest), to_t), rounding);
+
+        let is_not_behind = simd.le(simd.splat(self.span.min[0]), last);
+        let is_not_after = simd.le(near, simd.splat(limit));
+        let is_in_front = simd.le(simd.splat(self.span.min[1]), near);
+        let is_in_time = simd.le(far, simd.splat(self.span.max));
+        let maybe = maybe & is_not_behind & is_not_after;
+        Verdict { maybe, sure: inside & maybe & is_in_front & is_in_time, near, far }
+    }
+
+    #[inline(always)]
+    fn index(leaf: LeafView<'_>, lane: usize) -> u32 {
+        leaf.word(HEADER + NUMBERS * leaf.count + lane)
+    }
+}

@@ -1,0 +1,198 @@
+//! Leaves of triangles: the edge functions of the watertight test, in `f32` with a margin.
+//!
+//! # Why the filter is right
+//!
+//! Let `X` be the sum of the greatest coordinates of the origin and of the leaf, `e` the greatest extent of a triangle
+//! of the leaf along an axis, and `v = 2⁻²⁴`. Seen along the ray ([`ShearedRay`](rt_math::ShearedRay)), a vertex is computed
+//! to within `ε = 8v·X`: origin, vertex, difference, shear and sum are each rounded, and shears are at most 1. Edges are
+//! seen no longer than `2e`.
+//!
+//! **Misses.** If the ray hits the triangle, the vertices are seen within `2e` of it, so each edge function is computed to
+//! within `4·2e·ε + 2ε² + 2v·(2e)² ≤ m`, where `m = X·(2⁻¹⁷·e + 2⁻³⁹·X)`: all three are at least `−m`, or all at most `m`.
+//!
+//! **Hits.** Let all three be at least `2m` or at most `−2m`, and the vertices be seen within `4e`. Then the functions
+//! are computed to within twice the above, so that their true signs agree, and so do the exact signs of the `f64` kernel,
+//! whose vertices are much closer to the truth than `ε`. The weights are computed to within `4.1·2m/|det|`, of which
+//! follows how far off `t` may be; the own box holds the true hit, and its slab test is off by some 2⁻⁵³ of `t`, which is
+//! far less.
+
+use glam::{DVec3, Vec3};
+use rt_math::{Interval, LeafLayout, Primitives, SlabRay};
+
+use super::{Block, Filter, FilterSpan, LeafKind, LeafView, Verdict};
+use crate::wide::WideBvh;
+use crate::wide::four::Four;
+use crate::wide::ray::{FilterRay, at_least, at_most, greater};
+use crate::wide::simd::Simd;
+
+/// Greatest extent of a triangle as the factor of the margin, and greatest coordinate.
+pub(super) const HEADER: usize = 2;
+
+/// Three coordinates of three vertices.
+pub(super) const NUMBERS: usize = 9;
+
+/// The margin is `X·(e·MARGIN + X·ROUNDING)`.
+const MARGIN: f32 = 1.0 / (1 << 17) as f32;
+const ROUNDING: f32 = 1.0 / (1u64 << 39) as f32;
+
+pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices: &[u32], centre: DVec3) {
+    let mut greatest = Vec3::ZERO;
+    let mut extent = Vec3::ZERO;
+    for (lane, &index) in indices.iter().enumerate() {
+        let vertices = match primitives.leaf_layout(index) {
+            LeafLayout::Watertight(vertices) if centre == DVec3::ZERO => vertices,
+            LeafLayout::Watertight(vertices) => vertices.map(|vertex| (vertex.as_dvec3() - centre).as_vec3()),
+            LeafLayout::Triangle(vertices) => vertices.map(|vertex| (vertex - centre).as_vec3()),
+            _ => [Vec3::NAN; 3],
+        };
+        let [a, b, c] = vertices;
+        greatest = vertices.iter().fold(greatest, |greatest, vertex| greatest.max(vertex.abs()));
+        extent = extent.max(a.max(b).max(c) - a.min(b).min(c));
+        for (vertex, position) in vertices.iter().enumerate() {
+            for axis in 0..3 {
+                block.set(3 * vertex + axis, lane, position[axis]);
+            }
+        }
+    }
+    block.set_header(0, extent.max_element().next_up() * MARGIN);
+    block.set_header(1, greatest.max_element());
+}
+
+/// The numbers of one triangle of a leaf.
+#[inline(always)]
+fn vertices(leaf: LeafView<'_>, lane: usize) -> [DVec3; 3] {
+    [vertex(leaf, lane, 0), vertex(leaf, lane, 3), vertex(leaf, lane, 6)]
+}
+
+#[inline(always)]
+fn vertex(leaf: LeafView<'_>, lane: usize, first: usize) -> DVec3 {
+    let at = HEADER + first * leaf.count + lane;
+    let [x, y, z] = [leaf.number(at), leaf.number(at + leaf.count), leaf.number(at + 2 * leaf.count)];
+    DVec3::new(f64::from(x), f64::from(y), f64::from(z))
+}
+
+/// The watertight test with three answers.
+#[derive(Clone, Copy)]
+pub(in crate::wide) struct TriangleFilter {
+    origin: [f32; 4],
+    /// Axes in the order x, y, z of the ray's own space.
+    axes: [usize; 3],
+    /// Of x and y.
+    shear: [f32; 2],
+    scale: f32,
+    /// Greatest coordinate of the origin.
+    reach: f32,
+    span: FilterSpan,
+}
+
+impl TriangleFilter {
+    /// One coordinate of the three vertices, relative to the origin.
+    #[inline(always)]
+    fn positions<S: Simd>(&self, simd: S, leaf: LeafView<'_>, axis: usize) -> [S::Lanes; 3] {
+        let first = HEADER + axis * leaf.count;
+        let origin = simd.splat(self.origin[axis & 3]);
+        [
+            simd.sub(leaf.lanes(simd, first), origin),
+            simd.sub(leaf.lanes(simd, first + 3 * leaf.count), origin),
+            simd.sub(leaf.lanes(simd, first + 6 * leaf.count), origin),
+        ]
+    }
+
+    /// The vertices of a triangle, exact where the leaves are [`LeafKind::Watertight`].
+    #[inline(always)]
+    pub(in crate::wide) fn vertices(leaf: LeafView<'_>, lane: usize) -> [DVec3; 3] {
+        vertices(leaf, lane)
+    }
+}
+
+/// Three vertices of eight triangles, shifted across the ray.
+#[inline(always)]
+fn sheared<S: Simd>(simd: S, across: [S::Lanes; 3], along: [S::Lanes; 3], shear: f32) -> [S::Lanes; 3] {
+    let shear = simd.splat(shear);
+    [
+        simd.neg_mul_add(shear, along[0], across[0]),
+        simd.neg_mul_add(shear, along[1], across[1]),
+        simd.neg_mul_add(shear, along[2], across[2]),
+    ]
+}
+
+/// Twice the area between the ray and an edge.
+#[inline(always)]
+fn edge_function<S: Simd>(simd: S, from: [S::Lanes; 2], to: [S::Lanes; 2]) -> S::Lanes {
+    simd.mul_sub(from[0], to[1], simd.mul(from[1], to[0]))
+}
+
+/// The greatest distance of three numbers from 0.
+#[inline(always)]
+fn farthest<S: Simd>(simd: S, p: [S::Lanes; 3]) -> S::Lanes {
+    simd.max(simd.max(simd.abs(p[0]), simd.abs(p[1])), simd.abs(p[2]))
+}
+
+impl Filter for TriangleFilter {
+    #[inline(always)]
+    fn new(ray: &SlabRay, _filter_ray: &FilterRay, span: Interval, tree: &WideBvh) -> Self {
+        let centre = if tree.leaves.kind == LeafKind::Watertight { DVec3::ZERO } else { tree.centre };
+        let origin = ray.ray.origin - centre;
+        let (axes, [shear_x, shear_y, scale]) = rt_math::ShearedRay::new(&ray.ray).shear();
+        let distance = origin.abs();
+        let reach = greater(greater(distance.x, distance.y), distance.z);
+        Self {
+            origin: Four::new(origin, 0.0).to_f32(),
+            axes,
+            shear: [shear_x as f32, shear_y as f32],
+            scale: scale as f32,
+            reach: at_least(reach),
+            span: FilterSpan { min: [at_most(span.min), at_least(span.min)], max: at_most(span.max) },
+        }
+    }
+
+    #[inline(always)]
+    fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
+        let [x_axis, y_axis, z_axis] = self.axes;
+        let extent_margin = leaf.number(0);
+        let reach = self.reach + leaf.number(1);
+        let margin = reach * (extent_margin + reach * ROUNDING);
+
+        let z = self.positions(simd, leaf, z_axis);
+        let x = sheared(simd, self.positions(simd, leaf, x_axis), z, self.shear[0]);
+        let y = sheared(simd, self.positions(simd, leaf, y_axis), z, self.shear[1]);
+        let u = edge_function(simd, [x[2], y[2]], [x[1], y[1]]);
+        let v = edge_function(simd, [x[0], y[0]], [x[2], y[2]]);
+        let w = edge_function(simd, [x[1], y[1]], [x[0], y[0]]);
+        let least = simd.min(simd.min(u, v), w);
+        let greatest = simd.max(simd.max(u, v), w);
+        let maybe = (simd.le(simd.splat(-margin), least) | simd.le(greatest, simd.splat(margin))) & leaf.mask();
+        if maybe == 0 {
+            return Verdict { maybe, sure: 0, near: u, far: u };
+        }
+
+        // The extent of the vertices as the ray sees them.
+        let extent = extent_margin * (1.0 / MARGIN);
+        let is_close = simd.le(simd.max(farthest(simd, x), farthest(simd, y)), simd.splat(4.0 * extent));
+        let inside = is_close
+            & (simd.le(simd.splat(2.0 * margin), least) | simd.le(greatest, simd.splat(-2.0 * margin)))
+            & maybe;
+
+        let determinant = simd.add(simd.add(u, v), w);
+        let inverse = simd.div(simd.splat(1.0), determinant);
+        let weighted = simd.mul_add(v, simd.sub(z[1], z[0]), simd.mul(w, simd.sub(z[2], z[0])));
+        let t = simd.mul(simd.mul_add(weighted, inverse, z[0]), simd.splat(self.scale));
+        let size = self.scale.abs();
+        let of_weights = 17.0 * margin * (extent + reach * (1.0 / (1 << 21) as f32)) * size;
+        let of_rounding = 1.5e-6 * reach * size;
+        let error = simd.mul_add(simd.abs(inverse), simd.splat(of_weights), simd.splat(of_rounding));
+        let (near, far) = (simd.sub(t, error), simd.add(t, error));
+
+        let is_in_front = simd.le(simd.splat(self.span.min[1]), near);
+        let is_in_time = simd.le(far, simd.splat(self.span.max));
+        let is_not_before = simd.le(simd.splat(self.span.min[0]), far);
+        let is_not_after = simd.le(near, simd.splat(limit));
+        let maybe = maybe & (!inside | (is_not_before & is_not_after));
+        Verdict { maybe, sure: inside & maybe & is_in_front & is_in_time, near, far }
+    }
+
+    #[inline(always)]
+    fn index(leaf: LeafView<'_>, lane: usize) -> u32 {
+        leaf.word(HEADER + NUMBERS * leaf.count + lane)
+    }
+}

@@ -1,0 +1,89 @@
+//! Eight boxes side by side.
+
+use crate::bvh::NodeBox;
+
+/// What is behind one box of a node: another node, or a leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(transparent)]
+pub(super) struct Child(u32);
+
+impl Child {
+    /// Nodes, and cache lines of leaves, are numbered by 28 bits.
+    pub(super) const LIMIT: usize = 1 << 28;
+
+    pub(super) const fn node(number: u32) -> Self {
+        Self(number << 4)
+    }
+
+    /// A leaf of 1 to 8 primitives that begins at this cache line.
+    pub(super) const fn leaf(line: u32, count: u32) -> Self {
+        Self(line << 4 | count)
+    }
+
+    /// The number of the node, or of the cache line.
+    #[inline(always)]
+    pub(super) const fn number(self) -> usize {
+        (self.0 >> 4) as usize
+    }
+
+    /// Primitives in the leaf; 0 for a node.
+    #[inline(always)]
+    pub(super) const fn count(self) -> usize {
+        (self.0 & 15) as usize
+    }
+
+    #[inline(always)]
+    pub(super) const fn is_node(self) -> bool {
+        self.0 & 15 == 0
+    }
+
+    #[inline(always)]
+    pub(super) const fn to_bits(self) -> u32 {
+        self.0
+    }
+
+    #[inline(always)]
+    pub(super) const fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+}
+
+/// Eight boxes relative to the centre of the tree, rounded outward, and what is behind them. Boxes that nothing is
+/// behind are empty, and no ray passes them.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// By axis and side: lower x, upper x, lower y, ...
+    pub(super) planes: [[f32; 8]; 6],
+    pub(super) children: [Child; 8],
+}
+
+impl Node {
+    pub(super) const EMPTY: Self = {
+        // Finite, as some formats of files know no other numbers.
+        let (low, high) = ([f32::MAX; 8], [f32::MIN; 8]);
+        Self { planes: [low, high, low, high, low, high], children: [Child::node(0); 8] }
+    };
+
+    pub(super) fn set(&mut self, lane: usize, bounds: &NodeBox, child: Child) {
+        for axis in 0..3 {
+            self.planes[2 * axis][lane] = bounds.min[axis];
+            self.planes[2 * axis + 1][lane] = bounds.max[axis];
+        }
+        self.children[lane] = child;
+    }
+
+    /// The box of one child, `None` if there is no such child.
+    pub(super) fn child_box(&self, lane: usize) -> Option<NodeBox> {
+        let side = |side: usize| [0, 1, 2].map(|axis| self.planes[2 * axis + side][lane]).into();
+        let (min, max): (glam::Vec3A, glam::Vec3A) = (side(0), side(1));
+        min.cmple(max).all().then_some(NodeBox { min, max })
+    }
+
+    /// The children that exist.
+    pub(super) fn children(&self) -> impl Iterator<Item = (NodeBox, Child)> + '_ {
+        (0..8).filter_map(|lane| Some((self.child_box(lane)?, self.children[lane])))
+    }
+}

@@ -1,0 +1,185 @@
+//! Eight numbers of single precision at a time, on whatever the processor has.
+//!
+//! What is written once against [`Simd`] runs on AVX-512, AVX2, or anything. Which one is asked for by
+//! [`SimdLevel`]; results differ in the last bits of what filters compute, and never in what a query answers.
+
+mod portable;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use portable::Portable;
+use rt_math::{Interval, Ray};
+
+/// Arithmetic on eight numbers side by side. Having a value of the type proves that the processor can do it.
+pub(super) trait Simd: Copy {
+    /// Eight numbers.
+    type Lanes: Copy;
+
+    /// True if [`mul_add`](Self::mul_add) rounds once.
+    const FUSED: bool;
+
+    /// The same number eight times.
+    fn splat(self, x: f32) -> Self::Lanes;
+    /// Eight numbers in a row.
+    fn load(self, from: &[f32; 8]) -> Self::Lanes;
+    /// The numbers by lane.
+    fn to_array(self, a: Self::Lanes) -> [f32; 8];
+    /// `a + b`
+    fn add(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
+    /// `a − b`
+    fn sub(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
+    /// `a·b`
+    fn mul(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
+    /// `a/b`
+    fn div(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
+    /// `√a`
+    fn sqrt(self, a: Self::Lanes) -> Self::Lanes;
+    /// `|a|`
+    fn abs(self, a: Self::Lanes) -> Self::Lanes;
+    /// The lesser of both; either where one is NaN.
+    fn min(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
+    /// The greater of both; either where one is NaN.
+    fn max(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
+    /// `a·b + c`, rounded once or twice.
+    fn mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes;
+    /// `a·b − c`, rounded once or twice.
+    fn mul_sub(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes;
+    /// `c − a·b`, rounded once or twice.
+    fn neg_mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes;
+    /// A bit for each lane, set where `a ≤ b`; never where one is NaN.
+    fn le(self, a: Self::Lanes, b: Self::Lanes) -> u32;
+    /// Asks for the cache line at this address to be fetched; any address will do.
+    fn prefetch<T>(self, line: *const T);
+}
+
+/// A computation that is to be compiled for every kind of processor. `run` must be `#[inline(always)]`.
+///
+/// What implements it should be no more than two pointers: then all arguments travel in registers. What has just been
+/// stored in small pieces cannot be loaded in larger ones without a wait for the memory, which costs as much as a node.
+pub(super) trait Kernel {
+    /// Does it.
+    fn run<S: Simd>(self, simd: S, ray: &Ray, span: Interval) -> Answer;
+}
+
+/// What comes of a kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Answer {
+    /// Nothing was hit.
+    Missed,
+    /// Something was hit.
+    Hit,
+    /// The kernel is not proven for this ray.
+    Unproven,
+}
+
+impl From<bool> for Answer {
+    #[inline(always)]
+    fn from(is_hit: bool) -> Self {
+        if is_hit { Self::Hit } else { Self::Missed }
+    }
+}
+
+/// What the processor can do with eight numbers at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum SimdLevel {
+    /// Four numbers twice, by what every processor of its kind can do: SSE2, NEON, or plain arithmetic.
+    Portable,
+    /// AVX2 with fused multiply-add.
+    Avx2,
+    /// AVX-512 with 256-bit vectors: as AVX2, with masks in registers of their own.
+    Avx512,
+}
+
+impl SimdLevel {
+    /// All of them, from the least to the most demanding.
+    pub const ALL: &[Self] = &[Self::Portable, Self::Avx2, Self::Avx512];
+
+    /// Its name in lower case.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Portable => "portable",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+
+    /// The most demanding that this processor can do.
+    pub fn best() -> Self {
+        Self::ALL.iter().rev().copied().find(|level| level.is_available()).unwrap_or(Self::Portable)
+    }
+
+    /// True if this processor can do it.
+    pub fn is_available(self) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        match self {
+            Self::Portable => true,
+            Self::Avx2 => x86::Avx2::detect().is_some(),
+            Self::Avx512 => x86::Avx512::detect().is_some(),
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        {
+            self == Self::Portable
+        }
+    }
+}
+
+/// A level that the processor has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Available {
+    Portable(Portable),
+    #[cfg(target_arch = "x86_64")]
+    Avx2(x86::Avx2),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(x86::Avx512),
+}
+
+impl Available {
+    /// The level, or the portable one if the processor does not have it.
+    pub(super) fn new(level: SimdLevel) -> Self {
+        #[cfg(target_arch = "x86_64")]
+        let available = match level {
+            SimdLevel::Portable => None,
+            SimdLevel::Avx2 => x86::Avx2::detect().map(Self::Avx2),
+            SimdLevel::Avx512 => x86::Avx512::detect().map(Self::Avx512),
+        };
+        #[cfg(not(target_arch = "x86_64"))]
+        let available = None;
+        available.unwrap_or(Self::Portable(Portable))
+    }
+
+    pub(super) const fn level(self) -> SimdLevel {
+        match self {
+            Self::Portable(_) => SimdLevel::Portable,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(_) => SimdLevel::Avx2,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(_) => SimdLevel::Avx512,
+        }
+    }
+
+    /// Runs a kernel by the instructions of this level.
+    #[inline(always)]
+    pub(super) fn dispatch<K: Kernel>(self, kernel: K, ray: &Ray, span: Interval) -> Answer {
+        match self {
+            Self::Portable(simd) => simd.dispatch(kernel, ray, span),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(simd) => simd.dispatch(kernel, ray, span),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(simd) => simd.dispatch(kernel, ray, span),
+        }
+    }
+}
+
+impl Default for Available {
+    /// The best.
+    fn default() -> Self {
+        Self::new(SimdLevel::best())
+    }
+}
+
+impl Default for SimdLevel {
+    fn default() -> Self {
+        Self::best()
+    }
+}

@@ -1,0 +1,110 @@
+//! What any processor can do: twice four numbers, by glam, which knows SSE2 and NEON.
+
+use glam::Vec4;
+
+use rt_math::{Interval, Ray};
+
+use super::{Answer, Kernel, Simd};
+
+/// Two halves of four numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::wide) struct Portable;
+
+impl Portable {
+    /// Runs the kernel, compiled once and not wherever it is asked for.
+    #[inline(never)]
+    pub(super) fn dispatch<K: Kernel>(self, kernel: K, ray: &Ray, span: Interval) -> Answer {
+        kernel.run(self, ray, span)
+    }
+}
+
+#[inline(always)]
+fn both([a, b]: [Vec4; 2], [c, d]: [Vec4; 2], f: impl Fn(Vec4, Vec4) -> Vec4) -> [Vec4; 2] {
+    [f(a, c), f(b, d)]
+}
+
+impl Simd for Portable {
+    type Lanes = [Vec4; 2];
+
+    const FUSED: bool = false;
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::Lanes {
+        [Vec4::splat(x); 2]
+    }
+
+    #[inline(always)]
+    fn load(self, from: &[f32; 8]) -> Self::Lanes {
+        let [a, b, c, d, e, f, g, h] = *from;
+        [Vec4::new(a, b, c, d), Vec4::new(e, f, g, h)]
+    }
+
+    #[inline(always)]
+    fn to_array(self, [low, high]: Self::Lanes) -> [f32; 8] {
+        let ([a, b, c, d], [e, f, g, h]) = (low.to_array(), high.to_array());
+        [a, b, c, d, e, f, g, h]
+    }
+
+    #[inline(always)]
+    fn add(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        both(a, b, |a, b| a + b)
+    }
+
+    #[inline(always)]
+    fn sub(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        both(a, b, |a, b| a - b)
+    }
+
+    #[inline(always)]
+    fn mul(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        both(a, b, |a, b| a * b)
+    }
+
+    #[inline(always)]
+    fn div(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        both(a, b, |a, b| a / b)
+    }
+
+    #[inline(always)]
+    fn sqrt(self, a: Self::Lanes) -> Self::Lanes {
+        a.map(|half| Vec4::from_array(half.to_array().map(f32::sqrt)))
+    }
+
+    #[inline(always)]
+    fn abs(self, a: Self::Lanes) -> Self::Lanes {
+        a.map(Vec4::abs)
+    }
+
+    #[inline(always)]
+    fn min(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        both(a, b, Vec4::min)
+    }
+
+    #[inline(always)]
+    fn max(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        both(a, b, Vec4::max)
+    }
+
+    #[inline(always)]
+    fn mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes {
+        self.add(self.mul(a, b), c)
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes {
+        self.sub(self.mul(a, b), c)
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes {
+        self.sub(c, self.mul(a, b))
+    }
+
+    #[inline(always)]
+    fn le(self, a: Self::Lanes, b: Self::Lanes) -> u32 {
+        a[0].cmple(b[0]).bitmask() | a[1].cmple(b[1]).bitmask() << 4
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, _line: *const T) {}
+}

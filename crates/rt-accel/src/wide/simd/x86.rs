@@ -1,0 +1,157 @@
+//! AVX2 and AVX-512.
+//!
+//! The types cannot be made but by `detect`, so that having one proves that the processor has the instructions. Their
+//! methods are inlined into the functions that `dispatch` compiles for them.
+
+use core::arch::x86_64::*;
+
+use rt_math::{Interval, Ray};
+
+use super::{Answer, Kernel, Simd};
+
+/// Makes a level of which all operations but the comparison are those of AVX2.
+macro_rules! level {
+    ($name:ident, $doc:literal, $features:literal, [$($feature:tt),+], |$a:ident, $b:ident| $le:expr) => {
+        #[doc = $doc]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(in crate::wide) struct $name(());
+
+        impl $name {
+            /// Proof that this processor has it.
+            #[inline]
+            pub(super) fn detect() -> Option<Self> {
+                (true $(&& is_x86_feature_detected!($feature))+).then_some(Self(()))
+            }
+
+            /// Runs the kernel with all that this level has.
+            #[inline]
+            pub(super) fn dispatch<K: Kernel>(self, kernel: K, ray: &Ray, span: Interval) -> Answer {
+                #[target_feature(enable = $features)]
+                fn compiled_for_it<K: Kernel>(simd: $name, kernel: K, ray: &Ray, span: Interval) -> Answer {
+                    kernel.run(simd, ray, span)
+                }
+                // SAFETY: `self` exists, so `detect` has found all of these features.
+                unsafe { compiled_for_it(self, kernel, ray, span) }
+            }
+        }
+
+        impl Simd for $name {
+            type Lanes = __m256;
+
+            const FUSED: bool = true;
+
+            #[inline(always)]
+            fn splat(self, x: f32) -> __m256 {
+                // SAFETY: AVX is there, as `self` exists; so in all that follow.
+                unsafe { _mm256_set1_ps(x) }
+            }
+
+            #[inline(always)]
+            fn load(self, from: &[f32; 8]) -> __m256 {
+                // SAFETY: reads the eight numbers of the array, at any alignment.
+                unsafe { _mm256_loadu_ps(from.as_ptr()) }
+            }
+
+            #[inline(always)]
+            fn to_array(self, a: __m256) -> [f32; 8] {
+                let mut to = [0.0; 8];
+                // SAFETY: writes the eight numbers of the array, at any alignment.
+                unsafe { _mm256_storeu_ps(to.as_mut_ptr(), a) };
+                to
+            }
+
+            #[inline(always)]
+            fn add(self, a: __m256, b: __m256) -> __m256 {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_add_ps(a, b) }
+            }
+
+            #[inline(always)]
+            fn sub(self, a: __m256, b: __m256) -> __m256 {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_sub_ps(a, b) }
+            }
+
+            #[inline(always)]
+            fn mul(self, a: __m256, b: __m256) -> __m256 {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_mul_ps(a, b) }
+            }
+
+            #[inline(always)]
+            fn div(self, a: __m256, b: __m256) -> __m256 {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_div_ps(a, b) }
+            }
+
+            #[inline(always)]
+            fn sqrt(self, a: __m256) -> __m256 {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_sqrt_ps(a) }
+            }
+
+            #[inline(always)]
+            fn abs(self, a: __m256) -> __m256 {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), a) }
+            }
+
+            #[inline(always)]
+            fn min(self, a: __m256, b: __m256) -> __m256 {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_min_ps(a, b) }
+            }
+
+            #[inline(always)]
+            fn max(self, a: __m256, b: __m256) -> __m256 {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_max_ps(a, b) }
+            }
+
+            #[inline(always)]
+            fn mul_add(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+                // SAFETY: FMA is there, as `self` exists; so in the two that follow.
+                unsafe { _mm256_fmadd_ps(a, b, c) }
+            }
+
+            #[inline(always)]
+            fn mul_sub(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+                // SAFETY: as `mul_add`.
+                unsafe { _mm256_fmsub_ps(a, b, c) }
+            }
+
+            #[inline(always)]
+            fn neg_mul_add(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+                // SAFETY: as `mul_add`.
+                unsafe { _mm256_fnmadd_ps(a, b, c) }
+            }
+
+            #[inline(always)]
+            fn le(self, $a: __m256, $b: __m256) -> u32 {
+                // SAFETY: as `splat`, and AVX-512 where this is its level.
+                unsafe { $le }
+            }
+
+            #[inline(always)]
+            fn prefetch<T>(self, line: *const T) {
+                // SAFETY: a prefetch changes nothing and cannot fail.
+                unsafe { _mm_prefetch::<_MM_HINT_T0>(line.cast()) }
+            }
+        }
+    };
+}
+
+level!(
+    Avx2,
+    "AVX2 and FMA are there.",
+    "avx2,fma,bmi1,bmi2,lzcnt,popcnt",
+    ["avx2", "fma", "bmi1", "bmi2", "lzcnt", "popcnt"],
+    |a, b| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32
+);
+level!(
+    Avx512,
+    "AVX-512 with vectors of any length is there.",
+    "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt",
+    ["avx512f", "avx512vl", "avx512dq", "avx512bw", "avx2", "fma", "bmi1", "bmi2", "lzcnt", "popcnt"],
+    |a, b| u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b))
+);

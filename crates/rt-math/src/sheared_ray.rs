@@ -1,0 +1,180 @@
+//! The watertight triangle test, shared by single triangles, meshes and structures that keep copies of them.
+
+use crate::float::{difference_of_products, is_sign_settled};
+use crate::{Interval, Ray};
+use glam::DVec3;
+use robust::{Coord3D, orient3d};
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TriangleHit {
+    /// Ray parameter.
+    pub t: f64,
+    /// Barycentric weights of the second and third vertex.
+    pub uv: [f64; 2],
+}
+
+/// A ray prepared for many triangle tests: the affine map that takes the ray to the positive z axis.
+///
+/// Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, in `f64`. A vertex is mapped by a
+/// function of that vertex and the ray alone, so triangles that share it agree on where it lies, and the sides of the
+/// edges are decided with exact signs: no ray slips through an edge or a vertex of a closed mesh. On which side of a
+/// triangle a ray starts is decided exactly as well, so that one that starts in its plane meets it at 0.
+#[derive(Clone, Copy, Debug)]
+pub struct ShearedRay {
+    origin: DVec3,
+    /// Which axes become x, y and z: the direction is largest along the last, and the order is cyclic.
+    axes: [usize; 3],
+    shear_x: f64,
+    shear_y: f64,
+    scale_z: f64,
+}
+
+/// By the axis that becomes z.
+const CYCLIC: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+
+impl ShearedRay {
+    /// Prepares a ray. One without a direction misses everything.
+    #[inline(always)]
+    pub fn new(ray: &Ray) -> Self {
+        let size = ray.direction.abs();
+        // Without branches, as directions are as good as random.
+        let axis = if size.y > size.z { 1 } else { 2 };
+        let axis = if (size.x > size.y) & (size.x > size.z) { 0 } else { axis };
+        let axes = CYCLIC[axis];
+        let d = permuted(ray.direction, axes);
+        let scale_z = 1.0 / d.z;
+        Self { origin: ray.origin, axes, shear_x: d.x * scale_z, shear_y: d.y * scale_z, scale_z }
+    }
+
+    /// A point as the ray sees it: x and y across the ray, z the ray parameter.
+    #[inline(always)]
+    pub fn map(&self, point: DVec3) -> DVec3 {
+        let p = permuted(point - self.origin, self.axes);
+        DVec3::new(p.x - self.shear_x * p.z, p.y - self.shear_y * p.z, p.z * self.scale_z)
+    }
+
+    /// The hit on a triangle within the closed `span`, with the barycentric weights of the second and third vertex.
+    /// Edges and vertices belong to the triangle; both sides are hit; `None` if it is seen exactly edge-on.
+    #[inline(always)]
+    pub fn intersect(&self, vertices: [DVec3; 3], span: Interval) -> Option<TriangleHit> {
+        let seen = self.see(vertices);
+        let [u, v, w] = seen.areas;
+        // Without short cuts: the signs are as good as random, and a mispredicted branch costs more than the test.
+        let outside = ((u < 0.0) | (v < 0.0) | (w < 0.0)) & ((u > 0.0) | (v > 0.0) | (w > 0.0));
+        if outside | (seen.determinant == 0.0) {
+            return None;
+        }
+        let mut hit = seen.hit();
+        if seen.is_start_in_doubt(hit.t) {
+            hit.t = self.checked_start(vertices, hit.t, seen.determinant);
+        }
+        (span.contains(hit.t) & hit.t.is_finite()).then_some(hit)
+    }
+
+    /// The hit on a triangle of which it is known that there is one; otherwise numbers without a meaning.
+    #[inline(always)]
+    pub(crate) fn certain_hit(&self, vertices: [DVec3; 3]) -> TriangleHit {
+        self.see(vertices).hit()
+    }
+
+    /// The `t` of a plane that the ray starts next to, on the side on which it is: 0 if the ray starts in the plane.
+    #[cold]
+    #[inline(never)]
+    fn checked_start(&self, vertices: [DVec3; 3], t: f64, determinant: f64) -> f64 {
+        let [a, b, c, o] =
+            [vertices[0], vertices[1], vertices[2], self.origin].map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
+        // Exact: the sign of the volume between the plane and the origin (Shewchuk 1997).
+        let side = -orient3d(a, b, c, o) * self.scale_z.signum() * determinant.signum();
+        if side == 0.0 {
+            0.0
+        } else if side > 0.0 {
+            t.max(0.0)
+        } else if side < 0.0 {
+            t.min(-f64::MIN_POSITIVE)
+        } else {
+            t
+        }
+    }
+
+    #[inline(always)]
+    fn see(&self, vertices: [DVec3; 3]) -> SeenTriangle {
+        let [a, b, c] = [self.map(vertices[0]), self.map(vertices[1]), self.map(vertices[2])];
+        // Side by side, as vectors: each coordinate of the three vertices twice, turned by one and by two.
+        let (x_one, y_one) = ([c.x, a.x, b.x, 0.0], [c.y, a.y, b.y, 0.0]);
+        let (x_two, y_two) = ([b.x, c.x, a.x, 0.0], [b.y, c.y, a.y, 0.0]);
+        let (minuends, subtrahends) = (products(x_one, y_two), products(y_one, x_two));
+        let [u, v, w, spare] = differences(minuends, subtrahends);
+        let is_settled = |i: usize, area: f64| is_sign_settled(area, minuends[i], subtrahends[i]);
+        let areas = if is_settled(0, u) & is_settled(1, v) & is_settled(2, w) & (spare == 0.0) {
+            [u, v, w]
+        } else {
+            exact_areas([c.x, c.y, a.x, a.y, b.x, b.y])
+        };
+        let [u, v, w] = areas;
+        SeenTriangle { areas, determinant: u + v + w, depths: [a.z, b.z, c.z] }
+    }
+
+    /// Which axes become x, y and z, the multiples of z that x and y lose, and the factor of z: for filters that do the
+    /// same in less precision.
+    #[inline(always)]
+    pub const fn shear(&self) -> ([usize; 3], [f64; 3]) {
+        (self.axes, [self.shear_x, self.shear_y, self.scale_z])
+    }
+}
+
+#[inline(always)]
+fn products(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]]
+}
+
+#[inline(always)]
+fn differences(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
+}
+
+/// Where a sign is in doubt.
+#[cold]
+#[inline(never)]
+fn exact_areas([cx, cy, ax, ay, bx, by]: [f64; 6]) -> [f64; 3] {
+    [
+        difference_of_products(cx, by, cy, bx),
+        difference_of_products(ax, cy, ay, cx),
+        difference_of_products(bx, ay, by, ax),
+    ]
+}
+
+/// A triangle as the ray sees it.
+struct SeenTriangle {
+    /// Twice the areas of the triangles between the ray and the edges, with exact signs.
+    areas: [f64; 3],
+    /// Their sum.
+    determinant: f64,
+    /// Ray parameters of the vertices.
+    depths: [f64; 3],
+}
+
+impl SeenTriangle {
+    /// True if rounding may decide on which side of the triangle the ray starts.
+    #[inline(always)]
+    fn is_start_in_doubt(&self, t: f64) -> bool {
+        const SMALL: f64 = 1.0 / (1 << 16) as f64;
+        let [a, b, c] = self.depths;
+        t.abs() <= SMALL * (a.abs() + b.abs() + c.abs())
+    }
+
+    #[inline(always)]
+    fn hit(&self) -> TriangleHit {
+        let ([u, v, w], [a, b, c]) = (self.areas, self.depths);
+        let t = (u * a + v * b + w * c) / self.determinant;
+        TriangleHit { t, uv: [v / self.determinant, w / self.determinant] }
+    }
+}
+
+/// The components in this order.
+#[inline(always)]
+fn permuted(v: DVec3, [x, y, z]: [usize; 3]) -> DVec3 {
+    // Four, so that the remainder is a mask.
+    let v = [v.x, v.y, v.z, 0.0];
+    DVec3::new(v[x & 3], v[y & 3], v[z & 3])
+}
