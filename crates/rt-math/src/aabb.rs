@@ -9,7 +9,7 @@ pub const FAR_FACTOR: f64 = 1.0 + 2.0 * gamma(3);
 
 /// Own boxes are widened by this part of their greatest coordinate, so that the box never removes a hit that the
 /// kernel found a rounding error outside it.
-const PAD: f64 = 1.0 / (1u64 << 40) as f64;
+pub const OWN_BOX_PAD: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// A closed axis-aligned box. Empty when `min > max` on any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,7 +116,7 @@ impl Aabb {
     /// The box widened on all sides by 2⁻⁴⁰ of its greatest coordinate.
     #[inline]
     pub fn padded(&self) -> Self {
-        let pad = DVec3::splat(self.max_abs() * PAD);
+        let pad = DVec3::splat(self.max_abs() * OWN_BOX_PAD);
         Self { min: self.min - pad, max: self.max + pad }
     }
 
@@ -158,21 +158,6 @@ impl Aabb {
             }
         }
         (enter <= leave).then_some(Interval { min: enter, max: leave })
-    }
-
-    /// Where [`clip`](Self::clip) begins, at `start` or later, if the ray passes the box.
-    #[inline(always)]
-    pub(crate) fn entry(&self, ray: &SlabRay, start: f64) -> f64 {
-        let mut enter = start;
-        for axis in 0..3 {
-            let (origin, inverse) = (ray.ray.origin[axis], ray.inverse[axis]);
-            let near = if inverse.is_sign_negative() { self.max[axis] } else { self.min[axis] };
-            let t_near = (near - origin) * inverse;
-            if t_near > enter {
-                enter = t_near;
-            }
-        }
-        enter
     }
 }
 

@@ -61,14 +61,6 @@ pub fn decide_triangle(
     Some(Hit { t: t.max(entry), instance: 0, primitive: index, uv })
 }
 
-/// As [`decide_triangle`], of a triangle that is certain to be hit: without a look at what could rule it out.
-#[inline(always)]
-pub fn certain_triangle(vertices: [DVec3; 3], index: u32, ray: &SlabRay, sheared: &ShearedRay, span: Interval) -> Hit {
-    let TriangleHit { t, uv } = sheared.certain_hit(vertices);
-    let entry = Aabb::from_points(vertices).padded().entry(ray, span.min);
-    Hit { t: t.max(entry), instance: 0, primitive: index, uv }
-}
-
 /// True if primitive `index` blocks the ray within `span`: exactly when [`decide`] would find a hit on a primitive
 /// whose `occludes` agrees with its `intersect`.
 #[inline(always)]

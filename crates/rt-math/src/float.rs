@@ -48,11 +48,14 @@ pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     (ab - cd) + (ab_error - cd_error)
 }
 
+/// The rounded difference of two rounded products has the sign of what is not rounded if it is greater than this part of
+/// the sum of their sizes: each product is off by at most u of itself and the difference by u of itself.
+pub const SETTLED: f64 = 4.0 * UNIT_ROUNDOFF;
+
 /// True if the rounded difference of two rounded products has the sign of what is not rounded.
 #[inline(always)]
 pub(crate) fn is_sign_settled(difference: f64, minuend: f64, subtrahend: f64) -> bool {
-    // Each product is off by at most u of itself and the difference by u of itself.
-    difference.abs() > 4.0 * UNIT_ROUNDOFF * (minuend.abs() + subtrahend.abs())
+    difference.abs() > SETTLED * (minuend.abs() + subtrahend.abs())
 }
 
 /// `a × b` with [`difference_of_products`] in each component.

@@ -50,11 +50,9 @@ mod sheared_ray;
 pub mod transcendental;
 mod transform;
 
-pub use aabb::{Aabb, FAR_FACTOR, SlabRay};
+pub use aabb::{Aabb, FAR_FACTOR, OWN_BOX_PAD, SlabRay};
 pub use accelerator::Accelerator;
-pub use decide::{
-    certain_triangle, decide, decide_occluded, decide_offered, decide_offered_occluded, decide_triangle, own_box,
-};
+pub use decide::{decide, decide_occluded, decide_offered, decide_offered_occluded, decide_triangle, own_box};
 pub use frame::Frame;
 pub use hit::Hit;
 pub use interval::Interval;

@@ -34,16 +34,26 @@ pub struct ShearedRay {
 const CYCLIC: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 impl ShearedRay {
+    /// If `t` is at most this part of the sum of the distances of the vertices along the ray, it is looked at exactly on
+    /// which side of the triangle the ray starts.
+    pub const DOUBTFUL_START: f64 = 1.0 / (1 << 16) as f64;
+
     /// Prepares a ray. One without a direction misses everything.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
+        Self::with_inverse(ray, ray.direction.recip())
+    }
+
+    /// Prepares a ray of which the reciprocals of the direction are known.
+    #[inline(always)]
+    pub fn with_inverse(ray: &Ray, inverse: DVec3) -> Self {
         let size = ray.direction.abs();
         // Without branches, as directions are as good as random.
         let axis = if size.y > size.z { 1 } else { 2 };
         let axis = if (size.x > size.y) & (size.x > size.z) { 0 } else { axis };
         let axes = CYCLIC[axis];
         let d = permuted(ray.direction, axes);
-        let scale_z = 1.0 / d.z;
+        let scale_z = permuted(inverse, axes).z;
         Self { origin: ray.origin, axes, shear_x: d.x * scale_z, shear_y: d.y * scale_z, scale_z }
     }
 
@@ -70,12 +80,6 @@ impl ShearedRay {
             hit.t = self.checked_start(vertices, hit.t, seen.determinant);
         }
         (span.contains(hit.t) & hit.t.is_finite()).then_some(hit)
-    }
-
-    /// The hit on a triangle of which it is known that there is one; otherwise numbers without a meaning.
-    #[inline(always)]
-    pub(crate) fn certain_hit(&self, vertices: [DVec3; 3]) -> TriangleHit {
-        self.see(vertices).hit()
     }
 
     /// The `t` of a plane that the ray starts next to, on the side on which it is: 0 if the ray starts in the plane.
@@ -158,9 +162,8 @@ impl SeenTriangle {
     /// True if rounding may decide on which side of the triangle the ray starts.
     #[inline(always)]
     fn is_start_in_doubt(&self, t: f64) -> bool {
-        const SMALL: f64 = 1.0 / (1 << 16) as f64;
         let [a, b, c] = self.depths;
-        t.abs() <= SMALL * (a.abs() + b.abs() + c.abs())
+        t.abs() <= ShearedRay::DOUBTFUL_START * (a.abs() + b.abs() + c.abs())
     }
 
     #[inline(always)]

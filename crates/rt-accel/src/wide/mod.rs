@@ -12,8 +12,8 @@
 
 mod build;
 mod check;
+mod copy;
 mod exact;
-mod four;
 mod leaf;
 mod node;
 mod ray;

@@ -29,9 +29,8 @@
 //! **Range.** All this needs numbers that neither over- nor underflow. [`FilterRay::new`] refuses rays and trees out of
 //! proportion, which are walked in `f64`.
 
-use rt_math::{DVec3, Interval, SlabRay};
+use rt_math::{DVec3, Interval, Ray};
 
-use super::four::Four;
 use super::node::Node;
 use super::simd::Simd;
 
@@ -58,48 +57,72 @@ pub(super) struct FilterRay {
 /// Least and greatest number of a tree or direction for which nothing over- or underflows.
 const RANGE: core::ops::RangeInclusive<f64> = 1.0 / (1 << 24) as f64..=(1 << 24) as f64;
 
-/// The greater of both, in one instruction; either where one is NaN.
+/// A ray in `f64`, all axes side by side; the fourth lanes are 0, and 1 where they divide.
+#[derive(Clone, Copy)]
+pub(super) struct LaneRay<S: Simd> {
+    pub(super) origin: S::Doubles,
+    pub(super) direction: S::Doubles,
+    /// As [`SlabRay`](rt_math::SlabRay) has it.
+    pub(super) inverse: S::Doubles,
+}
+
+impl<S: Simd> LaneRay<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, ray: &Ray) -> Self {
+        let Ray { origin: o, direction: d, .. } = *ray;
+        let direction = simd.doubles([d.x, d.y, d.z, 1.0]);
+        let inverse = simd.div_doubles(simd.doubles([1.0; 4]), direction);
+        Self { origin: simd.doubles([o.x, o.y, o.z, 0.0]), direction, inverse }
+    }
+}
+
+/// The greatest of the first three.
 #[inline(always)]
-pub(super) fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+pub(super) fn greatest<S: Simd>(simd: S, a: S::Doubles) -> f64 {
+    let turned = simd.max_doubles(simd.turned_once(a), simd.turned_twice(a));
+    let [greatest, ..] = simd.to_doubles(simd.max_doubles(a, turned));
+    greatest
 }
 
 impl FilterRay {
     /// For a tree of this centre and size, its greatest coordinate relative to the centre. `None` where the proof does
     /// not hold.
     #[inline(always)]
-    pub(super) fn new<S: Simd>(_simd: S, ray: &SlabRay, span: Interval, centre: DVec3, size: f64) -> Option<Self> {
-        let direction = ray.ray.direction.abs();
-        let greatest = greater(greater(direction.x, direction.y), direction.z);
-        let q = ray.ray.origin - centre;
-        let distance = q.abs();
-        let farthest = greater(greater(distance.x, distance.y), distance.z);
-        // A NaN is in no range, and not finite.
-        let is_proven = RANGE.contains(&greatest)
+    pub(super) fn new<S: Simd>(simd: S, ray: &LaneRay<S>, span: Interval, centre: DVec3, size: f64) -> Option<Self> {
+        let q = simd.sub_doubles(ray.origin, simd.doubles([centre.x, centre.y, centre.z, 0.0]));
+        let fastest = greatest(simd, simd.abs_doubles(ray.direction));
+        let farthest = greatest(simd, simd.abs_doubles(q));
+        // What is not finite makes a NaN of this.
+        let nothing = simd.mul_doubles(simd.add_doubles(q, ray.direction), simd.doubles([0.0; 4]));
+        let [x, y, z, _] = simd.to_doubles(nothing);
+        let is_proven = RANGE.contains(&fastest)
             & RANGE.contains(&size)
             & (farthest <= FARTHEST * size)
             & (span.min >= 0.0)
-            & (direction.x + direction.y + direction.z + q.x + q.y + q.z).is_finite();
+            & (x + y + z == 0.0);
         if !is_proven {
             return None;
         }
+        let all = |x: f64| simd.doubles([x; 4]);
         let pad_of = size / if S::FUSED { (1u64 << 40) as f64 } else { (1u64 << 22) as f64 };
-        let inverse = Four::new(ray.inverse, 1.0).limited(STEEPEST / greatest);
-        let q = Four::new(q, 0.0);
-        let near_scale = (inverse * Four::splat(1.0 - SLACK)).to_f32();
-        let far_scale = (inverse * Four::splat(1.0 + SLACK)).to_f32();
-        let pad = Four::splat(pad_of) * inverse.abs();
-        let (near_q, far_q) = (q * Four::from_f32(near_scale), q * Four::from_f32(far_scale));
-        let slack = Four::splat(SLACK / 2.0);
-        let near_shift = (Four::splat(0.0) - near_q) - (near_q.abs() * slack + pad);
-        let far_shift = (far_q.abs() * slack + pad) - far_q;
-        let is_negative = |axis: usize| usize::from(inverse.0[axis].is_sign_negative());
+        let steepest = STEEPEST / fastest;
+        let inverse = simd.max_doubles(simd.min_doubles(ray.inverse, all(steepest)), all(-steepest));
+        let near_scale = simd.narrowed(simd.mul_doubles(inverse, all(1.0 - SLACK)));
+        let far_scale = simd.narrowed(simd.mul_doubles(inverse, all(1.0 + SLACK)));
+        let pad = simd.mul_doubles(all(pad_of), simd.abs_doubles(inverse));
+        let near_q = simd.mul_doubles(q, simd.widened(near_scale));
+        let far_q = simd.mul_doubles(q, simd.widened(far_scale));
+        let slack = all(SLACK / 2.0);
+        let near_slack = simd.add_doubles(simd.mul_doubles(simd.abs_doubles(near_q), slack), pad);
+        let far_slack = simd.add_doubles(simd.mul_doubles(simd.abs_doubles(far_q), slack), pad);
+        let near_shift = simd.sub_doubles(simd.sub_doubles(all(0.0), near_q), near_slack);
+        let signs = simd.signs(ray.inverse) as usize;
         Some(Self {
             near_scale,
-            near_shift: near_shift.to_f32(),
+            near_shift: simd.narrowed(near_shift),
             far_scale,
-            far_shift: far_shift.to_f32(),
-            near_side: [is_negative(0), is_negative(1), is_negative(2)],
+            far_shift: simd.narrowed(simd.sub_doubles(far_slack, far_q)),
+            near_side: [signs & 1, signs >> 1 & 1, signs >> 2 & 1],
         })
     }
 

@@ -2,12 +2,13 @@
 
 use core::mem::MaybeUninit;
 
-use rt_math::{Hit, Interval, Ray, ShearedRay, SlabRay, certain_triangle, decide_triangle};
+use rt_math::{DVec3, Hit, Interval, Ray, ShearedRay, SlabRay};
 
 use super::WideBvh;
-use super::leaf::{BoxFilter, Filter, LeafKind, LeafView, SphereFilter, TriangleFilter};
+use super::copy::Copied;
+use super::leaf::{BoxFilter, Filter, LeafKind, LeafView, PreparedRay, SphereFilter, TriangleFilter};
 use super::node::{Child, Node};
-use super::ray::{FilterRay, at_least, at_most};
+use super::ray::{FilterRay, LaneRay, at_least, at_most};
 use super::simd::{Answer, Kernel, Simd};
 use super::stack::Stack;
 
@@ -43,17 +44,23 @@ pub(super) struct Query<'q> {
 }
 
 /// The ray and its filter, spread over lanes by the compiler where that is best.
-struct Prepared<F> {
-    ray: FilterRay,
+struct Prepared<S: Simd, F> {
+    ray: PreparedRay<S>,
     min: f32,
     filter: F,
 }
 
-impl<F: Filter> Prepared<F> {
+impl<S: Simd, F: Filter> Prepared<S, F> {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, tree: &WideBvh, ray: &SlabRay, span: Interval) -> Option<Self> {
-        let filter_ray = FilterRay::new(simd, ray, span, tree.centre, tree.size)?;
-        Some(Self { ray: filter_ray, min: at_most(span.min), filter: F::new(ray, &filter_ray, span, tree) })
+    fn new(simd: S, tree: &WideBvh, ray: &Ray, span: Interval) -> Option<Self> {
+        let lanes = LaneRay::new(simd, ray);
+        let [x, y, z, _] = simd.to_doubles(lanes.inverse);
+        let ray = PreparedRay {
+            lanes,
+            filter: FilterRay::new(simd, &lanes, span, tree.centre, tree.size)?,
+            sheared: ShearedRay::with_inverse(ray, DVec3::new(x, y, z)),
+        };
+        Some(Self { min: at_most(span.min), filter: F::new(simd, &ray, span, tree), ray })
     }
 }
 
@@ -98,8 +105,6 @@ impl Kernel for FirstHit<'_, '_> {
 struct Search<'q, 'j, const COPIES: bool> {
     tree: &'q WideBvh,
     ray: &'q Ray,
-    slab_ray: SlabRay,
-    sheared: ShearedRay,
     judge: &'q mut (dyn Judge + 'j),
     hits: u64,
     /// Ends at the nearest hit.
@@ -117,11 +122,10 @@ struct Search<'q, 'j, const COPIES: bool> {
 
 impl<const COPIES: bool> Search<'_, '_, COPIES> {
     #[inline(always)]
-    fn decide<F: Filter>(&mut self, leaf: LeafView<'_>, lane: usize) {
+    fn decide<S: Simd, F: Filter>(&mut self, simd: S, ray: &PreparedRay<S>, leaf: LeafView<'_>, lane: usize) {
         let index = F::index(leaf, lane);
         let hit = if COPIES {
-            let vertices = TriangleFilter::vertices(leaf, lane);
-            let hit = decide_triangle(vertices, index, &self.slab_ray, &self.sheared, self.span);
+            let hit = Copied { leaf, lane, index }.hit::<S, false>(simd, ray, self.ray, self.span);
             self.hits += u64::from(hit.is_some());
             hit
         } else {
@@ -144,7 +148,14 @@ impl<const COPIES: bool> Search<'_, '_, COPIES> {
 
     /// A hit is certain: nothing behind its far bound can be first.
     #[inline(always)]
-    fn remember<F: Filter>(&mut self, leaf: Child, lane: usize, [near, far]: [f32; 2]) {
+    fn remember<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        ray: &PreparedRay<S>,
+        leaf: Child,
+        lane: usize,
+        [near, far]: [f32; 2],
+    ) {
         if near > self.limit {
             return;
         }
@@ -157,7 +168,7 @@ impl<const COPIES: bool> Search<'_, '_, COPIES> {
         }
         self.limit = self.limit.min(far);
         if self.n_candidates == MAX_CANDIDATES {
-            self.decide::<F>(self.tree.leaves.view(leaf), lane);
+            self.decide::<S, F>(simd, ray, self.tree.leaves.view(leaf), lane);
         } else {
             self.candidates[self.n_candidates % MAX_CANDIDATES].write(Candidate { near, leaf, lane });
             self.n_candidates += 1;
@@ -165,7 +176,7 @@ impl<const COPIES: bool> Search<'_, '_, COPIES> {
     }
 
     #[inline(always)]
-    fn visit<S: Simd, F: Filter>(&mut self, simd: S, filter: &F, leaf: Child) {
+    fn visit<S: Simd, F: Filter>(&mut self, simd: S, ray: &PreparedRay<S>, filter: &F, leaf: Child) {
         let view = self.tree.leaves.view(leaf);
         let verdict = filter.judge(simd, view, self.limit);
         if verdict.maybe == 0 {
@@ -176,25 +187,25 @@ impl<const COPIES: bool> Search<'_, '_, COPIES> {
             let (near, far) = (simd.to_array(verdict.near), simd.to_array(verdict.far));
             while sure != 0 {
                 let lane = take_lane(&mut sure);
-                self.remember::<F>(leaf, lane, [near[lane], far[lane]]);
+                self.remember::<S, F>(simd, ray, leaf, lane, [near[lane], far[lane]]);
             }
         }
         while unsure != 0 {
             let lane = take_lane(&mut unsure);
-            self.decide::<F>(view, lane);
+            self.decide::<S, F>(simd, ray, view, lane);
         }
     }
 
     #[inline(always)]
-    fn finish<F: Filter>(&mut self) {
+    fn finish<S: Simd, F: Filter>(&mut self, simd: S, ray: &PreparedRay<S>) {
         if COPIES && self.n_candidates == 1 && !self.is_hit {
             // The usual case: a hit that is certain and first. Nothing is asked, so that the next ray need not wait.
             // SAFETY: the first has been written.
             let Candidate { leaf, lane, .. } = unsafe { self.candidates[0].assume_init() };
             let leaf = self.tree.leaves.view(leaf);
             let index = F::index(leaf, lane);
-            let vertices = TriangleFilter::vertices(leaf, lane);
-            let hit = certain_triangle(vertices, index, &self.slab_ray, &self.sheared, self.span);
+            let copied = Copied { leaf, lane, index };
+            let Some(hit) = copied.hit::<S, true>(simd, ray, self.ray, self.span) else { return };
             self.hits += 1;
             self.is_hit = true;
             self.best.t = hit.t;
@@ -207,7 +218,7 @@ impl<const COPIES: bool> Search<'_, '_, COPIES> {
             // SAFETY: the first `n_candidates` have been written.
             let Candidate { near, leaf, lane } = unsafe { self.candidates[i % MAX_CANDIDATES].assume_init() };
             if near <= self.limit {
-                self.decide::<F>(self.tree.leaves.view(leaf), lane);
+                self.decide::<S, F>(simd, ray, self.tree.leaves.view(leaf), lane);
             }
         }
     }
@@ -218,13 +229,10 @@ impl FirstHit<'_, '_> {
     fn walk<S: Simd, F: Filter, const COPIES: bool>(self, simd: S, ray: &Ray, span: Interval) -> Answer {
         let Self { tree, query } = self;
         // Made here, where it stays in registers: what a caller has just stored cannot be loaded in other pieces at once.
-        let slab_ray = SlabRay::new(ray);
-        let Some(prepared) = Prepared::<F>::new(simd, tree, &slab_ray, span) else { return Answer::Unproven };
+        let Some(prepared) = Prepared::<S, F>::new(simd, tree, ray, span) else { return Answer::Unproven };
         let mut search = Search::<COPIES> {
             tree,
             ray,
-            slab_ray,
-            sheared: ShearedRay::new(ray),
             judge: query.judge,
             hits: 0,
             span,
@@ -242,7 +250,7 @@ impl FirstHit<'_, '_> {
             while child.is_node() {
                 nodes += 1;
                 let Some(node) = tree.nodes.get(child.number()) else { break 'walk };
-                let (enter, mut passed) = prepared.ray.cross(simd, node, prepared.min, search.limit);
+                let (enter, mut passed) = prepared.ray.filter.cross(simd, node, prepared.min, search.limit);
                 if passed == 0 {
                     let Some(next) = stack.pop(search.limit) else { break 'walk };
                     child = next;
@@ -256,11 +264,11 @@ impl FirstHit<'_, '_> {
                 child = put_off(simd, tree, node, &simd.to_array(enter), lane, passed, &mut stack);
             }
             tests += child.count() as u64;
-            search.visit(simd, &prepared.filter, child);
+            search.visit(simd, &prepared.ray, &prepared.filter, child);
             let Some(next) = stack.pop(search.limit) else { break };
             child = next;
         }
-        search.finish::<F>();
+        search.finish::<S, F>(simd, &prepared.ray);
         query.outcome = Outcome { nodes, tests, hits: search.hits, hit: search.best };
         search.is_hit.into()
     }
@@ -339,8 +347,7 @@ impl AnyHit<'_, '_> {
     #[inline(always)]
     fn walk<S: Simd, F: Filter, const COPIES: bool>(self, simd: S, ray: &Ray, span: Interval) -> Answer {
         let Self { tree, query } = self;
-        let slab_ray = SlabRay::new(ray);
-        let Some(prepared) = Prepared::<F>::new(simd, tree, &slab_ray, span) else { return Answer::Unproven };
+        let Some(prepared) = Prepared::<S, F>::new(simd, tree, ray, span) else { return Answer::Unproven };
         let limit = at_least(span.max);
         let mut stack = Stack::new();
         let (mut nodes, mut tests, mut hits) = (0, 0, 0);
@@ -349,7 +356,7 @@ impl AnyHit<'_, '_> {
             while child.is_node() {
                 nodes += 1;
                 let Some(node) = tree.nodes.get(child.number()) else { break 'walk false };
-                let (_, mut passed) = prepared.ray.cross(simd, node, prepared.min, limit);
+                let (_, mut passed) = prepared.ray.filter.cross(simd, node, prepared.min, limit);
                 if passed == 0 {
                     let Some(next) = stack.pop(f32::INFINITY) else { break 'walk false };
                     child = next;
@@ -373,8 +380,8 @@ impl AnyHit<'_, '_> {
             while unsure != 0 {
                 let lane = take_lane(&mut unsure);
                 let is_blocked = if COPIES {
-                    let vertices = TriangleFilter::vertices(view, lane);
-                    let hit = decide_triangle(vertices, F::index(view, lane), &slab_ray, &ShearedRay::new(ray), span);
+                    let copied = Copied { leaf: view, lane, index: F::index(view, lane) };
+                    let hit = copied.hit::<S, false>(simd, &prepared.ray, ray, span);
                     hits += u64::from(hit.is_some());
                     hit.is_some()
                 } else {

@@ -1,8 +1,8 @@
 //! Leaves of boxes, for primitives of any kind: the filter is that of nodes.
 
-use rt_math::{Interval, SlabRay};
+use rt_math::Interval;
 
-use super::{Block, Filter, LeafView, Verdict};
+use super::{Block, Filter, LeafView, PreparedRay, Verdict};
 use crate::bvh::NodeBox;
 use crate::wide::WideBvh;
 use crate::wide::ray::{FilterRay, at_most};
@@ -30,8 +30,8 @@ pub(in crate::wide) struct BoxFilter {
 
 impl Filter for BoxFilter {
     #[inline(always)]
-    fn new(_ray: &SlabRay, filter_ray: &FilterRay, span: Interval, _tree: &WideBvh) -> Self {
-        Self { ray: *filter_ray, min: at_most(span.min) }
+    fn new<S: Simd>(_simd: S, ray: &PreparedRay<S>, span: Interval, _tree: &WideBvh) -> Self {
+        Self { ray: ray.filter, min: at_most(span.min) }
     }
 
     #[inline(always)]

@@ -13,13 +13,13 @@ use rt_math::{LeafLayout, Primitives};
 
 pub(super) use boxes::BoxFilter;
 pub(super) use spheres::SphereFilter;
-pub(super) use triangles::TriangleFilter;
+pub(super) use triangles::{TriangleFilter, coordinates, corner};
 
 use super::node::Child;
-use super::ray::FilterRay;
+use super::ray::{FilterRay, LaneRay};
 use super::simd::Simd;
 use crate::bvh::NodeBox;
-use rt_math::{Interval, SlabRay};
+use rt_math::{Interval, ShearedRay};
 
 /// Most primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 8;
@@ -255,10 +255,17 @@ pub(super) struct FilterSpan {
     pub(super) max: f32,
 }
 
+/// A ray, prepared for boxes and for triangles.
+pub(super) struct PreparedRay<S: Simd> {
+    pub(super) lanes: LaneRay<S>,
+    pub(super) filter: FilterRay,
+    pub(super) sheared: ShearedRay,
+}
+
 /// Rules primitives out.
 pub(super) trait Filter: Copy {
-    /// Prepares a ray.
-    fn new(ray: &SlabRay, filter_ray: &FilterRay, span: Interval, tree: &super::WideBvh) -> Self;
+    /// Prepares a ray, of which it is handed what others have prepared.
+    fn new<S: Simd>(simd: S, ray: &PreparedRay<S>, span: Interval, tree: &super::WideBvh) -> Self;
 
     /// Judges the primitives of a leaf; what is hit after `limit` is missed.
     fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S>;

@@ -10,12 +10,11 @@
 //! `4(r + δ)·δ`, the projection by `24v·X`, and the `t` of the first root follows.
 
 use glam::DVec3;
-use rt_math::{Interval, LeafLayout, Primitives, SlabRay};
+use rt_math::{Interval, LeafLayout, Primitives};
 
-use super::{Block, Filter, FilterSpan, LeafView, Verdict};
+use super::{Block, Filter, FilterSpan, LeafView, PreparedRay, Verdict};
 use crate::wide::WideBvh;
-use crate::wide::four::Four;
-use crate::wide::ray::{FilterRay, at_least, at_most, greater};
+use crate::wide::ray::{at_least, at_most, greatest};
 use crate::wide::simd::Simd;
 
 /// The greatest coordinate that a sphere reaches.
@@ -76,16 +75,17 @@ impl SphereFilter {
 
 impl Filter for SphereFilter {
     #[inline(always)]
-    fn new(ray: &SlabRay, _filter_ray: &FilterRay, span: Interval, tree: &WideBvh) -> Self {
-        let origin = ray.ray.origin - tree.centre;
-        let distance = origin.abs();
-        let inverse_length = 1.0 / ray.ray.direction.length();
-        let unit = ray.ray.direction * inverse_length;
+    fn new<S: Simd>(simd: S, ray: &PreparedRay<S>, span: Interval, tree: &WideBvh) -> Self {
+        let centre = simd.doubles([tree.centre.x, tree.centre.y, tree.centre.z, 0.0]);
+        let origin = simd.sub_doubles(ray.lanes.origin, centre);
+        let [x, y, z, _] = simd.to_doubles(simd.mul_doubles(ray.lanes.direction, ray.lanes.direction));
+        let inverse_length = 1.0 / (x + y + z).sqrt();
+        let unit = simd.mul_doubles(ray.lanes.direction, simd.doubles([inverse_length; 4]));
         Self {
-            origin: Four::new(origin, 0.0).to_f32(),
-            direction: Four::new(unit, 0.0).to_f32(),
+            origin: simd.narrowed(origin),
+            direction: simd.narrowed(unit),
             inverse_length: inverse_length as f32,
-            reach: at_least(greater(greater(distance.x, distance.y), distance.z)),
+            reach: at_least(greatest(simd, simd.abs_doubles(origin))),
             span: FilterSpan { min: [at_most(span.min), at_least(span.min)], max: at_most(span.max) },
         }
     }

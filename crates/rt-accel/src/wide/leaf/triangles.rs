@@ -17,12 +17,11 @@
 //! far less.
 
 use glam::{DVec3, Vec3};
-use rt_math::{Interval, LeafLayout, Primitives, SlabRay};
+use rt_math::{Interval, LeafLayout, Primitives};
 
-use super::{Block, Filter, FilterSpan, LeafKind, LeafView, Verdict};
+use super::{Block, Filter, FilterSpan, LeafKind, LeafView, PreparedRay, Verdict};
 use crate::wide::WideBvh;
-use crate::wide::four::Four;
-use crate::wide::ray::{FilterRay, at_least, at_most, greater};
+use crate::wide::ray::{at_least, at_most, greatest};
 use crate::wide::simd::Simd;
 
 /// Greatest extent of a triangle as the factor of the margin, and greatest coordinate.
@@ -58,17 +57,18 @@ pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices
     block.set_header(1, greatest.max_element());
 }
 
-/// The numbers of one triangle of a leaf.
+/// One coordinate of the three corners of a triangle.
 #[inline(always)]
-fn vertices(leaf: LeafView<'_>, lane: usize) -> [DVec3; 3] {
-    [vertex(leaf, lane, 0), vertex(leaf, lane, 3), vertex(leaf, lane, 6)]
+pub(in crate::wide) fn coordinates(leaf: LeafView<'_>, lane: usize, axis: usize) -> [f32; 3] {
+    let at = HEADER + axis * leaf.count + lane;
+    [leaf.number(at), leaf.number(at + 3 * leaf.count), leaf.number(at + 6 * leaf.count)]
 }
 
+/// One corner of a triangle, exact where the leaves are [`LeafKind::Watertight`].
 #[inline(always)]
-fn vertex(leaf: LeafView<'_>, lane: usize, first: usize) -> DVec3 {
-    let at = HEADER + first * leaf.count + lane;
-    let [x, y, z] = [leaf.number(at), leaf.number(at + leaf.count), leaf.number(at + 2 * leaf.count)];
-    DVec3::new(f64::from(x), f64::from(y), f64::from(z))
+pub(in crate::wide) fn corner(leaf: LeafView<'_>, lane: usize, vertex: usize) -> [f32; 3] {
+    let at = HEADER + 3 * vertex * leaf.count + lane;
+    [leaf.number(at), leaf.number(at + leaf.count), leaf.number(at + 2 * leaf.count)]
 }
 
 /// The watertight test with three answers.
@@ -97,12 +97,6 @@ impl TriangleFilter {
             simd.sub(leaf.lanes(simd, first + 6 * leaf.count), origin),
         ]
     }
-
-    /// The vertices of a triangle, exact where the leaves are [`LeafKind::Watertight`].
-    #[inline(always)]
-    pub(in crate::wide) fn vertices(leaf: LeafView<'_>, lane: usize) -> [DVec3; 3] {
-        vertices(leaf, lane)
-    }
 }
 
 /// Three vertices of eight triangles, shifted across the ray.
@@ -130,18 +124,16 @@ fn farthest<S: Simd>(simd: S, p: [S::Lanes; 3]) -> S::Lanes {
 
 impl Filter for TriangleFilter {
     #[inline(always)]
-    fn new(ray: &SlabRay, _filter_ray: &FilterRay, span: Interval, tree: &WideBvh) -> Self {
+    fn new<S: Simd>(simd: S, ray: &PreparedRay<S>, span: Interval, tree: &WideBvh) -> Self {
         let centre = if tree.leaves.kind == LeafKind::Watertight { DVec3::ZERO } else { tree.centre };
-        let origin = ray.ray.origin - centre;
-        let (axes, [shear_x, shear_y, scale]) = rt_math::ShearedRay::new(&ray.ray).shear();
-        let distance = origin.abs();
-        let reach = greater(greater(distance.x, distance.y), distance.z);
+        let origin = simd.sub_doubles(ray.lanes.origin, simd.doubles([centre.x, centre.y, centre.z, 0.0]));
+        let (axes, [shear_x, shear_y, scale]) = ray.sheared.shear();
         Self {
-            origin: Four::new(origin, 0.0).to_f32(),
+            origin: simd.narrowed(origin),
             axes,
             shear: [shear_x as f32, shear_y as f32],
             scale: scale as f32,
-            reach: at_least(reach),
+            reach: at_least(greatest(simd, simd.abs_doubles(origin))),
             span: FilterSpan { min: [at_most(span.min), at_least(span.min)], max: at_most(span.max) },
         }
     }

@@ -48,6 +48,39 @@ pub(super) trait Simd: Copy {
     fn neg_mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes;
     /// A bit for each lane, set where `a ≤ b`; never where one is NaN.
     fn le(self, a: Self::Lanes, b: Self::Lanes) -> u32;
+    /// Four numbers of double precision.
+    type Doubles: Copy;
+
+    /// Four numbers.
+    fn doubles(self, of: [f64; 4]) -> Self::Doubles;
+    /// Four numbers, widened.
+    fn widened(self, of: [f32; 4]) -> Self::Doubles;
+    /// Four numbers, rounded.
+    fn narrowed(self, a: Self::Doubles) -> [f32; 4];
+    /// The numbers by lane.
+    fn to_doubles(self, a: Self::Doubles) -> [f64; 4];
+    /// `a + b`
+    fn add_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// `a − b`
+    fn sub_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// `a·b`
+    fn mul_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// `a/b`
+    fn div_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// `|a|`
+    fn abs_doubles(self, a: Self::Doubles) -> Self::Doubles;
+    /// `a` where it is less than `b`, otherwise `b`, also where one is NaN.
+    fn min_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// `a` where it is greater than `b`, otherwise `b`, also where one is NaN.
+    fn max_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// `negative` where the sign of `by` is, otherwise `positive`.
+    fn by_sign(self, by: Self::Doubles, positive: Self::Doubles, negative: Self::Doubles) -> Self::Doubles;
+    /// A bit for each of the four, set where the sign is negative.
+    fn signs(self, a: Self::Doubles) -> u32;
+    /// The first three in the order 1, 2, 0.
+    fn turned_once(self, a: Self::Doubles) -> Self::Doubles;
+    /// The first three in the order 2, 0, 1.
+    fn turned_twice(self, a: Self::Doubles) -> Self::Doubles;
     /// Asks for the cache line at this address to be fetched; any address will do.
     fn prefetch<T>(self, line: *const T);
 }

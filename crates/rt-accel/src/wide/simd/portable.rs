@@ -23,6 +23,11 @@ fn both([a, b]: [Vec4; 2], [c, d]: [Vec4; 2], f: impl Fn(Vec4, Vec4) -> Vec4) ->
     [f(a, c), f(b, d)]
 }
 
+#[inline(always)]
+fn each(a: [f64; 4], b: [f64; 4], f: impl Fn(f64, f64) -> f64) -> [f64; 4] {
+    [f(a[0], b[0]), f(a[1], b[1]), f(a[2], b[2]), f(a[3], b[3])]
+}
+
 impl Simd for Portable {
     type Lanes = [Vec4; 2];
 
@@ -107,4 +112,81 @@ impl Simd for Portable {
 
     #[inline(always)]
     fn prefetch<T>(self, _line: *const T) {}
+
+    type Doubles = [f64; 4];
+
+    #[inline(always)]
+    fn doubles(self, of: [f64; 4]) -> [f64; 4] {
+        of
+    }
+
+    #[inline(always)]
+    fn widened(self, of: [f32; 4]) -> [f64; 4] {
+        of.map(f64::from)
+    }
+
+    #[inline(always)]
+    fn narrowed(self, a: [f64; 4]) -> [f32; 4] {
+        a.map(|a| a as f32)
+    }
+
+    #[inline(always)]
+    fn to_doubles(self, a: [f64; 4]) -> [f64; 4] {
+        a
+    }
+
+    #[inline(always)]
+    fn add_doubles(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        each(a, b, |a, b| a + b)
+    }
+
+    #[inline(always)]
+    fn sub_doubles(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        each(a, b, |a, b| a - b)
+    }
+
+    #[inline(always)]
+    fn mul_doubles(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        each(a, b, |a, b| a * b)
+    }
+
+    #[inline(always)]
+    fn div_doubles(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        each(a, b, |a, b| a / b)
+    }
+
+    #[inline(always)]
+    fn abs_doubles(self, a: [f64; 4]) -> [f64; 4] {
+        a.map(f64::abs)
+    }
+
+    #[inline(always)]
+    fn min_doubles(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        each(a, b, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn max_doubles(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        each(a, b, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn by_sign(self, by: [f64; 4], positive: [f64; 4], negative: [f64; 4]) -> [f64; 4] {
+        core::array::from_fn(|i| if by[i].is_sign_negative() { negative[i] } else { positive[i] })
+    }
+
+    #[inline(always)]
+    fn signs(self, a: [f64; 4]) -> u32 {
+        (0..4).map(|i| u32::from(a[i].is_sign_negative()) << i).sum()
+    }
+
+    #[inline(always)]
+    fn turned_once(self, [a, b, c, d]: [f64; 4]) -> [f64; 4] {
+        [b, c, a, d]
+    }
+
+    #[inline(always)]
+    fn turned_twice(self, [a, b, c, d]: [f64; 4]) -> [f64; 4] {
+        [c, a, b, d]
+    }
 }

@@ -137,6 +137,102 @@ macro_rules! level {
                 // SAFETY: a prefetch changes nothing and cannot fail.
                 unsafe { _mm_prefetch::<_MM_HINT_T0>(line.cast()) }
             }
+
+            type Doubles = __m256d;
+
+            #[inline(always)]
+            fn doubles(self, [a, b, c, d]: [f64; 4]) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_setr_pd(a, b, c, d) }
+            }
+
+            #[inline(always)]
+            fn widened(self, [a, b, c, d]: [f32; 4]) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_cvtps_pd(_mm_setr_ps(a, b, c, d)) }
+            }
+
+            #[inline(always)]
+            fn narrowed(self, a: __m256d) -> [f32; 4] {
+                let mut to = [0.0; 4];
+                // SAFETY: writes the four numbers of the array, at any alignment.
+                unsafe { _mm_storeu_ps(to.as_mut_ptr(), _mm256_cvtpd_ps(a)) };
+                to
+            }
+
+            #[inline(always)]
+            fn to_doubles(self, a: __m256d) -> [f64; 4] {
+                let mut to = [0.0; 4];
+                // SAFETY: writes the four numbers of the array, at any alignment.
+                unsafe { _mm256_storeu_pd(to.as_mut_ptr(), a) };
+                to
+            }
+
+            #[inline(always)]
+            fn add_doubles(self, a: __m256d, b: __m256d) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_add_pd(a, b) }
+            }
+
+            #[inline(always)]
+            fn sub_doubles(self, a: __m256d, b: __m256d) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_sub_pd(a, b) }
+            }
+
+            #[inline(always)]
+            fn mul_doubles(self, a: __m256d, b: __m256d) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_mul_pd(a, b) }
+            }
+
+            #[inline(always)]
+            fn div_doubles(self, a: __m256d, b: __m256d) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_div_pd(a, b) }
+            }
+
+            #[inline(always)]
+            fn min_doubles(self, a: __m256d, b: __m256d) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_min_pd(a, b) }
+            }
+
+            #[inline(always)]
+            fn max_doubles(self, a: __m256d, b: __m256d) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_max_pd(a, b) }
+            }
+
+            #[inline(always)]
+            fn abs_doubles(self, a: __m256d) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), a) }
+            }
+
+            #[inline(always)]
+            fn by_sign(self, by: __m256d, positive: __m256d, negative: __m256d) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_blendv_pd(positive, negative, by) }
+            }
+
+            #[inline(always)]
+            fn signs(self, a: __m256d) -> u32 {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_movemask_pd(a) as u32 }
+            }
+
+            #[inline(always)]
+            fn turned_once(self, a: __m256d) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_permute4x64_pd::<0b11_00_10_01>(a) }
+            }
+
+            #[inline(always)]
+            fn turned_twice(self, a: __m256d) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_permute4x64_pd::<0b11_01_00_10>(a) }
+            }
         }
     };
 }

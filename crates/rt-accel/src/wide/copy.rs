@@ -1,0 +1,137 @@
+//! Decisions about triangles from their copies in leaves, three numbers at a time, to the bits of
+//! [`decide_triangle`].
+
+use rt_math::float::SETTLED;
+use rt_math::{FAR_FACTOR, Hit, Interval, OWN_BOX_PAD, Ray, ShearedRay, SlabRay, decide_triangle};
+
+use super::leaf::{LeafView, PreparedRay, coordinates, corner};
+use super::ray::{LaneRay, greatest};
+use super::simd::Simd;
+
+#[inline(always)]
+fn all<S: Simd>(simd: S, x: f64) -> S::Doubles {
+    simd.doubles([x; 4])
+}
+
+#[inline(always)]
+fn widened<S: Simd>(simd: S, [x, y, z]: [f32; 3]) -> S::Doubles {
+    simd.widened([x, y, z, 0.0])
+}
+
+/// A triangle of a leaf, and its index.
+#[derive(Clone, Copy)]
+pub(super) struct Copied<'a> {
+    pub(super) leaf: LeafView<'a>,
+    pub(super) lane: usize,
+    pub(super) index: u32,
+}
+
+impl Copied<'_> {
+    /// The hit within the span. What would rule it out is not looked at where it is `CERTAIN`.
+    #[inline(always)]
+    pub(super) fn hit<S: Simd, const CERTAIN: bool>(
+        self,
+        simd: S,
+        prepared: &PreparedRay<S>,
+        ray: &Ray,
+        span: Interval,
+    ) -> Option<Hit> {
+        let seen = self.see(simd, &prepared.lanes, &prepared.sheared);
+        if !seen.is_settled {
+            return self.decide(ray, span);
+        }
+        let [u, v, w] = seen.areas;
+        let outside = ((u < 0.0) | (v < 0.0) | (w < 0.0)) & ((u > 0.0) | (v > 0.0) | (w > 0.0));
+        let determinant = u + v + w;
+        if !CERTAIN && (outside | (determinant == 0.0)) {
+            return None;
+        }
+        let quotients = simd.div_doubles(simd.doubles([seen.weighted, v, w, 1.0]), all(simd, determinant));
+        let [t, v, w, _] = simd.to_doubles(quotients);
+        if !CERTAIN {
+            if t.abs() <= seen.doubtful_start {
+                return self.decide(ray, span);
+            }
+            if !(span.contains(t) & t.is_finite()) {
+                return None;
+            }
+        }
+        let Interval { min: enter, max: leave } = self.clip(simd, &prepared.lanes, span);
+        if !CERTAIN && enter > leave {
+            return None;
+        }
+        Some(Hit { t: if enter > t { enter } else { t }, instance: 0, primitive: self.index, uv: [v, w] })
+    }
+
+    /// All of it one by one.
+    #[cold]
+    #[inline(never)]
+    fn decide(self, ray: &Ray, span: Interval) -> Option<Hit> {
+        let vertices = [0, 1, 2].map(|vertex| corner(self.leaf, self.lane, vertex).map(f64::from).into());
+        let slab_ray = SlabRay::new(ray);
+        decide_triangle(vertices, self.index, &slab_ray, &ShearedRay::with_inverse(ray, slab_ray.inverse), span)
+    }
+
+    #[inline(always)]
+    fn see<S: Simd>(self, simd: S, ray: &LaneRay<S>, sheared: &ShearedRay) -> Seen {
+        let ([x_axis, y_axis, z_axis], [shear_x, shear_y, scale]) = sheared.shear();
+        let origin = simd.to_doubles(ray.origin);
+        let x = widened(simd, coordinates(self.leaf, self.lane, x_axis));
+        let y = widened(simd, coordinates(self.leaf, self.lane, y_axis));
+        let z = widened(simd, coordinates(self.leaf, self.lane, z_axis));
+        let x = simd.sub_doubles(x, all(simd, origin[x_axis & 3]));
+        let y = simd.sub_doubles(y, all(simd, origin[y_axis & 3]));
+        let z = simd.sub_doubles(z, all(simd, origin[z_axis & 3]));
+        let x = simd.sub_doubles(x, simd.mul_doubles(all(simd, shear_x), z));
+        let y = simd.sub_doubles(y, simd.mul_doubles(all(simd, shear_y), z));
+        let depths = simd.mul_doubles(z, all(simd, scale));
+
+        let minuends = simd.mul_doubles(simd.turned_twice(x), simd.turned_once(y));
+        let subtrahends = simd.mul_doubles(simd.turned_twice(y), simd.turned_once(x));
+        let areas = simd.sub_doubles(minuends, subtrahends);
+        let sizes = simd.add_doubles(simd.abs_doubles(minuends), simd.abs_doubles(subtrahends));
+        let doubt = simd.sub_doubles(simd.mul_doubles(sizes, all(simd, SETTLED)), simd.abs_doubles(areas));
+        let [u, v, w, _] = simd.to_doubles(areas);
+        let [ua, vb, wc, _] = simd.to_doubles(simd.mul_doubles(areas, depths));
+        let [a, b, c, _] = simd.to_doubles(simd.abs_doubles(depths));
+        Seen {
+            areas: [u, v, w],
+            weighted: ua + vb + wc,
+            is_settled: simd.signs(doubt) & 7 == 7,
+            doubtful_start: ShearedRay::DOUBTFUL_START * (a + b + c),
+        }
+    }
+
+    /// The part of the span inside the own box; empty if it is passed by.
+    #[inline(always)]
+    fn clip<S: Simd>(self, simd: S, ray: &LaneRay<S>, span: Interval) -> Interval {
+        let a = widened(simd, corner(self.leaf, self.lane, 0));
+        let b = widened(simd, corner(self.leaf, self.lane, 1));
+        let c = widened(simd, corner(self.leaf, self.lane, 2));
+        let least = simd.min_doubles(simd.min_doubles(a, b), c);
+        let most = simd.max_doubles(simd.max_doubles(a, b), c);
+        let size = greatest(simd, simd.max_doubles(simd.abs_doubles(least), simd.abs_doubles(most)));
+        let pad = all(simd, size * OWN_BOX_PAD);
+        let (least, most) = (simd.sub_doubles(least, pad), simd.add_doubles(most, pad));
+        let near = simd.sub_doubles(simd.by_sign(ray.inverse, least, most), ray.origin);
+        let far = simd.sub_doubles(simd.by_sign(ray.inverse, most, least), ray.origin);
+        // A NaN is no constraint.
+        let enter = simd.max_doubles(simd.mul_doubles(near, ray.inverse), all(simd, span.min));
+        let t_far = simd.mul_doubles(simd.mul_doubles(far, ray.inverse), all(simd, FAR_FACTOR));
+        let leave = simd.min_doubles(t_far, all(simd, span.max));
+        let negated = simd.sub_doubles(all(simd, 0.0), leave);
+        Interval { min: greatest(simd, enter), max: -greatest(simd, negated) }
+    }
+}
+
+/// A triangle as the ray sees it.
+struct Seen {
+    /// Twice the areas of the triangles between the ray and the edges.
+    areas: [f64; 3],
+    /// The sum of the areas times the depths of the opposite corners.
+    weighted: f64,
+    /// True if the signs of the areas are those of exact arithmetic.
+    is_settled: bool,
+    /// Up to this `t`, rounding may decide on which side of the triangle the ray starts.
+    doubtful_start: f64,
+}
