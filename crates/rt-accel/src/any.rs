@@ -2,9 +2,8 @@
 
 use core::ops::ControlFlow;
 
-use rt_math::{Aabb, Primitives, Probe};
+use rt_math::{Aabb, Accelerator, Hit, Interval, Primitives, Probe, Ray};
 
-use crate::structure::accelerator_by_walk;
 use crate::wide::SimdLevel;
 use crate::{
     Bih, BspTree, BuildError, BuildStats, Bvh, CylinderTree, KdTree, LazyBih, Linear, RayQuery, RegionQuery,
@@ -84,6 +83,56 @@ macro_rules! structures {
             }
         }
 
+        impl Accelerator for AnyStructure {
+            fn closest<P: Primitives, S: Probe>(
+                &self,
+                primitives: &P,
+                ray: &Ray,
+                span: Interval,
+                probe: &mut S,
+            ) -> Option<Hit> {
+                match self {
+                    $(Self::$name(structure) => structure.closest(primitives, ray, span, probe),)+
+                }
+            }
+
+            fn occluded<P: Primitives, S: Probe>(
+                &self,
+                primitives: &P,
+                ray: &Ray,
+                span: Interval,
+                probe: &mut S,
+            ) -> bool {
+                match self {
+                    $(Self::$name(structure) => structure.occluded(primitives, ray, span, probe),)+
+                }
+            }
+
+            fn closest_batch<P: Primitives, S: Probe>(
+                &self,
+                primitives: &P,
+                rays: &[(Ray, Interval)],
+                hits: &mut [Option<Hit>],
+                probe: &mut S,
+            ) {
+                match self {
+                    $(Self::$name(structure) => structure.closest_batch(primitives, rays, hits, probe),)+
+                }
+            }
+
+            fn occluded_batch<P: Primitives, S: Probe>(
+                &self,
+                primitives: &P,
+                rays: &[(Ray, Interval)],
+                blocked: &mut [bool],
+                probe: &mut S,
+            ) {
+                match self {
+                    $(Self::$name(structure) => structure.occluded_batch(primitives, rays, blocked, probe),)+
+                }
+            }
+        }
+
         impl Structure for AnyStructure {
             fn walk<P: Primitives, Q: RayQuery, S: Probe>(
                 &self,
@@ -151,5 +200,3 @@ structures! {
     /// Bounding interval hierarchy, built where rays go.
     BihLazy(LazyBih) = "bih-lazy",
 }
-
-accelerator_by_walk!(AnyStructure);
