@@ -15,7 +15,8 @@
 //! |---|---|---|---|---|
 //! | [`Linear`] | O(n), checks only | 0 | n tests | up to about ten primitives; the truth to compare with |
 //! | [`UniformGrid`] | O(n), a tenth to a quarter of `Bvh` | 30 to 100 | O(∛n) cells | primitives of similar size, evenly spread; frequent rebuilds |
-//! | [`Bvh`] | O(n log n) | 25 to 45 | O(log n) nodes | everything else |
+//! | [`WideBvh`] | O(n log n), as `Bvh` or less | about 60 | O(log n) nodes, eight boxes each at once | rendering, and all else that asks for many rays |
+//! | [`Bvh`] | O(n log n) | 25 to 45 | O(log n) nodes | everything else, in half the memory |
 //! | [`SphereTree`] | O(n log n), as `Bvh` | 15 to 50 | O(log n) nodes, 1.4 to 2.7 times the work of `Bvh` | comparing shapes of volumes |
 //! | [`CylinderTree`] | O(n log n), twice `Bvh` | 45 to 85 | O(log n) nodes, 1.1 to 1.2 times the work of `Bvh` | comparing shapes of volumes |
 //! | [`KdTree`] | O(n log n), 2 to 8 times `Bvh` | 45 to 100 | O(log n) nodes | primitives that overlap little, seen from within; queries of regions |

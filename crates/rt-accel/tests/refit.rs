@@ -6,7 +6,7 @@ mod soup;
 
 use rt_accel::{
     Aabb, Accelerator, Bih, BuildError, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, LazyBih, Linear, NoProbe,
-    Primitives, Refit, SphereTree, SplitMethod, Structure,
+    Primitives, Refit, SphereTree, SplitMethod, Structure, WideBvh,
 };
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
@@ -70,6 +70,26 @@ fn trees_of_boxes_follow() {
     check("bvh", |soup| Bvh::build(soup).unwrap());
     check("bvh by medians", |soup| Bvh::build_with(soup, SplitMethod::Median).unwrap());
     check("bvh with spatial splits", |soup| Bvh::build_with(soup, SplitMethod::Spatial).unwrap());
+}
+
+#[test]
+fn wide_trees_follow() {
+    check("wide", |soup| WideBvh::build(soup).unwrap());
+    // Leaves hold copies of triangles, until these go too far from the origin for that.
+    let start = Soup::facets(&mut Draw::new(4));
+    for offset in [0.0, 3.0, 1e5] {
+        let moved = shaken(&start, 0.01, DVec3::splat(offset), 5);
+        let mut wide = WideBvh::build(&start).unwrap();
+        wide.refit(&moved).unwrap();
+        assert_eq!(wide.validate(&moved), Ok(()), "offset {offset}");
+        let linear = Linear::build(&moved).unwrap();
+        for i in 0..200 {
+            let from = DVec3::new(2.0, 1.0 + f64::from(i) * 0.01, -3.0) + offset;
+            let ray = rt_accel::Ray::new(from, DVec3::splat(offset) - from);
+            let hit = wide.closest(&moved, &ray, Interval::FORWARD, &mut NoProbe);
+            assert_eq!(hit, linear.closest(&moved, &ray, Interval::FORWARD, &mut NoProbe), "offset {offset}, ray {i}");
+        }
+    }
 }
 
 #[test]

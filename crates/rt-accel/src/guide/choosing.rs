@@ -7,14 +7,14 @@
 //!        │ no
 //!     another scene for every picture? ─ yes ─▶ Bih, or LazyBih if little of it is seen
 //!        │ no
-//!     else ────────────────────────────────────▶ Bvh
+//!     else ────────────────────────────────────▶ WideBvh
 //! ```
 //!
 //! | what you have | take | because |
 //! |---|---|---|
-//! | no idea | [`Bvh`](crate::Bvh) | least work of all on most scenes, no bad ones |
+//! | no idea | [`WideBvh`](crate::WideBvh) | eight boxes at a time, no bad scenes |
 //! | particles, atoms, a heap | [`UniformGrid`](crate::UniformGrid) | as fast as the best tree, a tenth of its build |
-//! | small things in a large world | [`Bvh`](crate::Bvh) | the grid takes 1700 times its work on *stadium* |
+//! | small things in a large world | [`WideBvh`](crate::WideBvh) | the grid takes 1700 times its work on *stadium* |
 //! | things that move a little | [`Bvh`](crate::Bvh) and [`Refit`](crate::Refit) | O(n), keeps the tree |
 //! | things that move at random | [`Bih`](crate::Bih) or [`UniformGrid`](crate::UniformGrid) | builds take a tenth to a fifth |
 //! | the inside of a building | [`Bvh`](crate::Bvh) or [`KdTree`](crate::KdTree) | measure both: parts of the latter never overlap |

@@ -5,6 +5,7 @@
 //! | [`linear`] | brute force, and what it means that all others equal it |
 //! | [`grid`] | cells of equal size |
 //! | [`bvh`] | a tree of boxes |
+//! | [`wide`] | a tree of boxes, eight at a time |
 //! | [`volumes`] | trees of spheres and of cylinders |
 //! | [`kd`] | a tree of planes along the axes |
 //! | [`bsp`] | a tree of planes of any direction |
@@ -41,3 +42,4 @@ pub mod grid;
 pub mod kd;
 pub mod linear;
 pub mod volumes;
+pub mod wide;

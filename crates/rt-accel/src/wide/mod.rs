@@ -17,6 +17,7 @@ mod exact;
 mod leaf;
 mod node;
 mod ray;
+mod refit;
 mod simd;
 mod stack;
 mod walk;
@@ -89,11 +90,7 @@ impl WideBvh {
     /// As [`build`](Self::build).
     pub fn build_with<P: Primitives>(primitives: &P, params: &BuildParams) -> Result<Self, BuildError> {
         let OwnBoxes { bounded, unbounded, union } = OwnBoxes::collect(primitives)?;
-        let (centre, size) = if bounded.is_empty() {
-            (DVec3::ZERO, 0.0)
-        } else {
-            (union.centre(), NodeBox::outward(&union, union.centre()).max_abs())
-        };
+        let (centre, size) = frame(&bounded, &union);
         let references: Vec<_> =
             bounded.iter().map(|(index, own)| Reference::new(NodeBox::outward(own, centre), *index)).collect();
         let indices: Vec<u32> = bounded.iter().map(|(index, _)| *index).collect();
@@ -208,6 +205,15 @@ impl WideBvh {
     fn line(&self, child: Child) -> *const Line {
         if child.is_node() { self.nodes.as_ptr().wrapping_add(child.number()).cast() } else { self.leaves.line(child) }
     }
+}
+
+/// The centre of a tree, and its greatest coordinate relative to that.
+fn frame(bounded: &[(u32, Aabb)], union: &Aabb) -> (DVec3, f64) {
+    if bounded.is_empty() {
+        return (DVec3::ZERO, 0.0);
+    }
+    let centre = union.centre();
+    (centre, NodeBox::outward(union, centre).max_abs())
 }
 
 /// The primitives of a query, and who counts.

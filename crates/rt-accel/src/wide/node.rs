@@ -82,7 +82,13 @@ impl Node {
         min.cmple(max).all().then_some(NodeBox { min, max })
     }
 
-    /// The children that exist.
+    /// The children that exist, by lane.
+    pub(super) fn lanes(&self) -> impl Iterator<Item = (usize, Child)> + use<> {
+        let all: [_; 8] = core::array::from_fn(|lane| self.child_box(lane).map(|_| (lane, self.children[lane])));
+        all.into_iter().flatten()
+    }
+
+    /// The children that exist, with their boxes.
     pub(super) fn children(&self) -> impl Iterator<Item = (NodeBox, Child)> + '_ {
         (0..8).filter_map(|lane| Some((self.child_box(lane)?, self.children[lane])))
     }

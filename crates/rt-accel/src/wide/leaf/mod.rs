@@ -159,6 +159,20 @@ impl Leaves {
             && self.lines[leaf.number()..].starts_with(&anew.lines)
     }
 
+    /// Fills a leaf with the numbers of its primitives as they are now.
+    pub(super) fn refill<P: Primitives>(
+        &mut self,
+        leaf: Child,
+        primitives: &P,
+        centre: DVec3,
+        own: impl Fn(u32) -> NodeBox,
+    ) {
+        let mut anew = Self::new(self.kind);
+        if anew.push(primitives, self.indices(leaf), centre, own).is_some() {
+            self.lines[leaf.number()..][..anew.lines.len()].copy_from_slice(&anew.lines);
+        }
+    }
+
     pub(super) fn memory(&self) -> usize {
         self.lines.capacity() * size_of::<Line>()
     }
