@@ -146,18 +146,11 @@ impl<const COPIES: bool> Search<'_, '_, COPIES> {
         }
     }
 
-    /// A hit is certain: nothing behind its far bound can be first.
+    /// A hit is certain: nothing behind its far bound can be first. False if there is no room to remember it.
     #[inline(always)]
-    fn remember<S: Simd, F: Filter>(
-        &mut self,
-        simd: S,
-        ray: &PreparedRay<S>,
-        leaf: Child,
-        lane: usize,
-        [near, far]: [f32; 2],
-    ) {
+    fn remember(&mut self, leaf: Child, lane: usize, [near, far]: [f32; 2]) -> bool {
         if near > self.limit {
-            return;
+            return true;
         }
         if far < self.least_near {
             // The usual case: nearer than all others for sure.
@@ -167,12 +160,12 @@ impl<const COPIES: bool> Search<'_, '_, COPIES> {
             self.least_near = self.least_near.min(near);
         }
         self.limit = self.limit.min(far);
-        if self.n_candidates == MAX_CANDIDATES {
-            self.decide::<S, F>(simd, ray, self.tree.leaves.view(leaf), lane);
-        } else {
+        let has_room = self.n_candidates < MAX_CANDIDATES;
+        if has_room {
             self.candidates[self.n_candidates % MAX_CANDIDATES].write(Candidate { near, leaf, lane });
             self.n_candidates += 1;
         }
+        has_room
     }
 
     #[inline(always)]
@@ -187,7 +180,9 @@ impl<const COPIES: bool> Search<'_, '_, COPIES> {
             let (near, far) = (simd.to_array(verdict.near), simd.to_array(verdict.far));
             while sure != 0 {
                 let lane = take_lane(&mut sure);
-                self.remember::<S, F>(simd, ray, leaf, lane, [near[lane], far[lane]]);
+                if !self.remember(leaf, lane, [near[lane], far[lane]]) {
+                    unsure |= 1 << lane;
+                }
             }
         }
         while unsure != 0 {
