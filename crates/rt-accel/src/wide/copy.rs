@@ -32,13 +32,12 @@ impl Copied<'_> {
     pub(super) fn hit<S: Simd, const CERTAIN: bool>(
         self,
         simd: S,
-        prepared: &PreparedRay<S>,
-        ray: &Ray,
+        prepared: &PreparedRay<'_, S>,
         span: Interval,
     ) -> Option<Hit> {
         let seen = self.see(simd, &prepared.lanes, &prepared.sheared);
         if !seen.is_settled {
-            return self.decide(ray, span);
+            return self.decide(prepared.ray, span);
         }
         let [u, v, w] = seen.areas;
         let outside = ((u < 0.0) | (v < 0.0) | (w < 0.0)) & ((u > 0.0) | (v > 0.0) | (w > 0.0));
@@ -50,7 +49,7 @@ impl Copied<'_> {
         let [t, v, w, _] = simd.to_doubles(quotients);
         if !CERTAIN {
             if t.abs() <= seen.doubtful_start {
-                return self.decide(ray, span);
+                return self.decide(prepared.ray, span);
             }
             if !(span.contains(t) & t.is_finite()) {
                 return None;

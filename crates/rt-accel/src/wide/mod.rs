@@ -4,7 +4,7 @@
 //! * `node`, `leaf`: what a tree is made of
 //! * `simd`: eight numbers at a time, on any processor
 //! * `ray`, and the kinds of `leaf`: why what filters rule out is missed
-//! * `walk`: how a ray goes through it; `exact`: how it goes where filters cannot
+//! * `goal`: what a ray is sent for; `walk`: how it goes; `exact`: how it goes where filters cannot
 //!
 //! This is the only module with `unsafe`: for instructions that a processor may not have, for numbers that builders and
 //! loaders have checked, and for memory that is written before it is read.
@@ -14,6 +14,7 @@ mod build;
 mod check;
 mod copy;
 mod exact;
+mod goal;
 mod leaf;
 mod node;
 mod ray;
@@ -22,6 +23,7 @@ mod simd;
 mod stack;
 mod walk;
 
+use core::marker::PhantomData;
 use core::ops::ControlFlow;
 
 use rt_math::{
@@ -36,11 +38,12 @@ use crate::ray_query::{Any, Closest, is_finite};
 use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
 pub use build::{BuildParams, Quality};
 use build::{Reference, WideChild, WideTree};
+use goal::{AnyHit, FirstHit, Goal, Judge};
 use leaf::{LeafKind, Leaves, Line};
 use node::{Child, Node};
+use simd::Available;
 pub use simd::SimdLevel;
-use simd::{Answer, Available};
-use walk::{AnyHit, FirstHit, Judge, Outcome, Query};
+use walk::{Query, Walk, Work};
 
 /// Entries of a walk's stack: seven children put off on every level, and one to spare.
 const STACK: usize = 7 * MAX_DEPTH as usize + 8;
@@ -154,34 +157,21 @@ impl WideBvh {
         self.level.level()
     }
 
-    /// The first hit on a bounded primitive.
+    /// Sends one ray for the goal.
     #[inline]
-    fn closest_bounded<P: Primitives, S: Probe>(
+    fn send<G: Goal, P: Primitives, S: Probe>(
         &self,
         primitives: &P,
         ray: &Ray,
         span: Interval,
         probe: &mut S,
-    ) -> Option<Hit> {
-        let mut judge = Asked { primitives, probe };
-        let mut query = Query { judge: &mut judge, outcome: Outcome::new() };
-        let answer = self.level.dispatch(FirstHit { tree: self, query: &mut query }, ray, span);
-        let Outcome { nodes, tests, hits, hit } = query.outcome;
-        match answer {
-            Answer::Missed => {
-                probe.work(nodes, tests, hits);
-                None
-            }
-            Answer::Hit => {
-                probe.work(nodes, tests, hits);
-                Some(hit)
-            }
-            Answer::Unproven => {
-                let mut query = Closest::new(ray, span);
-                let _ = self.walk_bounded(primitives, &mut query, probe);
-                query.hit
-            }
-        }
+    ) -> G::Answer {
+        let mut judge = Asked { tree: self, primitives, probe };
+        let mut query = Query { judge: &mut judge, work: Work::default(), answer: G::Answer::default() };
+        self.level.dispatch(Walk { tree: self, query: &mut query, goal: PhantomData::<G> }, ray, span);
+        let Query { work: Work { nodes, tests, hits }, answer, .. } = query;
+        probe.work(nodes, tests, hits);
+        answer
     }
 
     /// Offers the query every bounded primitive that can matter to it, in `f64`.
@@ -218,6 +208,7 @@ fn frame(bounded: &[(u32, Aabb)], union: &Aabb) -> (DVec3, f64) {
 
 /// The primitives of a query, and who counts.
 struct Asked<'a, P, S> {
+    tree: &'a WideBvh,
     primitives: &'a P,
     probe: &'a mut S,
 }
@@ -230,6 +221,26 @@ impl<P: Primitives, S: Probe> Judge for Asked<'_, P, S> {
     fn occluded(&mut self, index: u32, ray: &SlabRay, span: Interval) -> bool {
         decide_offered_occluded(self.primitives, index, ray, span, self.probe)
     }
+
+    fn closest_unbounded(&mut self, ray: &Ray, span: Interval) -> Option<Hit> {
+        let mut query = Closest::new(ray, span);
+        let _ = query.offer_all(self.primitives, &self.tree.unbounded, self.probe);
+        query.hit
+    }
+
+    fn occluded_unbounded(&mut self, ray: &Ray, span: Interval) -> bool {
+        Any::new(ray, span).offer_all(self.primitives, &self.tree.unbounded, self.probe).is_break()
+    }
+
+    fn closest_unfiltered(&mut self, ray: &Ray, span: Interval) -> Option<Hit> {
+        let mut query = Closest::new(ray, span);
+        let _ = self.tree.walk_bounded(self.primitives, &mut query, self.probe);
+        query.hit
+    }
+
+    fn occluded_unfiltered(&mut self, ray: &Ray, span: Interval) -> bool {
+        self.tree.walk_bounded(self.primitives, &mut Any::new(ray, span), self.probe).is_break()
+    }
 }
 
 impl Accelerator for WideBvh {
@@ -241,38 +252,12 @@ impl Accelerator for WideBvh {
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
-        if self.unbounded.is_empty() {
-            return self.closest_bounded(primitives, ray, span, probe);
-        }
-        let mut query = Closest::new(ray, span);
-        let _ = query.offer_all(primitives, &self.unbounded, probe);
-        // What is equally near, but of lower index, must still be found.
-        let bounded = self.closest_bounded(primitives, ray, query.span(), probe);
-        match (query.hit, bounded) {
-            (Some(unbounded), Some(bounded)) => Some(if bounded.precedes(&unbounded) { bounded } else { unbounded }),
-            (unbounded, bounded) => unbounded.or(bounded),
-        }
+        self.send::<FirstHit, _, _>(primitives, ray, span, probe)
     }
 
     #[inline]
     fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        if !self.unbounded.is_empty() {
-            let mut query = Any::new(ray, span);
-            if query.offer_all(primitives, &self.unbounded, probe).is_break() {
-                return true;
-            }
-        }
-        let mut judge = Asked { primitives, probe };
-        let mut query = Query { judge: &mut judge, outcome: Outcome::new() };
-        let answer = self.level.dispatch(AnyHit { tree: self, query: &mut query }, ray, span);
-        let Outcome { nodes, tests, hits, .. } = query.outcome;
-        match answer {
-            Answer::Missed | Answer::Hit => {
-                probe.work(nodes, tests, hits);
-                answer == Answer::Hit
-            }
-            Answer::Unproven => self.walk_bounded(primitives, &mut Any::new(ray, span), probe).is_break(),
-        }
+        self.send::<AnyHit, _, _>(primitives, ray, span, probe)
     }
 }
 

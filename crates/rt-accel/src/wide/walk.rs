@@ -1,242 +1,65 @@
-//! The two walks of the filters: to the first hit, and to any.
+//! The walk of a single ray.
 
-use core::mem::MaybeUninit;
+use core::marker::PhantomData;
 
-use rt_math::{DVec3, Hit, Interval, Ray, ShearedRay, SlabRay};
+use rt_math::{Interval, Ray};
 
 use super::WideBvh;
-use super::copy::Copied;
-use super::leaf::{BoxFilter, Filter, LeafKind, LeafView, PreparedRay, SphereFilter, TriangleFilter};
+use super::goal::{Goal, Judge, Prepared, take_lane};
+use super::leaf::{BoxFilter, Filter, LeafKind, SphereFilter, TriangleFilter};
 use super::node::{Child, Node};
-use super::ray::{FilterRay, LaneRay, at_least, at_most};
-use super::simd::{Answer, Kernel, Simd};
+use super::simd::{Kernel, Simd};
 use super::stack::Stack;
 
-/// Decides about what the filters leave: the caller's primitives, behind one call.
-pub(super) trait Judge {
-    /// The hit on a primitive within the span.
-    fn closest(&mut self, index: u32, ray: &SlabRay, span: Interval) -> Option<Hit>;
-    /// True if the primitive blocks the ray within the span.
-    fn occluded(&mut self, index: u32, ray: &SlabRay, span: Interval) -> bool;
-}
-
-/// What a walk has done, and found.
-pub(super) struct Outcome {
+/// Work that nobody has counted yet.
+#[derive(Default)]
+pub(super) struct Work {
     pub(super) nodes: u64,
     pub(super) tests: u64,
     pub(super) hits: u64,
-    /// The first hit, if there is one.
-    pub(super) hit: Hit,
 }
 
-impl Outcome {
-    pub(super) const fn new() -> Self {
-        Self { nodes: 0, tests: 0, hits: 0, hit: NO_HIT }
-    }
-}
-
-const NO_HIT: Hit = Hit { t: f64::INFINITY, instance: 0, primitive: 0, uv: [0.0; 2] };
-
-/// Who decides, and where it is written what comes of it.
-pub(super) struct Query<'q> {
+/// A query about one ray, and what came of it.
+pub(super) struct Query<'q, A> {
     pub(super) judge: &'q mut dyn Judge,
-    pub(super) outcome: Outcome,
+    pub(super) work: Work,
+    pub(super) answer: A,
 }
 
-/// The ray and its filter, spread over lanes by the compiler where that is best.
-struct Prepared<S: Simd, F> {
-    ray: PreparedRay<S>,
-    min: f32,
-    filter: F,
-}
-
-impl<S: Simd, F: Filter> Prepared<S, F> {
-    #[inline(always)]
-    fn new(simd: S, tree: &WideBvh, ray: &Ray, span: Interval) -> Option<Self> {
-        let lanes = LaneRay::new(simd, ray);
-        let [x, y, z, _] = simd.to_doubles(lanes.inverse);
-        let ray = PreparedRay {
-            lanes,
-            filter: FilterRay::new(simd, &lanes, span, tree.centre, tree.size)?,
-            sheared: ShearedRay::with_inverse(ray, DVec3::new(x, y, z)),
-        };
-        Some(Self { min: at_most(span.min), filter: F::new(simd, &ray, span, tree), ray })
-    }
-}
-
-/// The lowest lane of a mask that is not 0, which loses it.
-#[inline(always)]
-fn take_lane(mask: &mut u32) -> usize {
-    let lane = mask.trailing_zeros() as usize;
-    *mask &= *mask - 1;
-    lane & 7
-}
-
-/// A primitive that is hit for sure, to be decided about at the end.
-#[derive(Clone, Copy)]
-struct Candidate {
-    near: f32,
-    leaf: Child,
-    lane: usize,
-}
-
-/// Candidates that may be undecided at a time.
-const MAX_CANDIDATES: usize = 8;
-
-/// Finds the first hit of a ray for which the filters are proven.
-pub(super) struct FirstHit<'q, 'j> {
+/// Sends one ray through a tree.
+pub(super) struct Walk<'q, 'j, G: Goal> {
     pub(super) tree: &'q WideBvh,
-    pub(super) query: &'q mut Query<'j>,
+    pub(super) query: &'q mut Query<'j, G::Answer>,
+    pub(super) goal: PhantomData<G>,
 }
 
-impl Kernel for FirstHit<'_, '_> {
+impl<G: Goal> Kernel<&Ray, Interval> for Walk<'_, '_, G> {
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S, ray: &Ray, span: Interval) -> Answer {
+    fn run<S: Simd>(self, simd: S, ray: &Ray, span: Interval) {
         match self.tree.leaves.kind {
-            LeafKind::Watertight => self.walk::<S, TriangleFilter, true>(simd, ray, span),
-            LeafKind::Triangles => self.walk::<S, TriangleFilter, false>(simd, ray, span),
-            LeafKind::Spheres => self.walk::<S, SphereFilter, false>(simd, ray, span),
-            LeafKind::Boxes => self.walk::<S, BoxFilter, false>(simd, ray, span),
+            LeafKind::Watertight => self.walk::<S, TriangleFilter<true>>(simd, ray, span),
+            LeafKind::Triangles => self.walk::<S, TriangleFilter<false>>(simd, ray, span),
+            LeafKind::Spheres => self.walk::<S, SphereFilter>(simd, ray, span),
+            LeafKind::Boxes => self.walk::<S, BoxFilter>(simd, ray, span),
         }
     }
 }
 
-/// The nearest hit so far, and who may still be nearer.
-struct Search<'q, 'j, const COPIES: bool> {
-    tree: &'q WideBvh,
-    ray: &'q Ray,
-    judge: &'q mut (dyn Judge + 'j),
-    hits: u64,
-    /// Ends at the nearest hit.
-    span: Interval,
-    is_hit: bool,
-    /// The nearest hit, if there is one.
-    best: Hit,
-    /// What is entered or hit after this cannot be first.
-    limit: f32,
-    candidates: [MaybeUninit<Candidate>; MAX_CANDIDATES],
-    n_candidates: usize,
-    /// Of all candidates.
-    least_near: f32,
-}
-
-impl<const COPIES: bool> Search<'_, '_, COPIES> {
+impl<G: Goal> Walk<'_, '_, G> {
     #[inline(always)]
-    fn decide<S: Simd, F: Filter>(&mut self, simd: S, ray: &PreparedRay<S>, leaf: LeafView<'_>, lane: usize) {
-        let index = F::index(leaf, lane);
-        let hit = if COPIES {
-            let hit = Copied { leaf, lane, index }.hit::<S, false>(simd, ray, self.ray, self.span);
-            self.hits += u64::from(hit.is_some());
-            hit
-        } else {
-            self.judge.closest(index, &SlabRay::new(self.ray), self.span)
-        };
-        if let Some(hit) = hit
-            && (!self.is_hit | hit.precedes(&self.best))
-        {
-            self.span.max = hit.t;
-            self.limit = self.limit.min(at_least(hit.t));
-            self.is_hit = true;
-            // One number after the other: all at once would have to wait until they are in memory.
-            self.best.t = hit.t;
-            self.best.instance = hit.instance;
-            self.best.primitive = hit.primitive;
-            self.best.uv[0] = hit.uv[0];
-            self.best.uv[1] = hit.uv[1];
-        }
-    }
-
-    /// A hit is certain: nothing behind its far bound can be first. False if there is no room to remember it.
-    #[inline(always)]
-    fn remember(&mut self, leaf: Child, lane: usize, [near, far]: [f32; 2]) -> bool {
-        if near > self.limit {
-            return true;
-        }
-        if far < self.least_near {
-            // The usual case: nearer than all others for sure.
-            self.n_candidates = 0;
-            self.least_near = near;
-        } else {
-            self.least_near = self.least_near.min(near);
-        }
-        self.limit = self.limit.min(far);
-        let has_room = self.n_candidates < MAX_CANDIDATES;
-        if has_room {
-            self.candidates[self.n_candidates % MAX_CANDIDATES].write(Candidate { near, leaf, lane });
-            self.n_candidates += 1;
-        }
-        has_room
-    }
-
-    #[inline(always)]
-    fn visit<S: Simd, F: Filter>(&mut self, simd: S, ray: &PreparedRay<S>, filter: &F, leaf: Child) {
-        let view = self.tree.leaves.view(leaf);
-        let verdict = filter.judge(simd, view, self.limit);
-        if verdict.maybe == 0 {
+    fn walk<S: Simd, F: Filter>(self, simd: S, ray: &Ray, span: Interval) {
+        let Self { tree, query, .. } = self;
+        let judge = &mut *query.judge;
+        let mut goal = G::new(span);
+        if !tree.unbounded.is_empty() && goal.visit_unbounded(judge, ray).is_break() {
+            query.answer = goal.answer();
             return;
         }
-        let (mut sure, mut unsure) = (verdict.sure, verdict.maybe & !verdict.sure);
-        if sure != 0 {
-            let (near, far) = (simd.to_array(verdict.near), simd.to_array(verdict.far));
-            while sure != 0 {
-                let lane = take_lane(&mut sure);
-                if !self.remember(leaf, lane, [near[lane], far[lane]]) {
-                    unsure |= 1 << lane;
-                }
-            }
-        }
-        while unsure != 0 {
-            let lane = take_lane(&mut unsure);
-            self.decide::<S, F>(simd, ray, view, lane);
-        }
-    }
-
-    #[inline(always)]
-    fn finish<S: Simd, F: Filter>(&mut self, simd: S, ray: &PreparedRay<S>) {
-        if COPIES && self.n_candidates == 1 && !self.is_hit {
-            // The usual case: a hit that is certain and first. Nothing is asked, so that the next ray need not wait.
-            // SAFETY: the first has been written.
-            let Candidate { leaf, lane, .. } = unsafe { self.candidates[0].assume_init() };
-            let leaf = self.tree.leaves.view(leaf);
-            let index = F::index(leaf, lane);
-            let copied = Copied { leaf, lane, index };
-            let Some(hit) = copied.hit::<S, true>(simd, ray, self.ray, self.span) else { return };
-            self.hits += 1;
-            self.is_hit = true;
-            self.best.t = hit.t;
-            self.best.primitive = hit.primitive;
-            self.best.uv[0] = hit.uv[0];
-            self.best.uv[1] = hit.uv[1];
-            return;
-        }
-        for i in 0..self.n_candidates {
-            // SAFETY: the first `n_candidates` have been written.
-            let Candidate { near, leaf, lane } = unsafe { self.candidates[i % MAX_CANDIDATES].assume_init() };
-            if near <= self.limit {
-                self.decide::<S, F>(simd, ray, self.tree.leaves.view(leaf), lane);
-            }
-        }
-    }
-}
-
-impl FirstHit<'_, '_> {
-    #[inline(always)]
-    fn walk<S: Simd, F: Filter, const COPIES: bool>(self, simd: S, ray: &Ray, span: Interval) -> Answer {
-        let Self { tree, query } = self;
         // Made here, where it stays in registers: what a caller has just stored cannot be loaded in other pieces at once.
-        let Some(prepared) = Prepared::<S, F>::new(simd, tree, ray, span) else { return Answer::Unproven };
-        let mut search = Search::<COPIES> {
-            tree,
-            ray,
-            judge: query.judge,
-            hits: 0,
-            span,
-            is_hit: false,
-            best: NO_HIT,
-            limit: at_least(span.max),
-            candidates: [const { MaybeUninit::uninit() }; MAX_CANDIDATES],
-            n_candidates: 0,
-            least_near: f32::INFINITY,
+        let Some(prepared) = Prepared::<S, F>::new(simd, tree, ray, span) else {
+            goal.visit_unfiltered(judge, ray);
+            query.answer = goal.answer();
+            return;
         };
         let mut stack = Stack::new();
         let (mut nodes, mut tests) = (0, 0);
@@ -245,33 +68,49 @@ impl FirstHit<'_, '_> {
             while child.is_node() {
                 nodes += 1;
                 let Some(node) = tree.nodes.get(child.number()) else { break 'walk };
-                let (enter, mut passed) = prepared.ray.filter.cross(simd, node, prepared.min, search.limit);
+                let (enter, mut passed) = prepared.ray.filter.cross(simd, node, prepared.min, goal.limit());
                 if passed == 0 {
-                    let Some(next) = stack.pop(search.limit) else { break 'walk };
+                    let Some(next) = pop(&mut stack, &goal) else { break 'walk };
                     child = next;
                     continue;
                 }
                 let lane = take_lane(&mut passed);
-                if passed == 0 {
-                    child = node.children[lane];
-                    continue;
-                }
-                child = put_off(simd, tree, node, &simd.to_array(enter), lane, passed, &mut stack);
+                child = if passed == 0 {
+                    node.children[lane]
+                } else if G::ORDERED {
+                    put_off(simd, tree, node, &simd.to_array(enter), lane, passed, &mut stack)
+                } else {
+                    while passed != 0 {
+                        let other = node.children[take_lane(&mut passed)];
+                        simd.prefetch(tree.line(other));
+                        stack.push(u64::from(other.to_bits()));
+                    }
+                    node.children[lane]
+                };
             }
             tests += child.count() as u64;
-            search.visit(simd, &prepared.ray, &prepared.filter, child);
-            let Some(next) = stack.pop(search.limit) else { break };
+            if goal.visit::<S, F>(simd, tree, judge, &prepared, child).is_break() {
+                break;
+            }
+            let Some(next) = pop(&mut stack, &goal) else { break };
             child = next;
         }
-        search.finish::<S, F>(simd, &prepared.ray);
-        query.outcome = Outcome { nodes, tests, hits: search.hits, hit: search.best };
-        search.is_hit.into()
+        goal.finish::<S, F>(simd, tree, judge, &prepared);
+        query.work = Work { nodes, tests, hits: goal.uncounted_hits() };
+        query.answer = goal.answer();
     }
+}
+
+/// What was put off last and still matters.
+#[inline(always)]
+pub(super) fn pop<G: Goal>(stack: &mut Stack, goal: &G) -> Option<Child> {
+    // Where nothing is ordered nothing is said of where it is entered.
+    stack.pop(if G::ORDERED { goal.limit() } else { f32::INFINITY })
 }
 
 /// Returns the nearest of the children `lane` and `others`, and pushes the rest, the nearest of them last.
 #[inline(always)]
-fn put_off<S: Simd>(
+pub(super) fn put_off<S: Simd>(
     simd: S,
     tree: &WideBvh,
     node: &Node,
@@ -318,78 +157,4 @@ fn put_off<S: Simd>(
     }
     stack.len -= 1;
     Child::from_bits(stack.get(stack.len) as u32)
-}
-
-/// Finds out whether a ray for which the filters are proven is blocked.
-pub(super) struct AnyHit<'q, 'j> {
-    pub(super) tree: &'q WideBvh,
-    pub(super) query: &'q mut Query<'j>,
-}
-
-impl Kernel for AnyHit<'_, '_> {
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S, ray: &Ray, span: Interval) -> Answer {
-        match self.tree.leaves.kind {
-            LeafKind::Watertight => self.walk::<S, TriangleFilter, true>(simd, ray, span),
-            LeafKind::Triangles => self.walk::<S, TriangleFilter, false>(simd, ray, span),
-            LeafKind::Spheres => self.walk::<S, SphereFilter, false>(simd, ray, span),
-            LeafKind::Boxes => self.walk::<S, BoxFilter, false>(simd, ray, span),
-        }
-    }
-}
-
-impl AnyHit<'_, '_> {
-    #[inline(always)]
-    fn walk<S: Simd, F: Filter, const COPIES: bool>(self, simd: S, ray: &Ray, span: Interval) -> Answer {
-        let Self { tree, query } = self;
-        let Some(prepared) = Prepared::<S, F>::new(simd, tree, ray, span) else { return Answer::Unproven };
-        let limit = at_least(span.max);
-        let mut stack = Stack::new();
-        let (mut nodes, mut tests, mut hits) = (0, 0, 0);
-        let mut child = tree.root;
-        let blocked = 'walk: loop {
-            while child.is_node() {
-                nodes += 1;
-                let Some(node) = tree.nodes.get(child.number()) else { break 'walk false };
-                let (_, mut passed) = prepared.ray.filter.cross(simd, node, prepared.min, limit);
-                if passed == 0 {
-                    let Some(next) = stack.pop(f32::INFINITY) else { break 'walk false };
-                    child = next;
-                    continue;
-                }
-                child = node.children[take_lane(&mut passed)];
-                while passed != 0 {
-                    let other = node.children[take_lane(&mut passed)];
-                    simd.prefetch(tree.line(other));
-                    stack.push(u64::from(other.to_bits()));
-                }
-            }
-            tests += child.count() as u64;
-            let view = tree.leaves.view(child);
-            let verdict = prepared.filter.judge(simd, view, limit);
-            if verdict.sure != 0 {
-                hits += 1;
-                break true;
-            }
-            let mut unsure = verdict.maybe;
-            while unsure != 0 {
-                let lane = take_lane(&mut unsure);
-                let is_blocked = if COPIES {
-                    let copied = Copied { leaf: view, lane, index: F::index(view, lane) };
-                    let hit = copied.hit::<S, false>(simd, &prepared.ray, ray, span);
-                    hits += u64::from(hit.is_some());
-                    hit.is_some()
-                } else {
-                    query.judge.occluded(F::index(view, lane), &SlabRay::new(ray), span)
-                };
-                if is_blocked {
-                    break 'walk true;
-                }
-            }
-            let Some(next) = stack.pop(f32::INFINITY) else { break false };
-            child = next;
-        };
-        query.outcome = Outcome { nodes, tests, hits, hit: NO_HIT };
-        blocked.into()
-    }
 }

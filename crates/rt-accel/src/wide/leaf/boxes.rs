@@ -30,7 +30,7 @@ pub(in crate::wide) struct BoxFilter {
 
 impl Filter for BoxFilter {
     #[inline(always)]
-    fn new<S: Simd>(_simd: S, ray: &PreparedRay<S>, span: Interval, _tree: &WideBvh) -> Self {
+    fn new<S: Simd>(_simd: S, ray: &PreparedRay<'_, S>, span: Interval, _tree: &WideBvh) -> Self {
         Self { ray: ray.filter, min: at_most(span.min) }
     }
 

@@ -9,17 +9,17 @@ mod spheres;
 mod triangles;
 
 use glam::DVec3;
-use rt_math::{LeafLayout, Primitives};
+use rt_math::{Hit, Interval, LeafLayout, Primitives, Ray, ShearedRay, SlabRay};
 
 pub(super) use boxes::BoxFilter;
 pub(super) use spheres::SphereFilter;
 pub(super) use triangles::{TriangleFilter, coordinates, corner};
 
+use super::goal::Judge;
 use super::node::Child;
 use super::ray::{FilterRay, LaneRay};
 use super::simd::Simd;
 use crate::bvh::NodeBox;
-use rt_math::{Interval, ShearedRay};
 
 /// Most primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 8;
@@ -270,20 +270,66 @@ pub(super) struct FilterSpan {
 }
 
 /// A ray, prepared for boxes and for triangles.
-pub(super) struct PreparedRay<S: Simd> {
+pub(super) struct PreparedRay<'r, S: Simd> {
+    pub(super) ray: &'r Ray,
     pub(super) lanes: LaneRay<S>,
     pub(super) filter: FilterRay,
     pub(super) sheared: ShearedRay,
 }
 
-/// Rules primitives out.
+impl<'r, S: Simd> PreparedRay<'r, S> {
+    /// `None` where the filter for boxes is not proven.
+    #[inline(always)]
+    pub(super) fn new(simd: S, tree: &super::WideBvh, ray: &'r Ray, span: Interval) -> Option<Self> {
+        let lanes = LaneRay::new(simd, ray);
+        let [x, y, z, _] = simd.to_doubles(lanes.inverse);
+        Some(Self {
+            ray,
+            lanes,
+            filter: FilterRay::new(simd, &lanes, span, tree.centre, tree.size)?,
+            sheared: ShearedRay::with_inverse(ray, DVec3::new(x, y, z)),
+        })
+    }
+}
+
+/// Rules primitives out, and sees to it that somebody decides about the others.
 pub(super) trait Filter: Copy {
+    /// True if leaves hold all that it takes to decide, so that nobody else is asked, or counts the hits.
+    const DECIDES: bool = false;
+
     /// Prepares a ray, of which it is handed what others have prepared.
-    fn new<S: Simd>(simd: S, ray: &PreparedRay<S>, span: Interval, tree: &super::WideBvh) -> Self;
+    fn new<S: Simd>(simd: S, ray: &PreparedRay<'_, S>, span: Interval, tree: &super::WideBvh) -> Self;
 
     /// Judges the primitives of a leaf; what is hit after `limit` is missed.
     fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S>;
 
     /// The index of a primitive.
     fn index(leaf: LeafView<'_>, lane: usize) -> u32;
+
+    /// Decides where a primitive is hit within the span. What would rule it out need not be looked at where the hit is
+    /// `CERTAIN`.
+    #[inline(always)]
+    fn hit<S: Simd, const CERTAIN: bool>(
+        _simd: S,
+        leaf: LeafView<'_>,
+        lane: usize,
+        ray: &PreparedRay<'_, S>,
+        span: Interval,
+        judge: &mut dyn Judge,
+    ) -> Option<Hit> {
+        judge.closest(Self::index(leaf, lane), &SlabRay::new(ray.ray), span)
+    }
+
+    /// Decides if a primitive blocks the ray within the span.
+    #[inline(always)]
+    fn blocks<S: Simd>(
+        _simd: S,
+        leaf: LeafView<'_>,
+        lane: usize,
+        ray: &PreparedRay<'_, S>,
+        span: Interval,
+        judge: &mut dyn Judge,
+    ) -> bool {
+        judge.occluded(Self::index(leaf, lane), &SlabRay::new(ray.ray), span)
+    }
 }

@@ -75,7 +75,7 @@ impl SphereFilter {
 
 impl Filter for SphereFilter {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, ray: &PreparedRay<S>, span: Interval, tree: &WideBvh) -> Self {
+    fn new<S: Simd>(simd: S, ray: &PreparedRay<'_, S>, span: Interval, tree: &WideBvh) -> Self {
         let centre = simd.doubles([tree.centre.x, tree.centre.y, tree.centre.z, 0.0]);
         let origin = simd.sub_doubles(ray.lanes.origin, centre);
         let [x, y, z, _] = simd.to_doubles(simd.mul_doubles(ray.lanes.direction, ray.lanes.direction));

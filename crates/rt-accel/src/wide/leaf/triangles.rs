@@ -17,10 +17,12 @@
 //! far less.
 
 use glam::{DVec3, Vec3};
-use rt_math::{Interval, LeafLayout, Primitives};
+use rt_math::{Hit, Interval, LeafLayout, Primitives, SlabRay};
 
-use super::{Block, Filter, FilterSpan, LeafKind, LeafView, PreparedRay, Verdict};
+use super::{Block, Filter, FilterSpan, LeafView, PreparedRay, Verdict};
 use crate::wide::WideBvh;
+use crate::wide::copy::Copied;
+use crate::wide::goal::Judge;
 use crate::wide::ray::{at_least, at_most, greatest};
 use crate::wide::simd::Simd;
 
@@ -71,9 +73,9 @@ pub(in crate::wide) fn corner(leaf: LeafView<'_>, lane: usize, vertex: usize) ->
     [leaf.number(at), leaf.number(at + leaf.count), leaf.number(at + 2 * leaf.count)]
 }
 
-/// The watertight test with three answers.
+/// The watertight test with three answers. Where leaves hold exact `COPIES` it decides as well.
 #[derive(Clone, Copy)]
-pub(in crate::wide) struct TriangleFilter {
+pub(in crate::wide) struct TriangleFilter<const COPIES: bool> {
     origin: [f32; 4],
     /// Axes in the order x, y, z of the ray's own space.
     axes: [usize; 3],
@@ -85,7 +87,7 @@ pub(in crate::wide) struct TriangleFilter {
     span: FilterSpan,
 }
 
-impl TriangleFilter {
+impl<const COPIES: bool> TriangleFilter<COPIES> {
     /// One coordinate of the three vertices, relative to the origin.
     #[inline(always)]
     fn positions<S: Simd>(&self, simd: S, leaf: LeafView<'_>, axis: usize) -> [S::Lanes; 3] {
@@ -122,10 +124,12 @@ fn farthest<S: Simd>(simd: S, p: [S::Lanes; 3]) -> S::Lanes {
     simd.max(simd.max(simd.abs(p[0]), simd.abs(p[1])), simd.abs(p[2]))
 }
 
-impl Filter for TriangleFilter {
+impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
+    const DECIDES: bool = COPIES;
+
     #[inline(always)]
-    fn new<S: Simd>(simd: S, ray: &PreparedRay<S>, span: Interval, tree: &WideBvh) -> Self {
-        let centre = if tree.leaves.kind == LeafKind::Watertight { DVec3::ZERO } else { tree.centre };
+    fn new<S: Simd>(simd: S, ray: &PreparedRay<'_, S>, span: Interval, tree: &WideBvh) -> Self {
+        let centre = if COPIES { DVec3::ZERO } else { tree.centre };
         let origin = simd.sub_doubles(ray.lanes.origin, simd.doubles([centre.x, centre.y, centre.z, 0.0]));
         let (axes, [shear_x, shear_y, scale]) = ray.sheared.shear();
         Self {
@@ -186,5 +190,39 @@ impl Filter for TriangleFilter {
     #[inline(always)]
     fn index(leaf: LeafView<'_>, lane: usize) -> u32 {
         leaf.word(HEADER + NUMBERS * leaf.count + lane)
+    }
+
+    #[inline(always)]
+    fn hit<S: Simd, const CERTAIN: bool>(
+        simd: S,
+        leaf: LeafView<'_>,
+        lane: usize,
+        ray: &PreparedRay<'_, S>,
+        span: Interval,
+        judge: &mut dyn Judge,
+    ) -> Option<Hit> {
+        let index = Self::index(leaf, lane);
+        if COPIES {
+            Copied { leaf, lane, index }.hit::<S, CERTAIN>(simd, ray, span)
+        } else {
+            judge.closest(index, &SlabRay::new(ray.ray), span)
+        }
+    }
+
+    #[inline(always)]
+    fn blocks<S: Simd>(
+        simd: S,
+        leaf: LeafView<'_>,
+        lane: usize,
+        ray: &PreparedRay<'_, S>,
+        span: Interval,
+        judge: &mut dyn Judge,
+    ) -> bool {
+        let index = Self::index(leaf, lane);
+        if COPIES {
+            Copied { leaf, lane, index }.hit::<S, false>(simd, ray, span).is_some()
+        } else {
+            judge.occluded(index, &SlabRay::new(ray.ray), span)
+        }
     }
 }

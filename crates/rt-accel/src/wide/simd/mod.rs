@@ -8,7 +8,6 @@ mod portable;
 mod x86;
 
 use portable::Portable;
-use rt_math::{Interval, Ray};
 
 /// Arithmetic on eight numbers side by side. Having a value of the type proves that the processor can do it.
 pub(super) trait Simd: Copy {
@@ -87,29 +86,12 @@ pub(super) trait Simd: Copy {
 
 /// A computation that is to be compiled for every kind of processor. `run` must be `#[inline(always)]`.
 ///
-/// What implements it should be no more than two pointers: then all arguments travel in registers. What has just been
-/// stored in small pieces cannot be loaded in larger ones without a wait for the memory, which costs as much as a node.
-pub(super) trait Kernel {
+/// What implements it should be no more than two pointers, and so should its arguments: then all travel in registers.
+/// What has just been stored in small pieces cannot be loaded in larger ones without a wait for the memory, which costs
+/// as much as a node.
+pub(super) trait Kernel<A, B> {
     /// Does it.
-    fn run<S: Simd>(self, simd: S, ray: &Ray, span: Interval) -> Answer;
-}
-
-/// What comes of a kernel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Answer {
-    /// Nothing was hit.
-    Missed,
-    /// Something was hit.
-    Hit,
-    /// The kernel is not proven for this ray.
-    Unproven,
-}
-
-impl From<bool> for Answer {
-    #[inline(always)]
-    fn from(is_hit: bool) -> Self {
-        if is_hit { Self::Hit } else { Self::Missed }
-    }
+    fn run<S: Simd>(self, simd: S, a: A, b: B);
 }
 
 /// What the processor can do with eight numbers at a time.
@@ -193,13 +175,13 @@ impl Available {
 
     /// Runs a kernel by the instructions of this level.
     #[inline(always)]
-    pub(super) fn dispatch<K: Kernel>(self, kernel: K, ray: &Ray, span: Interval) -> Answer {
+    pub(super) fn dispatch<A, B, K: Kernel<A, B>>(self, kernel: K, a: A, b: B) {
         match self {
-            Self::Portable(simd) => simd.dispatch(kernel, ray, span),
+            Self::Portable(simd) => simd.dispatch(kernel, a, b),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2(simd) => simd.dispatch(kernel, ray, span),
+            Self::Avx2(simd) => simd.dispatch(kernel, a, b),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512(simd) => simd.dispatch(kernel, ray, span),
+            Self::Avx512(simd) => simd.dispatch(kernel, a, b),
         }
     }
 }

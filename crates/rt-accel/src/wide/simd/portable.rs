@@ -2,9 +2,7 @@
 
 use glam::Vec4;
 
-use rt_math::{Interval, Ray};
-
-use super::{Answer, Kernel, Simd};
+use super::{Kernel, Simd};
 
 /// Two halves of four numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,8 +11,8 @@ pub(in crate::wide) struct Portable;
 impl Portable {
     /// Runs the kernel, compiled once and not wherever it is asked for.
     #[inline(never)]
-    pub(super) fn dispatch<K: Kernel>(self, kernel: K, ray: &Ray, span: Interval) -> Answer {
-        kernel.run(self, ray, span)
+    pub(super) fn dispatch<A, B, K: Kernel<A, B>>(self, kernel: K, a: A, b: B) {
+        kernel.run(self, a, b)
     }
 }
 

@@ -5,9 +5,7 @@
 
 use core::arch::x86_64::*;
 
-use rt_math::{Interval, Ray};
-
-use super::{Answer, Kernel, Simd};
+use super::{Kernel, Simd};
 
 /// Makes a level of which all operations but the comparison are those of AVX2.
 macro_rules! level {
@@ -25,13 +23,13 @@ macro_rules! level {
 
             /// Runs the kernel with all that this level has.
             #[inline]
-            pub(super) fn dispatch<K: Kernel>(self, kernel: K, ray: &Ray, span: Interval) -> Answer {
+            pub(super) fn dispatch<A, B, K: Kernel<A, B>>(self, kernel: K, a: A, b: B) {
                 #[target_feature(enable = $features)]
-                fn compiled_for_it<K: Kernel>(simd: $name, kernel: K, ray: &Ray, span: Interval) -> Answer {
-                    kernel.run(simd, ray, span)
+                fn compiled_for_it<A, B, K: Kernel<A, B>>(simd: $name, kernel: K, a: A, b: B) {
+                    kernel.run(simd, a, b)
                 }
                 // SAFETY: `self` exists, so `detect` has found all of these features.
-                unsafe { compiled_for_it(self, kernel, ray, span) }
+                unsafe { compiled_for_it(self, kernel, a, b) }
             }
         }
 

@@ -1,0 +1,369 @@
+//! What a ray is sent for: its first hit, or any.
+
+use core::mem::MaybeUninit;
+use core::ops::ControlFlow;
+
+use rt_math::{Hit, Interval, Ray, SlabRay};
+
+use super::WideBvh;
+use super::leaf::{Filter, LeafView, PreparedRay};
+use super::node::Child;
+use super::ray::{at_least, at_most};
+use super::simd::Simd;
+
+/// Decides about what the filters leave: the caller's primitives, behind one call.
+pub(super) trait Judge {
+    /// The hit on a primitive within the span.
+    fn closest(&mut self, index: u32, ray: &SlabRay, span: Interval) -> Option<Hit>;
+    /// True if the primitive blocks the ray within the span.
+    fn occluded(&mut self, index: u32, ray: &SlabRay, span: Interval) -> bool;
+    /// The first hit on primitives without bounds.
+    fn closest_unbounded(&mut self, ray: &Ray, span: Interval) -> Option<Hit>;
+    /// True if a primitive without bounds blocks the ray.
+    fn occluded_unbounded(&mut self, ray: &Ray, span: Interval) -> bool;
+    /// The first hit on bounded primitives, by a walk that needs no filters.
+    fn closest_unfiltered(&mut self, ray: &Ray, span: Interval) -> Option<Hit>;
+    /// True if bounded primitives block the ray, by a walk that needs no filters.
+    fn occluded_unfiltered(&mut self, ray: &Ray, span: Interval) -> bool;
+}
+
+/// A ray on its way, prepared for boxes and for the primitives of leaves.
+pub(super) struct Prepared<'r, S: Simd, F> {
+    pub(super) ray: PreparedRay<'r, S>,
+    pub(super) min: f32,
+    pub(super) filter: F,
+}
+
+impl<'r, S: Simd, F: Filter> Prepared<'r, S, F> {
+    /// `None` where the filters are not proven.
+    #[inline(always)]
+    pub(super) fn new(simd: S, tree: &WideBvh, ray: &'r Ray, span: Interval) -> Option<Self> {
+        let ray = PreparedRay::new(simd, tree, ray, span)?;
+        Some(Self { min: at_most(span.min), filter: F::new(simd, &ray, span, tree), ray })
+    }
+}
+
+/// The lowest lane of a mask that is not 0, which loses it.
+#[inline(always)]
+pub(super) fn take_lane(mask: &mut u32) -> usize {
+    let lane = mask.trailing_zeros() as usize;
+    *mask &= *mask - 1;
+    lane & 7
+}
+
+/// What a ray is sent for, and what it has found of it.
+pub(super) trait Goal: Sized {
+    /// True if what is nearer should be visited first.
+    const ORDERED: bool;
+    /// What is found in the end.
+    type Answer: Default;
+
+    /// Nothing has been found yet.
+    fn new(span: Interval) -> Self;
+
+    /// Asks the primitives without bounds; breaks if nothing else matters.
+    fn visit_unbounded(&mut self, judge: &mut dyn Judge, ray: &Ray) -> ControlFlow<()>;
+
+    /// Walks without filters.
+    fn visit_unfiltered(&mut self, judge: &mut dyn Judge, ray: &Ray);
+
+    /// What is entered after this does not matter.
+    fn limit(&self) -> f32;
+
+    /// Visits a leaf; breaks if nothing else matters.
+    fn visit<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        prepared: &Prepared<'_, S, F>,
+        leaf: Child,
+    ) -> ControlFlow<()>;
+
+    /// Decides about what has been put off.
+    fn finish<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        prepared: &Prepared<'_, S, F>,
+    );
+
+    /// Hits that no judge has counted.
+    fn uncounted_hits(&self) -> u64;
+
+    /// What has been found.
+    fn answer(&self) -> Self::Answer;
+}
+
+/// A primitive that is hit for sure, to be decided about at the end.
+#[derive(Clone, Copy)]
+struct Candidate {
+    near: f32,
+    leaf: Child,
+    lane: usize,
+}
+
+/// Candidates that may be undecided at a time.
+const MAX_CANDIDATES: usize = 8;
+
+const NO_HIT: Hit = Hit { t: f64::INFINITY, instance: 0, primitive: 0, uv: [0.0; 2] };
+
+/// The nearest hit so far, and who may still be nearer.
+pub(super) struct FirstHit {
+    uncounted_hits: u64,
+    /// Ends at the nearest hit.
+    span: Interval,
+    is_hit: bool,
+    /// The nearest hit, if there is one.
+    best: Hit,
+    /// What is entered or hit after this cannot be first.
+    limit: f32,
+    candidates: [MaybeUninit<Candidate>; MAX_CANDIDATES],
+    n_candidates: usize,
+    /// Of all candidates.
+    least_near: f32,
+}
+
+impl FirstHit {
+    /// A hit that precedes all before it.
+    #[inline(always)]
+    fn accept(&mut self, hit: &Hit) {
+        self.span.max = hit.t;
+        self.limit = self.limit.min(at_least(hit.t));
+        self.is_hit = true;
+        // One number after the other: all at once would have to wait until they are in memory.
+        self.best.t = hit.t;
+        self.best.instance = hit.instance;
+        self.best.primitive = hit.primitive;
+        self.best.uv[0] = hit.uv[0];
+        self.best.uv[1] = hit.uv[1];
+    }
+
+    #[inline(always)]
+    fn decide<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        judge: &mut dyn Judge,
+        ray: &PreparedRay<'_, S>,
+        leaf: LeafView<'_>,
+        lane: usize,
+    ) {
+        let hit = F::hit::<S, false>(simd, leaf, lane, ray, self.span, judge);
+        if F::DECIDES {
+            self.uncounted_hits += u64::from(hit.is_some());
+        }
+        if let Some(hit) = hit
+            && (!self.is_hit | hit.precedes(&self.best))
+        {
+            self.accept(&hit);
+        }
+    }
+
+    /// A hit is certain: nothing behind its far bound can be first. False if there is no room to remember it.
+    #[inline(always)]
+    fn remember(&mut self, leaf: Child, lane: usize, [near, far]: [f32; 2]) -> bool {
+        if near > self.limit {
+            return true;
+        }
+        if far < self.least_near {
+            // The usual case: nearer than all others for sure.
+            self.n_candidates = 0;
+            self.least_near = near;
+        } else {
+            self.least_near = self.least_near.min(near);
+        }
+        self.limit = self.limit.min(far);
+        let has_room = self.n_candidates < MAX_CANDIDATES;
+        if has_room {
+            self.candidates[self.n_candidates % MAX_CANDIDATES].write(Candidate { near, leaf, lane });
+            self.n_candidates += 1;
+        }
+        has_room
+    }
+}
+
+impl Goal for FirstHit {
+    const ORDERED: bool = true;
+    type Answer = Option<Hit>;
+
+    #[inline(always)]
+    fn new(span: Interval) -> Self {
+        Self {
+            uncounted_hits: 0,
+            span,
+            is_hit: false,
+            best: NO_HIT,
+            limit: at_least(span.max),
+            candidates: [const { MaybeUninit::uninit() }; MAX_CANDIDATES],
+            n_candidates: 0,
+            least_near: f32::INFINITY,
+        }
+    }
+
+    fn visit_unbounded(&mut self, judge: &mut dyn Judge, ray: &Ray) -> ControlFlow<()> {
+        // What is equally near, but of lower index, must still be found.
+        if let Some(hit) = judge.closest_unbounded(ray, self.span) {
+            self.accept(&hit);
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn visit_unfiltered(&mut self, judge: &mut dyn Judge, ray: &Ray) {
+        if let Some(hit) = judge.closest_unfiltered(ray, self.span)
+            && (!self.is_hit || hit.precedes(&self.best))
+        {
+            self.accept(&hit);
+        }
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+
+    #[inline(always)]
+    fn visit<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        prepared: &Prepared<'_, S, F>,
+        leaf: Child,
+    ) -> ControlFlow<()> {
+        let view = tree.leaves.view(leaf);
+        let verdict = prepared.filter.judge(simd, view, self.limit);
+        if verdict.maybe == 0 {
+            return ControlFlow::Continue(());
+        }
+        let (mut sure, mut unsure) = (verdict.sure, verdict.maybe & !verdict.sure);
+        if sure != 0 {
+            let (near, far) = (simd.to_array(verdict.near), simd.to_array(verdict.far));
+            while sure != 0 {
+                let lane = take_lane(&mut sure);
+                if !self.remember(leaf, lane, [near[lane], far[lane]]) {
+                    unsure |= 1 << lane;
+                }
+            }
+        }
+        while unsure != 0 {
+            let lane = take_lane(&mut unsure);
+            self.decide::<S, F>(simd, judge, &prepared.ray, view, lane);
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn finish<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        prepared: &Prepared<'_, S, F>,
+    ) {
+        if F::DECIDES && self.n_candidates == 1 && !self.is_hit {
+            // The usual case: a hit that is certain and first. Nothing is asked, so that the next ray need not wait.
+            // SAFETY: the first has been written.
+            let Candidate { leaf, lane, .. } = unsafe { self.candidates[0].assume_init() };
+            let leaf = tree.leaves.view(leaf);
+            let Some(hit) = F::hit::<S, true>(simd, leaf, lane, &prepared.ray, self.span, judge) else { return };
+            self.uncounted_hits += 1;
+            self.is_hit = true;
+            self.best.t = hit.t;
+            self.best.primitive = hit.primitive;
+            self.best.uv[0] = hit.uv[0];
+            self.best.uv[1] = hit.uv[1];
+            return;
+        }
+        for i in 0..self.n_candidates {
+            // SAFETY: the first `n_candidates` have been written.
+            let Candidate { near, leaf, lane } = unsafe { self.candidates[i % MAX_CANDIDATES].assume_init() };
+            if near <= self.limit {
+                self.decide::<S, F>(simd, judge, &prepared.ray, tree.leaves.view(leaf), lane);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn uncounted_hits(&self) -> u64 {
+        self.uncounted_hits
+    }
+
+    #[inline(always)]
+    fn answer(&self) -> Option<Hit> {
+        self.is_hit.then_some(self.best)
+    }
+}
+
+/// Whether anything blocks the ray.
+pub(super) struct AnyHit {
+    span: Interval,
+    uncounted_hits: u64,
+    is_blocked: bool,
+    limit: f32,
+}
+
+impl Goal for AnyHit {
+    const ORDERED: bool = false;
+    type Answer = bool;
+
+    #[inline(always)]
+    fn new(span: Interval) -> Self {
+        Self { span, uncounted_hits: 0, is_blocked: false, limit: at_least(span.max) }
+    }
+
+    fn visit_unbounded(&mut self, judge: &mut dyn Judge, ray: &Ray) -> ControlFlow<()> {
+        self.is_blocked = judge.occluded_unbounded(ray, self.span);
+        if self.is_blocked { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn visit_unfiltered(&mut self, judge: &mut dyn Judge, ray: &Ray) {
+        self.is_blocked = judge.occluded_unfiltered(ray, self.span);
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+
+    #[inline(always)]
+    fn visit<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        prepared: &Prepared<'_, S, F>,
+        leaf: Child,
+    ) -> ControlFlow<()> {
+        let view = tree.leaves.view(leaf);
+        let verdict = prepared.filter.judge(simd, view, self.limit);
+        if verdict.sure != 0 {
+            self.uncounted_hits += 1;
+            self.is_blocked = true;
+            return ControlFlow::Break(());
+        }
+        let mut unsure = verdict.maybe;
+        while unsure != 0 {
+            let lane = take_lane(&mut unsure);
+            if F::blocks(simd, view, lane, &prepared.ray, self.span, judge) {
+                self.uncounted_hits += u64::from(F::DECIDES);
+                self.is_blocked = true;
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn finish<S: Simd, F: Filter>(&mut self, _: S, _: &WideBvh, _: &mut dyn Judge, _: &Prepared<'_, S, F>) {}
+
+    #[inline(always)]
+    fn uncounted_hits(&self) -> u64 {
+        self.uncounted_hits
+    }
+
+    #[inline(always)]
+    fn answer(&self) -> bool {
+        self.is_blocked
+    }
+}
