@@ -127,6 +127,7 @@ impl Primitives for TriangleMesh {
         self.data.triangles.len()
     }
 
+    #[inline]
     fn bounds(&self, index: u32) -> Option<Aabb> {
         ((index as usize) < self.len()).then(|| self.triangle_bounds(index as usize))
     }
@@ -136,6 +137,7 @@ impl Primitives for TriangleMesh {
         self.intersect_sheared(index, &ShearedRay::new(ray), span)
     }
 
+    #[inline]
     fn leaf_layout(&self, index: u32) -> LeafLayout {
         let corners = |triangle: &[u32; 3]| triangle.map(|i| self.data.positions[i as usize]);
         self.data.triangles.get(index as usize).map(corners).map_or(LeafLayout::Opaque, LeafLayout::Watertight)

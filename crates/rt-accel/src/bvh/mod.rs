@@ -107,6 +107,15 @@ impl Bvh {
         })
     }
 
+    /// In visits of a node.
+    fn sah_cost(&self) -> Option<f64> {
+        let boxes = |node: &Node| [0, 1].map(|side| (node.child_box(side).half_area(), node.children[side].count));
+        let [left, right] = [0, 1].map(|side| self.nodes.first().map(|root| root.child_box(side)));
+        let whole = left?.union(right?).half_area();
+        let below: f64 = self.nodes.iter().flat_map(boxes).map(|(area, count)| area * split::cost(count)).sum();
+        (whole > 0.0).then(|| 1.0 + below / whole)
+    }
+
     #[inline]
     fn leaf(&self, child: Child) -> &[u32] {
         &self.indices[child.first as usize..][..child.count as usize]
@@ -148,6 +157,7 @@ impl Structure for Bvh {
             leaves: self.leaves,
             max_depth: self.max_depth as usize,
             references: self.indices.len(),
+            sah_cost: self.sah_cost(),
         }
     }
 

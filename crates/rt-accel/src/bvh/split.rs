@@ -13,6 +13,11 @@ pub(super) const MAX_LEAF: usize = 8;
 /// Cost of visiting a node relative to that of testing a primitive.
 const NODE_COST: f64 = 1.5;
 
+/// What is expected of a leaf of so many primitives, or of a node if there are none, in visits of a node.
+pub(super) fn cost(count: u32) -> f64 {
+    if count == 0 { 1.0 } else { f64::from(count) / NODE_COST }
+}
+
 pub(super) const BINS: usize = 16;
 
 /// One primitive while the tree grows.

@@ -248,6 +248,7 @@ impl Structure for UniformGrid {
             leaves: self.starts.windows(2).filter(|ends| ends[0] < ends[1]).count(),
             max_depth: 1,
             references: self.indices.len(),
+            sah_cost: None,
         }
     }
 

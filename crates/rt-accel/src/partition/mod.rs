@@ -47,6 +47,7 @@ impl<C: Cut> Partition<C> {
             leaves: if self.indices.is_empty() { 0 } else { self.nodes.len().div_ceil(2) },
             max_depth,
             references: self.indices.len(),
+            sah_cost: None,
         }
     }
 

@@ -59,6 +59,7 @@ impl<C> Tree<C> {
             leaves: if self.indices.is_empty() { 0 } else { self.nodes.len() + 1 },
             max_depth: max_depth as usize,
             references: self.indices.len(),
+            sah_cost: None,
         }
     }
 

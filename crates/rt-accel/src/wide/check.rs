@@ -4,7 +4,7 @@ use glam::Vec3A;
 use rt_math::{Primitives, own_box};
 
 use super::WideBvh;
-use super::leaf::MAX_LEAF;
+use super::leaf::{Filling, MAX_LEAF};
 use super::node::Child;
 use crate::Violation;
 use crate::bounded_depth::MAX_DEPTH;
@@ -40,8 +40,7 @@ impl WideBvh {
     pub(super) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
         self.check_shape()?;
         validate_lists(primitives, self.bounded + self.unbounded.len() as u32, &self.unbounded)?;
-        let own =
-            |index: u32| own_box(primitives, index).map_or(NodeBox::EMPTY, |own| NodeBox::outward(&own, self.centre));
+        let filling = Filling { primitives, centre: self.centre, kind: self.leaves.kind };
         self.for_each_leaf(|leaf, bounds| {
             for &primitive in self.leaves.indices(leaf) {
                 let own = own_box(primitives, primitive).ok_or(Violation::Misplaced { primitive })?;
@@ -49,7 +48,7 @@ impl WideBvh {
                     return Err(Violation::Outside { primitive });
                 }
             }
-            if !self.leaves.fits(leaf, primitives, self.centre, own) {
+            if !self.leaves.fits(leaf, &filling) {
                 let primitive = self.leaves.indices(leaf).first().copied().unwrap_or_default();
                 return Err(Violation::Outside { primitive });
             }

@@ -13,6 +13,7 @@
 mod build;
 mod check;
 mod copy;
+mod cost;
 mod exact;
 mod goal;
 mod leaf;
@@ -28,18 +29,15 @@ use core::ops::ControlFlow;
 
 use rt_math::{
     Aabb, Accelerator, DVec3, Hit, Interval, Primitives, Probe, Ray, SlabRay, decide_offered, decide_offered_occluded,
-    own_box,
 };
 
 use crate::bounded_depth::MAX_DEPTH;
-use crate::bvh::NodeBox;
-use crate::own_boxes::OwnBoxes;
 use crate::ray_query::{Any, Closest, is_finite};
 use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
+use build::Census;
 pub use build::{BuildParams, Quality};
-use build::{Reference, WideChild, WideTree};
 use goal::{AnyHit, FirstHit, Goal, Judge};
-use leaf::{LeafKind, Leaves, Line};
+use leaf::{Filling, LeafKind, Leaves, Line};
 use node::{Child, Node};
 use simd::Available;
 pub use simd::SimdLevel;
@@ -92,56 +90,25 @@ impl WideBvh {
     ///
     /// As [`build`](Self::build).
     pub fn build_with<P: Primitives>(primitives: &P, params: &BuildParams) -> Result<Self, BuildError> {
-        let OwnBoxes { bounded, unbounded, union } = OwnBoxes::collect(primitives)?;
-        let (centre, size) = frame(&bounded, &union);
-        let references: Vec<_> =
-            bounded.iter().map(|(index, own)| Reference::new(NodeBox::outward(own, centre), *index)).collect();
-        let indices: Vec<u32> = bounded.iter().map(|(index, _)| *index).collect();
-        let kind = LeafKind::of(primitives, &indices, centre, size);
-        drop(bounded);
-        let tree = build::build(references, params);
-        let mut this = Self {
-            nodes: Vec::with_capacity(tree.nodes.len()),
-            leaves: Leaves::new(kind),
+        let census = Census::of(primitives)?;
+        let (centre, size) = (census.centre(), census.size());
+        let kind = LeafKind::of(census.layouts, centre, size);
+        let bounded = census.bounded;
+        let Some(tree) = build::build(primitives, &census, kind, params) else {
+            return Err(BuildError::TooMany { count: u64::from(bounded), limit: Child::LIMIT as u64 });
+        };
+        Ok(Self {
+            leaves: Leaves::new(&Filling { primitives, centre, kind }, &tree.listings),
+            n_leaves: tree.listings.iter().map(|listing| listing.sizes.len()).sum(),
+            nodes: tree.nodes,
             root: Child::node(0),
             centre,
             size,
-            unbounded,
-            bounded: indices.len() as u32,
-            n_leaves: 0,
+            unbounded: census.unbounded,
+            bounded,
             max_depth: tree.depth,
             level: Available::default(),
-        };
-        match this.lay_out(primitives, &tree) {
-            Some(()) => Ok(this),
-            None => Err(BuildError::TooMany { count: indices.len() as u64, limit: Child::LIMIT as u64 }),
-        }
-    }
-
-    /// Packs the tree into nodes and leaves; `None` if numbers run out.
-    fn lay_out<P: Primitives>(&mut self, primitives: &P, tree: &WideTree) -> Option<()> {
-        if tree.nodes.len() > Child::LIMIT {
-            return None;
-        }
-        let centre = self.centre;
-        let own = |index: u32| own_box(primitives, index).map_or(NodeBox::EMPTY, |own| NodeBox::outward(&own, centre));
-        for from in &tree.nodes {
-            let mut node = Node::EMPTY;
-            for lane in 0..usize::from(from.count) {
-                let child = match from.children[lane] {
-                    WideChild::Node(number) => Child::node(number),
-                    WideChild::Leaf { first, count } => {
-                        let indices = tree.order.get(first as usize..(first + count) as usize)?;
-                        self.n_leaves += 1;
-                        self.leaves.push(primitives, indices, centre, own)?
-                    }
-                };
-                node.set(lane, &from.boxes[lane], child);
-            }
-            self.nodes.push(node);
-        }
-        self.leaves.finish();
-        Some(())
+        })
     }
 
     /// The same tree, walked by other instructions: for tests and comparisons, as the best that the processor has are
@@ -195,15 +162,6 @@ impl WideBvh {
     fn line(&self, child: Child) -> *const Line {
         if child.is_node() { self.nodes.as_ptr().wrapping_add(child.number()).cast() } else { self.leaves.line(child) }
     }
-}
-
-/// The centre of a tree, and its greatest coordinate relative to that.
-fn frame(bounded: &[(u32, Aabb)], union: &Aabb) -> (DVec3, f64) {
-    if bounded.is_empty() {
-        return (DVec3::ZERO, 0.0);
-    }
-    let centre = union.centre();
-    (centre, NodeBox::outward(union, centre).max_abs())
 }
 
 /// The primitives of a query, and who counts.
@@ -292,6 +250,7 @@ impl Structure for WideBvh {
             leaves: self.n_leaves,
             max_depth: self.max_depth as usize,
             references: self.leaves().map(|leaf| leaf.count()).sum(),
+            sah_cost: cost::sah_cost(&self.nodes),
         }
     }
 

@@ -75,6 +75,15 @@ impl Node {
         self.children[lane] = child;
     }
 
+    /// The same node, where nodes are numbered from `first_node` and cache lines from `first_line`.
+    pub(super) fn moved(mut self, first_node: usize, first_line: usize) -> Self {
+        for child in &mut self.children {
+            let first = if child.is_node() { first_node } else { first_line };
+            *child = Child(child.0 + ((first as u32) << 4));
+        }
+        self
+    }
+
     /// The box of one child, `None` if there is no such child.
     pub(super) fn child_box(&self, lane: usize) -> Option<NodeBox> {
         let side = |side: usize| [0, 1, 2].map(|axis| self.planes[2 * axis + side][lane]).into();

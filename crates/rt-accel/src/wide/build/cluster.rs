@@ -24,16 +24,14 @@ impl Haste {
 }
 
 impl Rules {
-    /// Joins pairs of references that follow each other, where two leaves would be no better than one.
-    pub(super) fn pair(&self, references: &mut Vec<Reference>) {
-        let (mut read, mut write) = (0, 0);
-        while let Some(next) = references.get(read) {
-            let pair = references.get(read + 1).and_then(|other| self.try_pair(next, other));
-            read += if pair.is_some() { 2 } else { 1 };
-            references[write] = pair.unwrap_or(*next);
-            write += 1;
+    /// Adds a reference to a list, or joins it with the last one if it follows that and two leaves would be no better
+    /// than one.
+    #[inline(always)]
+    pub(super) fn push(&self, references: &mut Vec<Reference>, next: Reference) {
+        match references.last_mut().and_then(|last| Some((self.try_pair(last, &next)?, last))) {
+            Some((pair, last)) => *last = pair,
+            None => references.push(next),
         }
-        references.truncate(write);
     }
 
     #[inline(always)]
@@ -41,7 +39,9 @@ impl Rules {
         let both = a.bounds().union(b.bounds());
         let apart = self.leaf_cost(a) + self.leaf_cost(b);
         let pays = leaf_cost(self.unit.area(&both), 2) <= apart;
-        (pays && self.max_leaf > 1 && b.index().checked_sub(a.index()) == Some(1)).then(|| a.pair(&both))
+        let (a_run, b_run) = (a.run(), b.run());
+        let follows = (a_run.count, b_run.count) == (1, 1) && b_run.first.checked_sub(a_run.first) == Some(1);
+        (pays && follows && self.max_leaf > 1).then(|| a.pair(&both))
     }
 
     /// The costs of a leaf, if a set in a box of this area can hardly gain by being cut.
@@ -74,10 +74,12 @@ mod tests {
         Reference::new(NodeBox { min: Vec3A::new(x, 0.0, 0.0), max: Vec3A::new(x + 1.0, 1.0, 0.0) }, index)
     }
 
-    fn paired(mut references: Vec<Reference>, max_leaf: usize) -> Vec<Run> {
+    fn paired(references: Vec<Reference>, max_leaf: usize) -> Vec<Run> {
         let unit = AreaUnit::new(&NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(10.0) });
-        Rules { unit, axes: Axes::All, haste: Haste::LITTLE, max_leaf }.pair(&mut references);
-        references.iter().map(Reference::run).collect()
+        let rules = Rules { unit, axes: Axes::All, haste: Haste::LITTLE, max_leaf };
+        let mut list = Vec::new();
+        references.into_iter().for_each(|reference| rules.push(&mut list, reference));
+        list.iter().map(Reference::run).collect()
     }
 
     #[test]

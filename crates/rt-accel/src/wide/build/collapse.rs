@@ -15,13 +15,13 @@
 pub(super) const WIDTH: usize = 8;
 
 /// Cost of visiting a node, the unit of the others.
-pub(super) const NODE: f32 = 1.0;
+pub(in crate::wide) const NODE: f32 = 1.0;
 
 /// Cost of visiting a leaf: a test of eight primitives at once.
-pub(super) const LEAF: f32 = 0.6;
+pub(in crate::wide) const LEAF: f32 = 0.6;
 
 /// Cost of a primitive in a leaf: memory to read.
-pub(super) const PRIMITIVE: f32 = 0.1;
+pub(in crate::wide) const PRIMITIVE: f32 = 0.1;
 
 /// The costs of what is below a binary node.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +50,7 @@ pub(super) enum Share {
 }
 
 impl Plan {
-    pub(super) const LEAF: Self = Self(0);
+    pub(in crate::wide) const LEAF: Self = Self(0);
 
     fn at(self, k: usize) -> usize {
         (self.0 >> (4 * (k - 1)) & 15) as usize

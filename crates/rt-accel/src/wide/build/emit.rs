@@ -1,112 +1,144 @@
-//! Turns the binary tree into the wide one, as planned.
+//! Turns the binary tree into the wide one, as planned: the uppermost nodes first, then what hangs below them, part by
+//! part and on several threads.
 
 use super::binary::Content;
-use super::collapse::{LEAF, NODE, PRIMITIVE, Share, WIDTH};
+use super::collapse::{Share, WIDTH};
 use super::forest::{Forest, Place};
 use super::reference::Run;
-use super::{WideChild, WideNode, WideTree};
-use crate::bvh::NodeBox;
+use super::{WideTree, in_order};
+use crate::wide::leaf::{LeafKind, Listing};
+use crate::wide::node::{Child, Node};
+
+/// Nodes down to this depth, up to 73, are made before those below, which are up to 512 parts.
+const TOP: u32 = 3;
 
 /// A wide node to be made.
+#[derive(Clone, Copy)]
 struct Pending {
     place: Place,
     /// How many of the children come from the left side.
     from_left: usize,
     depth: u32,
-    /// The node above, and which child of it this one is.
-    parent: Option<(usize, usize)>,
+    /// The node above, and which child of it this one is; both 0 for the first of a part.
+    parent: (usize, usize),
 }
 
 pub(super) struct Emission<'a> {
-    forest: &'a Forest,
+    pub(super) forest: &'a Forest,
     /// Indices of primitives, by place.
-    indices: &'a [Run],
-    wide: WideTree,
+    pub(super) indices: &'a [Run],
+    pub(super) kind: LeafKind,
 }
 
-impl<'a> Emission<'a> {
-    pub(super) fn new(forest: &'a Forest, indices: &'a [Run], count: usize) -> Self {
-        let wide = WideTree { nodes: Vec::new(), order: Vec::with_capacity(count), depth: 1, sah_cost: 0.0 };
-        Self { forest, indices, wide }
-    }
+/// Nodes in depth-first order, numbered from 0, and the leaves among their children, in the order of these.
+#[derive(Default)]
+struct Part {
+    nodes: Vec<Node>,
+    listing: Listing,
+    depth: u32,
+    /// What was put off: the nodes whose numbers are yet to be known.
+    put_off: Vec<Pending>,
+}
 
-    pub(super) fn run(mut self) -> WideTree {
+impl Emission<'_> {
+    /// The whole tree, `None` if numbers run out.
+    pub(super) fn run(&self) -> Option<WideTree> {
         let root = self.forest.root();
-        let mut pending = Vec::new();
-        match self.forest.plan(root).share(1) {
-            Share::Node(from_left) => pending.push(Pending { place: root, from_left, depth: 1, parent: None }),
-            Share::Leaf | Share::Open(_) => {
-                let mut node = WideNode::EMPTY;
-                self.leaf(&mut node, root);
-                self.wide.nodes.push(node);
-            }
-        }
-        while let Some(next) = pending.pop() {
-            self.node(next, &mut pending);
-        }
-        self.wide.sah_cost = self.wide.cost(&self.forest.bounds(root));
-        self.wide
+        let first = Pending { place: root, from_left: 0, depth: 1, parent: (0, 0) };
+        let top = match self.forest.plan(root).share(1) {
+            Share::Node(from_left) => self.part(Pending { from_left, ..first }, TOP),
+            Share::Leaf | Share::Open(_) => self.single_leaf(root),
+        };
+        let below =
+            in_order(top.put_off.len(), |at| self.part(Pending { parent: (0, 0), ..top.put_off[at] }, u32::MAX));
+        join(top, below)
     }
 
-    fn node(&mut self, Pending { place, from_left, depth, parent }: Pending, pending: &mut Vec<Pending>) {
-        let number = self.wide.nodes.len();
-        if let Some((above, child)) = parent {
-            self.wide.nodes[above].children[child] = WideChild::Node(number as u32);
-        }
-        self.wide.depth = self.wide.depth.max(depth);
-        let mut node = WideNode::EMPTY;
-        let first_pending = pending.len();
-        // The parts that are yet to be looked at, the next one last.
-        let mut parts = [(place, 0); WIDTH];
-        let mut len = 0;
-        if let Content::Inner([left, right]) = self.forest.content(place) {
-            parts[0] = (self.forest.follow(Place { node: right, ..place }), WIDTH - from_left);
-            parts[1] = (self.forest.follow(Place { node: left, ..place }), from_left);
-            len = 2;
-        }
-        while len > 0 {
-            len -= 1;
-            let (place, children) = parts[len];
-            match (self.forest.plan(place).share(children), self.forest.content(place)) {
-                (Share::Open([of_left, of_right]), Content::Inner([left, right])) => {
-                    parts[len] = (self.forest.follow(Place { node: right, ..place }), of_right);
-                    parts[len + 1] = (self.forest.follow(Place { node: left, ..place }), of_left);
-                    len += 2;
-                }
-                (Share::Node(from_left), _) => {
-                    let parent = Some((number, usize::from(node.count)));
-                    pending.push(Pending { place, from_left, depth: depth + 1, parent });
-                    node.push(self.forest.bounds(place), WideChild::Node(0));
-                }
-                _ => self.leaf(&mut node, place),
+    /// A node whose only child is a leaf of everything.
+    fn single_leaf(&self, root: Place) -> Part {
+        let mut part = Part { depth: 1, ..Part::default() };
+        let mut node = Node::EMPTY;
+        node.set(0, &self.forest.bounds(root), self.leaf(&mut part.listing, root));
+        part.nodes.push(node);
+        part
+    }
+
+    /// The nodes from one on, down to a depth.
+    fn part(&self, first: Pending, down_to: u32) -> Part {
+        let mut part = Part::default();
+        let mut pending = vec![first];
+        while let Some(next) = pending.pop() {
+            if next.depth > down_to {
+                part.put_off.push(next);
+            } else {
+                self.node(next, &mut part, &mut pending);
             }
+        }
+        part
+    }
+
+    fn node(&self, next: Pending, part: &mut Part, pending: &mut Vec<Pending>) {
+        let Pending { place, from_left, depth, parent: (above, lane) } = next;
+        let number = part.nodes.len();
+        if number > 0 {
+            part.nodes[above].children[lane] = Child::node(number as u32);
+        }
+        part.depth = part.depth.max(depth);
+        let mut node = Node::EMPTY;
+        let mut lane = 0;
+        let first_pending = pending.len();
+        // The shares that are yet to be looked at, the next one last.
+        let mut shares = [(place, 0); WIDTH];
+        let mut len = self.open(place, [from_left, WIDTH - from_left], &mut shares);
+        while len > 0 {
+            let (place, children) = shares[len - 1];
+            match self.forest.plan(place).share(children) {
+                Share::Open(children) => {
+                    len += self.open(place, children, &mut shares[len - 1..]) - 1;
+                    continue;
+                }
+                Share::Node(from_left) => {
+                    pending.push(Pending { place, from_left, depth: depth + 1, parent: (number, lane) });
+                    node.set(lane, &self.forest.bounds(place), Child::node(0));
+                }
+                Share::Leaf => node.set(lane, &self.forest.bounds(place), self.leaf(&mut part.listing, place)),
+            }
+            len -= 1;
+            lane += 1;
         }
         pending[first_pending..].reverse();
-        self.wide.nodes.push(node);
+        part.nodes.push(node);
     }
 
-    fn leaf(&mut self, node: &mut WideNode, place: Place) {
-        let first = self.wide.order.len();
-        self.list(place);
-        self.wide.order[first..].sort_unstable();
-        let count = self.wide.order.len() - first;
-        node.push(self.forest.bounds(place), WideChild::Leaf { first: first as u32, count: count as u32 });
+    /// Lists both sides of a node with their shares, the left one last, and says how many there are.
+    fn open(&self, place: Place, [of_left, of_right]: [usize; 2], shares: &mut [(Place, usize)]) -> usize {
+        let Content::Inner([left, right]) = self.forest.content(place) else { return 0 };
+        shares[0] = (self.forest.follow(Place { node: right, ..place }), of_right);
+        shares[1] = (self.forest.follow(Place { node: left, ..place }), of_left);
+        2
+    }
+
+    fn leaf(&self, listing: &mut Listing, place: Place) -> Child {
+        let first = listing.order.len();
+        self.list(place, &mut listing.order);
+        listing.order[first..].sort_unstable();
+        listing.close(first, self.kind)
     }
 
     /// Lists what is below a node that becomes a leaf.
-    fn list(&mut self, place: Place) {
+    fn list(&self, place: Place, order: &mut Vec<u32>) {
         match self.forest.content(place) {
             Content::Leaf { first, count } => {
                 for run in &self.indices[first as usize..][..count as usize] {
-                    self.wide.order.push(run.first);
+                    order.push(run.first);
                     if run.count == 2 {
-                        self.wide.order.push(run.first + 1);
+                        order.push(run.first + 1);
                     }
                 }
             }
             Content::Inner(children) => {
                 for node in children {
-                    self.list(self.forest.follow(Place { node, ..place }));
+                    self.list(self.forest.follow(Place { node, ..place }), order);
                 }
             }
             Content::Link(_) => {}
@@ -114,20 +146,27 @@ impl<'a> Emission<'a> {
     }
 }
 
-impl WideTree {
-    /// Expected cost of a ray that meets the root's box: by the ratio of the areas, it meets the others.
-    fn cost(&self, root: &NodeBox) -> f64 {
-        let mut sum = root.half_area() * f64::from(NODE);
-        for node in &self.nodes {
-            for (bounds, child) in node.boxes.iter().zip(&node.children).take(usize::from(node.count)) {
-                sum += bounds.half_area()
-                    * match *child {
-                        WideChild::Node(_) => f64::from(NODE),
-                        WideChild::Leaf { count, .. } => f64::from(LEAF) + f64::from(PRIMITIVE) * f64::from(count),
-                    };
-            }
-        }
-        let area = root.half_area();
-        if area > 0.0 { sum / area } else { 0.0 }
+/// Numbers the parts one after the other, and hangs them below the nodes that were made first.
+fn join(mut top: Part, below: Vec<Part>) -> Option<WideTree> {
+    let mut first_node = top.nodes.len();
+    for (put_off, part) in top.put_off.iter().zip(&below) {
+        let (above, lane) = put_off.parent;
+        top.nodes[above].children[lane] = Child::node(first_node as u32);
+        first_node += part.nodes.len();
     }
+    let n_lines = top.listing.n_lines + below.iter().map(|part| part.listing.n_lines).sum::<usize>();
+    if first_node.max(n_lines) > Child::LIMIT {
+        return None;
+    }
+    let mut tree = WideTree { nodes: top.nodes, listings: vec![top.listing], depth: top.depth };
+    tree.nodes.reserve_exact(first_node - tree.nodes.len());
+    let mut first_line = tree.listings[0].n_lines;
+    for Part { nodes, listing, depth, .. } in below {
+        let first_node = tree.nodes.len();
+        tree.nodes.extend(nodes.into_iter().map(|node| node.moved(first_node, first_line)));
+        tree.depth = tree.depth.max(depth);
+        first_line += listing.n_lines;
+        tree.listings.push(listing);
+    }
+    Some(tree)
 }

@@ -6,6 +6,7 @@ use super::binary::{BinaryNode, BinaryTree, Content};
 use super::binning::{AreaUnit, Axes, Best, Binning, Bins, Cut};
 use super::cluster::Haste;
 use super::collapse::{Costs, Plan};
+use super::params::{BuildParams, Quality};
 use super::reference::{Reference, Run};
 use crate::bounded_depth::leaves_room_for_halving;
 use crate::bvh::NodeBox;
@@ -17,6 +18,17 @@ pub(super) struct Rules {
     pub(super) axes: Axes,
     pub(super) haste: Haste,
     pub(super) max_leaf: usize,
+}
+
+impl Rules {
+    /// For primitives within this box.
+    pub(super) fn new(extent: &NodeBox, params: &BuildParams) -> Self {
+        let (axes, haste) = match params.quality {
+            Quality::Low => (Axes::Widest, Haste::GREAT),
+            Quality::Medium | Quality::High => (Axes::All, Haste::LITTLE),
+        };
+        Self { unit: AreaUnit::new(extent), axes, haste, max_leaf: params.leaf_limit() }
+    }
 }
 
 /// A set of references that will become a leaf or a node.

@@ -8,95 +8,75 @@ mod cluster;
 mod collapse;
 mod emit;
 mod forest;
+mod gather;
 mod grow;
 mod params;
 mod reference;
 mod reinsertion;
 
-use crate::bvh::NodeBox;
-use binning::{AreaUnit, Axes};
-use cluster::Haste;
-use collapse::WIDTH;
+use rt_math::Primitives;
+
+use super::leaf::{LeafKind, Listing};
+use super::node::Node;
+pub(super) use collapse::{LEAF, NODE, PRIMITIVE};
 use emit::Emission;
 use forest::Forest;
+pub(super) use gather::Census;
 use grow::{Extent, Rules, Set};
 pub use params::{BuildParams, Quality};
-pub(crate) use reference::Reference;
-use reference::Run;
+use reference::{Reference, Run};
 
-/// A tree whose nodes have up to eight children. The first node is the root.
+/// A tree whose nodes have up to eight children. The first node is the root, whose one child may be a leaf.
 #[derive(Debug, PartialEq)]
 pub(super) struct WideTree {
-    /// In depth-first order. There is always a root, whose one child may be a leaf; without references it has none.
-    pub(super) nodes: Vec<WideNode>,
-    /// Primitives, leaf by leaf: the leaves of a node follow each other. Each leaf's are sorted and differ.
-    pub(super) order: Vec<u32>,
+    /// Children come after their parents.
+    pub(super) nodes: Vec<Node>,
+    /// The leaves in the order of nodes and lanes, part by part.
+    pub(super) listings: Vec<Listing>,
     /// Of the deepest leaf; those below the root have depth 1.
     pub(super) depth: u32,
-    /// Expected cost of a ray that meets the root's box, where visiting a node is 1 (MacDonald and Booth 1990).
-    pub(super) sah_cost: f64,
 }
 
-/// Up to eight boxes side by side, and what is in them.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct WideNode {
-    pub(super) boxes: [NodeBox; WIDTH],
-    pub(super) children: [WideChild; WIDTH],
-    /// How many there are; the others are empty.
-    pub(super) count: u8,
+/// Builds the tree over the primitives that were counted, which is a pure function of them and the parameters; `None` if
+/// numbers run out.
+pub(super) fn build<P: Primitives>(
+    primitives: &P,
+    census: &Census,
+    kind: LeafKind,
+    params: &BuildParams,
+) -> Option<WideTree> {
+    let rules = Rules::new(&census.extent(), params);
+    over(gather::references(primitives, census.centre(), &rules), &rules, kind, params.quality)
 }
 
-/// What is in one box of a node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum WideChild {
-    /// The node of this number.
-    Node(u32),
-    /// A run in the list of primitives.
-    Leaf {
-        /// Place of the first.
-        first: u32,
-        /// Number of primitives.
-        count: u32,
-    },
-}
-
-impl WideNode {
-    const EMPTY: Self =
-        Self { boxes: [NodeBox::EMPTY; WIDTH], children: [WideChild::Leaf { first: 0, count: 0 }; WIDTH], count: 0 };
-
-    /// Adds a child if there is room for it.
-    fn push(&mut self, bounds: NodeBox, child: WideChild) {
-        let at = usize::from(self.count);
-        if at < WIDTH {
-            self.boxes[at] = bounds;
-            self.children[at] = child;
-            self.count += 1;
-        }
-    }
-}
-
-/// Builds the tree, which is a pure function of the references and the parameters.
-pub(super) fn build(mut references: Vec<Reference>, params: &BuildParams) -> WideTree {
+/// Builds the tree over references.
+fn over(mut references: Vec<Reference>, rules: &Rules, kind: LeafKind, quality: Quality) -> Option<WideTree> {
     if references.is_empty() {
-        return WideTree { nodes: vec![WideNode::EMPTY], order: Vec::new(), depth: 0, sah_cost: 0.0 };
+        return Some(WideTree { nodes: vec![Node::EMPTY], listings: Vec::new(), depth: 0 });
     }
-    let count = references.len();
-    let (axes, haste) = match params.quality {
-        Quality::Low => (Axes::Widest, Haste::GREAT),
-        Quality::Medium | Quality::High => (Axes::All, Haste::LITTLE),
-    };
-    let unit = AreaUnit::new(&extent(&references).bounds);
-    let rules = Rules { unit, axes, haste, max_leaf: params.leaf_limit() };
-    rules.pair(&mut references);
     let extent = extent(&references);
     let mut room = references.clone();
     let mut order = vec![Run::default(); references.len()];
     let set = Set { references: &mut references, room: &mut room, order: &mut order, first: 0, extent, depth: 0 };
-    let mut forest = Forest::grow(set, &rules);
-    if params.quality == Quality::High {
-        forest = forest.reinserted(&order, &rules);
+    let mut forest = Forest::grow(set, rules);
+    drop((references, room));
+    if quality == Quality::High {
+        forest = forest.reinserted(&order, rules);
     }
-    Emission::new(&forest, &order, count).run()
+    Emission { forest: &forest, indices: &order, kind }.run()
+}
+
+/// Does as many things, on several threads, and lists what comes of them in order.
+#[cfg(feature = "parallel")]
+pub(super) fn in_order<T: Send>(count: usize, each: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    use rayon::prelude::*;
+    (0..count).into_par_iter().map(each).collect()
+}
+
+/// Does as many things, and lists what comes of them in order.
+#[cfg(not(feature = "parallel"))]
+pub(super) fn in_order<T: Send>(count: usize, each: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    (0..count).map(each).collect()
 }
 
 fn extent(references: &[Reference]) -> Extent {

@@ -10,7 +10,7 @@ use crate::bvh::NodeBox;
 /// arithmetic on the whole corner cannot turn into a denormal number or a NaN, which slow down some processors.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
-pub(crate) struct Reference {
+pub(super) struct Reference {
     min: [f32; 4],
     max: [f32; 4],
 }
@@ -31,7 +31,7 @@ const PAIR: u32 = 1 << 16;
 impl Reference {
     /// The box must not be empty. Zeros lose their sign, so that the least of several is the same in any order.
     #[inline(always)]
-    pub(crate) fn new(bounds: NodeBox, index: u32) -> Self {
+    pub(super) fn new(bounds: NodeBox, index: u32) -> Self {
         let tagged = |corner: Vec3A, half: u32| (corner + Vec3A::ZERO).extend(f32::from_bits(ONE | half)).to_array();
         Self { min: tagged(bounds.min, index & 0xffff), max: tagged(bounds.max, index >> 16) }
     }
@@ -44,13 +44,13 @@ impl Reference {
     }
 
     #[inline(always)]
-    pub(crate) fn bounds(&self) -> NodeBox {
+    pub(super) fn bounds(&self) -> NodeBox {
         NodeBox { min: Vec3A::from_vec4(Vec4::from_array(self.min)), max: Vec3A::from_vec4(Vec4::from_array(self.max)) }
     }
 
     /// The index of the first primitive.
     #[inline(always)]
-    pub(crate) fn index(&self) -> u32 {
+    pub(super) fn index(&self) -> u32 {
         let half = |corner: [f32; 4]| corner[3].to_bits() & 0xffff;
         half(self.min) | half(self.max) << 16
     }

@@ -9,7 +9,7 @@ mod spheres;
 mod triangles;
 
 use glam::DVec3;
-use rt_math::{Hit, Interval, LeafLayout, Primitives, Ray, ShearedRay, SlabRay};
+use rt_math::{Hit, Interval, LeafLayout, Primitives, Ray, ShearedRay, SlabRay, own_box};
 
 pub(super) use boxes::BoxFilter;
 pub(super) use spheres::SphereFilter;
@@ -27,8 +27,8 @@ pub(super) const MAX_LEAF: usize = 8;
 /// Words in a cache line.
 const LINE: usize = 16;
 
-/// Words of the greatest leaf, in whole lines.
-const MAX_WORDS: usize = 6 * LINE;
+/// Cache lines of the greatest leaf.
+const MAX_LINES: usize = 6;
 
 /// A cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,20 +54,53 @@ pub(super) enum LeafKind {
 /// a filter sees better what is relative to the centre.
 const NEAR: f64 = 64.0;
 
+/// What all of some primitives are.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Layouts {
+    spheres: bool,
+    watertight: bool,
+    triangles: bool,
+}
+
+impl Layouts {
+    /// Of no primitives at all.
+    pub(super) const ALL: Self = Self { spheres: true, watertight: true, triangles: true };
+
+    #[inline(always)]
+    pub(super) const fn of(layout: &LeafLayout) -> Self {
+        let (spheres, watertight) =
+            (matches!(layout, LeafLayout::Sphere(..)), matches!(layout, LeafLayout::Watertight(_)));
+        Self { spheres, watertight, triangles: watertight || matches!(layout, LeafLayout::Triangle(_)) }
+    }
+
+    #[inline(always)]
+    pub(super) const fn and(self, other: Self) -> Self {
+        Self {
+            spheres: self.spheres & other.spheres,
+            watertight: self.watertight & other.watertight,
+            triangles: self.triangles & other.triangles,
+        }
+    }
+}
+
 impl LeafKind {
-    /// The most particular kind that all primitives are of.
-    pub(super) fn of<P: Primitives>(primitives: &P, bounded: &[u32], centre: DVec3, size: f64) -> Self {
-        let all = |is: fn(&LeafLayout) -> bool| bounded.iter().all(|&index| is(&primitives.leaf_layout(index)));
-        if all(|layout| matches!(layout, LeafLayout::Sphere(..))) {
+    /// The most particular kind that suits all primitives.
+    pub(super) fn of(layouts: Layouts, centre: DVec3, size: f64) -> Self {
+        if layouts.spheres {
             Self::Spheres
-        } else if all(|layout| matches!(layout, LeafLayout::Watertight(_))) && centre.abs().max_element() <= NEAR * size
-        {
+        } else if layouts.watertight && centre.abs().max_element() <= NEAR * size {
             Self::Watertight
-        } else if all(|layout| matches!(layout, LeafLayout::Watertight(_) | LeafLayout::Triangle(_))) {
+        } else if layouts.triangles {
             Self::Triangles
         } else {
             Self::Boxes
         }
+    }
+
+    /// Cache lines of a leaf of so many primitives.
+    const fn lines(self, count: usize) -> usize {
+        let (header, numbers) = self.shape();
+        (header + (numbers + 1) * count).div_ceil(LINE)
     }
 
     /// Words before the numbers, and numbers of each primitive.
@@ -90,7 +123,7 @@ pub(super) struct Leaves {
 
 /// A leaf to be filled.
 struct Block<'a> {
-    words: &'a mut [u32; MAX_WORDS],
+    words: &'a mut [u32; MAX_LINES * LINE],
     count: usize,
     header: usize,
 }
@@ -105,72 +138,112 @@ impl Block<'_> {
     }
 }
 
-impl Leaves {
-    pub(super) const fn new(kind: LeafKind) -> Self {
-        Self { kind, lines: Vec::new() }
+/// Which primitives leaves that follow each other list.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Listing {
+    /// Primitives, leaf by leaf.
+    pub(super) order: Vec<u32>,
+    /// How many each leaf has, from 1 to 8.
+    pub(super) sizes: Vec<u8>,
+    /// Cache lines of all.
+    pub(super) n_lines: usize,
+}
+
+impl Listing {
+    /// Makes a leaf of the primitives from `first` on.
+    pub(super) fn close(&mut self, first: usize, kind: LeafKind) -> Child {
+        let count = self.order.len() - first;
+        let leaf = Child::leaf(self.n_lines as u32, count as u32);
+        self.sizes.push(count as u8);
+        self.n_lines += kind.lines(count);
+        leaf
     }
 
-    /// Appends a leaf of 1 to 8 primitives, `None` if cache lines have run out of numbers.
-    pub(super) fn push<P: Primitives>(
-        &mut self,
-        primitives: &P,
-        indices: &[u32],
-        centre: DVec3,
-        own: impl Fn(u32) -> NodeBox,
-    ) -> Option<Child> {
+    /// The primitives of each leaf.
+    pub(super) fn leaves(&self) -> impl Iterator<Item = &[u32]> {
+        let mut rest = &self.order[..];
+        self.sizes.iter().map(move |&size| {
+            let (leaf, others) = rest.split_at(usize::from(size));
+            rest = others;
+            leaf
+        })
+    }
+}
+
+/// What fills leaves.
+pub(super) struct Filling<'a, P> {
+    pub(super) primitives: &'a P,
+    /// Of the tree.
+    pub(super) centre: DVec3,
+    pub(super) kind: LeafKind,
+}
+
+impl<P: Primitives> Filling<'_, P> {
+    /// The own box, relative to the centre.
+    pub(super) fn own(&self, index: u32) -> NodeBox {
+        own_box(self.primitives, index).map_or(NodeBox::EMPTY, |own| NodeBox::outward(&own, self.centre))
+    }
+
+    /// The words of a leaf of 1 to 8 primitives, and how many cache lines it takes.
+    fn leaf(&self, indices: &[u32]) -> ([Line; MAX_LINES], usize) {
         let (header, numbers) = self.kind.shape();
-        let (line, count) = (self.lines.len(), indices.len());
-        let n_words = header + (numbers + 1) * count;
-        if line + n_words.div_ceil(LINE) > Child::LIMIT || count > MAX_LEAF {
-            return None;
-        }
-        let mut words = [0; MAX_WORDS];
+        let count = indices.len();
+        let mut words = [0; MAX_LINES * LINE];
         let mut block = Block { words: &mut words, count, header };
         match self.kind {
-            LeafKind::Watertight => triangles::fill(&mut block, primitives, indices, DVec3::ZERO),
-            LeafKind::Triangles => triangles::fill(&mut block, primitives, indices, centre),
-            LeafKind::Spheres => spheres::fill(&mut block, primitives, indices, centre),
-            LeafKind::Boxes => boxes::fill(&mut block, indices, own),
+            LeafKind::Watertight => triangles::fill(&mut block, self.primitives, indices, DVec3::ZERO),
+            LeafKind::Triangles => triangles::fill(&mut block, self.primitives, indices, self.centre),
+            LeafKind::Spheres => spheres::fill(&mut block, self.primitives, indices, self.centre),
+            LeafKind::Boxes => boxes::fill(&mut block, indices, |index| self.own(index)),
         }
-        for (lane, &index) in indices.iter().enumerate() {
-            block.words[header + numbers * count + lane] = index;
-        }
-        let (lines, _) = words.as_chunks();
-        self.lines.extend(lines.iter().take(n_words.div_ceil(LINE)).copied().map(Line));
-        Some(Child::leaf(line as u32, count as u32))
+        words[header + numbers * count..][..count].copy_from_slice(indices);
+        (
+            core::array::from_fn(|line| Line(core::array::from_fn(|word| words[line * LINE + word]))),
+            self.kind.lines(count),
+        )
     }
+}
 
-    /// Lets filters read eight numbers at the end of the last leaf.
-    pub(super) fn finish(&mut self) {
-        self.lines.resize(self.lines.len() + MAX_LEAF.div_ceil(LINE), Line::default());
-        self.lines.shrink_to_fit();
+impl Leaves {
+    /// All leaves that are listed, one after the other.
+    pub(super) fn new<P: Primitives>(filling: &Filling<'_, P>, listings: &[Listing]) -> Self {
+        // Filters read eight numbers at the end of the last leaf as well.
+        const SPARE: usize = MAX_LEAF.div_ceil(LINE);
+        let n_lines = listings.iter().map(|listing| listing.n_lines).sum::<usize>();
+        let mut lines = Vec::with_capacity(n_lines + SPARE);
+        let mut rest = lines.spare_capacity_mut();
+        let mut parts = Vec::with_capacity(listings.len());
+        for listing in listings {
+            let (part, others) = rest.split_at_mut(listing.n_lines);
+            rest = others;
+            parts.push((listing, part));
+        }
+        for_each(parts, |(listing, mut room)| {
+            for indices in listing.leaves() {
+                let (leaf, n_lines) = filling.leaf(indices);
+                let (place, others) = room.split_at_mut(n_lines);
+                room = others;
+                for (place, line) in place.iter_mut().zip(leaf) {
+                    place.write(line);
+                }
+            }
+        });
+        // SAFETY: listings count the lines of their leaves, all of which have been written.
+        unsafe { lines.set_len(n_lines) };
+        lines.resize(n_lines + SPARE, Line::default());
+        Self { kind: filling.kind, lines }
     }
 
     /// True if the leaf holds the numbers of the primitives that it lists.
-    pub(super) fn fits<P: Primitives>(
-        &self,
-        leaf: Child,
-        primitives: &P,
-        centre: DVec3,
-        own: impl Fn(u32) -> NodeBox,
-    ) -> bool {
-        let mut anew = Self::new(self.kind);
-        anew.push(primitives, self.indices(leaf), centre, own).is_some()
-            && self.lines[leaf.number()..].starts_with(&anew.lines)
+    pub(super) fn fits<P: Primitives>(&self, leaf: Child, filling: &Filling<'_, P>) -> bool {
+        let (anew, n_lines) = filling.leaf(self.indices(leaf));
+        self.lines[leaf.number()..].starts_with(&anew[..n_lines])
     }
 
     /// Fills a leaf with the numbers of its primitives as they are now.
-    pub(super) fn refill<P: Primitives>(
-        &mut self,
-        leaf: Child,
-        primitives: &P,
-        centre: DVec3,
-        own: impl Fn(u32) -> NodeBox,
-    ) {
-        let mut anew = Self::new(self.kind);
-        if anew.push(primitives, self.indices(leaf), centre, own).is_some() {
-            self.lines[leaf.number()..][..anew.lines.len()].copy_from_slice(&anew.lines);
-        }
+    pub(super) fn refill<P: Primitives>(&mut self, leaf: Child, filling: &Filling<'_, P>) {
+        let (anew, n_lines) = filling.leaf(self.indices(leaf));
+        self.lines[leaf.number()..][..n_lines].copy_from_slice(&anew[..n_lines]);
     }
 
     pub(super) fn memory(&self) -> usize {
@@ -209,6 +282,17 @@ impl Leaves {
         debug_assert!(self.contain(leaf), "leaves are checked when they are made and when they are loaded");
         LeafView { words: self.words(), first: leaf.number() * LINE, count: leaf.count() }
     }
+}
+
+#[cfg(feature = "parallel")]
+fn for_each<T: Send>(all: Vec<T>, each: impl Fn(T) + Sync + Send) {
+    use rayon::prelude::*;
+    all.into_par_iter().for_each(each);
+}
+
+#[cfg(not(feature = "parallel"))]
+fn for_each<T: Send>(all: Vec<T>, each: impl Fn(T)) {
+    all.into_iter().for_each(each);
 }
 
 /// A leaf to be read.
