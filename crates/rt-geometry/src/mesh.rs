@@ -108,8 +108,9 @@ impl TriangleMesh {
     }
 
     #[inline]
-    fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {
-        triangle.map(|i| self.data.positions[i as usize].as_dvec3())
+    fn corners(&self, [a, b, c]: [u32; 3]) -> [DVec3; 3] {
+        let corner = |i: u32| self.data.positions[i as usize].as_dvec3();
+        [corner(a), corner(b), corner(c)]
     }
 
     /// The vertices of a triangle; `None` if there is no such one.
@@ -117,6 +118,7 @@ impl TriangleMesh {
         self.data.triangles.get(index as usize).map(|triangle| self.corners(*triangle))
     }
 
+    #[inline]
     fn triangle_bounds(&self, index: usize) -> Aabb {
         Aabb::from_points(self.corners(self.data.triangles[index]))
     }
@@ -139,7 +141,8 @@ impl Primitives for TriangleMesh {
 
     #[inline]
     fn leaf_layout(&self, index: u32) -> LeafLayout {
-        let corners = |triangle: &[u32; 3]| triangle.map(|i| self.data.positions[i as usize]);
+        let corner = |i: u32| self.data.positions[i as usize];
+        let corners = |&[a, b, c]: &[u32; 3]| [corner(a), corner(b), corner(c)];
         self.data.triangles.get(index as usize).map(corners).map_or(LeafLayout::Opaque, LeafLayout::Watertight)
     }
 }

@@ -37,6 +37,7 @@ impl NodeBox {
     pub(crate) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
     /// A box around `aabb − centre`.
+    #[inline]
     pub(crate) fn outward(aabb: &Aabb, centre: DVec3) -> Self {
         let (min, max) = (aabb.min - centre, aabb.max - centre);
         Self { min: Vec3A::from_array(min.to_array().map(below)), max: Vec3A::from_array(max.to_array().map(above)) }
@@ -70,14 +71,15 @@ impl NodeBox {
     }
 }
 
-/// An `f32` below the real number that rounds to `difference`.
+/// An `f32` below the real number that rounds to `difference`: no step of an `f32` is shorter than one of an `f64`.
+#[inline]
 fn below(difference: f64) -> f32 {
-    let bound = difference.next_down();
-    let rounded = bound as f32;
-    if f64::from(rounded) > bound { rounded.next_down() } else { rounded }
+    let rounded = difference as f32;
+    if f64::from(rounded) < difference { rounded } else { rounded.next_down() }
 }
 
 /// An `f32` above the real number that rounds to `difference`.
+#[inline]
 fn above(difference: f64) -> f32 {
     -below(-difference)
 }

@@ -18,6 +18,7 @@ mod exact;
 mod goal;
 mod leaf;
 mod node;
+mod pages;
 mod ray;
 mod refit;
 mod simd;

@@ -8,6 +8,7 @@ use super::reference::Run;
 use super::{WideTree, in_order};
 use crate::wide::leaf::{LeafKind, Listing};
 use crate::wide::node::{Child, Node};
+use crate::wide::pages::room_for;
 
 /// Nodes down to this depth, up to 73, are made before those below, which are up to 512 parts.
 const TOP: u32 = 3;
@@ -158,8 +159,8 @@ fn join(mut top: Part, below: Vec<Part>) -> Option<WideTree> {
     if first_node.max(n_lines) > Child::LIMIT {
         return None;
     }
-    let mut tree = WideTree { nodes: top.nodes, listings: vec![top.listing], depth: top.depth };
-    tree.nodes.reserve_exact(first_node - tree.nodes.len());
+    let mut tree = WideTree { nodes: room_for(first_node), listings: vec![top.listing], depth: top.depth };
+    tree.nodes.extend(top.nodes);
     let mut first_line = tree.listings[0].n_lines;
     for Part { nodes, listing, depth, .. } in below {
         let first_node = tree.nodes.len();

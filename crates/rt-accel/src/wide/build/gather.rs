@@ -12,6 +12,7 @@ use crate::BuildError;
 use crate::bvh::NodeBox;
 use crate::own_boxes::{checked_own_box, count};
 use crate::wide::leaf::Layouts;
+use crate::wide::pages::room_for;
 
 /// Primitives that one thread handles at a time.
 const RUN: u32 = 16384;
@@ -91,7 +92,9 @@ pub(super) fn references<P: Primitives>(primitives: &P, centre: DVec3, rules: &R
         }
         references
     });
-    parts.concat()
+    let mut all = room_for(parts.iter().map(Vec::len).sum());
+    parts.iter().for_each(|part| all.extend_from_slice(part));
+    all
 }
 
 /// Does the same for all runs of primitives, in order.

@@ -18,6 +18,7 @@ use rt_math::Primitives;
 
 use super::leaf::{LeafKind, Listing};
 use super::node::Node;
+use super::pages::room_for;
 pub(super) use collapse::{LEAF, NODE, PRIMITIVE};
 use emit::Emission;
 use forest::Forest;
@@ -55,8 +56,10 @@ fn over(mut references: Vec<Reference>, rules: &Rules, kind: LeafKind, quality: 
         return Some(WideTree { nodes: vec![Node::EMPTY], listings: Vec::new(), depth: 0 });
     }
     let extent = extent(&references);
-    let mut room = references.clone();
-    let mut order = vec![Run::default(); references.len()];
+    let mut room = room_for(references.len());
+    room.extend_from_slice(&references);
+    let mut order = room_for(references.len());
+    order.resize(references.len(), Run::default());
     let set = Set { references: &mut references, room: &mut room, order: &mut order, first: 0, extent, depth: 0 };
     let mut forest = Forest::grow(set, rules);
     drop((references, room));

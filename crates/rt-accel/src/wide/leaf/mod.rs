@@ -20,6 +20,7 @@ use super::node::Child;
 use super::ray::{FilterRay, LaneRay};
 use super::simd::Simd;
 use crate::bvh::NodeBox;
+use crate::wide::pages::room_for;
 
 /// Most primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 8;
@@ -210,7 +211,7 @@ impl Leaves {
         // Filters read eight numbers at the end of the last leaf as well.
         const SPARE: usize = MAX_LEAF.div_ceil(LINE);
         let n_lines = listings.iter().map(|listing| listing.n_lines).sum::<usize>();
-        let mut lines = Vec::with_capacity(n_lines + SPARE);
+        let mut lines = room_for(n_lines + SPARE);
         let mut rest = lines.spare_capacity_mut();
         let mut parts = Vec::with_capacity(listings.len());
         for listing in listings {

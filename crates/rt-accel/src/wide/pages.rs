@@ -1,0 +1,41 @@
+//! Room in large pages of memory: a structure that does not fit into the caches is looked for in fewer page tables, and
+//! made with fewer calls of the system.
+
+/// Room for so many items, in pages of 2 MiB where the system has them and it is large enough.
+pub(super) fn room_for<T>(count: usize) -> Vec<T> {
+    let mut room = Vec::with_capacity(count);
+    #[cfg(target_os = "linux")]
+    advise(room.spare_capacity_mut());
+    room
+}
+
+/// Asks the system for large pages in memory that has not been touched. If it has none, nothing is lost.
+#[cfg(target_os = "linux")]
+fn advise<T>(memory: &mut [core::mem::MaybeUninit<T>]) {
+    /// Less than this many bytes would leave too much of the last page empty.
+    const LARGE: usize = 4 << 20;
+    let range = memory.as_mut_ptr_range();
+    let page = rustix::param::page_size();
+    let offset = range.start.addr().next_multiple_of(page) - range.start.addr();
+    let length = size_of_val(memory).saturating_sub(offset) / page * page;
+    if length >= LARGE {
+        let first = range.start.wrapping_byte_add(offset);
+        // SAFETY: these pages lie within the memory, which is borrowed, and the advice changes nothing that is in them.
+        let _ = unsafe { rustix::mm::madvise(first.cast(), length, rustix::mm::Advice::LinuxHugepage) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_is_room_of_any_size() {
+        for count in [0, 1, 1000, 3 << 20] {
+            let mut room = room_for::<u64>(count);
+            assert!(room.capacity() >= count);
+            room.extend(0..count as u64);
+            assert!(room.iter().copied().eq(0..count as u64));
+        }
+    }
+}
