@@ -59,10 +59,11 @@ macro_rules! structures {
                 })
             }
 
-            /// Has a wide structure walked by these instructions; changes no answer, and nothing about the others.
+            /// Has a list or wide structure asked by these instructions; changes no answer, and nothing about the others.
             #[must_use]
             pub fn with_level(self, level: SimdLevel) -> Self {
                 match self {
+                    Self::Linear(list) => Self::Linear(list.with_level(level)),
                     Self::Wide(wide) => Self::Wide(wide.with_level(level)),
                     other => other,
                 }

@@ -1,47 +1,88 @@
-//! Brute force: the definition of the right answer, and the best structure for a handful of primitives.
+//! All primitives for every ray: the best structure for a handful of them.
 
 use core::ops::ControlFlow;
 
-use rt_math::{Aabb, Primitives, Probe};
+use rt_math::{Aabb, Accelerator, Hit, Interval, Primitives, Probe, Ray};
 
 use crate::own_boxes::{checked_own_box, count};
-use crate::structure::accelerator_by_walk;
-use crate::{BuildError, BuildStats, RayQuery, Refit, RegionQuery, Structure, Violation};
+use crate::wide::{SimdLevel, SphereList};
+use crate::{BuildError, BuildStats, RayQuery, Refit, RegionQuery, Structure, Violation, brute_force};
 
-/// Tests every primitive in turn. O(n) per ray, no memory.
+/// Tests every primitive in turn. O(n) per ray; 16 bytes for each of more than a few spheres, and no memory otherwise.
 ///
-/// What it answers is by definition right; every other structure gives the same bits.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// Where all are spheres, eight at a time are tested in `f32`, and in `f64` those that a ray may meet. Answers and
+/// [`Counters`](crate::Counters) are those of [`brute_force`], to the last bit and the last test.
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct Linear {
     primitives: u32,
     unbounded: u32,
+    /// All primitives once more, if that helps.
+    spheres: Option<SphereList>,
 }
 
 impl Linear {
-    /// Checks the bounds of all primitives, as other structures do, and remembers their number.
+    /// Checks the bounds of all primitives, as other structures do, and copies them if they are spheres.
     ///
     /// # Errors
     ///
     /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
-        let mut linear = Self { primitives: count(primitives)?, unbounded: 0 };
+        let mut linear = Self { primitives: count(primitives)?, unbounded: 0, spheres: None };
         for index in 0..linear.primitives {
             if checked_own_box(primitives, index)?.is_none() {
                 linear.unbounded += 1;
             }
         }
+        linear.spheres = SphereList::of(primitives);
         Ok(linear)
+    }
+
+    /// The same list, asked by other instructions: for tests and comparisons, as the best that the processor has are
+    /// chosen when it is built. What the processor does not have is replaced by the portable level.
+    #[must_use]
+    pub fn with_level(mut self, level: SimdLevel) -> Self {
+        self.spheres = self.spheres.map(|spheres| spheres.with_level(level));
+        self
     }
 }
 
 #[cfg(feature = "serde")]
 impl Linear {
-    const fn check_shape(&self) -> Result<(), Violation> {
-        if self.unbounded <= self.primitives {
-            Ok(())
-        } else {
-            Err(Violation::Count { built: self.primitives, given: self.unbounded as usize })
+    fn check_shape(&self) -> Result<(), Violation> {
+        let Self { primitives: built, unbounded, ref spheres } = *self;
+        if unbounded > built {
+            return Err(Violation::Count { built, given: unbounded as usize });
+        }
+        match spheres {
+            Some(spheres) if spheres.count() != built || !spheres.is_whole() => {
+                Err(Violation::Count { built, given: spheres.count() as usize })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Accelerator for Linear {
+    #[inline]
+    fn closest<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> Option<Hit> {
+        match &self.spheres {
+            Some(spheres) => spheres.closest(primitives, ray, span, probe),
+            None => brute_force::closest(primitives, ray, span, probe),
+        }
+    }
+
+    #[inline]
+    fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        match &self.spheres {
+            Some(spheres) => spheres.occluded(primitives, ray, span, probe),
+            None => brute_force::occluded(primitives, ray, span, probe),
         }
     }
 }
@@ -67,7 +108,7 @@ impl Structure for Linear {
     }
 
     fn memory(&self) -> usize {
-        size_of::<Self>()
+        size_of::<Self>() + self.spheres.as_ref().map_or(0, SphereList::memory)
     }
 
     fn build_stats(&self) -> BuildStats {
@@ -80,10 +121,12 @@ impl Structure for Linear {
     }
 
     fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
-        if primitives.len() == self.primitives as usize {
-            Ok(())
-        } else {
-            Err(Violation::Count { built: self.primitives, given: primitives.len() })
+        if primitives.len() != self.primitives as usize {
+            return Err(Violation::Count { built: self.primitives, given: primitives.len() });
+        }
+        match &self.spheres {
+            Some(spheres) => spheres.check(primitives),
+            None => Ok(()),
         }
     }
 
@@ -93,16 +136,19 @@ impl Structure for Linear {
 
 impl Refit for Linear {
     fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
+        let Self { primitives: built, unbounded, .. } = *self;
         let fitted = Self::build(primitives)?;
-        if fitted == *self {
-            Ok(())
-        } else {
-            let built = self.primitives;
-            Err(BuildError::Changed(Violation::Count { built, given: primitives.len() }))
+        if (fitted.primitives, fitted.unbounded) != (built, unbounded) {
+            return Err(BuildError::Changed(Violation::Count { built, given: primitives.len() }));
         }
+        let level = self.spheres.as_ref().map(SphereList::level);
+        *self = match level {
+            Some(level) => fitted.with_level(level),
+            None => fitted,
+        };
+        Ok(())
     }
 }
 
-accelerator_by_walk!(Linear);
 #[cfg(feature = "serde")]
 crate::saved::saved_and_checked!(Linear, Linear::check_shape);

@@ -6,7 +6,7 @@ mod soup;
 
 use rt_accel::{
     Aabb, Accelerator, AnyStructure, Bih, BspTree, BuildError, CylinderTree, DVec3, Hit, Interval, KdTree, LazyBih,
-    Linear, NoProbe, Primitives, Ray, SphereTree, Structure, StructureKind, UniformGrid, Violation,
+    Linear, NoProbe, Primitives, Ray, SphereTree, Structure, StructureKind, UniformGrid, Violation, brute_force,
 };
 use soup::draw::Draw;
 use soup::structures::{Structures, tests_per_ray};
@@ -131,7 +131,6 @@ fn denormal_and_huge_coordinates_are_divided_where_they_can_be() {
         let corner = |i: u64| DVec3::new((i % 20) as f64, (i / 20 % 20) as f64, (i / 400) as f64);
         let boxes = (0..2000).map(|i| Aabb::new(corner(i) * scale, (corner(i) + 1.0) * scale));
         let soup = Soup(boxes.map(Solid::Box).collect());
-        let linear = Linear::build(&soup).unwrap();
         for &kind in StructureKind::ALL {
             let tree = AnyStructure::build(kind, &soup).unwrap();
             assert_eq!(tree.validate(&soup), Ok(()), "{} at {scale}", kind.name());
@@ -142,7 +141,7 @@ fn denormal_and_huge_coordinates_are_divided_where_they_can_be() {
             for i in 0..200 {
                 let origin = corner(i * 7) * scale;
                 let ray = Ray::new(origin, DVec3::splat(2.2) * scale - origin);
-                let expected = linear.closest(&soup, &ray, FORWARD, &mut NoProbe);
+                let expected = brute_force::closest(&soup, &ray, FORWARD, &mut NoProbe);
                 let found = tree.closest(&soup, &ray, FORWARD, &mut NoProbe);
                 assert_eq!(found, expected, "{}, scale {scale}: {ray:?}", kind.name());
             }
@@ -404,7 +403,9 @@ fn memory_is_what_the_parts_add_up_to() {
     assert!(all.bvh().memory() < 64 * 10_000);
     let grid_bytes = 4 * (grid.nodes + 1 + grid.references);
     assert!((grid_bytes..grid_bytes + 512).contains(&all.grid().memory()), "{} {grid:?}", all.grid().memory());
-    assert!(all.linear().memory() < 64);
+    assert!((16 * 10_000..17 * 10_000).contains(&all.linear().memory()), "{}", all.linear().memory());
+    let grounds = Soup(vec![Solid::Ground { height: 0.0 }; 1000]);
+    assert!(Linear::build(&grounds).unwrap().memory() < 256, "nothing is copied");
 }
 
 #[test]
@@ -419,11 +420,14 @@ fn structures_notice_that_primitives_have_changed() {
     assert_eq!(verdicts(&soup), each(Err(fewer)));
     assert_eq!(all.linear().validate(&soup), Err(fewer));
     soup.0.push(Solid::Ground { height: 0.0 });
+    assert_eq!(all.linear().validate(&soup), Err(Violation::Outside { primitive: 299 }));
     assert_eq!(verdicts(&soup), each(Err(Violation::Misplaced { primitive: 299 })));
     soup.0[299] = Solid::Box(Aabb::new(DVec3::splat(5.0), DVec3::splat(6.0)));
     assert_eq!(verdicts(&soup), each(Err(Violation::Outside { primitive: 299 })));
+    assert_eq!(all.linear().validate(&soup), Err(Violation::Outside { primitive: 299 }));
     soup.0[299] = last;
     assert_eq!(verdicts(&soup), each(Ok(())));
+    assert_eq!(all.linear().validate(&soup), Ok(()));
 }
 
 #[test]

@@ -5,8 +5,8 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, Bih, BspTree, Bvh, Counters, CylinderTree, DVec3, Hit, KdTree, LazyBih, Linear, NoProbe,
-    Primitives, SphereTree, SplitMethod, Structure, UniformGrid, WideBvh,
+    Aabb, Accelerator, Bih, BspTree, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, KdTree, LazyBih, Linear,
+    NoProbe, Primitives, Ray, SphereTree, SplitMethod, Structure, UniformGrid, WideBvh, brute_force,
     wide::{BuildParams, Quality, SimdLevel},
 };
 use soup::draw::Draw;
@@ -28,20 +28,20 @@ struct Outcome {
 }
 
 fn compare<A: Structure>(name: &str, structure: &A, soup: &Soup, seed: u64) -> Outcome {
-    let linear = Linear::build(soup).unwrap();
     let world = Aabb::from_points(soup.0.iter().filter_map(Solid::bounds).flat_map(|bounds| [bounds.min, bounds.max]));
     let mut draw = Draw::new(seed);
     let mut n_hits = 0;
     let mut counters = Counters::default();
     for i in 0..n_rays() {
-        let query @ Query { ray, span } = adversarial(soup, &linear, &world, &mut draw);
-        let expected = linear.closest(soup, &ray, span, &mut NoProbe);
+        let query @ Query { ray, span } = adversarial(soup, &world, &mut draw);
+        let expected = brute_force::closest(soup, &ray, span, &mut NoProbe);
         let found = structure.closest(soup, &ray, span, &mut counters);
         let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive));
         assert_eq!(key(found), key(expected), "{name}, seed {seed}, ray {i}: {query:?}");
         let blocked = structure.occluded(soup, &ray, span, &mut NoProbe);
         assert_eq!(blocked, expected.is_some(), "{name}, seed {seed}, ray {i}: {query:?}");
-        assert_eq!(linear.occluded(soup, &ray, span, &mut NoProbe), expected.is_some(), "linear, ray {i}: {query:?}");
+        let is_blocked = brute_force::occluded(soup, &ray, span, &mut NoProbe);
+        assert_eq!(is_blocked, expected.is_some(), "ray {i}: {query:?}");
         n_hits += usize::from(expected.is_some());
     }
     let tested = counters.total().tests as f64 / (n_rays() * soup.len()) as f64;
@@ -154,6 +154,82 @@ fn wide_equals_brute_force_with_all_leaves_and_instructions() {
         }
     }
     assert!(n_levels >= 1);
+}
+
+/// Many near one place, or few; one of another size than the rest; some within others.
+fn heaps(draw: &mut Draw) -> Vec<(&'static str, Soup)> {
+    let mut uneven = Soup::spheres(60, draw);
+    uneven.0.push(Solid::Sphere { centre: DVec3::NEG_Y * 1001.0, radius: 1000.0 });
+    uneven.0.push(Solid::Sphere { centre: DVec3::ZERO, radius: 1e-7 });
+    uneven.0.push(Solid::Sphere { centre: DVec3::ZERO, radius: 1.5 });
+    let mut with_ground = Soup::spheres(20, draw);
+    with_ground.0.insert(3, Solid::Ground { height: -0.3 });
+    vec![
+        ("one", Soup::spheres(1, draw)),
+        ("three", Soup::spheres(3, draw)),
+        ("eight", Soup::spheres(8, draw)),
+        ("nine", Soup::spheres(9, draw)),
+        ("many", Soup::spheres(600, draw)),
+        ("uneven", uneven),
+        ("with ground", with_ground),
+        ("mixed", Soup(Soup::mixed(draw).0.into_iter().take(40).collect())),
+    ]
+}
+
+/// Not only the answers are those of brute force, but also what is counted on the way.
+#[test]
+fn linear_equals_brute_force_to_the_last_test() {
+    let seed = Draw::run_seed();
+    println!("linear: seed {seed}");
+    let (mut n_hits, mut n_asked) = (0, 0);
+    for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
+        for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e3, 7e3), (1.0, 1e4), (1e-3, 1e5), (1e12, 0.0), (1e-50, 0.0)]
+        {
+            let mut draw = Draw::new(seed);
+            for (name, soup) in heaps(&mut draw) {
+                let soup = soup.scaled(scale).moved(DVec3::new(1.0, -0.7, 0.3) * offset);
+                let linear = Linear::build(&soup).unwrap().with_level(level);
+                assert_eq!(linear.validate(&soup), Ok(()), "{name}");
+                let bounds = soup.0.iter().filter_map(Solid::bounds);
+                let world = Aabb::from_points(bounds.flat_map(|bounds| [bounds.min, bounds.max]));
+                for i in 0..n_rays() / 10 {
+                    let query @ Query { ray, span } = adversarial(&soup, &world, &mut draw);
+                    let [mut expected, mut counted] = [Counters::default(); 2];
+                    let hit = brute_force::closest(&soup, &ray, span, &mut expected);
+                    let found = linear.closest(&soup, &ray, span, &mut counted);
+                    let blocked = brute_force::occluded(&soup, &ray, span, &mut expected);
+                    let found_blocked = linear.occluded(&soup, &ray, span, &mut counted);
+                    let name = format!("{} {name}, scale {scale:e}, offset {offset:e}, ray {i}", level.name());
+                    assert_eq!((found, found_blocked), (hit, blocked), "{name}: {query:?}");
+                    assert_eq!(counted.total(), expected.total(), "{name}: {query:?}");
+                    n_hits += usize::from(blocked);
+                    n_asked += 1;
+                }
+            }
+        }
+    }
+    println!("linear: {n_asked} rays, {n_hits} hits, 0 differences");
+    assert!(n_hits > n_asked / 4);
+}
+
+#[test]
+fn lists_of_spheres_answer_useless_rays_and_spans_as_brute_force_does() {
+    let soup = Soup::spheres(50, &mut Draw::new(3));
+    let numbers = [0.0, -0.0, 0.5, -1.0, 1e-320, 1e-30, 1e30, 1e300, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+    for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
+        let linear = Linear::build(&soup).unwrap().with_level(level);
+        let mut draw = Draw::new(4);
+        for _ in 0..n_rays() {
+            let mut vector = || DVec3::new(draw.pick(&numbers), draw.pick(&numbers), draw.pick(&numbers));
+            let ray = Ray::new(vector(), vector());
+            let span = Interval { min: draw.pick(&numbers), max: draw.pick(&numbers) };
+            let found = linear.closest(&soup, &ray, span, &mut NoProbe);
+            let bits = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.primitive));
+            assert_eq!(bits(found), bits(brute_force::closest(&soup, &ray, span, &mut NoProbe)), "{ray:?} {span:?}");
+            let expected = brute_force::occluded(&soup, &ray, span, &mut NoProbe);
+            assert_eq!(linear.occluded(&soup, &ray, span, &mut NoProbe), expected, "{ray:?} {span:?}");
+        }
+    }
 }
 
 #[test]

@@ -7,18 +7,15 @@ mod soup;
 use std::ops::ControlFlow;
 use std::sync::Barrier;
 
-use rt_accel::{
-    Aabb, Accelerator, Bih, Counters, DVec3, Interval, LazyBih, Linear, NoProbe, Primitives, Ray, Structure,
-};
+use rt_accel::{Aabb, Accelerator, Bih, Counters, DVec3, Interval, LazyBih, NoProbe, Primitives, Ray, Structure};
 use soup::Soup;
 use soup::draw::Draw;
 use soup::rays::adversarial;
 
 fn rays(soup: &Soup, count: usize) -> Vec<(Ray, Interval)> {
-    let linear = Linear::build(soup).unwrap();
     let world = Aabb::new(DVec3::splat(-1.2), DVec3::splat(1.2));
     let mut draw = Draw::new(7);
-    (0..count).map(|_| adversarial(soup, &linear, &world, &mut draw)).map(|query| (query.ray, query.span)).collect()
+    (0..count).map(|_| adversarial(soup, &world, &mut draw)).map(|query| (query.ray, query.span)).collect()
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use rt_accel::{
-    Aabb, Accelerator, AnyStructure, Ball, Boxes, Bvh, DVec3, Frustum, Hit, Interval, Linear, NearestPoint, NoProbe,
+    Aabb, Accelerator, AnyStructure, Ball, Boxes, Bvh, DVec3, Frustum, Hit, Interval, NearestPoint, NoProbe,
     Primitives, Ray, Region, SplitMethod, Structure, StructureKind,
 };
 use soup::draw::Draw;
@@ -29,9 +29,8 @@ fn key(hit: &Hit) -> (u64, u32, u32) {
 
 fn queries(soup: &Soup, count: usize, seed: u64) -> Vec<Query> {
     let world = Aabb::new(DVec3::splat(-1.5), DVec3::splat(1.5));
-    let linear = Linear::build(soup).unwrap();
     let mut draw = Draw::new(seed);
-    (0..count).map(|_| adversarial(soup, &linear, &world, &mut draw)).collect()
+    (0..count).map(|_| adversarial(soup, &world, &mut draw)).collect()
 }
 
 #[test]

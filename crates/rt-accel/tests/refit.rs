@@ -6,7 +6,7 @@ mod soup;
 
 use rt_accel::{
     Aabb, Accelerator, Bih, BuildError, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, LazyBih, Linear, NoProbe,
-    Primitives, Refit, SphereTree, SplitMethod, Structure, WideBvh,
+    Primitives, Refit, SphereTree, SplitMethod, Structure, WideBvh, brute_force,
 };
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
@@ -30,15 +30,14 @@ fn check<R: Refit + Clone + PartialEq + core::fmt::Debug>(name: &str, build: imp
         let mut structure = built.clone();
         structure.refit(&moved).unwrap();
         assert_eq!(structure.validate(&moved), Ok(()), "{name}");
-        let linear = Linear::build(&moved).unwrap();
         let world = Aabb::new(offset - 1.5, offset + 1.5);
         let mut draw = Draw::new(3);
         let mut counters = Counters::default();
         for _ in 0..3000 {
-            let Query { ray, span } = adversarial(&moved, &linear, &world, &mut draw);
+            let Query { ray, span } = adversarial(&moved, &world, &mut draw);
             let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.primitive));
             let found = key(structure.closest(&moved, &ray, span, &mut counters));
-            assert_eq!(found, key(linear.closest(&moved, &ray, span, &mut NoProbe)), "{name}: {ray:?}");
+            assert_eq!(found, key(brute_force::closest(&moved, &ray, span, &mut NoProbe)), "{name}: {ray:?}");
         }
         let tested = counters.total().tests as f64 / (3000 * moved.len()) as f64;
         assert!(by > 0.5 || name == "linear" || tested < 0.2, "{name}: {tested} of all primitives are tested");
@@ -82,12 +81,15 @@ fn wide_trees_follow() {
         let mut wide = WideBvh::build(&start).unwrap();
         wide.refit(&moved).unwrap();
         assert_eq!(wide.validate(&moved), Ok(()), "offset {offset}");
-        let linear = Linear::build(&moved).unwrap();
         for i in 0..200 {
             let from = DVec3::new(2.0, 1.0 + f64::from(i) * 0.01, -3.0) + offset;
             let ray = rt_accel::Ray::new(from, DVec3::splat(offset) - from);
             let hit = wide.closest(&moved, &ray, Interval::FORWARD, &mut NoProbe);
-            assert_eq!(hit, linear.closest(&moved, &ray, Interval::FORWARD, &mut NoProbe), "offset {offset}, ray {i}");
+            assert_eq!(
+                hit,
+                brute_force::closest(&moved, &ray, Interval::FORWARD, &mut NoProbe),
+                "offset {offset}, ray {i}"
+            );
         }
     }
 }

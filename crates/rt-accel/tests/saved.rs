@@ -5,8 +5,8 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, AnyStructure, Bih, BuildError, Bvh, CylinderTree, DVec3, Interval, LazyBih, NoProbe, Ray,
-    SphereTree, SplitMethod, Structure, StructureKind,
+    Aabb, Accelerator, AnyStructure, Bih, BuildError, Bvh, CylinderTree, DVec3, Interval, LazyBih, Linear, NoProbe,
+    Ray, SphereTree, SplitMethod, Structure, StructureKind,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -69,6 +69,18 @@ fn every_structure_can_be_saved() {
     for &kind in StructureKind::ALL {
         check(&AnyStructure::build(kind, &scene()).unwrap(), &scene());
     }
+}
+
+#[test]
+fn lists_of_spheres_can_be_saved() {
+    let spheres = Soup::spheres(21, &mut Draw::new(4));
+    let linear = Linear::build(&spheres).unwrap();
+    assert!(linear.memory() > 16 * 21);
+    check(&linear, &spheres);
+    // A sphere where there is none would be asked for by its number.
+    let text = serde_json::to_string(&linear).unwrap();
+    let with_another = text.replacen(&f32::MIN.to_string(), "1.0", 1);
+    assert!(serde_json::from_str::<Linear>(&with_another).is_err() || with_another == text);
 }
 
 #[test]

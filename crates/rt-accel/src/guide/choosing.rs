@@ -20,12 +20,12 @@
 //! | the inside of a building | [`Bvh`](crate::Bvh) or [`KdTree`](crate::KdTree) | measure both: parts of the latter never overlap |
 //! | little memory | [`Bih`](crate::Bih) | under 20 bytes per primitive |
 //! | a volume of your own | [`VolumeTree`](crate::VolumeTree) | one trait to implement |
-//! | a test to write | [`Linear`](crate::Linear) | it is right by definition |
+//! | a test to write | [`brute_force`](crate::brute_force) | it is right by definition |
 //!
 //! All answer alike, to the last bit, so that a choice can be changed at any time without changing a picture:
 //!
 //! ```
-//! use rt_accel::{Aabb, Accelerator, AnyStructure, Boxes, DVec3, Interval, NoProbe, Ray, StructureKind};
+//! use rt_accel::{Aabb, Accelerator, AnyStructure, Boxes, DVec3, Interval, NoProbe, Ray, StructureKind, brute_force};
 //!
 //! let boxes: Vec<Aabb> = (0..100)
 //!     .map(|i| DVec3::new(f64::from(i % 10), f64::from(i / 10), f64::from(i % 7)))
@@ -33,8 +33,7 @@
 //!     .collect();
 //! let boxes = Boxes(&boxes);
 //! let ray = Ray::new(DVec3::new(-1.0, 0.3, 0.2), DVec3::new(1.0, 0.2, 0.1));
-//! let truth = AnyStructure::build(StructureKind::Linear, &boxes)?;
-//! let expected = truth.closest(&boxes, &ray, Interval::FORWARD, &mut NoProbe);
+//! let expected = brute_force::closest(&boxes, &ray, Interval::FORWARD, &mut NoProbe);
 //! for kind in StructureKind::ALL {
 //!     let structure = AnyStructure::build(*kind, &boxes)?;
 //!     assert_eq!(structure.closest(&boxes, &ray, Interval::FORWARD, &mut NoProbe), expected);

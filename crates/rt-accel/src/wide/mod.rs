@@ -4,6 +4,7 @@
 //! * `node`, `leaf`: what a tree is made of
 //! * `simd`: eight numbers at a time, on any processor
 //! * `ray`, and the kinds of `leaf`: why what filters rule out is missed
+//! * `list`: spheres without a tree
 //! * `goal`: what a ray is sent for; `walk`: how it goes; `exact`: how it goes where filters cannot
 //!
 //! This is the only module with `unsafe`: for instructions that a processor may not have, for numbers that builders and
@@ -17,6 +18,7 @@ mod cost;
 mod exact;
 mod goal;
 mod leaf;
+mod list;
 mod node;
 mod pages;
 mod ray;
@@ -39,6 +41,7 @@ use build::Census;
 pub use build::{BuildParams, Quality};
 use goal::{AnyHit, FirstHit, Goal, Judge};
 use leaf::{Filling, LeafKind, Leaves, Line};
+pub(crate) use list::SphereList;
 use node::{Child, Node};
 use simd::Available;
 pub use simd::SimdLevel;

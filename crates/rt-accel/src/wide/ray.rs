@@ -41,7 +41,7 @@ const SLACK: f64 = 1.0 / (1 << 22) as f64;
 const STEEPEST: f64 = (1u64 << 60) as f64;
 
 /// Farthest origin, in sizes of the tree.
-const FARTHEST: f64 = (1 << 19) as f64;
+pub(super) const FARTHEST: f64 = (1 << 19) as f64;
 
 /// A ray prepared for boxes of `f32`: planes are passed at `plane·scale + shift`.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +55,7 @@ pub(super) struct FilterRay {
 }
 
 /// Least and greatest number of a tree or direction for which nothing over- or underflows.
-const RANGE: core::ops::RangeInclusive<f64> = 1.0 / (1 << 24) as f64..=(1 << 24) as f64;
+pub(super) const RANGE: core::ops::RangeInclusive<f64> = 1.0 / (1 << 24) as f64..=(1 << 24) as f64;
 
 /// A ray in `f64`, all axes side by side; the fourth lanes are 0, and 1 where they divide.
 #[derive(Clone, Copy)]

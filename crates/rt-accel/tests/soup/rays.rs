@@ -1,6 +1,6 @@
 //! Rays that look for the seams.
 
-use rt_accel::{Aabb, Accelerator, DVec3, Interval, Linear, NoProbe, Ray};
+use rt_accel::{Aabb, DVec3, Interval, NoProbe, Ray, brute_force};
 
 use super::draw::Draw;
 use super::{Solid, Soup};
@@ -13,7 +13,7 @@ pub(crate) struct Query {
 
 /// A ray from and to places where rounding matters: vertices, edges, corners, silhouettes, faces, surfaces; along the
 /// axes; with components that are zero of either sign, tiny, or one step away from something special.
-pub(crate) fn adversarial(soup: &Soup, linear: &Linear, world: &Aabb, draw: &mut Draw) -> Query {
+pub(crate) fn adversarial(soup: &Soup, world: &Aabb, draw: &mut Draw) -> Query {
     let origin = origin(soup, world, draw);
     let target = special_point(soup, draw);
     let mut direction = target - origin;
@@ -32,7 +32,7 @@ pub(crate) fn adversarial(soup: &Soup, linear: &Linear, world: &Aabb, draw: &mut
         direction[axis] = neighbour(direction[axis], draw);
     }
     let ray = Ray::new(origin, direction);
-    Query { ray, span: span(soup, linear, &ray, draw) }
+    Query { ray, span: span(soup, &ray, draw) }
 }
 
 fn origin(soup: &Soup, world: &Aabb, draw: &mut Draw) -> DVec3 {
@@ -77,8 +77,8 @@ fn special_point(soup: &Soup, draw: &mut Draw) -> DVec3 {
 }
 
 /// Mostly everything in front; sometimes a piece, the hit itself, or a span that ends at the hit or next to it.
-fn span(soup: &Soup, linear: &Linear, ray: &Ray, draw: &mut Draw) -> Interval {
-    let hit = |span| linear.closest(soup, ray, span, &mut NoProbe).map_or(1.0, |hit| hit.t);
+fn span(soup: &Soup, ray: &Ray, draw: &mut Draw) -> Interval {
+    let hit = |span| brute_force::closest(soup, ray, span, &mut NoProbe).map_or(1.0, |hit| hit.t);
     let forward = Interval::FORWARD;
     match draw.below(12) {
         0 => Interval::new(draw.between(0.0, 1.0), draw.between(0.5, 2.0)),

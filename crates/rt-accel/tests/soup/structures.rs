@@ -2,7 +2,7 @@
 
 use rt_accel::{
     Accelerator, AnyStructure, Bvh, Counters, Hit, Interval, Linear, NoProbe, Primitives, Ray, Structure,
-    StructureKind, UniformGrid,
+    StructureKind, UniformGrid, brute_force,
 };
 
 /// One of each kind, brute force first.
@@ -31,9 +31,9 @@ impl Structures {
         self.0.iter().find_map(|s| if let AnyStructure::Bvh(s) = s { Some(s) } else { None }).expect("a tree")
     }
 
-    /// The answer that all of them agree on.
+    /// The answer of brute force, which all of them agree with.
     pub(crate) fn closest<P: Primitives>(&self, primitives: &P, ray: &Ray, span: Interval) -> Option<Hit> {
-        let expected = self.0[0].closest(primitives, ray, span, &mut NoProbe);
+        let expected = brute_force::closest(primitives, ray, span, &mut NoProbe);
         for structure in &self.0 {
             let name = structure.kind().name();
             let found = structure.closest(primitives, ray, span, &mut NoProbe);

@@ -1,0 +1,35 @@
+//! Each primitive in turn, in `f64`: what all structures are compared with.
+//!
+//! The answers are right by definition, so that tests hold everything else against them, [`Linear`](crate::Linear) too:
+//!
+//! ```
+//! use rt_accel::{Aabb, Accelerator, Boxes, DVec3, Interval, NoProbe, Ray, WideBvh, brute_force};
+//!
+//! let boxes = [Aabb::new(DVec3::ZERO, DVec3::ONE), Aabb::new(DVec3::splat(2.0), DVec3::splat(3.0))];
+//! let boxes = Boxes(&boxes);
+//! let (ray, span) = (Ray::new(DVec3::splat(4.0), DVec3::NEG_ONE), Interval::FORWARD);
+//! let expected = brute_force::closest(&boxes, &ray, span, &mut NoProbe);
+//! assert_eq!(WideBvh::build(&boxes)?.closest(&boxes, &ray, span, &mut NoProbe), expected);
+//! assert_eq!(expected.map(|hit| hit.primitive), Some(1));
+//! # Ok::<(), rt_accel::BuildError>(())
+//! ```
+
+use rt_math::{Hit, Interval, Primitives, Probe, Ray};
+
+use crate::RayQuery;
+use crate::ray_query::{Any, Closest};
+
+/// The first hit within `span`, the least by (t, instance, primitive); `None` on a miss. Tests every primitive.
+pub fn closest<P: Primitives, S: Probe>(primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
+    let mut query = Closest::new(ray, span);
+    for index in 0..primitives.len() as u32 {
+        let _ = query.offer(primitives, index, probe);
+    }
+    query.hit
+}
+
+/// True if anything is hit within `span`. Tests the primitives up to the first that is.
+pub fn occluded<P: Primitives, S: Probe>(primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+    let mut query = Any::new(ray, span);
+    (0..primitives.len() as u32).any(|index| query.offer(primitives, index, probe).is_break())
+}
