@@ -39,7 +39,7 @@ pub(crate) struct PictureArgs {
     #[arg(long, value_name = "NAME", value_parser = choice(Accel::ALL, Accel::name), help_heading = "How")]
     pub(crate) accel: Option<Accel>,
 
-    /// Instructions for the structure `wide`; the best that the processor has by default. Any give the same picture
+    /// Instructions for the structures `wide` and `linear`; the best that the processor has by default. Any give the same picture
     #[arg(long, value_name = "NAME", value_parser = values::simd(), help_heading = "How")]
     pub(crate) simd: Option<SimdLevel>,
 
