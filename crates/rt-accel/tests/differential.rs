@@ -167,8 +167,8 @@ fn heaps(draw: &mut Draw) -> Vec<(&'static str, Soup)> {
     vec![
         ("one", Soup::spheres(1, draw)),
         ("three", Soup::spheres(3, draw)),
-        ("eight", Soup::spheres(8, draw)),
-        ("nine", Soup::spheres(9, draw)),
+        ("twelve", Soup::spheres(12, draw)),
+        ("seventeen", Soup::spheres(17, draw)),
         ("many", Soup::spheres(600, draw)),
         ("uneven", uneven),
         ("with ground", with_ground),

@@ -23,7 +23,7 @@
 //! enlarged by a thousandth, which is more than rounding can do to all this unless a sphere is much smaller than the list;
 //! then a margin for the ray takes care of it. What is left is decided in `f64` by rising index, so that answers, tests and
 //! hits are those of brute force. Of shadow rays some hits are beyond doubt, and not decided at all. What is no sphere,
-//! and rays and lists out of all proportion, are tested one by one.
+//! fewer than twelve spheres, and rays and lists out of all proportion are tested one by one.
 //!
 //! # What "the same answer" means
 //!

@@ -13,7 +13,7 @@ use crate::{Violation, brute_force};
 use seen::{Seen, swollen};
 
 /// Fewer are asked at once sooner than a ray is prepared for the filter.
-const FEWEST: u32 = 4;
+const FEWEST: u32 = 12;
 
 /// Spheres to a block.
 const LANES: usize = 8;
