@@ -4,7 +4,7 @@ use core::ops::ControlFlow;
 
 use rt_math::{Aabb, Accelerator, Hit, Interval, Primitives, Probe, Ray};
 
-use crate::wide::SimdLevel;
+use crate::wide::{BuildParams, Quality, SimdLevel};
 use crate::{
     Bih, BspTree, BuildError, BuildStats, Bvh, CylinderTree, KdTree, LazyBih, Linear, RayQuery, RegionQuery,
     SphereTree, Structure, UniformGrid, Violation, WideBvh,
@@ -57,6 +57,26 @@ macro_rules! structures {
                 Ok(match kind {
                     $(StructureKind::$name => Self::$name(<$structure>::build(primitives)?),)+
                 })
+            }
+
+            /// Builds a structure in as much time as `quality` allows. Only the wide tree knows qualities: the others are
+            /// built with the defaults of their kind.
+            ///
+            /// # Errors
+            ///
+            /// As the builder of that kind.
+            pub fn build_with<P: Primitives>(
+                kind: StructureKind,
+                quality: Quality,
+                primitives: &P,
+            ) -> Result<Self, BuildError> {
+                match kind {
+                    StructureKind::Wide => {
+                        let params = BuildParams { quality, ..BuildParams::default() };
+                        Ok(Self::Wide(WideBvh::build_with(primitives, &params)?))
+                    }
+                    other => Self::build(other, primitives),
+                }
             }
 
             /// Has a list or wide structure asked by these instructions; changes no answer, and nothing about the others.

@@ -11,7 +11,7 @@
 //! worth comparing between machines.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use rt_accel::StructureKind;
+use rt_accel::{StructureKind, wide::Quality};
 use serde::Serialize;
 
 use crate::{
@@ -77,4 +77,10 @@ fn print(figures: &impl Serialize, table: &str) -> Result<(), TaskError> {
 fn structure() -> impl TypedValueParser<Value = StructureKind> {
     let names = PossibleValuesParser::new(StructureKind::ALL.iter().map(|kind| kind.name()));
     names.try_map(|name| StructureKind::ALL.iter().copied().find(|kind| kind.name() == name).ok_or("no such structure"))
+}
+
+/// The name of a quality on the command line.
+fn quality() -> impl TypedValueParser<Value = Quality> {
+    let names = PossibleValuesParser::new(Quality::ALL.iter().map(|quality| quality.name()));
+    names.try_map(|name| Quality::ALL.iter().copied().find(|quality| quality.name() == name).ok_or("no such quality"))
 }

@@ -73,7 +73,7 @@ fn build(scene: &Scene<'_>, kind: StructureKind, options: &Options) -> Result<(A
     let started = Instant::now();
     loop {
         let watch = Watch::start();
-        let structure = AnyStructure::build(kind, &scene.mesh).map_err(other)?;
+        let structure = AnyStructure::build_with(kind, options.quality, &scene.mesh).map_err(other)?;
         let seconds = watch.seconds();
         cpu.push(seconds.cpu);
         wall.push(seconds.wall);
@@ -82,6 +82,7 @@ fn build(scene: &Scene<'_>, kind: StructureKind, options: &Options) -> Result<(A
             let figure = BuildFigure {
                 scene: scene.job.scene.clone(),
                 structure: kind.name(),
+                quality: options.quality.name(),
                 threads: options.threads,
                 triangles: scene.mesh.data().triangles.len(),
                 cpu_seconds: Spread::of(cpu),

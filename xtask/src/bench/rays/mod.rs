@@ -5,10 +5,10 @@
 use std::path::PathBuf;
 
 use clap::builder::TypedValueParser;
-use rt_accel::{AnyStructure, Structure, StructureKind};
+use rt_accel::{AnyStructure, BuildStats, Structure, StructureKind, wide::Quality};
 use serde::Serialize;
 
-use super::{print, spread::Spread, structure};
+use super::{print, quality, spread::Spread, structure};
 use crate::error::TaskError;
 
 mod files;
@@ -39,6 +39,9 @@ pub(super) struct Options {
     /// Structures to measure.
     #[arg(long, value_delimiter = ',', default_value = "bvh", value_parser = structure())]
     accel: Vec<StructureKind>,
+    /// How much time the builder of the wide tree takes.
+    #[arg(long, default_value = "medium", value_parser = quality())]
+    quality: Quality,
     /// What to ask of each ray; by default whether a ray of a file `*.shadow.rays` is occluded, and the closest hit of
     /// all others.
     #[arg(long)]
@@ -80,6 +83,8 @@ fn positive() -> impl TypedValueParser<Value = usize> {
 struct BuildFigure {
     scene: String,
     structure: &'static str,
+    /// Meaningless but for the wide tree.
+    quality: &'static str,
     threads: usize,
     /// Those with an area.
     triangles: usize,
@@ -100,12 +105,13 @@ struct Shape {
     leaves: usize,
     references: usize,
     max_depth: usize,
+    sah_cost: Option<f64>,
 }
 
 impl Shape {
     fn of(structure: &AnyStructure) -> Self {
-        let stats = structure.build_stats();
-        Self { nodes: stats.nodes, leaves: stats.leaves, references: stats.references, max_depth: stats.max_depth }
+        let BuildStats { nodes, leaves, references, max_depth, sah_cost, .. } = structure.build_stats();
+        Self { nodes, leaves, references, max_depth, sah_cost }
     }
 }
 

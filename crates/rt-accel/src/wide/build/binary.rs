@@ -2,7 +2,11 @@
 
 use glam::Vec3A;
 
+use super::collapse::{Costs, Plan};
 use crate::bvh::NodeBox;
+
+/// References below a node from which on its costs are kept: so many that it takes little room.
+const LARGE: usize = 32;
 
 /// A node of the binary tree, in 32 bytes.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +29,7 @@ pub(super) enum Content {
         /// Their number, from 1 to 8.
         count: u32,
     },
-    /// The root of another tree of the forest.
+    /// What this link of the forest leads to.
     Link(u32),
 }
 
@@ -37,7 +41,7 @@ impl BinaryNode {
         let (first, second) = match content {
             Content::Inner([left, right]) => (left, right),
             Content::Leaf { first, count } => (first, MARKS + count),
-            Content::Link(tree) => (tree, MARKS),
+            Content::Link(link) => (link, MARKS),
         };
         Self { min: bounds.min.to_array(), first, max: bounds.max.to_array(), second }
     }
@@ -61,10 +65,25 @@ impl BinaryNode {
 pub(super) struct BinaryTree {
     pub(super) nodes: Vec<BinaryNode>,
     /// For each node, how it is best collapsed.
-    pub(super) plans: Vec<super::collapse::Plan>,
+    pub(super) plans: Vec<Plan>,
+    /// The costs of what is below large nodes, by rising number.
+    kept: Vec<(u32, Costs)>,
 }
 
 impl BinaryTree {
+    /// Remembers what is below the last node: `count` references.
+    pub(super) fn keep(&mut self, costs: &Costs, count: usize) {
+        if count >= LARGE {
+            self.kept.push((self.root(), *costs));
+        }
+    }
+
+    /// The costs of what is below a node, if it is a large one.
+    pub(super) fn kept(&self, node: u32) -> Option<Costs> {
+        let place = self.kept.binary_search_by_key(&node, |kept| kept.0).ok()?;
+        Some(self.kept[place].1)
+    }
+
     pub(super) fn root(&self) -> u32 {
         self.nodes.len() as u32 - 1
     }

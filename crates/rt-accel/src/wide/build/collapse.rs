@@ -70,6 +70,9 @@ impl Plan {
 }
 
 impl Costs {
+    /// Of nothing.
+    pub(super) const NONE: Self = Self { of: [0.0; WIDTH], count: 0 };
+
     pub(super) fn leaf(area: f32, count: u32) -> Self {
         Self { of: [leaf_cost(area, count); WIDTH], count }
     }

@@ -4,6 +4,7 @@ use super::binary::{BinaryTree, Content};
 use super::binning::Bins;
 use super::collapse::{Costs, Plan};
 use super::grow::{Rules, Set};
+use super::reference::Run;
 use crate::bvh::NodeBox;
 
 /// Sets of at most this size are one task: their references and nodes stay in the cache of one core.
@@ -12,9 +13,16 @@ const TASK: usize = 4096;
 /// Trees that are linked to each other.
 #[derive(Debug)]
 pub(super) struct Forest {
-    /// The first is the one to start from.
     pub(super) trees: Vec<BinaryTree>,
-    /// Costs of the whole.
+    pub(super) links: Vec<Link>,
+    /// Where to start.
+    pub(super) whole: Link,
+}
+
+/// A node, and the costs of what is below.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Link {
+    pub(super) place: Place,
     pub(super) costs: Costs,
 }
 
@@ -34,14 +42,15 @@ enum Upper {
 impl Forest {
     /// Grows the trees over a set that is not empty.
     pub(super) fn grow(set: Set<'_>, rules: &Rules) -> Self {
-        let mut trees = vec![BinaryTree::default()];
-        let (_, costs) = gather(upper(set, rules), &mut trees, rules);
-        Self { trees, costs }
+        let mut forest = Self { trees: vec![BinaryTree::default()], links: Vec::new(), whole: Link::NONE };
+        let (node, costs) = forest.gather(upper(set, rules), rules);
+        forest.whole = Link { place: Place { tree: 0, node }, costs };
+        forest
     }
 
     /// Where to start.
     pub(super) fn root(&self) -> Place {
-        self.follow(Place { tree: 0, node: self.trees[0].root() })
+        self.follow(self.whole.place)
     }
 
     pub(super) fn content(&self, place: Place) -> Content {
@@ -56,30 +65,60 @@ impl Forest {
         self.trees[place.tree as usize].plans[place.node as usize]
     }
 
-    /// The root of the other tree, if that is what a node stands for.
+    /// The node of the other tree, if that is what a node stands for.
     pub(super) fn follow(&self, place: Place) -> Place {
         match self.content(place) {
-            Content::Link(tree) => Place { tree, node: self.trees[tree as usize].root() },
+            Content::Link(link) => self.follow(self.links[link as usize].place),
             Content::Inner(_) | Content::Leaf { .. } => place,
+        }
+    }
+
+    /// The costs of what is below a node. The recursion is as deep as the tree, which is bounded.
+    pub(super) fn costs(&self, place: Place, order: &[Run], rules: &Rules) -> Costs {
+        let area = rules.unit.area(&self.bounds(place));
+        match self.content(place) {
+            Content::Inner(children) => {
+                if let Some(kept) = self.trees[place.tree as usize].kept(place.node) {
+                    return kept;
+                }
+                let [left, right] = children.map(|node| self.costs(Place { node, ..place }, order, rules));
+                Costs::above(area, [&left, &right], rules.max_leaf).0
+            }
+            Content::Leaf { first, count } => {
+                let runs = &order[first as usize..][..count as usize];
+                Costs::leaf(area, runs.iter().map(|run| run.count).sum())
+            }
+            Content::Link(link) => self.links[link as usize].costs,
+        }
+    }
+
+    /// Adds a link, and a leaf of the tree that leads there.
+    pub(super) fn link(&mut self, bounds: &NodeBox, link: Link, tree: usize) -> u32 {
+        self.links.push(link);
+        let content = Content::Link(self.links.len() as u32 - 1);
+        self.trees[tree].push(bounds, content, Plan::LEAF)
+    }
+
+    /// Adds the lower trees to the list, and the upper part to its first.
+    fn gather(&mut self, upper: Upper, rules: &Rules) -> (u32, Costs) {
+        match upper {
+            Upper::Task(bounds, lower, costs) => {
+                let place = Place { tree: self.trees.len() as u32, node: lower.root() };
+                self.trees.push(lower);
+                (self.link(&bounds, Link { place, costs }, 0), costs)
+            }
+            Upper::Inner(bounds, children) => {
+                let [left, right] = *children;
+                let (left, left_costs) = self.gather(left, rules);
+                let (right, right_costs) = self.gather(right, rules);
+                self.trees[0].join(&bounds, [left, right], [&left_costs, &right_costs], rules)
+            }
         }
     }
 }
 
-/// Adds the lower trees to the list, and the upper part to its first.
-fn gather(upper: Upper, trees: &mut Vec<BinaryTree>, rules: &Rules) -> (u32, Costs) {
-    match upper {
-        Upper::Task(bounds, tree, costs) => {
-            let link = Content::Link(trees.len() as u32);
-            trees.push(tree);
-            (trees[0].push(&bounds, link, Plan::LEAF), costs)
-        }
-        Upper::Inner(bounds, children) => {
-            let [left, right] = *children;
-            let (left, left_costs) = gather(left, trees, rules);
-            let (right, right_costs) = gather(right, trees, rules);
-            trees[0].join(&bounds, [left, right], [&left_costs, &right_costs], rules)
-        }
-    }
+impl Link {
+    const NONE: Self = Self { place: Place { tree: 0, node: 0 }, costs: Costs::NONE };
 }
 
 /// The recursion is as deep as the tree, which is bounded.

@@ -179,7 +179,9 @@ impl BinaryTree {
         let [left, right] = if count == 2 { set.halve() } else { set.split(rules, bins) };
         let (left, left_costs) = self.grow(left, rules, bins);
         let (right, right_costs) = self.grow(right, rules, bins);
-        self.join(&bounds, [left, right], [&left_costs, &right_costs], rules)
+        let (node, costs) = self.join(&bounds, [left, right], [&left_costs, &right_costs], rules);
+        self.keep(&costs, count);
+        (node, costs)
     }
 
     /// Adds a node above two others.

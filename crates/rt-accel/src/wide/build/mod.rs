@@ -16,6 +16,8 @@ mod reinsertion;
 
 use rt_math::Primitives;
 
+use crate::bounded_depth::MAX_DEPTH;
+
 use super::leaf::{LeafKind, Listing};
 use super::node::Node;
 use super::pages::room_for;
@@ -26,6 +28,7 @@ pub(super) use gather::Census;
 use grow::{Extent, Rules, Set};
 pub use params::{BuildParams, Quality};
 use reference::{Reference, Run};
+use reinsertion::Effort;
 
 /// A tree whose nodes have up to eight children. The first node is the root, whose one child may be a leaf.
 #[derive(Debug, PartialEq)]
@@ -63,9 +66,18 @@ fn over(mut references: Vec<Reference>, rules: &Rules, kind: LeafKind, quality: 
     let set = Set { references: &mut references, room: &mut room, order: &mut order, first: 0, extent, depth: 0 };
     let mut forest = Forest::grow(set, rules);
     drop((references, room));
-    if quality == Quality::High {
-        forest = forest.reinserted(&order, rules);
+    let grown = forest.whole;
+    match quality {
+        Quality::Low => {}
+        Quality::Medium => forest.reinsert(&order, rules, Effort::LITTLE),
+        Quality::High => forest.reinsert(&order, rules, Effort::GREAT),
     }
+    let tree = Emission { forest: &forest, indices: &order, kind }.run()?;
+    if tree.depth <= MAX_DEPTH {
+        return Some(tree);
+    }
+    // What was moved down has taken something deep along.
+    forest.whole = grown;
     Emission { forest: &forest, indices: &order, kind }.run()
 }
 

@@ -11,20 +11,33 @@
 //!      s   x                     c   x      Here t = c.
 //! ```
 
+use std::collections::BinaryHeap;
+
 use super::binary::{BinaryTree, Content};
 use super::binning::AreaUnit;
 use super::collapse::{Costs, Plan};
-use super::forest::{Forest, Place};
+use super::forest::{Forest, Link, Place};
 use super::grow::Rules;
 use super::reference::Run;
 use crate::bounded_depth::MAX_DEPTH;
 use crate::bvh::NodeBox;
 
-/// Times that the tree is gone through.
-const PASSES: usize = 3;
+/// How much is done.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Effort {
+    /// So many of the largest nodes are opened; what is below the others stays as it is.
+    pub(super) opened: usize,
+    /// The part of the nodes that is moved each time.
+    pub(super) moved: f64,
+    /// Times that the nodes are gone through.
+    pub(super) passes: usize,
+}
 
-/// The part of all nodes that is moved each time.
-const MOVED: f64 = 0.15;
+impl Effort {
+    /// Finds large primitives among small ones, in one or two milliseconds whatever the scene.
+    pub(super) const LITTLE: Self = Self { opened: 1024, moved: 1.0, passes: 1 };
+    pub(super) const GREAT: Self = Self { opened: usize::MAX, moved: 0.15, passes: 3 };
+}
 
 const NONE: u32 = u32::MAX;
 
@@ -32,8 +45,10 @@ struct Node {
     bounds: NodeBox,
     area: f32,
     parent: u32,
-    /// Never a link.
-    content: Content,
+    /// The children, if it has been opened.
+    children: Option<[u32; 2]>,
+    /// What it was made of.
+    place: Place,
 }
 
 /// A tree that knows its parents; the root is the first.
@@ -45,45 +60,52 @@ struct Linked {
 }
 
 impl Forest {
-    /// The improved tree, or this one if it could not be made better.
-    pub(super) fn reinserted(self, order: &[Run], rules: &Rules) -> Self {
-        let mut linked = Linked::new(&self, rules.unit);
-        for _ in 0..PASSES {
-            if !linked.pass() {
+    /// Improves the tree, unless it could not be made better.
+    pub(super) fn reinsert(&mut self, order: &[Run], rules: &Rules, effort: Effort) {
+        let mut linked = Linked::new(self, rules.unit, effort.opened);
+        for _ in 0..effort.passes {
+            if !linked.pass(effort.moved) {
                 break;
             }
         }
-        match linked.collapse(order, rules) {
-            Some(better) if better.costs.whole() < self.costs.whole() => better,
-            _ => self,
+        match linked.collapse(self, order, rules) {
+            Some(better) if better.costs.whole() < self.whole.costs.whole() => self.whole = better,
+            _ => {}
         }
     }
 }
 
 impl Linked {
-    fn new(forest: &Forest, unit: AreaUnit) -> Self {
-        let mut nodes = Vec::with_capacity(forest.trees.iter().map(|tree| tree.nodes.len()).sum());
-        let mut pending = vec![(forest.root(), NONE, 0)];
-        while let Some((place, parent, side)) = pending.pop() {
-            let (bounds, number) = (forest.bounds(place), nodes.len() as u32);
-            let content = forest.content(place);
-            if let Some(Node { content: Content::Inner(children), .. }) = nodes.get_mut(parent as usize) {
-                children[side] = number;
-            }
-            nodes.push(Node { bounds, area: unit.area(&bounds), parent, content });
-            if let Content::Inner(children) = content {
-                for side in [1, 0] {
-                    pending.push((forest.follow(Place { node: children[side], ..place }), number, side));
-                }
-            }
+    fn new(forest: &Forest, unit: AreaUnit, opened: usize) -> Self {
+        let mut linked = Self { nodes: Vec::new(), unit, pending: Vec::new() };
+        linked.push(forest, forest.root(), NONE);
+        // The largest first; areas that are no numbers come before all.
+        let key = |area: f32, number: u32| (area.to_bits(), core::cmp::Reverse(number));
+        let mut largest = BinaryHeap::from([key(linked.area(0), 0)]);
+        for _ in 0..opened {
+            let Some((_, core::cmp::Reverse(number))) = largest.pop() else { break };
+            let place = linked.node(number).place;
+            let Content::Inner(children) = forest.content(place) else { continue };
+            let children = children.map(|node| {
+                let child = linked.push(forest, forest.follow(Place { node, ..place }), number);
+                largest.push(key(linked.area(child), child));
+                child
+            });
+            linked.nodes[number as usize].children = Some(children);
         }
-        Self { nodes, unit, pending: Vec::new() }
+        linked
+    }
+
+    fn push(&mut self, forest: &Forest, place: Place, parent: u32) -> u32 {
+        let bounds = forest.bounds(place);
+        self.nodes.push(Node { bounds, area: self.unit.area(&bounds), parent, children: None, place });
+        self.nodes.len() as u32 - 1
     }
 
     /// Moves the largest nodes, and says whether any was moved.
-    fn pass(&mut self) -> bool {
+    fn pass(&mut self, moved: f64) -> bool {
         let mut largest: Vec<_> = (1..self.nodes.len() as u32).map(|number| (self.area(number), number)).collect();
-        let count = (self.nodes.len() as f64 * MOVED).ceil() as usize;
+        let count = (self.nodes.len() as f64 * moved).ceil() as usize;
         let order = |a: &(f32, u32), b: &(f32, u32)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
         if count < largest.len() {
             largest.select_nth_unstable_by(count, order);
@@ -102,10 +124,7 @@ impl Linked {
     }
 
     fn children(&self, number: u32) -> Option<[u32; 2]> {
-        match self.node(number).content {
-            Content::Inner(children) => Some(children),
-            Content::Leaf { .. } | Content::Link(_) => None,
-        }
+        self.node(number).children
     }
 
     /// The other child of the parent; not for the root.
@@ -174,7 +193,7 @@ impl Linked {
     /// Puts a node above `place` and `moved`.
     fn put_in(&mut self, moved: u32, above: u32, place: u32) {
         self.replace(place, above);
-        self.nodes[above as usize].content = Content::Inner([place, moved]);
+        self.nodes[above as usize].children = Some([place, moved]);
         for child in [place, moved] {
             self.nodes[child as usize].parent = above;
         }
@@ -184,7 +203,7 @@ impl Linked {
     /// Makes the parent of `old` that of `new`.
     fn replace(&mut self, old: u32, new: u32) {
         let parent = self.node(old).parent;
-        if let Some(Node { content: Content::Inner(children), .. }) = self.nodes.get_mut(parent as usize) {
+        if let Some(Node { children: Some(children), .. }) = self.nodes.get_mut(parent as usize) {
             *children = children.map(|child| if child == old { new } else { child });
         }
         self.nodes[new as usize].parent = parent;
@@ -201,8 +220,8 @@ impl Linked {
         }
     }
 
-    /// The best way to collapse the tree, unless it has become too deep.
-    fn collapse(&self, order: &[Run], rules: &Rules) -> Option<Forest> {
+    /// The best way to collapse the tree, unless it has become too deep. What was not opened is linked to.
+    fn collapse(&self, forest: &mut Forest, order: &[Run], rules: &Rules) -> Option<Link> {
         let mut from_root = Vec::with_capacity(self.nodes.len());
         let mut pending = vec![(0, 0)];
         while let Some((number, depth)) = pending.pop() {
@@ -212,24 +231,27 @@ impl Linked {
             from_root.push(number);
             pending.extend(self.children(number).into_iter().flatten().map(|child| (child, depth + 1)));
         }
-        let mut tree = BinaryTree::default();
-        let mut made = vec![(0, Costs::leaf(0.0, 0)); self.nodes.len()];
+        let tree = forest.trees.len();
+        forest.trees.push(BinaryTree::default());
+        let mut made = vec![(0, Costs::NONE); self.nodes.len()];
         for &number in from_root.iter().rev() {
-            let node = self.node(number);
-            made[number as usize] = match node.content {
-                Content::Inner(children) => {
+            let Node { bounds, place, .. } = self.node(number);
+            made[number as usize] = match (self.children(number), forest.content(*place)) {
+                (Some(children), _) => {
                     let [(a, a_costs), (b, b_costs)] = children.map(|child| made[child as usize]);
-                    tree.join(&node.bounds, [a, b], [&a_costs, &b_costs], rules)
+                    forest.trees[tree].join(bounds, [a, b], [&a_costs, &b_costs], rules)
                 }
-                Content::Leaf { first, count } => {
-                    let runs = &order[first as usize..][..count as usize];
-                    let costs = Costs::leaf(node.area, runs.iter().map(|run| run.count).sum());
-                    (tree.push(&node.bounds, node.content, Plan::LEAF), costs)
+                (None, content @ Content::Leaf { .. }) => {
+                    (forest.trees[tree].push(bounds, content, Plan::LEAF), forest.costs(*place, order, rules))
                 }
-                Content::Link(_) => return None,
+                (None, _) => {
+                    let costs = forest.costs(*place, order, rules);
+                    (forest.link(bounds, Link { place: *place, costs }, tree), costs)
+                }
             };
         }
-        Some(Forest { trees: vec![tree], costs: made[0].1 })
+        let (node, costs) = made[0];
+        Some(Link { place: Place { tree: tree as u32, node }, costs })
     }
 }
 
@@ -262,13 +284,17 @@ mod tests {
             let (number, costs) = tree.join(&bounds, [a, b], [&a_costs, &b_costs], &rules);
             (number, bounds, costs)
         });
-        let (_, _, costs) = whole.expect("four leaves");
-        let mut linked = Linked::new(&Forest { trees: vec![tree], costs }, unit);
+        let (node, _, costs) = whole.expect("four leaves");
+        let whole = Link { place: Place { tree: 0, node }, costs };
+        let mut forest = Forest { trees: vec![tree], links: Vec::new(), whole };
+        let mut linked = Linked::new(&forest, unit, usize::MAX);
         while (1..7).any(|number| linked.improve(number)) {}
-        let inner = linked.nodes.iter().filter(|node| matches!(node.content, Content::Inner(_)));
+        let inner = linked.nodes.iter().filter(|node| node.children.is_some());
         let mut lengths: Vec<_> = inner.map(|node| node.bounds.max.x - node.bounds.min.x).collect();
         lengths.sort_unstable_by(f32::total_cmp);
         assert_eq!(lengths, [2.0, 2.0, 102.0]);
-        assert!(linked.collapse(&order, &rules).is_some_and(|better| better.costs.whole() <= costs.whole()));
+        assert!(
+            linked.collapse(&mut forest, &order, &rules).is_some_and(|better| better.costs.whole() <= costs.whole())
+        );
     }
 }

@@ -81,7 +81,7 @@ fn check(tree: &WideTree, references: &[Reference], max_leaf: usize) {
         leaf.iter().for_each(|&index| listed[index as usize] += 1);
     });
     assert_eq!(depth, tree.depth.max(1));
-    assert!(depth <= crate::bounded_depth::MAX_DEPTH);
+    assert!(depth <= MAX_DEPTH);
     assert!(listed.iter().all(|&times| times == 1));
 }
 
