@@ -9,8 +9,9 @@
 //!
 //! **Build**: a binary tree by the surface area heuristic first, from which the nodes of eight are taken that make the
 //! expected cost least, by dynamic programming. [`Quality`](crate::wide::Quality) says how much time it may take: *low*
-//! looks at one axis, *medium* at all, and *high* takes subtrees out and puts them back where they cost least. The tree
-//! is the same on any number of threads.
+//! looks at one axis, *medium* at all, and then takes the largest subtrees out and puts them back where they cost least;
+//! *high* does so with subtrees of all sizes. The tree is the same on any number of threads. Large trees are kept in large
+//! pages of memory where the system has them.
 //!
 //! **Walk**: sort what is entered, go to the nearest and put the others off. Leaves hold copies of plain numbers,
 //! [`LeafLayout`](crate::LeafLayout): eight triangles, spheres or boxes are tested at a time as well. The answer is one of
