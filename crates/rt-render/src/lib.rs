@@ -46,6 +46,7 @@
 #![forbid(unsafe_code)]
 
 pub mod check;
+mod cost;
 mod error;
 mod explain;
 mod flatten;
@@ -56,9 +57,11 @@ mod render;
 mod statistics;
 mod structure;
 mod surroundings;
+mod tile;
 mod tiles;
 mod trace;
 mod visible;
+mod wave;
 mod world;
 
 pub use error::RenderError;

@@ -17,6 +17,11 @@ impl Pixel {
         Self { lobes: [Lobe::default(); 2], transparent, bad_samples: 0 }
     }
 
+    /// A pixel of the same kind without samples.
+    pub(crate) fn emptied(&self) -> Self {
+        Self::new(self.transparent)
+    }
+
     /// Adds a sample with the weight that the filter gives it. One that is not a radiance is counted, and black.
     #[inline]
     pub(crate) fn add(&mut self, seen: &Seen, weight: f64) {

@@ -63,7 +63,7 @@ impl Surfaces for SphereWorld {
     }
 }
 
-/// Answers an integrator's rays and counts them. Which structure it is, is asked once for each ray: integrators are not
+/// Answers an integrator's rays and counts them. Which structure it is, is asked once for each batch: integrators are not
 /// compiled anew for each.
 pub(crate) struct WorldTracer<'w, W, S> {
     pub(crate) world: &'w W,
@@ -74,32 +74,78 @@ pub(crate) struct WorldTracer<'w, W, S> {
     pub(crate) rays: RayCounts,
     /// The structure's work.
     pub(crate) probe: S,
+    /// The hits of a batch; empty between batches.
+    hits: Vec<Option<Hit>>,
 }
 
-impl<'w, W, S: Probe> WorldTracer<'w, W, S> {
+impl<'w, W: Surfaces, S: Probe> WorldTracer<'w, W, S> {
     pub(crate) fn new(world: &'w W, structure: &'w AnyStructure, visible: Option<&'w Visible>, probe: S) -> Self {
-        Self { world, structure, visible, rays: RayCounts::default(), probe }
+        Self { world, structure, visible, rays: RayCounts::default(), probe, hits: Vec::new() }
     }
 
-    fn count(&mut self, kind: RayKind) {
-        self.rays.ray(kind);
-        self.probe.ray(kind);
+    /// Takes the memory for hits from one that is not used any more.
+    pub(crate) fn with_buffer(self, hits: Vec<Option<Hit>>) -> Self {
+        Self { hits, ..self }
+    }
+
+    /// The memory for hits, for the next one.
+    pub(crate) fn into_buffer(self) -> Vec<Option<Hit>> {
+        self.hits
+    }
+
+    fn count(&mut self, kind: RayKind, rays: usize) {
+        for _ in 0..rays {
+            self.rays.ray(kind);
+            self.probe.ray(kind);
+        }
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+        let (interaction, material) = self.world.surface_at(ray, hit, needs)?;
+        Some(SurfaceHit { t: hit.t, interaction, object: self.world.object_at(hit), material })
     }
 }
 
 impl<W: Surfaces, S: Probe> Tracer for WorldTracer<'_, W, S> {
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
-        self.count(kind);
+        self.count(kind, 1);
         let hit = match (kind, self.visible) {
             (RayKind::Primary, Some(visible)) => visible.closest(self.world, ray, span, &mut self.probe),
             _ => self.structure.closest(self.world, ray, span, &mut self.probe),
         }?;
-        let (interaction, material) = self.world.surface_at(ray, &hit, needs)?;
-        Some(SurfaceHit { t: hit.t, interaction, object: self.world.object_at(&hit), material })
+        self.surface(ray, &hit, needs)
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
-        self.count(RayKind::Shadow);
+        self.count(RayKind::Shadow, 1);
         self.structure.occluded(self.world, ray, span, &mut self.probe)
+    }
+
+    #[inline]
+    fn closest_batch(
+        &mut self,
+        rays: &[(Ray, Interval)],
+        kind: RayKind,
+        needs: SurfaceNeeds,
+        mut met: impl FnMut(usize, Option<SurfaceHit>),
+    ) {
+        self.count(kind, rays.len());
+        self.hits.clear();
+        self.hits.resize(rays.len(), None);
+        match (kind, self.visible) {
+            (RayKind::Primary, Some(visible)) => {
+                visible.closest_batch(self.world, rays, &mut self.hits, &mut self.probe);
+            }
+            _ => self.structure.closest_batch(self.world, rays, &mut self.hits, &mut self.probe),
+        }
+        for (at, ((ray, _), hit)) in rays.iter().zip(&self.hits).enumerate() {
+            met(at, hit.as_ref().and_then(|hit| self.surface(ray, hit, needs)));
+        }
+    }
+
+    fn occluded_batch(&mut self, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
+        self.count(RayKind::Shadow, rays.len());
+        self.structure.occluded_batch(self.world, rays, blocked, &mut self.probe);
     }
 }

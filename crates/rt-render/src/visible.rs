@@ -97,6 +97,19 @@ impl Visible {
         self.structure.closest(&Subset { all, indices: &self.indices }, ray, span, probe)
     }
 
+    /// As [`closest`](Self::closest), for many camera rays: `hits[i]` answers `rays[i]`. All are `None` beforehand.
+    pub(crate) fn closest_batch<P: Primitives, S: Probe>(
+        &self,
+        all: &P,
+        rays: &[(Ray, Interval)],
+        hits: &mut [Option<Hit>],
+        probe: &mut S,
+    ) {
+        if !self.is_empty() {
+            self.structure.closest_batch(&Subset { all, indices: &self.indices }, rays, hits, probe);
+        }
+    }
+
     pub(crate) const fn structure(&self) -> &AnyStructure {
         &self.structure
     }

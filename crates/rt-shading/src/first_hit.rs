@@ -1,6 +1,6 @@
 //! Views of the first surface: to look at geometry rather than light.
 
-use crate::{Seen, Tracer};
+use crate::{Seen, SurfaceHit, Tracer};
 use rt_geometry::SurfaceNeeds;
 use rt_math::{DVec3, Interval, Ray, RayKind, Rgb};
 
@@ -22,18 +22,20 @@ pub enum FirstHitView {
 }
 
 impl FirstHitView {
-    /// What a camera ray sees.
-    pub fn radiance(&self, world: &mut impl Tracer, ray: &Ray) -> Seen {
+    /// What camera rays see: `seen[i]` answers `rays[i]`, which are camera rays with what counts of them.
+    pub fn radiance_of(&self, world: &mut impl Tracer, rays: &[(Ray, Interval)], seen: &mut [Seen]) {
         let needs = SurfaceNeeds { uv: matches!(self, Self::Uv), shading_normal: matches!(self, Self::Normals) };
-        let Some(hit) = world.closest(ray, Interval::FORWARD, RayKind::Primary, needs) else {
-            return Seen { radiance: Rgb::BLACK, hit: false };
-        };
+        world.closest_batch(rays, RayKind::Primary, needs, |at, hit| {
+            seen[at] = hit.map_or(Seen::NOTHING, |hit| Seen { radiance: self.shown(&hit), hit: true });
+        });
+    }
+
+    fn shown(&self, hit: &SurfaceHit) -> Rgb {
         let surface = &hit.interaction;
-        let radiance = match *self {
+        match *self {
             Self::Normals => Rgb::from(((surface.shading_normal + DVec3::ONE) * 0.5).to_array()),
             Self::Depth { near, far } => Rgb::gray(((far - hit.t) / (far - near)).clamp(0.0, 1.0)),
             Self::Uv => Rgb::new(surface.uv[0].rem_euclid(1.0), surface.uv[1].rem_euclid(1.0), 0.0),
-        };
-        Seen { radiance, hit: true }
+        }
     }
 }

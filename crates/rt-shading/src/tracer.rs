@@ -39,6 +39,27 @@ pub trait Tracer {
 
     /// True if something that casts shadows lies on the ray within `span`.
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool;
+
+    /// [`closest`](Self::closest) for many rays of one kind: calls `met` with the place of each ray and what it met, in
+    /// their order. Override it where many are faster together.
+    fn closest_batch(
+        &mut self,
+        rays: &[(Ray, Interval)],
+        kind: RayKind,
+        needs: SurfaceNeeds,
+        mut met: impl FnMut(usize, Option<SurfaceHit>),
+    ) {
+        for (at, (ray, span)) in rays.iter().enumerate() {
+            met(at, self.closest(ray, *span, kind, needs));
+        }
+    }
+
+    /// [`occluded`](Self::occluded) for many rays: `blocked[i]` answers `rays[i]`.
+    fn occluded_batch(&mut self, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
+        for ((ray, span), blocked) in rays.iter().zip(blocked) {
+            *blocked = self.occluded(ray, *span);
+        }
+    }
 }
 
 /// What a camera ray saw.
@@ -48,4 +69,9 @@ pub struct Seen {
     pub radiance: Rgb,
     /// False if the camera ray left the world, and `radiance` is the background's.
     pub hit: bool,
+}
+
+impl Seen {
+    /// No light, and nothing that was met.
+    pub const NOTHING: Self = Self { radiance: Rgb::BLACK, hit: false };
 }

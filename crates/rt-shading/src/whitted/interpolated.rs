@@ -1,9 +1,9 @@
 //! Tests of interpolated normals: rays start on the side of the facet that they belong to.
 
 use super::*;
-use crate::{Background, Coefficient, Light, LightKind, Transmission};
+use crate::{Background, Coefficient, Light, LightKind, Material, Phong, SurfaceHit, Transmission, optics};
 use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
-use rt_math::{DVec3, Interval};
+use rt_math::{DVec3, Interval, RayKind};
 
 /// A floor at height 0 whose shading normal is not its own. The first ray meets it at the origin; later ones leave.
 struct Facet {

@@ -1,11 +1,11 @@
 //! Tests of transparent bodies, in worlds of real shapes, against paths that are known in closed form.
 
 use super::*;
-use crate::{Background, Coefficient, Transmission};
+use crate::{Background, Coefficient, Material, Phong, SurfaceHit, Transmission};
 use rt_geometry::{AxisBox, Plane, Shape, Sphere, SurfaceNeeds, Triangle};
 use rt_math::{
-    DVec3,
-    transcendental::{acos, asin, cos, sin, sincos, tan},
+    DVec3, RayKind,
+    transcendental::{acos, asin, cos, exp, sin, sincos, tan},
 };
 
 /// Shapes, each with its material, asked in turn. Keeps the rays that it was asked about.
@@ -402,5 +402,5 @@ fn a_ray_through_endlessly_many_surfaces_ends() {
     let mut world = Sheets(0);
     let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
     assert_eq!((seen.radiance, whitted.counts().depth_limited), (Rgb::BLACK, 1));
-    assert_eq!(world.0, FREE_PASSAGES + 8);
+    assert_eq!(world.0, shade::FREE_PASSAGES + 8);
 }

@@ -1,9 +1,9 @@
 //! Tests of the integrator in worlds that are known in closed form.
 
 use super::*;
-use crate::{Background, Coefficient, Falloff, Light, LightKind, Transmission};
+use crate::{Background, Coefficient, Falloff, Light, LightKind, Material, Phong, SurfaceHit, Transmission};
 use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
-use rt_math::{DVec3, Interval};
+use rt_math::{DVec3, Interval, RayKind, transcendental::exp};
 
 /// A world in which every ray meets the surface `material` at distance 2 from either side, `bounces` times over,
 /// and then leaves. It turns its normal against the ray, or along it for rays that come from inside.

@@ -87,8 +87,9 @@ fn material(of: &neutral::Material) -> Material {
         highlight: None,
         emission: Some(Color::from_rgb(tint(of.emit)).into()),
         mirror: Some(if of.kr_tint { Color::from_rgb(tint(of.kr)).into() } else { Coefficient::Gray(of.kr) }),
-        transmission: gray(of.kt),
-        ior: Some(of.ior),
+        // What lets no light through is opaque, and not glass of which nothing is seen.
+        transmission: gray(of.kt).filter(|_| of.kt > 0.0),
+        ior: Some(of.ior).filter(|_| of.kt > 0.0),
         fresnel: None,
         absorption: None,
         priority: None,

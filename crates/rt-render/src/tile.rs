@@ -1,0 +1,194 @@
+//! A tile of the image, from samples to pixels.
+
+use rt_accel::AnyStructure;
+use rt_math::{Counters, Hit, NoProbe, Probe, Ray, RayCounts, RayKind, Rgb};
+use rt_scene_io::Integrator;
+use rt_shading::{Background, Interior, Seen, ShadingCounts, Whitted};
+
+use crate::{
+    Crop, RenderPlan,
+    cost::cost,
+    pixel::Pixel,
+    plan::{View, World},
+    surroundings::Surroundings,
+    tiles::Tile,
+    trace::{Surfaces, WorldTracer},
+    visible::Visible,
+    wave::CameraWave,
+    world::Parts,
+};
+
+/// What structures report to: a probe that counts all, or none. Rays are counted beside it, so that structures need no
+/// code for a third.
+pub(crate) trait Countable: Probe + Default + Send {
+    /// The full table, as far as it is known.
+    fn counters(&self, rays: RayCounts) -> Counters;
+}
+
+impl Countable for Counters {
+    fn counters(&self, _rays: RayCounts) -> Counters {
+        *self
+    }
+}
+
+impl Countable for NoProbe {
+    fn counters(&self, rays: RayCounts) -> Counters {
+        Counters::from(rays)
+    }
+}
+
+/// A rendered tile on its way to the film.
+pub(crate) struct Finished {
+    pub(crate) tile: Tile,
+    /// Radiance, not yet rounded to what a film holds.
+    pub(crate) pixels: Vec<Rgb>,
+    /// Coverage; empty unless the plan asks for it.
+    pub(crate) alpha: Vec<f64>,
+    pub(crate) counters: Counters,
+    pub(crate) shading: ShadingCounts,
+    pub(crate) bad_samples: u64,
+}
+
+impl Finished {
+    /// A tile without its pixels.
+    pub(crate) fn new(tile: Tile, with_alpha: bool) -> Self {
+        let count = tile.width as usize * tile.height as usize;
+        Self {
+            tile,
+            pixels: Vec::with_capacity(count),
+            alpha: Vec::with_capacity(if with_alpha { count } else { 0 }),
+            counters: Counters::default(),
+            shading: ShadingCounts::default(),
+            bad_samples: 0,
+        }
+    }
+
+    /// Adds the next pixel of the tile.
+    pub(crate) fn push(&mut self, pixel: &Pixel) {
+        let (radiance, coverage) = pixel.mean();
+        self.pixels.push(radiance);
+        self.alpha.extend(coverage);
+        self.bad_samples += pixel.bad_samples();
+    }
+}
+
+/// What a thread uses again from tile to tile.
+pub(crate) struct Worker {
+    whitted: Whitted,
+    camera: CameraWave,
+    hits: Vec<Option<Hit>>,
+}
+
+impl Worker {
+    pub(crate) fn new(plan: &RenderPlan<'_>) -> Self {
+        Self {
+            whitted: Whitted::new(plan.depth, plan.min_contribution, plan.needs),
+            camera: CameraWave::default(),
+            hits: Vec::new(),
+        }
+    }
+}
+
+impl RenderPlan<'_> {
+    /// Chooses the concrete types, one `match` for each axis.
+    pub(crate) fn render_tile(&self, tile: Tile, count: bool, worker: &mut Worker) -> Finished {
+        if count || self.integrator == Integrator::Cost {
+            self.with_probe::<Counters>(tile, worker)
+        } else {
+            self.with_probe::<NoProbe>(tile, worker)
+        }
+    }
+
+    fn with_probe<S: Countable>(&self, tile: Tile, worker: &mut Worker) -> Finished {
+        match &self.world {
+            World::Spheres(world, structure) => self.with_world::<_, S>(world, structure, tile, worker),
+            World::Parts(top, levels) => {
+                self.with_world::<_, S>(&Parts { parts: &top.parts, levels }, &top.structure, tile, worker)
+            }
+        }
+    }
+
+    fn with_world<W: Surfaces, S: Countable>(
+        &self,
+        world: &W,
+        structure: &AnyStructure,
+        tile: Tile,
+        worker: &mut Worker,
+    ) -> Finished {
+        let few = self.few_in(tile, world, structure);
+        if few.as_ref().is_some_and(Visible::is_empty)
+            && let Some(finished) = self.empty_tile(tile)
+        {
+            return finished;
+        }
+        let visible = few.as_ref().or(self.visible.as_ref());
+        let Worker { whitted, camera, hits } = worker;
+        let mut tracer = WorldTracer::new(world, structure, visible, S::default()).with_buffer(core::mem::take(hits));
+        let mut finished = match (&self.view, &self.surroundings) {
+            (View::Light, Surroundings::Same(interior)) => {
+                whitted.set_surroundings(interior);
+                self.sample_tile(tile, camera, |rays, seen| {
+                    whitted.radiance_of(&mut tracer, &self.appearance, rays, seen);
+                })
+            }
+            (View::Light, Surroundings::ByRay(reach)) => {
+                let mut interior = Interior::default();
+                self.sample_each(tile, camera, |ray| {
+                    interior.clear();
+                    if reach.contains(ray.origin) {
+                        interior.look_around(&mut tracer, &self.appearance.materials, ray);
+                    }
+                    whitted.set_surroundings(&interior);
+                    whitted.radiance(&mut tracer, &self.appearance, ray)
+                })
+            }
+            (View::FirstHit(view), _) => {
+                self.sample_tile(tile, camera, |rays, seen| view.radiance_of(&mut tracer, rays, seen))
+            }
+            (View::Cost, _) => self.sample_each(tile, camera, |ray| cost(&mut tracer, ray)),
+        };
+        finished.counters = tracer.probe.counters(tracer.rays);
+        finished.shading = whitted.take_counts();
+        *hits = tracer.into_buffer();
+        finished
+    }
+
+    /// For what can only be told of one ray after the other.
+    fn sample_each(&self, tile: Tile, camera: &mut CameraWave, mut radiance: impl FnMut(&Ray) -> Seen) -> Finished {
+        self.sample_tile(tile, camera, |rays, seen| {
+            for ((ray, _), seen) in rays.iter().zip(seen) {
+                *seen = radiance(ray);
+            }
+        })
+    }
+
+    /// What the camera rays of the tile can meet, if that is little.
+    fn few_in<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyStructure) -> Option<Visible> {
+        let Tile { x, y, width, height } = tile;
+        let volume = self.narrows.then(|| self.view_volume(Crop { x, y, width, height }))?;
+        Visible::few(world, structure, self.visible.as_ref(), &volume)
+    }
+
+    /// A tile in whose part of the view there is nothing, if that can be told without a ray: where all samples see the
+    /// same background and weigh the same, so that no pixel depends on where they are.
+    fn empty_tile(&self, tile: Tile) -> Option<Finished> {
+        let (View::Light, Surroundings::Same(_), Background::Constant(radiance)) =
+            (&self.view, &self.surroundings, self.appearance.background)
+        else {
+            return None;
+        };
+        if self.filter.has_negative_lobes() {
+            return None;
+        }
+        let mut pixel = Pixel::new(self.transparent);
+        for _ in 0..self.spp {
+            pixel.add(&Seen { radiance, hit: false }, 1.0);
+        }
+        let mut finished = Finished::new(tile, self.transparent);
+        tile.pixels().for_each(|_| finished.push(&pixel));
+        let mut rays = RayCounts::default();
+        rays.rays[RayKind::Primary as usize] = finished.pixels.len() as u64 * u64::from(self.spp);
+        finished.counters = Counters::from(rays);
+        Some(finished)
+    }
+}

@@ -1,0 +1,214 @@
+//! What happens where a ray meets a surface.
+
+use super::{
+    Whitted,
+    view::{View, is_inside},
+    wave::{Path, Waiting},
+};
+use crate::{Appearance, Material, Phong, Seen, SurfaceHit, interior::Crossing, optics};
+use rt_math::{Ray, RayKind, Rgb, transcendental::exp};
+
+/// So many surfaces that do nothing to a ray may stand one behind the other in its way; each further one costs a bounce,
+/// so that paths end.
+pub(super) const FREE_PASSAGES: u32 = 1024;
+
+/// What a surface is to a ray that meets it.
+enum Meeting {
+    Opaque,
+    /// There is another medium behind it, or it is visible for another reason.
+    Transparent(Crossing),
+    /// Nothing, but something to note if there is a crossing.
+    Nothing(Option<Crossing>),
+}
+
+impl Whitted {
+    /// Ends a path at the first surface that shows: notes the light there, and the rays that it depends on. At a surface
+    /// that does not show it goes on in the next wave.
+    #[inline]
+    pub(super) fn shade(
+        &mut self,
+        appearance: &Appearance,
+        mut path: Path,
+        ray: &Ray,
+        hit: Option<SurfaceHit>,
+        seen: &mut Seen,
+    ) {
+        let Some(mut hit) = hit else {
+            seen.radiance += path.weight * appearance.background.radiance(ray.direction);
+            return self.ended.push(path.sample);
+        };
+        let Some(Material { phong, .. }) = appearance.materials.get(hit.material as usize) else {
+            seen.hit = true;
+            return self.ended.push(path.sample);
+        };
+        let length = ray.direction.length();
+        let direction = ray.direction / length;
+        let inside = is_inside(direction, &hit.interaction);
+        let meeting = self.meet(appearance, phong, &hit, inside, path.sample);
+        let way = (hit.t - path.start) * length;
+        if let Meeting::Nothing(crossing) = meeting {
+            return self.pass(&hit, ray, crossing.as_ref(), way, path, seen);
+        }
+        seen.hit = true;
+        let crossing = if let Meeting::Transparent(crossing) = &meeting { Some(crossing) } else { None };
+        if self.needs.absorption {
+            let interior = &self.samples[path.sample as usize].interior;
+            let medium = crossing.map_or_else(|| interior.medium(&appearance.materials), |c| c.before);
+            self.absorb(&mut path.weight, medium.absorption, way);
+        }
+        let view = View::new(direction, inside, &mut hit.interaction);
+        self.light(appearance, phong, &view, &path, ray.time);
+        self.send_on(appearance, phong, &view, crossing, &path, ray.time);
+        self.ended.push(path.sample);
+    }
+
+    #[inline]
+    fn meet(&mut self, appearance: &Appearance, phong: &Phong, hit: &SurfaceHit, inside: bool, sample: u32) -> Meeting {
+        if !(self.needs.refraction && phong.transmission.is_some()) {
+            return Meeting::Opaque;
+        }
+        match self.samples[sample as usize].interior.crossing(&appearance.materials, hit, inside) {
+            None => {
+                self.counts.interior_overflows += 1;
+                Meeting::Nothing(None)
+            }
+            Some(crossing) if crossing.is_boundary && !(crossing.is_null() && phong.is_clear()) => {
+                Meeting::Transparent(crossing)
+            }
+            unseen => Meeting::Nothing(unseen),
+        }
+    }
+
+    /// Goes on along the same ray, through a surface that does nothing to it.
+    fn pass(
+        &mut self,
+        hit: &SurfaceHit,
+        ray: &Ray,
+        crossing: Option<&Crossing>,
+        way: f64,
+        mut path: Path,
+        seen: &mut Seen,
+    ) {
+        if let Some(crossing) = crossing {
+            if crossing.before.absorption != crossing.after.absorption {
+                seen.hit |= self.absorb(&mut path.weight, crossing.before.absorption, way);
+                path.start = hit.t;
+            }
+            self.samples[path.sample as usize].interior.cross(crossing);
+        }
+        self.counts.passages += 1;
+        path.passages += 1;
+        path.depth += u32::from(path.passages > FREE_PASSAGES);
+        if path.depth > self.max_depth {
+            self.counts.depth_limited += 1;
+            return self.ended.push(path.sample);
+        }
+        self.next.refracted.push(*ray, hit.beyond(ray), path);
+    }
+
+    /// Beer's law along a way in world units; whether it took anything.
+    fn absorb(&mut self, weight: &mut Rgb, absorption: Rgb, way: f64) -> bool {
+        if absorption.is_black() {
+            return false;
+        }
+        self.counts.absorption += 1;
+        *weight *= absorption.map(|per_unit| exp(-per_unit * way));
+        true
+    }
+
+    /// The surface's own light, and what it reflects of each lamp.
+    #[inline]
+    fn light(&mut self, appearance: &Appearance, phong: &Phong, view: &View, path: &Path, time: f64) {
+        let surface = view.surface;
+        let textures = &appearance.textures;
+        let mut radiance = Rgb::BLACK;
+        if self.needs.emission {
+            radiance += phong.emission.at(textures, surface.uv);
+        }
+        if self.needs.ambient {
+            radiance += phong.ambient.at(textures, surface.uv) * appearance.ambient;
+        }
+        let diffuse = phong.diffuse.at(textures, surface.uv);
+        let specular = if self.needs.highlights { phong.specular.at(textures, surface.uv) } else { Rgb::BLACK };
+        for light in &appearance.lights {
+            let lit = light.illuminate(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
+            let reflected = lit.map_or(Rgb::BLACK, |lit| {
+                let mut reflectance = diffuse * view.normal.dot(lit.direction);
+                if self.needs.highlights && !specular.is_black() {
+                    self.counts.highlights += 1;
+                    let strength =
+                        phong.highlight.strength(view.normal, -view.direction, lit.direction, phong.exponent);
+                    reflectance += specular * strength;
+                }
+                reflectance * lit.strength
+            });
+            let shadowed = self.needs.shadows && light.casts_shadows;
+            match lit {
+                Some(lit) if !reflected.is_black() => {
+                    let shadow_ray = shadowed.then(|| light.shadow_ray(surface, &lit, time));
+                    self.lights.push(reflected, shadow_ray);
+                }
+                _ => self.counts.shadow_rays_spared += u64::from(shadowed),
+            }
+        }
+        self.lights.end_surface(path, radiance);
+    }
+
+    /// Has the mirrored and the refracted ray wait, the mirrored one to go first.
+    #[inline]
+    fn send_on(
+        &mut self,
+        appearance: &Appearance,
+        phong: &Phong,
+        view: &View,
+        crossing: Option<&Crossing>,
+        path: &Path,
+        time: f64,
+    ) {
+        if path.depth >= self.max_depth {
+            self.counts.depth_limited += u64::from(crossing.is_some() || !phong.mirror.is_zero());
+            return;
+        }
+        let surface = view.surface;
+        let mut reflected_part = 1.0;
+        if let (Some(crossing), Some(transmission)) = (crossing, &phong.transmission) {
+            self.counts.refractions += 1;
+            let eta = crossing.before.ior / crossing.after.ior;
+            if self.needs.fresnel && transmission.fresnel {
+                self.counts.fresnel += 1;
+                reflected_part =
+                    if crossing.is_null() { 0.0 } else { optics::fresnel(-view.direction.dot(view.normal), eta) };
+            }
+            let passed_part = if transmission.fresnel { 1.0 - reflected_part } else { 1.0 };
+            let weight = path.weight * transmission.coefficient.at(&appearance.textures, surface.uv) * passed_part;
+            if self.matters(weight) {
+                let refracted = if crossing.is_null() { Some(view.direction) } else { view.refracted(eta) };
+                if let Some(direction) = refracted {
+                    let ray = surface.spawn_ray(direction, time);
+                    self.wait(ray, RayKind::Refraction, weight, path, Some(crossing));
+                }
+            }
+        }
+        if self.needs.reflection {
+            self.counts.mirrors += 1;
+            let weight = path.weight * phong.mirror.at(&appearance.textures, surface.uv) * reflected_part;
+            if self.matters(weight) {
+                let ray = surface.spawn_ray(view.mirrored(), time);
+                self.wait(ray, RayKind::Reflection, weight, path, None);
+            }
+        }
+    }
+
+    /// Has a ray wait that goes on from a path, through a surface if there is a crossing.
+    #[inline]
+    fn wait(&mut self, ray: Ray, kind: RayKind, weight: Rgb, path: &Path, crossing: Option<&Crossing>) {
+        let sample = &mut self.samples[path.sample as usize];
+        let bodies = if self.needs.refraction { sample.remember_interior(crossing) } else { 0 };
+        sample.wait(Waiting { ray, kind, depth: path.depth + 1, weight, bodies });
+    }
+
+    /// False for what cannot be seen in the pixel.
+    fn matters(&self, weight: Rgb) -> bool {
+        !(weight.is_black() || weight.max_component() < self.min_contribution)
+    }
+}

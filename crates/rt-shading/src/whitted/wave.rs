@@ -1,0 +1,188 @@
+//! Rays in waves: what is traced together, and what waits.
+//!
+//! ```text
+//!            ┌──────────────── next wave ────────────────┐
+//!            ▼                                           │
+//!   paths ──> intersect ──> shade ──> shadow rays ──> gather ──> samples
+//!                             └─> waiting rays of each sample ─┘
+//! ```
+
+use crate::{
+    Interior, Seen,
+    interior::{Crossing, InteriorStack},
+};
+use rt_math::{Interval, Ray, RayKind, Rgb};
+
+/// A path from the camera, as far as the ray that is traced for it now.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Path {
+    /// Which of the wave's camera rays it began with.
+    pub(super) sample: u32,
+    /// Bounces so far.
+    pub(super) depth: u32,
+    /// Surfaces that its ray has passed because they do nothing to it.
+    pub(super) passages: u32,
+    /// Part of its radiance that reaches the camera.
+    pub(super) weight: Rgb,
+    /// Absorption is accounted for up to this parameter of its ray.
+    pub(super) start: f64,
+}
+
+/// Paths whose rays are of one kind, in the order in which they are traced.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Queue {
+    pub(super) rays: Vec<(Ray, Interval)>,
+    pub(super) paths: Vec<Path>,
+}
+
+impl Queue {
+    pub(super) fn push(&mut self, ray: Ray, span: Interval, path: Path) {
+        self.rays.push((ray, span));
+        self.paths.push(path);
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.rays.clear();
+        self.paths.clear();
+    }
+}
+
+/// The paths of one wave by kind: rays of a kind run alike, and are counted as such.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wave {
+    pub(super) primary: Queue,
+    pub(super) reflected: Queue,
+    pub(super) refracted: Queue,
+}
+
+impl Wave {
+    pub(super) fn queues(&self) -> [(RayKind, &Queue); 3] {
+        [
+            (RayKind::Primary, &self.primary),
+            (RayKind::Reflection, &self.reflected),
+            (RayKind::Refraction, &self.refracted),
+        ]
+    }
+
+    pub(super) const fn is_empty(&self) -> bool {
+        self.primary.rays.is_empty() && self.reflected.rays.is_empty() && self.refracted.rays.is_empty()
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.primary.clear();
+        self.reflected.clear();
+        self.refracted.clear();
+    }
+}
+
+/// A ray that waits until the paths before it have ended.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Waiting {
+    pub(super) ray: Ray,
+    pub(super) kind: RayKind,
+    /// Bounces so far.
+    pub(super) depth: u32,
+    /// Part of its radiance that reaches the camera.
+    pub(super) weight: Rgb,
+    /// Length of its list of the bodies that it is inside of; 0 if nobody tracks them.
+    pub(super) bodies: u32,
+}
+
+/// A camera ray with the tree of rays that it grows, walked depth first: each wave holds one path of it, so that what it
+/// sees adds up in the same order whatever else is in the wave.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sample {
+    waiting: Vec<Waiting>,
+    /// What the rays in `waiting` are inside of.
+    interiors: InteriorStack,
+    /// What the path at hand is inside of.
+    pub(super) interior: Interior,
+}
+
+impl Sample {
+    /// Has a ray wait.
+    #[inline]
+    pub(super) fn wait(&mut self, waiting: Waiting) {
+        self.waiting.push(waiting);
+    }
+
+    /// Remembers what a ray that is about to wait is inside of: what the path at hand is, or what is beyond the crossing.
+    /// Returns the length of the list.
+    #[inline]
+    pub(super) fn remember_interior(&mut self, crossing: Option<&Crossing>) -> u32 {
+        self.interiors.push(&self.interior, crossing)
+    }
+
+    /// Puts the ray that has waited least into the wave, if there is one.
+    #[inline]
+    pub(super) fn go_on(&mut self, sample: u32, wave: &mut Wave, tracks_interiors: bool) {
+        let Some(Waiting { ray, kind, depth, weight, bodies }) = self.waiting.pop() else { return };
+        if tracks_interiors {
+            self.interiors.pop(&mut self.interior, bodies);
+        }
+        let queue = if kind == RayKind::Reflection { &mut wave.reflected } else { &mut wave.refracted };
+        queue.push(ray, Interval::SPAWNED, Path { sample, depth, passages: 0, weight, start: 0.0 });
+    }
+}
+
+/// A surface that was met, until its shadow rays are answered.
+#[derive(Clone, Copy, Debug)]
+struct Met {
+    sample: u32,
+    weight: Rgb,
+    /// Radiance that needs no shadow ray.
+    radiance: Rgb,
+    /// Where its lights end in [`Lights::reflected`].
+    end: u32,
+}
+
+/// Light on the surfaces of a wave, and the shadow rays that decide about it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lights {
+    surfaces: Vec<Met>,
+    /// What surfaces reflect if nothing is in the way, light by light, and whether a shadow ray decides about it.
+    reflected: Vec<(Rgb, bool)>,
+    rays: Vec<(Ray, Interval)>,
+    blocked: Vec<bool>,
+}
+
+impl Lights {
+    /// Light that the surface at hand reflects, if nothing blocks the shadow ray.
+    #[inline]
+    pub(super) fn push(&mut self, reflected: Rgb, shadow_ray: Option<(Ray, Interval)>) {
+        self.reflected.push((reflected, shadow_ray.is_some()));
+        self.rays.extend(shadow_ray);
+    }
+
+    /// Ends the lights of a surface, which also shines by itself.
+    #[inline]
+    pub(super) fn end_surface(&mut self, path: &Path, radiance: Rgb) {
+        let end = self.reflected.len() as u32;
+        self.surfaces.push(Met { sample: path.sample, weight: path.weight, radiance, end });
+    }
+
+    /// Traces the shadow rays and adds what is left of the light to what the samples see.
+    pub(super) fn gather(&mut self, occluded: impl FnOnce(&[(Ray, Interval)], &mut [bool]), seen: &mut [Seen]) {
+        self.blocked.clear();
+        self.blocked.resize(self.rays.len(), false);
+        if !self.rays.is_empty() {
+            occluded(&self.rays, &mut self.blocked);
+        }
+        let mut blocked = self.blocked.iter();
+        let mut reflected = self.reflected.iter();
+        let mut start = 0;
+        for met in &self.surfaces {
+            let mut radiance = met.radiance;
+            for (light, has_shadow_ray) in reflected.by_ref().take((met.end - start) as usize) {
+                if !(*has_shadow_ray && blocked.next() == Some(&true)) {
+                    radiance += *light;
+                }
+            }
+            start = met.end;
+            seen[met.sample as usize].radiance += met.weight * radiance;
+        }
+        self.surfaces.clear();
+        self.reflected.clear();
+        self.rays.clear();
+    }
+}
