@@ -189,6 +189,7 @@ const STATS_HELP: &str = "\
 Write statistics to a JSON file, and count what each ray costs
 
 `rays` has an entry for each kind of ray and for their `total`: how many were traced (`rays`), and how many nodes, \
-primitive tests and hits that took. `shading` counts the work of materials, `seconds` are wall-clock times. Counts \
+primitive tests and hits that took. `primary_rays_spared` are camera rays that were \
+not traced, as there is nothing in their part of the view; `shading` counts the work of materials, `seconds` are wall-clock times. Counts \
 are the same in every run; `seconds`, `mega_rays_per_second` and `peak_memory_bytes` (null where the system does not \
 say) are not.";

@@ -2,7 +2,7 @@
 
 use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{HumanBytes, HumanCount};
-use rt_render::{Explanation, RayKind, ShadingCounts, Tally};
+use rt_render::{Explanation, RayKind, ShadingCounts, Statistics, Tally};
 
 use crate::memory;
 use crate::stats::Outcome;
@@ -47,11 +47,13 @@ fn ray_table(outcome: &Outcome<'_>, costs: bool) -> Table {
         }
     }
     table.add_row(ray_row("total", counters.total(), costs));
-    let spared = outcome.statistics.shading.shadow_rays_spared;
-    if spared > 0 {
-        table.add_row(["shadow, spared".to_owned(), HumanCount(spared).to_string()]);
+    let Statistics { primary_rays_spared, shading, .. } = *outcome.statistics;
+    for (what, spared) in [("primary, spared", primary_rays_spared), ("shadow, spared", shading.shadow_rays_spared)] {
+        if spared > 0 {
+            table.add_row([what.to_owned(), HumanCount(spared).to_string()]);
+        }
     }
-    let ShadingCounts { interior_overflows, .. } = outcome.statistics.shading;
+    let ShadingCounts { interior_overflows, .. } = shading;
     if interior_overflows > 0 {
         table.add_row([
             "surfaces ignored inside of too many bodies".to_owned(),

@@ -33,6 +33,8 @@ pub(crate) struct StatsFile<'a> {
     samples: u64,
     /// NaN, infinite or negative; they count as black.
     bad_samples: u64,
+    /// Not traced, because there is nothing in their part of the view.
+    primary_rays_spared: u64,
     /// By kind, and their total.
     rays: IndexMap<&'static str, RayStats>,
     shading: ShadingStats,
@@ -120,6 +122,7 @@ impl<'a> StatsFile<'a> {
             plan: PlanStats::from(outcome.plan.explain()),
             samples: statistics.samples,
             bad_samples: statistics.bad_samples,
+            primary_rays_spared: statistics.primary_rays_spared,
             rays: by_kind.into_iter().chain([("total", counters.total().into())]).collect(),
             shading: statistics.shading.into(),
             seconds: Seconds {

@@ -71,21 +71,27 @@ impl SurfaceInteraction {
     /// A shadow ray to `target`, which it reaches at `t = 1`.
     #[inline]
     pub fn spawn_shadow_ray(&self, target: DVec3, time: f64) -> Ray {
-        let origin = self.shadow_origin(target - self.point);
-        Ray { origin, direction: target - origin, time }
+        self.shadow_rays((target - self.point).dot(self.shading_normal) < 0.0).to(target, time)
     }
 
     /// A shadow ray in `direction`, to a light infinitely far away.
     #[inline]
     pub fn spawn_shadow_ray_towards(&self, direction: DVec3, time: f64) -> Ray {
-        Ray { origin: self.shadow_origin(direction), direction, time }
+        self.shadow_rays(direction.dot(self.shading_normal) < 0.0).towards(direction, time)
     }
 
-    /// The shading normal tells which side is lit: a light just below a facet still lights the smooth surface that the
-    /// facet stands for. `shadow_point` is for that side only to which it is lifted.
+    /// Where shadow rays to many lights start, most of which lie on the side of the shading normal, or all on the other
+    /// one if it `is_seen_from_behind`.
     #[inline]
-    fn shadow_origin(&self, direction: DVec3) -> DVec3 {
-        let side = direction.dot(self.shading_normal);
+    pub fn shadow_rays(&self, is_seen_from_behind: bool) -> ShadowRays<'_> {
+        let is_behind = is_seen_from_behind;
+        ShadowRays { surface: self, is_behind, origin: self.shadow_origin(if is_behind { -1.0 } else { 1.0 }) }
+    }
+
+    /// The origin of shadow rays to one `side`, the back if that is negative. `shadow_point` is for that side only to which
+    /// it is lifted.
+    #[inline]
+    fn shadow_origin(&self, side: f64) -> DVec3 {
         let lift = (self.shadow_point - self.point).dot(self.geometric_normal);
         self.offset(if lift * side < 0.0 { self.point } else { self.shadow_point }, side)
     }
@@ -104,16 +110,56 @@ impl SurfaceInteraction {
     }
 }
 
+/// Shadow rays from one point of a surface to its lights: what they have in common is computed once.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowRays<'s> {
+    surface: &'s SurfaceInteraction,
+    is_behind: bool,
+    /// The origin of rays to the side where most lights are.
+    origin: DVec3,
+}
+
+impl ShadowRays<'_> {
+    /// A shadow ray to `target`, which it reaches at `t = 1`.
+    #[inline]
+    pub fn to(&self, target: DVec3, time: f64) -> Ray {
+        let origin = self.origin_towards(target - self.surface.point);
+        Ray { origin, direction: target - origin, time }
+    }
+
+    /// A shadow ray in `direction`, to a light infinitely far away.
+    #[inline]
+    pub fn towards(&self, direction: DVec3, time: f64) -> Ray {
+        Ray { origin: self.origin_towards(direction), direction, time }
+    }
+
+    /// The shading normal tells which side is lit: a light just below a facet still lights the smooth surface that the
+    /// facet stands for.
+    #[inline]
+    fn origin_towards(&self, direction: DVec3) -> DVec3 {
+        let side = direction.dot(self.surface.shading_normal);
+        if (side < 0.0) == self.is_behind { self.origin } else { self.surface.shadow_origin(side) }
+    }
+}
+
 /// The next number in the direction of `side`; `x` itself where that is 0. Makes up for the rounding of a sum.
+///
+/// Neighbours in magnitude are neighbours in bits. Signs are as good as random here, so that nothing is decided by them.
 #[inline]
 fn rounded_towards(x: f64, side: f64) -> f64 {
-    if side > 0.0 {
-        x.next_up()
-    } else if side < 0.0 {
-        x.next_down()
-    } else {
-        x
+    if x == 0.0 || !x.is_finite() {
+        return if side > 0.0 {
+            x.next_up()
+        } else if side < 0.0 {
+            x.next_down()
+        } else {
+            x
+        };
     }
+    let bits = x.to_bits().cast_signed();
+    let upwards = i64::from(side > 0.0) - i64::from(side < 0.0);
+    let away_from_zero = 1 | (bits >> 63);
+    f64::from_bits((bits + upwards * away_from_zero).cast_unsigned())
 }
 
 /// How far from where it was a point is when it is mapped back to the source, as a length in the target space. The
@@ -151,6 +197,28 @@ mod tests {
     fn an_exact_point_still_moves_by_one_number() {
         let exact = SurfaceInteraction::flat(DVec3::splat(3.0), DVec3::ZERO, DVec3::NEG_X, [0.0; 2]);
         assert_eq!(exact.spawn_ray(DVec3::NEG_ONE, 0.0).origin, DVec3::new(3.0f64.next_down(), 3.0, 3.0));
+    }
+
+    #[test]
+    fn sums_are_rounded_to_the_neighbouring_number() {
+        for x in [0.0, -0.0, 5e-324, -5e-324, 1.0, -1.0, f64::MAX, f64::MIN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(rounded_towards(x, 0.3), x.next_up(), "{x:e}");
+            assert_eq!(rounded_towards(x, -0.3), x.next_down(), "{x:e}");
+            assert_eq!(rounded_towards(x, 0.0).to_bits(), x.to_bits(), "{x:e}");
+        }
+        assert!(rounded_towards(f64::NAN, 1.0).is_nan());
+    }
+
+    #[test]
+    fn one_point_starts_the_shadow_rays_of_all_lights() {
+        let lifted = SurfaceInteraction { shadow_point: FLOOR.point + DVec3::Y * 0.1, ..FLOOR };
+        for is_seen_from_behind in [false, true] {
+            let rays = lifted.shadow_rays(is_seen_from_behind);
+            for target in [DVec3::new(0.0, 9.0, 0.0), DVec3::new(0.0, -9.0, 0.0)] {
+                assert_eq!(rays.to(target, 0.5), lifted.spawn_shadow_ray(target, 0.5));
+                assert_eq!(rays.towards(target, 0.5), lifted.spawn_shadow_ray_towards(target, 0.5));
+            }
+        }
     }
 
     #[test]

@@ -104,7 +104,10 @@ struct Census {
 impl Census {
     fn of(world: &World) -> Self {
         match world {
-            World::Spheres(world, _) => Self { spheres: world.materials.len(), ..Self::default() },
+            World::Spheres(world, _) => {
+                let shadowless = world.casts_shadow.iter().filter(|casts| !**casts).count();
+                Self { spheres: world.materials.len(), shadowless, ..Self::default() }
+            }
             World::Parts(top, levels) => {
                 let mut census = Self { meshes: levels.meshes.len(), groups: levels.groups.len(), ..Self::default() };
                 census.mesh_triangles = levels.meshes.iter().map(|m| m.mesh.data().triangles.len()).sum();
@@ -248,6 +251,7 @@ impl RenderPlan<'_> {
         match &self.world {
             World::Spheres(world, structure) => {
                 lines.push(line("structure", structure, world.len(), why(wanted, world)));
+                lines.push("  nothing but spheres: one list of centres and radii".to_owned());
                 lines.extend(visible(&|visible| visible.why(wanted, world)));
             }
             World::Parts(top, levels) => {
@@ -360,7 +364,8 @@ impl RenderPlan<'_> {
         let film = pixels * if self.transparent { 16 } else { 12 };
         let (geometry, structures) = match &self.world {
             World::Spheres(world, structure) => {
-                (world.materials.len() * (size_of::<rt_geometry::Sphere>() + 4), structure.memory())
+                let lists = world.materials.len() * (size_of::<rt_geometry::Sphere>() + 4) + world.casts_shadow.len();
+                (lists, structure.memory())
             }
             World::Parts(top, levels) => {
                 let assemblies = || std::iter::once(top).chain(&levels.groups);

@@ -18,7 +18,7 @@ use crate::{
     surroundings::Surroundings,
     trace::SphereWorld,
     visible::Visible,
-    world::{Assembly, Levels, PartGeometry, Parts},
+    world::{Assembly, Levels, Part, PartGeometry, Parts},
 };
 
 /// A part of the image, in pixels from its upper left corner.
@@ -178,16 +178,19 @@ impl<'s> RenderPlan<'s> {
 }
 
 impl World {
-    /// The tight form for a world of nothing but spheres that cast shadows.
+    /// The tight form for a world of nothing but spheres.
     fn specialise(top: Assembly, levels: Levels) -> Self {
-        let sphere = |part: &crate::world::Part| match part.geometry {
-            PartGeometry::Shape(Shape::Sphere(sphere)) if part.casts_shadow => Some(sphere),
+        let sphere = |part: &Part| match part.geometry {
+            PartGeometry::Shape(Shape::Sphere(sphere)) => Some(sphere),
             _ => None,
         };
         match top.parts.iter().map(sphere).collect::<Option<Vec<_>>>() {
             Some(spheres) => {
                 let materials = top.parts.iter().map(|part| part.material).collect();
-                Self::Spheres(SphereWorld { spheres: Spheres::new(spheres), materials }, top.structure)
+                let some_cast_none = top.parts.iter().any(|part| !part.casts_shadow);
+                let switches = top.parts.iter().map(|part| part.casts_shadow);
+                let casts_shadow = if some_cast_none { switches.collect() } else { Vec::new() };
+                Self::Spheres(SphereWorld { spheres: Spheres::new(spheres), materials, casts_shadow }, top.structure)
             }
             None => Self::Parts(top, levels),
         }

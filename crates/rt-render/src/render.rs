@@ -63,6 +63,7 @@ impl RenderPlan<'_> {
         let mut statistics = Statistics {
             samples: 0,
             counters: Counters::default(),
+            primary_rays_spared: 0,
             shading: ShadingCounts::default(),
             bad_samples: 0,
             threads: pool.current_num_threads(),
@@ -81,6 +82,7 @@ impl RenderPlan<'_> {
             for tile in finished {
                 self.expose(&mut film, &tile);
                 statistics.counters += tile.counters;
+                statistics.primary_rays_spared += tile.primary_rays_spared;
                 statistics.shading += tile.shading;
                 statistics.bad_samples += tile.bad_samples;
                 statistics.samples += tile.pixels.len() as u64 * u64::from(self.spp);

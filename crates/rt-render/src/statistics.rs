@@ -10,6 +10,8 @@ pub struct Statistics {
     pub samples: u64,
     /// Rays by kind, and with [`RunOptions::count`](crate::RunOptions) also nodes, primitive tests and hits.
     pub counters: Counters,
+    /// Camera rays that were not traced, because their tile knew that there is nothing in their part of the view.
+    pub primary_rays_spared: u64,
     /// Work of shading.
     pub shading: ShadingCounts,
     /// Samples that came out NaN, infinite or negative; they count as black.

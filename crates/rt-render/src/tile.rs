@@ -1,7 +1,7 @@
 //! A tile of the image, from samples to pixels.
 
 use rt_accel::AnyStructure;
-use rt_math::{Counters, Hit, NoProbe, Probe, Ray, RayCounts, RayKind, Rgb};
+use rt_math::{Counters, Hit, NoProbe, Probe, Ray, RayCounts, Rgb};
 use rt_scene_io::Integrator;
 use rt_shading::{Background, Interior, Seen, ShadingCounts, Whitted};
 
@@ -45,6 +45,7 @@ pub(crate) struct Finished {
     /// Coverage; empty unless the plan asks for it.
     pub(crate) alpha: Vec<f64>,
     pub(crate) counters: Counters,
+    pub(crate) primary_rays_spared: u64,
     pub(crate) shading: ShadingCounts,
     pub(crate) bad_samples: u64,
 }
@@ -58,6 +59,7 @@ impl Finished {
             pixels: Vec::with_capacity(count),
             alpha: Vec::with_capacity(if with_alpha { count } else { 0 }),
             counters: Counters::default(),
+            primary_rays_spared: 0,
             shading: ShadingCounts::default(),
             bad_samples: 0,
         }
@@ -148,6 +150,7 @@ impl RenderPlan<'_> {
             (View::Cost, _) => self.sample_each(tile, camera, |ray| cost(&mut tracer, ray)),
         };
         finished.counters = tracer.probe.counters(tracer.rays);
+        finished.primary_rays_spared = tracer.spared;
         finished.shading = whitted.take_counts();
         *hits = tracer.into_buffer();
         finished
@@ -186,9 +189,7 @@ impl RenderPlan<'_> {
         }
         let mut finished = Finished::new(tile, self.transparent);
         tile.pixels().for_each(|_| finished.push(&pixel));
-        let mut rays = RayCounts::default();
-        rays.rays[RayKind::Primary as usize] = finished.pixels.len() as u64 * u64::from(self.spp);
-        finished.counters = Counters::from(rays);
+        finished.primary_rays_spared = finished.pixels.len() as u64 * u64::from(self.spp);
         Some(finished)
     }
 }

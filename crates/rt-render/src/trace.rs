@@ -1,36 +1,40 @@
 //! Rays against a world: where structures and materials meet.
 
 use rt_accel::AnyStructure;
-use rt_geometry::{Spheres, SurfaceInteraction, SurfaceNeeds};
-use rt_math::{Accelerator, Hit, Interval, Primitives, Probe, Ray, RayCounts, RayKind};
+use rt_geometry::{Spheres, SurfaceNeeds};
+use rt_math::{Accelerator, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RayCounts, RayKind};
 use rt_shading::{SurfaceHit, Tracer};
 
 use crate::{visible::Visible, world::Parts};
 
 /// Primitives that know what their surface is made of.
 pub(crate) trait Surfaces: Primitives {
-    /// The surface at a hit, and its material; `None` for a hit that is not of this set.
-    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<(SurfaceInteraction, u32)>;
-
-    /// Number of the object that a hit lies on: its place among the parts of the upper level.
-    fn object_at(&self, hit: &Hit) -> u32;
+    /// The surface at a hit; `None` for a hit that is not of this set. Objects are numbered by their places among the
+    /// parts of the upper level.
+    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit>;
 }
 
 impl Surfaces for Parts<'_> {
-    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<(SurfaceInteraction, u32)> {
-        self.surface(hit.instance, ray, hit, needs)
-    }
-
-    fn object_at(&self, hit: &Hit) -> u32 {
-        hit.instance
+    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+        let (interaction, material) = self.surface(hit.instance, ray, hit, needs)?;
+        Some(SurfaceHit { t: hit.t, interaction, object: hit.instance, material })
     }
 }
 
-/// A world of nothing but spheres, all of which cast shadows: a tight array, and no question what a part is.
+/// A world of nothing but spheres: a tight array, and no question what a part is.
 #[derive(Debug)]
 pub(crate) struct SphereWorld {
     pub(crate) spheres: Spheres,
+    /// By sphere: its material.
     pub(crate) materials: Vec<u32>,
+    /// By sphere: whether it casts a shadow; empty if all do.
+    pub(crate) casts_shadow: Vec<bool>,
+}
+
+impl SphereWorld {
+    fn casts_shadow(&self, index: u32) -> bool {
+        self.casts_shadow.get(index as usize).copied().unwrap_or(true)
+    }
 }
 
 impl Primitives for SphereWorld {
@@ -47,19 +51,22 @@ impl Primitives for SphereWorld {
         self.spheres.intersect(index, ray, span)
     }
 
-    fn leaf_layout(&self, index: u32) -> rt_math::LeafLayout {
-        self.spheres.leaf_layout(index)
+    #[inline(always)]
+    fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
+        self.casts_shadow(index) && self.spheres.occludes(index, ray, span)
+    }
+
+    fn leaf_layout(&self, index: u32) -> LeafLayout {
+        if self.casts_shadow(index) { self.spheres.leaf_layout(index) } else { LeafLayout::Opaque }
     }
 }
 
 impl Surfaces for SphereWorld {
-    #[inline]
-    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<(SurfaceInteraction, u32)> {
-        Some((self.spheres.surface(ray, hit, needs)?, *self.materials.get(hit.primitive as usize)?))
-    }
-
-    fn object_at(&self, hit: &Hit) -> u32 {
-        hit.primitive
+    #[inline(always)]
+    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+        let interaction = self.spheres.surface(ray, hit, needs)?;
+        let material = *self.materials.get(hit.primitive as usize)?;
+        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material })
     }
 }
 
@@ -72,6 +79,8 @@ pub(crate) struct WorldTracer<'w, W, S> {
     pub(crate) visible: Option<&'w Visible>,
     /// Rays by kind.
     pub(crate) rays: RayCounts,
+    /// Camera rays that were not traced, as there is nothing for them to meet.
+    pub(crate) spared: u64,
     /// The structure's work.
     pub(crate) probe: S,
     /// The hits of a batch; empty between batches.
@@ -80,7 +89,7 @@ pub(crate) struct WorldTracer<'w, W, S> {
 
 impl<'w, W: Surfaces, S: Probe> WorldTracer<'w, W, S> {
     pub(crate) fn new(world: &'w W, structure: &'w AnyStructure, visible: Option<&'w Visible>, probe: S) -> Self {
-        Self { world, structure, visible, rays: RayCounts::default(), probe, hits: Vec::new() }
+        Self { world, structure, visible, rays: RayCounts::default(), spared: 0, probe, hits: Vec::new() }
     }
 
     /// Takes the memory for hits from one that is not used any more.
@@ -93,28 +102,35 @@ impl<'w, W: Surfaces, S: Probe> WorldTracer<'w, W, S> {
         self.hits
     }
 
+    /// True for rays that need not be traced. Counts the others.
+    fn spares(&mut self, kind: RayKind, rays: usize) -> bool {
+        let spares = kind == RayKind::Primary && self.visible.is_some_and(Visible::is_empty);
+        if spares {
+            self.spared += rays as u64;
+        } else {
+            self.count(kind, rays);
+        }
+        spares
+    }
+
     fn count(&mut self, kind: RayKind, rays: usize) {
         for _ in 0..rays {
             self.rays.ray(kind);
             self.probe.ray(kind);
         }
     }
-
-    #[inline]
-    fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
-        let (interaction, material) = self.world.surface_at(ray, hit, needs)?;
-        Some(SurfaceHit { t: hit.t, interaction, object: self.world.object_at(hit), material })
-    }
 }
 
 impl<W: Surfaces, S: Probe> Tracer for WorldTracer<'_, W, S> {
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
-        self.count(kind, 1);
+        if self.spares(kind, 1) {
+            return None;
+        }
         let hit = match (kind, self.visible) {
             (RayKind::Primary, Some(visible)) => visible.closest(self.world, ray, span, &mut self.probe),
             _ => self.structure.closest(self.world, ray, span, &mut self.probe),
         }?;
-        self.surface(ray, &hit, needs)
+        self.world.surface_at(ray, &hit, needs)
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
@@ -128,9 +144,11 @@ impl<W: Surfaces, S: Probe> Tracer for WorldTracer<'_, W, S> {
         rays: &[(Ray, Interval)],
         kind: RayKind,
         needs: SurfaceNeeds,
-        mut met: impl FnMut(usize, Option<SurfaceHit>),
+        mut met: impl FnMut(usize, Option<&mut SurfaceHit>),
     ) {
-        self.count(kind, rays.len());
+        if self.spares(kind, rays.len()) {
+            return (0..rays.len()).for_each(|at| met(at, None));
+        }
         self.hits.clear();
         self.hits.resize(rays.len(), None);
         match (kind, self.visible) {
@@ -140,7 +158,10 @@ impl<W: Surfaces, S: Probe> Tracer for WorldTracer<'_, W, S> {
             _ => self.structure.closest_batch(self.world, rays, &mut self.hits, &mut self.probe),
         }
         for (at, ((ray, _), hit)) in rays.iter().zip(&self.hits).enumerate() {
-            met(at, hit.as_ref().and_then(|hit| self.surface(ray, hit, needs)));
+            match hit {
+                Some(hit) => met(at, self.world.surface_at(ray, hit, needs).as_mut()),
+                None => met(at, None),
+            }
         }
     }
 

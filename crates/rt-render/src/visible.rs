@@ -91,9 +91,6 @@ impl Visible {
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
-        if self.is_empty() {
-            return None;
-        }
         self.structure.closest(&Subset { all, indices: &self.indices }, ray, span, probe)
     }
 
@@ -105,9 +102,7 @@ impl Visible {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        if !self.is_empty() {
-            self.structure.closest_batch(&Subset { all, indices: &self.indices }, rays, hits, probe);
-        }
+        self.structure.closest_batch(&Subset { all, indices: &self.indices }, rays, hits, probe);
     }
 
     pub(crate) const fn structure(&self) -> &AnyStructure {

@@ -26,7 +26,7 @@ impl FirstHitView {
     pub fn radiance_of(&self, world: &mut impl Tracer, rays: &[(Ray, Interval)], seen: &mut [Seen]) {
         let needs = SurfaceNeeds { uv: matches!(self, Self::Uv), shading_normal: matches!(self, Self::Normals) };
         world.closest_batch(rays, RayKind::Primary, needs, |at, hit| {
-            seen[at] = hit.map_or(Seen::NOTHING, |hit| Seen { radiance: self.shown(&hit), hit: true });
+            seen[at] = hit.map_or(Seen::NOTHING, |hit| Seen { radiance: self.shown(hit), hit: true });
         });
     }
 

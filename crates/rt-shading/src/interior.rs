@@ -187,13 +187,10 @@ pub(crate) struct InteriorStack {
 }
 
 impl InteriorStack {
-    /// Puts a list on the stack, as it is, or as it will be beyond a surface; its length.
-    pub(crate) fn push(&mut self, interior: &Interior, crossing: Option<&Crossing>) -> u32 {
+    /// Puts a list on the stack as it will be beyond a surface; its length.
+    pub(crate) fn push(&mut self, interior: &Interior, crossing: &Crossing) -> u32 {
         let length = self.bodies.len();
-        match crossing {
-            Some(crossing) => self.bodies.extend(interior.bodies_after(crossing.step)),
-            None => self.bodies.extend_from_slice(&interior.bodies),
-        }
+        self.bodies.extend(interior.bodies_after(crossing.step));
         (self.bodies.len() - length) as u32
     }
 

@@ -1,6 +1,6 @@
 //! Lights without extent.
 
-use rt_geometry::SurfaceInteraction;
+use rt_geometry::ShadowRays;
 use rt_math::{DVec3, Interval, Ray, Rgb};
 
 /// A lamp of radius r is usually a sphere of radius r, and its surface must fall inside in spite of rounding: the way
@@ -114,18 +114,16 @@ impl Light {
 
     /// The ray to ask for blockers between a surface and this light, and the part of it that counts.
     #[inline]
-    pub fn shadow_ray(&self, surface: &SurfaceInteraction, light: &Illumination, time: f64) -> (Ray, Interval) {
+    pub fn shadow_ray(&self, from: &ShadowRays<'_>, light: &Illumination, time: f64) -> (Ray, Interval) {
         match self.kind {
-            LightKind::Directional { .. } => {
-                (surface.spawn_shadow_ray_towards(light.direction, time), Interval::SPAWNED)
-            }
+            LightKind::Directional { .. } => (from.towards(light.direction, time), Interval::SPAWNED),
             LightKind::Point { position, lamp_radius, .. } if lamp_radius > 0.0 => {
-                let ray = surface.spawn_shadow_ray(position, time);
+                let ray = from.to(position, time);
                 let free = 1.0 - lamp_radius / ray.direction.length() - LAMP_MARGIN;
                 (ray, Interval { max: free, ..Interval::SEGMENT })
             }
             LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
-                (surface.spawn_shadow_ray(position, time), Interval::SEGMENT)
+                (from.to(position, time), Interval::SEGMENT)
             }
         }
     }
@@ -134,6 +132,7 @@ impl Light {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rt_geometry::SurfaceInteraction;
 
     fn light(kind: LightKind) -> Light {
         Light { name: String::new(), kind, intensity: Rgb::gray(8.0), casts_shadows: true }
@@ -179,7 +178,8 @@ mod tests {
             uv: [0.0; 2],
         };
         let light = light(kind);
-        let (ray, span) = light.shadow_ray(&surface, &light.illuminate(DVec3::ZERO).expect("lit"), 0.0);
+        let (ray, span) =
+            light.shadow_ray(&surface.shadow_rays(false), &light.illuminate(DVec3::ZERO).expect("lit"), 0.0);
         let end = ray.at(span.max).y;
         assert!(end < 3.0 && end > 3.0 - 1e-11, "{end}");
     }
@@ -197,7 +197,7 @@ mod tests {
                 uv: [0.0; 2],
             };
             let lit = lamp.illuminate(surface.point).expect("lit");
-            let (ray, span) = lamp.shadow_ray(&surface, &lit, 0.0);
+            let (ray, span) = lamp.shadow_ray(&surface.shadow_rays(false), &lit, 0.0);
             let end = ray.at(span.max).y;
             assert!(end < 3.0 && end > 3.0 - 1e-10, "{end}");
         }

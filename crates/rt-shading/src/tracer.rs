@@ -47,10 +47,10 @@ pub trait Tracer {
         rays: &[(Ray, Interval)],
         kind: RayKind,
         needs: SurfaceNeeds,
-        mut met: impl FnMut(usize, Option<SurfaceHit>),
+        mut met: impl FnMut(usize, Option<&mut SurfaceHit>),
     ) {
         for (at, (ray, span)) in rays.iter().enumerate() {
-            met(at, self.closest(ray, *span, kind, needs));
+            met(at, self.closest(ray, *span, kind, needs).as_mut());
         }
     }
 

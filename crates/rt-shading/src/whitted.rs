@@ -127,7 +127,7 @@ impl Whitted {
     /// Fills the next wave with what the samples go on with.
     fn go_on(&mut self) {
         for &sample in &self.ended {
-            self.samples[sample as usize].go_on(sample, &mut self.next, self.needs.refraction);
+            self.samples[sample as usize].go_on(&mut self.next);
         }
         self.ended.clear();
         self.wave.clear();

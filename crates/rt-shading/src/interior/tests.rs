@@ -92,12 +92,14 @@ fn lists_come_off_the_stack_as_they_were_put_on() {
     let mut stack = InteriorStack::default();
     let mut interior = Interior::filled_with(0);
     let entering = interior.crossing(&materials, &hit(4, 1), false).expect("room");
-    let beyond = stack.push(&interior, Some(&entering));
-    let here = stack.push(&interior, None);
-    assert_eq!((beyond, here), (2, 1));
-    stack.pop(&mut interior, here);
-    assert_eq!(interior, Interior::filled_with(0));
-    stack.pop(&mut interior, beyond);
+    let leaving = interior.crossing(&materials, &hit(7, 0), true).expect("it is there");
+    let within = stack.push(&interior, &entering);
+    let outside = stack.push(&interior, &leaving);
+    assert_eq!((within, outside), (2, 0));
+    stack.pop(&mut interior, outside);
+    assert!(interior.is_empty());
+    stack.pop(&mut interior, within);
+    assert_eq!(interior.bodies[0], Interior::filled_with(0).bodies[0]);
     assert_eq!(interior.bodies[1], Body { object: 4, material: 1 });
     assert!(stack.bodies.is_empty());
 }

@@ -3,10 +3,10 @@
 use super::{
     Whitted,
     view::{View, is_inside},
-    wave::{Path, Waiting},
+    wave::Path,
 };
 use crate::{Appearance, Material, Phong, Seen, SurfaceHit, interior::Crossing, optics};
-use rt_math::{Ray, RayKind, Rgb, transcendental::exp};
+use rt_math::{Interval, Ray, Rgb, transcendental::exp};
 
 /// So many surfaces that do nothing to a ray may stand one behind the other in its way; each further one costs a bounce,
 /// so that paths end.
@@ -30,10 +30,10 @@ impl Whitted {
         appearance: &Appearance,
         mut path: Path,
         ray: &Ray,
-        hit: Option<SurfaceHit>,
+        hit: Option<&mut SurfaceHit>,
         seen: &mut Seen,
     ) {
-        let Some(mut hit) = hit else {
+        let Some(hit) = hit else {
             seen.radiance += path.weight * appearance.background.radiance(ray.direction);
             return self.ended.push(path.sample);
         };
@@ -44,10 +44,10 @@ impl Whitted {
         let length = ray.direction.length();
         let direction = ray.direction / length;
         let inside = is_inside(direction, &hit.interaction);
-        let meeting = self.meet(appearance, phong, &hit, inside, path.sample);
+        let meeting = self.meet(appearance, phong, hit, inside, path.sample);
         let way = (hit.t - path.start) * length;
         if let Meeting::Nothing(crossing) = meeting {
-            return self.pass(&hit, ray, crossing.as_ref(), way, path, seen);
+            return self.pass(hit, ray, crossing.as_ref(), way, path, seen);
         }
         seen.hit = true;
         let crossing = if let Meeting::Transparent(crossing) = &meeting { Some(crossing) } else { None };
@@ -59,7 +59,6 @@ impl Whitted {
         let view = View::new(direction, inside, &mut hit.interaction);
         self.light(appearance, phong, &view, &path, ray.time);
         self.send_on(appearance, phong, &view, crossing, &path, ray.time);
-        self.ended.push(path.sample);
     }
 
     #[inline]
@@ -130,6 +129,7 @@ impl Whitted {
         }
         let diffuse = phong.diffuse.at(textures, surface.uv);
         let specular = if self.needs.highlights { phong.specular.at(textures, surface.uv) } else { Rgb::BLACK };
+        let shadow_rays = surface.shadow_rays(view.is_inside);
         for light in &appearance.lights {
             let lit = light.illuminate(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
             let reflected = lit.map_or(Rgb::BLACK, |lit| {
@@ -145,7 +145,7 @@ impl Whitted {
             let shadowed = self.needs.shadows && light.casts_shadows;
             match lit {
                 Some(lit) if !reflected.is_black() => {
-                    let shadow_ray = shadowed.then(|| light.shadow_ray(surface, &lit, time));
+                    let shadow_ray = shadowed.then(|| light.shadow_ray(&shadow_rays, &lit, time));
                     self.lights.push(reflected, shadow_ray);
                 }
                 _ => self.counts.shadow_rays_spared += u64::from(shadowed),
@@ -154,7 +154,8 @@ impl Whitted {
         self.lights.end_surface(path, radiance);
     }
 
-    /// Has the mirrored and the refracted ray wait, the mirrored one to go first.
+    /// Goes on with the mirrored ray, and has the refracted one wait for it; with the refracted one where nothing is
+    /// mirrored.
     #[inline]
     fn send_on(
         &mut self,
@@ -167,10 +168,13 @@ impl Whitted {
     ) {
         if path.depth >= self.max_depth {
             self.counts.depth_limited += u64::from(crossing.is_some() || !phong.mirror.is_zero());
-            return;
+            return self.ended.push(path.sample);
         }
         let surface = view.surface;
+        let textures = &appearance.textures;
+        let bounced = |weight| Path { depth: path.depth + 1, passages: 0, start: 0.0, weight, ..*path };
         let mut reflected_part = 1.0;
+        let mut refracted = None;
         if let (Some(crossing), Some(transmission)) = (crossing, &phong.transmission) {
             self.counts.refractions += 1;
             let eta = crossing.before.ior / crossing.after.ior;
@@ -180,31 +184,35 @@ impl Whitted {
                     if crossing.is_null() { 0.0 } else { optics::fresnel(-view.direction.dot(view.normal), eta) };
             }
             let passed_part = if transmission.fresnel { 1.0 - reflected_part } else { 1.0 };
-            let weight = path.weight * transmission.coefficient.at(&appearance.textures, surface.uv) * passed_part;
+            let weight = path.weight * transmission.coefficient.at(textures, surface.uv) * passed_part;
             if self.matters(weight) {
-                let refracted = if crossing.is_null() { Some(view.direction) } else { view.refracted(eta) };
-                if let Some(direction) = refracted {
-                    let ray = surface.spawn_ray(direction, time);
-                    self.wait(ray, RayKind::Refraction, weight, path, Some(crossing));
-                }
+                let direction = if crossing.is_null() { Some(view.direction) } else { view.refracted(eta) };
+                refracted = direction.map(|direction| (crossing, direction, bounced(weight)));
             }
         }
-        if self.needs.reflection {
+        let mirrored = self.needs.reflection.then(|| {
             self.counts.mirrors += 1;
-            let weight = path.weight * phong.mirror.at(&appearance.textures, surface.uv) * reflected_part;
-            if self.matters(weight) {
-                let ray = surface.spawn_ray(view.mirrored(), time);
-                self.wait(ray, RayKind::Reflection, weight, path, None);
+            path.weight * phong.mirror.at(textures, surface.uv) * reflected_part
+        });
+        let mirrored = mirrored.filter(|weight| self.matters(*weight));
+        let sample = &mut self.samples[path.sample as usize];
+        if let Some((crossing, direction, beyond)) = refracted {
+            let ray = surface.spawn_ray(direction, time);
+            if mirrored.is_some() {
+                sample.wait(ray, &beyond, crossing);
+            } else {
+                sample.interior.cross(crossing);
+                self.next.refracted.push(ray, Interval::SPAWNED, beyond);
             }
         }
-    }
-
-    /// Has a ray wait that goes on from a path, through a surface if there is a crossing.
-    #[inline]
-    fn wait(&mut self, ray: Ray, kind: RayKind, weight: Rgb, path: &Path, crossing: Option<&Crossing>) {
-        let sample = &mut self.samples[path.sample as usize];
-        let bodies = if self.needs.refraction { sample.remember_interior(crossing) } else { 0 };
-        sample.wait(Waiting { ray, kind, depth: path.depth + 1, weight, bodies });
+        match mirrored {
+            Some(weight) => {
+                let ray = surface.spawn_ray(view.mirrored(), time);
+                self.next.reflected.push(ray, Interval::SPAWNED, bounced(weight));
+            }
+            None if refracted.is_none() => self.ended.push(path.sample),
+            None => {}
+        }
     }
 
     /// False for what cannot be seen in the pixel.

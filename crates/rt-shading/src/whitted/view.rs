@@ -9,6 +9,8 @@ use crate::optics;
 pub(super) struct View<'s> {
     /// The surface, to start rays from. Its shading normal is the one that is shaded with.
     pub(super) surface: &'s SurfaceInteraction,
+    /// True if it is seen from behind its geometric normal: from the inside of a closed shape.
+    pub(super) is_inside: bool,
     /// Unit direction of the ray.
     pub(super) direction: DVec3,
     /// Unit shading normal, turned to the viewer's side of the surface.
@@ -26,7 +28,7 @@ impl<'s> View<'s> {
         let normal = turned_to(-direction, surface.shading_normal * side).unwrap_or(geometric_normal);
         // Shadow rays take their side from the normal that is shaded with.
         surface.shading_normal = normal * side;
-        Self { surface, direction, normal, geometric_normal }
+        Self { surface, is_inside: inside, direction, normal, geometric_normal }
     }
 
     /// The mirrored direction, on the viewer's side of the surface.

@@ -75,21 +75,17 @@ impl Wave {
     }
 }
 
-/// A ray that waits until the paths before it have ended.
+/// A refracted ray that waits until the mirrored one, and all that comes of it, has been followed.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Waiting {
-    pub(super) ray: Ray,
-    pub(super) kind: RayKind,
-    /// Bounces so far.
-    pub(super) depth: u32,
-    /// Part of its radiance that reaches the camera.
-    pub(super) weight: Rgb,
-    /// Length of its list of the bodies that it is inside of; 0 if nobody tracks them.
-    pub(super) bodies: u32,
+struct Waiting {
+    ray: Ray,
+    path: Path,
+    /// Length of its list of the bodies that it is inside of.
+    bodies: u32,
 }
 
-/// A camera ray with the tree of rays that it grows, walked depth first: each wave holds one path of it, so that what it
-/// sees adds up in the same order whatever else is in the wave.
+/// What a camera ray's tree of rays keeps from wave to wave. It is walked depth first, and each wave holds one path of it,
+/// so that what the camera ray sees adds up in the same order whatever else is in the wave.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sample {
     waiting: Vec<Waiting>,
@@ -100,28 +96,19 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// Has a ray wait.
-    #[inline]
-    pub(super) fn wait(&mut self, waiting: Waiting) {
-        self.waiting.push(waiting);
-    }
-
-    /// Remembers what a ray that is about to wait is inside of: what the path at hand is, or what is beyond the crossing.
-    /// Returns the length of the list.
-    #[inline]
-    pub(super) fn remember_interior(&mut self, crossing: Option<&Crossing>) -> u32 {
-        self.interiors.push(&self.interior, crossing)
+    /// Has a ray wait that goes on through the surface of a crossing.
+    pub(super) fn wait(&mut self, ray: Ray, path: &Path, crossing: &Crossing) {
+        let bodies = self.interiors.push(&self.interior, crossing);
+        self.waiting.push(Waiting { ray, path: *path, bodies });
     }
 
     /// Puts the ray that has waited least into the wave, if there is one.
     #[inline]
-    pub(super) fn go_on(&mut self, sample: u32, wave: &mut Wave, tracks_interiors: bool) {
-        let Some(Waiting { ray, kind, depth, weight, bodies }) = self.waiting.pop() else { return };
-        if tracks_interiors {
+    pub(super) fn go_on(&mut self, wave: &mut Wave) {
+        if let Some(Waiting { ray, path, bodies }) = self.waiting.pop() {
             self.interiors.pop(&mut self.interior, bodies);
+            wave.refracted.push(ray, Interval::SPAWNED, path);
         }
-        let queue = if kind == RayKind::Reflection { &mut wave.reflected } else { &mut wave.refracted };
-        queue.push(ray, Interval::SPAWNED, Path { sample, depth, passages: 0, weight, start: 0.0 });
     }
 }
 
