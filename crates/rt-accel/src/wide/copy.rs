@@ -4,7 +4,7 @@
 use rt_math::float::SETTLED;
 use rt_math::{FAR_FACTOR, Hit, Interval, OWN_BOX_PAD, Ray, ShearedRay, SlabRay, decide_triangle};
 
-use super::leaf::{LeafView, PreparedRay, coordinates, corner};
+use super::leaf::{ExactRay, LeafView, coordinates, corner};
 use super::ray::{LaneRay, greatest};
 use super::simd::Simd;
 
@@ -32,12 +32,12 @@ impl Copied<'_> {
     pub(super) fn hit<S: Simd, const CERTAIN: bool>(
         self,
         simd: S,
-        prepared: &PreparedRay<'_, S>,
+        exact: &ExactRay<'_, S>,
         span: Interval,
     ) -> Option<Hit> {
-        let seen = self.see(simd, &prepared.lanes, &prepared.sheared);
+        let seen = self.see(simd, &exact.lanes, &exact.sheared);
         if !seen.is_settled {
-            return self.decide(prepared.ray, span);
+            return self.decide(exact.ray, span);
         }
         let [u, v, w] = seen.areas;
         let outside = ((u < 0.0) | (v < 0.0) | (w < 0.0)) & ((u > 0.0) | (v > 0.0) | (w > 0.0));
@@ -49,13 +49,13 @@ impl Copied<'_> {
         let [t, v, w, _] = simd.to_doubles(quotients);
         if !CERTAIN {
             if t.abs() <= seen.doubtful_start {
-                return self.decide(prepared.ray, span);
+                return self.decide(exact.ray, span);
             }
             if !(span.contains(t) & t.is_finite()) {
                 return None;
             }
         }
-        let Interval { min: enter, max: leave } = self.clip(simd, &prepared.lanes, span);
+        let Interval { min: enter, max: leave } = self.clip(simd, &exact.lanes, span);
         if !CERTAIN && enter > leave {
             return None;
         }

@@ -6,9 +6,9 @@ use core::ops::ControlFlow;
 use rt_math::{Hit, Interval, Ray, SlabRay};
 
 use super::WideBvh;
-use super::leaf::{Filter, LeafView, PreparedRay};
+use super::leaf::{ExactRay, Filter, LeafView};
 use super::node::Child;
-use super::ray::{at_least, at_most};
+use super::ray::{FilterRay, at_least, at_most};
 use super::simd::Simd;
 
 /// Decides about what the filters leave: the caller's primitives, behind one call.
@@ -29,7 +29,8 @@ pub(super) trait Judge {
 
 /// A ray on its way, prepared for boxes and for the primitives of leaves.
 pub(super) struct Prepared<'r, S: Simd, F> {
-    pub(super) ray: PreparedRay<'r, S>,
+    pub(super) ray: ExactRay<'r, S>,
+    pub(super) boxes: FilterRay,
     pub(super) min: f32,
     pub(super) filter: F,
 }
@@ -38,8 +39,9 @@ impl<'r, S: Simd, F: Filter> Prepared<'r, S, F> {
     /// `None` where the filters are not proven.
     #[inline(always)]
     pub(super) fn new(simd: S, tree: &WideBvh, ray: &'r Ray, span: Interval) -> Option<Self> {
-        let ray = PreparedRay::new(simd, tree, ray, span)?;
-        Some(Self { min: at_most(span.min), filter: F::new(simd, &ray, span, tree), ray })
+        let ray = ExactRay::new(simd, ray);
+        let boxes = FilterRay::new(simd, &ray.lanes, span, tree.centre, tree.size)?;
+        Some(Self { min: at_most(span.min), filter: F::new(simd, &ray, &boxes, span, tree), ray, boxes })
     }
 }
 
@@ -67,7 +69,7 @@ pub(super) trait Goal: Sized {
     /// Walks without filters.
     fn visit_unfiltered(&mut self, judge: &mut dyn Judge, ray: &Ray);
 
-    /// What is entered after this does not matter.
+    /// What is entered after this does not matter; negative if nothing matters.
     fn limit(&self) -> f32;
 
     /// Visits a leaf; breaks if nothing else matters.
@@ -80,14 +82,21 @@ pub(super) trait Goal: Sized {
         leaf: Child,
     ) -> ControlFlow<()>;
 
-    /// Decides about what has been put off.
-    fn finish<S: Simd, F: Filter>(
+    /// Considers one primitive that the filter has not ruled out, and between what it is hit if that is sure.
+    #[expect(clippy::too_many_arguments, reason = "as `visit`, for one primitive")]
+    fn consider<S: Simd, F: Filter>(
         &mut self,
         simd: S,
         tree: &WideBvh,
         judge: &mut dyn Judge,
-        prepared: &Prepared<'_, S, F>,
+        ray: &Ray,
+        leaf: Child,
+        lane: usize,
+        sure: Option<[f32; 2]>,
     );
+
+    /// Decides about what has been put off.
+    fn finish<S: Simd, F: Filter>(&mut self, simd: S, tree: &WideBvh, judge: &mut dyn Judge, ray: &ExactRay<'_, S>);
 
     /// Hits that no judge has counted.
     fn uncounted_hits(&self) -> u64;
@@ -145,7 +154,7 @@ impl FirstHit {
         &mut self,
         simd: S,
         judge: &mut dyn Judge,
-        ray: &PreparedRay<'_, S>,
+        ray: &ExactRay<'_, S>,
         leaf: LeafView<'_>,
         lane: usize,
     ) {
@@ -254,19 +263,29 @@ impl Goal for FirstHit {
     }
 
     #[inline(always)]
-    fn finish<S: Simd, F: Filter>(
+    fn consider<S: Simd, F: Filter>(
         &mut self,
         simd: S,
         tree: &WideBvh,
         judge: &mut dyn Judge,
-        prepared: &Prepared<'_, S, F>,
+        ray: &Ray,
+        leaf: Child,
+        lane: usize,
+        sure: Option<[f32; 2]>,
     ) {
+        if sure.is_none_or(|bounds| !self.remember(leaf, lane, bounds)) {
+            self.decide::<S, F>(simd, judge, &ExactRay::new(simd, ray), tree.leaves.view(leaf), lane);
+        }
+    }
+
+    #[inline(always)]
+    fn finish<S: Simd, F: Filter>(&mut self, simd: S, tree: &WideBvh, judge: &mut dyn Judge, ray: &ExactRay<'_, S>) {
         if F::DECIDES && self.n_candidates == 1 && !self.is_hit {
             // The usual case: a hit that is certain and first. Nothing is asked, so that the next ray need not wait.
             // SAFETY: the first has been written.
             let Candidate { leaf, lane, .. } = unsafe { self.candidates[0].assume_init() };
             let leaf = tree.leaves.view(leaf);
-            let Some(hit) = F::hit::<S, true>(simd, leaf, lane, &prepared.ray, self.span, judge) else { return };
+            let Some(hit) = F::hit::<S, true>(simd, leaf, lane, ray, self.span, judge) else { return };
             self.uncounted_hits += 1;
             self.is_hit = true;
             self.best.t = hit.t;
@@ -279,7 +298,7 @@ impl Goal for FirstHit {
             // SAFETY: the first `n_candidates` have been written.
             let Candidate { near, leaf, lane } = unsafe { self.candidates[i % MAX_CANDIDATES].assume_init() };
             if near <= self.limit {
-                self.decide::<S, F>(simd, judge, &prepared.ray, tree.leaves.view(leaf), lane);
+                self.decide::<S, F>(simd, judge, ray, tree.leaves.view(leaf), lane);
             }
         }
     }
@@ -303,6 +322,15 @@ pub(super) struct AnyHit {
     limit: f32,
 }
 
+impl AnyHit {
+    /// Something blocks the ray: nothing else matters.
+    #[inline(always)]
+    fn block(&mut self) {
+        self.is_blocked = true;
+        self.limit = -1.0;
+    }
+}
+
 impl Goal for AnyHit {
     const ORDERED: bool = false;
     type Answer = bool;
@@ -313,8 +341,11 @@ impl Goal for AnyHit {
     }
 
     fn visit_unbounded(&mut self, judge: &mut dyn Judge, ray: &Ray) -> ControlFlow<()> {
-        self.is_blocked = judge.occluded_unbounded(ray, self.span);
-        if self.is_blocked { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if judge.occluded_unbounded(ray, self.span) {
+            self.block();
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
     }
 
     fn visit_unfiltered(&mut self, judge: &mut dyn Judge, ray: &Ray) {
@@ -339,7 +370,7 @@ impl Goal for AnyHit {
         let verdict = prepared.filter.judge(simd, view, self.limit);
         if verdict.sure != 0 {
             self.uncounted_hits += 1;
-            self.is_blocked = true;
+            self.block();
             return ControlFlow::Break(());
         }
         let mut unsure = verdict.maybe;
@@ -347,7 +378,7 @@ impl Goal for AnyHit {
             let lane = take_lane(&mut unsure);
             if F::blocks(simd, view, lane, &prepared.ray, self.span, judge) {
                 self.uncounted_hits += u64::from(F::DECIDES);
-                self.is_blocked = true;
+                self.block();
                 return ControlFlow::Break(());
             }
         }
@@ -355,7 +386,28 @@ impl Goal for AnyHit {
     }
 
     #[inline(always)]
-    fn finish<S: Simd, F: Filter>(&mut self, _: S, _: &WideBvh, _: &mut dyn Judge, _: &Prepared<'_, S, F>) {}
+    fn consider<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        ray: &Ray,
+        leaf: Child,
+        lane: usize,
+        sure: Option<[f32; 2]>,
+    ) {
+        let leaf = tree.leaves.view(leaf);
+        if sure.is_some() {
+            self.uncounted_hits += 1;
+            self.block();
+        } else if F::blocks(simd, leaf, lane, &ExactRay::new(simd, ray), self.span, judge) {
+            self.uncounted_hits += u64::from(F::DECIDES);
+            self.block();
+        }
+    }
+
+    #[inline(always)]
+    fn finish<S: Simd, F: Filter>(&mut self, _: S, _: &WideBvh, _: &mut dyn Judge, _: &ExactRay<'_, S>) {}
 
     #[inline(always)]
     fn uncounted_hits(&self) -> u64 {

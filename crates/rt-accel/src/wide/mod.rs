@@ -11,15 +11,18 @@
 //! loaders have checked, and for memory that is written before it is read.
 #![allow(unsafe_code, reason = "instructions chosen at run time, and loads without checks of what was checked before")]
 
+mod across;
 mod build;
 mod check;
 mod copy;
 mod cost;
 mod exact;
+mod flight;
 mod goal;
 mod leaf;
 mod list;
 mod node;
+mod packet;
 mod pages;
 mod ray;
 mod refit;
@@ -27,6 +30,7 @@ mod simd;
 mod stack;
 mod walk;
 
+use core::hint::select_unpredictable;
 use core::marker::PhantomData;
 use core::ops::ControlFlow;
 
@@ -39,6 +43,7 @@ use crate::ray_query::{Any, Closest, is_finite};
 use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
 use build::Census;
 pub use build::{BuildParams, Quality};
+use flight::{Flight, Ground};
 use goal::{AnyHit, FirstHit, Goal, Judge};
 use leaf::{Filling, LeafKind, Leaves, Line};
 pub(crate) use list::SphereList;
@@ -145,6 +150,23 @@ impl WideBvh {
         answer
     }
 
+    /// Sends many rays for the goal.
+    fn send_all<G: Goal, P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &[(Ray, Interval)],
+        answers: &mut [G::Answer],
+        probe: &mut S,
+    ) {
+        let n = rays.len().min(answers.len());
+        let (Some(rays), Some(answers)) = (rays.get(..n), answers.get_mut(..n)) else { return };
+        let mut judge = Asked { tree: self, primitives, probe };
+        let mut ground = Ground { judge: &mut judge, work: Work::default() };
+        self.level.dispatch(Flight { tree: self, ground: &mut ground, goal: PhantomData::<G> }, rays, answers);
+        let Work { nodes, tests, hits } = ground.work;
+        probe.work(nodes, tests, hits);
+    }
+
     /// Offers the query every bounded primitive that can matter to it, in `f64`.
     fn walk_bounded<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
@@ -164,7 +186,8 @@ impl WideBvh {
     /// Where a child lies in memory.
     #[inline(always)]
     fn line(&self, child: Child) -> *const Line {
-        if child.is_node() { self.nodes.as_ptr().wrapping_add(child.number()).cast() } else { self.leaves.line(child) }
+        let node = self.nodes.as_ptr().wrapping_add(child.number()).cast();
+        select_unpredictable(child.is_node(), node, self.leaves.line(child))
     }
 }
 
@@ -220,6 +243,26 @@ impl Accelerator for WideBvh {
     #[inline]
     fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         self.send::<AnyHit, _, _>(primitives, ray, span, probe)
+    }
+
+    fn closest_batch<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &[(Ray, Interval)],
+        hits: &mut [Option<Hit>],
+        probe: &mut S,
+    ) {
+        self.send_all::<FirstHit, _, _>(primitives, rays, hits, probe);
+    }
+
+    fn occluded_batch<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &[(Ray, Interval)],
+        blocked: &mut [bool],
+        probe: &mut S,
+    ) {
+        self.send_all::<AnyHit, _, _>(primitives, rays, blocked, probe);
     }
 }
 

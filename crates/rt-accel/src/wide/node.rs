@@ -1,5 +1,6 @@
 //! Eight boxes side by side.
 
+use super::simd::Simd;
 use crate::bvh::NodeBox;
 
 /// What is behind one box of a node: another node, or a leaf.
@@ -38,6 +39,9 @@ impl Child {
         self.0 & 15 == 0
     }
 
+    /// What no node has behind it: there is nothing more to visit.
+    pub(super) const HOME: Self = Self(15);
+
     #[inline(always)]
     pub(super) const fn to_bits(self) -> u32 {
         self.0
@@ -67,6 +71,22 @@ impl Node {
         Self { planes: [low, high, low, high, low, high], children: [Child::node(0); 8] }
     };
 
+    /// A row of planes: twice the axis, and one more for the upper ones.
+    #[inline(always)]
+    pub(super) fn row<S: Simd>(&self, simd: S, row: usize) -> S::Lanes {
+        debug_assert!(row < 6);
+        // SAFETY: callers take rows from a ray, which has made them of axes and sides.
+        simd.load(unsafe { self.planes.get_unchecked(row) })
+    }
+
+    /// One plane of a row, eight times.
+    #[inline(always)]
+    pub(super) fn plane<S: Simd>(&self, simd: S, row: usize, lane: usize) -> S::Lanes {
+        debug_assert!(row < 6);
+        // SAFETY: as in `row`.
+        simd.splat(unsafe { self.planes.get_unchecked(row) }[lane & 7])
+    }
+
     pub(super) fn set(&mut self, lane: usize, bounds: &NodeBox, child: Child) {
         for axis in 0..3 {
             self.planes[2 * axis][lane] = bounds.min[axis];
@@ -82,6 +102,13 @@ impl Node {
             *child = Child(child.0 + ((first as u32) << 4));
         }
         self
+    }
+
+    /// The bits of the children.
+    #[inline(always)]
+    pub(super) fn child_bits(&self) -> &[u32; 8] {
+        // SAFETY: a child is a word and nothing else.
+        unsafe { &*(&raw const self.children).cast() }
     }
 
     /// The box of one child, `None` if there is no such child.

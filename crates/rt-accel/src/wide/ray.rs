@@ -38,7 +38,7 @@ use super::simd::Simd;
 const SLACK: f64 = 1.0 / (1 << 22) as f64;
 
 /// Greatest reciprocal, relative to that of the greatest component.
-const STEEPEST: f64 = (1u64 << 60) as f64;
+pub(super) const STEEPEST: f64 = (1u64 << 60) as f64;
 
 /// Farthest origin, in sizes of the tree.
 pub(super) const FARTHEST: f64 = (1 << 19) as f64;
@@ -50,8 +50,8 @@ pub(super) struct FilterRay {
     near_shift: [f32; 4],
     far_scale: [f32; 4],
     far_shift: [f32; 4],
-    /// By axis: 1 if the near plane is the upper one.
-    pub(super) near_side: [usize; 3],
+    /// By axis: which row of a node, or number of a leaf, are the near planes; the far ones are its neighbour.
+    pub(super) near_row: [usize; 3],
 }
 
 /// Least and greatest number of a tree or direction for which nothing over- or underflows.
@@ -76,6 +76,46 @@ impl<S: Simd> LaneRay<S> {
     }
 }
 
+/// By what planes are multiplied, and what is added then: for the axes of one ray, or for one axis of four.
+pub(super) struct Slabs<S: Simd> {
+    pub(super) near_scale: S::Doubles,
+    pub(super) near_shift: S::Doubles,
+    pub(super) far_scale: S::Doubles,
+    pub(super) far_shift: S::Doubles,
+}
+
+impl<S: Simd> Slabs<S> {
+    /// Of the origin relative to the centre of a tree and the reciprocal of the direction, which is limited. What it
+    /// holds is to be rounded to `f32`.
+    #[inline(always)]
+    pub(super) fn new(simd: S, q: S::Doubles, inverse: S::Doubles, steepest: S::Doubles, size: f64) -> Self {
+        let pad_of = size / if S::FUSED { (1u64 << 40) as f64 } else { (1u64 << 22) as f64 };
+        let gentlest = simd.sub_doubles(simd.doubles([0.0; 4]), steepest);
+        let inverse = simd.max_doubles(simd.min_doubles(inverse, steepest), gentlest);
+        let near_scale = simd.rounded(simd.mul_doubles(inverse, simd.doubles([1.0 - SLACK; 4])));
+        let far_scale = simd.rounded(simd.mul_doubles(inverse, simd.doubles([1.0 + SLACK; 4])));
+        let pad = simd.mul_doubles(simd.doubles([pad_of; 4]), simd.abs_doubles(inverse));
+        let near_q = simd.mul_doubles(q, near_scale);
+        let far_q = simd.mul_doubles(q, far_scale);
+        let slack = simd.doubles([SLACK / 2.0; 4]);
+        let near_slack = simd.add_doubles(simd.mul_doubles(simd.abs_doubles(near_q), slack), pad);
+        let far_slack = simd.add_doubles(simd.mul_doubles(simd.abs_doubles(far_q), slack), pad);
+        let near_shift = simd.sub_doubles(simd.sub_doubles(simd.doubles([0.0; 4]), near_q), near_slack);
+        Self { near_scale, near_shift, far_scale, far_shift: simd.sub_doubles(far_slack, far_q) }
+    }
+}
+
+/// True if the filters are proven for a ray: by the greatest component of its direction, how far its origin is from the
+/// centre of a tree of that size, and a number that is 0 unless something is not finite.
+#[inline(always)]
+pub(super) fn is_proven(fastest: f64, farthest: f64, nothing: f64, span: Interval, size: f64) -> bool {
+    RANGE.contains(&fastest)
+        & RANGE.contains(&size)
+        & (farthest <= FARTHEST * size)
+        & (span.min >= 0.0)
+        & (nothing == 0.0)
+}
+
 /// The greatest of the first three.
 #[inline(always)]
 pub(super) fn greatest<S: Simd>(simd: S, a: S::Doubles) -> f64 {
@@ -95,34 +135,18 @@ impl FilterRay {
         // What is not finite makes a NaN of this.
         let nothing = simd.mul_doubles(simd.add_doubles(q, ray.direction), simd.doubles([0.0; 4]));
         let [x, y, z, _] = simd.to_doubles(nothing);
-        let is_proven = RANGE.contains(&fastest)
-            & RANGE.contains(&size)
-            & (farthest <= FARTHEST * size)
-            & (span.min >= 0.0)
-            & (x + y + z == 0.0);
-        if !is_proven {
+        if !is_proven(fastest, farthest, x + y + z, span, size) {
             return None;
         }
-        let all = |x: f64| simd.doubles([x; 4]);
-        let pad_of = size / if S::FUSED { (1u64 << 40) as f64 } else { (1u64 << 22) as f64 };
-        let steepest = STEEPEST / fastest;
-        let inverse = simd.max_doubles(simd.min_doubles(ray.inverse, all(steepest)), all(-steepest));
-        let near_scale = simd.narrowed(simd.mul_doubles(inverse, all(1.0 - SLACK)));
-        let far_scale = simd.narrowed(simd.mul_doubles(inverse, all(1.0 + SLACK)));
-        let pad = simd.mul_doubles(all(pad_of), simd.abs_doubles(inverse));
-        let near_q = simd.mul_doubles(q, simd.widened(near_scale));
-        let far_q = simd.mul_doubles(q, simd.widened(far_scale));
-        let slack = all(SLACK / 2.0);
-        let near_slack = simd.add_doubles(simd.mul_doubles(simd.abs_doubles(near_q), slack), pad);
-        let far_slack = simd.add_doubles(simd.mul_doubles(simd.abs_doubles(far_q), slack), pad);
-        let near_shift = simd.sub_doubles(simd.sub_doubles(all(0.0), near_q), near_slack);
+        let steepest = simd.doubles([STEEPEST / fastest; 4]);
+        let slabs = Slabs::new(simd, q, ray.inverse, steepest, size);
         let signs = simd.signs(ray.inverse) as usize;
         Some(Self {
-            near_scale,
-            near_shift: simd.narrowed(near_shift),
-            far_scale,
-            far_shift: simd.narrowed(simd.sub_doubles(far_slack, far_q)),
-            near_side: [signs & 1, signs >> 1 & 1, signs >> 2 & 1],
+            near_scale: simd.narrowed(slabs.near_scale),
+            near_shift: simd.narrowed(slabs.near_shift),
+            far_scale: simd.narrowed(slabs.far_scale),
+            far_shift: simd.narrowed(slabs.far_shift),
+            near_row: [signs & 1, 2 | signs >> 1 & 1, 4 | signs >> 2 & 1],
         })
     }
 
@@ -138,20 +162,20 @@ impl FilterRay {
         simd.mul_add(planes, simd.splat(self.far_scale[axis]), simd.splat(self.far_shift[axis]))
     }
 
-    /// Where the boxes of a node are entered, at `min` or later, and which of them are passed between `min` and `max`.
+    /// Where the boxes of a node are entered, at `min` or later, and left, at `max` or before. Those that are left
+    /// before they are entered are not passed.
     #[inline(always)]
-    pub(super) fn cross<S: Simd>(&self, simd: S, node: &Node, min: f32, max: f32) -> (S::Lanes, u32) {
-        let [x, y, z] = [self.near_side[0] & 1, 2 | self.near_side[1] & 1, 4 | self.near_side[2] & 1];
-        let planes = &node.planes;
-        let enter_x = self.near(simd, 0, simd.load(&planes[x]));
-        let enter_y = self.near(simd, 1, simd.load(&planes[y]));
-        let enter_z = self.near(simd, 2, simd.load(&planes[z]));
-        let leave_x = self.far(simd, 0, simd.load(&planes[x ^ 1]));
-        let leave_y = self.far(simd, 1, simd.load(&planes[y ^ 1]));
-        let leave_z = self.far(simd, 2, simd.load(&planes[z ^ 1]));
+    pub(super) fn cross<S: Simd>(&self, simd: S, node: &Node, min: f32, max: f32) -> [S::Lanes; 2] {
+        let [x, y, z] = self.near_row;
+        let enter_x = self.near(simd, 0, node.row(simd, x));
+        let enter_y = self.near(simd, 1, node.row(simd, y));
+        let enter_z = self.near(simd, 2, node.row(simd, z));
+        let leave_x = self.far(simd, 0, node.row(simd, x ^ 1));
+        let leave_y = self.far(simd, 1, node.row(simd, y ^ 1));
+        let leave_z = self.far(simd, 2, node.row(simd, z ^ 1));
         let enter = simd.max(simd.max(enter_x, enter_y), simd.max(enter_z, simd.splat(min)));
         let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, simd.splat(max)));
-        (enter, simd.le(enter, leave))
+        [enter, leave]
     }
 }
 

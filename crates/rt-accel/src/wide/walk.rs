@@ -62,55 +62,74 @@ impl<G: Goal> Walk<'_, '_, G> {
             return;
         };
         let mut stack = Stack::new();
-        let (mut nodes, mut tests) = (0, 0);
-        let mut child = tree.root;
-        'walk: loop {
-            while child.is_node() {
-                nodes += 1;
-                let Some(node) = tree.nodes.get(child.number()) else { break 'walk };
-                let (enter, mut passed) = prepared.ray.filter.cross(simd, node, prepared.min, goal.limit());
-                if passed == 0 {
-                    let Some(next) = pop(&mut stack, &goal) else { break 'walk };
-                    child = next;
-                    continue;
-                }
-                let lane = take_lane(&mut passed);
-                child = if passed == 0 {
-                    node.children[lane]
-                } else if G::ORDERED {
-                    put_off(simd, tree, node, &simd.to_array(enter), lane, passed, &mut stack)
-                } else {
-                    while passed != 0 {
-                        let other = node.children[take_lane(&mut passed)];
-                        simd.prefetch(tree.line(other));
-                        stack.push(u64::from(other.to_bits()));
-                    }
-                    node.children[lane]
-                };
-            }
-            tests += child.count() as u64;
-            if goal.visit::<S, F>(simd, tree, judge, &prepared, child).is_break() {
-                break;
-            }
-            let Some(next) = pop(&mut stack, &goal) else { break };
-            child = next;
-        }
-        goal.finish::<S, F>(simd, tree, judge, &prepared);
-        query.work = Work { nodes, tests, hits: goal.uncounted_hits() };
+        descend(simd, tree, judge, &prepared, &mut goal, tree.root, &mut stack, &mut query.work);
+        goal.finish::<S, F>(simd, tree, judge, &prepared.ray);
+        query.work.hits = goal.uncounted_hits();
         query.answer = goal.answer();
     }
 }
 
+/// Walks all below a child.
+#[expect(clippy::too_many_arguments, reason = "one function of the state of a ray, which others keep elsewhere")]
+#[inline(always)]
+pub(super) fn descend<S: Simd, F: Filter, G: Goal>(
+    simd: S,
+    tree: &WideBvh,
+    judge: &mut dyn Judge,
+    prepared: &Prepared<'_, S, F>,
+    goal: &mut G,
+    mut child: Child,
+    stack: &mut Stack,
+    work: &mut Work,
+) {
+    stack.len = 0;
+    let (mut nodes, mut tests) = (0, 0);
+    'walk: loop {
+        while child.is_node() {
+            nodes += 1;
+            let Some(node) = tree.nodes.get(child.number()) else { break 'walk };
+            let [enter, leave] = prepared.boxes.cross(simd, node, prepared.min, goal.limit());
+            let mut passed = simd.le(enter, leave);
+            if passed == 0 {
+                let Some(next) = pop(stack, goal) else { break 'walk };
+                child = next;
+                continue;
+            }
+            let lane = take_lane(&mut passed);
+            child = if passed == 0 {
+                node.children[lane]
+            } else if G::ORDERED {
+                put_off(simd, tree, node, &simd.to_array(enter), lane, passed, stack)
+            } else {
+                while passed != 0 {
+                    let other = node.children[take_lane(&mut passed)];
+                    simd.prefetch(tree.line(other));
+                    stack.push(u64::from(other.to_bits()));
+                }
+                node.children[lane]
+            };
+        }
+        tests += child.count() as u64;
+        if goal.visit::<S, F>(simd, tree, judge, prepared, child).is_break() {
+            break;
+        }
+        let Some(next) = pop(stack, goal) else { break };
+        child = next;
+    }
+    work.nodes += nodes;
+    work.tests += tests;
+}
+
 /// What was put off last and still matters.
 #[inline(always)]
-pub(super) fn pop<G: Goal>(stack: &mut Stack, goal: &G) -> Option<Child> {
+fn pop<G: Goal>(stack: &mut Stack, goal: &G) -> Option<Child> {
     // Where nothing is ordered nothing is said of where it is entered.
     stack.pop(if G::ORDERED { goal.limit() } else { f32::INFINITY })
 }
 
 /// Returns the nearest of the children `lane` and `others`, and pushes the rest, the nearest of them last.
 #[inline(always)]
-pub(super) fn put_off<S: Simd>(
+fn put_off<S: Simd>(
     simd: S,
     tree: &WideBvh,
     node: &Node,

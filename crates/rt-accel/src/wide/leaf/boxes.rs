@@ -2,9 +2,10 @@
 
 use rt_math::Interval;
 
-use super::{Block, Filter, LeafView, PreparedRay, Verdict};
+use super::{Block, ExactRay, Filter, LeafView, Verdict};
 use crate::bvh::NodeBox;
 use crate::wide::WideBvh;
+use crate::wide::across::{Across, AcrossBoxes};
 use crate::wide::ray::{FilterRay, at_most};
 use crate::wide::simd::Simd;
 
@@ -30,21 +31,41 @@ pub(in crate::wide) struct BoxFilter {
 
 impl Filter for BoxFilter {
     #[inline(always)]
-    fn new<S: Simd>(_simd: S, ray: &PreparedRay<'_, S>, span: Interval, _tree: &WideBvh) -> Self {
-        Self { ray: ray.filter, min: at_most(span.min) }
+    fn new<S: Simd>(_: S, _: &ExactRay<'_, S>, boxes: &FilterRay, span: Interval, _: &WideBvh) -> Self {
+        Self { ray: *boxes, min: at_most(span.min) }
     }
 
     #[inline(always)]
     fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
         let (mut enter, mut leave) = (simd.splat(self.min), simd.splat(limit));
         for axis in 0..3 {
-            let side = self.ray.near_side[axis];
-            let near = leaf.lanes(simd, (2 * axis + side) * leaf.count);
-            let far = leaf.lanes(simd, (2 * axis + (side ^ 1)) * leaf.count);
+            let row = self.ray.near_row[axis];
+            let near = leaf.lanes(simd, row * leaf.count);
+            let far = leaf.lanes(simd, (row ^ 1) * leaf.count);
             enter = simd.max(self.ray.near(simd, axis, near), enter);
             leave = simd.min(self.ray.far(simd, axis, far), leave);
         }
         Verdict { maybe: simd.le(enter, leave) & leaf.mask(), sure: 0, near: enter, far: leave }
+    }
+
+    type Across<S: Simd> = AcrossBoxes<S>;
+
+    #[inline(always)]
+    fn across<S: Simd>(_: S, rays: &Across<S>, _: &WideBvh) -> AcrossBoxes<S> {
+        rays.boxes
+    }
+
+    #[inline(always)]
+    fn judge_across<S: Simd>(
+        simd: S,
+        rays: &AcrossBoxes<S>,
+        leaf: LeafView<'_>,
+        lane: usize,
+        limits: S::Lanes,
+    ) -> Verdict<S> {
+        let plane = |row: usize| simd.splat(leaf.number(row * leaf.count + lane));
+        let [enter, leave] = rays.cross(simd, plane, limits);
+        Verdict { maybe: simd.le(enter, leave), sure: 0, near: enter, far: leave }
     }
 
     #[inline(always)]

@@ -15,6 +15,8 @@ pub(super) use boxes::BoxFilter;
 pub(super) use spheres::SphereFilter;
 pub(super) use triangles::{TriangleFilter, coordinates, corner};
 
+use super::WideBvh;
+use super::across::{Across, SpanLanes};
 use super::goal::Judge;
 use super::node::Child;
 use super::ray::{FilterRay, LaneRay};
@@ -354,26 +356,27 @@ pub(super) struct FilterSpan {
     pub(super) max: f32,
 }
 
-/// A ray, prepared for boxes and for triangles.
-pub(super) struct PreparedRay<'r, S: Simd> {
+impl FilterSpan {
+    /// The same eight times.
+    #[inline(always)]
+    fn splat<S: Simd>(&self, simd: S) -> SpanLanes<S> {
+        SpanLanes { min: [simd.splat(self.min[0]), simd.splat(self.min[1])], max: simd.splat(self.max) }
+    }
+}
+
+/// A ray, prepared for those who decide.
+pub(super) struct ExactRay<'r, S: Simd> {
     pub(super) ray: &'r Ray,
     pub(super) lanes: LaneRay<S>,
-    pub(super) filter: FilterRay,
     pub(super) sheared: ShearedRay,
 }
 
-impl<'r, S: Simd> PreparedRay<'r, S> {
-    /// `None` where the filter for boxes is not proven.
+impl<'r, S: Simd> ExactRay<'r, S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, tree: &super::WideBvh, ray: &'r Ray, span: Interval) -> Option<Self> {
+    pub(super) fn new(simd: S, ray: &'r Ray) -> Self {
         let lanes = LaneRay::new(simd, ray);
         let [x, y, z, _] = simd.to_doubles(lanes.inverse);
-        Some(Self {
-            ray,
-            lanes,
-            filter: FilterRay::new(simd, &lanes, span, tree.centre, tree.size)?,
-            sheared: ShearedRay::with_inverse(ray, DVec3::new(x, y, z)),
-        })
+        Self { ray, lanes, sheared: ShearedRay::with_inverse(ray, DVec3::new(x, y, z)) }
     }
 }
 
@@ -383,10 +386,25 @@ pub(super) trait Filter: Copy {
     const DECIDES: bool = false;
 
     /// Prepares a ray, of which it is handed what others have prepared.
-    fn new<S: Simd>(simd: S, ray: &PreparedRay<'_, S>, span: Interval, tree: &super::WideBvh) -> Self;
+    fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, boxes: &FilterRay, span: Interval, tree: &WideBvh) -> Self;
 
     /// Judges the primitives of a leaf; what is hit after `limit` is missed.
     fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S>;
+
+    /// The filters of eight rays, a lane each.
+    type Across<S: Simd>;
+
+    /// Prepares eight rays.
+    fn across<S: Simd>(simd: S, rays: &Across<S>, tree: &WideBvh) -> Self::Across<S>;
+
+    /// Judges one primitive of a leaf for eight rays: the bits are those of rays.
+    fn judge_across<S: Simd>(
+        simd: S,
+        filters: &Self::Across<S>,
+        leaf: LeafView<'_>,
+        lane: usize,
+        limits: S::Lanes,
+    ) -> Verdict<S>;
 
     /// The index of a primitive.
     fn index(leaf: LeafView<'_>, lane: usize) -> u32;
@@ -398,7 +416,7 @@ pub(super) trait Filter: Copy {
         _simd: S,
         leaf: LeafView<'_>,
         lane: usize,
-        ray: &PreparedRay<'_, S>,
+        ray: &ExactRay<'_, S>,
         span: Interval,
         judge: &mut dyn Judge,
     ) -> Option<Hit> {
@@ -411,7 +429,7 @@ pub(super) trait Filter: Copy {
         _simd: S,
         leaf: LeafView<'_>,
         lane: usize,
-        ray: &PreparedRay<'_, S>,
+        ray: &ExactRay<'_, S>,
         span: Interval,
         judge: &mut dyn Judge,
     ) -> bool {

@@ -12,9 +12,10 @@
 use glam::DVec3;
 use rt_math::{Interval, LeafLayout, Primitives};
 
-use super::{Block, Filter, FilterSpan, LeafView, PreparedRay, Verdict};
+use super::{Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
 use crate::wide::WideBvh;
-use crate::wide::ray::{at_least, at_most, greatest};
+use crate::wide::across::{Across, Eight, SpanLanes, relative};
+use crate::wide::ray::{FilterRay, at_least, at_most, greatest};
 use crate::wide::simd::Simd;
 
 /// The greatest coordinate that a sphere reaches.
@@ -65,17 +66,70 @@ fn root<S: Simd>(simd: S, x: S::Lanes) -> S::Lanes {
     simd.sqrt(simd.max(x, simd.splat(0.0)))
 }
 
-impl SphereFilter {
-    /// One coordinate of the centres, relative to the origin.
+/// Spheres of one leaf, side by side.
+struct SphereLanes<S: Simd> {
+    centre: [S::Lanes; 3],
+    radius: S::Lanes,
+    greatest: f32,
+}
+
+/// One ray eight times, or eight rays.
+pub(in crate::wide) struct RayLanes<S: Simd> {
+    origin: [S::Lanes; 3],
+    direction: [S::Lanes; 3],
+    inverse_length: S::Lanes,
+    reach: S::Lanes,
+    span: SpanLanes<S>,
+}
+
+impl<S: Simd> RayLanes<S> {
     #[inline(always)]
-    fn offset<S: Simd>(&self, simd: S, leaf: LeafView<'_>, axis: usize) -> S::Lanes {
-        simd.sub(leaf.lanes(simd, HEADER + axis * leaf.count), simd.splat(self.origin[axis]))
+    fn judge(&self, simd: S, spheres: &SphereLanes<S>, limit: S::Lanes, mask: u32) -> Verdict<S> {
+        let margin = simd.mul(simd.add(self.reach, simd.splat(spheres.greatest)), simd.splat(MARGIN));
+        let to_centre = [
+            simd.sub(spheres.centre[0], self.origin[0]),
+            simd.sub(spheres.centre[1], self.origin[1]),
+            simd.sub(spheres.centre[2], self.origin[2]),
+        ];
+        let radius = spheres.radius;
+        let along = dot(simd, to_centre, self.direction);
+        let across = [
+            simd.neg_mul_add(along, self.direction[0], to_centre[0]),
+            simd.neg_mul_add(along, self.direction[1], to_centre[1]),
+            simd.neg_mul_add(along, self.direction[2], to_centre[2]),
+        ];
+        let distance_squared = dot(simd, across, across);
+        let outer = simd.add(radius, margin);
+        let maybe = simd.le(distance_squared, simd.mul(outer, outer)) & mask;
+        if maybe == 0 {
+            return Verdict { maybe, sure: 0, near: along, far: along };
+        }
+
+        let inner = simd.max(simd.sub(radius, margin), simd.splat(0.0));
+        let inside = simd.le(distance_squared, simd.mul(inner, simd.sub(inner, margin)));
+        let half_chord_squared = simd.mul_sub(radius, radius, distance_squared);
+        let slack = simd.mul(outer, simd.mul(simd.splat(4.25), margin));
+        let longest = simd.add(root(simd, simd.add(half_chord_squared, slack)), margin);
+        let shortest = simd.sub(root(simd, simd.sub(half_chord_squared, slack)), margin);
+        let to_t = self.inverse_length;
+        // A rounding or two of the largest number in sight.
+        let rounding = simd.mul(simd.mul(margin, to_t), simd.splat(0.125));
+        let near = simd.sub(simd.mul(simd.sub(along, longest), to_t), rounding);
+        let far = simd.add(simd.mul(simd.sub(along, shortest), to_t), rounding);
+        let last = simd.add(simd.mul(simd.add(along, longest), to_t), rounding);
+
+        let is_not_behind = simd.le(self.span.min[0], last);
+        let is_not_after = simd.le(near, limit);
+        let is_in_front = simd.le(self.span.min[1], near);
+        let is_in_time = simd.le(far, self.span.max);
+        let maybe = maybe & is_not_behind & is_not_after;
+        Verdict { maybe, sure: inside & maybe & is_in_front & is_in_time, near, far }
     }
 }
 
 impl Filter for SphereFilter {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, ray: &PreparedRay<'_, S>, span: Interval, tree: &WideBvh) -> Self {
+    fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, _: &FilterRay, span: Interval, tree: &WideBvh) -> Self {
         let centre = simd.doubles([tree.centre.x, tree.centre.y, tree.centre.z, 0.0]);
         let origin = simd.sub_doubles(ray.lanes.origin, centre);
         let [x, y, z, _] = simd.to_doubles(simd.mul_doubles(ray.lanes.direction, ray.lanes.direction));
@@ -93,44 +147,63 @@ impl Filter for SphereFilter {
     #[inline(always)]
     fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
         let n = leaf.count;
-        let reach = self.reach + leaf.number(0);
-        let margin = reach * MARGIN;
-        let [x, y, z, _] = self.direction;
-        let direction = [simd.splat(x), simd.splat(y), simd.splat(z)];
-        let to_centre = [self.offset(simd, leaf, 0), self.offset(simd, leaf, 1), self.offset(simd, leaf, 2)];
-        let radius = leaf.lanes(simd, HEADER + 3 * n);
-        let along = dot(simd, to_centre, direction);
-        let across = [
-            simd.neg_mul_add(along, direction[0], to_centre[0]),
-            simd.neg_mul_add(along, direction[1], to_centre[1]),
-            simd.neg_mul_add(along, direction[2], to_centre[2]),
-        ];
-        let distance_squared = dot(simd, across, across);
-        let outer = simd.add(radius, simd.splat(margin));
-        let maybe = simd.le(distance_squared, simd.mul(outer, outer)) & leaf.mask();
-        if maybe == 0 {
-            return Verdict { maybe, sure: 0, near: along, far: along };
+        let spheres = SphereLanes {
+            centre: [leaf.lanes(simd, HEADER), leaf.lanes(simd, HEADER + n), leaf.lanes(simd, HEADER + 2 * n)],
+            radius: leaf.lanes(simd, HEADER + 3 * n),
+            greatest: leaf.number(0),
+        };
+        let [x, y, z, _] = self.origin;
+        let [dx, dy, dz, _] = self.direction;
+        let ray = RayLanes {
+            origin: [simd.splat(x), simd.splat(y), simd.splat(z)],
+            direction: [simd.splat(dx), simd.splat(dy), simd.splat(dz)],
+            inverse_length: simd.splat(self.inverse_length),
+            reach: simd.splat(self.reach),
+            span: self.span.splat(simd),
+        };
+        ray.judge(simd, &spheres, simd.splat(limit), leaf.mask())
+    }
+
+    type Across<S: Simd> = RayLanes<S>;
+
+    #[inline(always)]
+    fn across<S: Simd>(simd: S, rays: &Across<S>, tree: &WideBvh) -> RayLanes<S> {
+        let origin = relative(simd, rays.origin, tree.centre);
+        let [x, y, z] = rays.direction;
+        let length_squared = x.mul(simd, x).add(simd, y.mul(simd, y)).add(simd, z.mul(simd, z));
+        let inverse_length = Eight::splat(simd, 1.0).div(simd, length_squared.sqrt(simd));
+        RayLanes {
+            origin: [origin[0].narrowed(simd), origin[1].narrowed(simd), origin[2].narrowed(simd)],
+            direction: [
+                x.mul(simd, inverse_length).narrowed(simd),
+                y.mul(simd, inverse_length).narrowed(simd),
+                z.mul(simd, inverse_length).narrowed(simd),
+            ],
+            inverse_length: inverse_length.narrowed(simd),
+            reach: Across::reach(simd, origin),
+            span: rays.span,
         }
+    }
 
-        let inner = simd.max(simd.sub(radius, simd.splat(margin)), simd.splat(0.0));
-        let inside = simd.le(distance_squared, simd.mul(inner, simd.sub(inner, simd.splat(margin))));
-        let half_chord_squared = simd.mul_sub(radius, radius, distance_squared);
-        let slack = simd.mul(outer, simd.splat(4.25 * margin));
-        let longest = simd.add(root(simd, simd.add(half_chord_squared, slack)), simd.splat(margin));
-        let shortest = simd.sub(root(simd, simd.sub(half_chord_squared, slack)), simd.splat(margin));
-        let to_t = simd.splat(self.inverse_length);
-        // A rounding or two of the largest number in sight.
-        let rounding = simd.splat(margin * self.inverse_length * 0.125);
-        let near = simd.sub(simd.mul(simd.sub(along, longest), to_t), rounding);
-        let far = simd.add(simd.mul(simd.sub(along, shortest), to_t), rounding);
-        let last = simd.add(simd.mul(simd.add(along, longest), to_t), rounding);
-
-        let is_not_behind = simd.le(simd.splat(self.span.min[0]), last);
-        let is_not_after = simd.le(near, simd.splat(limit));
-        let is_in_front = simd.le(simd.splat(self.span.min[1]), near);
-        let is_in_time = simd.le(far, simd.splat(self.span.max));
-        let maybe = maybe & is_not_behind & is_not_after;
-        Verdict { maybe, sure: inside & maybe & is_in_front & is_in_time, near, far }
+    #[inline(always)]
+    fn judge_across<S: Simd>(
+        simd: S,
+        rays: &RayLanes<S>,
+        leaf: LeafView<'_>,
+        lane: usize,
+        limits: S::Lanes,
+    ) -> Verdict<S> {
+        let n = leaf.count;
+        let sphere = SphereLanes {
+            centre: [
+                simd.splat(leaf.number(HEADER + lane)),
+                simd.splat(leaf.number(HEADER + n + lane)),
+                simd.splat(leaf.number(HEADER + 2 * n + lane)),
+            ],
+            radius: simd.splat(leaf.number(HEADER + 3 * n + lane)),
+            greatest: leaf.number(0),
+        };
+        rays.judge(simd, &sphere, limits, 0xff)
     }
 
     #[inline(always)]

@@ -19,11 +19,12 @@
 use glam::{DVec3, Vec3};
 use rt_math::{Hit, Interval, LeafLayout, Primitives, SlabRay};
 
-use super::{Block, Filter, FilterSpan, LeafView, PreparedRay, Verdict};
+use super::{Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
 use crate::wide::WideBvh;
+use crate::wide::across::{Across, SpanLanes, relative as relative_to};
 use crate::wide::copy::Copied;
 use crate::wide::goal::Judge;
-use crate::wide::ray::{at_least, at_most, greatest};
+use crate::wide::ray::{FilterRay, at_least, at_most, greatest};
 use crate::wide::simd::Simd;
 
 /// Greatest extent of a triangle as the factor of the margin, and greatest coordinate.
@@ -88,23 +89,96 @@ pub(in crate::wide) struct TriangleFilter<const COPIES: bool> {
 }
 
 impl<const COPIES: bool> TriangleFilter<COPIES> {
-    /// One coordinate of the three vertices, relative to the origin.
+    /// One coordinate of the three vertices of eight triangles.
     #[inline(always)]
-    fn positions<S: Simd>(&self, simd: S, leaf: LeafView<'_>, axis: usize) -> [S::Lanes; 3] {
+    fn numbers<S: Simd>(&self, simd: S, leaf: LeafView<'_>, axis: usize) -> [S::Lanes; 3] {
         let first = HEADER + axis * leaf.count;
-        let origin = simd.splat(self.origin[axis & 3]);
-        [
-            simd.sub(leaf.lanes(simd, first), origin),
-            simd.sub(leaf.lanes(simd, first + 3 * leaf.count), origin),
-            simd.sub(leaf.lanes(simd, first + 6 * leaf.count), origin),
-        ]
+        [leaf.lanes(simd, first), leaf.lanes(simd, first + 3 * leaf.count), leaf.lanes(simd, first + 6 * leaf.count)]
     }
+}
+
+/// One coordinate of the three vertices of one triangle, eight times.
+#[inline(always)]
+fn repeated<S: Simd>(simd: S, leaf: LeafView<'_>, lane: usize, axis: usize) -> [S::Lanes; 3] {
+    let [a, b, c] = coordinates(leaf, lane, axis);
+    [simd.splat(a), simd.splat(b), simd.splat(c)]
+}
+
+/// Triangles of one leaf, side by side: coordinates of their vertices in the order of the axes of the ray.
+struct TriangleLanes<S: Simd> {
+    x: [S::Lanes; 3],
+    y: [S::Lanes; 3],
+    z: [S::Lanes; 3],
+    extent_margin: f32,
+    greatest: f32,
+}
+
+/// One ray eight times, or eight rays of the same axes.
+pub(in crate::wide) struct RayLanes<S: Simd> {
+    origin: [S::Lanes; 3],
+    shear: [S::Lanes; 2],
+    scale: S::Lanes,
+    reach: S::Lanes,
+    span: SpanLanes<S>,
+}
+
+impl<S: Simd> RayLanes<S> {
+    #[inline(always)]
+    fn judge(&self, simd: S, triangles: &TriangleLanes<S>, limit: S::Lanes, mask: u32) -> Verdict<S> {
+        let reach = simd.add(self.reach, simd.splat(triangles.greatest));
+        let extent_margin = simd.splat(triangles.extent_margin);
+        let margin = simd.mul(reach, simd.mul_add(reach, simd.splat(ROUNDING), extent_margin));
+
+        let z = relative(simd, triangles.z, self.origin[2]);
+        let x = sheared(simd, relative(simd, triangles.x, self.origin[0]), z, self.shear[0]);
+        let y = sheared(simd, relative(simd, triangles.y, self.origin[1]), z, self.shear[1]);
+        let u = edge_function(simd, [x[2], y[2]], [x[1], y[1]]);
+        let v = edge_function(simd, [x[0], y[0]], [x[2], y[2]]);
+        let w = edge_function(simd, [x[1], y[1]], [x[0], y[0]]);
+        let least = simd.min(simd.min(u, v), w);
+        let greatest = simd.max(simd.max(u, v), w);
+        let negative = simd.sub(simd.splat(0.0), margin);
+        let maybe = (simd.le(negative, least) | simd.le(greatest, margin)) & mask;
+        if maybe == 0 {
+            return Verdict { maybe, sure: 0, near: u, far: u };
+        }
+
+        // The extent of the vertices as the ray sees them.
+        let extent = triangles.extent_margin * (1.0 / MARGIN);
+        let is_close = simd.le(simd.max(farthest(simd, x), farthest(simd, y)), simd.splat(4.0 * extent));
+        let inside = is_close
+            & (simd.le(simd.add(margin, margin), least) | simd.le(greatest, simd.add(negative, negative)))
+            & maybe;
+
+        let determinant = simd.add(simd.add(u, v), w);
+        let inverse = simd.div(simd.splat(1.0), determinant);
+        let weighted = simd.mul_add(v, simd.sub(z[1], z[0]), simd.mul(w, simd.sub(z[2], z[0])));
+        let t = simd.mul(simd.mul_add(weighted, inverse, z[0]), self.scale);
+        let size = simd.abs(self.scale);
+        let farthest = simd.mul_add(reach, simd.splat(1.0 / (1 << 21) as f32), simd.splat(extent));
+        let of_weights = simd.mul(simd.mul(simd.mul(simd.splat(17.0), margin), farthest), size);
+        let of_rounding = simd.mul(simd.mul(simd.splat(1.5e-6), reach), size);
+        let error = simd.mul_add(simd.abs(inverse), of_weights, of_rounding);
+        let (near, far) = (simd.sub(t, error), simd.add(t, error));
+
+        let is_in_front = simd.le(self.span.min[1], near);
+        let is_in_time = simd.le(far, self.span.max);
+        let is_not_before = simd.le(self.span.min[0], far);
+        let is_not_after = simd.le(near, limit);
+        let maybe = maybe & (!inside | (is_not_before & is_not_after));
+        Verdict { maybe, sure: inside & maybe & is_in_front & is_in_time, near, far }
+    }
+}
+
+/// Three vertices of eight triangles relative to the origin, along one axis.
+#[inline(always)]
+fn relative<S: Simd>(simd: S, positions: [S::Lanes; 3], origin: S::Lanes) -> [S::Lanes; 3] {
+    [simd.sub(positions[0], origin), simd.sub(positions[1], origin), simd.sub(positions[2], origin)]
 }
 
 /// Three vertices of eight triangles, shifted across the ray.
 #[inline(always)]
-fn sheared<S: Simd>(simd: S, across: [S::Lanes; 3], along: [S::Lanes; 3], shear: f32) -> [S::Lanes; 3] {
-    let shear = simd.splat(shear);
+fn sheared<S: Simd>(simd: S, across: [S::Lanes; 3], along: [S::Lanes; 3], shear: S::Lanes) -> [S::Lanes; 3] {
     [
         simd.neg_mul_add(shear, along[0], across[0]),
         simd.neg_mul_add(shear, along[1], across[1]),
@@ -128,7 +202,7 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
     const DECIDES: bool = COPIES;
 
     #[inline(always)]
-    fn new<S: Simd>(simd: S, ray: &PreparedRay<'_, S>, span: Interval, tree: &WideBvh) -> Self {
+    fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, _: &FilterRay, span: Interval, tree: &WideBvh) -> Self {
         let centre = if COPIES { DVec3::ZERO } else { tree.centre };
         let origin = simd.sub_doubles(ray.lanes.origin, simd.doubles([centre.x, centre.y, centre.z, 0.0]));
         let (axes, [shear_x, shear_y, scale]) = ray.sheared.shear();
@@ -144,47 +218,60 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
 
     #[inline(always)]
     fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
-        let [x_axis, y_axis, z_axis] = self.axes;
-        let extent_margin = leaf.number(0);
-        let reach = self.reach + leaf.number(1);
-        let margin = reach * (extent_margin + reach * ROUNDING);
+        let [x, y, z] = self.axes;
+        let triangles = TriangleLanes {
+            x: self.numbers(simd, leaf, x),
+            y: self.numbers(simd, leaf, y),
+            z: self.numbers(simd, leaf, z),
+            extent_margin: leaf.number(0),
+            greatest: leaf.number(1),
+        };
+        let ray = RayLanes {
+            origin: [simd.splat(self.origin[x & 3]), simd.splat(self.origin[y & 3]), simd.splat(self.origin[z & 3])],
+            shear: [simd.splat(self.shear[0]), simd.splat(self.shear[1])],
+            scale: simd.splat(self.scale),
+            reach: simd.splat(self.reach),
+            span: self.span.splat(simd),
+        };
+        ray.judge(simd, &triangles, simd.splat(limit), leaf.mask())
+    }
 
-        let z = self.positions(simd, leaf, z_axis);
-        let x = sheared(simd, self.positions(simd, leaf, x_axis), z, self.shear[0]);
-        let y = sheared(simd, self.positions(simd, leaf, y_axis), z, self.shear[1]);
-        let u = edge_function(simd, [x[2], y[2]], [x[1], y[1]]);
-        let v = edge_function(simd, [x[0], y[0]], [x[2], y[2]]);
-        let w = edge_function(simd, [x[1], y[1]], [x[0], y[0]]);
-        let least = simd.min(simd.min(u, v), w);
-        let greatest = simd.max(simd.max(u, v), w);
-        let maybe = (simd.le(simd.splat(-margin), least) | simd.le(greatest, simd.splat(margin))) & leaf.mask();
-        if maybe == 0 {
-            return Verdict { maybe, sure: 0, near: u, far: u };
-        }
+    type Across<S: Simd> = ([usize; 3], RayLanes<S>);
 
-        // The extent of the vertices as the ray sees them.
-        let extent = extent_margin * (1.0 / MARGIN);
-        let is_close = simd.le(simd.max(farthest(simd, x), farthest(simd, y)), simd.splat(4.0 * extent));
-        let inside = is_close
-            & (simd.le(simd.splat(2.0 * margin), least) | simd.le(greatest, simd.splat(-2.0 * margin)))
-            & maybe;
+    #[inline(always)]
+    fn across<S: Simd>(simd: S, rays: &Across<S>, tree: &WideBvh) -> Self::Across<S> {
+        let origin = relative_to(simd, rays.origin, if COPIES { DVec3::ZERO } else { tree.centre });
+        let [x, y, z] = rays.axes.map(|axis| axis % 3);
+        let scale = rays.inverse[z];
+        let lanes = RayLanes {
+            origin: [origin[x].narrowed(simd), origin[y].narrowed(simd), origin[z].narrowed(simd)],
+            shear: [
+                rays.direction[x].mul(simd, scale).narrowed(simd),
+                rays.direction[y].mul(simd, scale).narrowed(simd),
+            ],
+            scale: scale.narrowed(simd),
+            reach: Across::reach(simd, origin),
+            span: rays.span,
+        };
+        ([x, y, z], lanes)
+    }
 
-        let determinant = simd.add(simd.add(u, v), w);
-        let inverse = simd.div(simd.splat(1.0), determinant);
-        let weighted = simd.mul_add(v, simd.sub(z[1], z[0]), simd.mul(w, simd.sub(z[2], z[0])));
-        let t = simd.mul(simd.mul_add(weighted, inverse, z[0]), simd.splat(self.scale));
-        let size = self.scale.abs();
-        let of_weights = 17.0 * margin * (extent + reach * (1.0 / (1 << 21) as f32)) * size;
-        let of_rounding = 1.5e-6 * reach * size;
-        let error = simd.mul_add(simd.abs(inverse), simd.splat(of_weights), simd.splat(of_rounding));
-        let (near, far) = (simd.sub(t, error), simd.add(t, error));
-
-        let is_in_front = simd.le(simd.splat(self.span.min[1]), near);
-        let is_in_time = simd.le(far, simd.splat(self.span.max));
-        let is_not_before = simd.le(simd.splat(self.span.min[0]), far);
-        let is_not_after = simd.le(near, simd.splat(limit));
-        let maybe = maybe & (!inside | (is_not_before & is_not_after));
-        Verdict { maybe, sure: inside & maybe & is_in_front & is_in_time, near, far }
+    #[inline(always)]
+    fn judge_across<S: Simd>(
+        simd: S,
+        (axes, rays): &Self::Across<S>,
+        leaf: LeafView<'_>,
+        lane: usize,
+        limits: S::Lanes,
+    ) -> Verdict<S> {
+        let triangle = TriangleLanes {
+            x: repeated(simd, leaf, lane, axes[0]),
+            y: repeated(simd, leaf, lane, axes[1]),
+            z: repeated(simd, leaf, lane, axes[2]),
+            extent_margin: leaf.number(0),
+            greatest: leaf.number(1),
+        };
+        rays.judge(simd, &triangle, limits, 0xff)
     }
 
     #[inline(always)]
@@ -197,7 +284,7 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
         simd: S,
         leaf: LeafView<'_>,
         lane: usize,
-        ray: &PreparedRay<'_, S>,
+        ray: &ExactRay<'_, S>,
         span: Interval,
         judge: &mut dyn Judge,
     ) -> Option<Hit> {
@@ -214,7 +301,7 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
         simd: S,
         leaf: LeafView<'_>,
         lane: usize,
-        ray: &PreparedRay<'_, S>,
+        ray: &ExactRay<'_, S>,
         span: Interval,
         judge: &mut dyn Judge,
     ) -> bool {

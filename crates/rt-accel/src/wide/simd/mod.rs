@@ -47,6 +47,21 @@ pub(super) trait Simd: Copy {
     fn neg_mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes;
     /// A bit for each lane, set where `a ≤ b`; never where one is NaN.
     fn le(self, a: Self::Lanes, b: Self::Lanes) -> u32;
+    /// `enter` where it is at most `leave`, otherwise infinity.
+    fn or_infinity(self, enter: Self::Lanes, leave: Self::Lanes) -> Self::Lanes;
+    /// The least of the eight.
+    fn least(self, a: Self::Lanes) -> f32;
+    /// Writes where `enter ≤ leave`, from the greatest `enter` to the least, and the words of those lanes; returns how
+    /// many they are. What is written after them means nothing. No `enter` may be negative. Each may be written with its
+    /// last three bits cleared.
+    fn put_passed(
+        self,
+        enter: Self::Lanes,
+        leave: Self::Lanes,
+        words: &[u32; 8],
+        enters: &mut [f32; 8],
+        passed: &mut [u32; 8],
+    ) -> usize;
     /// Four numbers of double precision.
     type Doubles: Copy;
 
@@ -54,6 +69,10 @@ pub(super) trait Simd: Copy {
     fn doubles(self, of: [f64; 4]) -> Self::Doubles;
     /// Four numbers, widened.
     fn widened(self, of: [f32; 4]) -> Self::Doubles;
+    /// The numbers of single precision that are nearest.
+    fn rounded(self, a: Self::Doubles) -> Self::Doubles;
+    /// Eight numbers, rounded.
+    fn joined(self, low: Self::Doubles, high: Self::Doubles) -> Self::Lanes;
     /// Four numbers, rounded.
     fn narrowed(self, a: Self::Doubles) -> [f32; 4];
     /// The numbers by lane.
@@ -66,6 +85,8 @@ pub(super) trait Simd: Copy {
     fn mul_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
     /// `a/b`
     fn div_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// `√a`
+    fn sqrt_doubles(self, a: Self::Doubles) -> Self::Doubles;
     /// `|a|`
     fn abs_doubles(self, a: Self::Doubles) -> Self::Doubles;
     /// `a` where it is less than `b`, otherwise `b`, also where one is NaN.

@@ -111,6 +111,42 @@ impl Simd for Portable {
     #[inline(always)]
     fn prefetch<T>(self, _line: *const T) {}
 
+    #[inline(always)]
+    fn or_infinity(self, [a, b]: Self::Lanes, [c, d]: Self::Lanes) -> Self::Lanes {
+        [Vec4::select(a.cmple(c), a, Vec4::INFINITY), Vec4::select(b.cmple(d), b, Vec4::INFINITY)]
+    }
+
+    #[inline(always)]
+    fn least(self, [a, b]: Self::Lanes) -> f32 {
+        a.min(b).min_element()
+    }
+
+    #[inline(always)]
+    fn put_passed(
+        self,
+        enter: Self::Lanes,
+        leave: Self::Lanes,
+        words: &[u32; 8],
+        enters: &mut [f32; 8],
+        passed: &mut [u32; 8],
+    ) -> usize {
+        let mut mask = self.le(enter, leave);
+        let enter = self.to_array(enter);
+        let mut count = 0;
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize & 7;
+            mask &= mask - 1;
+            let mut place = count & 7;
+            while place > 0 && enters[place - 1] < enter[lane] {
+                (enters[place], passed[place]) = (enters[place - 1], passed[place - 1]);
+                place -= 1;
+            }
+            (enters[place], passed[place]) = (enter[lane], words[lane]);
+            count += 1;
+        }
+        count
+    }
+
     type Doubles = [f64; 4];
 
     #[inline(always)]
@@ -121,6 +157,16 @@ impl Simd for Portable {
     #[inline(always)]
     fn widened(self, of: [f32; 4]) -> [f64; 4] {
         of.map(f64::from)
+    }
+
+    #[inline(always)]
+    fn rounded(self, [a, b, c, d]: [f64; 4]) -> [f64; 4] {
+        [f64::from(a as f32), f64::from(b as f32), f64::from(c as f32), f64::from(d as f32)]
+    }
+
+    #[inline(always)]
+    fn joined(self, [a, b, c, d]: [f64; 4], [e, f, g, h]: [f64; 4]) -> Self::Lanes {
+        [Vec4::new(a as f32, b as f32, c as f32, d as f32), Vec4::new(e as f32, f as f32, g as f32, h as f32)]
     }
 
     #[inline(always)]
@@ -151,6 +197,11 @@ impl Simd for Portable {
     #[inline(always)]
     fn div_doubles(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
         each(a, b, |a, b| a / b)
+    }
+
+    #[inline(always)]
+    fn sqrt_doubles(self, a: [f64; 4]) -> [f64; 4] {
+        a.map(f64::sqrt)
     }
 
     #[inline(always)]

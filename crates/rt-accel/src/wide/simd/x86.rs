@@ -7,6 +7,31 @@ use core::arch::x86_64::*;
 
 use super::{Kernel, Simd};
 
+/// Sorts eight numbers, the greatest first, by a bitonic network (Batcher 1968): without branches, as no order is more
+/// likely than another.
+///
+/// # Safety
+///
+/// The processor must have AVX.
+#[inline(always)]
+unsafe fn descending(a: __m256) -> __m256 {
+    // SAFETY: as the caller promises.
+    unsafe {
+        let b = _mm256_permute_ps::<0b10_11_00_01>(a);
+        let a = _mm256_blend_ps::<0b1010_1010>(_mm256_max_ps(a, b), _mm256_min_ps(a, b));
+        let b = _mm256_permute_ps::<0b00_01_10_11>(a);
+        let a = _mm256_blend_ps::<0b1100_1100>(_mm256_max_ps(a, b), _mm256_min_ps(a, b));
+        let b = _mm256_permute_ps::<0b10_11_00_01>(a);
+        let a = _mm256_blend_ps::<0b1010_1010>(_mm256_max_ps(a, b), _mm256_min_ps(a, b));
+        let b = _mm256_permute_ps::<0b00_01_10_11>(_mm256_permute2f128_ps::<1>(a, a));
+        let a = _mm256_blend_ps::<0b1111_0000>(_mm256_max_ps(a, b), _mm256_min_ps(a, b));
+        let b = _mm256_permute_ps::<0b01_00_11_10>(a);
+        let a = _mm256_blend_ps::<0b1100_1100>(_mm256_max_ps(a, b), _mm256_min_ps(a, b));
+        let b = _mm256_permute_ps::<0b10_11_00_01>(a);
+        _mm256_blend_ps::<0b1010_1010>(_mm256_max_ps(a, b), _mm256_min_ps(a, b))
+    }
+}
+
 /// Makes a level of which all operations but the comparison are those of AVX2.
 macro_rules! level {
     ($name:ident, $doc:literal, $features:literal, [$($feature:tt),+], |$a:ident, $b:ident| $le:expr) => {
@@ -131,6 +156,51 @@ macro_rules! level {
             }
 
             #[inline(always)]
+            fn or_infinity(self, enter: __m256, leave: __m256) -> __m256 {
+                // SAFETY: as `splat`.
+                unsafe {
+                    let is_passed = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave);
+                    _mm256_blendv_ps(_mm256_set1_ps(f32::INFINITY), enter, is_passed)
+                }
+            }
+
+            #[inline(always)]
+            fn least(self, a: __m256) -> f32 {
+                // SAFETY: as `splat`.
+                unsafe {
+                    let a = _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a));
+                    let a = _mm_min_ps(a, _mm_movehl_ps(a, a));
+                    _mm_cvtss_f32(_mm_min_ss(a, _mm_movehdup_ps(a)))
+                }
+            }
+
+            #[inline(always)]
+            fn put_passed(
+                self,
+                enter: __m256,
+                leave: __m256,
+                words: &[u32; 8],
+                enters: &mut [f32; 8],
+                passed: &mut [u32; 8],
+            ) -> usize {
+                let count = self.le(enter, leave).count_ones() as usize;
+                // SAFETY: AVX2 is there, as `self` exists; reads and writes the eight numbers of the arrays.
+                unsafe {
+                    let is_passed = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave);
+                    // The lane takes the place of the last three bits, and comes along.
+                    let lanes = _mm256_castsi256_ps(_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+                    let low = _mm256_castsi256_ps(_mm256_set1_epi32(7));
+                    let key = _mm256_or_ps(_mm256_andnot_ps(low, enter), lanes);
+                    let key = descending(_mm256_blendv_ps(_mm256_set1_ps(-1.0), key, is_passed));
+                    let words = _mm256_loadu_si256(words.as_ptr().cast());
+                    let sorted = _mm256_permutevar8x32_epi32(words, _mm256_castps_si256(key));
+                    _mm256_storeu_ps(enters.as_mut_ptr(), _mm256_andnot_ps(low, key));
+                    _mm256_storeu_si256(passed.as_mut_ptr().cast(), sorted);
+                }
+                count
+            }
+
+            #[inline(always)]
             fn prefetch<T>(self, line: *const T) {
                 // SAFETY: a prefetch changes nothing and cannot fail.
                 unsafe { _mm_prefetch::<_MM_HINT_T0>(line.cast()) }
@@ -148,6 +218,18 @@ macro_rules! level {
             fn widened(self, [a, b, c, d]: [f32; 4]) -> __m256d {
                 // SAFETY: as `splat`.
                 unsafe { _mm256_cvtps_pd(_mm_setr_ps(a, b, c, d)) }
+            }
+
+            #[inline(always)]
+            fn rounded(self, a: __m256d) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_cvtps_pd(_mm256_cvtpd_ps(a)) }
+            }
+
+            #[inline(always)]
+            fn joined(self, low: __m256d, high: __m256d) -> __m256 {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_set_m128(_mm256_cvtpd_ps(high), _mm256_cvtpd_ps(low)) }
             }
 
             #[inline(always)]
@@ -200,6 +282,12 @@ macro_rules! level {
             fn max_doubles(self, a: __m256d, b: __m256d) -> __m256d {
                 // SAFETY: as `splat`.
                 unsafe { _mm256_max_pd(a, b) }
+            }
+
+            #[inline(always)]
+            fn sqrt_doubles(self, a: __m256d) -> __m256d {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_sqrt_pd(a) }
             }
 
             #[inline(always)]

@@ -1,0 +1,246 @@
+//! Eight rays side by side, a lane each.
+
+use rt_math::{DVec3, Interval, Ray, ShearedRay};
+
+use super::WideBvh;
+use super::ray::{STEEPEST, Slabs, at_least, at_most, is_proven};
+use super::simd::Simd;
+
+/// Rays in a packet.
+pub(super) const PACKET: usize = 8;
+
+/// One number of eight rays.
+#[derive(Clone, Copy)]
+pub(super) struct Eight<S: Simd> {
+    low: S::Doubles,
+    high: S::Doubles,
+}
+
+impl<S: Simd> Eight<S> {
+    #[inline(always)]
+    fn new(simd: S, [a, b, c, d, e, f, g, h]: [f64; PACKET]) -> Self {
+        Self { low: simd.doubles([a, b, c, d]), high: simd.doubles([e, f, g, h]) }
+    }
+
+    #[inline(always)]
+    pub(super) fn splat(simd: S, x: f64) -> Self {
+        Self { low: simd.doubles([x; 4]), high: simd.doubles([x; 4]) }
+    }
+
+    #[inline(always)]
+    pub(super) fn sub(self, simd: S, other: Self) -> Self {
+        Self { low: simd.sub_doubles(self.low, other.low), high: simd.sub_doubles(self.high, other.high) }
+    }
+
+    #[inline(always)]
+    pub(super) fn add(self, simd: S, other: Self) -> Self {
+        Self { low: simd.add_doubles(self.low, other.low), high: simd.add_doubles(self.high, other.high) }
+    }
+
+    #[inline(always)]
+    pub(super) fn mul(self, simd: S, other: Self) -> Self {
+        Self { low: simd.mul_doubles(self.low, other.low), high: simd.mul_doubles(self.high, other.high) }
+    }
+
+    #[inline(always)]
+    pub(super) fn div(self, simd: S, other: Self) -> Self {
+        Self { low: simd.div_doubles(self.low, other.low), high: simd.div_doubles(self.high, other.high) }
+    }
+
+    #[inline(always)]
+    pub(super) fn sqrt(self, simd: S) -> Self {
+        Self { low: simd.sqrt_doubles(self.low), high: simd.sqrt_doubles(self.high) }
+    }
+
+    #[inline(always)]
+    fn abs(self, simd: S) -> Self {
+        Self { low: simd.abs_doubles(self.low), high: simd.abs_doubles(self.high) }
+    }
+
+    #[inline(always)]
+    fn max(self, simd: S, other: Self) -> Self {
+        Self { low: simd.max_doubles(self.low, other.low), high: simd.max_doubles(self.high, other.high) }
+    }
+
+    /// Rounded to single precision.
+    #[inline(always)]
+    pub(super) fn narrowed(self, simd: S) -> S::Lanes {
+        simd.joined(self.low, self.high)
+    }
+
+    #[inline(always)]
+    fn to_array(self, simd: S) -> [f64; PACKET] {
+        let ([a, b, c, d], [e, f, g, h]) = (simd.to_doubles(self.low), simd.to_doubles(self.high));
+        [a, b, c, d, e, f, g, h]
+    }
+}
+
+/// The greatest absolute value by ray.
+#[inline(always)]
+fn greatest<S: Simd>(simd: S, [x, y, z]: [Eight<S>; 3]) -> Eight<S> {
+    x.abs(simd).max(simd, y.abs(simd)).max(simd, z.abs(simd))
+}
+
+/// Spans of eight rays as the filters of leaves see them; see [`FilterSpan`](super::leaf::FilterSpan).
+#[derive(Clone, Copy)]
+pub(super) struct SpanLanes<S: Simd> {
+    pub(super) min: [S::Lanes; 2],
+    pub(super) max: S::Lanes,
+}
+
+/// Eight rays that go the same way: through the same sides of boxes, and farthest along the same axis.
+pub(super) struct Across<S: Simd> {
+    pub(super) origin: [Eight<S>; 3],
+    pub(super) direction: [Eight<S>; 3],
+    pub(super) inverse: [Eight<S>; 3],
+    /// Axes in the order x, y, z of the rays' own space.
+    pub(super) axes: [usize; 3],
+    pub(super) span: SpanLanes<S>,
+    pub(super) boxes: AcrossBoxes<S>,
+}
+
+/// True if rays go the same way.
+#[inline(always)]
+pub(super) fn agree(rays: &[(Ray, Interval); PACKET]) -> bool {
+    let first = way(&rays[0].0);
+    let mut is_same = true;
+    for (ray, _) in &rays[1..] {
+        is_same &= way(ray) == first;
+    }
+    is_same
+}
+
+/// The signs of a direction, and which of its components are greater than others.
+#[inline(always)]
+fn way(ray: &Ray) -> u32 {
+    let d = ray.direction;
+    let size = d.abs();
+    let signs = (d.x.to_bits() >> 63) | (d.y.to_bits() >> 63) << 1 | (d.z.to_bits() >> 63) << 2;
+    let farther = [size.y > size.z, size.x > size.y, size.x > size.z];
+    signs as u32 | u32::from(farther[0]) << 3 | u32::from(farther[1]) << 4 | u32::from(farther[2]) << 5
+}
+
+impl<S: Simd> Across<S> {
+    /// Of rays that [`agree`]; `None` where the filters are not proven.
+    #[inline(always)]
+    pub(super) fn new(simd: S, tree: &WideBvh, rays: &[(Ray, Interval); PACKET]) -> Option<Self> {
+        let mut numbers = [[0.0; PACKET]; 6];
+        let mut spans = [[0.0; PACKET]; 3];
+        for (lane, (Ray { origin, direction, .. }, span)) in rays.iter().enumerate() {
+            for axis in 0..3 {
+                numbers[axis][lane] = origin[axis];
+                numbers[3 + axis][lane] = direction[axis];
+            }
+            spans[0][lane] = at_most(span.min);
+            spans[1][lane] = at_least(span.min);
+            spans[2][lane] = at_most(span.max);
+        }
+        let [x, y, z, dx, dy, dz] = numbers;
+        let origin = [Eight::new(simd, x), Eight::new(simd, y), Eight::new(simd, z)];
+        let direction = [Eight::new(simd, dx), Eight::new(simd, dy), Eight::new(simd, dz)];
+        let one = Eight::splat(simd, 1.0);
+        let inverse = [one.div(simd, direction[0]), one.div(simd, direction[1]), one.div(simd, direction[2])];
+        let q = relative(simd, origin, tree.centre);
+        let fastest = greatest(simd, direction);
+
+        // What is not finite makes a NaN of this.
+        let sum = q[0].add(simd, q[1]).add(simd, q[2]);
+        let sum = sum.add(simd, direction[0]).add(simd, direction[1]).add(simd, direction[2]);
+        let nothing = sum.mul(simd, Eight::splat(simd, 0.0)).to_array(simd);
+        let farthest = greatest(simd, q).to_array(simd);
+        let sizes = fastest.to_array(simd);
+        for (lane, (_, span)) in rays.iter().enumerate() {
+            if !is_proven(sizes[lane], farthest[lane], nothing[lane], *span, tree.size) {
+                return None;
+            }
+        }
+
+        let (first, _) = &rays[0];
+        let steepest = Eight::splat(simd, STEEPEST).div(simd, fastest);
+        let span = SpanLanes { min: [simd.load(&spans[0]), simd.load(&spans[1])], max: simd.load(&spans[2]) };
+        let near_row = [0, 1, 2].map(|axis| 2 * axis + usize::from(first.direction[axis].is_sign_negative()));
+        let (axes, _) = ShearedRay::new(first).shear();
+        let boxes = AcrossBoxes::new(simd, q, inverse, steepest, tree.size, near_row, span.min[0]);
+        Some(Self { origin, direction, inverse, axes, span, boxes })
+    }
+
+    /// The greatest coordinate of each origin, or more.
+    #[inline(always)]
+    pub(super) fn reach(simd: S, origin: [Eight<S>; 3]) -> S::Lanes {
+        let mut reach = [0.0; PACKET];
+        let farthest = greatest(simd, origin).to_array(simd);
+        for lane in 0..PACKET {
+            reach[lane] = at_least(farthest[lane]);
+        }
+        simd.load(&reach)
+    }
+}
+
+/// Positions relative to a centre.
+#[inline(always)]
+pub(super) fn relative<S: Simd>(simd: S, [x, y, z]: [Eight<S>; 3], centre: DVec3) -> [Eight<S>; 3] {
+    [
+        x.sub(simd, Eight::splat(simd, centre.x)),
+        y.sub(simd, Eight::splat(simd, centre.y)),
+        z.sub(simd, Eight::splat(simd, centre.z)),
+    ]
+}
+
+/// Eight rays as the filter of boxes sees them.
+#[derive(Clone, Copy)]
+pub(super) struct AcrossBoxes<S: Simd> {
+    near_scale: [S::Lanes; 3],
+    near_shift: [S::Lanes; 3],
+    far_scale: [S::Lanes; 3],
+    far_shift: [S::Lanes; 3],
+    near_row: [usize; 3],
+    min: S::Lanes,
+}
+
+impl<S: Simd> AcrossBoxes<S> {
+    #[inline(always)]
+    fn new(
+        simd: S,
+        q: [Eight<S>; 3],
+        inverse: [Eight<S>; 3],
+        steepest: Eight<S>,
+        size: f64,
+        near_row: [usize; 3],
+        min: S::Lanes,
+    ) -> Self {
+        let nothing = simd.splat(0.0);
+        let mut this = Self {
+            near_scale: [nothing; 3],
+            near_shift: [nothing; 3],
+            far_scale: [nothing; 3],
+            far_shift: [nothing; 3],
+            near_row,
+            min,
+        };
+        for axis in 0..3 {
+            let low = Slabs::new(simd, q[axis].low, inverse[axis].low, steepest.low, size);
+            let high = Slabs::new(simd, q[axis].high, inverse[axis].high, steepest.high, size);
+            this.near_scale[axis] = simd.joined(low.near_scale, high.near_scale);
+            this.near_shift[axis] = simd.joined(low.near_shift, high.near_shift);
+            this.far_scale[axis] = simd.joined(low.far_scale, high.far_scale);
+            this.far_shift[axis] = simd.joined(low.far_shift, high.far_shift);
+        }
+        this
+    }
+
+    /// Where the rays enter and leave one box, of which `plane` returns a row, as
+    /// [`FilterRay::cross`](super::ray::FilterRay::cross) has it.
+    #[inline(always)]
+    pub(super) fn cross(&self, simd: S, plane: impl Fn(usize) -> S::Lanes, limits: S::Lanes) -> [S::Lanes; 2] {
+        let [x, y, z] = self.near_row;
+        let enter_x = simd.mul_add(plane(x), self.near_scale[0], self.near_shift[0]);
+        let enter_y = simd.mul_add(plane(y), self.near_scale[1], self.near_shift[1]);
+        let enter_z = simd.mul_add(plane(z), self.near_scale[2], self.near_shift[2]);
+        let leave_x = simd.mul_add(plane(x ^ 1), self.far_scale[0], self.far_shift[0]);
+        let leave_y = simd.mul_add(plane(y ^ 1), self.far_scale[1], self.far_shift[1]);
+        let leave_z = simd.mul_add(plane(z ^ 1), self.far_scale[2], self.far_shift[2]);
+        let enter = simd.max(simd.max(enter_x, enter_y), simd.max(enter_z, self.min));
+        let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, limits));
+        [enter, leave]
+    }
+}

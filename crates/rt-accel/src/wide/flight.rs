@@ -1,0 +1,332 @@
+//! Many rays at a time: while one waits for memory, or for the result of its last box test, others go on.
+//!
+//! Each ray walks as it would alone, one node or leaf at a time, and its next is fetched meanwhile. Where rays go is not
+//! asked by branches, which would be predicted wrongly as often as not, and hold up all.
+//!
+//! Kocberber, Falsafi and Grot, "Asynchronous Memory Access Chaining", 2015, do so for other trees.
+
+use core::marker::PhantomData;
+use core::mem::MaybeUninit;
+
+use rt_math::{Interval, Ray};
+
+use super::across::{PACKET, agree};
+use super::goal::{Goal, Judge, Prepared};
+use super::leaf::{BoxFilter, Filter, LeafKind, SphereFilter, TriangleFilter};
+use super::node::Child;
+use super::packet::{Packet, PacketStack};
+use super::simd::{Kernel, Simd};
+use super::stack::Stack;
+use super::walk::{Work, descend};
+use super::{STACK, WideBvh};
+use crate::Structure;
+
+/// Rays that are under way at a time: enough to outlast a wait, few enough to stay in the nearest cache.
+const CREW: usize = 16;
+
+/// Trees of more bytes than that are waited for: rays that do not agree go through them side by side. Through smaller ones
+/// each goes alone, which takes fewer instructions.
+const FAR: usize = 8 << 20;
+
+/// Sends many rays through a tree.
+pub(super) struct Flight<'q, 'j, G> {
+    pub(super) tree: &'q WideBvh,
+    pub(super) ground: &'q mut Ground<'j>,
+    pub(super) goal: PhantomData<G>,
+}
+
+/// Who decides, and counts.
+pub(super) struct Ground<'j> {
+    pub(super) judge: &'j mut dyn Judge,
+    pub(super) work: Work,
+}
+
+impl<G: Goal> Kernel<&[(Ray, Interval)], &mut [G::Answer]> for Flight<'_, '_, G> {
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], answers: &mut [G::Answer]) {
+        match self.tree.leaves.kind {
+            LeafKind::Watertight => self.fly::<S, TriangleFilter<true>>(simd, rays, answers),
+            LeafKind::Triangles => self.fly::<S, TriangleFilter<false>>(simd, rays, answers),
+            LeafKind::Spheres => self.fly::<S, SphereFilter>(simd, rays, answers),
+            LeafKind::Boxes => self.fly::<S, BoxFilter>(simd, rays, answers),
+        }
+    }
+}
+
+impl<G: Goal> Flight<'_, '_, G> {
+    #[inline(always)]
+    fn fly<S: Simd, F: Filter>(self, simd: S, rays: &[(Ray, Interval)], answers: &mut [G::Answer]) {
+        let mut crew = Crew::<S, F, G> {
+            simd,
+            tree: self.tree,
+            judge: self.ground.judge,
+            work: Work::default(),
+            rays,
+            answers,
+            n_boarded: 0,
+            alone_until: 0,
+            packet_stack: PacketStack::EMPTY,
+            stack: Stack::new(),
+            is_far: self.tree.memory() > FAR,
+            seats: [const { MaybeUninit::uninit() }; CREW],
+            routes: [const { Route::EMPTY }; CREW],
+            at_nodes: Roster::EMPTY,
+            at_leaves: Roster::EMPTY,
+            home: Roster::EMPTY,
+        };
+        (0..CREW).for_each(|seat| crew.home.push_if(true, seat, Child::HOME));
+        loop {
+            crew.board();
+            let n_free = crew.home.len;
+            if n_free == CREW {
+                break;
+            }
+            crew.visit_nodes();
+            crew.visit_leaves();
+            crew.welcome(n_free);
+        }
+        self.ground.work = crew.work;
+    }
+}
+
+/// A ray that is under way.
+struct Traveller<'r, S: Simd, F, G> {
+    prepared: Prepared<'r, S, F>,
+    goal: G,
+    /// Of the ray in the batch.
+    number: usize,
+}
+
+/// Where a ray still has to go, the nearest last, and where that is entered.
+struct Route {
+    children: [u32; STACK + 8],
+    enters: [f32; STACK + 8],
+    len: usize,
+}
+
+impl Route {
+    const EMPTY: Self =
+        Self { children: [Child::HOME.to_bits(); STACK + 8], enters: [f32::NEG_INFINITY; STACK + 8], len: 1 };
+
+    /// Room for eight more.
+    #[inline(always)]
+    fn rest(&mut self) -> (&mut [f32; 8], &mut [u32; 8]) {
+        debug_assert!(self.len < STACK, "the tree is deeper than its builder promises");
+        // SAFETY: nodes put off seven children at most, no tree is deeper than a seventh of the stack, and there are
+        // eight places more.
+        unsafe {
+            (&mut *self.enters.as_mut_ptr().add(self.len).cast(), &mut *self.children.as_mut_ptr().add(self.len).cast())
+        }
+    }
+
+    /// What comes next and is entered at or before `limit`; home is at 0.
+    #[inline(always)]
+    fn pop(&mut self, limit: f32) -> Child {
+        loop {
+            self.len -= 1;
+            // SAFETY: home is never popped twice, so there was something to pop.
+            let (enter, child) =
+                unsafe { (*self.enters.get_unchecked(self.len), *self.children.get_unchecked(self.len)) };
+            if enter <= limit {
+                return Child::from_bits(child);
+            }
+        }
+    }
+}
+
+/// Some of the crew, by seat, and where they are.
+#[derive(Clone, Copy)]
+struct Roster {
+    seats: [(u32, Child); CREW],
+    len: usize,
+}
+
+impl Roster {
+    const EMPTY: Self = Self { seats: [(0, Child::HOME); CREW], len: 0 };
+
+    /// Adds one of them, if it is so.
+    #[inline(always)]
+    fn push_if(&mut self, is_so: bool, seat: usize, child: Child) {
+        self.seats[self.len % CREW] = (seat as u32, child);
+        self.len += usize::from(is_so);
+    }
+
+    #[inline(always)]
+    fn get(&self, at: usize) -> (usize, Child) {
+        let (seat, child) = self.seats[at % CREW];
+        (seat as usize % CREW, child)
+    }
+}
+
+/// The rays that are under way, and those that wait.
+struct Crew<'r, 'q, S: Simd, F, G: Goal> {
+    simd: S,
+    tree: &'q WideBvh,
+    judge: &'q mut dyn Judge,
+    work: Work,
+    rays: &'r [(Ray, Interval)],
+    answers: &'r mut [G::Answer],
+    n_boarded: usize,
+    /// Up to this ray they do not agree.
+    alone_until: usize,
+    packet_stack: PacketStack<S>,
+    /// Of a ray that goes alone.
+    stack: Stack,
+    /// True if it takes long to fetch what is not in the nearest caches.
+    is_far: bool,
+    /// Written where a roster but `home` lists them.
+    seats: [MaybeUninit<Traveller<'r, S, F, G>>; CREW],
+    routes: [Route; CREW],
+    at_nodes: Roster,
+    at_leaves: Roster,
+    /// Whose seats are free.
+    home: Roster,
+}
+
+impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
+    /// Fills the free seats.
+    #[inline(always)]
+    fn board(&mut self) {
+        loop {
+            if self.n_boarded == self.alone_until {
+                self.alone_until += PACKET;
+                if self.go_together() {
+                    self.n_boarded = self.alone_until;
+                    continue;
+                }
+            }
+            let Some((ray, span)) = self.rays.get(self.n_boarded).filter(|_| self.home.len > 0) else { return };
+            let number = self.n_boarded;
+            self.n_boarded += 1;
+            let mut goal = G::new(*span);
+            if !self.tree.unbounded.is_empty() && goal.visit_unbounded(self.judge, ray).is_break() {
+                self.answer(number, goal.answer());
+                continue;
+            }
+            let Some(prepared) = Prepared::<S, F>::new(self.simd, self.tree, ray, *span) else {
+                goal.visit_unfiltered(self.judge, ray);
+                self.answer(number, goal.answer());
+                continue;
+            };
+            if !self.is_far {
+                descend(
+                    self.simd,
+                    self.tree,
+                    self.judge,
+                    &prepared,
+                    &mut goal,
+                    self.tree.root,
+                    &mut self.stack,
+                    &mut self.work,
+                );
+                self.arrive(&prepared, &mut goal, number);
+                continue;
+            }
+            self.home.len -= 1;
+            let (seat, _) = self.home.get(self.home.len);
+            self.seats[seat].write(Traveller { prepared, goal, number });
+            self.routes[seat].len = 1;
+            self.send(seat, self.tree.root);
+        }
+    }
+
+    /// Sends the next rays as a packet, if they agree.
+    #[inline(always)]
+    fn go_together(&mut self) -> bool {
+        let first = self.n_boarded;
+        let Some(rays) = self.rays.get(first..).and_then(|rays| rays.first_chunk()) else { return false };
+        let Some(answers) = self.answers.get_mut(first..).and_then(|answers| answers.first_chunk_mut()) else {
+            return false;
+        };
+        let mut packet = Packet::<S, G> {
+            simd: self.simd,
+            tree: self.tree,
+            judge: self.judge,
+            work: &mut self.work,
+            stack: &mut self.packet_stack,
+            alone: &mut self.stack,
+            goal: PhantomData,
+        };
+        agree(rays) && packet.go::<F>(rays, answers)
+    }
+
+    /// Takes down what a ray has found.
+    #[inline(always)]
+    fn arrive(&mut self, prepared: &Prepared<'_, S, F>, goal: &mut G, number: usize) {
+        goal.finish::<S, F>(self.simd, self.tree, self.judge, &prepared.ray);
+        self.work.hits += goal.uncounted_hits();
+        self.answer(number, goal.answer());
+    }
+
+    #[inline(always)]
+    fn answer(&mut self, number: usize, answer: G::Answer) {
+        if let Some(place) = self.answers.get_mut(number) {
+            *place = answer;
+        }
+    }
+
+    /// Sends a traveller somewhere. Nothing is asked: where rays go next cannot be predicted.
+    #[inline(always)]
+    fn send(&mut self, seat: usize, child: Child) {
+        for line in 0..4 {
+            self.simd.prefetch(self.tree.line(child).wrapping_add(line));
+        }
+        if child == Child::HOME {
+            return self.home.push_if(true, seat, child);
+        }
+        self.at_nodes.push_if(child.is_node(), seat, child);
+        self.at_leaves.push_if(!child.is_node(), seat, child);
+    }
+
+    /// Tests the boxes of all nodes at which rays are, and goes to the nearest.
+    #[inline(always)]
+    fn visit_nodes(&mut self) {
+        let n = self.at_nodes.len;
+        self.work.nodes += n as u64;
+        self.at_nodes.len = 0;
+        for i in 0..n {
+            let (seat, child) = self.at_nodes.get(i);
+            // SAFETY: has been written, as who is at a node.
+            let Traveller { prepared, goal, .. } = unsafe { self.seats[seat].assume_init_ref() };
+            let Some(node) = self.tree.nodes.get(child.number()) else { return };
+            let [enter, leave] = prepared.boxes.cross(self.simd, node, prepared.min, goal.limit());
+            let route = &mut self.routes[seat];
+            let (enters, children) = route.rest();
+            route.len += self.simd.put_passed(enter, leave, node.child_bits(), enters, children);
+            let next = route.pop(goal.limit());
+            self.send(seat, next);
+        }
+    }
+
+    #[inline(always)]
+    fn visit_leaves(&mut self) {
+        let n = self.at_leaves.len;
+        self.at_leaves.len = 0;
+        for i in 0..n {
+            let (seat, leaf) = self.at_leaves.get(i);
+            // SAFETY: has been written, as who is at a leaf.
+            let Traveller { prepared, goal, .. } = unsafe { self.seats[seat].assume_init_mut() };
+            self.work.tests += leaf.count() as u64;
+            if goal.visit::<S, F>(self.simd, self.tree, self.judge, prepared, leaf).is_break() {
+                self.routes[seat].len = 1;
+            }
+            let next = self.routes[seat].pop(goal.limit());
+            self.send(seat, next);
+        }
+    }
+
+    /// Finishes those that have come home since it was last done.
+    #[inline(always)]
+    fn welcome(&mut self, n_free: usize) {
+        for i in n_free..self.home.len {
+            let (seat, _) = self.home.get(i);
+            // SAFETY: has been written, as who has come home.
+            let Traveller { prepared, goal, number } = unsafe { self.seats[seat].assume_init_mut() };
+            goal.finish::<S, F>(self.simd, self.tree, self.judge, &prepared.ray);
+            self.work.hits += goal.uncounted_hits();
+            if let Some(place) = self.answers.get_mut(*number) {
+                *place = goal.answer();
+            }
+        }
+    }
+}

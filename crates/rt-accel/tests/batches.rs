@@ -1,0 +1,161 @@
+//! Batches answer as single queries do: bundles of rays that go the same way, rays that do not, and a mix of both; in
+//! trees that the nearest caches hold, and in others.
+
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+mod soup;
+
+use rt_accel::{Aabb, Accelerator, Counters, DVec3, Hit, Interval, NoProbe, Ray, Structure, WideBvh, wide::SimdLevel};
+use soup::draw::Draw;
+use soup::rays::{Query, adversarial};
+use soup::{Solid, Soup, sheet};
+
+/// Rays in bundles of one to twenty: each bundle starts as one ray, of which the others are neighbours.
+fn bundles(soup: &Soup, n_rays: usize, draw: &mut Draw) -> Vec<(Ray, Interval)> {
+    let world = Aabb::from_points(soup.0.iter().filter_map(Solid::bounds).flat_map(|bounds| [bounds.min, bounds.max]));
+    let size = world.extent().max_element();
+    let mut rays = Vec::new();
+    while rays.len() < n_rays {
+        let Query { ray, span } = if draw.one_in(2) {
+            adversarial(soup, &world, draw)
+        } else {
+            let origin = world.centre() + draw.point() * size;
+            Query {
+                ray: Ray::new(origin, world.centre() + draw.point() * size * 0.4 - origin),
+                span: Interval::FORWARD,
+            }
+        };
+        let spread = draw.pick(&[0.0, 1e-9, 1e-3, 0.05]);
+        for _ in 0..1 + draw.below(20) {
+            let jitter = draw.point() * spread;
+            rays.push((Ray { direction: ray.direction * (1.0 + jitter), ..ray }, span));
+        }
+    }
+    rays.truncate(n_rays);
+    rays
+}
+
+fn key(hit: Option<Hit>) -> Option<(u64, u32, u32, [u64; 2])> {
+    hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive, hit.uv.map(f64::to_bits)))
+}
+
+/// Compares batches of all sizes with single queries.
+fn compare<A: Structure>(name: &str, structure: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {
+    let rays = bundles(soup, n_rays, draw);
+    let (mut n_hits, mut first) = (0, 0);
+    let (mut single, mut batched) = (Counters::default(), Counters::default());
+    while first < rays.len() {
+        let n = draw.pick(&[0, 1, 7, 8, 9, 64, 1000]).min(rays.len() - first);
+        let rays = &rays[first..first + n];
+        let mut hits = vec![None; n];
+        let mut blocked = vec![false; n];
+        structure.closest_batch(soup, rays, &mut hits, &mut batched);
+        structure.occluded_batch(soup, rays, &mut blocked, &mut NoProbe);
+        for (i, (ray, span)) in rays.iter().enumerate() {
+            let expected = structure.closest(soup, ray, *span, &mut single);
+            assert_eq!(key(hits[i]), key(expected), "{name}, ray {}: {ray:?} {span:?}", first + i);
+            assert_eq!(blocked[i], expected.is_some(), "{name}, ray {}: {ray:?} {span:?}", first + i);
+            n_hits += usize::from(expected.is_some());
+        }
+        first += n;
+    }
+    assert!(n_hits > n_rays / 10, "{name}: {n_hits} hits");
+    let (single, batched) = (single.total(), batched.total());
+    let is_similar = |a: u64, b: u64| a as f64 <= 1.5 * b as f64 && b as f64 <= 1.5 * a as f64;
+    assert!(
+        is_similar(single.nodes, batched.nodes) && is_similar(single.tests, batched.tests),
+        "{name}: {single:?} {batched:?}"
+    );
+}
+
+fn levels() -> impl Iterator<Item = SimdLevel> {
+    SimdLevel::ALL.iter().copied().filter(|level| level.is_available())
+}
+
+#[test]
+fn batches_through_small_trees_equal_single_queries() {
+    let seed = Draw::run_seed();
+    println!("batches: seed {seed}");
+    type Kind = (&'static str, fn(&mut Draw) -> Soup);
+    let kinds: [Kind; 5] = [
+        ("facets", Soup::facets),
+        ("triangles", Soup::triangles),
+        ("spheres", |draw| Soup::spheres(300, draw)),
+        ("mixed", Soup::mixed),
+        ("one", |draw| Soup::spheres(1, draw)),
+    ];
+    for level in levels() {
+        for (name, kind) in kinds {
+            for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1.0, 1e4), (1e12, 0.0)] {
+                for grounds in [0, 2] {
+                    let draw = &mut Draw::new(seed);
+                    let mut soup = kind(draw).scaled(scale).moved(DVec3::new(1.0, -0.7, 0.3) * offset);
+                    soup.0.extend((0..grounds).map(|_| Solid::Ground { height: -0.4 * scale }));
+                    let wide = WideBvh::build(&soup).unwrap().with_level(level);
+                    let name = format!("{} {name}, scale {scale:e}, offset {offset:e}, {grounds} planes", level.name());
+                    compare(&name, &wide, &soup, 4000, draw);
+                }
+            }
+        }
+    }
+}
+
+/// Through trees of more than 8 MiB rays go side by side.
+#[test]
+fn batches_through_large_trees_equal_single_queries() {
+    let seed = Draw::run_seed();
+    println!("batches: seed {seed}");
+    let bumps = |x: f64, z: f64| DVec3::new(x, 0.1 * (20.0 * x * z).fract(), z);
+    let triangles = || Soup(sheet(400, bumps).collect());
+    let facet = |solid: &Solid| match *solid {
+        Solid::Triangle(vertices) => Solid::Facet(vertices.map(|vertex| vertex.as_vec3())),
+        ref other => *other,
+    };
+    let facets = || Soup(triangles().0.iter().map(facet).collect());
+    let mixed = || {
+        let mut soup = triangles();
+        soup.0.extend(Soup::spheres(100, &mut Draw::new(seed)).0);
+        soup.0.push(Solid::Ground { height: 0.05 });
+        soup
+    };
+    let spheres = || Soup::spheres(400_000, &mut Draw::new(seed));
+    for (name, soup) in [("facets", facets()), ("triangles", triangles()), ("mixed", mixed()), ("spheres", spheres())] {
+        let wide = WideBvh::build(&soup).unwrap();
+        assert!(wide.memory() > 8 << 20, "{name}: {} bytes", wide.memory());
+        for level in levels() {
+            let wide = wide.clone().with_level(level);
+            compare(&format!("{} {name}", level.name()), &wide, &soup, 4000, &mut Draw::new(seed + 1));
+        }
+    }
+}
+
+/// Rays that no filter is proven for, or that are not finite, among others.
+#[test]
+fn batches_with_odd_rays_equal_single_queries() {
+    let soup = Soup::facets(&mut Draw::new(5));
+    let wide = WideBvh::build(&soup).unwrap();
+    let good = Ray::new(DVec3::new(0.1, 3.0, 0.2), DVec3::NEG_Y);
+    let odd = [
+        Ray::new(DVec3::new(0.1, 1e30, 0.2), DVec3::NEG_Y),
+        Ray::new(good.origin, DVec3::ZERO),
+        Ray::new(good.origin, DVec3::NEG_Y * 1e-300),
+        Ray::new(DVec3::splat(f64::NAN), DVec3::NEG_Y),
+        Ray::new(good.origin, DVec3::new(0.0, f64::NEG_INFINITY, 0.0)),
+    ];
+    for (i, odd) in odd.into_iter().enumerate() {
+        for place in 0..8 {
+            for span in
+                [Interval::FORWARD, Interval::new(-1.0, 5.0), Interval::new(2.0, 1.0), Interval::new(f64::NAN, 1.0)]
+            {
+                let rays: Vec<_> =
+                    (0..8).map(|at| if at == place { (odd, span) } else { (good, Interval::FORWARD) }).collect();
+                let mut hits = vec![None; 8];
+                wide.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
+                for (at, (ray, span)) in rays.iter().enumerate() {
+                    let expected = wide.closest(&soup, ray, *span, &mut NoProbe);
+                    assert_eq!(key(hits[at]), key(expected), "odd ray {i} at {place}, {span:?}");
+                }
+            }
+        }
+    }
+}
