@@ -69,7 +69,7 @@ impl<G: Goal> Flight<'_, '_, G> {
             stack: Stack::new(),
             is_far: self.tree.memory() > FAR,
             seats: [const { MaybeUninit::uninit() }; CREW],
-            routes: [const { Route::EMPTY }; CREW],
+            routes: [const { Route::UNKNOWN }; CREW],
             at_nodes: Roster::EMPTY,
             at_leaves: Roster::EMPTY,
             home: Roster::EMPTY,
@@ -97,20 +97,32 @@ struct Traveller<'r, S: Simd, F, G> {
     number: usize,
 }
 
-/// Where a ray still has to go, the nearest last, and where that is entered.
+/// Where a ray still has to go, the nearest last, and where that is entered. Not cleared, as that would take as long as a
+/// few nodes.
 struct Route {
-    children: [u32; STACK + 8],
-    enters: [f32; STACK + 8],
+    children: [MaybeUninit<u32>; STACK + 8],
+    enters: [MaybeUninit<f32>; STACK + 8],
     len: usize,
 }
 
 impl Route {
-    const EMPTY: Self =
-        Self { children: [Child::HOME.to_bits(); STACK + 8], enters: [f32::NEG_INFINITY; STACK + 8], len: 1 };
+    const UNKNOWN: Self = Self {
+        children: [const { MaybeUninit::uninit() }; STACK + 8],
+        enters: [const { MaybeUninit::uninit() }; STACK + 8],
+        len: 0,
+    };
+
+    /// Nowhere but home.
+    #[inline(always)]
+    fn clear(&mut self) {
+        self.children[0].write(Child::HOME.to_bits());
+        self.enters[0].write(f32::NEG_INFINITY);
+        self.len = 1;
+    }
 
     /// Room for eight more.
     #[inline(always)]
-    fn rest(&mut self) -> (&mut [f32; 8], &mut [u32; 8]) {
+    fn rest(&mut self) -> (&mut [MaybeUninit<f32>; 8], &mut [MaybeUninit<u32>; 8]) {
         debug_assert!(self.len < STACK, "the tree is deeper than its builder promises");
         // SAFETY: nodes put off seven children at most, no tree is deeper than a seventh of the stack, and there are
         // eight places more.
@@ -124,9 +136,10 @@ impl Route {
     fn pop(&mut self, limit: f32) -> Child {
         loop {
             self.len -= 1;
-            // SAFETY: home is never popped twice, so there was something to pop.
-            let (enter, child) =
-                unsafe { (*self.enters.get_unchecked(self.len), *self.children.get_unchecked(self.len)) };
+            // SAFETY: home is never popped twice, so there was something to pop, and all below `len` has been written.
+            let (enter, child) = unsafe {
+                (self.enters.get_unchecked(self.len).assume_init(), self.children.get_unchecked(self.len).assume_init())
+            };
             if enter <= limit {
                 return Child::from_bits(child);
             }
@@ -225,7 +238,7 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             self.home.len -= 1;
             let (seat, _) = self.home.get(self.home.len);
             self.seats[seat].write(Traveller { prepared, goal, number });
-            self.routes[seat].len = 1;
+            self.routes[seat].clear();
             self.send(seat, self.tree.root);
         }
     }
@@ -308,7 +321,7 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             let Traveller { prepared, goal, .. } = unsafe { self.seats[seat].assume_init_mut() };
             self.work.tests += leaf.count() as u64;
             if goal.visit::<S, F>(self.simd, self.tree, self.judge, prepared, leaf).is_break() {
-                self.routes[seat].len = 1;
+                self.routes[seat].clear();
             }
             let next = self.routes[seat].pop(goal.limit());
             self.send(seat, next);

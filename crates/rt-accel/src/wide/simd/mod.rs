@@ -7,6 +7,8 @@ mod portable;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+use core::mem::MaybeUninit;
+
 use portable::Portable;
 
 /// Arithmetic on eight numbers side by side. Having a value of the type proves that the processor can do it.
@@ -59,8 +61,8 @@ pub(super) trait Simd: Copy {
         enter: Self::Lanes,
         leave: Self::Lanes,
         words: &[u32; 8],
-        enters: &mut [f32; 8],
-        passed: &mut [u32; 8],
+        enters: &mut [MaybeUninit<f32>; 8],
+        passed: &mut [MaybeUninit<u32>; 8],
     ) -> usize;
     /// Four numbers of double precision.
     type Doubles: Copy;

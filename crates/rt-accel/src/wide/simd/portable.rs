@@ -1,5 +1,7 @@
 //! What any processor can do: twice four numbers, by glam, which knows SSE2 and NEON.
 
+use core::mem::MaybeUninit;
+
 use glam::Vec4;
 
 use super::{Kernel, Simd};
@@ -127,22 +129,27 @@ impl Simd for Portable {
         enter: Self::Lanes,
         leave: Self::Lanes,
         words: &[u32; 8],
-        enters: &mut [f32; 8],
-        passed: &mut [u32; 8],
+        enters: &mut [MaybeUninit<f32>; 8],
+        passed: &mut [MaybeUninit<u32>; 8],
     ) -> usize {
         let mut mask = self.le(enter, leave);
         let enter = self.to_array(enter);
+        let mut sorted = [(0.0, 0); 8];
         let mut count = 0;
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize & 7;
             mask &= mask - 1;
             let mut place = count & 7;
-            while place > 0 && enters[place - 1] < enter[lane] {
-                (enters[place], passed[place]) = (enters[place - 1], passed[place - 1]);
+            while place > 0 && sorted[place - 1].0 < enter[lane] {
+                sorted[place] = sorted[place - 1];
                 place -= 1;
             }
-            (enters[place], passed[place]) = (enter[lane], words[lane]);
+            sorted[place] = (enter[lane], words[lane]);
             count += 1;
+        }
+        for (place, (enter, word)) in sorted.into_iter().enumerate() {
+            enters[place].write(enter);
+            passed[place].write(word);
         }
         count
     }

@@ -4,6 +4,7 @@
 //! methods are inlined into the functions that `dispatch` compiles for them.
 
 use core::arch::x86_64::*;
+use core::mem::MaybeUninit;
 
 use super::{Kernel, Simd};
 
@@ -180,8 +181,8 @@ macro_rules! level {
                 enter: __m256,
                 leave: __m256,
                 words: &[u32; 8],
-                enters: &mut [f32; 8],
-                passed: &mut [u32; 8],
+                enters: &mut [MaybeUninit<f32>; 8],
+                passed: &mut [MaybeUninit<u32>; 8],
             ) -> usize {
                 let count = self.le(enter, leave).count_ones() as usize;
                 // SAFETY: AVX2 is there, as `self` exists; reads and writes the eight numbers of the arrays.
@@ -194,7 +195,7 @@ macro_rules! level {
                     let key = descending(_mm256_blendv_ps(_mm256_set1_ps(-1.0), key, is_passed));
                     let words = _mm256_loadu_si256(words.as_ptr().cast());
                     let sorted = _mm256_permutevar8x32_epi32(words, _mm256_castps_si256(key));
-                    _mm256_storeu_ps(enters.as_mut_ptr(), _mm256_andnot_ps(low, key));
+                    _mm256_storeu_ps(enters.as_mut_ptr().cast(), _mm256_andnot_ps(low, key));
                     _mm256_storeu_si256(passed.as_mut_ptr().cast(), sorted);
                 }
                 count
