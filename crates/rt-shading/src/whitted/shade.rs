@@ -130,7 +130,7 @@ impl Whitted {
         let diffuse = phong.diffuse.at(textures, surface.uv);
         let specular = if self.needs.highlights { phong.specular.at(textures, surface.uv) } else { Rgb::BLACK };
         let shadow_rays = surface.shadow_rays(view.is_inside);
-        for light in &appearance.lights {
+        for (number, light) in appearance.lights.iter().enumerate() {
             let lit = light.illuminate(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
             let reflected = lit.map_or(Rgb::BLACK, |lit| {
                 let mut reflectance = diffuse * view.normal.dot(lit.direction);
@@ -146,7 +146,7 @@ impl Whitted {
             match lit {
                 Some(lit) if !reflected.is_black() => {
                     let shadow_ray = shadowed.then(|| light.shadow_ray(&shadow_rays, &lit, time));
-                    self.lights.push(reflected, shadow_ray);
+                    self.lights.push(number, reflected, shadow_ray);
                 }
                 _ => self.counts.shadow_rays_spared += u64::from(shadowed),
             }

@@ -123,22 +123,35 @@ struct Met {
     end: u32,
 }
 
+/// Shadow rays to one light: they run alike.
+#[derive(Clone, Debug, Default)]
+struct ToLight {
+    rays: Vec<(Ray, Interval)>,
+    blocked: Vec<bool>,
+}
+
 /// Light on the surfaces of a wave, and the shadow rays that decide about it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lights {
     surfaces: Vec<Met>,
-    /// What surfaces reflect if nothing is in the way, light by light, and whether a shadow ray decides about it.
-    reflected: Vec<(Rgb, bool)>,
-    rays: Vec<(Ray, Interval)>,
-    blocked: Vec<bool>,
+    /// What surfaces reflect if nothing is in the way, and the light and number of the shadow ray that decides about it.
+    reflected: Vec<(Rgb, Option<(u32, u32)>)>,
+    shadows: Vec<ToLight>,
 }
 
 impl Lights {
     /// Light that the surface at hand reflects, if nothing blocks the shadow ray.
     #[inline]
-    pub(super) fn push(&mut self, reflected: Rgb, shadow_ray: Option<(Ray, Interval)>) {
-        self.reflected.push((reflected, shadow_ray.is_some()));
-        self.rays.extend(shadow_ray);
+    pub(super) fn push(&mut self, light: usize, reflected: Rgb, shadow_ray: Option<(Ray, Interval)>) {
+        let decided_by = shadow_ray.map(|ray| {
+            if self.shadows.len() <= light {
+                self.shadows.resize_with(light + 1, ToLight::default);
+            }
+            let rays = &mut self.shadows[light].rays;
+            rays.push(ray);
+            (light as u32, rays.len() as u32 - 1)
+        });
+        self.reflected.push((reflected, decided_by));
     }
 
     /// Ends the lights of a surface, which also shines by itself.
@@ -149,19 +162,22 @@ impl Lights {
     }
 
     /// Traces the shadow rays and adds what is left of the light to what the samples see.
-    pub(super) fn gather(&mut self, occluded: impl FnOnce(&[(Ray, Interval)], &mut [bool]), seen: &mut [Seen]) {
-        self.blocked.clear();
-        self.blocked.resize(self.rays.len(), false);
-        if !self.rays.is_empty() {
-            occluded(&self.rays, &mut self.blocked);
+    pub(super) fn gather(&mut self, mut occluded: impl FnMut(&[(Ray, Interval)], &mut [bool]), seen: &mut [Seen]) {
+        for ToLight { rays, blocked } in &mut self.shadows {
+            blocked.clear();
+            blocked.resize(rays.len(), false);
+            if !rays.is_empty() {
+                occluded(rays, blocked);
+            }
+            rays.clear();
         }
-        let mut blocked = self.blocked.iter();
+        let is_blocked = |light: u32, ray: u32| self.shadows[light as usize].blocked[ray as usize];
         let mut reflected = self.reflected.iter();
         let mut start = 0;
         for met in &self.surfaces {
             let mut radiance = met.radiance;
-            for (light, has_shadow_ray) in reflected.by_ref().take((met.end - start) as usize) {
-                if !(*has_shadow_ray && blocked.next() == Some(&true)) {
+            for (light, decided_by) in reflected.by_ref().take((met.end - start) as usize) {
+                if !decided_by.is_some_and(|(light, ray)| is_blocked(light, ray)) {
                     radiance += *light;
                 }
             }
@@ -170,6 +186,5 @@ impl Lights {
         }
         self.surfaces.clear();
         self.reflected.clear();
-        self.rays.clear();
     }
 }
