@@ -124,20 +124,28 @@ impl<S: Simd> Across<S> {
     /// Of rays that [`agree`]; `None` where the filters are not proven.
     #[inline(always)]
     pub(super) fn new(simd: S, tree: &WideBvh, rays: &[(Ray, Interval); PACKET]) -> Option<Self> {
-        let mut numbers = [[0.0; PACKET]; 6];
-        let mut spans = [[0.0; PACKET]; 3];
-        for (lane, (Ray { origin, direction, .. }, span)) in rays.iter().enumerate() {
-            for axis in 0..3 {
-                numbers[axis][lane] = origin[axis];
-                numbers[3 + axis][lane] = direction[axis];
-            }
-            spans[0][lane] = at_most(span.min);
-            spans[1][lane] = at_least(span.min);
-            spans[2][lane] = at_most(span.max);
+        // One by one, as arrays that are cleared first take longer.
+        macro_rules! by_ray {
+            (|$ray:pat_param, $span:pat_param| $number:expr) => {{
+                let [a, b, c, d, e, f, g, h] = rays;
+                let number = |&($ray, $span): &(Ray, Interval)| $number;
+                [number(a), number(b), number(c), number(d), number(e), number(f), number(g), number(h)]
+            }};
         }
-        let [x, y, z, dx, dy, dz] = numbers;
-        let origin = [Eight::new(simd, x), Eight::new(simd, y), Eight::new(simd, z)];
-        let direction = [Eight::new(simd, dx), Eight::new(simd, dy), Eight::new(simd, dz)];
+        let origin = [
+            Eight::new(simd, by_ray!(|ray, _| ray.origin.x)),
+            Eight::new(simd, by_ray!(|ray, _| ray.origin.y)),
+            Eight::new(simd, by_ray!(|ray, _| ray.origin.z)),
+        ];
+        let direction = [
+            Eight::new(simd, by_ray!(|ray, _| ray.direction.x)),
+            Eight::new(simd, by_ray!(|ray, _| ray.direction.y)),
+            Eight::new(simd, by_ray!(|ray, _| ray.direction.z)),
+        ];
+        let span = SpanLanes {
+            min: [simd.load(&by_ray!(|_, span| at_most(span.min))), simd.load(&by_ray!(|_, span| at_least(span.min)))],
+            max: simd.load(&by_ray!(|_, span| at_most(span.max))),
+        };
         let one = Eight::splat(simd, 1.0);
         let inverse = [one.div(simd, direction[0]), one.div(simd, direction[1]), one.div(simd, direction[2])];
         let q = relative(simd, origin, tree.centre);
@@ -157,7 +165,6 @@ impl<S: Simd> Across<S> {
 
         let (first, _) = &rays[0];
         let steepest = Eight::splat(simd, STEEPEST).div(simd, fastest);
-        let span = SpanLanes { min: [simd.load(&spans[0]), simd.load(&spans[1])], max: simd.load(&spans[2]) };
         let near_row = [0, 1, 2].map(|axis| 2 * axis + usize::from(first.direction[axis].is_sign_negative()));
         let (axes, _) = ShearedRay::new(first).shear();
         let boxes = AcrossBoxes::new(simd, q, inverse, steepest, tree.size, near_row, span.min[0]);

@@ -65,11 +65,11 @@ impl<G: Goal> Flight<'_, '_, G> {
             answers,
             n_boarded: 0,
             alone_until: 0,
-            packet_stack: PacketStack::EMPTY,
+            packet_stack: PacketStack::new(),
             stack: Stack::new(),
             is_far: self.tree.memory() > FAR,
             seats: [const { MaybeUninit::uninit() }; CREW],
-            routes: [const { Route::UNKNOWN }; CREW],
+            routes: [const { MaybeUninit::uninit() }; CREW],
             at_nodes: Roster::EMPTY,
             at_leaves: Roster::EMPTY,
             home: Roster::EMPTY,
@@ -106,18 +106,16 @@ struct Route {
 }
 
 impl Route {
-    const UNKNOWN: Self = Self {
-        children: [const { MaybeUninit::uninit() }; STACK + 8],
-        enters: [const { MaybeUninit::uninit() }; STACK + 8],
-        len: 0,
-    };
-
-    /// Nowhere but home.
+    /// Begins a route: nowhere but home.
     #[inline(always)]
-    fn clear(&mut self) {
-        self.children[0].write(Child::HOME.to_bits());
-        self.enters[0].write(f32::NEG_INFINITY);
-        self.len = 1;
+    fn begin(place: &mut MaybeUninit<Self>) {
+        // SAFETY: within the place; all but `len` may stay unwritten.
+        let route = unsafe {
+            (&raw mut (*place.as_mut_ptr()).len).write(1);
+            place.assume_init_mut()
+        };
+        route.children[0].write(Child::HOME.to_bits());
+        route.enters[0].write(f32::NEG_INFINITY);
     }
 
     /// Room for eight more.
@@ -189,7 +187,7 @@ struct Crew<'r, 'q, S: Simd, F, G: Goal> {
     is_far: bool,
     /// Written where a roster but `home` lists them.
     seats: [MaybeUninit<Traveller<'r, S, F, G>>; CREW],
-    routes: [Route; CREW],
+    routes: [MaybeUninit<Route>; CREW],
     at_nodes: Roster,
     at_leaves: Roster,
     /// Whose seats are free.
@@ -238,7 +236,7 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             self.home.len -= 1;
             let (seat, _) = self.home.get(self.home.len);
             self.seats[seat].write(Traveller { prepared, goal, number });
-            self.routes[seat].clear();
+            Route::begin(&mut self.routes[seat]);
             self.send(seat, self.tree.root);
         }
     }
@@ -303,7 +301,8 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             let Traveller { prepared, goal, .. } = unsafe { self.seats[seat].assume_init_ref() };
             let Some(node) = self.tree.nodes.get(child.number()) else { return };
             let [enter, leave] = prepared.boxes.cross(self.simd, node, prepared.min, goal.limit());
-            let route = &mut self.routes[seat];
+            // SAFETY: as above.
+            let route = unsafe { self.routes[seat].assume_init_mut() };
             let (enters, children) = route.rest();
             route.len += self.simd.put_passed(enter, leave, node.child_bits(), enters, children);
             let next = route.pop(goal.limit());
@@ -321,9 +320,10 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             let Traveller { prepared, goal, .. } = unsafe { self.seats[seat].assume_init_mut() };
             self.work.tests += leaf.count() as u64;
             if goal.visit::<S, F>(self.simd, self.tree, self.judge, prepared, leaf).is_break() {
-                self.routes[seat].clear();
+                Route::begin(&mut self.routes[seat]);
             }
-            let next = self.routes[seat].pop(goal.limit());
+            // SAFETY: as above.
+            let next = unsafe { self.routes[seat].assume_init_mut() }.pop(goal.limit());
             self.send(seat, next);
         }
     }

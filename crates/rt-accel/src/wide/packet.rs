@@ -39,7 +39,11 @@ pub(super) struct PacketStack<S: Simd> {
 }
 
 impl<S: Simd> PacketStack<S> {
-    pub(super) const EMPTY: Self = Self { entries: [const { MaybeUninit::uninit() }; STACK], len: 0 };
+    /// Of which nothing is written: no constant, as that would be copied.
+    #[inline(always)]
+    pub(super) fn new() -> Self {
+        Self { entries: [const { MaybeUninit::uninit() }; STACK], len: 0 }
+    }
 
     /// Inserts an entry into those since `first`, so that the nearest is popped first.
     #[inline(always)]
@@ -70,33 +74,23 @@ impl<S: Simd> PacketStack<S> {
     }
 }
 
-/// The rays of a packet that have gone alone somewhere.
-struct Loners<'r, S: Simd, F> {
-    prepared: [MaybeUninit<Prepared<'r, S, F>>; PACKET],
-    /// Who has been prepared, a bit for each.
-    who: u32,
-}
-
-impl<'r, S: Simd, F: Filter> Loners<'r, S, F> {
-    const NONE: Self = Self { prepared: [const { MaybeUninit::uninit() }; PACKET], who: 0 };
-
-    /// A ray as it goes alone, `None` if the filters are not proven for it.
-    #[inline(always)]
-    fn prepared(
-        &mut self,
-        simd: S,
-        tree: &WideBvh,
-        rays: &'r [(Ray, Interval); PACKET],
-        lane: usize,
-    ) -> Option<&Prepared<'r, S, F>> {
-        if self.who >> lane & 1 == 0 {
-            let (ray, span) = &rays[lane];
-            self.prepared[lane].write(Prepared::new(simd, tree, ray, *span)?);
-            self.who |= 1 << lane;
-        }
-        // SAFETY: written now or before, as `who` says.
-        Some(unsafe { self.prepared[lane].assume_init_ref() })
+/// A ray of a packet that goes alone, `None` if the filters are not proven for it. `who` says which have been prepared.
+#[inline(always)]
+fn loner<'r, 'p, S: Simd, F: Filter>(
+    simd: S,
+    tree: &WideBvh,
+    rays: &'r [(Ray, Interval); PACKET],
+    lane: usize,
+    prepared: &'p mut [MaybeUninit<Prepared<'r, S, F>>; PACKET],
+    who: &mut u32,
+) -> Option<&'p Prepared<'r, S, F>> {
+    if *who >> lane & 1 == 0 {
+        let (ray, span) = &rays[lane];
+        prepared[lane].write(Prepared::new(simd, tree, ray, *span)?);
+        *who |= 1 << lane;
     }
+    // SAFETY: written now or before, as `who` says.
+    Some(unsafe { prepared[lane].assume_init_ref() })
 }
 
 /// Eight rays on their way through a tree.
@@ -152,7 +146,8 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         mut limits: [f32; PACKET],
     ) {
         let simd = self.simd;
-        let mut loners = Loners::<S, F>::NONE;
+        let mut loners = [const { MaybeUninit::<Prepared<'_, S, F>>::uninit() }; PACKET];
+        let mut who = 0;
         self.stack.len = 0;
         self.stack.insert(0, Entry { child: self.tree.root, least: 0.0, enters: simd.splat(0.0) });
         while let Some(Entry { child, enters, .. }) = self.stack.pop() {
@@ -163,7 +158,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 while mask != 0 {
                     let lane = take_lane(&mut mask);
                     let goal = &mut goals[lane];
-                    match loners.prepared(simd, self.tree, rays, lane) {
+                    match loner(simd, self.tree, rays, lane, &mut loners, &mut who) {
                         Some(prepared) => {
                             descend(simd, self.tree, self.judge, prepared, goal, child, self.alone, self.work);
                         }
