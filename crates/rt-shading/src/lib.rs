@@ -11,7 +11,8 @@
 //! ```
 //!
 //! **Owns** lights without extent ([`Light`]), the classical surface ([`Phong`]), textures, the laws of reflection and
-//! refraction ([`optics`]), transparent bodies within each other ([`Interior`]), and the integrators that follow camera paths ([`Whitted`], [`FirstHitView`]).
+//! refraction ([`optics`]), surfaces that obey physics ([`bsdf`]), transparent bodies within each other ([`Interior`]), and the integrators
+//! that follow camera paths ([`Whitted`], [`FirstHitView`]).
 //! **Does not own** shapes (rt-geometry), or how a ray finds one: an integrator asks a [`Tracer`].
 //!
 //! ```
@@ -49,6 +50,7 @@
 #![forbid(unsafe_code)]
 
 mod appearance;
+pub mod bsdf;
 mod first_hit;
 mod interior;
 mod light;

@@ -1,0 +1,121 @@
+//! Metal.
+
+use super::{
+    BsdfSample, Ggx, Scattering, mirror,
+    side::{Side, same_side},
+};
+use crate::optics;
+use rt_math::{DVec3, Rgb};
+
+/// Complex index of refraction n + ik per channel.
+///
+/// The constants are measurements, interpolated between their wavelengths at the dominant ones of the primaries of sRGB,
+/// 611.4, 549.1 and 464.2 nm. Tables: Johnson and Christy, Phys. Rev. B 6, 4370 (1972) and 9, 5056 (1974); Rakić,
+/// Appl. Opt. 34, 4755 (1995) for aluminium; as in the public domain data base refractiveindex.info.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ComplexIor {
+    /// Real part n, relative to the medium outside.
+    pub n: Rgb,
+    /// Imaginary part k, at least 0.
+    pub k: Rgb,
+}
+
+impl ComplexIor {
+    /// Aluminium (Rakić 1995).
+    pub const ALUMINIUM: Self = Self { n: Rgb::new(1.322, 1.011, 0.683), k: Rgb::new(7.311, 6.617, 5.625) };
+    /// Chromium (Johnson, Christy 1974).
+    pub const CHROMIUM: Self = Self { n: Rgb::new(3.178, 3.180, 2.449), k: Rgb::new(3.300, 3.330, 3.206) };
+    /// Copper (Johnson, Christy 1972).
+    pub const COPPER: Self = Self { n: Rgb::new(0.362, 1.015, 1.246), k: Rgb::new(3.127, 2.579, 2.453) };
+    /// Gold (Johnson, Christy 1972).
+    pub const GOLD: Self = Self { n: Rgb::new(0.222, 0.428, 1.335), k: Rgb::new(3.208, 2.461, 1.872) };
+    /// Iron (Johnson, Christy 1974).
+    pub const IRON: Self = Self { n: Rgb::new(2.890, 2.950, 2.643), k: Rgb::new(3.040, 2.930, 2.803) };
+    /// Silver (Johnson, Christy 1972).
+    pub const SILVER: Self = Self { n: Rgb::new(0.058, 0.060, 0.046), k: Rgb::new(4.106, 3.590, 2.795) };
+    /// Titanium (Johnson, Christy 1974).
+    pub const TITANIUM: Self = Self { n: Rgb::new(2.659, 2.540, 2.303), k: Rgb::new(3.698, 3.430, 3.080) };
+
+    /// Part of unpolarised light that is reflected, per channel, by [`conductor_fresnel`].
+    pub fn fresnel(&self, cos_i: f64) -> Rgb {
+        let channel = |n, k| conductor_fresnel(cos_i, n, k);
+        Rgb::new(channel(self.n.r, self.k.r), channel(self.n.g, self.k.g), channel(self.n.b, self.k.b))
+    }
+}
+
+/// Part of unpolarised light that a smooth conductor of index n + ik reflects (Fresnel's equations with a complex index,
+/// Born and Wolf, 14.4); `cos_i` is the cosine of the angle of incidence. With k = 0 it is [`optics::fresnel`] for 1/n.
+///
+/// With a + ib = √((n + ik)² − sin²), perpendicular light is reflected by |cos − a − ib|² / |cos + a + ib|², and light in the
+/// plane by as much again times |a + ib − sin·tan|² / |a + ib + sin·tan|².
+pub fn conductor_fresnel(cos_i: f64, n: f64, k: f64) -> f64 {
+    let cos2 = cos_i.clamp(0.0, 1.0) * cos_i.clamp(0.0, 1.0);
+    let sin2 = 1.0 - cos2;
+    let real = (n - k) * (n + k) - sin2;
+    let size = (real * real + 4.0 * n * n * k * k).sqrt();
+    let a = (0.5 * (size + real)).max(0.0).sqrt();
+    let across = 2.0 * a * cos2.sqrt();
+    let perpendicular = ratio(size + cos2, across);
+    let parallel = perpendicular * ratio(cos2 * size + sin2 * sin2, across * sin2);
+    0.5 * (perpendicular + parallel)
+}
+
+/// (a − b) / (a + b); 1 if both are 0, as at the horizon.
+fn ratio(a: f64, b: f64) -> f64 {
+    if a + b > 0.0 { (a - b) / (a + b) } else { 1.0 }
+}
+
+/// The surface of a metal: f = F·D·G₂ / (4 cos cos) with the facets of [`Ggx`] (Cook, Torrance 1982), a mirror if it is
+/// smooth. Facets are those that are seen (Heitz 2018). Light that facets reflect to each other is lost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conductor {
+    /// Index of refraction of the metal.
+    pub ior: ComplexIor,
+    /// Roughness in \[0, 1\], as in [`Ggx::from_roughness`].
+    pub roughness: f64,
+}
+
+impl Conductor {
+    /// True if it reflects like a mirror.
+    pub fn is_smooth(&self) -> bool {
+        Ggx::from_roughness(self.roughness).is_none()
+    }
+
+    /// As [`super::Bsdf::eval`].
+    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        let Some((facets, (wo, wi))) = Ggx::from_roughness(self.roughness).zip(same_side(wo, wi)) else {
+            return Rgb::BLACK;
+        };
+        let m = (wo + wi).normalize_or(DVec3::Z);
+        self.ior.fresnel(wo.dot(m)) * facets.reflection(wo, wi, m)
+    }
+
+    /// As [`super::Bsdf::pdf`]. It lacks what facets reflect below the surface.
+    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let facets_and_directions = Ggx::from_roughness(self.roughness).zip(same_side(wo, wi));
+        facets_and_directions
+            .map_or(0.0, |(facets, (wo, wi))| facets.reflection_pdf(wo, (wo + wi).normalize_or(DVec3::Z)))
+    }
+
+    /// As [`super::Bsdf::sample`]; the weight is at most 1.
+    pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+        let (wo, side) = Side::of(wo, u)?;
+        let Some(facets) = Ggx::from_roughness(self.roughness) else {
+            return mirror::reflection(wo, side, self.ior.fresnel(wo.z), 1.0);
+        };
+        let m = facets.sample(wo, [u[1], u[2]]);
+        let wi = optics::reflect(-wo, m);
+        if !(wi.z > 0.0) {
+            return None;
+        }
+        BsdfSample {
+            wi: side.restore(wi),
+            value: self.ior.fresnel(wo.dot(m)) * facets.reflection(wo, wi, m),
+            pdf: facets.reflection_pdf(wo, m),
+            kind: Scattering::Reflection,
+            is_delta: false,
+            eta: 1.0,
+        }
+        .if_finite()
+    }
+}

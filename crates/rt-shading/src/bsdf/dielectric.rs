@@ -1,0 +1,179 @@
+//! The surface between two transparent media.
+
+use super::{
+    BsdfSample, Ggx, Scattering, mirror,
+    side::{Side, across, seen_from},
+};
+use crate::optics;
+use rt_math::{DVec3, Rgb};
+
+/// The surface of glass or water: reflects by Fresnel's equations and refracts the rest by Snell's law, at facets of
+/// [`Ggx`], or in its plane if it is smooth (Walter et al., "Microfacet models for refraction through rough surfaces",
+/// 2007, equations 20 and 21).
+///
+/// ```text
+/// η = n(wi side) / n(wo side)
+///
+/// reflection     F·D·G₂ / (4 cos cos)                              m = wo + wi,    normalised
+/// transmission   |wo·m| |wi·m| / (cos cos) · (1 − F)·D·G / (wo·m + η wi·m)²        m = ±(wo + η wi)
+/// ```
+///
+/// G is G₁(wo)·G₁(wi) for transmission. This is of radiance: f(wo, wi) · η² = f(wi, wo). Light that facets pass to each
+/// other is lost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dielectric {
+    /// Index of refraction below the surface divided by that above, positive and finite; otherwise nothing is scattered.
+    pub ior: f64,
+    /// Roughness in \[0, 1\], as in [`Ggx::from_roughness`].
+    pub roughness: f64,
+    /// What is left of reflected light, per channel in \[0, 1\]: white for physics.
+    pub reflectance: Rgb,
+    /// What is left of transmitted light, per channel in \[0, 1\]: white for physics.
+    pub transmittance: Rgb,
+}
+
+/// The surface as seen from one side.
+struct Interface {
+    /// Index of refraction behind, divided by that in front.
+    eta: f64,
+    reflectance: Rgb,
+    transmittance: Rgb,
+}
+
+impl Dielectric {
+    /// A surface without colour.
+    pub fn clear(ior: f64, roughness: f64) -> Self {
+        Self { ior, roughness, reflectance: Rgb::WHITE, transmittance: Rgb::WHITE }
+    }
+
+    /// True if it scatters into single directions. So does a rough one between media that are almost alike, through which
+    /// light goes straight on but for less than a millionth of a radian.
+    pub fn is_smooth(&self) -> bool {
+        self.facets().is_none()
+    }
+
+    /// As [`super::Bsdf::eval`].
+    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        let Some((interface, facets)) = self.interface(wo).zip(self.facets()) else {
+            return Rgb::BLACK;
+        };
+        seen_from(wo, wi).map_or(Rgb::BLACK, |(wo, wi)| match interface.half_vector(wo, wi) {
+            Some(m) if wi.z > 0.0 => interface.reflected(facets, wo, wi, m),
+            Some(m) => interface.transmitted(facets, wo, wi, m),
+            None => Rgb::BLACK,
+        })
+    }
+
+    /// As [`super::Bsdf::pdf`].
+    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let Some((interface, facets)) = self.interface(wo).zip(self.facets()) else {
+            return 0.0;
+        };
+        seen_from(wo, wi).map_or(0.0, |(wo, wi)| match interface.half_vector(wo, wi) {
+            Some(m) if wi.z > 0.0 => interface.reflected_pdf(facets, wo, m),
+            Some(m) => interface.transmitted_pdf(facets, wo, wi, m),
+            None => 0.0,
+        })
+    }
+
+    /// As [`super::Bsdf::sample`].
+    pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+        let interface = self.interface(wo)?;
+        let (wo, side) = Side::of(wo, u)?;
+        let Some(facets) = self.facets() else {
+            return interface.sample_smooth(wo, side, u[0]);
+        };
+        let m = facets.sample(wo, [u[1], u[2]]);
+        if u[0] < interface.chance_of_reflection(wo.dot(m)) {
+            let wi = optics::reflect(-wo, m);
+            let (value, pdf) = (interface.reflected(facets, wo, wi, m), interface.reflected_pdf(facets, wo, m));
+            let sample = BsdfSample { wi, value, pdf, kind: Scattering::Reflection, is_delta: false, eta: 1.0 };
+            (wi.z > 0.0).then_some(sample)
+        } else {
+            let wi = optics::refract(-wo, m, 1.0 / interface.eta)?;
+            let (value, pdf) = (interface.transmitted(facets, wo, wi, m), interface.transmitted_pdf(facets, wo, wi, m));
+            let kind = Scattering::Transmission;
+            (wi.z < 0.0).then_some(BsdfSample { wi, value, pdf, kind, is_delta: false, eta: interface.eta })
+        }
+        .map(|sample| BsdfSample { wi: side.restore(sample.wi), ..sample })
+        .and_then(BsdfSample::if_finite)
+    }
+
+    fn facets(&self) -> Option<Ggx> {
+        let bends = (self.ior - 1.0).abs().min(1.0);
+        Ggx::from_roughness(self.roughness).filter(|facets| facets.alpha() * bends >= Ggx::SMOOTHEST)
+    }
+
+    fn interface(&self, wo: DVec3) -> Option<Interface> {
+        let eta = if wo.z > 0.0 { self.ior } else { 1.0 / self.ior };
+        let is_sound = eta > 0.0 && eta.is_finite();
+        is_sound.then_some(Interface { eta, reflectance: self.reflectance, transmittance: self.transmittance })
+    }
+}
+
+impl Interface {
+    /// Part of the light that a facet reflects; media of the same index have no surface between them.
+    fn fresnel(&self, cos: f64) -> f64 {
+        if self.eta == 1.0 { 0.0 } else { optics::fresnel(cos, 1.0 / self.eta) }
+    }
+
+    /// How often `sample` reflects at a facet: as much of the light as the colours leave.
+    fn chance_of_reflection(&self, cos: f64) -> f64 {
+        let fresnel = self.fresnel(cos);
+        let reflected = fresnel * self.reflectance.max_component();
+        let transmitted = (1.0 - fresnel) * self.transmittance.max_component();
+        if reflected + transmitted > 0.0 { reflected / (reflected + transmitted) } else { fresnel }
+    }
+
+    fn sample_smooth(&self, wo: DVec3, side: Side, u: f64) -> Option<BsdfSample> {
+        let (fresnel, chance) = (self.fresnel(wo.z), self.chance_of_reflection(wo.z));
+        if u < chance {
+            return mirror::reflection(wo, side, self.reflectance * fresnel, chance);
+        }
+        // Where there is no surface, directions keep all of their bits.
+        let wi = if self.eta == 1.0 { -wo } else { optics::refract(-wo, DVec3::Z, 1.0 / self.eta)? };
+        BsdfSample {
+            wi: side.restore(wi),
+            value: self.transmittance * ((1.0 - fresnel) / (self.eta * self.eta * wi.z.abs())),
+            pdf: 1.0 - chance,
+            kind: Scattering::Transmission,
+            is_delta: true,
+            eta: self.eta,
+        }
+        .if_finite()
+    }
+
+    /// The normal of facets that send light from `wi` to `wo`, which is above: upwards, if there are such that both see.
+    fn half_vector(&self, wo: DVec3, wi: DVec3) -> Option<DVec3> {
+        if wi.z > 0.0 {
+            return (wo + wi).try_normalize();
+        }
+        let m = (wo + wi * self.eta).try_normalize()?;
+        let m = if m.z < 0.0 { -m } else { m };
+        (wo.dot(m) > 0.0 && wi.dot(m) < 0.0).then_some(m)
+    }
+
+    fn reflected(&self, facets: Ggx, wo: DVec3, wi: DVec3, m: DVec3) -> Rgb {
+        self.reflectance * (self.fresnel(wo.dot(m)) * facets.reflection(wo, wi, m))
+    }
+
+    fn reflected_pdf(&self, facets: Ggx, wo: DVec3, m: DVec3) -> f64 {
+        self.chance_of_reflection(wo.dot(m)) * facets.reflection_pdf(wo, m)
+    }
+
+    fn transmitted(&self, facets: Ggx, wo: DVec3, wi: DVec3, m: DVec3) -> Rgb {
+        let (cos_o, cos_i, below) = (wo.dot(m), wi.dot(m), across(wi));
+        let stretch = cos_o + self.eta * cos_i;
+        // G₁ / cos stays finite where both are 0.
+        let seen = 4.0 / ((wo.z + facets.stretched(wo)) * (below.z + facets.stretched(below)));
+        let facets = cos_o * cos_i.abs() * facets.d(m) * seen / (stretch * stretch);
+        self.transmittance * ((1.0 - self.fresnel(cos_o)) * facets)
+    }
+
+    fn transmitted_pdf(&self, facets: Ggx, wo: DVec3, wi: DVec3, m: DVec3) -> f64 {
+        let (cos_o, cos_i) = (wo.dot(m), wi.dot(m));
+        let stretch = cos_o + self.eta * cos_i;
+        let jacobian = self.eta * self.eta * cos_i.abs() / (stretch * stretch);
+        (1.0 - self.chance_of_reflection(cos_o)) * facets.pdf(wo, m) * jacobian
+    }
+}

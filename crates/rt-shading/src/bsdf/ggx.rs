@@ -1,0 +1,88 @@
+//! Microfacets: how the normals of a rough surface are spread, and which of them are seen.
+
+use core::f64::consts::{PI, TAU};
+use rt_math::{DVec3, transcendental};
+
+/// The distribution of Trowbridge and Reitz (1975), known as GGX (Walter et al. 2007), with Smith's shadowing.
+///
+/// ```text
+/// D(m)  = 1 / (π α² · (cos² θm + sin² θm / α²)²)          facets of normal m, per solid angle and area
+/// S(w)  = √(cos² θ + α² sin² θ)
+/// G₁(w) = 2 cos θ / (cos θ + S)                            part of the facets that is seen from w
+/// G₂    = 2 cos cos / (cos θo · S(wi) + cos θi · S(wo))    part that is seen from both, on the same side (Heitz 2014)
+/// ```
+///
+/// Directions are above the surface, with a positive cosine. All forms are chosen to keep their digits at grazing angles
+/// and for tiny α.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ggx {
+    /// α: the slope of a typical facet, at least [`Ggx::SMOOTHEST`].
+    alpha: f64,
+}
+
+impl Ggx {
+    /// The least α that is not taken for smooth. Lobes are narrower than a millionth of a radian below it, and rounding
+    /// in the half vector begins to count.
+    pub const SMOOTHEST: f64 = 1e-6;
+
+    /// The distribution of roughness r in \[0, 1\], α = r² (Burley 2012); `None` if that is smooth, or NaN. Greater
+    /// roughness is taken for 1.
+    pub fn from_roughness(roughness: f64) -> Option<Self> {
+        let roughness = roughness.min(1.0);
+        let alpha = roughness * roughness;
+        (roughness > 0.0 && alpha >= Self::SMOOTHEST).then_some(Self { alpha })
+    }
+
+    /// The slope α.
+    pub fn alpha(&self) -> f64 {
+        self.alpha
+    }
+
+    /// D(m), per solid angle; 0 of normals that point down.
+    pub fn d(&self, m: DVec3) -> f64 {
+        if !(m.z > 0.0) {
+            return 0.0;
+        }
+        let alpha2 = self.alpha * self.alpha;
+        let q = m.z * m.z + (m.x * m.x + m.y * m.y) / alpha2;
+        1.0 / (PI * alpha2 * q * q)
+    }
+
+    /// S(w), the length of `w` on the surface stretched by α.
+    pub fn stretched(&self, w: DVec3) -> f64 {
+        (w.z * w.z + self.alpha * self.alpha * (w.x * w.x + w.y * w.y)).sqrt()
+    }
+
+    /// G₁(w): the part of the facets that is seen from `w`.
+    pub fn g1(&self, w: DVec3) -> f64 {
+        2.0 * w.z / (w.z + self.stretched(w))
+    }
+
+    /// Density of [`Ggx::sample`] over the normals: what `wo` sees of facets of the normal `m` (Heitz 2018, equation 3).
+    pub fn pdf(&self, wo: DVec3, m: DVec3) -> f64 {
+        2.0 * wo.dot(m).max(0.0) * self.d(m) / (wo.z + self.stretched(wo))
+    }
+
+    /// A normal that is seen from `wo` (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", 2023).
+    pub fn sample(&self, wo: DVec3, u: [f64; 2]) -> DVec3 {
+        // On the stretched surface, facets are those of a hemisphere, and a half of what these reflect is a cap.
+        let wo = DVec3::new(self.alpha * wo.x, self.alpha * wo.y, wo.z).normalize_or(DVec3::Z);
+        let height = (1.0 - u[1]) * (1.0 + wo.z);
+        let z = height - wo.z;
+        let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+        let (sin_phi, cos_phi) = transcendental::sincos(TAU * u[0]);
+        let half = DVec3::new(sin * cos_phi + wo.x, sin * sin_phi + wo.y, height);
+        DVec3::new(self.alpha * half.x, self.alpha * half.y, half.z).normalize_or(DVec3::Z)
+    }
+
+    /// D·G₂ / (4 cos cos): the BRDF of perfectly reflecting facets for two directions of which `m` is the half vector.
+    pub fn reflection(&self, wo: DVec3, wi: DVec3, m: DVec3) -> f64 {
+        self.d(m) / (2.0 * (wo.z * self.stretched(wi) + wi.z * self.stretched(wo)))
+    }
+
+    /// Density over solid angle of what facets of [`Ggx::sample`] reflect, `m` being the half vector. The weight
+    /// f · cos / pdf of perfectly reflecting facets is G₂/G₁, at most 1.
+    pub fn reflection_pdf(&self, wo: DVec3, m: DVec3) -> f64 {
+        self.d(m) / (2.0 * (wo.z + self.stretched(wo)))
+    }
+}

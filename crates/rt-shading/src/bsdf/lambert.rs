@@ -1,0 +1,60 @@
+//! Ideally diffuse reflection.
+
+use super::{
+    BsdfSample, Scattering,
+    side::{Side, same_side},
+};
+use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4};
+use rt_math::{DVec3, Rgb, transcendental};
+
+/// Reflects light to all directions alike: f = albedo / π (Lambert 1760).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lambert {
+    /// Part of the light that is reflected, per channel in \[0, 1\].
+    pub albedo: Rgb,
+}
+
+impl Lambert {
+    /// As [`super::Bsdf::eval`].
+    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        same_side(wo, wi).map_or(Rgb::BLACK, |_| self.albedo * FRAC_1_PI)
+    }
+
+    /// As [`super::Bsdf::pdf`]: cos θ(wi) / π.
+    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        same_side(wo, wi).map_or(0.0, |(_, wi)| cosine_pdf(wi))
+    }
+
+    /// As [`super::Bsdf::sample`]; the weight is the albedo.
+    pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+        let (_, side) = Side::of(wo, u)?;
+        let wi = cosine_hemisphere([u[1], u[2]]);
+        BsdfSample {
+            wi: side.restore(wi),
+            value: self.albedo * FRAC_1_PI,
+            pdf: cosine_pdf(wi),
+            kind: Scattering::Reflection,
+            is_delta: false,
+            eta: 1.0,
+        }
+        .if_finite()
+    }
+}
+
+/// Density of [`cosine_hemisphere`] over solid angle.
+pub(super) fn cosine_pdf(w: DVec3) -> f64 {
+    w.z * FRAC_1_PI
+}
+
+/// A direction above the surface by the cosine of its angle to the normal: a point of the unit disk, raised to the
+/// hemisphere (Malley 1988). The map of the square to the disk keeps neighbours together (Shirley, Chiu 1997).
+pub(super) fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
+    let [x, y] = u.map(|u| 2.0 * u - 1.0);
+    if x == 0.0 && y == 0.0 {
+        return DVec3::Z;
+    }
+    let (radius, angle) =
+        if x.abs() > y.abs() { (x, FRAC_PI_4 * (y / x)) } else { (y, FRAC_PI_2 - FRAC_PI_4 * (x / y)) };
+    let (sin, cos) = transcendental::sincos(angle);
+    DVec3::new(radius * cos, radius * sin, ((1.0 - radius) * (1.0 + radius)).sqrt())
+}

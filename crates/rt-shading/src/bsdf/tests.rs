@@ -1,0 +1,98 @@
+//! What all models promise, tested on the same list of surfaces.
+
+mod agreement;
+
+use super::*;
+use rt_math::{random, transcendental};
+
+/// Angles of incidence in degrees, up to grazing.
+pub(super) const ANGLES: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 89.0];
+
+/// A unit vector at so many degrees from the normal.
+pub(super) fn at_angle(degrees: f64, azimuth: f64) -> DVec3 {
+    let (sin, cos) = transcendental::sincos(degrees.to_radians());
+    let (sin_phi, cos_phi) = transcendental::sincos(azimuth);
+    DVec3::new(sin * cos_phi, sin * sin_phi, cos)
+}
+
+/// Numbers for the sample `index` of the stream `seed`.
+pub(super) fn numbers(seed: u64, index: u64) -> [f64; 3] {
+    [0, 1, 2].map(|dimension| random::unit(random::hash(&[seed, index, dimension])))
+}
+
+/// A surface with what its tests need to know.
+pub(super) struct Surface {
+    pub(super) name: &'static str,
+    pub(super) bsdf: Bsdf,
+}
+
+fn surface(name: &'static str, bsdf: impl Into<Bsdf>) -> Surface {
+    Surface { name, bsdf: bsdf.into() }
+}
+
+pub(super) fn metal(roughness: f64) -> Conductor {
+    Conductor { ior: ComplexIor::GOLD, roughness }
+}
+
+/// A surface of glTF, white, so that its albedo is the greatest.
+pub(super) fn gltf(metallic: f64, roughness: f64) -> MetallicRoughness {
+    MetallicRoughness { base_color: Rgb::WHITE, metallic, roughness }
+}
+
+pub(super) fn eon(roughness: f64) -> OrenNayar {
+    OrenNayar { albedo: Rgb::WHITE, roughness }
+}
+
+pub(super) fn phong(exponent: f64) -> PhongLobe {
+    PhongLobe { reflectance: Rgb::WHITE, exponent }
+}
+
+pub(super) fn pane() -> ThinGlass {
+    ThinGlass { ior: 1.5, transmittance: Rgb::WHITE }
+}
+
+/// Diffuse, glossy, rough glass and a mirror, sharing the light.
+pub(super) fn blend() -> Mix {
+    Mix::new(&[
+        (0.4, Lambert { albedo: Rgb::WHITE }.into()),
+        (0.3, phong(20.0).into()),
+        (0.2, Dielectric::clear(1.5, 0.6).into()),
+        (0.1, Mirror { reflectance: Rgb::WHITE }.into()),
+    ])
+    .expect("a sound mix")
+}
+
+/// One of each model, and rough ones smooth to rough. White where that is possible: that is where energy shows.
+pub(super) fn surfaces() -> Vec<Surface> {
+    let tinted = Dielectric {
+        reflectance: Rgb::new(0.2, 0.5, 0.4),
+        transmittance: Rgb::new(0.9, 0.1, 0.3),
+        ..Dielectric::clear(1.3, 0.5)
+    };
+    vec![
+        surface("lambert", Lambert { albedo: Rgb::WHITE }),
+        surface("oren-nayar .5", eon(0.5)),
+        surface("oren-nayar 1", eon(1.0)),
+        surface("phong 1", phong(1.0)),
+        surface("phong 50", phong(50.0)),
+        surface("phong 5000", phong(5000.0)),
+        surface("mirror", Mirror { reflectance: Rgb::WHITE }),
+        surface("glass", Dielectric::clear(1.5, 0.0)),
+        surface("glass .05", Dielectric::clear(1.5, 0.05)),
+        surface("glass .3", Dielectric::clear(1.5, 0.3)),
+        surface("glass 1", Dielectric::clear(1.5, 1.0)),
+        surface("air bubble .4", Dielectric::clear(1.0 / 1.5, 0.4)),
+        surface("almost air .7", Dielectric::clear(1.01, 0.7)),
+        surface("tinted glass .5", tinted),
+        surface("gold", metal(0.0)),
+        surface("gold .05", metal(0.05)),
+        surface("gold .3", metal(0.3)),
+        surface("gold 1", metal(1.0)),
+        surface("glTF metal .4", gltf(1.0, 0.4)),
+        surface("glTF plastic .1", gltf(0.0, 0.1)),
+        surface("glTF plastic .5", gltf(0.0, 0.5)),
+        surface("glTF smooth", gltf(0.5, 0.0)),
+        surface("pane", pane()),
+        surface("mix", blend()),
+    ]
+}

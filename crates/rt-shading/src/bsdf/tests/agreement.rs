@@ -1,0 +1,49 @@
+//! `sample` tells the same values as `eval` and `pdf`.
+
+use super::*;
+
+/// Relative difference, where the smaller of two numbers may be 0.
+fn difference(a: f64, b: f64) -> f64 {
+    (a - b).abs() / a.abs().max(b.abs()).max(f64::MIN_POSITIVE)
+}
+
+#[test]
+fn samples_carry_what_eval_and_pdf_give() {
+    for Surface { name, bsdf } in surfaces() {
+        let mut taken = 0;
+        for (at, degrees) in ANGLES.into_iter().chain([120.0, 170.0]).enumerate() {
+            let wo = at_angle(degrees, 0.7);
+            for index in 0..500 {
+                let Some(sample) = bsdf.sample(wo, numbers(at as u64, index)) else { continue };
+                taken += 1;
+                let is_same_side = sample.wi.z * wo.z > 0.0;
+                assert_eq!(is_same_side, sample.kind == Scattering::Reflection, "{name} at {degrees}°");
+                assert!((sample.wi.length() - 1.0).abs() < 1e-12, "{name} at {degrees}°: {}", sample.wi.length());
+                assert!(is_same_side || bsdf.transmits(), "{name}");
+                if sample.is_delta {
+                    continue;
+                }
+                assert!(!bsdf.is_delta(), "{name}");
+                // The half vector is known to about 1e-16, of which lobes of width 0.0025 make 400 times as much, and
+                // refraction by an index of 1.01 a hundred times again.
+                let pdf = bsdf.pdf(wo, sample.wi);
+                assert!(difference(pdf, sample.pdf) < 1e-9, "{name} at {degrees}°: {pdf} {}", sample.pdf);
+                let value = bsdf.eval(wo, sample.wi);
+                for (a, b) in value.to_array().into_iter().zip(sample.value.to_array()) {
+                    assert!(difference(a, b) < 1e-9, "{name} at {degrees}°: {a} {b}");
+                }
+            }
+        }
+        assert!(taken > 1000, "{name}: {taken}");
+    }
+}
+
+#[test]
+fn nothing_is_seen_of_single_directions() {
+    for Surface { name, bsdf } in surfaces().into_iter().filter(|surface| surface.bsdf.is_delta()) {
+        let wo = at_angle(30.0, 0.0);
+        let sample = bsdf.sample(wo, [0.99, 0.5, 0.5]).expect("scatters");
+        assert!(sample.is_delta, "{name}");
+        assert_eq!((bsdf.eval(wo, sample.wi), bsdf.pdf(wo, sample.wi)), (Rgb::BLACK, 0.0), "{name}");
+    }
+}
