@@ -90,7 +90,7 @@ impl MetallicRoughness {
     }
 
     fn metallic(&self) -> f64 {
-        self.metallic.max(0.0).min(1.0)
+        if self.metallic > 0.0 { self.metallic.min(1.0) } else { 0.0 }
     }
 
     /// What facets reflect at the angle of the cosine to them.

@@ -62,7 +62,7 @@ impl OrenNayar {
 
     /// f of two directions above the surface.
     fn value(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let roughness = self.roughness.max(0.0).min(1.0);
+        let roughness = if self.roughness > 0.0 { self.roughness.min(1.0) } else { 0.0 };
         let s = wo.x * wi.x + wo.y * wi.y;
         let s_over_t = if s > 0.0 { s / wo.z.max(wi.z) } else { s };
         let a = 1.0 / (1.0 + C1 * roughness);

@@ -57,7 +57,7 @@ impl PhongLobe {
     }
 
     fn exponent(&self) -> f64 {
-        self.exponent.max(0.0).min(SHARPEST)
+        if self.exponent > 0.0 { self.exponent.min(SHARPEST) } else { 0.0 }
     }
 
     fn value(&self, cos: f64) -> Rgb {
