@@ -106,6 +106,25 @@ pub struct Bitmap8 {
     pub bytes: Vec<u8>,
 }
 
+impl Bitmap8 {
+    /// The light that the bytes stand for, multiplied by coverage: the film that [`read_image`](crate::read_image) makes of
+    /// them if the encoding is sRGB. Pixels that `bytes` is too short for are black.
+    pub fn decode(&self, encoding: Encoding) -> Film {
+        let light: [f32; 256] = core::array::from_fn(|byte| encoding.decode(byte as u8));
+        let with_alpha = self.channels == 4;
+        let mut film = Film::new(self.width, self.height, with_alpha);
+        let samples = || self.bytes.chunks_exact(if with_alpha { 4 } else { 3 });
+        for (pixel, bytes) in film.pixels_mut().iter_mut().zip(samples()) {
+            let coverage = bytes.get(3).map_or(1.0, |&byte| f32::from(byte) / 255.0);
+            *pixel = core::array::from_fn(|channel| light[usize::from(bytes[channel])] * coverage);
+        }
+        for (alpha, bytes) in film.alpha_mut().into_iter().flatten().zip(samples()) {
+            *alpha = f32::from(bytes[3]) / 255.0;
+        }
+        film
+    }
+}
+
 impl Development {
     /// Checks exposure and gamma.
     ///
@@ -121,13 +140,23 @@ impl Development {
         }
     }
 
-    /// The byte of one component: `round(255 · encode(tone(2^exposure · radiance)))`. Negative radiance and NaN
-    /// give 0, infinity what the greatest radiance gives.
-    pub fn byte(&self, radiance: f32) -> u8 {
+    /// The displayable light in [0, 1] of one component, `tone(2^exposure · radiance)`. Negative radiance and NaN give 0,
+    /// infinity what the greatest radiance gives.
+    pub fn light(&self, radiance: f32) -> f64 {
         // An infinite radiance times an underflowing exposure would be NaN.
         let radiance = f64::from(radiance.clamp(f32::MIN, f32::MAX));
+        self.tone.apply(radiance * exp2(self.exposure))
+    }
+
+    /// The signal in [0, 1] that stands for this [`light`](Self::light).
+    pub fn signal(&self, radiance: f32) -> f64 {
+        self.encoding.encode(self.light(radiance))
+    }
+
+    /// The byte of one component: the [`signal`](Self::signal) times 255, rounded.
+    pub fn byte(&self, radiance: f32) -> u8 {
         // The conversion saturates, and takes NaN to 0.
-        (255.0 * self.encoding.encode(self.tone.apply(radiance * exp2(self.exposure)))).round() as u8
+        (255.0 * self.signal(radiance)).round() as u8
     }
 
     /// Develops a film to bytes, with its coverage as a fourth channel if it has one. Colours are divided by their

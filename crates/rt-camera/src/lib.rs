@@ -24,8 +24,10 @@
 //! | linear radiance of every pixel | [`Film`] |
 //! | bytes | [`Development`] |
 //! | files (feature `files`, on by default) | `write_image`, `read_image` |
+//! | how much one image differs from another | [`metrics`] |
 //!
-//! **Owns** the camera, the sample patterns, the reconstruction filters, the film, its development and image files.
+//! **Owns** the camera, the sample patterns, the reconstruction filters, the film, its development, image files, and how
+//! images are compared.
 //! **Does not own** what the rays meet, how much light they bring, who owns which pixel, or how a file is put in place.
 //!
 //! A tiny film, exposed to a sky that is bright above and dark below:
@@ -74,6 +76,7 @@ mod film;
 mod filter;
 #[cfg(feature = "files")]
 mod image_file;
+pub mod metrics;
 mod mitchell;
 mod pattern;
 #[cfg(feature = "files")]
@@ -95,7 +98,7 @@ pub use image_file::{ImageFileError, ImageFormat};
 pub use pattern::SamplePattern;
 pub use pixel_sampler::{PixelSample, PixelSampler};
 #[cfg(feature = "files")]
-pub use read_image::{MAX_READ_PIXELS, read_image};
+pub use read_image::{MAX_READ_PIXELS, image_format, read_image};
 pub use view_volume::ViewVolume;
 #[cfg(feature = "files")]
 pub use write_image::write_image;

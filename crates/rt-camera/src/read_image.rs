@@ -9,7 +9,7 @@ use std::{
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
 
 use crate::{
-    Encoding, Film, ImageFileError,
+    Encoding, Film, ImageFileError, ImageFormat,
     pfm::{self, PfmError},
 };
 
@@ -33,6 +33,33 @@ const MAX_EXPANSION: u64 = 4096;
 /// than [`MAX_READ_PIXELS`], or larger than its bytes can fill (such as an EXR that shows a few pixels of a huge
 /// window).
 pub fn read_image(path: &Path) -> Result<Film, ImageFileError> {
+    let (reader, length) = open(path)?;
+    read_stream(path, reader, length)
+}
+
+/// The format of an image file, told by its first bytes as [`read_image`] tells it, and not by its name: whether it holds
+/// linear light, or bytes for display.
+///
+/// # Errors
+/// [`ImageFileError`] with the path, for a file that is missing, not a regular file, or in no known format.
+pub fn image_format(path: &Path) -> Result<ImageFormat, ImageFileError> {
+    let (mut reader, _) = open(path)?;
+    let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
+    if matches!(reader.fill_buf().map_err(unreadable)?, [b'P', b'F' | b'f', ..]) {
+        return Ok(ImageFormat::Pfm);
+    }
+    let reader = ImageReader::new(reader).with_guessed_format().map_err(unreadable)?;
+    match reader.format() {
+        Some(image::ImageFormat::Png) => Ok(ImageFormat::Png),
+        Some(image::ImageFormat::Jpeg) => Ok(ImageFormat::Jpeg),
+        Some(image::ImageFormat::OpenExr) => Ok(ImageFormat::Exr),
+        Some(image::ImageFormat::Hdr) => Ok(ImageFormat::Hdr),
+        _ => Err(ImageFileError::UnknownFormat(path.to_owned())),
+    }
+}
+
+/// Opens a regular file and tells its length in bytes.
+fn open(path: &Path) -> Result<(BufReader<File>, u64), ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
     // Asked for before opening, which would wait for the other end of a pipe.
     let metadata = std::fs::metadata(path).map_err(unreadable)?;
@@ -40,7 +67,7 @@ pub fn read_image(path: &Path) -> Result<Film, ImageFileError> {
         return Err(ImageFileError::NotAFile(path.to_owned()));
     }
     let file = File::open(path).map_err(unreadable)?;
-    read_stream(path, BufReader::new(file), metadata.len())
+    Ok((BufReader::new(file), metadata.len()))
 }
 
 /// Reads an image of `length` bytes; the path is for messages.
@@ -132,7 +159,7 @@ fn premultiply([r, g, b, a]: [usize; 4], light: &[f32]) -> [f32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Development, ImageFormat, write_image};
+    use crate::{Development, write_image};
     use proptest::prelude::*;
     use std::io::Cursor;
 
@@ -179,11 +206,31 @@ mod tests {
     }
 
     #[test]
+    fn decoding_a_bitmap_gives_what_is_read_from_its_file() {
+        let bytes = encoded(ImageFormat::Png);
+        let film = read_bytes(&bytes).expect("readable");
+        let decoded = Development::default().develop(&film).decode(Encoding::Srgb);
+        assert_eq!(decoded.checksum(), film.checksum());
+        let opaque = Development::default().develop_over_black(&film).decode(Encoding::Srgb);
+        assert_eq!((opaque.alpha(), opaque.pixels()[0][1]), (None, Encoding::Srgb.decode(187)));
+    }
+
+    #[test]
     fn the_content_tells_the_format_and_not_the_name() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("image.png");
         std::fs::write(&path, encoded(ImageFormat::Exr)).expect("written");
         assert_eq!(read_image(&path).expect("readable").width(), 12);
+        for format in ImageFormat::ALL {
+            std::fs::write(&path, encoded(format)).expect("written");
+            assert_eq!(image_format(&path).expect("known"), format);
+        }
+        for bytes in [b"".as_slice(), b"GIF89a"] {
+            std::fs::write(&path, bytes).expect("written");
+            assert!(matches!(image_format(&path), Err(ImageFileError::UnknownFormat(_))), "{bytes:?}");
+        }
+        assert!(matches!(image_format(folder.path()), Err(ImageFileError::NotAFile(_))));
+        assert!(matches!(image_format(&folder.path().join("missing")), Err(ImageFileError::Read { .. })));
     }
 
     #[test]
