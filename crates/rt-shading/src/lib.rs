@@ -51,6 +51,7 @@
 
 mod appearance;
 pub mod bsdf;
+pub mod emitter;
 mod first_hit;
 mod interior;
 mod light;

@@ -1,0 +1,185 @@
+//! Light from all around: an image on the inside of a sphere that is infinitely large.
+
+use super::distribution::{accumulate, find, probability};
+use super::emission::check_radiance;
+use super::sample::density;
+use super::{EmitterError, EmitterSample};
+use rt_math::transcendental::{atan2, sin, sincos};
+use rt_math::{DMat3, DQuat, DVec3, Rgb, Transform};
+use std::f64::consts::{PI, TAU};
+
+/// An equirectangular image around the scene, looked up bilinearly and sampled by its luminance.
+///
+/// ```text
+///            +y                  column   0 ··· ¼ ··· ½ ··· ¾ ··· 1
+///    ┌───────────────┐           towards +z    −x    −z    +x    +z
+///    │               │ θ         the middle of the image lies in the direction −z, in which cameras look,
+///    │      −z       │ ↓         and is not mirrored
+///    └───────────────┘
+///            −y                  L(θ, φ),  p(ω) = P(cell) / Ω(cell),  P ∝ luminance · Ω
+/// ```
+///
+/// The cells of the distribution lie *between* the centres of the pixels, where the image is a mixture of four of them: the
+/// density is positive wherever there is light. Within a cell, heights `cos θ` are uniform and not the angles θ: the
+/// density is constant over the cell, the same solid angle has the same chance, and nothing is divided by the `sin θ`
+/// that vanishes at the poles. Otherwise this is the piecewise-constant distribution of PBR 4th ed., section 12.5.2. A
+/// constant image is sampled uniformly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnvironmentLight {
+    width: usize,
+    height: usize,
+    /// Row by row from the top.
+    pixels: Vec<Rgb>,
+    /// Running sums over the `width` cells of each of the `height + 1` rows of cells.
+    columns: Vec<f64>,
+    /// Running sums over the rows of cells.
+    rows: Vec<f64>,
+    world_from_local: DMat3,
+    /// ∫ L dω, with the radiance of each cell taken as that of its middle.
+    integral: Rgb,
+}
+
+impl EnvironmentLight {
+    /// The image, row by row from the top, turned into the world by `rotation` (of any length).
+    ///
+    /// # Errors
+    /// If the number of pixels is 0 or not `width · height`, a radiance cannot be used, or the rotation is none.
+    pub fn new(width: usize, height: usize, pixels: Vec<Rgb>, rotation: DQuat) -> Result<Self, EmitterError> {
+        if pixels.is_empty() || width.checked_mul(height) != Some(pixels.len()) {
+            return Err(EmitterError::BadImage { width, height, pixels: pixels.len() });
+        }
+        if let Some(bad) = pixels.iter().position(|&pixel| check_radiance(pixel).is_err()) {
+            return Err(EmitterError::BadPixel { column: bad % width, row: bad / width, radiance: pixels[bad] });
+        }
+        let world_from_local = Transform::rotate_quaternion(rotation)?.linear();
+        let (columns, rows) = (vec![0.0; width * (height + 1)], vec![0.0; height + 1]);
+        let integral = Rgb::BLACK;
+        let mut light = Self { width, height, pixels, columns, rows, world_from_local, integral };
+        light.distribute();
+        Ok(light)
+    }
+
+    /// The same radiance from everywhere.
+    ///
+    /// # Errors
+    /// If a component is NaN, negative, or beyond 1e100.
+    pub fn constant(radiance: Rgb) -> Result<Self, EmitterError> {
+        check_radiance(radiance)?;
+        Self::new(1, 1, vec![radiance], DQuat::IDENTITY)
+    }
+
+    /// A direction from which light comes. `None` if the image is black.
+    pub fn sample(&self, u: [f64; 2]) -> Option<EmitterSample> {
+        let (row, down) = find(&self.rows, u[1])?;
+        let (column, right) = find(self.row_of_cells(row), u[0])?;
+        let (top, bottom) = (self.polar_angle(row), self.polar_angle(row + 1));
+        // cos θ runs from the top of the cell to its bottom; sin θ by the smaller of its distances to a pole.
+        let [from_top, to_bottom] = [cos_difference(top, bottom) * down, cos_difference(top, bottom) * (1.0 - down)];
+        let [below_north, above_south] = [cos_difference(0.0, top) + from_top, cos_difference(bottom, PI) + to_bottom];
+        let sin_theta = (below_north * above_south).max(0.0).sqrt();
+        let (sin_phi, cos_phi) = sincos((column as f64 - 0.5 + right) / self.width as f64 * TAU);
+        let cos_theta = if below_north < above_south { 1.0 - below_north } else { above_south - 1.0 };
+        let local = DVec3::new(-sin_theta * sin_phi, cos_theta, sin_theta * cos_phi);
+        let direction = self.world_from_local * local;
+        let pdf = density(self.probability(column, row) / self.cell_solid_angle(row));
+        let radiance = self.radiance(direction);
+        let sample = EmitterSample {
+            direction,
+            distance: f64::INFINITY,
+            point: None,
+            point_error: DVec3::ZERO,
+            normal: -direction,
+            radiance,
+            pdf,
+        };
+        (pdf > 0.0 && !radiance.is_black()).then_some(sample)
+    }
+
+    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes this direction, of any length.
+    pub fn pdf(&self, direction: DVec3) -> f64 {
+        self.place(direction).map_or(0.0, |(x, y)| {
+            let (column, row) = (x as usize % self.width, (y as usize).min(self.height));
+            density(self.probability(column, row) / self.cell_solid_angle(row))
+        })
+    }
+
+    /// Radiance that is seen by looking along `direction`, of any length; black for one that is zero or NaN.
+    pub fn radiance(&self, direction: DVec3) -> Rgb {
+        self.place(direction).map_or(Rgb::BLACK, |(x, y)| {
+            let (column, row) = (x as usize, (y as usize).min(self.height));
+            let [left, right] = self.corners(column % self.width, row);
+            let (right_part, lower_part) = (x - column as f64, y - row as f64);
+            left[0].lerp(right[0], right_part).lerp(left[1].lerp(right[1], right_part), lower_part)
+        })
+    }
+
+    /// Power that enters a scene within a ball of this radius: π R² ∫ L dω.
+    pub fn power(&self, scene_radius: f64) -> Rgb {
+        self.integral * (PI * scene_radius * scene_radius)
+    }
+
+    /// Fills the running sums.
+    fn distribute(&mut self) {
+        for row in 0..=self.height {
+            let solid_angle = self.cell_solid_angle(row);
+            for column in 0..self.width {
+                let [left, right] = self.corners(column, row);
+                let mean = (left[0] + left[1] + right[0] + right[1]) / 4.0;
+                self.integral += mean * solid_angle;
+                self.columns[row * self.width + column] = weight(mean);
+            }
+            let cells = row * self.width..(row + 1) * self.width;
+            self.rows[row] = accumulate(&mut self.columns[cells]) * solid_angle;
+        }
+        accumulate(&mut self.rows);
+    }
+
+    /// Pixels at the left and at the right of a cell, the upper one first. Columns go around; beyond the poles there is the
+    /// last row again.
+    fn corners(&self, column: usize, row: usize) -> [[Rgb; 2]; 2] {
+        let left = if column == 0 { self.width - 1 } else { column - 1 };
+        let rows = [row.saturating_sub(1), row.min(self.height - 1)];
+        [left, column].map(|column| rows.map(|row| self.pixels[row * self.width + column]))
+    }
+
+    /// Where a direction lies, in cells from the left and from the top.
+    fn place(&self, direction: DVec3) -> Option<(f64, f64)> {
+        let local = self.world_from_local.transpose() * direction;
+        let across = (local.x * local.x + local.z * local.z).sqrt();
+        if !(local.is_finite() && local != DVec3::ZERO) {
+            return None;
+        }
+        let turn = atan2(-local.x, local.z) / TAU;
+        let turn = if turn < 0.0 { turn + 1.0 } else { turn };
+        // The rows of cells at the poles are half as high, so they begin half a cell before the image.
+        let (x, y) = (turn * self.width as f64 + 0.5, atan2(across, local.y) / PI * self.height as f64 + 0.5);
+        Some((x, y))
+    }
+
+    /// The polar angle at which a row of cells begins.
+    fn polar_angle(&self, row: usize) -> f64 {
+        PI * ((row as f64 - 0.5) / self.height as f64).clamp(0.0, 1.0)
+    }
+
+    fn cell_solid_angle(&self, row: usize) -> f64 {
+        TAU / self.width as f64 * cos_difference(self.polar_angle(row), self.polar_angle(row + 1))
+    }
+
+    fn row_of_cells(&self, row: usize) -> &[f64] {
+        &self.columns[row * self.width..(row + 1) * self.width]
+    }
+
+    fn probability(&self, column: usize, row: usize) -> f64 {
+        probability(&self.rows, row) * probability(self.row_of_cells(row), column)
+    }
+}
+
+/// What a colour counts in the choice: its luminance, and something for light that is too faint to have one.
+fn weight(radiance: Rgb) -> f64 {
+    if radiance.is_black() { 0.0 } else { radiance.luminance().max(f64::MIN_POSITIVE) }
+}
+
+/// cos a − cos b without cancellation.
+fn cos_difference(a: f64, b: f64) -> f64 {
+    2.0 * sin(0.5 * (a + b)) * sin(0.5 * (b - a))
+}

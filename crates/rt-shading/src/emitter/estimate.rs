@@ -1,0 +1,188 @@
+//! What the tests of lights have in common: estimates with their standard errors, and truth to hold them against.
+
+use super::{Emission, Emitter, EmitterSample, Sides};
+use rt_math::random::{hash, unit};
+use rt_math::transcendental::{acos, atan2, sincos};
+use rt_math::{DVec3, Frame, Rgb};
+use std::f64::consts::{PI, TAU};
+
+/// A mean of random numbers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Estimate {
+    pub(super) mean: f64,
+    pub(super) standard_error: f64,
+}
+
+impl Estimate {
+    /// The mean of `f` over the unit square.
+    pub(super) fn of(count: u32, f: impl Fn([f64; 2]) -> f64) -> Self {
+        let (mut mean, mut squares) = (0.0, 0.0);
+        for i in 0..count {
+            let draw = |dimension| unit(hash(&[u64::from(count), u64::from(i), dimension]));
+            let value = f([draw(0), draw(1)]);
+            let from_mean = value - mean;
+            mean += from_mean / f64::from(i + 1);
+            squares += from_mean * (value - mean);
+        }
+        let n = f64::from(count);
+        Self { mean, standard_error: (squares / (n - 1.0) / n).sqrt() }
+    }
+
+    /// How many standard errors the mean is off, where rounding to ten digits does not count.
+    pub(super) fn z(&self, truth: f64) -> f64 {
+        let off = ((self.mean - truth).abs() - 1e-10 * truth.abs()).max(0.0);
+        if off == 0.0 { 0.0 } else { off / self.standard_error }
+    }
+
+    /// Fails if the mean is more than five standard errors off.
+    pub(super) fn assert(&self, what: &str, truth: f64) {
+        let z = self.z(truth);
+        println!("{what}: {:.8e} ± {:.1e}, truth {truth:.8e}, z = {z:.2}", self.mean, self.standard_error);
+        assert!(z < 5.0, "{what}: {self:?}, truth {truth}, z = {z}");
+    }
+}
+
+/// White light from the given sides.
+pub(super) fn white(sides: Sides) -> Emission {
+    Emission::new(Rgb::WHITE, sides).expect("an emission")
+}
+
+/// The irradiance of a receiver, with densities as `pdf` has them of the samples.
+pub(super) fn irradiance_by(
+    light: &Emitter,
+    at: [DVec3; 2],
+    count: u32,
+    pdf: impl Fn(&EmitterSample) -> f64,
+) -> Estimate {
+    let [point, normal] = at;
+    Estimate::of(count, |u| {
+        let sample = light.sample(point, u);
+        sample.map_or(0.0, |s| s.radiance.g * s.direction.dot(normal).max(0.0) / pdf(&s))
+    })
+}
+
+/// The irradiance at a point (first) of a surface with a unit normal (second).
+pub(super) fn irradiance(light: &Emitter, at: [DVec3; 2], count: u32) -> Estimate {
+    irradiance_by(light, at, count, |sample| sample.pdf)
+}
+
+/// Directions that include all towards the light, uniform over a solid angle, which comes first.
+fn cone(light: &Emitter, point: DVec3) -> (f64, impl Fn([f64; 2]) -> DVec3) {
+    let around = light.bounds().map(|bounds| bounds.around);
+    let towards = around.map_or(DVec3::Z, |around| around.centre() - point);
+    let radius = around.map_or(f64::INFINITY, |around| 0.5 * around.extent().length() * 1.000_001);
+    let sin = radius / towards.length();
+    let one_minus_cos = if sin < 1.0 { sin * sin / (1.0 + (1.0 - sin * sin).sqrt()) } else { 2.0 };
+    let frame = Frame::from_z(towards.try_normalize().unwrap_or(DVec3::Z));
+    (TAU * one_minus_cos, move |u: [f64; 2]| {
+        let below = u[0] * one_minus_cos;
+        let (sin, cos) = sincos(TAU * u[1]);
+        let across = (below * (2.0 - below)).sqrt();
+        frame.from_local(DVec3::new(across * cos, across * sin, 1.0 - below))
+    })
+}
+
+/// ∫ pdf dω, from directions that know nothing of the light but its bounds.
+pub(super) fn integral_of_pdf(light: &Emitter, point: DVec3, count: u32) -> Estimate {
+    let (solid_angle, direction) = cone(light, point);
+    Estimate::of(count, |u| solid_angle * light.pdf(point, direction(u)))
+}
+
+/// Irradiance from rays that know nothing of the light but its bounds.
+pub(super) fn irradiance_by_rays(light: &Emitter, [point, normal]: [DVec3; 2], count: u32) -> Estimate {
+    let (solid_angle, direction) = cone(light, point);
+    Estimate::of(count, |u| {
+        let direction = direction(u);
+        let seen = light.intersect(point, direction).map_or(Rgb::BLACK, |at| light.radiance(direction, at.normal));
+        solid_angle * seen.g * direction.dot(normal).max(0.0)
+    })
+}
+
+/// Fails unless samples of the light give the irradiance that rays find.
+pub(super) fn assert_rays_agree(light: &Emitter, at: [DVec3; 2], count: u32) {
+    let (samples, rays) = (irradiance(light, at, count), irradiance_by_rays(light, at, count));
+    let squared = |estimate: Estimate| estimate.standard_error * estimate.standard_error;
+    let z = (samples.mean - rays.mean).abs() / (squared(samples) + squared(rays)).sqrt();
+    println!("from {}: {:.6e}, by rays {:.6e}, z = {z:.2}", at[0], samples.mean, rays.mean);
+    assert!(z < 5.0, "from {}: {samples:?}, by rays {rays:?}", at[0]);
+}
+
+/// Fails unless what is sampled is a sound sample, of which the two ways to ask for the density say the same.
+/// `tolerance` is for densities that vary and is relative. At the rim a direction may pass the light by: of a thousand
+/// this is allowed to one.
+pub(super) fn assert_samples_and_pdf_agree(light: &Emitter, point: DVec3, tolerance: f64) {
+    let count = 2000;
+    let (mut seen, mut passed_by) = (0, 0);
+    for i in 0..count {
+        let draw = |dimension| unit(hash(&[i, dimension, 77]));
+        let Some(sample) = light.sample(point, [draw(0), draw(1)]) else { continue };
+        assert!((sample.direction.length() - 1.0).abs() < 1e-14, "{sample:?}");
+        assert!(sample.pdf > 0.0 && sample.pdf.is_finite() && !sample.radiance.is_black(), "{sample:?}");
+        if let Some(on_light) = sample.point {
+            let reached = point + sample.direction * sample.distance;
+            assert!((reached - on_light).length() < 1e-9 * (1.0 + sample.distance), "{sample:?}");
+            let off = sample.shadow_target().expect("a point") - on_light;
+            let is_off = off.dot(sample.normal) * sample.direction.dot(sample.normal) < 0.0;
+            assert!(is_off, "a shadow ray meets the light: {sample:?}");
+        }
+        let pdf = light.pdf(point, sample.direction);
+        seen += 1;
+        passed_by += u64::from(pdf == 0.0);
+        assert!(pdf == 0.0 || (pdf / sample.pdf - 1.0).abs() < tolerance, "{pdf} for {sample:?}");
+    }
+    assert!(seen > count / 20, "only {seen} of {count} are samples");
+    assert!(passed_by * 1000 <= count, "{passed_by} of {seen} samples pass the light by");
+}
+
+/// The irradiance from a polygon of radiance 1: Lambert 1760, with what is below the horizon cut off.
+pub(super) fn lambert(corners: &[DVec3], [point, normal]: [DVec3; 2]) -> f64 {
+    let corners: Vec<_> = corners.iter().map(|corner| *corner - point).collect();
+    let mut above = Vec::new();
+    for (i, &a) in corners.iter().enumerate() {
+        let b = corners[(i + 1) % corners.len()];
+        let (height_a, height_b) = (a.dot(normal), b.dot(normal));
+        if height_a >= 0.0 {
+            above.push(a);
+        }
+        if (height_a < 0.0) != (height_b < 0.0) {
+            above.push(a.lerp(b, height_a / (height_a - height_b)));
+        }
+    }
+    let edge = |i: usize| {
+        let (a, b) = (above[i], above[(i + 1) % above.len()]);
+        let across = a.cross(b);
+        atan2(across.length(), a.dot(b)) * across.normalize_or_zero().dot(normal)
+    };
+    0.5 * (0..above.len()).map(edge).sum::<f64>().abs()
+}
+
+/// The irradiance from a sphere of radiance 1 whose sine of half the angle is s, seen at the angle θ from the normal;
+/// also where the horizon cuts it (Snyder 1996).
+pub(super) fn sphere_irradiance(s: f64, theta: f64) -> f64 {
+    let (sin, cos) = sincos(theta);
+    if cos >= s {
+        return PI * s * s * cos;
+    }
+    if cos <= -s {
+        return 0.0;
+    }
+    let k = (1.0 / (s * s) - 1.0).sqrt();
+    let y = -k * cos / sin;
+    let root = (1.0 - y * y).sqrt();
+    s * s * (cos * acos(y) - k * sin * root) + atan2(sin * root, k)
+}
+
+#[test]
+fn truth_has_its_published_values() {
+    for (s, degrees, expected) in
+        [(1.0 / 3.0, 90.0f64, 0.0255672289), (0.5, 80.0, 0.1718319751), (0.5, 100.0, 0.0354490153)]
+    {
+        assert!((sphere_irradiance(s, degrees.to_radians()) - expected).abs() < 1e-10);
+    }
+    let square = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[x, y]| DVec3::new(x, y, 1.0));
+    for (foot, expected) in [(DVec3::ZERO, 0.7522746885), (DVec3::new(0.5, 0.5, 0.0), 0.4352098757)] {
+        assert!((lambert(&square, [foot, DVec3::Z]) - expected).abs() < 1e-10);
+    }
+    let far = lambert(&square, [DVec3::Z * -999.0, DVec3::Z]);
+    assert!((far / 9.9999966667e-7 - 1.0).abs() < 1e-10);
+}

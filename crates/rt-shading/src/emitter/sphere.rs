@@ -1,0 +1,279 @@
+//! Spheres that shine.
+
+use super::sample::density;
+use super::{Emission, EmitterBounds, EmitterError, EmitterPoint, EmitterSample, Sides};
+use rt_geometry::Sphere;
+use rt_math::transcendental::sincos;
+use rt_math::{DVec3, Frame, Interval, Ray, Rgb};
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
+
+/// A sphere, sampled uniformly within the cone that it subtends (Shirley, Wang, Zimmerman, "Monte Carlo Techniques for
+/// Direct Lighting Calculations", 1996).
+///
+/// ```text
+///   sin²θ = r²/d²     1 − cos θ = sin²θ / (1 + cos θ)     Ω = 2π (1 − cos θ)
+/// ```
+///
+/// From far away `1 − cos θ` is never the difference of two numbers near 1; from near the surface `cos²θ` is
+/// `(d − r)(d + r)/d²`. From within, where the light is around, it is sampled uniformly over all directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SphereLight {
+    sphere: Sphere,
+    emission: Emission,
+}
+
+/// How a sphere is seen from outside.
+struct Subtended {
+    /// Towards the centre, unit.
+    axis: DVec3,
+    /// Sine of half the angle.
+    sin: f64,
+    /// One less the cosine of half the angle.
+    one_minus_cos: f64,
+}
+
+impl SphereLight {
+    /// The light of the given radius around `centre`, world space. Its front is outside.
+    ///
+    /// # Errors
+    /// If the radius is not positive, or a number is not finite.
+    pub fn new(centre: DVec3, radius: f64, emission: Emission) -> Result<Self, EmitterError> {
+        Ok(Self { sphere: Sphere::new(centre, radius)?, emission })
+    }
+
+    /// The area of one side.
+    pub fn area(&self) -> f64 {
+        4.0 * PI * self.sphere.radius() * self.sphere.radius()
+    }
+
+    /// What the surface emits.
+    pub const fn emission(&self) -> &Emission {
+        &self.emission
+    }
+
+    /// The solid angle in which the light is seen: that of the cone from outside; 4π within and on a two-sided light, 0
+    /// within and on a one-sided one.
+    pub fn solid_angle(&self, point: DVec3) -> f64 {
+        match (self.subtended(point), self.emission.sides()) {
+            (Some(cone), _) => TAU * cone.one_minus_cos,
+            (None, Sides::Both) => 4.0 * PI,
+            (None, Sides::Front) => 0.0,
+        }
+    }
+
+    /// A direction towards the light from `point`. `None` within and on a one-sided light, if it is black, and on a
+    /// two-sided one for directions that leave it.
+    pub fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<EmitterSample> {
+        match (self.subtended(point), self.emission.sides()) {
+            (Some(cone), _) => self.sample_outside(point, &cone, u),
+            (None, Sides::Both) => self.sample_within(point, u),
+            (None, Sides::Front) => None,
+        }
+    }
+
+    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes any direction that meets the light.
+    pub fn pdf_at(&self, point: DVec3) -> f64 {
+        if self.emission.radiance().is_black() { 0.0 } else { density(1.0 / self.solid_angle(point)) }
+    }
+
+    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes this direction; 0 for one that passes by.
+    pub fn pdf(&self, point: DVec3, direction: DVec3) -> f64 {
+        if self.intersect(point, direction).is_some() { self.pdf_at(point) } else { 0.0 }
+    }
+
+    /// Where a ray from `point` meets the light first.
+    pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<EmitterPoint> {
+        let ray = Ray::new(point, direction);
+        let hit = self.sphere.intersect(&ray, Interval::SPAWNED)?;
+        let normal = (ray.at(hit.t) - self.sphere.centre()).try_normalize()?;
+        Some(self.on_surface(normal))
+    }
+
+    /// Radiance of the light for one who looks along `direction` at it.
+    pub fn radiance(&self, direction: DVec3, normal: DVec3) -> Rgb {
+        self.emission.seen(direction.dot(normal))
+    }
+
+    /// Power of all sides that shine.
+    pub fn power(&self) -> Rgb {
+        self.emission.power(self.area())
+    }
+
+    /// Where the light is and where it shines: everywhere.
+    pub fn bounds(&self) -> EmitterBounds {
+        EmitterBounds::all_around(self.sphere.bounds(), self.power())
+    }
+
+    /// How the sphere is seen; `None` from within, from its surface, and from nowhere.
+    fn subtended(&self, point: DVec3) -> Option<Subtended> {
+        let (towards, radius) = (self.sphere.centre() - point, self.sphere.radius());
+        let distance = towards.length();
+        if !(distance > radius && distance.is_finite()) {
+            return None;
+        }
+        let sin = radius / distance;
+        let cos = ((distance - radius) / distance * (1.0 + sin)).sqrt();
+        Some(Subtended { axis: towards / distance, sin, one_minus_cos: sin * sin / (1.0 + cos) })
+    }
+
+    fn on_surface(&self, normal: DVec3) -> EmitterPoint {
+        EmitterPoint { point: self.sphere.centre() + normal * self.sphere.radius(), normal, triangle: 0 }
+    }
+
+    /// The cone's directions are turned into points by the angle at the centre, as in PBR 4th ed., section 6.2.4: the point
+    /// is on the sphere to the last digits even if that is small and far.
+    fn sample_outside(&self, point: DVec3, cone: &Subtended, u: [f64; 2]) -> Option<EmitterSample> {
+        let one_minus_cos = u[0].clamp(0.0, 1.0) * cone.one_minus_cos;
+        let sin2 = one_minus_cos * (2.0 - one_minus_cos);
+        // Half the chord in units of the radius: √(1 − sin²θ/sin²θmax).
+        let ratio2 = (sin2 / (cone.sin * cone.sin)).min(1.0);
+        let half_chord = (1.0 - ratio2).sqrt();
+        let cos_centre = sin2 / cone.sin + (1.0 - one_minus_cos) * half_chord;
+        let (sin, cos) = (sin2.sqrt(), 1.0 - one_minus_cos);
+        let sin_centre = sin * (cos / cone.sin - half_chord);
+        let (sin_phi, cos_phi) = sincos(TAU * u[1]);
+        let frame = Frame::from_z(-cone.axis);
+        let normal = frame.from_local(DVec3::new(sin_centre * cos_phi, sin_centre * sin_phi, cos_centre));
+        let direction = frame.from_local(DVec3::new(sin * cos_phi, sin * sin_phi, -cos));
+        let pdf = 1.0 / (TAU * cone.one_minus_cos);
+        let (at, radiance) = (self.on_surface(normal), self.emission.radiance());
+        let sample = EmitterSample::of_surface(point, &at, self.sphere.radius(), radiance, pdf)?;
+        // Next to the surface the direction to the point has fewer digits than the direction that the point was made from.
+        Some(EmitterSample { direction, ..sample })
+    }
+
+    fn sample_within(&self, point: DVec3, u: [f64; 2]) -> Option<EmitterSample> {
+        let z = 1.0 - 2.0 * u[0];
+        let r = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+        let (sin, cos) = sincos(TAU * u[1]);
+        let at = self.intersect(point, DVec3::new(r * cos, r * sin, z))?;
+        let radiance = self.emission.radiance();
+        EmitterSample::of_surface(point, &at, self.sphere.radius(), radiance, 0.25 * FRAC_1_PI)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Emitter;
+    use super::super::estimate::{
+        assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, sphere_irradiance, white,
+    };
+    use super::*;
+
+    fn sphere(radius: f64, sides: Sides) -> Emitter {
+        Emitter::Sphere(SphereLight::new(DVec3::ZERO, radius, white(sides)).expect("a light"))
+    }
+
+    /// A receiver at a distance in an odd direction, whose normal is at an angle to the direction of the centre.
+    fn receiver(distance: f64, theta: f64) -> [DVec3; 2] {
+        let away = DVec3::new(0.48, -0.6, 0.64);
+        let (sin, cos) = sincos(theta);
+        [away * distance, Frame::from_z(-away).from_local(DVec3::new(sin, 0.0, cos))]
+    }
+
+    #[test]
+    fn irradiance_is_that_of_the_closed_form() {
+        for (distance, degrees) in [
+            (3.0, 0.0f64),
+            (3.0, 60.0),
+            (3.0, 90.0),
+            (2.0, 80.0),
+            (2.0, 100.0),
+            (1.0 + 1e-6, 0.0),
+            (1.0 + 1e-6, 70.0),
+            (1.0 + 1e-12, 30.0),
+            (1e6, 45.0),
+            (1e12, 10.0),
+        ] {
+            let theta = degrees.to_radians();
+            let estimate = irradiance(&sphere(1.0, Sides::Front), receiver(distance, theta), 200_000);
+            estimate.assert(&format!("sphere from {distance} at {degrees}°"), sphere_irradiance(1.0 / distance, theta));
+        }
+    }
+
+    #[test]
+    fn irradiance_within_is_that_of_a_hemisphere() {
+        let light = sphere(2.0, Sides::Both);
+        for (point, degrees) in [(0.0, 0.0f64), (1.0, 40.0), (1.999_999, 0.0), (1.999_999, 180.0)] {
+            let at = receiver(point, degrees.to_radians());
+            irradiance(&light, at, 200_000).assert(&format!("from within at {point}"), PI);
+            integral_of_pdf(&light, at[0], 1000).assert("pdf from within", 1.0);
+            assert_eq!(sphere(2.0, Sides::Front).sample(at[0], [0.3, 0.6]), None);
+            assert_eq!(sphere(2.0, Sides::Front).pdf(at[0], DVec3::Z), 0.0);
+        }
+    }
+
+    #[test]
+    fn solid_angle_keeps_its_digits() {
+        let light = SphereLight::new(DVec3::ZERO, 1.0, white(Sides::Front)).expect("a light");
+        assert!((light.solid_angle(DVec3::X * 2.0) - 0.8417872145).abs() < 1e-10);
+        for distance in [1e4, 1e8, 1e20] {
+            let flat = PI / (distance * distance);
+            assert!((light.solid_angle(DVec3::Y * distance) / flat - 1.0).abs() < 0.3 / (distance * distance) + 1e-15);
+        }
+        // At height h the cosine of half the angle is √(h (2 + h)) / (1 + h).
+        let h = 1.0 / (1u64 << 40) as f64;
+        let near = TAU * (1.0 - (h * (2.0 + h)).sqrt() / (1.0 + h));
+        assert!((light.solid_angle(DVec3::Z * (1.0 + h)) / near - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn densities_agree_and_integrate_to_one() {
+        for distance in [1.0 + 1e-6, 1.5, 10.0, 1e4] {
+            for sides in [Sides::Front, Sides::Both] {
+                let light = sphere(1.0, sides);
+                let [point, _] = receiver(distance, 0.0);
+                assert_samples_and_pdf_agree(&light, point, 1e-12);
+                integral_of_pdf(&light, point, 100_000).assert(&format!("pdf from {distance}"), 1.0);
+            }
+        }
+        assert_samples_and_pdf_agree(&sphere(1.0, Sides::Both), DVec3::new(0.1, 0.5, -0.3), 1e-12);
+    }
+
+    /// Points lie on the sphere even where it is small and far away.
+    #[test]
+    fn points_lie_on_the_sphere() {
+        let light = sphere(1.0, Sides::Front);
+        for distance in [1.0 + 1e-9, 2.0, 1e7, 1e14] {
+            for u in [[0.0, 0.0], [0.3, 0.9], [0.999_999, 0.5], [1.0, 0.25]] {
+                let sample = light.sample(DVec3::X * distance, u).expect("a sample");
+                let off = (sample.point.expect("a point").length() - 1.0).abs();
+                assert!(off < 1e-15, "{off} from {distance}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_wrong_density_is_caught() {
+        let (light, at) = (sphere(1.0, Sides::Front), receiver(2.0, 0.5));
+        let truth = sphere_irradiance(0.5, 0.5);
+        assert!(irradiance_by(&light, at, 100_000, |s| s.pdf * 1.01).z(truth) > 5.0);
+        let by_area = |s: &EmitterSample| s.distance * s.distance / (-s.direction.dot(s.normal) * TAU);
+        assert!(irradiance_by(&light, at, 100_000, by_area).z(truth) > 5.0);
+    }
+
+    #[test]
+    fn odd_points_and_numbers_give_nothing_and_never_panic() {
+        for sides in [Sides::Front, Sides::Both] {
+            let light = sphere(1.0, sides);
+            for point in [DVec3::NAN, DVec3::INFINITY, DVec3::MAX] {
+                assert_eq!((light.sample(point, [0.5; 2]), light.pdf(point, DVec3::X)), (None, 0.0), "{point}");
+            }
+            for point in [DVec3::X, DVec3::ZERO, DVec3::X * 1.1] {
+                for u in [[f64::NAN; 2], [-1.0, 0.5], [3.0, 3.0], [1.0; 2]] {
+                    let sample = light.sample(point, u);
+                    assert!(sample.is_none_or(|s| s.direction.is_finite()), "{sample:?}");
+                }
+                assert_eq!(light.pdf(point, DVec3::ZERO), 0.0);
+                assert_eq!(light.pdf(point, DVec3::NAN), 0.0);
+            }
+        }
+        assert_eq!(sphere(1.0, Sides::Front).sample(DVec3::X, [0.5; 2]), None, "on the light");
+        for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(SphereLight::new(DVec3::ZERO, radius, white(Sides::Front)).is_err());
+        }
+        let black = Emission::new(Rgb::BLACK, Sides::Both).expect("an emission");
+        let black = SphereLight::new(DVec3::ZERO, 1.0, black).expect("a light");
+        assert_eq!((black.sample(DVec3::X * 2.0, [0.5; 2]), black.pdf_at(DVec3::X * 2.0)), (None, 0.0));
+    }
+}
