@@ -37,6 +37,7 @@ pub(crate) fn apply(args: &PictureArgs, scene: &mut Scene) -> Result<PlanOptions
         transparent: args.background == Some(BackgroundChoice::Transparent),
         full: args.full_plan,
         simd: args.simd,
+        quality: args.quality.unwrap_or_default(),
     })
 }
 

@@ -68,7 +68,7 @@ pub use error::RenderError;
 pub use explain::{Explanation, LeftOut};
 pub use plan::{Crop, PlanOptions, RenderPlan};
 pub use render::{Progress, Rendering, RunOptions};
-pub use rt_accel::wide::SimdLevel;
+pub use rt_accel::wide::{Quality, SimdLevel};
 pub use rt_math::{Counters, RayKind, Tally};
 pub use rt_shading::ShadingCounts;
 pub use statistics::Statistics;

@@ -3,7 +3,7 @@
 use std::{borrow::Cow, time::Instant};
 
 use rt_accel::AnyStructure;
-use rt_accel::wide::SimdLevel;
+use rt_accel::wide::{Quality, SimdLevel};
 use rt_camera::{Camera, CameraSettings, Filter, PixelSampler, SamplePattern, ViewVolume};
 use rt_geometry::{Shape, Spheres};
 use rt_math::{Aabb, DVec2, DVec3};
@@ -48,6 +48,8 @@ pub struct PlanOptions {
     /// The instructions that structures use; `None` for the best that the processor has. What it does not have is
     /// replaced by what every processor has. The picture is the same to the bit.
     pub simd: Option<SimdLevel>,
+    /// How much time the wide tree may take to be built. The picture is the same to the bit.
+    pub quality: Quality,
 }
 
 /// What camera rays are asked for.
@@ -120,7 +122,7 @@ impl<'s> RenderPlan<'s> {
         let camera = Camera::new(&camera_settings, film.width, film.height)
             .map_err(|source| RenderError::Camera { name: camera_name.clone(), source })?;
 
-        let wanted = Wanted { accel: settings.accel, simd: options.simd };
+        let wanted = Wanted { accel: settings.accel, simd: options.simd, quality: options.quality };
         let (top, levels) = flatten(scene, wanted, rebase::plan_from_world(origin))?;
         let visible = if options.full { None } else { visible(scene, wanted, &camera, crop, &top, &levels)? };
         let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, *medium) };

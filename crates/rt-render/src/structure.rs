@@ -1,6 +1,6 @@
 //! Which acceleration structure, and why.
 
-use rt_accel::wide::SimdLevel;
+use rt_accel::wide::{Quality, SimdLevel};
 use rt_accel::{AnyStructure, BuildError, StructureKind};
 use rt_math::Primitives;
 use rt_scene_io::Accel;
@@ -9,16 +9,18 @@ use rt_scene_io::Accel;
 pub(crate) const FEW: usize = 8;
 
 /// What structures are asked for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Wanted {
     pub(crate) accel: Accel,
     /// The instructions to use; `None` for the best that the processor has.
     pub(crate) simd: Option<SimdLevel>,
+    /// How much time the builder may take.
+    pub(crate) quality: Quality,
 }
 
 /// Builds what is wanted, or for `Auto` what fits the primitives.
 pub(crate) fn build<P: Primitives>(wanted: Wanted, primitives: &P) -> Result<AnyStructure, BuildError> {
-    let structure = AnyStructure::build(choose(wanted.accel, primitives.len()), primitives)?;
+    let structure = AnyStructure::build_with(choose(wanted.accel, primitives.len()), wanted.quality, primitives)?;
     Ok(match wanted.simd {
         Some(level) => structure.with_level(level),
         None => structure,
@@ -89,13 +91,13 @@ mod tests {
 
     #[test]
     fn reasons_name_the_rule_and_what_it_looked_at() {
-        let auto = Wanted { accel: Accel::Auto, simd: None };
+        let auto = Wanted::default();
         let why = |radii: &[f64]| why(auto, &spheres(radii));
         assert_eq!(why(&[1.0; 8]), "up to 8: asking each is faster than walking a tree");
         let of = |least: f64| why(&[least, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
         assert_eq!(of(0.025), "more than 8, sizes spread 1:40: eight boxes at a time suit all sizes and places");
         assert!(of(0.9).contains("about one size") && of(0.4).contains("1:2.5"), "{}", of(0.4));
         assert!(of(1e-9).contains("sizes from 2.0e-9 to 2.0e0"), "{}", of(1e-9));
-        assert_eq!(super::why(Wanted { accel: Accel::Grid, simd: None }, &spheres(&[1.0])), "as asked");
+        assert_eq!(super::why(Wanted { accel: Accel::Grid, ..auto }, &spheres(&[1.0])), "as asked");
     }
 }

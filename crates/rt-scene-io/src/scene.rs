@@ -53,9 +53,10 @@ impl Integrator {
 }
 
 /// Which acceleration structure to use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Accel {
     /// The plan chooses.
+    #[default]
     Auto,
     /// Brute force.
     Linear,

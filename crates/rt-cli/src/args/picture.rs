@@ -3,7 +3,7 @@
 use clap::Args;
 use rt_camera::{SamplePattern, ToneCurve};
 use rt_math::{DVec3, Rgb};
-use rt_render::{Crop, SimdLevel};
+use rt_render::{Crop, Quality, SimdLevel};
 use rt_scene_io::{Accel, Integrator};
 
 use super::values::{self, choice};
@@ -42,6 +42,10 @@ pub(crate) struct PictureArgs {
     /// Instructions for the structures `wide` and `linear`; the best that the processor has by default. Any give the same picture
     #[arg(long, value_name = "NAME", value_parser = values::simd(), help_heading = "How")]
     pub(crate) simd: Option<SimdLevel>,
+
+    /// How much time the structure `wide` may take to be built; medium by default. Any gives the same picture
+    #[arg(long, value_name = "NAME", value_parser = values::quality(), help_heading = "How")]
+    pub(crate) quality: Option<Quality>,
 
     /// Leave nothing out of the plan. The picture is the same
     #[arg(long, hide = true)]

@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use rt_camera::{Development, Encoding, FilmSettings, ToneCurve};
 use rt_math::{DVec3, Rgb};
-use rt_render::{Crop, SimdLevel};
+use rt_render::{Crop, Quality, SimdLevel};
 
 use super::BackgroundChoice;
 
@@ -35,6 +35,12 @@ pub(super) fn simd() -> impl TypedValueParser<Value = SimdLevel> {
         let known = SimdLevel::ALL.iter().find(|level| level.name() == typed);
         known.copied().filter(|level| level.is_available()).ok_or("this processor does not have it")
     })
+}
+
+/// How much time the builder of the wide tree may take.
+pub(super) fn quality() -> impl TypedValueParser<Value = Quality> {
+    let names = PossibleValuesParser::new(Quality::ALL.iter().map(|quality| quality.name()));
+    names.try_map(|typed| Quality::ALL.iter().copied().find(|quality| quality.name() == typed).ok_or("no such quality"))
 }
 
 /// `WxH`.

@@ -3,7 +3,7 @@
 use crate::support::{everything, spheres};
 use rt_camera::{Film, Filter, SamplePattern};
 use rt_math::Rgb;
-use rt_render::{Crop, PlanOptions, RenderPlan, Rendering, RunOptions};
+use rt_render::{Crop, PlanOptions, Quality, RenderPlan, Rendering, RunOptions, SimdLevel};
 use rt_scene_io::{Accel, Integrator, Scene};
 use rt_shading::Coefficient;
 
@@ -41,6 +41,21 @@ fn structures_do_not_change_the_picture() {
         for accel in Accel::ALL {
             scene.settings.accel = accel;
             assert_eq!(auto, film(&scene), "{}: {accel:?}", scene.name);
+        }
+    }
+}
+
+#[test]
+fn instructions_and_qualities_do_not_change_the_picture() {
+    for mut scene in [spheres(), everything()] {
+        let auto = film(&scene);
+        scene.settings.accel = Accel::Wide;
+        for &simd in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
+            for &quality in Quality::ALL {
+                let options = PlanOptions { simd: Some(simd), quality, ..PlanOptions::default() };
+                let film = render(&scene, options, RunOptions::default()).film;
+                assert_eq!(auto, film, "{}: {simd:?}, {quality:?}", scene.name);
+            }
         }
     }
 }
