@@ -67,7 +67,7 @@ impl<G: Goal> Flight<'_, '_, G> {
             alone_until: 0,
             packet_stack: PacketStack::new(),
             stack: Stack::new(),
-            is_far: self.tree.memory() > FAR,
+            is_far: S::WAITS && self.tree.memory() > FAR,
             seats: [const { MaybeUninit::uninit() }; CREW],
             routes: [const { MaybeUninit::uninit() }; CREW],
             at_nodes: Roster::EMPTY,

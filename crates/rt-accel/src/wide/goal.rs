@@ -1,15 +1,18 @@
 //! What a ray is sent for: its first hit, or any.
 
+use core::marker::PhantomData;
 use core::mem::MaybeUninit;
 use core::ops::ControlFlow;
 
 use rt_math::{Hit, Interval, Ray, SlabRay};
 
 use super::WideBvh;
+use super::flight::{Flight, Ground};
 use super::leaf::{ExactRay, Filter, LeafView};
 use super::node::Child;
 use super::ray::{FilterRay, at_least, at_most};
 use super::simd::Simd;
+use super::walk::{Query, Walk};
 
 /// Decides about what the filters leave: the caller's primitives, behind one call.
 pub(super) trait Judge {
@@ -59,6 +62,12 @@ pub(super) trait Goal: Sized {
     const ORDERED: bool;
     /// What is found in the end.
     type Answer: Default;
+
+    /// Sends one ray. Not generic where it is implemented, so that it is compiled once and not by all who ask.
+    fn walk(tree: &WideBvh, query: &mut Query<'_, Self::Answer>, ray: &Ray, span: Interval);
+
+    /// Sends many rays, as [`walk`](Self::walk) sends one.
+    fn fly(tree: &WideBvh, ground: &mut Ground<'_>, rays: &[(Ray, Interval)], answers: &mut [Self::Answer]);
 
     /// Nothing has been found yet.
     fn new(span: Interval) -> Self;
@@ -195,6 +204,16 @@ impl FirstHit {
 impl Goal for FirstHit {
     const ORDERED: bool = true;
     type Answer = Option<Hit>;
+
+    #[inline(never)]
+    fn walk(tree: &WideBvh, query: &mut Query<'_, Self::Answer>, ray: &Ray, span: Interval) {
+        tree.level.dispatch(Walk::<Self> { tree, query, goal: PhantomData }, ray, span);
+    }
+
+    #[inline(never)]
+    fn fly(tree: &WideBvh, ground: &mut Ground<'_>, rays: &[(Ray, Interval)], answers: &mut [Self::Answer]) {
+        tree.level.dispatch(Flight::<Self> { tree, ground, goal: PhantomData }, rays, answers);
+    }
 
     #[inline(always)]
     fn new(span: Interval) -> Self {
@@ -334,6 +353,16 @@ impl AnyHit {
 impl Goal for AnyHit {
     const ORDERED: bool = false;
     type Answer = bool;
+
+    #[inline(never)]
+    fn walk(tree: &WideBvh, query: &mut Query<'_, Self::Answer>, ray: &Ray, span: Interval) {
+        tree.level.dispatch(Walk::<Self> { tree, query, goal: PhantomData }, ray, span);
+    }
+
+    #[inline(never)]
+    fn fly(tree: &WideBvh, ground: &mut Ground<'_>, rays: &[(Ray, Interval)], answers: &mut [Self::Answer]) {
+        tree.level.dispatch(Flight::<Self> { tree, ground, goal: PhantomData }, rays, answers);
+    }
 
     #[inline(always)]
     fn new(span: Interval) -> Self {

@@ -31,7 +31,6 @@ mod stack;
 mod walk;
 
 use core::hint::select_unpredictable;
-use core::marker::PhantomData;
 use core::ops::ControlFlow;
 
 use rt_math::{
@@ -43,14 +42,14 @@ use crate::ray_query::{Any, Closest, is_finite};
 use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
 use build::Census;
 pub use build::{BuildParams, Quality};
-use flight::{Flight, Ground};
+use flight::Ground;
 use goal::{AnyHit, FirstHit, Goal, Judge};
 use leaf::{Filling, LeafKind, Leaves, Line};
 pub(crate) use list::SphereList;
 use node::{Child, Node};
 use simd::Available;
 pub use simd::SimdLevel;
-use walk::{Query, Walk, Work};
+use walk::{Query, Work};
 
 /// Entries of a walk's stack: seven children put off on every level, and one to spare.
 const STACK: usize = 7 * MAX_DEPTH as usize + 8;
@@ -144,7 +143,7 @@ impl WideBvh {
     ) -> G::Answer {
         let mut judge = Asked { tree: self, primitives, probe };
         let mut query = Query { judge: &mut judge, work: Work::default(), answer: G::Answer::default() };
-        self.level.dispatch(Walk { tree: self, query: &mut query, goal: PhantomData::<G> }, ray, span);
+        G::walk(self, &mut query, ray, span);
         let Query { work: Work { nodes, tests, hits }, answer, .. } = query;
         probe.work(nodes, tests, hits);
         answer
@@ -162,7 +161,7 @@ impl WideBvh {
         let (Some(rays), Some(answers)) = (rays.get(..n), answers.get_mut(..n)) else { return };
         let mut judge = Asked { tree: self, primitives, probe };
         let mut ground = Ground { judge: &mut judge, work: Work::default() };
-        self.level.dispatch(Flight { tree: self, ground: &mut ground, goal: PhantomData::<G> }, rays, answers);
+        G::fly(self, &mut ground, rays, answers);
         let Work { nodes, tests, hits } = ground.work;
         probe.work(nodes, tests, hits);
     }

@@ -157,6 +157,18 @@ impl SphereList {
         self.blocks.len() == full + usize::from(lanes > 0) && (lanes == 0 || (lanes..LANES).all(is_nothing))
     }
 
+    /// Not generic, so that it is compiled once and not by all who ask.
+    #[inline(never)]
+    fn ask_first(&self, query: &mut Query<'_, Option<Hit>>, ray: &Ray, span: Interval) {
+        self.level.dispatch(FirstHit { list: self, query }, ray, span);
+    }
+
+    /// As `ask_first`.
+    #[inline(never)]
+    fn ask_any(&self, query: &mut Query<'_, bool>, ray: &Ray, span: Interval) {
+        self.level.dispatch(AnyHit { list: self, query }, ray, span);
+    }
+
     pub(crate) fn closest<P: Primitives, S: Probe>(
         &self,
         primitives: &P,
@@ -166,7 +178,7 @@ impl SphereList {
     ) -> Option<Hit> {
         let mut asked = Asked { primitives, probe };
         let mut query = Query { judge: &mut asked, outcome: None };
-        self.level.dispatch(FirstHit { list: self, query: &mut query }, ray, span);
+        self.ask_first(&mut query, ray, span);
         match query.outcome {
             Some(outcome) => outcome.counted_by(probe),
             None => brute_force::closest(primitives, ray, span, probe),
@@ -182,7 +194,7 @@ impl SphereList {
     ) -> bool {
         let mut asked = Asked { primitives, probe };
         let mut query = Query { judge: &mut asked, outcome: None };
-        self.level.dispatch(AnyHit { list: self, query: &mut query }, ray, span);
+        self.ask_any(&mut query, ray, span);
         match query.outcome {
             Some(outcome) => outcome.counted_by(probe),
             None => brute_force::occluded(primitives, ray, span, probe),

@@ -16,6 +16,9 @@ pub(super) trait Simd: Copy {
     /// Eight numbers.
     type Lanes: Copy;
 
+    /// True if rays are tested in so few instructions that it pays to have others go on while one waits.
+    const WAITS: bool;
+
     /// True if [`mul_add`](Self::mul_add) rounds once.
     const FUSED: bool;
 

@@ -32,6 +32,7 @@ impl Simd for Portable {
     type Lanes = [Vec4; 2];
 
     const FUSED: bool = false;
+    const WAITS: bool = false;
 
     #[inline(always)]
     fn splat(self, x: f32) -> Self::Lanes {

@@ -63,6 +63,7 @@ macro_rules! level {
             type Lanes = __m256;
 
             const FUSED: bool = true;
+            const WAITS: bool = true;
 
             #[inline(always)]
             fn splat(self, x: f32) -> __m256 {
