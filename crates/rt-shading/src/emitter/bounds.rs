@@ -13,20 +13,26 @@ const LEAST_COSINE: f64 = 1.0 / (1u64 << 20) as f64;
 /// Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmitterBounds {
-    /// Contains the lights, world space.
-    pub around: Aabb,
-    /// Middle of the normals, unit.
-    pub axis: DVec3,
-    /// Greatest angle from the axis to a normal, 0 to π. Light leaves up to π/2 from each normal.
-    pub spread: f64,
-    /// What the lights count when they are compared: luminance of their power.
-    pub power: f64,
+    around: Aabb,
+    axis: DVec3,
+    spread: f64,
+    /// Cosine and sine of the spread.
+    edge: Angle,
+    power: f64,
 }
 
 impl EmitterBounds {
+    /// Of lights within a box (world space), of which no normal is farther than `spread` (0 to π) from the unit `axis`.
+    /// Light leaves up to π/2 from each normal; a light without any, as a point, has the spread π.
+    pub fn new(around: Aabb, axis: DVec3, spread: f64, power: Rgb) -> Self {
+        // Light that is too faint to have a luminance counts something, and none more than the greatest number.
+        let counted = if power.is_black() { 0.0 } else { power.luminance().clamp(f64::MIN_POSITIVE, f64::MAX) };
+        Self::of_parts(around, (axis, spread), counted)
+    }
+
     /// Of light that shines in all directions from within a box, also from a point.
     pub fn all_around(around: Aabb, power: Rgb) -> Self {
-        Self { around, axis: DVec3::Z, spread: PI, power: importance_of(power) }
+        Self::new(around, DVec3::Z, PI, power)
     }
 
     /// Of a flat light with this unit normal.
@@ -35,13 +41,38 @@ impl EmitterBounds {
             Sides::Front => 0.0,
             Sides::Both => PI,
         };
-        Self { around, axis: normal, spread, power: importance_of(emission.power(area)) }
+        Self::new(around, normal, spread, emission.power(area))
+    }
+
+    fn of_parts(around: Aabb, (axis, spread): (DVec3, f64), power: f64) -> Self {
+        let (sin, cos) = sincos(spread);
+        Self { around, axis, spread, edge: Angle { cos, sin }, power }
+    }
+
+    /// The box, world space.
+    pub const fn around(&self) -> Aabb {
+        self.around
+    }
+
+    /// Middle of the normals, unit.
+    pub const fn axis(&self) -> DVec3 {
+        self.axis
+    }
+
+    /// Greatest angle from the axis to a normal, 0 to π.
+    pub const fn spread(&self) -> f64 {
+        self.spread
+    }
+
+    /// What the lights count when they are compared: the luminance of their power.
+    pub const fn power(&self) -> f64 {
+        self.power
     }
 
     /// Of both.
     pub fn union(&self, other: &Self) -> Self {
-        let (axis, spread) = union_of_cones((self.axis, self.spread), (other.axis, other.spread));
-        Self { around: self.around.union(other.around), axis, spread, power: self.power + other.power }
+        let cone = union_of_cones((self.axis, self.spread), (other.axis, other.spread));
+        Self::of_parts(self.around.union(other.around), cone, self.power + other.power)
     }
 
     /// An estimate of the light that arrives at `point`: power · cos θ′ · cos θᵢ′ / d² (equation 3 of the paper), each
@@ -59,8 +90,7 @@ impl EmitterBounds {
         }
         let towards = towards / distance2.sqrt();
         let subtended = Angle::from_sine((radius2 / distance2).sqrt());
-        let (sin, cos) = sincos(self.spread);
-        let leaving = Angle::from_cosine(-self.axis.dot(towards)).minus(Angle { cos, sin }).minus(subtended);
+        let leaving = Angle::from_cosine(-self.axis.dot(towards)).minus(self.edge).minus(subtended);
         let arriving = normal.map_or(1.0, |normal| Angle::from_cosine(normal.dot(towards)).minus(subtended).cos);
         finite(weakened * at_least(leaving.cos) * at_least(arriving))
     }
@@ -68,17 +98,12 @@ impl EmitterBounds {
     /// What the directions of the lights cost in a split: the solid angle into which they may shine, weighted by the
     /// cosine (section 4.2 of the paper, M_Ω, with light up to π/2 from each normal).
     pub(super) fn directions(&self) -> f64 {
-        let (sin, cos) = sincos(self.spread);
+        let Angle { sin, cos } = self.edge;
         let reach = (self.spread + FRAC_PI_2).min(PI);
         let (_, cos_beyond) = sincos(self.spread - 2.0 * reach);
         let cone = 2.0 * PI * (1.0 - cos);
         cone + FRAC_PI_2 * (2.0 * reach * sin - cos_beyond - 2.0 * self.spread * sin + cos)
     }
-}
-
-/// Luminance, and something for light that is too faint to have one; at most the greatest number.
-pub(super) fn importance_of(power: Rgb) -> f64 {
-    if power.is_black() { 0.0 } else { power.luminance().clamp(f64::MIN_POSITIVE, f64::MAX) }
 }
 
 fn finite(importance: f64) -> f64 {
@@ -90,7 +115,7 @@ fn at_least(cos: f64) -> f64 {
 }
 
 /// An angle from 0 to π.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Angle {
     cos: f64,
     sin: f64,
@@ -133,4 +158,51 @@ fn union_of_cones(a: (DVec3, f64), b: (DVec3, f64)) -> (DVec3, f64) {
     }
     let (sin, cos) = sincos(spread - wide.1);
     ((wide.0 * cos + sideways * sin).normalize(), spread)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::random::{hash, unit};
+    use rt_math::transcendental::acos;
+
+    fn vector(i: u64, dimension: u64) -> DVec3 {
+        let draw = |axis| 2.0 * unit(hash(&[i, dimension, axis])) - 1.0;
+        DVec3::new(draw(0), draw(1), draw(2))
+    }
+
+    #[test]
+    fn a_cone_around_two_holds_both() {
+        for i in 0..2000 {
+            let cones = [0, 1].map(|k| (vector(i, k).normalize(), unit(hash(&[i, k, 7])) * 2.0));
+            let (axis, spread) = union_of_cones(cones[0], cones[1]);
+            assert!((axis.length() - 1.0).abs() < 1e-14);
+            for (other, angle) in cones {
+                let farthest = acos(axis.dot(other).clamp(-1.0, 1.0)) + angle;
+                assert!(spread >= farthest.min(PI) - 1e-7, "{spread} does not reach {farthest}");
+            }
+        }
+        assert_eq!(union_of_cones((DVec3::Z, 0.0), (DVec3::NEG_Z, 0.0)).1, PI);
+        assert_eq!(union_of_cones((DVec3::Z, 0.3), (DVec3::Z, 0.1)), (DVec3::Z, 0.3));
+    }
+
+    /// Light that leaves up to π/2 from a single normal weighs π, and from all of them 4π.
+    #[test]
+    fn directions_are_weighed_as_in_the_paper() {
+        let of = |spread| EmitterBounds::new(Aabb::new(DVec3::ZERO, DVec3::ONE), DVec3::Z, spread, Rgb::WHITE);
+        assert!((of(0.0).directions() - PI).abs() < 1e-14);
+        assert!((of(PI).directions() - 4.0 * PI).abs() < 1e-14);
+        assert!((1..20).all(|i| of(f64::from(i) * 0.15).directions() > of(f64::from(i - 1) * 0.15).directions()));
+    }
+
+    #[test]
+    fn importance_of_a_small_light_is_that_of_a_point() {
+        let (around, axis) = (Aabb::new(DVec3::ZERO, DVec3::ZERO), DVec3::new(0.0, 0.6, 0.8));
+        let light = EmitterBounds::new(around, axis, 0.0, Rgb::gray(5.0));
+        let above = light.importance(DVec3::Z * 2.0, Some(DVec3::new(0.6, 0.0, -0.8)));
+        assert!((above - 5.0 * 0.8 * 0.8 / 4.0).abs() < 1e-14, "{above}");
+        assert_eq!(light.importance(DVec3::NEG_Z, None), 0.0, "behind the light");
+        assert_eq!(light.importance(DVec3::Z, Some(DVec3::Z)), 0.0, "behind the receiver");
+        assert!(light.importance(DVec3::ZERO, None).is_finite(), "at the light");
+    }
 }

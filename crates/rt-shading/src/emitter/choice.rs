@@ -1,6 +1,5 @@
 //! Which of many lights to sample.
 
-use super::bounds::importance_of;
 use super::distribution::{accumulate, find, probability};
 use rt_math::Rgb;
 
@@ -20,11 +19,11 @@ pub struct PowerChoice {
 }
 
 impl PowerChoice {
-    /// The choice among lights of these powers. Those without power are never chosen.
+    /// The choice among lights by the luminance of these powers. Those without are never chosen.
     pub fn new(powers: impl IntoIterator<Item = Rgb>) -> Self {
-        let mut sums: Vec<f64> = powers.into_iter().map(importance_of).collect();
+        let mut sums: Vec<f64> = powers.into_iter().map(|power| power.luminance().clamp(0.0, f64::MAX)).collect();
         // Sums of the greatest powers overflow.
-        let greatest = sums.iter().fold(1.0f64, |a, &b| a.max(b));
+        let greatest = sums.iter().fold(0.0f64, |a, &b| a.max(b));
         sums.iter_mut().for_each(|power| *power /= greatest);
         accumulate(&mut sums);
         Self { sums }
@@ -39,5 +38,36 @@ impl PowerChoice {
     /// The probability with which a light is chosen; 0 for one that is not there.
     pub fn probability(&self, index: u32) -> f64 {
         probability(&self.sums, index as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lights_are_chosen_in_proportion_to_power() {
+        let choice = PowerChoice::new([0.0, 1.0, 3.0, 0.0, 4.0].map(Rgb::gray));
+        for (u, index, probability) in
+            [(0.0, 1, 0.125), (0.125, 2, 0.375), (0.49, 2, 0.375), (0.5, 4, 0.5), (1.0, 4, 0.5)]
+        {
+            assert_eq!(choice.choose(u), Some(Choice { index, probability }), "{u}");
+            assert_eq!(choice.probability(index), probability);
+        }
+        assert_eq!([0, 3, 5].map(|index| choice.probability(index)), [0.0; 3]);
+        let sum: f64 = (0..5).map(|index| choice.probability(index)).sum();
+        assert_eq!(sum, 1.0);
+    }
+
+    #[test]
+    fn powers_of_any_size_are_chosen_among() {
+        for powers in [[1e-30, 1e30], [1e300, 1e308], [f64::MAX, f64::MAX], [f64::INFINITY, 1.0], [1e-300, 1e-300]] {
+            let choice = PowerChoice::new(powers.map(Rgb::gray));
+            let chosen = choice.choose(0.999).expect("a light");
+            assert!(chosen.probability > 0.0 && chosen.probability <= 1.0, "{powers:?}: {chosen:?}");
+        }
+        assert_eq!(PowerChoice::new([Rgb::BLACK]).choose(0.5), None);
+        assert_eq!(PowerChoice::new([]).choose(0.5), None);
+        assert_eq!(PowerChoice::new([]).probability(0), 0.0);
     }
 }

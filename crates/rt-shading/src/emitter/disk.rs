@@ -189,6 +189,6 @@ mod tests {
         let normal = DVec3::new(1.0, 0.0, 1.0);
         let light = DiskLight::new(DVec3::X, normal, 2.0, 0.0, white(Sides::Front)).expect("a light");
         let expected = DVec3::new(2.0f64.sqrt(), 2.0, 2.0f64.sqrt());
-        assert!((light.bounds().around.extent() - 2.0 * expected).length() < 1e-14);
+        assert!((light.bounds().around().extent() - 2.0 * expected).length() < 1e-14);
     }
 }

@@ -68,7 +68,7 @@ pub(super) fn irradiance(light: &Emitter, at: [DVec3; 2], count: u32) -> Estimat
 
 /// Directions that include all towards the light, uniform over a solid angle, which comes first.
 fn cone(light: &Emitter, point: DVec3) -> (f64, impl Fn([f64; 2]) -> DVec3) {
-    let around = light.bounds().map(|bounds| bounds.around);
+    let around = light.bounds().map(|bounds| bounds.around());
     let towards = around.map_or(DVec3::Z, |around| around.centre() - point);
     let radius = around.map_or(f64::INFINITY, |around| 0.5 * around.extent().length() * 1.000_001);
     let sin = radius / towards.length();

@@ -64,7 +64,7 @@ impl LightTree {
         let mut bounded = Vec::new();
         for ((light, place), index) in lights.into_iter().zip(&mut tree.places).zip(0u32..) {
             match light {
-                Some(Some(bounds)) if bounds.power > 0.0 => bounded.push((bounds, index)),
+                Some(Some(bounds)) if bounds.power() > 0.0 => bounded.push((bounds, index)),
                 Some(None) => {
                     *place = Place::Unbounded;
                     tree.unbounded.push(index);
@@ -81,8 +81,9 @@ impl LightTree {
     pub fn choose(&self, point: DVec3, normal: Option<DVec3>, u: f64) -> Option<Choice> {
         let u = if u >= 0.0 { u.min(BELOW_ONE) } else { 0.0 };
         let unbounded = self.probability_of_unbounded();
-        let place = u / unbounded;
-        if let Some(&index) = self.unbounded.get(place as usize) {
+        let place = self.unbounded.get((u / unbounded) as usize);
+        // The quotient may round to the number of lights.
+        if let Some(&index) = place.or(if self.nodes.is_empty() { self.unbounded.last() } else { None }) {
             return Some(Choice { index, probability: unbounded });
         }
         let mut node = self.nodes.first()?;
@@ -93,12 +94,11 @@ impl LightTree {
                 Content::Light(index) => return Some(Choice { index, probability }),
                 Content::Halves(first) => first as usize,
             };
-            let split = self.probability_of_first(first, point, normal);
-            let is_first = u < split;
-            let part = if is_first { split } else { 1.0 - split };
-            u = ((if is_first { u } else { u - split }) / part).min(BELOW_ONE);
-            probability *= part;
-            node = self.nodes.get(if is_first { first } else { first + 1 })?;
+            let pair = self.probabilities_of_pair(first, point, normal);
+            let half = usize::from(u >= pair[0]);
+            u = ((if half == 0 { u } else { u - pair[0] }) / pair[half]).min(BELOW_ONE);
+            probability *= pair[half];
+            node = self.nodes.get(first + half)?;
         }
     }
 
@@ -114,8 +114,7 @@ impl LightTree {
         while let Some(node) = self.nodes.get(place as usize).filter(|_| place > 0) {
             // Pairs begin at odd numbers, behind the root.
             let first = (place - 1) | 1;
-            let split = self.probability_of_first(first as usize, point, normal);
-            probability *= if place == first { split } else { 1.0 - split };
+            probability *= self.probabilities_of_pair(first as usize, point, normal)[usize::from(place > first)];
             place = node.parent;
         }
         probability
@@ -141,12 +140,12 @@ impl LightTree {
         if self.nodes.is_empty() { 0.0 } else { self.probability_of_unbounded() }
     }
 
-    /// Of the first of two nodes. If neither can light the point it does not matter which one is taken, and either is as
-    /// likely: the probabilities of all lights add up to 1.
-    fn probability_of_first(&self, first: usize, point: DVec3, normal: Option<DVec3>) -> f64 {
+    /// Of the two nodes of a pair. If neither can light the point it does not matter which one is taken, and either is as
+    /// likely: the probabilities of all lights add up to 1. Each is a quotient, since the difference from 1 may round to 0.
+    fn probabilities_of_pair(&self, first: usize, point: DVec3, normal: Option<DVec3>) -> [f64; 2] {
         let importance = |i| self.nodes.get(i).map_or(0.0, |node: &Node| node.bounds.importance(point, normal));
         let (a, b) = (importance(first), importance(first + 1));
-        if a + b > 0.0 { a / (a + b) } else { 0.5 }
+        if a + b > 0.0 { [a / (a + b), b / (a + b)] } else { [0.5; 2] }
     }
 
     /// Builds the nodes, from the root down.
@@ -183,14 +182,14 @@ fn union(lights: &[(EmitterBounds, u32)]) -> Option<EmitterBounds> {
 /// sum of power · M_A · M_Ω is least (the surface area orientation heuristic, section 4.2 of the paper). Lights whose
 /// centres coincide are halved as they come.
 fn split(node: &EmitterBounds, lights: &mut [(EmitterBounds, u32)]) -> usize {
-    let centres = Aabb::from_points(lights.iter().map(|(bounds, _)| bounds.around.centre()));
-    let longest = node.around.extent().max_element();
+    let centres = Aabb::from_points(lights.iter().map(|(bounds, _)| bounds.around().centre()));
+    let longest = node.around().extent().max_element();
     let mut best: Option<(f64, usize, usize)> = None;
     for axis in 0..3 {
         if !(centres.extent()[axis] > 0.0) {
             continue;
         }
-        let regular = longest / node.around.extent()[axis];
+        let regular = longest / node.around().extent()[axis];
         for (cost, bucket) in costs(&centres, axis, lights) {
             if best.is_none_or(|(least, ..)| regular * cost < least) {
                 best = Some((regular * cost, axis, bucket));
@@ -212,13 +211,208 @@ fn costs(centres: &Aabb, axis: usize, lights: &[(EmitterBounds, u32)]) -> Vec<(f
     }
     let cost = |side: &[Option<EmitterBounds>]| {
         let sum = side.iter().flatten().copied().reduce(|a, b| a.union(&b))?;
-        Some(sum.power * sum.directions() * sum.around.surface_area())
+        Some(sum.power() * sum.directions() * sum.around().surface_area())
     };
     let split = |last: usize| Some((cost(&buckets[..=last])? + cost(&buckets[last + 1..])?, last));
     (0..BUCKETS - 1).filter_map(split).collect()
 }
 
 fn bucket_of(centres: &Aabb, axis: usize, bounds: &EmitterBounds) -> usize {
-    let along = (bounds.around.centre()[axis] - centres.min[axis]) / centres.extent()[axis];
+    let along = (bounds.around().centre()[axis] - centres.min[axis]) / centres.extent()[axis];
     ((along * BUCKETS as f64) as usize).min(BUCKETS - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::estimate::{Estimate, white};
+    use super::super::{DiskLight, Emission, EnvironmentLight, PowerChoice, QuadLight, Sides, SphereLight};
+    use super::*;
+    use rt_math::Rgb;
+    use rt_math::random::{hash, unit};
+
+    fn draw(i: u64, dimension: u64) -> f64 {
+        unit(hash(&[i, dimension, 9]))
+    }
+
+    fn vector(i: u64, dimension: u64) -> DVec3 {
+        DVec3::from([0, 1, 2].map(|axis| 2.0 * draw(i, dimension + axis) - 1.0))
+    }
+
+    /// Small lights of all kinds and strengths in a cube of side 20, some of them black.
+    fn lights(count: u64) -> Vec<Emitter> {
+        let light = |i: u64| {
+            let (at, along) = (vector(i, 0) * 10.0, vector(i, 3));
+            let strength = if i % 17 == 5 { 0.0 } else { 0.1 + draw(i, 6) * draw(i, 7) * 10.0 };
+            let sides = if i.is_multiple_of(2) { Sides::Front } else { Sides::Both };
+            let emission = Emission::new(Rgb::new(strength, strength, 0.0), sides).expect("an emission");
+            match i % 3 {
+                0 => {
+                    let edges = [
+                        along.any_orthogonal_vector().normalize() * 0.3,
+                        along.normalize().any_orthonormal_vector().cross(along) * 0.2,
+                    ];
+                    Emitter::Quad(QuadLight::new(at, edges, emission).expect("a light"))
+                }
+                1 => Emitter::Disk(DiskLight::new(at, along, 0.2, 0.0, emission).expect("a light")),
+                _ => Emitter::Sphere(SphereLight::new(at, 0.1 + 0.1 * draw(i, 8), emission).expect("a light")),
+            }
+        };
+        (0..count).map(light).collect()
+    }
+
+    fn receivers() -> Vec<(DVec3, Option<DVec3>)> {
+        let normal = |i: u64| (!i.is_multiple_of(4)).then(|| vector(i, 30).normalize());
+        let near = (0..40).map(|i| (vector(i, 20) * 12.0, normal(i)));
+        near.chain([(DVec3::X * 1e6, Some(DVec3::NEG_X)), (DVec3::Y * 1e9, None)]).collect()
+    }
+
+    fn sum(tree: &LightTree, count: u32, point: DVec3, normal: Option<DVec3>) -> f64 {
+        (0..count).map(|index| tree.probability(point, normal, index)).sum()
+    }
+
+    #[test]
+    fn probabilities_add_up_to_one() {
+        for count in [1, 2, 3, 10, 300] {
+            let mut lights = lights(count);
+            for environments in 0..3 {
+                let tree = LightTree::new(&lights);
+                for (point, normal) in receivers() {
+                    let sum = sum(&tree, lights.len() as u32, point, normal);
+                    assert!((sum - 1.0).abs() < 1e-12, "{count} lights and {environments} around from {point}: {sum}");
+                }
+                lights.push(Emitter::Environment(EnvironmentLight::constant(Rgb::WHITE).expect("a light")));
+            }
+        }
+    }
+
+    #[test]
+    fn choices_are_as_likely_as_they_say() {
+        let mut lights = lights(40);
+        lights.insert(7, Emitter::Environment(EnvironmentLight::constant(Rgb::WHITE).expect("a light")));
+        let tree = LightTree::new(&lights);
+        let count = 8_000u32;
+        for (point, normal) in receivers() {
+            let mut found = vec![0.0; lights.len()];
+            for i in 0..count {
+                let choice = tree.choose(point, normal, (f64::from(i) + 0.5) / f64::from(count)).expect("a light");
+                let probability = tree.probability(point, normal, choice.index);
+                assert!((choice.probability / probability - 1.0).abs() < 1e-12, "{choice:?}, again {probability}");
+                found[choice.index as usize] += 1.0;
+            }
+            // Numbers at equal distances are found in each interval to one, and each light has one interval.
+            for (found, index) in found.iter().zip(0..) {
+                let expected = f64::from(count) * tree.probability(point, normal, index);
+                assert!(
+                    (found - expected).abs() <= 1.0 + 1e-6,
+                    "light {index} from {point}: {found}, expected {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn lights_that_arrive_may_be_chosen() {
+        let lights = lights(300);
+        let tree = LightTree::new(&lights);
+        let (mut arriving, mut never) = (0, 0);
+        for (point, normal) in receivers() {
+            for (light, index) in lights.iter().zip(0u32..) {
+                let mut samples = (0..16).filter_map(|i| light.sample(point, [draw(i, 40), draw(i, 41)]));
+                let arrives = samples.any(|s| normal.is_none_or(|normal| s.direction.dot(normal) > 0.0));
+                let probability = tree.probability(point, normal, index);
+                assert!(!arrives || probability > 0.0, "light {index} from {point}, normal {normal:?}");
+                arriving += u32::from(arrives);
+                never += u32::from(probability == 0.0);
+            }
+        }
+        println!("{arriving} lights arrive, {never} are never chosen");
+        assert!(arriving > 1000 && never > 500);
+    }
+
+    /// Lights at the very edge of being seen: at the horizon of the receiver, and edge-on.
+    #[test]
+    fn lights_at_the_horizon_may_be_chosen() {
+        for tilt in [1e-3, 1e-8, 1e-12, 1e-16] {
+            let edges = [DVec3::new(1e-9, 0.0, 1e-9 * tilt), DVec3::Y * 1e-9];
+            let low = QuadLight::new(DVec3::new(1.0, 0.0, tilt), edges, white(Sides::Both)).expect("a light");
+            let high = SphereLight::new(DVec3::Z, 0.1, white(Sides::Front)).expect("a light");
+            let tree = LightTree::new(&[Emitter::Quad(low), Emitter::Sphere(high)]);
+            assert!(tree.probability(DVec3::ZERO, Some(DVec3::Z), 0) > 0.0, "{tilt}");
+            let faces = QuadLight::new(
+                DVec3::new(1.0, 0.0, 0.5),
+                [DVec3::new(tilt, 0.0, 1.0), DVec3::NEG_Y],
+                white(Sides::Front),
+            );
+            let tree = LightTree::new(&[Emitter::Quad(faces.expect("a light")), Emitter::Sphere(high)]);
+            assert!(tree.probability(DVec3::new(1.0, 2.0, 0.0), Some(DVec3::Z), 0) > 0.0, "{tilt}");
+        }
+    }
+
+    /// Irradiance by one light that was chosen.
+    fn irradiance(lights: &[Emitter], point: DVec3, normal: DVec3, choose: impl Fn(f64) -> Option<Choice>) -> Estimate {
+        let index = std::cell::Cell::new(0);
+        Estimate::of(40_000, |u| {
+            index.set(index.get() + 1);
+            let Some(choice) = choose(draw(index.get(), 50)) else { return 0.0 };
+            let sample = lights[choice.index as usize].sample(point, u);
+            sample.map_or(0.0, |s| s.radiance.g * s.direction.dot(normal).max(0.0) / (s.pdf * choice.probability))
+        })
+    }
+
+    #[test]
+    fn both_ways_to_choose_give_the_sum_of_all_lights_and_the_tree_with_less_noise() {
+        let lights = lights(300);
+        let (tree, power) = (LightTree::new(&lights), PowerChoice::new(lights.iter().map(|light| light.power(1.0))));
+        let mut gain = 1.0;
+        for i in 0..8 {
+            let (point, normal) = (vector(i, 60) * 9.0, vector(i, 63).normalize());
+            let truth: f64 =
+                lights.iter().map(|light| super::super::estimate::irradiance(light, [point, normal], 2000).mean).sum();
+            let by_power = irradiance(&lights, point, normal, |u| power.choose(u));
+            let by_tree = irradiance(&lights, point, normal, |u| tree.choose(point, Some(normal), u));
+            by_power.assert(&format!("by power at {point}"), truth);
+            by_tree.assert(&format!("by tree at {point}"), truth);
+            gain *= by_power.standard_error / by_tree.standard_error;
+            let wrong = |u| {
+                let choice = tree.choose(point, Some(normal), u)?;
+                Some(Choice { probability: 1.25 * choice.probability, ..choice })
+            };
+            assert!(irradiance(&lights, point, normal, wrong).z(truth) > 5.0, "a wrong probability is caught");
+        }
+        let gain = gain.sqrt().sqrt().sqrt();
+        println!("standard errors by power are {gain:.2} times those by the tree");
+        assert!(gain > 2.0);
+    }
+
+    #[test]
+    fn odd_lights_and_points_never_panic() {
+        let empty = LightTree::new(&[]);
+        assert_eq!((empty.choose(DVec3::ZERO, None, 0.5), empty.len(), empty.is_empty()), (None, 0, true));
+        let black = EnvironmentLight::constant(Rgb::BLACK).expect("a light");
+        assert_eq!(LightTree::new(&[Emitter::Environment(black)]).choose(DVec3::ZERO, None, 0.5), None);
+        let strong = |x: f64, power: f64| {
+            let emission = Emission::new(Rgb::gray(power), Sides::Front).expect("an emission");
+            Emitter::Sphere(SphereLight::new(DVec3::X * x, 1.0, emission).expect("a light"))
+        };
+        let sets = [
+            vec![strong(0.0, 1e-30), strong(5.0, 1e30)],
+            vec![strong(0.0, 1.0); 100],
+            vec![strong(1e60, 1e100), strong(-1e60, 1e100)],
+            (0..200).map(|i| strong(f64::from(1u32 << (i % 31)), 1.0)).collect(),
+        ];
+        for lights in sets {
+            let tree = LightTree::new(&lights);
+            assert_eq!(tree.len(), lights.len());
+            for point in [DVec3::ZERO, DVec3::X, DVec3::NAN, DVec3::INFINITY, DVec3::MAX, DVec3::X * 1e60] {
+                for normal in [None, Some(DVec3::X), Some(DVec3::ZERO), Some(DVec3::NAN)] {
+                    let sum = sum(&tree, lights.len() as u32, point, normal);
+                    assert!((sum - 1.0).abs() < 1e-9, "from {point}, {normal:?}: {sum}");
+                    for u in [0.0, 0.3, 1.0, -1.0, f64::NAN, 7.0] {
+                        let choice = tree.choose(point, normal, u).expect("a light");
+                        assert!(choice.probability > 0.0 && choice.probability <= 1.0, "{choice:?}");
+                    }
+                }
+            }
+        }
+    }
 }

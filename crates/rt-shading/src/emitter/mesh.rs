@@ -173,3 +173,140 @@ impl Face {
         by_solid_angle(1.0 / self.area, on_light - point, height)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Emitter;
+    use super::super::estimate::{
+        Estimate, assert_rays_agree, assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, lambert,
+        white,
+    };
+    use super::*;
+
+    /// The triangle of which the irradiance is published; its normal is +z.
+    const TRIANGLE: [DVec3; 3] = [DVec3::Z, DVec3::new(1.0, 0.0, 1.0), DVec3::new(0.0, 1.0, 1.0)];
+
+    fn mesh(triangles: &[[DVec3; 3]], sides: Sides) -> Emitter {
+        Emitter::Mesh(MeshLight::new(triangles.iter().copied(), white(sides)).expect("a light"))
+    }
+
+    /// A cube of side 2 around a point, its normals outside; a square without area is among its triangles.
+    fn cube(centre: DVec3) -> Vec<[DVec3; 3]> {
+        let mut triangles = vec![[centre; 3]];
+        for axis in 0..3 {
+            for side in [-1.0, 1.0] {
+                let [x, y, z] = [0, 1, 2].map(|k| DVec3::AXES[(axis + k) % 3]);
+                let corner = |s: f64, t: f64| centre + side * x + s * side * y + t * z;
+                let [a, b, c, d] = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+                triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        triangles
+    }
+
+    #[test]
+    fn irradiance_is_lamberts() {
+        let tilted = DVec3::ONE.normalize();
+        assert!((lambert(&TRIANGLE, [DVec3::ZERO, DVec3::Z]) - 0.3022998940).abs() < 1e-10);
+        assert!((lambert(&TRIANGLE, [DVec3::ZERO, tilted]) - 0.2789169159).abs() < 1e-10);
+        for at in [
+            [DVec3::ZERO, DVec3::Z],
+            [DVec3::ZERO, tilted],
+            [DVec3::new(0.2, 0.3, 0.99), DVec3::Z],
+            [DVec3::new(0.2, 0.3, 1.0 - 1e-6), tilted],
+            [DVec3::new(-2.0, 0.5, 0.9), DVec3::X],
+            [DVec3::new(-2.0, 0.5, 0.999_9), DVec3::X],
+            [DVec3::new(0.6, 0.6, 0.9), DVec3::NEG_X],
+            [DVec3::new(0.0, 0.0, -200.0), DVec3::Z],
+        ] {
+            let light = mesh(&[TRIANGLE], Sides::Both);
+            irradiance(&light, at, 200_000).assert(&format!("triangle from {}", at[0]), lambert(&TRIANGLE, at));
+            assert_samples_and_pdf_agree(&light, at[0], 1e-6);
+        }
+        let far = [DVec3::new(0.0, 0.0, -1e6), DVec3::Z];
+        irradiance(&mesh(&[TRIANGLE], Sides::Both), far, 1000)
+            .assert("triangle from afar", 0.5 / (1e6 + 1.0) / (1e6 + 1.0));
+    }
+
+    #[test]
+    fn a_square_of_triangles_is_a_square() {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        let [a, b, c, d] = corners;
+        let light = mesh(&[[a, b, c], [a, a, b], [a, c, d]], Sides::Front);
+        for point in [DVec3::new(0.5, 0.3, 0.1), DVec3::new(3.0, 2.0, 1.0), DVec3::new(0.2, -0.1, 30.0)] {
+            let at = [point, DVec3::new(0.1, -0.2, -1.0).normalize()];
+            irradiance(&light, at, 200_000).assert(&format!("from {point}"), lambert(&corners, at));
+            integral_of_pdf(&light, point, 200_000).assert(&format!("pdf from {point}"), 1.0);
+        }
+    }
+
+    /// A triangle that is seen from behind gives nothing: the density integrates to the part of the area that faces the
+    /// point.
+    #[test]
+    fn a_cube_shines_by_the_sides_that_are_seen() {
+        let light = mesh(&cube(DVec3::ZERO), Sides::Front);
+        for (point, sides) in
+            [(DVec3::new(0.0, 3.0, 0.0), 1.0), (DVec3::new(2.0, 3.0, -4.0), 3.0), (DVec3::X * 1.001, 1.0)]
+        {
+            integral_of_pdf(&light, point, 100_000).assert(&format!("pdf from {point}"), sides / 6.0);
+            assert_samples_and_pdf_agree(&light, point, 1e-6);
+            assert_rays_agree(&light, [point, -point.normalize()], 100_000);
+        }
+        assert_eq!((light.sample(DVec3::ZERO, [0.4; 2]), light.pdf(DVec3::ZERO, DVec3::X)), (None, 0.0), "within");
+        irradiance(&mesh(&cube(DVec3::X), Sides::Both), [DVec3::ZERO + 1.1 * DVec3::X, DVec3::Y], 100_000)
+            .assert("within a cube", std::f64::consts::PI);
+    }
+
+    /// By area, the estimate next to a triangle of size 1 would vary by about d⁻²; here it varies by the receiver's cosine.
+    #[test]
+    fn samples_by_solid_angle_vary_less_than_those_by_area() {
+        let at = [DVec3::new(0.25, 0.25, 0.9), DVec3::Z];
+        let by_angle = irradiance(&mesh(&[TRIANGLE], Sides::Both), at, 50_000);
+        let by_area = Estimate::of(50_000, |u| {
+            let root = u[0].sqrt();
+            let on_light = DVec3::new(root * (1.0 - u[1]), root * u[1], 1.0);
+            let offset = on_light - at[0];
+            0.1 * 0.1 * 0.5 / (offset.length_squared() * offset.length_squared())
+        });
+        by_area.assert("by area", lambert(&TRIANGLE, at));
+        println!("standard errors by area and by angle: {} and {}", by_area.standard_error, by_angle.standard_error);
+        assert!(by_area.standard_error > 4.0 * by_angle.standard_error);
+    }
+
+    #[test]
+    fn a_wrong_density_is_caught() {
+        let (light, at) = (mesh(&[TRIANGLE], Sides::Both), [DVec3::ZERO, DVec3::Z]);
+        assert!(irradiance_by(&light, at, 200_000, |s| s.pdf * 1.01).z(lambert(&TRIANGLE, at)) > 5.0);
+    }
+
+    #[test]
+    fn odd_points_and_numbers_give_nothing_and_never_panic() {
+        let light = mesh(&cube(DVec3::ZERO), Sides::Both);
+        for point in [DVec3::NAN, DVec3::INFINITY, DVec3::MAX] {
+            assert_eq!((light.sample(point, [0.5; 2]), light.pdf(point, DVec3::X)), (None, 0.0), "{point}");
+        }
+        for point in [DVec3::ONE, DVec3::X, DVec3::ZERO] {
+            for u in [[f64::NAN; 2], [-1.0, 2.0], [1.0; 2], [0.0; 2], [5.0, 5.0]] {
+                assert!(light.sample(point, u).is_none_or(|s| s.direction.is_finite()));
+            }
+            assert_eq!(light.pdf(point, DVec3::NAN), 0.0);
+        }
+        let missing = EmitterPoint { point: DVec3::X, normal: DVec3::X, triangle: 99 };
+        assert_eq!(light.pdf_at(DVec3::ZERO, &missing), 0.0);
+        for bad in [vec![], vec![[DVec3::X; 3]], vec![[DVec3::NAN; 3]], vec![[DVec3::X, DVec3::Y, DVec3::INFINITY]]] {
+            assert!(MeshLight::new(bad, white(Sides::Front)).is_err());
+        }
+    }
+
+    #[test]
+    fn bounds_hold_the_directions_of_all_normals() {
+        let roof = [[DVec3::ZERO, DVec3::X, DVec3::Y], [DVec3::ZERO, DVec3::Y, DVec3::Z]];
+        let bounds = mesh(&roof, Sides::Front).bounds().expect("bounds");
+        assert!((bounds.spread() - std::f64::consts::FRAC_PI_4).abs() < 1e-15);
+        assert!((bounds.axis() - DVec3::new(1.0, 0.0, 1.0).normalize()).length() < 1e-15);
+        assert_eq!(
+            mesh(&cube(DVec3::ZERO), Sides::Front).bounds().expect("bounds").around().extent(),
+            DVec3::splat(2.0)
+        );
+    }
+}
