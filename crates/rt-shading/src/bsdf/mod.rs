@@ -31,8 +31,8 @@
 //! index n is squeezed by n² (Veach 1997, 5.2), so transmission towards `wo` holds the factor (n(wo) / n(wi))². Light that
 //! is traced the other way is scattered by the adjoint: `eval(wi, wo)`, and [`Bsdf::sample_importance`].
 //!
-//! **Sides.** Opaque models reflect on both sides alike. Directions in the surface itself, of which the cosine is 0, and
-//! such that are not finite, scatter nothing.
+//! **Sides.** Opaque models reflect on both sides alike. Directions in the surface itself, of which the cosine is 0 (up
+//! to 10⁻¹⁰⁰), and such that are not finite, scatter nothing.
 //!
 //! | model | f | source |
 //! |---|---|---|
@@ -109,7 +109,7 @@ impl BsdfSample {
 
     /// The sample, unless rounding took it out of what numbers can hold.
     fn if_finite(self) -> Option<Self> {
-        let is_sound = self.wi.is_finite() && self.wi.z != 0.0 && self.pdf > 0.0 && self.pdf.is_finite();
+        let is_sound = side::leaves(self.wi) && self.pdf > 0.0 && self.pdf.is_finite();
         (is_sound && self.value.is_finite()).then_some(self)
     }
 }

@@ -2,6 +2,14 @@
 
 use rt_math::DVec3;
 
+/// Cosines up to it are taken for 0: their products would leave the range of numbers.
+const HORIZON: f64 = 1e-100;
+
+/// True if light may come along `w`: it is finite and not in the plane of the surface.
+pub(super) fn leaves(w: DVec3) -> bool {
+    w.is_finite() && w.z.abs() > HORIZON
+}
+
 /// The direction seen in the plane of the surface.
 pub(super) fn across(w: DVec3) -> DVec3 {
     DVec3::new(w.x, w.y, -w.z)
@@ -12,10 +20,9 @@ pub(super) fn mirrored(w: DVec3) -> DVec3 {
     DVec3::new(-w.x, -w.y, w.z)
 }
 
-/// Both directions, seen from the side of `wo`, where its cosine is positive; `None` if a cosine is 0 or anything is not
-/// finite.
+/// Both directions, seen from the side of `wo`, where its cosine is positive; `None` unless both leave the surface.
 pub(super) fn seen_from(wo: DVec3, wi: DVec3) -> Option<(DVec3, DVec3)> {
-    if !(wo + wi).is_finite() || wo.z == 0.0 || wi.z == 0.0 {
+    if !(leaves(wo) && leaves(wi)) {
         return None;
     }
     Some(if wo.z > 0.0 { (wo, wi) } else { (across(wo), across(wi)) })
@@ -33,10 +40,10 @@ pub(super) struct Side {
 }
 
 impl Side {
-    /// `wo` with a positive cosine, and the way back to its side; `None` if there is nothing to sample: its cosine is 0, it
-    /// is not finite, or the numbers `u` are not in \[0, 1\].
+    /// `wo` with a positive cosine, and the way back to its side; `None` if there is nothing to sample: it does not leave
+    /// the surface, or the numbers `u` are not in \[0, 1\].
     pub(super) fn of(wo: DVec3, u: [f64; 3]) -> Option<(DVec3, Self)> {
-        let is_sound = wo.is_finite() && wo.z != 0.0 && u.iter().all(|u| (0.0..=1.0).contains(u));
+        let is_sound = leaves(wo) && u.iter().all(|u| (0.0..=1.0).contains(u));
         let is_above = wo.z > 0.0;
         is_sound.then(|| (if is_above { wo } else { across(wo) }, Self { is_above }))
     }

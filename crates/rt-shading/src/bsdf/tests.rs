@@ -1,6 +1,11 @@
 //! What all models promise, tested on the same list of surfaces.
 
 mod agreement;
+mod chi_square;
+mod degenerate;
+mod furnace;
+mod laws;
+mod sphere;
 
 use super::*;
 use rt_math::{random, transcendental};

@@ -16,7 +16,7 @@ pub struct ThinGlass {
     /// Index of refraction of the glass divided by that around it, positive and finite; otherwise nothing is scattered.
     pub ior: f64,
     /// What is left, per channel in \[0, 1\], of light that crosses the glass once along the normal. Beer's law gives it for
-    /// other angles.
+    /// other angles. What is out of the range is taken for the nearer end, NaN for 0.
     pub transmittance: Rgb,
 }
 
@@ -74,7 +74,13 @@ impl ThinGlass {
 
 /// What is left of light that crosses at an angle, of which `once` is left along the normal.
 fn absorbed(once: f64, cos_inside: f64) -> f64 {
-    if once == 1.0 || !(cos_inside > 0.0) { once } else { transcendental::pow(once, 1.0 / cos_inside) }
+    if once >= 1.0 {
+        1.0
+    } else if once > 0.0 && cos_inside > 0.0 {
+        transcendental::pow(once, 1.0 / cos_inside)
+    } else {
+        0.0
+    }
 }
 
 fn reflected(fresnel: f64, tau: f64) -> f64 {

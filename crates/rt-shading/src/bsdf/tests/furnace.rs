@@ -1,0 +1,129 @@
+//! The white furnace: in light of radiance 1 from everywhere (n² in a medium of index n) no surface is brighter than that,
+//! and one that absorbs nothing is as bright.
+
+use super::*;
+
+const SAMPLES: u64 = 40_000;
+
+/// Mean and standard error of what a surface reflects and transmits of the furnace's light.
+struct Brightness {
+    mean: f64,
+    error: f64,
+    /// The greatest of all samples.
+    greatest: f64,
+}
+
+/// The green channel, of light whose radiance was divided by n².
+fn energy(sample: &BsdfSample) -> f64 {
+    sample.weight().g * sample.eta * sample.eta
+}
+
+fn brightness(bsdf: &Bsdf, wo: DVec3, seed: u64) -> Brightness {
+    let (mut sum, mut squares, mut greatest) = (0.0, 0.0, 0.0f64);
+    for index in 0..SAMPLES {
+        let x = bsdf.sample(wo, numbers(seed, index)).map_or(0.0, |sample| energy(&sample));
+        sum += x;
+        squares += x * x;
+        greatest = greatest.max(x);
+    }
+    let n = SAMPLES as f64;
+    let mean = sum / n;
+    // Rounding of a mean is no noise.
+    let variance = (squares / n - mean * mean).max(0.0);
+    Brightness { mean, error: (variance / n).sqrt() + 1e-12, greatest }
+}
+
+/// The diffuse part of glTF's plastic keeps more than what is left: see below.
+fn breaks_conservation(bsdf: &Bsdf) -> bool {
+    matches!(bsdf, Bsdf::Single(Lobe::MetallicRoughness(gltf)) if gltf.metallic < 1.0)
+}
+
+/// Surfaces that absorb nothing. White metal whose facets are smooth is one.
+fn keeps_all(bsdf: &Bsdf) -> bool {
+    match bsdf {
+        Bsdf::Single(Lobe::Dielectric(dielectric)) => dielectric.is_smooth(),
+        Bsdf::Single(lobe) => {
+            matches!(lobe, Lobe::Lambert(_) | Lobe::OrenNayar(_) | Lobe::Mirror(_) | Lobe::ThinGlass(_))
+        }
+        Bsdf::Mix(_) => false,
+    }
+}
+
+#[test]
+fn no_surface_is_brighter_than_the_furnace() {
+    for (at, Surface { name, bsdf }) in surfaces().iter().enumerate() {
+        if breaks_conservation(bsdf) {
+            continue;
+        }
+        for (step, degrees) in ANGLES.into_iter().chain([130.0]).enumerate() {
+            let seed = 7000 + (at * 100 + step) as u64;
+            let Brightness { mean, error, .. } = brightness(bsdf, at_angle(degrees, 0.4), seed);
+            println!("{name} at {degrees}°: {mean:.5} ± {error:.5}");
+            assert!(mean <= 1.0 + 5.0 * error, "{name} at {degrees}°, seed {seed}: {mean} ± {error}");
+            let is_dark = keeps_all(bsdf) && mean < 1.0 - 5.0 * error;
+            assert!(!is_dark, "{name} at {degrees}°, seed {seed}: {mean} ± {error} is less than 1");
+        }
+    }
+}
+
+/// Albedos that were integrated on their own from the formulas, by the midpoint rule with 1500² directions.
+#[test]
+fn plastic_of_gltf_is_as_bright_as_its_formula_says() {
+    for (roughness, degrees, expected) in [
+        (0.3, 0.0, 0.9995),
+        (0.3, 45.0, 1.0010),
+        (0.3, 75.0, 1.1489),
+        (0.3, 89.0, 1.3573),
+        (0.5, 60.0, 1.0110),
+        (0.5, 89.0, 1.1480),
+        (1.0, 0.0, 0.9722),
+        (1.0, 89.0, 1.0101),
+    ] {
+        let Brightness { mean, error, .. } = brightness(&gltf(0.0, roughness).into(), at_angle(degrees, 0.4), 1);
+        assert!((mean - expected).abs() < 5.0 * error + 1e-4, "{roughness} at {degrees}°: {mean} ± {error}");
+    }
+}
+
+#[test]
+fn sharp_lobes_of_phong_lose_what_is_below_the_surface() {
+    for (exponent, degrees, expected) in [
+        (1.0, 45.0, 0.755_409_16),
+        (10.0, 45.0, 0.707_374_19),
+        (50.0, 45.0, core::f64::consts::FRAC_1_SQRT_2),
+        (1.0, 80.0, 0.409_945_26),
+        (10.0, 80.0, 0.228_056_29),
+        (50.0, 80.0, 0.180_808_03),
+    ] {
+        let Brightness { mean, error, .. } = brightness(&phong(exponent).into(), at_angle(degrees, 0.4), 2);
+        assert!((mean - expected).abs() < 5.0 * error, "{exponent} at {degrees}°: {mean} ± {error}");
+    }
+}
+
+#[test]
+fn visible_normals_bound_the_weight() {
+    for Surface { name, bsdf } in surfaces() {
+        let is_bounded = matches!(bsdf, Bsdf::Single(Lobe::Conductor(_) | Lobe::Dielectric(_)))
+            || matches!(bsdf, Bsdf::Single(Lobe::MetallicRoughness(gltf)) if gltf.metallic == 1.0);
+        for degrees in ANGLES.into_iter().chain([89.99, 130.0]).filter(|_| is_bounded) {
+            let greatest = brightness(&bsdf, at_angle(degrees, 0.4), 3).greatest;
+            assert!(greatest <= 1.0 + 1e-9, "{name} at {degrees}°: {greatest}");
+        }
+    }
+}
+
+/// A surface whose lobes are wrong by a few per cent is found by the furnace.
+#[test]
+fn a_broken_value_is_caught() {
+    let wo = at_angle(60.0, 0.0);
+    let Brightness { mean, error, .. } = brightness(&eon(0.8).into(), wo, 4);
+    assert!((mean - 1.0).abs() < 5.0 * error);
+    assert!((1.03 * mean - 1.0).abs() > 5.0 * error, "3 % is within {error}");
+    // Without the light that bounces between the grooves, these are dark.
+    let once = |sample: BsdfSample| {
+        let s = sample.wi.x * wo.x;
+        let bounce = 1.0 + 0.8 * if s > 0.0 { s / wo.z.max(sample.wi.z) } else { s };
+        bounce / (1.0 + 0.8 * (0.5 - 2.0 / (3.0 * core::f64::consts::PI)))
+    };
+    let single: f64 = (0..SAMPLES).filter_map(|index| eon(0.8).sample(wo, numbers(4, index))).map(once).sum();
+    assert!(single / (SAMPLES as f64) < 1.0 - 5.0 * error, "{single}");
+}
