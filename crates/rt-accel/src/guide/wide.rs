@@ -18,6 +18,11 @@
 //! three: missed for certain, hit for certain, or in doubt. What is hit for certain ends the search for shadows at once,
 //! and otherwise bounds where the first hit can be; the rest is decided in `f64`, about once for a ray.
 //!
+//! **Batches**: `closest_batch` sends eight rays as a packet where they pass boxes through the same sides and are steepest on
+//! the same axis: each box, and each triangle or sphere, is then tested with all eight. Where three or fewer are left, each goes
+//! on alone. Rays that do not agree go side by side through trees of more than 8 MiB: sixteen are under way, and while one
+//! waits for its next node, others go on. Put rays that go the same way next to each other.
+//!
 //! **Why it equals brute force**: the `f32` arithmetic errs outwards. A box is entered no later and left no earlier than
 //! any own box in it, and tests of triangles and spheres have margins for all that can be rounded; the proofs stand atop
 //! the files that compute. Whoever is first is decided as brute force decides, so that AVX-512, AVX2 and the portable
