@@ -42,13 +42,14 @@
 //! | [`Mirror`], [`ThinGlass`] | single directions | Fresnel 1823 |
 //! | [`Dielectric`] | F·D·G / (4 cos cos), and Snell's law at each facet | Walter et al. 2007 |
 //! | [`Conductor`] | F·D·G / (4 cos cos) with a complex index | Cook, Torrance 1982; Heitz 2018 |
-//! | [`MetallicRoughness`] | a diffuse base under a layer of dielectric, mixed with metal | glTF 2.0, appendix B |
+//! | [`MetallicRoughness`] | a diffuse base under a layer of dielectric, mixed with metal | glTF 2.0, appendix B; Kulla, Conty 2017 |
 //! | [`Mix`] | Σ weight · f | |
 
 mod conductor;
 mod dielectric;
 mod ggx;
 mod lambert;
+mod layer;
 mod lobe;
 mod metallic_roughness;
 mod mirror;
@@ -65,7 +66,7 @@ pub use dielectric::Dielectric;
 pub use ggx::Ggx;
 pub use lambert::Lambert;
 pub use lobe::Lobe;
-pub use metallic_roughness::MetallicRoughness;
+pub use metallic_roughness::{Coupling, MetallicRoughness};
 pub use mirror::Mirror;
 pub use mix::{MAX_LOBES, Mix, MixError};
 pub use oren_nayar::OrenNayar;

@@ -41,7 +41,12 @@ pub(super) fn metal(roughness: f64) -> Conductor {
 
 /// A surface of glTF, white, so that its albedo is the greatest.
 pub(super) fn gltf(metallic: f64, roughness: f64) -> MetallicRoughness {
-    MetallicRoughness { base_color: Rgb::WHITE, metallic, roughness }
+    MetallicRoughness { base_color: Rgb::WHITE, metallic, roughness, coupling: Coupling::FresnelMix }
+}
+
+/// As [`gltf`], with a base that gets what its layer leaves.
+pub(super) fn plastic(roughness: f64) -> MetallicRoughness {
+    MetallicRoughness { coupling: Coupling::Albedo, ..gltf(0.0, roughness) }
 }
 
 pub(super) fn eon(roughness: f64) -> OrenNayar {
@@ -97,6 +102,10 @@ pub(super) fn surfaces() -> Vec<Surface> {
         surface("glTF plastic .1", gltf(0.0, 0.1)),
         surface("glTF plastic .5", gltf(0.0, 0.5)),
         surface("glTF smooth", gltf(0.5, 0.0)),
+        surface("plastic 0", plastic(0.0)),
+        surface("plastic .23", plastic(0.23)),
+        surface("plastic .6", plastic(0.6)),
+        surface("plastic 1", plastic(1.0)),
         surface("pane", pane()),
         surface("mix", blend()),
     ]

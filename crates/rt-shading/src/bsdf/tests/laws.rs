@@ -177,7 +177,12 @@ fn complex_fresnel_at_an_angle() {
 
 #[test]
 fn gltf_follows_the_equations_of_its_specification() {
-    let surface = MetallicRoughness { base_color: Rgb::new(0.8, 0.5, 0.1), metallic: 0.3, roughness: 0.6 };
+    let surface = MetallicRoughness {
+        base_color: Rgb::new(0.8, 0.5, 0.1),
+        metallic: 0.3,
+        roughness: 0.6,
+        coupling: Coupling::FresnelMix,
+    };
     for index in 0..100 {
         let u = numbers(40, index);
         let (v, l) = (at_angle(89.0 * u[0], 0.0), at_angle(89.0 * u[1], 6.0 * u[2]));
