@@ -10,7 +10,7 @@
 //!                     |    \ refracted
 //! ```
 //!
-//! **Owns** lights without extent ([`Light`]), the classical surface ([`Phong`]), textures, the laws of reflection and
+//! **Owns** lights without extent ([`Light`]) and with it ([`emitter`]), the classical surface ([`Phong`]), textures, the laws of reflection and
 //! refraction ([`optics`]), surfaces that obey physics ([`bsdf`]), transparent bodies within each other ([`Interior`]), and the integrators
 //! that follow camera paths ([`Whitted`], [`FirstHitView`]).
 //! **Does not own** shapes (rt-geometry), or how a ray finds one: an integrator asks a [`Tracer`].

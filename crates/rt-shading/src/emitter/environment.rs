@@ -34,6 +34,8 @@ pub struct EnvironmentLight {
     columns: Vec<f64>,
     /// Running sums over the rows of cells.
     rows: Vec<f64>,
+    /// Where rows of cells begin and end: 1 − cos θ and 1 + cos θ, neither of which cancels.
+    heights: Vec<[f64; 2]>,
     world_from_local: DMat3,
     /// ∫ L dω, with the radiance of each cell taken as that of its middle.
     integral: Rgb,
@@ -53,8 +55,11 @@ impl EnvironmentLight {
         }
         let world_from_local = Transform::rotate_quaternion(rotation)?.linear();
         let (columns, rows) = (vec![0.0; width * (height + 1)], vec![0.0; height + 1]);
+        let polar_angle = |row: usize| PI * ((row as f64 - 0.5) / height as f64).clamp(0.0, 1.0);
+        let heights =
+            (0..height + 2).map(polar_angle).map(|t| [cos_difference(0.0, t), cos_difference(t, PI)]).collect();
         let integral = Rgb::BLACK;
-        let mut light = Self { width, height, pixels, columns, rows, world_from_local, integral };
+        let mut light = Self { width, height, pixels, columns, rows, heights, world_from_local, integral };
         light.distribute();
         Ok(light)
     }
@@ -72,17 +77,18 @@ impl EnvironmentLight {
     pub fn sample(&self, u: [f64; 2]) -> Option<EmitterSample> {
         let (row, down) = find(&self.rows, u[1])?;
         let (column, right) = find(self.row_of_cells(row), u[0])?;
-        let (top, bottom) = (self.polar_angle(row), self.polar_angle(row + 1));
-        // cos θ runs from the top of the cell to its bottom; sin θ by the smaller of its distances to a pole.
-        let [from_top, to_bottom] = [cos_difference(top, bottom) * down, cos_difference(top, bottom) * (1.0 - down)];
-        let [below_north, above_south] = [cos_difference(0.0, top) + from_top, cos_difference(bottom, PI) + to_bottom];
+        // cos θ runs from the top of the cell to its bottom; sin²θ is the product of its distances to both poles.
+        let band = self.band(row);
+        let [below_north, above_south] =
+            [self.heights[row][0] + band * down, self.heights[row + 1][1] + band * (1.0 - down)];
         let sin_theta = (below_north * above_south).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = sincos((column as f64 - 0.5 + right) / self.width as f64 * TAU);
         let cos_theta = if below_north < above_south { 1.0 - below_north } else { above_south - 1.0 };
+        let (sin_phi, cos_phi) = sincos((column as f64 - 0.5 + right) / self.width as f64 * TAU);
         let local = DVec3::new(-sin_theta * sin_phi, cos_theta, sin_theta * cos_phi);
         let direction = self.world_from_local * local;
         let pdf = density(self.probability(column, row) / self.cell_solid_angle(row));
-        let radiance = self.radiance(direction);
+        let lower_part = (self.rows_from_top(sin_theta, cos_theta) - row as f64).clamp(0.0, 1.0);
+        let radiance = self.mixture(column, row, [right, lower_part]);
         let sample = EmitterSample {
             direction,
             distance: f64::INFINITY,
@@ -107,9 +113,7 @@ impl EnvironmentLight {
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         self.place(direction).map_or(Rgb::BLACK, |(x, y)| {
             let (column, row) = (x as usize, (y as usize).min(self.height));
-            let [left, right] = self.corners(column % self.width, row);
-            let (right_part, lower_part) = (x - column as f64, y - row as f64);
-            left[0].lerp(right[0], right_part).lerp(left[1].lerp(right[1], right_part), lower_part)
+            self.mixture(column % self.width, row, [x - column as f64, y - row as f64])
         })
     }
 
@@ -142,6 +146,12 @@ impl EnvironmentLight {
         [left, column].map(|column| rows.map(|row| self.pixels[row * self.width + column]))
     }
 
+    /// What is seen within a cell, at parts of it from the left and from the top.
+    fn mixture(&self, column: usize, row: usize, [x, y]: [f64; 2]) -> Rgb {
+        let [left, right] = self.corners(column, row);
+        left[0].lerp(right[0], x).lerp(left[1].lerp(right[1], x), y)
+    }
+
     /// Where a direction lies, in cells from the left and from the top.
     fn place(&self, direction: DVec3) -> Option<(f64, f64)> {
         let local = self.world_from_local.transpose() * direction;
@@ -151,18 +161,23 @@ impl EnvironmentLight {
         }
         let turn = atan2(-local.x, local.z) / TAU;
         let turn = if turn < 0.0 { turn + 1.0 } else { turn };
-        // The rows of cells at the poles are half as high, so they begin half a cell before the image.
-        let (x, y) = (turn * self.width as f64 + 0.5, atan2(across, local.y) / PI * self.height as f64 + 0.5);
-        Some((x, y))
+        Some((turn * self.width as f64 + 0.5, self.rows_from_top(across, local.y)))
     }
 
-    /// The polar angle at which a row of cells begins.
-    fn polar_angle(&self, row: usize) -> f64 {
-        PI * ((row as f64 - 0.5) / self.height as f64).clamp(0.0, 1.0)
+    /// The polar angle in rows of cells. Those at the poles are half as high, so they begin half a cell before the image.
+    fn rows_from_top(&self, sin: f64, cos: f64) -> f64 {
+        atan2(sin, cos) / PI * self.height as f64 + 0.5
+    }
+
+    /// The height cos θ of a row of cells.
+    fn band(&self, row: usize) -> f64 {
+        let [top, bottom] = [self.heights[row], self.heights[row + 1]];
+        // The difference of the smaller numbers is exact to more digits.
+        if bottom[0] < top[1] { bottom[0] - top[0] } else { top[1] - bottom[1] }
     }
 
     fn cell_solid_angle(&self, row: usize) -> f64 {
-        TAU / self.width as f64 * cos_difference(self.polar_angle(row), self.polar_angle(row + 1))
+        TAU / self.width as f64 * self.band(row)
     }
 
     fn row_of_cells(&self, row: usize) -> &[f64] {

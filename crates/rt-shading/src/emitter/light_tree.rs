@@ -1,12 +1,12 @@
 //! A tree over many lights, from which those that matter to a point are drawn.
 
+mod split;
+
 use super::bounds::EmitterBounds;
 use super::distribution::BELOW_ONE;
 use super::{Choice, Emitter};
-use rt_math::{Aabb, DVec3};
-
-/// Places along an axis at which a split is tried.
-const BUCKETS: usize = 12;
+use rt_math::DVec3;
+use split::split;
 
 /// A binary tree of [`EmitterBounds`] (Conty Estevez, Kulla 2018): the choice goes down from the root, to each side with a
 /// probability in proportion to its importance for the point.
@@ -176,50 +176,6 @@ impl LightTree {
 
 fn union(lights: &[(EmitterBounds, u32)]) -> Option<EmitterBounds> {
     lights.iter().map(|(bounds, _)| *bounds).reduce(|a, b| a.union(&b))
-}
-
-/// Orders at least two lights so that a first half, whose length is returned, is to be kept apart from the rest: where the
-/// sum of power · M_A · M_Ω is least (the surface area orientation heuristic, section 4.2 of the paper). Lights whose
-/// centres coincide are halved as they come.
-fn split(node: &EmitterBounds, lights: &mut [(EmitterBounds, u32)]) -> usize {
-    let centres = Aabb::from_points(lights.iter().map(|(bounds, _)| bounds.around().centre()));
-    let longest = node.around().extent().max_element();
-    let mut best: Option<(f64, usize, usize)> = None;
-    for axis in 0..3 {
-        if !(centres.extent()[axis] > 0.0) {
-            continue;
-        }
-        let regular = longest / node.around().extent()[axis];
-        for (cost, bucket) in costs(&centres, axis, lights) {
-            if best.is_none_or(|(least, ..)| regular * cost < least) {
-                best = Some((regular * cost, axis, bucket));
-            }
-        }
-    }
-    let Some((_, axis, last)) = best else { return lights.len() / 2 };
-    let is_first = |light: &(EmitterBounds, u32)| bucket_of(&centres, axis, &light.0) <= last;
-    lights.sort_by_key(|light| !is_first(light));
-    lights.partition_point(is_first)
-}
-
-/// The buckets behind which both sides have lights, and what it costs to split there.
-fn costs(centres: &Aabb, axis: usize, lights: &[(EmitterBounds, u32)]) -> Vec<(f64, usize)> {
-    let mut buckets = [None::<EmitterBounds>; BUCKETS];
-    for (bounds, _) in lights {
-        let bucket = &mut buckets[bucket_of(centres, axis, bounds)];
-        *bucket = Some(bucket.map_or(*bounds, |sum| sum.union(bounds)));
-    }
-    let cost = |side: &[Option<EmitterBounds>]| {
-        let sum = side.iter().flatten().copied().reduce(|a, b| a.union(&b))?;
-        Some(sum.power() * sum.directions() * sum.around().surface_area())
-    };
-    let split = |last: usize| Some((cost(&buckets[..=last])? + cost(&buckets[last + 1..])?, last));
-    (0..BUCKETS - 1).filter_map(split).collect()
-}
-
-fn bucket_of(centres: &Aabb, axis: usize, bounds: &EmitterBounds) -> usize {
-    let along = (bounds.around().centre()[axis] - centres.min[axis]) / centres.extent()[axis];
-    ((along * BUCKETS as f64) as usize).min(BUCKETS - 1)
 }
 
 #[cfg(test)]

@@ -143,7 +143,7 @@ impl Face {
     }
 
     fn solid_angle(&self, point: DVec3, height: f64) -> f64 {
-        solid_angle::of_triangle(self.vertices.map(|vertex| vertex - point), height, 2.0 * self.area)
+        solid_angle::of_fan(self.vertices.map(|vertex| vertex - point), height, 2.0 * self.area)
     }
 
     fn sample(&self, point: DVec3, height: f64, u: [f64; 2]) -> DVec3 {

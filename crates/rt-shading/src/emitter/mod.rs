@@ -24,6 +24,25 @@
 //! Otherwise `pdf` is the density with which `sample` draws, so that the two can be weighted against other ways to find the
 //! same direction (Veach, Guibas 1995). A ray that hit the light knows the [`EmitterPoint`]; [`Emitter::pdf_at`] needs no
 //! second intersection.
+//!
+//! ```
+//! use rt_math::{DVec3, Rgb};
+//! use rt_shading::emitter::{DiskLight, Emission, Emitter, Sides};
+//!
+//! // A disk of radius 1 above a floor, facing down: its irradiance is π R² / (R² + h²).
+//! let emission = Emission::new(Rgb::WHITE, Sides::Front)?;
+//! let light = Emitter::Disk(DiskLight::new(DVec3::new(0.0, 0.0, 2.0), DVec3::NEG_Z, 1.0, 0.0, emission)?);
+//! let (point, normal, n) = (DVec3::ZERO, DVec3::Z, 64);
+//! let mut irradiance = 0.0;
+//! for i in 0..n * n {
+//!     let u = [i % n, i / n].map(|k| (f64::from(k) + 0.5) / f64::from(n));
+//!     if let Some(sample) = light.sample(point, u) {
+//!         irradiance += sample.radiance.g * sample.direction.dot(normal) / sample.pdf / f64::from(n * n);
+//!     }
+//! }
+//! assert!((irradiance - std::f64::consts::PI / 5.0).abs() < 1e-4);
+//! # Ok::<(), rt_shading::emitter::EmitterError>(())
+//! ```
 
 mod bounds;
 mod choice;

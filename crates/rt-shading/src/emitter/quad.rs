@@ -4,9 +4,8 @@ use super::sample::{by_solid_angle, density};
 use super::solid_angle::{self, MIN_SPHERICAL};
 use super::{Emission, EmitterBounds, EmitterError, EmitterPoint, EmitterSample};
 use rt_geometry::ShapeError;
-use rt_math::transcendental::{acos, sincos};
+use rt_math::transcendental::sincos;
 use rt_math::{Aabb, DVec3, Rgb};
-use std::f64::consts::TAU;
 
 /// Edges whose angle differs from a right one by less than this are those of a rectangle.
 const RIGHT_ANGLE: f64 = 1e-12;
@@ -74,7 +73,7 @@ impl QuadLight {
         let a = self.corner - point;
         let [b, d] = [a + self.edges[0], a + self.edges[1]];
         let (c, height) = (b + self.edges[1], a.dot(self.normal));
-        solid_angle::of_triangle([a, b, c], height, self.area) + solid_angle::of_triangle([a, c, d], height, self.area)
+        solid_angle::of_fan([a, b, c, d], height, self.area)
     }
 
     /// A direction towards the light from `point`. `None` behind a one-sided light, in its plane, and if it is black.
@@ -160,12 +159,15 @@ impl QuadLight {
         let (offset, h) = (self.corner - point, height.abs());
         let [x0, y0] = self.axes.map(|axis| offset.dot(axis));
         let (x1, y1) = (x0 + self.lengths[0], y0 + self.lengths[1]);
-        let slope = |c: f64| c / (c * c + h * h).sqrt();
-        let (b0, b1, n3) = (-slope(y0), slope(y1), -slope(x0));
-        let k = TAU - acos((-b1 * n3).clamp(-1.0, 1.0)) - acos((-n3 * b0).clamp(-1.0, 1.0));
-        let (sin, cos) = sincos(u[0] * solid_angle + k);
+        let [r, r0, r1] = [x0, y0, y1].map(|c| (c * c + h * h).sqrt());
+        let (b0, b1, n3) = (-y0 / r0, y1 / r1, -x0 / r);
+        // The angle that the first number adds to is k = 2π − g₂ − g₃, with inner angles g whose cosines are known.
+        let [g2, g3] = [-b1 * n3, -n3 * b0].map(|cos| (((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt(), cos));
+        let (sin_k, cos_k) = (-g2.0 * g3.1 - g2.1 * g3.0, g2.1 * g3.1 - g2.0 * g3.0);
+        let (sin, cos) = sincos(u[0] * solid_angle);
+        let (sin, cos) = (sin * cos_k + cos * sin_k, cos * cos_k - sin * sin_k);
         let f = (cos * b0 - b1) / sin;
-        let c0 = h / (y0 * y0 + h * h).sqrt();
+        let c0 = h / r0;
         let x = f.signum() * h / ((f - c0) * (f + c0)).max(0.0).sqrt();
         let x = x.max(x0).min(x1);
         let d = (x * x + h * h).sqrt();

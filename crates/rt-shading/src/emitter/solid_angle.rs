@@ -1,27 +1,35 @@
 //! Solid angles of triangles, to the last digits from near and far, and directions uniform over them.
 
 use rt_math::DVec3;
-use rt_math::transcendental::{acos, atan2, sincos};
+use rt_math::transcendental::{atan2, sincos};
 
 /// Below this solid angle a flat figure is sampled by area: what is computed from the angles of its projection on the
 /// unit sphere, whose sum exceeds that of a flat one by just this, would keep fewer than eleven digits, and there is
 /// little left to gain.
 pub(super) const MIN_SPHERICAL: f64 = 1.0 / (1u64 << 14) as f64;
 
-/// The solid angle that a triangle subtends: Van Oosterom and Strackee, "The Solid Angle of a Plane Triangle", 1983,
+/// The solid angle, at most 2π, of a flat figure that is a fan of triangles around its first corner: by Van Oosterom and
+/// Strackee, "The Solid Angle of a Plane Triangle", 1983, each has
 ///
 /// ```text
 ///   tan(Ω/2) = |a·(b×c)| / (abc + (a·b)c + (b·c)a + (c·a)b)
 /// ```
 ///
 /// with corners given relative to the point that looks. The triple product is `height · area2`: the distance of the plane
-/// times twice the area, so that nothing cancels for a triangle that is far away. 0 for one seen edge-on; NaN for a point
-/// on a corner.
-pub(super) fn of_triangle([a, b, c]: [DVec3; 3], height: f64, area2: f64) -> f64 {
-    let lengths = [a, b, c].map(DVec3::length);
-    let (a, b, c) = (a / lengths[0], b / lengths[1], c / lengths[2]);
-    let triple = (height.abs() / lengths[0]) * (area2 / lengths[1] / lengths[2]);
-    2.0 * atan2(triple, 1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+/// times twice the area, which all triangles share, so that nothing cancels for a figure that is far away. Half angles are
+/// added as those of complex numbers. 0 for a figure that is seen edge-on; NaN for a point on a corner.
+pub(super) fn of_fan<const N: usize>(corners: [DVec3; N], height: f64, area2: f64) -> f64 {
+    let lengths = corners.map(DVec3::length);
+    let (hub, hub_length, triple) = (corners[0], lengths[0], height.abs() * area2);
+    let (mut re, mut im) = (1.0, 0.0);
+    for i in 1..N - 1 {
+        let ([b, c], [b_length, c_length]) = ([corners[i], corners[i + 1]], [lengths[i], lengths[i + 1]]);
+        let product = hub_length * b_length * c_length;
+        let rest = product + hub.dot(b) * c_length + b.dot(c) * hub_length + c.dot(hub) * b_length;
+        let (cos, sin) = (rest / product, triple / product);
+        (re, im) = (re * cos - im * sin, re * sin + im * cos);
+    }
+    2.0 * atan2(im, re)
 }
 
 /// The unit direction, uniform over a spherical triangle of the given solid angle, that belongs to `u` of the unit square:
@@ -31,19 +39,15 @@ pub(super) fn of_triangle([a, b, c]: [DVec3; 3], height: f64, area2: f64) -> f64
 /// point on the new arc, uniform in the height over b.
 pub(super) fn sample_triangle(corners: [DVec3; 3], solid_angle: f64, u: [f64; 2]) -> DVec3 {
     let [a, b, c] = corners.map(DVec3::normalize_or_zero);
-    let alpha = angle_at(a, b, c);
-    let (sin_alpha, cos_alpha) = sincos(alpha);
-    let (s, t) = sincos(u[0] * solid_angle - alpha);
+    // Sine and cosine of the angle at a, between the great circles to b and to c.
+    let (to_b, to_c) = (a.cross(b).normalize_or_zero(), a.cross(c).normalize_or_zero());
+    let (sin_alpha, cos_alpha) = (to_b.cross(to_c).length(), to_b.dot(to_c));
+    let (sin, cos) = sincos(u[0] * solid_angle);
+    let (s, t) = (sin * cos_alpha - cos * sin_alpha, cos * cos_alpha + sin * sin_alpha);
     let (p, q) = (t - cos_alpha, s + sin_alpha * a.dot(b));
     let cos_arc = ((q * t - p * s) * cos_alpha - q) / ((q * s + p * t) * sin_alpha);
     let on_arc = along_arc(a, c, cos_arc.max(a.dot(c)).min(1.0));
     along_arc(b, on_arc, 1.0 - u[1] * (1.0 - on_arc.dot(b)))
-}
-
-/// The angle at `a` between the great circles to `b` and to `c`.
-fn angle_at(a: DVec3, b: DVec3, c: DVec3) -> f64 {
-    let (to_b, to_c) = (a.cross(b).normalize_or_zero(), a.cross(c).normalize_or_zero());
-    acos(to_b.dot(to_c).clamp(-1.0, 1.0))
 }
 
 /// The unit vector on the arc from `start` towards `end` whose cosine with `start` is given.
