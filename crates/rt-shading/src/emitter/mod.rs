@@ -59,6 +59,8 @@ mod quad;
 mod sample;
 mod solid_angle;
 mod sphere;
+#[cfg(test)]
+mod tests;
 
 pub use bounds::EmitterBounds;
 pub use choice::{Choice, PowerChoice};

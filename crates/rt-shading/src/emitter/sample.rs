@@ -44,7 +44,7 @@ impl EmitterSample {
         let direction = offset / distance;
         let point_error = (at.point.abs() + DVec3::splat(extent)) * gamma(16);
         let sample = Self { direction, distance, point: Some(at.point), point_error, normal: at.normal, radiance, pdf };
-        (direction.is_finite() && is_density(pdf) && !radiance.is_black()).then_some(sample)
+        (direction.is_finite() && distance.is_finite() && is_density(pdf) && !radiance.is_black()).then_some(sample)
     }
 
     /// Where a shadow ray should end: `point`, moved off the light to the side that is seen by its error bound, so that

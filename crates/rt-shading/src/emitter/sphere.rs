@@ -22,7 +22,16 @@ pub struct SphereLight {
     emission: Emission,
 }
 
-/// How a sphere is seen from outside.
+/// How a sphere is seen.
+enum Seen {
+    Outside(Subtended),
+    /// From within and from the surface itself.
+    Within,
+    /// By a point so far away that the distance overflows, or that is none.
+    Nowhere,
+}
+
+/// The cone in which a sphere is seen from outside.
 struct Subtended {
     /// Towards the centre, unit.
     axis: DVec3,
@@ -54,20 +63,20 @@ impl SphereLight {
     /// The solid angle in which the light is seen: that of the cone from outside; 4π within and on a two-sided light, 0
     /// within and on a one-sided one.
     pub fn solid_angle(&self, point: DVec3) -> f64 {
-        match (self.subtended(point), self.emission.sides()) {
-            (Some(cone), _) => TAU * cone.one_minus_cos,
-            (None, Sides::Both) => 4.0 * PI,
-            (None, Sides::Front) => 0.0,
+        match (self.seen(point), self.emission.sides()) {
+            (Seen::Outside(cone), _) => TAU * cone.one_minus_cos,
+            (Seen::Within, Sides::Both) => 4.0 * PI,
+            (Seen::Within, Sides::Front) | (Seen::Nowhere, _) => 0.0,
         }
     }
 
     /// A direction towards the light from `point`. `None` within and on a one-sided light, if it is black, and on a
     /// two-sided one for directions that leave it.
     pub fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<EmitterSample> {
-        match (self.subtended(point), self.emission.sides()) {
-            (Some(cone), _) => self.sample_outside(point, &cone, u),
-            (None, Sides::Both) => self.sample_within(point, u),
-            (None, Sides::Front) => None,
+        match (self.seen(point), self.emission.sides()) {
+            (Seen::Outside(cone), _) => self.sample_outside(point, &cone, u),
+            (Seen::Within, Sides::Both) => self.sample_within(point, u),
+            (Seen::Within, Sides::Front) | (Seen::Nowhere, _) => None,
         }
     }
 
@@ -104,16 +113,18 @@ impl SphereLight {
         EmitterBounds::all_around(self.sphere.bounds(), self.power())
     }
 
-    /// How the sphere is seen; `None` from within, from its surface, and from nowhere.
-    fn subtended(&self, point: DVec3) -> Option<Subtended> {
+    fn seen(&self, point: DVec3) -> Seen {
         let (towards, radius) = (self.sphere.centre() - point, self.sphere.radius());
         let distance = towards.length();
-        if !(distance > radius && distance.is_finite()) {
-            return None;
+        if distance <= radius {
+            return Seen::Within;
+        }
+        if !distance.is_finite() {
+            return Seen::Nowhere;
         }
         let sin = radius / distance;
         let cos = ((distance - radius) / distance * (1.0 + sin)).sqrt();
-        Some(Subtended { axis: towards / distance, sin, one_minus_cos: sin * sin / (1.0 + cos) })
+        Seen::Outside(Subtended { axis: towards / distance, sin, one_minus_cos: sin * sin / (1.0 + cos) })
     }
 
     fn on_surface(&self, normal: DVec3) -> EmitterPoint {
