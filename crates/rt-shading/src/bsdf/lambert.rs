@@ -16,16 +16,19 @@ pub struct Lambert {
 
 impl Lambert {
     /// As [`super::Bsdf::eval`].
+    #[inline]
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         same_side(wo, wi).map_or(Rgb::BLACK, |_| self.albedo * FRAC_1_PI)
     }
 
     /// As [`super::Bsdf::pdf`]: cos θ(wi) / π.
+    #[inline]
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         same_side(wo, wi).map_or(0.0, |(_, wi)| cosine_pdf(wi))
     }
 
     /// As [`super::Bsdf::sample`]; the weight is the albedo.
+    #[inline]
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let (_, side) = Side::of(wo, u)?;
         let wi = cosine_hemisphere([u[1], u[2]]);
@@ -42,12 +45,14 @@ impl Lambert {
 }
 
 /// Density of [`cosine_hemisphere`] over solid angle.
+#[inline]
 pub(super) fn cosine_pdf(w: DVec3) -> f64 {
     w.z * FRAC_1_PI
 }
 
 /// A direction above the surface by the cosine of its angle to the normal: a point of the unit disk, raised to the
 /// hemisphere (Malley 1988). The map of the square to the disk keeps neighbours together (Shirley, Chiu 1997).
+#[inline]
 pub(super) fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
     let [x, y] = u.map(|u| 2.0 * u - 1.0);
     if x == 0.0 && y == 0.0 {

@@ -6,21 +6,25 @@ use rt_math::DVec3;
 const HORIZON: f64 = 1e-100;
 
 /// True if light may come along `w`: it is finite and not in the plane of the surface.
+#[inline]
 pub(super) fn leaves(w: DVec3) -> bool {
     w.is_finite() && w.z.abs() > HORIZON
 }
 
 /// The direction seen in the plane of the surface.
+#[inline]
 pub(super) fn across(w: DVec3) -> DVec3 {
     DVec3::new(w.x, w.y, -w.z)
 }
 
 /// The direction to which a mirror in the plane of the surface sends what arrives along `w`.
+#[inline]
 pub(super) fn mirrored(w: DVec3) -> DVec3 {
     DVec3::new(-w.x, -w.y, w.z)
 }
 
 /// Both directions, seen from the side of `wo`, where its cosine is positive; `None` unless both leave the surface.
+#[inline]
 pub(super) fn seen_from(wo: DVec3, wi: DVec3) -> Option<(DVec3, DVec3)> {
     if !(leaves(wo) && leaves(wi)) {
         return None;
@@ -29,6 +33,7 @@ pub(super) fn seen_from(wo: DVec3, wi: DVec3) -> Option<(DVec3, DVec3)> {
 }
 
 /// As [`seen_from`], and `None` as well if the directions are on different sides: both cosines are positive.
+#[inline]
 pub(super) fn same_side(wo: DVec3, wi: DVec3) -> Option<(DVec3, DVec3)> {
     seen_from(wo, wi).filter(|(_, wi)| wi.z > 0.0)
 }
@@ -42,6 +47,7 @@ pub(super) struct Side {
 impl Side {
     /// `wo` with a positive cosine, and the way back to its side; `None` if there is nothing to sample: it does not leave
     /// the surface, or the numbers `u` are not in \[0, 1\].
+    #[inline]
     pub(super) fn of(wo: DVec3, u: [f64; 3]) -> Option<(DVec3, Self)> {
         let is_sound = leaves(wo) && u.iter().all(|u| (0.0..=1.0).contains(u));
         let is_above = wo.z > 0.0;
@@ -49,6 +55,7 @@ impl Side {
     }
 
     /// A direction found where `wo` is above, as it is.
+    #[inline]
     pub(super) fn restore(self, w: DVec3) -> DVec3 {
         if self.is_above { w } else { across(w) }
     }
