@@ -72,6 +72,13 @@ pub(super) fn blend() -> Mix {
     .expect("a sound mix")
 }
 
+/// A highlight over a coloured base: weights of 1, of which the colours leave less than all.
+pub(super) fn layers() -> Mix {
+    let highlight = PhongLobe { reflectance: Rgb::gray(0.3), exponent: 80.0 };
+    Mix::new(&[(1.0, Lambert { albedo: Rgb::new(0.1, 0.5, 0.6) }.into()), (1.0, highlight.into())])
+        .expect("a sound mix")
+}
+
 /// One of each model, and rough ones smooth to rough. White where that is possible: that is where energy shows.
 pub(super) fn surfaces() -> Vec<Surface> {
     let tinted = Dielectric {
@@ -108,5 +115,6 @@ pub(super) fn surfaces() -> Vec<Surface> {
         surface("plastic 1", plastic(1.0)),
         surface("pane", pane()),
         surface("mix", blend()),
+        surface("layers", layers()),
     ]
 }

@@ -114,6 +114,12 @@ fn sharp_lobes_of_phong_lose_what_is_below_the_surface() {
 }
 
 #[test]
+fn lobes_over_each_other_add_their_light() {
+    let Brightness { mean, error, .. } = brightness(&layers().into(), DVec3::Z, 6);
+    assert!((mean - 0.8).abs() < 5.0 * error, "{mean} ± {error}");
+}
+
+#[test]
 fn visible_normals_bound_the_weight() {
     for Surface { name, bsdf } in surfaces() {
         let is_bounded = matches!(bsdf, Bsdf::Single(Lobe::Conductor(_) | Lobe::Dielectric(_)))
