@@ -149,7 +149,7 @@ impl CylinderLight {
     fn point_on(&self, visible: &Visible, u: [f64; 2]) -> EmitterPoint {
         let [bottom, top, side] = self.areas(visible);
         let area = u[0] * (bottom + top + side);
-        let (angle, from_axis, height, slope) = if area < bottom {
+        let (angle, from_axis, height, along_axis) = if area < bottom {
             (TAU * (area / bottom), self.radius * u[1].sqrt(), 0.0, -1.0)
         } else if area < bottom + top {
             (TAU * ((area - bottom) / top), self.radius * u[1].sqrt(), self.length, 1.0)
@@ -159,7 +159,7 @@ impl CylinderLight {
         };
         let (sin, cos) = sincos(angle);
         let outwards = self.frame.x * cos + self.frame.y * sin;
-        let normal = if slope == 0.0 { outwards } else { self.frame.z * slope };
+        let normal = if along_axis == 0.0 { outwards } else { self.frame.z * along_axis };
         let point = self.base + outwards * from_axis + self.frame.z * height;
         EmitterPoint { point, normal, triangle: 0 }
     }
