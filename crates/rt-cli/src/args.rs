@@ -1,5 +1,6 @@
 //! What the user may type.
 
+mod compare;
 mod picture;
 mod values;
 
@@ -7,6 +8,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 
+pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
 pub(crate) use picture::{BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 
 /// The commands, and what needs no command.
@@ -18,7 +20,7 @@ pub(crate) use picture::{BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArg
     about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj) to pictures",
     long_about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj) to pictures.\n\n\
                   Without a command, it renders a built-in showcase to showcase.png.",
-    after_help = "Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 output could not be written, 5 finished but damaged.",
+    after_help = "Exit codes: 0 done, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output could not be written, 5 finished but damaged.",
     disable_help_subcommand = true
 )]
 pub(crate) struct Cli {
@@ -40,6 +42,9 @@ pub(crate) enum Command {
     Convert(ConvertArgs),
     /// Turn an image of linear light into a picture: exposure, tone curve, gamma
     Develop(DevelopArgs),
+    /// Measure how much an image differs from a reference: errors, PSNR, SSIM, FLIP, heat map
+    #[command(long_about = compare::COMPARE_HELP)]
+    Compare(CompareArgs),
     /// Print the JSON Schema of scene files, for editors
     Schema,
     /// Print completions for a shell

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use rt_camera::ImageFileError;
+use rt_camera::metrics::PairError;
 use rt_render::RenderError;
 use rt_scene_io::LoadError;
 
@@ -27,9 +28,35 @@ pub(crate) enum Failure {
         /// What is wrong with it.
         source: RenderError,
     },
-    /// The image to develop is bad.
+    /// An image is bad.
     #[error(transparent)]
     Image(#[from] ImageFileError),
+    /// Two images cannot be compared.
+    #[error("{} and {}: {source}", test.display(), reference.display())]
+    Pair {
+        /// The image under test.
+        test: PathBuf,
+        /// What it is compared with.
+        reference: PathBuf,
+        /// Why they cannot.
+        source: PairError,
+    },
+    /// Two images are not equal enough.
+    #[error("{} and {} differ: {}", test.display(), reference.display(), difference(metric, *value, *threshold, *not_finite))]
+    Different {
+        /// The image under test.
+        test: PathBuf,
+        /// What it is compared with.
+        reference: PathBuf,
+        /// Name of the metric that was asked for.
+        metric: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it was allowed to be.
+        threshold: f64,
+        /// Pixels that are NaN or infinite in one of the images and not the same in the other.
+        not_finite: u64,
+    },
     /// There are warnings, and the user is strict.
     #[error("{}: {count} {}; mend the scene, or leave --strict out", file.display(), if *count == 1 { "warning" } else { "warnings" })]
     Warnings {
@@ -69,13 +96,23 @@ impl Failure {
         }
     }
 
-    /// 2 usage, 3 bad input, 4 output could not be written, 5 finished but damaged.
+    /// 1 difference found, 2 usage, 3 bad input, 4 output could not be written, 5 finished but damaged.
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
+            Self::Different { .. } => 1,
             Self::Usage(_) => 2,
-            Self::Load(_) | Self::Plan { .. } | Self::Image(_) | Self::Warnings { .. } => 3,
+            Self::Load(_) | Self::Plan { .. } | Self::Image(_) | Self::Pair { .. } | Self::Warnings { .. } => 3,
             Self::Output(_) | Self::Stdout(_) => 4,
             Self::Damaged { .. } => 5,
         })
+    }
+}
+
+/// What speaks against two images.
+fn difference(metric: &str, value: f64, threshold: f64, not_finite: u64) -> String {
+    match not_finite {
+        0 => format!("{metric} is {value}, and {threshold} is allowed"),
+        1 => "a pixel is NaN or infinite in one of them and not the same in the other".to_owned(),
+        n => format!("{n} pixels are NaN or infinite in one of them and not the same in the other"),
     }
 }

@@ -11,6 +11,7 @@
 //! rt-cli render scene.ron -o picture.exr  also .json, .obj, .gltf, .glb; and .png, .jpg, .hdr, .pfm
 //! rt-cli explain scene.ron                what a render uses, what it leaves out, and why
 //! rt-cli check scene.ron                  what may lose digits, and what is probably not meant
+//! rt-cli compare a.exr b.exr              how much two pictures differ
 //! rt-cli --help                           what else there is
 //! ```
 //!

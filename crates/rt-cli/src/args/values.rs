@@ -1,6 +1,7 @@
 //! Values as users write them. Each parser refuses with the rule that was broken.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use rt_camera::metrics::Flip;
 use rt_camera::{Development, Encoding, FilmSettings, ToneCurve};
 use rt_math::{DVec3, Rgb};
 use rt_render::{Crop, Quality, SimdLevel};
@@ -81,6 +82,22 @@ pub(super) fn exposure(text: &str) -> Result<f64, String> {
 pub(super) fn gamma(text: &str) -> Result<f64, String> {
     let gamma = number(text)?;
     check(&Development { encoding: Encoding::Power(gamma), ..Development::default() }).map(|()| gamma)
+}
+
+/// Any finite number.
+pub(super) fn finite(text: &str) -> Result<f64, String> {
+    number(text).ok().filter(|value| value.is_finite()).ok_or_else(|| "write a finite number".to_owned())
+}
+
+/// A finite number above zero.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|&value| value > 0.0).ok_or_else(|| "write a number above 0".to_owned())
+}
+
+/// What ꟻLIP accepts.
+pub(super) fn pixels_per_degree(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    Flip::new(value).map(|_| value).map_err(|error| error.to_string())
 }
 
 /// A colour, or `transparent`.
@@ -181,5 +198,10 @@ mod tests {
             assert!(exposure(bad).is_err() && gamma(bad).is_err(), "{bad}");
         }
         assert!(gamma("0").is_err());
+        assert_eq!((finite("-2"), positive("1e-9"), pixels_per_degree("67")), (Ok(-2.0), Ok(1e-9), Ok(67.0)));
+        for bad in ["nan", "inf", "-inf", "x"] {
+            assert!(finite(bad).is_err() && positive(bad).is_err() && pixels_per_degree(bad).is_err(), "{bad}");
+        }
+        assert!(positive("0").is_err() && pixels_per_degree("0").is_err());
     }
 }

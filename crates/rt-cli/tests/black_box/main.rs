@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod checking;
+mod comparing;
 mod converting;
 mod determinism;
 mod documentation;

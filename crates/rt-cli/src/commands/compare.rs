@@ -1,0 +1,105 @@
+//! `compare`: how much an image differs from a reference.
+
+mod measures;
+mod pair;
+mod report;
+
+use rt_camera::metrics::{ColourScale, heat_map};
+use rt_camera::{Development, write_image};
+
+use self::measures::Measures;
+use self::pair::Images;
+use self::report::{Comparison, HeatMap};
+use crate::args::{CompareArgs, HeatMapOf, Metric};
+use crate::console::print;
+use crate::error::Failure;
+use crate::output::OutputFile;
+use crate::picture_file;
+
+/// The part of all errors that the colours of a heat map tell apart by default. The few that are greater would make the
+/// others look alike.
+const SHOWN_ERRORS: f64 = 0.999;
+
+pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
+    let output = args.heat_map.file.as_ref().map(|file| {
+        if !picture_file::is_developed(picture_file::format_of(file)?) {
+            return Err(Failure::Usage(format!("a heat map is a picture: {} must be .png or .jpg", file.display())));
+        }
+        Ok(OutputFile::prepare(file, &[args.test.clone(), args.reference.clone()])?)
+    });
+    let output = output.transpose()?;
+    let images = Images::read(args)?;
+    if let Some(asked) = needs_radiance(args).filter(|_| !images.are_radiance()) {
+        return Err(Failure::Usage(format!("{asked} hdr-flip compares linear radiance: .exr, .hdr or .pfm")));
+    }
+    let pair = images.pair(args)?;
+    let measures = Measures::new(&pair, &images, args)?;
+    let heat_map = output.map(|output| draw(args, &measures, &output)).transpose()?;
+    let comparison = Comparison {
+        args,
+        images: &images,
+        pair: &pair,
+        measures: &measures,
+        heat_map,
+        verdict: verdict(args, &measures)?,
+    };
+    if args.json {
+        print(comparison.json()?)?;
+    } else {
+        print(comparison.text())?;
+    }
+    comparison.failure().map_or(Ok(()), Err)
+}
+
+/// What asks for HDR-FLIP.
+fn needs_radiance(args: &CompareArgs) -> Option<&'static str> {
+    if args.metric == Metric::HdrFlip {
+        Some("--metric")
+    } else if args.heat_map.shows == HeatMapOf::HdrFlip {
+        Some("--heat-map-of")
+    } else {
+        None
+    }
+}
+
+/// The metric that decides.
+#[derive(Clone, Copy, Debug)]
+struct Verdict {
+    metric: Metric,
+    value: f64,
+    threshold: f64,
+}
+
+fn verdict(args: &CompareArgs, measures: &Measures) -> Result<Verdict, Failure> {
+    let (metric, threshold) = match args.max_rmse {
+        Some(threshold) => (Metric::Rmse, threshold),
+        None => (args.metric, args.threshold.unwrap_or(args.metric.best())),
+    };
+    match measures.value(metric) {
+        Some(value) => Ok(Verdict { metric, value, threshold }),
+        None if metric == Metric::Coverage => Ok(Verdict { metric, value: 0.0, threshold }),
+        None => Err(Failure::Usage(format!("--metric {} needs images of at least 11 by 11 pixels", metric.name()))),
+    }
+}
+
+/// Draws and writes the heat map.
+fn draw(args: &CompareArgs, measures: &Measures, output: &OutputFile) -> Result<HeatMap, Failure> {
+    let shows = args.heat_map.shows;
+    let (map, scale, limit) = match shows {
+        HeatMapOf::Error => {
+            let map = &measures.signed_error;
+            let common = map.magnitude_quantile(SHOWN_ERRORS);
+            (Some(map), ColourScale::Signed, if common > 0.0 { common } else { map.magnitude_quantile(1.0) })
+        }
+        HeatMapOf::Flip => (Some(&measures.flip), ColourScale::Magnitude, 1.0),
+        HeatMapOf::HdrFlip => (measures.hdr_flip.as_ref().map(|(map, _)| map), ColourScale::Magnitude, 1.0),
+    };
+    let limit = args.heat_map.scale.unwrap_or(limit);
+    if let Some(map) = map {
+        let format = picture_file::format_of(output.path())?;
+        let picture = heat_map(map, scale, limit);
+        picture_file::check(format, [picture.width(), picture.height()], false)?;
+        output.write(|file| write_image(&picture, &Development::default(), format, file))?;
+    }
+    Ok(HeatMap { file: output.path().to_owned(), shows, limit })
+}

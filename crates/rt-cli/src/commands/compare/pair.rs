@@ -1,0 +1,84 @@
+//! The two images, as they are compared.
+
+use std::path::Path;
+
+use rt_camera::metrics::ImagePair;
+use rt_camera::{Development, Encoding, Film, ImageFormat, image_format, read_image};
+
+use crate::args::CompareArgs;
+use crate::error::Failure;
+use crate::picture_file;
+
+/// An image that was read.
+#[derive(Debug)]
+pub(super) struct Image {
+    pub(super) film: Film,
+    pub(super) format: ImageFormat,
+    /// It was radiance, and became light of bytes.
+    pub(super) developed: bool,
+}
+
+/// Both images, in the same kind of light.
+#[derive(Debug)]
+pub(super) struct Images {
+    pub(super) test: Image,
+    pub(super) reference: Image,
+    /// What shows them to a viewer.
+    pub(super) development: Development,
+}
+
+impl Images {
+    /// Reads both images. Where one holds bytes and the other one radiance, the latter is developed to bytes as well.
+    pub(super) fn read(args: &CompareArgs) -> Result<Self, Failure> {
+        let standard = Development::default();
+        let development = Development {
+            exposure: args.development.exposure.unwrap_or(standard.exposure),
+            tone: args.development.tone.unwrap_or(standard.tone),
+            ..standard
+        };
+        let [mut test, mut reference] = [Image::read(&args.test)?, Image::read(&args.reference)?];
+        if test.holds_bytes() == reference.holds_bytes() {
+            return Ok(Self { test, reference, development });
+        }
+        for image in [&mut test, &mut reference] {
+            if !image.holds_bytes() {
+                image.film = development.develop(&image.film).decode(Encoding::Srgb);
+                image.developed = true;
+            }
+        }
+        // Both are now as they are shown.
+        Ok(Self { test, reference, development: standard })
+    }
+
+    /// True if both hold linear radiance, and neither was developed.
+    pub(super) fn are_radiance(&self) -> bool {
+        !self.test.holds_bytes() && !self.reference.holds_bytes()
+    }
+
+    pub(super) fn pair(&self, args: &CompareArgs) -> Result<ImagePair<'_>, Failure> {
+        ImagePair::new(&self.test.film, &self.reference.film).map_err(|source| Failure::Pair {
+            test: args.test.clone(),
+            reference: args.reference.clone(),
+            source,
+        })
+    }
+}
+
+impl Image {
+    fn read(path: &Path) -> Result<Self, Failure> {
+        Ok(Self { film: read_image(path)?, format: image_format(path)?, developed: false })
+    }
+
+    const fn holds_bytes(&self) -> bool {
+        picture_file::is_developed(self.format)
+    }
+
+    /// What kind of numbers the file holds.
+    pub(super) fn description(&self) -> &'static str {
+        match (self.holds_bytes(), self.developed) {
+            (true, _) => "bytes for display",
+            (false, true) => "linear radiance, developed to bytes to match the other",
+            (false, false) => "linear radiance",
+        }
+    }
+}

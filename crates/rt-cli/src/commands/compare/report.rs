@@ -1,0 +1,268 @@
+//! What was measured, as a table for people and as JSON for programs.
+
+use std::path::{Path, PathBuf};
+
+use comfy_table::{CellAlignment, Table, presets};
+use indexmap::IndexMap;
+use rt_camera::metrics::ImagePair;
+use serde::Serialize;
+
+use super::Verdict;
+use super::measures::Measures;
+use super::pair::{Image, Images};
+use crate::args::{CompareArgs, HeatMapOf, Metric};
+use crate::error::Failure;
+
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
+/// A finished comparison.
+#[derive(Debug)]
+pub(super) struct Comparison<'a> {
+    pub(super) args: &'a CompareArgs,
+    pub(super) images: &'a Images,
+    pub(super) pair: &'a ImagePair<'a>,
+    pub(super) measures: &'a Measures,
+    pub(super) heat_map: Option<HeatMap>,
+    pub(super) verdict: Verdict,
+}
+
+/// A heat map that was written.
+#[derive(Debug)]
+pub(super) struct HeatMap {
+    pub(super) file: PathBuf,
+    pub(super) shows: HeatMapOf,
+    /// Value at the end of its scale.
+    pub(super) limit: f64,
+}
+
+impl Comparison<'_> {
+    /// Why the images do not count as equal.
+    pub(super) fn failure(&self) -> Option<Failure> {
+        let Verdict { metric, value, threshold } = self.verdict;
+        let not_finite = self.pair.not_finite().different;
+        (not_finite > 0 || metric.is_worse(value, threshold)).then(|| Failure::Different {
+            test: self.args.test.clone(),
+            reference: self.args.reference.clone(),
+            metric: metric.name(),
+            value,
+            threshold,
+            not_finite,
+        })
+    }
+
+    /// The report for people, ending with a line break.
+    pub(super) fn text(&self) -> String {
+        let CompareArgs { test, reference, .. } = self.args;
+        let mut lines = vec![
+            format!("A {}: {}", test.display(), self.images.test.description()),
+            format!("B {}: {}, the reference", reference.display(), self.images.reference.description()),
+        ];
+        let not_finite = self.pair.not_finite();
+        if not_finite.test + not_finite.reference > 0 {
+            lines.push(format!(
+                "pixels that are NaN or infinite: {} of A, {} of B, {} of them not alike; metrics of radiance leave them out",
+                not_finite.test, not_finite.reference, not_finite.different
+            ));
+        }
+        lines.extend([String::new(), self.table().to_string(), String::new(), self.largest()]);
+        lines.extend(self.heat_map.as_ref().map(HeatMap::legend));
+        lines.join("\n") + "\n"
+    }
+
+    fn table(&self) -> Table {
+        let mut table = Table::new();
+        table.load_style(presets::NOTHING);
+        table.set_header(["", "all", CHANNELS[0], CHANNELS[1], CHANNELS[2]]);
+        for metric in Metric::ALL {
+            if let Some(value) = self.measures.value(metric) {
+                table.add_row(row(self.title(metric), value, self.measures.channels(metric)));
+            }
+            if metric == Metric::Bias {
+                let bias = &self.measures.bias;
+                let errors = bias.channels.map(|channel| channel.standard_error);
+                table.add_row(row("  its standard error".to_owned(), bias.all.standard_error, Some(errors)));
+            }
+        }
+        for column in table.column_iter_mut().skip(1) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+        table
+    }
+
+    /// What a metric is called in the table.
+    fn title(&self, metric: Metric) -> String {
+        match (metric, &self.measures.hdr_flip) {
+            (Metric::Rmse, _) => "RMSE".to_owned(),
+            (Metric::Mae, _) => "MAE".to_owned(),
+            (Metric::RelMse, _) => "relMSE".to_owned(),
+            (Metric::Max, _) => "largest difference".to_owned(),
+            (Metric::Bias, _) => "bias, A - B".to_owned(),
+            (Metric::Coverage, _) => "largest difference of coverage".to_owned(),
+            (Metric::Psnr, _) => "PSNR in dB, as displayed".to_owned(),
+            (Metric::Ssim, _) => "SSIM, as displayed".to_owned(),
+            (Metric::Flip, _) => "FLIP, as displayed".to_owned(),
+            (Metric::HdrFlip, None) => "HDR-FLIP".to_owned(),
+            (Metric::HdrFlip, Some((_, range))) => {
+                format!("HDR-FLIP, {} exposures from {:.2} to {:.2} EV", range.count, range.start, range.stop)
+            }
+        }
+    }
+
+    fn largest(&self) -> String {
+        let largest = &self.measures.largest;
+        let radiance = |value: [f64; 3]| value.map(digits).join(" ");
+        format!(
+            "the largest difference is in the {} of pixel {},{}: A {}, B {}",
+            CHANNELS[largest.channel],
+            largest.pixel[0],
+            largest.pixel[1],
+            radiance(largest.test),
+            radiance(largest.reference)
+        )
+    }
+
+    /// The report for programs, ending with a line break. The text of `compare --help` describes it.
+    pub(super) fn json(&self) -> Result<String, Failure> {
+        let Self { args, images, pair, measures, verdict, .. } = self;
+        let (largest, bias) = (&measures.largest, &measures.bias);
+        let file = ReportFile {
+            program: env!("CARGO_PKG_NAME"),
+            version: env!("CARGO_PKG_VERSION"),
+            test: ImageEntry::new(&args.test, &images.test, pair.not_finite().test),
+            reference: ImageEntry::new(&args.reference, &images.reference, pair.not_finite().reference),
+            differently_finite: pair.not_finite().different,
+            width: pair.width(),
+            height: pair.height(),
+            metrics: Metric::ALL.map(|metric| (metric.name(), measures.value(metric))).into_iter().collect(),
+            channels: Metric::ALL
+                .into_iter()
+                .filter_map(|metric| Some((metric.name(), measures.channels(metric)?)))
+                .collect(),
+            bias_standard_error: bias.all.standard_error,
+            largest_difference: LargestEntry {
+                pixel: largest.pixel,
+                channel: CHANNELS[largest.channel],
+                test: largest.test,
+                reference: largest.reference,
+            },
+            exposures: measures.hdr_flip.as_ref().map(|(_, range)| range.exposures().collect()),
+            heat_map: self.heat_map.as_ref().map(|map| HeatMapEntry {
+                file: map.file.display().to_string(),
+                shows: map.shows.name(),
+                limit: map.limit,
+            }),
+            metric: verdict.metric.name(),
+            threshold: verdict.threshold,
+            different: self.failure().is_some(),
+        };
+        let text = serde_json::to_string_pretty(&file).map_err(|error| Failure::Stdout(error.into()))?;
+        Ok(text + "\n")
+    }
+}
+
+impl HeatMap {
+    /// What its colours mean.
+    fn legend(&self) -> String {
+        let limit = digits(self.limit);
+        let scale = match self.shows {
+            HeatMapOf::Error => format!(
+                "A - B in the channel that differs most; blue -{limit} or less, white 0, red {limit} or more, \
+                 green NaN or infinite in A or B"
+            ),
+            HeatMapOf::Flip => format!("FLIP; black 0, violet, orange, pale yellow {limit} or more"),
+            HeatMapOf::HdrFlip => format!("HDR-FLIP; black 0, violet, orange, pale yellow {limit} or more"),
+        };
+        format!("{} shows {scale}", self.file.display())
+    }
+}
+
+fn row(title: String, all: f64, channels: Option<[f64; 3]>) -> Vec<String> {
+    [title, digits(all)].into_iter().chain(channels.into_iter().flatten().map(digits)).collect()
+}
+
+/// A number with six significant digits.
+fn digits(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        magnitude if !magnitude.is_finite() => value.to_string(),
+        magnitude if !(1e-4..1e6).contains(&magnitude) => format!("{value:.5e}"),
+        magnitude => {
+            let whole = (magnitude as u64).checked_ilog10().map_or(0, |power| power + 1);
+            format!("{value:.*}", 6 - whole as usize)
+        }
+    }
+}
+
+/// The report as JSON.
+#[derive(Debug, Serialize)]
+struct ReportFile {
+    program: &'static str,
+    version: &'static str,
+    test: ImageEntry,
+    reference: ImageEntry,
+    differently_finite: u64,
+    width: u32,
+    height: u32,
+    metrics: IndexMap<&'static str, Option<f64>>,
+    channels: IndexMap<&'static str, [f64; 3]>,
+    bias_standard_error: f64,
+    largest_difference: LargestEntry,
+    exposures: Option<Vec<f64>>,
+    heat_map: Option<HeatMapEntry>,
+    metric: &'static str,
+    threshold: f64,
+    different: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct ImageEntry {
+    file: String,
+    format: &'static str,
+    developed: bool,
+    not_finite: u64,
+}
+
+impl ImageEntry {
+    fn new(path: &Path, image: &Image, not_finite: u64) -> Self {
+        let format = image.format.extensions().first().copied().unwrap_or_default();
+        Self { file: path.display().to_string(), format, developed: image.developed, not_finite }
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct LargestEntry {
+    pixel: [u32; 2],
+    channel: &'static str,
+    test: [f64; 3],
+    reference: [f64; 3],
+}
+
+#[derive(Debug, Serialize)]
+struct HeatMapEntry {
+    file: String,
+    shows: &'static str,
+    limit: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::digits;
+
+    #[test]
+    fn numbers_have_six_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1.0, "1.00000"),
+            (-0.123_456_78, "-0.123457"),
+            (123.456_78, "123.457"),
+            (999_999.4, "999999"),
+            (1e6, "1.00000e6"),
+            (1e-5, "1.00000e-5"),
+            (f64::INFINITY, "inf"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(digits(value), text);
+        }
+    }
+}
