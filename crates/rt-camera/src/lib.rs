@@ -70,10 +70,12 @@
 
 #![forbid(unsafe_code)]
 
+mod blue_noise;
 mod camera;
 mod develop;
 mod film;
 mod filter;
+mod halton;
 #[cfg(feature = "files")]
 mod image_file;
 pub mod metrics;

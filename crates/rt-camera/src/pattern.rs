@@ -17,15 +17,29 @@ pub enum SamplePattern {
     MultiJittered,
     /// The Sobol' sequence with Owen scrambling (Burley 2020).
     Sobol,
+    /// The Halton sequence with Owen scrambling, for any number of samples (Halton 1960, Owen 1995).
+    Halton,
+    /// Sobol' points shared out among neighbouring pixels, so that the noise of few samples is fine and even, and less seen
+    /// (Ahmed and Wonka 2020).
+    BlueNoise,
 }
 
 /// Cells along the side of the largest grid; its square is the largest that fits in `u32`.
 const MAX_SIDE: u32 = u16::MAX as u32;
 
 impl SamplePattern {
-    /// All patterns, from the plainest to the best.
-    pub const ALL: [Self; 7] =
-        [Self::Centre, Self::Grid, Self::Random, Self::Jittered, Self::HalfJittered, Self::MultiJittered, Self::Sobol];
+    /// All patterns, from the plainest on.
+    pub const ALL: [Self; 9] = [
+        Self::Centre,
+        Self::Grid,
+        Self::Random,
+        Self::Jittered,
+        Self::HalfJittered,
+        Self::MultiJittered,
+        Self::Sobol,
+        Self::Halton,
+        Self::BlueNoise,
+    ];
 
     /// The name that users type.
     pub const fn name(self) -> &'static str {
@@ -37,6 +51,8 @@ impl SamplePattern {
             Self::HalfJittered => "half-jittered",
             Self::MultiJittered => "multi-jittered",
             Self::Sobol => "sobol",
+            Self::Halton => "halton",
+            Self::BlueNoise => "blue-noise",
         }
     }
 
@@ -48,19 +64,19 @@ impl SamplePattern {
     }
 
     /// The number of samples per pixel that the pattern takes when `spp` are asked for: the next square for patterns
-    /// on a grid, the next power of two for Sobol', at least 1. The largest are 65,535² and 2³¹.
+    /// on a grid, the next power of two for Sobol' and blue noise, at least 1. The largest are 65,535² and 2³¹.
     ///
     /// Sobol' points are generated in blocks of 2¹⁶: beyond, independently scrambled blocks follow each other, and
     /// the error falls as that of their mean.
     pub const fn round_up(self, spp: u32) -> u32 {
         let spp = if spp == 0 { 1 } else { spp };
         match self {
-            Self::Centre | Self::Random => spp,
+            Self::Centre | Self::Random | Self::Halton => spp,
             Self::Grid | Self::Jittered | Self::HalfJittered | Self::MultiJittered => {
                 let side = grid_side(spp);
                 side * side
             }
-            Self::Sobol => match spp.checked_next_power_of_two() {
+            Self::Sobol | Self::BlueNoise => match spp.checked_next_power_of_two() {
                 Some(power) => power,
                 None => 1 << 31,
             },
@@ -89,6 +105,8 @@ mod tests {
             (SamplePattern::HalfJittered, [1, 1, 9, 16, 25, 1024]),
             (SamplePattern::MultiJittered, [1, 1, 9, 16, 25, 1024]),
             (SamplePattern::Sobol, [1, 1, 8, 16, 32, 1024]),
+            (SamplePattern::Halton, [1, 1, 5, 16, 17, 1000]),
+            (SamplePattern::BlueNoise, [1, 1, 8, 16, 32, 1024]),
         ] {
             assert_eq!([0, 1, 5, 16, 17, 1000].map(|spp| pattern.round_up(spp)), expected, "{pattern:?}");
         }

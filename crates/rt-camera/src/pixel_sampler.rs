@@ -5,7 +5,7 @@ use rt_math::{
     random::{Permutation, hash, mix, permute, unit},
 };
 
-use crate::{SamplePattern, pattern::grid_side, sobol::SobolSet};
+use crate::{SamplePattern, blue_noise::CurveIndex, halton, pattern::grid_side, sobol::SobolSet};
 
 /// The largest number below 1.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
@@ -25,10 +25,13 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 /// | half-jittered | (i + ¼ + ½ξ) / n | jittered |
 /// | multi-jittered | Chiu et al. 1994 | multi-jittered |
 /// | Sobol' | dimensions 0, 1 | dimensions 2, 3, then further sets of four, each scrambled anew |
+/// | Halton | bases 2, 3 | the next two primes; random beyond 128 dimensions |
+/// | blue noise | dimensions 0, 1 of Sobol' | the same, ordered and scrambled anew |
 ///
 /// with n² samples per pixel and uniform ξ in [0, 1). The samples of a pixel visit the cells in a random order, drawn
 /// anew for each pair of coordinates: pairs are independent of each other, and any first part of the samples is
 /// spread over the whole pixel. Single coordinates are stratified over all samples (random for centre and random).
+/// Pixels are independent of each other, but for blue noise, where a block of 128 by 128 pixels shares one sequence.
 ///
 /// Samples beyond the promised number start a new, independent pattern.
 ///
@@ -76,8 +79,9 @@ impl PixelSampler {
     /// The sample number `index` of a pixel.
     pub fn sample(&self, pixel: [u32; 2], index: u32) -> PixelSample {
         let (round, index) = self.round_of(index);
-        let key = round_key(self.pixel_key(pixel), round);
-        PixelSample { sampler: *self, index, key, dimension: 0, sobol: SobolSet::EMPTY }
+        let sharing = if self.pattern == SamplePattern::BlueNoise { CurveIndex::block(pixel) } else { pixel };
+        let key = round_key(self.pixel_key(sharing), round);
+        PixelSample { sampler: *self, pixel, index, key, dimension: 0, sobol: SobolSet::EMPTY }
     }
 
     /// The positions in the pixel of the samples from number `first` on: the first pair of each
@@ -85,7 +89,7 @@ impl PixelSampler {
     pub fn positions(&self, pixel: [u32; 2], first: u32, positions: &mut [[f64; 2]]) {
         match self.pattern {
             SamplePattern::Centre => positions.fill([0.5; 2]),
-            SamplePattern::Sobol => {
+            SamplePattern::Sobol | SamplePattern::Halton | SamplePattern::BlueNoise => {
                 for (position, index) in positions.iter_mut().zip(first..) {
                     *position = self.sample(pixel, index).next_2d();
                 }
@@ -131,9 +135,10 @@ fn round_key(pixel_key: u64, round: u32) -> u64 {
 #[derive(Clone, Copy, Debug)]
 pub struct PixelSample {
     sampler: PixelSampler,
+    pixel: [u32; 2],
     /// Position in the pattern, below `spp`.
     index: u32,
-    /// Hash of seed, pixel and round.
+    /// Hash of seed, round, and the pixel or the block of pixels.
     key: u64,
     /// The next dimension to draw.
     dimension: u32,
@@ -145,27 +150,39 @@ impl Sampler for PixelSample {
         let dimension = self.dimension;
         self.dimension += 1;
         let PixelSampler { pattern, spp, .. } = self.sampler;
-        if pattern == SamplePattern::Sobol {
-            return self.sobol.coordinate(self.key, self.index, dimension);
-        }
         let key = dimension_key(self.key, dimension);
-        let jitter = unit(noise(key, self.index));
+        let jitter = || unit(noise(key, self.index));
         match pattern {
-            SamplePattern::Centre | SamplePattern::Random => jitter,
-            _ => in_stratum(permute(self.index, spp, key), spp, jitter),
+            SamplePattern::Sobol => self.sobol.coordinate(self.key, self.index, dimension),
+            SamplePattern::Halton => halton::coordinate(key, self.index, spp, dimension),
+            SamplePattern::BlueNoise => self.curve_index().point(key)[0],
+            SamplePattern::Centre | SamplePattern::Random => jitter(),
+            _ => in_stratum(permute(self.index, spp, key), spp, jitter()),
         }
     }
 
     fn next_2d(&mut self) -> [f64; 2] {
-        if self.sampler.pattern == SamplePattern::Sobol {
+        let PixelSampler { pattern, spp, .. } = self.sampler;
+        if pattern == SamplePattern::Sobol {
             // A pair must not straddle two sets, which are independent of each other.
-            let dimension = self.dimension.next_multiple_of(2);
-            self.dimension = dimension + 2;
-            return [0, 1].map(|axis| self.sobol.coordinate(self.key, self.index, dimension + axis));
+            self.dimension = self.dimension.next_multiple_of(2);
         }
         let dimension = self.dimension;
         self.dimension += 2;
-        Arrangement::new(&self.sampler, self.key, dimension).pair(self.index)
+        match pattern {
+            SamplePattern::Sobol => [0, 1].map(|axis| self.sobol.coordinate(self.key, self.index, dimension + axis)),
+            SamplePattern::Halton => [dimension, dimension + 1]
+                .map(|dimension| halton::coordinate(dimension_key(self.key, dimension), self.index, spp, dimension)),
+            SamplePattern::BlueNoise => self.curve_index().point(dimension_key(self.key, dimension)),
+            _ => Arrangement::new(&self.sampler, self.key, dimension).pair(self.index),
+        }
+    }
+}
+
+impl PixelSample {
+    /// This sample among those of its block of pixels.
+    fn curve_index(&self) -> CurveIndex {
+        CurveIndex::new(self.pixel, self.index, self.sampler.spp.ilog2())
     }
 }
 
@@ -181,7 +198,7 @@ fn noise(dimension_key: u64, index: u32) -> u64 {
     mix(dimension_key.wrapping_add(mix(u64::from(index) + 1)))
 }
 
-/// How the samples of a round lie in one pair of dimensions, for all patterns but Sobol'.
+/// How the samples of a round lie in one pair of dimensions, for all patterns that are no sequence.
 struct Arrangement {
     pattern: SamplePattern,
     /// True for the pair that is the position in the pixel.

@@ -50,7 +50,7 @@ fn slope(pattern: SamplePattern, integrand: &Integrand) -> f64 {
 /// Mitchell 1996 for edges, Owen 1997 for smooth integrands.
 #[test]
 fn errors_fall_at_the_rate_that_theory_gives() {
-    use SamplePattern::{Jittered, MultiJittered, Random, Sobol};
+    use SamplePattern::{BlueNoise, Halton, Jittered, MultiJittered, Random, Sobol};
     for (pattern, integrand, expected) in [
         (Random, OBLIQUE_EDGE, -0.5),
         (Random, SMOOTH, -0.5),
@@ -66,6 +66,14 @@ fn errors_fall_at_the_rate_that_theory_gives() {
         (Sobol, AXIS_EDGE, -1.0),
         (Sobol, DISC, -0.75),
         (Sobol, SMOOTH, -1.5),
+        (Halton, OBLIQUE_EDGE, -0.75),
+        (Halton, AXIS_EDGE, -1.0),
+        (Halton, DISC, -0.75),
+        (Halton, SMOOTH, -1.0),
+        (BlueNoise, OBLIQUE_EDGE, -0.75),
+        (BlueNoise, AXIS_EDGE, -1.0),
+        (BlueNoise, DISC, -0.75),
+        (BlueNoise, SMOOTH, -1.5),
     ] {
         let slope = slope(pattern, &integrand);
         assert!(

@@ -3,7 +3,18 @@
 use super::*;
 use proptest::prelude::*;
 
-const STRATIFIED: [SamplePattern; 3] = [SamplePattern::Jittered, SamplePattern::MultiJittered, SamplePattern::Sobol];
+const STRATIFIED: [SamplePattern; 4] =
+    [SamplePattern::Jittered, SamplePattern::MultiJittered, SamplePattern::Sobol, SamplePattern::BlueNoise];
+
+/// Patterns of which every sample is uniform over the pixel.
+const UNIFORM: [SamplePattern; 6] = [
+    SamplePattern::Random,
+    SamplePattern::Jittered,
+    SamplePattern::MultiJittered,
+    SamplePattern::Sobol,
+    SamplePattern::Halton,
+    SamplePattern::BlueNoise,
+];
 
 /// The pair number `pair` of all samples of a pixel.
 fn pairs(pattern: SamplePattern, spp: u32, pixel: [u32; 2], pair: usize) -> Vec<[f64; 2]> {
@@ -105,6 +116,68 @@ fn sobol_fills_every_elementary_interval() {
 }
 
 #[test]
+fn blue_noise_fills_every_elementary_interval_in_every_pair() {
+    for log_spp in 0..=9 {
+        let spp = 1 << log_spp;
+        for pair in 0..4 {
+            let points = pairs(SamplePattern::BlueNoise, spp, [130, 77], pair);
+            for log_columns in 0..=log_spp {
+                assert_even(&points, 1 << log_columns, 1 << (log_spp - log_columns), "blue-noise");
+            }
+        }
+    }
+}
+
+/// This is what makes the noise fine: what one pixel of a square misses, the others see.
+#[test]
+fn blue_noise_pixels_share_out_the_unit_square() {
+    for (log_spp, side) in [(0, 2), (0, 4), (0, 16), (2, 4), (3, 8), (4, 2)] {
+        let spp = 1 << log_spp;
+        for corner in [[0, 0], [64, 96], [128 + 2 * side, 3 * side]] {
+            for pair in 0..3 {
+                let square = (0..side * side).map(|index| [corner[0] + index % side, corner[1] + index / side]);
+                let points: Vec<_> =
+                    square.flat_map(|pixel| pairs(SamplePattern::BlueNoise, spp, pixel, pair)).collect();
+                let log_count = log_spp + 2 * side.ilog2();
+                for log_columns in 0..=log_count {
+                    assert_even(&points, 1 << log_columns, 1 << (log_count - log_columns), "blue-noise");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn halton_fills_boxes_of_its_bases() {
+    for (columns, rows) in [(1, 3), (2, 3), (8, 9), (16, 9), (8, 27), (32, 27)] {
+        for pixel in [[0, 0], [17, 4]] {
+            let points = pairs(SamplePattern::Halton, columns * rows, pixel, 0);
+            assert_even(&points, columns, rows, "halton");
+        }
+    }
+    // The second pair has the bases 5 and 7, and any first part of a longer pattern is one too.
+    let points = pairs(SamplePattern::Halton, 1000, [3, 9], 1);
+    assert_even(&points[..35], 5, 7, "halton");
+    assert_even(&points[35..70], 5, 7, "halton");
+    assert_even(&points[..875], 25, 7, "halton");
+}
+
+#[test]
+fn halton_has_no_last_dimension() {
+    let sampler = PixelSampler::new(SamplePattern::Halton, 16, 1);
+    let late = |index| {
+        let mut sample = sampler.sample([2, 2], index);
+        (0..200).for_each(|_| _ = sample.next_1d());
+        sample.next_2d()
+    };
+    let points: Vec<_> = (0..4096).map(late).collect();
+    assert!(correlation(&points).abs() < 4.0 / 64.0);
+    let mean = points.as_flattened().iter().sum::<f64>() / 8192.0;
+    // Five standard deviations of 8192 uniform numbers.
+    assert!((mean - 0.5).abs() < 0.016, "{mean}");
+}
+
+#[test]
 fn a_first_part_of_the_sobol_points_is_a_pattern_too() {
     let points = pairs(SamplePattern::Sobol, 1024, [0, 0], 0);
     for (log_columns, log_rows) in [(0, 6), (3, 3), (5, 1)] {
@@ -130,7 +203,7 @@ fn single_coordinates_are_stratified() {
 
 #[test]
 fn samples_beyond_the_pattern_start_a_new_one() {
-    for pattern in [SamplePattern::Jittered, SamplePattern::MultiJittered] {
+    for pattern in [SamplePattern::Jittered, SamplePattern::MultiJittered, SamplePattern::BlueNoise] {
         let sampler = PixelSampler::new(pattern, 16, 0);
         let round = |first: u32| (first..first + 16).map(|index| sampler.sample([1, 1], index).next_2d());
         assert_even(&round(16).collect::<Vec<_>>(), 4, 4, pattern.name());
@@ -161,8 +234,7 @@ fn correlation(pairs: &[[f64; 2]]) -> f64 {
 #[test]
 fn neighbouring_pixels_seeds_and_dimensions_are_uncorrelated() {
     let count = 4096u32;
-    for pattern in [SamplePattern::Random, SamplePattern::Jittered, SamplePattern::MultiJittered, SamplePattern::Sobol]
-    {
+    for pattern in UNIFORM {
         let draws = |seed, pixel, index| {
             let mut sample = PixelSampler::new(pattern, 16, seed).sample(pixel, index);
             [sample.next_2d(), sample.next_2d(), sample.next_2d()]
@@ -178,7 +250,9 @@ fn neighbouring_pixels_seeds_and_dimensions_are_uncorrelated() {
             ("the third pair", &|i| at(0, i, 0, 5, 2)),
             ("the other axis", &|i| draws(0, [i % 64, i / 64], 5)[0][1]),
         ];
-        for (name, other) in others {
+        // Pixels of a block complement each other.
+        let skipped = if pattern == SamplePattern::BlueNoise { 2 } else { 0 };
+        for (name, other) in others.into_iter().skip(skipped) {
             let pairs: Vec<_> = (0..count).map(|i| [at(0, i, 0, 5, 0), other(i)]).collect();
             let r = correlation(&pairs);
             assert!(r.abs() < 4.0 / f64::from(count).sqrt(), "{pattern:?} against {name}: r = {r}");
@@ -189,8 +263,7 @@ fn neighbouring_pixels_seeds_and_dimensions_are_uncorrelated() {
 #[test]
 fn every_sample_of_a_pattern_is_uniform_over_the_pixel() {
     let (bins, pixels) = (16usize, 25_600u32);
-    for pattern in [SamplePattern::Random, SamplePattern::Jittered, SamplePattern::MultiJittered, SamplePattern::Sobol]
-    {
+    for pattern in UNIFORM {
         let sampler = PixelSampler::new(pattern, 16, 5);
         for index in [0, 1, 7, 15] {
             for pair in 0..2 {
@@ -227,7 +300,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
     #[test]
     fn coordinates_are_a_pure_function_within_the_unit_interval(
-        pattern in 0usize..7, spp in 1u32..5000, seed in any::<u64>(), x in any::<u32>(), y in any::<u32>(),
+        pattern in 0..SamplePattern::ALL.len(), spp in 1u32..5000, seed in any::<u64>(), x in any::<u32>(), y in any::<u32>(),
         index in any::<u32>(), is_pair in proptest::collection::vec(any::<bool>(), 12),
     ) {
         let sampler = PixelSampler::new(SamplePattern::ALL[pattern], spp, seed);

@@ -72,6 +72,10 @@ pub enum Sampler {
     MultiJittered,
     /// Sobol' points, scrambled.
     Sobol,
+    /// Halton points, scrambled, in any number.
+    Halton,
+    /// Sobol' points shared out among neighbouring pixels, for few samples.
+    BlueNoise,
 }
 
 /// Acceleration structure.

@@ -96,6 +96,8 @@ const fn pattern(sampler: format::Sampler) -> SamplePattern {
         format::Sampler::HalfJittered => SamplePattern::HalfJittered,
         format::Sampler::MultiJittered => SamplePattern::MultiJittered,
         format::Sampler::Sobol => SamplePattern::Sobol,
+        format::Sampler::Halton => SamplePattern::Halton,
+        format::Sampler::BlueNoise => SamplePattern::BlueNoise,
     }
 }
 
