@@ -37,7 +37,8 @@
 //! [`LazyBih`] does the first two, where it splits a node.
 //!
 //! Types of `rt-math` that are needed to use the crate are re-exported, so that it is the only dependency to name.
-//! With the feature `parallel` (on by default) trees are built on all threads; the result is the same without it.
+//! With the feature `parallel` (on by default) trees are built on all threads; with `large-pages` (on by default) Linux is
+//! asked to keep large trees in pages of 2 MiB. The result is the same without them.
 //!
 //! # Tracing your own primitives
 //!

@@ -3,14 +3,18 @@
 
 /// Room for so many items, in pages of 2 MiB where the system has them and it is large enough.
 pub(super) fn room_for<T>(count: usize) -> Vec<T> {
+    #[cfg_attr(
+        not(all(target_os = "linux", feature = "large-pages")),
+        expect(unused_mut, reason = "advice changes it")
+    )]
     let mut room = Vec::with_capacity(count);
-    #[cfg(target_os = "linux")]
+    #[cfg(all(target_os = "linux", feature = "large-pages"))]
     advise(room.spare_capacity_mut());
     room
 }
 
 /// Asks the system for large pages in memory that has not been touched. If it has none, nothing is lost.
-#[cfg(target_os = "linux")]
+#[cfg(all(target_os = "linux", feature = "large-pages"))]
 fn advise<T>(memory: &mut [core::mem::MaybeUninit<T>]) {
     /// Less than this many bytes would leave too much of the last page empty.
     const LARGE: usize = 4 << 20;

@@ -159,6 +159,7 @@ impl Bins {
     }
 
     /// Adds what the bins of the same map hold.
+    #[cfg(feature = "parallel")]
     pub(super) fn merge(&mut self, other: &Self) {
         for bin in 0..self.binning.len {
             for axis in 0..3 {

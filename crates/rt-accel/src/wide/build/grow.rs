@@ -62,6 +62,7 @@ impl Extent {
         })
     }
 
+    #[cfg(feature = "parallel")]
     pub(super) fn union(self, other: Self) -> Self {
         Self { bounds: self.bounds.union(other.bounds), centroids: self.centroids.union(other.centroids) }
     }

@@ -378,6 +378,13 @@ impl<'r, S: Simd> ExactRay<'r, S> {
         let [x, y, z, _] = simd.to_doubles(lanes.inverse);
         Self { ray, lanes, sheared: ShearedRay::with_inverse(ray, DVec3::new(x, y, z)) }
     }
+
+    /// As those see it who decide about boxes.
+    #[inline(always)]
+    fn slab_ray(&self, simd: S) -> SlabRay {
+        let [x, y, z, _] = simd.to_doubles(self.lanes.inverse);
+        SlabRay { ray: *self.ray, inverse: DVec3::new(x, y, z) }
+    }
 }
 
 /// Rules primitives out, and sees to it that somebody decides about the others.
@@ -413,26 +420,26 @@ pub(super) trait Filter: Copy {
     /// `CERTAIN`.
     #[inline(always)]
     fn hit<S: Simd, const CERTAIN: bool>(
-        _simd: S,
+        simd: S,
         leaf: LeafView<'_>,
         lane: usize,
         ray: &ExactRay<'_, S>,
         span: Interval,
         judge: &mut dyn Judge,
     ) -> Option<Hit> {
-        judge.closest(Self::index(leaf, lane), &SlabRay::new(ray.ray), span)
+        judge.closest(Self::index(leaf, lane), &ray.slab_ray(simd), span)
     }
 
     /// Decides if a primitive blocks the ray within the span.
     #[inline(always)]
     fn blocks<S: Simd>(
-        _simd: S,
+        simd: S,
         leaf: LeafView<'_>,
         lane: usize,
         ray: &ExactRay<'_, S>,
         span: Interval,
         judge: &mut dyn Judge,
     ) -> bool {
-        judge.occluded(Self::index(leaf, lane), &SlabRay::new(ray.ray), span)
+        judge.occluded(Self::index(leaf, lane), &ray.slab_ray(simd), span)
     }
 }

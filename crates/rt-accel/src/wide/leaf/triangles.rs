@@ -17,7 +17,7 @@
 //! far less.
 
 use glam::{DVec3, Vec3};
-use rt_math::{Hit, Interval, LeafLayout, Primitives, SlabRay};
+use rt_math::{Hit, Interval, LeafLayout, Primitives};
 
 use super::{Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
 use crate::wide::WideBvh;
@@ -292,7 +292,7 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
         if COPIES {
             Copied { leaf, lane, index }.hit::<S, CERTAIN>(simd, ray, span)
         } else {
-            judge.closest(index, &SlabRay::new(ray.ray), span)
+            judge.closest(index, &ray.slab_ray(simd), span)
         }
     }
 
@@ -309,7 +309,7 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
         if COPIES {
             Copied { leaf, lane, index }.hit::<S, false>(simd, ray, span).is_some()
         } else {
-            judge.occluded(index, &SlabRay::new(ray.ray), span)
+            judge.occluded(index, &ray.slab_ray(simd), span)
         }
     }
 }
