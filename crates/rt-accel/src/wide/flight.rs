@@ -77,10 +77,10 @@ impl<G: Goal> Flight<'_, '_, G> {
         (0..CREW).for_each(|seat| crew.home.push_if(true, seat, Child::HOME));
         loop {
             crew.board();
-            let n_free = crew.home.len;
-            if n_free == CREW {
+            if crew.at_nodes.len + crew.at_leaves.len == 0 {
                 break;
             }
+            let n_free = crew.home.len;
             crew.visit_nodes();
             crew.visit_leaves();
             crew.welcome(n_free);
