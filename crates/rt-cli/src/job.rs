@@ -40,7 +40,7 @@ impl Job<'_> {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let plan = self.compile()?;
         self.say_notes(&plan)?;
-        let Rendering { film, statistics } = self.render(&plan)?;
+        let Rendering { film, statistics, .. } = self.render(&plan)?;
         let written = Instant::now();
         let development = &self.scene.film.development;
         self.output.write_or_rescue(&env::temp_dir(), |file| write_image(&film, development, self.format, file))?;
@@ -81,7 +81,7 @@ impl Job<'_> {
     }
 
     fn render(&self, plan: &RenderPlan<'_>) -> Result<Rendering, Failure> {
-        let run = RunOptions { threads: self.threads, count: self.stats.is_some() };
+        let run = RunOptions { threads: self.threads, count: self.stats.is_some(), maps: false };
         let mut progress = ProgressDisplay::new(self.console.quiet);
         let rendering = plan.render(&run, |so_far| progress.update(so_far));
         progress.finish();

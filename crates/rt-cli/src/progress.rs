@@ -76,7 +76,7 @@ fn bar_style() -> ProgressStyle {
 
 /// Rate and remaining time, if the rest takes as long a sample as what is done.
 fn status(progress: Progress, elapsed: Duration) -> String {
-    let Progress { samples, total_samples, rays } = progress;
+    let Progress { samples, total_samples, rays, .. } = progress;
     let rate = rays as f64 / elapsed.as_secs_f64().max(1e-9) * 1e-6;
     let left = elapsed.as_secs_f64() * (total_samples.saturating_sub(samples) as f64 / samples.max(1) as f64);
     let left = HumanDuration(Duration::from_secs_f64(left.min(LONGEST)));
@@ -89,15 +89,15 @@ mod tests {
 
     #[test]
     fn rate_and_remaining_time_follow_from_what_is_done() {
-        let progress = Progress { samples: 250, total_samples: 1000, rays: 30_000_000 };
+        let progress = Progress { samples: 250, total_samples: 1000, rays: 30_000_000, pass: None };
         assert_eq!(status(progress, Duration::from_secs(20)), "1.50 Mrays/s, 60 seconds left");
     }
 
     #[test]
     fn the_start_and_the_end_are_no_special_cases() {
-        let start = Progress { samples: 0, total_samples: u64::MAX, rays: 0 };
+        let start = Progress { samples: 0, total_samples: u64::MAX, rays: 0, pass: None };
         assert!(status(start, Duration::ZERO).starts_with("0.00 Mrays/s"));
-        let end = Progress { samples: 1000, total_samples: 1000, rays: 2_000_000 };
+        let end = Progress { samples: 1000, total_samples: 1000, rays: 2_000_000, pass: None };
         assert_eq!(status(end, Duration::from_secs(1)), "2.00 Mrays/s, 0 seconds left");
     }
 

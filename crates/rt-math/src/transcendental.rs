@@ -3,4 +3,4 @@
 //! IEEE 754 specifies + − × ÷ and √ to the last bit, and no more. The functions here are those of the `libm` crate:
 //! plain Rust, one result everywhere. Angles are in radians.
 
-pub use libm::{acos, asin, atan, atan2, cbrt, cos, exp, exp2, hypot, log, log2, pow, sin, sincos, tan};
+pub use libm::{acos, asin, atan, atan2, cbrt, cos, exp, exp2, hypot, lgamma, log, log2, pow, sin, sincos, tan};

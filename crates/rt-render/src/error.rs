@@ -86,6 +86,12 @@ pub enum RenderError {
     /// Samples per pixel must be at least 1.
     #[error("at least 1 sample per pixel is needed")]
     NoSamples,
+    /// Passes must be at least 1.
+    #[error("at least 1 pass over the image is needed")]
+    NoPasses,
+    /// The error to reach is not a positive number.
+    #[error("the error to reach is {0}; it must be a finite number above 0")]
+    TargetError(f64),
     /// The worker threads could not be started.
     #[error("worker threads could not be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

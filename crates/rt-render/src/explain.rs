@@ -177,10 +177,11 @@ impl RenderPlan<'_> {
     }
 
     fn title(&self) -> String {
-        let samples = count(self.spp as usize, "sample", "samples");
+        let samples = count(self.samples_per_pixel() as usize, "sample", "samples");
+        let passes = if self.passes > 1 { format!(" in {} passes", self.passes) } else { String::new() };
         let biased = if self.pattern.is_biased() { " (biased)" } else { "" };
         format!(
-            "plan for '{}': {}, camera '{}', {}x{}, {samples} per pixel, {}{biased}",
+            "plan for '{}': {}, camera '{}', {}x{}, {samples} per pixel{passes}, {}{biased}",
             self.scene.name,
             self.integrator.name(),
             self.camera_name,

@@ -47,14 +47,22 @@
 
 pub mod check;
 mod cost;
+mod crew;
 mod error;
+mod error_estimate;
+mod estimate;
 mod explain;
 mod flatten;
+mod passes;
 mod pixel;
 mod plan;
+mod progressive;
+mod quantile;
 mod rebase;
+mod refine;
 mod render;
 mod statistics;
+mod stop;
 mod structure;
 mod surroundings;
 mod tile;
@@ -65,10 +73,14 @@ mod wave;
 mod world;
 
 pub use error::RenderError;
+pub use error_estimate::ErrorEstimate;
 pub use explain::{Explanation, LeftOut};
+pub use passes::default_passes;
 pub use plan::{Crop, PlanOptions, RenderPlan};
-pub use render::{Progress, Rendering, RunOptions};
+pub use quantile::student_t;
+pub use render::{PassProgress, Progress, Rendering, RunOptions, SampleRange};
 pub use rt_accel::wide::{Quality, SimdLevel};
 pub use rt_math::{Counters, RayKind, Tally};
 pub use rt_shading::ShadingCounts;
 pub use statistics::Statistics;
+pub use stop::{StopRule, Stopped, TargetError};

@@ -32,10 +32,9 @@ impl Pixel {
         self.lobes[usize::from(weight < 0.0)].add(shows.then_some(radiance), weight.abs());
     }
 
-    /// The filtered radiance, and coverage if the background is left out.
-    pub(crate) fn mean(&self) -> (Rgb, Option<f64>) {
-        let (radiance, coverage) = Lobe::difference(&self.lobes);
-        (radiance, self.transparent.then(|| coverage.clamp(0.0, 1.0)))
+    /// The filtered radiance and coverage. Negative lobes can take coverage out of [0, 1].
+    pub(crate) fn mean(&self) -> (Rgb, f64) {
+        Lobe::difference(&self.lobes)
     }
 
     /// Number of samples that were not a radiance.

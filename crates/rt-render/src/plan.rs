@@ -4,7 +4,7 @@ use std::{borrow::Cow, time::Instant};
 
 use rt_accel::AnyStructure;
 use rt_accel::wide::{Quality, SimdLevel};
-use rt_camera::{Camera, CameraSettings, Filter, PixelSampler, SamplePattern, ViewVolume};
+use rt_camera::{Camera, CameraSettings, Filter, SamplePattern, ViewVolume};
 use rt_geometry::{Shape, Spheres};
 use rt_math::{Aabb, DVec2, DVec3};
 use rt_scene_io::{Accel, Integrator, MaterialId, NamedCamera, Scene};
@@ -13,6 +13,7 @@ use rt_shading::{Appearance, FirstHitView, Needs};
 use crate::{
     RenderError,
     flatten::flatten,
+    passes::default_passes,
     rebase,
     structure::Wanted,
     surroundings::Surroundings,
@@ -75,12 +76,15 @@ pub struct RenderPlan<'s> {
     pub(crate) camera_name: &'s str,
     pub(crate) camera: Camera,
     pub(crate) pattern: SamplePattern,
-    pub(crate) sampler: PixelSampler,
+    pub(crate) seed: u64,
     pub(crate) filter: Filter,
     pub(crate) sample_offset: DVec2,
     pub(crate) crop: Crop,
     pub(crate) transparent: bool,
-    pub(crate) spp: u32,
+    /// Independent passes of a render of a fixed number of samples.
+    pub(crate) passes: u32,
+    /// Samples per pixel of each of them.
+    pub(crate) pass_spp: u32,
     pub(crate) integrator: Integrator,
     pub(crate) view: View,
     pub(crate) depth: u32,
@@ -114,6 +118,9 @@ impl<'s> RenderPlan<'s> {
         if settings.spp == 0 {
             return Err(RenderError::NoSamples);
         }
+        if settings.passes == Some(0) {
+            return Err(RenderError::NoPasses);
+        }
         let crop = check_crop(options.crop, film.width, film.height)?;
         let named_camera = camera_of(scene, options.camera)?;
         let NamedCamera { name: camera_name, settings: camera_settings, medium } = named_camera;
@@ -127,7 +134,8 @@ impl<'s> RenderPlan<'s> {
         let visible = if options.full { None } else { visible(scene, wanted, &camera, crop, &top, &levels)? };
         let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, *medium) };
         let (near, far) = depth_range(&camera_settings, &top);
-        let spp = settings.pattern.round_up(settings.spp);
+        let stochastic = settings.integrator.is_stochastic();
+        let passes = settings.passes.unwrap_or_else(|| default_passes(settings.pattern, settings.spp, stochastic));
         let world = if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) };
         let lit = settings.integrator == Integrator::Whitted;
         let surroundings = if lit && needs.refraction {
@@ -139,12 +147,13 @@ impl<'s> RenderPlan<'s> {
             scene,
             camera_name,
             pattern: settings.pattern,
-            sampler: PixelSampler::new(settings.pattern, spp, settings.seed),
+            seed: settings.seed,
             filter: film.filter,
             sample_offset: film.sample_offset,
             crop,
             transparent: options.transparent,
-            spp,
+            passes,
+            pass_spp: settings.pattern.round_up(settings.spp.div_ceil(passes)),
             integrator: settings.integrator,
             view: View::new(settings.integrator, near, far),
             depth: settings.depth,
@@ -163,9 +172,15 @@ impl<'s> RenderPlan<'s> {
         })
     }
 
-    /// Samples per pixel that will be taken: those asked for, rounded up to what the pattern needs.
+    /// Samples per pixel that [`render`](Self::render) will take: those asked for, split into passes and rounded up to what
+    /// the pattern needs in each.
     pub const fn samples_per_pixel(&self) -> u32 {
-        self.spp
+        self.pass_spp.saturating_mul(self.passes)
+    }
+
+    /// Independent passes that [`render`](Self::render) will take; with one, it cannot estimate its error.
+    pub const fn passes(&self) -> u32 {
+        self.passes
     }
 
     /// Where the camera rays of a part of the image run.

@@ -1,23 +1,19 @@
 //! The loop over tiles, pixels and samples.
 
-use std::{
-    sync::{
-        atomic::{AtomicUsize, Ordering},
-        mpsc,
-    },
-    time::Instant,
-};
+use std::time::Instant;
 
 use rt_camera::Film;
-use rt_math::{Counters, Rgb};
+use rt_math::Rgb;
 use rt_scene_io::Integrator;
-use rt_shading::{FirstHitView, ShadingCounts};
+use rt_shading::FirstHitView;
 
 use crate::{
-    Crop, RenderError, RenderPlan, Statistics,
+    Crop, ErrorEstimate, RenderError, RenderPlan, Statistics, Stopped,
+    crew::Crew,
+    error_estimate::ErrorSums,
     plan::View,
-    tile::{Finished, Worker},
-    tiles::{Tile, tiles},
+    tile::{Finished, Task, Worker},
+    tiles::Tile,
 };
 
 /// How to run a plan; none of it changes the picture.
@@ -27,17 +23,32 @@ pub struct RunOptions {
     pub threads: usize,
     /// Count nodes, primitive tests and hits as well as rays.
     pub count: bool,
+    /// Keep the standard error of each pixel and the number of its samples.
+    pub maps: bool,
 }
 
 /// How far a render has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Camera samples taken.
     pub samples: u64,
-    /// Camera samples in all.
+    /// Camera samples in all; a guess where time or error decides.
     pub total_samples: u64,
     /// Rays traced so far, of all kinds.
     pub rays: u64,
+    /// Where a progressive render stands.
+    pub pass: Option<PassProgress>,
+}
+
+/// Where a progressive render stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassProgress {
+    /// Passes finished.
+    pub finished: u32,
+    /// Samples of the pixel that has most.
+    pub spp: u32,
+    /// Estimated root mean square error of the picture so far, from two passes on.
+    pub rmse: Option<f64>,
 }
 
 /// A finished render.
@@ -47,60 +58,74 @@ pub struct Rendering {
     pub film: Film,
     /// What it took.
     pub statistics: Statistics,
+    /// What ended it.
+    pub stopped: Stopped,
+    /// How far it is from the truth; `None` if there was but one pass.
+    pub error: Option<ErrorEstimate>,
+    /// Samples that the pixels of the picture are made of.
+    pub samples_per_pixel: SampleRange,
+    /// Pixels that have not reached the error that was asked for, if one was.
+    pub unconverged: Option<u64>,
+    /// With [`RunOptions::maps`], the standard error of each pixel, by channel; infinite after one pass.
+    pub standard_error: Option<Film>,
+    /// With [`RunOptions::maps`], the samples of each pixel, in all channels.
+    pub sample_counts: Option<Film>,
+}
+
+/// Samples of the pixels of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleRange {
+    /// Of the pixel that has fewest.
+    pub least: u32,
+    /// Of all pixels.
+    pub mean: f64,
+    /// Of the pixel that has most.
+    pub most: u32,
+}
+
+impl SampleRange {
+    /// The same number everywhere.
+    pub(crate) fn same(spp: u32) -> Self {
+        Self { least: spp, mean: f64::from(spp), most: spp }
+    }
 }
 
 impl RenderPlan<'_> {
-    /// Renders the picture. `progress` is called on this thread after each tile.
+    /// Renders the picture with the samples that its scene asks for. `progress` is called on this thread after each tile.
     ///
     /// # Errors
     /// [`RenderError::Threads`] if the worker threads cannot be started.
     pub fn render(&self, options: &RunOptions, mut progress: impl FnMut(Progress)) -> Result<Rendering, RenderError> {
         let started = Instant::now();
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build()?;
-        let crop = self.crop;
-        let tiles = tiles(crop.x, crop.y, crop.width, crop.height);
-        let mut film = Film::new(crop.width, crop.height, self.transparent);
-        let mut statistics = Statistics {
-            samples: 0,
-            counters: Counters::default(),
-            primary_rays_spared: 0,
-            shading: ShadingCounts::default(),
-            bad_samples: 0,
-            threads: pool.current_num_threads(),
-            build_seconds: self.build_seconds,
-            render_seconds: 0.0,
-        };
-        let total_samples = u64::from(crop.width) * u64::from(crop.height) * u64::from(self.spp);
-        let (sender, finished) = mpsc::channel();
-        let next = AtomicUsize::new(0);
-        // Tiles are rendered in the pool while this thread puts them in their places.
-        pool.in_place_scope(|scope| {
-            for sender in vec![sender; statistics.threads] {
-                let (tiles, next) = (&tiles, &next);
-                scope.spawn(move |_| self.work(tiles, next, &sender, options.count));
+        let crew = Crew::new(self, options)?;
+        let Crop { width, height, .. } = self.crop;
+        let sweep = self.all_passes();
+        let mut film = Film::new(width, height, self.transparent);
+        let mut standard_error = options.maps.then(|| constant_film(width, height, f32::INFINITY));
+        let mut statistics = Statistics::new(&crew, self);
+        let mut errors = vec![ErrorSums::default(); if self.passes > 1 { crew.tile_count() } else { 0 }];
+        let total_samples = u64::from(width) * u64::from(height) * sweep.samples_per_pixel();
+        crew.sweep(&sweep, |index, tile| {
+            self.expose(&mut film, standard_error.as_mut(), &tile);
+            statistics.add(&tile, &sweep);
+            if let Some(error) = errors.get_mut(index) {
+                *error = tile.error;
             }
-            for tile in finished {
-                self.expose(&mut film, &tile);
-                statistics.counters += tile.counters;
-                statistics.primary_rays_spared += tile.primary_rays_spared;
-                statistics.shading += tile.shading;
-                statistics.bad_samples += tile.bad_samples;
-                statistics.samples += tile.pixels.len() as u64 * u64::from(self.spp);
-                let rays = statistics.counters.total().rays;
-                progress(Progress { samples: statistics.samples, total_samples, rays });
-            }
+            let rays = statistics.counters.total().rays;
+            progress(Progress { samples: statistics.samples, total_samples, rays, pass: None });
         });
+        statistics.passes = self.passes;
         statistics.render_seconds = started.elapsed().as_secs_f64();
-        Ok(Rendering { film, statistics })
-    }
-
-    /// What one thread does: the next tile that nobody has begun, until there is none.
-    fn work(&self, tiles: &[Tile], next: &AtomicUsize, sender: &mpsc::Sender<Finished>, count: bool) {
-        let mut worker = Worker::new(self);
-        while let Some(tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
-            // The receiver outlives this loop, so that sending cannot fail.
-            let _ = sender.send(self.render_tile(*tile, count, &mut worker));
-        }
+        Ok(Rendering {
+            film,
+            statistics,
+            stopped: Stopped::Samples,
+            error: ErrorSums::joined(&errors).estimate(),
+            samples_per_pixel: SampleRange::same(self.samples_per_pixel()),
+            unconverged: None,
+            standard_error,
+            sample_counts: options.maps.then(|| constant_film(width, height, self.samples_per_pixel() as f32)),
+        })
     }
 
     /// The radiance of one pixel as it is before the film rounds it to `f32`; (`x`, `y`) counts from the upper left
@@ -108,28 +133,40 @@ impl RenderPlan<'_> {
     pub fn pixel(&self, x: u32, y: u32) -> Option<Rgb> {
         let Crop { x: left, y: top, width, height } = self.crop;
         let inside = (left..left + width).contains(&x) && (top..top + height).contains(&y);
-        let tile = Tile { x, y, width: 1, height: 1 };
-        if inside { self.render_tile(tile, false, &mut Worker::new(self)).pixels.first().copied() } else { None }
+        let task = Task { tile: Tile { x, y, width: 1, height: 1 }, sweep: &self.all_passes() };
+        if inside { self.render_tile(&task, false, &mut Worker::new(self)).pixels.first().copied() } else { None }
     }
 
-    /// Rounds a tile to what the film holds, in its place.
-    fn expose(&self, film: &mut Film, finished: &Finished) {
-        let Tile { x, y, width, height } = finished.tile;
+    /// Rounds a tile to what films hold, in its place.
+    fn expose(&self, film: &mut Film, standard_error: Option<&mut Film>, finished: &Finished) {
+        let Crop { x: left, y: top, .. } = self.crop;
         let stride = film.width() as usize;
-        for row in 0..height as usize {
-            let at = (y - self.crop.y) as usize * stride + row * stride + (x - self.crop.x) as usize;
-            let from = row * width as usize;
-            for (place, radiance) in film.pixels_mut()[at..at + width as usize].iter_mut().zip(&finished.pixels[from..])
-            {
-                *place = radiance.to_array().map(|c| c as f32);
+        let places = finished.tile.pixels().map(|[x, y]| (y - top) as usize * stride + (x - left) as usize);
+        for (place, radiance) in places.clone().zip(&finished.pixels) {
+            film.pixels_mut()[place] = rounded(*radiance);
+        }
+        if let Some(alpha) = film.alpha_mut() {
+            for (place, coverage) in places.clone().zip(&finished.alpha) {
+                alpha[place] = coverage.clamp(0.0, 1.0) as f32;
             }
-            if let Some(alpha) = film.alpha_mut() {
-                for (place, coverage) in alpha[at..at + width as usize].iter_mut().zip(&finished.alpha[from..]) {
-                    *place = *coverage as f32;
-                }
+        }
+        if let Some(standard_error) = standard_error {
+            for (place, variance) in places.zip(&finished.variances) {
+                standard_error.pixels_mut()[place] = rounded(variance.map(f64::sqrt));
             }
         }
     }
+}
+
+/// What a film holds of a value.
+pub(crate) fn rounded(value: Rgb) -> [f32; 3] {
+    value.to_array().map(|component| component as f32)
+}
+
+fn constant_film(width: u32, height: u32, value: f32) -> Film {
+    let mut film = Film::new(width, height, false);
+    film.pixels_mut().fill([value; 3]);
+    film
 }
 
 impl View {

@@ -3,6 +3,8 @@
 use rt_math::Counters;
 use rt_shading::ShadingCounts;
 
+use crate::{RenderPlan, crew::Crew, passes::Sweep, tile::Finished};
+
 /// Figures of one render. Counts are deterministic; times are not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
@@ -14,6 +16,8 @@ pub struct Statistics {
     pub primary_rays_spared: u64,
     /// Work of shading.
     pub shading: ShadingCounts,
+    /// Independent passes taken.
+    pub passes: u32,
     /// Samples that came out NaN, infinite or negative; they count as black.
     pub bad_samples: u64,
     /// Threads that worked.
@@ -25,6 +29,30 @@ pub struct Statistics {
 }
 
 impl Statistics {
+    /// Of a render that has not begun.
+    pub(crate) fn new(crew: &Crew<'_>, plan: &RenderPlan<'_>) -> Self {
+        Self {
+            samples: 0,
+            counters: Counters::default(),
+            primary_rays_spared: 0,
+            shading: ShadingCounts::default(),
+            passes: 0,
+            bad_samples: 0,
+            threads: crew.threads(),
+            build_seconds: plan.build_seconds,
+            render_seconds: 0.0,
+        }
+    }
+
+    /// Adds what a tile took.
+    pub(crate) fn add(&mut self, tile: &Finished, sweep: &Sweep<'_>) {
+        self.samples += tile.pixels.len() as u64 * sweep.samples_per_pixel();
+        self.counters += tile.counters;
+        self.primary_rays_spared += tile.primary_rays_spared;
+        self.shading += tile.shading;
+        self.bad_samples += tile.bad_samples;
+    }
+
     /// Millions of rays of all kinds per second of rendering.
     pub fn mega_rays_per_second(&self) -> f64 {
         self.counters.total().rays as f64 / self.render_seconds.max(1e-9) * 1e-6

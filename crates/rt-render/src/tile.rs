@@ -8,6 +8,9 @@ use rt_shading::{Background, Interior, Seen, ShadingCounts, Whitted};
 use crate::{
     Crop, RenderPlan,
     cost::cost,
+    error_estimate::ErrorSums,
+    estimate::PixelEstimate,
+    passes::Sweep,
     pixel::Pixel,
     plan::{View, World},
     surroundings::Surroundings,
@@ -37,13 +40,24 @@ impl Countable for NoProbe {
     }
 }
 
-/// A rendered tile on its way to the film.
+/// What a thread does at a time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Task<'a> {
+    pub(crate) tile: Tile,
+    pub(crate) sweep: &'a Sweep<'a>,
+}
+
+/// A rendered tile on its way to the film: its pixels row by row, but for those that the sweep leaves out.
 pub(crate) struct Finished {
     pub(crate) tile: Tile,
     /// Radiance, not yet rounded to what a film holds.
     pub(crate) pixels: Vec<Rgb>,
     /// Coverage; empty unless the plan asks for it.
     pub(crate) alpha: Vec<f64>,
+    with_alpha: bool,
+    /// Squares of standard errors; empty after a single pass.
+    pub(crate) variances: Vec<Rgb>,
+    pub(crate) error: ErrorSums,
     pub(crate) counters: Counters,
     pub(crate) primary_rays_spared: u64,
     pub(crate) shading: ShadingCounts,
@@ -52,12 +66,17 @@ pub(crate) struct Finished {
 
 impl Finished {
     /// A tile without its pixels.
-    pub(crate) fn new(tile: Tile, with_alpha: bool) -> Self {
+    pub(crate) fn new(task: &Task<'_>, with_alpha: bool) -> Self {
+        let tile = task.tile;
         let count = tile.width as usize * tile.height as usize;
+        let room = |needed: bool| if needed { count } else { 0 };
         Self {
             tile,
             pixels: Vec::with_capacity(count),
-            alpha: Vec::with_capacity(if with_alpha { count } else { 0 }),
+            alpha: Vec::with_capacity(room(with_alpha)),
+            with_alpha,
+            variances: Vec::with_capacity(room(task.sweep.count > 1)),
+            error: ErrorSums::default(),
             counters: Counters::default(),
             primary_rays_spared: 0,
             shading: ShadingCounts::default(),
@@ -66,11 +85,13 @@ impl Finished {
     }
 
     /// Adds the next pixel of the tile.
-    pub(crate) fn push(&mut self, pixel: &Pixel) {
-        let (radiance, coverage) = pixel.mean();
-        self.pixels.push(radiance);
-        self.alpha.extend(coverage);
-        self.bad_samples += pixel.bad_samples();
+    pub(crate) fn push(&mut self, pixel: &PixelEstimate) {
+        self.pixels.push(pixel.mean());
+        if self.with_alpha {
+            self.alpha.push(pixel.coverage());
+        }
+        self.variances.extend(pixel.variance());
+        self.error.add(pixel);
     }
 }
 
@@ -93,19 +114,19 @@ impl Worker {
 
 impl RenderPlan<'_> {
     /// Chooses the concrete types, one `match` for each axis.
-    pub(crate) fn render_tile(&self, tile: Tile, count: bool, worker: &mut Worker) -> Finished {
+    pub(crate) fn render_tile(&self, task: &Task<'_>, count: bool, worker: &mut Worker) -> Finished {
         if count || self.integrator == Integrator::Cost {
-            self.with_probe::<Counters>(tile, worker)
+            self.with_probe::<Counters>(task, worker)
         } else {
-            self.with_probe::<NoProbe>(tile, worker)
+            self.with_probe::<NoProbe>(task, worker)
         }
     }
 
-    fn with_probe<S: Countable>(&self, tile: Tile, worker: &mut Worker) -> Finished {
+    fn with_probe<S: Countable>(&self, task: &Task<'_>, worker: &mut Worker) -> Finished {
         match &self.world {
-            World::Spheres(world, structure) => self.with_world::<_, S>(world, structure, tile, worker),
+            World::Spheres(world, structure) => self.with_world::<_, S>(world, structure, task, worker),
             World::Parts(top, levels) => {
-                self.with_world::<_, S>(&Parts { parts: &top.parts, levels }, &top.structure, tile, worker)
+                self.with_world::<_, S>(&Parts { parts: &top.parts, levels }, &top.structure, task, worker)
             }
         }
     }
@@ -114,12 +135,12 @@ impl RenderPlan<'_> {
         &self,
         world: &W,
         structure: &AnyStructure,
-        tile: Tile,
+        task: &Task<'_>,
         worker: &mut Worker,
     ) -> Finished {
-        let few = self.few_in(tile, world, structure);
+        let few = self.few_in(task.tile, world, structure);
         if few.as_ref().is_some_and(Visible::is_empty)
-            && let Some(finished) = self.empty_tile(tile)
+            && let Some(finished) = self.empty_tile(task)
         {
             return finished;
         }
@@ -129,13 +150,13 @@ impl RenderPlan<'_> {
         let mut finished = match (&self.view, &self.surroundings) {
             (View::Light, Surroundings::Same(interior)) => {
                 whitted.set_surroundings(interior);
-                self.sample_tile(tile, camera, |rays, seen| {
+                self.sample_tile(task, camera, |rays, seen| {
                     whitted.radiance_of(&mut tracer, &self.appearance, rays, seen);
                 })
             }
             (View::Light, Surroundings::ByRay(reach)) => {
                 let mut interior = Interior::default();
-                self.sample_each(tile, camera, |ray| {
+                self.sample_each(task, camera, |ray| {
                     interior.clear();
                     if reach.contains(ray.origin) {
                         interior.look_around(&mut tracer, &self.appearance.materials, ray);
@@ -145,9 +166,9 @@ impl RenderPlan<'_> {
                 })
             }
             (View::FirstHit(view), _) => {
-                self.sample_tile(tile, camera, |rays, seen| view.radiance_of(&mut tracer, rays, seen))
+                self.sample_tile(task, camera, |rays, seen| view.radiance_of(&mut tracer, rays, seen))
             }
-            (View::Cost, _) => self.sample_each(tile, camera, |ray| cost(&mut tracer, ray)),
+            (View::Cost, _) => self.sample_each(task, camera, |ray| cost(&mut tracer, ray)),
         };
         finished.counters = tracer.probe.counters(tracer.rays);
         finished.primary_rays_spared = tracer.spared;
@@ -157,8 +178,13 @@ impl RenderPlan<'_> {
     }
 
     /// For what can only be told of one ray after the other.
-    fn sample_each(&self, tile: Tile, camera: &mut CameraWave, mut radiance: impl FnMut(&Ray) -> Seen) -> Finished {
-        self.sample_tile(tile, camera, |rays, seen| {
+    fn sample_each(
+        &self,
+        task: &Task<'_>,
+        camera: &mut CameraWave,
+        mut radiance: impl FnMut(&Ray) -> Seen,
+    ) -> Finished {
+        self.sample_tile(task, camera, |rays, seen| {
             for ((ray, _), seen) in rays.iter().zip(seen) {
                 *seen = radiance(ray);
             }
@@ -174,7 +200,7 @@ impl RenderPlan<'_> {
 
     /// A tile in whose part of the view there is nothing, if that can be told without a ray: where all samples see the
     /// same background and weigh the same, so that no pixel depends on where they are.
-    fn empty_tile(&self, tile: Tile) -> Option<Finished> {
+    fn empty_tile(&self, task: &Task<'_>) -> Option<Finished> {
         let (View::Light, Surroundings::Same(_), Background::Constant(radiance)) =
             (&self.view, &self.surroundings, self.appearance.background)
         else {
@@ -183,13 +209,21 @@ impl RenderPlan<'_> {
         if self.filter.has_negative_lobes() {
             return None;
         }
-        let mut pixel = Pixel::new(self.transparent);
-        for _ in 0..self.spp {
-            pixel.add(&Seen { radiance, hit: false }, 1.0);
+        let sweep = task.sweep;
+        let mut pass = Pixel::new(self.transparent);
+        for _ in 0..sweep.spp {
+            pass.add(&Seen { radiance, hit: false }, 1.0);
         }
-        let mut finished = Finished::new(tile, self.transparent);
-        tile.pixels().for_each(|_| finished.push(&pixel));
-        finished.primary_rays_spared = finished.pixels.len() as u64 * u64::from(self.spp);
+        let mut pixel = PixelEstimate::default();
+        for _ in 0..sweep.count {
+            let (radiance, coverage) = pass.mean();
+            pixel.add(radiance, coverage, sweep.spp);
+        }
+        let mut finished = Finished::new(task, self.transparent);
+        sweep.pixels_of(task.tile).for_each(|_| finished.push(&pixel));
+        let passes = finished.pixels.len() as u64 * u64::from(sweep.count);
+        finished.bad_samples = passes * pass.bad_samples();
+        finished.primary_rays_spared = passes * u64::from(sweep.spp);
         Some(finished)
     }
 }

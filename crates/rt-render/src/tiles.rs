@@ -14,7 +14,7 @@ pub(crate) struct Tile {
 
 impl Tile {
     /// The pixels of the tile, row by row.
-    pub(crate) fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
+    pub(crate) fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + Clone + use<> {
         let Self { x, y, width, height } = *self;
         (y..y + height).flat_map(move |row| (x..x + width).map(move |column| [column, row]))
     }

@@ -1,9 +1,16 @@
 //! Waves of camera rays: the samples of some pixels, traced together.
 
+use rt_camera::PixelSampler;
 use rt_math::{DVec2, Interval, Ray};
 use rt_shading::Seen;
 
-use crate::{RenderPlan, pixel::Pixel, tile::Finished, tiles::Tile};
+use crate::{
+    RenderPlan,
+    estimate::PixelEstimate,
+    passes::Sweep,
+    pixel::Pixel,
+    tile::{Finished, Task},
+};
 
 /// Camera rays in a wave: enough for rays to be traced side by side, and few enough for all that is known of them to
 /// stay in a core's own cache.
@@ -25,17 +32,21 @@ impl CameraWave {
     }
 }
 
-/// Adds samples to pixels, which are full after so many.
+/// Adds samples to pixels, which are full after so many passes of so many samples.
 struct Sums {
     finished: Finished,
     pixel: Pixel,
+    estimate: PixelEstimate,
+    /// Samples that the pass is short of.
     missing: u32,
     spp: u32,
+    passes: u32,
 }
 
 impl Sums {
-    fn new(finished: Finished, pixel: Pixel, spp: u32) -> Self {
-        Self { finished, pixel, missing: spp, spp }
+    fn new(finished: Finished, pixel: Pixel, sweep: &Sweep<'_>) -> Self {
+        let Sweep { count: passes, spp, .. } = *sweep;
+        Self { finished, pixel, estimate: PixelEstimate::default(), missing: spp, spp, passes }
     }
 
     #[inline]
@@ -43,31 +54,44 @@ impl Sums {
         self.pixel.add(seen, weight);
         self.missing -= 1;
         if self.missing == 0 {
-            self.finished.push(&self.pixel);
-            self.pixel = self.pixel.emptied();
-            self.missing = self.spp;
+            self.finish_pass();
+        }
+    }
+
+    fn finish_pass(&mut self) {
+        self.finished.bad_samples += self.pixel.bad_samples();
+        let (radiance, coverage) = self.pixel.mean();
+        self.estimate.add(radiance, coverage, self.spp);
+        self.pixel = self.pixel.emptied();
+        self.missing = self.spp;
+        if self.estimate.passes() == self.passes {
+            self.finished.push(&core::mem::take(&mut self.estimate));
         }
     }
 }
 
 impl RenderPlan<'_> {
-    /// Takes all samples of a tile, pixel by pixel and in the order of their numbers. `radiance` is the integrator: what
-    /// the rays of a wave see.
+    /// Takes the samples of a tile, pixel by pixel, pass by pass, and in the order of their numbers. `radiance` is the
+    /// integrator: what the rays of a wave see.
     pub(crate) fn sample_tile(
         &self,
-        tile: Tile,
+        task: &Task<'_>,
         wave: &mut CameraWave,
         mut radiance: impl FnMut(&[(Ray, Interval)], &mut [Seen]),
     ) -> Finished {
-        let mut sums = Sums::new(Finished::new(tile, self.transparent), Pixel::new(self.transparent), self.spp);
-        for pixel in tile.pixels() {
-            let mut first = 0;
-            while first < self.spp {
-                let count = wave.room().min((self.spp - first) as usize);
-                self.generate(pixel, first, count, wave);
-                first += count as u32;
-                if wave.room() == 0 {
-                    trace(wave, &mut sums, &mut radiance);
+        let sweep = task.sweep;
+        let mut sums = Sums::new(Finished::new(task, self.transparent), Pixel::new(self.transparent), sweep);
+        for pixel in sweep.pixels_of(task.tile) {
+            for pass in 0..sweep.count {
+                let sampler = self.sampler_of(sweep.first + pass, sweep.spp);
+                let mut first = 0;
+                while first < sweep.spp {
+                    let count = wave.room().min((sweep.spp - first) as usize);
+                    self.generate(&sampler, pixel, first, count, wave);
+                    first += count as u32;
+                    if wave.room() == 0 {
+                        trace(wave, &mut sums, &mut radiance);
+                    }
                 }
             }
         }
@@ -75,11 +99,11 @@ impl RenderPlan<'_> {
         sums.finished
     }
 
-    /// Puts so many camera rays of a pixel into the wave, beginning with sample `first`.
-    fn generate(&self, [x, y]: [u32; 2], first: u32, count: usize, wave: &mut CameraWave) {
+    /// Puts so many camera rays of a pixel into the wave, beginning with sample `first` of a pass.
+    fn generate(&self, sampler: &PixelSampler, [x, y]: [u32; 2], first: u32, count: usize, wave: &mut CameraWave) {
         let corner = DVec2::new(f64::from(x), f64::from(y)) + self.sample_offset;
         wave.positions.resize(count, [0.0; 2]);
-        self.sampler.positions([x, y], first, &mut wave.positions);
+        sampler.positions([x, y], first, &mut wave.positions);
         for &position in &wave.positions {
             let (offset, weight) = self.filter.sample(position);
             wave.rays.push((self.camera.ray(corner + offset, 0.0), Interval::FORWARD));

@@ -40,6 +40,13 @@ impl Integrator {
     /// All integrators.
     pub const ALL: [Self; 5] = [Self::Whitted, Self::Normals, Self::Depth, Self::Uv, Self::Cost];
 
+    /// True if rays go in random directions, so that pictures are noisy everywhere and not at edges alone.
+    pub const fn is_stochastic(self) -> bool {
+        match self {
+            Self::Whitted | Self::Normals | Self::Depth | Self::Uv | Self::Cost => false,
+        }
+    }
+
     /// The name in files and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
@@ -123,6 +130,8 @@ pub struct Settings {
     pub pattern: SamplePattern,
     /// Samples per pixel asked for; patterns may round it up.
     pub spp: u32,
+    /// Independent passes that the samples are split into, by which the error is estimated; the plan chooses if `None`.
+    pub passes: Option<u32>,
     /// Bounces after the first hit.
     pub depth: u32,
     /// Rays whose contribution to the pixel falls below this are not followed. 0 follows all.
@@ -139,6 +148,7 @@ impl Default for Settings {
             integrator: Integrator::Whitted,
             pattern: SamplePattern::Sobol,
             spp: 16,
+            passes: None,
             depth: 5,
             min_contribution: 0.0,
             accel: Accel::Auto,

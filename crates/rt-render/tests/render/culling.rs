@@ -28,7 +28,8 @@ fn surrounded() -> Scene {
 
 fn render(scene: &Scene, options: PlanOptions) -> (Film, Statistics) {
     let plan = RenderPlan::compile(scene, &options).expect("the scene compiles");
-    let rendering = plan.render(&RunOptions { threads: 0, count: true }, |_| {}).expect("threads start");
+    let rendering =
+        plan.render(&RunOptions { threads: 0, count: true, ..RunOptions::default() }, |_| {}).expect("threads start");
     (rendering.film, rendering.statistics)
 }
 

@@ -6,7 +6,7 @@ use rt_render::{PlanOptions, RenderPlan, RunOptions, Statistics};
 use rt_scene_io::{Accel, MaterialId, Node, Scene};
 use rt_shading::{Coefficient, ShadingCounts};
 
-const COUNT: RunOptions = RunOptions { threads: 1, count: true };
+const COUNT: RunOptions = RunOptions { threads: 1, count: true, maps: false };
 
 fn statistics(scene: &Scene) -> Statistics {
     let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");

@@ -63,7 +63,9 @@ fn trimming_threads_and_structures_do_not_change_nested_glass() {
     for accel in [Accel::Linear, Accel::Grid, Accel::Bvh] {
         scene.settings.accel = accel;
         let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-        let one = plan.render(&RunOptions { threads: 1, count: true }, |_| {}).expect("threads start");
+        let one = plan
+            .render(&RunOptions { threads: 1, count: true, ..RunOptions::default() }, |_| {})
+            .expect("threads start");
         assert_same(&picture, &one.film, accel.name());
         assert!(one.statistics.shading.passages > 0 && one.statistics.shading.interior_overflows == 0);
     }

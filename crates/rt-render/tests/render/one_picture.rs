@@ -24,10 +24,12 @@ fn assert_interesting(film: &Film) {
 #[test]
 fn threads_do_not_change_the_picture() {
     for scene in [spheres(), everything()] {
-        let one = render(&scene, PlanOptions::default(), RunOptions { threads: 1, count: true });
+        let one =
+            render(&scene, PlanOptions::default(), RunOptions { threads: 1, count: true, ..RunOptions::default() });
         assert_interesting(&one.film);
         for threads in [2, 3, 8] {
-            let many = render(&scene, PlanOptions::default(), RunOptions { threads, count: true });
+            let many =
+                render(&scene, PlanOptions::default(), RunOptions { threads, count: true, ..RunOptions::default() });
             assert_eq!(one.film, many.film, "{}: {threads} threads", scene.name);
             assert_eq!(one.statistics.counters, many.statistics.counters, "{}: {threads} threads", scene.name);
         }
@@ -74,7 +76,7 @@ fn the_trimmed_plan_gives_the_picture_of_the_full_plan() {
 #[test]
 fn counting_does_not_change_the_picture() {
     let scene = everything();
-    let counted = render(&scene, PlanOptions::default(), RunOptions { count: true, threads: 0 });
+    let counted = render(&scene, PlanOptions::default(), RunOptions { count: true, ..RunOptions::default() });
     assert_eq!(film(&scene), counted.film);
 }
 

@@ -13,6 +13,10 @@ pub struct Settings {
     pub sampler: Sampler,
     /// Samples per pixel; some samplers round it up.
     pub spp: u64,
+    /// Independent passes that the samples are split into, by which the error is estimated; left out, it depends on the
+    /// integrator.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub passes: Option<u64>,
     /// Bounces after the first hit: 0 for direct light alone.
     pub depth: u64,
     /// Rays that contribute less than this to the pixel are not followed.
@@ -29,6 +33,7 @@ impl Default for Settings {
             integrator: Integrator::Whitted,
             sampler: Sampler::Sobol,
             spp: 16,
+            passes: None,
             depth: 5,
             min_contribution: 0.0,
             accel: Accel::Auto,

@@ -11,6 +11,9 @@ use crate::{Accel, Integrator, Reason, Settings};
 /// Most samples per pixel.
 const MAX_SPP: u64 = 1 << 31;
 
+/// Most passes.
+const MAX_PASSES: u64 = 1 << 16;
+
 /// Most bounces.
 const MAX_DEPTH: u64 = 10_000;
 
@@ -64,12 +67,14 @@ fn size((width, height): (u64, u64)) -> Result<(u32, u32), Reason> {
 /// The settings. A field that is wrong keeps its default after it is reported.
 pub(super) fn settings(report: &mut Report, settings: &format::Settings) -> Settings {
     let spp = report.check("settings.spp", within(settings.spp, 1, MAX_SPP)).unwrap_or(1);
+    let passes = settings.passes.and_then(|passes| report.check("settings.passes", within(passes, 1, MAX_PASSES)));
     let depth = report.check("settings.depth", within(settings.depth, 0, MAX_DEPTH)).unwrap_or(0);
     report.check("settings.min_contribution", not_negative(settings.min_contribution));
     Settings {
         integrator: integrator(settings.integrator),
         pattern: pattern(settings.sampler),
         spp: spp as u32,
+        passes: passes.map(|passes| passes as u32),
         depth: depth as u32,
         min_contribution: settings.min_contribution,
         accel: accel(settings.accel),

@@ -1,0 +1,177 @@
+//! The error of a picture, estimated from the differences of its passes.
+//!
+//! ```text
+//!      vᵢ: the square of pixel i's standard error, mean of channels          MSE ≈ V = Ē vᵢ
+//!      V F₀.₀₂₅(m, n) ≤ MSE ≤ V F₀.₉₇₅(m, n)        m = (Σ vᵢ)² / Σ vᵢ²        n = (Σ vᵢ)² / Σ vᵢ² / (Pᵢ − 1)
+//! ```
+//!
+//! The interval is one for the error of *this* picture, that is, for what a comparison with the truth would find. It adds two
+//! uncertainties: V is known as well as n degrees of freedom allow, and the errors of the pixels, squared and added
+//! up, scatter as m degrees do. Both are Satterthwaite's (1946): few where few pixels have most of the error. They are rather too
+//! few, as the squares of uncertain variances are too large on average, and the interval is rather too wide.
+//!
+//! A pixel counts as one, however much its channels differ. Pixels count as independent.
+
+use rt_math::Rgb;
+
+use crate::{estimate::PixelEstimate, quantile::f_quantile};
+
+/// Added to squared radiance where an error is divided by it, as in [`rt_camera::metrics`].
+const RELATIVE_EPSILON: f64 = 1e-2;
+
+/// How far a picture is from what infinitely many samples would show. The bias of a sample pattern or an integrator is not
+/// in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorEstimate {
+    /// Root mean square over pixels and channels, in units of radiance.
+    pub rmse: f64,
+    /// Between these two it lies with a confidence of 95 %.
+    pub interval: [f64; 2],
+    /// Root mean square of the error divided by √(r² + 0.01), where r is the radiance of the pixel.
+    pub relative: f64,
+    /// The largest standard error of a pixel in a channel.
+    pub largest: f64,
+}
+
+/// What the estimate needs of a number of pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct ErrorSums {
+    pixels: u64,
+    /// Σ vᵢ.
+    squares: f64,
+    /// Σ vᵢ² / (Pᵢ − 1).
+    spread_of_estimate: f64,
+    /// Σ vᵢ².
+    spread_of_error: f64,
+    relative: f64,
+    largest: f64,
+}
+
+impl ErrorSums {
+    /// Adds a pixel. One of fewer than two passes says nothing about its error and is left out.
+    pub(crate) fn add(&mut self, pixel: &PixelEstimate) {
+        let Some(variance) = pixel.variance() else { return };
+        let mean_of_channels = |rgb: Rgb| (rgb.r + rgb.g + rgb.b) / 3.0;
+        let square = mean_of_channels(variance);
+        let weights = (pixel.mean() * pixel.mean()).map(|square| 1.0 / (square + RELATIVE_EPSILON));
+        self.pixels += 1;
+        self.squares += square;
+        self.spread_of_estimate += square * square / (f64::from(pixel.passes()) - 1.0);
+        self.spread_of_error += square * square;
+        self.relative += mean_of_channels(variance * weights);
+        self.largest = self.largest.max(variance.max_component().sqrt());
+    }
+
+    /// The pixels of all parts of the image. Sums depend on the order of parts in their last digits.
+    pub(crate) fn joined(parts: &[Self]) -> Self {
+        parts.iter().fold(Self::default(), |all, part| Self {
+            pixels: all.pixels + part.pixels,
+            squares: all.squares + part.squares,
+            spread_of_estimate: all.spread_of_estimate + part.spread_of_estimate,
+            spread_of_error: all.spread_of_error + part.spread_of_error,
+            relative: all.relative + part.relative,
+            largest: all.largest.max(part.largest),
+        })
+    }
+
+    /// Root mean square error over all pixels that were added; `None` without any.
+    pub(crate) fn rmse(&self) -> Option<f64> {
+        (self.pixels > 0).then(|| (self.squares / self.pixels as f64).sqrt())
+    }
+
+    /// The estimate over all pixels that were added; `None` without any.
+    pub(crate) fn estimate(&self) -> Option<ErrorEstimate> {
+        let rmse = self.rmse()?;
+        let interval = if self.spread_of_estimate > 0.0 {
+            let freedom = |spread: f64| self.squares * self.squares / spread;
+            let (m, n) = (freedom(self.spread_of_error), freedom(self.spread_of_estimate));
+            [0.025, 0.975].map(|probability| rmse * f_quantile(probability, m, n).sqrt())
+        } else {
+            [rmse; 2]
+        };
+        let relative = (self.relative / self.pixels as f64).sqrt();
+        Some(ErrorEstimate { rmse, interval, relative, largest: self.largest })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::random::{hash, unit};
+
+    /// Nearly normal numbers of variance 1: the sum of twelve uniform ones (Irwin and Hall 1927).
+    fn normal(words: [u64; 4]) -> f64 {
+        (0..12).map(|index| unit(hash(&[words[0], words[1], words[2], words[3], index]))).sum::<f64>() - 6.0
+    }
+
+    /// How many of some pictures of 60 pixels, some far noisier than others, have their true error within the interval.
+    fn covered(pictures: u64, passes: &[u32]) -> usize {
+        let noise = |pixel: u64| if pixel.is_multiple_of(10) { 5.0 } else { 0.3 };
+        let is_covered = |picture: &u64| {
+            let (mut sums, mut true_square) = (ErrorSums::default(), 0.0);
+            for pixel in 0..60 {
+                let mut estimate = PixelEstimate::default();
+                for (pass, &samples) in passes.iter().enumerate() {
+                    let deviation = noise(pixel) / f64::from(samples).sqrt();
+                    let error = deviation * normal([passes.len() as u64, *picture, pixel, pass as u64]);
+                    estimate.add(Rgb::gray(7.0 + error), 1.0, samples);
+                }
+                sums.add(&estimate);
+                let error = estimate.mean().r - 7.0;
+                true_square += error * error / 60.0;
+            }
+            let [low, high] = sums.estimate().expect("several passes").interval;
+            (low..=high).contains(&true_square.sqrt())
+        };
+        (0..pictures).filter(is_covered).count()
+    }
+
+    #[test]
+    fn the_interval_covers_the_true_error_as_often_as_it_says() {
+        for passes in [&[4; 2][..], &[4; 4], &[1; 16], &[1, 1, 2, 4, 8, 16, 16]] {
+            let covered = covered(1000, passes);
+            // At least 950 expected, with a standard deviation of 7: six pixels have nearly all of the error.
+            assert!((930..=998).contains(&covered), "{covered} of 1000 with passes of {passes:?}");
+        }
+    }
+
+    #[test]
+    fn without_two_passes_there_is_no_estimate() {
+        let mut sums = ErrorSums::default();
+        assert_eq!(sums.estimate(), None);
+        let mut pixel = PixelEstimate::default();
+        pixel.add(Rgb::WHITE, 1.0, 4);
+        sums.add(&pixel);
+        assert_eq!(sums.estimate(), None);
+    }
+
+    #[test]
+    fn equal_passes_have_no_error() {
+        let mut pixel = PixelEstimate::default();
+        (0..3).for_each(|_| pixel.add(Rgb::WHITE, 1.0, 4));
+        let mut sums = ErrorSums::default();
+        sums.add(&pixel);
+        let none = ErrorEstimate { rmse: 0.0, interval: [0.0; 2], relative: 0.0, largest: 0.0 };
+        assert_eq!(sums.estimate(), Some(none));
+    }
+
+    #[test]
+    fn parts_join_to_the_whole() {
+        let pixels: Vec<_> = (0..8u64)
+            .map(|pixel| {
+                let mut estimate = PixelEstimate::default();
+                (0..3).for_each(|pass| estimate.add(Rgb::gray(unit(hash(&[pixel, pass]))), 1.0, 1));
+                estimate
+            })
+            .collect();
+        let of = |pixels: &[PixelEstimate]| {
+            let mut sums = ErrorSums::default();
+            pixels.iter().for_each(|pixel| sums.add(pixel));
+            sums
+        };
+        let joined = ErrorSums::joined(&[of(&pixels[..3]), of(&pixels[3..])]);
+        let (whole, joined) = (of(&pixels).estimate().expect("passes"), joined.estimate().expect("passes"));
+        assert!((whole.rmse - joined.rmse).abs() < 1e-15 && whole.largest == joined.largest);
+        assert!(whole.interval[0] < whole.rmse && whole.rmse < whole.interval[1]);
+    }
+}

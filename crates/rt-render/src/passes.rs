@@ -1,0 +1,115 @@
+//! Passes: independent scrambles of the sample pattern, whose differences tell the error of their mean.
+//!
+//! ```text
+//!   fixed      |  N/M  |  N/M  |  N/M  |  N/M  |                     M passes, one pixel after the other
+//!   --time     |1|1| 2 |  4  |    8    |    16    |    16    | …     over the whole image, until time is up
+//!   --target-error   8 × 8 | 8 × 8 | 8 × 16 | 8 × 32 | …             tested where the count has doubled
+//! ```
+//!
+//! The samples within a pass depend on each other, as those of Sobol' points do, so that their variance says nothing of the
+//! error of their mean. Whole passes are independent.
+
+use rt_camera::{PixelSampler, SamplePattern};
+use rt_math::random::hash;
+
+use crate::{RenderPlan, tiles::Tile};
+
+/// Passes that a fixed number of samples is split into by default.
+///
+/// `stochastic` is true for integrators that choose directions at random: their pictures are noisy, and the noise is worth
+/// a figure. Splitting costs them little; the others would lose some of what stratification gains at edges, and take one
+/// pass.
+pub const fn default_passes(pattern: SamplePattern, spp: u32, stochastic: bool) -> u32 {
+    match pattern.round_up(spp) {
+        _ if !stochastic => 1,
+        0..2 => 1,
+        2..16 => 2,
+        _ => 4,
+    }
+}
+
+/// The seed of a pass. The first is the seed itself, so that a render of one pass knows nothing of passes.
+pub(crate) fn pass_seed(seed: u64, pass: u32) -> u64 {
+    if pass == 0 { seed } else { hash(&[seed, u64::from(pass)]) }
+}
+
+/// What is sampled of each pixel of a tile before the tile is handed over.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sweep<'a> {
+    /// Number of the first pass.
+    pub(crate) first: u32,
+    /// Number of passes, at least 1.
+    pub(crate) count: u32,
+    /// Samples per pixel of each.
+    pub(crate) spp: u32,
+    /// The pixels to sample; all if `None`.
+    pub(crate) pixels: Option<&'a PixelMask>,
+}
+
+impl Sweep<'_> {
+    /// Samples that each pixel takes.
+    pub(crate) fn samples_per_pixel(&self) -> u64 {
+        u64::from(self.count) * u64::from(self.spp)
+    }
+
+    /// The pixels to sample of a tile, row by row.
+    pub(crate) fn pixels_of(&self, tile: Tile) -> impl Iterator<Item = [u32; 2]> {
+        tile.pixels().filter(|&pixel| self.pixels.is_none_or(|mask| mask.contains(pixel)))
+    }
+}
+
+impl RenderPlan<'_> {
+    /// The samples of a pass.
+    pub(crate) fn sampler_of(&self, pass: u32, spp: u32) -> PixelSampler {
+        PixelSampler::new(self.pattern, spp, pass_seed(self.seed, pass))
+    }
+
+    /// All passes of a render of a fixed number of samples.
+    pub(crate) const fn all_passes(&self) -> Sweep<'static> {
+        Sweep { first: 0, count: self.passes, spp: self.pass_spp, pixels: None }
+    }
+}
+
+/// Some of the pixels of a part of the image.
+#[derive(Clone, Debug)]
+pub(crate) struct PixelMask {
+    part: Tile,
+    wanted: Vec<bool>,
+}
+
+impl PixelMask {
+    /// The pixels of a part for which `wanted`, row by row, is true.
+    pub(crate) fn new(part: Tile, wanted: Vec<bool>) -> Self {
+        Self { part, wanted }
+    }
+
+    /// True for a pixel, in coordinates of the whole image, that is wanted.
+    pub(crate) fn contains(&self, [x, y]: [u32; 2]) -> bool {
+        let Tile { x: left, y: top, width, .. } = self.part;
+        let index = (y - top) as usize * width as usize + (x - left) as usize;
+        self.wanted.get(index).copied().unwrap_or(false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_noise_is_split_by_default() {
+        for pattern in SamplePattern::ALL {
+            assert_eq!(default_passes(pattern, 1024, false), 1);
+            assert_eq!([1, 2, 16, 1024].map(|spp| default_passes(pattern, spp, true))[0], 1);
+            assert_eq!(default_passes(pattern, 1024, true), 4);
+        }
+        assert_eq!([2, 15, 16].map(|spp| default_passes(SamplePattern::Random, spp, true)), [2, 2, 4]);
+    }
+
+    #[test]
+    fn the_first_pass_has_the_seed_itself() {
+        assert_eq!(pass_seed(42, 0), 42);
+        let seeds: std::collections::HashSet<_> =
+            (0..100).flat_map(|seed| (0..100).map(move |pass| pass_seed(seed, pass))).collect();
+        assert_eq!(seeds.len(), 100 * 100);
+    }
+}
