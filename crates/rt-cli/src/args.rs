@@ -1,14 +1,18 @@
 //! What the user may type.
 
 mod compare;
+mod converge;
 mod picture;
+mod typed;
 mod values;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+use rt_scene_io::Reason;
 
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
+pub(crate) use converge::{Against, ConvergeArgs, Variation};
 pub(crate) use picture::{BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 
 /// The commands, and what needs no command.
@@ -45,6 +49,9 @@ pub(crate) enum Command {
     /// Measure how much an image differs from a reference: errors, PSNR, SSIM, FLIP, heat map
     #[command(long_about = compare::COMPARE_HELP)]
     Compare(CompareArgs),
+    /// Measure the error of methods against their run time: table, plot, page
+    #[command(long_about = converge::CONVERGE_HELP)]
+    Converge(ConvergeArgs),
     /// Print the JSON Schema of scene files, for editors
     Schema,
     /// Print completions for a shell
@@ -198,3 +205,8 @@ primitive tests and hits that took. `primary_rays_spared` are camera rays that w
 not traced, as there is nothing in their part of the view; `shading` counts the work of materials, `seconds` are wall-clock times. Counts \
 are the same in every run; `seconds`, `mega_rays_per_second` and `peak_memory_bytes` (null where the system does not \
 say) are not.";
+
+/// What is wrong with a word that should be one of those known, and which of them is nearest.
+fn unknown_word(kind: &'static str, found: &str, known: Vec<String>) -> String {
+    Reason::UnknownWord { kind, found: found.to_owned(), known }.to_string()
+}

@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod completions;
+mod converge;
 mod convert;
 mod develop;
 mod explain;
@@ -24,6 +25,7 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Some(Command::Convert(args)) => convert::run(&args),
         Some(Command::Develop(args)) => develop::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
+        Some(Command::Converge(args)) => converge::run(&args),
         Some(Command::Schema) => schema::run(),
         Some(Command::Completions { shell }) => completions::run(shell),
         Some(Command::Man { output }) => man::run(output.as_deref()),

@@ -5,7 +5,8 @@ use crate::program::Workplace;
 #[test]
 fn help() {
     let place = Workplace::new();
-    for command in ["", "render", "explain", "check", "convert", "develop", "compare", "completions", "man"] {
+    for command in ["", "render", "explain", "check", "convert", "develop", "compare", "converge", "completions", "man"]
+    {
         let name = if command.is_empty() { "help" } else { command };
         let text = place.succeed(&format!("{command} --help")).stdout;
         insta::assert_snapshot!(format!("help_{name}"), text);
@@ -47,9 +48,19 @@ fn every_command_has_a_manual_page() {
     std::fs::create_dir(place.path("pages")).expect("created");
     place.succeed("man -o pages");
     let all = place.succeed("man").stdout;
-    for page in
-        ["", "-render", "-explain", "-check", "-convert", "-develop", "-compare", "-schema", "-completions", "-man"]
-    {
+    for page in [
+        "",
+        "-render",
+        "-explain",
+        "-check",
+        "-convert",
+        "-develop",
+        "-compare",
+        "-converge",
+        "-schema",
+        "-completions",
+        "-man",
+    ] {
         let text = String::from_utf8(place.read(&format!("pages/rt-cli{page}.1"))).expect("text");
         assert!(text.contains(&format!(".TH rt-cli{page} 1")), "{text}");
         assert!(all.contains(&text), "{page}");

@@ -3,6 +3,7 @@
 mod bad_input;
 mod checking;
 mod comparing;
+mod converging;
 mod converting;
 mod determinism;
 mod documentation;

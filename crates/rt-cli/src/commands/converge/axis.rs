@@ -1,0 +1,105 @@
+//! A logarithmic axis: coordinates are exponents of ten.
+
+use core::f64::consts::LN_10;
+
+use core::ops::Range;
+
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use rt_math::transcendental::{log, pow};
+
+/// Over so many decades, decades alone are labelled.
+const MANY_DECADES: f64 = 2.5;
+
+/// From the lowest exponent to the highest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Axis {
+    pub(super) low: f64,
+    pub(super) high: f64,
+}
+
+impl Axis {
+    /// The axis for these numbers, with a factor of room on both sides; `None` without a number, or if one is not positive
+    /// or not finite.
+    pub(super) fn around(values: impl Iterator<Item = f64>, room: f64) -> Option<Self> {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for value in values.map(exponent) {
+            if !value.is_finite() {
+                return None;
+            }
+            (low, high) = (low.min(value), high.max(value));
+        }
+        (low <= high).then(|| Self { low: low - exponent(room), high: high + exponent(room) })
+    }
+
+    /// Exponents on the axis of the numbers with these first digits.
+    fn marks(self, digits: &[f64]) -> Vec<f64> {
+        let decades = self.low.floor() as i32..=self.high.ceil() as i32;
+        let marks = decades.flat_map(|decade| digits.iter().map(move |&digit| f64::from(decade) + exponent(digit)));
+        marks.filter(|mark| (self.low..=self.high).contains(mark)).collect()
+    }
+}
+
+impl Ranged for Axis {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, exponent: &f64, (start, end): (i32, i32)) -> i32 {
+        let part = (exponent - self.low) / (self.high - self.low);
+        start + (part * f64::from(end - start)).round() as i32
+    }
+
+    fn key_points<H: KeyPointHint>(&self, hint: H) -> Vec<f64> {
+        if hint.weight().allow_light_points() {
+            return self.marks(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+        }
+        let has_many_decades = self.high - self.low > MANY_DECADES;
+        self.marks(if has_many_decades { &[1.0] } else { &[1.0, 2.0, 5.0] })
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.low..self.high
+    }
+}
+
+impl ValueFormatter<f64> for Axis {
+    fn format_ext(&self, exponent: &f64) -> String {
+        label(*exponent)
+    }
+}
+
+/// The exponent of ten that gives the number.
+pub(super) fn exponent(value: f64) -> f64 {
+    log(value) / LN_10
+}
+
+/// The number with this exponent, as its one digit shows it.
+fn label(exponent: f64) -> String {
+    if (-4.0..5.0).contains(&exponent) {
+        let text = format!("{:.5}", pow(10.0, exponent));
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        format!("{:.0e}", pow(10.0, exponent))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_hold_all_numbers_and_some_room() {
+        let axis = Axis::around([1.0, 100.0].into_iter(), 10.0).expect("two numbers");
+        assert!((axis.low + 1.0).abs() < 1e-12 && (axis.high - 3.0).abs() < 1e-12, "{axis:?}");
+        for bad in [&[][..], &[0.0, 1.0], &[f64::NAN], &[1.0, f64::INFINITY], &[-1.0]] {
+            assert_eq!(Axis::around(bad.iter().copied(), 2.0), None, "{bad:?}");
+        }
+    }
+
+    #[test]
+    fn a_narrow_axis_has_few_marks_and_a_wide_one_decades() {
+        let marks = |axis: Axis, digits: &[f64]| axis.marks(digits).into_iter().map(label).collect::<Vec<_>>();
+        let narrow = Axis { low: exponent(0.015), high: exponent(0.06) };
+        assert_eq!(marks(narrow, &[1.0, 2.0, 5.0]), ["0.02", "0.05"]);
+        assert_eq!(marks(Axis { low: -6.5, high: -3.5 }, &[1.0]), ["1e-6", "1e-5", "0.0001"]);
+    }
+}

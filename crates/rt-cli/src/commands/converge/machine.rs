@@ -1,0 +1,47 @@
+//! What times were measured on. It names no folder and no host.
+
+use std::fs;
+
+use serde::Serialize;
+
+/// The machine, and how the program was compiled.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Machine {
+    program: &'static str,
+    version: &'static str,
+    processor: String,
+    /// Threads that the processor runs at once.
+    hardware_threads: Option<usize>,
+    compiler: &'static str,
+    target: &'static str,
+    flags: &'static str,
+}
+
+impl Machine {
+    /// This machine and this program.
+    pub(super) fn here() -> Self {
+        Self {
+            program: env!("CARGO_PKG_NAME"),
+            version: env!("CARGO_PKG_VERSION"),
+            processor: processor(),
+            hardware_threads: std::thread::available_parallelism().ok().map(usize::from),
+            compiler: env!("RT_CLI_COMPILER"),
+            target: env!("RT_CLI_TARGET"),
+            flags: env!("RT_CLI_FLAGS"),
+        }
+    }
+
+    /// One line for people.
+    pub(super) fn line(&self) -> String {
+        let threads = self.hardware_threads.map(|count| format!(", {count} hardware threads")).unwrap_or_default();
+        let Self { program, version, processor, compiler, target, flags, .. } = self;
+        format!("{processor}{threads}; {program} {version} by {compiler} for {target}, {flags}")
+    }
+}
+
+/// The name of the processor, where the system tells it, or else its architecture.
+fn processor() -> String {
+    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    name.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
+}

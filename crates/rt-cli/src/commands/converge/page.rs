@@ -1,0 +1,202 @@
+//! One page with all of it, which needs no other file.
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use rt_camera::metrics::{ColourScale, ErrorMap, heat_map};
+use rt_camera::{Development, Film, ImageFormat, write_image};
+
+use super::files::Circumstances;
+use super::measure::Study;
+use super::summary::Summary;
+use super::table::{self, Sheet};
+use super::yardstick::Yardstick;
+
+/// The part of all errors that the colours of the heat maps tell apart.
+const SHOWN_ERRORS: f64 = 0.999;
+
+const STYLE: &str = "
+  body { font: 15px/1.45 sans-serif; margin: 2em auto; max-width: 1150px; padding: 0 1em; color: #222; }
+  svg { width: 100%; height: auto; }
+  table { border-collapse: collapse; margin: 1em 0; font-variant-numeric: tabular-nums; }
+  td, th { border-bottom: 1px solid #ddd; padding: .2em .7em; text-align: right; white-space: nowrap; }
+  td:first-child, th:first-child { text-align: left; }
+  .wide { overflow-x: auto; }
+  .pictures { display: flex; flex-wrap: wrap; gap: 1.2em; }
+  figure { margin: 0; }
+  figcaption { font-size: 13px; }
+  figure img { image-rendering: pixelated; min-width: 256px; max-width: 100%; display: block; }
+  #slider { position: relative; display: inline-block; max-width: 100%; line-height: 0; }
+  #slider img { image-rendering: pixelated; min-width: min(640px, 90vw); max-width: 100%; }
+  #slider .after { position: absolute; inset: 0; clip-path: inset(0 0 0 50%); }
+  #slider .bar { position: absolute; top: 0; bottom: 0; left: 50%; width: 2px; margin-left: -1px; background: #fff; outline: 1px solid #000; }
+  #slider input { position: absolute; inset: 0; width: 100%; height: 100%; margin: 0; opacity: 0; cursor: ew-resize; }
+  .scale { display: inline-block; width: 220px; height: 12px; vertical-align: middle; }
+";
+
+/// Lets the user choose what is compared, and where the one picture ends and the other begins.
+const SCRIPT: &str = "
+  const pictures = [...document.querySelectorAll('img.shown')];
+  const [before, after] = ['before', 'after'].map(id => document.getElementById(id));
+  const [under, over] = ['.before', '.after'].map(name => document.querySelector('#slider ' + name));
+  const range = document.querySelector('#slider input'), bar = document.querySelector('#slider .bar');
+  for (const select of [before, after])
+    pictures.forEach((picture, index) => select.add(new Option(picture.alt, index)));
+  const show = () => {
+    under.src = pictures[before.value].src;
+    over.src = pictures[after.value].src;
+    over.style.clipPath = `inset(0 0 0 ${range.value}%)`;
+    bar.style.left = `${range.value}%`;
+  };
+  before.value = 0;
+  after.value = pictures.length - 1;
+  for (const input of [before, after, range]) input.addEventListener('input', show);
+  show();
+";
+
+/// The page.
+#[derive(Debug)]
+pub(super) struct Page<'a> {
+    pub(super) circumstances: &'a Circumstances,
+    pub(super) study: &'a Study,
+    pub(super) summary: &'a Summary,
+    pub(super) yardstick: &'a Yardstick,
+    /// What shows the pictures.
+    pub(super) development: Development,
+    /// The plot as SVG, if there is one.
+    pub(super) plot: Option<&'a str>,
+    /// Sentences below the tables.
+    pub(super) notes: &'a [String],
+}
+
+impl Page<'_> {
+    /// The text of the page.
+    pub(super) fn html(&self) -> Result<String, String> {
+        let circumstances = self.circumstances;
+        let title = format!("{}: error against run time", circumstances.scene);
+        let mut page = format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{0}</title>\n<style>{STYLE}</style>\n<h1>{0}</h1>\n",
+            escape(&title)
+        );
+        // Inside of a page, SVG needs no name space.
+        let plot = self.plot.unwrap_or("<p>No point is above the error of the reference.</p>");
+        page.push_str(&plot.replace(" xmlns=\"http://www.w3.org/2000/svg\"", ""));
+        page.push_str(&sheet(&table::methods(self.summary)));
+        page.push_str(&sheet(&table::points(self.summary, self.yardstick.reference().is_some())));
+        for note in self.notes {
+            page.push_str(&format!("<p>{}</p>\n", escape(note)));
+        }
+        page.push_str(&self.slider());
+        page.push_str(&self.pictures()?);
+        page.push_str(&self.error_maps()?);
+        page.push_str(&format!("<h2>Measured on</h2>\n<p>{}</p>\n", escape(&circumstances.machine.line())));
+        page.push_str(&format!("<script>{SCRIPT}</script>\n</html>\n"));
+        Ok(page)
+    }
+
+    /// Two pictures over each other, filled by the script.
+    fn slider(&self) -> String {
+        "<h2>Before and after</h2>\n<p><select id=\"before\"></select> left, <select id=\"after\"></select> right of the bar; \
+         drag it</p>\n<div id=\"slider\"><img class=\"before\" alt=\"left\"><img class=\"after\" alt=\"right\">\
+         <div class=\"bar\"></div><input type=\"range\" min=\"0\" max=\"100\" value=\"50\" step=\"0.1\" \
+         aria-label=\"position of the bar\"></div>\n"
+            .to_owned()
+    }
+
+    /// All pictures, and the reference last.
+    fn pictures(&self) -> Result<String, String> {
+        let mut figures = String::new();
+        for measured in &self.study.methods {
+            for picture in measured.pictures.iter().flatten() {
+                let caption = format!("{}, {} spp", measured.name.label, picture.spp);
+                figures.push_str(&figure(&picture.film, &self.development, &caption, "shown")?);
+            }
+        }
+        if let Some(reference) = self.yardstick.reference() {
+            let development = reference.development(&self.development);
+            figures.push_str(&figure(&reference.film, &development, "reference", "shown")?);
+        }
+        Ok(format!(
+            "<h2>Pictures</h2>\n<p>Fewest and most samples, first seed.</p>\n<div class=\"pictures\">\n{figures}</div>\n"
+        ))
+    }
+
+    /// The errors of all methods with the most samples, on one scale.
+    fn error_maps(&self) -> Result<String, String> {
+        let Some(reference) = self.yardstick.reference() else {
+            let text = "<p>The truth is that of the image as a whole: there is no error of a pixel to show.</p>";
+            return Ok(format!("<h2>Errors</h2>\n{text}\n"));
+        };
+        let pictures = self.study.methods.iter().filter_map(|method| Some((method, method.last_picture()?)));
+        let maps = pictures.map(|(method, picture)| {
+            let map = reference.error_map(&picture.film).map_err(|error| error.to_string())?;
+            Ok((format!("{}, {} spp", method.name.label, picture.spp), map))
+        });
+        let maps: Vec<(String, ErrorMap)> = maps.collect::<Result<_, String>>()?;
+        let limit = maps.iter().map(|(_, map)| map.magnitude_quantile(SHOWN_ERRORS)).fold(0.0, f64::max);
+        let mut figures = String::new();
+        for (caption, map) in &maps {
+            let film = heat_map(map, ColourScale::Signed, limit);
+            figures.push_str(&figure(&film, &Development::default(), caption, "error")?);
+        }
+        Ok(format!("<h2>Errors</h2>\n{}<div class=\"pictures\">\n{figures}</div>\n", legend(limit)))
+    }
+}
+
+/// The colours of the scale.
+fn legend(limit: f64) -> String {
+    let stops = (-4..=4).map(|step| {
+        let [r, g, b] = ColourScale::Signed.colour(f64::from(step), 4.0);
+        format!("rgb({r},{g},{b})")
+    });
+    let stops = stops.collect::<Vec<_>>().join(", ");
+    let limit = table::number(limit);
+    format!(
+        "<p>Signed error of the channel that differs most, first seed, on the same scale for all: −{limit} or less \
+         <span class=\"scale\" style=\"background: linear-gradient(to right, {stops})\"></span> {limit} or more</p>\n"
+    )
+}
+
+/// An image with its caption.
+fn figure(film: &Film, development: &Development, caption: &str, class: &str) -> Result<String, String> {
+    let mut png = Vec::new();
+    write_image(film, development, ImageFormat::Png, &mut png).map_err(|error| error.to_string())?;
+    let caption = escape(caption);
+    let data = BASE64_STANDARD.encode(png);
+    Ok(format!(
+        "<figure><img class=\"{class}\" alt=\"{caption}\" src=\"data:image/png;base64,{data}\">\
+         <figcaption>{caption}</figcaption></figure>\n"
+    ))
+}
+
+/// A table.
+fn sheet(sheet: &Sheet) -> String {
+    let row = |cells: &[&str], tag: &str| {
+        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    let text = |cells: &Vec<String>| row(&cells.iter().map(String::as_str).collect::<Vec<_>>(), "td");
+    let rows: String = sheet.rows.iter().map(text).collect();
+    format!("<div class=\"wide\"><table>\n{}{rows}</table></div>\n", row(&sheet.header, "th"))
+}
+
+/// Text as HTML shows it literally.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_escaped() {
+        let sheet = sheet(&Sheet { header: vec!["a<b"], rows: vec![vec!["\"x\" & y".to_owned()]] });
+        assert!(sheet.contains("<th>a&lt;b</th>") && sheet.contains("<td>&quot;x&quot; &amp; y</td>"), "{sheet}");
+    }
+
+    #[test]
+    fn pictures_are_part_of_the_page() {
+        let text = figure(&Film::new(2, 2, false), &Development::default(), "a > b", "shown").expect("a PNG");
+        assert!(text.contains("alt=\"a &gt; b\" src=\"data:image/png;base64,iVBORw0KGgo"), "{text}");
+    }
+}

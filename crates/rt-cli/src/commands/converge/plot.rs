@@ -1,0 +1,167 @@
+//! The plot: log RMSE against log seconds, one line a method, drawn as SVG and as pixels by the same code.
+//!
+//! Text is set in DejaVu Sans, which is compiled in, so that the plot does not depend on the fonts of the system.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::register_font;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use rt_camera::{Encoding, Film};
+
+use super::axis::{Axis, exponent};
+use super::summary::{PointSummary, Summary};
+use super::yardstick::Floor;
+
+/// Width and height in pixels.
+const SIZE: (u32, u32) = (1100, 720);
+
+const FONT: &str = "DejaVu Sans";
+
+/// Eight colours that people tell apart who see colours in different ways (Okabe and Ito 2008), but for yellow, which is hard
+/// to see on white.
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
+];
+
+const GUIDE: RGBColor = RGBColor(150, 150, 150);
+const GUIDE_TEXT: RGBColor = RGBColor(110, 110, 110);
+const FLOOR: RGBColor = RGBColor(180, 0, 0);
+
+/// What is drawn.
+#[derive(Debug)]
+pub(super) struct Plot {
+    title: String,
+    lines: Vec<Line>,
+    /// RMSE of the reference.
+    floor: Option<f64>,
+    seconds: Axis,
+    errors: Axis,
+}
+
+/// A method.
+#[derive(Debug)]
+struct Line {
+    label: String,
+    marks: Vec<Mark>,
+}
+
+/// A method at one number of samples.
+#[derive(Clone, Copy, Debug)]
+struct Mark {
+    seconds: f64,
+    low: f64,
+    mean: f64,
+    high: f64,
+}
+
+impl Plot {
+    /// The plot of all points that are trusted; `None` if there are none.
+    pub(super) fn new(title: String, summary: &Summary, floor: Option<Floor>) -> Option<Self> {
+        let lines = summary.methods.iter().map(|method| {
+            let trusted = method.points.iter().filter(|point| point.is_trusted && point.seconds > 0.0);
+            let mark = |point: &PointSummary| {
+                let interval = point.rmse_interval?;
+                Some(Mark { seconds: point.seconds, low: interval.low, mean: interval.mean, high: interval.high })
+            };
+            Line { label: method.name.label.clone(), marks: trusted.filter_map(mark).collect() }
+        });
+        let lines: Vec<Line> = lines.collect();
+        let marks = || lines.iter().flat_map(|line| &line.marks);
+        let floor = floor.map(|floor| floor.mse.sqrt()).filter(|&floor| floor > 0.0);
+        let seconds = Axis::around(marks().map(|mark| mark.seconds), 1.25)?;
+        // A wild interval is cut off rather than shown in full beside lines that look flat.
+        let ends = |mark: &Mark| [mark.mean, mark.low.max(mark.mean / 10.0), mark.high.min(mark.mean * 10.0)];
+        let errors = Axis::around(marks().flat_map(ends).chain(floor), 1.5)?;
+        Some(Self { title, lines, floor, seconds, errors })
+    }
+
+    /// The plot as an SVG file.
+    pub(super) fn svg(&self) -> Result<String, String> {
+        let mut text = String::new();
+        self.draw(SVGBackend::with_string(&mut text, SIZE).into_drawing_area())?;
+        Ok(text)
+    }
+
+    /// The plot as an image, which the standard development shows.
+    pub(super) fn film(&self) -> Result<Film, String> {
+        let (width, height) = SIZE;
+        let mut bytes = vec![255; width as usize * height as usize * 3];
+        self.draw(BitMapBackend::with_buffer(&mut bytes, SIZE).into_drawing_area())?;
+        let mut film = Film::new(width, height, false);
+        for (value, byte) in film.pixels_mut().as_flattened_mut().iter_mut().zip(bytes) {
+            *value = Encoding::Srgb.decode(byte);
+        }
+        Ok(film)
+    }
+
+    fn draw<B: DrawingBackend>(&self, area: DrawingArea<B, Shift>) -> Result<(), String> {
+        register_font(FONT, FontStyle::Normal, dejavu::sans::regular()).map_err(|_| "the font is damaged")?;
+        self.draw_on(&area).map_err(|error| error.to_string())
+    }
+
+    fn draw_on<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+        area.fill(&WHITE)?;
+        let mut chart = ChartBuilder::on(area)
+            .caption(&self.title, (FONT, 22))
+            .margin(16)
+            .x_label_area_size(52)
+            .y_label_area_size(84)
+            .build_cartesian_2d(self.seconds, self.errors)?;
+        chart
+            .configure_mesh()
+            .x_desc("processor seconds of rendering")
+            .y_desc("RMSE (mean of its logarithm over the seeds, 95 % interval)")
+            .label_style((FONT, 14))
+            .axis_desc_style((FONT, 15))
+            .light_line_style(RGBColor(240, 240, 240))
+            .bold_line_style(RGBColor(215, 215, 215))
+            .draw()?;
+        for (slope, name) in [(-0.5, "slope −1/2"), (-1.0, "slope −1")] {
+            let guide = self.guide(slope);
+            chart.draw_series(DashedLineSeries::new(guide, 6, 5, GUIDE.stroke_width(1)))?;
+            // Below the line, which comes from the upper left.
+            let style = TextStyle::from((FONT, 13)).color(&GUIDE_TEXT).pos(Pos::new(HPos::Right, VPos::Top));
+            chart.draw_series([Text::new(name, guide[1], style)])?;
+        }
+        if let Some(floor) = self.floor {
+            let line = [self.seconds.low, self.seconds.high].map(|seconds| (seconds, exponent(floor)));
+            let line = DashedLineSeries::new(line, 2, 4, FLOOR.stroke_width(2));
+            let legend = |(x, y)| PathElement::new([(x, y), (x + 22, y)], FLOOR.stroke_width(2));
+            chart.draw_series(line)?.label("error of the reference").legend(legend);
+        }
+        for (line, colour) in self.lines.iter().zip(COLOURS.iter().cycle()) {
+            let bar = |mark: &Mark| PathElement::new([(mark.seconds, mark.low), (mark.seconds, mark.high)], *colour);
+            chart.draw_series(line.marks.iter().map(bar))?;
+            chart.draw_series(
+                line.marks.iter().map(|mark| Circle::new((mark.seconds, mark.mean), 4, colour.filled())),
+            )?;
+            let path = line.marks.iter().map(|mark| (mark.seconds, mark.mean));
+            let legend = |(x, y)| PathElement::new([(x, y), (x + 22, y)], colour.stroke_width(3));
+            chart.draw_series(LineSeries::new(path, colour.stroke_width(2)))?.label(&line.label).legend(legend);
+        }
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
+            .background_style(WHITE.mix(0.85))
+            .border_style(GUIDE)
+            .label_font((FONT, 14))
+            .draw()?;
+        area.present()
+    }
+
+    /// Both ends of a line of this slope, from the upper left corner down to a border.
+    fn guide(&self, slope: f64) -> [(f64, f64); 2] {
+        let (left, top) = (self.seconds.low, self.errors.high);
+        let right = (left + (self.errors.low - top) / slope).min(self.seconds.high);
+        [(left, top), (right, top + slope * (right - left))]
+    }
+}

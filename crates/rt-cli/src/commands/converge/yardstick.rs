@@ -1,0 +1,252 @@
+//! What errors are measured against: a closed form, an image, or a reference in two halves.
+
+use std::path::Path;
+
+use rt_camera::metrics::{
+    ErrorMap, Flip, ImagePair, PairError, RELATIVE_EPSILON, bias, mean_squared_error, relative_mean_squared_error,
+    signed_error,
+};
+use rt_camera::{Development, Encoding, Film, ImageFileError, image_format, read_image};
+use rt_scene_io::Truth;
+use serde::Serialize;
+
+use super::statistics::Repetitions;
+use crate::error::Failure;
+use crate::picture_file;
+
+/// What is known of the right picture.
+#[derive(Debug)]
+pub(super) enum Yardstick {
+    /// Its mean radiance, exactly.
+    Truth(Truth),
+    /// All of its pixels, more or less.
+    Image(Reference),
+}
+
+/// An image to measure against.
+#[derive(Debug)]
+pub(super) struct Reference {
+    pub(super) film: Film,
+    /// Where it comes from, for people.
+    pub(super) note: String,
+    /// Its own error; `None` if that is not known.
+    pub(super) floor: Option<Floor>,
+    /// If it holds light of bytes for display, what develops other pictures to such bytes.
+    displayed: Option<Development>,
+}
+
+/// The error of a reference, of which E \[measured\] = error + floor.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct Floor {
+    /// Mean squared error.
+    pub(super) mse: f64,
+    /// Relative mean squared error.
+    pub(super) relative_mse: f64,
+    /// Standard error of the mean radiance.
+    pub(super) mean_error: f64,
+}
+
+/// The errors of one picture, those of the yardstick included.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct Errors {
+    /// Mean squared error over pixels and channels.
+    pub(super) mse: f64,
+    /// Mean of squared errors by (right² + 0.01).
+    pub(super) relative_mse: f64,
+    /// Mean signed error.
+    pub(super) bias: f64,
+}
+
+impl Yardstick {
+    /// The file's image as a reference; nothing is known of its error.
+    pub(super) fn of_file(path: &Path, size: [u32; 2], development: &Development) -> Result<Self, Failure> {
+        let film = read_image(path)?;
+        let found = [film.width(), film.height()];
+        if found != size {
+            let source = PairError::Size { test: size, reference: found };
+            return Err(Failure::Pair { test: "the render".into(), reference: path.to_owned(), source });
+        }
+        if !film.pixels().as_flattened().iter().all(|value| value.is_finite()) {
+            let reason = "a reference cannot have pixels that are NaN or infinite".to_owned();
+            return Err(ImageFileError::Decode { path: path.to_owned(), reason }.into());
+        }
+        let displayed = picture_file::is_developed(image_format(path)?).then_some(*development);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let kind =
+            if displayed.is_some() { ", bytes for display, with which developed pictures are compared" } else { "" };
+        let note = format!("{name}{kind}; its own error is not known, and not subtracted");
+        Ok(Self::Image(Reference { film, note, floor: None, displayed }))
+    }
+
+    /// The mean of two independent halves, whose difference tells its error:
+    /// `MSE((A + B) / 2) ≈ mean((A − B)²) / 4`, the mean squared distance of a half from the mean of both.
+    pub(super) fn of_halves(a: &Film, b: &Film, note: String) -> Result<Self, PairError> {
+        let mut film = Film::new(a.width(), a.height(), false);
+        for ((mean, a), b) in film.pixels_mut().iter_mut().zip(a.pixels()).zip(b.pixels()) {
+            *mean = core::array::from_fn(|channel| 0.5 * (a[channel] + b[channel]));
+        }
+        let halves = ImagePair::new(a, &film)?;
+        let floor = Floor {
+            mse: mean_squared_error(&halves).mean(),
+            relative_mse: relative_mean_squared_error(&halves).mean(),
+            mean_error: bias(&halves).all.standard_error,
+        };
+        Ok(Self::Image(Reference { film, note, floor: Some(floor), displayed: None }))
+    }
+
+    /// The errors of a picture.
+    pub(super) fn measure(&self, film: &Film) -> Result<Errors, PairError> {
+        match self {
+            Self::Truth(truth) => Ok(errors_of_mean(film, truth)),
+            Self::Image(reference) => {
+                let developed = reference.developed(film);
+                let pair = ImagePair::new(developed.as_ref().unwrap_or(film), &reference.film)?;
+                Ok(Errors {
+                    mse: mean_squared_error(&pair).mean(),
+                    relative_mse: relative_mean_squared_error(&pair).mean(),
+                    bias: bias(&pair).all.mean,
+                })
+            }
+        }
+    }
+
+    /// Its own error, where it is known: a closed form has none.
+    pub(super) fn floor(&self) -> Option<Floor> {
+        match self {
+            Self::Truth(_) => None,
+            Self::Image(reference) => reference.floor,
+        }
+    }
+
+    /// The squared error that rounding to `f32` may make: films hold radiance so, and smaller errors mean nothing.
+    pub(super) fn resolution(&self) -> f64 {
+        let rounding = f64::from(f32::EPSILON) / 2.0;
+        let squares: f64 = match self {
+            Self::Truth(truth) => truth.mean.to_array().map(|value| value * value).iter().sum::<f64>() / 3.0,
+            Self::Image(reference) => {
+                let values = reference.film.pixels().as_flattened();
+                values.iter().map(|&value| f64::from(value) * f64::from(value)).sum::<f64>() / values.len() as f64
+            }
+        };
+        squares * rounding * rounding
+    }
+
+    /// How the errors of the seeds are put together.
+    pub(super) const fn repetitions(&self) -> Repetitions {
+        match self {
+            Self::Truth(_) => Repetitions::Together,
+            Self::Image(_) => Repetitions::Each,
+        }
+    }
+
+    /// The image, if it is one.
+    pub(super) fn reference(&self) -> Option<&Reference> {
+        match self {
+            Self::Truth(_) => None,
+            Self::Image(reference) => Some(reference),
+        }
+    }
+}
+
+impl Reference {
+    /// What a viewer sees of the error: the mean of ꟻLIP.
+    pub(super) fn flip(&self, film: &Film, development: &Development) -> Result<f64, PairError> {
+        let developed = self.developed(film);
+        let pair = ImagePair::new(developed.as_ref().unwrap_or(film), &self.film)?;
+        let shown = if self.displayed.is_some() { Development::default() } else { *development };
+        Ok(Flip::default().ldr(&pair, &shown).mean())
+    }
+
+    /// The signed error of each pixel.
+    pub(super) fn error_map(&self, film: &Film) -> Result<ErrorMap, PairError> {
+        let developed = self.developed(film);
+        Ok(signed_error(&ImagePair::new(developed.as_ref().unwrap_or(film), &self.film)?))
+    }
+
+    /// What develops the reference for people to look at.
+    pub(super) fn development(&self, of_pictures: &Development) -> Development {
+        if self.displayed.is_some() { Development::default() } else { *of_pictures }
+    }
+
+    /// The picture as bytes hold it, if the reference is made of such.
+    fn developed(&self, film: &Film) -> Option<Film> {
+        self.displayed.map(|development| development.develop_over_black(film).decode(Encoding::Srgb))
+    }
+}
+
+/// The error of the mean over all pixels.
+fn errors_of_mean(film: &Film, truth: &Truth) -> Errors {
+    let mut sum = [0.0; 3];
+    for pixel in film.pixels() {
+        for (sum, &value) in sum.iter_mut().zip(pixel) {
+            *sum += f64::from(value);
+        }
+    }
+    let count = film.pixels().len() as f64;
+    let truth = truth.mean.to_array();
+    let error: [f64; 3] = core::array::from_fn(|channel| sum[channel] / count - truth[channel]);
+    let mean = |of: fn(f64, f64) -> f64| error.iter().zip(truth).map(|(&e, r)| of(e, r)).sum::<f64>() / 3.0;
+    Errors {
+        mse: mean(|e, _| e * e),
+        relative_mse: mean(|e, r| e * e / (r * r + RELATIVE_EPSILON)),
+        bias: mean(|e, _| e),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rt_math::Rgb;
+    use rt_math::random::{hash, unit};
+
+    use super::*;
+
+    /// A grey picture with uniform noise of a mean squared `amplitude² / 3`.
+    fn noisy(amplitude: f64, seed: u64) -> Film {
+        let mut film = Film::new(100, 100, false);
+        for (index, value) in (0..).zip(film.pixels_mut().as_flattened_mut()) {
+            *value = (0.5 + amplitude * (2.0 * unit(hash(&[seed, index])) - 1.0)) as f32;
+        }
+        film
+    }
+
+    #[test]
+    fn the_halves_of_a_reference_tell_its_error() {
+        let (a, b) = (noisy(0.2, 1), noisy(0.2, 2));
+        let yardstick = Yardstick::of_halves(&a, &b, String::new()).expect("alike");
+        let floor = yardstick.floor().expect("known");
+        let expected = 0.2 * 0.2 / 3.0 / 2.0;
+        assert!((floor.mse / expected - 1.0).abs() < 0.03, "{floor:?}");
+        assert!((floor.relative_mse / (expected / 0.26) - 1.0).abs() < 0.1, "{floor:?}");
+        // What the truth says of the reference is what its halves say.
+        let reference = &yardstick.reference().expect("an image").film;
+        let mut grey = Film::new(100, 100, false);
+        grey.pixels_mut().fill([0.5; 3]);
+        let real = mean_squared_error(&ImagePair::new(reference, &grey).expect("alike")).mean();
+        assert!((floor.mse / real - 1.0).abs() < 0.05, "{} {real}", floor.mse);
+    }
+
+    #[test]
+    fn measured_errors_are_those_of_the_picture_and_the_floor() {
+        let yardstick = Yardstick::of_halves(&noisy(0.2, 1), &noisy(0.2, 2), String::new()).expect("alike");
+        let errors = yardstick.measure(&noisy(0.3, 3)).expect("alike");
+        let subtracted = errors.mse - yardstick.floor().expect("known").mse;
+        assert!((subtracted / (0.3 * 0.3 / 3.0) - 1.0).abs() < 0.03, "{subtracted}");
+        let error = yardstick.floor().expect("known").mean_error;
+        assert!(errors.bias.abs() < 4.0 * (error + 0.3 / 300.0), "{errors:?} {error}");
+    }
+
+    #[test]
+    fn a_truth_is_of_the_mean_over_the_image() {
+        let mut film = Film::new(2, 1, false);
+        film.pixels_mut().copy_from_slice(&[[1.0, 0.0, 0.0], [3.0, 0.0, 0.5]]);
+        let truth = Truth { mean: Rgb::new(1.5, 0.0, 0.0), note: String::new() };
+        let errors = Yardstick::Truth(truth).measure(&film).expect("any");
+        let expected = Errors {
+            mse: (0.25 + 0.0625) / 3.0,
+            relative_mse: (0.25 / 2.26 + 0.0625 / 0.01) / 3.0,
+            bias: (0.5 + 0.25) / 3.0,
+        };
+        assert!((errors.relative_mse - expected.relative_mse).abs() < 1e-15, "{errors:?}");
+        assert_eq!((errors.mse, errors.bias), (expected.mse, expected.bias));
+    }
+}

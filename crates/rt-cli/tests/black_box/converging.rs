@@ -1,0 +1,242 @@
+//! Error against run time.
+
+use std::fmt::Write;
+
+use rt_camera::Film;
+use serde_json::Value;
+
+use crate::program::{Run, Workplace};
+
+/// An edge, and an area that fades: half of the pixels have noise.
+const SCENE: &str = r#"(
+    camera: (look_from: (0, 0, 6), look_at: (0, 0, 0), fov: 30),
+    film: (size: (16, 12)),
+    background: constant(gray(0.1)),
+    lights: [point(position: (-4, 6, 5), intensity: gray(0.8))],
+    materials: { "red": phong(color: rgb(0.9, 0.3, 0.1)) },
+    nodes: [
+        (shape: sphere(), material: "red"),
+        (transform: [rotate_z(20)], shape: box(min: (0.5, -2, -1), max: (2, 2, -0.5)), material: "red"),
+    ],
+)"#;
+
+/// The lower half of the picture is white: its mean is 1/2, but no pixel is.
+const HALF: &str = r#"(
+    camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), orthographic: 2),
+    film: (size: (5, 5)),
+    truth: (mean: gray(0.5), note: "half of the image is white"),
+    lights: [ambient(gray(1))],
+    background: constant(gray(0)),
+    materials: { "white": phong(ambient: gray(1), diffuse: gray(0)) },
+    nodes: [(shape: box(min: (-9, -9, -1), max: (9, 0, 0)), material: "white")],
+)"#;
+
+fn place() -> Workplace {
+    let place = Workplace::new();
+    place.write("edge.ron", SCENE);
+    place
+}
+
+/// The JSON file of a run that succeeds.
+fn json(place: &Workplace, arguments: &str) -> Value {
+    place.succeed(&format!("converge {arguments} -o out"));
+    serde_json::from_slice(&place.read("out/converge.json")).expect("JSON")
+}
+
+#[test]
+fn slopes_are_those_of_the_samplers() {
+    let place = place();
+    let report = json(&place, "edge.ron --vary sampler=random,jittered,sobol --spp 16,64,256 --quiet");
+    let slopes = report["methods"].as_array().expect("a list").iter().map(|method| {
+        let interval = &method["slope_of_samples"];
+        ["low", "mean", "high"].map(|end| interval[end].as_f64().expect("a number"))
+    });
+    let slopes: Vec<[f64; 3]> = slopes.collect();
+    // Edges: −1/2, −3/4, −3/4 (Mitchell 1996); smooth parts of the picture make the last two steeper.
+    assert!((slopes[0][1] + 0.5).abs() < 0.05, "{slopes:?}");
+    assert!((-1.1..-0.65).contains(&slopes[1][1]) && (-1.2..-0.65).contains(&slopes[2][1]), "{slopes:?}");
+    assert!(slopes[1][2] < slopes[0][0] && slopes[2][2] < slopes[0][0], "{slopes:?}");
+    let rmse = |method: usize| report["methods"][method]["points"][2]["rmse"].as_f64().expect("a number");
+    assert!(rmse(2) < rmse(1) && rmse(1) < 0.5 * rmse(0), "{} {} {}", rmse(0), rmse(1), rmse(2));
+    for method in 0..3 {
+        for point in report["methods"][method]["points"].as_array().expect("a list") {
+            let [bias, error] = ["bias", "bias_standard_error"].map(|name| point[name].as_f64().expect("a number"));
+            assert!(bias.abs() < 6.0 * error, "{point}");
+            assert_eq!(point["runs"].as_array().map(Vec::len), Some(8));
+        }
+    }
+    assert_eq!(report["against"], "split");
+    assert!(report["measured_against"].as_str().is_some_and(|text| text.contains("by whitted and halton")), "{report}");
+}
+
+#[test]
+fn the_page_needs_nothing_else_and_all_files_are_there() {
+    let place = place();
+    let run = place.succeed("converge edge.ron --vary sampler=random,sobol --spp 1..4 --seeds 2");
+    assert!(run.stdout.ends_with("wrote edge-converge\n"), "{run:?}");
+    let files =
+        ["csv", "json", "svg", "png", "html"].map(|ending| place.read(&format!("edge-converge/converge.{ending}")));
+    let page = std::str::from_utf8(&files[4]).expect("text");
+    assert!(!page.contains("http") && !page.contains("url(") && !page.contains("<link") && !page.contains("@import"));
+    // Two pictures of each method, the reference, and the errors of both methods on one scale.
+    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 2 * 2 + 1 + 2);
+    assert_eq!((page.matches("class=\"shown\"").count(), page.matches("class=\"scale\"").count()), (5, 1));
+    for part in ["<svg", "id=\"slider\"", "type=\"range\"", "random, 4 spp", "sobol, 1 spp", "slope −1/2"] {
+        assert!(page.contains(part), "{part}");
+    }
+    let csv = std::str::from_utf8(&files[0]).expect("text");
+    assert_eq!(csv.lines().count(), 1 + 6, "{csv}");
+    let plot = place.film("edge-converge/converge.png");
+    let is_drawn = |wanted: [f32; 3]| plot.pixels().contains(&wanted);
+    let colour = |bytes: [u8; 3]| bytes.map(|byte| rt_camera::Encoding::Srgb.decode(byte));
+    assert!(is_drawn(colour([0, 114, 178])) && is_drawn(colour([213, 94, 0])) && is_drawn(colour([180, 0, 0])));
+    let folder = place.path("").display().to_string();
+    for file in [page, csv, std::str::from_utf8(&files[1]).expect("text")] {
+        assert!(!file.contains(&folder), "no absolute paths");
+    }
+}
+
+#[test]
+fn a_truth_is_measured_against() {
+    let place = Workplace::new();
+    place.write("half.ron", HALF);
+    let report = json(&place, "half.ron --vary sampler=random,sobol --spp 4,64 --seeds 16 --quiet");
+    assert_eq!((&report["against"], &report["floor"]), (&Value::from("truth"), &Value::Null));
+    for method in report["methods"].as_array().expect("a list") {
+        let points = method["points"].as_array().expect("a list");
+        let rmse = |index: usize| points[index]["rmse"].as_f64().expect("a number");
+        // Five pixels of 25 have an edge in their middle: σ = √(5/4) / 25 / √N if samples are random.
+        if method["sampler"] == "random" {
+            let expected = 1.25f64.sqrt() / 25.0 / 2.0;
+            assert!((rmse(0) / expected - 1.0).abs() < 0.5 && (rmse(1) / expected * 4.0 - 1.0).abs() < 0.5, "{method}");
+        }
+        assert!(points.iter().all(|point| point["flip"].is_null()), "{method}");
+    }
+    // Another view is not that of the truth.
+    let report = json(&place, "half.ron --spp 1 --seeds 2 --crop 0,0,2,2 --quiet");
+    assert_eq!(report["against"], "split");
+    let report = json(&place, "half.ron --spp 1 --seeds 2 --against split --quiet");
+    assert_eq!(report["against"], "split");
+}
+
+#[test]
+fn a_reference_is_measured_against() {
+    let place = place();
+    place.succeed("render edge.ron --spp 1024 --sampler halton --seed 77 -o right.exr");
+    place.succeed("render edge.ron --spp 1024 --sampler halton --seed 77 -o right.png");
+    let rmse = |report: &Value, point: usize| report["methods"][0]["points"][point]["rmse"].as_f64().expect("a number");
+    let split = json(&place, "edge.ron --spp 4,16 --quiet");
+    let image = json(&place, "edge.ron --spp 4,16 --reference right.exr --quiet");
+    assert_eq!((&image["against"], &image["floor"]), (&Value::from("reference"), &Value::Null));
+    for point in 0..2 {
+        assert!((rmse(&image, point) / rmse(&split, point) - 1.0).abs() < 0.02, "{image} {split}");
+    }
+    assert!(image["measured_against"].as_str().is_some_and(|text| text.starts_with("right.exr; its own error")));
+    // Bytes are compared with bytes: the picture equals itself.
+    let same = "edge.ron --spp 1024 --seeds 2 --seed 77 --vary sampler=halton --reference right.png --quiet";
+    let bytes = json(&place, same);
+    let first = &bytes["methods"][0]["points"][0]["runs"][0];
+    assert_eq!((&first["mse"], &bytes["methods"][0]["points"][0]["flip"]), (&Value::from(0.0), &Value::from(0.0)));
+}
+
+#[test]
+fn numbers_are_the_same_in_every_run_but_for_times() {
+    let place = place();
+    let errors = |arguments: &str| {
+        let report = json(&place, &format!("edge.ron --vary accel=bvh,linear --spp 1,4 --seeds 2 --quiet {arguments}"));
+        let points = report["methods"].as_array().expect("a list").iter().map(|method| {
+            let points = method["points"].as_array().expect("a list").iter();
+            points
+                .map(|point| [point["rmse"].clone(), point["bias"].clone(), point["flip"].clone()])
+                .collect::<Vec<_>>()
+        });
+        points.collect::<Vec<_>>()
+    };
+    let one = errors("--threads 1");
+    assert_eq!(one, errors("--threads 3"));
+    assert_eq!(one[0], one[1], "any structure gives the same picture");
+    assert_ne!(one, errors("--seed 9"));
+}
+
+#[test]
+fn the_time_ends_between_renders_and_says_what_is_left_out() {
+    let place = place();
+    let started = std::time::Instant::now();
+    let run = place.succeed("converge edge.ron --spp 1..1073741824 --seeds 2 --time 3s -o out");
+    assert!(started.elapsed().as_secs_f64() < 30.0, "{run:?}");
+    assert!(
+        run.stdout.contains("the time did not suffice for ") && run.stdout.contains("1073741824 samples"),
+        "{run:?}"
+    );
+    let report: Value = serde_json::from_slice(&place.read("out/converge.json")).expect("JSON");
+    let points = report["methods"][0]["points"].as_array().expect("a list").len();
+    let left_out = report["left_out"].as_array().expect("a list").len();
+    assert!(points > 0 && points + left_out == 31, "{points} {left_out}");
+}
+
+/// The report with everything replaced that depends on the machine: times, and what follows from them.
+fn without_times(run: &Run) -> String {
+    let mut text = String::new();
+    for line in run.stdout.lines().filter(|line| !line.contains("rustc")) {
+        let mut words: Vec<&str> = line.split_whitespace().collect();
+        let count = words.len();
+        if line.contains('±') {
+            // After method, depth and samples per pixel.
+            (words[4], words[count - 1]) = ("SECONDS", "EFFICIENCY");
+        } else if line.contains(" .. ") {
+            words.splice(count - 5.., ["SLOPE", "BY", "SECONDS"]);
+        }
+        writeln!(text, "{}", words.join(" ")).expect("memory");
+    }
+    text
+}
+
+#[test]
+fn the_tables_are_for_people() {
+    let run =
+        place().succeed("converge edge.ron --vary sampler=random,sobol --vary depth=0,1 --spp 1,4,16 --threads 2");
+    insta::assert_snapshot!("tables", without_times(&run));
+}
+
+#[test]
+fn what_cannot_be_measured_is_refused_before_anything_is_rendered() {
+    let place = place();
+    place.write("broken.ron", "(nodes: [(shape: sphere(radius: -1))])");
+    place.write("text.exr", "hello");
+    place.write("file", "older");
+    let mut bytes = Vec::new();
+    let small = Film::new(4, 4, false);
+    rt_camera::write_image(&small, &rt_camera::Development::default(), rt_camera::ImageFormat::Exr, &mut bytes)
+        .expect("EXR");
+    place.write("small.exr", bytes);
+    let before = place.files();
+    let mut said = String::new();
+    for (code, arguments) in [
+        (2, "edge.ron --vary sampelr=random"),
+        (2, "edge.ron --vary sampler=random,jitered"),
+        (2, "edge.ron --vary size=4x4,8x8"),
+        (2, "edge.ron --vary sampler=random --vary sampler=sobol"),
+        (2, "edge.ron --vary sampler=random --sampler sobol"),
+        (2, "edge.ron --spp 8..4"),
+        (2, "edge.ron --seeds 1"),
+        (2, "edge.ron --against truth"),
+        (2, "edge.ron --against reference"),
+        (2, "edge.ron --error-goal 0"),
+        (2, "edge.ron --time soon"),
+        (2, "edge.ron --crop 10,10,10,10"),
+        (3, "missing.ron"),
+        (3, "broken.ron"),
+        (3, "edge.ron --reference missing.exr"),
+        (3, "edge.ron --reference text.exr"),
+        (3, "edge.ron --reference small.exr"),
+        (4, "edge.ron -o file"),
+        (4, "edge.ron -o missing/out"),
+    ] {
+        let run = place.run(&format!("converge {arguments}"));
+        assert_eq!((run.code, run.stdout.as_str()), (Some(code), ""), "{arguments}: {run:?}");
+        let message = run.stderr.split("\n\n").next().unwrap_or_default();
+        writeln!(said, "# {arguments}\n{code}: {}\n", message.trim_end()).expect("memory");
+    }
+    assert_eq!(place.files(), before);
+    insta::assert_snapshot!("refused", said);
+}
