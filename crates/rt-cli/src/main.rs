@@ -12,6 +12,7 @@
 //! rt-cli explain scene.ron                what a render uses, what it leaves out, and why
 //! rt-cli check scene.ron                  what may lose digits, and what is probably not meant
 //! rt-cli compare a.exr b.exr              how much two pictures differ
+//! rt-cli converge scene.ron --vary ...    which method reaches an error first
 //! rt-cli --help                           what else there is
 //! ```
 //!

@@ -186,7 +186,9 @@ relMSE is the mean of (A - B)^2 / (B^2 + 0.01). Bias is the mean of A - B with i
 the error of the reference. FLIP is that of the first seed. Seconds are processor time of all threads for rendering, the median \
 over seeds; building is apart. Efficiency is 1 / (MSE seconds): twice as much is half of the time to the same error, for methods \
 whose squared error falls as 1/N. Slopes are those of log RMSE against log N (samples per pixel) and log seconds, fitted for each \
-seed; their 95 % intervals are by Student's t over the seeds, and so are those of the plot, which shows the mean of log MSE.";
+seed; their 95 % intervals are by Student's t over the seeds, and so are those of the plot, which shows the mean of log MSE. With a \
+truth, whose error is a single number and may be zero, logarithms are taken of the mean over seeds, and the spread is that of leaving \
+out one seed after the other.";
 
 #[cfg(test)]
 mod tests {

@@ -8,7 +8,7 @@ use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches, Parser};
 use super::PictureArgs;
 
 /// How much to render is not for the user of such a command to say.
-const DECIDED: [&str; 4] = ["spp", "time", "target-error", "passes"];
+const DECIDED: [&str; 3] = ["spp", "time", "target-error"];
 
 /// What is seen, and with it the picture that is approached, stays the same.
 const SEEN: [&str; 9] = ["size", "crop", "camera", "look-from", "look-at", "up", "fov", "background", "seed"];

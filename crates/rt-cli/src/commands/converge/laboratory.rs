@@ -93,7 +93,12 @@ impl<'a> Laboratory<'a> {
         let progress = &mut self.progress;
         let started = ProcessTime::now();
         let rendering = plan.render(&run, |so_far| {
-            progress.update(Progress { samples: samples + so_far.samples, total_samples, rays: rays + so_far.rays });
+            progress.update(Progress {
+                samples: samples + so_far.samples,
+                total_samples,
+                rays: rays + so_far.rays,
+                ..so_far
+            });
         });
         let cpu_seconds = started.elapsed().as_secs_f64();
         let rendering = rendering.map_err(failed)?;

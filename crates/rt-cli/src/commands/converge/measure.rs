@@ -108,10 +108,6 @@ pub(super) fn run(
         let mut films: Vec<Option<Film>> = vec![None; methods.len()];
         'wave: for number in 0..extent.seeds {
             for (index, method) in methods.iter_mut().enumerate() {
-                let is_new = study.methods[index].points.last().is_none_or(|point| point.spp != taken(method, spp));
-                if !is_new {
-                    continue;
-                }
                 is_complete &= wave == 0 || laboratory.clock.has(predicted(method, costs[index], spp));
                 if !is_complete {
                     break 'wave;
@@ -148,15 +144,10 @@ fn predicted(method: &Method, cost: Option<Cost>, spp: u32) -> f64 {
     cost.map_or(0.0, |cost| cost.fixed + cost.per_sample * method.samples(spp) as f64)
 }
 
-/// Samples per pixel that the sampler takes.
-fn taken(method: &Method, spp: u32) -> u32 {
-    method.scene.settings.pattern.round_up(spp)
-}
-
 impl Measured {
-    /// Adds a point, unless the sampler took as many samples as before.
+    /// Adds a point, unless the sampler rounded up to as many samples as before.
     fn add(&mut self, point: Point, film: Option<Film>) {
-        let Some(film) = film else { return };
+        let Some(film) = film.filter(|_| self.points.last().is_none_or(|last| last.spp != point.spp)) else { return };
         let place = usize::from(self.pictures[0].is_some());
         self.pictures[place] = Some(Picture { spp: point.spp, film });
         self.points.push(point);

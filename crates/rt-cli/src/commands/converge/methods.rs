@@ -66,6 +66,8 @@ impl Method {
         overrides::apply_development(&args.development, &mut scene.film);
         let settings = &mut scene.settings;
         settings.spp = args.spp.0[0];
+        // The seeds tell the spread, so that there is no need of passes that cost some of what the pattern gains.
+        settings.passes.get_or_insert(1);
         let [integrator, sampler] = [settings.integrator.name(), settings.pattern.name()];
         let choices: Vec<_> = choices.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
         let label = if choices.is_empty() { format!("{integrator}, {sampler}") } else { label(&choices) };
@@ -89,7 +91,7 @@ impl Method {
         self.options.crop.map_or([film.width, film.height], |crop| [crop.width, crop.height])
     }
 
-    /// Samples of a picture with `spp` samples per pixel, which the sampler may round up.
+    /// Samples of a picture with `spp` samples per pixel, about: the plan may round them up further.
     pub(super) fn samples(&self, spp: u32) -> u64 {
         let [width, height] = self.size();
         u64::from(width) * u64::from(height) * u64::from(self.scene.settings.pattern.round_up(spp))
