@@ -77,10 +77,11 @@ fn batches_through_small_trees_equal_single_queries() {
     let seed = Draw::run_seed();
     println!("batches: seed {seed}");
     type Kind = (&'static str, fn(&mut Draw) -> Soup);
-    let kinds: [Kind; 5] = [
+    let kinds: [Kind; 6] = [
         ("facets", Soup::facets),
         ("triangles", Soup::triangles),
         ("spheres", |draw| Soup::spheres(300, draw)),
+        ("marbles", Soup::marbles),
         ("mixed", Soup::mixed),
         ("one", |draw| Soup::spheres(1, draw)),
     ];

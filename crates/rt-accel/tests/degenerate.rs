@@ -6,7 +6,8 @@ mod soup;
 
 use rt_accel::{
     Aabb, Accelerator, AnyStructure, Bih, BspTree, BuildError, CylinderTree, DVec3, Hit, Interval, KdTree, LazyBih,
-    Linear, NoProbe, Primitives, Ray, SphereTree, Structure, StructureKind, UniformGrid, Violation, brute_force,
+    Linear, NoProbe, Primitives, Ray, SphereTree, Structure, StructureKind, UniformGrid, Violation, WideBvh,
+    brute_force, wide::SimdLevel,
 };
 use soup::draw::Draw;
 use soup::structures::{Structures, tests_per_ray};
@@ -462,5 +463,25 @@ fn no_leaf_of_any_tree_is_too_deep_or_too_full() {
         for (stats, most) in [(spheres, 8), (cylinders, 8), (bih, 4)] {
             assert!(stats.max_depth <= 60 && stats.leaves >= soup.len() / most, "{stats:?}");
         }
+    }
+}
+
+/// Seen in single precision the ray goes through the centre, though it passes a hundred radii beside it.
+#[test]
+fn a_ray_through_the_rounded_centre_of_a_tiny_sphere_misses_it() {
+    let sphere = |centre: [f64; 3], radius: f64| Solid::Sphere { centre: centre.into(), radius };
+    let soup = Soup(vec![
+        sphere([-2.0, 0.0, 0.0], 0.25),
+        sphere([2.0, 0.0, 0.0], 0.25),
+        sphere([0.0, 0.0, -1.0], 0.1),
+        sphere([0.5, 0.0, 1.0], 0.1),
+        sphere([0.5 + 1e-10, 0.0, 0.0], 1e-12),
+    ]);
+    let ray = Ray::new(DVec3::new(0.5, 0.0, -3.0), DVec3::Z);
+    for level in SimdLevel::ALL.iter().copied().filter(|level| level.is_available()) {
+        let wide = WideBvh::build(&soup).unwrap().with_level(level);
+        let hit = wide.closest(&soup, &ray, FORWARD, &mut NoProbe).map(|hit| hit.primitive);
+        assert_eq!(hit, Some(3), "{level:?}");
+        assert!(!wide.occluded(&soup, &ray, Interval::new(0.0, 3.5), &mut NoProbe), "{level:?}");
     }
 }

@@ -130,10 +130,11 @@ fn wide_equals_brute_force_with_all_leaves_and_instructions() {
     let seed = Draw::run_seed();
     println!("wide: seed {seed}");
     type Kind = (&'static str, fn(&mut Draw) -> Soup);
-    let kinds: [Kind; 4] = [
+    let kinds: [Kind; 5] = [
         ("facets", Soup::facets),
         ("triangles", Soup::triangles),
         ("spheres", |draw| Soup::spheres(300, draw)),
+        ("marbles", Soup::marbles),
         ("mixed", Soup::mixed),
     ];
     let n_levels = SimdLevel::ALL.iter().filter(|level| level.is_available()).count();

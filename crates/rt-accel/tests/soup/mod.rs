@@ -47,6 +47,22 @@ impl Soup {
         )
     }
 
+    /// Spheres on a floor of two triangles, with some of everything in between.
+    pub(crate) fn marbles(draw: &mut Draw) -> Self {
+        let mut solids = Self::spheres(300, draw).0;
+        solids.extend(sheet(1, |x, z| DVec3::new(x, -0.9, z)));
+        for _ in 0..25 {
+            let corner = draw.point();
+            solids.push(Solid::Box(Aabb::new(corner, corner + draw.point().abs() * 0.3)));
+            let corner = draw.point();
+            solids.push(Solid::Sloppy(Aabb::new(corner, corner + draw.point().abs() * 0.2)));
+            let corner = draw.point();
+            solids.push(Solid::Ghost(Aabb::new(corner, corner + draw.point().abs() * 0.1)));
+        }
+        solids.extend_from_within(280..320);
+        Self(solids)
+    }
+
     /// Long thin triangles, each nearly along one of the axes.
     pub(crate) fn sticks(count: u64, draw: &mut Draw) -> Self {
         let stick = |_| {

@@ -47,7 +47,7 @@ pub(super) enum LeafKind {
     Watertight,
     /// The vertices of triangles relative to the centre of the tree, rounded.
     Triangles,
-    /// Centres relative to that of the tree, and radii, rounded.
+    /// Centres relative to that of the tree, and radii, rounded: of spheres, and of balls around what else there is.
     Spheres,
     /// Boxes relative to the centre of the tree, rounded outward.
     Boxes,
@@ -57,29 +57,40 @@ pub(super) enum LeafKind {
 /// a filter sees better what is relative to the centre.
 const NEAR: f64 = 64.0;
 
-/// What all of some primitives are.
+/// Of how many spheres one primitive may be something else, for which leaves of spheres still suit.
+const SPHERES_TO_ONE: u64 = 3;
+
+/// What some primitives are.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layouts {
-    spheres: bool,
+    n_spheres: u64,
+    n_others: u64,
+    /// All of them.
     watertight: bool,
     triangles: bool,
 }
 
 impl Layouts {
     /// Of no primitives at all.
-    pub(super) const ALL: Self = Self { spheres: true, watertight: true, triangles: true };
+    pub(super) const ALL: Self = Self { n_spheres: 0, n_others: 0, watertight: true, triangles: true };
 
     #[inline(always)]
     pub(super) const fn of(layout: &LeafLayout) -> Self {
-        let (spheres, watertight) =
-            (matches!(layout, LeafLayout::Sphere(..)), matches!(layout, LeafLayout::Watertight(_)));
-        Self { spheres, watertight, triangles: watertight || matches!(layout, LeafLayout::Triangle(_)) }
+        let watertight = matches!(layout, LeafLayout::Watertight(_));
+        let n_spheres = matches!(layout, LeafLayout::Sphere(..)) as u64;
+        Self {
+            n_spheres,
+            n_others: 1 - n_spheres,
+            watertight,
+            triangles: watertight || matches!(layout, LeafLayout::Triangle(_)),
+        }
     }
 
     #[inline(always)]
     pub(super) const fn and(self, other: Self) -> Self {
         Self {
-            spheres: self.spheres & other.spheres,
+            n_spheres: self.n_spheres + other.n_spheres,
+            n_others: self.n_others + other.n_others,
             watertight: self.watertight & other.watertight,
             triangles: self.triangles & other.triangles,
         }
@@ -87,9 +98,9 @@ impl Layouts {
 }
 
 impl LeafKind {
-    /// The most particular kind that suits all primitives.
+    /// The most particular kind that suits all primitives, or most of them if those are spheres.
     pub(super) fn of(layouts: Layouts, centre: DVec3, size: f64) -> Self {
-        if layouts.spheres {
+        if layouts.n_others * SPHERES_TO_ONE <= layouts.n_spheres {
             Self::Spheres
         } else if layouts.watertight && centre.abs().max_element() <= NEAR * size {
             Self::Watertight
@@ -416,8 +427,20 @@ pub(super) trait Filter: Copy {
     /// The index of a primitive.
     fn index(leaf: LeafView<'_>, lane: usize) -> u32;
 
-    /// Decides where a primitive is hit within the span. What would rule it out need not be looked at where the hit is
-    /// `CERTAIN`.
+    /// Decides where a primitive is hit within the span, where leaves hold all that it takes. What would rule it out need
+    /// not be looked at where the hit is `CERTAIN`.
+    #[inline(always)]
+    fn copied_hit<S: Simd, const CERTAIN: bool>(
+        _: S,
+        _: LeafView<'_>,
+        _: usize,
+        _: &ExactRay<'_, S>,
+        _: Interval,
+    ) -> Option<Hit> {
+        None
+    }
+
+    /// Decides where a primitive is hit within the span, as [`copied_hit`](Self::copied_hit) does or by asking for it.
     #[inline(always)]
     fn hit<S: Simd, const CERTAIN: bool>(
         simd: S,
@@ -427,7 +450,11 @@ pub(super) trait Filter: Copy {
         span: Interval,
         judge: &mut dyn Judge,
     ) -> Option<Hit> {
-        judge.closest(Self::index(leaf, lane), &ray.slab_ray(simd), span)
+        if Self::DECIDES {
+            Self::copied_hit::<S, CERTAIN>(simd, leaf, lane, ray, span)
+        } else {
+            judge.closest(Self::index(leaf, lane), &ray.slab_ray(simd), span)
+        }
     }
 
     /// Decides if a primitive blocks the ray within the span.
@@ -440,6 +467,10 @@ pub(super) trait Filter: Copy {
         span: Interval,
         judge: &mut dyn Judge,
     ) -> bool {
-        judge.occluded(Self::index(leaf, lane), &ray.slab_ray(simd), span)
+        if Self::DECIDES {
+            Self::copied_hit::<S, false>(simd, leaf, lane, ray, span).is_some()
+        } else {
+            judge.occluded(Self::index(leaf, lane), &ray.slab_ray(simd), span)
+        }
     }
 }

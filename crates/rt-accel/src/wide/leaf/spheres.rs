@@ -8,9 +8,12 @@
 //! centre is computed to within `δ = 64v·X`, which also covers the rounding of the radius `r` (which is part of the
 //! greatest coordinate). A ray hits if `l < r − δ` and misses if `l > r + δ`. Where it hits, `r² − l²` is off by at most
 //! `4(r + δ)·δ`, the projection by `24v·X`, and the `t` of the first root follows.
+//!
+//! What is no sphere lies in a ball around its own box. It is missed where the ball is, and where the ball is missed in
+//! the span; of nothing else can be said that it is hit.
 
 use glam::DVec3;
-use rt_math::{Interval, LeafLayout, Primitives};
+use rt_math::{Interval, LeafLayout, Primitives, own_box};
 
 use super::{Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
 use crate::wide::WideBvh;
@@ -32,15 +35,21 @@ pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices
     for (lane, &index) in indices.iter().enumerate() {
         let (position, radius) = match primitives.leaf_layout(index) {
             LeafLayout::Sphere(position, radius) => (position - centre, radius),
-            _ => (DVec3::NAN, f64::NAN),
+            _ => ball_around(primitives, index, centre),
         };
-        greatest = greatest.max(position.abs().max_element() + radius);
+        greatest = greatest.max(position.abs().max_element() + radius.abs());
         for axis in 0..3 {
             block.set(axis, lane, position[axis] as f32);
         }
         block.set(3, lane, radius as f32);
     }
     block.set_header(0, at_least(greatest));
+}
+
+/// Centre and radius of a ball around the own box of what is no sphere. The sign of the radius tells: it is negative.
+fn ball_around<P: Primitives>(primitives: &P, index: u32, centre: DVec3) -> (DVec3, f64) {
+    own_box(primitives, index)
+        .map_or((DVec3::NAN, f64::NAN), |own| (own.centre() - centre, -0.5 * own.extent().length()))
 }
 
 /// Distance of the ray from centres, with three answers.
@@ -69,6 +78,7 @@ fn root<S: Simd>(simd: S, x: S::Lanes) -> S::Lanes {
 /// Spheres of one leaf, side by side.
 struct SphereLanes<S: Simd> {
     centre: [S::Lanes; 3],
+    /// Negative for balls around what is no sphere.
     radius: S::Lanes,
     greatest: f32,
 }
@@ -91,7 +101,7 @@ impl<S: Simd> RayLanes<S> {
             simd.sub(spheres.centre[1], self.origin[1]),
             simd.sub(spheres.centre[2], self.origin[2]),
         ];
-        let radius = spheres.radius;
+        let radius = simd.abs(spheres.radius);
         let along = dot(simd, to_centre, self.direction);
         let across = [
             simd.neg_mul_add(along, self.direction[0], to_centre[0]),
@@ -105,8 +115,8 @@ impl<S: Simd> RayLanes<S> {
             return Verdict { maybe, sure: 0, near: along, far: along };
         }
 
-        let inner = simd.max(simd.sub(radius, margin), simd.splat(0.0));
-        let inside = simd.le(distance_squared, simd.mul(inner, simd.sub(inner, margin)));
+        let inner = simd.sub(spheres.radius, margin);
+        let inside = simd.le(distance_squared, simd.mul(inner, simd.sub(inner, margin))) & simd.le(margin, inner);
         let half_chord_squared = simd.mul_sub(radius, radius, distance_squared);
         let slack = simd.mul(outer, simd.mul(simd.splat(4.25), margin));
         let longest = simd.add(root(simd, simd.add(half_chord_squared, slack)), margin);

@@ -23,7 +23,6 @@ use super::{Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
 use crate::wide::WideBvh;
 use crate::wide::across::{Across, SpanLanes, relative as relative_to};
 use crate::wide::copy::Copied;
-use crate::wide::goal::Judge;
 use crate::wide::ray::{FilterRay, at_least, at_most, greatest};
 use crate::wide::simd::Simd;
 
@@ -280,36 +279,13 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
     }
 
     #[inline(always)]
-    fn hit<S: Simd, const CERTAIN: bool>(
+    fn copied_hit<S: Simd, const CERTAIN: bool>(
         simd: S,
         leaf: LeafView<'_>,
         lane: usize,
         ray: &ExactRay<'_, S>,
         span: Interval,
-        judge: &mut dyn Judge,
     ) -> Option<Hit> {
-        let index = Self::index(leaf, lane);
-        if COPIES {
-            Copied { leaf, lane, index }.hit::<S, CERTAIN>(simd, ray, span)
-        } else {
-            judge.closest(index, &ray.slab_ray(simd), span)
-        }
-    }
-
-    #[inline(always)]
-    fn blocks<S: Simd>(
-        simd: S,
-        leaf: LeafView<'_>,
-        lane: usize,
-        ray: &ExactRay<'_, S>,
-        span: Interval,
-        judge: &mut dyn Judge,
-    ) -> bool {
-        let index = Self::index(leaf, lane);
-        if COPIES {
-            Copied { leaf, lane, index }.hit::<S, false>(simd, ray, span).is_some()
-        } else {
-            judge.occluded(index, &ray.slab_ray(simd), span)
-        }
+        Copied { leaf, lane, index: Self::index(leaf, lane) }.hit::<S, CERTAIN>(simd, ray, span)
     }
 }
