@@ -16,7 +16,8 @@
 //! **Walk**: sort what is entered, go to the nearest and put the others off. Leaves hold copies of plain numbers,
 //! [`LeafLayout`](crate::LeafLayout): eight triangles, spheres or boxes are tested at a time as well. The answer is one of
 //! three: missed for certain, hit for certain, or in doubt. What is hit for certain ends the search for shadows at once,
-//! and otherwise bounds where the first hit can be; the rest is decided in `f64`, about once for a ray.
+//! and otherwise bounds where the first hit can be; the rest is decided in `f64`, about once for a ray. Where at most a quarter
+//! of all primitives are something else, leaves are of spheres, with balls around the others.
 //!
 //! **Batches**: `closest_batch` sends eight rays as a packet where they pass boxes through the same sides and are steepest on
 //! the same axis: each box, and each triangle or sphere, is then tested with all eight. Where three or fewer are left, each goes
