@@ -32,8 +32,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         film: FilmSettings { width: 480, height: 320, ..FilmSettings::default() },
         appearance: Appearance {
             materials: vec![
-                Material { name: "clay".into(), phong: clay },
-                Material { name: "chrome".into(), phong: chrome },
+                Material::new("clay".into(), clay),
+                Material::new("chrome".into(), chrome),
             ],
             lights: vec![Light { name: "lamp".into(), kind: lamp, intensity: Rgb::WHITE, casts_shadows: true }],
             ambient: Rgb::WHITE,

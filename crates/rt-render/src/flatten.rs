@@ -234,7 +234,7 @@ impl<'s> Flattener<'s> {
     /// Whether anything looks at the texture coordinates of what stands at the node.
     fn shows_uv(&self, node: &Node) -> bool {
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
-        self.scene.settings.integrator == Integrator::Uv || material.is_some_and(|m| m.phong.is_textured())
+        self.scene.settings.integrator == Integrator::Uv || material.is_some_and(|m| m.is_textured())
     }
 
     /// A mesh without triangles is no part.
@@ -318,6 +318,7 @@ impl<'s> Flattener<'s> {
             casts_shadow: here.casts_shadow && !is_air,
             bounds,
             first_primitive: 0,
+            emitter: None,
             name: Arc::from(node.name.as_str()),
         })
     }

@@ -29,7 +29,7 @@
 //! #     cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
 //! #     film: FilmSettings { width: 32, height: 24, ..FilmSettings::default() },
 //! #     appearance: Appearance {
-//! #         materials: vec![Material { name: "grey".into(), phong: Phong::default() }],
+//! #         materials: vec![Material::new("grey".into(), Phong::default())],
 //! #         lights: vec![Light { name: "lamp".into(), kind: lamp, intensity: Rgb::WHITE, casts_shadows: true }],
 //! #         ..Appearance::default()
 //! #     },
@@ -48,6 +48,7 @@
 pub mod check;
 mod cost;
 mod crew;
+mod emitters;
 mod error;
 mod error_estimate;
 mod estimate;

@@ -8,10 +8,11 @@ use rt_camera::{Camera, CameraSettings, Filter, SamplePattern, ViewVolume};
 use rt_geometry::{Shape, Spheres};
 use rt_math::{Aabb, DVec2, DVec3};
 use rt_scene_io::{Accel, Integrator, MaterialId, NamedCamera, Scene};
-use rt_shading::{Appearance, FirstHitView, Needs};
+use rt_shading::{AmbientOcclusion, Appearance, FirstHitView, Follows, Needs, PathSettings, emitter::EmitterSet};
 
 use crate::{
     RenderError,
+    emitters::emitters,
     flatten::flatten,
     passes::default_passes,
     rebase,
@@ -57,8 +58,25 @@ pub struct PlanOptions {
 #[derive(Debug)]
 pub(crate) enum View {
     Light,
+    Paths(PathSettings),
+    AmbientOcclusion(AmbientOcclusion),
     FirstHit(FirstHitView),
     Cost,
+}
+
+impl View {
+    /// True if it draws random numbers for more than the place in the pixel.
+    pub(crate) const fn draws(&self) -> bool {
+        matches!(self, Self::Paths(_) | Self::AmbientOcclusion(_))
+    }
+
+    /// How paths are followed; not at all, for views that follow none.
+    pub(crate) const fn path_settings(&self) -> PathSettings {
+        match self {
+            Self::Paths(settings) => *settings,
+            _ => PathSettings { max_depth: 0, roulette_from: 0, follows: Follows::Everything },
+        }
+    }
 }
 
 /// The world on one of two forms.
@@ -91,6 +109,8 @@ pub struct RenderPlan<'s> {
     pub(crate) min_contribution: f64,
     pub(crate) needs: Needs,
     pub(crate) appearance: Cow<'s, Appearance>,
+    /// Lights with extent, if the integrator draws from them.
+    pub(crate) emitters: EmitterSet,
     pub(crate) world: World,
     /// What camera rays can meet, if that is much less than the world.
     pub(crate) visible: Option<Visible>,
@@ -130,15 +150,19 @@ impl<'s> RenderPlan<'s> {
             .map_err(|source| RenderError::Camera { name: camera_name.clone(), source })?;
 
         let wanted = Wanted { accel: settings.accel, simd: options.simd, quality: options.quality };
-        let (top, levels) = flatten(scene, wanted, rebase::plan_from_world(origin))?;
+        let (mut top, mut levels) = flatten(scene, wanted, rebase::plan_from_world(origin))?;
+        let emitters = if settings.integrator.draws_lights() {
+            emitters(scene, &mut top, &mut levels)
+        } else {
+            EmitterSet::default()
+        };
         let visible = if options.full { None } else { visible(scene, wanted, &camera, crop, &top, &levels)? };
         let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, *medium) };
         let (near, far) = depth_range(&camera_settings, &top);
         let stochastic = settings.integrator.is_stochastic();
         let passes = settings.passes.unwrap_or_else(|| default_passes(settings.pattern, settings.spp, stochastic));
         let world = if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) };
-        let lit = settings.integrator == Integrator::Whitted;
-        let surroundings = if lit && needs.refraction {
+        let surroundings = if settings.integrator.follows_light() && needs.refraction {
             Surroundings::of(named_camera, &camera, scene, &world)
         } else {
             Surroundings::air()
@@ -155,7 +179,8 @@ impl<'s> RenderPlan<'s> {
             passes,
             pass_spp: settings.pattern.round_up(settings.spp.div_ceil(passes)),
             integrator: settings.integrator,
-            view: View::new(settings.integrator, near, far),
+            view: View::new(settings, near, far),
+            emitters,
             depth: settings.depth,
             min_contribution: settings.min_contribution,
             needs,
@@ -207,7 +232,11 @@ impl World {
                 let some_cast_none = top.parts.iter().any(|part| !part.casts_shadow);
                 let switches = top.parts.iter().map(|part| part.casts_shadow);
                 let casts_shadow = if some_cast_none { switches.collect() } else { Vec::new() };
-                Self::Spheres(SphereWorld { spheres: Spheres::new(spheres), materials, casts_shadow }, top.structure)
+                let some_shine = top.parts.iter().any(|part| part.emitter.is_some());
+                let lights = top.parts.iter().map(|part| part.emitter);
+                let emitters = if some_shine { lights.collect() } else { Vec::new() };
+                let spheres = Spheres::new(spheres);
+                Self::Spheres(SphereWorld { spheres, materials, casts_shadow, emitters }, top.structure)
             }
             None => Self::Parts(top, levels),
         }

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use rt_camera::Film;
 use rt_math::Rgb;
-use rt_scene_io::Integrator;
-use rt_shading::FirstHitView;
+use rt_scene_io::{Integrator, Settings};
+use rt_shading::{AmbientOcclusion, FirstHitView, Follows, PathSettings};
 
 use crate::{
     Crop, ErrorEstimate, RenderError, RenderPlan, Statistics, Stopped,
@@ -171,9 +171,18 @@ fn constant_film(width: u32, height: u32, value: f32) -> Film {
 
 impl View {
     /// What the integrator of the settings looks at.
-    pub(crate) fn new(integrator: Integrator, near: f64, far: f64) -> Self {
-        match integrator {
+    pub(crate) fn new(settings: &Settings, near: f64, far: f64) -> Self {
+        let paths = |max_depth, follows| {
+            Self::Paths(PathSettings { max_depth, roulette_from: settings.roulette_from, follows })
+        };
+        match settings.integrator {
             Integrator::Whitted => Self::Light,
+            Integrator::Distributed => paths(settings.depth, Follows::Reflections),
+            Integrator::Path => paths(settings.depth, Follows::Everything),
+            Integrator::Direct => paths(0, Follows::Everything),
+            Integrator::AmbientOcclusion => {
+                Self::AmbientOcclusion(AmbientOcclusion { reach: settings.occlusion_distance })
+            }
             Integrator::Normals => Self::FirstHit(FirstHitView::Normals),
             Integrator::Depth => Self::FirstHit(FirstHitView::Depth { near, far }),
             Integrator::Uv => Self::FirstHit(FirstHitView::Uv),

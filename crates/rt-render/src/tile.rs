@@ -3,7 +3,8 @@
 use rt_accel::AnyStructure;
 use rt_math::{Counters, Hit, NoProbe, Probe, Ray, RayCounts, Rgb};
 use rt_scene_io::Integrator;
-use rt_shading::{Background, Interior, Seen, ShadingCounts, Whitted};
+use rt_camera::PixelSample;
+use rt_shading::{Background, Interior, Lighting, OcclusionWave, PathTracer, Seen, ShadingCounts, Whitted};
 
 use crate::{
     Crop, RenderPlan,
@@ -98,6 +99,8 @@ impl Finished {
 /// What a thread uses again from tile to tile.
 pub(crate) struct Worker {
     whitted: Whitted,
+    paths: PathTracer<PixelSample>,
+    occlusion: OcclusionWave,
     camera: CameraWave,
     hits: Vec<Option<Hit>>,
 }
@@ -106,6 +109,8 @@ impl Worker {
     pub(crate) fn new(plan: &RenderPlan<'_>) -> Self {
         Self {
             whitted: Whitted::new(plan.depth, plan.min_contribution, plan.needs),
+            paths: PathTracer::new(plan.view.path_settings(), plan.needs),
+            occlusion: OcclusionWave::default(),
             camera: CameraWave::default(),
             hits: Vec::new(),
         }
@@ -145,34 +150,53 @@ impl RenderPlan<'_> {
             return finished;
         }
         let visible = few.as_ref().or(self.visible.as_ref());
-        let Worker { whitted, camera, hits } = worker;
+        let Worker { whitted, paths, occlusion, camera, hits } = worker;
+        let lighting = Lighting { appearance: &self.appearance, emitters: &self.emitters };
         let mut tracer = WorldTracer::new(world, structure, visible, S::default()).with_buffer(core::mem::take(hits));
         let mut finished = match (&self.view, &self.surroundings) {
             (View::Light, Surroundings::Same(interior)) => {
                 whitted.set_surroundings(interior);
-                self.sample_tile(task, camera, |rays, seen| {
-                    whitted.radiance_of(&mut tracer, &self.appearance, rays, seen);
+                self.sample_tile(task, camera, |wave, seen| {
+                    whitted.radiance_of(&mut tracer, &self.appearance, wave.rays, seen);
                 })
             }
+            (View::Paths(_), Surroundings::Same(interior)) => {
+                paths.set_surroundings(interior);
+                self.sample_tile(task, camera, |wave, seen| {
+                    paths.radiance_of(&mut tracer, lighting, wave.rays, wave.samplers, seen);
+                })
+            }
+            (View::Paths(_), Surroundings::ByRay(reach)) => {
+                let mut interior = Interior::default();
+                self.sample_tile(task, camera, |wave, seen| {
+                    for (i, ray) in wave.rays.iter().enumerate() {
+                        interior.look_around_within(*reach, &mut tracer, &self.appearance.materials, &ray.0);
+                        paths.set_surroundings(&interior);
+                        let (rays, samplers) = (&wave.rays[i..=i], &wave.samplers[i..=i]);
+                        paths.radiance_of(&mut tracer, lighting, rays, samplers, &mut seen[i..=i]);
+                    }
+                })
+            }
+            (View::AmbientOcclusion(view), _) => self.sample_tile(task, camera, |wave, seen| {
+                occlusion.radiance_of(view, &mut tracer, wave.rays, wave.samplers, seen);
+            }),
             (View::Light, Surroundings::ByRay(reach)) => {
                 let mut interior = Interior::default();
                 self.sample_each(task, camera, |ray| {
-                    interior.clear();
-                    if reach.contains(ray.origin) {
-                        interior.look_around(&mut tracer, &self.appearance.materials, ray);
-                    }
+                    interior.look_around_within(*reach, &mut tracer, &self.appearance.materials, ray);
                     whitted.set_surroundings(&interior);
                     whitted.radiance(&mut tracer, &self.appearance, ray)
                 })
             }
             (View::FirstHit(view), _) => {
-                self.sample_tile(task, camera, |rays, seen| view.radiance_of(&mut tracer, rays, seen))
+                self.sample_tile(task, camera, |wave, seen| view.radiance_of(&mut tracer, wave.rays, seen))
             }
             (View::Cost, _) => self.sample_each(task, camera, |ray| cost(&mut tracer, ray)),
         };
         finished.counters = tracer.probe.counters(tracer.rays);
         finished.primary_rays_spared = tracer.spared;
         finished.shading = whitted.take_counts();
+        finished.shading += paths.take_counts();
         *hits = tracer.into_buffer();
         finished
     }
@@ -184,8 +208,8 @@ impl RenderPlan<'_> {
         camera: &mut CameraWave,
         mut radiance: impl FnMut(&Ray) -> Seen,
     ) -> Finished {
-        self.sample_tile(task, camera, |rays, seen| {
-            for ((ray, _), seen) in rays.iter().zip(seen) {
+        self.sample_tile(task, camera, |wave, seen| {
+            for ((ray, _), seen) in wave.rays.iter().zip(seen) {
                 *seen = radiance(ray);
             }
         })
@@ -201,8 +225,8 @@ impl RenderPlan<'_> {
     /// A tile in whose part of the view there is nothing, if that can be told without a ray: where all samples see the
     /// same background and weigh the same, so that no pixel depends on where they are.
     fn empty_tile(&self, task: &Task<'_>) -> Option<Finished> {
-        let (View::Light, Surroundings::Same(_), Background::Constant(radiance)) =
-            (&self.view, &self.surroundings, self.appearance.background)
+        let (View::Light | View::Paths(_), Surroundings::Same(_), Background::Constant(radiance)) =
+            (&self.view, &self.surroundings, &self.appearance.background)
         else {
             return None;
         };
@@ -212,7 +236,7 @@ impl RenderPlan<'_> {
         let sweep = task.sweep;
         let mut pass = Pixel::new(self.transparent);
         for _ in 0..sweep.spp {
-            pass.add(&Seen { radiance, hit: false }, 1.0);
+            pass.add(&Seen { radiance: *radiance, hit: false }, 1.0);
         }
         let mut pixel = PixelEstimate::default();
         for _ in 0..sweep.count {

@@ -3,9 +3,12 @@
 use rt_accel::AnyStructure;
 use rt_geometry::{Spheres, SurfaceNeeds};
 use rt_math::{Accelerator, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RayCounts, RayKind};
-use rt_shading::{SurfaceHit, Tracer};
+use rt_shading::{SurfaceHit, Tracer, emitter::EmitterRef};
 
-use crate::{visible::Visible, world::Parts};
+use crate::{
+    visible::Visible,
+    world::{PartSurface, Parts},
+};
 
 /// Primitives that know what their surface is made of.
 pub(crate) trait Surfaces: Primitives {
@@ -16,8 +19,8 @@ pub(crate) trait Surfaces: Primitives {
 
 impl Surfaces for Parts<'_> {
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
-        let (interaction, material) = self.surface(hit.instance, ray, hit, needs)?;
-        Some(SurfaceHit { t: hit.t, interaction, object: hit.instance, material })
+        let PartSurface { interaction, material, emitter } = self.surface(hit.instance, ray, hit, needs)?;
+        Some(SurfaceHit { t: hit.t, interaction, object: hit.instance, material, emitter })
     }
 }
 
@@ -29,6 +32,8 @@ pub(crate) struct SphereWorld {
     pub(crate) materials: Vec<u32>,
     /// By sphere: whether it casts a shadow; empty if all do.
     pub(crate) casts_shadow: Vec<bool>,
+    /// By sphere: the light that it is; empty if none is.
+    pub(crate) emitters: Vec<Option<u32>>,
 }
 
 impl SphereWorld {
@@ -66,7 +71,9 @@ impl Surfaces for SphereWorld {
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
         let interaction = self.spheres.surface(ray, hit, needs)?;
         let material = *self.materials.get(hit.primitive as usize)?;
-        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material })
+        let index = self.emitters.get(hit.primitive as usize).copied().flatten();
+        let emitter = index.map(|index| EmitterRef { index, triangle: None });
+        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material, emitter })
     }
 }
 

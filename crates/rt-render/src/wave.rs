@@ -1,7 +1,7 @@
 //! Waves of camera rays: the samples of some pixels, traced together.
 
-use rt_camera::PixelSampler;
-use rt_math::{DVec2, Interval, Ray};
+use rt_camera::{PixelSample, PixelSampler};
+use rt_math::{DVec2, Interval, Ray, Sampler};
 use rt_shading::Seen;
 
 use crate::{
@@ -24,6 +24,15 @@ pub(crate) struct CameraWave {
     /// What each sample weighs in its pixel.
     weights: Vec<f64>,
     seen: Vec<Seen>,
+    /// Where the samples draw further numbers from; empty unless something asks for them.
+    samplers: Vec<PixelSample>,
+}
+
+/// Camera rays on their way to an integrator.
+pub(crate) struct CameraRays<'a> {
+    pub(crate) rays: &'a [(Ray, Interval)],
+    /// The sampler of each ray, if the integrator draws.
+    pub(crate) samplers: &'a [PixelSample],
 }
 
 impl CameraWave {
@@ -77,7 +86,7 @@ impl RenderPlan<'_> {
         &self,
         task: &Task<'_>,
         wave: &mut CameraWave,
-        mut radiance: impl FnMut(&[(Ray, Interval)], &mut [Seen]),
+        mut radiance: impl FnMut(&CameraRays<'_>, &mut [Seen]),
     ) -> Finished {
         let sweep = task.sweep;
         let mut sums = Sums::new(Finished::new(task, self.transparent), Pixel::new(self.transparent), sweep);
@@ -103,7 +112,15 @@ impl RenderPlan<'_> {
     fn generate(&self, sampler: &PixelSampler, [x, y]: [u32; 2], first: u32, count: usize, wave: &mut CameraWave) {
         let corner = DVec2::new(f64::from(x), f64::from(y)) + self.sample_offset;
         wave.positions.resize(count, [0.0; 2]);
-        sampler.positions([x, y], first, &mut wave.positions);
+        if self.view.draws() {
+            for (position, index) in wave.positions.iter_mut().zip(first..) {
+                let mut sample = sampler.sample([x, y], index);
+                *position = sample.next_2d();
+                wave.samplers.push(sample);
+            }
+        } else {
+            sampler.positions([x, y], first, &mut wave.positions);
+        }
         for &position in &wave.positions {
             let (offset, weight) = self.filter.sample(position);
             wave.rays.push((self.camera.ray(corner + offset, 0.0), Interval::FORWARD));
@@ -113,12 +130,13 @@ impl RenderPlan<'_> {
 }
 
 /// Traces a wave and empties it into the pixels.
-fn trace(wave: &mut CameraWave, sums: &mut Sums, radiance: &mut impl FnMut(&[(Ray, Interval)], &mut [Seen])) {
+fn trace(wave: &mut CameraWave, sums: &mut Sums, radiance: &mut impl FnMut(&CameraRays<'_>, &mut [Seen])) {
     wave.seen.resize(wave.rays.len(), Seen::NOTHING);
-    radiance(&wave.rays, &mut wave.seen);
+    radiance(&CameraRays { rays: &wave.rays, samplers: &wave.samplers }, &mut wave.seen);
     for (seen, weight) in wave.seen.iter().zip(&wave.weights) {
         sums.add(seen, *weight);
     }
     wave.rays.clear();
     wave.weights.clear();
+    wave.samplers.clear();
 }

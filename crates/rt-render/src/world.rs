@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use rt_accel::AnyStructure;
 use rt_geometry::{Placed, Shape, ShapeHit, SurfaceInteraction, SurfaceNeeds, TriangleMesh};
+use rt_shading::emitter::EmitterRef;
 use rt_math::{Aabb, Accelerator, Hit, Interval, LeafLayout, Primitives, Probe, Ray, Transform};
 
 /// Something that stands somewhere, in the space of its assembly.
@@ -19,8 +20,26 @@ pub(crate) struct Part {
     pub(crate) bounds: Option<Aabb>,
     /// Number of the part's first primitive within its group; 0 on the upper level.
     pub(crate) first_primitive: u32,
+    /// The number of the light that this is, if one can draw from it; of the first one in a group. A group's part counts from
+    /// there.
+    pub(crate) emitter: Option<u32>,
     /// For messages.
     pub(crate) name: Arc<str>,
+}
+
+/// A part's surface at a hit.
+pub(crate) struct PartSurface {
+    pub(crate) interaction: SurfaceInteraction,
+    pub(crate) material: u32,
+    pub(crate) emitter: Option<EmitterRef>,
+}
+
+impl Part {
+    /// The part's surface; `triangle` is the one that was hit, where the light is numbered as the mesh is.
+    fn made(&self, interaction: SurfaceInteraction, triangle: Option<u32>) -> PartSurface {
+        let emitter = self.emitter.map(|index| EmitterRef { index, triangle });
+        PartSurface { interaction, material: self.material, emitter }
+    }
 }
 
 /// What a part is.
@@ -68,26 +87,20 @@ fn localise(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
 }
 
 impl Parts<'_> {
-    /// The surface at a hit that [`Primitives::intersect`] reported on part `index`, and its material.
-    pub(crate) fn surface(
-        &self,
-        index: u32,
-        ray: &Ray,
-        hit: &Hit,
-        needs: SurfaceNeeds,
-    ) -> Option<(SurfaceInteraction, u32)> {
+    /// The surface at a hit that [`Primitives::intersect`] reported on part `index`.
+    pub(crate) fn surface(&self, index: u32, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<PartSurface> {
         let part = self.parts.get(index as usize)?;
         let shape_hit = ShapeHit { t: hit.t, uv: hit.uv };
         Some(match &part.geometry {
-            PartGeometry::Shape(shape) => (shape.surface(ray, &shape_hit, needs), part.material),
-            PartGeometry::Placed(placed) => (placed.surface(ray, &shape_hit, needs), part.material),
+            PartGeometry::Shape(shape) => part.made(shape.surface(ray, &shape_hit, needs), None),
+            PartGeometry::Placed(placed) => part.made(placed.surface(ray, &shape_hit, needs), None),
             PartGeometry::Mesh(level, transform) => {
                 let surface = self.levels.meshes[*level as usize].mesh.surface(
                     &localise(ray, transform.as_deref()),
                     hit,
                     needs,
                 )?;
-                (lift(surface, transform.as_deref()), part.material)
+                part.made(lift(surface, transform.as_deref()), Some(hit.primitive))
             }
             PartGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
@@ -95,8 +108,13 @@ impl Parts<'_> {
                 let at = group.parts.partition_point(|p| p.first_primitive <= hit.primitive).checked_sub(1)?;
                 let inner_hit = Hit { primitive: hit.primitive - group.parts[at].first_primitive, ..*hit };
                 let local = localise(ray, transform.as_deref());
-                let (surface, material) = inner.surface(at as u32, &local, &inner_hit, needs)?;
-                (lift(surface, transform.as_deref()), material)
+                let surface = inner.surface(at as u32, &local, &inner_hit, needs)?;
+                let emitter = surface.emitter.zip(part.emitter);
+                PartSurface {
+                    interaction: lift(surface.interaction, transform.as_deref()),
+                    emitter: emitter.map(|(light, first)| EmitterRef { index: first + light.index, ..light }),
+                    ..surface
+                }
             }
         })
     }

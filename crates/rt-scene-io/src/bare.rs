@@ -169,6 +169,7 @@ pub(crate) fn material(phong: &Phong) -> Material {
         fresnel: phong.transmission.map(|t| t.fresnel),
         absorption: phong.transmission.map(|t| Color::from_rgb(t.absorption.to_array())),
         priority: phong.transmission.map(|t| t.priority),
+        shines: None,
     }
 }
 
@@ -185,7 +186,7 @@ mod tests {
         let cube = AxisBox::new(DVec3::NEG_ONE, DVec3::ONE).unwrap();
         let light = |&kind| Light { name: String::new(), kind, intensity: Rgb::gray(intensity), casts_shadows: true };
         Model {
-            materials: vec![Material { name: "ground".to_owned(), phong: Phong::default() }],
+            materials: vec![Material::new("ground".to_owned(), Phong::default())],
             nodes: vec![SceneNode::new(Content::Shape(Shape::AxisBox(cube)), MaterialId(0))],
             lights: kinds.iter().map(light).collect(),
             ..Model::default()

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
 
 use crate::bare::material;
-use crate::format::{Coefficient, Material, Node, SceneFile};
+use crate::format::{Background, Coefficient, Material, Node, SceneFile};
 use crate::load::{ending, load_bare, read_scene_file};
 use crate::options::folder_of;
 use crate::{LoadError, LoadOptions, Reason, Scene, resolve, resolve_path};
@@ -57,7 +57,7 @@ fn write_materials(file: &mut SceneFile, scene: &Scene) {
     for material in &scene.appearance.materials {
         *uses.entry(&material.name).or_default() += 1;
     }
-    for crate::Material { name, phong } in &scene.appearance.materials {
+    for crate::Material { name, phong, .. } in &scene.appearance.materials {
         if uses[name.as_str()] == 1 && !file.materials.contains_key(name) {
             file.materials.insert(name.clone(), material(phong));
         }
@@ -95,14 +95,9 @@ fn relative(folder: &Path, file: &Path) -> PathBuf {
 
 /// All references to other files.
 fn references(file: &mut SceneFile) -> Vec<&mut String> {
-    let mut found = Vec::new();
-    for definition in file.materials.values_mut() {
-        let Material::Phong { color, ambient, diffuse, specular, emission, mirror, transmission, .. } = definition;
-        for coefficient in [color, ambient, diffuse, specular, emission, mirror, transmission].into_iter().flatten() {
-            if let Coefficient::Image { file, .. } = coefficient {
-                found.push(file);
-            }
-        }
+    let mut found: Vec<&mut String> = file.materials.values_mut().flat_map(files_of).collect();
+    if let Some(Background::Image { file, .. }) = &mut file.background {
+        found.push(file);
     }
     let mut open: Vec<&mut Node> = file.groups.values_mut().flatten().chain(&mut file.nodes).collect();
     while let Some(node) = open.pop() {
@@ -110,4 +105,16 @@ fn references(file: &mut SceneFile) -> Vec<&mut String> {
         open.extend(&mut node.children);
     }
     found
+}
+
+/// The files that a material refers to.
+fn files_of(material: &mut Material) -> Vec<&mut String> {
+    if let Material::Mix(parts) = material {
+        return parts.iter_mut().flat_map(|(_, part)| files_of(part)).collect();
+    }
+    let file = |coefficient| match coefficient {
+        &mut Coefficient::Image { ref mut file, .. } => Some(file),
+        _ => None,
+    };
+    material.coefficients_mut().into_iter().filter_map(file).collect()
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rt_camera::{CameraSettings, FilmSettings, SamplePattern};
 use rt_geometry::{Shape, TriangleMesh};
 use rt_math::{Rgb, Transform};
-use rt_shading::Appearance;
+use rt_shading::{Appearance, emitter::LightSampling};
 
 pub use rt_shading::{Background, Material};
 
@@ -26,6 +26,14 @@ pub struct GroupId(pub u32);
 pub enum Integrator {
     /// Classical recursive ray tracing (Whitted 1980).
     Whitted,
+    /// As Whitted's, with soft shadows, glossy reflection and all that distribution brings (Cook et al. 1984).
+    Distributed,
+    /// Path tracing: all light there is (Kajiya 1986).
+    Path,
+    /// Emission and direct light: paths without a further bounce.
+    Direct,
+    /// How much of the sky each point would see.
+    AmbientOcclusion,
     /// Shading normals as colours: (n + 1) / 2.
     Normals,
     /// Distance along the view axis; the nearest white, the farthest black.
@@ -38,7 +46,17 @@ pub enum Integrator {
 
 impl Integrator {
     /// All integrators.
-    pub const ALL: [Self; 5] = [Self::Whitted, Self::Normals, Self::Depth, Self::Uv, Self::Cost];
+    pub const ALL: [Self; 9] = [
+        Self::Whitted,
+        Self::Distributed,
+        Self::Path,
+        Self::Direct,
+        Self::AmbientOcclusion,
+        Self::Normals,
+        Self::Depth,
+        Self::Uv,
+        Self::Cost,
+    ];
 
     /// True if rays go in random directions, so that pictures are noisy everywhere and not at edges alone.
     pub const fn is_stochastic(self) -> bool {
@@ -51,11 +69,27 @@ impl Integrator {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Whitted => "whitted",
+            Self::Distributed => "distributed",
+            Self::Path => "path",
+            Self::Direct => "direct",
+            Self::AmbientOcclusion => "ambient-occlusion",
             Self::Normals => "normals",
             Self::Depth => "depth",
             Self::Uv => "uv",
             Self::Cost => "cost",
         }
+    }
+}
+
+impl Integrator {
+    /// True if it shows light, and not a view of the geometry.
+    pub const fn follows_light(self) -> bool {
+        matches!(self, Self::Whitted | Self::Distributed | Self::Path | Self::Direct)
+    }
+
+    /// True if it draws from lights with extent.
+    pub const fn draws_lights(self) -> bool {
+        matches!(self, Self::Distributed | Self::Path | Self::Direct)
     }
 }
 
@@ -140,6 +174,12 @@ pub struct Settings {
     pub accel: Accel,
     /// Seed of all random numbers.
     pub seed: u64,
+    /// How one of many lights with extent is chosen.
+    pub light_sampling: LightSampling,
+    /// Bounces before Russian roulette may end a path.
+    pub roulette_from: u32,
+    /// How far away surfaces still take light from a point, in world units, for ambient occlusion; infinite for all.
+    pub occlusion_distance: f64,
 }
 
 impl Default for Settings {
@@ -153,6 +193,9 @@ impl Default for Settings {
             min_contribution: 0.0,
             accel: Accel::Auto,
             seed: 0,
+            light_sampling: LightSampling::default(),
+            roulette_from: 3,
+            occlusion_distance: f64::INFINITY,
         }
     }
 }

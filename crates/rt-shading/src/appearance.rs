@@ -1,10 +1,11 @@
 //! All that decides about colour in a scene, apart from its geometry.
 
-use crate::{Light, Material, Texture};
+use crate::{Light, Material, Texture, emitter::EnvironmentLight};
 use rt_math::{DVec3, Rgb};
+use std::sync::Arc;
 
 /// What a ray sees that hits nothing.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Background {
     /// The same radiance everywhere.
     Constant(Rgb),
@@ -15,13 +16,25 @@ pub enum Background {
         /// Radiance straight up.
         top: Rgb,
     },
+    /// An image all around, which is a light as well.
+    Environment(Arc<EnvironmentLight>),
 }
 
 impl Background {
+    /// True if it gives no light.
+    pub fn is_black(&self) -> bool {
+        match self {
+            Self::Constant(rgb) => rgb.is_black(),
+            Self::Gradient { bottom, top } => bottom.is_black() && top.is_black(),
+            Self::Environment(light) => light.power(1.0).is_black(),
+        }
+    }
+
     /// The radiance that arrives against `direction` (any non-zero length, world space).
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         match self {
             Self::Constant(rgb) => *rgb,
+            Self::Environment(light) => light.radiance(direction),
             Self::Gradient { bottom, top } => bottom.lerp(*top, 0.5 + 0.5 * direction.y / direction.length()),
         }
     }

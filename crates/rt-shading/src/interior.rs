@@ -2,7 +2,7 @@
 
 use crate::{Material, SurfaceHit, Tracer, Transmission};
 use rt_geometry::SurfaceNeeds;
-use rt_math::{Interval, Ray, RayKind, Rgb};
+use rt_math::{Aabb, Interval, Ray, RayKind, Rgb};
 
 /// Most bodies that a point may lie inside of at once; further ones are not noticed, and counted.
 const CAPACITY: usize = 32;
@@ -116,6 +116,14 @@ impl Interior {
             }
         }
         self.bodies.truncate(around);
+    }
+
+    /// As [`look_around`](Self::look_around), where all bodies are known to lie within a box.
+    pub fn look_around_within(&mut self, reach: Aabb, world: &mut impl Tracer, materials: &[Material], ray: &Ray) {
+        self.bodies.clear();
+        if reach.contains(ray.origin) {
+            self.look_around(world, materials, ray);
+        }
     }
 
     /// The medium here.

@@ -25,7 +25,7 @@
 //! impl Tracer for OneSphere {
 //!     fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
 //!         let hit = self.0.intersect(ray, span)?;
-//!         Some(SurfaceHit { t: hit.t, interaction: self.0.surface(ray, &hit, needs), object: 0, material: 0 })
+//!         Some(SurfaceHit { t: hit.t, interaction: self.0.surface(ray, &hit, needs), object: 0, material: 0, emitter: None })
 //!     }
 //!     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
 //!         self.0.intersect(ray, span).is_some()
@@ -34,7 +34,7 @@
 //!
 //! let light = LightKind::Point { position: DVec3::ZERO, falloff: Falloff::None, lamp_radius: 0.0 };
 //! let appearance = Appearance {
-//!     materials: vec![Material { name: "grey".into(), phong: Phong::default() }],
+//!     materials: vec![Material::new("grey".into(), Phong::default())],
 //!     textures: vec![],
 //!     lights: vec![Light { name: "lamp".into(), kind: light, intensity: Rgb::WHITE, casts_shadows: true }],
 //!     ambient: Rgb::BLACK,
@@ -49,6 +49,7 @@
 
 #![forbid(unsafe_code)]
 
+mod ambient_occlusion;
 mod appearance;
 pub mod bsdf;
 pub mod emitter;
@@ -56,18 +57,25 @@ mod first_hit;
 mod interior;
 mod light;
 mod material;
+mod meeting;
 mod needs;
 pub mod optics;
+mod path;
+mod physical;
 mod texture;
 mod tracer;
+mod view;
 mod whitted;
 
+pub use ambient_occlusion::{AmbientOcclusion, OcclusionWave};
 pub use appearance::{Appearance, Background};
 pub use first_hit::FirstHitView;
 pub use interior::Interior;
 pub use light::{Falloff, Illumination, Light, LightKind};
 pub use material::{Coefficient, Highlight, Material, Phong, Transmission};
 pub use needs::Needs;
+pub use path::{Follows, Lighting, PathSettings, PathTracer};
+pub use physical::{Physical, PhysicalPoint};
 pub use texture::{Bitmap, Texture, TextureId, Wrap};
 pub use tracer::{Seen, SurfaceHit, Tracer};
 pub use whitted::{ShadingCounts, Whitted};

@@ -1,6 +1,6 @@
 //! Surface properties.
 
-use crate::{Texture, TextureId};
+use crate::{Physical, PhysicalPoint, Texture, TextureId, bsdf::Bsdf, emitter::Sides};
 use rt_math::{DVec3, Rgb, transcendental};
 
 /// A coefficient that may vary over the surface.
@@ -165,8 +165,40 @@ impl Default for Phong {
 pub struct Material {
     /// For messages and `explain`.
     pub name: String,
-    /// The surface.
+    /// The classical surface; for a physical one, what comes nearest to it.
     pub phong: Phong,
+    /// The physical surface, if there is one. What fills the body behind it stands in `phong`.
+    pub physical: Option<Physical>,
+    /// Which sides shine with the emission of `phong`.
+    pub shines: Sides,
+}
+
+impl Material {
+    /// A classical surface that shines, if at all, from both sides.
+    pub const fn new(name: String, phong: Phong) -> Self {
+        Self { name, phong, physical: None, shines: Sides::Both }
+    }
+
+    /// Radiance that the surface emits by itself; black on the inside of one that shines from its front alone.
+    #[inline]
+    pub fn emission(&self, textures: &[Texture], uv: [f64; 2], is_inside: bool) -> Rgb {
+        if is_inside && self.shines == Sides::Front { Rgb::BLACK } else { self.phong.emission.at(textures, uv) }
+    }
+
+    /// What the surface does to light at a point.
+    pub fn bsdf(&self, at: &PhysicalPoint<'_>) -> Bsdf {
+        match &self.physical {
+            Some(physical) => physical.bsdf(at),
+            None => Physical::bsdf_of_phong(&self.phong, at),
+        }
+    }
+
+    /// True if any coefficient varies with the texture coordinates.
+    pub fn is_textured(&self) -> bool {
+        let textured = |coefficient: &&Coefficient| matches!(coefficient, Coefficient::Textured(..));
+        let physical = self.physical.as_ref().map(Physical::coefficients).unwrap_or_default();
+        self.phong.is_textured() || physical.iter().any(textured)
+    }
 }
 
 #[cfg(test)]

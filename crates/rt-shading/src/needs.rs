@@ -59,7 +59,7 @@ impl Needs {
             refraction: any(&|p| p.transmission.is_some()),
             fresnel: any(&|p| p.transmission.is_some_and(|t| t.fresnel)),
             absorption: any(&|p| p.transmission.is_some_and(|t| t.absorption != Rgb::BLACK)),
-            textures: any(&Phong::is_textured),
+            textures: materials().any(|(_, material)| material.is_textured()),
             shading_normals: true,
         }
     }

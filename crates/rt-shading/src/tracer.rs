@@ -1,5 +1,6 @@
 //! What an integrator may ask of the world.
 
+use crate::emitter::EmitterRef;
 use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
 use rt_math::{Interval, Ray, RayKind, Rgb};
 
@@ -14,6 +15,8 @@ pub struct SurfaceHit {
     pub object: u32,
     /// Index into [`Appearance::materials`](crate::Appearance::materials).
     pub material: u32,
+    /// The light with extent that the surface belongs to, if it is one that can be drawn from.
+    pub emitter: Option<EmitterRef>,
 }
 
 impl SurfaceHit {

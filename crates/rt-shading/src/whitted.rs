@@ -2,7 +2,6 @@
 
 mod counts;
 mod shade;
-mod view;
 mod wave;
 
 use crate::{Appearance, Interior, Needs, Seen, Tracer};

@@ -9,7 +9,7 @@ use rt_math::{Accelerator, DVec2, DVec3, Interval, NoProbe, Ray};
 use super::objects::Objects;
 use super::report::{Finding, Findings, Kind, Severity, value};
 use crate::rebase;
-use crate::world::{Assembly, Levels, Parts};
+use crate::world::{Assembly, Levels, PartSurface, Parts};
 
 /// Rays are cast through the middles of this many cells along each side of the image.
 const CELLS: u32 = 64;
@@ -76,7 +76,7 @@ fn look(name: &str, camera: &Camera, size: DVec2, top: &Assembly, levels: &Level
         let raster = middle * size / f64::from(CELLS);
         let ray = camera.ray(raster, 0.0);
         let Some(hit) = top.structure.closest(&parts, &ray, Interval::FORWARD, &mut NoProbe) else { continue };
-        let Some((surface, _)) = parts.surface(hit.instance, &ray, &hit, needs) else { continue };
+        let Some(PartSurface { interaction: surface, .. }) = parts.surface(hit.instance, &ray, &hit, needs) else { continue };
         let distance = hit.t * ray.direction.length();
         let error = surface.point_error.length();
         measures.hits += 1;

@@ -18,7 +18,7 @@ pub(super) const CHECKER: MaterialId = MaterialId(2);
 
 /// Three materials, a small square image, and nothing to see.
 pub(super) fn empty() -> Scene {
-    let material = |name: &str, phong| Material { name: name.into(), phong };
+    let material = |name: &str, phong| Material::new(name.into(), phong);
     let white = Coefficient::Constant(Rgb::WHITE);
     let inside = Transmission { coefficient: white, ior: 1.5, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
     let glass = Phong { diffuse: Coefficient::ZERO, mirror: white, transmission: Some(inside), ..Phong::default() };

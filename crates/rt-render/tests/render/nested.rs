@@ -29,7 +29,7 @@ fn dielectric(ior: f64, absorption: f64, priority: i32) -> Material {
     let inside = Transmission { coefficient: white, ior, fresnel: true, absorption, priority };
     let (ambient, diffuse) = (Coefficient::ZERO, Coefficient::ZERO);
     let phong = Phong { ambient, diffuse, mirror: white, transmission: Some(inside), ..Phong::default() };
-    Material { name: "dielectric".into(), phong }
+    Material::new("dielectric".into(), phong)
 }
 
 fn slab(min: [f64; 3], max: [f64; 3]) -> Content {
@@ -202,7 +202,7 @@ fn each_sample_of_a_texel_that_is_not_a_number_is_counted() {
     scene.appearance.textures = vec![Texture::Image { bitmap, wrap: [Wrap::Clamp; 2], smooth: false }];
     let emission = Coefficient::Textured(TextureId(0), Rgb::WHITE);
     let phong = Phong { ambient: Coefficient::ZERO, diffuse: Coefficient::ZERO, emission, ..Phong::default() };
-    scene.appearance.materials = vec![Material { name: "screen".into(), phong }];
+    scene.appearance.materials = vec![Material::new("screen".into(), phong)];
     scene.appearance.lights = vec![point_light([0.0, 0.0, 9.0], 1.0)];
     // The face of the box towards the camera shows the whole image.
     scene.nodes = vec![Node::new(slab([-2.0, -1.0, -3.0], [2.0, 1.0, -2.0]), MaterialId(0))];

@@ -20,7 +20,7 @@ pub(crate) fn point_light(position: [f64; 3], strength: f64) -> Light {
 }
 
 fn material(name: &str, phong: Phong) -> Material {
-    Material { name: name.into(), phong }
+    Material::new(name.into(), phong)
 }
 
 fn gray(value: f64) -> Coefficient {

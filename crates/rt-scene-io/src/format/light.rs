@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Color;
+use super::{Color, Sides};
 
 /// A light. Without `falloff: inverse_square` its strength is the same at any distance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -68,6 +68,73 @@ pub enum Light {
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
         casts_shadows: bool,
     },
+    /// A rectangle or parallelogram that shines.
+    Quad {
+        /// Name for messages.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        name: String,
+        /// A corner.
+        corner: [f64; 3],
+        /// The two edges from there. It shines to the side from which the second is reached from the first counter-clockwise.
+        edges: ([f64; 3], [f64; 3]),
+        /// Radiance.
+        #[serde(default = "white", alias = "color", alias = "colour")]
+        radiance: Color,
+        /// Which sides shine.
+        #[serde(default)]
+        shines: Sides,
+    },
+    /// A disk that shines.
+    Disk {
+        /// Name for messages.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        name: String,
+        /// Its centre.
+        #[serde(alias = "centre")]
+        center: [f64; 3],
+        /// The direction that it faces; any length but 0.
+        normal: [f64; 3],
+        /// Its radius.
+        radius: f64,
+        /// Radiance.
+        #[serde(default = "white", alias = "color", alias = "colour")]
+        radiance: Color,
+        /// Which sides shine.
+        #[serde(default)]
+        shines: Sides,
+    },
+    /// A ball that shines.
+    Sphere {
+        /// Name for messages.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        name: String,
+        /// Its centre.
+        #[serde(alias = "centre")]
+        center: [f64; 3],
+        /// Its radius.
+        radius: f64,
+        /// Radiance.
+        #[serde(default = "white", alias = "color", alias = "colour")]
+        radiance: Color,
+    },
+    /// A tube that shines.
+    Cylinder {
+        /// Name for messages.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        name: String,
+        /// The middle of one end.
+        base: [f64; 3],
+        /// The middle of the other end.
+        top: [f64; 3],
+        /// Its radius.
+        radius: f64,
+        /// Radiance.
+        #[serde(default = "white", alias = "color", alias = "colour")]
+        radiance: Color,
+        /// Whether its ends are closed, and shine as well.
+        #[serde(default = "yes", skip_serializing_if = "is_yes")]
+        caps: bool,
+    },
     /// Comes from everywhere, scaled by the `ambient` coefficient of materials. Several add up.
     Ambient(Color),
 }
@@ -95,6 +162,18 @@ pub enum Background {
         bottom: Color,
         /// Straight up.
         top: Color,
+    },
+    /// An equirectangular image all around, which lights the scene as well: its middle is seen along −z, its upper edge is
+    /// straight up.
+    Image {
+        /// Path of a PNG, JPEG, HDR or EXR file, relative to the folder of the scene file.
+        file: String,
+        /// Factor for its radiance.
+        #[serde(default = "white")]
+        scale: Color,
+        /// Turns it to the left, seen from inside, by so many degrees around the y axis.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        rotate: f64,
     },
 }
 

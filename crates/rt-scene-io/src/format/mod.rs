@@ -23,10 +23,10 @@ pub use camera::{Camera, FovAxis};
 pub use colour::{Coefficient, Color, Wrap};
 pub use film::{Encoding, Film, Filter, Tone};
 pub use light::{Background, Falloff, Light};
-pub use material::{Highlight, Material};
+pub use material::{Highlight, Material, Metal, Sides};
 pub use node::{InsideRule, Node, Shape};
 pub use parse::{parse_json, parse_ron};
-pub use settings::{Accel, Integrator, Sampler, Settings};
+pub use settings::{Accel, Integrator, LightSampling, Sampler, Settings};
 pub use transform::Step;
 
 /// A scene: what stands where, how it looks, who sees it, and how to render it.

@@ -7,8 +7,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
-    /// How the light is computed.
-    pub integrator: Integrator,
+    /// How the light is computed. By default `whitted`, and `path` for scenes that have lights with extent, an image around
+    /// them, or physical materials.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub integrator: Option<Integrator>,
     /// Where in the pixel the samples fall.
     pub sampler: Sampler,
     /// Samples per pixel; some samplers round it up.
@@ -25,12 +27,19 @@ pub struct Settings {
     pub accel: Accel,
     /// Seed of all random numbers.
     pub seed: u64,
+    /// How one of many lights with extent is chosen.
+    pub light_sampling: LightSampling,
+    /// Bounces before Russian roulette may end a path.
+    pub roulette_from: u64,
+    /// How far away surfaces still take light from a point, for `ambient_occlusion`; all of them by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub occlusion_distance: Option<f64>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            integrator: Integrator::Whitted,
+            integrator: None,
             sampler: Sampler::Sobol,
             spp: 16,
             passes: None,
@@ -38,6 +47,9 @@ impl Default for Settings {
             min_contribution: 0.0,
             accel: Accel::Auto,
             seed: 0,
+            light_sampling: LightSampling::Tree,
+            roulette_from: 3,
+            occlusion_distance: None,
         }
     }
 }
@@ -48,6 +60,15 @@ impl Default for Settings {
 pub enum Integrator {
     /// Classical recursive ray tracing.
     Whitted,
+    /// The same with soft shadows, glossy reflection and all that distributing rays brings.
+    Distributed,
+    /// Path tracing: all light there is.
+    Path,
+    /// Emission and direct light.
+    Direct,
+    /// How much of the sky each point would see.
+    #[serde(alias = "ao")]
+    AmbientOcclusion,
     /// Shading normals as colours.
     Normals,
     /// Distance as grey.
@@ -56,6 +77,18 @@ pub enum Integrator {
     Uv,
     /// Work per ray as a heat map.
     Cost,
+}
+
+/// How one of many lights with extent is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LightSampling {
+    /// Each as often as any other.
+    Uniform,
+    /// In proportion to power.
+    Power,
+    /// By a tree that knows how near lights are and where they shine.
+    Tree,
 }
 
 /// Sample pattern.

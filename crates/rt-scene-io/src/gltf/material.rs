@@ -18,7 +18,7 @@
 //! Transmission becomes glass with Fresnel's equations; unlit surfaces emit their base colour.
 
 use rt_math::Rgb;
-use rt_shading::{Coefficient, Highlight, Phong, TextureId, Transmission};
+use rt_shading::{Coefficient, Highlight, Phong, Physical, TextureId, Transmission};
 
 /// A texture times a colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +87,22 @@ impl Surface {
             // Fresnel's equations weigh the mirror of glass.
             mirror: if is_glass { Coefficient::Constant(Rgb::WHITE) } else { self.base.scaled(metallic * smooth) },
             transmission: is_glass.then_some(glass),
+        }
+    }
+
+    /// The surface as the specification describes it. What transmits is glass to that degree.
+    pub(super) fn physical(&self) -> Physical {
+        if self.unlit {
+            return Physical::Black;
+        }
+        let (metallic, roughness) = (self.metallic.clamp(0.0, 1.0), self.roughness.clamp(0.0, 1.0));
+        let opaque = Physical::MetallicRoughness { base_color: self.base.scaled(1.0), metallic, roughness };
+        let transmission = self.transmission.clamp(0.0, 1.0) * (1.0 - metallic);
+        let glass = Physical::Dielectric { roughness, transmittance: self.base.scaled(1.0) };
+        match transmission {
+            0.0 => opaque,
+            1.0 => glass,
+            _ => Physical::Mix(vec![(1.0 - transmission, opaque), (transmission, glass)]),
         }
     }
 

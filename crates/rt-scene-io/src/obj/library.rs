@@ -105,13 +105,13 @@ impl<'a> Library<'a> {
                     emission: self.texture(mtl.unknown_param.get("map_Ke").map(String::as_str), &mtl, &file, model)?,
                 };
                 self.warn_about_unused_maps(&mtl, &file, model);
-                Material { name: mtl.name.clone(), phong: phong(&mtl, maps) }
+                Material::new(mtl.name.clone(), phong(&mtl, maps))
             }
             None => {
                 if let (Some(name), false) = (&name, self.incomplete) {
                     model.warnings.push(self.unknown(name));
                 }
-                Material { name: name.clone().unwrap_or_else(|| "default".to_owned()), phong: Phong::default() }
+                Material::new(name.clone().unwrap_or_else(|| "default".to_owned()), Phong::default())
             }
         };
         let id = MaterialId(model.materials.len() as u32);

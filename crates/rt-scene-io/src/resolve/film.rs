@@ -2,6 +2,7 @@
 
 use rt_camera::{Development, Encoding, Film, FilmSettings, Filter, SamplePattern, ToneCurve};
 use rt_math::DVec2;
+use rt_shading::emitter::LightSampling;
 
 use super::report::Report;
 use super::value::{not_negative, positive, within};
@@ -65,13 +66,18 @@ fn size((width, height): (u64, u64)) -> Result<(u32, u32), Reason> {
 }
 
 /// The settings. A field that is wrong keeps its default after it is reported.
-pub(super) fn settings(report: &mut Report, settings: &format::Settings) -> Settings {
+pub(super) fn settings(report: &mut Report, settings: &format::Settings, default: Integrator) -> Settings {
     let spp = report.check("settings.spp", within(settings.spp, 1, MAX_SPP)).unwrap_or(1);
     let passes = settings.passes.and_then(|passes| report.check("settings.passes", within(passes, 1, MAX_PASSES)));
     let depth = report.check("settings.depth", within(settings.depth, 0, MAX_DEPTH)).unwrap_or(0);
     report.check("settings.min_contribution", not_negative(settings.min_contribution));
+    let roulette_from =
+        report.check("settings.roulette_from", within(settings.roulette_from, 0, MAX_DEPTH)).unwrap_or(0);
+    let occlusion_distance = settings.occlusion_distance.map_or(Some(f64::INFINITY), |distance| {
+        report.check("settings.occlusion_distance", positive(distance))
+    });
     Settings {
-        integrator: integrator(settings.integrator),
+        integrator: settings.integrator.map_or(default, integrator),
         pattern: pattern(settings.sampler),
         spp: spp as u32,
         passes: passes.map(|passes| passes as u32),
@@ -79,16 +85,31 @@ pub(super) fn settings(report: &mut Report, settings: &format::Settings) -> Sett
         min_contribution: settings.min_contribution,
         accel: accel(settings.accel),
         seed: settings.seed,
+        light_sampling: light_sampling(settings.light_sampling),
+        roulette_from: roulette_from as u32,
+        occlusion_distance: occlusion_distance.unwrap_or(f64::INFINITY),
     }
 }
 
 const fn integrator(integrator: format::Integrator) -> Integrator {
     match integrator {
         format::Integrator::Whitted => Integrator::Whitted,
+        format::Integrator::Distributed => Integrator::Distributed,
+        format::Integrator::Path => Integrator::Path,
+        format::Integrator::Direct => Integrator::Direct,
+        format::Integrator::AmbientOcclusion => Integrator::AmbientOcclusion,
         format::Integrator::Normals => Integrator::Normals,
         format::Integrator::Depth => Integrator::Depth,
         format::Integrator::Uv => Integrator::Uv,
         format::Integrator::Cost => Integrator::Cost,
+    }
+}
+
+const fn light_sampling(sampling: format::LightSampling) -> LightSampling {
+    match sampling {
+        format::LightSampling::Uniform => LightSampling::Uniform,
+        format::LightSampling::Power => LightSampling::Power,
+        format::LightSampling::Tree => LightSampling::Tree,
     }
 }
 

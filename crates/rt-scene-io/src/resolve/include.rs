@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use rt_shading::{Coefficient, TextureId};
+use rt_shading::{Coefficient, Physical, TextureId};
 
 use super::node::Objects;
 use crate::{Content, LoadError, Material, MaterialId, MeshId, Model, Node, load_model, resolve_path};
@@ -99,7 +99,8 @@ fn with_textures_from(first: u32, mut material: Material) -> Material {
     let of_transmission = phong.transmission.as_mut().map(|transmission| &mut transmission.coefficient);
     let coefficients =
         [&mut phong.ambient, &mut phong.diffuse, &mut phong.specular, &mut phong.emission, &mut phong.mirror];
-    for coefficient in coefficients.into_iter().chain(of_transmission) {
+    let of_physical = material.physical.as_mut().map(Physical::coefficients_mut).unwrap_or_default();
+    for coefficient in coefficients.into_iter().chain(of_transmission).chain(of_physical) {
         if let Coefficient::Textured(TextureId(id), _) = coefficient {
             *id += first;
         }

@@ -1,10 +1,14 @@
 //! Lights and background.
 
-use rt_math::{DVec3, Rgb, transcendental::cos};
-use rt_shading::{Background, Falloff, Light, LightKind};
+use std::sync::Arc;
+
+use rt_math::{DQuat, DVec3, Rgb, transcendental::cos};
+use rt_shading::emitter::{EmitterError, EnvironmentLight};
+use rt_shading::{Background, Bitmap, Falloff, Light, LightKind};
 
 use super::report::Report;
-use super::value::{colour, direction, not_negative, vector};
+use super::texture::Textures;
+use super::value::{colour, coordinate, direction, not_negative, vector};
 use crate::Reason;
 use crate::format;
 
@@ -31,7 +35,7 @@ fn single(report: &mut Report, path: &str, light: &format::Light) -> Option<Ligh
         format::Light::Point { name, intensity, casts_shadows, .. }
         | format::Light::Directional { name, intensity, casts_shadows, .. }
         | format::Light::Spot { name, intensity, casts_shadows, .. } => (name, intensity, *casts_shadows),
-        format::Light::Ambient(_) => return None,
+        _ => return None,
     };
     let intensity = report.check(format_args!("{path}.intensity"), colour(intensity));
     let kind = match light {
@@ -50,7 +54,7 @@ fn single(report: &mut Report, path: &str, light: &format::Light) -> Option<Ligh
             let (cos_inner, cos_outer) = cone?;
             LightKind::Spot { position: position?, direction, cos_inner, cos_outer, falloff: weakening(*falloff) }
         }
-        format::Light::Ambient(_) => return None,
+        _ => return None,
     };
     Some(Light { name: name.clone(), kind, intensity: intensity?, casts_shadows })
 }
@@ -79,13 +83,37 @@ const fn weakening(falloff: format::Falloff) -> Falloff {
 }
 
 /// The background; black if none is given.
-pub(super) fn background(report: &mut Report, background: Option<&format::Background>) -> Background {
+pub(super) fn background(
+    report: &mut Report,
+    background: Option<&format::Background>,
+    textures: &mut Textures<'_>,
+) -> Background {
+    if let Some(format::Background::Image { file, scale, rotate }) = background {
+        let light = environment(file, scale, *rotate, textures);
+        let black = Background::Constant(Rgb::BLACK);
+        return report.check("background", light).map_or(black, |light| Background::Environment(Arc::new(light)));
+    }
     let mut at = |place: &str, value| report.check(place, colour(value)).unwrap_or_default();
     match background {
-        None => Background::Constant(Rgb::BLACK),
+        None | Some(format::Background::Image { .. }) => Background::Constant(Rgb::BLACK),
         Some(format::Background::Constant(value)) => Background::Constant(at("background", value)),
         Some(format::Background::Gradient { bottom, top }) => {
             Background::Gradient { bottom: at("background.bottom", bottom), top: at("background.top", top) }
         }
     }
+}
+
+/// The light of an image around the scene.
+fn environment(
+    file: &str,
+    scale: &format::Color,
+    rotate: f64,
+    textures: &mut Textures<'_>,
+) -> Result<EnvironmentLight, Reason> {
+    let scale = colour(scale)?;
+    let turn = DQuat::from_rotation_y(coordinate(rotate)?.to_radians());
+    let Bitmap { width, height, pixels } = textures.bitmap(file)?;
+    let pixels = pixels.iter().map(|pixel| Rgb::from(pixel.map(f64::from)) * scale).collect();
+    let bad = |error: EmitterError| Reason::BadReference { reference: file.to_owned(), rule: error.to_string() };
+    EnvironmentLight::new(width as usize, height as usize, pixels, turn).map_err(bad)
 }

@@ -6,6 +6,7 @@ use indexmap::IndexMap;
 use rt_math::Rgb;
 use rt_shading::{Coefficient, Highlight, Phong, Transmission};
 
+use super::physical::{PhysicalReader, sides};
 use super::report::Report;
 use super::texture::Textures;
 use super::value::{colour, positive, within};
@@ -13,7 +14,7 @@ use crate::format;
 use crate::{Material, MaterialId, Reason};
 
 /// Largest exponent of a highlight.
-const MAX_EXPONENT: f64 = 1e7;
+pub(super) const MAX_EXPONENT: f64 = 1e7;
 
 /// Index of refraction of a transparent material that does not say: crown glass.
 const DEFAULT_IOR: f64 = 1.5;
@@ -51,8 +52,9 @@ impl<'a> Materials<'a> {
         if let Some(&id) = self.ids.get(name.as_str()) {
             return Ok(id);
         }
-        let phong = changed(name, definition, Phong::default(), textures, report).unwrap_or_default();
-        let id = self.add(Material { name: name.clone(), phong });
+        let plain = Material::new(name.clone(), Phong::default());
+        let material = changed(definition, plain.clone(), textures, report).unwrap_or(plain);
+        let id = self.add(material);
         self.ids.insert(name, id);
         Ok(id)
     }
@@ -61,7 +63,7 @@ impl<'a> Materials<'a> {
         match self.default {
             Some(id) => id,
             None => {
-                let id = self.add(Material { name: DEFAULT_NAME.to_owned(), phong: Phong::default() });
+                let id = self.add(Material::new(DEFAULT_NAME.to_owned(), Phong::default()));
                 *self.default.insert(id)
             }
         }
@@ -76,28 +78,44 @@ impl<'a> Materials<'a> {
     /// A model's material, with the changes that the scene makes to materials of its name.
     pub(super) fn add_of_model(
         &mut self,
-        mut material: Material,
+        material: Material,
         textures: &mut Textures<'_>,
         report: &mut Report,
     ) -> MaterialId {
-        if let Some(definition) = self.definitions.get(&material.name) {
-            material.phong =
-                changed(&material.name, definition, material.phong, textures, report).unwrap_or(material.phong);
-        }
-        self.add(material)
+        let changes = self.definitions.get(&material.name);
+        let changed = changes.and_then(|definition| changed(definition, material.clone(), textures, report));
+        self.add(changed.unwrap_or(material))
     }
 
     /// Checks the materials that nothing refers to, without keeping them.
     pub(super) fn check_unused(&self, mut scratch: Textures<'_>, report: &mut Report) {
         let used: HashSet<&str> = self.list.iter().map(|material| material.name.as_str()).collect();
         for (name, definition) in self.definitions.iter().filter(|(name, _)| !used.contains(name.as_str())) {
-            changed(name, definition, Phong::default(), &mut scratch, report);
+            changed(definition, Material::new(name.clone(), Phong::default()), &mut scratch, report);
         }
     }
 }
 
-/// `base` with the fields replaced that the definition gives. `None` if one of them is wrong.
+/// The material that a definition makes of `base`: a classical one changes what it names, a physical one takes its place.
+/// `None` if something in it is wrong.
 fn changed(
+    definition: &format::Material,
+    base: Material,
+    textures: &mut Textures<'_>,
+    report: &mut Report,
+) -> Option<Material> {
+    let format::Material::Phong { shines, .. } = definition else {
+        return PhysicalReader { textures, report }.material(&base.name, definition);
+    };
+    let shines = shines.map_or(base.shines, sides);
+    let phong = changed_phong(&base.name, definition, base.phong, textures, report)?;
+    // A change of the classical surface is meant for all integrators.
+    let physical = if phong == base.phong { base.physical } else { None };
+    Some(Material { phong, physical, shines, ..base })
+}
+
+/// `base` with the fields replaced that the definition gives.
+fn changed_phong(
     name: &str,
     definition: &format::Material,
     base: Phong,
@@ -118,7 +136,11 @@ fn changed(
         fresnel,
         absorption,
         priority,
-    } = definition;
+        shines: _,
+    } = definition
+    else {
+        return None;
+    };
     let at = |field: &str| format!("materials[\"{name}\"].{field}");
     let mut read = |field: &str, given: &Option<format::Coefficient>, base: Coefficient| {
         given.as_ref().map_or(Some(base), |value| report.check(at(field), textures.coefficient(value)))

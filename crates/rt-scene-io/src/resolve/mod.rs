@@ -1,6 +1,7 @@
 //! From the types of the file to the scene: names become ids, degrees radians, references files, and everything is
 //! checked.
 
+mod area_light;
 mod camera;
 mod film;
 mod group;
@@ -9,6 +10,7 @@ mod light;
 mod limit;
 mod material;
 mod node;
+mod physical;
 mod report;
 mod shape;
 mod studio;
@@ -22,7 +24,7 @@ use rt_shading::Appearance;
 
 use crate::bounds::tree_bounds;
 use crate::format::SceneFile;
-use crate::{LoadError, LoadOptions, Model, Scene, Truth};
+use crate::{Integrator, LoadError, LoadOptions, Model, Scene, Truth, format};
 use include::Models;
 use node::Objects;
 pub(crate) use studio::{backdrop, rounded};
@@ -49,15 +51,19 @@ pub(crate) fn resolve_with(
     }
     let given = file.clone();
     let models = Models::at_hand(model);
-    let Objects { mut report, materials, textures, meshes, groups, nodes, media, mut notes, .. } =
+    let Objects { mut report, mut materials, mut textures, meshes, groups, mut nodes, media, mut notes, .. } =
         Objects::resolve(&given, source, &options, models);
+    nodes.extend(area_light::nodes(&mut report, file.lights.as_deref().unwrap_or_default(), &mut materials));
     notes.extend(studio::complete(file, &tree_bounds(&nodes, &groups, &meshes)));
 
     let (lights, ambient) = light::lights(&mut report, file.lights.as_deref().unwrap_or_default());
-    let background = light::background(&mut report, file.background.as_ref());
+    let background = light::background(&mut report, file.background.as_ref(), &mut textures);
     let film = film::film(&mut report, &file.film);
     let cameras = camera::cameras(&mut report, file, &film, &media);
-    let settings = film::settings(&mut report, &file.settings);
+    let settings = film::settings(&mut report, &file.settings, default_integrator(file));
+    if file.settings.integrator.is_none() && settings.integrator != Integrator::Whitted {
+        notes.push(format!("The integrator is `{}`, as the scene asks for light that spreads.", settings.integrator.name()));
+    }
     let truth = file.truth.as_ref().and_then(|truth| {
         let mean = report.check("truth.mean", value::colour(&truth.mean))?;
         Some(Truth { mean, note: truth.note.clone() })
@@ -67,4 +73,14 @@ pub(crate) fn resolve_with(
     let warnings = report.finish()?;
     let appearance = Appearance { materials: materials.list, textures: textures.list, lights, ambient, background };
     Ok(Scene { name, cameras, film, settings, appearance, meshes, groups, nodes, truth, warnings, notes })
+}
+
+/// Path tracing for what the classical integrator has no light for: lights with extent, an image around the scene, physical
+/// materials.
+fn default_integrator(file: &SceneFile) -> Integrator {
+    let lights = file.lights.as_deref().unwrap_or_default();
+    let is_physical = lights.iter().any(area_light::has_extent)
+        || matches!(file.background, Some(format::Background::Image { .. }))
+        || file.materials.values().any(|material| !matches!(material, format::Material::Phong { .. }));
+    if is_physical { Integrator::Path } else { Integrator::Whitted }
 }

@@ -37,7 +37,7 @@ impl Lambert {
             value: self.albedo * FRAC_1_PI,
             pdf: cosine_pdf(wi),
             kind: Scattering::Reflection,
-            is_delta: false,
+            is_delta: false, is_diffuse: true,
             eta: 1.0,
         }
         .if_finite()
@@ -53,7 +53,7 @@ pub(super) fn cosine_pdf(w: DVec3) -> f64 {
 /// A direction above the surface by the cosine of its angle to the normal: a point of the unit disk, raised to the
 /// hemisphere (Malley 1988). The map of the square to the disk keeps neighbours together (Shirley, Chiu 1997).
 #[inline]
-pub(super) fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
+pub(crate) fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
     let [x, y] = u.map(|u| 2.0 * u - 1.0);
     if x == 0.0 && y == 0.0 {
         return DVec3::Z;

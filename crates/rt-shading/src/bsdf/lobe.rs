@@ -1,6 +1,6 @@
 //! The one list of models.
 
-use super::{BsdfSample, Conductor, Dielectric, Lambert, MetallicRoughness, Mirror, OrenNayar, PhongLobe, ThinGlass};
+use super::{BsdfSample, Conductor, Dielectric, Lambert, MetallicRoughness, Mirror, OrenNayar, PhongLobe, Refraction, ThinGlass};
 use rt_math::{DVec3, Rgb};
 
 /// Makes [`Lobe`] from the list: its variants, what they are made from, and the way to each model's own functions.
@@ -63,22 +63,29 @@ lobes! {
     MetallicRoughness(MetallicRoughness),
     /// A pane of glass without thickness.
     ThinGlass(ThinGlass),
+    /// Light straight through, bent by Snell's law.
+    Refraction(Refraction),
 }
 
 impl Lobe {
     /// True if all light goes into single directions.
     pub fn is_delta(&self) -> bool {
         match self {
-            Self::Mirror(_) | Self::ThinGlass(_) => true,
+            Self::Mirror(_) | Self::ThinGlass(_) | Self::Refraction(_) => true,
             Self::Dielectric(dielectric) => dielectric.is_smooth(),
             Self::Conductor(conductor) => conductor.is_smooth(),
             Self::Lambert(_) | Self::OrenNayar(_) | Self::Phong(_) | Self::MetallicRoughness(_) => false,
         }
     }
 
+    /// True if the first number of [`sample`](Self::sample) matters.
+    pub fn chooses(&self) -> bool {
+        matches!(self, Self::Dielectric(_) | Self::MetallicRoughness(_) | Self::ThinGlass(_))
+    }
+
     /// True if light may pass to the other side.
     pub fn transmits(&self) -> bool {
-        matches!(self, Self::Dielectric(_) | Self::ThinGlass(_))
+        matches!(self, Self::Dielectric(_) | Self::ThinGlass(_) | Self::Refraction(_))
     }
 
     /// Roughly what part of the light it scatters, to choose among lobes by.
@@ -88,6 +95,7 @@ impl Lobe {
             Self::OrenNayar(oren_nayar) => oren_nayar.albedo.max_component(),
             Self::Phong(phong) => phong.reflectance.max_component(),
             Self::Mirror(mirror) => mirror.reflectance.max_component(),
+            Self::Refraction(refraction) => refraction.transmittance.max_component(),
             Self::Dielectric(_) | Self::Conductor(_) | Self::MetallicRoughness(_) | Self::ThinGlass(_) => 1.0,
         }
     }

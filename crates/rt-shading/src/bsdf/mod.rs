@@ -40,6 +40,7 @@
 //! | [`OrenNayar`] | ρ/π · A · (1 + r·s/t) and what bounces between the grooves | Portsmouth, Kutz, Hill 2025 |
 //! | [`PhongLobe`] | ρ · (n + 2)/2π · cosⁿ α | Phong 1975; Lafortune, Willems 1994 |
 //! | [`Mirror`], [`ThinGlass`] | single directions | Fresnel 1823 |
+//! | [`Refraction`] | a single direction | Whitted 1980 |
 //! | [`Dielectric`] | F·D·G / (4 cos cos), and Snell's law at each facet | Walter et al. 2007 |
 //! | [`Conductor`] | F·D·G / (4 cos cos) with a complex index | Cook, Torrance 1982; Heitz 2018 |
 //! | [`MetallicRoughness`] | a diffuse base under a layer of dielectric, mixed with metal | glTF 2.0, appendix B; Kulla, Conty 2017 |
@@ -56,6 +57,7 @@ mod mirror;
 mod mix;
 mod oren_nayar;
 mod phong;
+mod refraction;
 mod side;
 #[cfg(test)]
 mod tests;
@@ -65,12 +67,14 @@ pub use conductor::{ComplexIor, Conductor, conductor_fresnel};
 pub use dielectric::Dielectric;
 pub use ggx::Ggx;
 pub use lambert::Lambert;
+pub(crate) use lambert::cosine_hemisphere;
 pub use lobe::Lobe;
 pub use metallic_roughness::{Coupling, MetallicRoughness};
 pub use mirror::Mirror;
 pub use mix::{MAX_LOBES, Mix, MixError};
 pub use oren_nayar::OrenNayar;
 pub use phong::PhongLobe;
+pub use refraction::Refraction;
 pub use thin_glass::ThinGlass;
 
 use rt_math::{DVec3, Rgb};
@@ -97,6 +101,8 @@ pub struct BsdfSample {
     pub kind: Scattering,
     /// True if `wi` is a single direction, of which `eval` and `pdf` know nothing.
     pub is_delta: bool,
+    /// True if a lobe chose `wi` that spreads light evenly, and not one around a mirrored or refracted direction.
+    pub is_diffuse: bool,
     /// Index of refraction on the side of `wi` divided by that on the side of `wo`: 1 but for transmission into another
     /// medium. Russian roulette must not take the squeezing of radiance by 1/`eta`² for a loss.
     pub eta: f64,
@@ -190,6 +196,14 @@ impl Bsdf {
         match self {
             Self::Single(lobe) => lobe.is_delta(),
             Self::Mix(mix) => mix.lobes().iter().all(|(_, lobe)| lobe.is_delta()),
+        }
+    }
+
+    /// True if the first number of [`Bsdf::sample`] matters, which chooses among kinds of scattering.
+    pub fn chooses(&self) -> bool {
+        match self {
+            Self::Single(lobe) => lobe.chooses(),
+            Self::Mix(_) => true,
         }
     }
 

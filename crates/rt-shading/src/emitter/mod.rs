@@ -17,7 +17,8 @@
 //! | [`MeshLight`] | a triangle by its area, a direction over the spherical triangle | Aᵢ/(A Ωᵢ) | Arvo 1995; Van Oosterom, Strackee 1983 |
 //! | [`EnvironmentLight`] | by luminance · solid angle | P(cell) / Ω(cell) | Pharr, Jakob, Humphreys, PBR 4th ed., 12.5 |
 //!
-//! Which of many lights is drawn from at all is said by [`PowerChoice`] or [`LightTree`].
+//! Which of many lights is drawn from at all is said by [`PowerChoice`] or [`LightTree`]; an [`EmitterSet`] holds all lights of a
+//! scene and the choice.
 //!
 //! All is in world space. Directions lead from the point that looks to the light. `sample` gives `None` where the light
 //! gives nothing: behind a one-sided one, in the plane of a flat one, at numbers that are NaN. Then `pdf` is 0 as well.
@@ -57,6 +58,7 @@ mod light_tree;
 mod mesh;
 mod quad;
 mod sample;
+mod set;
 mod solid_angle;
 mod sphere;
 #[cfg(test)]
@@ -72,6 +74,7 @@ pub use light_tree::LightTree;
 pub use mesh::MeshLight;
 pub use quad::QuadLight;
 pub use sample::{EmitterPoint, EmitterSample};
+pub use set::{EmitterRef, EmitterSet, LightSample, LightSampling};
 pub use sphere::SphereLight;
 
 use rt_math::{DVec3, Rgb};

@@ -10,9 +10,9 @@ fn materials(priorities: &[i32]) -> Vec<Material> {
         let coefficient = Coefficient::Constant(Rgb::WHITE);
         Transmission { coefficient, ior, fresnel: true, absorption: Rgb::BLACK, priority }
     };
-    let material = |(i, priority): (usize, &i32)| Material {
-        name: format!("{i}"),
-        phong: Phong { transmission: Some(inside(*priority, 1.0 + i as f64)), ..Phong::default() },
+    let material = |(i, priority): (usize, &i32)| {
+        let transmission = Some(inside(*priority, 1.0 + i as f64));
+        Material::new(format!("{i}"), Phong { transmission, ..Phong::default() })
     };
     priorities.iter().enumerate().map(material).collect()
 }
@@ -26,7 +26,7 @@ fn hit(object: u32, material: u32) -> SurfaceHit {
         shading_normal: DVec3::Y,
         uv: [0.0; 2],
     };
-    SurfaceHit { t: 1.0, interaction, object, material }
+    SurfaceHit { t: 1.0, interaction, object, material, emitter: None }
 }
 
 /// Goes through a surface; the iors on both sides of it, or `None` where it is not there.

@@ -28,7 +28,7 @@ impl Tracer for Facet {
             shading_normal: self.shading_normal,
             uv: [0.0; 2],
         };
-        Some(SurfaceHit { t: 1.0, interaction, object: 0, material: 0 })
+        Some(SurfaceHit { t: 1.0, interaction, object: 0, material: 0, emitter: None })
     }
 
     fn occluded(&mut self, ray: &Ray, _: Interval) -> bool {
@@ -41,7 +41,7 @@ impl Tracer for Facet {
 /// What is seen of the facet along `direction`.
 fn look(direction: DVec3, shading_normal: DVec3, phong: Phong, lights: Vec<Light>) -> (Rgb, Facet) {
     let appearance = Appearance {
-        materials: vec![Material { name: "facet".into(), phong }],
+        materials: vec![Material::new("facet".into(), phong)],
         lights,
         background: Background::Constant(Rgb::BLACK),
         ..Appearance::default()

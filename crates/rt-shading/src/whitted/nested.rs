@@ -31,7 +31,7 @@ impl Tracer for Shapes {
         let (object, hit) = hits.min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))?;
         let (shape, material) = &self.shapes[object];
         let interaction = shape.surface(ray, &hit, needs);
-        Some(SurfaceHit { t: hit.t, interaction, object: object as u32, material: *material })
+        Some(SurfaceHit { t: hit.t, interaction, object: object as u32, material: *material, emitter: None })
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
@@ -78,7 +78,7 @@ fn glow(radiance: f64) -> Phong {
 }
 
 pub(super) fn white_room(materials: &[Phong]) -> Appearance {
-    let named = |phong: &Phong| Material { name: String::new(), phong: *phong };
+    let named = |phong: &Phong| Material::new(String::new(), *phong);
     Appearance {
         materials: materials.iter().map(named).collect(),
         background: Background::Constant(Rgb::WHITE),
@@ -391,7 +391,7 @@ fn a_ray_through_endlessly_many_surfaces_ends() {
                 shading_normal: normal,
                 uv: [0.0; 2],
             };
-            Some(SurfaceHit { t, interaction, object: 0, material: 0 })
+            Some(SurfaceHit { t, interaction, object: 0, material: 0, emitter: None })
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
             false
@@ -402,5 +402,5 @@ fn a_ray_through_endlessly_many_surfaces_ends() {
     let mut world = Sheets(0);
     let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
     assert_eq!((seen.radiance, whitted.counts().depth_limited), (Rgb::BLACK, 1));
-    assert_eq!(world.0, shade::FREE_PASSAGES + 8);
+    assert_eq!(world.0, crate::meeting::FREE_PASSAGES + 8);
 }

@@ -1,25 +1,14 @@
 //! What happens where a ray meets a surface.
 
-use super::{
-    Whitted,
+use super::{Whitted, wave::Path};
+use crate::{
+    Appearance, Material, Phong, Seen, SurfaceHit,
+    interior::Crossing,
+    meeting::{FREE_PASSAGES, Meeting},
+    optics,
     view::{View, is_inside},
-    wave::Path,
 };
-use crate::{Appearance, Material, Phong, Seen, SurfaceHit, interior::Crossing, optics};
 use rt_math::{Interval, Ray, Rgb, transcendental::exp};
-
-/// So many surfaces that do nothing to a ray may stand one behind the other in its way; each further one costs a bounce,
-/// so that paths end.
-pub(super) const FREE_PASSAGES: u32 = 1024;
-
-/// What a surface is to a ray that meets it.
-enum Meeting {
-    Opaque,
-    /// There is another medium behind it, or it is visible for another reason.
-    Transparent(Crossing),
-    /// Nothing, but something to note if there is a crossing.
-    Nothing(Option<Crossing>),
-}
 
 impl Whitted {
     /// Ends a path at the first surface that shows: notes the light there, and the rays that it depends on. At a surface
@@ -37,10 +26,11 @@ impl Whitted {
             seen.radiance += path.weight * appearance.background.radiance(ray.direction);
             return self.ended.push(path.sample);
         };
-        let Some(Material { phong, .. }) = appearance.materials.get(hit.material as usize) else {
+        let Some(material) = appearance.materials.get(hit.material as usize) else {
             seen.hit = true;
             return self.ended.push(path.sample);
         };
+        let phong = &material.phong;
         let length = ray.direction.length();
         let direction = ray.direction / length;
         let inside = is_inside(direction, &hit.interaction);
@@ -57,7 +47,7 @@ impl Whitted {
             self.absorb(&mut path.weight, medium.absorption, way);
         }
         let view = View::new(direction, inside, &mut hit.interaction);
-        self.light(appearance, phong, &view, &path, ray.time);
+        self.light(appearance, material, &view, &path, ray.time);
         self.send_on(appearance, phong, &view, crossing, &path, ray.time);
     }
 
@@ -66,16 +56,10 @@ impl Whitted {
         if !(self.needs.refraction && phong.transmission.is_some()) {
             return Meeting::Opaque;
         }
-        match self.samples[sample as usize].interior.crossing(&appearance.materials, hit, inside) {
-            None => {
-                self.counts.interior_overflows += 1;
-                Meeting::Nothing(None)
-            }
-            Some(crossing) if crossing.is_boundary && !(crossing.is_null() && phong.is_clear()) => {
-                Meeting::Transparent(crossing)
-            }
-            unseen => Meeting::Nothing(unseen),
-        }
+        let interior = &mut self.samples[sample as usize].interior;
+        let meeting = Meeting::with_body(interior, &appearance.materials, phong, hit, inside);
+        self.counts.interior_overflows += u64::from(matches!(meeting, Meeting::Nothing(None)));
+        meeting
     }
 
     /// Goes on along the same ray, through a surface that does nothing to it.
@@ -117,12 +101,13 @@ impl Whitted {
 
     /// The surface's own light, and what it reflects of each lamp.
     #[inline]
-    fn light(&mut self, appearance: &Appearance, phong: &Phong, view: &View, path: &Path, time: f64) {
+    fn light(&mut self, appearance: &Appearance, material: &Material, view: &View, path: &Path, time: f64) {
+        let phong = &material.phong;
         let surface = view.surface;
         let textures = &appearance.textures;
         let mut radiance = Rgb::BLACK;
         if self.needs.emission {
-            radiance += phong.emission.at(textures, surface.uv);
+            radiance += material.emission(textures, surface.uv, view.is_inside);
         }
         if self.needs.ambient {
             radiance += phong.ambient.at(textures, surface.uv) * appearance.ambient;

@@ -37,7 +37,7 @@ impl Tracer for Echo {
             shading_normal: normal,
             uv: [0.0; 2],
         };
-        Some(SurfaceHit { t: 2.0 / ray.direction.length(), interaction, object: 0, material: 0 })
+        Some(SurfaceHit { t: 2.0 / ray.direction.length(), interaction, object: 0, material: 0, emitter: None })
     }
 
     fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
@@ -63,7 +63,7 @@ fn gray(value: f64) -> Coefficient {
 
 fn white_room(phong: Phong) -> Appearance {
     Appearance {
-        materials: vec![Material { name: "only".into(), phong }],
+        materials: vec![Material::new("only".into(), phong)],
         background: Background::Constant(Rgb::WHITE),
         ..Appearance::default()
     }
@@ -152,7 +152,7 @@ fn what_stands_inside_glass_is_seen_through_it() {
     };
     let mut appearance = white_room(Phong { transmission: Some(tinted), ..BARE });
     let core = Phong { emission: gray(1.0), mirror: gray(1.0), ..BARE };
-    appearance.materials.push(Material { name: "core".into(), phong: core });
+    appearance.materials.push(Material::new("core".into(), core));
     struct Paperweight(u32);
     impl Tracer for Paperweight {
         fn closest(&mut self, ray: &Ray, _: Interval, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
@@ -173,7 +173,7 @@ fn what_stands_inside_glass_is_seen_through_it() {
                 shading_normal: normal,
                 uv: [0.0; 2],
             };
-            Some(SurfaceHit { t: 2.0, interaction, object: 0, material })
+            Some(SurfaceHit { t: 2.0, interaction, object: 0, material, emitter: None })
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
             false
@@ -204,7 +204,7 @@ fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
                 shading_normal: normal,
                 uv: [0.0; 2],
             };
-            (self.0 == 1).then_some(SurfaceHit { t: 1.0, interaction, object: 0, material: 0 })
+            (self.0 == 1).then_some(SurfaceHit { t: 1.0, interaction, object: 0, material: 0, emitter: None })
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
             false

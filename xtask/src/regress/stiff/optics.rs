@@ -132,7 +132,7 @@ struct Look {
 }
 
 fn look(shapes: &[(Shape, Phong)], background: Background, depth: u32, ray: &Ray) -> Look {
-    let material = |(_, phong): &(Shape, Phong)| Material { name: String::new(), phong: *phong };
+    let material = |(_, phong): &(Shape, Phong)| Material::new(String::new(), *phong);
     let materials = shapes.iter().map(material).collect();
     let appearance = Appearance { materials, background, ..Appearance::default() };
     let set = ShapeSet::of_shapes(shapes.iter().map(|(shape, _)| shape.clone()));

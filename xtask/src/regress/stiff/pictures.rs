@@ -60,7 +60,7 @@ fn facing(width: u32, height: u32, node: Node, phong: Phong) -> Scene {
         film: FilmSettings { width, height, filter: Filter::Box, ..FilmSettings::default() },
         settings: Settings { spp: 1, pattern: SamplePattern::Centre, ..Settings::default() },
         appearance: Appearance {
-            materials: vec![Material { name: "front".into(), phong }],
+            materials: vec![Material::new("front".into(), phong)],
             background: Background::Constant(Rgb::gray(0.125)),
             ..Appearance::default()
         },

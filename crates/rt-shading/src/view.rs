@@ -6,15 +6,15 @@ use rt_math::DVec3;
 use crate::optics;
 
 /// A surface as the ray that met it sees it.
-pub(super) struct View<'s> {
+pub(crate) struct View<'s> {
     /// The surface, to start rays from. Its shading normal is the one that is shaded with.
-    pub(super) surface: &'s SurfaceInteraction,
+    pub(crate) surface: &'s SurfaceInteraction,
     /// True if it is seen from behind its geometric normal: from the inside of a closed shape.
-    pub(super) is_inside: bool,
+    pub(crate) is_inside: bool,
     /// Unit direction of the ray.
-    pub(super) direction: DVec3,
+    pub(crate) direction: DVec3,
     /// Unit shading normal, turned to the viewer's side of the surface.
-    pub(super) normal: DVec3,
+    pub(crate) normal: DVec3,
     /// Unit geometric normal, turned against the ray.
     geometric_normal: DVec3,
 }
@@ -22,7 +22,7 @@ pub(super) struct View<'s> {
 impl<'s> View<'s> {
     /// The surface as seen along a unit direction, from the `inside` or not ([`is_inside`]).
     #[inline]
-    pub(super) fn new(direction: DVec3, inside: bool, surface: &'s mut SurfaceInteraction) -> Self {
+    pub(crate) fn new(direction: DVec3, inside: bool, surface: &'s mut SurfaceInteraction) -> Self {
         let side = if inside { -1.0 } else { 1.0 };
         let geometric_normal = surface.geometric_normal * side;
         let normal = turned_to(-direction, surface.shading_normal * side).unwrap_or(geometric_normal);
@@ -32,13 +32,13 @@ impl<'s> View<'s> {
     }
 
     /// The mirrored direction, on the viewer's side of the surface.
-    pub(super) fn mirrored(&self) -> DVec3 {
+    pub(crate) fn mirrored(&self) -> DVec3 {
         Self::kept_on_the_side_of(self.geometric_normal, optics::reflect(self.direction, self.normal))
     }
 
     /// The refracted direction, on the far side of the surface; `None` on total internal reflection. For `eta` see
     /// [`optics::refract`].
-    pub(super) fn refracted(&self, eta: f64) -> Option<DVec3> {
+    pub(crate) fn refracted(&self, eta: f64) -> Option<DVec3> {
         let refracted = optics::refract(self.direction, self.normal, eta)?;
         Some(Self::kept_on_the_side_of(-self.geometric_normal, refracted))
     }
@@ -51,7 +51,7 @@ impl<'s> View<'s> {
 
 /// True if a ray comes from behind the surface: from the inside of a closed shape.
 #[inline]
-pub(super) fn is_inside(direction: DVec3, surface: &SurfaceInteraction) -> bool {
+pub(crate) fn is_inside(direction: DVec3, surface: &SurfaceInteraction) -> bool {
     direction.dot(surface.geometric_normal) > 0.0
 }
 

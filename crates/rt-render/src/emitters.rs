@@ -1,0 +1,183 @@
+//! Lights with extent: the parts of the world that shine, as emitters to be drawn from.
+
+use rt_geometry::{Polygon, Shape, TriangleMesh};
+use rt_math::{Aabb, DVec3, Rgb, Transform};
+use rt_scene_io::{Background, Scene};
+use rt_shading::{
+    Coefficient,
+    emitter::{CylinderLight, DiskLight, Emission, Emitter, EmitterSet, MeshLight, QuadLight, SphereLight},
+};
+
+use crate::world::{Assembly, Levels, Part, PartGeometry};
+
+/// How far the angles of a parallelogram may be off, as a part of its side.
+const SQUARENESS: f64 = 1e-9;
+
+/// Makes emitters of all parts that shine evenly, and notes at each part which it is. What cannot be drawn from (a textured
+/// lamp, a torus) is still found by rays.
+pub(crate) fn emitters(scene: &Scene, top: &mut Assembly, levels: &mut Levels) -> EmitterSet {
+    let mut collected = Vec::new();
+    let shines = |part: &Part| emission_of(scene, part).is_some();
+    let groups_shine: Vec<bool> = levels.groups.iter().map(|group| group.parts.iter().any(shines)).collect();
+    for part in &mut top.parts {
+        if let PartGeometry::Group(level, transform) = &part.geometry {
+            if !groups_shine[*level as usize] {
+                continue;
+            }
+            // The lights of an instance follow each other; each part of the group knows its place among them.
+            let first = collected.len() as u32;
+            let group = &levels.groups[*level as usize];
+            for inner in &group.parts {
+                collected.extend(emitter_of(scene, inner, transform.as_deref(), levels));
+            }
+            part.emitter = (collected.len() as u32 > first).then_some(first);
+        } else if let Some(emitter) = emitter_of(scene, part, None, levels) {
+            part.emitter = Some(collected.len() as u32);
+            collected.push(emitter);
+        }
+    }
+    for (level, _) in groups_shine.iter().enumerate().filter(|(_, shines)| **shines) {
+        let is_emitter: Vec<bool> = levels.groups[level]
+            .parts
+            .iter()
+            .map(|part| emitter_of(scene, part, None, levels).is_some())
+            .collect();
+        let mut next = 0;
+        for (part, _) in levels.groups[level].parts.iter_mut().zip(is_emitter).filter(|(_, is)| *is) {
+            part.emitter = Some(next);
+            next += 1;
+        }
+    }
+    if let Background::Environment(light) = &scene.appearance.background {
+        collected.push(Emitter::Environment(light.as_ref().clone()));
+    }
+    EmitterSet::new(collected, scene.settings.light_sampling, radius(top))
+}
+
+/// Half of the diagonal around the bounded part of the world; 1 without one.
+fn radius(top: &Assembly) -> f64 {
+    let bounds = top.parts.iter().filter_map(|part| part.bounds).fold(Aabb::EMPTY, Aabb::union);
+    if bounds.is_empty() { 1.0 } else { 0.5 * bounds.extent().length() }
+}
+
+/// What a part's surface emits, if it is the same everywhere on it.
+fn emission_of(scene: &Scene, part: &Part) -> Option<Emission> {
+    if matches!(part.geometry, PartGeometry::Group(..)) {
+        return None;
+    }
+    let material = scene.appearance.materials.get(part.material as usize)?;
+    let Coefficient::Constant(radiance) = material.phong.emission else { return None };
+    (radiance != Rgb::BLACK).then(|| Emission::new(radiance, material.shines).ok())?
+}
+
+/// The emitter that a part is, within an assembly that a transform places.
+fn emitter_of(scene: &Scene, part: &Part, outer: Option<&Transform>, levels: &Levels) -> Option<Emitter> {
+    let emission = emission_of(scene, part)?;
+    let outer = outer.copied().unwrap_or(Transform::IDENTITY);
+    match &part.geometry {
+        PartGeometry::Shape(shape) => emitter_of_shape(shape, &outer, emission),
+        PartGeometry::Placed(placed) => {
+            emitter_of_shape(placed.shape(), &outer.then_first(placed.world_from_local()), emission)
+        }
+        PartGeometry::Mesh(level, transform) => {
+            let inner = transform.as_deref().copied().unwrap_or(Transform::IDENTITY);
+            emitter_of_mesh(&levels.meshes[*level as usize].mesh, &outer.then_first(&inner), emission)
+        }
+        PartGeometry::Group(..) => None,
+    }
+}
+
+fn emitter_of_shape(shape: &Shape, world_from_local: &Transform, emission: Emission) -> Option<Emitter> {
+    let at = |point: DVec3| world_from_local.point(point);
+    match shape {
+        Shape::Sphere(sphere) => {
+            let radius = sphere.radius() * world_from_local.uniform_scale()?;
+            SphereLight::new(at(sphere.centre()), radius, emission).ok().map(Emitter::Sphere)
+        }
+        Shape::Disk(disk) => {
+            let scale = world_from_local.uniform_scale()?;
+            let normal = world_from_local.normal(DVec3::Y).normalize();
+            let (radius, inner) = (disk.radius() * scale, disk.inner_radius() * scale);
+            DiskLight::new(at(DVec3::ZERO), normal, radius, inner, emission).ok().map(Emitter::Disk)
+        }
+        Shape::Cylinder(cylinder) => {
+            let radius = cylinder.radius() * world_from_local.uniform_scale()?;
+            let [base, top] = cylinder.heights().map(|y| at(DVec3::Y * y));
+            CylinderLight::new(base, top, radius, cylinder.has_caps(), emission).ok().map(Emitter::Cylinder)
+        }
+        Shape::Rectangle(rectangle) => {
+            let (x, z) = (0.5 * rectangle.width(), 0.5 * rectangle.depth());
+            let corners = [[-x, z], [x, z], [x, -z], [-x, -z]].map(|[x, z]| at(DVec3::new(x, 0.0, z)));
+            quad(corners, world_from_local.normal(DVec3::Y), emission)
+        }
+        Shape::Polygon(polygon) => emitter_of_polygon(polygon, world_from_local, emission),
+        Shape::Triangle(triangle) => mesh([triangle.vertices()], world_from_local, emission),
+        Shape::AxisBox(axis_box) => mesh(faces_of(&axis_box.bounds()), world_from_local, emission),
+        _ => None,
+    }
+}
+
+/// The parallelogram of four corners in order; `None` if they are none.
+fn quad([a, b, c, d]: [DVec3; 4], normal: DVec3, emission: Emission) -> Option<Emitter> {
+    let size = (b - a).length().max((d - a).length());
+    if !((a + c - b - d).length() <= SQUARENESS * size) {
+        return None;
+    }
+    let edges = if (b - a).cross(d - a).dot(normal) > 0.0 { [b - a, d - a] } else { [d - a, b - a] };
+    QuadLight::new(a, edges, emission).ok().map(Emitter::Quad)
+}
+
+/// A polygon without dents and holes.
+fn emitter_of_polygon(polygon: &Polygon, world_from_local: &Transform, emission: Emission) -> Option<Emitter> {
+    let mut rings = polygon.rings();
+    let (Some(outline), None) = (rings.next(), rings.next()) else { return None };
+    if let [a, b, c, d] = outline {
+        let corners = [a, b, c, d].map(|corner| world_from_local.point(*corner));
+        if let Some(light) = quad(corners, world_from_local.normal(polygon.normal()), emission) {
+            return Some(light);
+        }
+    }
+    let next = |i: usize| outline[i % outline.len()];
+    let turns_left =
+        |i: usize| (next(i + 1) - next(i)).cross(next(i + 2) - next(i + 1)).dot(polygon.normal()) >= 0.0;
+    let fan = (1..outline.len() - 1).map(|i| [outline[0], outline[i], outline[i + 1]]);
+    // An outline that winds around more than once turns left everywhere, and is wider than its fan.
+    let is_fan = (0..outline.len()).all(turns_left)
+        && fan.clone().all(|[a, b, c]| (b - a).cross(c - a).dot(polygon.normal()) >= 0.0);
+    if is_fan { mesh(fan, world_from_local, emission) } else { None }
+}
+
+fn emitter_of_mesh(source: &TriangleMesh, world_from_local: &Transform, emission: Emission) -> Option<Emitter> {
+    let data = source.data();
+    let vertex = |index: u32| data.positions[index as usize].as_dvec3();
+    mesh(data.triangles.iter().map(|triangle| triangle.map(vertex)), world_from_local, emission)
+}
+
+/// Triangles that face outwards where their vertices run counter-clockwise in local space.
+fn mesh(
+    triangles: impl IntoIterator<Item = [DVec3; 3]>,
+    world_from_local: &Transform,
+    emission: Emission,
+) -> Option<Emitter> {
+    let flips = world_from_local.flips_handedness();
+    let placed = triangles.into_iter().map(|triangle| {
+        let [a, b, c] = triangle.map(|vertex| world_from_local.point(vertex));
+        if flips { [a, c, b] } else { [a, b, c] }
+    });
+    MeshLight::new(placed, emission).ok().map(Emitter::Mesh)
+}
+
+/// The twelve triangles of a box.
+fn faces_of(bounds: &Aabb) -> impl Iterator<Item = [DVec3; 3]> {
+    let corners = bounds.corners();
+    let corner = |x: usize, y: usize, z: usize| corners[x | y << 1 | z << 2];
+    let quads = [
+        [corner(0, 0, 0), corner(0, 0, 1), corner(0, 1, 1), corner(0, 1, 0)],
+        [corner(1, 0, 0), corner(1, 1, 0), corner(1, 1, 1), corner(1, 0, 1)],
+        [corner(0, 0, 0), corner(1, 0, 0), corner(1, 0, 1), corner(0, 0, 1)],
+        [corner(0, 1, 0), corner(0, 1, 1), corner(1, 1, 1), corner(1, 1, 0)],
+        [corner(0, 0, 0), corner(0, 1, 0), corner(1, 1, 0), corner(1, 0, 0)],
+        [corner(0, 0, 1), corner(1, 0, 1), corner(1, 1, 1), corner(0, 1, 1)],
+    ];
+    quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]])
+}

@@ -1,0 +1,103 @@
+//! Lights with extent: shapes that shine, added to the objects.
+
+use std::sync::Arc;
+
+use rt_geometry::{Cylinder, Disk, InsideRule, Polygon, Shape, ShapeError, Sphere};
+use rt_math::{DMat3, DVec3, Frame, Rgb, Transform};
+use rt_shading::emitter::Sides;
+use rt_shading::{Coefficient, Phong, Physical};
+
+use super::material::Materials;
+use super::physical::sides;
+use super::report::Report;
+use super::value::{colour, direction, positive, vector};
+use crate::format;
+use crate::{Content, Material, Node, Reason};
+
+/// The nodes of all lights with extent; each has a material of its own.
+pub(super) fn nodes(report: &mut Report, lights: &[format::Light], materials: &mut Materials<'_>) -> Vec<Node> {
+    let mut nodes = Vec::new();
+    for (i, light) in lights.iter().enumerate() {
+        let path = format!("lights[{i}]");
+        let Some((name, radiance, shines)) = surface(light) else { continue };
+        let radiance = report.check(format_args!("{path}.radiance"), colour(radiance));
+        let (Some(radiance), Some((shape, place))) = (radiance, placed(report, &path, light)) else { continue };
+        let name = if name.is_empty() { format!("light {i}") } else { name.to_owned() };
+        let node = Node::new(Content::Shape(shape), materials.add(lamp(&name, radiance, shines)));
+        nodes.push(Node { name, parent_from_local: place, ..node });
+    }
+    nodes
+}
+
+/// True for a light that has extent.
+pub(super) fn has_extent(light: &format::Light) -> bool {
+    surface(light).is_some()
+}
+
+/// Name, radiance and sides of a light with extent.
+fn surface(light: &format::Light) -> Option<(&str, &format::Color, Sides)> {
+    match light {
+        format::Light::Quad { name, radiance, shines, .. } | format::Light::Disk { name, radiance, shines, .. } => {
+            Some((name, radiance, sides(*shines)))
+        }
+        format::Light::Sphere { name, radiance, .. } | format::Light::Cylinder { name, radiance, .. } => {
+            Some((name, radiance, Sides::Front))
+        }
+        _ => None,
+    }
+}
+
+fn lamp(name: &str, radiance: Rgb, shines: Sides) -> Material {
+    let zero = Coefficient::ZERO;
+    let emission = Coefficient::Constant(radiance);
+    let phong = Phong { ambient: zero, diffuse: zero, emission, ..Phong::default() };
+    Material { name: name.to_owned(), phong, physical: Some(Physical::Black), shines }
+}
+
+/// Shape and place of a light. What is wrong is reported.
+fn placed(report: &mut Report, path: &str, light: &format::Light) -> Option<(Shape, Transform)> {
+    let shape = |shape: Result<Shape, ShapeError>| shape.map_err(Reason::from);
+    match light {
+        format::Light::Quad { corner, edges, .. } => {
+            let corner = report.check(format_args!("{path}.corner"), vector(*corner));
+            let along = report.check(format_args!("{path}.edges"), vector(edges.0));
+            let across = report.check(format_args!("{path}.edges"), vector(edges.1));
+            let (corner, along, across) = (corner?, along?, across?);
+            let outline = vec![corner, corner + along, corner + along + across, corner + across];
+            let polygon = Polygon::new(outline, Vec::new(), InsideRule::Convex).map_err(Reason::from);
+            let polygon = report.check(path, polygon)?;
+            Some((Shape::Polygon(Arc::new(polygon)), Transform::IDENTITY))
+        }
+        format::Light::Disk { center, normal, radius, .. } => {
+            let normal = report.check(format_args!("{path}.normal"), direction(*normal));
+            let center = report.check(format_args!("{path}.center"), vector(*center));
+            let disk = positive(*radius).and_then(|radius| shape(Disk::new(radius, 0.0).map(Shape::Disk)));
+            let disk = report.check(format_args!("{path}.radius"), disk)?;
+            Some((disk, upright(report, path, center?, normal?)?))
+        }
+        format::Light::Sphere { center, radius, .. } => {
+            let center = report.check(format_args!("{path}.center"), vector(*center))?;
+            let sphere = positive(*radius).and_then(|radius| shape(Sphere::new(center, radius).map(Shape::Sphere)));
+            Some((report.check(format_args!("{path}.radius"), sphere)?, Transform::IDENTITY))
+        }
+        format::Light::Cylinder { base, top, radius, caps, .. } => {
+            let base = report.check(format_args!("{path}.base"), vector(*base));
+            let top = report.check(format_args!("{path}.top"), vector(*top));
+            let (base, top) = (base?, top?);
+            let axis = report.check(format_args!("{path}.top"), direction((top - base).to_array()))?;
+            let tube = positive(*radius).and_then(|radius| {
+                shape(Cylinder::new(radius, 0.0, (top - base).length(), *caps).map(Shape::Cylinder))
+            });
+            let tube = report.check(format_args!("{path}.radius"), tube)?;
+            Some((tube, upright(report, path, base, axis)?))
+        }
+        _ => None,
+    }
+}
+
+/// Takes +y to a unit vector, and the origin to a point.
+fn upright(report: &mut Report, path: &str, origin: DVec3, up: DVec3) -> Option<Transform> {
+    let frame = Frame::from_z(up);
+    let turn = DMat3::from_cols(frame.y, frame.z, frame.x);
+    report.check(path, Transform::from_linear(turn, origin).map_err(Reason::from))
+}

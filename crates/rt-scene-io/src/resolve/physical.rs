@@ -1,0 +1,254 @@
+//! Physical materials of the file, each with the classical surface that comes nearest to it.
+
+use rt_math::Rgb;
+use rt_shading::bsdf::{ComplexIor, MAX_LOBES};
+use rt_shading::emitter::Sides;
+use rt_shading::{Coefficient, Phong, Physical, Transmission};
+
+use super::material::MAX_EXPONENT;
+use super::report::Report;
+use super::texture::Textures;
+use super::value::{colour, not_negative, positive, within};
+use crate::format::{self, Metal};
+use crate::{Material, Reason};
+
+/// Part of the ambient light that a diffuse surface shows.
+const AMBIENT: f64 = 0.1;
+
+/// How much a pane of glass mirrors when looked at straight, for the classical surface.
+const PANE_MIRROR: f64 = 0.08;
+
+/// Reads the physical materials of the file.
+pub(super) struct PhysicalReader<'r, 'a> {
+    pub(super) textures: &'r mut Textures<'a>,
+    pub(super) report: &'r mut Report,
+}
+
+/// A surface on both forms.
+struct Surface {
+    phong: Phong,
+    physical: Physical,
+    shines: Sides,
+}
+
+const ZERO: Coefficient = Coefficient::ZERO;
+
+/// Nothing is seen of it.
+const BARE: Phong = Phong {
+    ambient: ZERO,
+    diffuse: ZERO,
+    specular: ZERO,
+    exponent: 32.0,
+    highlight: rt_shading::Highlight::Phong,
+    emission: ZERO,
+    mirror: ZERO,
+    transmission: None,
+};
+
+impl PhysicalReader<'_, '_> {
+    /// The material of this name; `None` if something in it is wrong, which is reported.
+    pub(super) fn material(&mut self, name: &str, definition: &format::Material) -> Option<Material> {
+        let Surface { phong, physical, shines } = self.surface(&format!("materials[\"{name}\"]"), definition)?;
+        Some(Material { name: name.to_owned(), phong, physical: Some(physical), shines })
+    }
+
+    fn surface(&mut self, path: &str, definition: &format::Material) -> Option<Surface> {
+        let both = |phong, physical| Surface { phong, physical, shines: Sides::Both };
+        match definition {
+            // A classical surface within a mix is one that shines and scatters nothing, or is refused.
+            format::Material::Phong { .. } => {
+                let rule = "cannot be part of a mix: use `diffuse`, `glossy`, `mirror` or another physical material";
+                self.report.check::<()>(path, Err(Reason::invalid("a `phong` material", rule)));
+                None
+            }
+            format::Material::Diffuse { albedo, roughness, emission } => {
+                let albedo = self.coefficient(path, "albedo", albedo)?;
+                let roughness = self.share(path, "roughness", *roughness)?;
+                let emission = self.emission(path, emission.as_ref())?;
+                let phong = Phong { emission, ..diffuse(albedo) };
+                Some(both(phong, Physical::Diffuse { albedo, roughness }))
+            }
+            format::Material::Glossy { diffuse: base, specular, exponent } => {
+                let base = self.coefficient(path, "diffuse", base)?;
+                let specular = self.coefficient(path, "specular", specular)?;
+                let exponent =
+                    self.report.check(format_args!("{path}.exponent"), within(*exponent, 0.0, MAX_EXPONENT))?;
+                let phong = Phong { specular, exponent, ..diffuse(base) };
+                Some(both(phong, Physical::Glossy { diffuse: base, specular, exponent }))
+            }
+            format::Material::Mirror { reflectance } => {
+                let reflectance = self.coefficient(path, "reflectance", reflectance)?;
+                Some(both(Phong { mirror: reflectance, ..BARE }, Physical::Mirror { reflectance }))
+            }
+            format::Material::Glass { .. } => self.glass(path, definition),
+            format::Material::Metal { metal, n, k, roughness } => {
+                let roughness = self.share(path, "roughness", *roughness)?;
+                let ior = self.metal(path, *metal, n.as_ref(), k.as_ref())?;
+                let phong = metal_phong(Coefficient::Constant(ior.fresnel(1.0)), roughness);
+                Some(both(phong, Physical::Conductor { ior, roughness }))
+            }
+            format::Material::MetallicRoughness { base_color, metallic, roughness, emission } => {
+                let base_color = self.coefficient(path, "base_color", base_color)?;
+                let metallic = self.share(path, "metallic", *metallic)?;
+                let roughness = self.share(path, "roughness", *roughness)?;
+                let emission = self.emission(path, emission.as_ref())?;
+                let metal = metal_phong(base_color, roughness);
+                let base = Phong { mirror: scaled(metal.mirror, metallic), ..diffuse(base_color) };
+                let phong = Phong { emission, diffuse: if metallic < 1.0 { base.diffuse } else { metal.diffuse }, ..base };
+                Some(both(phong, Physical::MetallicRoughness { base_color, metallic, roughness }))
+            }
+            format::Material::ThinGlass { ior, transmittance } => {
+                let ior = self.report.check(format_args!("{path}.ior"), positive(*ior))?;
+                let transmittance = self.coefficient(path, "transmittance", transmittance)?;
+                let air = Transmission {
+                    coefficient: transmittance,
+                    ior: 1.0,
+                    fresnel: false,
+                    absorption: Rgb::BLACK,
+                    priority: 0,
+                };
+                let mirror = Coefficient::Constant(Rgb::gray(PANE_MIRROR));
+                let phong = Phong { mirror, transmission: Some(air), ..BARE };
+                Some(both(phong, Physical::ThinGlass { ior, transmittance }))
+            }
+            format::Material::Light { radiance, shines } => {
+                let emission = self.coefficient(path, "radiance", radiance)?;
+                Some(Surface { phong: Phong { emission, ..BARE }, physical: Physical::Black, shines: sides(*shines) })
+            }
+            format::Material::Mix(parts) => self.mix(path, parts),
+        }
+    }
+
+    fn glass(&mut self, path: &str, definition: &format::Material) -> Option<Surface> {
+        let format::Material::Glass { ior, roughness, transmittance, absorption, priority } = definition else {
+            return None;
+        };
+        let ior = self.report.check(format_args!("{path}.ior"), positive(*ior))?;
+        let roughness = self.share(path, "roughness", *roughness)?;
+        let transmittance = self.coefficient(path, "transmittance", transmittance)?;
+        let absorption = match absorption {
+            Some(value) => self.report.check(format_args!("{path}.absorption"), colour(value))?,
+            None => Rgb::BLACK,
+        };
+        let inside = Transmission { coefficient: transmittance, ior, fresnel: true, absorption, priority: *priority };
+        let mirror = Coefficient::Constant(Rgb::WHITE);
+        let phong = Phong { mirror, transmission: Some(inside), ..BARE };
+        let physical = Physical::Dielectric { roughness, transmittance };
+        Some(Surface { phong, physical, shines: Sides::Both })
+    }
+
+    fn metal(
+        &mut self,
+        path: &str,
+        metal: Option<Metal>,
+        n: Option<&format::Color>,
+        k: Option<&format::Color>,
+    ) -> Option<ComplexIor> {
+        let ior = match (metal, n, k) {
+            (Some(metal), None, None) => Ok(measured(metal)),
+            (None, Some(n), Some(k)) => colour(n).and_then(|n| Ok(ComplexIor { n, k: colour(k)? })),
+            _ => Err(Reason::invalid("the metal", "needs either the name of a `metal`, or both `n` and `k`")),
+        };
+        self.report.check(path, ior)
+    }
+
+    fn mix(&mut self, path: &str, parts: &[(f64, format::Material)]) -> Option<Surface> {
+        if parts.is_empty() || parts.len() > MAX_LOBES {
+            let rule = format!("must have 1 to {MAX_LOBES}");
+            self.report.check::<()>(path, Err(Reason::invalid(format_args!("{} materials", parts.len()), rule)));
+            return None;
+        }
+        let mut sum = Surface { phong: BARE, physical: Physical::Black, shines: Sides::Both };
+        let mut mixed = Vec::with_capacity(parts.len());
+        for (i, (weight, part)) in parts.iter().enumerate() {
+            let at = format!("{path}[{i}]");
+            let weight = self.report.check(&at, not_negative(*weight))?;
+            if matches!(part, format::Material::Glass { .. } | format::Material::Mix(_)) {
+                let rule = "cannot be part of a mix";
+                self.report.check::<()>(&at, Err(Reason::invalid("glass or another mix", rule)));
+                return None;
+            }
+            let surface = self.surface(&at, part)?;
+            sum.add(weight, &surface);
+            mixed.push((weight, surface.physical));
+        }
+        Some(Surface { physical: Physical::Mix(mixed), ..sum })
+    }
+
+    fn coefficient(&mut self, path: &str, field: &str, value: &format::Coefficient) -> Option<Coefficient> {
+        self.report.check(format_args!("{path}.{field}"), self.textures.coefficient(value))
+    }
+
+    fn emission(&mut self, path: &str, value: Option<&format::Coefficient>) -> Option<Coefficient> {
+        value.map_or(Some(Coefficient::ZERO), |value| self.coefficient(path, "emission", value))
+    }
+
+    /// A number from 0 to 1.
+    fn share(&mut self, path: &str, field: &str, value: f64) -> Option<f64> {
+        self.report.check(format_args!("{path}.{field}"), within(value, 0.0, 1.0))
+    }
+}
+
+impl Surface {
+    /// Lays the classical form of another surface over this one. Of textures, the first of each coefficient is seen.
+    fn add(&mut self, weight: f64, other: &Self) {
+        let Phong { ambient, diffuse, specular, emission, mirror, .. } = &mut self.phong;
+        let of_other = &other.phong;
+        let pairs = [
+            (ambient, of_other.ambient),
+            (diffuse, of_other.diffuse),
+            (specular, of_other.specular),
+            (emission, of_other.emission),
+            (mirror, of_other.mirror),
+        ];
+        for (sum, more) in pairs {
+            *sum = match (*sum, scaled(more, weight)) {
+                (Coefficient::Constant(a), Coefficient::Constant(b)) => Coefficient::Constant(a + b),
+                (textured @ Coefficient::Textured(..), _) | (_, textured) => textured,
+            };
+        }
+        if !of_other.specular.is_zero() {
+            self.phong.exponent = of_other.exponent;
+        }
+        if !of_other.emission.is_zero() {
+            self.shines = other.shines;
+        }
+        self.phong.transmission = self.phong.transmission.or(of_other.transmission);
+    }
+}
+
+pub(super) const fn sides(sides: format::Sides) -> Sides {
+    match sides {
+        format::Sides::Front => Sides::Front,
+        format::Sides::Both => Sides::Both,
+    }
+}
+
+fn diffuse(albedo: Coefficient) -> Phong {
+    Phong { ambient: scaled(albedo, AMBIENT), diffuse: albedo, ..BARE }
+}
+
+/// The smoother metal is, the more of its light is shown as mirrored, and the rest as diffuse.
+fn metal_phong(reflectance: Coefficient, roughness: f64) -> Phong {
+    let smooth = (1.0 - 2.0 * roughness).max(0.0);
+    Phong { mirror: scaled(reflectance, smooth), ..diffuse(scaled(reflectance, 1.0 - smooth)) }
+}
+
+fn scaled(coefficient: Coefficient, by: f64) -> Coefficient {
+    match coefficient {
+        Coefficient::Constant(rgb) => Coefficient::Constant(rgb * by),
+        Coefficient::Textured(id, rgb) => Coefficient::Textured(id, rgb * by),
+    }
+}
+
+const fn measured(metal: Metal) -> ComplexIor {
+    match metal {
+        Metal::Aluminium => ComplexIor::ALUMINIUM,
+        Metal::Chromium => ComplexIor::CHROMIUM,
+        Metal::Copper => ComplexIor::COPPER,
+        Metal::Gold => ComplexIor::GOLD,
+        Metal::Iron => ComplexIor::IRON,
+        Metal::Silver => ComplexIor::SILVER,
+        Metal::Titanium => ComplexIor::TITANIUM,
+    }
+}

@@ -1,0 +1,65 @@
+//! How open the surroundings of a surface are.
+
+use crate::{
+    Seen, Tracer,
+    bsdf::cosine_hemisphere,
+    view::{View, is_inside},
+};
+use rt_geometry::SurfaceNeeds;
+use rt_math::{Frame, Interval, Ray, RayKind, Rgb, Sampler};
+
+/// Shows the part of the sky that each point of a surface sees, by the cosine: ∫ V(ω) cos θ / π dω, 1 on an open plain
+/// (Zhukov, Iones, Kronin, "An ambient light illumination model", 1998). White where no surface is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AmbientOcclusion {
+    /// Surfaces farther away than this, in world units, hide nothing; infinite for all.
+    pub reach: f64,
+}
+
+/// What the view keeps from wave to wave. Keep one per thread.
+#[derive(Clone, Debug, Default)]
+pub struct OcclusionWave {
+    rays: Vec<(Ray, Interval)>,
+    /// The camera ray that each belongs to.
+    places: Vec<u32>,
+    blocked: Vec<bool>,
+}
+
+impl OcclusionWave {
+    /// An estimate from one direction for each camera ray: `seen[i]` answers `rays[i]`, which draws from `samplers[i]`.
+    pub fn radiance_of<S: Sampler + Clone>(
+        &mut self,
+        view: &AmbientOcclusion,
+        world: &mut impl Tracer,
+        rays: &[(Ray, Interval)],
+        samplers: &[S],
+        seen: &mut [Seen],
+    ) {
+        self.rays.clear();
+        self.places.clear();
+        let needs = SurfaceNeeds { uv: false, shading_normal: true };
+        world.closest_batch(rays, RayKind::Primary, needs, |at, hit| {
+            seen[at] = Seen { radiance: Rgb::WHITE, hit: hit.is_some() };
+            let (Some(hit), Some(sampler)) = (hit, samplers.get(at)) else { return };
+            let ray = &rays[at].0;
+            let direction = ray.direction.normalize();
+            let inside = is_inside(direction, &hit.interaction);
+            let surface = View::new(direction, inside, &mut hit.interaction);
+            let towards = Frame::from_z(surface.normal).from_local(cosine_hemisphere(sampler.clone().next_2d()));
+            if towards.dot(surface.surface.geometric_normal) * if inside { -1.0 } else { 1.0 } <= 0.0 {
+                // Below the actual surface, where an interpolated normal reaches.
+                seen[at].radiance = Rgb::BLACK;
+                return;
+            }
+            let spawned = surface.surface.spawn_ray(towards, ray.time);
+            self.rays.push((spawned, Interval { max: view.reach, ..Interval::SPAWNED }));
+            self.places.push(at as u32);
+        });
+        self.blocked.clear();
+        self.blocked.resize(self.rays.len(), false);
+        world.occluded_batch(&self.rays, &mut self.blocked);
+        for (place, _) in self.places.iter().zip(&self.blocked).filter(|(_, blocked)| **blocked) {
+            seen[*place as usize].radiance = Rgb::BLACK;
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Light that passes through a surface by Snell's law, as much of it as one says.
+
+use super::{BsdfSample, Scattering, side::Side};
+use crate::optics;
+use rt_math::{DVec3, Rgb};
+
+/// Refracts a constant part of the light, whatever the angle, and drops what would be totally reflected (Whitted 1980).
+///
+/// Radiance is not squeezed by the media: what enters a body and leaves it again keeps its brightness, and a lamp inside of
+/// one looks as bright as outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refraction {
+    /// Index of refraction below the surface divided by that above, positive and finite; otherwise nothing is scattered.
+    pub ior: f64,
+    /// Part of the light that passes, per channel in \[0, 1\].
+    pub transmittance: Rgb,
+}
+
+impl Refraction {
+    /// As [`super::Bsdf::eval`]: black.
+    pub fn eval(&self, _: DVec3, _: DVec3) -> Rgb {
+        Rgb::BLACK
+    }
+
+    /// As [`super::Bsdf::pdf`]: 0.
+    pub fn pdf(&self, _: DVec3, _: DVec3) -> f64 {
+        0.0
+    }
+
+    /// As [`super::Bsdf::sample`]: the refracted direction, of weight `transmittance`.
+    pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+        let ior = if wo.z > 0.0 { self.ior } else { 1.0 / self.ior };
+        let (wo, side) = Side::of(wo, u)?;
+        if !(ior > 0.0 && ior.is_finite()) {
+            return None;
+        }
+        // Where there is no surface, directions keep all of their bits.
+        let wi = if ior == 1.0 { -wo } else { optics::refract(-wo, DVec3::Z, 1.0 / ior)? };
+        BsdfSample {
+            wi: side.restore(wi),
+            value: self.transmittance / wi.z.abs(),
+            pdf: 1.0,
+            kind: Scattering::Transmission,
+            is_delta: true,
+            is_diffuse: false,
+            eta: 1.0,
+        }
+        .if_finite()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_passes_by_snells_law_and_keeps_its_part() {
+        let surface = Refraction { ior: 1.5, transmittance: Rgb::gray(0.7) };
+        let sample = surface.sample(DVec3::new(0.6, 0.0, 0.8), [0.5; 3]).expect("passes");
+        assert!((sample.wi.x + 0.4).abs() < 1e-15 && sample.wi.z < 0.0);
+        assert!((sample.weight().r - 0.7).abs() < 1e-15);
+        assert_eq!(surface.sample(DVec3::new(0.8, 0.0, -0.6), [0.5; 3]), None, "totally reflected");
+        let air = Refraction { ior: 1.0, ..surface };
+        assert_eq!(air.sample(DVec3::new(0.6, 0.0, 0.8), [0.5; 3]).expect("passes").wi, DVec3::new(-0.6, 0.0, -0.8));
+    }
+
+    #[test]
+    fn useless_indices_scatter_nothing() {
+        for ior in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(Refraction { ior, transmittance: Rgb::WHITE }.sample(DVec3::Z, [0.5; 3]), None);
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Light transport along camera paths, by random choice, in waves.
+
+mod scatter;
+mod wave;
+
+use crate::{Appearance, Interior, Needs, Seen, ShadingCounts, Tracer, emitter::EmitterSet};
+use rt_math::{Interval, Ray, Sampler};
+use wave::{Flow, Path, Shadows};
+
+/// Which light is followed beyond the first surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Follows {
+    /// All of it: the rendering equation (Kajiya 1986).
+    Everything,
+    /// What is mirrored or refracted, sharply or not; diffuse surfaces show direct and ambient light alone ("Distributed Ray
+    /// Tracing", Cook, Porter, Carpenter 1984).
+    Reflections,
+}
+
+/// How paths are followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathSettings {
+    /// Bounces after the first surface: 0 for emission and direct light.
+    pub max_depth: u32,
+    /// Bounces before Russian roulette may end a path.
+    pub roulette_from: u32,
+    /// Which light is followed.
+    pub follows: Follows,
+}
+
+/// Unidirectional path tracing with next-event estimation (Kajiya 1986; Veach 1997, 10.2).
+///
+/// At each surface a light with extent is drawn from, and a direction from the BSDF; where the two can find the same light,
+/// they are weighted by the power heuristic (Veach, Guibas 1995). All lights without extent are asked at each surface, since
+/// they are few. Paths end by Russian roulette, of which the chances follow what the path carries.
+///
+/// ```text
+///   camera ────● x₁ ─ ─ ─ ─ □ light          L ≈ Lₑ(x₁)  +  w · f L cos / p(light)  +  f cos / p(BSDF) · [ w · Lₑ(x₂) + … ]
+///               ╲
+///                ● x₂ ─ ─ ─ □
+/// ```
+///
+/// Classical lights and surfaces are taken so that they keep the brightness that they have under [`Whitted`](crate::Whitted): the
+/// intensity of a light counts π times, and kd is an albedo. Transparent bodies lie within each other as they do there.
+/// Shadow rays pass through no surface: light behind glass is found by directions from the BSDF alone.
+///
+/// Many paths are followed together, each with its own sampler, so that what a camera ray sees is the same to the bit
+/// whatever else is in the wave. Keep one instance per thread: all buffers are reused.
+#[derive(Clone, Debug)]
+pub struct PathTracer<S> {
+    settings: PathSettings,
+    needs: Needs,
+    /// What camera rays start inside of.
+    surroundings: Interior,
+    paths: Vec<Path<S>>,
+    /// What is traced now, while the flow after it grows.
+    flow: Flow,
+    next: Flow,
+    shadows: Shadows,
+    /// Whether a ray that ends at the next surface may find light.
+    finds_light: bool,
+    counts: ShadingCounts,
+}
+
+/// What light depends on beside the geometry: what the plan hands to an integrator.
+#[derive(Clone, Copy, Debug)]
+pub struct Lighting<'a> {
+    /// Materials, textures, lights without extent, and the background.
+    pub appearance: &'a Appearance,
+    /// Lights with extent.
+    pub emitters: &'a EmitterSet,
+}
+
+impl<S: Sampler + Clone> PathTracer<S> {
+    /// Follows paths as the settings say, and computes only what `needs` names.
+    pub fn new(settings: PathSettings, needs: Needs) -> Self {
+        Self {
+            settings,
+            needs,
+            surroundings: Interior::default(),
+            paths: Vec::new(),
+            flow: Flow::default(),
+            next: Flow::default(),
+            shadows: Shadows::default(),
+            finds_light: false,
+            counts: ShadingCounts::default(),
+        }
+    }
+
+    /// Says what camera rays start inside of, from now on; air unless something else is said.
+    pub fn set_surroundings(&mut self, surroundings: &Interior) {
+        self.surroundings.clone_from(surroundings);
+    }
+
+    /// Work done since the counts were last taken.
+    pub fn take_counts(&mut self) -> ShadingCounts {
+        core::mem::take(&mut self.counts)
+    }
+
+    /// An estimate of the radiance that camera rays see: `seen[i]` answers `rays[i]`, whose path draws from `samplers[i]`. What
+    /// is beyond the shortest slice is left alone. Infinite or NaN if the scene is; the caller decides about such samples.
+    pub fn radiance_of(
+        &mut self,
+        world: &mut impl Tracer,
+        lighting: Lighting<'_>,
+        rays: &[(Ray, Interval)],
+        samplers: &[S],
+        seen: &mut [Seen],
+    ) {
+        let count = rays.len().min(samplers.len()).min(seen.len());
+        let seen = &mut seen[..count];
+        seen.fill(Seen::NOTHING);
+        self.finds_light = self.needs.emission || !lighting.appearance.background.is_black();
+        self.start(&rays[..count], samplers);
+        while !self.flow.is_empty() {
+            let flow = core::mem::take(&mut self.flow);
+            for (kind, queue) in flow.queues() {
+                world.closest_batch(&queue.rays, kind, self.needs.surface(), |at, hit| {
+                    let (id, ray) = (queue.paths[at], &queue.rays[at].0);
+                    self.meet(lighting, id, ray, hit, &mut seen[id as usize]);
+                });
+            }
+            self.flow = flow;
+            self.shadows.gather(|rays, blocked| world.occluded_batch(rays, blocked), seen);
+            self.flow.clear();
+            core::mem::swap(&mut self.flow, &mut self.next);
+        }
+    }
+
+    fn start(&mut self, rays: &[(Ray, Interval)], samplers: &[S]) {
+        // Lists of bodies keep their memory from wave to wave.
+        self.paths.truncate(rays.len());
+        for (path, sampler) in self.paths.iter_mut().zip(samplers) {
+            path.restart(sampler.clone());
+        }
+        for sampler in &samplers[self.paths.len()..rays.len()] {
+            self.paths.push(Path::new(sampler.clone()));
+        }
+        if self.needs.refraction {
+            for path in &mut self.paths {
+                path.interior.clone_from(&self.surroundings);
+            }
+        }
+        self.flow.primary.rays.extend_from_slice(rays);
+        self.flow.primary.paths.extend(0..rays.len() as u32);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,282 @@
+//! What happens where a path meets a surface.
+
+use super::{
+    Follows, Lighting, PathTracer,
+    wave::{Origin, Path, Queue},
+};
+use crate::{
+    Material, PhysicalPoint, Seen, SurfaceHit,
+    bsdf::{Bsdf, BsdfSample, Scattering},
+    interior::Crossing,
+    meeting::{FREE_PASSAGES, Meeting},
+    view::{View, is_inside},
+};
+use core::f64::consts::PI;
+use rt_math::{DVec3, Frame, Interval, Ray, Rgb, Sampler, transcendental::exp};
+
+/// Paths go on with at most this chance once roulette is played, so that none goes on for ever.
+const MOST_LIKELY: f64 = 0.95;
+
+/// The power heuristic with exponent 2, of a direction drawn with density `drawn` that could have been drawn with `other`.
+fn power_heuristic(drawn: f64, other: f64) -> f64 {
+    // The quotient does not overflow where squares do.
+    let ratio = other / drawn;
+    1.0 / (1.0 + ratio * ratio)
+}
+
+/// A surface where light is gathered and scattered.
+struct Vertex<'a> {
+    view: View<'a>,
+    bsdf: Bsdf,
+    /// Shading coordinates: z is the shading normal, on the outside.
+    frame: Frame,
+    /// To the viewer, in the frame.
+    wo: DVec3,
+    /// The normal by which lights are chosen: on the viewer's side, unless light comes through.
+    normal: Option<DVec3>,
+    time: f64,
+}
+
+impl<'a> Vertex<'a> {
+    fn new(lighting: Lighting<'_>, material: &Material, view: View<'a>, crossing: Option<&Crossing>, time: f64) -> Self {
+        let ior = crossing.map_or(1.0, |crossing| {
+            let (before, after) = (crossing.before.ior, crossing.after.ior);
+            if view.is_inside { before / after } else { after / before }
+        });
+        let at = PhysicalPoint { textures: &lighting.appearance.textures, uv: view.surface.uv, ior };
+        let bsdf = material.bsdf(&at);
+        let frame = Frame::from_z(view.surface.shading_normal);
+        let wo = frame.to_local(-view.direction);
+        let normal = (!bsdf.transmits()).then_some(view.normal);
+        Self { view, bsdf, frame, wo, normal, time }
+    }
+
+    /// The part of radiance from `wi` (world space) that goes to the viewer, with the cosine, and the density with which the
+    /// BSDF would draw it. Black where the interpolated normal and the actual one disagree about the side.
+    #[inline]
+    fn scattered(&self, wi: DVec3) -> (Rgb, f64) {
+        let local = self.frame.to_local(wi);
+        if (local.z > 0.0) != (wi.dot(self.view.surface.geometric_normal) > 0.0) {
+            return (Rgb::BLACK, 0.0);
+        }
+        let value = self.bsdf.eval(self.wo, local) * local.z.abs();
+        if value.is_black() { (value, 0.0) } else { (value, self.bsdf.pdf(self.wo, local)) }
+    }
+}
+
+impl<S: Sampler + Clone> PathTracer<S> {
+    /// Adds the light of what the ray has met to what the path sees, draws light there, and sends the path on.
+    pub(super) fn meet(
+        &mut self,
+        lighting: Lighting<'_>,
+        id: u32,
+        ray: &Ray,
+        hit: Option<&mut SurfaceHit>,
+        seen: &mut Seen,
+    ) {
+        let path = &mut self.paths[id as usize];
+        let Some(hit) = hit else {
+            let weight = path.weight * environment_weight(lighting, path, ray.direction);
+            seen.radiance += weight * lighting.appearance.background.radiance(ray.direction);
+            return;
+        };
+        let materials = &lighting.appearance.materials;
+        let Some(material) = materials.get(hit.material as usize) else {
+            seen.hit = true;
+            return;
+        };
+        let length = ray.direction.length();
+        let direction = ray.direction / length;
+        let inside = is_inside(direction, &hit.interaction);
+        let meeting = if self.needs.refraction && material.phong.transmission.is_some() {
+            Meeting::with_body(&mut path.interior, materials, &material.phong, hit, inside)
+        } else {
+            Meeting::Opaque
+        };
+        let way = (hit.t - path.medium_start) * length;
+        let crossing = match meeting {
+            Meeting::Nothing(crossing) => return self.pass(hit, ray, crossing.as_ref(), way, id, seen),
+            Meeting::Transparent(crossing) => Some(crossing),
+            Meeting::Opaque => None,
+        };
+        seen.hit = true;
+        if self.needs.absorption {
+            let medium = crossing.map_or_else(|| path.interior.medium(materials), |c| c.before);
+            absorb(&mut path.weight, medium.absorption, way);
+        }
+        if self.needs.emission {
+            let emitted = material.emission(&lighting.appearance.textures, hit.interaction.uv, inside);
+            if !emitted.is_black() {
+                seen.radiance += path.weight * emitted * emitter_weight(lighting, path, hit);
+            }
+        }
+        if path.is_last {
+            return;
+        }
+        let view = View::new(direction, inside, &mut hit.interaction);
+        let vertex = Vertex::new(lighting, material, view, crossing.as_ref(), ray.time);
+        if self.settings.follows == Follows::Reflections && self.needs.ambient {
+            let ambient = material.phong.ambient.at(&lighting.appearance.textures, vertex.view.surface.uv);
+            seen.radiance += path.weight * ambient * lighting.appearance.ambient;
+        }
+        self.draw_lights(lighting, id, &vertex, seen);
+        self.scatter(id, &vertex, crossing.as_ref());
+    }
+
+    /// Goes on along the same ray, through a surface that does nothing to it.
+    fn pass(
+        &mut self,
+        hit: &SurfaceHit,
+        ray: &Ray,
+        crossing: Option<&Crossing>,
+        way: f64,
+        id: u32,
+        seen: &mut Seen,
+    ) {
+        let path = &mut self.paths[id as usize];
+        if let Some(crossing) = crossing {
+            if crossing.before.absorption != crossing.after.absorption {
+                seen.hit |= absorb(&mut path.weight, crossing.before.absorption, way);
+                path.medium_start = hit.t;
+            }
+            path.interior.cross(crossing);
+        } else {
+            self.counts.interior_overflows += 1;
+        }
+        self.counts.passages += 1;
+        path.passages += 1;
+        path.bounces += u32::from(path.passages > FREE_PASSAGES);
+        if path.bounces > self.settings.max_depth + u32::from(path.is_last) {
+            self.counts.depth_limited += 1;
+            return;
+        }
+        self.next.refracted.push(*ray, hit.beyond(ray), id);
+    }
+
+    /// Asks all lights without extent and one of those with, and leaves it to shadow rays whether they count.
+    fn draw_lights(&mut self, lighting: Lighting<'_>, id: u32, vertex: &Vertex<'_>, seen: &mut Seen) {
+        let path = &mut self.paths[id as usize];
+        let surface = vertex.view.surface;
+        let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
+        if vertex.bsdf.is_delta() {
+            return;
+        }
+        for light in &lighting.appearance.lights {
+            let Some(lit) = light.illuminate(surface.point) else { continue };
+            let (scattered, _) = vertex.scattered(lit.direction);
+            // A classical surface reflects kd of a light, and not kd / π of it.
+            let radiance = path.weight * scattered * lit.strength * PI;
+            if radiance.is_black() {
+                self.counts.shadow_rays_spared += u64::from(light.casts_shadows);
+            } else if light.casts_shadows {
+                self.shadows.push(light.shadow_ray(&shadow_rays, &lit, vertex.time), id, radiance);
+            } else {
+                seen.radiance += radiance;
+            }
+        }
+        if lighting.emitters.is_empty() {
+            return;
+        }
+        let u = path.sampler.next_2d();
+        let choice = if lighting.emitters.emitters().len() > 1 { path.sampler.next_1d() } else { 0.0 };
+        let Some(light) = lighting.emitters.sample(surface.point, vertex.normal, choice, u) else {
+            self.counts.shadow_rays_spared += 1;
+            return;
+        };
+        let (scattered, bsdf_pdf) = vertex.scattered(light.sample.direction);
+        if scattered.is_black() {
+            self.counts.shadow_rays_spared += 1;
+            return;
+        }
+        let weight = power_heuristic(light.pdf, bsdf_pdf) / light.pdf;
+        let radiance = path.weight * scattered * light.sample.radiance * weight;
+        let ray = match light.sample.shadow_target() {
+            Some(target) => (shadow_rays.to(target, vertex.time), Interval::SEGMENT),
+            None => (shadow_rays.towards(light.sample.direction, vertex.time), Interval::SPAWNED),
+        };
+        self.shadows.push(ray, id, radiance);
+    }
+
+    /// Chooses the direction in which the path goes on, if it does.
+    fn scatter(&mut self, id: u32, vertex: &Vertex<'_>, crossing: Option<&Crossing>) {
+        let path = &mut self.paths[id as usize];
+        let [u, v] = path.sampler.next_2d();
+        let lobe = if vertex.bsdf.chooses() { path.sampler.next_1d() } else { 0.0 };
+        let Some(sample) = vertex.bsdf.sample(vertex.wo, [lobe, u, v]) else { return };
+        let wi = vertex.frame.from_local(sample.wi);
+        let surface = vertex.view.surface;
+        if (sample.wi.z > 0.0) != (wi.dot(surface.geometric_normal) > 0.0) {
+            return;
+        }
+        let ends = path.bounces >= self.settings.max_depth
+            || (self.settings.follows == Follows::Reflections && sample.is_diffuse);
+        if ends && !self.finds_light {
+            self.counts.depth_limited += 1;
+            return;
+        }
+        path.weight *= sample.weight();
+        path.squeezed *= sample.eta * sample.eta;
+        path.bounces += 1;
+        path.passages = 0;
+        path.medium_start = 0.0;
+        path.is_last = ends;
+        path.origin = Origin {
+            point: surface.point,
+            normal: vertex.normal,
+            pdf: (!sample.is_delta).then_some(sample.pdf),
+        };
+        if path.weight.is_black() || !survives(path, self.settings.roulette_from) {
+            return;
+        }
+        if let (Some(crossing), Scattering::Transmission) = (crossing, sample.kind) {
+            path.interior.cross(crossing);
+        }
+        let ray = surface.spawn_ray(wi, vertex.time);
+        self.queue_of(&sample).push(ray, Interval::SPAWNED, id);
+    }
+
+    fn queue_of(&mut self, sample: &BsdfSample) -> &mut Queue {
+        match sample.kind {
+            Scattering::Transmission => &mut self.next.refracted,
+            Scattering::Reflection if sample.is_diffuse => &mut self.next.diffuse,
+            Scattering::Reflection => &mut self.next.reflected,
+        }
+    }
+}
+
+/// Russian roulette, once the path is old enough; what survives counts more.
+fn survives<S: Sampler>(path: &mut Path<S>, roulette_from: u32) -> bool {
+    if path.bounces <= roulette_from {
+        return true;
+    }
+    let chance = (path.weight.max_component() * path.squeezed).min(MOST_LIKELY);
+    if path.sampler.next_1d() >= chance {
+        return false;
+    }
+    path.weight = path.weight / chance;
+    true
+}
+
+/// Beer's law along a way in world units; whether it took anything.
+fn absorb(weight: &mut Rgb, absorption: Rgb, way: f64) -> bool {
+    if absorption.is_black() {
+        return false;
+    }
+    *weight *= absorption.map(|per_unit| exp(-per_unit * way));
+    true
+}
+
+/// By how much the light of a surface counts that a path has met, as it might have been drawn.
+fn emitter_weight<S>(lighting: Lighting<'_>, path: &Path<S>, hit: &SurfaceHit) -> f64 {
+    let (Some(light), Some(pdf)) = (hit.emitter, path.origin.pdf) else { return 1.0 };
+    let Origin { point, normal, .. } = path.origin;
+    let surface = &hit.interaction;
+    let drawn = lighting.emitters.pdf(point, normal, light, surface.point, surface.geometric_normal);
+    power_heuristic(pdf, drawn)
+}
+
+/// The same for the environment.
+fn environment_weight<S>(lighting: Lighting<'_>, path: &Path<S>, direction: DVec3) -> f64 {
+    let (Some(_), Some(pdf)) = (lighting.emitters.environment(), path.origin.pdf) else { return 1.0 };
+    power_heuristic(pdf, lighting.emitters.environment_pdf(path.origin.point, path.origin.normal, direction))
+}

@@ -1,0 +1,138 @@
+//! What paths keep between their surfaces, and the rays that are traced together.
+
+use crate::{Interior, Seen};
+use rt_math::{DVec3, Interval, Ray, RayKind, Rgb};
+
+/// The surface that a path comes from, as far as it matters to lights that the path meets.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Origin {
+    pub(super) point: DVec3,
+    /// The normal by which lights were chosen there.
+    pub(super) normal: Option<DVec3>,
+    /// Density of the path's direction; `None` for a single direction, of which lights that are drawn know nothing.
+    pub(super) pdf: Option<f64>,
+}
+
+/// A path on its way.
+#[derive(Clone, Debug)]
+pub(super) struct Path<S> {
+    pub(super) sampler: S,
+    /// What the path is inside of.
+    pub(super) interior: Interior,
+    /// By how much the radiance that it meets counts in the pixel.
+    pub(super) weight: Rgb,
+    /// By how much media squeeze radiance here, which is no loss: the weight is greater by it in air.
+    pub(super) squeezed: f64,
+    pub(super) origin: Origin,
+    /// Surfaces that have scattered it.
+    pub(super) bounces: u32,
+    /// Surfaces passed in a row that did nothing to it.
+    pub(super) passages: u32,
+    /// Where on its ray the medium began.
+    pub(super) medium_start: f64,
+    /// True if it only looks for the light of the next surface.
+    pub(super) is_last: bool,
+}
+
+const CAMERA: Origin = Origin { point: DVec3::ZERO, normal: None, pdf: None };
+
+impl<S> Path<S> {
+    pub(super) fn new(sampler: S) -> Self {
+        Self {
+            sampler,
+            interior: Interior::default(),
+            weight: Rgb::WHITE,
+            squeezed: 1.0,
+            origin: CAMERA,
+            bounces: 0,
+            passages: 0,
+            medium_start: 0.0,
+            is_last: false,
+        }
+    }
+
+    /// A new path in the memory of the old one.
+    pub(super) fn restart(&mut self, sampler: S) {
+        let mut interior = core::mem::take(&mut self.interior);
+        interior.clear();
+        *self = Self { interior, ..Self::new(sampler) };
+    }
+}
+
+/// Rays of one kind, and the paths that they belong to.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Queue {
+    pub(super) rays: Vec<(Ray, Interval)>,
+    pub(super) paths: Vec<u32>,
+}
+
+impl Queue {
+    pub(super) fn push(&mut self, ray: Ray, span: Interval, path: u32) {
+        self.rays.push((ray, span));
+        self.paths.push(path);
+    }
+}
+
+/// The rays of all paths, by kind: each path has one.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Flow {
+    pub(super) primary: Queue,
+    pub(super) reflected: Queue,
+    pub(super) refracted: Queue,
+    pub(super) diffuse: Queue,
+}
+
+impl Flow {
+    pub(super) fn queues(&self) -> [(RayKind, &Queue); 4] {
+        [
+            (RayKind::Primary, &self.primary),
+            (RayKind::Reflection, &self.reflected),
+            (RayKind::Refraction, &self.refracted),
+            (RayKind::Diffuse, &self.diffuse),
+        ]
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.queues().iter().all(|(_, queue)| queue.rays.is_empty())
+    }
+
+    pub(super) fn clear(&mut self) {
+        for queue in [&mut self.primary, &mut self.reflected, &mut self.refracted, &mut self.diffuse] {
+            queue.rays.clear();
+            queue.paths.clear();
+        }
+    }
+}
+
+/// Light that paths have drawn, until the shadow rays are answered that decide about it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Shadows {
+    rays: Vec<(Ray, Interval)>,
+    /// The path of each ray, and what its pixel gets if nothing is in the way.
+    drawn: Vec<(u32, Rgb)>,
+    blocked: Vec<bool>,
+}
+
+impl Shadows {
+    pub(super) fn push(&mut self, ray: (Ray, Interval), path: u32, radiance: Rgb) {
+        self.rays.push(ray);
+        self.drawn.push((path, radiance));
+    }
+
+    /// Traces the rays and adds the light that is not blocked to what the paths see.
+    pub(super) fn gather(&mut self, mut occluded: impl FnMut(&[(Ray, Interval)], &mut [bool]), seen: &mut [Seen]) {
+        if self.rays.is_empty() {
+            return;
+        }
+        self.blocked.clear();
+        self.blocked.resize(self.rays.len(), false);
+        occluded(&self.rays, &mut self.blocked);
+        for ((path, radiance), is_blocked) in self.drawn.iter().zip(&self.blocked) {
+            if !is_blocked {
+                seen[*path as usize].radiance += *radiance;
+            }
+        }
+        self.rays.clear();
+        self.drawn.clear();
+    }
+}

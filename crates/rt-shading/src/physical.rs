@@ -1,0 +1,245 @@
+//! Surfaces that obey physics, as a scene describes them: what a BSDF is made from at each point.
+
+use crate::{
+    Coefficient, Highlight, Phong, Texture, Transmission,
+    bsdf::{
+        Bsdf, ComplexIor, Conductor, Coupling, Dielectric, Lambert, Lobe, MAX_LOBES, MetallicRoughness, Mirror, Mix,
+        OrenNayar, PhongLobe, Refraction, ThinGlass,
+    },
+};
+use rt_math::Rgb;
+
+/// A physical surface, of which colours may vary with the texture coordinates. Integrators that follow light from surface
+/// to surface ask it for a [`Bsdf`] at each hit.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Physical {
+    /// Scatters nothing: the surface of a lamp.
+    Black,
+    /// Diffuse: Lambert's law, with grooves (Oren, Nayar 1994) where `roughness` is not 0.
+    Diffuse {
+        /// Part of the light that is reflected.
+        albedo: Coefficient,
+        /// Roughness of [`OrenNayar`], 0 to 1.
+        roughness: f64,
+    },
+    /// Diffuse with a highlight of Phong's shape, energy-normalised.
+    Glossy {
+        /// Part of the light that is reflected diffusely.
+        diffuse: Coefficient,
+        /// Part of the light along the normal that the highlight reflects.
+        specular: Coefficient,
+        /// Exponent of [`PhongLobe`].
+        exponent: f64,
+    },
+    /// A perfect mirror.
+    Mirror {
+        /// Part of the light that is reflected.
+        reflectance: Coefficient,
+    },
+    /// The surface of glass or water. The indices of refraction are those of the bodies on both sides.
+    Dielectric {
+        /// Roughness of the facets, 0 to 1.
+        roughness: f64,
+        /// What is left of light that passes through the surface.
+        transmittance: Coefficient,
+    },
+    /// Metal.
+    Conductor {
+        /// Index of refraction.
+        ior: ComplexIor,
+        /// Roughness of the facets, 0 to 1.
+        roughness: f64,
+    },
+    /// The material of glTF.
+    MetallicRoughness {
+        /// Colour of the diffuse part, or of the metal.
+        base_color: Coefficient,
+        /// 0 for a dielectric, 1 for metal.
+        metallic: f64,
+        /// Roughness of the facets, 0 to 1.
+        roughness: f64,
+    },
+    /// A pane of glass without thickness.
+    ThinGlass {
+        /// Index of refraction.
+        ior: f64,
+        /// What is left of light that crosses it once along the normal.
+        transmittance: Coefficient,
+    },
+    /// A weighted sum of up to [`MAX_LOBES`] surfaces, none of which is a mix itself.
+    Mix(Vec<(f64, Self)>),
+}
+
+/// The surface at one point, for [`Physical::bsdf`].
+#[derive(Clone, Copy, Debug)]
+pub struct PhysicalPoint<'a> {
+    /// The textures that coefficients refer to.
+    pub textures: &'a [Texture],
+    /// Texture coordinates.
+    pub uv: [f64; 2],
+    /// Index of refraction below the surface divided by that above.
+    pub ior: f64,
+}
+
+impl PhysicalPoint<'_> {
+    /// A reflectance: what is beyond 1 would make light of nothing.
+    fn reflectance(&self, coefficient: &Coefficient) -> Rgb {
+        coefficient.at(self.textures, self.uv).map(|c| c.min(1.0))
+    }
+}
+
+impl Physical {
+    /// The surface as the classical one describes it, with the brightness that it has under [`Whitted`](crate::Whitted):
+    /// the diffuse coefficient is an albedo, the highlight is as bright as it was along its axis, and mirrored and refracted
+    /// light is shared by the same rule.
+    pub fn bsdf_of_phong(phong: &Phong, at: &PhysicalPoint<'_>) -> Bsdf {
+        let mut lobes = Layers::default();
+        lobes.lay(Lambert { albedo: at.reflectance(&phong.diffuse) }.into(), &phong.diffuse);
+        let exponent = match phong.highlight {
+            Highlight::Phong => phong.exponent,
+            // Between the half vector and the normal the angle is half of that to the mirrored direction.
+            Highlight::Blinn => 0.25 * phong.exponent,
+        };
+        let specular = at.reflectance(&phong.specular) * (2.0 / (exponent + 2.0));
+        lobes.lay(PhongLobe { reflectance: specular, exponent }.into(), &phong.specular);
+        let mirror = at.reflectance(&phong.mirror);
+        match &phong.transmission {
+            Some(Transmission { coefficient, fresnel: true, .. }) => {
+                let transmittance = at.reflectance(coefficient);
+                let surface = Dielectric { ior: at.ior, roughness: 0.0, reflectance: mirror, transmittance };
+                lobes.push(surface.into());
+            }
+            Some(Transmission { coefficient, fresnel: false, .. }) => {
+                lobes.lay(Mirror { reflectance: mirror }.into(), &phong.mirror);
+                let passing = Refraction { ior: at.ior, transmittance: at.reflectance(coefficient) };
+                lobes.lay(passing.into(), coefficient);
+            }
+            None => lobes.lay(Mirror { reflectance: mirror }.into(), &phong.mirror),
+        }
+        lobes.finish()
+    }
+
+    /// What the surface does to light at a point.
+    pub fn bsdf(&self, at: &PhysicalPoint<'_>) -> Bsdf {
+        match self {
+            Self::Glossy { diffuse, specular, exponent } => {
+                let mut lobes = Layers::default();
+                lobes.lay(Lambert { albedo: at.reflectance(diffuse) }.into(), diffuse);
+                let lobe = PhongLobe { reflectance: at.reflectance(specular), exponent: *exponent };
+                lobes.lay(lobe.into(), specular);
+                lobes.finish()
+            }
+            Self::Mix(parts) => {
+                let mut lobes = Layers::default();
+                for (weight, part) in parts {
+                    lobes.push_all(*weight, &part.bsdf(at));
+                }
+                lobes.finish()
+            }
+            single => Bsdf::Single(single.lobe(at)),
+        }
+    }
+
+    fn lobe(&self, at: &PhysicalPoint<'_>) -> Lobe {
+        match self {
+            Self::Diffuse { albedo, roughness: 0.0 } => Lambert { albedo: at.reflectance(albedo) }.into(),
+            Self::Diffuse { albedo, roughness } => {
+                OrenNayar { albedo: at.reflectance(albedo), roughness: *roughness }.into()
+            }
+            Self::Mirror { reflectance } => Mirror { reflectance: at.reflectance(reflectance) }.into(),
+            Self::Dielectric { roughness, transmittance } => {
+                let transmittance = at.reflectance(transmittance);
+                Dielectric { transmittance, ..Dielectric::clear(at.ior, *roughness) }.into()
+            }
+            Self::Conductor { ior, roughness } => Conductor { ior: *ior, roughness: *roughness }.into(),
+            Self::MetallicRoughness { base_color, metallic, roughness } => MetallicRoughness {
+                base_color: at.reflectance(base_color),
+                metallic: *metallic,
+                roughness: *roughness,
+                coupling: Coupling::Albedo,
+            }
+            .into(),
+            Self::ThinGlass { ior, transmittance } => {
+                ThinGlass { ior: *ior, transmittance: at.reflectance(transmittance) }.into()
+            }
+            Self::Black | Self::Glossy { .. } | Self::Mix(_) => BLACK,
+        }
+    }
+
+    /// The coefficients, which may have textures.
+    pub fn coefficients(&self) -> Vec<&Coefficient> {
+        match self {
+            Self::Black | Self::Conductor { .. } => vec![],
+            Self::Diffuse { albedo: one, .. }
+            | Self::Mirror { reflectance: one }
+            | Self::Dielectric { transmittance: one, .. }
+            | Self::MetallicRoughness { base_color: one, .. }
+            | Self::ThinGlass { transmittance: one, .. } => vec![one],
+            Self::Glossy { diffuse, specular, .. } => vec![diffuse, specular],
+            Self::Mix(parts) => parts.iter().flat_map(|(_, part)| part.coefficients()).collect(),
+        }
+    }
+
+    /// The coefficients, to change them.
+    pub fn coefficients_mut(&mut self) -> Vec<&mut Coefficient> {
+        match self {
+            Self::Black | Self::Conductor { .. } => vec![],
+            Self::Diffuse { albedo: one, .. }
+            | Self::Mirror { reflectance: one }
+            | Self::Dielectric { transmittance: one, .. }
+            | Self::MetallicRoughness { base_color: one, .. }
+            | Self::ThinGlass { transmittance: one, .. } => vec![one],
+            Self::Glossy { diffuse, specular, .. } => vec![diffuse, specular],
+            Self::Mix(parts) => parts.iter_mut().flat_map(|(_, part)| part.coefficients_mut()).collect(),
+        }
+    }
+}
+
+const BLACK: Lobe = Lobe::Lambert(Lambert { albedo: Rgb::BLACK });
+
+/// Lobes over each other.
+struct Layers {
+    lobes: [(f64, Lobe); MAX_LOBES],
+    count: usize,
+}
+
+impl Default for Layers {
+    fn default() -> Self {
+        Self { lobes: [(0.0, BLACK); MAX_LOBES], count: 0 }
+    }
+}
+
+impl Layers {
+    /// A lobe, unless its coefficient is zero everywhere.
+    fn lay(&mut self, lobe: Lobe, coefficient: &Coefficient) {
+        if !coefficient.is_zero() {
+            self.push(lobe);
+        }
+    }
+
+    fn push(&mut self, lobe: Lobe) {
+        self.push_weighted(1.0, lobe);
+    }
+
+    fn push_weighted(&mut self, weight: f64, lobe: Lobe) {
+        if let Some(place) = self.lobes.get_mut(self.count) {
+            *place = (weight, lobe);
+            self.count += 1;
+        }
+    }
+
+    fn push_all(&mut self, weight: f64, bsdf: &Bsdf) {
+        match bsdf {
+            Bsdf::Single(lobe) => self.push_weighted(weight, *lobe),
+            Bsdf::Mix(mix) => mix.lobes().iter().for_each(|(within, lobe)| self.push_weighted(weight * within, *lobe)),
+        }
+    }
+
+    fn finish(self) -> Bsdf {
+        match &self.lobes[..self.count] {
+            [] => Bsdf::Single(BLACK),
+            [(1.0, lobe)] => Bsdf::Single(*lobe),
+            lobes => Mix::new(lobes).map_or(Bsdf::Single(BLACK), Bsdf::Mix),
+        }
+    }
+}
