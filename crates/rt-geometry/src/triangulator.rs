@@ -5,6 +5,9 @@ use crate::area::polygon_area_vector;
 use earcut::Earcut;
 use rt_math::{DVec3, Frame, Vec3};
 
+/// A corner that turns by less than this part of the sharpest one lies on a straight edge.
+const STRAIGHT: f64 = 1.0 / 1024.0;
+
 /// Cuts faces into triangles. It keeps its buffers from one face to the next.
 pub(crate) struct Triangulator {
     earcut: Earcut<f64>,
@@ -38,19 +41,23 @@ impl Triangulator {
         let mut start = 0;
         if (n > 3 || !face.holes.is_empty()) && self.project(positions, face) {
             let turn_at = |i: usize| turn(self.flat[(i + n - 1) % n], self.flat[i], self.flat[(i + 1) % n]);
-            let mut least = turn_at(0);
+            let (mut straightest, mut least, mut greatest) = (0, turn_at(0), turn_at(0));
             for i in 1..n {
                 if turn_at(i) < least {
-                    (start, least) = (i, turn_at(i));
+                    (straightest, least) = (i, turn_at(i));
                 }
+                greatest = greatest.max(turn_at(i));
+            }
+            if least <= greatest * STRAIGHT {
+                start = straightest;
             }
             if !face.holes.is_empty() || (least < 0.0 && n > 4) {
                 self.clip_ears(triangles);
                 return;
             }
         }
-        // From the notch of a quadrilateral, or from a corner on a straight edge, all triangles of the fan lie inside
-        // and no corner is lost, even if the polygon is bent.
+        // Most programs begin the fan at the first corner, which shows where a face is not quite flat. From the notch of a
+        // quadrilateral, or from a corner on a straight edge, all triangles of the fan lie inside and no corner is lost.
         let corner = |i: usize| face.outline[(start + i) % n];
         triangles.extend((1..n - 1).map(|i| [corner(0), corner(i), corner(i + 1)]));
     }
@@ -128,6 +135,17 @@ mod tests {
             cross.length() / 2.0
         };
         (triangles.iter().map(area).sum(), triangles.len())
+    }
+
+    /// The fan began at the corner that turned least, so that faces which are not quite flat differed from what other
+    /// programs show of them.
+    #[test]
+    fn the_fan_of_a_convex_face_begins_at_its_first_corner() {
+        let bent = [[-1.01, 0.0, 0.99], [-0.99, 0.0, -1.04], [-1.02, 1.99, -1.04], [-1.02, 1.99, 0.99]];
+        let mut triangles = Vec::new();
+        let face = Face { outline: &[0, 1, 2, 3], holes: &[] };
+        Triangulator::new().append(&bent.map(Vec3::from), &face, &mut triangles);
+        assert_eq!(triangles, [[0, 1, 2], [0, 2, 3]]);
     }
 
     #[test]

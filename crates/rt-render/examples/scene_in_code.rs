@@ -31,10 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
         film: FilmSettings { width: 480, height: 320, ..FilmSettings::default() },
         appearance: Appearance {
-            materials: vec![
-                Material::new("clay".into(), clay),
-                Material::new("chrome".into(), chrome),
-            ],
+            materials: vec![Material::new("clay".into(), clay), Material::new("chrome".into(), chrome)],
             lights: vec![Light { name: "lamp".into(), kind: lamp, intensity: Rgb::WHITE, casts_shadows: true }],
             ambient: Rgb::WHITE,
             background: Background::Gradient { bottom: Rgb::gray(0.9), top: Rgb::new(0.3, 0.5, 0.9) },

@@ -37,11 +37,8 @@ pub(crate) fn emitters(scene: &Scene, top: &mut Assembly, levels: &mut Levels) -
         }
     }
     for (level, _) in groups_shine.iter().enumerate().filter(|(_, shines)| **shines) {
-        let is_emitter: Vec<bool> = levels.groups[level]
-            .parts
-            .iter()
-            .map(|part| emitter_of(scene, part, None, levels).is_some())
-            .collect();
+        let is_emitter: Vec<bool> =
+            levels.groups[level].parts.iter().map(|part| emitter_of(scene, part, None, levels).is_some()).collect();
         let mut next = 0;
         for (part, _) in levels.groups[level].parts.iter_mut().zip(is_emitter).filter(|(_, is)| *is) {
             part.emitter = Some(next);
@@ -138,8 +135,7 @@ fn emitter_of_polygon(polygon: &Polygon, world_from_local: &Transform, emission:
         }
     }
     let next = |i: usize| outline[i % outline.len()];
-    let turns_left =
-        |i: usize| (next(i + 1) - next(i)).cross(next(i + 2) - next(i + 1)).dot(polygon.normal()) >= 0.0;
+    let turns_left = |i: usize| (next(i + 1) - next(i)).cross(next(i + 2) - next(i + 1)).dot(polygon.normal()) >= 0.0;
     let fan = (1..outline.len() - 1).map(|i| [outline[0], outline[i], outline[i + 1]]);
     // An outline that winds around more than once turns left everywhere, and is wider than its fan.
     let is_fan = (0..outline.len()).all(turns_left)

@@ -1,9 +1,9 @@
 //! A tile of the image, from samples to pixels.
 
 use rt_accel::AnyStructure;
+use rt_camera::PixelSample;
 use rt_math::{Counters, Hit, NoProbe, Probe, Ray, RayCounts, Rgb};
 use rt_scene_io::Integrator;
-use rt_camera::PixelSample;
 use rt_shading::{Background, Interior, Lighting, OcclusionWave, PathTracer, Seen, ShadingCounts, Whitted};
 
 use crate::{

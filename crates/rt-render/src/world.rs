@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use rt_accel::AnyStructure;
 use rt_geometry::{Placed, Shape, ShapeHit, SurfaceInteraction, SurfaceNeeds, TriangleMesh};
-use rt_shading::emitter::EmitterRef;
 use rt_math::{Aabb, Accelerator, Hit, Interval, LeafLayout, Primitives, Probe, Ray, Transform};
+use rt_shading::emitter::EmitterRef;
 
 /// Something that stands somewhere, in the space of its assembly.
 #[derive(Debug)]

@@ -52,10 +52,9 @@ impl<'a> Appearance<'a> {
         let surface = self.surface(material, model)?;
         let name = material.name().unwrap_or(if material.index().is_some() { "unnamed" } else { "default" });
         let id = MaterialId(model.materials.len() as u32);
-        model.materials.push(Named {
-            physical: Some(surface.physical()),
-            ..Named::new(name.to_owned(), surface.phong())
-        });
+        model
+            .materials
+            .push(Named { physical: Some(surface.physical()), ..Named::new(name.to_owned(), surface.phong()) });
         let base = material
             .pbr_specular_glossiness()
             .map_or_else(|| material.pbr_metallic_roughness().base_color_texture(), |model| model.diffuse_texture());

@@ -73,9 +73,9 @@ pub(super) fn settings(report: &mut Report, settings: &format::Settings, default
     report.check("settings.min_contribution", not_negative(settings.min_contribution));
     let roulette_from =
         report.check("settings.roulette_from", within(settings.roulette_from, 0, MAX_DEPTH)).unwrap_or(0);
-    let occlusion_distance = settings.occlusion_distance.map_or(Some(f64::INFINITY), |distance| {
-        report.check("settings.occlusion_distance", positive(distance))
-    });
+    let occlusion_distance = settings
+        .occlusion_distance
+        .map_or(Some(f64::INFINITY), |distance| report.check("settings.occlusion_distance", positive(distance)));
     Settings {
         integrator: settings.integrator.map_or(default, integrator),
         pattern: pattern(settings.sampler),

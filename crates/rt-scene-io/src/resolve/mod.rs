@@ -62,7 +62,10 @@ pub(crate) fn resolve_with(
     let cameras = camera::cameras(&mut report, file, &film, &media);
     let settings = film::settings(&mut report, &file.settings, default_integrator(file));
     if file.settings.integrator.is_none() && settings.integrator != Integrator::Whitted {
-        notes.push(format!("The integrator is `{}`, as the scene asks for light that spreads.", settings.integrator.name()));
+        notes.push(format!(
+            "The integrator is `{}`, as the scene asks for light that spreads.",
+            settings.integrator.name()
+        ));
     }
     let truth = file.truth.as_ref().and_then(|truth| {
         let mean = report.check("truth.mean", value::colour(&truth.mean))?;

@@ -94,7 +94,8 @@ impl PhysicalReader<'_, '_> {
                 let emission = self.emission(path, emission.as_ref())?;
                 let metal = metal_phong(base_color, roughness);
                 let base = Phong { mirror: scaled(metal.mirror, metallic), ..diffuse(base_color) };
-                let phong = Phong { emission, diffuse: if metallic < 1.0 { base.diffuse } else { metal.diffuse }, ..base };
+                let phong =
+                    Phong { emission, diffuse: if metallic < 1.0 { base.diffuse } else { metal.diffuse }, ..base };
                 Some(both(phong, Physical::MetallicRoughness { base_color, metallic, roughness }))
             }
             format::Material::ThinGlass { ior, transmittance } => {

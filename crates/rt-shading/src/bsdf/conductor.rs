@@ -113,7 +113,8 @@ impl Conductor {
             value: self.ior.fresnel(wo.dot(m)) * facets.reflection(wo, wi, m),
             pdf: facets.reflection_pdf(wo, m),
             kind: Scattering::Reflection,
-            is_delta: false, is_diffuse: false,
+            is_delta: false,
+            is_diffuse: false,
             eta: 1.0,
         }
         .if_finite()

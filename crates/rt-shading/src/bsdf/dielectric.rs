@@ -87,13 +87,29 @@ impl Dielectric {
         if u[0] < interface.chance_of_reflection(wo.dot(m)) {
             let wi = optics::reflect(-wo, m);
             let (value, pdf) = (interface.reflected(facets, wo, wi, m), interface.reflected_pdf(facets, wo, m));
-            let sample = BsdfSample { wi, value, pdf, kind: Scattering::Reflection, is_delta: false, is_diffuse: false, eta: 1.0 };
+            let sample = BsdfSample {
+                wi,
+                value,
+                pdf,
+                kind: Scattering::Reflection,
+                is_delta: false,
+                is_diffuse: false,
+                eta: 1.0,
+            };
             (wi.z > 0.0).then_some(sample)
         } else {
             let wi = optics::refract(-wo, m, 1.0 / interface.eta)?;
             let (value, pdf) = (interface.transmitted(facets, wo, wi, m), interface.transmitted_pdf(facets, wo, wi, m));
             let kind = Scattering::Transmission;
-            (wi.z < 0.0).then_some(BsdfSample { wi, value, pdf, kind, is_delta: false, is_diffuse: false, eta: interface.eta })
+            (wi.z < 0.0).then_some(BsdfSample {
+                wi,
+                value,
+                pdf,
+                kind,
+                is_delta: false,
+                is_diffuse: false,
+                eta: interface.eta,
+            })
         }
         .map(|sample| BsdfSample { wi: side.restore(sample.wi), ..sample })
         .and_then(BsdfSample::if_finite)
@@ -137,7 +153,8 @@ impl Interface {
             value: self.transmittance * ((1.0 - fresnel) / (self.eta * self.eta * wi.z.abs())),
             pdf: 1.0 - chance,
             kind: Scattering::Transmission,
-            is_delta: true, is_diffuse: false,
+            is_delta: true,
+            is_diffuse: false,
             eta: self.eta,
         }
         .if_finite()

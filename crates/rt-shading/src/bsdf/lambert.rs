@@ -37,7 +37,8 @@ impl Lambert {
             value: self.albedo * FRAC_1_PI,
             pdf: cosine_pdf(wi),
             kind: Scattering::Reflection,
-            is_delta: false, is_diffuse: true,
+            is_delta: false,
+            is_diffuse: true,
             eta: 1.0,
         }
         .if_finite()

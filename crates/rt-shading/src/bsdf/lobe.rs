@@ -1,6 +1,8 @@
 //! The one list of models.
 
-use super::{BsdfSample, Conductor, Dielectric, Lambert, MetallicRoughness, Mirror, OrenNayar, PhongLobe, Refraction, ThinGlass};
+use super::{
+    BsdfSample, Conductor, Dielectric, Lambert, MetallicRoughness, Mirror, OrenNayar, PhongLobe, Refraction, ThinGlass,
+};
 use rt_math::{DVec3, Rgb};
 
 /// Makes [`Lobe`] from the list: its variants, what they are made from, and the way to each model's own functions.

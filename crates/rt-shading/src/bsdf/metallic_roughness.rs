@@ -85,7 +85,8 @@ impl MetallicRoughness {
             value: self.value(wo, wi, m),
             pdf: self.density(wo, wi, m),
             kind: Scattering::Reflection,
-            is_delta: false, is_diffuse: u[0] >= chance,
+            is_delta: false,
+            is_diffuse: u[0] >= chance,
             eta: 1.0,
         }
         .if_finite()
@@ -97,7 +98,8 @@ impl MetallicRoughness {
             value: self.specular(wo.z) / wo.z,
             pdf: chance,
             kind: Scattering::Reflection,
-            is_delta: true, is_diffuse: false,
+            is_delta: true,
+            is_diffuse: false,
             eta: 1.0,
         }
         .if_finite()

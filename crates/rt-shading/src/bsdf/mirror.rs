@@ -39,7 +39,8 @@ pub(super) fn reflection(wo: DVec3, side: Side, share: Rgb, chance: f64) -> Opti
         value: share / wo.z,
         pdf: chance,
         kind: Scattering::Reflection,
-        is_delta: true, is_diffuse: false,
+        is_delta: true,
+        is_diffuse: false,
         eta: 1.0,
     }
     .if_finite()

@@ -54,7 +54,8 @@ impl OrenNayar {
             value: self.value(wo, wi),
             pdf: cosine_pdf(wi),
             kind: Scattering::Reflection,
-            is_delta: false, is_diffuse: true,
+            is_delta: false,
+            is_diffuse: true,
             eta: 1.0,
         }
         .if_finite()

@@ -50,7 +50,8 @@ impl PhongLobe {
             value: self.value(cos),
             pdf: self.density(cos),
             kind: Scattering::Reflection,
-            is_delta: false, is_diffuse: false,
+            is_delta: false,
+            is_diffuse: false,
             eta: 1.0,
         }
         .if_finite()

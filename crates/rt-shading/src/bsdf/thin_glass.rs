@@ -48,7 +48,8 @@ impl ThinGlass {
             value: transmitted / wo.z,
             pdf: 1.0 - chance,
             kind: Scattering::Transmission,
-            is_delta: true, is_diffuse: false,
+            is_delta: true,
+            is_diffuse: false,
             eta: 1.0,
         }
         .if_finite()

@@ -164,7 +164,9 @@ mod tests {
         let white = Emission::new(Rgb::WHITE, Sides::Front).expect("white");
         let bright = Emission::new(Rgb::gray(5.0), Sides::Both).expect("bright");
         vec![
-            Emitter::Quad(QuadLight::new(DVec3::new(-1.0, 3.0, -1.0), [DVec3::X * 2.0, DVec3::Z * 2.0], bright).expect("quad")),
+            Emitter::Quad(
+                QuadLight::new(DVec3::new(-1.0, 3.0, -1.0), [DVec3::X * 2.0, DVec3::Z * 2.0], bright).expect("quad"),
+            ),
             Emitter::Sphere(SphereLight::new(DVec3::new(4.0, 2.0, 0.0), 0.5, white).expect("sphere")),
             Emitter::Environment(EnvironmentLight::constant(Rgb::gray(0.3)).expect("sky")),
         ]

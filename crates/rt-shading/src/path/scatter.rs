@@ -38,7 +38,13 @@ struct Vertex<'a> {
 }
 
 impl<'a> Vertex<'a> {
-    fn new(lighting: Lighting<'_>, material: &Material, view: View<'a>, crossing: Option<&Crossing>, time: f64) -> Self {
+    fn new(
+        lighting: Lighting<'_>,
+        material: &Material,
+        view: View<'a>,
+        crossing: Option<&Crossing>,
+        time: f64,
+    ) -> Self {
         let ior = crossing.map_or(1.0, |crossing| {
             let (before, after) = (crossing.before.ior, crossing.after.ior);
             if view.is_inside { before / after } else { after / before }
@@ -124,15 +130,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
     }
 
     /// Goes on along the same ray, through a surface that does nothing to it.
-    fn pass(
-        &mut self,
-        hit: &SurfaceHit,
-        ray: &Ray,
-        crossing: Option<&Crossing>,
-        way: f64,
-        id: u32,
-        seen: &mut Seen,
-    ) {
+    fn pass(&mut self, hit: &SurfaceHit, ray: &Ray, crossing: Option<&Crossing>, way: f64, id: u32, seen: &mut Seen) {
         let path = &mut self.paths[id as usize];
         if let Some(crossing) = crossing {
             if crossing.before.absorption != crossing.after.absorption {
@@ -220,11 +218,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
         path.passages = 0;
         path.medium_start = 0.0;
         path.is_last = ends;
-        path.origin = Origin {
-            point: surface.point,
-            normal: vertex.normal,
-            pdf: (!sample.is_delta).then_some(sample.pdf),
-        };
+        path.origin =
+            Origin { point: surface.point, normal: vertex.normal, pdf: (!sample.is_delta).then_some(sample.pdf) };
         if path.weight.is_black() || !survives(path, self.settings.roulette_from) {
             return;
         }
