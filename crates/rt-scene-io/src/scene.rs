@@ -62,6 +62,7 @@ impl Integrator {
     pub const fn is_stochastic(self) -> bool {
         match self {
             Self::Whitted | Self::Normals | Self::Depth | Self::Uv | Self::Cost => false,
+            Self::Distributed | Self::Path | Self::Direct | Self::AmbientOcclusion => true,
         }
     }
 
