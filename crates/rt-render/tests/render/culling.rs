@@ -171,7 +171,7 @@ fn tiles_that_see_little_show_the_same_picture_by_no_more_rays_than_it_takes() {
     let mut scene = scattered();
     let gradient = Background::Gradient { bottom: Rgb::gray(0.1), top: Rgb::gray(0.9) };
     for background in [Background::Constant(Rgb::new(0.1, 0.2, 0.7)), gradient] {
-        scene.appearance.background = background;
+        scene.appearance.background = background.clone();
         for filter in [Filter::Box, Filter::Gaussian { sigma: 2.0 }, Filter::Mitchell] {
             scene.film.filter = filter;
             for transparent in [false, true] {

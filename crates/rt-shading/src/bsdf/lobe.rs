@@ -85,6 +85,11 @@ impl Lobe {
         matches!(self, Self::Dielectric(_) | Self::MetallicRoughness(_) | Self::ThinGlass(_))
     }
 
+    /// True if it spreads light evenly, and nothing else.
+    pub fn is_diffuse(&self) -> bool {
+        matches!(self, Self::Lambert(_) | Self::OrenNayar(_))
+    }
+
     /// True if light may pass to the other side.
     pub fn transmits(&self) -> bool {
         matches!(self, Self::Dielectric(_) | Self::ThinGlass(_) | Self::Refraction(_))

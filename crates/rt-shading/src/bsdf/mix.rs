@@ -60,6 +60,17 @@ impl Mix {
         &self.lobes[..self.count]
     }
 
+    /// The mix of the lobes that are not diffuse; `None` if there are none.
+    pub fn without_diffuse(&self) -> Option<Self> {
+        let mut kept = self.lobes;
+        let mut count = 0;
+        for lobe in self.lobes().iter().filter(|(_, lobe)| !lobe.is_diffuse()) {
+            kept[count] = *lobe;
+            count += 1;
+        }
+        Self::new(&kept[..count]).ok()
+    }
+
     /// As [`super::Bsdf::eval`].
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         self.lobes().iter().fold(Rgb::BLACK, |sum, (weight, lobe)| sum + lobe.eval(wo, wi) * *weight)

@@ -190,6 +190,15 @@ impl Bsdf {
         BsdfSample { value, ..sample }.if_finite()
     }
 
+    /// The lobes that send light on about a mirrored or refracted direction; `None` if there are none. A model that is diffuse
+    /// under a layer counts as one of these.
+    pub fn without_diffuse(&self) -> Option<Self> {
+        match self {
+            Self::Single(lobe) => (!lobe.is_diffuse()).then_some(*self),
+            Self::Mix(mix) => mix.without_diffuse().map(Self::Mix),
+        }
+    }
+
     /// True if all light goes into single directions: `eval` is black everywhere, and no light that is sampled by itself
     /// can be seen in the surface.
     pub fn is_delta(&self) -> bool {

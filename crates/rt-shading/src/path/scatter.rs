@@ -28,6 +28,8 @@ fn power_heuristic(drawn: f64, other: f64) -> f64 {
 struct Vertex<'a> {
     view: View<'a>,
     bsdf: Bsdf,
+    /// What of it is followed, if not all.
+    part: Part,
     /// Shading coordinates: z is the shading normal, on the outside.
     frame: Frame,
     /// To the viewer, in the frame.
@@ -37,9 +39,17 @@ struct Vertex<'a> {
     time: f64,
 }
 
+/// What of a BSDF paths follow.
+enum Part {
+    All,
+    Some(Bsdf),
+    Nothing,
+}
+
 impl<'a> Vertex<'a> {
     fn new(
         lighting: Lighting<'_>,
+        follows: Follows,
         material: &Material,
         view: View<'a>,
         crossing: Option<&Crossing>,
@@ -54,19 +64,54 @@ impl<'a> Vertex<'a> {
         let frame = Frame::from_z(view.surface.shading_normal);
         let wo = frame.to_local(-view.direction);
         let normal = (!bsdf.transmits()).then_some(view.normal);
-        Self { view, bsdf, frame, wo, normal, time }
+        let part = match follows {
+            Follows::Everything => Part::All,
+            Follows::Reflections => bsdf.without_diffuse().map_or(Part::Nothing, Part::Some),
+        };
+        Self { view, bsdf, part, frame, wo, normal, time }
     }
 
-    /// The part of radiance from `wi` (world space) that goes to the viewer, with the cosine, and the density with which the
-    /// BSDF would draw it. Black where the interpolated normal and the actual one disagree about the side.
-    #[inline]
-    fn scattered(&self, wi: DVec3) -> (Rgb, f64) {
-        let local = self.frame.to_local(wi);
-        if (local.z > 0.0) != (wi.dot(self.view.surface.geometric_normal) > 0.0) {
-            return (Rgb::BLACK, 0.0);
+    /// What of the BSDF is followed.
+    fn followed(&self) -> Option<&Bsdf> {
+        match &self.part {
+            Part::All => Some(&self.bsdf),
+            Part::Some(part) => Some(part),
+            Part::Nothing => None,
         }
-        let value = self.bsdf.eval(self.wo, local) * local.z.abs();
-        if value.is_black() { (value, 0.0) } else { (value, self.bsdf.pdf(self.wo, local)) }
+    }
+
+    /// The direction in the frame; `None` where the interpolated normal and the actual one disagree about its side.
+    #[inline]
+    fn local(&self, wi: DVec3) -> Option<DVec3> {
+        let local = self.frame.to_local(wi);
+        let agree = (local.z > 0.0) == (wi.dot(self.view.surface.geometric_normal) > 0.0);
+        agree.then_some(local)
+    }
+
+    /// The part of radiance from `wi` (world space) that goes to the viewer, with the cosine.
+    #[inline]
+    fn scattered(&self, wi: DVec3) -> Rgb {
+        self.local(wi).map_or(Rgb::BLACK, |local| self.bsdf.eval(self.wo, local) * local.z.abs())
+    }
+
+    /// The same of light that was drawn with density `pdf`, weighted against the directions that are followed.
+    #[inline]
+    fn scattered_and_weighted(&self, wi: DVec3, pdf: f64) -> Rgb {
+        let Some(local) = self.local(wi) else { return Rgb::BLACK };
+        let all = self.bsdf.eval(self.wo, local);
+        if all.is_black() {
+            return all;
+        }
+        let weighted = match &self.part {
+            Part::All => all * power_heuristic(pdf, self.bsdf.pdf(self.wo, local)),
+            Part::Nothing => all,
+            Part::Some(part) => {
+                let followed = part.eval(self.wo, local);
+                let weight = power_heuristic(pdf, part.pdf(self.wo, local));
+                all - followed * (1.0 - weight)
+            }
+        };
+        weighted * local.z.abs()
     }
 }
 
@@ -120,8 +165,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
             return;
         }
         let view = View::new(direction, inside, &mut hit.interaction);
-        let vertex = Vertex::new(lighting, material, view, crossing.as_ref(), ray.time);
-        if self.settings.follows == Follows::Reflections && self.needs.ambient {
+        let follows = self.settings.follows;
+        let vertex = Vertex::new(lighting, follows, material, view, crossing.as_ref(), ray.time);
+        if follows == Follows::Reflections && self.needs.ambient {
             let ambient = material.phong.ambient.at(&lighting.appearance.textures, vertex.view.surface.uv);
             seen.radiance += path.weight * ambient * lighting.appearance.ambient;
         }
@@ -161,7 +207,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
         for light in &lighting.appearance.lights {
             let Some(lit) = light.illuminate(surface.point) else { continue };
-            let (scattered, _) = vertex.scattered(lit.direction);
+            let scattered = vertex.scattered(lit.direction);
             // A classical surface reflects kd of a light, and not kd / π of it.
             let radiance = path.weight * scattered * lit.strength * PI;
             if radiance.is_black() {
@@ -181,13 +227,12 @@ impl<S: Sampler + Clone> PathTracer<S> {
             self.counts.shadow_rays_spared += 1;
             return;
         };
-        let (scattered, bsdf_pdf) = vertex.scattered(light.sample.direction);
+        let scattered = vertex.scattered_and_weighted(light.sample.direction, light.pdf);
         if scattered.is_black() {
             self.counts.shadow_rays_spared += 1;
             return;
         }
-        let weight = power_heuristic(light.pdf, bsdf_pdf) / light.pdf;
-        let radiance = path.weight * scattered * light.sample.radiance * weight;
+        let radiance = path.weight * scattered * light.sample.radiance / light.pdf;
         let ray = match light.sample.shadow_target() {
             Some(target) => (shadow_rays.to(target, vertex.time), Interval::SEGMENT),
             None => (shadow_rays.towards(light.sample.direction, vertex.time), Interval::SPAWNED),
@@ -198,9 +243,10 @@ impl<S: Sampler + Clone> PathTracer<S> {
     /// Chooses the direction in which the path goes on, if it does.
     fn scatter(&mut self, id: u32, vertex: &Vertex<'_>, crossing: Option<&Crossing>) {
         let path = &mut self.paths[id as usize];
+        let Some(bsdf) = vertex.followed() else { return };
         let [u, v] = path.sampler.next_2d();
-        let lobe = if vertex.bsdf.chooses() { path.sampler.next_1d() } else { 0.0 };
-        let Some(sample) = vertex.bsdf.sample(vertex.wo, [lobe, u, v]) else { return };
+        let lobe = if bsdf.chooses() { path.sampler.next_1d() } else { 0.0 };
+        let Some(sample) = bsdf.sample(vertex.wo, [lobe, u, v]) else { return };
         let wi = vertex.frame.from_local(sample.wi);
         let surface = vertex.view.surface;
         if (sample.wi.z > 0.0) != (wi.dot(surface.geometric_normal) > 0.0) {

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use rt_scene_io::format::{
-    Background, Camera, Coefficient, Color, Falloff, Film, Light, Material, Node, Sampler, SceneFile, Settings, Shape,
+    Background, Camera, Coefficient, Color, Falloff, Film, Integrator, Light, Material, Node, Sampler, SceneFile,
+    Settings, Shape, Sides,
 };
 
 use super::neutral;
@@ -32,11 +33,17 @@ fn convert(scene: neutral::Scene) -> SceneFile {
     lights.extend(scene.lights.iter().filter_map(light));
     let neutral::Camera { eye, at, up, vfov } = scene.camera;
     let camera = Camera { look_from: Some(eye), look_at: Some(at), up: Some(up), fov: Some(vfov), ..Camera::default() };
-    // Each level of the description is a ray; ours are bounces.
-    let depth = scene.depth.saturating_sub(1);
+    // Each level of the description is a ray, the one to the light among them for paths; ours are bounces.
+    let depth = scene.depth.saturating_sub(if scene.gi { 2 } else { 1 });
     let checkers =
         scene.materials.iter().filter_map(|(name, material)| Some((name.as_str(), material.checker.as_ref()?)));
     let checkers: Vec<&str> = checkers.map(|(name, _)| name).collect();
+    let has_lamp = scene.lights.iter().any(|light| matches!(light, neutral::Light::Rect {}));
+    let integrator = match (scene.gi, has_lamp) {
+        (true, _) => Integrator::Path,
+        (false, true) => Integrator::Distributed,
+        (false, false) => Integrator::Whitted,
+    };
     let nodes = scene.objects.into_iter().map(|object| {
         let has_checker = checkers.contains(&object.mat.as_str());
         node(object, has_checker)
@@ -45,7 +52,13 @@ fn convert(scene: neutral::Scene) -> SceneFile {
         name: Some(scene.name),
         camera: Some(camera),
         film: Film { size: (scene.w, scene.h), ..Film::default() },
-        settings: Settings { sampler: Sampler::Jittered, spp: scene.spp, depth, ..Settings::default() },
+        settings: Settings {
+            integrator: Some(integrator),
+            sampler: Sampler::Jittered,
+            spp: scene.spp,
+            depth,
+            ..Settings::default()
+        },
         background: Some(Background::Constant(Color::from_rgb(scene.background))),
         lights: Some(lights),
         materials: scene.materials.iter().map(|(name, of)| (name.clone(), material(of))).collect(),
@@ -57,6 +70,7 @@ fn light(light: &neutral::Light) -> Option<Light> {
     let (position, color, lamp_radius) = match light {
         neutral::Light::Point { p, color } => (*p, *color, 0.0),
         neutral::Light::Sphere { p, r, color } => (*p, *color, *r),
+        // The lamp stands among the objects as well, and shines there.
         neutral::Light::Rect {} => return None,
     };
     Some(Light::Point {
@@ -70,6 +84,11 @@ fn light(light: &neutral::Light) -> Option<Light> {
 }
 
 fn material(of: &neutral::Material) -> Material {
+    if let Some(radiance) = of.radiance {
+        let albedo = Color::from_rgb(of.color).into();
+        let lamp = Material::Light { radiance: Color::from_rgb(radiance).into(), shines: Sides::Front };
+        return Material::Mix(vec![(1.0, Material::Diffuse { albedo, roughness: 0.0, emission: None }), (1.0, lamp)]);
+    }
     let tint = |coefficient: f64| of.color.map(|channel| channel * coefficient);
     let gray = |coefficient: f64| Some(Coefficient::Gray(coefficient));
     let color = match &of.checker {
@@ -93,6 +112,7 @@ fn material(of: &neutral::Material) -> Material {
         fresnel: None,
         absorption: None,
         priority: None,
+        shines: None,
     }
 }
 
@@ -154,7 +174,6 @@ mod tests {
         let lights = r#"{"type": "point", "p": [1, 2, 3], "color": [0.7, 0.7, 0.7], "dref": 9},
                         {"type": "sphere_light", "obj": 1, "p": [3, 2, 1], "r": 2, "color": [1, 0, 0], "dref": null}"#;
         let text = description(lights);
-        assert_eq!(serde_json::from_str::<neutral::Outline>(&text).unwrap().beyond_us(), None);
         let file = convert(serde_json::from_str(&text).unwrap());
         assert_eq!(
             rt_scene_io::format::parse_json(&file.to_json(), "s.json".as_ref()).unwrap(),
@@ -168,7 +187,7 @@ mod tests {
             _ => None,
         };
         assert_eq!(lights.iter().map(radius).collect::<Vec<_>>(), [None, Some(0.0), Some(2.0)]);
-        let Material::Phong { mirror, emission, .. } = &file.materials["ball"];
+        let Material::Phong { mirror, emission, .. } = &file.materials["ball"] else { panic!("a classical material") };
         assert_eq!(*mirror, Some(Coefficient::Rgb(0.5, 0.25, 0.0)), "tinted");
         assert_eq!(*emission, Some(Coefficient::Rgb(0.5, 0.25, 0.0)));
         assert_eq!(file.nodes.iter().map(|node| node.casts_shadow).collect::<Vec<_>>(), [false, true]);
@@ -177,8 +196,9 @@ mod tests {
     }
 
     #[test]
-    fn area_lights_are_owned_up_to() {
+    fn lamps_with_extent_are_distributed_over() {
         let lamp = r#"{"type": "rect", "p": [0, 0, 0], "u": [1, 0, 0], "v": [0, 1, 0], "radiance": [1, 1, 1], "color": [1, 1, 1]}"#;
-        assert!(serde_json::from_str::<neutral::Outline>(&description(lamp)).unwrap().beyond_us().is_some());
+        let file = convert(serde_json::from_str(&description(lamp)).unwrap());
+        assert_eq!(file.settings.integrator, Some(Integrator::Distributed));
     }
 }

@@ -86,7 +86,7 @@ pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
     let least_bytes = program.empty()?.bytes;
     let mut figures = Figures { least_bytes, peers: peers::SOURCE, ..Figures::default() };
     for path in descriptions(options)? {
-        figures.scenes.extend(scene(&program, &path, options)?);
+        figures.scenes.push(scene(&program, &path, options)?);
     }
     if figures.scenes.is_empty() {
         let folder = options.folder.display();
@@ -107,14 +107,10 @@ fn descriptions(options: &Options) -> Result<Vec<PathBuf>, TaskError> {
     Ok(paths)
 }
 
-/// `None` for a scene that cannot be rendered as yet.
-fn scene(program: &Program, description: &Path, options: &Options) -> Result<Option<Figure>, TaskError> {
+/// Renders a scene and measures it.
+fn scene(program: &Program, description: &Path, options: &Options) -> Result<Figure, TaskError> {
     let outline: Outline = neutral::read(description)?;
     let name = outline.name.clone();
-    if let Some(reason) = outline.beyond_us() {
-        eprintln!("{name} is left out: {reason}");
-        return Ok(None);
-    }
     let path = program.folder.join(format!("{name}.json"));
     convert_elsewhere(description, &path)?;
     let rays = count_rays(program, &path, options)?;
@@ -122,7 +118,7 @@ fn scene(program: &Program, description: &Path, options: &Options) -> Result<Opt
     let whole = runs(program, &path, &picture, options, &[])?;
     let small = runs(program, &path, "small.png", options, &["--size", "8x8", "--spp", "1"])?;
     let spread = |runs: &[Usage], of: fn(&Usage) -> f64| Spread::of(runs.iter().map(of).collect());
-    Ok(Some(Figure {
+    Ok(Figure {
         size: (outline.w, outline.h),
         spp: outline.spp,
         threads: options.threads,
@@ -136,7 +132,7 @@ fn scene(program: &Program, description: &Path, options: &Options) -> Result<Opt
         fastest_peer: peers::fastest(&name),
         picture: program.folder.join(picture),
         scene: name,
-    }))
+    })
 }
 
 /// Lets a process of its own convert the description: whatever this process has ever held would count as memory of

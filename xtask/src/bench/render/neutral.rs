@@ -15,19 +15,6 @@ pub(super) struct Outline {
     pub h: u64,
     /// Samples per pixel.
     pub spp: u64,
-    /// Global illumination.
-    gi: bool,
-    lights: Vec<Light>,
-}
-
-impl Outline {
-    /// What it asks for that no integrator here can do; `None` if there is nothing.
-    pub(super) fn beyond_us(&self) -> Option<&'static str> {
-        if self.gi {
-            return Some("it needs global illumination");
-        }
-        self.lights.iter().any(|light| matches!(light, Light::Rect {})).then_some("it has an area light")
-    }
 }
 
 /// A scene.
@@ -40,6 +27,8 @@ pub(super) struct Scene {
     pub spp: u64,
     /// Levels of rays: 1 traces camera rays alone.
     pub depth: u64,
+    /// Global illumination.
+    pub gi: bool,
     pub camera: Camera,
     pub background: [f64; 3],
     pub ambient: [f64; 3],
@@ -86,6 +75,8 @@ pub(super) struct Material {
     pub checker: Option<Checker>,
     /// Whether `kr` is tinted by the colour.
     pub kr_tint: bool,
+    /// What a lamp emits, which also reflects by its colour.
+    pub radiance: Option<[f64; 3]>,
 }
 
 /// Squares of another colour; the one at the origin has it.

@@ -115,7 +115,7 @@ impl Tracer for World {
         let hits = (0..self.set.len() as u32).filter_map(|i| decide(&self.set, i, &slab, span, &mut NoProbe));
         let hit: Hit = hits.reduce(|best, hit| if hit.precedes(&best) { hit } else { best })?;
         let interaction = self.set.surface(ray, &hit, needs)?;
-        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material: hit.primitive })
+        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material: hit.primitive, emitter: None })
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
