@@ -18,17 +18,16 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// The axis for these numbers, with a factor of room on both sides; `None` without a number, or if one is not positive
-    /// or not finite.
-    pub(super) fn around(values: impl Iterator<Item = f64>, room: f64) -> Option<Self> {
+    /// The axis for these exponents, with room on both sides; `None` without any, or if one is not finite.
+    pub(super) fn around(exponents: impl Iterator<Item = f64>, room: f64) -> Option<Self> {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for value in values.map(exponent) {
-            if !value.is_finite() {
+        for exponent in exponents {
+            if !exponent.is_finite() {
                 return None;
             }
-            (low, high) = (low.min(value), high.max(value));
+            (low, high) = (low.min(exponent), high.max(exponent));
         }
-        (low <= high).then(|| Self { low: low - exponent(room), high: high + exponent(room) })
+        (low <= high).then_some(Self { low: low - room, high: high + room })
     }
 
     /// Exponents on the axis of the numbers with these first digits.
@@ -44,7 +43,8 @@ impl Ranged for Axis {
     type ValueType = f64;
 
     fn map(&self, exponent: &f64, (start, end): (i32, i32)) -> i32 {
-        let part = (exponent - self.low) / (self.high - self.low);
+        // What is far outside is drawn outside all the same.
+        let part = ((exponent - self.low) / (self.high - self.low)).clamp(-1.0, 2.0);
         start + (part * f64::from(end - start)).round() as i32
     }
 
@@ -88,11 +88,16 @@ mod tests {
 
     #[test]
     fn axes_hold_all_numbers_and_some_room() {
-        let axis = Axis::around([1.0, 100.0].into_iter(), 10.0).expect("two numbers");
-        assert!((axis.low + 1.0).abs() < 1e-12 && (axis.high - 3.0).abs() < 1e-12, "{axis:?}");
-        for bad in [&[][..], &[0.0, 1.0], &[f64::NAN], &[1.0, f64::INFINITY], &[-1.0]] {
-            assert_eq!(Axis::around(bad.iter().copied(), 2.0), None, "{bad:?}");
+        assert_eq!(Axis::around([0.0, 2.0].into_iter(), 0.5), Some(Axis { low: -0.5, high: 2.5 }));
+        for bad in [&[][..], &[f64::NEG_INFINITY, 1.0], &[f64::NAN], &[1.0, f64::INFINITY]] {
+            assert_eq!(Axis::around(bad.iter().copied(), 0.1), None, "{bad:?}");
         }
+    }
+
+    #[test]
+    fn what_is_infinitely_far_outside_is_drawn_outside() {
+        let axis = Axis { low: 0.0, high: 1.0 };
+        assert_eq!([0.0, 1.0, f64::NEG_INFINITY, f64::INFINITY].map(|at| axis.map(&at, (100, 0))), [100, 0, 200, -100]);
     }
 
     #[test]

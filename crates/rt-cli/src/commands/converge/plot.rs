@@ -38,7 +38,7 @@ const FLOOR: RGBColor = RGBColor(180, 0, 0);
 pub(super) struct Plot {
     title: String,
     lines: Vec<Line>,
-    /// RMSE of the reference.
+    /// RMSE of the reference, as an exponent of ten.
     floor: Option<f64>,
     seconds: Axis,
     errors: Axis,
@@ -51,7 +51,7 @@ struct Line {
     marks: Vec<Mark>,
 }
 
-/// A method at one number of samples.
+/// A method at one number of samples, as exponents of ten.
 #[derive(Clone, Copy, Debug)]
 struct Mark {
     seconds: f64,
@@ -66,18 +66,23 @@ impl Plot {
         let lines = summary.methods.iter().map(|method| {
             let trusted = method.points.iter().filter(|point| point.is_trusted && point.seconds > 0.0);
             let mark = |point: &PointSummary| {
-                let interval = point.rmse_interval?;
-                Some(Mark { seconds: point.seconds, low: interval.low, mean: interval.mean, high: interval.high })
+                let interval = point.rmse_interval?.map(exponent);
+                Some(Mark {
+                    seconds: exponent(point.seconds),
+                    low: interval.low,
+                    mean: interval.mean,
+                    high: interval.high,
+                })
             };
             Line { label: method.name.label.clone(), marks: trusted.filter_map(mark).collect() }
         });
         let lines: Vec<Line> = lines.collect();
         let marks = || lines.iter().flat_map(|line| &line.marks);
-        let floor = floor.map(|floor| floor.mse.sqrt()).filter(|&floor| floor > 0.0);
-        let seconds = Axis::around(marks().map(|mark| mark.seconds), 1.25)?;
+        let floor = floor.map(|floor| exponent(floor.mse.sqrt())).filter(|floor| floor.is_finite());
+        let seconds = Axis::around(marks().map(|mark| mark.seconds), 0.1)?;
         // A wild interval is cut off rather than shown in full beside lines that look flat.
-        let ends = |mark: &Mark| [mark.mean, mark.low.max(mark.mean / 10.0), mark.high.min(mark.mean * 10.0)];
-        let errors = Axis::around(marks().flat_map(ends).chain(floor), 1.5)?;
+        let ends = |mark: &Mark| [mark.mean, mark.low.max(mark.mean - 1.0), mark.high.min(mark.mean + 1.0)];
+        let errors = Axis::around(marks().flat_map(ends).chain(floor), 0.15)?;
         Some(Self { title, lines, floor, seconds, errors })
     }
 
@@ -130,23 +135,31 @@ impl Plot {
             chart.draw_series(DashedLineSeries::new(guide, 6, 5, GUIDE.stroke_width(1)))?;
             // Below the line, which comes from the upper left.
             let style = TextStyle::from((FONT, 13)).color(&GUIDE_TEXT).pos(Pos::new(HPos::Right, VPos::Top));
-            chart.draw_series([Text::new(name, guide[1], style)])?;
+            chart.draw_series([EmptyElement::at(guide[1]) + Text::new(name, (-2, 6), style)])?;
         }
         if let Some(floor) = self.floor {
-            let line = [self.seconds.low, self.seconds.high].map(|seconds| (seconds, exponent(floor)));
+            let line = [self.seconds.low, self.seconds.high].map(|seconds| (seconds, floor));
             let line = DashedLineSeries::new(line, 2, 4, FLOOR.stroke_width(2));
             let legend = |(x, y)| PathElement::new([(x, y), (x + 22, y)], FLOOR.stroke_width(2));
             chart.draw_series(line)?.label("error of the reference").legend(legend);
         }
-        for (line, colour) in self.lines.iter().zip(COLOURS.iter().cycle()) {
-            let bar = |mark: &Mark| PathElement::new([(mark.seconds, mark.low), (mark.seconds, mark.high)], *colour);
+        for (index, line) in self.lines.iter().enumerate() {
+            let colour = COLOURS[index % COLOURS.len()];
+            let bar = |mark: &Mark| {
+                let [low, high] = [mark.low, mark.high].map(|end| end.clamp(self.errors.low, self.errors.high));
+                PathElement::new([(mark.seconds, low), (mark.seconds, high)], colour)
+            };
             chart.draw_series(line.marks.iter().map(bar))?;
-            chart.draw_series(
-                line.marks.iter().map(|mark| Circle::new((mark.seconds, mark.mean), 4, colour.filled())),
-            )?;
+            let dot = |mark: &Mark| Circle::new((mark.seconds, mark.mean), 4, colour.filled());
+            chart.draw_series(line.marks.iter().map(dot))?;
             let path = line.marks.iter().map(|mark| (mark.seconds, mark.mean));
-            let legend = |(x, y)| PathElement::new([(x, y), (x + 22, y)], colour.stroke_width(3));
-            chart.draw_series(LineSeries::new(path, colour.stroke_width(2)))?.label(&line.label).legend(legend);
+            // Where colours come back, lines are dashed, in another way each time.
+            let series = match i32::try_from(index / COLOURS.len()).unwrap_or(i32::MAX) {
+                0 => chart.draw_series(LineSeries::new(path, colour.stroke_width(2)))?,
+                turn => chart.draw_series(DashedLineSeries::new(path, 16 / turn, 6, colour.stroke_width(2)))?,
+            };
+            let legend = move |(x, y)| PathElement::new([(x, y), (x + 22, y)], colour.stroke_width(3));
+            series.label(&line.label).legend(legend);
         }
         chart
             .configure_series_labels()
@@ -163,5 +176,44 @@ impl Plot {
         let (left, top) = (self.seconds.low, self.errors.high);
         let right = (left + (self.errors.low - top) / slope).min(self.seconds.high);
         [(left, top), (right, top + slope * (right - left))]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plot(methods: usize) -> Plot {
+        let mark = |at: f64| Mark { seconds: at, low: -at - 0.2, mean: -at, high: -at + 0.1 };
+        let line = |index| Line { label: format!("<{index}>"), marks: [0.0, 0.5, 1.0].map(mark).to_vec() };
+        Plot {
+            title: "title".to_owned(),
+            lines: (0..methods).map(line).collect(),
+            floor: Some(-2.0),
+            seconds: Axis { low: -0.1, high: 1.1 },
+            errors: Axis { low: -2.1, high: 0.2 },
+        }
+    }
+
+    #[test]
+    fn lines_run_across_the_plot() {
+        let film = plot(1).film().expect("drawn");
+        let blue = [0, 114, 178].map(|byte| Encoding::Srgb.decode(byte));
+        let columns = (0..SIZE.0).filter(|&x| {
+            // Below the legend.
+            (200..SIZE.1).any(|y| film.pixels()[(y * SIZE.0 + x) as usize] == blue)
+        });
+        // Five sixths of the width between the labels at the axis and the margin, but for what is above.
+        let columns = columns.count();
+        assert!(columns > 500, "{columns}");
+    }
+
+    #[test]
+    fn both_forms_show_the_same_and_text_is_escaped() {
+        let svg = plot(9).svg().expect("drawn");
+        for part in ["&lt;8&gt;", "slope −1/2", "slope −1", "error of the reference", "#0072B2", "title"] {
+            assert!(svg.contains(part), "{part}");
+        }
+        assert_eq!(svg.matches("<circle").count(), 9 * 3);
     }
 }
