@@ -3,7 +3,7 @@
 use rt_math::{DVec3, Interval, Ray, ShearedRay};
 
 use super::WideBvh;
-use super::ray::{STEEPEST, Slabs, at_least, at_most, is_proven};
+use super::ray::{RANGE, SLACK, STEEPEST, Slabs, is_proven};
 use super::simd::Simd;
 
 /// Rays in a packet.
@@ -62,16 +62,45 @@ impl<S: Simd> Eight<S> {
         Self { low: simd.max_doubles(self.low, other.low), high: simd.max_doubles(self.high, other.high) }
     }
 
+    /// The least of the eight; may be any of them if one is NaN.
+    #[inline(always)]
+    fn least(self, simd: S) -> f64 {
+        let [a, b, c, d] = simd.to_doubles(simd.min_doubles(self.low, self.high));
+        a.min(b).min(c.min(d))
+    }
+
+    /// The greatest of the eight; may be any of them if one is NaN.
+    #[inline(always)]
+    fn greatest(self, simd: S) -> f64 {
+        let [a, b, c, d] = simd.to_doubles(simd.max_doubles(self.low, self.high));
+        a.max(b).max(c.max(d))
+    }
+
+    /// The sum of the eight.
+    #[inline(always)]
+    fn sum(self, simd: S) -> f64 {
+        let [a, b, c, d] = simd.to_doubles(simd.add_doubles(self.low, self.high));
+        a + b + (c + d)
+    }
+
     /// Rounded to single precision.
     #[inline(always)]
     pub(super) fn narrowed(self, simd: S) -> S::Lanes {
         simd.joined(self.low, self.high)
     }
 
+    /// Single precision that is not above the numbers, as [`at_most`](super::ray::at_most) one by one.
     #[inline(always)]
-    fn to_array(self, simd: S) -> [f64; PACKET] {
-        let ([a, b, c, d], [e, f, g, h]) = (simd.to_doubles(self.low), simd.to_doubles(self.high));
-        [a, b, c, d, e, f, g, h]
+    fn at_most(self, simd: S) -> S::Lanes {
+        let below = self.mul(simd, Self::splat(simd, 1.0 - SLACK)).narrowed(simd);
+        simd.max(simd.sub(below, simd.splat(f32::MIN_POSITIVE)), simd.splat(0.0))
+    }
+
+    /// Single precision that is not below the numbers, as [`at_least`](super::ray::at_least) one by one.
+    #[inline(always)]
+    fn at_least(self, simd: S) -> S::Lanes {
+        let above = self.mul(simd, Self::splat(simd, 1.0 + SLACK)).narrowed(simd);
+        simd.max(above, simd.splat(f32::MIN_POSITIVE))
     }
 }
 
@@ -142,25 +171,24 @@ impl<S: Simd> Across<S> {
             Eight::new(simd, by_ray!(|ray, _| ray.direction.y)),
             Eight::new(simd, by_ray!(|ray, _| ray.direction.z)),
         ];
-        let span = SpanLanes {
-            min: [simd.load(&by_ray!(|_, span| at_most(span.min))), simd.load(&by_ray!(|_, span| at_least(span.min)))],
-            max: simd.load(&by_ray!(|_, span| at_most(span.max))),
-        };
+        let min = Eight::new(simd, by_ray!(|_, span| span.min));
+        let max = Eight::new(simd, by_ray!(|_, span| span.max));
+        let span = SpanLanes { min: [min.at_most(simd), min.at_least(simd)], max: max.at_most(simd) };
         let one = Eight::splat(simd, 1.0);
         let inverse = [one.div(simd, direction[0]), one.div(simd, direction[1]), one.div(simd, direction[2])];
         let q = relative(simd, origin, tree.centre);
         let fastest = greatest(simd, direction);
 
         // What is not finite makes a NaN of this.
-        let sum = q[0].add(simd, q[1]).add(simd, q[2]);
+        let sum = q[0].add(simd, q[1]).add(simd, q[2]).add(simd, min);
         let sum = sum.add(simd, direction[0]).add(simd, direction[1]).add(simd, direction[2]);
-        let nothing = sum.mul(simd, Eight::splat(simd, 0.0)).to_array(simd);
-        let farthest = greatest(simd, q).to_array(simd);
-        let sizes = fastest.to_array(simd);
-        for (lane, (_, span)) in rays.iter().enumerate() {
-            if !is_proven(sizes[lane], farthest[lane], nothing[lane], *span, tree.size) {
-                return None;
-            }
+        let nothing = sum.mul(simd, Eight::splat(simd, 0.0)).sum(simd);
+        let farthest = greatest(simd, q).greatest(simd);
+        let begin = Interval { min: min.least(simd), max: f64::INFINITY };
+        let is_all_proven = is_proven(fastest.least(simd), farthest, nothing, begin, tree.size)
+            & RANGE.contains(&fastest.greatest(simd));
+        if !is_all_proven {
+            return None;
         }
 
         let (first, _) = &rays[0];
@@ -174,12 +202,7 @@ impl<S: Simd> Across<S> {
     /// The greatest coordinate of each origin, or more.
     #[inline(always)]
     pub(super) fn reach(simd: S, origin: [Eight<S>; 3]) -> S::Lanes {
-        let mut reach = [0.0; PACKET];
-        let farthest = greatest(simd, origin).to_array(simd);
-        for lane in 0..PACKET {
-            reach[lane] = at_least(farthest[lane]);
-        }
-        simd.load(&reach)
+        greatest(simd, origin).at_least(simd)
     }
 }
 

@@ -35,7 +35,7 @@ use super::node::Node;
 use super::simd::Simd;
 
 /// By how much reciprocals are moved.
-const SLACK: f64 = 1.0 / (1 << 22) as f64;
+pub(super) const SLACK: f64 = 1.0 / (1 << 22) as f64;
 
 /// Greatest reciprocal, relative to that of the greatest component.
 pub(super) const STEEPEST: f64 = (1u64 << 60) as f64;
