@@ -125,6 +125,8 @@ pub(super) struct Across<S: Simd> {
     /// Axes in the order x, y, z of the rays' own space.
     pub(super) axes: [usize; 3],
     pub(super) span: SpanLanes<S>,
+    /// What is entered after these does not matter, as [`Goal::limit`](super::goal::Goal::limit) has it at first.
+    pub(super) limits: S::Lanes,
     pub(super) boxes: AcrossBoxes<S>,
 }
 
@@ -196,7 +198,7 @@ impl<S: Simd> Across<S> {
         let near_row = [0, 1, 2].map(|axis| 2 * axis + usize::from(first.direction[axis].is_sign_negative()));
         let (axes, _) = ShearedRay::new(first).shear();
         let boxes = AcrossBoxes::new(simd, q, inverse, steepest, tree.size, near_row, span.min[0]);
-        Some(Self { origin, direction, inverse, axes, span, boxes })
+        Some(Self { origin, direction, inverse, axes, span, limits: max.at_least(simd), boxes })
     }
 
     /// The greatest coordinate of each origin, or more.

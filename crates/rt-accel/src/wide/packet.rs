@@ -120,12 +120,12 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         }
         // SAFETY: all have just been written.
         let goals: &mut [G; PACKET] = unsafe { &mut *goals.as_mut_ptr().cast() };
-        let mut limits = [0.0; PACKET];
-        for (((ray, _), goal), limit) in rays.iter().zip(goals.iter_mut()).zip(&mut limits) {
-            if !self.tree.unbounded.is_empty() {
+        let mut limits = across.limits;
+        if !self.tree.unbounded.is_empty() {
+            for (lane, ((ray, _), goal)) in rays.iter().zip(goals.iter_mut()).enumerate() {
                 let _ = goal.visit_unbounded(self.judge, ray);
+                limits = self.simd.replaced(limits, lane, goal.limit());
             }
-            *limit = goal.limit();
         }
         self.walk::<F>(rays, goals, &across.boxes, &filter, limits);
         for (((ray, _), goal), answer) in rays.iter().zip(goals).zip(answers) {
@@ -143,7 +143,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         goals: &mut [G; PACKET],
         across: &AcrossBoxes<S>,
         filter: &F::Across<S>,
-        mut limits: [f32; PACKET],
+        mut limits: S::Lanes,
     ) {
         let simd = self.simd;
         let mut loners = [const { MaybeUninit::<Prepared<'_, S, F>>::uninit() }; PACKET];
@@ -151,8 +151,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         self.stack.len = 0;
         self.stack.insert(0, Entry { child: self.tree.root, least: 0.0, enters: simd.splat(0.0) });
         while let Some(Entry { child, enters, .. }) = self.stack.pop() {
-            let bounds = simd.load(&limits);
-            let mut mask = simd.le(enters, bounds);
+            let mut mask = simd.le(enters, limits);
             let n_rays = mask.count_ones();
             if n_rays <= FEW {
                 while mask != 0 {
@@ -164,7 +163,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                         }
                         None => goal.visit_unfiltered(self.judge, &rays[lane].0),
                     }
-                    limits[lane] = goal.limit();
+                    limits = simd.replaced(limits, lane, goal.limit());
                 }
             } else if child.is_node() {
                 self.work.nodes += u64::from(n_rays);
@@ -172,7 +171,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 let first = self.stack.len;
                 for lane in 0..8 {
                     let plane = |row: usize| node.plane(simd, row, lane);
-                    let [enter, leave] = across.cross(simd, plane, bounds);
+                    let [enter, leave] = across.cross(simd, plane, limits);
                     if simd.le(enter, leave) != 0 {
                         let enters = simd.or_infinity(enter, leave);
                         let entry = Entry { child: node.children[lane], least: simd.least(enters), enters };
@@ -181,12 +180,12 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 }
             } else {
                 self.work.tests += u64::from(n_rays) * child.count() as u64;
-                self.visit::<F>(rays, goals, filter, child, mask, &mut limits);
+                limits = self.visit::<F>(rays, goals, filter, child, mask, limits);
             }
         }
     }
 
-    /// Tests each primitive of a leaf with all rays of the mask.
+    /// Tests each primitive of a leaf with all rays of the mask; returns their limits.
     #[inline(always)]
     fn visit<F: Filter>(
         &mut self,
@@ -195,12 +194,12 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         filter: &F::Across<S>,
         leaf: Child,
         mut mask: u32,
-        limits: &mut [f32; PACKET],
-    ) {
+        mut limits: S::Lanes,
+    ) -> S::Lanes {
         let simd = self.simd;
         let view = self.tree.leaves.view(leaf);
         for lane in 0..leaf.count() {
-            let verdict = F::judge_across(simd, filter, view, lane, simd.load(limits));
+            let verdict = F::judge_across(simd, filter, view, lane, limits);
             let mut maybe = verdict.maybe & mask;
             if maybe == 0 {
                 continue;
@@ -211,9 +210,11 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 let sure = verdict.sure >> ray & 1 != 0;
                 let bounds = sure.then_some([near[ray], far[ray]]);
                 goals[ray].consider::<S, F>(simd, self.tree, self.judge, &rays[ray].0, leaf, lane, bounds);
-                limits[ray] = goals[ray].limit();
-                mask &= !(u32::from(limits[ray] < 0.0) << ray);
+                let limit = goals[ray].limit();
+                limits = simd.replaced(limits, ray, limit);
+                mask &= !(u32::from(limit < 0.0) << ray);
             }
         }
+        limits
     }
 }

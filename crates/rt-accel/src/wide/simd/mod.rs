@@ -28,6 +28,8 @@ pub(super) trait Simd: Copy {
     fn load(self, from: &[f32; 8]) -> Self::Lanes;
     /// The numbers by lane.
     fn to_array(self, a: Self::Lanes) -> [f32; 8];
+    /// The same numbers but for that of one lane.
+    fn replaced(self, a: Self::Lanes, lane: usize, by: f32) -> Self::Lanes;
     /// `a + b`
     fn add(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
     /// `a − b`

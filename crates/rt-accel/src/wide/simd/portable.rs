@@ -52,6 +52,13 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn replaced(self, a: Self::Lanes, lane: usize, by: f32) -> Self::Lanes {
+        let mut numbers = self.to_array(a);
+        numbers[lane & 7] = by;
+        self.load(&numbers)
+    }
+
+    #[inline(always)]
     fn add(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
         both(a, b, |a, b| a + b)
     }

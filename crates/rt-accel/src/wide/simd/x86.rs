@@ -86,6 +86,16 @@ macro_rules! level {
             }
 
             #[inline(always)]
+            fn replaced(self, a: __m256, lane: usize, by: f32) -> __m256 {
+                // SAFETY: AVX2 is there, as `self` exists.
+                unsafe {
+                    let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+                    let is_it = _mm256_cmpeq_epi32(lanes, _mm256_set1_epi32(lane as i32));
+                    _mm256_blendv_ps(a, _mm256_set1_ps(by), _mm256_castsi256_ps(is_it))
+                }
+            }
+
+            #[inline(always)]
             fn add(self, a: __m256, b: __m256) -> __m256 {
                 // SAFETY: as `splat`.
                 unsafe { _mm256_add_ps(a, b) }
