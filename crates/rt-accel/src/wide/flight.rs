@@ -264,9 +264,9 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
     /// Takes down what a ray has found.
     #[inline(always)]
     fn arrive(&mut self, prepared: &Prepared<'_, S, F>, goal: &mut G, number: usize) {
-        goal.finish::<S, F>(self.simd, self.tree, self.judge, &prepared.ray);
+        let answer = goal.finish::<S, F>(self.simd, self.tree, self.judge, &prepared.ray);
         self.work.hits += goal.uncounted_hits();
-        self.answer(number, goal.answer());
+        self.answer(number, answer);
     }
 
     #[inline(always)]
@@ -335,10 +335,10 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             let (seat, _) = self.home.get(i);
             // SAFETY: has been written, as who has come home.
             let Traveller { prepared, goal, number } = unsafe { self.seats[seat].assume_init_mut() };
-            goal.finish::<S, F>(self.simd, self.tree, self.judge, &prepared.ray);
+            let answer = goal.finish::<S, F>(self.simd, self.tree, self.judge, &prepared.ray);
             self.work.hits += goal.uncounted_hits();
             if let Some(place) = self.answers.get_mut(*number) {
-                *place = goal.answer();
+                *place = answer;
             }
         }
     }

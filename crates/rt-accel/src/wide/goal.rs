@@ -104,13 +104,19 @@ pub(super) trait Goal: Sized {
         sure: Option<[f32; 2]>,
     );
 
-    /// Decides about what has been put off.
-    fn finish<S: Simd, F: Filter>(&mut self, simd: S, tree: &WideBvh, judge: &mut dyn Judge, ray: &ExactRay<'_, S>);
+    /// Decides about what has been put off, and returns what has been found.
+    fn finish<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        ray: &ExactRay<'_, S>,
+    ) -> Self::Answer;
 
     /// Hits that no judge has counted.
     fn uncounted_hits(&self) -> u64;
 
-    /// What has been found.
+    /// What has been found so far.
     fn answer(&self) -> Self::Answer;
 }
 
@@ -298,20 +304,21 @@ impl Goal for FirstHit {
     }
 
     #[inline(always)]
-    fn finish<S: Simd, F: Filter>(&mut self, simd: S, tree: &WideBvh, judge: &mut dyn Judge, ray: &ExactRay<'_, S>) {
+    fn finish<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        ray: &ExactRay<'_, S>,
+    ) -> Option<Hit> {
         if F::DECIDES && self.n_candidates == 1 && !self.is_hit {
             // The usual case: a hit that is certain and first. Nothing is asked, so that the next ray need not wait.
             // SAFETY: the first has been written.
             let Candidate { leaf, lane, .. } = unsafe { self.candidates[0].assume_init() };
             let leaf = tree.leaves.view(leaf);
-            let Some(hit) = F::hit::<S, true>(simd, leaf, lane, ray, self.span, judge) else { return };
-            self.uncounted_hits += 1;
-            self.is_hit = true;
-            self.best.t = hit.t;
-            self.best.primitive = hit.primitive;
-            self.best.uv[0] = hit.uv[0];
-            self.best.uv[1] = hit.uv[1];
-            return;
+            let hit = F::hit::<S, true>(simd, leaf, lane, ray, self.span, judge);
+            self.uncounted_hits += u64::from(hit.is_some());
+            return hit;
         }
         for i in 0..self.n_candidates {
             // SAFETY: the first `n_candidates` have been written.
@@ -320,6 +327,7 @@ impl Goal for FirstHit {
                 self.decide::<S, F>(simd, judge, ray, tree.leaves.view(leaf), lane);
             }
         }
+        self.answer()
     }
 
     #[inline(always)]
@@ -436,7 +444,9 @@ impl Goal for AnyHit {
     }
 
     #[inline(always)]
-    fn finish<S: Simd, F: Filter>(&mut self, _: S, _: &WideBvh, _: &mut dyn Judge, _: &ExactRay<'_, S>) {}
+    fn finish<S: Simd, F: Filter>(&mut self, _: S, _: &WideBvh, _: &mut dyn Judge, _: &ExactRay<'_, S>) -> bool {
+        self.is_blocked
+    }
 
     #[inline(always)]
     fn uncounted_hits(&self) -> u64 {

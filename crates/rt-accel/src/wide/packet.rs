@@ -129,9 +129,8 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         }
         self.walk::<F>(rays, goals, &across.boxes, &filter, limits);
         for (((ray, _), goal), answer) in rays.iter().zip(goals).zip(answers) {
-            goal.finish::<S, F>(self.simd, self.tree, self.judge, &ExactRay::new(self.simd, ray));
+            *answer = goal.finish::<S, F>(self.simd, self.tree, self.judge, &ExactRay::new(self.simd, ray));
             self.work.hits += goal.uncounted_hits();
-            *answer = goal.answer();
         }
         true
     }

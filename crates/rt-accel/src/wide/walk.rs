@@ -63,9 +63,8 @@ impl<G: Goal> Walk<'_, '_, G> {
         };
         let mut stack = Stack::new();
         descend(simd, tree, judge, &prepared, &mut goal, tree.root, &mut stack, &mut query.work);
-        goal.finish::<S, F>(simd, tree, judge, &prepared.ray);
+        query.answer = goal.finish::<S, F>(simd, tree, judge, &prepared.ray);
         query.work.hits = goal.uncounted_hits();
-        query.answer = goal.answer();
     }
 }
 
