@@ -3,6 +3,7 @@
 mod compare;
 mod converge;
 mod picture;
+mod stop;
 mod typed;
 mod values;
 
@@ -14,6 +15,7 @@ use rt_scene_io::Reason;
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
 pub(crate) use converge::{Against, ConvergeArgs, Variation};
 pub(crate) use picture::{BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
+pub(crate) use stop::{Aov, AovArg, StopArgs};
 
 /// The commands, and what needs no command.
 #[derive(Debug, Parser)]
@@ -84,7 +86,14 @@ pub(crate) struct RenderArgs {
     pub(crate) picture: PictureArgs,
 
     #[command(flatten)]
+    pub(crate) stop: StopArgs,
+
+    #[command(flatten)]
     pub(crate) development: DevelopmentArgs,
+
+    /// Write what is known of each pixel beside its radiance: `variance` or `samples`, to any format
+    #[arg(long, value_name = "NAME=FILE", value_parser = values::aov, long_help = stop::AOV_HELP)]
+    pub(crate) aov: Vec<AovArg>,
 
     #[command(flatten)]
     pub(crate) run: RunArgs,
@@ -202,7 +211,9 @@ Write statistics to a JSON file, and count what each ray costs
 
 `rays` has an entry for each kind of ray and for their `total`: how many were traced (`rays`), and how many nodes, \
 primitive tests and hits that took. `primary_rays_spared` are camera rays that were \
-not traced, as there is nothing in their part of the view; `shading` counts the work of materials, `seconds` are wall-clock times. Counts \
+not traced, as there is nothing in their part of the view; `pixel_samples` are the samples that pixels are made of, \
+`stopped` is what ended the render (samples, time, target-error), `unconverged_pixels` have not reached --target-error, and \
+`estimated_error` is null where there was but one pass; `shading` counts the work of materials, `seconds` are wall-clock times. Counts \
 are the same in every run; `seconds`, `mega_rays_per_second` and `peak_memory_bytes` (null where the system does not \
 say) are not.";
 

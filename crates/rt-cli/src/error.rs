@@ -90,8 +90,10 @@ impl Failure {
     /// A scene that cannot be rendered, or arguments that ask too much of it.
     pub(crate) fn plan(file: &std::path::Path, source: RenderError) -> Self {
         match source {
-            // No scene can be the reason of these two.
-            RenderError::Crop { .. } | RenderError::Threads(_) => Self::Usage(source.to_string()),
+            // No scene can be the reason of these.
+            RenderError::Crop { .. } | RenderError::Threads(_) | RenderError::SamePasses(_) => {
+                Self::Usage(source.to_string())
+            }
             source => Self::Plan { file: file.to_owned(), source },
         }
     }

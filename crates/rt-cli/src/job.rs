@@ -5,10 +5,11 @@ use std::path::Path;
 use std::time::Instant;
 
 use rt_camera::{ImageFormat, write_image};
-use rt_render::{PlanOptions, RenderPlan, Rendering, RunOptions};
+use rt_render::{PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, StopRule};
 use rt_scene_io::Scene;
 use serde::Serialize;
 
+use crate::aov_file::AovFile;
 use crate::console::Console;
 use crate::error::Failure;
 use crate::input;
@@ -29,6 +30,9 @@ pub(crate) struct Job<'a> {
     pub(crate) format: ImageFormat,
     pub(crate) output: OutputFile,
     pub(crate) stats: Option<OutputFile>,
+    pub(crate) aovs: Vec<AovFile>,
+    /// What ends the render, if not the scene's number of samples.
+    pub(crate) rule: Option<StopRule>,
     /// 0 for one for each processor.
     pub(crate) threads: usize,
     pub(crate) strict: bool,
@@ -40,16 +44,21 @@ impl Job<'_> {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let plan = self.compile()?;
         self.say_notes(&plan)?;
-        let Rendering { film, statistics, .. } = self.render(&plan)?;
+        let rendering = self.render(&plan)?;
+        let Rendering { film, statistics, .. } = &rendering;
         let written = Instant::now();
         let development = &self.scene.film.development;
-        self.output.write_or_rescue(&env::temp_dir(), |file| write_image(&film, development, self.format, file))?;
+        self.output.write_or_rescue(&env::temp_dir(), |file| write_image(film, development, self.format, file))?;
+        for aov in &self.aovs {
+            aov.write(&rendering)?;
+        }
         let outcome = Outcome {
             scene_file: self.scene_file,
             scene: self.scene,
             options: &self.options,
             plan: &plan,
-            statistics: &statistics,
+            rendering: &rendering,
+            rule: self.rule,
             load_seconds: self.load_seconds,
             output_seconds: written.elapsed().as_secs_f64(),
         };
@@ -66,12 +75,24 @@ impl Job<'_> {
         let film = &self.scene.film;
         let size = self.options.crop.map_or([film.width, film.height], |crop| [crop.width, crop.height]);
         picture_file::check(self.format, size, self.options.transparent)?;
-        RenderPlan::compile(self.scene, &self.options).map_err(|error| Failure::plan(self.scene_file, error))
+        let plan =
+            RenderPlan::compile(self.scene, &self.options).map_err(|error| Failure::plan(self.scene_file, error))?;
+        if self.rule.is_some_and(|rule| rule.target.is_some()) && !plan.passes_differ() {
+            let error = RenderError::SamePasses(self.scene.settings.pattern.name());
+            return Err(Failure::plan(self.scene_file, error));
+        }
+        for aov in &self.aovs {
+            aov.check(size, self.rule.is_some() || plan.passes() > 1)?;
+        }
+        Ok(plan)
     }
 
     /// Says what was chosen or changed.
     fn say_notes(&self, plan: &RenderPlan<'_>) -> Result<(), Failure> {
         input::say_notes(self.scene, self.console)?;
+        if let Some(rule) = self.rule {
+            return self.console.say(format_args!("note: at most {} samples per pixel", rule.max_spp));
+        }
         let (asked, taken) = (self.scene.settings.spp, plan.samples_per_pixel());
         if asked == taken {
             return Ok(());
@@ -81,9 +102,12 @@ impl Job<'_> {
     }
 
     fn render(&self, plan: &RenderPlan<'_>) -> Result<Rendering, Failure> {
-        let run = RunOptions { threads: self.threads, count: self.stats.is_some(), maps: false };
+        let run = RunOptions { threads: self.threads, count: self.stats.is_some(), maps: !self.aovs.is_empty() };
         let mut progress = ProgressDisplay::new(self.console.quiet);
-        let rendering = plan.render(&run, |so_far| progress.update(so_far));
+        let rendering = match &self.rule {
+            Some(rule) => plan.render_until(&run, rule, |so_far| progress.update(so_far)),
+            None => plan.render(&run, |so_far| progress.update(so_far)),
+        };
         progress.finish();
         rendering.map_err(|error| Failure::plan(self.scene_file, error))
     }

@@ -21,6 +21,7 @@
 
 #![forbid(unsafe_code)]
 
+mod aov_file;
 mod args;
 mod commands;
 mod console;

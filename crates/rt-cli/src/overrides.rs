@@ -14,6 +14,7 @@ pub(crate) fn apply(args: &PictureArgs, scene: &mut Scene) -> Result<PlanOptions
     [film.width, film.height] = args.size.unwrap_or([film.width, film.height]);
     let settings = &mut scene.settings;
     replace(&mut settings.spp, args.spp);
+    settings.passes = args.passes.or(settings.passes);
     replace(&mut settings.depth, args.depth);
     replace(&mut settings.seed, args.seed);
     replace(&mut settings.integrator, args.integrator);

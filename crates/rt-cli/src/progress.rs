@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
-use rt_render::Progress;
+use rt_render::{PassProgress, Progress};
 
 /// Time between two lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
@@ -76,11 +76,18 @@ fn bar_style() -> ProgressStyle {
 
 /// Rate and remaining time, if the rest takes as long a sample as what is done.
 fn status(progress: Progress, elapsed: Duration) -> String {
-    let Progress { samples, total_samples, rays, .. } = progress;
+    let Progress { samples, total_samples, rays, pass } = progress;
     let rate = rays as f64 / elapsed.as_secs_f64().max(1e-9) * 1e-6;
     let left = elapsed.as_secs_f64() * (total_samples.saturating_sub(samples) as f64 / samples.max(1) as f64);
     let left = HumanDuration(Duration::from_secs_f64(left.min(LONGEST)));
-    format!("{rate:.2} Mrays/s, {left} left")
+    let pass = match pass {
+        Some(PassProgress { finished, spp, rmse: Some(rmse) }) => {
+            format!("pass {}, {spp} spp, RMSE {rmse:.3e}, ", finished + 1)
+        }
+        Some(PassProgress { finished, .. }) => format!("pass {}, ", finished + 1),
+        None => String::new(),
+    };
+    format!("{pass}{rate:.2} Mrays/s, {left} left")
 }
 
 #[cfg(test)]
@@ -91,6 +98,16 @@ mod tests {
     fn rate_and_remaining_time_follow_from_what_is_done() {
         let progress = Progress { samples: 250, total_samples: 1000, rays: 30_000_000, pass: None };
         assert_eq!(status(progress, Duration::from_secs(20)), "1.50 Mrays/s, 60 seconds left");
+    }
+
+    #[test]
+    fn passes_tell_the_error_so_far() {
+        let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.001_234) });
+        let progress = Progress { samples: 500, total_samples: 1000, rays: 1_000_000, pass };
+        let expected = "pass 7, 32 spp, RMSE 1.234e-3, 1.00 Mrays/s, 1 second left";
+        assert_eq!(status(progress, Duration::from_secs(1)), expected);
+        let first = Progress { pass: Some(PassProgress { finished: 0, spp: 0, rmse: None }), ..progress };
+        assert!(status(first, Duration::from_secs(1)).starts_with("pass 1, 1.00 Mrays/s"));
     }
 
     #[test]

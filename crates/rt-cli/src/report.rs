@@ -2,7 +2,9 @@
 
 use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{HumanBytes, HumanCount};
-use rt_render::{Explanation, RayKind, ShadingCounts, Statistics, Tally};
+use rt_render::{
+    ErrorEstimate, Explanation, RayKind, Rendering, SampleRange, ShadingCounts, Statistics, StopRule, Stopped, Tally,
+};
 
 use crate::memory;
 use crate::stats::Outcome;
@@ -10,7 +12,7 @@ use crate::stats::Outcome;
 /// The statistics of a render, ending without a line break. With `costs`, also what each ray cost; only a render that
 /// counted this knows it.
 pub(crate) fn statistics(outcome: &Outcome<'_>, costs: bool) -> String {
-    let statistics = outcome.statistics;
+    let statistics = &outcome.rendering.statistics;
     let threads = match statistics.threads {
         1 => "1 thread".to_owned(),
         n => format!("{n} threads"),
@@ -28,11 +30,58 @@ pub(crate) fn statistics(outcome: &Outcome<'_>, costs: bool) -> String {
         lines.push(format!("peak memory {}", HumanBytes(bytes)));
     }
     lines.extend(left_out(&outcome.plan.explain()));
+    lines.extend(outcome.rule.map(|rule| ending(outcome.rendering, &rule)));
+    lines.push(error(outcome));
     lines.join("\n")
 }
 
+/// What ended the render.
+fn ending(rendering: &Rendering, rule: &StopRule) -> String {
+    let SampleRange { least, mean, most } = rendering.samples_per_pixel;
+    let samples = if least == most {
+        format!("{most} samples per pixel")
+    } else {
+        format!("{least} to {most} samples per pixel, {mean:.1} on average,")
+    };
+    let option = match rendering.stopped {
+        Stopped::Samples => "--spp",
+        Stopped::Time => "--time",
+        Stopped::Target => "--target-error",
+    };
+    let ending = format!("stopped by {option} after {samples} in {} passes", rendering.statistics.passes);
+    match (rule.target, rendering.unconverged) {
+        (Some(target), Some(missing)) if missing > 0 => {
+            let (percent, pixels) = (100.0 * target.relative, rendering.film.pixels().len());
+            format!("{ending}: {percent} % is not reached in {missing} of {pixels} pixels")
+        }
+        _ => ending,
+    }
+}
+
+/// How far the picture is from the truth, or why nobody knows.
+fn error(outcome: &Outcome<'_>) -> String {
+    let pattern = outcome.scene.settings.pattern;
+    match outcome.rendering.error {
+        Some(ErrorEstimate { rmse, interval: [low, high], relative, .. }) => {
+            let bias = if pattern.is_biased() {
+                format!("; the bias of {} samples adds to it", pattern.name())
+            } else {
+                String::new()
+            };
+            let percent = 100.0 * relative;
+            format!("estimated RMSE {rmse:.3e} (95 %: {low:.3e} to {high:.3e}), relative {percent:.2} %{bias}")
+        }
+        None if !outcome.plan.passes_differ() => {
+            format!("error not estimated: {} samples are the same in every pass", pattern.name())
+        }
+        None => {
+            "error not estimated: one pass has nothing to be compared with (--passes 4 splits the samples)".to_owned()
+        }
+    }
+}
+
 fn ray_table(outcome: &Outcome<'_>, costs: bool) -> Table {
-    let counters = &outcome.statistics.counters;
+    let counters = &outcome.rendering.statistics.counters;
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     let mut header = vec!["rays", "traced"];
@@ -47,7 +96,7 @@ fn ray_table(outcome: &Outcome<'_>, costs: bool) -> Table {
         }
     }
     table.add_row(ray_row("total", counters.total(), costs));
-    let Statistics { primary_rays_spared, shading, .. } = *outcome.statistics;
+    let Statistics { primary_rays_spared, shading, .. } = outcome.rendering.statistics;
     for (what, spared) in [("primary, spared", primary_rays_spared), ("shadow, spared", shading.shadow_rays_spared)] {
         if spared > 0 {
             table.add_row([what.to_owned(), HumanCount(spared).to_string()]);

@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use indexmap::IndexMap;
-use rt_render::{Explanation, PlanOptions, RayKind, RenderPlan, ShadingCounts, Statistics, Tally};
+use rt_render::{
+    ErrorEstimate, Explanation, PlanOptions, RayKind, RenderPlan, Rendering, SampleRange, ShadingCounts, StopRule,
+    Stopped, Tally,
+};
 use rt_scene_io::Scene;
 use serde::Serialize;
 
@@ -17,7 +20,8 @@ pub(crate) struct Outcome<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) options: &'a PlanOptions,
     pub(crate) plan: &'a RenderPlan<'a>,
-    pub(crate) statistics: &'a Statistics,
+    pub(crate) rendering: &'a Rendering,
+    pub(crate) rule: Option<StopRule>,
     pub(crate) load_seconds: f64,
     pub(crate) output_seconds: f64,
 }
@@ -31,6 +35,14 @@ pub(crate) struct StatsFile<'a> {
     settings: SettingsStats<'a>,
     plan: PlanStats,
     samples: u64,
+    /// Those that pixels are made of.
+    pixel_samples: PixelSamples,
+    passes: u32,
+    stopped: &'static str,
+    /// Pixels that have not reached the error that was asked for; `null` if none was.
+    unconverged_pixels: Option<u64>,
+    /// `null` if there is nothing to tell it by.
+    estimated_error: Option<ErrorStats>,
     /// NaN, infinite or negative; they count as black.
     bad_samples: u64,
     /// Not traced, because there is nothing in their part of the view.
@@ -44,6 +56,22 @@ pub(crate) struct StatsFile<'a> {
     peak_memory_bytes: Option<u64>,
 }
 
+#[derive(Debug, Serialize)]
+struct PixelSamples {
+    least: u32,
+    mean: f64,
+    most: u32,
+}
+
+#[derive(Debug, Serialize)]
+struct ErrorStats {
+    rmse: f64,
+    /// With a confidence of 95 %.
+    rmse_interval: [f64; 2],
+    relative: f64,
+    largest: f64,
+}
+
 /// All that the picture depends on beside the scene; and the number of threads, which changes no bit.
 #[derive(Debug, Serialize)]
 struct SettingsStats<'a> {
@@ -54,7 +82,11 @@ struct SettingsStats<'a> {
     camera: &'a str,
     integrator: &'static str,
     sampler: &'static str,
+    /// The most that are taken, if time or error decides.
     samples_per_pixel: u32,
+    seconds: Option<f64>,
+    target_error: Option<f64>,
+    two_stage: bool,
     depth: u32,
     min_contribution: f64,
     accel: &'static str,
@@ -111,7 +143,9 @@ struct Seconds {
 impl<'a> StatsFile<'a> {
     /// The file of a render that counted nodes, tests and hits.
     pub(crate) fn new(outcome: &Outcome<'a>) -> Self {
-        let statistics = outcome.statistics;
+        let rendering = outcome.rendering;
+        let statistics = &rendering.statistics;
+        let SampleRange { least, mean, most } = rendering.samples_per_pixel;
         let counters = &statistics.counters;
         let by_kind = RayKind::ALL.map(|kind| (kind.name(), RayStats::from(counters.of(kind))));
         Self {
@@ -121,6 +155,11 @@ impl<'a> StatsFile<'a> {
             settings: SettingsStats::new(outcome),
             plan: PlanStats::from(outcome.plan.explain()),
             samples: statistics.samples,
+            pixel_samples: PixelSamples { least, mean, most },
+            passes: statistics.passes,
+            stopped: stopped_by(rendering.stopped),
+            unconverged_pixels: rendering.unconverged,
+            estimated_error: rendering.error.map(ErrorStats::from),
             bad_samples: statistics.bad_samples,
             primary_rays_spared: statistics.primary_rays_spared,
             rays: by_kind.into_iter().chain([("total", counters.total().into())]).collect(),
@@ -137,10 +176,25 @@ impl<'a> StatsFile<'a> {
     }
 }
 
+const fn stopped_by(stopped: Stopped) -> &'static str {
+    match stopped {
+        Stopped::Samples => "samples",
+        Stopped::Time => "time",
+        Stopped::Target => "target-error",
+    }
+}
+
+impl From<ErrorEstimate> for ErrorStats {
+    fn from(ErrorEstimate { rmse, interval, relative, largest }: ErrorEstimate) -> Self {
+        Self { rmse, rmse_interval: interval, relative, largest }
+    }
+}
+
 impl<'a> SettingsStats<'a> {
     fn new(outcome: &Outcome<'a>) -> Self {
         let Outcome { scene, options, .. } = outcome;
         let (film, settings) = (&scene.film, &scene.settings);
+        let target = outcome.rule.and_then(|rule| rule.target);
         Self {
             width: film.width,
             height: film.height,
@@ -148,14 +202,17 @@ impl<'a> SettingsStats<'a> {
             camera: scene.cameras.get(options.camera).map_or("", |camera| &camera.name),
             integrator: settings.integrator.name(),
             sampler: settings.pattern.name(),
-            samples_per_pixel: outcome.plan.samples_per_pixel(),
+            samples_per_pixel: outcome.rule.map_or(outcome.plan.samples_per_pixel(), |rule| rule.max_spp),
+            seconds: outcome.rule.and_then(|rule| rule.time).map(|time| time.as_secs_f64()),
+            target_error: target.map(|target| target.relative),
+            two_stage: target.is_some_and(|target| target.two_stage),
             depth: settings.depth,
             min_contribution: settings.min_contribution,
             accel: settings.accel.name(),
             seed: settings.seed,
             transparent: options.transparent,
             full_plan: options.full,
-            threads: outcome.statistics.threads,
+            threads: outcome.rendering.statistics.threads,
         }
     }
 }

@@ -92,6 +92,11 @@ pub enum RenderError {
     /// The error to reach is not a positive number.
     #[error("the error to reach is {0}; it must be a finite number above 0")]
     TargetError(f64),
+    /// An error is to be reached, but every pass would be the same.
+    #[error(
+        "the error of a picture cannot be told where all passes are the same, as with the samples of this pattern: {0}"
+    )]
+    SamePasses(&'static str),
     /// The worker threads could not be started.
     #[error("worker threads could not be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

@@ -208,6 +208,12 @@ impl<'s> RenderPlan<'s> {
         self.passes
     }
 
+    /// False if every pass would be the same: fixed patterns, where nothing else is left to chance. Their error cannot be
+    /// estimated.
+    pub const fn passes_differ(&self) -> bool {
+        self.integrator.is_stochastic() || !matches!(self.pattern, SamplePattern::Centre | SamplePattern::Grid)
+    }
+
     /// Where the camera rays of a part of the image run.
     pub(crate) fn view_volume(&self, part: Crop) -> ViewVolume {
         view_volume(&self.camera, self.sample_offset, self.filter, part)

@@ -25,7 +25,8 @@ impl RenderPlan<'_> {
     ///
     /// # Errors
     /// [`RenderError::Threads`] if the worker threads cannot be started, [`RenderError::TargetError`] and
-    /// [`RenderError::NoSamples`] for a rule with such numbers.
+    /// [`RenderError::NoSamples`] for a rule with such numbers, [`RenderError::SamePasses`] for an error that would never
+    /// be known.
     pub fn render_until(
         &self,
         options: &RunOptions,
@@ -33,6 +34,9 @@ impl RenderPlan<'_> {
         progress: impl FnMut(Progress),
     ) -> Result<Rendering, RenderError> {
         rule.validate()?;
+        if rule.target.is_some() && !self.passes_differ() {
+            return Err(RenderError::SamePasses(self.pattern.name()));
+        }
         let mut render = Progressive::new(self, options, *rule, progress)?;
         let (stopped, unconverged) = match rule.target {
             None => (render.pass_after_pass(), None),
@@ -167,7 +171,7 @@ impl<'p, F: FnMut(Progress)> Progressive<'p, F> {
             film: picture,
             statistics: self.statistics,
             stopped,
-            error: error_of(&self.pixels).estimate(),
+            error: error_of(&self.pixels).estimate().filter(|_| self.plan.passes_differ()),
             samples_per_pixel: sample_range(&self.pixels),
             unconverged,
             standard_error,

@@ -60,7 +60,7 @@ pub struct Rendering {
     pub statistics: Statistics,
     /// What ended it.
     pub stopped: Stopped,
-    /// How far it is from the truth; `None` if there was but one pass.
+    /// How far it is from the truth; `None` if there was but one pass, or all are the same.
     pub error: Option<ErrorEstimate>,
     /// Samples that the pixels of the picture are made of.
     pub samples_per_pixel: SampleRange,
@@ -120,7 +120,7 @@ impl RenderPlan<'_> {
             film,
             statistics,
             stopped: Stopped::Samples,
-            error: ErrorSums::joined(&errors).estimate(),
+            error: ErrorSums::joined(&errors).estimate().filter(|_| self.passes_differ()),
             samples_per_pixel: SampleRange::same(self.samples_per_pixel()),
             unconverged: None,
             standard_error,

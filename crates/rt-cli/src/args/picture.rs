@@ -15,9 +15,13 @@ pub(crate) struct PictureArgs {
     #[arg(long, value_name = "WxH", value_parser = values::size, help_heading = "How much")]
     pub(crate) size: Option<[u32; 2]>,
 
-    /// Samples per pixel, rounded up to what the sampler needs
+    /// Samples per pixel, rounded up to what the sampler needs; with --time or --target-error, the most that a pixel takes
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 31), help_heading = "How much")]
     pub(crate) spp: Option<u32>,
+
+    /// Independent passes that the samples are split into, by which the error is told; 1 by default, or 4 for integrators that choose directions at random
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 16), help_heading = "How much")]
+    pub(crate) passes: Option<u32>,
 
     /// Bounces after the first hit; 0 for emission and direct light alone
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=10_000), help_heading = "How much")]

@@ -1,12 +1,14 @@
 //! Values as users write them. Each parser refuses with the rule that was broken.
 
+use std::time::Duration;
+
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use rt_camera::metrics::Flip;
 use rt_camera::{Development, Encoding, FilmSettings, ToneCurve};
 use rt_math::{DVec3, Rgb};
 use rt_render::{Crop, Quality, SimdLevel};
 
-use super::BackgroundChoice;
+use super::{Aov, AovArg, BackgroundChoice};
 
 /// The tone curves.
 pub(super) const TONE_CURVES: [ToneCurve; 3] = [ToneCurve::Clamp, ToneCurve::Reinhard, ToneCurve::Aces];
@@ -92,6 +94,39 @@ pub(super) fn finite(text: &str) -> Result<f64, String> {
 /// A finite number above zero.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     finite(text).ok().filter(|&value| value > 0.0).ok_or_else(|| "write a number above 0".to_owned())
+}
+
+/// A time with its unit.
+pub(super) fn time(text: &str) -> Result<Duration, String> {
+    let rule = || "write a time above 0 with its unit, as 500ms, 10s, 1.5min or 2h".to_owned();
+    let digits = text.find(|c: char| c.is_ascii_alphabetic()).ok_or_else(rule)?;
+    let (number, unit) = text.split_at(digits);
+    let seconds = match unit {
+        "ms" => 0.001,
+        "s" => 1.0,
+        "min" | "m" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(rule()),
+    };
+    let time = positive(number).ok().and_then(|number| Duration::try_from_secs_f64(number * seconds).ok());
+    time.filter(|time| !time.is_zero()).ok_or_else(rule)
+}
+
+/// A percentage above zero, as a share.
+pub(super) fn percentage(text: &str) -> Result<f64, String> {
+    let percent = text.strip_suffix('%').and_then(|number| positive(number.trim_end()).ok());
+    percent
+        .map(|percent| percent / 100.0)
+        .filter(|&share| share > 0.0)
+        .ok_or_else(|| "write a percentage above 0, as 1%".to_owned())
+}
+
+/// `NAME=FILE`.
+pub(super) fn aov(text: &str) -> Result<AovArg, String> {
+    let parts = text.split_once('=').filter(|(_, file)| !file.is_empty());
+    let known = parts.and_then(|(name, file)| Some((Aov::ALL.into_iter().find(|aov| aov.name() == name)?, file)));
+    let (aov, file) = known.ok_or_else(|| "write variance=FILE or samples=FILE".to_owned())?;
+    Ok(AovArg { aov, file: file.into() })
 }
 
 /// What ꟻLIP accepts.
@@ -183,6 +218,32 @@ mod tests {
         assert_eq!(colour("0.5,1,20"), Rgb::new(0.5, 1.0, 20.0));
         for bad in ["", "blue", "#fff", "#gggggg", "#+ffff0", "#ff00000", "1,2", "-1,0,0", "nan,0,0"] {
             assert!(background(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn times_and_percentages_have_units() {
+        for (text, millis) in
+            [("500ms", 500), ("0.5s", 500), ("10s", 10_000), ("1.5min", 90_000), ("1m", 60_000), ("1h", 3_600_000)]
+        {
+            assert_eq!(time(text), Ok(Duration::from_millis(millis)), "{text}");
+        }
+        for bad in ["", "0s", "10", "0", "-1s", "nans", "NaN", "infs", "1e400s", "s", "1d", "1e-12s", "1e30h", "10 s s"]
+        {
+            assert!(time(bad).is_err(), "{bad}");
+        }
+        assert_eq!((percentage("1%"), percentage("0.5 %")), (Ok(0.01), Ok(0.005)));
+        for bad in ["", "1", "0%", "-1%", "nan%", "inf%", "%", "1%%", "0.01", "1e-400%"] {
+            assert!(percentage(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn aovs_have_a_name_and_a_file() {
+        let samples = AovArg { aov: Aov::Samples, file: "a=b.exr".into() };
+        assert_eq!(aov("samples=a=b.exr"), Ok(samples));
+        for bad in ["", "samples", "samples=", "depth=a.exr", "=a.exr", "variance a.exr"] {
+            assert!(aov(bad).is_err(), "{bad}");
         }
     }
 

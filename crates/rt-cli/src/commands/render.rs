@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use crate::aov_file::AovFile;
 use crate::args::RenderArgs;
 use crate::console::Console;
 use crate::error::Failure;
@@ -31,6 +32,15 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if stats.as_ref().is_some_and(|stats| stats.is_same_file(&output)) {
         return Err(Failure::Usage("the picture and the statistics cannot go to the same file".to_owned()));
     }
+    let mut aovs: Vec<AovFile> = Vec::new();
+    for arg in &args.aov {
+        let aov = AovFile::prepare(arg, &files)?;
+        let others = aovs.iter().map(AovFile::output).chain(&stats).chain([&output]);
+        if others.into_iter().any(|other| other.is_same_file(aov.output())) {
+            return Err(Failure::Usage(format!("something else goes to {} already", arg.file.display())));
+        }
+        aovs.push(aov);
+    }
     let job = Job {
         scene_file,
         scene: &scene,
@@ -39,6 +49,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         format,
         output,
         stats,
+        aovs,
+        rule: args.stop.rule(args.picture.spp),
         threads: args.run.threads.unwrap_or(0).into(),
         strict: args.run.strict,
         console,

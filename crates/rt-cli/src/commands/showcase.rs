@@ -30,6 +30,8 @@ pub(super) fn run() -> Result<(), Failure> {
         format: picture_file::format_of(Path::new(PICTURE))?,
         output: OutputFile::prepare(Path::new(PICTURE), &[])?,
         stats: None,
+        aovs: Vec::new(),
+        rule: None,
         threads: 0,
         strict: false,
         console,

@@ -11,3 +11,4 @@ mod interruption;
 mod program;
 mod rendering;
 mod statistics;
+mod stopping;

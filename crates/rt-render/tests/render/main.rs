@@ -5,6 +5,7 @@ mod invariance;
 mod left_out;
 mod nested;
 mod one_picture;
+mod passes;
 mod radiance;
 mod refusals;
 mod support;

@@ -1,0 +1,83 @@
+//! Files of what is known of pixels beside their radiance.
+
+use std::path::PathBuf;
+
+use rt_camera::{Development, Film, ImageFormat, write_image};
+use rt_render::Rendering;
+
+use crate::args::{Aov, AovArg};
+use crate::error::Failure;
+use crate::output::OutputFile;
+use crate::picture_file;
+
+/// What goes where.
+#[derive(Debug)]
+pub(crate) struct AovFile {
+    aov: Aov,
+    format: ImageFormat,
+    output: OutputFile,
+}
+
+impl AovFile {
+    /// Checks that the file can be written, and is none of `inputs`.
+    pub(crate) fn prepare(arg: &AovArg, inputs: &[PathBuf]) -> Result<Self, Failure> {
+        let format = picture_file::format_of(&arg.file)?;
+        Ok(Self { aov: arg.aov, format, output: OutputFile::prepare(&arg.file, inputs)? })
+    }
+
+    /// The file.
+    pub(crate) const fn output(&self) -> &OutputFile {
+        &self.output
+    }
+
+    /// Refuses what cannot be known or stored, before it is rendered.
+    pub(crate) fn check(&self, size: [u32; 2], several_passes: bool) -> Result<(), Failure> {
+        if self.aov == Aov::Variance && !several_passes {
+            let message = "--aov variance needs more than one pass to compare: add --passes 4";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        picture_file::check(self.format, size, false)
+    }
+
+    /// Writes the file, if the render has kept what goes there.
+    pub(crate) fn write(&self, rendering: &Rendering) -> Result<(), Failure> {
+        let film = match self.aov {
+            Aov::Variance => &rendering.standard_error,
+            Aov::Samples => &rendering.sample_counts,
+        };
+        let Some(film) = film else { return Ok(()) };
+        let shown;
+        let film = if picture_file::is_developed(self.format) {
+            shown = relative_to_largest(film);
+            &shown
+        } else {
+            film
+        };
+        Ok(self.output.write(|file| write_image(film, &Development::default(), self.format, file))?)
+    }
+}
+
+/// Numbers as a share of the largest finite one.
+fn relative_to_largest(film: &Film) -> Film {
+    let finite = film.pixels().as_flattened().iter().copied().filter(|value| value.is_finite());
+    let largest = finite.fold(f32::MIN_POSITIVE, f32::max);
+    let mut shown = film.clone();
+    for value in shown.pixels_mut().as_flattened_mut() {
+        *value /= largest;
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_shown_relative_to_the_largest() {
+        let mut film = Film::new(2, 2, false);
+        film.pixels_mut().copy_from_slice(&[[64.0; 3], [256.0; 3], [f32::INFINITY; 3], [0.0; 3]]);
+        let shown = relative_to_largest(&film);
+        assert_eq!(shown.pixels(), [[0.25; 3], [1.0; 3], [f32::INFINITY; 3], [0.0; 3]]);
+        assert_eq!(relative_to_largest(&Film::new(1, 1, false)), Film::new(1, 1, false));
+    }
+}

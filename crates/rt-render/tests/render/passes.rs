@@ -1,0 +1,248 @@
+//! Independent passes: what they change, what they tell, and when they end.
+
+use std::time::Duration;
+
+use rt_camera::{CameraSettings, FilmSettings, Projection, SamplePattern};
+use rt_geometry::{Shape, Triangle};
+use rt_math::{DVec2, DVec3, Transform};
+use rt_render::{
+    ErrorEstimate, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, StopRule, Stopped,
+    TargetError,
+};
+use rt_scene_io::{Content, Integrator, MaterialId, NamedCamera, Node, Scene, Settings};
+use rt_shading::{Appearance, Material, Phong};
+
+use crate::support::{everything, spheres};
+
+/// A half-plane below `y = start + slope · x` over an image from 0 to 1, seen as gray ½ before black in the red channel.
+fn half_plane(side: u32, start: f64, slope: f64) -> Scene {
+    let at = |x: f64| DVec3::new(x - 0.5, start + slope * x - 0.5, 0.0);
+    let triangle = Triangle::new([at(-9.0), DVec3::new(0.0, -99.0, 0.0), at(10.0)]).expect("a triangle");
+    let camera = CameraSettings {
+        world_from_camera: Transform::translate(DVec3::Z),
+        projection: Projection::Orthographic { height: 1.0 },
+        lens_shift: DVec2::ZERO,
+    };
+    Scene {
+        cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
+        film: FilmSettings { width: side, height: side, ..FilmSettings::default() },
+        settings: Settings { integrator: Integrator::Normals, ..Settings::default() },
+        appearance: Appearance {
+            materials: vec![Material { name: "any".into(), phong: Phong::default() }],
+            ..Appearance::default()
+        },
+        nodes: vec![Node::new(Content::Shape(Shape::Triangle(triangle)), MaterialId(0))],
+        ..Scene::empty("half-plane")
+    }
+}
+
+/// What the pixels of that image really show, row by row: half of the part of the pixel below the line.
+fn truth(side: u32, start: f64, slope: f64) -> Vec<f64> {
+    let n = f64::from(side);
+    let area_below = |height: f64| if height > 1.0 { height - 0.5 } else { 0.5 * height.max(0.0) * height.max(0.0) };
+    let pixel = |index: u32| {
+        let (column, row) = (f64::from(index % side), n - 1.0 - f64::from(index / side));
+        let height = |column: f64| start * n + slope * column - row;
+        0.5 * (area_below(height(column + 1.0)) - area_below(height(column))) / slope
+    };
+    (0..side * side).map(pixel).collect()
+}
+
+fn fixed(scene: &Scene, run: RunOptions) -> Rendering {
+    RenderPlan::compile(scene, &PlanOptions::default()).expect("compiles").render(&run, |_| {}).expect("renders")
+}
+
+fn until(scene: &Scene, rule: StopRule, run: RunOptions) -> Rendering {
+    let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("compiles");
+    plan.render_until(&run, &rule, |_| {}).expect("renders")
+}
+
+fn to_error(relative: f64, two_stage: bool, max_spp: u32) -> StopRule {
+    StopRule { target: Some(TargetError { relative, two_stage }), max_spp, time: None }
+}
+
+#[test]
+fn threads_do_not_change_passes() {
+    let run = |threads| RunOptions { threads, maps: true, ..RunOptions::default() };
+    let mut scene = spheres();
+    scene.settings.passes = Some(3);
+    let renders: [&dyn Fn(usize) -> Rendering; 4] = [
+        &|threads| fixed(&scene, run(threads)),
+        &|threads| until(&scene, StopRule { max_spp: 20, ..StopRule::default() }, run(threads)),
+        &|threads| until(&scene, to_error(0.2, false, 256), run(threads)),
+        &|threads| until(&scene, to_error(0.2, true, 128), run(threads)),
+    ];
+    for (number, render) in renders.iter().enumerate() {
+        let one = render(1);
+        for threads in [2, 3] {
+            let many = render(threads);
+            assert_eq!(one.film.checksum(), many.film.checksum(), "render {number}, {threads} threads");
+            assert_eq!((one.error, one.unconverged, one.stopped), (many.error, many.unconverged, many.stopped));
+            let maps = |rendering: &Rendering| {
+                [&rendering.standard_error, &rendering.sample_counts].map(|map| map.as_ref().expect("kept").checksum())
+            };
+            assert_eq!(maps(&one), maps(&many), "render {number}, {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn a_pass_over_the_image_is_a_render_of_its_samples() {
+    for mut scene in [spheres(), everything()] {
+        scene.settings.spp = 1;
+        let plain = fixed(&scene, RunOptions::default());
+        let pass = until(&scene, StopRule { max_spp: 1, ..StopRule::default() }, RunOptions::default());
+        assert_eq!(plain.film.checksum(), pass.film.checksum());
+        assert_eq!((plain.error, pass.error, pass.stopped), (None, None, Stopped::Samples));
+    }
+}
+
+#[test]
+fn passes_one_after_the_other_are_those_of_a_tile() {
+    let mut scene = half_plane(20, 0.3, 0.2);
+    (scene.settings.spp, scene.settings.passes) = (2, Some(2));
+    let run = RunOptions { maps: true, ..RunOptions::default() };
+    let (tile_by_tile, progressive) =
+        (fixed(&scene, run), until(&scene, StopRule { max_spp: 2, ..StopRule::default() }, run));
+    assert_eq!(tile_by_tile.film.checksum(), progressive.film.checksum());
+    assert_eq!(tile_by_tile.standard_error, progressive.standard_error);
+    let rmse = |rendering: &Rendering| rendering.error.expect("two passes").rmse;
+    assert!((rmse(&tile_by_tile) / rmse(&progressive) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn passes_are_independent_of_each_other() {
+    let picture = |spp, passes| {
+        let mut scene = half_plane(12, 0.3, 0.2);
+        (scene.settings.spp, scene.settings.passes) = (spp, Some(passes));
+        fixed(&scene, RunOptions::default()).film
+    };
+    // Equal passes would give the picture of one.
+    assert_ne!(picture(8, 2), picture(4, 1));
+    assert_eq!(picture(4, 1), picture(4, 1));
+}
+
+/// The error of a picture against the truth, and what it was estimated to be.
+fn errors(rendering: &Rendering, truth: &[f64]) -> (f64, ErrorEstimate) {
+    let squares = rendering.film.pixels().iter().zip(truth).map(|(pixel, truth)| {
+        let error = f64::from(pixel[0]) - truth;
+        error * error
+    });
+    // Red and green are halves, blue is one: the squares of their errors are as 1 to 1 to 4.
+    let mean = 2.0 * squares.sum::<f64>() / truth.len() as f64;
+    (mean.sqrt(), rendering.error.expect("several passes"))
+}
+
+#[test]
+fn the_true_error_lies_within_its_interval() {
+    let truth = truth(12, 0.3, 0.2);
+    let (mut covered, mut squares, mut estimates, seeds) = (0, 0.0, 0.0, 200);
+    let patterns = [
+        SamplePattern::Random,
+        SamplePattern::Jittered,
+        SamplePattern::Sobol,
+        SamplePattern::Halton,
+        SamplePattern::BlueNoise,
+    ];
+    for pattern in patterns {
+        for seed in 0..seeds {
+            let mut scene = half_plane(12, 0.3, 0.2);
+            scene.settings = Settings { pattern, seed, spp: 16, passes: Some(4), ..scene.settings };
+            let (error, estimate) = errors(&fixed(&scene, RunOptions { threads: 1, ..RunOptions::default() }), &truth);
+            covered += u32::from((estimate.interval[0]..=estimate.interval[1]).contains(&error));
+            squares += error * error;
+            estimates += estimate.rmse * estimate.rmse;
+        }
+    }
+    // 950 of 1000 expected or more; 932 has a probability of 1 % if it were 950.
+    assert!(covered >= 932, "{covered} of 1000");
+    let ratio: f64 = estimates / squares;
+    assert!((0.9..1.1).contains(&ratio), "mean square estimated {ratio} times too large");
+}
+
+#[test]
+fn fixed_patterns_have_no_error_to_tell() {
+    let mut scene = half_plane(4, 0.3, 0.2);
+    (scene.settings.pattern, scene.settings.passes) = (SamplePattern::Grid, Some(2));
+    assert_eq!(fixed(&scene, RunOptions::default()).error, None);
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let refused = plan.render_until(&RunOptions::default(), &to_error(0.1, false, 64), |_| {});
+    assert!(matches!(refused, Err(RenderError::SamePasses("grid"))), "{refused:?}");
+}
+
+#[test]
+fn a_target_is_kept_as_often_as_promised() {
+    // Half-plane pixels of 5.4 in the table of closed forms: below a line of 10°, and y < 0.3 + 0.2 x.
+    let edges = [(0.0, 0.176_326_980_708_464_98, 0.088_163_490_354_2), (0.3, 0.2, 0.4)];
+    let (mut kept, mut tried) = (0, 0);
+    let relative = 0.05;
+    for (start, slope, area) in edges {
+        for pattern in [SamplePattern::Random, SamplePattern::Jittered, SamplePattern::Sobol] {
+            for seed in 0..200 {
+                let mut scene = half_plane(1, start, slope);
+                (scene.settings.pattern, scene.settings.seed) = (pattern, seed);
+                let run = RunOptions { threads: 1, ..RunOptions::default() };
+                let rendering = until(&scene, to_error(relative, false, 1 << 16), run);
+                assert_eq!((rendering.stopped, rendering.unconverged), (Stopped::Target, Some(0)));
+                let mean = f64::from(rendering.film.pixels()[0][0]);
+                kept += u32::from((mean - 0.5 * area).abs() <= relative * (mean + 0.01));
+                tried += 1;
+            }
+        }
+    }
+    // One-sided binomial test of 94 % at the level of 1 %.
+    let expected = 0.94 * f64::from(tried);
+    let least = expected - 2.326 * (expected * 0.06).sqrt();
+    assert!(f64::from(kept) >= least, "{kept} of {tried}, {least} needed");
+}
+
+#[test]
+fn new_samples_are_without_bias() {
+    let (mut sum, mut squares, seeds) = (0.0, 0.0, 300);
+    for seed in 0..seeds {
+        let mut scene = half_plane(1, 0.0, 0.176_326_980_708_464_98);
+        (scene.settings.pattern, scene.settings.seed) = (SamplePattern::Random, seed);
+        let rule = to_error(0.3, true, 1 << 14);
+        let rendering = until(&scene, rule, RunOptions { threads: 1, ..RunOptions::default() });
+        let mean = 2.0 * f64::from(rendering.film.pixels()[0][0]);
+        assert_eq!(rendering.statistics.samples, 2 * u64::from(rendering.samples_per_pixel.most));
+        sum += mean;
+        squares += mean * mean;
+    }
+    let n = seeds as f64;
+    let mean: f64 = sum / n;
+    let standard_error = ((squares / n - mean * mean) / (n - 1.0)).sqrt();
+    let z = (mean - 0.088_163_490_354_2) / standard_error;
+    assert!(z.abs() < 4.0, "z = {z}");
+}
+
+#[test]
+fn only_pixels_near_an_edge_go_on() {
+    let run = RunOptions { maps: true, ..RunOptions::default() };
+    let rendering = until(&half_plane(32, 0.3, 0.2), to_error(0.02, false, 512), run);
+    let SampleRange { least, most, .. } = rendering.samples_per_pixel;
+    assert_eq!((least, most, rendering.stopped), (64, 512, Stopped::Samples));
+    assert!(rendering.unconverged.is_some_and(|pixels| (1..60).contains(&pixels)), "{:?}", rendering.unconverged);
+    let counts = rendering.sample_counts.expect("kept");
+    let on_edge = |truth: f64| truth > 0.005 && truth < 0.495;
+    for (count, truth) in counts.pixels().iter().zip(truth(32, 0.3, 0.2)) {
+        assert!(!on_edge(truth) || count[0] > 64.0, "{count:?} samples at an edge");
+    }
+    let total: f64 = counts.pixels().iter().map(|count| f64::from(count[0])).sum();
+    assert_eq!(total, rendering.statistics.samples as f64);
+    assert!(rendering.samples_per_pixel.mean < 200.0, "{:?}", rendering.samples_per_pixel);
+}
+
+#[test]
+fn time_ends_a_render_between_passes() {
+    let limit = Duration::from_millis(300);
+    let rule = StopRule { time: Some(limit), ..StopRule::default() };
+    let rendering = until(&half_plane(64, 0.3, 0.2), rule, RunOptions::default());
+    assert_eq!(rendering.stopped, Stopped::Time);
+    let SampleRange { least, most, .. } = rendering.samples_per_pixel;
+    assert!(least == most && most > 1 && rendering.error.is_some(), "{:?}", rendering.samples_per_pixel);
+    // One pass is taken even if there is no time at all, and the picture is whole.
+    let none = StopRule { time: Some(Duration::ZERO), ..StopRule::default() };
+    let rendering = until(&half_plane(64, 0.3, 0.2), none, RunOptions::default());
+    assert_eq!((rendering.stopped, rendering.statistics.samples), (Stopped::Time, 64 * 64));
+}
