@@ -132,7 +132,7 @@ fn wrong_usage_ends_with_code_2() {
             ("no scene", GOOD, "render"),
             ("no such command", GOOD, "rendr scene.ron"),
             ("no such option", GOOD, "render scene.ron --sise 8x8"),
-            ("not there yet", GOOD, "render scene.ron --integrator path"),
+            ("no such integrator", GOOD, "render scene.ron --integrator psth"),
             ("empty size", GOOD, "render scene.ron --size 0x8"),
             ("no samples", GOOD, "render scene.ron --spp 0"),
             ("no time", GOOD, "render scene.ron --time 0s"),
