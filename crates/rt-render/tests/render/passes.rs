@@ -28,7 +28,7 @@ fn half_plane(side: u32, start: f64, slope: f64) -> Scene {
         film: FilmSettings { width: side, height: side, ..FilmSettings::default() },
         settings: Settings { integrator: Integrator::Normals, ..Settings::default() },
         appearance: Appearance {
-            materials: vec![Material { name: "any".into(), phong: Phong::default() }],
+            materials: vec![Material::new("any".into(), Phong::default())],
             ..Appearance::default()
         },
         nodes: vec![Node::new(Content::Shape(Shape::Triangle(triangle)), MaterialId(0))],
