@@ -1,8 +1,11 @@
-//! The virtual pinhole camera.
+//! The virtual camera: a pinhole or a thin lens.
 
 use rt_math::{DVec2, DVec3, Ray, Transform, transcendental::tan};
 
-use crate::view_volume::{Pencil, ViewVolume};
+use crate::{
+    Lens,
+    view_volume::{Pencil, Rim, ViewVolume},
+};
 
 /// Which side of the image the field of view spans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,6 +43,15 @@ pub struct CameraSettings {
     /// Shift of the lens, as a part of the image's width and height: (0.5, 0) shows what lies half an image further
     /// to the right, (0, 0.5) half an image further up.
     pub lens_shift: DVec2,
+    /// The lens that makes what is out of focus blurred; all is sharp without.
+    pub lens: Option<Lens>,
+}
+
+impl CameraSettings {
+    /// A camera without a shift, for which all is sharp.
+    pub const fn new(world_from_camera: Transform, projection: Projection) -> Self {
+        Self { world_from_camera, projection, lens_shift: DVec2::ZERO, lens: None }
+    }
 }
 
 /// Why no camera can be made of its settings.
@@ -57,8 +69,20 @@ pub enum CameraError {
     /// The lens shift is NaN or infinite.
     #[error("the lens shift ({}, {}) is not finite", .0.x, .0.y)]
     LensShift(DVec2),
+    /// The radius of the lens (the value, in units of the camera's space) is not usable.
+    #[error("the radius of the lens is {0}; it must be finite and not negative")]
+    LensRadius(f64),
+    /// The depth of the plane of focus (the value, in units of the camera's space) is not usable.
+    #[error("the camera is focused at a depth of {0}; it must be positive and finite")]
+    Focus(f64),
+    /// The aperture has too few corners.
+    #[error("the aperture has {0} blades; it must have at least 3, or none to be round")]
+    Blades(u32),
+    /// The angle of the aperture is NaN or infinite.
+    #[error("the aperture is turned by {0}, which is not finite")]
+    LensRotation(f64),
     /// The rays overflow: the transform scales, or the lens shift reaches, too far.
-    #[error("the camera's transform and lens shift are too large for its rays to be finite")]
+    #[error("the camera's transform, lens and lens shift are too large for its rays to be finite")]
     Overflow,
 }
 
@@ -75,17 +99,20 @@ pub enum CameraError {
 ///
 /// in the camera's axes x, y, z. The component along the view is 1, so **the parameter `t` of a point is its depth**:
 /// its distance from the camera plane (not from the pinhole), in units of the camera's own space. The same holds for
-/// the orthographic camera, whose rays start on the camera plane.
+/// the orthographic camera, whose rays start on the camera plane, and of a [`Lens`], whose rays start at a point λ of the
+/// aperture and lead to where the ray through its centre meets the plane of focus:
+///
+/// ```text
+/// origin' = origin + λ,      direction' = direction − λ / focus
+/// ```
 ///
 /// ```
 /// use rt_camera::{Camera, CameraSettings, FovAxis, Projection};
 /// use rt_math::{DVec2, DVec3, Transform};
 ///
-/// let settings = CameraSettings {
-///     world_from_camera: Transform::look_at(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y)?,
-///     projection: Projection::Perspective { fov: 90f64.to_radians(), axis: FovAxis::Vertical },
-///     lens_shift: DVec2::ZERO,
-/// };
+/// let place = Transform::look_at(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y)?;
+/// let projection = Projection::Perspective { fov: 90f64.to_radians(), axis: FovAxis::Vertical };
+/// let settings = CameraSettings::new(place, projection);
 /// let camera = Camera::new(&settings, 640, 480)?;
 /// let ray = camera.ray(DVec2::new(320.0, 240.0), 0.0);
 /// assert_eq!(ray.at(5.0), DVec3::ZERO);
@@ -106,6 +133,8 @@ pub struct Camera {
     pixel_side: f64,
     /// Where the view axis meets the image, in raster coordinates.
     principal_point: DVec2,
+    /// A lens that is no pinhole.
+    lens: Option<Lens>,
 }
 
 impl Camera {
@@ -113,13 +142,16 @@ impl Camera {
     ///
     /// # Errors
     /// [`CameraError`] if a side is 0, the field of view lies outside (0, π), the orthographic height is not
-    /// positive, or a number is NaN, infinite, or so large that rays would not be finite.
+    /// positive, the lens is unusable, or a number is NaN, infinite, or so large that rays would not be finite.
     pub fn new(settings: &CameraSettings, width: u32, height: u32) -> Result<Self, CameraError> {
         if width == 0 || height == 0 {
             return Err(CameraError::EmptyImage(width, height));
         }
         if !settings.lens_shift.is_finite() {
             return Err(CameraError::LensShift(settings.lens_shift));
+        }
+        if let Some(lens) = &settings.lens {
+            lens.check()?;
         }
         let size = DVec2::new(f64::from(width), f64::from(height));
         let pixel_side = pixel_side(settings.projection, size)?;
@@ -134,16 +166,34 @@ impl Camera {
             step_down: axes.y_axis * -pixel_side,
             pixel_side,
             principal_point: (towards_lower_left + 0.5) * size,
+            lens: settings.lens.filter(|lens| lens.radius > 0.0),
         };
         let corners = [DVec2::ZERO, DVec2::new(size.x, 0.0), DVec2::new(0.0, size.y), size];
         let all_finite = corners
             .into_iter()
-            .map(|corner| camera.ray(corner, 0.0))
+            .flat_map(|corner| [camera.ray(corner, 0.0), camera.ray_through(corner, [1.0; 2], 0.0)])
             .all(|ray| ray.origin.is_finite() && ray.direction.is_finite());
         if all_finite { Ok(camera) } else { Err(CameraError::Overflow) }
     }
 
-    /// The ray through a raster point, at a moment of the shutter. Points outside the image are fine.
+    /// True if rays start in different places of a lens, so that they take a pair of numbers beside the raster point.
+    pub const fn has_lens(&self) -> bool {
+        self.lens.is_some()
+    }
+
+    /// The ray through a raster point and a point of the lens, which is given by a point of the unit square; without a lens
+    /// just [`ray`](Self::ray).
+    #[inline]
+    pub fn ray_through(&self, raster: DVec2, on_lens: [f64; 2], time: f64) -> Ray {
+        let centre = self.ray(raster, time);
+        let Some(lens) = &self.lens else { return centre };
+        let DVec2 { x, y } = lens.point(on_lens);
+        let aside = self.world_from_camera.vector(DVec3::new(x, y, 0.0));
+        Ray { origin: centre.origin + aside, direction: centre.direction - aside / lens.focus, time }
+    }
+
+    /// The ray through a raster point and the pinhole, or the centre of the lens, at a moment of the shutter. Points outside
+    /// the image are fine.
     #[inline]
     pub fn ray(&self, raster: DVec2, time: f64) -> Ray {
         let from_centre = raster - self.principal_point;
@@ -156,7 +206,8 @@ impl Camera {
         }
     }
 
-    /// Where a point of the world appears, in raster coordinates; possibly outside the image. `None` for a point
+    /// Where a point of the world appears through the pinhole or the centre of the lens, in raster coordinates; possibly
+    /// outside the image. `None` for a point
     /// behind the camera plane, for one on the plane of a pinhole camera, and for one whose image is not finite.
     pub fn project(&self, world: DVec3) -> Option<DVec2> {
         let point = self.world_from_camera.inverse_point(world);
@@ -172,8 +223,8 @@ impl Camera {
         raster.is_finite().then_some(raster)
     }
 
-    /// The part of space that the rays through the raster points from `min` to `max` run through; points outside the
-    /// image are fine. For all rays of an image, widen it by the sample offset and the filter's radius.
+    /// The part of space that the rays through the raster points from `min` to `max`, and any points of the lens, run
+    /// through; points outside the image are fine. For all rays of an image, widen it by the sample offset and the filter's radius.
     pub fn view_volume(&self, min: DVec2, max: DVec2) -> ViewVolume {
         ViewVolume::new(&Pencil {
             origin: self.world_from_camera.translation(),
@@ -183,6 +234,7 @@ impl Camera {
             min: min - self.principal_point,
             max: max - self.principal_point,
             is_perspective: self.is_perspective,
+            rim: self.lens.map(|lens| Rim { steps: lens.radius / self.pixel_side, focus: lens.focus }),
         })
     }
 
@@ -218,11 +270,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn perspective(fov: f64, axis: FovAxis) -> CameraSettings {
-        CameraSettings {
-            world_from_camera: Transform::IDENTITY,
-            projection: Projection::Perspective { fov, axis },
-            lens_shift: DVec2::ZERO,
-        }
+        CameraSettings::new(Transform::IDENTITY, Projection::Perspective { fov, axis })
     }
 
     fn orthographic(height: f64) -> CameraSettings {
@@ -324,7 +372,8 @@ mod tests {
             |(eye, target, scale, projection, shift_x, shift_y)| {
                 let view = Transform::look_at(eye, target, DVec3::Y).ok()?;
                 let world_from_camera = view.then_first(&Transform::scale(DVec3::splat(scale)).ok()?);
-                Some(CameraSettings { world_from_camera, projection, lens_shift: DVec2::new(shift_x, shift_y) })
+                let lens_shift = DVec2::new(shift_x, shift_y);
+                Some(CameraSettings { lens_shift, ..CameraSettings::new(world_from_camera, projection) })
             },
         )
     }

@@ -20,6 +20,7 @@
 //! | coordinates of a sample, a pure function of (seed, pixel, sample, dimension) | [`PixelSampler`], [`SamplePattern`] |
 //! | where in and around the pixel, and with which weight | [`Filter`] |
 //! | ray through a raster point, and back | [`Camera`] |
+//! | where on the aperture it starts, and where it is sharp | [`Lens`] |
 //! | boxes that none of these rays meets | [`ViewVolume`] |
 //! | linear radiance of every pixel | [`Film`] |
 //! | bytes | [`Development`] |
@@ -38,15 +39,8 @@
 //!
 //! let settings = FilmSettings { width: 8, height: 6, ..FilmSettings::default() };
 //! settings.validate()?;
-//! let camera = Camera::new(
-//!     &CameraSettings {
-//!         world_from_camera: Transform::IDENTITY,
-//!         projection: Projection::Perspective { fov: 60f64.to_radians(), axis: FovAxis::Horizontal },
-//!         lens_shift: DVec2::ZERO,
-//!     },
-//!     settings.width,
-//!     settings.height,
-//! )?;
+//! let projection = Projection::Perspective { fov: 60f64.to_radians(), axis: FovAxis::Horizontal };
+//! let camera = Camera::new(&CameraSettings::new(Transform::IDENTITY, projection), settings.width, settings.height)?;
 //! let sampler = PixelSampler::new(SamplePattern::Sobol, 16, 0);
 //!
 //! let mut film = Film::new(settings.width, settings.height, false);
@@ -78,6 +72,7 @@ mod filter;
 mod halton;
 #[cfg(feature = "files")]
 mod image_file;
+mod lens;
 pub mod metrics;
 mod mitchell;
 mod pattern;
@@ -97,6 +92,7 @@ pub use film::{Film, FilmError, FilmSettings};
 pub use filter::Filter;
 #[cfg(feature = "files")]
 pub use image_file::{ImageFileError, ImageFormat};
+pub use lens::Lens;
 pub use pattern::SamplePattern;
 pub use pixel_sampler::{PixelSample, PixelSampler};
 #[cfg(feature = "files")]

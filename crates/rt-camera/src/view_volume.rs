@@ -13,7 +13,8 @@ const ROUNDINGS: f64 = 256.0;
 const SOUND: core::ops::Range<f64> = 1e-100..1e100;
 
 /// The rays through a rectangle of the image, as `origin + across + t·forward` (orthographic) or `origin +
-/// t·(forward + across)`, where `across = x·right + y·down` and (x, y) lies between `min` and `max`.
+/// t·(forward + across)`, where `across = x·right + y·down` and (x, y) lies between `min` and `max`. A lens adds
+/// `λ·(1 − t / focus)` for all points λ of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pencil {
     pub(crate) origin: DVec3,
@@ -23,6 +24,16 @@ pub(crate) struct Pencil {
     pub(crate) min: DVec2,
     pub(crate) max: DVec2,
     pub(crate) is_perspective: bool,
+    pub(crate) rim: Option<Rim>,
+}
+
+/// The circle around a lens.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rim {
+    /// Radius in units of `right` and `down`.
+    pub(crate) steps: f64,
+    /// The parameter at which rays through all points of the lens meet.
+    pub(crate) focus: f64,
 }
 
 /// A half-space: all `p` with `normal·(p − origin) ≥ offset`.
@@ -37,6 +48,20 @@ struct HalfSpace {
 /// The part of space in which camera rays can hit something: in front of the camera plane, between four planes through
 /// the edges of a part of the image.
 ///
+/// With a lens, each edge has two planes, and what lies behind both is not met:
+///
+/// ```text
+///            ╲       ╱    A point of a ray through the edge is p = origin + t·(forward + across) + λ·(1 − t/f),
+///    lens │╲   ╲   ╱      t its depth, λ a point of the lens. With the inward normal n of the plane through the
+///         │  ╲   ╳  edge  pinhole, and h = max n·λ over the lens, which is symmetric:
+///         │    ╳   ╲
+///         │  ╱   ╲   ╲    n·(p − origin) ≥ n·λ·(1 − t/f) ≥ −h·|1 − t/f| = −max(h·(1 − t/f), −h·(1 − t/f)).
+///            f ↑
+/// ```
+///
+/// As `t` is linear in `p`, the right side is the lower of two planes. A box that lies behind both altogether has no point of a
+/// ray; one that lies behind each with different parts may have.
+///
 /// A box that [`excludes`](Self::excludes) rules out is met by none of these rays, rounding included: neither the
 /// slab test ([`Aabb::clip`]) with a ray of [`Camera::ray`](crate::Camera::ray) nor anything that relies on it hits
 /// what is in the box. Boxes near the edges may be kept though no ray meets them.
@@ -45,11 +70,8 @@ struct HalfSpace {
 /// use rt_camera::{Camera, CameraSettings, FovAxis, Projection};
 /// use rt_math::{Aabb, DVec2, DVec3, Transform};
 ///
-/// let settings = CameraSettings {
-///     world_from_camera: Transform::IDENTITY,
-///     projection: Projection::Perspective { fov: 90f64.to_radians(), axis: FovAxis::Vertical },
-///     lens_shift: DVec2::ZERO,
-/// };
+/// let projection = Projection::Perspective { fov: 90f64.to_radians(), axis: FovAxis::Vertical };
+/// let settings = CameraSettings::new(Transform::IDENTITY, projection);
 /// let volume = Camera::new(&settings, 100, 100)?.view_volume(DVec2::ZERO, DVec2::splat(100.0));
 /// let unit_box = |centre: DVec3| Aabb::new(centre - 0.5, centre + 0.5);
 /// assert!(!volume.excludes(&unit_box(DVec3::new(0.0, 0.0, -5.0))));
@@ -62,14 +84,19 @@ pub struct ViewVolume {
     origin: DVec3,
     /// Distance from the origin at which rays may start.
     reach: f64,
-    half_spaces: [HalfSpace; 5],
+    /// In front of the camera plane.
+    front: HalfSpace,
+    /// Within each edge of the image.
+    edges: [HalfSpace; 4],
+    /// The other plane of each edge, with a lens.
+    other_edges: Option<[HalfSpace; 4]>,
     /// Part of its terms by which a sum must fall short of its offset. Infinite if nothing can be promised.
     slack: f64,
 }
 
 impl ViewVolume {
     pub(crate) fn new(pencil: &Pencil) -> Self {
-        let Pencil { origin, forward, right, down, min, max, is_perspective } = *pencil;
+        let Pencil { origin, forward, right, down, min, max, is_perspective, rim } = *pencil;
         let across = cross(right, down);
         let volume = forward.dot(across);
         let side = volume.signum();
@@ -86,28 +113,40 @@ impl ViewVolume {
         let [(left, x0), (far_right, x1), (top, y0), (bottom, y1)] =
             [at_x(min.x), at_x(max.x), at_y(min.y), at_y(max.y)];
         let farthest = min.abs().max(max.abs()) * DVec2::new(right.length(), down.length());
-        let longest = forward.length() + farthest.x + farthest.y;
+        let lens = rim.map_or(0.0, |rim| rim.steps * (right.length() + down.length()));
+        let turned = rim.map_or(0.0, |rim| lens / rim.focus);
+        let longest = forward.length() + farthest.x + farthest.y + turned;
+        // All directions have the same component across the image plane, so that none is shorter than it.
+        let shortest = volume / across.length();
         let half_space = |normal: DVec3, at: f64, edge: DVec3| HalfSpace {
             normal,
             offset: if is_perspective { 0.0 } else { at * volume },
-            scale: longest * edge.length(),
+            scale: longest * edge.length() * (1.0 + turned / shortest),
         };
-        let half_spaces = [
+        let edges = [
             half_space(left, x0, down),
             half_space(-far_right, -x1, down),
             half_space(top, y0, right),
             half_space(-bottom, -y1, right),
-            HalfSpace { normal: across * side, offset: 0.0, scale: right.length() * down.length() },
         ];
-        // All directions have the same component across the image plane, so that none is shorter than it; rounding
-        // turns a direction by its part of the longest.
-        let skew = longest * across.length() / volume;
+        let depth = across * side / volume;
+        // The plane through one end of the lens: h·(1 − t / focus) is added to, or taken from, n·(p − origin) − offset.
+        let tilted = |Rim { steps, focus }: Rim, sign: f64| {
+            edges.map(|edge| {
+                let h = sign * steps * DVec2::new(edge.normal.dot(right), edge.normal.dot(down)).length();
+                HalfSpace { normal: edge.normal - depth * (h / focus), offset: edge.offset - h, ..edge }
+            })
+        };
+        // Rounding turns a direction by its part of the longest.
+        let skew = longest / shortest;
         let sound =
             [forward.length(), right.length(), down.length(), longest].iter().all(|length| SOUND.contains(length));
         Self {
             origin,
-            reach: if is_perspective { 0.0 } else { farthest.x + farthest.y },
-            half_spaces,
+            reach: if is_perspective { 0.0 } else { farthest.x + farthest.y } + lens,
+            front: HalfSpace { normal: across * side, offset: 0.0, scale: right.length() * down.length() },
+            edges: rim.map_or(edges, |rim| tilted(rim, 1.0)),
+            other_edges: rim.map(|rim| tilted(rim, -1.0)),
             slack: if sound && skew.is_finite() { ROUNDINGS * UNIT_ROUNDOFF * skew } else { f64::INFINITY },
         }
     }
@@ -119,18 +158,20 @@ impl ViewVolume {
         if aabb.is_empty() || !SOUND.contains(&size) {
             return false;
         }
-        self.half_spaces.iter().any(|half_space| {
+        let is_behind = |half_space: &HalfSpace| {
             let HalfSpace { normal, offset, scale } = *half_space;
             let farthest = DVec3::select(normal.cmpge(DVec3::ZERO), aabb.max, aabb.min);
             normal.dot(farthest - self.origin) - offset < -(self.slack * scale * size)
-        })
+        };
+        let is_behind_other = |edge: usize| self.other_edges.is_none_or(|edges| is_behind(&edges[edge]));
+        is_behind(&self.front) || (0..4).any(|edge| is_behind(&self.edges[edge]) && is_behind_other(edge))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Camera, CameraSettings, FovAxis, Projection};
+    use crate::{Camera, CameraSettings, FovAxis, Lens, Projection};
     use proptest::prelude::*;
     use rt_math::{Interval, SlabRay, Transform};
 
@@ -148,14 +189,21 @@ mod tests {
             (0.01..50.0f64).prop_map(|height| Projection::Orthographic { height }),
         ];
         let offset = prop_oneof![Just(0.0), -10.0..10.0f64, Just(1e7)];
-        (vector(10.0), vector(10.0), offset, vector(3.0), -0.9..0.9f64, projection, vector(1.0)).prop_filter_map(
+        let lens = (prop_oneof![0.0..0.1f64, 0.1..5.0f64], 0.01..30.0f64).prop_map(|(radius, focus)| Lens {
+            radius,
+            focus,
+            blades: None,
+            rotation: 0.0,
+        });
+        let view = (vector(10.0), vector(10.0), offset, vector(3.0), -0.9..0.9f64);
+        (view, projection, vector(1.0), prop::option::of(lens)).prop_filter_map(
             "degenerate view",
-            |(eye, target, offset, factors, shear, projection, shift)| {
+            |((eye, target, offset, factors, shear), projection, shift, lens)| {
                 let view = Transform::look_at(eye + offset, target + offset, DVec3::Y).ok()?;
                 let shear = Transform::shear([shear, 0.1, 0.0, 0.2, shear, 0.0]).ok()?;
                 let world_from_camera = view.then_first(&shear).then_first(&Transform::scale(factors).ok()?);
                 let lens_shift = DVec2::new(shift.x, shift.y);
-                Camera::new(&CameraSettings { world_from_camera, projection, lens_shift }, 120, 90).ok()
+                Camera::new(&CameraSettings { world_from_camera, projection, lens_shift, lens }, 120, 90).ok()
             },
         )
     }
@@ -177,12 +225,12 @@ mod tests {
         /// The smallest boxes, around single points of rays, many of them along the edges of the volume.
         #[test]
         fn no_point_of_a_ray_is_excluded(
-            camera in any_camera(), (min, max) in any_part(), u in share(), v in share(), t in share(), far in prop::sample::select(vec![1e-3, 1.0, 1e3, 1e7]),
+            camera in any_camera(), (min, max) in any_part(), u in share(), v in share(), on_lens in [share(), share()], t in share(), far in prop::sample::select(vec![1e-3, 1.0, 1e3, 1e7]),
         ) {
             let volume = camera.view_volume(min, max);
             let raster = min + (max - min) * DVec2::new(u, v);
             let raster = raster.clamp(min, max);
-            let ray = camera.ray(raster, 0.0);
+            let ray = camera.ray_through(raster, on_lens, 0.0);
             let point = ray.at(t * far);
             prop_assert!(!volume.excludes(&Aabb::from_points([point])), "{ray:?} at {point}");
         }
@@ -197,7 +245,8 @@ mod tests {
             prop_assume!(volume.excludes(&aabb));
             for i in 0..64u64 {
                 let unit = |k: u64| rt_math::random::unit(rt_math::random::hash(&[seed, i, k]));
-                let ray = camera.ray(min + (max - min) * DVec2::new(unit(0), unit(1)), 0.0);
+                let raster = min + (max - min) * DVec2::new(unit(0), unit(1));
+                let ray = camera.ray_through(raster, [unit(2), unit(3)], 0.0);
                 prop_assert_eq!(aabb.clip(&SlabRay::new(&ray), Interval::FORWARD), None, "{:?}", ray);
             }
         }
@@ -205,8 +254,7 @@ mod tests {
 
     fn camera(projection: Projection) -> Camera {
         let world_from_camera = Transform::look_at(DVec3::X * 7.0, DVec3::ZERO, DVec3::Y).expect("a view");
-        Camera::new(&CameraSettings { world_from_camera, projection, lens_shift: DVec2::ZERO }, 100, 100)
-            .expect("a camera")
+        Camera::new(&CameraSettings::new(world_from_camera, projection), 100, 100).expect("a camera")
     }
 
     /// A cube of side 2·10⁻³, so that the planes are told apart to 1 in 1000.
@@ -231,6 +279,24 @@ mod tests {
         // The right half of the image alone, widened by a pixel.
         let right_half = camera.view_volume(DVec2::new(49.0, 0.0), DVec2::splat(100.0));
         assert!(right_half.excludes(&at(0.0, 0.0, 0.15)) && !right_half.excludes(&at(0.0, 0.0, 0.13)));
+    }
+
+    #[test]
+    fn a_lens_has_two_planes_for_each_edge() {
+        let projection = Projection::Perspective { fov: core::f64::consts::FRAC_PI_2, axis: FovAxis::Vertical };
+        let world_from_camera = Transform::look_at(DVec3::X * 7.0, DVec3::ZERO, DVec3::Y).expect("a view");
+        let lens = Lens { radius: 1.0, focus: 7.0, blades: None, rotation: 0.0 };
+        let settings = CameraSettings { lens: Some(lens), ..CameraSettings::new(world_from_camera, projection) };
+        let camera = Camera::new(&settings, 100, 100).expect("a camera");
+        let volume = camera.view_volume(DVec2::ZERO, DVec2::splat(100.0));
+        // At the depth t the view reaches to t + |1 − t/7|: from 1 at the lens over 7 in focus to 15 at twice the distance.
+        for (x, edge) in [(6.99, 1.01), (3.5, 4.0), (0.0, 7.0), (-7.0, 15.0)] {
+            for (y, z) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+                let (inside, outside) = (edge - 0.01, edge + 0.01);
+                assert!(!volume.excludes(&at(x, y * inside, z * inside)), "{x} {y} {z}");
+                assert!(volume.excludes(&at(x, y * outside, z * outside)), "{x} {y} {z}");
+            }
+        }
     }
 
     #[test]

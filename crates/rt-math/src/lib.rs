@@ -9,7 +9,7 @@
 //! ```
 //!
 //! **Owns** [`Ray`], [`Interval`], [`Aabb`] and its slab test, [`Transform`] (an affine map kept in both
-//! directions), [`Rgb`], [`Frame`], the statistics ([`Probe`], [`Counters`]), the hash that all random numbers come
+//! directions), [`Motion`] (one that changes with time), [`Rgb`], [`Frame`], the statistics ([`Probe`], [`Counters`]), the hash that all random numbers come
 //! from ([`random`]), and the contracts [`Primitives`], [`NearestPoint`], [`Accelerator`] and
 //! [`Sampler`], and the one test of triangles ([`ShearedRay`]), which structures may run on copies of them.
 //! **Does not own** any other shape, nor any structure, light or camera.
@@ -39,6 +39,8 @@ pub mod float;
 mod frame;
 mod hit;
 mod interval;
+mod motion;
+mod motion_chain;
 mod nearest_point;
 mod primitives;
 mod probe;
@@ -56,6 +58,8 @@ pub use decide::{decide, decide_occluded, decide_offered, decide_offered_occlude
 pub use frame::Frame;
 pub use hit::Hit;
 pub use interval::Interval;
+pub use motion::{Motion, MotionError};
+pub use motion_chain::MotionChain;
 pub use nearest_point::NearestPoint;
 pub use primitives::{LeafLayout, Primitives};
 pub use probe::{Counters, NoProbe, Probe, RayCounts, RayKind, Tally};

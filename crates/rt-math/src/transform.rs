@@ -172,6 +172,11 @@ impl Transform {
         Ok(Self { linear, linear_inverse, translation })
     }
 
+    /// The map of a linear part, its inverse, and a translation, which the caller has checked.
+    pub(crate) const fn from_parts(linear: DMat3, linear_inverse: DMat3, translation: DVec3) -> Self {
+        Self { linear, linear_inverse, translation }
+    }
+
     /// An orthonormal matrix: its inverse is its transpose.
     fn rotation(linear: DMat3) -> Self {
         Self { linear, linear_inverse: linear.transpose(), translation: DVec3::ZERO }

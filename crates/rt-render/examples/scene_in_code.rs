@@ -7,7 +7,7 @@ use std::{error::Error, fs::File, io::BufWriter};
 
 use rt_camera::{CameraSettings, FilmSettings, FovAxis, ImageFormat, Projection, write_image};
 use rt_geometry::{Plane, Shape, Sphere};
-use rt_math::{DVec2, DVec3, Rgb, Transform};
+use rt_math::{DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{Content, MaterialId, NamedCamera, Node, Scene};
 use rt_shading::{Appearance, Background, Coefficient, Falloff, Light, LightKind, Material, Phong};
@@ -15,11 +15,10 @@ use rt_shading::{Appearance, Background, Coefficient, Falloff, Light, LightKind,
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or_else(|| "scene_in_code.png".to_owned());
 
-    let camera = CameraSettings {
-        world_from_camera: Transform::look_at(DVec3::new(0.0, 2.0, 7.0), DVec3::new(0.0, 0.8, 0.0), DVec3::Y)?,
-        projection: Projection::Perspective { fov: 40f64.to_radians(), axis: FovAxis::Vertical },
-        lens_shift: DVec2::ZERO,
-    };
+    let camera = CameraSettings::new(
+        Transform::look_at(DVec3::new(0.0, 2.0, 7.0), DVec3::new(0.0, 0.8, 0.0), DVec3::Y)?,
+        Projection::Perspective { fov: 40f64.to_radians(), axis: FovAxis::Vertical },
+    );
     let lamp = LightKind::Point { position: DVec3::new(-4.0, 6.0, 5.0), falloff: Falloff::None, lamp_radius: 0.0 };
     let gray = |value| Coefficient::Constant(Rgb::gray(value));
     let clay = Phong { diffuse: Coefficient::Constant(Rgb::new(0.8, 0.4, 0.3)), ..Phong::default() };

@@ -226,6 +226,9 @@ impl RenderPlan<'_> {
             used.push("no objects".to_owned());
         }
         used.extend(self.structures());
+        if self.camera.has_lens() {
+            used.push("a lens: camera rays start all over the aperture".to_owned());
+        }
         if self.integrator == Integrator::Whitted {
             used.extend(self.light());
         }
@@ -326,6 +329,7 @@ impl RenderPlan<'_> {
             (linear, "tree over the objects", "all of them are asked in turn"),
             (census.shadowless == 0, "shadow switches", "every object casts shadows"),
             (!self.transparent, "alpha channel", "the background is part of the picture"),
+            (!self.camera.has_lens(), "lens", "the camera is a pinhole, or looks along parallel rays"),
         ];
         let surface = [
             (!n.textures && self.integrator != Integrator::Uv, "texture coordinates", "nothing looks at them"),

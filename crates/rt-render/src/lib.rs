@@ -16,14 +16,13 @@
 //! use rt_render::{PlanOptions, RenderPlan, RunOptions};
 //! # use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
 //! # use rt_geometry::{Shape, Sphere};
-//! # use rt_math::{DVec2, DVec3, Rgb, Transform};
+//! # use rt_math::{DVec3, Rgb, Transform};
 //! # use rt_scene_io::{Content, MaterialId, NamedCamera, Node, Scene, Settings};
 //! # use rt_shading::{Appearance, Background, Falloff, Light, LightKind, Material, Phong};
-//! # let camera = CameraSettings {
-//! #     world_from_camera: Transform::translate(DVec3::Z * 4.0),
-//! #     projection: Projection::Perspective { fov: 0.7, axis: FovAxis::Vertical },
-//! #     lens_shift: DVec2::ZERO,
-//! # };
+//! # let camera = CameraSettings::new(
+//! #     Transform::translate(DVec3::Z * 4.0),
+//! #     Projection::Perspective { fov: 0.7, axis: FovAxis::Vertical },
+//! # );
 //! # let lamp = LightKind::Point { position: DVec3::ONE * 5.0, falloff: Falloff::None, lamp_radius: 0.0 };
 //! # let scene = Scene {
 //! #     cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],

@@ -159,7 +159,7 @@ impl<'s> RenderPlan<'s> {
         let visible = if options.full { None } else { visible(scene, wanted, &camera, crop, &top, &levels)? };
         let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, *medium) };
         let (near, far) = depth_range(&camera_settings, &top);
-        let stochastic = settings.integrator.is_stochastic();
+        let stochastic = settings.integrator.is_stochastic() || camera.has_lens();
         let passes = settings.passes.unwrap_or_else(|| default_passes(settings.pattern, settings.spp, stochastic));
         let world = if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) };
         let surroundings = if settings.integrator.follows_light() && needs.refraction {

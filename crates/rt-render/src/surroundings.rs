@@ -20,7 +20,8 @@ const OUTWARD: DVec3 = DVec3::new(0.36, 0.80, 0.48);
 pub(crate) enum Surroundings {
     /// The same for all rays.
     Same(Interior),
-    /// To be found for each ray that starts in this box: rays of a parallel projection start in different places.
+    /// To be found for each ray that starts in this box: rays of a parallel projection, or of a lens, start in different
+    /// places.
     ByRay(Aabb),
 }
 
@@ -36,7 +37,8 @@ impl Surroundings {
             return Self::Same(Interior::filled_with(medium.0));
         }
         let reach = reach_of_transparent_bodies(scene, world);
-        if matches!(named.settings.projection, Projection::Orthographic { .. }) && !reach.is_empty() {
+        let start_apart = matches!(named.settings.projection, Projection::Orthographic { .. }) || camera.has_lens();
+        if start_apart && !reach.is_empty() {
             return Self::ByRay(reach);
         }
         let pinhole = camera.ray(DVec2::ZERO, 0.0).origin;

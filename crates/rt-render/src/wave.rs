@@ -111,20 +111,29 @@ impl RenderPlan<'_> {
     /// Puts so many camera rays of a pixel into the wave, beginning with sample `first` of a pass.
     fn generate(&self, sampler: &PixelSampler, [x, y]: [u32; 2], first: u32, count: usize, wave: &mut CameraWave) {
         let corner = DVec2::new(f64::from(x), f64::from(y)) + self.sample_offset;
-        wave.positions.resize(count, [0.0; 2]);
-        if self.view.draws() {
-            for (position, index) in wave.positions.iter_mut().zip(first..) {
-                let mut sample = sampler.sample([x, y], index);
-                *position = sample.next_2d();
-                wave.samplers.push(sample);
+        let CameraWave { positions, rays, weights, samplers, .. } = wave;
+        let mut push = |ray: Ray, weight: f64| {
+            rays.push((ray, Interval::FORWARD));
+            weights.push(weight);
+        };
+        let has_lens = self.camera.has_lens();
+        if !has_lens && !self.view.draws() {
+            positions.resize(count, [0.0; 2]);
+            sampler.positions([x, y], first, positions);
+            for &position in &*positions {
+                let (offset, weight) = self.filter.sample(position);
+                push(self.camera.ray(corner + offset, 0.0), weight);
             }
-        } else {
-            sampler.positions([x, y], first, &mut wave.positions);
+            return;
         }
-        for &position in &wave.positions {
-            let (offset, weight) = self.filter.sample(position);
-            wave.rays.push((self.camera.ray(corner + offset, 0.0), Interval::FORWARD));
-            wave.weights.push(weight);
+        for index in (first..).take(count) {
+            let mut sample = sampler.sample([x, y], index);
+            let (offset, weight) = self.filter.sample(sample.next_2d());
+            let on_lens = if has_lens { sample.next_2d() } else { [0.5; 2] };
+            push(self.camera.ray_through(corner + offset, on_lens, 0.0), weight);
+            if self.view.draws() {
+                samplers.push(sample);
+            }
         }
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
 use rt_geometry::{MeshData, Plane, Shape, Sphere, TriangleMesh};
-use rt_math::{DVec2, DVec3, Rgb, Transform, Vec3};
+use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene};
 use rt_shading::{
     Appearance, Coefficient, Falloff, Light, LightKind, Material, Phong, Texture, TextureId, Transmission,
@@ -44,11 +44,10 @@ pub(super) fn floor(height: f64) -> Node {
 }
 
 pub(super) fn camera(from: DVec3, at: DVec3) -> NamedCamera {
-    let settings = CameraSettings {
-        world_from_camera: Transform::look_at(from, at, DVec3::Y).unwrap(),
-        projection: Projection::Perspective { fov: 40f64.to_radians(), axis: FovAxis::Vertical },
-        lens_shift: DVec2::ZERO,
-    };
+    let settings = CameraSettings::new(
+        Transform::look_at(from, at, DVec3::Y).unwrap(),
+        Projection::Perspective { fov: 40f64.to_radians(), axis: FovAxis::Vertical },
+    );
     NamedCamera { name: "main".into(), settings, medium: None }
 }
 

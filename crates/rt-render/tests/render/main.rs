@@ -3,6 +3,7 @@
 mod culling;
 mod invariance;
 mod left_out;
+mod lens;
 mod nested;
 mod one_picture;
 mod passes;

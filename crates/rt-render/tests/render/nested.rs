@@ -3,7 +3,7 @@
 use crate::support::{everything, point_light, sphere, spheres};
 use rt_camera::{CameraSettings, Film, Projection};
 use rt_geometry::{AxisBox, Shape};
-use rt_math::{DVec2, DVec3, Rgb, Transform, transcendental::exp};
+use rt_math::{DVec3, Rgb, Transform, transcendental::exp};
 use rt_render::{PlanOptions, RenderError, RenderPlan, Rendering, RunOptions};
 use rt_scene_io::{Accel, Content, MaterialId, Node, Scene};
 use rt_shading::{Bitmap, Coefficient, Material, Phong, Texture, TextureId, Transmission, Wrap};
@@ -109,11 +109,7 @@ fn bodies_of_one_density_and_tint_within_each_other_are_one_body() {
 fn in_smoke(projection: Projection) -> Scene {
     let mut scene = spheres();
     scene.appearance.materials = vec![dielectric(1.0, 0.5, 0)];
-    scene.cameras[0].settings = CameraSettings {
-        world_from_camera: Transform::translate(DVec3::new(0.0, 0.0, 0.5)),
-        projection,
-        lens_shift: DVec2::ZERO,
-    };
+    scene.cameras[0].settings = CameraSettings::new(Transform::translate(DVec3::new(0.0, 0.0, 0.5)), projection);
     scene.nodes = vec![Node::new(sphere(0.0, 0.0, 0.5, 2.0), MaterialId(0))];
     scene
 }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use rt_camera::{CameraSettings, FilmSettings, Projection, SamplePattern};
 use rt_geometry::{Shape, Triangle};
-use rt_math::{DVec2, DVec3, Transform};
+use rt_math::{DVec3, Transform};
 use rt_render::{
     ErrorEstimate, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, StopRule, Stopped,
     TargetError,
@@ -18,11 +18,7 @@ use crate::support::{everything, spheres};
 fn half_plane(side: u32, start: f64, slope: f64) -> Scene {
     let at = |x: f64| DVec3::new(x - 0.5, start + slope * x - 0.5, 0.0);
     let triangle = Triangle::new([at(-9.0), DVec3::new(0.0, -99.0, 0.0), at(10.0)]).expect("a triangle");
-    let camera = CameraSettings {
-        world_from_camera: Transform::translate(DVec3::Z),
-        projection: Projection::Orthographic { height: 1.0 },
-        lens_shift: DVec2::ZERO,
-    };
+    let camera = CameraSettings::new(Transform::translate(DVec3::Z), Projection::Orthographic { height: 1.0 });
     Scene {
         cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
         film: FilmSettings { width: side, height: side, ..FilmSettings::default() },

@@ -12,11 +12,10 @@ use crate::support::{point_light, spheres};
 /// A white diffuse scene under one light at (0, 4, 0) of strength 1, seen straight from above.
 fn from_above(content: Content) -> Scene {
     let mut scene = spheres();
-    let camera = CameraSettings {
-        world_from_camera: Transform::look_at(DVec3::Y * 5.0, DVec3::ZERO, DVec3::NEG_Z).expect("a view"),
-        projection: Projection::Perspective { fov: 0.8, axis: FovAxis::Vertical },
-        lens_shift: DVec2::ZERO,
-    };
+    let camera = CameraSettings::new(
+        Transform::look_at(DVec3::Y * 5.0, DVec3::ZERO, DVec3::NEG_Z).expect("a view"),
+        Projection::Perspective { fov: 0.8, axis: FovAxis::Vertical },
+    );
     scene.cameras = vec![NamedCamera { name: "above".into(), settings: camera, medium: None }];
     (scene.film.width, scene.film.height, scene.settings.spp) = (33, 33, 1);
     scene.settings.pattern = rt_camera::SamplePattern::Centre;

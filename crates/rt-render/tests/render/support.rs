@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
 use rt_geometry::{AxisBox, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
-use rt_math::{DVec2, DVec3, Rgb, Transform, Vec3};
+use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_scene_io::{Content, Group, GroupId, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene, Settings};
 use rt_shading::{
     Appearance, Background, Coefficient, Falloff, Light, LightKind, Material, Phong, Texture, TextureId, Transmission,
@@ -29,11 +29,10 @@ fn gray(value: f64) -> Coefficient {
 
 /// A camera 9 units up the z axis, a small image, two lights, and spheres on a grid: nothing but diffuse spheres.
 pub(crate) fn spheres() -> Scene {
-    let camera = CameraSettings {
-        world_from_camera: Transform::look_at(DVec3::new(1.0, 3.0, 9.0), DVec3::ZERO, DVec3::Y).expect("a view"),
-        projection: Projection::Perspective { fov: 0.7, axis: FovAxis::Vertical },
-        lens_shift: DVec2::ZERO,
-    };
+    let camera = CameraSettings::new(
+        Transform::look_at(DVec3::new(1.0, 3.0, 9.0), DVec3::ZERO, DVec3::Y).expect("a view"),
+        Projection::Perspective { fov: 0.7, axis: FovAxis::Vertical },
+    );
     let nodes = (0..27)
         .map(|i| {
             Node::new(

@@ -36,10 +36,42 @@ pub struct Camera {
     /// Shift of the image as a part of its width and height: (0.5, 0) shows what lies half an image to the right.
     #[serde(skip_serializing_if = "is_centred")]
     pub lens_shift: [f64; 2],
+    /// The lens, for what is out of focus to be blurred; all is sharp without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lens: Option<Lens>,
     /// Name of the transparent material that the camera stands inside of. Without it, that is seen from the closed bodies
     /// around it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub medium: Option<String>,
+}
+
+/// A thin lens. Lengths are in units of the camera's space, which are those of the scene unless its transform scales.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Lens {
+    /// Radius of the aperture, or of the circle around its corners. 0 is a pinhole.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radius: Option<f64>,
+    /// Instead of `radius`: the f-number, `focal_length / (2·radius)`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub f_stop: Option<f64>,
+    /// Focal length, for `f_stop`: 0.05 for 50 mm in a scene in metres. What the image shows is said by `fov`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub focal_length: Option<f64>,
+    /// Depth of the plane in which all is sharp, along the view axis. Without it and `focus_at`, the plane goes through the
+    /// point that the camera looks at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub focus: Option<f64>,
+    /// Instead of `focus`: a point of that plane.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub focus_at: Option<[f64; 3]>,
+    /// Number of corners of the aperture, at least 3; it is round without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub blades: Option<u32>,
+    /// Degrees by which the aperture is turned counter-clockwise, seen from behind the camera. Its first corner points up
+    /// otherwise.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub rotate: f64,
 }
 
 /// A side of the image.
@@ -54,4 +86,9 @@ pub enum FovAxis {
 
 fn is_centred(shift: &[f64; 2]) -> bool {
     *shift == [0.0; 2]
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }

@@ -19,7 +19,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
-pub use camera::{Camera, FovAxis};
+pub use camera::{Camera, FovAxis, Lens};
 pub use colour::{Coefficient, Color, Wrap};
 pub use film::{Encoding, Film, Filter, Tone};
 pub use light::{Background, Falloff, Light};

@@ -8,7 +8,7 @@ use gltf::{
     scene::Transform as Matrix,
 };
 use rt_camera::{CameraSettings, FovAxis, Projection};
-use rt_math::{DQuat, DVec2, DVec3, Rgb, Transform, TransformError, transcendental::cos};
+use rt_math::{DQuat, DVec3, Rgb, Transform, TransformError, transcendental::cos};
 use rt_shading::{Falloff, Light, LightKind};
 
 use crate::{Content, LoadError, MaterialId, MeshId, Model, NamedCamera, Node, Reason, Warning};
@@ -187,7 +187,7 @@ fn place_camera(source: &Source<'_>, document: &Document, world: &Transform, mod
         warn(source, "its camera has the name of another one; it is left out", model);
         return;
     }
-    let settings = CameraSettings { world_from_camera, projection, lens_shift: DVec2::ZERO };
+    let settings = CameraSettings::new(world_from_camera, projection);
     model.cameras.push(NamedCamera { name, settings, medium: None });
 }
 

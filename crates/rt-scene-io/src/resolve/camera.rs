@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use rt_camera::{Camera, CameraSettings, FilmSettings, FovAxis, Projection};
 use rt_math::{DVec2, DVec3, Transform, TransformError};
 
+use super::lens::lens;
 use super::report::Report;
 use super::transform::transform;
 use super::value::{coordinate, positive, vector};
@@ -67,7 +68,12 @@ fn settings(report: &mut Report, path: &str, camera: &format::Camera) -> Option<
     };
     let [x, y] = camera.lens_shift;
     report.check(format_args!("{path}.lens_shift"), coordinate(x).and(coordinate(y)))?;
-    Some(CameraSettings { world_from_camera: place?, projection: projection?, lens_shift: DVec2::new(x, y) })
+    let (world_from_camera, projection) = (place?, projection?);
+    let lens = match &camera.lens {
+        Some(given) => Some(lens(report, path, camera, given, &world_from_camera)?),
+        None => None,
+    };
+    Some(CameraSettings { lens_shift: DVec2::new(x, y), lens, ..CameraSettings::new(world_from_camera, projection) })
 }
 
 /// An opening angle in radians.

@@ -6,6 +6,7 @@ mod camera;
 mod film;
 mod group;
 mod include;
+mod lens;
 mod light;
 mod limit;
 mod material;

@@ -107,17 +107,16 @@ pub(crate) fn rounded(value: f64, size: f64) -> f64 {
 mod tests {
     use super::*;
     use rt_camera::{CameraSettings, FovAxis as Axis, Projection};
-    use rt_math::{DVec2, Transform};
+    use rt_math::Transform;
 
     fn sees_all(camera: &Camera, bounds: &Aabb, (width, height): (u32, u32)) -> bool {
         let (eye, target) = framed(camera, bounds, f64::from(width) / f64::from(height));
         let axis = if camera.fov_axis == Some(FovAxis::Horizontal) { Axis::Horizontal } else { Axis::Vertical };
         let fov = camera.fov.unwrap_or(DEFAULT_FOV_DEGREES).to_radians();
-        let settings = CameraSettings {
-            world_from_camera: Transform::look_at(eye, target, DVec3::Y).unwrap(),
-            projection: Projection::Perspective { fov, axis },
-            lens_shift: DVec2::ZERO,
-        };
+        let settings = CameraSettings::new(
+            Transform::look_at(eye, target, DVec3::Y).unwrap(),
+            Projection::Perspective { fov, axis },
+        );
         let camera = rt_camera::Camera::new(&settings, width, height).unwrap();
         bounds.corners().into_iter().all(|corner| {
             let Some(at) = camera.project(corner) else { return false };

@@ -4,7 +4,7 @@ use std::{error::Error, f64::consts::PI, path::Path, sync::Arc};
 
 use rt_camera::{CameraSettings, FilmSettings, Filter, Projection, SamplePattern};
 use rt_geometry::{MeshData, Rectangle, Shape, Sphere, TriangleMesh};
-use rt_math::{DVec2, DVec3, Rgb, Transform, Vec3, transcendental::sincos};
+use rt_math::{DVec3, Rgb, Transform, Vec3, transcendental::sincos};
 use rt_render::{Crop, PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{
     Accel, Content, LoadOptions, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene, Settings, load,
@@ -50,11 +50,8 @@ pub(super) type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 /// An orthographic view along −z of a square 2 units high, one sample in the middle of each pixel.
 fn facing(width: u32, height: u32, node: Node, phong: Phong) -> Scene {
-    let camera = CameraSettings {
-        world_from_camera: Transform::translate(DVec3::Z * 5.0),
-        projection: Projection::Orthographic { height: 2.0 },
-        lens_shift: DVec2::ZERO,
-    };
+    let place = Transform::translate(DVec3::Z * 5.0);
+    let camera = CameraSettings::new(place, Projection::Orthographic { height: 2.0 });
     Scene {
         cameras: vec![NamedCamera { name: "front".into(), settings: camera, medium: None }],
         film: FilmSettings { width, height, filter: Filter::Box, ..FilmSettings::default() },

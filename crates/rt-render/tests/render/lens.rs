@@ -1,0 +1,110 @@
+//! Depth of field: what the lens blurs, and what it must not change.
+
+use crate::support::{everything, point_light, sphere, spheres};
+use rt_camera::{Film, Lens, Projection, SamplePattern};
+use rt_math::{DVec3, Rgb};
+use rt_render::{PlanOptions, RenderPlan, RunOptions};
+use rt_scene_io::{Accel, Integrator, MaterialId, Node, Scene};
+use rt_shading::{Background, Coefficient, Phong};
+
+const LENS: Lens = Lens { radius: 0.4, focus: 8.0, blades: Some(6), rotation: 0.3 };
+
+fn render_with(scene: &Scene, options: PlanOptions, threads: usize) -> Film {
+    let plan = RenderPlan::compile(scene, &options).expect("the scene compiles");
+    plan.render(&RunOptions { threads, ..RunOptions::default() }, |_| {}).expect("threads start").film
+}
+
+fn render(scene: &Scene) -> Film {
+    render_with(scene, PlanOptions::default(), 0)
+}
+
+fn through_a_lens(mut scene: Scene) -> Scene {
+    scene.cameras[0].settings.lens = Some(LENS);
+    scene
+}
+
+#[test]
+fn a_lens_of_no_size_changes_no_bit() {
+    let mut scene = everything();
+    for integrator in Integrator::ALL {
+        scene.settings.integrator = integrator;
+        scene.cameras[0].settings.lens = None;
+        let sharp = render(&scene);
+        scene.cameras[0].settings.lens = Some(Lens { radius: 0.0, ..LENS });
+        assert_eq!(render(&scene), sharp, "{integrator:?}");
+        scene.cameras[0].settings.lens = Some(LENS);
+        assert_ne!(render(&scene), sharp, "{integrator:?}");
+    }
+}
+
+#[test]
+fn the_picture_is_the_same_for_all_threads_structures_and_plans() {
+    let mut scene = through_a_lens(everything());
+    let picture = render(&scene);
+    assert_eq!(render_with(&scene, PlanOptions::default(), 3), picture);
+    assert_eq!(render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 1), picture);
+    for accel in Accel::ALL {
+        scene.settings.accel = accel;
+        assert_eq!(render(&scene), picture, "{accel:?}");
+    }
+}
+
+/// Spheres in all directions around the camera, so that most lie outside the view, some of them partly and near the lens.
+#[test]
+fn what_is_left_out_for_camera_rays_is_met_through_no_point_of_the_lens() {
+    let mut scene = through_a_lens(spheres());
+    let eye = scene.cameras[0].settings.world_from_camera.translation();
+    scene.appearance.lights = vec![point_light((eye + 0.5).to_array(), 0.8)];
+    scene.nodes = (0..600u64)
+        .map(|i| {
+            let unit = |k| 2.0 * rt_math::random::unit(rt_math::random::hash(&[i, k])) - 1.0;
+            let place = DVec3::new(unit(0), unit(1), unit(2)).normalize() * (1.0 + (i % 9) as f64) + eye;
+            Node::new(sphere(place.x, place.y, place.z, 0.2), MaterialId(0))
+        })
+        .collect();
+    let view = scene.cameras[0].settings.projection;
+    for (projection, radius, focus) in
+        [(view, 0.05, 8.0), (view, 0.4, 2.0), (view, 1.5, 5.0), (Projection::Orthographic { height: 3.0 }, 0.4, 4.0)]
+    {
+        scene.cameras[0].settings.projection = projection;
+        scene.cameras[0].settings.lens = Some(Lens { radius, focus, ..LENS });
+        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+        let left_out = plan.explain().left_out;
+        assert!(left_out.iter().any(|left| left.what == "objects, for camera rays"), "{radius} {focus}");
+        let full = render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
+        assert_eq!(render(&scene), full, "{radius} {focus}");
+    }
+}
+
+/// A white ball out of focus on black: the light in the picture is spread, and neither lost nor made. Its outline through each
+/// point of the lens is the same, but for perspective.
+#[test]
+fn blur_keeps_the_light() {
+    let mut scene = spheres();
+    let white = Phong { emission: Coefficient::Constant(Rgb::WHITE), diffuse: Coefficient::ZERO, ..Phong::default() };
+    scene.appearance.materials[0].phong = white;
+    scene.appearance.lights.clear();
+    scene.appearance.background = Background::Constant(Rgb::BLACK);
+    scene.nodes = vec![Node::new(sphere(0.0, 0.0, 0.0, 0.8), MaterialId(0))];
+    (scene.settings.spp, scene.settings.pattern) = (256, SamplePattern::Sobol);
+    let total = |film: &Film| film.pixels().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>();
+    let brightest_edge = |film: &Film| film.pixels().iter().filter(|pixel| pixel[0] > 0.02 && pixel[0] < 0.98).count();
+    let sharp = render(&scene);
+    scene.cameras[0].settings.lens = Some(Lens { radius: 0.3, focus: 4.0, ..LENS });
+    let blurred = render(&scene);
+    assert!((total(&blurred) / total(&sharp) - 1.0).abs() < 0.01, "{} {}", total(&blurred), total(&sharp));
+    assert!(brightest_edge(&blurred) > 3 * brightest_edge(&sharp));
+}
+
+/// In air within reach of a ball of smoke, some rays start inside of it and some outside.
+#[test]
+fn each_ray_finds_what_its_point_of_the_lens_lies_in() {
+    let mut scene = through_a_lens(everything());
+    let eye = scene.cameras[0].settings.world_from_camera.translation();
+    let ball = sphere(eye.x + 0.5, eye.y, eye.z, 0.5);
+    scene.nodes.push(Node::new(ball, MaterialId(3)));
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    assert!(plan.explain().to_string().contains("each camera ray looks which it starts in"));
+    let full = render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
+    assert_eq!(render(&scene), full);
+}

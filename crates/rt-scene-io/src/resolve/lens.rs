@@ -1,0 +1,73 @@
+//! Lenses.
+
+use rt_camera::Lens;
+use rt_math::Transform;
+
+use super::report::Report;
+use super::value::{coordinate, not_negative, positive, vector};
+use crate::Reason;
+use crate::format;
+
+/// The lens of a camera that stands at a place.
+pub(super) fn lens(
+    report: &mut Report,
+    path: &str,
+    camera: &format::Camera,
+    lens: &format::Lens,
+    world_from_camera: &Transform,
+) -> Option<Lens> {
+    let path = format!("{path}.lens");
+    let radius = radius(report, &path, lens);
+    let focus = focus(report, &path, camera, lens, world_from_camera);
+    let blades = match lens.blades {
+        Some(blades @ 0..3) => {
+            let rule = "is no polygon: give at least 3, or leave it out for a round aperture";
+            report.check(format_args!("{path}.blades"), Err(Reason::invalid(blades, rule)))
+        }
+        blades => Some(blades),
+    };
+    let rotation = report.check(format_args!("{path}.rotate"), coordinate(lens.rotate));
+    Some(Lens { radius: radius?, focus: focus?, blades: blades?, rotation: rotation?.to_radians() })
+}
+
+fn radius(report: &mut Report, path: &str, lens: &format::Lens) -> Option<f64> {
+    let (f_stop, focal_length) = match (lens.radius, lens.f_stop, lens.focal_length) {
+        (Some(radius), None, None) => return report.check(format_args!("{path}.radius"), not_negative(radius)),
+        (None, Some(f_stop), Some(focal_length)) => (f_stop, focal_length),
+        _ => {
+            let rule = "either as `radius`, or as `f_stop` with `focal_length`";
+            return report.check(path, Err(Reason::invalid("the aperture must be given", rule)));
+        }
+    };
+    let f_stop = report.check(format_args!("{path}.f_stop"), positive(f_stop));
+    let focal_length = report.check(format_args!("{path}.focal_length"), positive(focal_length));
+    report.check(path, coordinate(focal_length? / (2.0 * f_stop?)))
+}
+
+fn focus(
+    report: &mut Report,
+    path: &str,
+    camera: &format::Camera,
+    lens: &format::Lens,
+    world_from_camera: &Transform,
+) -> Option<f64> {
+    let (at, point) = match (lens.focus, lens.focus_at) {
+        (Some(depth), None) => return report.check(format_args!("{path}.focus"), positive(depth)),
+        (None, Some(point)) => (format!("{path}.focus_at"), point),
+        (None, None) if camera.look_from.is_some() => (format!("{path}.focus"), camera.look_at.unwrap_or_default()),
+        (None, None) => {
+            let rule = "is needed with `transform`, or `focus_at`";
+            return report.check(path, Err(Reason::invalid("`focus`", rule)));
+        }
+        (Some(_), Some(point)) => {
+            let [x, y, z] = point;
+            let rule = "has no meaning beside `focus`: remove one of them";
+            let reason = Reason::invalid(format_args!("({x}, {y}, {z})"), rule);
+            return report.check(format_args!("{path}.focus_at"), Err(reason));
+        }
+    };
+    let depth = -world_from_camera.inverse_point(report.check(&at, vector(point))?).z;
+    let [x, y, z] = point;
+    let refused = || Reason::invalid(format_args!("({x}, {y}, {z})"), "does not lie in front of the camera");
+    report.check(at, positive(depth).map_err(|_| refused()))
+}
