@@ -39,10 +39,9 @@ pub(crate) fn emitters(scene: &Scene, top: &mut Assembly, levels: &mut Levels) -
     for (level, _) in groups_shine.iter().enumerate().filter(|(_, shines)| **shines) {
         let is_emitter: Vec<bool> =
             levels.groups[level].parts.iter().map(|part| emitter_of(scene, part, None, levels).is_some()).collect();
-        let mut next = 0;
-        for (part, _) in levels.groups[level].parts.iter_mut().zip(is_emitter).filter(|(_, is)| *is) {
+        let shining = levels.groups[level].parts.iter_mut().zip(is_emitter).filter(|(_, is)| *is);
+        for (next, (part, _)) in (0..).zip(shining) {
             part.emitter = Some(next);
-            next += 1;
         }
     }
     if let Background::Environment(light) = &scene.appearance.background {

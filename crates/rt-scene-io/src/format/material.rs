@@ -8,6 +8,7 @@ use super::{Coefficient, Color};
 /// A surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[allow(clippy::large_enum_variant, reason = "a file has few materials")]
 pub enum Material {
     /// The classical surface of Phong and Whitted. Coefficients that are left out keep their defaults.
     Phong {

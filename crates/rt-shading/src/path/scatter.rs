@@ -14,8 +14,9 @@ use crate::{
 use core::f64::consts::PI;
 use rt_math::{DVec3, Frame, Interval, Ray, Rgb, Sampler, transcendental::exp};
 
-/// Paths go on with at most this chance once roulette is played, so that none goes on for ever.
-const MOST_LIKELY: f64 = 0.95;
+/// Paths go on with at most this chance once roulette is played, so that none goes on for ever. Where all surfaces reflect ρ
+/// of the light, what paths carry has a finite variance only if ρ² is less than this chance.
+const MOST_LIKELY: f64 = 0.999;
 
 /// The power heuristic with exponent 2, of a direction drawn with density `drawn` that could have been drawn with `other`.
 fn power_heuristic(drawn: f64, other: f64) -> f64 {
@@ -40,6 +41,7 @@ struct Vertex<'a> {
 }
 
 /// What of a BSDF paths follow.
+#[allow(clippy::large_enum_variant, reason = "it lives for one hit, which allocates nothing")]
 enum Part {
     All,
     Some(Bsdf),
@@ -320,4 +322,45 @@ fn emitter_weight<S>(lighting: Lighting<'_>, path: &Path<S>, hit: &SurfaceHit) -
 fn environment_weight<S>(lighting: Lighting<'_>, path: &Path<S>, direction: DVec3) -> f64 {
     let (Some(_), Some(pdf)) = (lighting.emitters.environment(), path.origin.pdf) else { return 1.0 };
     power_heuristic(pdf, lighting.emitters.environment_pdf(path.origin.point, path.origin.normal, direction))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Draws the same number for ever.
+    struct Constant(f64);
+
+    impl Sampler for Constant {
+        fn next_1d(&mut self) -> f64 {
+            self.0
+        }
+
+        fn next_2d(&mut self) -> [f64; 2] {
+            [self.0; 2]
+        }
+    }
+
+    /// With a chance of 0.95 at most, what a path carried grew by 4 % at each wall of 0.99, and the variance was infinite.
+    #[test]
+    fn roulette_does_not_let_the_weight_grow_among_walls_that_are_almost_white() {
+        let mut path = Path::new(Constant(0.5));
+        for _ in 0..1000 {
+            path.weight *= Rgb::gray(0.99);
+            path.bounces += 1;
+            assert!(survives(&mut path, 3));
+            assert!(path.weight.g <= 1.0 + 1e-9, "{} after {} bounces", path.weight.g, path.bounces);
+        }
+    }
+
+    #[test]
+    fn roulette_keeps_the_mean() {
+        let (mut sum, count) = (0.0, 100_000);
+        for index in 0..count {
+            let mut path = Path::new(Constant((f64::from(index) + 0.5) / f64::from(count)));
+            (path.weight, path.bounces) = (Rgb::gray(0.3), 4);
+            sum += if survives(&mut path, 3) { path.weight.g } else { 0.0 };
+        }
+        assert!((sum / f64::from(count) - 0.3).abs() < 1e-4, "{}", sum / f64::from(count));
+    }
 }
