@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use crate::{error::TaskError, renderer::Renderer, workspace::Workspace};
 
+mod analytic;
 mod bad_inputs;
 mod case;
 mod compare;
@@ -22,7 +23,9 @@ mod one_picture;
 mod panels;
 mod report;
 mod stiff;
+mod suite;
 mod table1_counts;
+mod tally;
 mod trials;
 
 /// A render that takes longer than this hangs.
@@ -162,6 +165,7 @@ fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
     units.extend(bad_inputs::units());
     units.extend(golden::units(workspace)?);
     units.extend(stiff::units());
+    units.extend(analytic::units());
     Ok(units)
 }
 

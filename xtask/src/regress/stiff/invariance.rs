@@ -16,10 +16,7 @@ use rt_scene_io::Scene;
 use rt_shading::LightKind;
 use rt_tests::moved;
 
-use super::{
-    Case, Conditions, Found, Tally,
-    pictures::{Fallible, small},
-};
+use super::{Case, Conditions, Fallible, Found, Tally, pictures::small};
 
 pub(super) const CASES: &[Case] = &[Case {
     id: "S80",

@@ -1,6 +1,6 @@
 //! Whole pictures.
 
-use std::{error::Error, f64::consts::PI, path::Path, sync::Arc};
+use std::{f64::consts::PI, path::Path, sync::Arc};
 
 use rt_camera::{CameraSettings, FilmSettings, Filter, Projection, SamplePattern};
 use rt_geometry::{MeshData, Rectangle, Shape, Sphere, TriangleMesh};
@@ -13,7 +13,7 @@ use rt_shading::{
     Appearance, Background, Bitmap, Coefficient, Light, LightKind, Material, Phong, Texture, TextureId, Wrap,
 };
 
-use super::{Case, Conditions, Found, Tally};
+use super::{Case, Conditions, Fallible, Found, Tally};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -45,8 +45,6 @@ pub(super) const CASES: &[Case] = &[
         run: extreme_sizes,
     },
 ];
-
-pub(super) type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 /// An orthographic view along −z of a square 2 units high, one sample in the middle of each pixel.
 fn facing(width: u32, height: u32, node: Node, phong: Phong) -> Scene {

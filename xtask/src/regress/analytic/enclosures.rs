@@ -1,0 +1,142 @@
+//! Closed rooms, in which light goes on for ever.
+
+use rt_camera::SamplePattern;
+use rt_math::DVec3;
+use rt_scene_io::Integrator;
+
+use super::{Case, Conditions, Fallible, Found, Tally, estimate::hold, lamp::tuple, picture::Picture};
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        id: "S59",
+        title: "a closed sphere and cubes of radiance 1 that reflect .5, .8 and .99",
+        expected: "1 / (1 − ρ) = 2, 5, 100",
+        tolerance: "5 σ",
+        run: closed,
+    },
+    Case {
+        id: "S60",
+        title: "a closed cube that reflects .5, cut after each number of bounces",
+        expected: "(1 − ρⁿ⁺¹) / (1 − ρ), with n = depth + 1: 1.96875 for n = 5",
+        tolerance: "5 σ",
+        run: truncated,
+    },
+    Case {
+        id: "lit-sphere",
+        title: "a diffuse sphere with a point light in its middle",
+        expected: "ρ / (1 − ρ) = 1 for ρ = ½",
+        tolerance: "5 σ",
+        run: lit_sphere,
+    },
+];
+
+/// Walls, all of the material "wall".
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Room {
+    /// One light.
+    Sphere,
+    /// One light of twelve triangles.
+    Cube,
+    /// Six lights that face inwards.
+    Quads,
+}
+
+impl Room {
+    const ALL: [Self; 3] = [Self::Sphere, Self::Cube, Self::Quads];
+
+    fn nodes(self) -> String {
+        match self {
+            Self::Sphere => "(shape: sphere(radius: 1), material: \"wall\")".to_owned(),
+            Self::Cube => "(shape: box(min: (-1, -1, -1), max: (1, 1, 1)), material: \"wall\")".to_owned(),
+            Self::Quads => {
+                let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+                let quad = |axis: usize, side: f64| {
+                    let [out, u, v] = [axes[axis] * side, axes[(axis + 1) % 3], axes[(axis + 2) % 3] * side];
+                    // Clockwise seen from outside.
+                    let corners = [out - u - v, out - u + v, out + u + v, out + u - v].map(tuple).join(", ");
+                    format!("(shape: polygon(points: [{corners}]), material: \"wall\")")
+                };
+                let quads: Vec<String> = (0..6).map(|i| quad(i / 2, if i % 2 == 0 { -1.0 } else { 1.0 })).collect();
+                quads.join(", ")
+            }
+        }
+    }
+
+    /// The room seen from within, with walls of a material.
+    fn picture(self, wall: &str, lights: &str, depth: u32) -> Fallible<Picture> {
+        Picture::of(&format!(
+            "(
+                camera: (look_from: (0.3, -0.2, 0.1), look_at: (-0.3, 0.4, 1), fov: 60),
+                film: (size: (1, 1)),
+                settings: (depth: {depth}),
+                lights: [{lights}],
+                background: constant(gray(0)),
+                materials: {{\"wall\": {wall}}},
+                nodes: [{}],
+            )",
+            self.nodes()
+        ))
+    }
+
+    /// The room with walls of radiance 1 that reflect a part of the light.
+    pub(super) fn shining(self, reflected: f64, depth: u32) -> Fallible<Picture> {
+        let shines = if matches!(self, Self::Quads) { "front" } else { "both" };
+        let wall =
+            format!("mix([(1, diffuse(albedo: gray({reflected}))), (1, light(radiance: gray(1), shines: {shines}))])");
+        self.picture(&wall, "", depth)
+    }
+}
+
+fn closed(conditions: &Conditions) -> Found {
+    let mut tally = Tally::default();
+    for room in Room::ALL {
+        for (reflected, spp, depth) in [(0.5, [16, 256], 100), (0.8, [16, 256], 300), (0.99, [4, 64], 4000)] {
+            let seeds = conditions.count(64, 256);
+            let spp = conditions.count(spp[0], spp[1]) as u32;
+            let picture = room.shining(reflected, depth)?;
+            let mean = |pattern: SamplePattern, seed| picture.mean(Integrator::Path, pattern, spp, seed);
+            hold(&mut tally, format_args!("{room:?} of {reflected}"), 1.0 / (1.0 - reflected), seeds, mean)?;
+        }
+    }
+    Ok(tally)
+}
+
+/// The light that is drawn at the last surface is that of one bounce more.
+fn truncated(conditions: &Conditions) -> Found {
+    let seeds = conditions.count(64, 256);
+    let spp = conditions.count(64, 256) as u32;
+    let mut tally = Tally::default();
+    let mut truth = 1.0;
+    for depth in 0..=4 {
+        truth = 1.0 + 0.5 * truth;
+        for room in [Room::Cube, Room::Quads] {
+            let picture = room.shining(0.5, depth)?;
+            let mean = |pattern: SamplePattern, seed| picture.mean(Integrator::Path, pattern, spp, seed);
+            hold(&mut tally, format_args!("{room:?}, depth {depth}"), truth, seeds, mean)?;
+        }
+    }
+    // These two stop after one bounce of diffuse light, however deep they may go.
+    for integrator in [Integrator::Direct, Integrator::Distributed] {
+        let picture = Room::Cube.shining(0.5, 7)?;
+        let mean = |pattern: SamplePattern, seed| picture.mean(integrator, pattern, spp, seed);
+        hold(&mut tally, format_args!("cube, {}", integrator.name()), 1.5, seeds, mean)?;
+    }
+    Ok(tally)
+}
+
+/// The intensity of a classical light counts π times, so that this is I = π.
+fn lit_sphere(conditions: &Conditions) -> Found {
+    let seeds = conditions.count(64, 256);
+    let spp = conditions.count(64, 256) as u32;
+    let lamp = "point(position: (0, 0, 0), falloff: inverse_square)";
+    let mut tally = Tally::default();
+    for reflected in [0.5, 0.8] {
+        for wall in ["phong(ambient: gray(0), diffuse", "diffuse(albedo"] {
+            let picture = Room::Sphere.picture(&format!("{wall}: gray({reflected}))"), lamp, 200)?;
+            let mean = |pattern: SamplePattern, seed| picture.mean(Integrator::Path, pattern, spp, seed);
+            let kind = wall.split('(').next().unwrap_or_default();
+            hold(&mut tally, format_args!("{kind} of {reflected}"), reflected / (1.0 - reflected), seeds, mean)?;
+        }
+    }
+    Ok(tally)
+}

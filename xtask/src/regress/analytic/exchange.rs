@@ -1,0 +1,99 @@
+//! Light that surfaces exchange: form factors, as means over a receiver.
+
+use std::f64::consts::{FRAC_PI_4, PI};
+
+use rt_math::{DVec3, Sampler};
+
+use super::{
+    Case, Conditions, Fallible, Found, Tally, closed_form,
+    estimate::{hold, mean_of},
+    lamp::{Lamp, Receiver, hold_picture, irradiance_from},
+    picture::Picture,
+};
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        id: "parallel-squares",
+        title: "a unit square lit by another, .1 to 10 away",
+        expected: "π F: F = 0.8269945224, 0.1998248957, 0.0685895888, 0.0031620568",
+        tolerance: "5 σ",
+        run: parallel_squares,
+    },
+    Case {
+        id: "perpendicular-squares",
+        title: "a unit square lit by another along an edge",
+        expected: "π F: F = 0.2000437761",
+        tolerance: "5 σ",
+        run: perpendicular_squares,
+    },
+    Case {
+        id: "coaxial-disks",
+        title: "a unit disk lit by another on its axis",
+        expected: "π F: F = 0.3819660113, 0.1715728753",
+        tolerance: "5 σ",
+        run: coaxial_disks,
+    },
+];
+
+/// The unit square on the ground around the origin, and a lamp: samples of both, and pictures.
+fn hold_square(tally: &mut Tally, conditions: &Conditions, what: &str, lamp: &Lamp, factor: f64) -> Fallible<()> {
+    let (seeds, spp) = (conditions.count(64, 256), conditions.count(256, 1024));
+    let emitter = lamp.emitter()?;
+    hold(tally, format_args!("{what}, samples of both"), PI * factor, seeds, |pattern, seed| {
+        Ok(mean_of(pattern, spp as u32, seed, |sample| {
+            let [x, y] = sample.next_2d();
+            let receiver = Receiver { point: DVec3::new(x - 0.5, y - 0.5, 0.0), ..Receiver::ground(0.0) };
+            irradiance_from(&emitter, &receiver, sample.next_2d())
+        }))
+    })?;
+    let picture = lamp.scene(&Receiver::ground(LIFT), 1.0, "")?;
+    hold_picture(tally, what, PI * factor, &picture, [seeds, spp])
+}
+
+/// The camera plane is below all lamps, and above the ground where they touch it.
+const LIFT: f64 = 0.05;
+
+fn parallel_squares(conditions: &Conditions) -> Found {
+    let mut tally = Tally::default();
+    for distance in [0.1, 1.0, 2.0, 10.0] {
+        let what = format!("{distance} apart");
+        let lamp = Lamp::square(distance, 0.0);
+        hold_square(&mut tally, conditions, &what, &lamp, closed_form::parallel_squares(distance))?;
+    }
+    Ok(tally)
+}
+
+fn perpendicular_squares(conditions: &Conditions) -> Found {
+    let mut tally = Tally::default();
+    // It faces +x.
+    let lamp = Lamp::Quad(DVec3::new(-0.5, -0.5, 0.0), [DVec3::Y, DVec3::Z]);
+    hold_square(&mut tally, conditions, "along an edge", &lamp, closed_form::perpendicular_squares())?;
+    Ok(tally)
+}
+
+/// The pictures show the square around the receiver, of which it fills π/4.
+fn coaxial_disks(conditions: &Conditions) -> Found {
+    let (seeds, spp) = (conditions.count(64, 256), conditions.count(256, 1024));
+    let mut tally = Tally::default();
+    for distance in [1.0, 2.0] {
+        let lamp = Lamp::disk(1.0, distance, 0.0);
+        let picture = Picture::of(&format!(
+            "(
+                camera: (look_from: (0, 0, {LIFT}), look_at: (0, 0, 0), orthographic: 2),
+                film: (size: (1, 1)),
+                settings: (depth: 3),
+                lights: [],
+                background: constant(gray(0)),
+                materials: {{\"ground\": diffuse(albedo: gray(0.5)), \"lamp\": light(radiance: gray(1))}},
+                nodes: [
+                    (shape: disk(radius: 1), transform: [rotate_x(90)], material: \"ground\"),
+                    {},
+                ],
+            )",
+            lamp.node("lamp"),
+        ))?;
+        let truth = FRAC_PI_4 * PI * closed_form::coaxial_disks(distance);
+        hold_picture(&mut tally, &format!("{distance} apart, π/4"), truth, &picture, [seeds, spp])?;
+    }
+    Ok(tally)
+}

@@ -1,0 +1,224 @@
+//! What is wrong on purpose, and found out: each fault is put into an estimate that passes without it.
+
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
+
+use rt_camera::SamplePattern;
+use rt_math::{DVec3, Rgb, Sampler, transcendental::sincos};
+use rt_scene_io::Integrator;
+use rt_shading::{
+    Coefficient,
+    bsdf::{Bsdf, Lambert, PhongLobe},
+    emitter::{EmitterSet, LightSampling},
+};
+
+use super::{
+    Case, Conditions, Fallible, Found, Tally, closed_form,
+    enclosures::Room,
+    estimate::{Estimate, MOST, mean_of},
+    lamp::{ALBEDO, Lamp, Receiver, irradiance_from},
+    slopes::{TOLERANCE, rmse, slope},
+};
+
+mod samplers;
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        id: "faults",
+        title: "lights, densities, weights, depths and samplers that are wrong on purpose, and their right twins",
+        expected: "wrong ones are found, right ones pass",
+        tolerance: "> 5 σ; 5 σ",
+        run: faults,
+    },
+    Case {
+        id: "fault-slope",
+        title: "a pattern that has lost its strata",
+        expected: "its slope is found to be that of another",
+        tolerance: "0.1 abs",
+        run: lost_strata,
+    },
+];
+
+/// A fault and its truth.
+struct Fault {
+    what: &'static str,
+    truth: fn() -> f64,
+    /// The estimate of a seed, with or without the fault.
+    estimate: fn(is_wrong: bool, seed: u64) -> Fallible<f64>,
+}
+
+const FAULTS: [Fault; 11] = [
+    Fault { what: "a light that is 1 % too bright", truth: one_lamp, estimate: bright_light },
+    Fault { what: "a light that shines to both sides", truth: || 0.0, estimate: two_sided_light },
+    Fault { what: "a density of light samples that is 2 % too great", truth: one_lamp, estimate: light_density },
+    Fault { what: "a choice of lights that is not divided by", truth: two_lamps, estimate: forgotten_choice },
+    Fault { what: "a BSDF's density without its cosine", truth: || 0.5, estimate: density_without_cosine },
+    Fault { what: "a highlight of n + 1 in place of n + 2", truth: || 1.0, estimate: highlight },
+    Fault { what: "weights of two strategies that add up to more than 1", truth: one_lamp, estimate: weights },
+    Fault { what: "one bounce too few", truth: || 1.96875, estimate: missing_bounce },
+    Fault { what: "the same numbers for place and light", truth: samplers::truth, estimate: samplers::repeating },
+    Fault { what: "half-jittered numbers for a light", truth: samplers::truth, estimate: samplers::half_jittered },
+    Fault { what: "coordinates in the wrong order", truth: samplers::truth, estimate: samplers::shifted },
+];
+
+const PATTERN: SamplePattern = SamplePattern::Jittered;
+const SPP: u32 = 256;
+const GROUND: Receiver = Receiver::ground(0.25);
+
+fn lamp() -> Lamp {
+    Lamp::square(1.0, 0.0)
+}
+
+/// A second one, smaller and aside.
+fn other() -> Lamp {
+    Lamp::disk(0.3, 0.7, 1.0)
+}
+
+fn one_lamp() -> f64 {
+    lamp().irradiance(&GROUND)
+}
+
+fn two_lamps() -> f64 {
+    one_lamp() + other().irradiance(&GROUND)
+}
+
+fn faults(conditions: &Conditions) -> Found {
+    let seeds = conditions.count(64, 256);
+    let mut tally = Tally::default();
+    for Fault { what, truth, estimate } in &FAULTS {
+        let z = |is_wrong| {
+            let found = Estimate::of_seeds(what, seeds, |seed| estimate(is_wrong, seed));
+            found.map(|found| found.z(truth()))
+        };
+        let (right, wrong) = (z(false)?, z(true)?);
+        tally.note(format!("{what}: z = {wrong:+.1}; without it {right:+.2}"));
+        tally.check(right.abs() <= MOST, || format!("the right twin of {what}: z = {right}"));
+        tally.check(wrong.abs() > MOST, || format!("{what} is not found: z = {wrong}"));
+    }
+    Ok(tally)
+}
+
+/// The irradiance of a picture of the lamp, changed.
+fn bright_light(is_wrong: bool, seed: u64) -> Fallible<f64> {
+    let mut picture = lamp().scene(&GROUND, 1e-9, "")?;
+    if is_wrong {
+        for material in picture.scene.appearance.materials.iter_mut().filter(|material| material.name == "lamp") {
+            material.phong.emission = Coefficient::Constant(Rgb::gray(1.01));
+        }
+    }
+    Ok(picture.mean(Integrator::Path, PATTERN, SPP, seed)? * PI / ALBEDO)
+}
+
+/// A lamp that faces away.
+fn two_sided_light(is_wrong: bool, seed: u64) -> Fallible<f64> {
+    let turned = Lamp::Quad(DVec3::new(-0.5, -0.5, 1.0), [DVec3::X, DVec3::Y]);
+    let mut picture = turned.scene(&GROUND, 1e-9, "")?;
+    if is_wrong {
+        for material in &mut picture.scene.appearance.materials {
+            material.shines = rt_shading::emitter::Sides::Both;
+        }
+    }
+    picture.mean(Integrator::Path, PATTERN, SPP, seed)
+}
+
+fn light_density(is_wrong: bool, seed: u64) -> Fallible<f64> {
+    let emitter = lamp().emitter()?;
+    let scale = if is_wrong { 1.02 } else { 1.0 };
+    Ok(mean_of(PATTERN, SPP, seed, |sample| irradiance_from(&emitter, &GROUND, sample.next_2d()) / scale))
+}
+
+fn forgotten_choice(is_wrong: bool, seed: u64) -> Fallible<f64> {
+    let lights = EmitterSet::new(vec![lamp().emitter()?, other().emitter()?], LightSampling::Tree, 1.0);
+    Ok(mean_of(PATTERN, SPP, seed, |sample| {
+        let (u, choice) = (sample.next_2d(), sample.next_1d());
+        let Some(light) = lights.sample(GROUND.point, Some(GROUND.normal), choice, u) else { return 0.0 };
+        let pdf = if is_wrong { light.sample.pdf } else { light.pdf };
+        light.sample.radiance.g * light.sample.direction.z.max(0.0) / pdf
+    }))
+}
+
+/// Half of the sky shines.
+fn density_without_cosine(is_wrong: bool, seed: u64) -> Fallible<f64> {
+    let bsdf = Bsdf::from(Lambert { albedo: Rgb::WHITE });
+    Ok(mean_of(PATTERN, SPP, seed, |sample| {
+        let [u, v] = sample.next_2d();
+        let Some(found) = bsdf.sample(DVec3::Z, [0.5, u, v]) else { return 0.0 };
+        let sky = if found.wi.x > 0.0 { 1.0 } else { 0.0 };
+        let pdf = if is_wrong { 1.0 / TAU } else { found.pdf };
+        sky * found.value.g * found.wi.z / pdf
+    }))
+}
+
+/// Along the normal.
+fn highlight(is_wrong: bool, seed: u64) -> Fallible<f64> {
+    let lobe = PhongLobe { reflectance: Rgb::WHITE, exponent: 10.0 };
+    let scale = if is_wrong { 11.0 / 12.0 } else { 1.0 };
+    Ok(mean_of(PATTERN, SPP, seed, |sample| {
+        let [u, v] = sample.next_2d();
+        lobe.sample(DVec3::Z, [0.5, u, v]).map_or(0.0, |found| scale * found.weight().g)
+    }))
+}
+
+/// Directions to the light and of a diffuse surface, weighted by the power heuristic; the fault weights the second by the
+/// balance heuristic.
+fn weights(is_wrong: bool, seed: u64) -> Fallible<f64> {
+    let emitter = lamp().emitter()?;
+    Ok(mean_of(PATTERN, SPP, seed, |sample| {
+        let power = |drawn: f64, other: f64| drawn * drawn / (drawn * drawn + other * other);
+        let by_light = emitter.sample(GROUND.point, sample.next_2d()).map_or(0.0, |light| {
+            let cos = light.direction.z.max(0.0);
+            light.radiance.g * cos / light.pdf * power(light.pdf, cos * FRAC_1_PI)
+        });
+        let [u, v] = sample.next_2d();
+        let ((sin_phi, cos_phi), radius) = (sincos(TAU * v), u.sqrt());
+        let direction = DVec3::new(radius * cos_phi, radius * sin_phi, (1.0 - u).sqrt());
+        let by_surface = emitter.intersect(GROUND.point, direction).map_or(0.0, |at| {
+            let (drawn, other) = (direction.z * FRAC_1_PI, emitter.pdf(GROUND.point, direction));
+            let weight = if is_wrong { drawn / (drawn + other) } else { power(drawn, other) };
+            PI * emitter.radiance(direction, at.normal).g * weight
+        });
+        by_light + by_surface
+    }))
+}
+
+fn missing_bounce(is_wrong: bool, seed: u64) -> Fallible<f64> {
+    let depth = if is_wrong { 3 } else { 4 };
+    Room::Cube.shining(0.5, depth)?.mean(Integrator::Path, PATTERN, SPP, seed)
+}
+
+/// Random points in place of jittered ones.
+fn lost_strata(conditions: &Conditions) -> Found {
+    const JITTERED: f64 = -0.75;
+    let seeds = conditions.count(256, 1024);
+    let mut tally = Tally::default();
+    for (pattern, is_wrong) in [(SamplePattern::Jittered, false), (SamplePattern::Random, true)] {
+        let below = |[x, y]: [f64; 2]| if y < 0.3 + 0.2 * x { 1.0 } else { 0.0 };
+        let slope = slope(&[16, 64, 256, 1024], |spp| {
+            rmse(seeds, 0.4, |seed| Ok(mean_of(pattern, spp, seed, |sample| below(sample.next_2d()))))
+        })?;
+        let name = if is_wrong { "random points that pass for jittered ones" } else { "jittered points" };
+        tally.note(format!("{name}: slope {slope:.3}"));
+        tally.check(((slope - JITTERED).abs() > TOLERANCE) == is_wrong, || format!("{name}: slope {slope}"));
+    }
+    Ok(tally)
+}
+
+/// The irradiance of a unit square from another, 1 above.
+fn squares() -> f64 {
+    PI * closed_form::parallel_squares(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::workspace::Workspace;
+
+    #[test]
+    fn every_fault_is_found_and_nothing_else() {
+        let workspace = Workspace::load().unwrap();
+        let conditions = Conditions { full: false, workspace: &workspace };
+        for case in CASES {
+            let tally = (case.run)(&conditions).unwrap();
+            assert_eq!(tally.failed, 0, "{:?}", tally.problems);
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! The white furnace: in light of radiance 1 from everywhere a surface that absorbs nothing cannot be told from it.
+
+use std::{f64::consts::TAU, sync::Arc};
+
+use rt_camera::SamplePattern;
+use rt_math::{
+    DVec3, Rgb, Sampler,
+    transcendental::{exp, sin, sincos},
+};
+use rt_scene_io::{Background, Integrator};
+use rt_shading::{PhysicalPoint, bsdf::PhongLobe, emitter::EnvironmentLight, optics::fresnel};
+
+use super::{
+    Case, Conditions, Fallible, Found, Tally,
+    estimate::{Estimate, MOST, hold, mean_of},
+    lamp::tuple,
+    picture::Picture,
+    quadrature::albedo,
+};
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        id: "S58",
+        title: "the white furnace: each material at seven angles, before a background and in an image of it",
+        expected: "1; Phong .75540916 (n = 1, 45°) …; else ∫ f cos θ by quadrature",
+        tolerance: "5 σ",
+        run: furnace,
+    },
+    Case {
+        id: "furnace-ball",
+        title: "a ball of glass in the white furnace",
+        expected: "1",
+        tolerance: "5 σ",
+        run: ball,
+    },
+    Case {
+        id: "S65",
+        title: "Phong's highlight of exponent 1e6",
+        expected: "∫ f cos = 1 along the normal, cos θ aside; nothing infinite",
+        tolerance: "1e-9 abs; 5 σ",
+        run: sharp,
+    },
+    Case {
+        id: "cosine-lobe",
+        title: "∫ cosⁿ over the hemisphere, n = 1 to 1000",
+        expected: "2π / (n + 1)",
+        tolerance: "5 σ",
+        run: lobes,
+    },
+];
+
+/// Degrees from the normal.
+const ANGLES: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 89.0];
+
+/// Index of refraction of the glass.
+const GLASS: f64 = 1.5;
+
+/// What a plane of a material shows of the furnace.
+#[derive(Clone, Copy, Debug)]
+enum Truth {
+    /// All of it.
+    One,
+    /// The integral of its BSDF.
+    Albedo,
+    /// What Fresnel's equations reflect, and the rest squeezed by n².
+    Smooth,
+    /// Of a lobe that is narrow: what Phong's law loses aside.
+    Cosine,
+}
+
+const MATERIALS: [(&str, Truth); 15] = [
+    ("diffuse(albedo: gray(1))", Truth::One),
+    ("diffuse(albedo: gray(1), roughness: 0.7)", Truth::One),
+    ("phong(diffuse: gray(1), ambient: gray(0))", Truth::One),
+    ("mirror()", Truth::One),
+    ("thin_glass()", Truth::One),
+    ("mix([(0.5, diffuse(albedo: gray(1))), (0.5, mirror())])", Truth::One),
+    ("glossy(specular: gray(1), exponent: 1)", Truth::Albedo),
+    ("glossy(specular: gray(1), exponent: 10)", Truth::Albedo),
+    ("glossy(specular: gray(1), exponent: 50)", Truth::Albedo),
+    ("glossy(specular: gray(1), exponent: 1e6)", Truth::Cosine),
+    ("metal(metal: gold, roughness: 0.3)", Truth::Albedo),
+    ("metallic_roughness(metallic: 1, roughness: 0.4)", Truth::Albedo),
+    ("metallic_roughness(metallic: 0, roughness: 0.4)", Truth::Albedo),
+    ("glass()", Truth::Smooth),
+    ("glass(roughness: 0.3)", Truth::Albedo),
+];
+
+/// A plane of a material, seen under an angle in the furnace.
+fn plane(material: &str, degrees: f64) -> Fallible<Picture> {
+    let (sin, cos) = sincos(degrees.to_radians());
+    Picture::of(&format!(
+        "(
+            camera: (look_from: {}, look_at: (0, 0, 0), up: (0, 1, 0), orthographic: 1e-9),
+            film: (size: (1, 1)),
+            settings: (depth: 4),
+            lights: [],
+            background: constant(gray(1)),
+            materials: {{\"it\": {material}}},
+            nodes: [(shape: plane(normal: (0, 0, 1)), material: \"it\")],
+        )",
+        tuple(DVec3::new(sin, 0.0, cos)),
+    ))
+}
+
+impl Truth {
+    fn at(self, picture: &Picture, degrees: f64) -> f64 {
+        let (sin, cos) = sincos(degrees.to_radians());
+        match self {
+            Self::One => 1.0,
+            Self::Cosine => cos,
+            Self::Smooth => {
+                let reflected = fresnel(cos, 1.0 / GLASS);
+                reflected + (1.0 - reflected) / (GLASS * GLASS)
+            }
+            Self::Albedo => {
+                let material = &picture.scene.appearance.materials[0];
+                let ior = material.phong.transmission.map_or(1.0, |inside| inside.ior);
+                let at = PhysicalPoint { textures: &[], uv: [0.0; 2], ior };
+                albedo(&material.bsdf(&at), DVec3::new(sin, 0.0, cos), ior)
+            }
+        }
+    }
+}
+
+fn furnace(conditions: &Conditions) -> Found {
+    let seeds = conditions.count(64, 256);
+    let spp = conditions.count(64, 256) as u32;
+    let around = Background::Environment(Arc::new(EnvironmentLight::constant(Rgb::WHITE)?));
+    let mut tally = Tally::default();
+    for (material, truth) in MATERIALS {
+        let mut note = format!("{material}: z");
+        for degrees in ANGLES {
+            let plain = plane(material, degrees)?;
+            let truth = truth.at(&plain, degrees);
+            let mut image = plain.clone();
+            image.scene.appearance.background = around.clone();
+            note.push_str(&format!(" | {degrees}° {truth:.5}:"));
+            for (picture, what, integrator) in [
+                (&plain, "background", Integrator::Path),
+                (&plain, "background", Integrator::Direct),
+                (&image, "image", Integrator::Path),
+                // To it, a background is no light that diffuse surfaces show.
+                (&image, "image", Integrator::Distributed),
+            ] {
+                for pattern in [SamplePattern::Random, SamplePattern::Sobol] {
+                    let how = format!("{}, {}", integrator.name(), pattern.name());
+                    let name = format!("{material} at {degrees}° in a {what}, {how}");
+                    let mean = |seed| picture.mean(integrator, pattern, spp, seed);
+                    let found = Estimate::of_seeds(&name, seeds, mean)?;
+                    let z = found.z(truth);
+                    note.push_str(&format!(" {z:+.1}"));
+                    tally.limit(z, MOST, format_args!("{name}: {found:?} instead of {truth}"));
+                }
+            }
+        }
+        tally.note(note);
+    }
+    Ok(tally)
+}
+
+/// Every ray that goes into it comes out of it. Roulette would end one path in many thousands, and make the mean of few seeds
+/// lopsided.
+fn ball(conditions: &Conditions) -> Found {
+    let seeds = conditions.count(64, 256);
+    let spp = conditions.count(64, 256) as u32;
+    let mut tally = Tally::default();
+    for degrees in ANGLES {
+        let aside = sin(degrees.to_radians());
+        let picture = Picture::of(&format!(
+            "(
+                camera: (look_from: ({aside:?}, 0, 2), look_at: ({aside:?}, 0, 0), orthographic: 1e-9),
+                film: (size: (1, 1)),
+                settings: (depth: 400, roulette_from: 400),
+                lights: [],
+                background: constant(gray(1)),
+                materials: {{\"it\": glass(ior: {GLASS:?})}},
+                nodes: [(shape: sphere(radius: 1), material: \"it\")],
+            )"
+        ))?;
+        let mean = |pattern: SamplePattern, seed| picture.mean(Integrator::Path, pattern, spp, seed);
+        hold(&mut tally, format_args!("{degrees}°"), 1.0, seeds, mean)?;
+    }
+    Ok(tally)
+}
+
+const SHARP: PhongLobe = PhongLobe { reflectance: Rgb::WHITE, exponent: 1e6 };
+
+fn sharp(_: &Conditions) -> Found {
+    let mut tally = Tally::default();
+    let integral = sharp_integral();
+    tally.limit(integral - 1.0, 1e-9, format_args!("∫ f cos θ = {integral:?}"));
+    for degrees in ANGLES {
+        let (sin, cos) = sincos(degrees.to_radians());
+        let wo = DVec3::new(sin, 0.0, cos);
+        for index in 0..1000 {
+            let u = [0.5, f64::from(index) / 1000.0, 0.25];
+            // The lowest numbers are directions below the surface.
+            let Some(sample) = SHARP.sample(wo, u) else { continue };
+            let weight = sample.weight().g;
+            tally.check(weight.is_finite() && (0.0..=1.1).contains(&weight), || {
+                format!("{degrees}°, u = {u:?}: a weight of {weight}")
+            });
+            let (value, pdf) = (SHARP.eval(wo, sample.wi).g, SHARP.pdf(wo, sample.wi));
+            tally.check(value.is_finite() && pdf.is_finite(), || format!("{degrees}°, u = {u:?}: {value} / {pdf}"));
+        }
+        let behind = SHARP.eval(wo, DVec3::new(sin, 0.0, cos));
+        tally.check(degrees == 0.0 || behind.g < 1e-100, || format!("{behind:?} towards the viewer at {degrees}°"));
+    }
+    Ok(tally)
+}
+
+/// ∫ f cos θ dω along the normal by Simpson's rule, over s = −(n + 2) ln cos θ: the integrand is e⁻ˢ.
+fn sharp_integral() -> f64 {
+    const STEPS: u32 = 4000;
+    const END: f64 = 40.0;
+    let power = SHARP.exponent + 2.0;
+    let step = END / f64::from(STEPS);
+    let value = |i: u32| {
+        let cos = exp(-f64::from(i) * step / power);
+        let wi = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
+        SHARP.eval(DVec3::Z, wi).g * cos * cos * TAU / power
+    };
+    let weight = |i: u32| if i == 0 || i == STEPS { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
+    (0..=STEPS).map(|i| weight(i) * value(i)).sum::<f64>() * step / 3.0
+}
+
+/// By directions that are uniform, and by those of the lobe itself.
+fn lobes(conditions: &Conditions) -> Found {
+    let seeds = conditions.count(64, 512);
+    let spp = conditions.count(1024, 4096) as u32;
+    let mut tally = Tally::default();
+    for exponent in [1.0, 10.0, 100.0, 1000.0] {
+        let lobe = PhongLobe { reflectance: Rgb::WHITE, exponent };
+        // f is the power of the cosine, but for its factor.
+        let power = |wi: DVec3| lobe.eval(DVec3::Z, wi).g * TAU / (exponent + 2.0);
+        let truth = TAU / (exponent + 1.0);
+        hold(&mut tally, format_args!("n = {exponent}, uniform"), truth, seeds, |pattern, seed| {
+            Ok(mean_of(pattern, spp, seed, |sample| {
+                let [height, turn] = sample.next_2d();
+                let radius = ((1.0 - height) * (1.0 + height)).sqrt();
+                let (sin, cos) = sincos(TAU * turn);
+                TAU * power(DVec3::new(radius * cos, radius * sin, height))
+            }))
+        })?;
+        hold(&mut tally, format_args!("n = {exponent}, its own"), truth, seeds, |pattern, seed| {
+            Ok(mean_of(pattern, spp, seed, |sample| {
+                let [u, v] = sample.next_2d();
+                lobe.sample(DVec3::Z, [0.5, u, v]).map_or(0.0, |found| power(found.wi) / found.pdf)
+            }))
+        })?;
+    }
+    Ok(tally)
+}

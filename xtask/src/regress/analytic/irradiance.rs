@@ -1,0 +1,203 @@
+//! Irradiance at a point, from lights of each kind.
+
+use std::f64::consts::PI;
+
+use rt_camera::SamplePattern;
+use rt_math::{
+    DVec3, Sampler,
+    transcendental::{asin, atan, sincos},
+};
+use rt_scene_io::Integrator;
+use rt_shading::emitter::Emitter;
+
+use super::{
+    Case, Conditions, Fallible, Found, Tally, Tolerance, closed_form,
+    estimate::{hold, mean_of},
+    lamp::{ALBEDO, Lamp, Receiver, hold_irradiance},
+    picture::Picture,
+};
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        id: "point-light",
+        title: "a point light of intensity 1 at a height of 1",
+        expected: "0.3535533906 at 45°; mean over a square π/6",
+        tolerance: "5 σ",
+        run: point_light,
+    },
+    Case {
+        id: "disk-light",
+        title: "disks above, and aside",
+        expected: "(π/2)(1 − (h² + d² − R²) / √((h² + d² + R²)² − 4R²d²))",
+        tolerance: "5 σ",
+        run: disks,
+    },
+    Case {
+        id: "sphere-light",
+        title: "spheres above, aside, and partly below the horizon",
+        expected: "π s² cos θ; Snyder 1996 at the horizon",
+        tolerance: "5 σ",
+        run: spheres,
+    },
+    Case {
+        id: "polygon-light",
+        title: "squares and triangles",
+        expected: "½ Σ Γᵢ · n (Lambert 1760)",
+        tolerance: "5 σ",
+        run: polygons,
+    },
+    Case {
+        id: "solid-angle",
+        title: "the mean of 1 / pdf of light samples",
+        expected: "a cone's 0.8417872145, a unit square's 0.8054316832",
+        tolerance: "5 σ",
+        run: solid_angles,
+    },
+    Case {
+        id: "S61",
+        title: "a unit square 1e-3 to 1e6 away",
+        expected: "½ Σ Γᵢ · n; its solid angle 4 atan(a² / (h √(h² + 2a²)))",
+        tolerance: "5 σ; 1e-10 rel",
+        run: near_and_far,
+    },
+    Case {
+        id: "S62",
+        title: "a sphere of light that almost touches the ground",
+        expected: "π s² cos θ",
+        tolerance: "5 σ",
+        run: touching,
+    },
+];
+
+/// A diffuse surface of the classical kind is as bright as its coefficient says, by any integrator.
+fn point_light(conditions: &Conditions) -> Found {
+    let seeds = conditions.count(64, 256);
+    let spp = conditions.count(64, 256) as u32;
+    let mut tally = Tally::default();
+    for (what, look, height, truth) in [
+        ("45° aside", DVec3::X, 1e-7, 0.125f64.sqrt()),
+        ("over a square", DVec3::new(0.5, 0.5, 0.0), 1.0, closed_form::point_light_over_rectangle(1.0, 1.0, 1.0)),
+    ] {
+        let DVec3 { x, y, .. } = look;
+        let picture = Picture::of(&format!(
+            "(
+                camera: (look_from: ({x:?}, {y:?}, 0.5), look_at: ({x:?}, {y:?}, 0), orthographic: {height:?}),
+                film: (size: (1, 1)),
+                lights: [point(position: (0, 0, 1), falloff: inverse_square)],
+                materials: {{\"ground\": phong(diffuse: gray({ALBEDO}), ambient: gray(0))}},
+                nodes: [(shape: plane(normal: (0, 0, 1)), material: \"ground\")],
+            )"
+        ))?;
+        for integrator in [Integrator::Whitted, Integrator::Direct, Integrator::Path, Integrator::Distributed] {
+            let mean = |pattern: SamplePattern, seed| Ok(picture.mean(integrator, pattern, spp, seed)? / ALBEDO);
+            hold(&mut tally, format_args!("{what}, {}", integrator.name()), truth, seeds, mean)?;
+        }
+    }
+    Ok(tally)
+}
+
+fn disks(conditions: &Conditions) -> Found {
+    let mut tally = Tally::default();
+    for (what, height, aside) in
+        [("1 above", 1.0, 0.0), ("2 above", 2.0, 0.0), ("1 above, 1 aside", 1.0, 1.0), ("2 above, 3 aside", 2.0, 3.0)]
+    {
+        let lamp = Lamp::disk(1.0, height, aside);
+        hold_irradiance(&mut tally, conditions, what, &lamp, &Receiver::ground(0.5 * height))?;
+    }
+    Ok(tally)
+}
+
+/// A sphere whose sine of half the angle is `s`, at a distance of 1, `degrees` from straight up.
+fn sphere_at(s: f64, degrees: f64) -> Lamp {
+    let (sin, cos) = sincos(degrees.to_radians());
+    Lamp::Sphere { centre: DVec3::new(sin, 0.0, cos), radius: s }
+}
+
+fn spheres(conditions: &Conditions) -> Found {
+    let mut tally = Tally::default();
+    for (what, s, degrees) in [
+        ("s = 1/3, above", 1.0 / 3.0, 0.0),
+        ("s = 1/3 at 60°", 1.0 / 3.0, 60.0),
+        ("s = 1/3 at 90°", 1.0 / 3.0, 90.0),
+        ("s = 1/2 at 80°", 0.5, 80.0),
+        ("s = 1/2 at 100°", 0.5, 100.0),
+    ] {
+        hold_irradiance(&mut tally, conditions, what, &sphere_at(s, degrees), &Receiver::ground(0.25))?;
+    }
+    Ok(tally)
+}
+
+fn polygons(conditions: &Conditions) -> Found {
+    let triangle = Lamp::Triangle([DVec3::Z, DVec3::new(0.0, 1.0, 1.0), DVec3::new(1.0, 0.0, 1.0)]);
+    let tilted = Receiver { normal: DVec3::ONE.normalize(), ..Receiver::ground(0.25) };
+    let ground = Receiver::ground(0.5);
+    let mut tally = Tally::default();
+    for (what, lamp, receiver) in [
+        ("square above", Lamp::square(1.0, 0.0), ground),
+        ("square above a corner", Lamp::square(1.0, 0.5), ground),
+        ("triangle", triangle, ground),
+        ("triangle, tilted", triangle, tilted),
+    ] {
+        hold_irradiance(&mut tally, conditions, what, &lamp, &receiver)?;
+    }
+    Ok(tally)
+}
+
+fn solid_angles(conditions: &Conditions) -> Found {
+    let seeds = conditions.count(64, 256);
+    let mut tally = Tally::default();
+    let cone = 2.0 * PI * (1.0 - 0.75f64.sqrt());
+    for (what, lamp, truth) in
+        [("cone of 30°", sphere_at(0.5, 0.0), cone), ("unit square", Lamp::square(1.0, 0.0), 4.0 * asin(0.2))]
+    {
+        let emitter = lamp.emitter()?;
+        hold(&mut tally, what, truth, seeds, |pattern, seed| {
+            let inverse = |u| emitter.sample(DVec3::ZERO, u).map_or(0.0, |sample| 1.0 / sample.pdf);
+            Ok(mean_of(pattern, 64, seed, |sample| inverse(sample.next_2d())))
+        })?;
+    }
+    Ok(tally)
+}
+
+fn near_and_far(conditions: &Conditions) -> Found {
+    let mut tally = Tally::default();
+    for height in [1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6] {
+        let lamp = Lamp::square(height, 0.0);
+        let receiver = Receiver::ground(0.5 * height);
+        hold_exact(&mut tally, height, &lamp)?;
+        hold_irradiance(&mut tally, conditions, &format!("{height:e} away"), &lamp, &receiver)?;
+    }
+    Ok(tally)
+}
+
+/// What needs no samples: the closed form beside that of rectangles above their corner (Howell C-4), and the solid angle by
+/// which the light is drawn.
+fn hold_exact(tally: &mut Tally, height: f64, lamp: &Lamp) -> Fallible<()> {
+    let a = 0.5 / height;
+    let root = (1.0 + a * a).sqrt();
+    let howell = 4.0 * a / root * atan(a / root);
+    tally.near(
+        lamp.irradiance(&Receiver::ground(0.0)),
+        howell,
+        Tolerance::Relative(1e-10),
+        format_args!("irradiance, {height:e} away"),
+    );
+    if let Emitter::Quad(light) = lamp.emitter()? {
+        let solid_angle = 4.0 * atan(a * a / (1.0 + 2.0 * a * a).sqrt());
+        let what = format_args!("solid angle, {height:e} away");
+        tally.near(light.solid_angle(DVec3::ZERO), solid_angle, Tolerance::Relative(1e-10), what);
+    }
+    Ok(())
+}
+
+fn touching(conditions: &Conditions) -> Found {
+    let mut tally = Tally::default();
+    for (what, radius, aside) in
+        [("under it", 1.0, 0.0), ("1e-3 aside", 1.0, 1e-3), ("1 aside", 1.0, 1.0), ("under a small one", 1e-3, 0.0)]
+    {
+        const GAP: f64 = 1e-6;
+        let lamp = Lamp::Sphere { centre: DVec3::new(aside, 0.0, radius + GAP), radius };
+        hold_irradiance(&mut tally, conditions, what, &lamp, &Receiver::ground(0.5 * GAP))?;
+    }
+    Ok(tally)
+}

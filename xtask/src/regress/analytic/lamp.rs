@@ -1,0 +1,200 @@
+//! Lights of radiance 1 whose irradiance is known, and what they light.
+
+use std::f64::consts::PI;
+
+use rt_camera::SamplePattern;
+use rt_math::{DVec3, Frame, Rgb, Sampler, transcendental::acos};
+use rt_scene_io::Integrator;
+use rt_shading::emitter::{DiskLight, Emission, Emitter, MeshLight, QuadLight, Sides, SphereLight};
+
+use super::{
+    Conditions, Fallible, Tally, closed_form,
+    estimate::{hold, mean_of},
+    picture::Picture,
+};
+
+/// Part of the light that receivers reflect.
+pub(super) const ALBEDO: f64 = 0.5;
+
+/// Integrators that draw from lights with extent.
+const DRAWING: [Integrator; 3] = [Integrator::Direct, Integrator::Path, Integrator::Distributed];
+
+/// A light that shines with radiance 1 from its front.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Lamp {
+    /// From a corner along two edges; it faces their cross product.
+    Quad(DVec3, [DVec3; 2]),
+    Disk {
+        centre: DVec3,
+        normal: DVec3,
+        radius: f64,
+    },
+    Sphere {
+        centre: DVec3,
+        radius: f64,
+    },
+    /// Counter-clockwise seen from the front.
+    Triangle([DVec3; 3]),
+}
+
+/// A place that is lit, and from where it is looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Receiver {
+    pub point: DVec3,
+    pub normal: DVec3,
+    /// How far in front of it the camera plane is: nearer than any light.
+    pub lift: f64,
+}
+
+impl Receiver {
+    /// The origin on the ground, looked at from this height.
+    pub(super) const fn ground(lift: f64) -> Self {
+        Self { point: DVec3::ZERO, normal: DVec3::Z, lift }
+    }
+}
+
+/// A vector in the format of scene files.
+pub(super) fn tuple(v: DVec3) -> String {
+    format!("({:?}, {:?}, {:?})", v.x, v.y, v.z)
+}
+
+impl Lamp {
+    /// A unit square at a height above the ground that shines down, its middle moved by `aside` along x and y.
+    pub(super) fn square(height: f64, aside: f64) -> Self {
+        Self::Quad(DVec3::new(aside - 0.5, aside - 0.5, height), [DVec3::Y, DVec3::X])
+    }
+
+    /// A disk of this radius that shines down from `height`, `aside` along x.
+    pub(super) const fn disk(radius: f64, height: f64, aside: f64) -> Self {
+        Self::Disk { centre: DVec3::new(aside, 0.0, height), normal: DVec3::NEG_Z, radius }
+    }
+
+    pub(super) fn emitter(&self) -> Fallible<Emitter> {
+        let white = Emission::new(Rgb::WHITE, Sides::Front)?;
+        Ok(match *self {
+            Self::Quad(corner, edges) => Emitter::Quad(QuadLight::new(corner, edges, white)?),
+            Self::Disk { centre, normal, radius } => Emitter::Disk(DiskLight::new(centre, normal, radius, 0.0, white)?),
+            Self::Sphere { centre, radius } => Emitter::Sphere(SphereLight::new(centre, radius, white)?),
+            Self::Triangle(corners) => Emitter::Mesh(MeshLight::new([corners], white)?),
+        })
+    }
+
+    /// A node of a scene file, of a material that shines.
+    pub(super) fn node(&self, material: &str) -> String {
+        let shape = match *self {
+            Self::Quad(corner, [along, across]) => {
+                let corners = [corner, corner + along, corner + along + across, corner + across].map(tuple);
+                format!("polygon(points: [{}])", corners.join(", "))
+            }
+            Self::Disk { centre, normal, radius } => {
+                // Disks of scene files face +y.
+                let turn = if normal.z < 0.0 { -90 } else { 90 };
+                let place = tuple(centre);
+                let steps = format!("[rotate_x({turn}), translate{place}]");
+                return format!("(shape: disk(radius: {radius:?}), transform: {steps}, material: \"{material}\")");
+            }
+            Self::Sphere { centre, radius } => format!("sphere(center: {}, radius: {radius:?})", tuple(centre)),
+            Self::Triangle(corners) => format!("triangle({})", corners.map(tuple).join(", ")),
+        };
+        format!("(shape: {shape}, material: \"{material}\")")
+    }
+
+    /// The irradiance in closed form. Disks must face the receiver's plane from its normal's direction.
+    pub(super) fn irradiance(&self, receiver: &Receiver) -> f64 {
+        let Receiver { point, normal, .. } = *receiver;
+        match *self {
+            Self::Quad(corner, [along, across]) => {
+                let corners = [corner, corner + along, corner + along + across, corner + across];
+                closed_form::polygon(&corners, point, normal)
+            }
+            Self::Disk { centre, radius, .. } => {
+                let height = (centre - point).dot(normal);
+                closed_form::disk(radius, height, (centre - point - normal * height).length())
+            }
+            Self::Sphere { centre, radius } => {
+                let offset = centre - point;
+                let distance = offset.length();
+                closed_form::sphere(radius / distance, acos(offset.dot(normal) / distance))
+            }
+            Self::Triangle(corners) => closed_form::polygon(&corners, point, normal),
+        }
+    }
+
+    /// A diffuse plane through the receiver, seen by one pixel of no size to speak of, before the lamp and other nodes.
+    pub(super) fn scene(&self, receiver: &Receiver, height: f64, others: &str) -> Fallible<Picture> {
+        let Receiver { point, normal, lift } = *receiver;
+        let up = if normal.z > 0.9 { DVec3::Y } else { Frame::from_z(normal).y };
+        Picture::of(&format!(
+            "(
+                camera: (look_from: {}, look_at: {}, up: {}, orthographic: {height:?}),
+                film: (size: (1, 1)),
+                settings: (depth: 3),
+                lights: [],
+                background: constant(gray(0)),
+                materials: {{
+                    \"ground\": diffuse(albedo: gray({ALBEDO})),
+                    \"black\": diffuse(albedo: gray(0)),
+                    \"lamp\": light(radiance: gray(1)),
+                }},
+                nodes: [
+                    (shape: plane(point: {}, normal: {}), material: \"ground\"),
+                    {},
+                    {others}
+                ],
+            )",
+            tuple(point + normal * lift),
+            tuple(point),
+            tuple(up),
+            tuple(point),
+            tuple(normal),
+            self.node("lamp"),
+        ))
+    }
+}
+
+/// Part of the lift that the pixel is wide where a closed form is that of a point. What varies within it cancels but for its
+/// square.
+const POINT: f64 = 1e-7;
+
+/// Holds a lamp against its closed form: its samples alone, and all integrators that draw from lights.
+pub(super) fn hold_irradiance(
+    tally: &mut Tally,
+    conditions: &Conditions,
+    what: &str,
+    lamp: &Lamp,
+    receiver: &Receiver,
+) -> Fallible<()> {
+    let seeds = conditions.count(64, 256);
+    let spp = conditions.count(64, 256) as u32;
+    let truth = lamp.irradiance(receiver);
+    let emitter = lamp.emitter()?;
+    hold(tally, format_args!("{what}, samples of the light"), truth, seeds, |pattern, seed| {
+        Ok(mean_of(pattern, spp, seed, |sample| irradiance_from(&emitter, receiver, sample.next_2d())))
+    })?;
+    let picture = lamp.scene(receiver, POINT * receiver.lift, "")?;
+    hold_picture(tally, what, truth, &picture, [seeds, spp.into()])
+}
+
+/// Holds pictures of a diffuse receiver by all integrators that draw from lights against its irradiance; `effort` is how
+/// many seeds and samples of each.
+pub(super) fn hold_picture(
+    tally: &mut Tally,
+    what: &str,
+    irradiance: f64,
+    picture: &Picture,
+    [seeds, spp]: [u64; 2],
+) -> Fallible<()> {
+    for integrator in DRAWING {
+        let mean = |pattern: SamplePattern, seed| {
+            picture.mean(integrator, pattern, spp as u32, seed).map(|radiance| radiance * PI / ALBEDO)
+        };
+        hold(tally, format_args!("{what}, {}", integrator.name()), irradiance, seeds, mean)?;
+    }
+    Ok(())
+}
+
+/// One sample of the irradiance.
+pub(super) fn irradiance_from(emitter: &Emitter, receiver: &Receiver, u: [f64; 2]) -> f64 {
+    let sample = emitter.sample(receiver.point, u);
+    sample.map_or(0.0, |s| s.radiance.g * s.direction.dot(receiver.normal).max(0.0) / s.pdf)
+}

@@ -1,0 +1,66 @@
+//! `analytic`: pictures and estimators of which theory gives the mean, held against it.
+//!
+//! ```text
+//!   z = (mean over seeds − truth) / standard error,   |z| ≤ 5
+//! ```
+//!
+//! Each chapter is a file of its own with its list of cases. A case repeats an estimate over independent seeds, with each
+//! sample pattern and integrator that applies, so that the seeds tell the standard error; the z of each is printed. What is
+//! wrong on purpose must be found out by the same means: the chapter of faults sees to it.
+
+use super::{
+    Unit,
+    suite::{self, Case, Conditions, Fallible, Found},
+    tally::{Tally, Tolerance},
+};
+
+mod closed_form;
+mod coverage;
+mod enclosures;
+mod estimate;
+mod exchange;
+mod faults;
+mod furnace;
+mod irradiance;
+mod lamp;
+mod lamps;
+mod occlusion;
+mod picture;
+mod quadrature;
+mod shadows;
+mod slopes;
+
+static CHAPTERS: [&[Case]; 10] = [
+    coverage::CASES,
+    slopes::CASES,
+    irradiance::CASES,
+    lamps::CASES,
+    exchange::CASES,
+    shadows::CASES,
+    occlusion::CASES,
+    enclosures::CASES,
+    furnace::CASES,
+    faults::CASES,
+];
+
+/// One unit per case.
+pub(super) fn units() -> impl Iterator<Item = Box<dyn Unit>> {
+    suite::units("analytic", &CHAPTERS)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn every_case_has_a_name_of_its_own() {
+        let ids: Vec<&str> = CHAPTERS.into_iter().flatten().map(|case| case.id).collect();
+        assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len(), "{ids:?}");
+        let numbers = [58, 59, 60, 61, 62, 63, 65, 66, 67, 68, 69].map(|number| format!("S{number}"));
+        for id in &numbers {
+            assert!(ids.contains(&id.as_str()), "{id}");
+        }
+    }
+}

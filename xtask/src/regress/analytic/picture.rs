@@ -1,0 +1,37 @@
+//! Pictures that are rendered for their mean alone.
+
+use std::path::Path;
+
+use rt_camera::SamplePattern;
+use rt_render::{PlanOptions, RenderPlan};
+use rt_scene_io::{Integrator, LoadOptions, Scene, format::parse_ron, resolve};
+
+use super::Fallible;
+
+/// A scene, and how it is sampled.
+#[derive(Clone, Debug)]
+pub(super) struct Picture {
+    pub scene: Scene,
+}
+
+impl Picture {
+    /// The scene of a text in the format of scene files. All samples are one pattern.
+    pub(super) fn of(text: &str) -> Fallible<Self> {
+        let name = Path::new("analytic.ron");
+        let mut scene = resolve(&parse_ron(text, name)?, name, &LoadOptions::default())?;
+        scene.settings.passes = Some(1);
+        Ok(Self { scene })
+    }
+
+    /// The mean radiance over all pixels, in green, as it is before the film rounds it.
+    pub(super) fn mean(&self, integrator: Integrator, pattern: SamplePattern, spp: u32, seed: u64) -> Fallible<f64> {
+        let mut scene = self.scene.clone();
+        let settings = &mut scene.settings;
+        (settings.integrator, settings.pattern, settings.spp, settings.seed) = (integrator, pattern, spp, seed);
+        let plan = RenderPlan::compile(&scene, &PlanOptions::default())?;
+        let (width, height) = (scene.film.width, scene.film.height);
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let sum: f64 = pixels.filter_map(|(x, y)| plan.pixel(x, y)).map(|radiance| radiance.g).sum();
+        Ok(sum / f64::from(width * height))
+    }
+}

@@ -1,0 +1,66 @@
+//! Soft shadows: lights that are partly hidden.
+
+use std::f64::consts::PI;
+
+use rt_math::DVec3;
+
+use super::{
+    Case, Conditions, Found, Tally, closed_form,
+    lamp::{Lamp, Receiver, hold_picture, tuple},
+};
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        id: "S63",
+        title: "a disk of light cut by an edge, from −.75 to .75 of its radius",
+        expected: "(acos x − x √(1 − x²)) / π",
+        tolerance: "5 σ",
+        run: penumbra,
+    },
+    Case {
+        id: "eclipse",
+        title: "a disk of light behind disks, one radius aside",
+        expected: "1 − lens / π: 0.6089977810, 0.8883475203",
+        tolerance: "5 σ",
+        run: eclipse,
+    },
+];
+
+/// Radius of the light, 1 above the receiver: so small that all of it is seen at the same cosine, but for its square.
+const RADIUS: f64 = 1e-5;
+
+/// Half way up to the light, things hide twice their size of it.
+const HALF_WAY: f64 = 0.5;
+
+fn penumbra(conditions: &Conditions) -> Found {
+    let lamp = Lamp::disk(RADIUS, 1.0, 0.0);
+    let receiver = Receiver::ground(0.25);
+    let effort = [conditions.count(64, 256), conditions.count(64, 256)];
+    let mut tally = Tally::default();
+    for cut in [-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75] {
+        let edge = HALF_WAY * cut * RADIUS;
+        let corners = [[edge, -1.0], [edge, 1.0], [-1.0, 1.0], [-1.0, -1.0]];
+        let corners = corners.map(|[x, y]| tuple(DVec3::new(x, y, HALF_WAY))).join(", ");
+        let hides = format!("(shape: polygon(points: [{corners}]), material: \"black\")");
+        let picture = lamp.scene(&receiver, RADIUS * 1e-6, &hides)?;
+        let truth = lamp.irradiance(&receiver) * closed_form::cut_disk(cut);
+        hold_picture(&mut tally, &format!("cut at {cut}"), truth, &picture, effort)?;
+    }
+    Ok(tally)
+}
+
+fn eclipse(conditions: &Conditions) -> Found {
+    let lamp = Lamp::disk(RADIUS, 1.0, 0.0);
+    let receiver = Receiver::ground(0.25);
+    let effort = [conditions.count(64, 256), conditions.count(64, 256)];
+    let mut tally = Tally::default();
+    for radius in [1.0, 0.5] {
+        let (size, aside) = (HALF_WAY * radius * RADIUS, HALF_WAY * RADIUS);
+        let place = format!("[rotate_x(90), translate({aside:?}, 0, {HALF_WAY:?})]");
+        let hides = format!("(shape: disk(radius: {size:?}), transform: {place}, material: \"black\")");
+        let picture = lamp.scene(&receiver, RADIUS * 1e-6, &hides)?;
+        let truth = lamp.irradiance(&receiver) * (1.0 - closed_form::lens(1.0, radius, 1.0) / PI);
+        hold_picture(&mut tally, &format!("behind a disk of {radius}"), truth, &picture, effort)?;
+    }
+    Ok(tally)
+}

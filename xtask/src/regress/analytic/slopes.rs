@@ -1,0 +1,90 @@
+//! How fast the error of a pixel falls with the number of samples.
+
+use rayon::prelude::*;
+use rt_camera::SamplePattern;
+use rt_math::transcendental::{atan, log2};
+use rt_scene_io::Integrator;
+
+use super::{
+    Case, Conditions, Fallible, Found, Tally, closed_form,
+    coverage::{disk, half_plane, left_of, sphere_aside},
+    lamp::ALBEDO,
+    picture::Picture,
+};
+
+pub(super) const CASES: &[Case] = &[Case {
+    id: "S67",
+    title: "slopes of RMSE over N of each pattern: edges, disks, spheres, smooth light",
+    expected: "−½ by random, −¾ at edges, −1 at upright ones, −1 and −1½ where it is smooth",
+    tolerance: "0.1 abs",
+    run: slopes,
+}];
+
+/// How near a slope must be.
+pub(super) const TOLERANCE: f64 = 0.1;
+
+/// Slopes at an oblique edge, an edge along the axis, a quarter disk, a sphere off the axis, and a smooth function: what
+/// theory gives (Mitchell 1996, Owen 1997), or where that is a bound, what was measured with many more samples.
+const EXPECTED: [(SamplePattern, [f64; 5]); 6] = [
+    (SamplePattern::Random, [-0.5, -0.5, -0.5, -0.5, -0.5]),
+    (SamplePattern::Jittered, [-0.75, -0.75, -0.75, -0.75, -1.0]),
+    (SamplePattern::MultiJittered, [-0.75, -1.0, -0.75, -0.75, -1.0]),
+    (SamplePattern::Sobol, [-0.75, -1.0, -0.75, -0.75, -1.5]),
+    (SamplePattern::Halton, [-0.75, -1.0, -0.75, -0.75, -1.0]),
+    (SamplePattern::BlueNoise, [-0.75, -1.0, -0.75, -0.75, -1.5]),
+];
+
+/// Light of a point lamp over a square.
+fn smooth() -> Fallible<Picture> {
+    Picture::of(&format!(
+        "(
+            camera: (look_from: (0.5, 0.5, 0.5), look_at: (0.5, 0.5, 0), orthographic: 1),
+            film: (size: (1, 1)),
+            lights: [point(position: (0, 0, 1), falloff: inverse_square)],
+            materials: {{\"ground\": phong(diffuse: gray({ALBEDO}), ambient: gray(0))}},
+            nodes: [(shape: plane(normal: (0, 0, 1)), material: \"ground\")],
+        )"
+    ))
+}
+
+/// Root mean square error of a picture over seeds.
+pub(super) fn rmse(seeds: u64, truth: f64, of_seed: impl Fn(u64) -> Fallible<f64> + Sync + Send) -> Fallible<f64> {
+    let values = (0..seeds).into_par_iter().map(of_seed).collect::<Fallible<Vec<f64>>>()?;
+    Ok((values.iter().map(|value| (value - truth) * (value - truth)).sum::<f64>() / seeds as f64).sqrt())
+}
+
+/// Slope of log RMSE over log N by least squares, for `rmse(N)` at some powers of 4.
+pub(super) fn slope(counts: &[u32], rmse: impl Fn(u32) -> Fallible<f64>) -> Fallible<f64> {
+    let points: Vec<[f64; 2]> =
+        counts.iter().map(|&spp| Ok([log2(f64::from(spp)), log2(rmse(spp)?)])).collect::<Fallible<_>>()?;
+    let mean = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64);
+    let moment = |axis: usize| points.iter().map(|p| (p[0] - mean[0]) * (p[axis] - mean[axis])).sum::<f64>();
+    Ok(moment(1) / moment(0))
+}
+
+fn slopes(conditions: &Conditions) -> Found {
+    let seeds = conditions.count(256, 1024);
+    let counts: &[u32] = if conditions.full { &[16, 64, 256, 1024, 4096] } else { &[16, 64, 256, 1024] };
+    let aside = atan(0.5);
+    let pictures = [
+        ("y < .3 + .2 x", 0.4, half_plane(0.3, 0.2)?),
+        ("x < 1/3", 1.0 / 3.0, left_of(1.0 / 3.0)?),
+        ("quarter disk", std::f64::consts::FRAC_PI_4, disk(1.0, 0.0)?),
+        ("sphere aside", 0.25 * closed_form::projected_sphere(0.25, aside), sphere_aside(aside)?),
+        ("smooth", ALBEDO * closed_form::point_light_over_rectangle(1.0, 1.0, 1.0), smooth()?),
+    ];
+    let mut tally = Tally::default();
+    for (pattern, expected) in EXPECTED {
+        let mut note = format!("{}:", pattern.name());
+        for ((what, truth, picture), expected) in pictures.iter().zip(expected) {
+            let slope =
+                slope(counts, |spp| rmse(seeds, *truth, |seed| picture.mean(Integrator::Whitted, pattern, spp, seed)))?;
+            note.push_str(&format!(" {what} {slope:+.3}"));
+            let name = pattern.name();
+            let what = format_args!("{name}, {what}: slope {slope:.3} instead of {expected}");
+            tally.limit(slope - expected, TOLERANCE, what);
+        }
+        tally.note(note);
+    }
+    Ok(tally)
+}
