@@ -1,5 +1,9 @@
 //! The virtual camera: a pinhole or a thin lens.
 
+mod sight;
+
+pub use sight::Sight;
+
 use rt_math::{DVec2, DVec3, Ray, Transform, transcendental::tan};
 
 use crate::{
@@ -187,9 +191,15 @@ impl Camera {
     pub fn ray_through(&self, raster: DVec2, on_lens: [f64; 2], time: f64) -> Ray {
         let centre = self.ray(raster, time);
         let Some(lens) = &self.lens else { return centre };
-        let DVec2 { x, y } = lens.point(on_lens);
-        let aside = self.world_from_camera.vector(DVec3::new(x, y, 0.0));
+        let aside = self.aside(lens, on_lens);
         Ray { origin: centre.origin + aside, direction: centre.direction - aside / lens.focus, time }
+    }
+
+    /// Where a point of the lens is from its centre, in world space.
+    #[inline]
+    fn aside(&self, lens: &Lens, on_lens: [f64; 2]) -> DVec3 {
+        let DVec2 { x, y } = lens.point(on_lens);
+        self.world_from_camera.vector(DVec3::new(x, y, 0.0))
     }
 
     /// The ray through a raster point and the pinhole, or the centre of the lens, at a moment of the shutter. Points outside

@@ -86,7 +86,7 @@ mod view_volume;
 #[cfg(feature = "files")]
 mod write_image;
 
-pub use camera::{Camera, CameraError, CameraSettings, FovAxis, Projection};
+pub use camera::{Camera, CameraError, CameraSettings, FovAxis, Projection, Sight};
 pub use develop::{Bitmap8, Development, DevelopmentError, Encoding, ToneCurve};
 pub use film::{Film, FilmError, FilmSettings};
 pub use filter::Filter;

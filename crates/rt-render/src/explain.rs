@@ -6,11 +6,13 @@ use rt_accel::{AnyStructure, Structure as _};
 use rt_geometry::Shape;
 use rt_math::{DVec3, Primitives as _};
 use rt_scene_io::Integrator;
-use rt_shading::Texture;
+use rt_shading::{Light, LightKind, Texture};
 
 use crate::{
     RenderPlan,
+    estimate::PixelEstimate,
     plan::World,
+    splats::SplatImage,
     structure::{FEW, why},
     surroundings::Surroundings,
     visible::Visible,
@@ -232,7 +234,22 @@ impl RenderPlan<'_> {
         if self.integrator == Integrator::Whitted {
             used.extend(self.light());
         }
+        used.extend(self.light_paths());
         used
+    }
+
+    /// Paths from the lights, and what they are sent to.
+    fn light_paths(&self) -> Option<String> {
+        let sources = self.light_sources.as_ref()?;
+        let film = &self.scene.film;
+        let paths = u64::from(film.width) * u64::from(film.height) * u64::from(self.pass_spp);
+        let targets = if sources.targets().is_everywhere() {
+            "in all directions, as a sharp mirror or a body of glass has no bounds".to_owned()
+        } else {
+            let balls = count(sources.targets().len(), "ball", "balls");
+            format!("to {balls} around what mirrors sharply or lets light through")
+        };
+        Some(format!("light paths: {paths} in each pass from the lamps, {targets}"))
     }
 
     fn structures(&self) -> Vec<String> {
@@ -355,7 +372,8 @@ impl RenderPlan<'_> {
             let why = format!("{} of {} lie outside the view", visible.left_out(), visible.of());
             left_out.push(LeftOut { what: "objects, for camera rays", why });
         }
-        if !whitted {
+        left_out.extend(self.light_paths_left_out());
+        if !self.integrator.follows_light() {
             left_out.push(LeftOut {
                 what: "light and materials",
                 why: format!("'{}' shows geometry alone", self.integrator.name()),
@@ -364,9 +382,29 @@ impl RenderPlan<'_> {
         left_out
     }
 
+    fn light_paths_left_out(&self) -> Option<LeftOut> {
+        if self.integrator != Integrator::Caustics {
+            return None;
+        }
+        let of = |what, why: &str| Some(LeftOut { what, why: why.to_owned() });
+        let Some(sources) = &self.light_sources else {
+            return of("light paths", "no lamp that can be drawn from shines on a sharp mirror or on glass");
+        };
+        let is_sun = |light: &Light| matches!(light.kind, LightKind::Directional { .. }) && light.casts_shadows;
+        if sources.targets().is_everywhere() && self.appearance.lights.iter().any(is_sun) {
+            return of("light paths of directional lights", "there is no end to what mirrors them");
+        }
+        match self.emitters.environment() {
+            Some(_) => of("light paths of the environment", "its light is found by paths from the camera"),
+            None => None,
+        }
+    }
+
     fn memory(&self) -> [(&'static str, usize); 4] {
         let pixels = self.crop.width as usize * self.crop.height as usize;
+        let by_passes = pixels * size_of::<PixelEstimate>() + SplatImage::memory(pixels, self.filter);
         let film = pixels * if self.transparent { 16 } else { 12 };
+        let film = film + if self.light_sources.is_some() { by_passes } else { 0 };
         let (geometry, structures) = match &self.world {
             World::Spheres(world, structure) => {
                 let lists = world.materials.len() * (size_of::<rt_geometry::Sphere>() + 4) + world.casts_shadow.len();

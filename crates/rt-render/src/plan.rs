@@ -8,12 +8,15 @@ use rt_camera::{Camera, CameraSettings, Filter, SamplePattern, ViewVolume};
 use rt_geometry::{Shape, Spheres};
 use rt_math::{Aabb, DVec2, DVec3};
 use rt_scene_io::{Accel, Integrator, MaterialId, NamedCamera, Scene};
-use rt_shading::{AmbientOcclusion, Appearance, FirstHitView, Follows, Needs, PathSettings, emitter::EmitterSet};
+use rt_shading::{
+    AmbientOcclusion, Appearance, FirstHitView, Follows, LightSources, Needs, PathSettings, emitter::EmitterSet,
+};
 
 use crate::{
     RenderError,
     emitters::emitters,
     flatten::flatten,
+    light_pass::light_sources,
     passes::default_passes,
     rebase,
     structure::Wanted,
@@ -111,6 +114,8 @@ pub struct RenderPlan<'s> {
     pub(crate) appearance: Cow<'s, Appearance>,
     /// Lights with extent, if the integrator draws from them.
     pub(crate) emitters: EmitterSet,
+    /// Lights that paths begin at, if the integrator follows any.
+    pub(crate) light_sources: Option<LightSources>,
     pub(crate) world: World,
     /// What camera rays can meet, if that is much less than the world.
     pub(crate) visible: Option<Visible>,
@@ -167,6 +172,9 @@ impl<'s> RenderPlan<'s> {
         } else {
             Surroundings::air()
         };
+        let appearance = rebase::appearance(&scene.appearance, origin);
+        let follows_light_paths = settings.integrator == Integrator::Caustics;
+        let light_sources = if follows_light_paths { light_sources(&appearance, &emitters, &world) } else { None };
         Ok(Self {
             scene,
             camera_name,
@@ -184,7 +192,8 @@ impl<'s> RenderPlan<'s> {
             depth: settings.depth,
             min_contribution: settings.min_contribution,
             needs,
-            appearance: rebase::appearance(&scene.appearance, origin),
+            appearance,
+            light_sources,
             world,
             surroundings,
             visible,

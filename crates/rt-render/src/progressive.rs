@@ -6,6 +6,7 @@
 use std::time::{Duration, Instant};
 
 use rt_camera::Film;
+use rt_math::Rgb;
 
 use crate::{
     Crop, PassProgress, Progress, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, Statistics, StopRule,
@@ -15,6 +16,7 @@ use crate::{
     estimate::PixelEstimate,
     passes::{PixelMask, Sweep},
     render::rounded,
+    splats::SplatImage,
     tile::Finished,
     tiles::Tile,
 };
@@ -46,6 +48,21 @@ impl RenderPlan<'_> {
             }
         };
         Ok(render.finish(stopped, unconverged, options.maps))
+    }
+}
+
+impl RenderPlan<'_> {
+    /// Renders the passes of a fixed number of samples one after the other, with the light paths of each before it: in memory
+    /// there are those of one pass.
+    pub(crate) fn render_by_passes(
+        &self,
+        options: &RunOptions,
+        progress: impl FnMut(Progress),
+    ) -> Result<Rendering, RenderError> {
+        let rule = StopRule { max_spp: self.samples_per_pixel(), ..StopRule::default() };
+        let mut render = Progressive::new(self, options, rule, progress)?;
+        let stopped = render.all_passes();
+        Ok(render.finish(stopped, None, options.maps))
     }
 }
 
@@ -85,6 +102,12 @@ impl<'p, F: FnMut(Progress)> Progressive<'p, F> {
         })
     }
 
+    /// The passes that the plan splits its samples into.
+    fn all_passes(&mut self) -> Stopped {
+        (0..self.plan.passes).for_each(|pass| self.take_pass(pass, self.plan.pass_spp, None));
+        Stopped::Samples
+    }
+
     /// Passes that grow, over all pixels.
     fn pass_after_pass(&mut self) -> Stopped {
         let mut taken = 0;
@@ -117,8 +140,16 @@ impl<'p, F: FnMut(Progress)> Progressive<'p, F> {
         let Self { plan, crew, started, statistics, pixels, rmse, progress, rule, expected_samples, .. } = self;
         let most = pixels.iter().map(PixelEstimate::samples).max().unwrap_or(0);
         let here = PassProgress { finished: statistics.passes, spp: most, rmse: *rmse };
+        let light = plan.light_pass(pass, spp).map(|light| {
+            let mut image = SplatImage::new(plan.crop, plan.filter);
+            crew.trace_light(light, |lit| {
+                statistics.add_light(&lit);
+                lit.splats.iter().for_each(|splat| image.add(splat));
+            });
+            image
+        });
         crew.sweep(&sweep, |_, tile| {
-            fold(plan.crop, pixels, &tile, &sweep);
+            fold(plan.crop, pixels, &tile, light.as_ref(), &sweep);
             statistics.add(&tile, &sweep);
             let samples = statistics.samples;
             let total_samples = match (*expected_samples, rule.time) {
@@ -180,12 +211,13 @@ impl<'p, F: FnMut(Progress)> Progressive<'p, F> {
     }
 }
 
-/// Adds the pixels of a tile that went through a pass to what is known of them.
-fn fold(crop: Crop, pixels: &mut [PixelEstimate], tile: &Finished, sweep: &Sweep<'_>) {
+/// Adds the pixels of a tile that went through a pass to what is known of them, and what light paths brought in the same pass.
+fn fold(crop: Crop, pixels: &mut [PixelEstimate], tile: &Finished, light: Option<&SplatImage>, sweep: &Sweep<'_>) {
     let mut coverage = tile.alpha.iter().copied();
     for ([x, y], radiance) in sweep.pixels_of(tile.tile).zip(&tile.pixels) {
         let index = (y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize;
-        pixels[index].add(*radiance, coverage.next().unwrap_or(1.0), sweep.spp);
+        let brought = light.map_or(Rgb::BLACK, |light| light.radiance(index));
+        pixels[index].add(*radiance + brought, coverage.next().unwrap_or(1.0), sweep.spp);
     }
 }
 

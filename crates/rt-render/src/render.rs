@@ -5,13 +5,14 @@ use std::time::Instant;
 use rt_camera::Film;
 use rt_math::Rgb;
 use rt_scene_io::{Integrator, Settings};
-use rt_shading::{AmbientOcclusion, FirstHitView, Follows, PathSettings};
+use rt_shading::{AmbientOcclusion, FirstHitView, Follows, LightTracer, PathSettings};
 
 use crate::{
     Crop, ErrorEstimate, RenderError, RenderPlan, Statistics, Stopped,
     crew::Crew,
     error_estimate::ErrorSums,
     plan::View,
+    splats::SplatImage,
     tile::{Finished, Task, Worker},
     tiles::Tile,
 };
@@ -96,6 +97,9 @@ impl RenderPlan<'_> {
     /// # Errors
     /// [`RenderError::Threads`] if the worker threads cannot be started.
     pub fn render(&self, options: &RunOptions, mut progress: impl FnMut(Progress)) -> Result<Rendering, RenderError> {
+        if self.light_sources.is_some() {
+            return self.render_by_passes(options, progress);
+        }
         let started = Instant::now();
         let crew = Crew::new(self, options)?;
         let Crop { width, height, .. } = self.crop;
@@ -134,7 +138,22 @@ impl RenderPlan<'_> {
         let Crop { x: left, y: top, width, height } = self.crop;
         let inside = (left..left + width).contains(&x) && (top..top + height).contains(&y);
         let task = Task { tile: Tile { x, y, width: 1, height: 1 }, sweep: &self.all_passes() };
-        if inside { self.render_tile(&task, false, &mut Worker::new(self)).pixels.first().copied() } else { None }
+        let pixel = inside.then(|| self.render_tile(&task, false, &mut Worker::new(self)).pixels[0])?;
+        Some(pixel + self.splatted((y - top) as usize * width as usize + (x - left) as usize))
+    }
+
+    /// What light paths bring to a pixel, by its place in what is rendered: the mean of all passes.
+    fn splatted(&self, pixel: usize) -> Rgb {
+        let mut tracer = LightTracer::new(self.view.path_settings(), self.needs);
+        let mut sum = Rgb::BLACK;
+        for light in (0..self.passes).filter_map(|pass| self.light_pass(pass, self.pass_spp)) {
+            let mut image = SplatImage::new(self.crop, self.filter);
+            for chunk in 0..light.chunks() {
+                self.trace_light(light, chunk, false, &mut tracer).splats.iter().for_each(|splat| image.add(splat));
+            }
+            sum += image.radiance(pixel);
+        }
+        sum / f64::from(self.passes)
     }
 
     /// Rounds a tile to what films hold, in its place.
@@ -179,6 +198,7 @@ impl View {
             Integrator::Whitted => Self::Light,
             Integrator::Distributed => paths(settings.depth, Follows::Reflections),
             Integrator::Path => paths(settings.depth, Follows::Everything),
+            Integrator::Caustics => paths(settings.depth, Follows::AllButCaustics),
             Integrator::Direct => paths(0, Follows::Everything),
             Integrator::AmbientOcclusion => {
                 Self::AmbientOcclusion(AmbientOcclusion { reach: settings.occlusion_distance })

@@ -3,7 +3,7 @@
 use rt_math::Counters;
 use rt_shading::ShadingCounts;
 
-use crate::{RenderPlan, crew::Crew, passes::Sweep, tile::Finished};
+use crate::{RenderPlan, crew::Crew, light_pass::LitChunk, passes::Sweep, tile::Finished};
 
 /// Figures of one render. Counts are deterministic; times are not.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +51,13 @@ impl Statistics {
         self.primary_rays_spared += tile.primary_rays_spared;
         self.shading += tile.shading;
         self.bad_samples += tile.bad_samples;
+    }
+
+    /// Adds what some light paths took.
+    pub(crate) fn add_light(&mut self, lit: &LitChunk) {
+        self.counters += lit.counters;
+        self.shading += lit.shading;
+        self.bad_samples += lit.bad;
     }
 
     /// Millions of rays of all kinds per second of rendering.

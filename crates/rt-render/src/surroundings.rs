@@ -3,7 +3,7 @@
 use rt_camera::{Camera, Projection};
 use rt_math::{Aabb, DVec2, DVec3, NoProbe, Ray};
 use rt_scene_io::{NamedCamera, Scene};
-use rt_shading::Interior;
+use rt_shading::{Interior, Material};
 
 use crate::{
     plan::World,
@@ -36,7 +36,7 @@ impl Surroundings {
         if let Some(medium) = named.medium {
             return Self::Same(Interior::filled_with(medium.0));
         }
-        let reach = reach_of_transparent_bodies(scene, world);
+        let reach = reach_of_transparent_bodies(&scene.appearance.materials, world);
         let start_apart = matches!(named.settings.projection, Projection::Orthographic { .. }) || camera.has_lens();
         if start_apart && !reach.is_empty() {
             return Self::ByRay(reach);
@@ -66,10 +66,9 @@ fn look_around(scene: &Scene, world: &World, ray: &Ray) -> Interior {
 }
 
 /// The least box around all transparent bodies; all of space if one of them is unbounded.
-fn reach_of_transparent_bodies(scene: &Scene, world: &World) -> Aabb {
-    let is_transparent = |material: u32| {
-        scene.appearance.materials.get(material as usize).is_some_and(|m| m.phong.transmission.is_some())
-    };
+pub(crate) fn reach_of_transparent_bodies(materials: &[Material], world: &World) -> Aabb {
+    let is_transparent =
+        |material: u32| materials.get(material as usize).is_some_and(|m| m.phong.transmission.is_some());
     let everywhere = Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY);
     match world {
         World::Spheres(world, _) => {
@@ -85,7 +84,7 @@ fn reach_of_transparent_bodies(scene: &Scene, world: &World) -> Aabb {
 }
 
 /// True if the part, or one in its group, is of such a material.
-fn holds(part: &Part, levels: &Levels, is_wanted: &impl Fn(u32) -> bool) -> bool {
+pub(crate) fn holds(part: &Part, levels: &Levels, is_wanted: &impl Fn(u32) -> bool) -> bool {
     match &part.geometry {
         PartGeometry::Group(level, _) => {
             levels.groups[*level as usize].parts.iter().any(|inner| is_wanted(inner.material))

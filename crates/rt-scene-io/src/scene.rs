@@ -30,6 +30,8 @@ pub enum Integrator {
     Distributed,
     /// Path tracing: all light there is (Kajiya 1986).
     Path,
+    /// Path tracing, and light tracing for what comes by mirrors and glass from lamps (Arvo 1986).
+    Caustics,
     /// Emission and direct light: paths without a further bounce.
     Direct,
     /// How much of the sky each point would see.
@@ -46,10 +48,11 @@ pub enum Integrator {
 
 impl Integrator {
     /// All integrators.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Whitted,
         Self::Distributed,
         Self::Path,
+        Self::Caustics,
         Self::Direct,
         Self::AmbientOcclusion,
         Self::Normals,
@@ -62,7 +65,7 @@ impl Integrator {
     pub const fn is_stochastic(self) -> bool {
         match self {
             Self::Whitted | Self::Normals | Self::Depth | Self::Uv | Self::Cost => false,
-            Self::Distributed | Self::Path | Self::Direct | Self::AmbientOcclusion => true,
+            Self::Distributed | Self::Path | Self::Caustics | Self::Direct | Self::AmbientOcclusion => true,
         }
     }
 
@@ -72,6 +75,7 @@ impl Integrator {
             Self::Whitted => "whitted",
             Self::Distributed => "distributed",
             Self::Path => "path",
+            Self::Caustics => "caustics",
             Self::Direct => "direct",
             Self::AmbientOcclusion => "ambient-occlusion",
             Self::Normals => "normals",
@@ -85,12 +89,12 @@ impl Integrator {
 impl Integrator {
     /// True if it shows light, and not a view of the geometry.
     pub const fn follows_light(self) -> bool {
-        matches!(self, Self::Whitted | Self::Distributed | Self::Path | Self::Direct)
+        matches!(self, Self::Whitted | Self::Distributed | Self::Path | Self::Caustics | Self::Direct)
     }
 
     /// True if it draws from lights with extent.
     pub const fn draws_lights(self) -> bool {
-        matches!(self, Self::Distributed | Self::Path | Self::Direct)
+        matches!(self, Self::Distributed | Self::Path | Self::Caustics | Self::Direct)
     }
 }
 

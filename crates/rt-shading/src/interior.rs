@@ -2,7 +2,7 @@
 
 use crate::{Material, SurfaceHit, Tracer, Transmission};
 use rt_geometry::SurfaceNeeds;
-use rt_math::{Aabb, Interval, Ray, RayKind, Rgb};
+use rt_math::{Aabb, Interval, Ray, RayKind, Rgb, transcendental::exp};
 
 /// Most bodies that a point may lie inside of at once; further ones are not noticed, and counted.
 const CAPACITY: usize = 32;
@@ -46,6 +46,15 @@ pub(crate) struct Medium {
 
 impl Medium {
     const AIR: Self = Self { ior: 1.0, absorption: Rgb::BLACK };
+}
+
+/// Beer's law along a way in world units; whether it took anything.
+pub(crate) fn absorb(weight: &mut Rgb, absorption: Rgb, way: f64) -> bool {
+    if absorption.is_black() {
+        return false;
+    }
+    *weight *= absorption.map(|per_unit| exp(-per_unit * way));
+    true
 }
 
 /// The way through a surface.

@@ -101,7 +101,7 @@ impl Light {
 
     /// Strength, 0 to 1, of the light that leaves along `away` (unit).
     #[inline]
-    fn beam(&self, away: DVec3) -> f64 {
+    pub(crate) fn beam(&self, away: DVec3) -> f64 {
         match self.kind {
             LightKind::Spot { direction, cos_inner, cos_outer, .. } => {
                 // The squared ramp of KHR_lights_punctual.

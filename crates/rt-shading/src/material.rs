@@ -193,6 +193,15 @@ impl Material {
         }
     }
 
+    /// True if light may go on in a single direction, as from mirrors and through glass: at least where it is false, it does
+    /// not.
+    pub fn is_sharp(&self) -> bool {
+        match &self.physical {
+            Some(physical) => physical.is_sharp(),
+            None => self.phong.transmission.is_some() || !self.phong.mirror.is_zero(),
+        }
+    }
+
     /// True if any coefficient varies with the texture coordinates.
     pub fn is_textured(&self) -> bool {
         let textured = |coefficient: &&Coefficient| matches!(coefficient, Coefficient::Textured(..));

@@ -1,7 +1,7 @@
 //! Light transport along camera paths, by random choice, in waves.
 
-mod scatter;
-mod wave;
+pub(crate) mod scatter;
+pub(crate) mod wave;
 
 use crate::{Appearance, Interior, Needs, Seen, ShadingCounts, Tracer, emitter::EmitterSet};
 use rt_math::{Interval, Ray, Sampler};
@@ -12,6 +12,9 @@ use wave::{Flow, Path, Shadows};
 pub enum Follows {
     /// All of it: the rendering equation (Kajiya 1986).
     Everything,
+    /// All but what [`LightTracer`](crate::LightTracer) finds: the light of lamps that comes to a surface which is seen by
+    /// single directions at its end.
+    AllButCaustics,
     /// What is mirrored or refracted, sharply or not; diffuse surfaces show direct and ambient light alone ("Distributed Ray
     /// Tracing", Cook, Porter, Carpenter 1984).
     Reflections,

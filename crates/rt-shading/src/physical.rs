@@ -3,8 +3,8 @@
 use crate::{
     Coefficient, Highlight, Phong, Texture, Transmission,
     bsdf::{
-        Bsdf, ComplexIor, Conductor, Coupling, Dielectric, Lambert, Lobe, MAX_LOBES, MetallicRoughness, Mirror, Mix,
-        OrenNayar, PhongLobe, Refraction, ThinGlass,
+        Bsdf, ComplexIor, Conductor, Coupling, Dielectric, Ggx, Lambert, Lobe, MAX_LOBES, MetallicRoughness, Mirror,
+        Mix, OrenNayar, PhongLobe, Refraction, ThinGlass,
     },
 };
 use rt_math::Rgb;
@@ -163,6 +163,19 @@ impl Physical {
                 ThinGlass { ior: *ior, transmittance: at.reflectance(transmittance) }.into()
             }
             Self::Black | Self::Glossy { .. } | Self::Mix(_) => BLACK,
+        }
+    }
+
+    /// True if light may go on in a single direction. Rough glass counts: between media that are nearly alike it does not bend
+    /// light enough to be rough.
+    pub fn is_sharp(&self) -> bool {
+        match self {
+            Self::Mirror { .. } | Self::Dielectric { .. } | Self::ThinGlass { .. } => true,
+            Self::Conductor { roughness, .. } | Self::MetallicRoughness { roughness, .. } => {
+                Ggx::from_roughness(*roughness).is_none()
+            }
+            Self::Black | Self::Diffuse { .. } | Self::Glossy { .. } => false,
+            Self::Mix(parts) => parts.iter().any(|(_, part)| part.is_sharp()),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Tests of whole renders.
 
+mod caustics;
 mod culling;
 mod invariance;
 mod left_out;

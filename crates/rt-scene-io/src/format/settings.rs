@@ -64,6 +64,8 @@ pub enum Integrator {
     Distributed,
     /// Path tracing: all light there is.
     Path,
+    /// Path tracing, and paths from the lamps for their light that comes by mirrors and glass.
+    Caustics,
     /// Emission and direct light.
     Direct,
     /// How much of the sky each point would see.

@@ -97,6 +97,7 @@ const fn integrator(integrator: format::Integrator) -> Integrator {
         format::Integrator::Distributed => Integrator::Distributed,
         format::Integrator::Path => Integrator::Path,
         format::Integrator::Direct => Integrator::Direct,
+        format::Integrator::Caustics => Integrator::Caustics,
         format::Integrator::AmbientOcclusion => Integrator::AmbientOcclusion,
         format::Integrator::Normals => Integrator::Normals,
         format::Integrator::Depth => Integrator::Depth,

@@ -100,6 +100,11 @@ impl CylinderLight {
         Some(EmitterPoint { point: surface.point, normal: surface.geometric_normal, triangle: 0 })
     }
 
+    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
+    pub fn sample_area(&self, u: [f64; 2]) -> EmitterPoint {
+        self.point_on(&self.everything(), u)
+    }
+
     /// Radiance of the light for one who looks along `direction` at it.
     pub fn radiance(&self, direction: DVec3, normal: DVec3) -> Rgb {
         self.emission.seen(direction.dot(normal))
@@ -115,13 +120,17 @@ impl CylinderLight {
         Some(EmitterBounds::all_around(self.placed.bounds()?, self.power()))
     }
 
+    fn everything(&self) -> Visible {
+        Visible { towards: 0.0, half_arc: PI, caps: [self.has_caps; 2], is_inside_seen: true }
+    }
+
     fn visible(&self, point: DVec3) -> Visible {
         let local = self.frame.to_local(point - self.base);
         let from_axis = (local.x * local.x + local.y * local.y).sqrt();
         let is_beyond = [local.z < 0.0, local.z > self.length];
         let is_outside = from_axis > self.radius || is_beyond[0] || is_beyond[1];
         if self.emission.sides() == Sides::Both && !(self.has_caps && is_outside) {
-            return Visible { towards: 0.0, half_arc: PI, caps: [self.has_caps; 2], is_inside_seen: true };
+            return self.everything();
         }
         let half_arc = if from_axis > self.radius { acos(self.radius / from_axis) } else { 0.0 };
         let caps = is_beyond.map(|is_beyond| is_beyond && self.has_caps);

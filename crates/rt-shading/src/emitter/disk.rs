@@ -54,12 +54,17 @@ impl DiskLight {
     /// A direction towards the light from `point`. `None` behind a one-sided light, in its plane, and if it is black.
     pub fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<EmitterSample> {
         let height = (self.centre - point).dot(self.frame.z);
+        let at = self.sample_area(u);
+        EmitterSample::of_surface(point, &at, self.radius, self.emission.seen(height), self.pdf_at(point, at.point))
+    }
+
+    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
+    pub fn sample_area(&self, u: [f64; 2]) -> EmitterPoint {
         let (sin, cos) = sincos(TAU * u[0]);
         let (r, r0) = (self.radius, self.inner_radius);
         let from_centre = (r0 * r0 + u[1] * (r - r0) * (r + r0)).sqrt();
-        let on_light = self.centre + (self.frame.x * cos + self.frame.y * sin) * from_centre;
-        let at = EmitterPoint { point: on_light, normal: self.frame.z, triangle: 0 };
-        EmitterSample::of_surface(point, &at, r, self.emission.seen(height), self.pdf_at(point, on_light))
+        let point = self.centre + (self.frame.x * cos + self.frame.y * sin) * from_centre;
+        EmitterPoint { point, normal: self.frame.z, triangle: 0 }
     }
 
     /// Density, per unit solid angle, with which [`sample`](Self::sample) takes the direction from `point` to a point on

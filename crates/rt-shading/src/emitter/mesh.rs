@@ -102,6 +102,16 @@ impl MeshLight {
         nearest
     }
 
+    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
+    pub fn sample_area(&self, u: [f64; 2]) -> Option<EmitterPoint> {
+        let (index, rest) = find(&self.areas, u[0])?;
+        let face = self.faces.get(index)?;
+        let [a, b, c] = face.vertices;
+        let root = rest.sqrt();
+        let point = a + (b - a) * (root * (1.0 - u[1])) + (c - a) * (root * u[1]);
+        Some(EmitterPoint { point, normal: face.normal, triangle: u32::try_from(index).ok()? })
+    }
+
     /// Radiance of the light for one who looks along `direction` at it.
     pub fn radiance(&self, direction: DVec3, normal: DVec3) -> Rgb {
         self.emission.seen(direction.dot(normal))

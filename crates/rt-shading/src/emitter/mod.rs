@@ -48,6 +48,7 @@
 mod bounds;
 mod choice;
 mod cylinder;
+mod departure;
 mod disk;
 mod distribution;
 mod emission;
@@ -59,7 +60,7 @@ mod mesh;
 mod quad;
 mod sample;
 mod set;
-mod solid_angle;
+pub(crate) mod solid_angle;
 mod sphere;
 #[cfg(test)]
 mod tests;
@@ -67,6 +68,7 @@ mod tests;
 pub use bounds::EmitterBounds;
 pub use choice::{Choice, PowerChoice};
 pub use cylinder::CylinderLight;
+pub use departure::Departure;
 pub use disk::DiskLight;
 pub use emission::{Emission, EmitterError, Sides};
 pub use environment::EnvironmentLight;

@@ -129,6 +129,12 @@ impl QuadLight {
         is_inside.then_some(EmitterPoint { point: on_plane, normal: self.normal, triangle: 0 })
     }
 
+    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
+    pub fn sample_area(&self, u: [f64; 2]) -> EmitterPoint {
+        let point = self.corner + self.edges[0] * u[0] + self.edges[1] * u[1];
+        EmitterPoint { point, normal: self.normal, triangle: 0 }
+    }
+
     /// Radiance of the light for one who looks along `direction` at it.
     pub fn radiance(&self, direction: DVec3, normal: DVec3) -> Rgb {
         self.emission.seen(direction.dot(normal))

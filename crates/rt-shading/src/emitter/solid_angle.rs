@@ -2,6 +2,7 @@
 
 use rt_math::DVec3;
 use rt_math::transcendental::{atan2, sincos};
+use std::f64::consts::TAU;
 
 /// Below this solid angle a flat figure is sampled by area: what is computed from the angles of its projection on the
 /// unit sphere, whose sum exceeds that of a flat one by just this, would keep fewer than eleven digits, and there is
@@ -54,4 +55,12 @@ pub(super) fn sample_triangle(corners: [DVec3; 3], solid_angle: f64, u: [f64; 2]
 fn along_arc(start: DVec3, end: DVec3, cos: f64) -> DVec3 {
     let across = (end - start * end.dot(start)).normalize_or_zero();
     start * cos + across * ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt()
+}
+
+/// A direction, uniform over all.
+pub(crate) fn uniform_sphere(u: [f64; 2]) -> DVec3 {
+    let z = 1.0 - 2.0 * u[0];
+    let r = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+    let (sin, cos) = sincos(TAU * u[1]);
+    DVec3::new(r * cos, r * sin, z)
 }

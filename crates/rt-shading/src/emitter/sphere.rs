@@ -1,6 +1,7 @@
 //! Spheres that shine.
 
 use super::sample::density;
+use super::solid_angle::uniform_sphere;
 use super::{Emission, EmitterBounds, EmitterError, EmitterPoint, EmitterSample, Sides};
 use rt_geometry::Sphere;
 use rt_math::transcendental::sincos;
@@ -98,6 +99,11 @@ impl SphereLight {
         Some(self.on_surface(normal))
     }
 
+    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
+    pub fn sample_area(&self, u: [f64; 2]) -> EmitterPoint {
+        self.on_surface(uniform_sphere(u))
+    }
+
     /// Radiance of the light for one who looks along `direction` at it.
     pub fn radiance(&self, direction: DVec3, normal: DVec3) -> Rgb {
         self.emission.seen(direction.dot(normal))
@@ -154,10 +160,7 @@ impl SphereLight {
     }
 
     fn sample_within(&self, point: DVec3, u: [f64; 2]) -> Option<EmitterSample> {
-        let z = 1.0 - 2.0 * u[0];
-        let r = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
-        let (sin, cos) = sincos(TAU * u[1]);
-        let at = self.intersect(point, DVec3::new(r * cos, r * sin, z))?;
+        let at = self.intersect(point, uniform_sphere(u))?;
         let radiance = self.emission.radiance();
         EmitterSample::of_surface(point, &at, self.sphere.radius(), radiance, 0.25 * FRAC_1_PI)
     }

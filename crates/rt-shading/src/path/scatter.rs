@@ -5,117 +5,19 @@ use super::{
     wave::{Origin, Path, Queue},
 };
 use crate::{
-    Material, PhysicalPoint, Seen, SurfaceHit,
-    bsdf::{Bsdf, BsdfSample, Scattering},
-    interior::Crossing,
+    Seen, SurfaceHit,
+    bsdf::{BsdfSample, Scattering},
+    interior::{Crossing, absorb},
     meeting::{FREE_PASSAGES, Meeting},
+    vertex::{Vertex, bsdf_at, power_heuristic},
     view::{View, is_inside},
 };
 use core::f64::consts::PI;
-use rt_math::{DVec3, Frame, Interval, Ray, Rgb, Sampler, transcendental::exp};
+use rt_math::{DVec3, Interval, Ray, Sampler};
 
 /// Paths go on with at most this chance once roulette is played, so that none goes on for ever. Where all surfaces reflect ρ
 /// of the light, what paths carry has a finite variance only if ρ² is less than this chance.
-const MOST_LIKELY: f64 = 0.999;
-
-/// The power heuristic with exponent 2, of a direction drawn with density `drawn` that could have been drawn with `other`.
-fn power_heuristic(drawn: f64, other: f64) -> f64 {
-    // The quotient does not overflow where squares do.
-    let ratio = other / drawn;
-    1.0 / (1.0 + ratio * ratio)
-}
-
-/// A surface where light is gathered and scattered.
-struct Vertex<'a> {
-    view: View<'a>,
-    bsdf: Bsdf,
-    /// What of it is followed, if not all.
-    part: Part,
-    /// Shading coordinates: z is the shading normal, on the outside.
-    frame: Frame,
-    /// To the viewer, in the frame.
-    wo: DVec3,
-    /// The normal by which lights are chosen: on the viewer's side, unless light comes through.
-    normal: Option<DVec3>,
-    time: f64,
-}
-
-/// What of a BSDF paths follow.
-#[allow(clippy::large_enum_variant, reason = "it lives for one hit, which allocates nothing")]
-enum Part {
-    All,
-    Some(Bsdf),
-    Nothing,
-}
-
-impl<'a> Vertex<'a> {
-    fn new(
-        lighting: Lighting<'_>,
-        follows: Follows,
-        material: &Material,
-        view: View<'a>,
-        crossing: Option<&Crossing>,
-        time: f64,
-    ) -> Self {
-        let ior = crossing.map_or(1.0, |crossing| {
-            let (before, after) = (crossing.before.ior, crossing.after.ior);
-            if view.is_inside { before / after } else { after / before }
-        });
-        let at = PhysicalPoint { textures: &lighting.appearance.textures, uv: view.surface.uv, ior };
-        let bsdf = material.bsdf(&at);
-        let frame = Frame::from_z(view.surface.shading_normal);
-        let wo = frame.to_local(-view.direction);
-        let normal = (!bsdf.transmits()).then_some(view.normal);
-        let part = match follows {
-            Follows::Everything => Part::All,
-            Follows::Reflections => bsdf.without_diffuse().map_or(Part::Nothing, Part::Some),
-        };
-        Self { view, bsdf, part, frame, wo, normal, time }
-    }
-
-    /// What of the BSDF is followed.
-    fn followed(&self) -> Option<&Bsdf> {
-        match &self.part {
-            Part::All => Some(&self.bsdf),
-            Part::Some(part) => Some(part),
-            Part::Nothing => None,
-        }
-    }
-
-    /// The direction in the frame; `None` where the interpolated normal and the actual one disagree about its side.
-    #[inline]
-    fn local(&self, wi: DVec3) -> Option<DVec3> {
-        let local = self.frame.to_local(wi);
-        let agree = (local.z > 0.0) == (wi.dot(self.view.surface.geometric_normal) > 0.0);
-        agree.then_some(local)
-    }
-
-    /// The part of radiance from `wi` (world space) that goes to the viewer, with the cosine.
-    #[inline]
-    fn scattered(&self, wi: DVec3) -> Rgb {
-        self.local(wi).map_or(Rgb::BLACK, |local| self.bsdf.eval(self.wo, local) * local.z.abs())
-    }
-
-    /// The same of light that was drawn with density `pdf`, weighted against the directions that are followed.
-    #[inline]
-    fn scattered_and_weighted(&self, wi: DVec3, pdf: f64) -> Rgb {
-        let Some(local) = self.local(wi) else { return Rgb::BLACK };
-        let all = self.bsdf.eval(self.wo, local);
-        if all.is_black() {
-            return all;
-        }
-        let weighted = match &self.part {
-            Part::All => all * power_heuristic(pdf, self.bsdf.pdf(self.wo, local)),
-            Part::Nothing => all,
-            Part::Some(part) => {
-                let followed = part.eval(self.wo, local);
-                let weight = power_heuristic(pdf, part.pdf(self.wo, local));
-                all - followed * (1.0 - weight)
-            }
-        };
-        weighted * local.z.abs()
-    }
-}
+pub(crate) const MOST_LIKELY: f64 = 0.999;
 
 impl<S: Sampler + Clone> PathTracer<S> {
     /// Adds the light of what the ray has met to what the path sees, draws light there, and sends the path on.
@@ -127,6 +29,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         hit: Option<&mut SurfaceHit>,
         seen: &mut Seen,
     ) {
+        let follows = self.settings.follows;
         let path = &mut self.paths[id as usize];
         let Some(hit) = hit else {
             let weight = path.weight * environment_weight(lighting, path, ray.direction);
@@ -159,7 +62,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
         if self.needs.emission {
             let emitted = material.emission(&lighting.appearance.textures, hit.interaction.uv, inside);
-            if !emitted.is_black() {
+            let is_left_out = follows == Follows::AllButCaustics && path.is_caustic_of(hit);
+            if !emitted.is_black() && !is_left_out {
                 seen.radiance += path.weight * emitted * emitter_weight(lighting, path, hit);
             }
         }
@@ -167,8 +71,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
             return;
         }
         let view = View::new(direction, inside, &mut hit.interaction);
-        let follows = self.settings.follows;
-        let vertex = Vertex::new(lighting, follows, material, view, crossing.as_ref(), ray.time);
+        let bsdf = bsdf_at(lighting.appearance, material, &view, crossing.as_ref());
+        let vertex = Vertex::new(view, bsdf, ray.time);
+        let vertex = if follows == Follows::Reflections { vertex.without_diffuse() } else { vertex };
         if follows == Follows::Reflections && self.needs.ambient {
             let ambient = material.phong.ambient.at(&lighting.appearance.textures, vertex.view.surface.uv);
             seen.radiance += path.weight * ambient * lighting.appearance.ambient;
@@ -262,6 +167,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
         path.weight *= sample.weight();
         path.squeezed *= sample.eta * sample.eta;
+        path.began_spread = if path.bounces == 0 { !sample.is_delta } else { path.began_spread };
         path.bounces += 1;
         path.passages = 0;
         path.medium_start = 0.0;
@@ -300,15 +206,6 @@ fn survives<S: Sampler>(path: &mut Path<S>, roulette_from: u32) -> bool {
     true
 }
 
-/// Beer's law along a way in world units; whether it took anything.
-fn absorb(weight: &mut Rgb, absorption: Rgb, way: f64) -> bool {
-    if absorption.is_black() {
-        return false;
-    }
-    *weight *= absorption.map(|per_unit| exp(-per_unit * way));
-    true
-}
-
 /// By how much the light of a surface counts that a path has met, as it might have been drawn.
 fn emitter_weight<S>(lighting: Lighting<'_>, path: &Path<S>, hit: &SurfaceHit) -> f64 {
     let (Some(light), Some(pdf)) = (hit.emitter, path.origin.pdf) else { return 1.0 };
@@ -327,6 +224,7 @@ fn environment_weight<S>(lighting: Lighting<'_>, path: &Path<S>, direction: DVec
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rt_math::Rgb;
 
     /// Draws the same number for ever.
     struct Constant(f64);

@@ -1,6 +1,6 @@
 //! What paths keep between their surfaces, and the rays that are traced together.
 
-use crate::{Interior, Seen};
+use crate::{Interior, Seen, SurfaceHit};
 use rt_math::{DVec3, Interval, Ray, RayKind, Rgb};
 
 /// The surface that a path comes from, as far as it matters to lights that the path meets.
@@ -30,6 +30,8 @@ pub(super) struct Path<S> {
     pub(super) passages: u32,
     /// Where on its ray the medium began.
     pub(super) medium_start: f64,
+    /// True if the first of them chose the direction from several, and not a single one.
+    pub(super) began_spread: bool,
     /// True if it only looks for the light of the next surface.
     pub(super) is_last: bool,
 }
@@ -47,6 +49,7 @@ impl<S> Path<S> {
             bounces: 0,
             passages: 0,
             medium_start: 0.0,
+            began_spread: false,
             is_last: false,
         }
     }
@@ -57,19 +60,30 @@ impl<S> Path<S> {
         interior.clear();
         *self = Self { interior, ..Self::new(sampler) };
     }
+
+    /// True if the light that the path has met is one that [`LightTracer`](crate::LightTracer) brings to the camera: a light
+    /// that can be drawn from, met in a single direction by a path that began at a surface which spreads light.
+    pub(super) fn is_caustic_of(&self, hit: &SurfaceHit) -> bool {
+        hit.emitter.is_some() && self.began_spread && self.origin.pdf.is_none()
+    }
 }
 
 /// Rays of one kind, and the paths that they belong to.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Queue {
-    pub(super) rays: Vec<(Ray, Interval)>,
-    pub(super) paths: Vec<u32>,
+pub(crate) struct Queue {
+    pub(crate) rays: Vec<(Ray, Interval)>,
+    pub(crate) paths: Vec<u32>,
 }
 
 impl Queue {
-    pub(super) fn push(&mut self, ray: Ray, span: Interval, path: u32) {
+    pub(crate) fn push(&mut self, ray: Ray, span: Interval, path: u32) {
         self.rays.push((ray, span));
         self.paths.push(path);
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.rays.clear();
+        self.paths.clear();
     }
 }
 
@@ -98,8 +112,7 @@ impl Flow {
 
     pub(super) fn clear(&mut self) {
         for queue in [&mut self.primary, &mut self.reflected, &mut self.refracted, &mut self.diffuse] {
-            queue.rays.clear();
-            queue.paths.clear();
+            queue.clear();
         }
     }
 }

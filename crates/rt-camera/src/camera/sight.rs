@@ -1,0 +1,93 @@
+//! How a camera sees a point of the world: its rays, the other way.
+
+use rt_math::{DVec2, DVec3};
+
+use super::Camera;
+
+/// How a camera sees a point of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// Where the ray that leads to the point starts, world space.
+    pub origin: DVec3,
+    /// Where the point appears, in raster coordinates; possibly outside the image.
+    pub raster: DVec2,
+    /// Pixels that a unit of area covers at the point, if it faces along the ray.
+    pub magnification: f64,
+}
+
+impl Camera {
+    /// How the camera sees a point, with a lens from the point of it that belongs to a point of the unit square. `None` where
+    /// [`project`](Self::project) is, and where the point is so near to the camera that its image has no bounds.
+    ///
+    /// The ray to the point at the depth t has the direction d, of which the part along the view is 1; r and b are one pixel to the
+    /// right and down on the image plane. Rays through a pixel fill the solid angle `|d·(r × b)| / |d|³` where they start, so that a
+    /// unit of area, at the distance t·|d|, covers
+    ///
+    /// ```text
+    ///   |d| / (t² |d·(r × b)|)   pixels, and     |d| / |d·(r × b)|    in a parallel projection
+    /// ```
+    pub fn sight(&self, world: DVec3, on_lens: [f64; 2]) -> Option<Sight> {
+        let depth = -self.world_from_camera.inverse_point(world).z;
+        let raster = match &self.lens {
+            None => self.project(world),
+            Some(lens) => self.project(world - self.aside(lens, on_lens) * (1.0 - depth / lens.focus)),
+        }?;
+        let ray = self.ray_through(raster, on_lens, 0.0);
+        let pixel = ray.direction.dot(self.step_right.cross(self.step_down)).abs();
+        let nearness = if self.is_perspective { 1.0 / (depth * depth) } else { 1.0 };
+        let magnification = nearness * ray.direction.length() / pixel;
+        let is_sound = magnification > 0.0 && magnification.is_finite();
+        is_sound.then_some(Sight { origin: ray.origin, raster, magnification })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{CameraSettings, FovAxis, Lens, Projection};
+    use rt_math::Transform;
+
+    fn cameras() -> Vec<Camera> {
+        let view = Transform::look_at(DVec3::new(1.0, 2.0, 6.0), DVec3::ZERO, DVec3::Y).expect("a view");
+        let scale = Transform::scale(DVec3::new(2.0, 0.5, 1.5)).expect("regular");
+        let lens = Lens { radius: 0.3, focus: 3.0, blades: Some(5), rotation: 0.2 };
+        let perspective = Projection::Perspective { fov: 1.1, axis: FovAxis::Vertical };
+        [perspective, Projection::Orthographic { height: 4.0 }]
+            .into_iter()
+            .flat_map(|projection| [view, view.then_first(&scale)].map(|place| CameraSettings::new(place, projection)))
+            .flat_map(|settings| [settings, CameraSettings { lens: Some(lens), ..settings }])
+            .map(|settings| CameraSettings { lens_shift: DVec2::new(0.1, -0.2), ..settings })
+            .map(|settings| Camera::new(&settings, 300, 200).expect("a camera"))
+            .collect()
+    }
+
+    /// A small square, by the images of its corners.
+    #[test]
+    fn areas_cover_as_many_pixels_as_is_said() {
+        for camera in cameras() {
+            for raster in [DVec2::new(150.0, 100.0), DVec2::new(3.0, 190.0), DVec2::new(280.0, 12.0)] {
+                let on_lens = [0.3, 0.9];
+                let ray = camera.ray_through(raster, on_lens, 0.0);
+                let point = ray.at(4.0);
+                let sight = camera.sight(point, on_lens).expect("it is in front");
+                assert!((sight.raster - raster).length() < 1e-9 && (sight.origin - ray.origin).length() < 1e-12);
+                let towards = (point - sight.origin).normalize();
+                let (a, b) = towards.any_orthonormal_pair();
+                let size = 1e-4;
+                let at = |offset: DVec3| camera.sight(point + offset * size, on_lens).expect("in front").raster;
+                let (u, v) = ((at(a) - at(-a)) / (2.0 * size), (at(b) - at(-b)) / (2.0 * size));
+                let ratio = u.perp_dot(v).abs() / sight.magnification;
+                assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_behind_is_not_seen() {
+        for camera in cameras() {
+            let ray = camera.ray(DVec2::new(150.0, 100.0), 0.0);
+            assert_eq!(camera.sight(ray.at(-1.0), [0.5; 2]), None);
+            assert_eq!(camera.sight(DVec3::NAN, [0.5; 2]), None);
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! What light paths add to pixels, in integers, so that the sum is the same in whatever order they come.
+
+use rt_camera::Filter;
+use rt_math::{DVec2, Rgb};
+
+use crate::Crop;
+
+/// Units of radiance: a pixel may be as bright as 2²⁷, and what is added to it is rounded to 2⁻³⁶.
+const SCALE: f64 = (1u64 << 36) as f64;
+
+/// Light for a pixel: its place in the part of the image that is rendered, and its radiance in units of 2⁻³⁶. Never negative.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Splat {
+    pixel: usize,
+    light: [i64; 3],
+    /// True for the negative part of a filter.
+    is_negative: bool,
+}
+
+/// The image that light paths make. Sums that are too great stay at the greatest.
+#[derive(Clone, Debug)]
+pub(crate) struct SplatImage {
+    /// Row by row, for the positive part of the filter and for the negative one, if it has one.
+    lobes: [Vec<[i64; 3]>; 2],
+}
+
+impl SplatImage {
+    /// A black image.
+    pub(crate) fn new(crop: Crop, filter: Filter) -> Self {
+        let pixels = crop.width as usize * crop.height as usize;
+        let lobe = |is_there: bool| vec![[0; 3]; if is_there { pixels } else { 0 }];
+        Self { lobes: [true, filter.has_negative_lobes()].map(lobe) }
+    }
+
+    pub(crate) fn add(&mut self, splat: &Splat) {
+        // What is only ever added to may be capped in any order.
+        if let Some(sums) = self.lobes[usize::from(splat.is_negative)].get_mut(splat.pixel) {
+            sums.iter_mut().zip(splat.light).for_each(|(sum, light)| *sum = sum.saturating_add(light));
+        }
+    }
+
+    /// Radiance of a pixel, by its place in the part of the image that is rendered.
+    pub(crate) fn radiance(&self, pixel: usize) -> Rgb {
+        let [positive, negative] = &self.lobes;
+        let of = |lobe: &Vec<[i64; 3]>| {
+            lobe.get(pixel).map_or(Rgb::BLACK, |sums| Rgb::from(sums.map(|sum| sum as f64 / SCALE)))
+        };
+        of(positive) - of(negative)
+    }
+
+    /// Bytes for an image of so many pixels.
+    pub(crate) const fn memory(pixels: usize, filter: Filter) -> usize {
+        pixels * size_of::<[i64; 3]>() * if filter.has_negative_lobes() { 2 } else { 1 }
+    }
+}
+
+/// Shares light that arrives at a place of the image out among the pixels of a part whose filter reaches there. Pixel centres
+/// lie `offset` from their upper left corners.
+pub(crate) fn spread(filter: Filter, crop: Crop, offset: DVec2, raster: DVec2, light: Rgb, mut add: impl FnMut(Splat)) {
+    let (reach, place) = (filter.radius(), raster - offset);
+    let rows = within(place.y, reach, crop.y, crop.height);
+    let columns = within(place.x, reach, crop.x, crop.width);
+    for y in rows {
+        for x in columns.clone() {
+            let weight = filter.value(place - DVec2::new(f64::from(x), f64::from(y)));
+            if weight != 0.0 {
+                let pixel = (y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize;
+                // The conversion caps what is too great.
+                let light = (light * weight.abs()).to_array().map(|c| (c * SCALE).round() as i64);
+                add(Splat { pixel, light, is_negative: weight < 0.0 });
+            }
+        }
+    }
+}
+
+/// The whole numbers from `first` on, `count` of them, that are no farther from `centre` than `reach`.
+fn within(centre: f64, reach: f64, first: u32, count: u32) -> core::ops::Range<u32> {
+    let clamped = |x: f64| x.clamp(f64::from(first), f64::from(first + count)) as u32;
+    clamped((centre - reach).ceil())..clamped((centre + reach).floor() + 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CROP: Crop = Crop { x: 3, y: 5, width: 7, height: 6 };
+
+    fn image_of(filter: Filter, splats: &[(DVec2, Rgb)]) -> SplatImage {
+        let mut image = SplatImage::new(CROP, filter);
+        for (raster, light) in splats {
+            spread(filter, CROP, DVec2::splat(0.5), *raster, *light, |splat| image.add(&splat));
+        }
+        image
+    }
+
+    /// What is splatted over the whole image arrives: the sum over pixels of the filter is 1 on average.
+    #[test]
+    fn no_light_is_lost_or_made() {
+        for filter in [Filter::Box, Filter::Tent, Filter::Gaussian { sigma: 0.5 }, Filter::Mitchell] {
+            // A grid of points in the pixel in the middle, from which the filter stays in the crop.
+            let grid =
+                (0..64).map(|i| DVec2::new(f64::from(i % 8), f64::from(i / 8)) / 8.0 + DVec2::new(6.0625, 7.5625));
+            let splats: Vec<_> = grid.map(|raster| (raster, Rgb::new(1.0, 2.0, 4.0))).collect();
+            let image = image_of(filter, &splats);
+            let sum = (0..42).fold(Rgb::BLACK, |sum, pixel| sum + image.radiance(pixel)) / 64.0;
+            assert!((sum.r - 1.0).abs() < 0.01 && (sum.b - 4.0 * sum.r).abs() < 1e-8, "{filter:?}: {sum:?}");
+        }
+    }
+
+    #[test]
+    fn light_falls_on_its_own_pixel() {
+        let image = image_of(Filter::Box, &[(DVec2::new(4.25, 6.75), Rgb::WHITE), (DVec2::new(2.9, 6.0), Rgb::WHITE)]);
+        let lit: Vec<_> = (0..42).filter(|pixel| !image.radiance(*pixel).is_black()).collect();
+        assert_eq!((lit, image.radiance(8)), (vec![8], Rgb::WHITE));
+    }
+
+    #[test]
+    fn order_changes_no_bit() {
+        let splat = |i: u32| {
+            let place = DVec2::new(f64::from(i % 17) * 0.5 + 3.0, f64::from(i % 13) * 0.5 + 5.0);
+            (place, Rgb::new(1e-3, 0.1, 1e9) * f64::from(i))
+        };
+        let forwards: Vec<_> = (0..400).map(splat).collect();
+        let backwards: Vec<_> = (0..400).rev().map(splat).collect();
+        for filter in [Filter::Box, Filter::Mitchell] {
+            let (a, b) = (image_of(filter, &forwards), image_of(filter, &backwards));
+            assert_eq!(a.lobes, b.lobes);
+        }
+        assert_eq!(image_of(Filter::Box, &forwards).radiance(0).b, i64::MAX as f64 / SCALE, "capped");
+    }
+}

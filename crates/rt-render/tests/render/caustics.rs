@@ -1,0 +1,356 @@
+//! Light that comes to the camera by mirrors and glass, against what is known of it.
+
+use rt_camera::{CameraSettings, Film, FilmSettings, Filter, FovAxis, Projection};
+use rt_geometry::{AxisBox, Plane, Rectangle, Shape, Sphere};
+use rt_math::{DVec2, DVec3, Rgb, Transform};
+use rt_render::{Crop, PlanOptions, RenderPlan, Rendering, RunOptions, StopRule};
+use rt_scene_io::{Accel, Content, Integrator, MaterialId, MeshId, NamedCamera, Node, Scene, Settings};
+use rt_shading::{
+    Appearance, Background, Coefficient, Falloff, Light, LightKind, Material, Phong, Physical, Transmission,
+    bsdf::ComplexIor, emitter::Sides,
+};
+
+use crate::support::everything;
+
+const IOR: f64 = 1.5;
+
+fn body(roughness: f64, absorption: Rgb) -> Material {
+    let white = Coefficient::Constant(Rgb::WHITE);
+    let inside = Transmission { coefficient: white, ior: IOR, fresnel: true, absorption, priority: 0 };
+    let phong = Phong {
+        diffuse: Coefficient::ZERO,
+        ambient: Coefficient::ZERO,
+        transmission: Some(inside),
+        ..Phong::default()
+    };
+    Material {
+        physical: Some(Physical::Dielectric { roughness, transmittance: white }),
+        ..Material::new("glass".into(), phong)
+    }
+}
+
+fn physical(physical: Physical) -> Material {
+    let phong = Phong { diffuse: Coefficient::ZERO, ambient: Coefficient::ZERO, ..Phong::default() };
+    Material { physical: Some(physical), ..Material::new("surface".into(), phong) }
+}
+
+fn diffuse(albedo: f64) -> Material {
+    physical(Physical::Diffuse { albedo: Coefficient::Constant(Rgb::gray(albedo)), roughness: 0.0 })
+}
+
+fn lamp(radiance: f64, shines: Sides) -> Material {
+    let phong = Phong {
+        emission: Coefficient::Constant(Rgb::gray(radiance)),
+        diffuse: Coefficient::ZERO,
+        ambient: Coefficient::ZERO,
+        ..Phong::default()
+    };
+    Material { physical: Some(Physical::Black), shines, ..Material::new("lamp".into(), phong) }
+}
+
+fn sphere(centre: [f64; 3], radius: f64) -> Content {
+    Content::Shape(Shape::Sphere(Sphere::new(centre.into(), radius).expect("a sphere")))
+}
+
+fn floor() -> Content {
+    Content::Shape(Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane")))
+}
+
+fn block(min: [f64; 3], max: [f64; 3]) -> Content {
+    Content::Shape(Shape::AxisBox(AxisBox::new(min.into(), max.into()).expect("a box")))
+}
+
+fn light(kind: LightKind) -> Light {
+    Light { name: "lamp".into(), kind, intensity: Rgb::gray(1.0), casts_shadows: true }
+}
+
+/// A pinhole camera in the middle of things, so that nothing stands between it and what it looks at.
+fn scene(camera: Transform, materials: Vec<Material>, nodes: Vec<Node>, lights: Vec<Light>) -> Scene {
+    let camera = CameraSettings::new(camera, Projection::Perspective { fov: 0.8, axis: FovAxis::Vertical });
+    Scene {
+        cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
+        film: FilmSettings { width: 16, height: 16, ..FilmSettings::default() },
+        settings: Settings { integrator: Integrator::Caustics, spp: 16 << 10, passes: Some(16), ..Settings::default() },
+        appearance: Appearance {
+            materials,
+            lights,
+            background: Background::Constant(Rgb::BLACK),
+            ..Appearance::default()
+        },
+        nodes,
+        ..Scene::empty("caustics")
+    }
+}
+
+fn nodes(of: &[(Content, u32)]) -> Vec<Node> {
+    of.iter().map(|(content, material)| Node::new(content.clone(), MaterialId(*material))).collect()
+}
+
+fn render(scene: &Scene) -> Rendering {
+    let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");
+    plan.render(&RunOptions { maps: true, ..RunOptions::default() }, |_| {}).expect("threads start")
+}
+
+fn film(scene: &Scene) -> Film {
+    render(scene).film
+}
+
+/// Radiances of the first channel with their standard errors.
+fn measured(rendering: &Rendering) -> impl Iterator<Item = (f64, f64)> {
+    let errors = rendering.standard_error.as_ref().expect("maps were asked for");
+    rendering.film.pixels().iter().zip(errors.pixels()).map(|(p, e)| (f64::from(p[0]), f64::from(e[0])))
+}
+
+/// The radiance of all pixels is known: by the place that they see on a plane `distance` in front of the camera.
+fn assert_shows(scene: &Scene, distance: f64, truth: impl Fn(DVec2) -> f64, what: &str) {
+    let rendering = render(scene);
+    let half = distance * rt_math::transcendental::tan(0.4);
+    let place = |i: usize| DVec2::new((i % 16) as f64 - 7.5, 7.5 - (i / 16) as f64) * (half / 8.0);
+    // In the middle and around it, with the ratio to the truth of either.
+    for is_middle in [true, false] {
+        let [mut sum, mut variance, mut count] = [0.0; 3];
+        for (i, (value, error)) in measured(&rendering).enumerate() {
+            let at = place(i);
+            if (at.abs().max_element() < 0.5 * half) == is_middle {
+                let truth = truth(at);
+                (sum, variance, count) =
+                    (sum + value / truth, variance + (error / truth) * (error / truth), count + 1.0);
+            }
+        }
+        let (ratio, error) = (sum / count, variance.sqrt() / count);
+        assert!(error < 0.02, "{what}: {ratio} ± {error} says nothing");
+        assert!((ratio - 1.0).abs() < 5.0 * error + 1e-3, "{what}: {ratio} ± {error} of what is known");
+    }
+}
+
+/// Unpolarised transmittance of one surface of glass.
+fn transmittance(cos: f64) -> f64 {
+    1.0 - rt_shading::optics::fresnel(cos, IOR)
+}
+
+/// What leaves the lamp between two cones arrives between two circles: E(x) = I T² sin θ / (x · dx/dθ).
+#[test]
+fn a_slab_of_glass_lets_light_through_as_snell_and_fresnel_say() {
+    let (lamp, thickness) = (9.0, 0.8);
+    let position = DVec3::Y * lamp;
+    let camera = Transform::look_at(DVec3::Y * 4.0, DVec3::ZERO, DVec3::NEG_Z).expect("a view");
+    let slab = block([-2.0, 5.0, -2.0], [2.0, 5.0 + thickness, 2.0]);
+    let kind = LightKind::Point { position, falloff: Falloff::InverseSquare, lamp_radius: 0.0 };
+    let nodes = nodes(&[(floor(), 0), (slab, 1)]);
+    let mut scene = scene(camera, vec![diffuse(0.6), body(0.0, Rgb::BLACK)], nodes, vec![light(kind)]);
+    // Light that goes to and fro within the glass falls elsewhere.
+    scene.settings.depth = 2;
+    let radiance = |s: f64| {
+        let (c, s2) = ((1.0 - s * s).sqrt(), s / IOR);
+        let c2 = (1.0 - s2 * s2).sqrt();
+        let x = (lamp - thickness) * s / c + thickness * s2 / c2;
+        let by_angle = (lamp - thickness) / (c * c) + thickness * c / (IOR * c2 * c2 * c2);
+        // The intensity of a classical lamp counts π times, and a diffuse surface reflects albedo / π.
+        (x, 0.6 * transmittance(c) * transmittance(c) * s / (x * by_angle))
+    };
+    let truth = |at: DVec2| {
+        let (mut low, mut high) = (1e-9, 0.5);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if radiance(middle).0 < at.length() { low = middle } else { high = middle }
+        }
+        radiance(low).1
+    };
+    assert_shows(&scene, 4.0, truth, "slab");
+}
+
+/// Radiance by the place that is seen.
+type Truth<'a> = &'a dyn Fn(DVec2) -> f64;
+
+/// Behind a flat mirror there is the same lamp again.
+#[test]
+fn a_flat_mirror_shows_its_lamps_again() {
+    let camera = Transform::look_at(DVec3::Y * 2.0, DVec3::Y * 4.0, DVec3::NEG_Z).expect("a view");
+    let mirror = Shape::Rectangle(Rectangle::new(12.0, 12.0).expect("a rectangle"));
+    let nodes = nodes(&[(block([-1.0, 4.0, -1.0], [1.0, 4.1, 1.0]), 0), (Content::Shape(mirror), 1)]);
+    let white = Coefficient::Constant(Rgb::gray(0.8));
+    let materials = vec![diffuse(0.5), physical(Physical::Mirror { reflectance: white })];
+    let position = DVec3::new(0.4, 1.0, 0.2);
+    let point = |falloff| LightKind::Point { position, falloff, lamp_radius: 0.0 };
+    let spot = LightKind::Spot {
+        position,
+        direction: DVec3::NEG_Y,
+        cos_inner: 0.9,
+        cos_outer: 0.3,
+        falloff: Falloff::InverseSquare,
+    };
+    let sun = DVec3::new(1.0, -1.0, 0.0).normalize();
+    // What the lamp at a height sends to a place of the ceiling, 4 above the mirror. The camera looks up: left is +x.
+    let from = |height: f64, at: DVec2, weakens: bool| {
+        let offset = DVec3::new(-at.x, 4.0, -at.y) - DVec3::new(position.x, height, position.z);
+        let square = offset.length_squared();
+        0.5 * offset.y / square.sqrt() / if weakens { square } else { 1.0 }
+    };
+    let cases: [(&str, LightKind, Truth<'_>); 4] = [
+        ("point", point(Falloff::InverseSquare), &|at| from(1.0, at, true) + 0.8 * from(-1.0, at, true)),
+        ("no falloff", point(Falloff::None), &|at| from(1.0, at, false) + 0.8 * from(-1.0, at, false)),
+        ("spot", spot, &|at| 0.8 * from(-1.0, at, true)),
+        ("sun", LightKind::Directional { direction: sun }, &|_| 0.8 * 0.5 * -sun.y),
+    ];
+    for (what, kind, truth) in cases {
+        let mut scene = scene(camera, materials.clone(), nodes.clone(), vec![light(kind)]);
+        // Light that the ceiling sends back to the mirror comes on top of it.
+        scene.settings.depth = 1;
+        assert_shows(&scene, 2.0, truth, what);
+    }
+}
+
+/// Glass balls, clear, rough and absorbing, a metal block, a body with interpolated normals, and lamps large enough for paths from
+/// the camera to find: one of them behind glass.
+fn agreeable() -> Scene {
+    let camera = Transform::look_at(DVec3::new(0.0, 3.0, 7.0), DVec3::Y * 0.8, DVec3::Y).expect("a view");
+    let contents = [
+        (floor(), 0),
+        (sphere([-1.2, 1.0, 0.5], 0.8), 1),
+        (sphere([0.6, 0.6, 1.2], 0.5), 2),
+        (block([1.2, 0.1, -1.0], [2.0, 1.6, 0.2]), 3),
+        (sphere([2.4, 0.9, 1.6], 0.5), 4),
+        (sphere([-2.6, 3.4, 0.4], 0.9), 5),
+        (block([-0.5, 3.4, 1.0], [1.1, 3.45, 2.2]), 6),
+        (sphere([2.6, 2.6, -1.0], 0.9), 1),
+        (sphere([2.6, 2.6, -1.0], 0.5), 5),
+        (sphere([-0.2, 0.7, 2.2], 0.4), 7),
+        // A bumpy sheet with interpolated normals.
+        (Content::Mesh(MeshId(0)), 0),
+    ];
+    let coat = Physical::Mix(vec![
+        (0.5, Physical::Mirror { reflectance: Coefficient::Constant(Rgb::gray(0.9)) }),
+        (0.5, Physical::Diffuse { albedo: Coefficient::Constant(Rgb::gray(0.7)), roughness: 0.3 }),
+    ]);
+    let materials = vec![
+        diffuse(0.7),
+        body(0.0, Rgb::BLACK),
+        body(0.4, Rgb::new(0.2, 0.5, 1.0)),
+        physical(Physical::Conductor { ior: ComplexIor::GOLD, roughness: 0.0 }),
+        body(0.0, Rgb::new(1.5, 0.3, 0.1)),
+        lamp(4.0, Sides::Front),
+        lamp(3.0, Sides::Both),
+        physical(coat),
+    ];
+    let mut scene = scene(camera, materials, nodes(&contents), vec![]);
+    scene.appearance.background = Background::Constant(Rgb::gray(0.05));
+    scene.settings = Settings { spp: 4096, passes: Some(16), depth: 7, ..scene.settings };
+    (scene.film.width, scene.film.height) = (24, 16);
+    scene.meshes = everything().meshes;
+    if let Some(sheet) = scene.nodes.last_mut() {
+        sheet.parent_from_local = Transform::translate(DVec3::new(-1.4, 0.05, 2.4));
+    }
+    scene
+}
+
+/// z-scores of the difference of two renderings, by blocks of 4 × 4 pixels, and of all pixels.
+fn scores(a: &Rendering, b: &Rendering) -> (Vec<f64>, f64) {
+    let (width, all) = (a.film.width() as usize, a.film.pixels().len());
+    let mut sums = vec![(0.0, 0.0); all / 16 + 1];
+    for (i, ((a, da), (b, db))) in measured(a).zip(measured(b)).enumerate() {
+        for block in [i % width / 4 + i / width / 4 * (width / 4), all / 16] {
+            sums[block].0 += a - b;
+            sums[block].1 += da * da + db * db;
+        }
+    }
+    let mut scores: Vec<f64> = sums.iter().map(|(difference, variance)| difference / variance.sqrt()).collect();
+    let whole = scores.pop().unwrap_or(f64::NAN);
+    (scores, whole)
+}
+
+fn largest(scores: &[f64]) -> f64 {
+    scores.iter().fold(0.0, |largest, z| largest.max(z.abs()))
+}
+
+/// Nothing is counted twice, and nothing is lost.
+#[test]
+fn paths_from_both_ends_find_what_paths_from_the_camera_find() {
+    let caustics = agreeable();
+    let mut path = caustics.clone();
+    path.settings.integrator = Integrator::Path;
+    path.settings.seed = 1;
+    let (both, one) = (render(&caustics), render(&path));
+    let (blocks, whole) = scores(&both, &one);
+    let square = blocks.iter().map(|z| z * z).sum::<f64>() / blocks.len() as f64;
+    assert!(
+        largest(&blocks) < 4.5 && whole.abs() < 4.0 && square < 2.0,
+        "{blocks:.1?}, all {whole:.1}, χ² {square:.2}"
+    );
+    // Most of the test would be worth nothing without light that is found differently.
+    let mut direct = caustics.clone();
+    direct.settings.depth = 1;
+    let (blocks, whole) = scores(&render(&direct), &one);
+    assert!(largest(&blocks) > 20.0 && whole.abs() > 20.0, "{blocks:.1?}, all {whole:.1}");
+}
+
+/// A scene of everything, with lamps.
+fn small() -> Scene {
+    let mut scene = everything();
+    scene.settings = Settings { integrator: Integrator::Caustics, spp: 8, passes: Some(2), ..scene.settings };
+    scene
+}
+
+#[test]
+fn threads_structures_and_trimming_change_no_bit() {
+    for mut scene in [small(), agreeable()] {
+        scene.settings.spp = 8;
+        scene.settings.passes = Some(2);
+        let render = |scene: &Scene, plan: PlanOptions, threads| {
+            let run = RunOptions { threads, count: true, ..RunOptions::default() };
+            RenderPlan::compile(scene, &plan).expect("compiles").render(&run, |_| {}).expect("threads start")
+        };
+        let one = render(&scene, PlanOptions::default(), 1);
+        let mut without = scene.clone();
+        without.settings.integrator = Integrator::Path;
+        assert_ne!(one.film, film(&without), "there is nothing to compare");
+        let many = render(&scene, PlanOptions::default(), 3);
+        assert_eq!((&one.film, one.statistics.counters), (&many.film, many.statistics.counters), "threads");
+        assert_eq!(one.film, render(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 2).film, "trimming");
+        for accel in [Accel::Linear, Accel::Grid, Accel::Bvh, Accel::Kd] {
+            scene.settings.accel = accel;
+            assert_eq!(one.film, film(&scene), "{accel:?}");
+        }
+    }
+}
+
+#[test]
+fn a_crop_and_a_single_pixel_are_parts_of_the_whole() {
+    for filter in [Filter::Box, Filter::Mitchell] {
+        let mut scene = agreeable();
+        (scene.settings.spp, scene.settings.passes, scene.film.filter) = (8, Some(2), filter);
+        let whole = film(&scene);
+        let crop = Crop { x: 5, y: 3, width: 12, height: 9 };
+        let options = PlanOptions { crop: Some(crop), ..PlanOptions::default() };
+        let plan = RenderPlan::compile(&scene, &options).expect("compiles");
+        let part = plan.render(&RunOptions::default(), |_| {}).expect("threads start").film;
+        for (i, pixel) in part.pixels().iter().enumerate() {
+            let (x, y) = (crop.x + i as u32 % crop.width, crop.y + i as u32 / crop.width);
+            assert_eq!(*pixel, whole.pixels()[(y * whole.width() + x) as usize], "{filter:?}: pixel {x}, {y}");
+        }
+        let pixel = plan.pixel(9, 8).expect("it is in the crop").to_array().map(|c| c as f32);
+        assert_eq!(pixel, whole.pixels()[(8 * whole.width() + 9) as usize]);
+    }
+}
+
+#[test]
+fn without_mirrors_and_glass_it_is_path_tracing() {
+    let mut scene = agreeable();
+    scene.settings.spp = 4;
+    scene.appearance.materials = vec![diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5)];
+    scene.appearance.materials.extend([lamp(4.0, Sides::Front), lamp(3.0, Sides::Both), diffuse(0.4)]);
+    let caustics = film(&scene);
+    scene.settings.integrator = Integrator::Path;
+    assert_eq!(caustics, film(&scene));
+}
+
+#[test]
+fn passes_until_time_or_error_have_light_paths_too() {
+    let mut scene = agreeable();
+    scene.settings.spp = 4;
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let rule = StopRule { max_spp: 64, ..StopRule::default() };
+    let until = plan.render_until(&RunOptions { maps: true, ..RunOptions::default() }, &rule, |_| {}).expect("threads");
+    scene.settings.spp = 4096;
+    let (_, whole) = scores(&until, &render(&scene));
+    assert!(whole.abs() < 4.5, "{whole}");
+}

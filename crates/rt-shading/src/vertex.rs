@@ -1,0 +1,106 @@
+//! A surface where a path gathers and scatters light.
+
+use crate::{Appearance, Material, PhysicalPoint, bsdf::Bsdf, interior::Crossing, view::View};
+use rt_math::{DVec3, Frame, Rgb};
+
+/// The power heuristic with exponent 2, of a direction drawn with density `drawn` that could have been drawn with `other`.
+pub(crate) fn power_heuristic(drawn: f64, other: f64) -> f64 {
+    // The quotient does not overflow where squares do.
+    let ratio = other / drawn;
+    1.0 / (1.0 + ratio * ratio)
+}
+
+/// What the surface in view does to light. A body's surface has the media on both sides in its crossing.
+pub(crate) fn bsdf_at(
+    appearance: &Appearance,
+    material: &Material,
+    view: &View<'_>,
+    crossing: Option<&Crossing>,
+) -> Bsdf {
+    let ior = crossing.map_or(1.0, |crossing| {
+        let (before, after) = (crossing.before.ior, crossing.after.ior);
+        if view.is_inside { before / after } else { after / before }
+    });
+    material.bsdf(&PhysicalPoint { textures: &appearance.textures, uv: view.surface.uv, ior })
+}
+
+/// A surface where light is gathered and scattered.
+pub(crate) struct Vertex<'a> {
+    pub(crate) view: View<'a>,
+    pub(crate) bsdf: Bsdf,
+    /// What of it is followed, if not all.
+    part: Part,
+    /// Shading coordinates: z is the shading normal, on the outside.
+    pub(crate) frame: Frame,
+    /// To the viewer, in the frame.
+    pub(crate) wo: DVec3,
+    /// The normal by which lights are chosen: on the viewer's side, unless light comes through.
+    pub(crate) normal: Option<DVec3>,
+    pub(crate) time: f64,
+}
+
+/// What of a BSDF paths follow.
+#[allow(clippy::large_enum_variant, reason = "it lives for one hit, which allocates nothing")]
+enum Part {
+    All,
+    Some(Bsdf),
+    Nothing,
+}
+
+impl<'a> Vertex<'a> {
+    /// A surface of which all light is followed.
+    pub(crate) fn new(view: View<'a>, bsdf: Bsdf, time: f64) -> Self {
+        let frame = Frame::from_z(view.surface.shading_normal);
+        let wo = frame.to_local(-view.direction);
+        let normal = (!bsdf.transmits()).then_some(view.normal);
+        Self { view, bsdf, part: Part::All, frame, wo, normal, time }
+    }
+
+    /// The same, of which light is followed that is mirrored or refracted, sharply or not.
+    pub(crate) fn without_diffuse(self) -> Self {
+        Self { part: self.bsdf.without_diffuse().map_or(Part::Nothing, Part::Some), ..self }
+    }
+
+    /// What of the BSDF is followed.
+    pub(crate) fn followed(&self) -> Option<&Bsdf> {
+        match &self.part {
+            Part::All => Some(&self.bsdf),
+            Part::Some(part) => Some(part),
+            Part::Nothing => None,
+        }
+    }
+
+    /// The direction in the frame; `None` where the interpolated normal and the actual one disagree about its side.
+    #[inline]
+    pub(crate) fn local(&self, wi: DVec3) -> Option<DVec3> {
+        let local = self.frame.to_local(wi);
+        let agree = (local.z > 0.0) == (wi.dot(self.view.surface.geometric_normal) > 0.0);
+        agree.then_some(local)
+    }
+
+    /// The part of radiance from `wi` (world space) that goes to the viewer, with the cosine.
+    #[inline]
+    pub(crate) fn scattered(&self, wi: DVec3) -> Rgb {
+        self.local(wi).map_or(Rgb::BLACK, |local| self.bsdf.eval(self.wo, local) * local.z.abs())
+    }
+
+    /// The same of light that was drawn with density `pdf`, weighted against the directions that are followed.
+    #[inline]
+    pub(crate) fn scattered_and_weighted(&self, wi: DVec3, pdf: f64) -> Rgb {
+        let Some(local) = self.local(wi) else { return Rgb::BLACK };
+        let all = self.bsdf.eval(self.wo, local);
+        if all.is_black() {
+            return all;
+        }
+        let weighted = match &self.part {
+            Part::All => all * power_heuristic(pdf, self.bsdf.pdf(self.wo, local)),
+            Part::Nothing => all,
+            Part::Some(part) => {
+                let followed = part.eval(self.wo, local);
+                let weight = power_heuristic(pdf, part.pdf(self.wo, local));
+                all - followed * (1.0 - weight)
+            }
+        };
+        weighted * local.z.abs()
+    }
+}
