@@ -5,8 +5,9 @@
 //!   cargo xtask tidy       rules of the house that no compiler checks
 //!   cargo xtask bench      rays per second and build times of each structure
 //!   cargo xtask costs      what each structure costs, and how that grows
-//!   cargo xtask figures    the pictures in the guide of rt-accel
+//!   cargo xtask figures    the pictures in the guide of rt-accel, and the plot in the README
 //!   cargo xtask table1     the table of the report that this ray tracer began with
+//!   cargo xtask terarays   how long the lecture's trillion rays of a Cornell box take here
 //! ```
 //!
 //! **Owns** what developers run beside `cargo test`. **Does not own** anything that users run, nor the tests of the
@@ -28,11 +29,13 @@ mod figures;
 mod machine;
 mod matrix;
 mod number;
+mod process;
 mod regress;
 mod renderer;
 mod scenes;
 mod statistics;
 mod table1;
+mod terarays;
 mod tidy;
 mod workspace;
 
@@ -57,10 +60,12 @@ enum Task {
     Bench(Box<bench::Options>),
     /// Measure what each structure costs on scenes of growing size.
     Costs(costs::Options),
-    /// Render the pictures in the guide of rt-accel.
-    Figures,
+    /// Render the pictures in the guide of rt-accel, or measure the plot in the README.
+    Figures(figures::Options),
     /// Make the report's Table 1 again, its figures beside ours.
     Table1(table1::Options),
+    /// Tell how long the lecture's trillion rays of a Cornell box take here, from a part of them.
+    Terarays(terarays::Options),
 }
 
 fn main() -> ExitCode {
@@ -82,7 +87,8 @@ fn run(task: Task) -> Result<bool, TaskError> {
         Task::Tidy => tidy::run(&workspace),
         Task::Bench(options) => bench::run(&workspace, &options).map(|()| true),
         Task::Costs(options) => costs::run(&workspace, &options).map(|()| true),
-        Task::Figures => figures::run(&workspace).map(|()| true),
+        Task::Figures(options) => figures::run(&workspace, &options).map(|()| true),
         Task::Table1(options) => table1::run(&workspace, &options).map(|()| true),
+        Task::Terarays(options) => terarays::run(&workspace, &options).map(|()| true),
     }
 }

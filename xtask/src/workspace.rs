@@ -79,6 +79,12 @@ impl Workspace {
         if folder.exists() {
             fs::remove_dir_all(&folder).map_err(TaskError::file(&folder))?;
         }
+        self.folder(name)
+    }
+
+    /// A folder below the target folder, with what earlier runs left in it.
+    pub(crate) fn folder(&self, name: &str) -> Result<PathBuf, TaskError> {
+        let folder = self.target.join(name);
         fs::create_dir_all(&folder).map_err(TaskError::file(&folder))?;
         Ok(folder)
     }

@@ -4,6 +4,7 @@
 //!   cargo xtask bench                    every structure on scenes that are made here
 //!   cargo xtask bench rays MESH RAYS     meshes and rays from neutral files, which other tracers read as well
 //!   cargo xtask bench render             whole pictures, from neutral descriptions
+//!   cargo xtask bench cornell REFERENCE  error and efficiency on the Cornell box
 //!   cargo xtask bench convert JSON SCENE the scene file of such a description
 //! ```
 //!
@@ -19,6 +20,7 @@ use crate::{
     workspace::{Workspace, cargo, output_of},
 };
 
+mod cornell;
 mod own_scenes;
 mod rays;
 mod render;
@@ -40,6 +42,8 @@ enum What {
     Rays(rays::Options),
     /// Render whole pictures from neutral descriptions, as processes of their own.
     Render(render::Options),
+    /// Measure error and efficiency on the Cornell box against an image.
+    Cornell(cornell::Options),
     /// Write the scene file of a neutral description.
     Convert(render::convert::Options),
 }
@@ -53,6 +57,7 @@ pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
         None => own_scenes::run(workspace, &options.own_scenes),
         Some(What::Rays(options)) => rays::run(options),
         Some(What::Render(options)) => render::run(workspace, options),
+        Some(What::Cornell(options)) => cornell::run(workspace, options),
         Some(What::Convert(options)) => render::convert::run(options),
     }
 }

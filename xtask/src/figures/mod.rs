@@ -1,4 +1,4 @@
-//! `figures`: the pictures in the guide of rt-accel, rendered by the real binary.
+//! `figures`: the pictures in the guide of rt-accel, rendered by the real binary, and the plot in the README.
 //!
 //! Each structure gets two: what it is made of, over a still life of a few spheres, and what a ray through it costs, on
 //! spheres on spheres. Both go into an HTML fragment with the bytes of the pictures in it, so that they are part of the
@@ -12,6 +12,7 @@ use rt_accel::StructureKind;
 use crate::{error::TaskError, renderer::Renderer, scenes, workspace::Workspace};
 
 mod compact;
+mod cornell;
 mod scene_file;
 mod still_life;
 mod wires;
@@ -22,8 +23,30 @@ const LARGEST: usize = 25_000;
 /// Spheres of the scene for costs.
 const BALLS: usize = 820;
 
-/// Renders all figures and replaces those of the guide.
-pub(crate) fn run(workspace: &Workspace) -> Result<(), TaskError> {
+/// What the command line asks for.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Options {
+    #[arg(value_enum, default_value = "guide")]
+    what: What,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum What {
+    /// The pictures in the guide of rt-accel.
+    Guide,
+    /// Error against run time on the Cornell box, which takes minutes: measure it on a machine that does nothing else.
+    Cornell,
+}
+
+/// Renders figures and replaces the old ones.
+pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
+    match options.what {
+        What::Guide => guide(workspace),
+        What::Cornell => cornell::run(workspace),
+    }
+}
+
+fn guide(workspace: &Workspace) -> Result<(), TaskError> {
     let renderer = Renderer::new(workspace.build_dev_renderer()?, TIMEOUT);
     let folder = workspace.fresh_folder("figures")?;
     let balls = scenes::balls(BALLS)?;

@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::{print, spread::Spread, structure};
 use crate::{
     error::TaskError,
+    process::{Program, Usage},
     renderer::Renderer,
     statistics::{self, Statistics},
     workspace::{Workspace, output_of, sorted_entries},
@@ -20,12 +21,10 @@ use crate::{
 pub(super) mod convert;
 mod neutral;
 mod peers;
-mod process;
 mod table;
 
 use neutral::Outline;
 use peers::Peer;
-use process::{Program, Usage};
 
 /// A run that takes longer than this has gone wrong.
 const TIMEOUT: Duration = Duration::from_secs(600);

@@ -13,14 +13,14 @@ use crate::error::TaskError;
 
 /// A program to run in a folder.
 #[derive(Debug)]
-pub(super) struct Program {
+pub(crate) struct Program {
     pub path: PathBuf,
     pub folder: PathBuf,
 }
 
 /// What one run took.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Usage {
+pub(crate) struct Usage {
     pub wall_seconds: f64,
     /// In the program and in the system, over all threads.
     pub cpu_seconds: f64,
@@ -31,7 +31,7 @@ pub(super) struct Usage {
 
 impl Program {
     /// Runs the program to its end; an error if it fails.
-    pub(super) fn run(&self, args: &[&str]) -> Result<Usage, TaskError> {
+    pub(crate) fn run(&self, args: &[&str]) -> Result<Usage, TaskError> {
         let log_path = self.folder.join("log.txt");
         let log = File::create(&log_path).map_err(TaskError::file(&log_path))?;
         let log_twin = log.try_clone().map_err(TaskError::file(&log_path))?;
@@ -52,7 +52,7 @@ impl Program {
     }
 
     /// What a run takes that does nothing.
-    pub(super) fn empty(&self) -> Result<Usage, TaskError> {
+    pub(crate) fn empty(&self) -> Result<Usage, TaskError> {
         self.run(&["--version"])
     }
 }

@@ -1,0 +1,149 @@
+//! The Cornell box against a reference: error, time, and efficiency 1 / (MSE · seconds), beside other renderers'.
+
+use std::path::{Path, PathBuf};
+
+use rt_camera::{Film, read_image};
+use serde::Serialize;
+
+use super::print;
+use crate::{
+    error::TaskError,
+    process::{Program, Usage},
+    workspace::Workspace,
+};
+
+mod peers;
+mod table;
+mod yardstick;
+
+use peers::{PEERS, Peer};
+use yardstick::{Errors, Yardstick};
+
+const SCENE: &str = "scenes/lecture/cornell.ron";
+
+/// What the command line asks for.
+#[derive(Debug, clap::Args)]
+pub(super) struct Options {
+    /// An image of the scene, linear and of its size, which is almost free of noise.
+    reference: PathBuf,
+    /// Root of the mean squared error of that image, which is subtracted.
+    #[arg(long, default_value_t = 0.000_361)]
+    noise: f64,
+    /// Samples per pixel, one after the other.
+    #[arg(long, value_delimiter = ',', default_value = "16,64,256,1024")]
+    spp: Vec<u32>,
+    /// Renders of each, with different seeds.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    seeds: u32,
+    /// The renderer's sampler.
+    #[arg(long, default_value = "sobol")]
+    sampler: String,
+    /// Independent passes that the samples are split into.
+    #[arg(long, default_value_t = 1)]
+    passes: u32,
+}
+
+/// Of some renders that differ by their seeds alone.
+#[derive(Debug, Serialize)]
+struct Figure {
+    /// `None` for one for each processor.
+    threads: Option<u32>,
+    spp: u32,
+    cpu_seconds: f64,
+    wall_seconds: f64,
+    rmse: f64,
+    relative_mse: f64,
+    /// The image's mean by that of the reference.
+    mean_ratio: f64,
+    /// 1 / (MSE · processor seconds).
+    efficiency: f64,
+}
+
+/// All that was measured.
+#[derive(Debug, Serialize)]
+struct Figures {
+    processor: String,
+    sampler: String,
+    passes: u32,
+    seeds: u32,
+    figures: Vec<Figure>,
+    peers: [Peer; 2],
+    peers_source: &'static str,
+}
+
+/// Measures and prints.
+pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
+    let yardstick = Yardstick::new(read(&options.reference)?, options.noise);
+    let path = workspace.build_renderer()?;
+    let program = Program { path, folder: workspace.fresh_folder("bench-cornell")? };
+    let scene = workspace.root.join(SCENE);
+    let mut figures = Vec::new();
+    for threads in [Some(1), None] {
+        for &spp in &options.spp {
+            figures.push(figure(&program, &scene, &yardstick, options, (threads, spp))?);
+        }
+    }
+    let figures = Figures {
+        processor: crate::machine::processor(),
+        sampler: options.sampler.clone(),
+        passes: options.passes,
+        seeds: options.seeds,
+        figures,
+        peers: PEERS,
+        peers_source: peers::SOURCE,
+    };
+    print(&figures, &table::markdown(&figures))
+}
+
+/// Renders with all seeds.
+fn figure(
+    program: &Program,
+    scene: &Path,
+    yardstick: &Yardstick,
+    options: &Options,
+    (threads, spp): (Option<u32>, u32),
+) -> Result<Figure, TaskError> {
+    let runs: Vec<(Usage, Errors)> = (1..=options.seeds)
+        .map(|seed| {
+            let used = render(program, scene, options, (threads, spp, seed))?;
+            let errors = yardstick.measure(&read(&program.folder.join(PICTURE))?);
+            let other_size =
+                || TaskError::Other(format!("{}: this has another size than {SCENE}", options.reference.display()));
+            Ok((used, errors.ok_or_else(other_size)?))
+        })
+        .collect::<Result<_, TaskError>>()?;
+    let mean = |of: fn(&(Usage, Errors)) -> f64| runs.iter().map(of).sum::<f64>() / runs.len() as f64;
+    let (mse, cpu_seconds) = (mean(|(_, errors)| errors.mse), mean(|(used, _)| used.cpu_seconds));
+    Ok(Figure {
+        threads,
+        spp,
+        cpu_seconds,
+        wall_seconds: mean(|(used, _)| used.wall_seconds),
+        rmse: mse.sqrt(),
+        relative_mse: mean(|(_, errors)| errors.relative_mse),
+        mean_ratio: mean(|(_, errors)| errors.mean_ratio),
+        efficiency: 1.0 / (mse * cpu_seconds),
+    })
+}
+
+/// Radiance in single precision, so that no error is that of the file.
+const PICTURE: &str = "picture.pfm";
+
+fn render(
+    program: &Program,
+    scene: &Path,
+    options: &Options,
+    (threads, spp, seed): (Option<u32>, u32, u32),
+) -> Result<Usage, TaskError> {
+    let scene = scene.to_string_lossy();
+    let [spp, seed, passes] = [spp, seed, options.passes].map(|number| number.to_string());
+    let mut args = vec!["render", &scene, "-o", PICTURE, "--quiet", "--spp", &spp, "--seed", &seed];
+    args.extend(["--sampler", &options.sampler, "--passes", &passes]);
+    let threads = threads.map(|threads| threads.to_string());
+    args.extend(threads.iter().flat_map(|threads| ["--threads", threads]));
+    program.run(&args)
+}
+
+fn read(path: &Path) -> Result<Film, TaskError> {
+    read_image(path).map_err(|error| TaskError::Other(error.to_string()))
+}

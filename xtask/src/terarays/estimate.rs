@@ -1,0 +1,248 @@
+//! What a sample of tiles says about the whole image.
+//!
+//! ```text
+//!   whole = tiles · mean of a tile        error(N) ~ Nᵏ, fitted to log variance against log N
+//! ```
+//!
+//! All that is told is a function of means over tiles. Its interval is by the jackknife (Quenouille 1956, Tukey 1958): the
+//! function of all tiles but one, each in turn, tells how much it varies between tiles. All tiles together are the image and
+//! vary no more, so variance is lessened by the part of the image that is done (Cochran, Sampling Techniques, 1977, 2.6).
+
+use rt_math::transcendental::{exp, log};
+use rt_render::student_t;
+
+use super::{
+    claim::{RAYS, SPP, TILE_PIXELS, TILES},
+    unit::{BEST_SPP, Unit},
+};
+
+const METHODS: usize = BEST_SPP.len();
+const CONFIDENCE: f64 = 0.95;
+
+/// A positive number and the interval that holds what it estimates in 95 of 100 cases; `None` of fewer than two tiles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Estimate {
+    pub value: f64,
+    pub interval: Option<[f64; 2]>,
+}
+
+/// What is told of the whole image.
+#[derive(Debug)]
+pub(super) struct Whole {
+    pub tiles: usize,
+    /// Processor seconds of all of the lecture's primary rays and what they lead to.
+    pub seconds: Estimate,
+    /// Rays of all kinds that this takes.
+    pub rays: Estimate,
+    pub rays_per_second: Estimate,
+    /// Processor seconds of [`RAYS`] rays of all kinds.
+    pub claimed_rays_seconds: Estimate,
+    /// Root of the mean squared error of a channel of a pixel.
+    pub rmse: Estimate,
+    /// RMSE of the best method at each of [`BEST_SPP`].
+    pub best_rmse: [Estimate; METHODS],
+    /// How fast that falls: k of `error ~ N⁻ᵏ`; `None` if it does not.
+    pub exponent: Option<Estimate>,
+    /// Samples per pixel with which the best method reaches `rmse`; `None` if its error does not fall.
+    pub best_spp: Option<Estimate>,
+    /// Processor seconds of these.
+    pub best_seconds: Option<Estimate>,
+}
+
+/// Means over tiles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Means {
+    seconds: f64,
+    rays: f64,
+    mse: f64,
+    best_seconds: [f64; METHODS],
+    best_mse: [f64; METHODS],
+}
+
+impl Estimate {
+    /// Of `numerator` by what this estimates.
+    pub(super) fn inverse(self, numerator: f64) -> Self {
+        let interval = self.interval.map(|[low, high]| [numerator / high, numerator / low]);
+        Self { value: numerator / self.value, interval }
+    }
+}
+
+impl Whole {
+    /// `None` if nothing was measured.
+    pub(super) fn of(units: &[Unit]) -> Option<Self> {
+        let tiles: Vec<Means> = units.iter().map(Means::of).collect();
+        let estimate = |of: &dyn Fn(&Means) -> Option<f64>| jackknife(&tiles, of);
+        Some(Self {
+            tiles: tiles.len(),
+            seconds: estimate(&|means| Some(means.seconds * f64::from(TILES)))?,
+            rays: estimate(&|means| Some(means.rays * f64::from(TILES)))?,
+            rays_per_second: estimate(&|means| Some(means.rays / means.seconds))?,
+            claimed_rays_seconds: estimate(&|means| Some(RAYS * means.seconds / means.rays))?,
+            rmse: estimate(&|means| Some(means.mse.sqrt()))?,
+            best_rmse: {
+                let [first, second, third] =
+                    [0, 1, 2].map(|index| estimate(&|means| Some(means.best_mse[index].sqrt())));
+                [first?, second?, third?]
+            },
+            exponent: estimate(&|means| means.line().map(|line| -0.5 * line.slope)),
+            best_spp: estimate(&Means::best_spp),
+            best_seconds: estimate(&Means::best_seconds),
+        })
+    }
+}
+
+impl Means {
+    fn of(unit: &Unit) -> Self {
+        Self {
+            seconds: unit.jittered.cpu_seconds,
+            rays: unit.rays_per_sample * f64::from(SPP * TILE_PIXELS),
+            mse: unit.jittered.mse,
+            best_seconds: unit.best.map(|best| best.cpu_seconds),
+            best_mse: unit.best.map(|best| best.mse),
+        }
+    }
+
+    /// Of each number with that of another.
+    fn zip(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        let each = |a: [f64; METHODS], b: [f64; METHODS]| std::array::from_fn(|index| of(a[index], b[index]));
+        Self {
+            seconds: of(self.seconds, other.seconds),
+            rays: of(self.rays, other.rays),
+            mse: of(self.mse, other.mse),
+            best_seconds: each(self.best_seconds, other.best_seconds),
+            best_mse: each(self.best_mse, other.best_mse),
+        }
+    }
+
+    /// Log variance of the best method against log samples; `None` if it does not fall.
+    fn line(&self) -> Option<Line> {
+        let points = BEST_SPP.iter().zip(self.best_mse).map(|(&spp, mse)| [log(f64::from(spp)), log(mse)]);
+        Line::fit(&points.collect::<Vec<_>>()).filter(|line| line.slope < 0.0)
+    }
+
+    fn best_spp(&self) -> Option<f64> {
+        let line = self.line()?;
+        Some(exp(line.x + (log(self.mse) - line.y) / line.slope))
+    }
+
+    /// A sample takes as long as in the longest of the renders, in which starting counts least.
+    fn best_seconds(&self) -> Option<f64> {
+        let (seconds, spp) = (self.best_seconds.last()?, BEST_SPP.last()?);
+        Some(self.best_spp()? * seconds / f64::from(*spp) * f64::from(TILES))
+    }
+}
+
+/// A straight line through a point.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    x: f64,
+    y: f64,
+    slope: f64,
+}
+
+impl Line {
+    /// The line of least squares; `None` if it would not be finite.
+    fn fit(points: &[[f64; 2]]) -> Option<Self> {
+        let count = points.len() as f64;
+        let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
+        let (x, y) = (mean(0), mean(1));
+        let moment = |axis: usize| points.iter().map(|point| (point[0] - x) * (point[axis] - mean(axis))).sum::<f64>();
+        let slope = moment(1) / moment(0);
+        (slope.is_finite() && y.is_finite()).then_some(Self { x, y, slope })
+    }
+}
+
+/// What `of` says of the means over all tiles, and its interval, which is of the logarithm. `None` if it says nothing, or
+/// nothing positive.
+fn jackknife(tiles: &[Means], of: &dyn Fn(&Means) -> Option<f64>) -> Option<Estimate> {
+    let count = tiles.len() as f64;
+    let sum = tiles.iter().copied().reduce(|sum, tile| sum.zip(tile, |a, b| a + b))?;
+    let positive = |means: &Means| of(means).filter(|value| value.is_finite() && *value > 0.0);
+    let value = positive(&sum.zip(sum, |a, _| a / count))?;
+    let without = |tile: &Means| positive(&sum.zip(*tile, |a, b| (a - b) / (count - 1.0))).map(log);
+    let interval = || {
+        let logs: Vec<f64> = tiles.iter().map(without).collect::<Option<_>>()?;
+        let mean = logs.iter().sum::<f64>() / count;
+        let squares: f64 = logs.iter().map(|log| (log - mean) * (log - mean)).sum();
+        let still_open = 1.0 - count / f64::from(TILES);
+        let error = (squares * (count - 1.0) / count * still_open).sqrt();
+        let half = student_t(CONFIDENCE, count - 1.0) * error;
+        Some([value * exp(-half), value * exp(half)])
+    };
+    Some(Estimate { value, interval: if tiles.len() < 2 { None } else { interval() } })
+}
+
+#[cfg(test)]
+mod tests {
+    use rt_math::random::{hash, unit as random};
+
+    use super::{
+        super::{claim::Tile, unit::Measured},
+        *,
+    };
+
+    /// A tile of which the best method is half as fast, and reaches with `N` samples the variance `1 / N^power`.
+    fn unit(seconds: f64, mse: f64, power: f64) -> Unit {
+        let best = BEST_SPP.map(|spp| Measured {
+            cpu_seconds: 2.0 * seconds * f64::from(spp) / f64::from(SPP),
+            mse: exp(-power * log(f64::from(spp))),
+        });
+        let jittered = Measured { cpu_seconds: seconds, mse };
+        Unit { tile: Tile::nth(0).unwrap(), rays_per_sample: 10.0, jittered, best }
+    }
+
+    fn is_near(estimate: Estimate, expected: f64) -> bool {
+        (estimate.value / expected - 1.0).abs() < 1e-12
+    }
+
+    #[test]
+    fn tiles_that_are_all_alike_leave_no_doubt() {
+        let whole = Whole::of(&[(); 3].map(|()| unit(2.0, 1.0 / f64::from(SPP), 1.0))).unwrap();
+        let tiles = f64::from(TILES);
+        assert!(is_near(whole.seconds, 2.0 * tiles));
+        assert!(is_near(whole.rays, 10.0 * f64::from(SPP * TILE_PIXELS) * tiles));
+        assert!(is_near(whole.rays_per_second, 5.0 * f64::from(SPP * TILE_PIXELS)));
+        assert!(is_near(whole.claimed_rays_seconds, 1e12 / (5.0 * f64::from(SPP * TILE_PIXELS))));
+        assert!(is_near(whole.rmse, 1.0 / 317.0));
+        assert!(is_near(whole.exponent.unwrap(), 0.5));
+        assert!((whole.best_spp.unwrap().value / f64::from(SPP) - 1.0).abs() < 1e-9);
+        assert!((whole.best_seconds.unwrap().value / (4.0 * tiles) - 1.0).abs() < 1e-9);
+        let [low, high] = whole.seconds.interval.unwrap();
+        assert!(high - low < 1e-6 * low, "{low} {high}");
+    }
+
+    #[test]
+    fn a_steeper_method_takes_the_root_of_the_samples() {
+        let whole = Whole::of(&[unit(1.0, 1e-8, 2.0), unit(1.0, 1e-8, 2.0)]).unwrap();
+        assert!((whole.exponent.unwrap().value - 1.0).abs() < 1e-12);
+        assert!((whole.best_spp.unwrap().value / 1e4 - 1.0).abs() < 1e-9);
+        assert!((whole.best_rmse[0].value * 1024.0 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn one_tile_has_no_interval_and_none_no_estimate() {
+        assert!(Whole::of(&[]).is_none());
+        assert_eq!(Whole::of(&[unit(1.0, 1e-8, 1.0)]).unwrap().seconds.interval, None);
+    }
+
+    #[test]
+    fn an_error_that_does_not_fall_is_never_reached() {
+        let whole = Whole::of(&[unit(1.0, 1e-8, 0.0), unit(1.0, 1e-8, -1.0)]).unwrap();
+        assert_eq!((whole.exponent, whole.best_spp, whole.best_seconds), (None, None, None));
+    }
+
+    #[test]
+    fn intervals_hold_the_truth_as_often_as_they_say() {
+        const TRIALS: u64 = 1000;
+        // Seconds from 1 to 3, evenly: the mean is 2.
+        let seconds = |trial: u64, tile: u64| 1.0 + 2.0 * random(hash(&[trial, tile]));
+        let holds = |trial: &u64| {
+            let units: Vec<Unit> = (0..10).map(|tile| unit(seconds(*trial, tile), 1e-8, 1.0)).collect();
+            let [low, high] = Whole::of(&units).unwrap().seconds.interval.unwrap();
+            (low..high).contains(&(2.0 * f64::from(TILES)))
+        };
+        let held = (0..TRIALS).filter(holds).count();
+        // 950 are expected with a standard deviation of 7.
+        assert!((920..=980).contains(&held), "{held}");
+    }
+}

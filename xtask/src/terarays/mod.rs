@@ -1,0 +1,146 @@
+//! `terarays`: how long the lecture's trillion rays take here.
+//!
+//! Owns `target/terarays`, where the measured tiles are kept, and `docs/TERARAYS.md`. The image would take days, so a random
+//! sample of its tiles is rendered, each as the whole image would have it, and more of them with each run.
+
+use std::{
+    fs,
+    time::{Duration, Instant},
+};
+
+use crate::{error::TaskError, process::Program, workspace::Workspace};
+
+mod claim;
+mod estimate;
+mod ledger;
+mod page;
+mod unit;
+
+use claim::Tile;
+use estimate::Whole;
+use ledger::{Conditions, Ledger};
+use unit::{Laboratory, Unit};
+
+const SCENE: &str = "scenes/lecture/cornell.ron";
+
+/// What the command line asks for.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Options {
+    /// How long to go on measuring, as 60s, 10m or 8h; a tile that was begun is finished. 0s tells what is known.
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
+    budget: Duration,
+    /// Forget what was measured before.
+    #[arg(long)]
+    fresh: bool,
+    /// Replace docs/TERARAYS.md.
+    #[arg(long)]
+    write: bool,
+}
+
+/// Measures more tiles, prints the table, and writes the page if asked to.
+pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
+    let path = workspace.build_renderer()?;
+    let scene = workspace.root.join(SCENE);
+    let conditions = Conditions::here(&path, &scene)?;
+    let processor = conditions.processor.clone();
+    let folder = if options.fresh { workspace.fresh_folder("terarays")? } else { workspace.folder("terarays")? };
+    let mut ledger = Ledger::open(folder.join("state.json"), conditions)?;
+    let program = Program { path, folder };
+    let laboratory = Laboratory { program: &program, scene: &scene };
+    work(&mut ledger, options.budget, |tile| laboratory.measure(tile))?;
+    let nothing = || TaskError::Other("nothing has been measured yet: give it time by --budget 60s".to_owned());
+    let whole = Whole::of(ledger.units()).ok_or_else(nothing)?;
+    print!("{}", page::table(&whole));
+    if options.write {
+        let path = workspace.root.join("docs/TERARAYS.md");
+        fs::write(&path, page::markdown(&whole, &processor)).map_err(TaskError::file(&path))?;
+    }
+    Ok(())
+}
+
+/// Measures tile after tile until time is up or the image whole.
+fn work(
+    ledger: &mut Ledger,
+    budget: Duration,
+    measure: impl Fn(Tile) -> Result<Unit, TaskError>,
+) -> Result<(), TaskError> {
+    let started = Instant::now();
+    while started.elapsed() < budget
+        && let Some(tile) = ledger.next()
+    {
+        ledger.append(measure(tile)?)?;
+    }
+    Ok(())
+}
+
+/// A number of seconds, minutes or hours.
+fn duration(text: &str) -> Result<Duration, String> {
+    let (number, unit) = text.split_at(text.trim_end_matches(char::is_alphabetic).len());
+    let seconds = match unit {
+        "s" => 1,
+        "m" => 60,
+        "h" => 3600,
+        _ => return Err("write a time as 60s, 10m or 8h".to_owned()),
+    };
+    let number: u64 = number.parse().map_err(|_| "write a whole number of s, m or h".to_owned())?;
+    number.checked_mul(seconds).map(Duration::from_secs).ok_or_else(|| "that is too long".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+
+    use super::{unit::Measured, *};
+
+    fn conditions(folder: &std::path::Path) -> Conditions {
+        let scene = folder.join("scene");
+        fs::write(&scene, "scene").unwrap();
+        Conditions::here(&scene, &scene).unwrap()
+    }
+
+    #[test]
+    fn a_run_that_was_ended_goes_on_and_repeats_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let conditions = conditions(folder.path());
+        let measured = RefCell::new(Vec::new());
+        // Killed when so many tiles are measured.
+        let run = |most: usize, budget: Duration| {
+            let mut ledger = Ledger::open(folder.path().join("state.json"), conditions.clone()).unwrap();
+            let result = work(&mut ledger, budget, |tile| {
+                if measured.borrow().len() == most {
+                    return Err(TaskError::Other("killed".to_owned()));
+                }
+                measured.borrow_mut().push(tile);
+                let one = Measured { cpu_seconds: 1.0, mse: 1.0 };
+                Ok(Unit { tile, rays_per_sample: 9.0, jittered: one, best: [one; 3] })
+            });
+            result.is_err()
+        };
+        assert!(run(5, Duration::MAX), "the first run is killed");
+        assert!(!run(5, Duration::ZERO), "no time, no work");
+        assert!(run(8, Duration::MAX));
+        let expected: Vec<Tile> = (0..8).map_while(Tile::nth).collect();
+        assert_eq!(measured.into_inner(), expected);
+    }
+
+    #[test]
+    fn a_short_budget_is_one_tile() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut ledger = Ledger::open(folder.path().join("state.json"), conditions(folder.path())).unwrap();
+        let slow = |tile| {
+            std::thread::sleep(Duration::from_millis(5));
+            let one = Measured { cpu_seconds: 1.0, mse: 1.0 };
+            Ok(Unit { tile, rays_per_sample: 9.0, jittered: one, best: [one; 3] })
+        };
+        work(&mut ledger, Duration::from_millis(1), slow).unwrap();
+        assert_eq!(ledger.units().len(), 1);
+    }
+
+    #[test]
+    fn budgets_have_units() {
+        assert_eq!(["0s", "90s", "10m", "8h"].map(duration), [0, 90, 600, 28_800].map(|s| Ok(Duration::from_secs(s))));
+        for bad in ["", "5", "s", "1.5h", "-1s", "1d", "99999999999999999999s", "9999999999999999h"] {
+            assert!(duration(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! What is told, as Markdown.
+
+use super::{
+    claim::{PRIMARY_RAYS, RAYS, SECONDS, SIZE, STRATA, TILE_PIXELS, TILES},
+    estimate::{Estimate, Whole},
+    unit::{BEST, BEST_SPP},
+};
+use crate::number::{grouped, three_digits};
+
+/// The table.
+pub(super) fn table(whole: &Whole) -> String {
+    let done = whole.tiles as f64 / f64::from(TILES);
+    let pixels = whole.tiles as u64 * u64::from(TILE_PIXELS);
+    let mut text = format!(
+        "| quantity | estimate | 95 % interval |\n|:--|--:|:--|\n\
+         | part of the image that was rendered | {} %: {} of {} pixels | |\n",
+        three_digits(100.0 * done),
+        grouped(pixels),
+        grouped(u64::from(SIZE) * u64::from(SIZE)),
+    );
+    let mut row = |what: &str, estimate: Option<Estimate>, show: fn(f64) -> String| {
+        text.push_str(&match estimate {
+            None => format!("| {what} | the error does not fall | |\n"),
+            Some(Estimate { value, interval: None }) => format!("| {what} | {} | |\n", show(value)),
+            Some(Estimate { value, interval: Some([low, high]) }) => {
+                format!("| {what} | {} | {} to {} |\n", show(value), show(low), show(high))
+            }
+        });
+    };
+    row("rays of all kinds, traced in one processor second", Some(whole.rays_per_second), three_digits);
+    row("rays of all kinds that the whole image takes", Some(whole.rays), power_of_ten);
+    row("**processor time of the whole image**", Some(whole.seconds), span);
+    row("two years : that", Some(whole.seconds.inverse(SECONDS)), three_digits);
+    row(&format!("processor time of {} rays of all kinds", power_of_ten(RAYS)), Some(whole.claimed_rays_seconds), span);
+    row("two years : that", Some(whole.claimed_rays_seconds.inverse(SECONDS)), three_digits);
+    row("RMSE of the whole image", Some(whole.rmse), power_of_ten);
+    for (spp, rmse) in BEST_SPP.iter().zip(whole.best_rmse) {
+        row(&format!("RMSE by `{BEST}`, {} samples per pixel", grouped(u64::from(*spp))), Some(rmse), power_of_ten);
+    }
+    row(&format!("k of RMSE ~ N⁻ᵏ by `{BEST}`"), whole.exponent, three_digits);
+    row(&format!("samples per pixel for the RMSE of the whole image by `{BEST}`"), whole.best_spp, three_digits);
+    row(&format!("**processor time of these by `{BEST}`**"), whole.best_seconds, span);
+    row("two years : that", whole.best_seconds.map(|seconds| seconds.inverse(SECONDS)), three_digits);
+    text
+}
+
+/// The whole page `docs/TERARAYS.md`.
+pub(super) fn markdown(whole: &Whole, processor: &str) -> String {
+    format!(
+        "# The trillion rays of the Cornell box\n\n\
+         The lecture shows a Cornell box of {SIZE}×{SIZE} pixels with {STRATA}×{STRATA} jittered primary rays in each, a \
+         trillion rays in all, that took two years of processor time. Those are {} primary rays. This is how long they take \
+         here, extrapolated from a part of the image.\n\n\
+         Written by `cargo xtask terarays --write` on one {processor}, with one thread. The command works for as long as \
+         `--budget` says and goes on where it stopped: `cargo xtask terarays --budget 8h --write` makes the intervals \
+         narrower.\n\n{}\n\
+         The scene is `scenes/lecture/cornell.ron`: the published geometry, reflectances and lamp, paths with a shadow ray at \
+         each hit, at most 14 bounces, and Russian roulette. The lecture does not say how long its paths were, nor what it \
+         counts as a ray. Here \"rays of all kinds\" are the primary, bounced and shadow rays that are traced. The whole image \
+         is that of all primary rays with all that they lead to.\n\n\
+         The image is cut into {} tiles of {TILE_PIXELS} pixels, which are rendered in random order, each with all of its \
+         {STRATA}×{STRATA} strata, by the program as users have it; time is processor time of the whole program, starts \
+         included. Each tile is rendered twice, with different seeds: half of the mean squared difference is the mean squared \
+         error of one, and one is what the time is of. Rays are counted by a third render. Intervals are of the logarithm, by \
+         the jackknife over tiles and Student's t; they tell how much tiles differ, not how much another day's load or another \
+         machine would.\n\n\
+         The same tiles are rendered by `{BEST}`, the sampler that reaches an error first, and its error is extrapolated by a \
+         line through the logarithms to that of the whole image.\n",
+        grouped(PRIMARY_RAYS),
+        table(whole),
+        grouped(u64::from(TILES)),
+    )
+}
+
+/// A time in the unit that suits it.
+fn span(seconds: f64) -> String {
+    const UNITS: [(&str, f64); 4] =
+        [("years", 365.25 * 86_400.0), ("days", 86_400.0), ("hours", 3600.0), ("minutes", 60.0)];
+    match UNITS.into_iter().find(|(_, length)| seconds >= *length) {
+        Some((name, length)) => format!("{} {name}", three_digits(seconds / length)),
+        None => format!("{} s", three_digits(seconds)),
+    }
+}
+
+/// A number with three digits and a power of ten, unless that is 1.
+fn power_of_ten(number: f64) -> String {
+    // Rust's own notation rounds to the nearest, and carries into the exponent.
+    let text = format!("{number:.2e}");
+    match text.split_once('e') {
+        Some((digits, "0")) => digits.to_owned(),
+        Some((digits, exponent)) => format!("{digits} · 10{}", superscript(exponent)),
+        None => text,
+    }
+}
+
+fn superscript(exponent: &str) -> String {
+    let raise = |c: char| match c {
+        '-' => '⁻',
+        _ => c.to_digit(10).and_then(|digit| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(digit as usize)).unwrap_or(c),
+    };
+    exponent.chars().map(raise).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::claim::Tile,
+        super::unit::{Measured, Unit},
+        *,
+    };
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!(
+            [30.0, 90.0, 7200.0, 86_400.0 * 3.0, SECONDS].map(span),
+            ["30.0 s", "1.50 minutes", "2.00 hours", "3.00 days", "2.00 years"]
+        );
+        assert_eq!(
+            [1e12, 0.000_191, 9.999, 2.5].map(power_of_ten),
+            ["1.00 · 10¹²", "1.91 · 10⁻⁴", "1.00 · 10¹", "2.50"]
+        );
+    }
+
+    #[test]
+    fn the_table_has_estimates_and_intervals() {
+        let units = [0.9, 1.1].map(|seconds| {
+            let measured = |spp: u32| Measured { cpu_seconds: seconds, mse: 1.0 / f64::from(spp) };
+            Unit {
+                tile: Tile::nth(0).unwrap(),
+                rays_per_sample: 10.0,
+                jittered: measured(STRATA * STRATA),
+                best: BEST_SPP.map(measured),
+            }
+        });
+        let whole = Whole::of(&units).unwrap();
+        let text = table(&whole);
+        assert!(text.lines().all(|line| line.matches('|').count() == 4), "{text}");
+        // A million tiles of one second, and two years by that.
+        assert!(text.contains("image** | 12.1 days | "), "{text}");
+        assert!(text.contains("| two years : that | 60.2 | "), "{text}");
+        assert!(text.contains("RMSE of the whole image | 3.15 · 10⁻³ | 3.15 · 10⁻³ to 3.15 · 10⁻³ |"), "{text}");
+        assert!(markdown(&whole, "processor").contains(&text));
+    }
+}

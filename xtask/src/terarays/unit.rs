@@ -1,0 +1,172 @@
+//! A tile, rendered and measured: the unit of the work.
+
+use std::{path::Path, time::Duration};
+
+use rt_camera::{Film, read_image};
+use serde::{Deserialize, Serialize};
+
+use super::claim::{SIZE, SPP, TILE_PIXELS, Tile};
+use crate::{
+    error::TaskError,
+    process::Program,
+    renderer::Renderer,
+    statistics::{self, Statistics},
+};
+
+/// The sampler of the lecture.
+const JITTERED: &str = "jittered";
+/// The sampler of ours that reaches an error first.
+pub(super) const BEST: &str = "sobol";
+/// Its samples per pixel, from which its error is extrapolated.
+pub(super) const BEST_SPP: [u32; 3] = [1024, 4096, 16_384];
+
+/// Samples per pixel of the render that counts rays, which is not timed.
+const COUNTED_SPP: u32 = 64 * 64;
+/// Two independent renders differ by twice the variance of one.
+const SEEDS: [&str; 2] = ["1", "2"];
+/// A render that takes longer than this has gone wrong.
+const TIMEOUT: Duration = Duration::from_secs(600);
+
+/// What was measured of a tile.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Unit {
+    pub tile: Tile,
+    /// Rays of all kinds that a primary ray leads to, itself among them.
+    pub rays_per_sample: f64,
+    /// With all of the lecture's samples.
+    pub jittered: Measured,
+    /// With [`BEST_SPP`].
+    pub best: [Measured; BEST_SPP.len()],
+}
+
+/// What a render of a tile takes, and how far it is from the truth: the mean of two with different seeds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Measured {
+    /// Processor seconds of the whole program, from start to written picture.
+    pub cpu_seconds: f64,
+    /// Variance of a channel of a pixel, the mean over all.
+    pub mse: f64,
+}
+
+/// Renders tiles.
+#[derive(Debug)]
+pub(super) struct Laboratory<'a> {
+    pub program: &'a Program,
+    pub scene: &'a Path,
+}
+
+impl Unit {
+    /// True if all numbers are such as can be measured.
+    pub(super) fn is_sound(&self) -> bool {
+        let sound = |number: f64| number.is_finite() && number > 0.0;
+        sound(self.rays_per_sample)
+            && self
+                .best
+                .iter()
+                .chain([&self.jittered])
+                .all(|it| sound(it.cpu_seconds) && it.mse.is_finite() && it.mse >= 0.0)
+    }
+}
+
+impl Laboratory<'_> {
+    /// Renders a tile in all ways.
+    pub(super) fn measure(&self, tile: Tile) -> Result<Unit, TaskError> {
+        let [first, second, third] = BEST_SPP;
+        Ok(Unit {
+            tile,
+            rays_per_sample: self.count(tile)?,
+            jittered: self.twice(tile, JITTERED, SPP)?,
+            best: [self.twice(tile, BEST, first)?, self.twice(tile, BEST, second)?, self.twice(tile, BEST, third)?],
+        })
+    }
+
+    fn count(&self, tile: Tile) -> Result<f64, TaskError> {
+        let renderer = Renderer::new(self.program.path.clone(), TIMEOUT);
+        let args = arguments(tile, JITTERED, COUNTED_SPP, "0");
+        let args: Vec<&str> = args.iter().map(String::as_str).collect();
+        let counted = statistics::measure(&renderer, &self.program.folder, self.scene, &args)?;
+        let Statistics { rays, .. } = counted.map_err(TaskError::Other)?;
+        Ok(rays.total.rays as f64 / f64::from(COUNTED_SPP * TILE_PIXELS))
+    }
+
+    fn twice(&self, tile: Tile, sampler: &str, spp: u32) -> Result<Measured, TaskError> {
+        let [first, second] = SEEDS;
+        let (first_seconds, first) = self.render(tile, sampler, spp, first)?;
+        let (second_seconds, second) = self.render(tile, sampler, spp, second)?;
+        Ok(Measured {
+            cpu_seconds: 0.5 * (first_seconds + second_seconds),
+            mse: 0.5 * mean_squared_difference(&first, &second),
+        })
+    }
+
+    /// Processor seconds and picture.
+    fn render(&self, tile: Tile, sampler: &str, spp: u32, seed: &str) -> Result<(f64, Film), TaskError> {
+        const PICTURE: &str = "tile.pfm";
+        let scene = self.scene.to_string_lossy();
+        let args = arguments(tile, sampler, spp, seed);
+        let mut all = vec!["render", &scene, "-o", PICTURE, "--quiet"];
+        all.extend(args.iter().map(String::as_str));
+        let used = self.program.run(&all)?;
+        let picture = read_image(&self.program.folder.join(PICTURE));
+        Ok((used.cpu_seconds, picture.map_err(|error| TaskError::Other(error.to_string()))?))
+    }
+}
+
+/// Of a render in one pass: of several, each would have a coarser grid of its own.
+fn arguments(tile: Tile, sampler: &str, spp: u32, seed: &str) -> Vec<String> {
+    let text = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect::<Vec<_>>();
+    let (size, crop, spp) = (format!("{SIZE}x{SIZE}"), tile.crop(), spp.to_string());
+    text(&[
+        "--size",
+        &size,
+        "--crop",
+        &crop,
+        "--sampler",
+        sampler,
+        "--spp",
+        &spp,
+        "--passes",
+        "1",
+        "--seed",
+        seed,
+        "--threads",
+        "1",
+    ])
+}
+
+/// Over all channels of all pixels.
+fn mean_squared_difference(a: &Film, b: &Film) -> f64 {
+    let pairs = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened());
+    let squares: f64 = pairs.map(|(&a, &b)| (f64::from(a) - f64::from(b)) * (f64::from(a) - f64::from(b))).sum();
+    squares / a.pixels().as_flattened().len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_squared_and_averaged() {
+        let film = |values: [f32; 6]| {
+            let mut film = Film::new(2, 1, false);
+            film.pixels_mut().as_flattened_mut().copy_from_slice(&values);
+            film
+        };
+        let (a, b) = (film([0.0, 1.0, 2.0, 3.0, 4.0, 5.0]), film([0.0, 1.0, 2.0, 3.0, 1.0, 5.0]));
+        assert_eq!(mean_squared_difference(&a, &b), 1.5);
+        assert_eq!(mean_squared_difference(&a, &a), 0.0);
+    }
+
+    #[test]
+    fn numbers_that_cannot_be_measured_are_not_sound() {
+        let measured = Measured { cpu_seconds: 1.0, mse: 0.0 };
+        let tile = Tile::nth(0).unwrap();
+        let unit = Unit { tile, rays_per_sample: 9.0, jittered: measured, best: [measured; 3] };
+        assert!(unit.is_sound());
+        assert!(!Unit { rays_per_sample: 0.0, ..unit.clone() }.is_sound());
+        assert!(!Unit { jittered: Measured { mse: -1.0, ..measured }, ..unit.clone() }.is_sound());
+        assert!(!Unit { jittered: Measured { cpu_seconds: f64::NAN, ..measured }, ..unit }.is_sound());
+    }
+}
