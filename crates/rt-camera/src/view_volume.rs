@@ -90,6 +90,8 @@ pub struct ViewVolume {
     edges: [HalfSpace; 4],
     /// The other plane of each edge, with a lens.
     other_edges: Option<[HalfSpace; 4]>,
+    /// What depth grows by.
+    depth: DVec3,
     /// Part of its terms by which a sum must fall short of its offset. Infinite if nothing can be promised.
     slack: f64,
 }
@@ -147,6 +149,7 @@ impl ViewVolume {
             front: HalfSpace { normal: across * side, offset: 0.0, scale: right.length() * down.length() },
             edges: rim.map_or(edges, |rim| tilted(rim, 1.0)),
             other_edges: rim.map(|rim| tilted(rim, -1.0)),
+            depth,
             slack: if sound && skew.is_finite() { ROUNDINGS * UNIT_ROUNDOFF * skew } else { f64::INFINITY },
         }
     }
@@ -154,17 +157,46 @@ impl ViewVolume {
     /// True only if no ray of the volume meets the box: it then lies behind one of the planes altogether. False for
     /// empty and for infinite boxes, and where coordinates are so large or small that nothing can be promised.
     pub fn excludes(&self, aabb: &Aabb) -> bool {
-        let size = aabb.max_abs() + self.origin.abs().max_element() + self.reach;
-        if aabb.is_empty() || !SOUND.contains(&size) {
+        let farthest = |normal: DVec3| {
+            let corner = DVec3::select(normal.cmpge(DVec3::ZERO), aabb.max, aabb.min);
+            normal.dot(corner - self.origin)
+        };
+        !aabb.is_empty() && self.is_behind_a_plane(aabb.max_abs(), farthest)
+    }
+
+    /// True only if no ray of the volume meets the ball, which may lie outside though its box does not. False where
+    /// coordinates are so large or small that nothing can be promised, and for a negative or NaN radius.
+    pub fn excludes_ball(&self, centre: DVec3, radius: f64) -> bool {
+        let farthest = |normal: DVec3| normal.dot(centre - self.origin) + normal.length() * radius;
+        radius >= 0.0 && self.is_behind_a_plane(centre.abs().max_element() + radius, farthest)
+    }
+
+    /// True if something lies behind one of the planes altogether. Its coordinates reach to `max_abs`, and its points relative
+    /// to the origin up to `farthest(n)` along n.
+    #[inline]
+    fn is_behind_a_plane(&self, max_abs: f64, farthest: impl Fn(DVec3) -> f64) -> bool {
+        let size = max_abs + self.origin.abs().max_element() + self.reach;
+        if !SOUND.contains(&size) {
             return false;
         }
         let is_behind = |half_space: &HalfSpace| {
             let HalfSpace { normal, offset, scale } = *half_space;
-            let farthest = DVec3::select(normal.cmpge(DVec3::ZERO), aabb.max, aabb.min);
-            normal.dot(farthest - self.origin) - offset < -(self.slack * scale * size)
+            farthest(normal) - offset < -(self.slack * scale * size)
         };
         let is_behind_other = |edge: usize| self.other_edges.is_none_or(|edges| is_behind(&edges[edge]));
         is_behind(&self.front) || (0..4).any(|edge| is_behind(&self.edges[edge]) && is_behind_other(edge))
+    }
+
+    /// The least depth of a point of the box, up to rounding: the parameter at which a camera ray comes by
+    /// ([`Camera`](crate::Camera)). Negative behind the camera plane, infinite or NaN for an empty box.
+    pub fn least_depth(&self, aabb: &Aabb) -> f64 {
+        let nearest = DVec3::select(self.depth.cmpge(DVec3::ZERO), aabb.min, aabb.max);
+        self.depth.dot(nearest - self.origin)
+    }
+
+    /// The least depth of a point of the ball, as [`least_depth`](Self::least_depth).
+    pub fn least_depth_of_ball(&self, centre: DVec3, radius: f64) -> f64 {
+        self.depth.dot(centre - self.origin) - self.depth.length() * radius
     }
 }
 
@@ -250,6 +282,40 @@ mod tests {
                 prop_assert_eq!(aabb.clip(&SlabRay::new(&ray), Interval::FORWARD), None, "{:?}", ray);
             }
         }
+    }
+
+    proptest! {
+        #[test]
+        fn excluded_balls_hold_no_point_of_a_ray(
+            camera in any_camera(), (min, max) in any_part(), u in share(), v in share(), on_lens in [share(), share()], t in 0.0..1e3f64, towards in vector(1.0), radius in 0.0..50.0f64,
+        ) {
+            let ray = camera.ray_through((min + (max - min) * DVec2::new(u, v)).clamp(min, max), on_lens, 0.0);
+            let centre = ray.at(t) + towards.normalize_or_zero() * (radius * 0.999_999);
+            prop_assert!(!camera.view_volume(min, max).excludes_ball(centre, radius), "{ray:?} at {t}");
+        }
+
+        #[test]
+        fn depth_is_the_parameter_of_camera_rays(
+            camera in any_camera(), (min, max) in any_part(), u in share(), v in share(), t in 1.0..1e3f64,
+        ) {
+            let volume = camera.view_volume(min, max);
+            let ray = camera.ray(min + (max - min) * DVec2::new(u, v), 0.0);
+            let depth = volume.least_depth(&Aabb::from_points([ray.at(t)]));
+            let size = ray.at(t).abs().max_element() / ray.direction.length() + t;
+            prop_assert!((depth - t).abs() < 1e-9 * size, "{depth} instead of {t}");
+            prop_assert_eq!(depth, volume.least_depth_of_ball(ray.at(t), 0.0));
+        }
+    }
+
+    #[test]
+    fn balls_are_excluded_by_their_distance_and_have_depth() {
+        let camera = camera(Projection::Orthographic { height: 4.0 });
+        let volume = camera.view_volume(DVec2::ZERO, DVec2::splat(100.0));
+        let centre = DVec3::new(0.0, 2.1, 0.0);
+        assert!(volume.excludes_ball(centre, 0.099) && !volume.excludes_ball(centre, 0.101));
+        assert!((volume.least_depth_of_ball(centre, 2.0) - 5.0).abs() < 1e-12);
+        assert!((volume.least_depth(&Aabb::new(DVec3::splat(-1.0), DVec3::splat(3.0))) - 4.0).abs() < 1e-12);
+        assert!(!volume.excludes_ball(centre, f64::NAN) && !volume.excludes_ball(centre * 9.0, -1.0));
     }
 
     fn camera(projection: Projection) -> Camera {

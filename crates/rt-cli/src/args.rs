@@ -14,7 +14,7 @@ use rt_scene_io::Reason;
 
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
 pub(crate) use converge::{Against, ConvergeArgs, Variation};
-pub(crate) use picture::{BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
+pub(crate) use picture::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 pub(crate) use stop::{Aov, AovArg, StopArgs};
 
 /// The commands, and what needs no command.
@@ -212,6 +212,7 @@ Write statistics to a JSON file, and count what each ray costs
 `rays` has an entry for each kind of ray and for their `total`: how many were traced (`rays`), and how many nodes, \
 primitive tests and hits that took. `primary_rays_spared` are camera rays that were \
 not traced, as there is nothing in their part of the view; `pixel_samples` are the samples that pixels are made of, \
+`simple_pixels` took fewer as they show no edge (--adaptive), \
 `stopped` is what ended the render (samples, time, target-error), `unconverged_pixels` have not reached --target-error, and \
 `estimated_error` is null where there was but one pass; `shading` counts the work of materials, `seconds` are wall-clock times. Counts \
 are the same in every run; `seconds`, `mega_rays_per_second` and `peak_memory_bytes` (null where the system does not \

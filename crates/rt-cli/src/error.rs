@@ -91,9 +91,12 @@ impl Failure {
     pub(crate) fn plan(file: &std::path::Path, source: RenderError) -> Self {
         match source {
             // No scene can be the reason of these.
-            RenderError::Crop { .. } | RenderError::Threads(_) | RenderError::SamePasses(_) => {
-                Self::Usage(source.to_string())
-            }
+            RenderError::Crop { .. }
+            | RenderError::Threads(_)
+            | RenderError::SamePasses(_)
+            | RenderError::Adaptive(_)
+            | RenderError::AdaptiveLens
+            | RenderError::AdaptiveUntil => Self::Usage(source.to_string()),
             source => Self::Plan { file: file.to_owned(), source },
         }
     }

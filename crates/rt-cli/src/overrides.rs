@@ -3,9 +3,9 @@
 use rt_camera::{CameraSettings, Development, FilmSettings, Projection};
 use rt_math::{DVec3, Transform};
 use rt_render::PlanOptions;
-use rt_scene_io::{Background, Integrator, Reason, Scene};
+use rt_scene_io::{Adaptive, Background, Integrator, Reason, Scene};
 
-use crate::args::{BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
+use crate::args::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 use crate::error::Failure;
 
 /// Applies the options to the scene; those that are no part of a scene are returned.
@@ -15,6 +15,7 @@ pub(crate) fn apply(args: &PictureArgs, scene: &mut Scene) -> Result<PlanOptions
     let settings = &mut scene.settings;
     replace(&mut settings.spp, args.spp);
     settings.passes = args.passes.or(settings.passes);
+    settings.adaptive = adaptive(args, settings.adaptive)?;
     replace(&mut settings.depth, args.depth);
     replace(&mut settings.seed, args.seed);
     replace(&mut settings.integrator, args.integrator);
@@ -40,6 +41,22 @@ pub(crate) fn apply(args: &PictureArgs, scene: &mut Scene) -> Result<PlanOptions
         simd: args.simd,
         quality: args.quality.unwrap_or_default(),
     })
+}
+
+/// What the options make of the scene's adaptive sampling.
+fn adaptive(args: &PictureArgs, of_scene: Option<Adaptive>) -> Result<Option<Adaptive>, Failure> {
+    let adaptive = match args.adaptive {
+        None => of_scene,
+        Some(AdaptiveChoice::Off) => None,
+        Some(AdaptiveChoice::ObjectSpace) => of_scene.or(Some(Adaptive::ObjectSpace { least: None })),
+    };
+    match (adaptive, args.least) {
+        (adaptive, None) => Ok(adaptive),
+        (Some(Adaptive::ObjectSpace { .. }), least) => Ok(Some(Adaptive::ObjectSpace { least })),
+        (None, Some(_)) => {
+            Err(Failure::Usage("--least is for --adaptive object-space, which is not asked for".to_owned()))
+        }
+    }
 }
 
 /// Applies the options to the film.

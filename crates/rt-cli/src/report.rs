@@ -30,9 +30,18 @@ pub(crate) fn statistics(outcome: &Outcome<'_>, costs: bool) -> String {
         lines.push(format!("peak memory {}", HumanBytes(bytes)));
     }
     lines.extend(left_out(&outcome.plan.explain()));
+    lines.extend(shared_out(outcome));
     lines.extend(outcome.rule.map(|rule| ending(outcome.rendering, &rule)));
     lines.push(error(outcome));
     lines.join("\n")
+}
+
+/// How many pixels took few samples.
+fn shared_out(outcome: &Outcome<'_>) -> Option<String> {
+    let least = outcome.plan.least_samples_per_pixel()?;
+    let Rendering { film, statistics, samples_per_pixel: SampleRange { mean, .. }, .. } = outcome.rendering;
+    let share = 100.0 * statistics.simple_pixels as f64 / film.pixels().len() as f64;
+    Some(format!("{share:.1} % of the pixels show no edge and took {least} samples: {mean:.1} on average"))
 }
 
 /// What ended the render.

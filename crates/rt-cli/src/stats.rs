@@ -37,6 +37,8 @@ pub(crate) struct StatsFile<'a> {
     samples: u64,
     /// Those that pixels are made of.
     pixel_samples: PixelSamples,
+    /// Pixels that show no edge and took the least samples.
+    simple_pixels: u64,
     passes: u32,
     stopped: &'static str,
     /// Pixels that have not reached the error that was asked for; `null` if none was.
@@ -84,6 +86,8 @@ struct SettingsStats<'a> {
     sampler: &'static str,
     /// The most that are taken, if time or error decides.
     samples_per_pixel: u32,
+    /// Of pixels that show no edge; `null` if all take the same number.
+    least_samples_per_pixel: Option<u32>,
     seconds: Option<f64>,
     target_error: Option<f64>,
     two_stage: bool,
@@ -156,6 +160,7 @@ impl<'a> StatsFile<'a> {
             plan: PlanStats::from(outcome.plan.explain()),
             samples: statistics.samples,
             pixel_samples: PixelSamples { least, mean, most },
+            simple_pixels: statistics.simple_pixels,
             passes: statistics.passes,
             stopped: stopped_by(rendering.stopped),
             unconverged_pixels: rendering.unconverged,
@@ -203,6 +208,7 @@ impl<'a> SettingsStats<'a> {
             integrator: settings.integrator.name(),
             sampler: settings.pattern.name(),
             samples_per_pixel: outcome.rule.map_or(outcome.plan.samples_per_pixel(), |rule| rule.max_spp),
+            least_samples_per_pixel: outcome.plan.least_samples_per_pixel(),
             seconds: outcome.rule.and_then(|rule| rule.time).map(|time| time.as_secs_f64()),
             target_error: target.map(|target| target.relative),
             two_stage: target.is_some_and(|target| target.two_stage),

@@ -43,7 +43,7 @@ impl<'p> Crew<'p> {
     pub(crate) fn sweep(&self, sweep: &Sweep<'_>, mut finished: impl FnMut(usize, Finished)) {
         let render = |worker: &mut Worker, index: usize| {
             let tile = self.tiles[index];
-            let task = Task { tile, sweep };
+            let task = Task::new(tile, sweep);
             let is_wanted = sweep.pixels_of(tile).next().is_some();
             is_wanted.then(|| (index, self.plan.render_tile(&task, self.count, worker)))
         };

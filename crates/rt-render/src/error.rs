@@ -97,6 +97,23 @@ pub enum RenderError {
         "the error of a picture cannot be told where all passes are the same, as with the samples of this pattern: {0}"
     )]
     SamePasses(&'static str),
+    /// Adaptive sampling in object space is asked for, but the integrator chooses directions at random, or shows no light.
+    #[error(
+        "adaptive sampling in object space knows the edges that 'whitted' shows; for '{0}', let the error decide \
+         (--target-error)"
+    )]
+    Adaptive(&'static str),
+    /// Adaptive sampling in object space is asked for, and the camera has a lens.
+    #[error(
+        "adaptive sampling in object space looks for edges, of which a lens leaves none sharp; let the error decide \
+         (--target-error)"
+    )]
+    AdaptiveLens,
+    /// Adaptive sampling in object space is asked for, and samples are to be taken until something ends the render.
+    #[error(
+        "adaptive sampling in object space shares out a fixed number of samples; it goes with no time and no error to reach"
+    )]
+    AdaptiveUntil,
     /// The worker threads could not be started.
     #[error("worker threads could not be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

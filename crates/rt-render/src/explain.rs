@@ -180,6 +180,7 @@ impl RenderPlan<'_> {
 
     fn title(&self) -> String {
         let samples = count(self.samples_per_pixel() as usize, "sample", "samples");
+        let samples = self.least_samples_per_pixel().map_or(samples.clone(), |least| format!("{least} to {samples}"));
         let passes = if self.passes > 1 { format!(" in {} passes", self.passes) } else { String::new() };
         let biased = if self.pattern.is_biased() { " (biased)" } else { "" };
         format!(
@@ -235,6 +236,12 @@ impl RenderPlan<'_> {
             used.extend(self.light());
         }
         used.extend(self.light_paths());
+        if let Some(least) = self.least_samples_per_pixel() {
+            used.push(format!(
+                "pyramids through the pixels: {} for one smooth surface in even light, or nothing; all for others",
+                count(least as usize, "sample", "samples")
+            ));
+        }
         used
     }
 

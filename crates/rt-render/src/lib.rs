@@ -58,6 +58,7 @@ mod passes;
 mod pixel;
 mod plan;
 mod progressive;
+mod pyramid;
 mod quantile;
 mod rebase;
 mod refine;

@@ -42,12 +42,14 @@ pub(crate) struct Sweep<'a> {
     pub(crate) count: u32,
     /// Samples per pixel of each.
     pub(crate) spp: u32,
+    /// The same of pixels that show no edge, where pixels are told apart in object space.
+    pub(crate) simple_spp: Option<u32>,
     /// The pixels to sample; all if `None`.
     pub(crate) pixels: Option<&'a PixelMask>,
 }
 
 impl Sweep<'_> {
-    /// Samples that each pixel takes.
+    /// The most samples that a pixel takes.
     pub(crate) fn samples_per_pixel(&self) -> u64 {
         u64::from(self.count) * u64::from(self.spp)
     }
@@ -66,7 +68,7 @@ impl RenderPlan<'_> {
 
     /// All passes of a render of a fixed number of samples.
     pub(crate) const fn all_passes(&self) -> Sweep<'static> {
-        Sweep { first: 0, count: self.passes, spp: self.pass_spp, pixels: None }
+        Sweep { first: 0, count: self.passes, spp: self.pass_spp, simple_spp: self.simple_pass_spp, pixels: None }
     }
 }
 
@@ -81,6 +83,11 @@ impl PixelMask {
     /// The pixels of a part for which `wanted`, row by row, is true.
     pub(crate) fn new(part: Tile, wanted: Vec<bool>) -> Self {
         Self { part, wanted }
+    }
+
+    /// Number of pixels that are wanted.
+    pub(crate) fn count(&self) -> usize {
+        self.wanted.iter().filter(|&&wanted| wanted).count()
     }
 
     /// True for a pixel, in coordinates of the whole image, that is wanted.

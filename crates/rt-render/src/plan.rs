@@ -7,7 +7,7 @@ use rt_accel::wide::{Quality, SimdLevel};
 use rt_camera::{Camera, CameraSettings, Filter, SamplePattern, ViewVolume};
 use rt_geometry::{Shape, Spheres};
 use rt_math::{Aabb, DVec2, DVec3};
-use rt_scene_io::{Accel, Integrator, MaterialId, NamedCamera, Scene};
+use rt_scene_io::{Accel, Integrator, MaterialId, NamedCamera, Scene, Settings};
 use rt_shading::{
     AmbientOcclusion, Appearance, FirstHitView, Follows, LightSources, Needs, PathSettings, emitter::EmitterSet,
 };
@@ -106,6 +106,8 @@ pub struct RenderPlan<'s> {
     pub(crate) passes: u32,
     /// Samples per pixel of each of them.
     pub(crate) pass_spp: u32,
+    /// The same of pixels that show no edge, where pixels are told apart in object space.
+    pub(crate) simple_pass_spp: Option<u32>,
     pub(crate) integrator: Integrator,
     pub(crate) view: View,
     pub(crate) depth: u32,
@@ -165,6 +167,7 @@ impl<'s> RenderPlan<'s> {
         let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, *medium) };
         let (near, far) = depth_range(&camera_settings, &top);
         let stochastic = settings.integrator.is_stochastic() || camera.has_lens();
+        check_adaptive(settings, &camera)?;
         let passes = settings.passes.unwrap_or_else(|| default_passes(settings.pattern, settings.spp, stochastic));
         let world = if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) };
         let surroundings = if settings.integrator.follows_light() && needs.refraction {
@@ -186,6 +189,10 @@ impl<'s> RenderPlan<'s> {
             transparent: options.transparent,
             passes,
             pass_spp: settings.pattern.round_up(settings.spp.div_ceil(passes)),
+            simple_pass_spp: settings.adaptive.map(|adaptive| {
+                let least = adaptive.least(settings.spp).min(settings.spp);
+                settings.pattern.round_up(least.div_ceil(passes))
+            }),
             integrator: settings.integrator,
             view: View::new(settings, near, far),
             emitters,
@@ -207,9 +214,14 @@ impl<'s> RenderPlan<'s> {
     }
 
     /// Samples per pixel that [`render`](Self::render) will take: those asked for, split into passes and rounded up to what
-    /// the pattern needs in each.
+    /// the pattern needs in each. With adaptive sampling, the most.
     pub const fn samples_per_pixel(&self) -> u32 {
         self.pass_spp.saturating_mul(self.passes)
+    }
+
+    /// Samples of pixels that show no edge, if pixels are told apart in object space.
+    pub fn least_samples_per_pixel(&self) -> Option<u32> {
+        self.simple_pass_spp.map(|spp| spp.saturating_mul(self.passes))
     }
 
     /// Independent passes that [`render`](Self::render) will take; with one, it cannot estimate its error.
@@ -226,6 +238,11 @@ impl<'s> RenderPlan<'s> {
     /// Where the camera rays of a part of the image run.
     pub(crate) fn view_volume(&self, part: Crop) -> ViewVolume {
         view_volume(&self.camera, self.sample_offset, self.filter, part)
+    }
+
+    /// The corners of a part of the image between which its camera rays run, first the one of least coordinates.
+    pub(crate) fn raster_of(&self, part: Crop) -> [DVec2; 2] {
+        raster_of(self.sample_offset, self.filter, part)
     }
 
     /// Seconds that compilation took, structures included.
@@ -270,6 +287,15 @@ fn camera_of(scene: &Scene, index: usize) -> Result<&NamedCamera, RenderError> {
     }
 }
 
+/// Pyramids are told apart where the integrator finds edges, and have an apex.
+fn check_adaptive(settings: &Settings, camera: &Camera) -> Result<(), RenderError> {
+    match settings.adaptive {
+        Some(_) if settings.integrator != Integrator::Whitted => Err(RenderError::Adaptive(settings.integrator.name())),
+        Some(_) if camera.has_lens() => Err(RenderError::AdaptiveLens),
+        _ => Ok(()),
+    }
+}
+
 fn check_crop(crop: Option<Crop>, film_width: u32, film_height: u32) -> Result<Crop, RenderError> {
     let whole = Crop { x: 0, y: 0, width: film_width, height: film_height };
     let crop = crop.unwrap_or(whole);
@@ -300,15 +326,21 @@ fn visible(
         .map_err(|source| RenderError::Build { object: scene.name.clone(), source })
 }
 
+/// Where the rays of a part of the image run.
+fn view_volume(camera: &Camera, sample_offset: DVec2, filter: Filter, part: Crop) -> ViewVolume {
+    let [min, max] = raster_of(sample_offset, filter, part);
+    camera.view_volume(min, max)
+}
+
 /// Where the rays of a part of the image run: through its pixels, moved by the sample offset, as far around as the filter
 /// reaches.
-fn view_volume(camera: &Camera, sample_offset: DVec2, filter: Filter, part: Crop) -> ViewVolume {
+fn raster_of(sample_offset: DVec2, filter: Filter, part: Crop) -> [DVec2; 2] {
     // Raster coordinates are rounded to far less than this part of a pixel.
     const ROUNDING: f64 = 1.0 / 1024.0;
     let first = DVec2::new(f64::from(part.x), f64::from(part.y)) + sample_offset;
     let last = first + DVec2::new(f64::from(part.width - 1), f64::from(part.height - 1));
     let reach = filter.radius() + ROUNDING;
-    camera.view_volume(first - reach, last + reach)
+    [first - reach, last + reach]
 }
 
 /// What the materials of objects that are really there need, and of what is around the camera.

@@ -27,7 +27,8 @@ impl RenderPlan<'_> {
     ///
     /// # Errors
     /// [`RenderError::Threads`] if the worker threads cannot be started, [`RenderError::TargetError`] and
-    /// [`RenderError::NoSamples`] for a rule with such numbers, [`RenderError::SamePasses`] for an error that would never
+    /// [`RenderError::NoSamples`] for a rule with such numbers, [`RenderError::AdaptiveUntil`] for a plan that tells pixels apart
+    /// in object space, [`RenderError::SamePasses`] for an error that would never
     /// be known.
     pub fn render_until(
         &self,
@@ -36,6 +37,9 @@ impl RenderPlan<'_> {
         progress: impl FnMut(Progress),
     ) -> Result<Rendering, RenderError> {
         rule.validate()?;
+        if self.simple_pass_spp.is_some() {
+            return Err(RenderError::AdaptiveUntil);
+        }
         if rule.target.is_some() && !self.passes_differ() {
             return Err(RenderError::SamePasses(self.pattern.name()));
         }
@@ -136,7 +140,7 @@ impl<'p, F: FnMut(Progress)> Progressive<'p, F> {
     /// Takes a pass over the pixels of the mask.
     pub(crate) fn take_pass(&mut self, pass: u32, spp: u32, mask: Option<&PixelMask>) {
         let (began, samples_before) = (Instant::now(), self.statistics.samples);
-        let sweep = Sweep { first: pass, count: 1, spp, pixels: mask };
+        let sweep = Sweep { first: pass, count: 1, spp, simple_spp: None, pixels: mask };
         let Self { plan, crew, started, statistics, pixels, rmse, progress, rule, expected_samples, .. } = self;
         let most = pixels.iter().map(PixelEstimate::samples).max().unwrap_or(0);
         let here = PassProgress { finished: statistics.passes, spp: most, rmse: *rmse };
@@ -150,7 +154,7 @@ impl<'p, F: FnMut(Progress)> Progressive<'p, F> {
         });
         crew.sweep(&sweep, |_, tile| {
             fold(plan.crop, pixels, &tile, light.as_ref(), &sweep);
-            statistics.add(&tile, &sweep);
+            statistics.add(&tile);
             let samples = statistics.samples;
             let total_samples = match (*expected_samples, rule.time) {
                 (Some(expected), _) => expected.max(samples),

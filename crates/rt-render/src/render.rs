@@ -33,7 +33,7 @@ pub struct RunOptions {
 pub struct Progress {
     /// Camera samples taken.
     pub samples: u64,
-    /// Camera samples in all; a guess where time or error decides.
+    /// Camera samples in all; a guess where time, error or edges decide.
     pub total_samples: u64,
     /// Rays traced so far, of all kinds.
     pub rays: u64,
@@ -84,13 +84,6 @@ pub struct SampleRange {
     pub most: u32,
 }
 
-impl SampleRange {
-    /// The same number everywhere.
-    pub(crate) fn same(spp: u32) -> Self {
-        Self { least: spp, mean: f64::from(spp), most: spp }
-    }
-}
-
 impl RenderPlan<'_> {
     /// Renders the picture with the samples that its scene asks for. `progress` is called on this thread after each tile.
     ///
@@ -107,28 +100,41 @@ impl RenderPlan<'_> {
         let mut film = Film::new(width, height, self.transparent);
         let mut standard_error = options.maps.then(|| constant_film(width, height, f32::INFINITY));
         let mut statistics = Statistics::new(&crew, self);
+        let mut sample_counts = options.maps.then(|| constant_film(width, height, self.samples_per_pixel() as f32));
+        let mut range = None;
+        let mut pixels_done = 0;
         let mut errors = vec![ErrorSums::default(); if self.passes > 1 { crew.tile_count() } else { 0 }];
-        let total_samples = u64::from(width) * u64::from(height) * sweep.samples_per_pixel();
+        let pixels = u64::from(width) * u64::from(height);
         crew.sweep(&sweep, |index, tile| {
-            self.expose(&mut film, standard_error.as_mut(), &tile);
-            statistics.add(&tile, &sweep);
+            self.expose(&mut film, standard_error.as_mut(), sample_counts.as_mut(), &tile);
+            statistics.add(&tile);
+            pixels_done += tile.pixels.len() as u64;
+            let counts = tile.counts.iter().copied();
+            range = counts.fold(range, |range: Option<[u32; 2]>, count| {
+                Some(range.map_or([count; 2], |[least, most]| [least.min(count), most.max(count)]))
+            });
             if let Some(error) = errors.get_mut(index) {
                 *error = tile.error;
             }
             let rays = statistics.counters.total().rays;
+            let total_samples = match self.simple_pass_spp {
+                None => pixels * sweep.samples_per_pixel(),
+                Some(_) => (statistics.samples as f64 * (pixels as f64 / pixels_done as f64)) as u64,
+            };
             progress(Progress { samples: statistics.samples, total_samples, rays, pass: None });
         });
         statistics.passes = self.passes;
         statistics.render_seconds = started.elapsed().as_secs_f64();
+        let [least, most] = range.unwrap_or([self.samples_per_pixel(); 2]);
         Ok(Rendering {
             film,
             statistics,
             stopped: Stopped::Samples,
             error: ErrorSums::joined(&errors).estimate().filter(|_| self.passes_differ()),
-            samples_per_pixel: SampleRange::same(self.samples_per_pixel()),
+            samples_per_pixel: SampleRange { least, mean: statistics.samples as f64 / pixels as f64, most },
             unconverged: None,
             standard_error,
-            sample_counts: options.maps.then(|| constant_film(width, height, self.samples_per_pixel() as f32)),
+            sample_counts,
         })
     }
 
@@ -137,7 +143,8 @@ impl RenderPlan<'_> {
     pub fn pixel(&self, x: u32, y: u32) -> Option<Rgb> {
         let Crop { x: left, y: top, width, height } = self.crop;
         let inside = (left..left + width).contains(&x) && (top..top + height).contains(&y);
-        let task = Task { tile: Tile { x, y, width: 1, height: 1 }, sweep: &self.all_passes() };
+        let sweep = self.all_passes();
+        let task = Task::new(Tile { x, y, width: 1, height: 1 }, &sweep);
         let pixel = inside.then(|| self.render_tile(&task, false, &mut Worker::new(self)).pixels[0])?;
         Some(pixel + self.splatted((y - top) as usize * width as usize + (x - left) as usize))
     }
@@ -157,7 +164,13 @@ impl RenderPlan<'_> {
     }
 
     /// Rounds a tile to what films hold, in its place.
-    fn expose(&self, film: &mut Film, standard_error: Option<&mut Film>, finished: &Finished) {
+    fn expose(
+        &self,
+        film: &mut Film,
+        standard_error: Option<&mut Film>,
+        sample_counts: Option<&mut Film>,
+        finished: &Finished,
+    ) {
         let Crop { x: left, y: top, .. } = self.crop;
         let stride = film.width() as usize;
         let places = finished.tile.pixels().map(|[x, y]| (y - top) as usize * stride + (x - left) as usize);
@@ -170,8 +183,13 @@ impl RenderPlan<'_> {
             }
         }
         if let Some(standard_error) = standard_error {
-            for (place, variance) in places.zip(&finished.variances) {
+            for (place, variance) in places.clone().zip(&finished.variances) {
                 standard_error.pixels_mut()[place] = rounded(variance.map(f64::sqrt));
+            }
+        }
+        if let Some(sample_counts) = sample_counts {
+            for (place, count) in places.zip(&finished.counts) {
+                sample_counts.pixels_mut()[place] = [*count as f32; 3];
             }
         }
     }

@@ -3,13 +3,15 @@
 use rt_math::Counters;
 use rt_shading::ShadingCounts;
 
-use crate::{RenderPlan, crew::Crew, light_pass::LitChunk, passes::Sweep, tile::Finished};
+use crate::{RenderPlan, crew::Crew, light_pass::LitChunk, tile::Finished};
 
 /// Figures of one render. Counts are deterministic; times are not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
     /// Camera samples taken.
     pub samples: u64,
+    /// Pixels that took few samples, as they show no edge; none unless pixels are told apart in object space.
+    pub simple_pixels: u64,
     /// Rays by kind, and with [`RunOptions::count`](crate::RunOptions) also nodes, primitive tests and hits.
     pub counters: Counters,
     /// Camera rays that were not traced, because their tile knew that there is nothing in their part of the view.
@@ -33,6 +35,7 @@ impl Statistics {
     pub(crate) fn new(crew: &Crew<'_>, plan: &RenderPlan<'_>) -> Self {
         Self {
             samples: 0,
+            simple_pixels: 0,
             counters: Counters::default(),
             primary_rays_spared: 0,
             shading: ShadingCounts::default(),
@@ -45,8 +48,9 @@ impl Statistics {
     }
 
     /// Adds what a tile took.
-    pub(crate) fn add(&mut self, tile: &Finished, sweep: &Sweep<'_>) {
-        self.samples += tile.pixels.len() as u64 * sweep.samples_per_pixel();
+    pub(crate) fn add(&mut self, tile: &Finished) {
+        self.samples += tile.samples;
+        self.simple_pixels += tile.simple_pixels;
         self.counters += tile.counters;
         self.primary_rays_spared += tile.primary_rays_spared;
         self.shading += tile.shading;

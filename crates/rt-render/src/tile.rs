@@ -11,7 +11,7 @@ use crate::{
     cost::cost,
     error_estimate::ErrorSums,
     estimate::PixelEstimate,
-    passes::Sweep,
+    passes::{PixelMask, Sweep},
     pixel::Pixel,
     plan::{View, World},
     surroundings::Surroundings,
@@ -46,6 +46,23 @@ impl Countable for NoProbe {
 pub(crate) struct Task<'a> {
     pub(crate) tile: Tile,
     pub(crate) sweep: &'a Sweep<'a>,
+    /// The pixels of the tile that show no edge, where pixels are told apart in object space; known once it is begun.
+    pub(crate) simple: Option<&'a PixelMask>,
+}
+
+impl<'a> Task<'a> {
+    pub(crate) const fn new(tile: Tile, sweep: &'a Sweep<'a>) -> Self {
+        Self { tile, sweep, simple: None }
+    }
+
+    fn is_simple(&self, pixel: [u32; 2]) -> bool {
+        self.simple.is_some_and(|simple| simple.contains(pixel))
+    }
+
+    /// Samples per pass of a pixel.
+    pub(crate) fn spp_of(&self, pixel: [u32; 2]) -> u32 {
+        self.sweep.simple_spp.filter(|_| self.is_simple(pixel)).unwrap_or(self.sweep.spp)
+    }
 }
 
 /// A rendered tile on its way to the film: its pixels row by row, but for those that the sweep leaves out.
@@ -56,8 +73,15 @@ pub(crate) struct Finished {
     /// Coverage; empty unless the plan asks for it.
     pub(crate) alpha: Vec<f64>,
     with_alpha: bool,
+    with_counts: bool,
     /// Squares of standard errors; empty after a single pass.
     pub(crate) variances: Vec<Rgb>,
+    /// Samples of each pixel; empty where all have the same number.
+    pub(crate) counts: Vec<u32>,
+    /// Samples of all pixels.
+    pub(crate) samples: u64,
+    /// Pixels that show no edge.
+    pub(crate) simple_pixels: u64,
     pub(crate) error: ErrorSums,
     pub(crate) counters: Counters,
     pub(crate) primary_rays_spared: u64,
@@ -76,7 +100,11 @@ impl Finished {
             pixels: Vec::with_capacity(count),
             alpha: Vec::with_capacity(room(with_alpha)),
             with_alpha,
+            with_counts: task.simple.is_some(),
             variances: Vec::with_capacity(room(task.sweep.count > 1)),
+            counts: Vec::with_capacity(room(task.simple.is_some())),
+            samples: 0,
+            simple_pixels: task.simple.map_or(0, |simple| simple.count() as u64),
             error: ErrorSums::default(),
             counters: Counters::default(),
             primary_rays_spared: 0,
@@ -92,6 +120,10 @@ impl Finished {
             self.alpha.push(pixel.coverage());
         }
         self.variances.extend(pixel.variance());
+        self.samples += u64::from(pixel.samples());
+        if self.with_counts {
+            self.counts.push(pixel.samples());
+        }
         self.error.add(pixel);
     }
 }
@@ -143,6 +175,8 @@ impl RenderPlan<'_> {
         task: &Task<'_>,
         worker: &mut Worker,
     ) -> Finished {
+        let simple = task.sweep.simple_spp.map(|_| self.simple_pixels(task.tile, world, structure));
+        let task = &Task { simple: simple.as_ref(), ..*task };
         let few = self.few_in(task.tile, world, structure);
         if few.as_ref().is_some_and(Visible::is_empty)
             && let Some(finished) = self.empty_tile(task)
@@ -234,20 +268,26 @@ impl RenderPlan<'_> {
             return None;
         }
         let sweep = task.sweep;
-        let mut pass = Pixel::new(self.transparent);
-        for _ in 0..sweep.spp {
-            pass.add(&Seen { radiance: *radiance, hit: false }, 1.0);
-        }
-        let mut pixel = PixelEstimate::default();
-        for _ in 0..sweep.count {
-            let (radiance, coverage) = pass.mean();
-            pixel.add(radiance, coverage, sweep.spp);
-        }
+        let pixel_of = |spp: u32| {
+            let mut pass = Pixel::new(self.transparent);
+            for _ in 0..spp {
+                pass.add(&Seen { radiance: *radiance, hit: false }, 1.0);
+            }
+            let mut pixel = PixelEstimate::default();
+            for _ in 0..sweep.count {
+                let (radiance, coverage) = pass.mean();
+                pixel.add(radiance, coverage, spp);
+            }
+            (pixel, pass.bad_samples() * u64::from(sweep.count))
+        };
+        let (usual, simple) = (pixel_of(sweep.spp), sweep.simple_spp.map(pixel_of));
         let mut finished = Finished::new(task, self.transparent);
-        sweep.pixels_of(task.tile).for_each(|_| finished.push(&pixel));
-        let passes = finished.pixels.len() as u64 * u64::from(sweep.count);
-        finished.bad_samples = passes * pass.bad_samples();
-        finished.primary_rays_spared = passes * u64::from(sweep.spp);
+        for at in sweep.pixels_of(task.tile) {
+            let (pixel, bad_samples) = simple.as_ref().filter(|_| task.is_simple(at)).unwrap_or(&usual);
+            finished.push(pixel);
+            finished.bad_samples += bad_samples;
+        }
+        finished.primary_rays_spared = finished.samples;
         Some(finished)
     }
 }

@@ -6,12 +6,13 @@ use rt_math::{Accelerator, Hit, Interval, LeafLayout, Primitives, Probe, Ray, Ra
 use rt_shading::{SurfaceHit, Tracer, emitter::EmitterRef};
 
 use crate::{
+    pyramid::Outlines,
     visible::Visible,
     world::{PartSurface, Parts},
 };
 
 /// Primitives that know what their surface is made of.
-pub(crate) trait Surfaces: Primitives {
+pub(crate) trait Surfaces: Outlines {
     /// The surface at a hit; `None` for a hit that is not of this set. Objects are numbered by their places among the
     /// parts of the upper level.
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit>;
@@ -37,7 +38,7 @@ pub(crate) struct SphereWorld {
 }
 
 impl SphereWorld {
-    fn casts_shadow(&self, index: u32) -> bool {
+    pub(crate) fn casts_shadow(&self, index: u32) -> bool {
         self.casts_shadow.get(index as usize).copied().unwrap_or(true)
     }
 }

@@ -130,7 +130,7 @@ impl Visible {
 }
 
 /// All boxes that a view volume may have something in common with, once they are widened to own boxes.
-struct OwnBoxesIn<'v>(&'v ViewVolume);
+pub(crate) struct OwnBoxesIn<'v>(pub(crate) &'v ViewVolume);
 
 impl Region for OwnBoxesIn<'_> {
     fn bounds(&self) -> Aabb {

@@ -7,7 +7,6 @@ use rt_shading::Seen;
 use crate::{
     RenderPlan,
     estimate::PixelEstimate,
-    passes::Sweep,
     pixel::Pixel,
     tile::{Finished, Task},
 };
@@ -42,20 +41,23 @@ impl CameraWave {
 }
 
 /// Adds samples to pixels, which are full after so many passes of so many samples.
-struct Sums {
+struct Sums<N> {
     finished: Finished,
     pixel: Pixel,
     estimate: PixelEstimate,
     /// Samples that the pass is short of.
     missing: u32,
+    /// Samples of each pass of this pixel.
     spp: u32,
+    /// The same of the pixels that follow.
+    next: N,
     passes: u32,
 }
 
-impl Sums {
-    fn new(finished: Finished, pixel: Pixel, sweep: &Sweep<'_>) -> Self {
-        let Sweep { count: passes, spp, .. } = *sweep;
-        Self { finished, pixel, estimate: PixelEstimate::default(), missing: spp, spp, passes }
+impl<N: Iterator<Item = u32>> Sums<N> {
+    fn new(finished: Finished, pixel: Pixel, mut next: N, passes: u32) -> Self {
+        let spp = next.next().unwrap_or(0);
+        Self { finished, pixel, estimate: PixelEstimate::default(), missing: spp, spp, next, passes }
     }
 
     #[inline]
@@ -72,10 +74,11 @@ impl Sums {
         let (radiance, coverage) = self.pixel.mean();
         self.estimate.add(radiance, coverage, self.spp);
         self.pixel = self.pixel.emptied();
-        self.missing = self.spp;
         if self.estimate.passes() == self.passes {
             self.finished.push(&core::mem::take(&mut self.estimate));
+            self.spp = self.next.next().unwrap_or(0);
         }
+        self.missing = self.spp;
     }
 }
 
@@ -89,13 +92,16 @@ impl RenderPlan<'_> {
         mut radiance: impl FnMut(&CameraRays<'_>, &mut [Seen]),
     ) -> Finished {
         let sweep = task.sweep;
-        let mut sums = Sums::new(Finished::new(task, self.transparent), Pixel::new(self.transparent), sweep);
+        let counts = sweep.pixels_of(task.tile).map(|pixel| task.spp_of(pixel));
+        let finished = Finished::new(task, self.transparent);
+        let mut sums = Sums::new(finished, Pixel::new(self.transparent), counts, sweep.count);
         for pixel in sweep.pixels_of(task.tile) {
+            let spp = task.spp_of(pixel);
             for pass in 0..sweep.count {
-                let sampler = self.sampler_of(sweep.first + pass, sweep.spp);
+                let sampler = self.sampler_of(sweep.first + pass, spp);
                 let mut first = 0;
-                while first < sweep.spp {
-                    let count = wave.room().min((sweep.spp - first) as usize);
+                while first < spp {
+                    let count = wave.room().min((spp - first) as usize);
                     self.generate(&sampler, pixel, first, count, wave);
                     first += count as u32;
                     if wave.room() == 0 {
@@ -139,7 +145,11 @@ impl RenderPlan<'_> {
 }
 
 /// Traces a wave and empties it into the pixels.
-fn trace(wave: &mut CameraWave, sums: &mut Sums, radiance: &mut impl FnMut(&CameraRays<'_>, &mut [Seen])) {
+fn trace<N: Iterator<Item = u32>>(
+    wave: &mut CameraWave,
+    sums: &mut Sums<N>,
+    radiance: &mut impl FnMut(&CameraRays<'_>, &mut [Seen]),
+) {
     wave.seen.resize(wave.rays.len(), Seen::NOTHING);
     radiance(&CameraRays { rays: &wave.rays, samplers: &wave.samplers }, &mut wave.seen);
     for (seen, weight) in wave.seen.iter().zip(&wave.weights) {

@@ -89,8 +89,8 @@ pub use options::{LoadOptions, ReferencedFiles};
 #[cfg(feature = "format")]
 pub use resolve::resolve;
 pub use scene::{
-    Accel, Background, Content, Group, GroupId, Integrator, Material, MaterialId, MeshId, NamedCamera, NamedMesh, Node,
-    Scene, Settings, Truth, Warning,
+    Accel, Adaptive, Background, Content, Group, GroupId, Integrator, Material, MaterialId, MeshId, NamedCamera,
+    NamedMesh, Node, Scene, Settings, Truth, Warning,
 };
 pub use scene_bounds::{Extent, NodeBounds, SceneBounds, Tree};
 #[cfg(feature = "format")]

@@ -160,6 +160,27 @@ impl Accel {
     }
 }
 
+/// How samples are shared out among pixels, if not evenly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Adaptive {
+    /// By what lies in the pyramid of a pixel (Genetti, Gordon and Williams 1998): few samples where no edge of an object or
+    /// of a shadow can be in it, and all of them elsewhere.
+    ObjectSpace {
+        /// Samples of a pixel without edges; a quarter of all if `None`. Patterns may round it up.
+        least: Option<u32>,
+    },
+}
+
+impl Adaptive {
+    /// Samples of a pixel without edges, of so many asked for.
+    pub const fn least(self, spp: u32) -> u32 {
+        match self {
+            Self::ObjectSpace { least: Some(least) } => least,
+            Self::ObjectSpace { least: None } => spp.div_ceil(4),
+        }
+    }
+}
+
 /// How to render, as far as the scene has an opinion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -171,6 +192,8 @@ pub struct Settings {
     pub spp: u32,
     /// Independent passes that the samples are split into, by which the error is estimated; the plan chooses if `None`.
     pub passes: Option<u32>,
+    /// How samples are shared out among pixels; evenly if `None`.
+    pub adaptive: Option<Adaptive>,
     /// Bounces after the first hit.
     pub depth: u32,
     /// Rays whose contribution to the pixel falls below this are not followed. 0 follows all.
@@ -194,6 +217,7 @@ impl Default for Settings {
             pattern: SamplePattern::Sobol,
             spp: 16,
             passes: None,
+            adaptive: None,
             depth: 5,
             min_contribution: 0.0,
             accel: Accel::Auto,

@@ -23,6 +23,14 @@ pub(crate) struct PictureArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 16), help_heading = "How much")]
     pub(crate) passes: Option<u32>,
 
+    /// Take fewer samples of pixels in which no edge of an object or of a shadow can be, with `whitted`; `object-space` looks into the pyramid of each
+    #[arg(long, value_name = "NAME", value_parser = choice(AdaptiveChoice::ALL, AdaptiveChoice::name), help_heading = "How much")]
+    pub(crate) adaptive: Option<AdaptiveChoice>,
+
+    /// Samples of pixels without edges, rounded up to what the sampler needs; a quarter of all by default
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 31), help_heading = "How much")]
+    pub(crate) least: Option<u32>,
+
     /// Bounces after the first hit; 0 for emission and direct light alone
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=10_000), help_heading = "How much")]
     pub(crate) depth: Option<u32>,
@@ -103,6 +111,27 @@ pub(crate) struct DevelopmentArgs {
     /// Curve that brings bright light into the range of the display
     #[arg(long, value_name = "NAME", value_parser = choice(values::TONE_CURVES, values::tone_name))]
     pub(crate) tone: Option<ToneCurve>,
+}
+
+/// How samples are shared out among pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum AdaptiveChoice {
+    /// Evenly.
+    Off,
+    /// By what lies in the pyramid of each.
+    ObjectSpace,
+}
+
+impl AdaptiveChoice {
+    const ALL: [Self; 2] = [Self::Off, Self::ObjectSpace];
+
+    /// The name that users type.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::ObjectSpace => "object-space",
+        }
+    }
 }
 
 /// What lies behind everything.

@@ -64,6 +64,15 @@ fn standard_errors_and_sample_counts_are_written() {
     assert_eq!((error.width(), error.height()), (48, 32));
     let largest = error.pixels().as_flattened().iter().copied().fold(0.0, f32::max);
     assert!(largest > 0.01 && largest < 1.0, "{largest}");
+    let run = place.succeed(
+        "render scene.ron --adaptive object-space --least 2 --spp 16 --aov samples=count.pfm --stats stats.json",
+    );
+    let counts = place.film("count.pfm");
+    let few = counts.pixels().iter().filter(|count| **count == [2.0; 3]).count();
+    let all = counts.pixels().iter().filter(|count| **count == [16.0; 3]).count();
+    assert!(few > 0 && all > 0 && few + all == counts.pixels().len(), "{few} and {all}");
+    assert_eq!(stats(&place)["simple_pixels"], few);
+    assert!(run.stdout.contains(" of the pixels show no edge and took 2 samples"), "{run:?}");
     place.succeed("render scene.ron --target-error 20% --spp 256 --aov samples=count.png");
     let shown = place.film("count.png");
     let white = shown.pixels().iter().filter(|pixel| **pixel == [1.0; 3]).count();

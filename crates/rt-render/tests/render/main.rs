@@ -8,6 +8,7 @@ mod lens;
 mod nested;
 mod one_picture;
 mod passes;
+mod pyramid;
 mod radiance;
 mod refusals;
 mod support;

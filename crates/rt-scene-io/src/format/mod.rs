@@ -26,7 +26,7 @@ pub use light::{Background, Falloff, Light};
 pub use material::{Highlight, Material, Metal, Sides};
 pub use node::{InsideRule, Node, Shape};
 pub use parse::{parse_json, parse_ron};
-pub use settings::{Accel, Integrator, LightSampling, Sampler, Settings};
+pub use settings::{Accel, Adaptive, Integrator, LightSampling, Sampler, Settings};
 pub use transform::Step;
 
 /// A scene: what stands where, how it looks, who sees it, and how to render it.

@@ -19,6 +19,9 @@ pub struct Settings {
     /// integrator.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub passes: Option<u64>,
+    /// How samples are shared out among pixels; evenly by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adaptive: Option<Adaptive>,
     /// Bounces after the first hit: 0 for direct light alone.
     pub depth: u64,
     /// Rays that contribute less than this to the pixel are not followed.
@@ -43,6 +46,7 @@ impl Default for Settings {
             sampler: Sampler::Sobol,
             spp: 16,
             passes: None,
+            adaptive: None,
             depth: 5,
             min_contribution: 0.0,
             accel: Accel::Auto,
@@ -79,6 +83,18 @@ pub enum Integrator {
     Uv,
     /// Work per ray as a heat map.
     Cost,
+}
+
+/// How samples are shared out among pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Adaptive {
+    /// Few samples where no edge of an object or of a shadow can be in the pixel, and all of them elsewhere; for `whitted`.
+    ObjectSpace {
+        /// Samples of a pixel without edges; a quarter of all by default.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        least: Option<u64>,
+    },
 }
 
 /// How one of many lights with extent is chosen.

@@ -7,7 +7,7 @@ use rt_shading::emitter::LightSampling;
 use super::report::Report;
 use super::value::{not_negative, positive, within};
 use crate::format;
-use crate::{Accel, Integrator, Reason, Settings};
+use crate::{Accel, Adaptive, Integrator, Reason, Settings};
 
 /// Most samples per pixel.
 const MAX_SPP: u64 = 1 << 31;
@@ -69,6 +69,10 @@ fn size((width, height): (u64, u64)) -> Result<(u32, u32), Reason> {
 pub(super) fn settings(report: &mut Report, settings: &format::Settings, default: Integrator) -> Settings {
     let spp = report.check("settings.spp", within(settings.spp, 1, MAX_SPP)).unwrap_or(1);
     let passes = settings.passes.and_then(|passes| report.check("settings.passes", within(passes, 1, MAX_PASSES)));
+    let adaptive = settings.adaptive.map(|format::Adaptive::ObjectSpace { least }| {
+        let least = least.and_then(|least| report.check("settings.adaptive.least", within(least, 1, MAX_SPP)));
+        Adaptive::ObjectSpace { least: least.map(|least| least as u32) }
+    });
     let depth = report.check("settings.depth", within(settings.depth, 0, MAX_DEPTH)).unwrap_or(0);
     report.check("settings.min_contribution", not_negative(settings.min_contribution));
     let roulette_from =
@@ -81,6 +85,7 @@ pub(super) fn settings(report: &mut Report, settings: &format::Settings, default
         pattern: pattern(settings.sampler),
         spp: spp as u32,
         passes: passes.map(|passes| passes as u32),
+        adaptive,
         depth: depth as u32,
         min_contribution: settings.min_contribution,
         accel: accel(settings.accel),

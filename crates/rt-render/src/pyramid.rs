@@ -1,0 +1,244 @@
+//! Adaptive sampling in object space (Genetti, Gordon and Williams, "Adaptive Supersampling in Object Space Using Pyramidal
+//! Rays", 1998): what lies in the pyramid between the eye and a pixel decides how many samples the pixel takes.
+//!
+//! ```text
+//!            pixel          object          shaft to the light
+//!              ▕╲             ╱▏ ________·
+//!     eye ·    ▕ ╲___________╱ ▏‾        ·  light           few samples if nothing else can be in either
+//!              ▕╱           ╲ ▏
+//! ```
+//!
+//! Nothing is looked at through samples, so that nothing is so small that it falls between them: a pixel in which an edge of an
+//! object, or of a shadow, *can* be takes all samples. Like pyramidal rays, the squares of pixels that are looked at
+//! together are cut in four where they show more than one thing; here from 16 × 16 pixels down to one.
+//!
+//! Squares lie on a grid of the whole image, and what is found in them depends on boxes and forms alone, so that a pixel is
+//! judged the same by each thread, with each structure, and in each part of the image.
+
+mod outline;
+mod patch;
+mod shaft;
+
+use core::ops::ControlFlow;
+
+use rt_accel::{AnyStructure, Structure as _};
+use rt_camera::ViewVolume;
+use rt_math::{Hit, Interval, Ray, own_box};
+use rt_shading::Background;
+
+pub(crate) use outline::{Outline, Outlines};
+use patch::Patch;
+use shaft::{Blocked, Shaft};
+
+use crate::{
+    Crop, RenderPlan, passes::PixelMask, surroundings::Surroundings, tiles::Tile, trace::Surfaces, visible::OwnBoxesIn,
+};
+
+/// Pixels along the side of the squares that are looked at first.
+const LARGEST: u32 = 16;
+
+/// Objects in a largest square with which it is worth looking for pixels that show but one of them.
+const MANY: usize = 1024;
+
+/// Objects in a square with which it is worth asking which of them is in front.
+const FEW: usize = 8;
+
+/// Some pixels, at a multiple of their side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Square {
+    x: u32,
+    y: u32,
+    side: u32,
+}
+
+/// What a square shows: the space before it, and the rays along its edges.
+struct Pyramid {
+    volume: ViewVolume,
+    edges: [Ray; 4],
+}
+
+/// An object in a pyramid, where it meets the rays along the edges.
+struct Met {
+    index: u32,
+    outline: Outline,
+    hits: [Option<Hit>; 4],
+}
+
+/// The pixels of a tile being judged.
+struct Judge<'a, W> {
+    plan: &'a RenderPlan<'a>,
+    world: &'a W,
+    structure: &'a AnyStructure,
+    tile: Tile,
+    simple: Vec<bool>,
+}
+
+impl RenderPlan<'_> {
+    /// The pixels of a tile that show a single smooth surface, or nothing, in light without edges.
+    pub(crate) fn simple_pixels<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyStructure) -> PixelMask {
+        let simple = vec![false; tile.width as usize * tile.height as usize];
+        let mut judge = Judge { plan: self, world, structure, tile, simple };
+        if matches!(&self.surroundings, Surroundings::Same(interior) if interior.is_empty()) {
+            Square::around(tile).for_each(|square| judge.look_into(square));
+        }
+        PixelMask::new(tile, judge.simple)
+    }
+
+    fn pyramid(&self, square: Square) -> Pyramid {
+        let Square { x, y, side } = square;
+        let part = Crop { x, y, width: side, height: side };
+        let [min, max] = self.raster_of(part);
+        let corners = [min, min.with_x(max.x), max, min.with_y(max.y)];
+        Pyramid { volume: self.view_volume(part), edges: corners.map(|corner| self.camera.ray(corner, 0.0)) }
+    }
+}
+
+impl Square {
+    /// The largest squares that have a pixel in common with the tile.
+    fn around(tile: Tile) -> impl Iterator<Item = Self> {
+        let starts = |first: u32, length: u32| (first / LARGEST * LARGEST..first + length).step_by(LARGEST as usize);
+        starts(tile.y, tile.height)
+            .flat_map(move |y| starts(tile.x, tile.width).map(move |x| Self { x, y, side: LARGEST }))
+    }
+
+    fn quarters(self) -> [Self; 4] {
+        let side = self.side / 2;
+        [(0, 0), (side, 0), (0, side), (side, side)].map(|(x, y)| Self { x: self.x + x, y: self.y + y, side })
+    }
+
+    /// The pixels of the tile that lie in the square.
+    fn within(self, tile: Tile) -> impl Iterator<Item = [u32; 2]> {
+        let common = |first: u32, start: u32, length: u32| first.max(start)..(first + self.side).min(start + length);
+        let (columns, rows) = (common(self.x, tile.x, tile.width), common(self.y, tile.y, tile.height));
+        rows.flat_map(move |y| columns.clone().map(move |x| [x, y]))
+    }
+}
+
+impl Pyramid {
+    /// True only if no ray of the pyramid meets the primitive.
+    fn passes_by<W: Surfaces>(&self, world: &W, index: u32) -> bool {
+        match world.outline(index) {
+            Outline::Ball { centre, radius } => self.volume.excludes_ball(centre, radius),
+            _ => own_box(world, index).is_some_and(|own| self.volume.excludes(&own)),
+        }
+    }
+
+    fn meet<W: Surfaces>(&self, world: &W, index: u32) -> Met {
+        let hits = self.edges.map(|ray| world.intersect(index, &ray, Interval::FORWARD));
+        Met { index, outline: world.outline(index), hits }
+    }
+}
+
+impl Met {
+    /// True for a plane that is behind the horizon all over the pyramid: depth is the inverse of a linear function of the image,
+    /// which is negative everywhere if at the corners.
+    fn is_out_of_sight(&self) -> bool {
+        matches!(self.outline, Outline::Plane { .. }) && self.hits.iter().all(Option::is_none)
+    }
+
+    /// True if the patch hides all of the primitive.
+    fn is_behind<W: Surfaces>(&self, world: &W, volume: &ViewVolume, patch: &Patch, front: &Self) -> bool {
+        match self.outline {
+            // The inverse of the patch's depth is concave over the image, and that of a plane is linear.
+            Outline::Plane { .. } => {
+                let is_deeper = |(own, front): (&Option<Hit>, &Option<Hit>)| match (own, front) {
+                    (Some(own), Some(front)) => own.t > front.t,
+                    (None, _) => true,
+                    (Some(_), None) => false,
+                };
+                self.hits.iter().zip(&front.hits).all(is_deeper)
+            }
+            Outline::Ball { centre, radius } => volume.least_depth_of_ball(centre, radius) > patch.farthest,
+            Outline::Flat | Outline::Faces | Outline::Other => {
+                own_box(world, self.index).is_some_and(|own| volume.least_depth(&own) > patch.farthest)
+            }
+        }
+    }
+}
+
+impl<W: Surfaces> Judge<'_, W> {
+    /// Judges the pixels of one of the largest squares.
+    fn look_into(&mut self, square: Square) {
+        let pyramid = self.plan.pyramid(square);
+        let mut near = Vec::new();
+        let mut are_many = false;
+        self.structure.visit_overlapping(self.world, &OwnBoxesIn(&pyramid.volume), |index| {
+            are_many = near.len() == MANY;
+            if are_many {
+                return ControlFlow::Break(());
+            }
+            near.push(index);
+            ControlFlow::Continue(())
+        });
+        if !are_many {
+            near.sort_unstable();
+            self.divide(square, &pyramid, &near);
+        }
+    }
+
+    /// Judges the pixels of a square that shows no other objects than these, in the order of their numbers.
+    fn divide(&mut self, square: Square, pyramid: &Pyramid, among: &[u32]) {
+        if square.within(self.tile).next().is_none() {
+            return;
+        }
+        let near: Vec<u32> = among.iter().copied().filter(|&index| !pyramid.passes_by(self.world, index)).collect();
+        if self.is_simple(pyramid, &near) {
+            let Tile { x: left, y: top, width, .. } = self.tile;
+            for [x, y] in square.within(self.tile) {
+                self.simple[((y - top) * width + x - left) as usize] = true;
+            }
+        } else if square.side > 1 {
+            for quarter in square.quarters() {
+                self.divide(quarter, &self.plan.pyramid(quarter), &near);
+            }
+        }
+    }
+
+    /// True if the pyramid shows one smooth surface, or nothing, and light without edges.
+    fn is_simple(&self, pyramid: &Pyramid, near: &[u32]) -> bool {
+        if near.len() > FEW {
+            return false;
+        }
+        let mut met: Vec<Met> = near.iter().map(|&index| pyramid.meet(self.world, index)).collect();
+        met.retain(|met| !met.is_out_of_sight());
+        if met.is_empty() {
+            return !matches!(self.plan.appearance.background, Background::Environment(_));
+        }
+        let depth = |met: &Met| met.hits[0].map(|hit| hit.t);
+        let nearest = met
+            .iter()
+            .filter(|met| depth(met).is_some())
+            .min_by(|a, b| depth(a).partial_cmp(&depth(b)).unwrap_or(core::cmp::Ordering::Equal));
+        let Some(front) = nearest else { return false };
+        let patch = Patch::new(self.world, front.index, &pyramid.edges, &front.hits);
+        patch.is_some_and(|patch| {
+            let is_hidden = |other: &Met| other.is_behind(self.world, &pyramid.volume, &patch, front);
+            met.iter().all(|met| met.index == front.index || is_hidden(met)) && self.is_evenly_lit(&patch)
+        })
+    }
+
+    /// True if no light, and no shadow, changes much over the patch.
+    fn is_evenly_lit(&self, patch: &Patch) -> bool {
+        let appearance = &self.plan.appearance;
+        let Some(material) = patch.plain_material(appearance) else { return false };
+        let phong = &material.phong;
+        if phong.diffuse.is_zero() && phong.specular.is_zero() {
+            return true;
+        }
+        appearance.lights.iter().all(|light| {
+            if patch.turns_away_from(light) {
+                return true;
+            }
+            let blocked = if light.casts_shadows {
+                Shaft::new(patch, light).blocked(self.world, self.structure, patch.index)
+            } else {
+                Blocked::Nowhere
+            };
+            match blocked {
+                Blocked::Everywhere => true,
+                Blocked::Nowhere => patch.is_even_under(light, phong),
+                Blocked::Somewhere => false,
+            }
+        })
+    }
+}

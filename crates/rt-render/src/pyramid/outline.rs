@@ -1,0 +1,84 @@
+//! What is known of the form of a primitive without a ray.
+
+use rt_geometry::{Placed, Shape};
+use rt_math::{DVec3, Primitives};
+
+use crate::{
+    trace::SphereWorld,
+    world::{Part, PartGeometry, Parts},
+};
+
+/// The form of a primitive in the space of the world, as far as pyramids and shafts make use of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Outline {
+    /// A sphere.
+    Ball { centre: DVec3, radius: f64 },
+    /// An infinite plane, and its normal of any length.
+    Plane { point: DVec3, normal: DVec3 },
+    /// Flat, convex and bounded.
+    Flat,
+    /// Convex, with flat faces, which hits number by `uv[0]`.
+    Faces,
+    /// Anything else.
+    Other,
+}
+
+/// Primitives whose form is known.
+pub(crate) trait Outlines: Primitives {
+    /// The form of a primitive.
+    fn outline(&self, index: u32) -> Outline;
+
+    /// Whether the primitive, or part of it, casts a shadow.
+    fn casts_shadow(&self, index: u32) -> bool;
+}
+
+impl Outlines for SphereWorld {
+    fn outline(&self, index: u32) -> Outline {
+        let sphere = &self.spheres.as_slice()[index as usize];
+        Outline::Ball { centre: sphere.centre(), radius: sphere.radius() }
+    }
+
+    fn casts_shadow(&self, index: u32) -> bool {
+        Self::casts_shadow(self, index)
+    }
+}
+
+impl Outlines for Parts<'_> {
+    fn outline(&self, index: u32) -> Outline {
+        match &self.parts[index as usize].geometry {
+            PartGeometry::Shape(shape) => Outline::of(shape),
+            PartGeometry::Placed(placed) => Outline::of_placed(placed),
+            PartGeometry::Mesh(..) | PartGeometry::Group(..) => Outline::Other,
+        }
+    }
+
+    fn casts_shadow(&self, index: u32) -> bool {
+        let Part { casts_shadow, .. } = &self.parts[index as usize];
+        *casts_shadow
+    }
+}
+
+impl Outline {
+    fn of(shape: &Shape) -> Self {
+        match shape {
+            Shape::Sphere(sphere) => Self::Ball { centre: sphere.centre(), radius: sphere.radius() },
+            Shape::Plane(plane) => Self::Plane { point: plane.point(), normal: plane.normal() },
+            Shape::Triangle(_) | Shape::Rectangle(_) => Self::Flat,
+            Shape::Disk(disk) if disk.inner_radius() == 0.0 => Self::Flat,
+            Shape::AxisBox(_) => Self::Faces,
+            _ => Self::Other,
+        }
+    }
+
+    /// Affine maps keep what is flat flat, and what is convex convex. A sphere that they do not keep round is no ball.
+    fn of_placed(placed: &Placed) -> Self {
+        let map = placed.world_from_local();
+        match Self::of(placed.shape()) {
+            Self::Plane { point, normal } => Self::Plane { point: map.point(point), normal: map.normal(normal) },
+            Self::Ball { centre, radius } => map
+                .uniform_scale()
+                .map_or(Self::Other, |scale| Self::Ball { centre: map.point(centre), radius: radius * scale }),
+            outline => outline,
+        }
+    }
+}

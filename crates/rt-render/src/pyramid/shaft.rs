@@ -1,0 +1,139 @@
+//! The way from a small part of a surface to a light, and what stands in it.
+//!
+//! ```text
+//!      ·──────────────────·
+//!     ( m ─────────────────── light          all points nearer to the line than the radius of the patch
+//!      ·──────────────────·
+//! ```
+//!
+//! A way from a point of the patch to the light runs within it: at each share of its length it is at most as far from the
+//! line as at its start.
+
+use core::ops::ControlFlow;
+
+use rt_accel::{AnyStructure, Region, Structure as _};
+use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay};
+use rt_shading::{Light, LightKind};
+
+use super::{
+    outline::{Outline, Outlines},
+    patch::Patch,
+};
+
+/// All ways from a patch to a light without extent.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shaft {
+    /// From the middle of the patch to the light at parameter 1, or in its direction.
+    line: Ray,
+    slab: SlabRay,
+    radius: f64,
+    /// Place of the light; `None` for light from infinitely far away.
+    place: Option<DVec3>,
+    /// Radius around the place within which nothing casts a shadow.
+    lamp_radius: f64,
+}
+
+/// How much of a shaft something blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Blocked {
+    /// None of the ways.
+    Nowhere,
+    /// Maybe some of the ways.
+    Somewhere,
+    /// All ways.
+    Everywhere,
+}
+
+impl Shaft {
+    pub(super) fn new(patch: &Patch, light: &Light) -> Self {
+        let (place, lamp_radius) = match light.kind {
+            LightKind::Directional { .. } => (None, 0.0),
+            LightKind::Point { position, lamp_radius, .. } => (Some(position), lamp_radius),
+            LightKind::Spot { position, .. } => (Some(position), 0.0),
+        };
+        let line = match light.kind {
+            LightKind::Directional { direction } => Ray::new(patch.centre, -direction),
+            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
+                Ray::new(patch.centre, position - patch.centre)
+            }
+        };
+        Self { line, slab: SlabRay::new(&line), radius: patch.radius, place, lamp_radius }
+    }
+
+    /// How much of it all primitives together block, but for the one that the patch is part of: what is convex does not
+    /// stand in its own light.
+    pub(super) fn blocked<W: Outlines>(&self, world: &W, structure: &AnyStructure, own: u32) -> Blocked {
+        let mut blocked = Blocked::Nowhere;
+        structure.visit_overlapping(world, self, |index| {
+            if index != own && world.casts_shadow(index) {
+                match self.blocked_by(&world.outline(index)) {
+                    Blocked::Nowhere => {}
+                    Blocked::Somewhere => blocked = Blocked::Somewhere,
+                    Blocked::Everywhere => {
+                        blocked = Blocked::Everywhere;
+                        return ControlFlow::Break(());
+                    }
+                }
+            }
+            ControlFlow::Continue(())
+        });
+        blocked
+    }
+
+    /// How much of it a primitive blocks whose box is in the way.
+    fn blocked_by(&self, outline: &Outline) -> Blocked {
+        match *outline {
+            Outline::Ball { centre, radius } => self.blocked_by_ball(centre, radius),
+            Outline::Plane { point, normal } => self.blocked_by_plane(point, normal.normalize_or_zero()),
+            Outline::Flat | Outline::Faces | Outline::Other => Blocked::Somewhere,
+        }
+    }
+
+    fn blocked_by_ball(&self, centre: DVec3, radius: f64) -> Blocked {
+        let from_light = self.place.map_or(f64::INFINITY, |place| (centre - place).length());
+        if from_light + radius <= self.lamp_radius {
+            return Blocked::Nowhere;
+        }
+        let Ray { origin, direction, .. } = self.line;
+        let nearest = ((centre - origin).dot(direction) / direction.length_squared()).max(0.0);
+        let nearest = if self.place.is_some() { nearest.min(1.0) } else { nearest };
+        let distance = (self.line.at(nearest) - centre).length();
+        let ends_are_outside =
+            (centre - origin).length() > radius + self.radius && from_light > radius + self.lamp_radius;
+        if distance > radius + self.radius {
+            Blocked::Nowhere
+        } else if ends_are_outside && distance + self.radius < radius {
+            Blocked::Everywhere
+        } else {
+            Blocked::Somewhere
+        }
+    }
+
+    fn blocked_by_plane(&self, point: DVec3, normal: DVec3) -> Blocked {
+        let height = normal.dot(self.line.origin - point);
+        // Of the light, or whether the way there rises.
+        let end = self.place.map_or(normal.dot(self.line.direction), |place| normal.dot(place - point));
+        if height.abs() <= self.radius || end == 0.0 {
+            Blocked::Somewhere
+        } else if (height > 0.0) == (end > 0.0) {
+            Blocked::Nowhere
+        } else if self.lamp_radius == 0.0 {
+            Blocked::Everywhere
+        } else {
+            Blocked::Somewhere
+        }
+    }
+}
+
+impl Region for Shaft {
+    fn bounds(&self) -> Aabb {
+        Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY)
+    }
+
+    /// True if the line meets the own box, widened by the radius.
+    fn overlaps(&self, aabb: &Aabb) -> bool {
+        let own = aabb.padded();
+        let span = if self.place.is_some() { Interval::new(0.0, 1.0) } else { Interval::FORWARD };
+        Aabb::new(own.min - self.radius, own.max + self.radius).clip(&self.slab, span).is_some()
+    }
+}

@@ -1,0 +1,308 @@
+//! Adaptive sampling in object space: what it must not miss, and what it may change.
+
+use rt_camera::{CameraSettings, FilmSettings, Filter, Lens, Projection, SamplePattern};
+use rt_geometry::{AxisBox, Plane, Rectangle, Shape};
+use rt_math::{
+    DVec3, Rgb, Transform,
+    random::{hash, unit},
+    transcendental::hypot,
+};
+use rt_render::{Crop, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, StopRule};
+use rt_scene_io::{Accel, Adaptive, Content, Integrator, MaterialId, NamedCamera, Node, Scene, Settings};
+use rt_shading::{Appearance, Background, Coefficient, Falloff, Light, LightKind, Material, Phong};
+
+use crate::support::{everything, sphere, spheres};
+
+const LEAST: u32 = 4;
+const ALL: u32 = 16;
+
+fn adaptive(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.settings.adaptive = Some(Adaptive::ObjectSpace { least: Some(LEAST) });
+    scene
+}
+
+fn render_with(scene: &Scene, options: &PlanOptions, threads: usize) -> Rendering {
+    let run = RunOptions { threads, maps: true, ..RunOptions::default() };
+    RenderPlan::compile(scene, options).expect("compiles").render(&run, |_| {}).expect("renders")
+}
+
+fn render(scene: &Scene) -> Rendering {
+    render_with(scene, &PlanOptions::default(), 2)
+}
+
+fn counts(rendering: &Rendering) -> Vec<u32> {
+    rendering.sample_counts.as_ref().expect("maps").pixels().iter().map(|count| count[0] as u32).collect()
+}
+
+/// Places of the pixels that took all samples; the others took the least.
+fn complex(rendering: &Rendering) -> Vec<[usize; 2]> {
+    let width = rendering.film.width() as usize;
+    let counts = counts(rendering);
+    assert!(counts.iter().all(|count| [LEAST, ALL].contains(count)));
+    (0..counts.len()).filter(|&at| counts[at] == ALL).map(|at| [at % width, at / width]).collect()
+}
+
+fn colour(value: Rgb) -> Coefficient {
+    Coefficient::Constant(value)
+}
+
+/// One that shows its own colour whatever the light.
+fn glowing(colour: Rgb) -> Material {
+    let dark = Phong { ambient: Coefficient::ZERO, diffuse: Coefficient::ZERO, ..Phong::default() };
+    Material::new("glow".into(), Phong { emission: self::colour(colour), ..dark })
+}
+
+fn matte() -> Material {
+    Material::new("matte".into(), Phong { ambient: colour(Rgb::WHITE), ..Phong::default() })
+}
+
+fn sun(direction: DVec3) -> Light {
+    let kind = LightKind::Directional { direction: direction.normalize() };
+    Light { name: "sun".into(), kind, intensity: Rgb::WHITE, casts_shadows: true }
+}
+
+/// A pixel is one unit wide and high; the point (x, y) is in column x and row 40 − y, counted down. The camera looks along
+/// −z.
+fn front_view(nodes: Vec<Node>, materials: Vec<Material>, lights: Vec<Light>) -> Scene {
+    let camera = CameraSettings::new(
+        Transform::translate(DVec3::new(20.0, 20.0, 100.0)),
+        Projection::Orthographic { height: 40.0 },
+    );
+    Scene {
+        cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
+        film: FilmSettings { width: 40, height: 40, ..FilmSettings::default() },
+        settings: Settings { spp: ALL, ..Settings::default() },
+        appearance: Appearance {
+            materials,
+            lights,
+            ambient: Rgb::gray(0.1),
+            background: Background::Constant(Rgb::gray(0.3)),
+            ..Appearance::default()
+        },
+        nodes,
+        ..Scene::empty("front view")
+    }
+}
+
+fn wall() -> Node {
+    let wall = Plane::new(DVec3::ZERO, DVec3::Z).expect("a plane");
+    Node::new(Content::Shape(Shape::Plane(wall)), MaterialId(0))
+}
+
+#[test]
+fn the_smallest_objects_are_found() {
+    // A twentieth of a pixel wide, in pixel (13, 40 − 1 − 7).
+    let speck = || Node::new(sphere(13.61, 7.58, 5.0, 0.025), MaterialId(1));
+    let materials = || vec![matte(), glowing(Rgb::WHITE)];
+    let before_nothing = front_view(vec![speck()], materials(), vec![]);
+    let before_a_wall = front_view(vec![wall(), speck()], materials(), vec![sun(DVec3::NEG_Z)]);
+    for scene in [before_nothing, before_a_wall] {
+        let rendering = render(&adaptive(&scene));
+        assert_eq!(complex(&rendering), [[13, 32]]);
+        assert_eq!((rendering.statistics.simple_pixels, rendering.statistics.samples), (1599, 1599 * 4 + 16));
+        let mean = (1599.0 * 4.0 + 16.0) / 1600.0;
+        assert_eq!(rendering.samples_per_pixel, SampleRange { least: LEAST, mean, most: ALL });
+    }
+}
+
+#[test]
+fn the_edge_of_a_shadow_is_found_and_its_inside_is_not_looked_at_twice() {
+    // The sun is behind the viewer; the ball before the wall is out of sight, behind the camera.
+    let ball = Node::new(sphere(20.0, 20.0, 300.0, 7.3), MaterialId(1));
+    let scene = front_view(vec![wall(), ball], vec![matte(), glowing(Rgb::WHITE)], vec![sun(DVec3::NEG_Z)]);
+    let is_cut = |[column, row]: [usize; 2]| {
+        let corners = [0.0, 1.0].map(|x| [0.0, 1.0].map(|y| hypot(column as f64 + x - 20.0, row as f64 + y - 20.0)));
+        let inside = corners.as_flattened().iter().filter(|distance| **distance < 7.3).count();
+        (1..4).contains(&inside)
+    };
+    let complex = complex(&render(&adaptive(&scene)));
+    let cut: Vec<_> =
+        (0..40).flat_map(|row| (0..40).map(move |column| [column, row])).filter(|at| is_cut(*at)).collect();
+    assert!(cut.iter().all(|at| complex.contains(at)));
+    assert!(complex.len() < 2 * cut.len(), "{} pixels for {} on the edge", complex.len(), cut.len());
+    assert!(!complex.contains(&[20, 20]) && !complex.contains(&[2, 2]));
+}
+
+#[test]
+fn what_lies_behind_a_surface_does_not_matter_and_what_lies_before_it_does() {
+    let rectangle = Rectangle::new(10.0, 10.0).expect("a rectangle");
+    let upright = Transform::translate(DVec3::new(20.0, 20.0, 10.0))
+        .then_first(&Transform::rotate(DVec3::X, core::f64::consts::FRAC_PI_2).expect("an axis"));
+    let shield =
+        Node { parent_from_local: upright, ..Node::new(Content::Shape(Shape::Rectangle(rectangle)), MaterialId(2)) };
+    let block = AxisBox::new(DVec3::new(18.3, 18.3, 2.0), DVec3::new(21.7, 21.7, 9.0)).expect("a box");
+    let block = Node::new(Content::Shape(Shape::AxisBox(block)), MaterialId(1));
+    let materials = vec![matte(), glowing(Rgb::WHITE), glowing(Rgb::gray(0.5))];
+    let of = |nodes: Vec<Node>| complex(&render(&adaptive(&front_view(nodes, materials.clone(), vec![]))));
+    // The edges of the shield run between pixels; rays are taken a little beyond their pixels.
+    let frame = of(vec![wall(), shield.clone()]);
+    assert_eq!(frame.len(), 44 + 36);
+    assert_eq!(of(vec![wall(), shield.clone(), block.clone()]), frame);
+    let before = Node { parent_from_local: Transform::translate(DVec3::Z * 20.0), ..block };
+    assert_eq!(of(vec![wall(), shield, before]).len(), frame.len() + 12);
+}
+
+/// Any number of balls and boxes over a floor, in colours of their own. Under the sun the floor has two colours, and under a
+/// lamp far away nearly so.
+fn clutter(seed: u64, light: Light) -> Scene {
+    let draw = |index: u64, what: u64| unit(hash(&[seed, index, what]));
+    let place = |index| DVec3::new(8.0 * draw(index, 0) - 4.0, 2.0 * draw(index, 1), 8.0 * draw(index, 2) - 6.0);
+    let floor = Plane::new(DVec3::new(0.0, -0.5, 0.0), DVec3::Y).expect("a plane");
+    let mut nodes = vec![Node::new(Content::Shape(Shape::Plane(floor)), MaterialId(0))];
+    nodes.extend((0..12).map(|index| {
+        let size = 0.02 + 0.8 * draw(index, 3) * draw(index, 4);
+        let content = if index % 3 == 0 {
+            let half = DVec3::new(size, size * draw(index, 5), size);
+            let solid = AxisBox::new(place(index) - half, place(index) + half);
+            Content::Shape(Shape::AxisBox(solid.expect("a box")))
+        } else {
+            let DVec3 { x, y, z } = place(index);
+            sphere(x, y, z, size)
+        };
+        Node::new(content, MaterialId(index as u32 + 1))
+    }));
+    let mut materials = vec![matte()];
+    materials.extend((0..12).map(|index| glowing(Rgb::new(draw(index, 6), draw(index, 7), draw(index, 8)))));
+    let base = spheres();
+    Scene {
+        film: FilmSettings { width: 90, height: 60, ..FilmSettings::default() },
+        settings: Settings { spp: ALL, ..Settings::default() },
+        appearance: Appearance { materials, lights: vec![light], ambient: Rgb::gray(0.2), ..base.appearance },
+        nodes,
+        ..base
+    }
+}
+
+#[test]
+fn no_simple_pixel_has_an_edge_in_it() {
+    let lamp = Light {
+        kind: LightKind::Point { position: DVec3::new(3e4, 8e4, 2e4), falloff: Falloff::None, lamp_radius: 0.0 },
+        ..sun(DVec3::NEG_Y)
+    };
+    let mut simple_pixels = 0;
+    for seed in 0..12 {
+        let light = if seed % 2 == 0 { sun(DVec3::new(-0.3, -0.8, -0.2)) } else { lamp.clone() };
+        let scene = clutter(seed, light);
+        // One sample of 128 beyond an edge would make it 4·10⁻³.
+        let most = if seed % 2 == 0 { 1e-6 } else { 1e-3 };
+        let counts = counts(&render(&adaptive(&scene)));
+        // Eight independent passes agree only where there is nothing to disagree about.
+        let mut many = scene.clone();
+        (many.settings.spp, many.settings.passes) = (128, Some(8));
+        let errors = render(&many).standard_error.expect("maps");
+        for (at, error) in errors.pixels().iter().enumerate().filter(|(at, _)| counts[*at] == LEAST) {
+            let place = (at % 90, at / 90);
+            assert!(error.iter().all(|error| *error < most), "seed {seed}, pixel {place:?}: {error:?}");
+            simple_pixels += 1;
+        }
+    }
+    assert!(simple_pixels > 12 * 90 * 60 / 4, "{simple_pixels}");
+}
+
+fn same_bits(a: [f32; 3], b: [f32; 3]) -> bool {
+    a.map(f32::to_bits) == b.map(f32::to_bits)
+}
+
+#[test]
+fn each_pixel_is_that_of_a_render_with_as_many_samples() {
+    let sunny = clutter(3, sun(DVec3::new(-0.3, -0.8, -0.2)));
+    for (mut scene, pattern) in
+        [(everything(), SamplePattern::Sobol), (spheres(), SamplePattern::Jittered), (sunny, SamplePattern::BlueNoise)]
+    {
+        for passes in [None, Some(2)] {
+            scene.settings.pattern = pattern;
+            scene.settings.passes = passes;
+            let of = |spp: u32| {
+                let mut scene = scene.clone();
+                scene.settings.spp = spp;
+                render(&scene).film
+            };
+            let (few, all) = (of(LEAST), of(ALL));
+            scene.settings.spp = ALL;
+            let rendering = render(&adaptive(&scene));
+            for (at, count) in counts(&rendering).into_iter().enumerate() {
+                let expected = if count <= all_or(LEAST, pattern, passes) { &few } else { &all };
+                assert!(same_bits(rendering.film.pixels()[at], expected.pixels()[at]), "{} {at}", scene.name);
+            }
+            assert!(rendering.samples_per_pixel.least < rendering.samples_per_pixel.most, "{}", scene.name);
+        }
+    }
+}
+
+/// What a pattern takes if so many samples are asked for, in passes.
+fn all_or(spp: u32, pattern: SamplePattern, passes: Option<u32>) -> u32 {
+    let passes = passes.unwrap_or(1);
+    passes * pattern.round_up(spp.div_ceil(passes))
+}
+
+#[test]
+fn neither_threads_nor_structures_nor_crops_judge_otherwise() {
+    let mut round = spheres();
+    round.settings.spp = ALL;
+    round.film.filter = Filter::Tent;
+    let mut all = everything();
+    all.settings.spp = ALL;
+    for scene in [adaptive(&round), adaptive(&all), adaptive(&clutter(5, sun(DVec3::NEG_ONE)))] {
+        let expected = render(&scene);
+        let check = |rendering: &Rendering, what: &str| {
+            assert_eq!(counts(rendering), counts(&expected), "{} {what}", scene.name);
+            assert_eq!(rendering.film.checksum(), expected.film.checksum(), "{} {what}", scene.name);
+        };
+        check(&render_with(&scene, &PlanOptions::default(), 1), "on one thread");
+        check(&render_with(&scene, &PlanOptions { full: true, ..PlanOptions::default() }, 2), "with nothing left out");
+        for accel in Accel::ALL {
+            let mut other = scene.clone();
+            other.settings.accel = accel;
+            check(&render(&other), accel.name());
+        }
+        let crop = Crop { x: 13, y: 9, width: 21, height: 18 };
+        let part = render_with(&scene, &PlanOptions { crop: Some(crop), ..PlanOptions::default() }, 2);
+        let width = expected.film.width() as usize;
+        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+        for (at, (count, pixel)) in counts(&part).into_iter().zip(part.film.pixels()).enumerate() {
+            let [x, y] = [13 + at % 21, 9 + at / 21];
+            assert_eq!(count, counts(&expected)[y * width + x]);
+            assert!(same_bits(*pixel, expected.film.pixels()[y * width + x]), "{} {x} {y}", scene.name);
+            let alone = plan.pixel(x as u32, y as u32).expect("a pixel").to_array().map(|c| c as f32);
+            assert!(same_bits(*pixel, alone), "{} {x} {y}", scene.name);
+        }
+    }
+}
+
+#[test]
+fn surfaces_that_send_rays_on_take_all_samples() {
+    let mirror = Material::new("mirror".into(), Phong { mirror: colour(Rgb::gray(0.5)), ..Phong::default() });
+    let scene = front_view(vec![wall()], vec![mirror], vec![]);
+    assert_eq!(complex(&render(&adaptive(&scene))).len(), 1600);
+}
+
+#[test]
+fn a_highlight_takes_all_samples_where_it_is_narrow() {
+    let shiny = |exponent| {
+        let phong = Phong { specular: colour(Rgb::WHITE), exponent, ..Phong::default() };
+        let ball = Node::new(sphere(20.0, 20.0, 0.0, 15.0), MaterialId(0));
+        let scene = front_view(vec![ball], vec![Material::new("shiny".into(), phong)], vec![sun(DVec3::NEG_Z)]);
+        complex(&render(&adaptive(&scene)))
+    };
+    let (wide, narrow) = (shiny(1.0), shiny(400.0));
+    assert!(!wide.contains(&[20, 20]) && narrow.contains(&[20, 20]));
+    assert!(!narrow.contains(&[12, 20]), "away from the highlight");
+}
+
+#[test]
+fn only_fixed_numbers_of_samples_of_whitted_are_shared_out() {
+    let mut scene = adaptive(&spheres());
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    assert_eq!((plan.least_samples_per_pixel(), plan.samples_per_pixel()), (Some(4), 4));
+    let until = plan.render_until(&RunOptions::default(), &StopRule::default(), |_| {});
+    assert!(matches!(until, Err(RenderError::AdaptiveUntil)));
+    for integrator in [Integrator::Path, Integrator::Direct, Integrator::Normals, Integrator::Cost] {
+        scene.settings.integrator = integrator;
+        let refused = RenderPlan::compile(&scene, &PlanOptions::default()).err();
+        assert!(matches!(refused, Some(RenderError::Adaptive(name)) if name == integrator.name()));
+    }
+    scene.settings.integrator = Integrator::Whitted;
+    scene.cameras[0].settings.lens = Some(Lens { radius: 0.1, focus: 5.0, blades: None, rotation: 0.0 });
+    assert!(matches!(RenderPlan::compile(&scene, &PlanOptions::default()).err(), Some(RenderError::AdaptiveLens)));
+}
