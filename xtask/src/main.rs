@@ -92,3 +92,15 @@ fn run(task: Task) -> Result<bool, TaskError> {
         Task::Terarays(options) => terarays::run(&workspace, &options).map(|()| true),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn options_of_all_tasks_fit_together() {
+        Arguments::command().debug_assert();
+    }
+}

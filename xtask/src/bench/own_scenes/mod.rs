@@ -13,6 +13,8 @@ mod table;
 
 /// What the command line asks for.
 #[derive(Debug, clap::Args)]
+// The group of these would have the name of that of the options around them.
+#[group(skip)]
 pub(super) struct Options {
     /// Also write the page docs/BENCHMARKS.md.
     #[arg(long)]
