@@ -113,8 +113,8 @@ impl TriangleMesh {
         [corner(a), corner(b), corner(c)]
     }
 
-    /// The vertices of a triangle; `None` if there is no such one.
-    pub(crate) fn vertices(&self, index: u32) -> Option<[DVec3; 3]> {
+    /// The vertices of a triangle, in the space of the mesh; `None` if there is no such one.
+    pub fn vertices(&self, index: u32) -> Option<[DVec3; 3]> {
         self.data.triangles.get(index as usize).map(|triangle| self.corners(*triangle))
     }
 

@@ -16,38 +16,58 @@ const SQUARENESS: f64 = 1e-9;
 /// Makes emitters of all parts that shine evenly, and notes at each part which it is. What cannot be drawn from (a textured
 /// lamp, a torus) is still found by rays.
 pub(crate) fn emitters(scene: &Scene, top: &mut Assembly, levels: &mut Levels) -> EmitterSet {
-    let mut collected = Vec::new();
-    let shines = |part: &Part| emission_of(scene, part).is_some();
-    let groups_shine: Vec<bool> = levels.groups.iter().map(|group| group.parts.iter().any(shines)).collect();
-    for part in &mut top.parts {
+    // Each part of a group knows its place among the lights of the group, and each instance the number of its first one.
+    let of_groups: Vec<Lamps> =
+        levels.groups.iter().map(|group| Lamps::of(scene, &group.parts, &Transform::IDENTITY, levels)).collect();
+    let Lamps { emitters: mut collected, numbers } = Lamps::of(scene, &top.parts, &Transform::IDENTITY, levels);
+    for (part, number) in top.parts.iter_mut().zip(numbers) {
+        part.emitter = number;
         if let PartGeometry::Group(level, transform) = &part.geometry {
-            if !groups_shine[*level as usize] {
-                continue;
+            let transform = transform.as_deref().copied().unwrap_or(Transform::IDENTITY);
+            let placed = Lamps::of(scene, &levels.groups[*level as usize].parts, &transform, levels);
+            // A transform may make of a lamp what cannot be drawn from.
+            if !placed.emitters.is_empty() && placed.numbers == of_groups[*level as usize].numbers {
+                part.emitter = Some(collected.len() as u32);
+                collected.extend(placed.emitters);
             }
-            // The lights of an instance follow each other; each part of the group knows its place among them.
-            let first = collected.len() as u32;
-            let group = &levels.groups[*level as usize];
-            for inner in &group.parts {
-                collected.extend(emitter_of(scene, inner, transform.as_deref(), levels));
-            }
-            part.emitter = (collected.len() as u32 > first).then_some(first);
-        } else if let Some(emitter) = emitter_of(scene, part, None, levels) {
-            part.emitter = Some(collected.len() as u32);
-            collected.push(emitter);
         }
     }
-    for (level, _) in groups_shine.iter().enumerate().filter(|(_, shines)| **shines) {
-        let is_emitter: Vec<bool> =
-            levels.groups[level].parts.iter().map(|part| emitter_of(scene, part, None, levels).is_some()).collect();
-        let shining = levels.groups[level].parts.iter_mut().zip(is_emitter).filter(|(_, is)| *is);
-        for (next, (part, _)) in (0..).zip(shining) {
-            part.emitter = Some(next);
+    for (group, lamps) in levels.groups.iter_mut().zip(of_groups) {
+        for (part, number) in group.parts.iter_mut().zip(lamps.numbers) {
+            part.emitter = number;
         }
     }
     if let Background::Environment(light) = &scene.appearance.background {
         collected.push(Emitter::Environment(light.as_ref().clone()));
     }
     EmitterSet::new(collected, scene.settings.light_sampling, radius(top))
+}
+
+/// The emitters among some parts.
+struct Lamps {
+    emitters: Vec<Emitter>,
+    /// By part: the number of its emitter.
+    numbers: Vec<Option<u32>>,
+}
+
+impl Lamps {
+    fn of(scene: &Scene, parts: &[Part], world_from_parts: &Transform, levels: &Levels) -> Self {
+        let mut lamps = Self { emitters: Vec::new(), numbers: Vec::with_capacity(parts.len()) };
+        let mut before = None;
+        for part in parts {
+            // The facets of a mesh follow each other, and are one light.
+            let number = match (&part.geometry, before) {
+                (PartGeometry::Facet(..), Some((object, number))) if object == part.object => number,
+                _ => emitter_of(scene, part, world_from_parts, levels).map(|emitter| {
+                    lamps.emitters.push(emitter);
+                    lamps.emitters.len() as u32 - 1
+                }),
+            };
+            lamps.numbers.push(number);
+            before = Some((part.object, number));
+        }
+        lamps
+    }
 }
 
 /// Half of the diagonal around the bounded part of the world; 1 without one.
@@ -67,11 +87,10 @@ fn emission_of(scene: &Scene, part: &Part) -> Option<Emission> {
 }
 
 /// The emitter that a part is, within an assembly that a transform places.
-fn emitter_of(scene: &Scene, part: &Part, outer: Option<&Transform>, levels: &Levels) -> Option<Emitter> {
+fn emitter_of(scene: &Scene, part: &Part, outer: &Transform, levels: &Levels) -> Option<Emitter> {
     let emission = emission_of(scene, part)?;
-    let outer = outer.copied().unwrap_or(Transform::IDENTITY);
     match &part.geometry {
-        PartGeometry::Shape(shape) => emitter_of_shape(shape, &outer, emission),
+        PartGeometry::Shape(shape) => emitter_of_shape(shape, outer, emission),
         PartGeometry::Placed(placed) => {
             emitter_of_shape(placed.shape(), &outer.then_first(placed.world_from_local()), emission)
         }
@@ -79,6 +98,7 @@ fn emitter_of(scene: &Scene, part: &Part, outer: Option<&Transform>, levels: &Le
             let inner = transform.as_deref().copied().unwrap_or(Transform::IDENTITY);
             emitter_of_mesh(&levels.meshes[*level as usize].mesh, &outer.then_first(&inner), emission)
         }
+        PartGeometry::Facet(mesh, _) => emitter_of_mesh(mesh, outer, emission),
         PartGeometry::Group(..) => None,
     }
 }
@@ -144,6 +164,14 @@ fn emitter_of_polygon(polygon: &Polygon, world_from_local: &Transform, emission:
 
 fn emitter_of_mesh(source: &TriangleMesh, world_from_local: &Transform, emission: Emission) -> Option<Emitter> {
     let data = source.data();
+    if let ([a, b, c, d], [[0, 1, 2], [0, 2, 3]]) = (&data.positions[..], &data.triangles[..]) {
+        let corners = [a, b, c, d].map(|corner| world_from_local.point(corner.as_dvec3()));
+        let front = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let front = if world_from_local.flips_handedness() { -front } else { front };
+        if let Some(light) = quad(corners, front, emission) {
+            return Some(light);
+        }
+    }
     let vertex = |index: u32| data.positions[index as usize].as_dvec3();
     mesh(data.triangles.iter().map(|triangle| triangle.map(vertex)), world_from_local, emission)
 }

@@ -128,7 +128,7 @@ impl Census {
             PartGeometry::Shape(Shape::Sphere(_)) => self.spheres += 1,
             PartGeometry::Shape(Shape::AxisBox(_)) => self.boxes += 1,
             PartGeometry::Shape(Shape::Plane(_)) => self.planes += 1,
-            PartGeometry::Shape(Shape::Triangle(_)) => self.triangles += 1,
+            PartGeometry::Shape(Shape::Triangle(_)) | PartGeometry::Facet(..) => self.triangles += 1,
             PartGeometry::Shape(Shape::Polygon(_)) => self.polygons += 1,
             PartGeometry::Shape(Shape::Cylinder(_)) => self.cylinders += 1,
             PartGeometry::Shape(Shape::InfiniteCylinder(_)) => self.infinite_cylinders += 1,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rt_accel::BuildError;
 use rt_geometry::{Placed, Shape};
-use rt_math::{Aabb, Transform};
+use rt_math::{Aabb, Primitives, Transform};
 use rt_scene_io::{Content, Group, GroupId, Integrator, MeshId, Node, Scene};
 
 use crate::{
@@ -19,6 +19,10 @@ const MAX_DEPTH: usize = 1024;
 /// Most parts of an assembly: some gigabytes. Groups within groups multiply, so that a few lines of a file could ask for
 /// more than any memory holds.
 const MAX_PARTS: u64 = 1 << 24;
+
+/// A mesh of at most so many triangles has no structure of its own where it needs no transform: its triangles join the level
+/// above.
+const DISSOLVED: usize = 64;
 
 /// Flattens a scene, in the space that `plan_from_world` leads to, and builds all structures.
 pub(crate) fn flatten(
@@ -130,7 +134,12 @@ impl<'s> Flattener<'s> {
                 open.push(&node.children);
                 let here = match node.content {
                     None => 0,
-                    Some(Content::Shape(_) | Content::Mesh(_)) => 1,
+                    Some(Content::Shape(_)) => 1,
+                    // As many as a small one may be dissolved to.
+                    Some(Content::Mesh(id)) => self.scene.meshes.get(id.0 as usize).map_or(1, |named| {
+                        let triangles = named.mesh.data().triangles.len();
+                        if triangles <= DISSOLVED { triangles as u64 } else { 1 }
+                    }),
                     Some(Content::Instance(id)) => self.count_instance(id, within_group),
                 };
                 count = count.saturating_add(here);
@@ -195,14 +204,22 @@ impl<'s> Flattener<'s> {
             check_transform(node, &here.assembly_from_parent)?;
             open.push((node.children.iter(), here));
             match node.content {
-                Some(Content::Shape(ref shape)) => parts.push(self.shape_part(node, shape, &here)?),
-                Some(Content::Mesh(id)) => parts.extend(self.mesh_part(node, id, &here)?),
+                Some(Content::Shape(ref shape)) => {
+                    let object = parts.len() as u32;
+                    parts.push(Part { object, ..self.shape_part(node, shape, &here)? });
+                }
+                Some(Content::Mesh(id)) => {
+                    let first = parts.len() as u32;
+                    let pieces = self.mesh_parts(node, id, &here)?;
+                    parts.extend(pieces.into_iter().map(|piece| Part { object: first, ..piece }));
+                }
                 Some(Content::Instance(id)) => {
                     let group = group_of(self.scene, node, id)?;
                     if here.within_group || self.group_uses[id.0 as usize] == 1 {
                         open.push((group.nodes.iter(), here));
                     } else {
-                        parts.extend(self.group_part(node, id, group, &here)?);
+                        let object = parts.len() as u32;
+                        parts.extend(self.group_part(node, id, group, &here)?.map(|part| Part { object, ..part }));
                     }
                 }
                 None => {}
@@ -237,16 +254,22 @@ impl<'s> Flattener<'s> {
         self.scene.settings.integrator == Integrator::Uv || material.is_some_and(|m| m.is_textured())
     }
 
-    /// A mesh without triangles is no part.
-    fn mesh_part(&mut self, node: &Node, id: MeshId, here: &Level) -> Result<Option<Part>, RenderError> {
+    /// A mesh as one part, or as one for each triangle if they are few and stand where they are; one without triangles is no
+    /// part.
+    fn mesh_parts(&mut self, node: &Node, id: MeshId, here: &Level) -> Result<Vec<Part>, RenderError> {
         let named = self.scene.meshes.get(id.0 as usize).ok_or_else(|| RenderError::Dangling {
             object: node.name.clone(),
             what: "mesh",
             index: id.0,
             count: self.scene.meshes.len(),
         })?;
-        if named.mesh.data().triangles.is_empty() {
-            return Ok(None);
+        let count = named.mesh.data().triangles.len();
+        if count <= DISSOLVED && here.assembly_from_parent.is_identity() {
+            let facet = |index| {
+                let bounds = Primitives::bounds(&*named.mesh, index);
+                self.part(node, here, PartGeometry::Facet(Arc::clone(&named.mesh), index), bounds)
+            };
+            return (0..count as u32).map(facet).collect();
         }
         let level = match self.mesh_levels[id.0 as usize] {
             Some(level) => level,
@@ -262,7 +285,7 @@ impl<'s> Flattener<'s> {
         let transform = boxed(&here.assembly_from_parent);
         let bounds = named.mesh.bounds();
         let bounds = transform.as_ref().map_or(bounds, |t| t.aabb(&bounds));
-        self.part(node, here, PartGeometry::Mesh(level, transform), Some(bounds)).map(Some)
+        Ok(vec![self.part(node, here, PartGeometry::Mesh(level, transform), Some(bounds))?])
     }
 
     /// A group without parts is no part.
@@ -317,6 +340,7 @@ impl<'s> Flattener<'s> {
             material: node.material.0,
             casts_shadow: here.casts_shadow && !is_air,
             bounds,
+            object: 0,
             first_primitive: 0,
             emitter: None,
             name: Arc::from(node.name.as_str()),

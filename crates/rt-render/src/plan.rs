@@ -359,6 +359,10 @@ fn needs(scene: &Scene, top: &Assembly, levels: &Levels, medium: Option<Material
                 used[part.material as usize] = true;
                 shading_normals |= !levels.meshes[*level as usize].mesh.data().normals.is_empty();
             }
+            PartGeometry::Facet(mesh, _) => {
+                used[part.material as usize] = true;
+                shading_normals |= !mesh.data().normals.is_empty();
+            }
             PartGeometry::Shape(_) | PartGeometry::Placed(_) => used[part.material as usize] = true,
         }
     }

@@ -21,7 +21,8 @@ pub(crate) trait Surfaces: Outlines {
 impl Surfaces for Parts<'_> {
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
         let PartSurface { interaction, material, emitter } = self.surface(hit.instance, ray, hit, needs)?;
-        Some(SurfaceHit { t: hit.t, interaction, object: hit.instance, material, emitter })
+        let object = self.parts[hit.instance as usize].object;
+        Some(SurfaceHit { t: hit.t, interaction, object, material, emitter })
     }
 }
 

@@ -18,6 +18,8 @@ pub(crate) struct Part {
     pub(crate) material: u32,
     pub(crate) casts_shadow: bool,
     pub(crate) bounds: Option<Aabb>,
+    /// Number of the object that this is a piece of: of its first piece.
+    pub(crate) object: u32,
     /// Number of the part's first primitive within its group; 0 on the upper level.
     pub(crate) first_primitive: u32,
     /// The number of the light that this is, if one can draw from it; of the first one in a group. A group's part counts from
@@ -49,6 +51,8 @@ pub(crate) enum PartGeometry {
     Placed(Box<Placed>),
     /// Index of a [`MeshLevel`]; no transform means the identity.
     Mesh(u32, Option<Box<Transform>>),
+    /// One triangle of a small mesh that stands where its file says.
+    Facet(Arc<TriangleMesh>, u32),
     /// Index of an [`Assembly`].
     Group(u32, Option<Box<Transform>>),
 }
@@ -102,6 +106,10 @@ impl Parts<'_> {
                 )?;
                 part.made(lift(surface, transform.as_deref()), Some(hit.primitive))
             }
+            PartGeometry::Facet(mesh, triangle) => {
+                let hit = Hit { primitive: *triangle, ..*hit };
+                part.made(mesh.surface(ray, &hit, needs)?, Some(*triangle))
+            }
             PartGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = Parts { parts: &group.parts, levels: self.levels };
@@ -152,6 +160,10 @@ impl Primitives for Parts<'_> {
                 let hit = level.structure.closest(&*level.mesh, &ray, span, probe)?;
                 Some(Hit { instance: index, ..hit })
             }
+            PartGeometry::Facet(mesh, triangle) => {
+                let hit = mesh.intersect(*triangle, ray, span)?;
+                Some(Hit { instance: index, primitive: 0, ..hit })
+            }
             PartGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = Parts { parts: &group.parts, levels: self.levels };
@@ -175,6 +187,7 @@ impl Primitives for Parts<'_> {
                 let level = &self.levels.meshes[*level as usize];
                 level.structure.occluded(&*level.mesh, &localise(ray, transform.as_deref()), span, probe)
             }
+            PartGeometry::Facet(mesh, triangle) => mesh.intersect(*triangle, ray, span).is_some(),
             PartGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = Parts { parts: &group.parts, levels: self.levels };
@@ -190,6 +203,9 @@ impl Primitives for Parts<'_> {
             PartGeometry::Shape(Shape::Sphere(sphere)) => LeafLayout::Sphere(sphere.centre(), sphere.radius()),
             PartGeometry::Shape(Shape::AxisBox(axis_box)) => LeafLayout::Box(axis_box.bounds()),
             PartGeometry::Shape(Shape::Triangle(triangle)) => LeafLayout::Triangle(triangle.vertices()),
+            PartGeometry::Facet(mesh, triangle) => {
+                mesh.vertices(*triangle).map_or(LeafLayout::Opaque, LeafLayout::Triangle)
+            }
             _ => LeafLayout::Opaque,
         }
     }
