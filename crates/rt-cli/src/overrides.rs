@@ -1,9 +1,11 @@
 //! The command line has the last word: options laid over what the scene says.
 
+use std::sync::Arc;
+
 use rt_camera::{CameraSettings, Development, FilmSettings, Projection};
-use rt_math::{DVec3, Transform};
+use rt_math::{DVec3, Rgb, Transform};
 use rt_render::PlanOptions;
-use rt_scene_io::{Adaptive, Background, Integrator, Reason, Scene};
+use rt_scene_io::{Adaptive, Background, Integrator, Reason, Scene, read_environment};
 
 use crate::args::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 use crate::error::Failure;
@@ -21,13 +23,21 @@ pub(crate) fn apply(args: &PictureArgs, scene: &mut Scene) -> Result<PlanOptions
     replace(&mut settings.integrator, args.integrator);
     replace(&mut settings.pattern, args.sampler);
     replace(&mut settings.accel, args.accel);
-    if args.integrator.is_some_and(|integrator| integrator != Integrator::Whitted) {
+    replace(&mut settings.light_sampling, args.light_sampling);
+    if args.integrator.is_some_and(|integrator| !integrator.follows_light()) {
         // The scene's exposure and tone curve suit its light, which such a view does not show.
         let Development { encoding, .. } = film.development;
         film.development = Development { encoding, ..Development::default() };
     }
     if let Some(BackgroundChoice::Colour(colour)) = args.background {
         scene.appearance.background = Background::Constant(colour);
+    }
+    if let Some(file) = &args.env {
+        let light = read_environment(file, Rgb::WHITE, 0.0).map_err(|reason| Failure::from(reason.at(file, "")))?;
+        scene.appearance.background = Background::Environment(Arc::new(light));
+        if args.integrator.is_none() && scene.settings.integrator == Integrator::Whitted {
+            scene.settings.integrator = Integrator::Path;
+        }
     }
     let camera = find_camera(args.view.camera.as_deref(), scene)?;
     if let Some(camera) = scene.cameras.get_mut(camera) {

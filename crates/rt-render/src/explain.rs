@@ -16,7 +16,7 @@ use crate::{
     structure::{FEW, why},
     surroundings::Surroundings,
     visible::Visible,
-    world::{Assembly, Levels, Part, PartGeometry, Parts},
+    world::{Assembly, Levels, Part, PartGeometry},
 };
 
 /// Something that a plan leaves out.
@@ -268,7 +268,7 @@ impl RenderPlan<'_> {
         };
         // The rule is asked again of the primitives that the structure was built over.
         let assembly = |level: &str, assembly: &Assembly, levels: &Levels| {
-            let why = why(wanted, &Parts { parts: &assembly.parts, levels });
+            let why = why(wanted, &assembly.set(levels));
             line(level, &assembly.structure, assembly.parts.len(), why)
         };
         let visible = |why: &dyn Fn(&Visible) -> String| {
@@ -284,7 +284,7 @@ impl RenderPlan<'_> {
             }
             World::Parts(top, levels) => {
                 lines.push(assembly("structure", top, levels));
-                lines.extend(visible(&|visible| visible.why(wanted, &Parts { parts: &top.parts, levels })));
+                lines.extend(visible(&|visible| visible.why(wanted, &top.set(levels))));
                 lines.extend(levels.groups.iter().map(|group| assembly("  of a group", group, levels)));
                 lines.extend(levels.meshes.iter().map(|level| {
                     let why = why(wanted, &*level.mesh);

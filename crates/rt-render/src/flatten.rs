@@ -24,15 +24,18 @@ const MAX_PARTS: u64 = 1 << 24;
 /// above.
 const DISSOLVED: usize = 64;
 
-/// Flattens a scene, in the space that `plan_from_world` leads to, and builds all structures.
+/// Flattens a scene, in the space that `plan_from_world` leads to, and builds all structures. `may_be_flat` lets these decide by
+/// themselves where all parts are single primitives.
 pub(crate) fn flatten(
     scene: &Scene,
     wanted: Wanted,
     plan_from_world: Transform,
+    may_be_flat: bool,
 ) -> Result<(Assembly, Levels), RenderError> {
     let mut flattener = Flattener {
         scene,
         wanted,
+        may_be_flat,
         mesh_levels: vec![None; scene.meshes.len()],
         group_levels: vec![None; scene.groups.len()],
         group_uses: count_group_uses(scene)?,
@@ -95,6 +98,8 @@ impl Level {
 struct Flattener<'s> {
     scene: &'s Scene,
     wanted: Wanted,
+    /// Whether a scene of single primitives is to be told apart.
+    may_be_flat: bool,
     /// Level of each mesh that has one already.
     mesh_levels: Vec<Option<u32>>,
     group_levels: Vec<Option<u32>>,
@@ -115,7 +120,9 @@ impl<'s> Flattener<'s> {
         if level.within_group {
             self.number(&mut parts)?;
         }
-        let set = Parts { parts: &parts, levels: &self.levels };
+        let is_single = |part: &Part| !matches!(part.geometry, PartGeometry::Mesh(..) | PartGeometry::Group(..));
+        let is_flat = self.may_be_flat && !level.within_group && parts.iter().all(is_single);
+        let set = Parts { parts: &parts, levels: &self.levels, is_flat };
         let structure = structure::build(self.wanted, &set).map_err(|source| {
             let object = match source {
                 BuildError::BadBounds { index, .. } => parts[index as usize].name.to_string(),
@@ -123,7 +130,7 @@ impl<'s> Flattener<'s> {
             };
             RenderError::Build { object, source }
         })?;
-        Ok(Assembly { parts, structure })
+        Ok(Assembly { parts, structure, is_flat })
     }
 
     /// Number of parts that [`collect`](Self::collect) will find at most.

@@ -23,7 +23,7 @@ use crate::{
     surroundings::Surroundings,
     trace::SphereWorld,
     visible::Visible,
-    world::{Assembly, Levels, Part, PartGeometry, Parts},
+    world::{Assembly, Levels, Part, PartGeometry},
 };
 
 /// A part of the image, in pixels from its upper left corner.
@@ -157,7 +157,7 @@ impl<'s> RenderPlan<'s> {
             .map_err(|source| RenderError::Camera { name: camera_name.clone(), source })?;
 
         let wanted = Wanted { accel: settings.accel, simd: options.simd, quality: options.quality };
-        let (mut top, mut levels) = flatten(scene, wanted, rebase::plan_from_world(origin))?;
+        let (mut top, mut levels) = flatten(scene, wanted, rebase::plan_from_world(origin), !options.full)?;
         let emitters = if settings.integrator.draws_lights() {
             emitters(scene, &mut top, &mut levels)
         } else {
@@ -322,7 +322,7 @@ fn visible(
         return Ok(None);
     }
     let volume = view_volume(camera, scene.film.sample_offset, scene.film.filter, crop);
-    Visible::build(wanted, &Parts { parts: &top.parts, levels }, &volume)
+    Visible::build(wanted, &top.set(levels), &volume)
         .map_err(|source| RenderError::Build { object: scene.name.clone(), source })
 }
 

@@ -8,7 +8,7 @@ use rt_shading::{Interior, Material};
 use crate::{
     plan::World,
     trace::WorldTracer,
-    world::{Levels, Part, PartGeometry, Parts},
+    world::{Levels, Part, PartGeometry},
 };
 
 /// Where a ray goes that finds out what the pinhole lies inside of. It leaves closed bodies whichever way it goes; this
@@ -57,7 +57,7 @@ fn look_around(scene: &Scene, world: &World, ray: &Ray) -> Interior {
             interior.look_around(&mut WorldTracer::new(world, structure, None, NoProbe), materials, ray);
         }
         World::Parts(top, levels) => {
-            let world = &Parts { parts: &top.parts, levels };
+            let world = &top.set(levels);
             let structure = &top.structure;
             interior.look_around(&mut WorldTracer::new(world, structure, None, NoProbe), materials, ray);
         }

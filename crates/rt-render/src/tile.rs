@@ -19,7 +19,6 @@ use crate::{
     trace::{Surfaces, WorldTracer},
     visible::Visible,
     wave::CameraWave,
-    world::Parts,
 };
 
 /// What structures report to: a probe that counts all, or none. Rays are counted beside it, so that structures need no
@@ -162,9 +161,7 @@ impl RenderPlan<'_> {
     fn with_probe<S: Countable>(&self, task: &Task<'_>, worker: &mut Worker) -> Finished {
         match &self.world {
             World::Spheres(world, structure) => self.with_world::<_, S>(world, structure, task, worker),
-            World::Parts(top, levels) => {
-                self.with_world::<_, S>(&Parts { parts: &top.parts, levels }, &top.structure, task, worker)
-            }
+            World::Parts(top, levels) => self.with_world::<_, S>(&top.set(levels), &top.structure, task, worker),
         }
     }
 

@@ -20,8 +20,8 @@ pub(crate) trait Surfaces: Outlines {
 
 impl Surfaces for Parts<'_> {
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
-        let PartSurface { interaction, material, emitter } = self.surface(hit.instance, ray, hit, needs)?;
-        let object = self.parts[hit.instance as usize].object;
+        let PartSurface { interaction, material, emitter } = self.surface(self.place(hit), ray, hit, needs)?;
+        let object = self.parts[self.place(hit) as usize].object;
         Some(SurfaceHit { t: hit.t, interaction, object, material, emitter })
     }
 }

@@ -69,6 +69,16 @@ pub(crate) struct MeshLevel {
 pub(crate) struct Assembly {
     pub(crate) parts: Vec<Part>,
     pub(crate) structure: AnyStructure,
+    /// True if each part is one primitive, and hits are named by its place alone: a structure can then decide about
+    /// triangles by itself.
+    pub(crate) is_flat: bool,
+}
+
+impl Assembly {
+    /// The parts as a set of primitives.
+    pub(crate) fn set<'w>(&'w self, levels: &'w Levels) -> Parts<'w> {
+        Parts { parts: &self.parts, levels, is_flat: self.is_flat }
+    }
 }
 
 /// Everything below the upper level.
@@ -83,6 +93,7 @@ pub(crate) struct Levels {
 pub(crate) struct Parts<'w> {
     pub(crate) parts: &'w [Part],
     pub(crate) levels: &'w Levels,
+    pub(crate) is_flat: bool,
 }
 
 /// The ray in the space below a transform; borrowed where there is none.
@@ -91,6 +102,17 @@ fn localise(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
 }
 
 impl Parts<'_> {
+    /// The place of the part that a hit is on.
+    pub(crate) fn place(&self, hit: &Hit) -> u32 {
+        if self.is_flat { hit.primitive } else { hit.instance }
+    }
+
+    /// A hit of a part that is one primitive. Places rise with names either way, so that ties go to the same part.
+    fn name(&self, index: u32, t: f64, uv: [f64; 2]) -> Hit {
+        let (instance, primitive) = if self.is_flat { (0, index) } else { (index, 0) };
+        Hit { t, instance, primitive, uv }
+    }
+
     /// The surface at a hit that [`Primitives::intersect`] reported on part `index`.
     pub(crate) fn surface(&self, index: u32, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<PartSurface> {
         let part = self.parts.get(index as usize)?;
@@ -112,7 +134,7 @@ impl Parts<'_> {
             }
             PartGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
-                let inner = Parts { parts: &group.parts, levels: self.levels };
+                let inner = group.set(self.levels);
                 let at = group.parts.partition_point(|p| p.first_primitive <= hit.primitive).checked_sub(1)?;
                 let inner_hit = Hit { primitive: hit.primitive - group.parts[at].first_primitive, ..*hit };
                 let local = localise(ray, transform.as_deref());
@@ -150,7 +172,7 @@ impl Primitives for Parts<'_> {
     }
 
     fn intersect_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        let single = |hit: ShapeHit| Hit { t: hit.t, instance: index, primitive: 0, uv: hit.uv };
+        let single = |hit: ShapeHit| self.name(index, hit.t, hit.uv);
         match &self.parts[index as usize].geometry {
             PartGeometry::Shape(shape) => shape.intersect(ray, span).map(single),
             PartGeometry::Placed(placed) => placed.intersect(ray, span).map(single),
@@ -162,11 +184,11 @@ impl Primitives for Parts<'_> {
             }
             PartGeometry::Facet(mesh, triangle) => {
                 let hit = mesh.intersect(*triangle, ray, span)?;
-                Some(Hit { instance: index, primitive: 0, ..hit })
+                Some(self.name(index, hit.t, hit.uv))
             }
             PartGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
-                let inner = Parts { parts: &group.parts, levels: self.levels };
+                let inner = group.set(self.levels);
                 let ray = localise(ray, transform.as_deref());
                 let hit = group.structure.closest(&inner, &ray, span, probe)?;
                 let first = group.parts[hit.instance as usize].first_primitive;
@@ -190,7 +212,7 @@ impl Primitives for Parts<'_> {
             PartGeometry::Facet(mesh, triangle) => mesh.intersect(*triangle, ray, span).is_some(),
             PartGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
-                let inner = Parts { parts: &group.parts, levels: self.levels };
+                let inner = group.set(self.levels);
                 group.structure.occluded(&inner, &localise(ray, transform.as_deref()), span, probe)
             }
         }
@@ -203,6 +225,7 @@ impl Primitives for Parts<'_> {
             PartGeometry::Shape(Shape::Sphere(sphere)) => LeafLayout::Sphere(sphere.centre(), sphere.radius()),
             PartGeometry::Shape(Shape::AxisBox(axis_box)) => LeafLayout::Box(axis_box.bounds()),
             PartGeometry::Shape(Shape::Triangle(triangle)) => LeafLayout::Triangle(triangle.vertices()),
+            PartGeometry::Facet(mesh, triangle) if self.is_flat => mesh.leaf_layout(*triangle),
             PartGeometry::Facet(mesh, triangle) => {
                 mesh.vertices(*triangle).map_or(LeafLayout::Opaque, LeafLayout::Triangle)
             }

@@ -50,6 +50,8 @@ mod bounds;
 #[cfg(feature = "format")]
 mod convert;
 #[cfg(feature = "format")]
+mod environment;
+#[cfg(feature = "format")]
 mod error;
 #[cfg(feature = "format")]
 mod files;
@@ -77,6 +79,8 @@ mod texture;
 #[cfg(feature = "format")]
 pub use convert::convert;
 #[cfg(feature = "format")]
+pub use environment::read_environment;
+#[cfg(feature = "format")]
 pub use error::{LoadError, Place, Problem, Reason};
 #[cfg(feature = "format")]
 pub use files::{read_file, read_text, read_texture, resolve_path};
@@ -88,6 +92,7 @@ pub use model::{Model, load_model};
 pub use options::{LoadOptions, ReferencedFiles};
 #[cfg(feature = "format")]
 pub use resolve::resolve;
+pub use rt_shading::emitter::LightSampling;
 pub use scene::{
     Accel, Adaptive, Background, Content, Group, GroupId, Integrator, Material, MaterialId, MeshId, NamedCamera,
     NamedMesh, Node, Scene, Settings, Truth, Warning,

@@ -1,10 +1,12 @@
 //! Options that decide what the picture looks like. Each overrides what the scene says.
 
+use std::path::PathBuf;
+
 use clap::Args;
 use rt_camera::{SamplePattern, ToneCurve};
 use rt_math::{DVec3, Rgb};
 use rt_render::{Crop, Quality, SimdLevel};
-use rt_scene_io::{Accel, Integrator};
+use rt_scene_io::{Accel, Integrator, LightSampling};
 
 use super::values::{self, choice};
 
@@ -39,13 +41,17 @@ pub(crate) struct PictureArgs {
     #[arg(long, value_name = "N", help_heading = "How much")]
     pub(crate) seed: Option<u64>,
 
-    /// How light is computed: classical ray tracing, or a view of geometry or cost
+    /// How light is computed: by classical ray tracing, with soft shadows, along all its paths; or a view of geometry or cost
     #[arg(long, value_name = "NAME", value_parser = choice(Integrator::ALL, Integrator::name), help_heading = "How")]
     pub(crate) integrator: Option<Integrator>,
 
     /// Where in the pixel the samples fall
     #[arg(long, value_name = "NAME", value_parser = choice(SamplePattern::ALL, SamplePattern::name), help_heading = "How")]
     pub(crate) sampler: Option<SamplePattern>,
+
+    /// How one of many lights with extent is chosen
+    #[arg(long, value_name = "NAME", value_parser = choice(LightSampling::ALL, LightSampling::name), help_heading = "How")]
+    pub(crate) light_sampling: Option<LightSampling>,
 
     /// Acceleration structure. Any gives the same picture
     #[arg(long, value_name = "NAME", value_parser = choice(Accel::ALL, Accel::name), help_heading = "How")]
@@ -73,6 +79,10 @@ pub(crate) struct PictureArgs {
     /// What lies behind everything: #RRGGBB, linear R,G,B, black, white, or transparent
     #[arg(long, value_name = "COLOUR", value_parser = values::background, help_heading = "What")]
     pub(crate) background: Option<BackgroundChoice>,
+
+    /// An image around the scene (.exr, .hdr, .png, .jpg), which lights it: by `path`, unless another integrator is given
+    #[arg(long, value_name = "FILE", conflicts_with = "background", help_heading = "What")]
+    pub(crate) env: Option<PathBuf>,
 }
 
 /// Which camera, and where it stands.

@@ -9,7 +9,7 @@ use rt_math::{Accelerator, DVec2, DVec3, Interval, NoProbe, Ray};
 use super::objects::Objects;
 use super::report::{Finding, Findings, Kind, Severity, value};
 use crate::rebase;
-use crate::world::{Assembly, Levels, PartSurface, Parts};
+use crate::world::{Assembly, Levels, PartSurface};
 
 /// Rays are cast through the middles of this many cells along each side of the image.
 const CELLS: u32 = 64;
@@ -60,7 +60,7 @@ impl fmt::Display for CameraMeasures {
 /// Looks through a camera at the world that a render would trace.
 fn look(name: &str, camera: &Camera, size: DVec2, top: &Assembly, levels: &Levels) -> CameraMeasures {
     let needs = SurfaceNeeds { uv: false, shading_normal: false };
-    let parts = Parts { parts: &top.parts, levels };
+    let parts = top.set(levels);
     let mut measures = CameraMeasures {
         name: name.to_owned(),
         rays: u64::from(CELLS * CELLS),

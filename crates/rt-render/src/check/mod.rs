@@ -57,7 +57,7 @@ pub fn check(scene: &Scene) -> Report {
         findings.add(mended(warning));
     }
     let origin = scene.cameras.first().map_or(DVec3::ZERO, |camera| rebase::origin(scene, &camera.settings));
-    let world = flatten(scene, Wanted::default(), rebase::plan_from_world(origin))
+    let world = flatten(scene, Wanted::default(), rebase::plan_from_world(origin), true)
         .map_err(|error| findings.add(refused(scene, &error.to_string())))
         .ok();
     let objects = Objects::of(scene);

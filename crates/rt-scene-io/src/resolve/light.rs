@@ -2,15 +2,14 @@
 
 use std::sync::Arc;
 
-use rt_math::{DQuat, DVec3, Rgb, transcendental::cos};
-use rt_shading::emitter::{EmitterError, EnvironmentLight};
-use rt_shading::{Background, Bitmap, Falloff, Light, LightKind};
+use rt_math::{DVec3, Rgb, transcendental::cos};
+use rt_shading::{Background, Falloff, Light, LightKind};
 
 use super::report::Report;
 use super::texture::Textures;
 use super::value::{colour, coordinate, direction, not_negative, vector};
-use crate::Reason;
 use crate::format;
+use crate::{Reason, read_environment};
 
 /// Widest cone of a spot light: half a sphere.
 const MAX_CONE_DEGREES: f64 = 90.0;
@@ -89,7 +88,10 @@ pub(super) fn background(
     textures: &mut Textures<'_>,
 ) -> Background {
     if let Some(format::Background::Image { file, scale, rotate }) = background {
-        let light = environment(file, scale, *rotate, textures);
+        let light = colour(scale).and_then(|scale| {
+            let light = read_environment(&textures.path(file)?, scale, coordinate(*rotate)?.to_radians());
+            light.map_err(|reason| Reason::BadReference { reference: file.clone(), rule: reason.to_string() })
+        });
         let black = Background::Constant(Rgb::BLACK);
         return report.check("background", light).map_or(black, |light| Background::Environment(Arc::new(light)));
     }
@@ -101,19 +103,4 @@ pub(super) fn background(
             Background::Gradient { bottom: at("background.bottom", bottom), top: at("background.top", top) }
         }
     }
-}
-
-/// The light of an image around the scene.
-fn environment(
-    file: &str,
-    scale: &format::Color,
-    rotate: f64,
-    textures: &mut Textures<'_>,
-) -> Result<EnvironmentLight, Reason> {
-    let scale = colour(scale)?;
-    let turn = DQuat::from_rotation_y(coordinate(rotate)?.to_radians());
-    let Bitmap { width, height, pixels } = textures.bitmap(file)?;
-    let pixels = pixels.iter().map(|pixel| Rgb::from(pixel.map(f64::from)) * scale).collect();
-    let bad = |error: EmitterError| Reason::BadReference { reference: file.to_owned(), rule: error.to_string() };
-    EnvironmentLight::new(width as usize, height as usize, pixels, turn).map_err(bad)
 }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use rt_math::Rgb;
-use rt_shading::{Bitmap, Coefficient, Texture, TextureId, Wrap};
+use rt_shading::{Coefficient, Texture, TextureId, Wrap};
 
 use super::value::{colour, positive};
 use crate::format;
@@ -41,11 +41,9 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// The pixels of an image file, which does not become a texture.
-    pub(super) fn bitmap(&self, reference: &str) -> Result<Bitmap, Reason> {
-        let path = resolve_path(reference, self.source, self.options)?;
-        read_texture(&path)
-            .map_err(|reason| Reason::BadReference { reference: reference.to_owned(), rule: reason.to_string() })
+    /// Where a file lies that the scene refers to.
+    pub(super) fn path(&self, reference: &str) -> Result<PathBuf, Reason> {
+        resolve_path(reference, self.source, self.options)
     }
 
     fn image(&mut self, reference: &str, wrap: format::Wrap, smooth: bool) -> Result<TextureId, Reason> {

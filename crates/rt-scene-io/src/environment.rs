@@ -1,0 +1,21 @@
+//! Images around a scene, as lights.
+
+use std::path::Path;
+
+use rt_math::{DQuat, Rgb, transcendental::sincos};
+use rt_shading::{Bitmap, emitter::EnvironmentLight};
+
+use crate::{Reason, read_texture};
+
+/// Reads an equirectangular image (PNG, JPEG, HDR or EXR) as the light all around a scene: its radiance is multiplied by
+/// `scale`, and it is turned to the left, seen from inside, by `rotation` radians around +y.
+///
+/// # Errors
+/// If the file cannot be read, is no image, or holds what is no radiance.
+pub fn read_environment(path: &Path, scale: Rgb, rotation: f64) -> Result<EnvironmentLight, Reason> {
+    let Bitmap { width, height, pixels } = read_texture(path)?;
+    let radiance = pixels.iter().map(|pixel| Rgb::from(pixel.map(f64::from)) * scale).collect();
+    let (sin, cos) = sincos(0.5 * rotation);
+    EnvironmentLight::new(width as usize, height as usize, radiance, DQuat::from_xyzw(0.0, sin, 0.0, cos))
+        .map_err(|error| Reason::invalid("the image", error.to_string()))
+}
