@@ -5,13 +5,13 @@ use std::{collections::BTreeSet, fmt};
 use rt_accel::{AnyStructure, Structure as _};
 use rt_geometry::Shape;
 use rt_math::{DVec3, Primitives as _};
-use rt_scene_io::Integrator;
-use rt_shading::{Light, LightKind, Texture};
+use rt_scene_io::{Integrator, LightSampling};
+use rt_shading::{Follows, Light, LightKind, PathSettings, Texture};
 
 use crate::{
     RenderPlan,
     estimate::PixelEstimate,
-    plan::World,
+    plan::{View, World},
     splats::SplatImage,
     structure::{FEW, why},
     surroundings::Surroundings,
@@ -232,7 +232,7 @@ impl RenderPlan<'_> {
         if self.camera.has_lens() {
             used.push("a lens: camera rays start all over the aperture".to_owned());
         }
-        if self.integrator == Integrator::Whitted {
+        if self.integrator.follows_light() {
             used.extend(self.light());
         }
         used.extend(self.light_paths());
@@ -309,13 +309,45 @@ impl RenderPlan<'_> {
         let lights = &self.appearance.lights;
         let shadowing = lights.iter().filter(|light| light.casts_shadows).count();
         let mut lines = vec![format!("{}, {shadowing} casting shadows", count(lights.len(), "light", "lights"))];
-        if self.needs.reflection || self.needs.refraction {
+        if let View::Paths(settings) = &self.view {
+            lines.extend(self.extended_lights());
+            lines.push(self.paths(settings));
+        } else if self.needs.reflection || self.needs.refraction {
             lines.push(format!("up to {} after the first hit", count(self.depth as usize, "bounce", "bounces")));
         }
         if self.needs.refraction {
             lines.push(self.nesting());
         }
         lines
+    }
+
+    /// The lights that are drawn from.
+    fn extended_lights(&self) -> Option<String> {
+        let emitters = self.emitters.emitters().len();
+        (emitters > 0).then(|| {
+            let choice = match (emitters, self.scene.settings.light_sampling) {
+                (1, _) => "drawn from at each surface",
+                (_, LightSampling::Uniform) => "one drawn at each surface, all alike",
+                (_, LightSampling::Power) => "one drawn at each surface, by power",
+                (_, LightSampling::Tree) => "one drawn at each surface, by a tree that knows where they shine",
+            };
+            let environment =
+                if self.emitters.environment().is_some() { ", the image around the scene among them" } else { "" };
+            format!("{} with extent{environment}: {choice}", count(emitters, "light", "lights"))
+        })
+    }
+
+    fn paths(&self, settings: &PathSettings) -> String {
+        let bounces = count(settings.max_depth as usize, "bounce", "bounces");
+        let what = match settings.follows {
+            Follows::Everything => "paths",
+            Follows::Reflections => "reflected and refracted paths",
+        };
+        if settings.max_depth > settings.roulette_from {
+            format!("{what} of up to {bounces} after the first hit, roulette after {}", settings.roulette_from)
+        } else {
+            format!("{what} of up to {bounces} after the first hit")
+        }
     }
 
     /// Which transparent body is where several overlap, and what the camera stands in.
@@ -372,7 +404,16 @@ impl RenderPlan<'_> {
             (n.refraction && !n.absorption, "absorption", "transparent bodies are clear"),
             (!n.reflection && !n.refraction, "ray tree", "nothing sends rays on"),
         ];
+        let is_path = matches!(self.view, View::Paths(_));
+        let of_paths = [
+            (!n.textures, "textures", "no surface uses one"),
+            (!n.emission, "emission", "no surface shines by itself"),
+            (self.emitters.is_empty(), "lights with extent", "there are none to be drawn from"),
+            (!n.refraction, "nested dielectrics", "no ray is ever inside of a body"),
+            (n.refraction && !n.absorption, "absorption", "transparent bodies are clear"),
+        ];
         let listed = geometry.into_iter().chain(surface).chain(shading.into_iter().filter(|_| whitted));
+        let listed = listed.chain(of_paths.into_iter().filter(|_| is_path));
         let mut left_out: Vec<LeftOut> =
             listed.filter(|(left, ..)| *left).map(|(_, what, why)| LeftOut { what, why: why.to_owned() }).collect();
         if let Some(visible) = &self.visible {

@@ -1,1 +1,248 @@
+use super::*;
+use crate::{
+    Background, Coefficient, Falloff, Light, LightKind, Material, Phong, Physical, SurfaceHit, Transmission,
+    emitter::{DiskLight, Emission, Emitter, EmitterRef, EnvironmentLight, LightSampling, QuadLight, Sides},
+};
+use core::f64::consts::PI;
+use rt_geometry::{Plane, Polygon, Shape, Sphere, SurfaceNeeds};
+use rt_math::{DVec3, RayKind, Rgb, random};
 
+/// Independent numbers.
+#[derive(Clone)]
+struct Independent {
+    key: u64,
+    dimension: u64,
+}
+
+impl Sampler for Independent {
+    fn next_1d(&mut self) -> f64 {
+        self.dimension += 1;
+        random::unit(random::hash(&[self.key, self.dimension]))
+    }
+
+    fn next_2d(&mut self) -> [f64; 2] {
+        [self.next_1d(), self.next_1d()]
+    }
+}
+
+/// Shapes, each with its material and light.
+#[derive(Default)]
+struct Shapes(Vec<(Shape, u32, Option<u32>)>);
+
+impl Tracer for Shapes {
+    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+        let hits = self.0.iter().enumerate();
+        let hits = hits.filter_map(|(object, (shape, ..))| Some((object, shape.intersect(ray, span)?)));
+        let (object, hit) = hits.min_by(|a, b| a.1.t.total_cmp(&b.1.t))?;
+        let (shape, material, light) = &self.0[object];
+        let interaction = shape.surface(ray, &hit, needs);
+        let emitter = light.map(|index| EmitterRef { index, triangle: None });
+        Some(SurfaceHit { t: hit.t, interaction, object: object as u32, material: *material, emitter })
+    }
+
+    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
+        self.0.iter().any(|(shape, ..)| shape.intersect(ray, span).is_some())
+    }
+}
+
+const fn gray(value: f64) -> Coefficient {
+    Coefficient::Constant(Rgb::gray(value))
+}
+
+fn physical(physical: Physical, emission: f64) -> Material {
+    let zero = Coefficient::ZERO;
+    let phong = Phong { ambient: zero, diffuse: zero, emission: gray(emission), ..Phong::default() };
+    Material { physical: Some(physical), ..Material::new(String::new(), phong) }
+}
+
+fn diffuse(albedo: f64) -> Physical {
+    Physical::Diffuse { albedo: gray(albedo), roughness: 0.0 }
+}
+
+struct Scene {
+    shapes: Shapes,
+    appearance: Appearance,
+    emitters: EmitterSet,
+}
+
+impl Scene {
+    fn new(materials: Vec<Material>, emitters: Vec<Emitter>) -> Self {
+        let appearance = Appearance { materials, ..Appearance::default() };
+        Self { shapes: Shapes::default(), appearance, emitters: EmitterSet::new(emitters, LightSampling::Tree, 1.0) }
+    }
+
+    fn with(mut self, shape: Shape, material: u32, light: Option<u32>) -> Self {
+        self.shapes.0.push((shape, material, light));
+        self
+    }
+
+    /// The mean over so many paths from a ray, and its standard error.
+    fn estimate(&mut self, settings: PathSettings, ray: Ray, paths: u32) -> (f64, f64) {
+        let needs = Needs::of(&self.appearance, |_| true);
+        let mut tracer = PathTracer::new(settings, needs);
+        let samplers: Vec<_> = (0..paths).map(|key| Independent { key: u64::from(key), dimension: 0 }).collect();
+        let rays = vec![(ray, Interval::FORWARD); paths as usize];
+        let mut seen = vec![Seen::NOTHING; paths as usize];
+        let lighting = Lighting { appearance: &self.appearance, emitters: &self.emitters };
+        tracer.radiance_of(&mut self.shapes, lighting, &rays, &samplers, &mut seen);
+        let n = f64::from(paths);
+        let mean = seen.iter().map(|seen| seen.radiance.g).sum::<f64>() / n;
+        let spread = seen.iter().map(|seen| (seen.radiance.g - mean).powi(2)).sum::<f64>();
+        (mean, (spread / (n * (n - 1.0))).sqrt())
+    }
+
+    fn assert_shows(&mut self, settings: PathSettings, ray: Ray, truth: f64) {
+        let (mean, error) = self.estimate(settings, ray, 20_000);
+        let z = (mean - truth) / error.max(1e-9 * truth);
+        assert!(z.abs() < 5.0, "{mean} ± {error} is not {truth}: z = {z}");
+    }
+}
+
+const fn paths(max_depth: u32) -> PathSettings {
+    PathSettings { max_depth, roulette_from: 2, follows: Follows::Everything }
+}
+
+const DISTRIBUTED: PathSettings = PathSettings { max_depth: 4, roulette_from: 9, follows: Follows::Reflections };
+
+fn floor() -> Shape {
+    Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane"))
+}
+
+fn ball(radius: f64) -> Shape {
+    Shape::Sphere(Sphere::new(DVec3::ZERO, radius).expect("a sphere"))
+}
+
+/// At a point of the floor, from aside.
+fn at_origin() -> Ray {
+    Ray::new(DVec3::new(3.0, 1.0, 0.5), DVec3::new(-3.0, -1.0, -0.5))
+}
+
+/// The unit square light 1 above a diffuse floor, as shape and as emitter.
+fn under_square(floor_material: Material, roulette: PathSettings) {
+    let emission = Emission::new(Rgb::gray(2.0), Sides::Front).expect("an emission");
+    let corner = DVec3::new(-0.5, 1.0, -0.5);
+    let outline = vec![corner, corner + DVec3::X, corner + DVec3::X + DVec3::Z, corner + DVec3::Z];
+    let light = QuadLight::new(corner, [DVec3::X, DVec3::Z], emission).expect("a light");
+    let mut lamp = physical(Physical::Black, 2.0);
+    lamp.shines = Sides::Front;
+    let shape = Polygon::new(outline, Vec::new(), rt_geometry::InsideRule::Convex).expect("a square");
+    Scene::new(vec![floor_material, lamp], vec![Emitter::Quad(light)])
+        .with(floor(), 0, None)
+        .with(Shape::Polygon(shape.into()), 1, Some(0))
+        // Irradiance .7522746885 for radiance 1 (Lambert), albedo one half.
+        .assert_shows(roulette, at_origin(), 2.0 * 0.752_274_688_5 * 0.5 / PI);
+}
+
+#[test]
+fn direct_light_of_a_square_is_lamberts() {
+    under_square(physical(diffuse(0.5), 0.0), paths(0));
+    under_square(physical(diffuse(0.5), 0.0), paths(20));
+    under_square(physical(diffuse(0.5), 0.0), DISTRIBUTED);
+    // The classical surface reads its coefficient as albedo.
+    let classical = Phong { diffuse: gray(0.5), ambient: Coefficient::ZERO, ..Phong::default() };
+    under_square(Material::new(String::new(), classical), paths(0));
+}
+
+#[test]
+fn a_closed_room_that_shines_sums_all_bounces() {
+    for albedo in [0.5, 0.8] {
+        let shining = || Scene::new(vec![physical(diffuse(albedo), 1.0)], Vec::new()).with(ball(1.0), 0, None);
+        let out = Ray::new(DVec3::ZERO, DVec3::new(0.3, 0.2, 1.0));
+        shining().assert_shows(paths(1000), out, 1.0 / (1.0 - albedo));
+        // Emission of the first surface and of five more.
+        let truncated: f64 = (0..=5).map(|bounce| f64::powi(albedo, bounce)).sum();
+        shining().assert_shows(paths(4), out, truncated);
+    }
+}
+
+#[test]
+fn a_light_that_can_be_drawn_counts_once() {
+    // A sky that is drawn as a light and met by rays: a white floor below it is as bright as the sky.
+    let sky = EnvironmentLight::constant(Rgb::WHITE).expect("a sky");
+    for roughness in [0.0, 0.3, 1.0] {
+        let metal = Physical::MetallicRoughness { base_color: gray(1.0), metallic: 1.0, roughness };
+        for material in [diffuse(1.0), Physical::Mirror { reflectance: gray(1.0) }, metal] {
+            let is_rough = matches!(&material, Physical::MetallicRoughness { roughness, .. } if *roughness > 0.0);
+            let drawn = vec![Emitter::Environment(sky.clone())];
+            let mut scene = Scene::new(vec![physical(material, 0.0)], drawn).with(floor(), 0, None);
+            scene.appearance.background = Background::Environment(sky.clone().into());
+            if is_rough {
+                // Light that facets pass to each other is lost.
+                let (mean, error) = scene.estimate(paths(3), at_origin(), 20_000);
+                assert!(mean < 1.0 && mean > 0.4 && error < 0.01, "{mean} ± {error}");
+            } else {
+                scene.assert_shows(paths(3), at_origin(), 1.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn glass_neither_makes_nor_loses_light() {
+    let inside = |ior: f64, absorption: f64| Transmission {
+        coefficient: gray(1.0),
+        ior,
+        fresnel: true,
+        absorption: Rgb::gray(absorption),
+        priority: 0,
+    };
+    let glass = |ior, absorption, roughness| {
+        let mut material = physical(Physical::Dielectric { roughness, transmittance: gray(1.0) }, 0.0);
+        material.phong.transmission = Some(inside(ior, absorption));
+        material
+    };
+    let furnace = |material| {
+        let mut scene = Scene::new(vec![material], Vec::new()).with(ball(1.0), 0, None);
+        scene.appearance.background = Background::Constant(Rgb::WHITE);
+        scene
+    };
+    let ray = Ray::new(DVec3::new(0.4, 0.1, 5.0), DVec3::NEG_Z);
+    furnace(glass(1.5, 0.0, 0.0)).assert_shows(paths(500), ray, 1.0);
+    // Rough surfaces lose what facets pass to each other.
+    let (mean, _) = furnace(glass(1.5, 0.0, 0.2)).estimate(paths(500), ray, 20_000);
+    assert!(mean > 0.97 && mean < 1.0 + 1e-9, "{mean}");
+    // Beer's law along a diameter, through a body that does not bend light.
+    let straight = Ray::new(DVec3::Z * 5.0, DVec3::NEG_Z);
+    furnace(glass(1.0, 0.5, 0.0)).assert_shows(paths(5), straight, (-1.0f64).exp());
+}
+
+#[test]
+fn lights_without_extent_keep_the_brightness_of_whitteds() {
+    let kind =
+        LightKind::Point { position: DVec3::new(0.0, 2.0, 0.0), falloff: Falloff::InverseSquare, lamp_radius: 0.0 };
+    let light = Light { name: String::new(), kind, intensity: Rgb::gray(3.0), casts_shadows: true };
+    let classical = Phong { diffuse: gray(0.4), ambient: Coefficient::ZERO, ..Phong::default() };
+    let mut scene = Scene::new(vec![Material::new(String::new(), classical)], Vec::new()).with(floor(), 0, None);
+    scene.appearance.lights = vec![light];
+    let needs = Needs::of(&scene.appearance, |_| true);
+    let whitted = crate::Whitted::new(0, 0.0, needs).radiance(&mut scene.shapes, &scene.appearance, &at_origin());
+    for settings in [paths(0), paths(3), DISTRIBUTED] {
+        let (mean, error) = scene.estimate(settings, at_origin(), 4);
+        assert!((mean / whitted.radiance.g - 1.0).abs() < 1e-12 && error < 1e-15, "{mean}: {whitted:?}");
+    }
+}
+
+#[test]
+fn what_is_seen_does_not_depend_on_the_wave() {
+    let emission = Emission::new(Rgb::WHITE, Sides::Both).expect("an emission");
+    let light = DiskLight::new(DVec3::Y * 2.0, DVec3::NEG_Y, 0.5, 0.0, emission).expect("a light");
+    let mut scene =
+        Scene::new(vec![physical(diffuse(0.7), 0.0), physical(diffuse(0.3), 0.1)], vec![Emitter::Disk(light)])
+            .with(floor(), 0, None)
+            .with(ball(0.5), 1, None);
+    let needs = Needs::of(&scene.appearance, |_| true);
+    let ray =
+        |i: u32| (Ray::new(DVec3::new(3.0, 1.0, 0.1 * f64::from(i)), DVec3::new(-3.0, -1.0, 0.0)), Interval::FORWARD);
+    let rays: Vec<_> = (0..20).map(ray).collect();
+    let samplers: Vec<_> = (0..20).map(|key| Independent { key, dimension: 0 }).collect();
+    let lighting = Lighting { appearance: &scene.appearance, emitters: &scene.emitters };
+    let mut together = vec![Seen::NOTHING; 20];
+    PathTracer::new(paths(6), needs).radiance_of(&mut scene.shapes, lighting, &rays, &samplers, &mut together);
+    let mut one_by_one = vec![Seen::NOTHING; 20];
+    let mut tracer = PathTracer::new(paths(6), needs);
+    for i in 0..20 {
+        tracer.radiance_of(&mut scene.shapes, lighting, &rays[i..=i], &samplers[i..=i], &mut one_by_one[i..=i]);
+    }
+    assert_eq!(together, one_by_one);
+    assert!(together.iter().any(|seen| !seen.radiance.is_black()));
+}
