@@ -128,7 +128,10 @@ fn emitter_of_shape(shape: &Shape, world_from_local: &Transform, emission: Emiss
         }
         Shape::Polygon(polygon) => emitter_of_polygon(polygon, world_from_local, emission),
         Shape::Triangle(triangle) => mesh([triangle.vertices()], world_from_local, emission),
-        Shape::AxisBox(axis_box) => mesh(faces_of(&axis_box.bounds()), world_from_local, emission),
+        // A box without thickness has two faces in one place.
+        Shape::AxisBox(axis_box) if axis_box.bounds().extent().min_element() > 0.0 => {
+            mesh(faces_of(&axis_box.bounds()), world_from_local, emission)
+        }
         _ => None,
     }
 }

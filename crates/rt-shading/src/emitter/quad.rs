@@ -203,6 +203,19 @@ mod tests {
         QuadLight::new(DVec3::new(-0.5, -0.5, 1.0), [DVec3::Y, DVec3::X], white(sides)).expect("a light")
     }
 
+    /// A lamp that also reflects drew itself: rounding put points of its back in front of it, and light leaked out behind.
+    #[test]
+    fn the_light_is_not_seen_from_its_own_plane_as_rounding_leaves_it() {
+        let corner = DVec3::new(-0.24, 1.98, 0.16);
+        let light = QuadLight::new(corner, [DVec3::NEG_Z * 0.38, DVec3::X * 0.47], white(Sides::Front)).expect("a light");
+        for y in [1.98f64.next_down().next_down(), 1.98f64.next_down(), 1.98, 1.98f64.next_up()] {
+            assert_eq!(light.sample(DVec3::new(0.1, y, -0.1), [0.3, 0.6]), None, "{y}");
+        }
+        let faces_down = light.normal().y < 0.0;
+        let beyond = DVec3::new(0.1, 1.98 + if faces_down { -1e-9 } else { 1e-9 }, -0.1);
+        assert!(light.sample(beyond, [0.3, 0.6]).is_some());
+    }
+
     fn corners(light: &QuadLight) -> [DVec3; 4] {
         let [a, b] = light.edges;
         [light.corner, light.corner + a, light.corner + a + b, light.corner + b]
