@@ -340,7 +340,7 @@ impl RenderPlan<'_> {
     fn paths(&self, settings: &PathSettings) -> String {
         let bounces = count(settings.max_depth as usize, "bounce", "bounces");
         let what = match settings.follows {
-            Follows::Everything => "paths",
+            Follows::Everything | Follows::AllButCaustics => "paths",
             Follows::Reflections => "reflected and refracted paths",
         };
         if settings.max_depth > settings.roulette_from {

@@ -17,7 +17,7 @@ use crate::{
     surroundings::{holds, reach_of_transparent_bodies},
     tile::Countable,
     trace::{Surfaces, WorldTracer},
-    world::{Levels, Part, PartGeometry, Parts},
+    world::{Levels, Part, PartGeometry},
 };
 
 /// Paths that a thread takes at a time.
@@ -85,7 +85,7 @@ impl RenderPlan<'_> {
         match &self.world {
             World::Spheres(world, structure) => self.trace_light_in::<_, S>(world, structure, pass, chunk, tracer),
             World::Parts(top, levels) => {
-                let world = &Parts { parts: &top.parts, levels };
+                let world = &top.set(levels);
                 self.trace_light_in::<_, S>(world, &top.structure, pass, chunk, tracer)
             }
         }

@@ -76,7 +76,7 @@ fn look(name: &str, camera: &Camera, size: DVec2, top: &Assembly, levels: &Level
         let raster = middle * size / f64::from(CELLS);
         let ray = camera.ray(raster, 0.0);
         let Some(hit) = top.structure.closest(&parts, &ray, Interval::FORWARD, &mut NoProbe) else { continue };
-        let Some(PartSurface { interaction: surface, .. }) = parts.surface(hit.instance, &ray, &hit, needs) else {
+        let Some(PartSurface { interaction: surface, .. }) = parts.surface(parts.place(&hit), &ray, &hit, needs) else {
             continue;
         };
         let distance = hit.t * ray.direction.length();

@@ -48,7 +48,8 @@ impl Outlines for Parts<'_> {
         match &self.parts[index as usize].geometry {
             PartGeometry::Shape(shape) => Outline::of(shape),
             PartGeometry::Placed(placed) => Outline::of_placed(placed),
-            PartGeometry::Mesh(..) | PartGeometry::Group(..) => Outline::Other,
+            PartGeometry::Facet(mesh, _) if mesh.data().normals.is_empty() => Outline::Flat,
+            PartGeometry::Facet(..) | PartGeometry::Mesh(..) | PartGeometry::Group(..) => Outline::Other,
         }
     }
 

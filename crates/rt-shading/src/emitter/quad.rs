@@ -207,7 +207,8 @@ mod tests {
     #[test]
     fn the_light_is_not_seen_from_its_own_plane_as_rounding_leaves_it() {
         let corner = DVec3::new(-0.24, 1.98, 0.16);
-        let light = QuadLight::new(corner, [DVec3::NEG_Z * 0.38, DVec3::X * 0.47], white(Sides::Front)).expect("a light");
+        let light =
+            QuadLight::new(corner, [DVec3::NEG_Z * 0.38, DVec3::X * 0.47], white(Sides::Front)).expect("a light");
         for y in [1.98f64.next_down().next_down(), 1.98f64.next_down(), 1.98, 1.98f64.next_up()] {
             assert_eq!(light.sample(DVec3::new(0.1, y, -0.1), [0.3, 0.6]), None, "{y}");
         }
