@@ -91,6 +91,7 @@ mod tests {
     use rt_math::{
         DVec3, Transform,
         random::{hash, unit},
+        transcendental::{acos, atan2, cos, tan},
     };
 
     const DRAWS: u64 = 100_000;
@@ -119,21 +120,23 @@ mod tests {
         let mut counts = vec![0u32; RINGS * 2 * sectors];
         for index in 0..DRAWS {
             let point = lens.point(square(index)) / lens.radius;
-            let angle = (-point.x).atan2(point.y) - lens.rotation;
+            let angle = atan2(-point.x, point.y) - lens.rotation;
             let turns = angle.rem_euclid(TAU) / TAU * sectors as f64;
             let sector = (turns as usize).min(sectors - 1);
             // The distance from the centre as a part of that to the edge.
             let off_middle = (turns - sector as f64 - 0.5) * TAU / sectors as f64;
             let half = TAU / 2.0 / sectors as f64;
-            let edge = if lens.blades.is_some() { half.cos() / off_middle.cos() } else { 1.0 };
-            let ring = (((point.length() / edge).powi(2)) * RINGS as f64) as usize;
+            let edge = if lens.blades.is_some() { cos(half) / cos(off_middle) } else { 1.0 };
+            let out = point.length() / edge;
+            let ring = (out * out * RINGS as f64) as usize;
             assert!(point.length() <= edge * (1.0 + 1e-12), "{point} lies outside");
             let side = usize::from(off_middle > 0.0);
             counts[(ring.min(RINGS - 1) * sectors + sector) * 2 + side] += 1;
         }
         let expected = DRAWS as f64 / counts.len() as f64;
         let degrees = counts.len() as f64 - 1.0;
-        let chi: f64 = counts.iter().map(|&count| (f64::from(count) - expected).powi(2) / expected).sum();
+        let chi: f64 =
+            counts.iter().map(|&count| (f64::from(count) - expected) * (f64::from(count) - expected) / expected).sum();
         (chi - degrees) / (2.0 * degrees).sqrt()
     }
 
@@ -189,7 +192,7 @@ mod tests {
         let lens = Lens { radius: focal_length / (2.0 * 2.0), focus, blades: None, rotation: 0.0 };
         let settings = CameraSettings { lens: Some(lens), ..CameraSettings::new(Transform::IDENTITY, PINHOLE) };
         let camera = Camera::new(&settings, 100, 100).expect("a camera");
-        let side = 2.0 * (0.4f64).tan() / 100.0;
+        let side = 2.0 * tan(0.4) / 100.0;
         let film = focal_length * focus / (focus - focal_length);
         let middle = DVec2::splat(50.0);
         // Raster points from which rays through the left and right ends of the lens meet the point on the axis.
@@ -209,7 +212,7 @@ mod tests {
         let edge = 0.5 * lens.radius;
         let seen =
             (0..DRAWS).filter(|&index| camera.ray_through(DVec2::splat(50.0), square(index), 0.0).at(4.0).x > edge);
-        let expected = ((0.5f64).acos() - 0.5 * (0.75f64).sqrt()) / core::f64::consts::PI;
+        let expected = (acos(0.5) - 0.5 * (0.75f64).sqrt()) / core::f64::consts::PI;
         let deviation = (expected * (1.0 - expected) / DRAWS as f64).sqrt();
         let z = (seen.count() as f64 / DRAWS as f64 - expected) / deviation;
         assert!(z.abs() < 5.0, "{z}");
