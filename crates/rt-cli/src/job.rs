@@ -81,6 +81,9 @@ impl Job<'_> {
             let error = RenderError::SamePasses(self.scene.settings.pattern.name());
             return Err(Failure::plan(self.scene_file, error));
         }
+        if self.rule.is_some() && plan.least_samples_per_pixel().is_some() {
+            return Err(Failure::plan(self.scene_file, RenderError::AdaptiveUntil));
+        }
         for aov in &self.aovs {
             aov.check(size, self.rule.is_some() || plan.passes() > 1)?;
         }

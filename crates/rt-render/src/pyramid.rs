@@ -225,20 +225,12 @@ impl<W: Surfaces> Judge<'_, W> {
         if phong.diffuse.is_zero() && phong.specular.is_zero() {
             return true;
         }
-        appearance.lights.iter().all(|light| {
-            if patch.turns_away_from(light) {
-                return true;
-            }
-            let blocked = if light.casts_shadows {
-                Shaft::new(patch, light).blocked(self.world, self.structure, patch.index)
-            } else {
-                Blocked::Nowhere
-            };
-            match blocked {
-                Blocked::Everywhere => true,
-                Blocked::Nowhere => patch.is_even_under(light, phong),
-                Blocked::Somewhere => false,
-            }
-        })
+        let mut reaching = appearance.lights.iter().filter(|light| !patch.turns_away_from(light));
+        // Shafts take longest, and most squares that are too large fail before.
+        reaching.clone().all(|light| patch.is_even_under(light, phong))
+            && reaching.all(|light| {
+                let shaft = Shaft::new(patch, light);
+                !light.casts_shadows || shaft.blocked(self.world, self.structure, patch.index) != Blocked::Somewhere
+            })
     }
 }
