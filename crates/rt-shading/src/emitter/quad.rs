@@ -4,6 +4,7 @@ use super::sample::{by_solid_angle, density};
 use super::solid_angle::{self, MIN_SPHERICAL};
 use super::{Emission, EmitterBounds, EmitterError, EmitterPoint, EmitterSample};
 use rt_geometry::ShapeError;
+use rt_math::float::gamma;
 use rt_math::transcendental::sincos;
 use rt_math::{Aabb, DVec3, Rgb};
 
@@ -80,7 +81,9 @@ impl QuadLight {
     pub fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<EmitterSample> {
         let height = (self.corner - point).dot(self.normal);
         let radiance = self.emission.seen(height);
-        if radiance.is_black() {
+        // A point of the light itself sees it edge-on, and rounding must not put it on the side that shines.
+        let rounding = self.normal.abs().dot(self.corner.abs() + point.abs()) * gamma(16);
+        if radiance.is_black() || height.abs() <= rounding {
             return None;
         }
         let solid_angle = self.solid_angle(point);

@@ -43,10 +43,6 @@ impl EmitterSample {
         let distance = offset.length();
         let direction = offset / distance;
         let point_error = (at.point.abs() + DVec3::splat(extent)) * gamma(16);
-        // A point of the light itself, or of its plane, sees it edge-on, and rounding must not put it on the side that shines.
-        if offset.dot(at.normal).abs() <= at.normal.abs().dot(point_error) {
-            return None;
-        }
         let sample = Self { direction, distance, point: Some(at.point), point_error, normal: at.normal, radiance, pdf };
         (direction.is_finite() && distance.is_finite() && is_density(pdf) && !radiance.is_black()).then_some(sample)
     }
