@@ -6,7 +6,7 @@ use rt_accel::{AnyStructure, Structure as _};
 use rt_geometry::Shape;
 use rt_math::{DVec3, Primitives as _};
 use rt_scene_io::{Integrator, LightSampling};
-use rt_shading::{Follows, Light, LightKind, PathSettings, Texture};
+use rt_shading::{Follows, Light, LightKind, Material, PathSettings, Texture};
 
 use crate::{
     RenderPlan,
@@ -352,7 +352,7 @@ impl RenderPlan<'_> {
 
     /// Which transparent body is where several overlap, and what the camera stands in.
     fn nesting(&self) -> String {
-        let transparent = self.appearance.materials.iter().filter_map(|material| material.phong.transmission);
+        let transparent = self.appearance.materials.iter().filter_map(Material::body);
         let priorities: BTreeSet<i32> = transparent.map(|inside| inside.priority).collect();
         let order = match (priorities.first(), priorities.last()) {
             (Some(least), Some(greatest)) if least < greatest => format!("priorities {least} to {greatest}"),

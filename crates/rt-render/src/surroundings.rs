@@ -67,8 +67,7 @@ fn look_around(scene: &Scene, world: &World, ray: &Ray) -> Interior {
 
 /// The least box around all transparent bodies; all of space if one of them is unbounded.
 pub(crate) fn reach_of_transparent_bodies(materials: &[Material], world: &World) -> Aabb {
-    let is_transparent =
-        |material: u32| materials.get(material as usize).is_some_and(|m| m.phong.transmission.is_some());
+    let is_transparent = |material: u32| materials.get(material as usize).is_some_and(|m| m.body().is_some());
     let everywhere = Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY);
     match world {
         World::Spheres(world, _) => {

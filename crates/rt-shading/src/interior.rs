@@ -81,6 +81,8 @@ impl Crossing {
 enum Step {
     Enter(Body),
     Leave(usize),
+    /// Through something that has the same on both sides.
+    Stay,
 }
 
 impl Interior {
@@ -158,6 +160,12 @@ impl Interior {
         })
     }
 
+    /// What it means to go through a pane without thickness: it is seen, and the same medium is behind it.
+    pub(crate) fn crossing_of_pane(&self, materials: &[Material]) -> Crossing {
+        let here = self.medium(materials);
+        Crossing { step: Step::Stay, before: here, after: here, is_boundary: true }
+    }
+
     /// Goes through the surface that a crossing was found for.
     pub(crate) fn cross(&mut self, crossing: &Crossing) {
         match crossing.step {
@@ -165,6 +173,7 @@ impl Interior {
             Step::Leave(at) => {
                 self.bodies.remove(at);
             }
+            Step::Stay => {}
         }
     }
 
@@ -186,6 +195,7 @@ impl Interior {
         let (left, entered) = match step {
             Step::Enter(body) => (None, Some(body)),
             Step::Leave(at) => (Some(at), None),
+            Step::Stay => (None, None),
         };
         let stays = move |(at, body): (usize, &Body)| (Some(at) != left).then_some(*body);
         self.bodies.iter().enumerate().filter_map(stays).chain(entered)
@@ -238,7 +248,7 @@ fn medium(material: Option<u32>, materials: &[Material]) -> Medium {
 }
 
 fn transmission(materials: &[Material], material: u32) -> Option<&Transmission> {
-    materials.get(material as usize)?.phong.transmission.as_ref()
+    materials.get(material as usize)?.body()
 }
 
 #[cfg(test)]

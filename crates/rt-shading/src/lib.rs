@@ -52,8 +52,10 @@
 mod ambient_occlusion;
 mod appearance;
 pub mod bsdf;
+mod course;
 pub mod emitter;
 mod first_hit;
+mod flow;
 mod interior;
 mod light;
 mod light_path;
@@ -63,6 +65,7 @@ mod needs;
 pub mod optics;
 mod path;
 mod physical;
+mod roulette;
 mod texture;
 mod tracer;
 mod vertex;

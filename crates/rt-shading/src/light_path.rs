@@ -8,9 +8,13 @@ mod wave;
 pub use sources::LightSources;
 pub use targets::{Ball, Targets};
 
-use crate::{Interior, Lighting, Needs, ShadingCounts, Tracer, path::PathSettings};
+use crate::{
+    Lighting, Needs, ShadingCounts, Tracer,
+    flow::{Flow, Queue},
+    path::PathSettings,
+};
 use rt_math::{DVec2, DVec3, Interval, Rgb, Sampler};
-use wave::{Connection, Flow, Photon};
+use wave::{Connection, Photon};
 
 /// How a camera sees a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,6 +77,8 @@ pub struct LightTracer<S> {
     /// What is traced now, while the flow after it grows.
     flow: Flow,
     next: Flow,
+    /// Rays from surfaces to the camera.
+    to_camera: Queue,
     counts: ShadingCounts,
 }
 
@@ -86,6 +92,7 @@ impl<S: Sampler> LightTracer<S> {
             connections: Vec::new(),
             flow: Flow::default(),
             next: Flow::default(),
+            to_camera: Queue::default(),
             counts: ShadingCounts::default(),
         }
     }
@@ -128,9 +135,9 @@ impl<S: Sampler> LightTracer<S> {
 
     /// Traces the rays to the camera, through whatever does nothing to them.
     fn connect(&mut self, world: &mut impl Tracer, lighting: Lighting<'_>, splat: &mut impl FnMut(DVec2, Rgb)) {
-        let mut queue = core::mem::take(&mut self.flow.connections);
+        let mut queue = core::mem::take(&mut self.to_camera);
         while !queue.rays.is_empty() {
-            let next = &mut self.flow.connections;
+            let next = &mut self.to_camera;
             let (connections, counts, needs) = (&mut self.connections, &mut self.counts, &self.needs);
             world.closest_batch(&queue.rays, rt_math::RayKind::Shadow, self.needs.surface(), |at, hit| {
                 let (id, ray) = (queue.paths[at], &queue.rays[at].0);
@@ -145,19 +152,9 @@ impl<S: Sampler> LightTracer<S> {
                 }
             });
             queue.clear();
-            core::mem::swap(&mut queue, &mut self.flow.connections);
+            core::mem::swap(&mut queue, &mut self.to_camera);
         }
-        self.flow.connections = queue;
+        self.to_camera = queue;
         self.connections.clear();
     }
-}
-
-/// What a path is inside of, and since when.
-#[derive(Clone, Debug, Default)]
-struct Course {
-    interior: Interior,
-    /// Where on its ray the medium began.
-    medium_start: f64,
-    /// Surfaces passed in a row that did nothing to it.
-    passages: u32,
 }

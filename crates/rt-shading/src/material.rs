@@ -185,6 +185,13 @@ impl Material {
         if is_inside && self.shines == Sides::Front { Rgb::BLACK } else { self.phong.emission.at(textures, uv) }
     }
 
+    /// What fills the body behind the surface, if there is a transparent one: behind a pane without thickness is what is before it.
+    #[inline]
+    pub fn body(&self) -> Option<&Transmission> {
+        let transmission = self.phong.transmission.as_ref()?;
+        self.physical.as_ref().is_none_or(Physical::encloses_body).then_some(transmission)
+    }
+
     /// What the surface does to light at a point.
     pub fn bsdf(&self, at: &PhysicalPoint<'_>) -> Bsdf {
         match &self.physical {

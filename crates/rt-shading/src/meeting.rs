@@ -1,16 +1,31 @@
 //! What a surface is to a ray that meets it, with regard to the bodies on both sides.
 
 use crate::{
-    Material, Phong, SurfaceHit,
+    Material, Needs, Phong, SurfaceHit,
     interior::{Crossing, Interior},
+    view::is_inside,
 };
+use rt_math::{DVec3, Ray};
 
 /// So many surfaces that do nothing to a ray may stand one behind the other in its way; each further one costs a bounce,
 /// so that paths end.
 pub(crate) const FREE_PASSAGES: u32 = 1024;
 
-/// What a surface is to a ray that meets it.
-pub(crate) enum Meeting {
+/// A ray that has come to a surface.
+pub(crate) struct Meeting<'m> {
+    pub(crate) material: &'m Material,
+    /// Unit direction of the ray.
+    pub(crate) direction: DVec3,
+    /// World units per unit of the ray's parameter.
+    pub(crate) length: f64,
+    /// True if the ray comes from behind the surface.
+    pub(crate) is_inside: bool,
+    pub(crate) met: Met,
+}
+
+/// What the surface is to the ray.
+pub(crate) enum Met {
+    /// Light that is scattered stays on its side.
     Opaque,
     /// There is another medium behind it, or it is visible for another reason.
     Transparent(Crossing),
@@ -18,18 +33,44 @@ pub(crate) enum Meeting {
     Nothing(Option<Crossing>),
 }
 
-impl Meeting {
-    /// The meeting with the surface of a transparent body.
-    pub(crate) fn with_body(
+impl<'m> Meeting<'m> {
+    /// The meeting of a ray that has come through the interior so far; `None` if the surface has no material.
+    #[inline]
+    pub(crate) fn new(
+        interior: &mut Interior,
+        needs: &Needs,
+        materials: &'m [Material],
+        ray: &Ray,
+        hit: &SurfaceHit,
+    ) -> Option<Self> {
+        let material = materials.get(hit.material as usize)?;
+        let length = ray.direction.length();
+        let direction = ray.direction / length;
+        let is_inside = is_inside(direction, &hit.interaction);
+        let met = match &material.phong {
+            Phong { transmission: Some(_), .. } if needs.refraction => {
+                Met::transparent(interior, materials, material, hit, is_inside)
+            }
+            _ => Met::Opaque,
+        };
+        Some(Self { material, direction, length, is_inside, met })
+    }
+}
+
+impl Met {
+    fn transparent(
         interior: &mut Interior,
         materials: &[Material],
-        phong: &Phong,
+        material: &Material,
         hit: &SurfaceHit,
         is_inside: bool,
     ) -> Self {
+        if material.body().is_none() {
+            return Self::Transparent(interior.crossing_of_pane(materials));
+        }
         match interior.crossing(materials, hit, is_inside) {
             None => Self::Nothing(None),
-            Some(crossing) if crossing.is_boundary && !(crossing.is_null() && phong.is_clear()) => {
+            Some(crossing) if crossing.is_boundary && !(crossing.is_null() && material.phong.is_clear()) => {
                 Self::Transparent(crossing)
             }
             unseen => Self::Nothing(unseen),

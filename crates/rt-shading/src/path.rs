@@ -1,11 +1,11 @@
 //! Light transport along camera paths, by random choice, in waves.
 
-pub(crate) mod scatter;
-pub(crate) mod wave;
+mod scatter;
+mod wave;
 
-use crate::{Appearance, Interior, Needs, Seen, ShadingCounts, Tracer, emitter::EmitterSet};
+use crate::{Appearance, Interior, Needs, Seen, ShadingCounts, Tracer, emitter::EmitterSet, flow::Flow};
 use rt_math::{Interval, Ray, Sampler};
-use wave::{Flow, Path, Shadows};
+use wave::{Path, Shadows};
 
 /// Which light is followed beyond the first surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -141,7 +141,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
         if self.needs.refraction {
             for path in &mut self.paths {
-                path.interior.clone_from(&self.surroundings);
+                path.course.interior.clone_from(&self.surroundings);
             }
         }
         self.flow.primary.rays.extend_from_slice(rays);

@@ -140,6 +140,21 @@ impl Physical {
         }
     }
 
+    /// True if light that comes through the surface goes on in a body behind it.
+    pub fn encloses_body(&self) -> bool {
+        match self {
+            Self::Dielectric { .. } => true,
+            Self::Mix(parts) => parts.iter().any(|(_, part)| part.encloses_body()),
+            Self::Black
+            | Self::Diffuse { .. }
+            | Self::Glossy { .. }
+            | Self::Mirror { .. }
+            | Self::Conductor { .. }
+            | Self::MetallicRoughness { .. }
+            | Self::ThinGlass { .. } => false,
+        }
+    }
+
     fn lobe(&self, at: &PhysicalPoint<'_>) -> Lobe {
         match self {
             Self::Diffuse { albedo, roughness: 0.0 } => Lambert { albedo: at.reflectance(albedo) }.into(),

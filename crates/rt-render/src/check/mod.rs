@@ -30,6 +30,7 @@ mod welded;
 
 use rt_math::DVec3;
 use rt_scene_io::Scene;
+use rt_shading::Material;
 
 use crate::{flatten::flatten, rebase, structure::Wanted};
 use bodies::Bodies;
@@ -85,7 +86,7 @@ fn meshes(objects: &Objects<'_>, findings: &mut Findings) -> Vec<Topology> {
     for object in &objects.list {
         if let Geometry::Mesh(index, _) = object.geometry {
             glass[index] |= objects.is_glass(object);
-            textured[index] |= objects.surface(object).is_some_and(|phong| phong.is_textured());
+            textured[index] |= objects.material(object).is_some_and(Material::is_textured);
         }
     }
     let mut topologies = Vec::with_capacity(scene.meshes.len());

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rt_geometry::{Placed, Shape, TriangleMesh};
 use rt_math::{Aabb, Transform};
 use rt_scene_io::{Content, Group, NamedMesh, Node, Scene};
-use rt_shading::Phong;
+use rt_shading::Material;
 
 use super::transforms::condition;
 
@@ -191,13 +191,13 @@ impl<'s> Objects<'s> {
         })
     }
 
-    /// The surface of an object; `None` if its material does not exist.
-    pub(super) fn surface(&self, object: &Object<'_>) -> Option<&'s Phong> {
-        self.scene.appearance.materials.get(object.material).map(|material| &material.phong)
+    /// The material of an object; `None` if it does not exist.
+    pub(super) fn material(&self, object: &Object<'_>) -> Option<&'s Material> {
+        self.scene.appearance.materials.get(object.material)
     }
 
     pub(super) fn is_glass(&self, object: &Object<'_>) -> bool {
-        self.surface(object).is_some_and(|phong| phong.transmission.is_some())
+        self.material(object).is_some_and(|material| material.body().is_some())
     }
 
     /// The box around all that is bounded; empty for nothing.

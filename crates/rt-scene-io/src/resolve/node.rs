@@ -132,10 +132,10 @@ impl<'a> Objects<'a> {
     fn medium(&mut self, path: &str, camera: &format::Camera) -> Option<MaterialId> {
         let name = camera.medium.as_deref()?;
         let id = self.materials.id(Some(name), &mut self.textures, &mut self.report).and_then(|id| {
-            if self.materials.list[id.0 as usize].phong.transmission.is_some() {
+            if self.materials.list[id.0 as usize].body().is_some() {
                 return Ok(id);
             }
-            let rule = "is opaque: name a material that has `transmission`";
+            let rule = "fills no body: name a material that has `transmission`, or glass";
             Err(Reason::invalid(format_args!("the material \"{name}\""), rule))
         });
         self.report.check(format_args!("{path}.medium"), id)

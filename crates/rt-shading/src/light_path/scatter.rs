@@ -1,16 +1,17 @@
 //! What happens where a light path begins, and where it meets a surface.
 
 use super::{
-    Course, LightScene, LightTracer, Sight,
+    LightScene, LightTracer, Sight,
     sources::Departing,
-    wave::{Connection, Photon, Queue},
+    wave::{Connection, Photon},
 };
 use crate::{
     Lighting, SurfaceHit, Tracer,
     bsdf::{BsdfSample, Scattering},
-    interior::{Crossing, absorb},
-    meeting::{FREE_PASSAGES, Meeting},
-    path::scatter::MOST_LIKELY,
+    course::Course,
+    interior::Crossing,
+    meeting::{Meeting, Met},
+    roulette::survives,
     vertex::{Vertex, bsdf_at},
     view::{View, is_inside},
 };
@@ -36,7 +37,7 @@ impl<S: Sampler> LightTracer<S> {
             course.interior.look_around_within(scene.sources.bodies(), world, materials, &ray);
         }
         let unweakened_way = is_unweakened.then_some(0.0);
-        self.flow.diffuse.push(ray, span, self.photons.len() as u32);
+        self.flow.push(None, ray, span, self.photons.len() as u32);
         self.photons.push(Photon { sampler, course, power, weight: Rgb::WHITE, bounces: 0, unweakened_way });
     }
 
@@ -51,29 +52,21 @@ impl<S: Sampler> LightTracer<S> {
     ) {
         let Some(photon) = self.photons.get_mut(id as usize) else { return };
         let materials = &lighting.appearance.materials;
-        let Some(material) = materials.get(hit.material as usize) else { return };
-        let length = ray.direction.length();
-        let direction = ray.direction / length;
-        let inside = is_inside(direction, &hit.interaction);
-        let meeting = if self.needs.refraction && material.phong.transmission.is_some() {
-            Meeting::with_body(&mut photon.course.interior, materials, &material.phong, hit, inside)
-        } else {
-            Meeting::Opaque
-        };
-        let crossing = match meeting {
-            Meeting::Nothing(crossing) => return self.pass(hit, ray, length, crossing.as_ref(), id),
-            Meeting::Transparent(crossing) => Some(crossing),
-            Meeting::Opaque => None,
+        let Some(meeting) = Meeting::new(&mut photon.course.interior, &self.needs, materials, ray, hit) else { return };
+        let Meeting { material, direction, length, is_inside, met } = meeting;
+        let crossing = match met {
+            Met::Nothing(crossing) => return self.pass(hit, ray, length, crossing.as_ref(), id),
+            Met::Transparent(crossing) => Some(crossing),
+            Met::Opaque => None,
         };
         if self.needs.absorption {
-            let medium = crossing.map_or_else(|| photon.course.interior.medium(materials), |c| c.before);
-            absorb(&mut photon.weight, medium.absorption, (hit.t - photon.course.medium_start) * length);
+            photon.course.absorb(materials, crossing.as_ref(), hit.t, length, &mut photon.weight);
         }
         if let Some(way) = &mut photon.unweakened_way {
             *way += hit.t * length;
         }
         let surface = hit.interaction;
-        let view = View::new(direction, inside, &mut hit.interaction);
+        let view = View::new(direction, is_inside, &mut hit.interaction);
         let bsdf = bsdf_at(lighting.appearance, material, &view, crossing.as_ref());
         let arrival = Arrival { vertex: Vertex::new(view, bsdf, ray.time), surface, crossing };
         if photon.bounces > 0 && !arrival.vertex.bsdf.is_delta() {
@@ -89,12 +82,12 @@ impl<S: Sampler> LightTracer<S> {
     fn pass(&mut self, hit: &SurfaceHit, ray: &Ray, length: f64, crossing: Option<&Crossing>, id: u32) {
         let Some(photon) = self.photons.get_mut(id as usize) else { return };
         photon.course.pass(crossing, hit, length, &mut photon.weight, &mut self.counts);
-        photon.bounces += u32::from(photon.course.passages > FREE_PASSAGES);
+        photon.bounces += u32::from(photon.course.is_tired());
         if photon.bounces > self.settings.max_depth {
             self.counts.depth_limited += 1;
             return;
         }
-        self.next.refracted.push(*ray, hit.beyond(ray), id);
+        self.next.push_passing(*ray, hit.beyond(ray), id);
     }
 
     /// Sends what the surface scatters to the camera on its way there, if the camera looks at it.
@@ -115,13 +108,12 @@ impl<S: Sampler> LightTracer<S> {
             self.counts.shadow_rays_spared += 1;
             return;
         }
-        let mut course = Course { interior: photon.course.interior.clone(), ..Course::default() };
-        if let (Some(crossing), true) = (crossing, inside != vertex.view.is_inside) {
-            course.interior.cross(crossing);
-        }
+        let mut course = photon.course.clone();
+        let is_behind = inside != vertex.view.is_inside;
+        course.turn(crossing.as_ref(), if is_behind { Scattering::Transmission } else { Scattering::Reflection });
         let origin = surface.spawn_ray(to_camera, vertex.time).origin;
         let ray = Ray { origin, direction: sight.origin - origin, time: vertex.time };
-        self.next.connections.push(ray, Interval::SEGMENT, self.connections.len() as u32);
+        self.to_camera.push(ray, Interval::SEGMENT, self.connections.len() as u32);
         self.connections.push(Connection { course, raster: sight.raster, light });
     }
 
@@ -148,24 +140,16 @@ impl<S: Sampler> LightTracer<S> {
         }
         photon.weight *= sample.weight() * correction(vertex, &sample, wi);
         photon.bounces += 1;
-        photon.course.passages = 0;
-        photon.course.medium_start = 0.0;
-        if photon.weight.is_black() || !survives(photon, self.settings.roulette_from) {
+        if photon.weight.is_black() {
             return;
         }
-        if let (Some(crossing), Scattering::Transmission) = (&arrival.crossing, sample.kind) {
-            photon.course.interior.cross(crossing);
+        let is_old = photon.bounces > self.settings.roulette_from;
+        if is_old && !survives(&mut photon.weight, 1.0, &mut photon.sampler) {
+            return;
         }
+        photon.course.turn(arrival.crossing.as_ref(), sample.kind);
         let ray = surface.spawn_ray(wi, vertex.time);
-        self.queue_of(&sample).push(ray, Interval::SPAWNED, id);
-    }
-
-    fn queue_of(&mut self, sample: &BsdfSample) -> &mut Queue {
-        match sample.kind {
-            Scattering::Transmission => &mut self.next.refracted,
-            Scattering::Reflection if sample.is_diffuse => &mut self.next.diffuse,
-            Scattering::Reflection => &mut self.next.reflected,
-        }
+        self.next.push(Some(&sample), ray, Interval::SPAWNED, id);
     }
 }
 
@@ -179,17 +163,4 @@ fn correction(vertex: &Vertex<'_>, sample: &BsdfSample, wi: DVec3) -> f64 {
     let normal = surface.geometric_normal;
     let (wo, from) = (vertex.wo, -vertex.view.direction);
     (wo.z * wi.dot(normal) / (from.dot(normal) * sample.wi.z)).abs()
-}
-
-/// Russian roulette, once the path is old enough; what survives counts more.
-fn survives<S: Sampler>(photon: &mut Photon<S>, roulette_from: u32) -> bool {
-    if photon.bounces <= roulette_from {
-        return true;
-    }
-    let chance = photon.weight.max_component().min(MOST_LIKELY);
-    if photon.sampler.next_1d() >= chance {
-        return false;
-    }
-    photon.weight = photon.weight / chance;
-    true
 }

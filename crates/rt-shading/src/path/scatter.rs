@@ -2,22 +2,18 @@
 
 use super::{
     Follows, Lighting, PathTracer,
-    wave::{Origin, Path, Queue},
+    wave::{Origin, Path},
 };
 use crate::{
     Seen, SurfaceHit,
-    bsdf::{BsdfSample, Scattering},
-    interior::{Crossing, absorb},
-    meeting::{FREE_PASSAGES, Meeting},
+    interior::Crossing,
+    meeting::{Meeting, Met},
+    roulette::survives,
     vertex::{Vertex, bsdf_at, power_heuristic},
-    view::{View, is_inside},
+    view::View,
 };
 use core::f64::consts::PI;
 use rt_math::{DVec3, Interval, Ray, Sampler};
-
-/// Paths go on with at most this chance once roulette is played, so that none goes on for ever. Where all surfaces reflect ρ
-/// of the light, what paths carry has a finite variance only if ρ² is less than this chance.
-pub(crate) const MOST_LIKELY: f64 = 0.999;
 
 impl<S: Sampler + Clone> PathTracer<S> {
     /// Adds the light of what the ray has met to what the path sees, draws light there, and sends the path on.
@@ -37,31 +33,22 @@ impl<S: Sampler + Clone> PathTracer<S> {
             return;
         };
         let materials = &lighting.appearance.materials;
-        let Some(material) = materials.get(hit.material as usize) else {
+        let Some(meeting) = Meeting::new(&mut path.course.interior, &self.needs, materials, ray, hit) else {
             seen.hit = true;
             return;
         };
-        let length = ray.direction.length();
-        let direction = ray.direction / length;
-        let inside = is_inside(direction, &hit.interaction);
-        let meeting = if self.needs.refraction && material.phong.transmission.is_some() {
-            Meeting::with_body(&mut path.interior, materials, &material.phong, hit, inside)
-        } else {
-            Meeting::Opaque
-        };
-        let way = (hit.t - path.medium_start) * length;
-        let crossing = match meeting {
-            Meeting::Nothing(crossing) => return self.pass(hit, ray, crossing.as_ref(), way, id, seen),
-            Meeting::Transparent(crossing) => Some(crossing),
-            Meeting::Opaque => None,
+        let Meeting { material, direction, length, is_inside, met } = meeting;
+        let crossing = match met {
+            Met::Nothing(crossing) => return self.pass(hit, ray, length, crossing.as_ref(), id, seen),
+            Met::Transparent(crossing) => Some(crossing),
+            Met::Opaque => None,
         };
         seen.hit = true;
         if self.needs.absorption {
-            let medium = crossing.map_or_else(|| path.interior.medium(materials), |c| c.before);
-            absorb(&mut path.weight, medium.absorption, way);
+            path.course.absorb(materials, crossing.as_ref(), hit.t, length, &mut path.weight);
         }
         if self.needs.emission {
-            let emitted = material.emission(&lighting.appearance.textures, hit.interaction.uv, inside);
+            let emitted = material.emission(&lighting.appearance.textures, hit.interaction.uv, is_inside);
             let is_left_out = follows == Follows::AllButCaustics && path.is_caustic_of(hit);
             if !emitted.is_black() && !is_left_out {
                 seen.radiance += path.weight * emitted * emitter_weight(lighting, path, hit);
@@ -70,7 +57,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         if path.is_last {
             return;
         }
-        let view = View::new(direction, inside, &mut hit.interaction);
+        let view = View::new(direction, is_inside, &mut hit.interaction);
         let bsdf = bsdf_at(lighting.appearance, material, &view, crossing.as_ref());
         let vertex = Vertex::new(view, bsdf, ray.time);
         let vertex = if follows == Follows::Reflections { vertex.without_diffuse() } else { vertex };
@@ -83,25 +70,23 @@ impl<S: Sampler + Clone> PathTracer<S> {
     }
 
     /// Goes on along the same ray, through a surface that does nothing to it.
-    fn pass(&mut self, hit: &SurfaceHit, ray: &Ray, crossing: Option<&Crossing>, way: f64, id: u32, seen: &mut Seen) {
+    fn pass(
+        &mut self,
+        hit: &SurfaceHit,
+        ray: &Ray,
+        length: f64,
+        crossing: Option<&Crossing>,
+        id: u32,
+        seen: &mut Seen,
+    ) {
         let path = &mut self.paths[id as usize];
-        if let Some(crossing) = crossing {
-            if crossing.before.absorption != crossing.after.absorption {
-                seen.hit |= absorb(&mut path.weight, crossing.before.absorption, way);
-                path.medium_start = hit.t;
-            }
-            path.interior.cross(crossing);
-        } else {
-            self.counts.interior_overflows += 1;
-        }
-        self.counts.passages += 1;
-        path.passages += 1;
-        path.bounces += u32::from(path.passages > FREE_PASSAGES);
+        seen.hit |= path.course.pass(crossing, hit, length, &mut path.weight, &mut self.counts);
+        path.bounces += u32::from(path.course.is_tired());
         if path.bounces > self.settings.max_depth + u32::from(path.is_last) {
             self.counts.depth_limited += 1;
             return;
         }
-        self.next.refracted.push(*ray, hit.beyond(ray), id);
+        self.next.push_passing(*ray, hit.beyond(ray), id);
     }
 
     /// Asks all lights without extent and one of those with, and leaves it to shadow rays whether they count.
@@ -169,41 +154,20 @@ impl<S: Sampler + Clone> PathTracer<S> {
         path.squeezed *= sample.eta * sample.eta;
         path.began_spread = if path.bounces == 0 { !sample.is_delta } else { path.began_spread };
         path.bounces += 1;
-        path.passages = 0;
-        path.medium_start = 0.0;
         path.is_last = ends;
         path.origin =
             Origin { point: surface.point, normal: vertex.normal, pdf: (!sample.is_delta).then_some(sample.pdf) };
-        if path.weight.is_black() || !survives(path, self.settings.roulette_from) {
+        if path.weight.is_black() {
             return;
         }
-        if let (Some(crossing), Scattering::Transmission) = (crossing, sample.kind) {
-            path.interior.cross(crossing);
+        let is_old = path.bounces > self.settings.roulette_from;
+        if is_old && !survives(&mut path.weight, path.squeezed, &mut path.sampler) {
+            return;
         }
+        path.course.turn(crossing, sample.kind);
         let ray = surface.spawn_ray(wi, vertex.time);
-        self.queue_of(&sample).push(ray, Interval::SPAWNED, id);
+        self.next.push(Some(&sample), ray, Interval::SPAWNED, id);
     }
-
-    fn queue_of(&mut self, sample: &BsdfSample) -> &mut Queue {
-        match sample.kind {
-            Scattering::Transmission => &mut self.next.refracted,
-            Scattering::Reflection if sample.is_diffuse => &mut self.next.diffuse,
-            Scattering::Reflection => &mut self.next.reflected,
-        }
-    }
-}
-
-/// Russian roulette, once the path is old enough; what survives counts more.
-fn survives<S: Sampler>(path: &mut Path<S>, roulette_from: u32) -> bool {
-    if path.bounces <= roulette_from {
-        return true;
-    }
-    let chance = (path.weight.max_component() * path.squeezed).min(MOST_LIKELY);
-    if path.sampler.next_1d() >= chance {
-        return false;
-    }
-    path.weight = path.weight / chance;
-    true
 }
 
 /// By how much the light of a surface counts that a path has met, as it might have been drawn.
@@ -219,46 +183,4 @@ fn emitter_weight<S>(lighting: Lighting<'_>, path: &Path<S>, hit: &SurfaceHit) -
 fn environment_weight<S>(lighting: Lighting<'_>, path: &Path<S>, direction: DVec3) -> f64 {
     let (Some(_), Some(pdf)) = (lighting.emitters.environment(), path.origin.pdf) else { return 1.0 };
     power_heuristic(pdf, lighting.emitters.environment_pdf(path.origin.point, path.origin.normal, direction))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rt_math::Rgb;
-
-    /// Draws the same number for ever.
-    struct Constant(f64);
-
-    impl Sampler for Constant {
-        fn next_1d(&mut self) -> f64 {
-            self.0
-        }
-
-        fn next_2d(&mut self) -> [f64; 2] {
-            [self.0; 2]
-        }
-    }
-
-    /// With a chance of 0.95 at most, what a path carried grew by 4 % at each wall of 0.99, and the variance was infinite.
-    #[test]
-    fn roulette_does_not_let_the_weight_grow_among_walls_that_are_almost_white() {
-        let mut path = Path::new(Constant(0.5));
-        for _ in 0..1000 {
-            path.weight *= Rgb::gray(0.99);
-            path.bounces += 1;
-            assert!(survives(&mut path, 3));
-            assert!(path.weight.g <= 1.0 + 1e-9, "{} after {} bounces", path.weight.g, path.bounces);
-        }
-    }
-
-    #[test]
-    fn roulette_keeps_the_mean() {
-        let (mut sum, count) = (0.0, 100_000);
-        for index in 0..count {
-            let mut path = Path::new(Constant((f64::from(index) + 0.5) / f64::from(count)));
-            (path.weight, path.bounces) = (Rgb::gray(0.3), 4);
-            sum += if survives(&mut path, 3) { path.weight.g } else { 0.0 };
-        }
-        assert!((sum / f64::from(count) - 0.3).abs() < 1e-4, "{}", sum / f64::from(count));
-    }
 }

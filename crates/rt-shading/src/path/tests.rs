@@ -208,6 +208,29 @@ fn glass_neither_makes_nor_loses_light() {
     furnace(glass(1.0, 0.5, 0.0)).assert_shows(paths(5), straight, rt_math::transcendental::exp(-1.0));
 }
 
+/// Each pane was entered as a body and never left, until the list of bodies was full and further panes were not seen.
+#[test]
+fn forty_panes_of_thin_glass_each_take_their_part() {
+    let pane = Physical::ThinGlass { ior: 1.0, transmittance: gray(0.95) };
+    let mut material = physical(pane, 0.0);
+    let air = Transmission { coefficient: gray(0.95), ior: 1.0, fresnel: false, absorption: Rgb::BLACK, priority: 0 };
+    material.phong.transmission = Some(air);
+    let mut scene = Scene::new(vec![material], Vec::new());
+    scene.appearance.background = Background::Constant(Rgb::WHITE);
+    for z in 0..40 {
+        let plane = Plane::new(DVec3::NEG_Z * f64::from(z), DVec3::Z).expect("a plane");
+        scene = scene.with(Shape::Plane(plane), 0, None);
+    }
+    let unending = PathSettings { roulette_from: 100, ..paths(100) };
+    let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
+    let (mean, _) = scene.estimate(unending, ray, 4);
+    let left = rt_math::transcendental::pow(0.95, 40.0);
+    assert!((mean - left).abs() < 1e-12, "{mean} is not {left}");
+    let needs = Needs::of(&scene.appearance, |_| true);
+    let seen = crate::Whitted::new(100, 0.0, needs).radiance(&mut scene.shapes, &scene.appearance, &ray);
+    assert!((seen.radiance.g - left).abs() < 1e-12, "{seen:?} is not {left}");
+}
+
 #[test]
 fn lights_without_extent_keep_the_brightness_of_whitteds() {
     let kind =

@@ -1,7 +1,7 @@
-//! What paths keep between their surfaces, and the rays that are traced together.
+//! What paths keep between their surfaces, and the shadow rays that are traced together.
 
-use crate::{Interior, Seen, SurfaceHit};
-use rt_math::{DVec3, Interval, Ray, RayKind, Rgb};
+use crate::{Seen, SurfaceHit, course::Course};
+use rt_math::{DVec3, Interval, Ray, Rgb};
 
 /// The surface that a path comes from, as far as it matters to lights that the path meets.
 #[derive(Clone, Copy, Debug)]
@@ -17,8 +17,7 @@ pub(super) struct Origin {
 #[derive(Clone, Debug)]
 pub(super) struct Path<S> {
     pub(super) sampler: S,
-    /// What the path is inside of.
-    pub(super) interior: Interior,
+    pub(super) course: Course,
     /// By how much the radiance that it meets counts in the pixel.
     pub(super) weight: Rgb,
     /// By how much media squeeze radiance here, which is no loss: the weight is greater by it in air.
@@ -26,10 +25,6 @@ pub(super) struct Path<S> {
     pub(super) origin: Origin,
     /// Surfaces that have scattered it.
     pub(super) bounces: u32,
-    /// Surfaces passed in a row that did nothing to it.
-    pub(super) passages: u32,
-    /// Where on its ray the medium began.
-    pub(super) medium_start: f64,
     /// True if the first of them chose the direction from several, and not a single one.
     pub(super) began_spread: bool,
     /// True if it only looks for the light of the next surface.
@@ -42,13 +37,11 @@ impl<S> Path<S> {
     pub(super) fn new(sampler: S) -> Self {
         Self {
             sampler,
-            interior: Interior::default(),
+            course: Course::default(),
             weight: Rgb::WHITE,
             squeezed: 1.0,
             origin: CAMERA,
             bounces: 0,
-            passages: 0,
-            medium_start: 0.0,
             began_spread: false,
             is_last: false,
         }
@@ -56,64 +49,15 @@ impl<S> Path<S> {
 
     /// A new path in the memory of the old one.
     pub(super) fn restart(&mut self, sampler: S) {
-        let mut interior = core::mem::take(&mut self.interior);
-        interior.clear();
-        *self = Self { interior, ..Self::new(sampler) };
+        let mut course = core::mem::take(&mut self.course);
+        course.restart();
+        *self = Self { course, ..Self::new(sampler) };
     }
 
     /// True if the light that the path has met is one that [`LightTracer`](crate::LightTracer) brings to the camera: a light
     /// that can be drawn from, met in a single direction by a path that began at a surface which spreads light.
     pub(super) fn is_caustic_of(&self, hit: &SurfaceHit) -> bool {
         hit.emitter.is_some() && self.began_spread && self.origin.pdf.is_none()
-    }
-}
-
-/// Rays of one kind, and the paths that they belong to.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Queue {
-    pub(crate) rays: Vec<(Ray, Interval)>,
-    pub(crate) paths: Vec<u32>,
-}
-
-impl Queue {
-    pub(crate) fn push(&mut self, ray: Ray, span: Interval, path: u32) {
-        self.rays.push((ray, span));
-        self.paths.push(path);
-    }
-
-    pub(crate) fn clear(&mut self) {
-        self.rays.clear();
-        self.paths.clear();
-    }
-}
-
-/// The rays of all paths, by kind: each path has one.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Flow {
-    pub(super) primary: Queue,
-    pub(super) reflected: Queue,
-    pub(super) refracted: Queue,
-    pub(super) diffuse: Queue,
-}
-
-impl Flow {
-    pub(super) fn queues(&self) -> [(RayKind, &Queue); 4] {
-        [
-            (RayKind::Primary, &self.primary),
-            (RayKind::Reflection, &self.reflected),
-            (RayKind::Refraction, &self.refracted),
-            (RayKind::Diffuse, &self.diffuse),
-        ]
-    }
-
-    pub(super) fn is_empty(&self) -> bool {
-        self.queues().iter().all(|(_, queue)| queue.rays.is_empty())
-    }
-
-    pub(super) fn clear(&mut self) {
-        for queue in [&mut self.primary, &mut self.reflected, &mut self.refracted, &mut self.diffuse] {
-            queue.clear();
-        }
     }
 }
 

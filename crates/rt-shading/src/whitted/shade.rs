@@ -4,9 +4,9 @@ use super::{Whitted, wave::Path};
 use crate::{
     Appearance, Material, Phong, Seen, SurfaceHit,
     interior::Crossing,
-    meeting::{FREE_PASSAGES, Meeting},
+    meeting::{FREE_PASSAGES, Meeting, Met},
     optics,
-    view::{View, is_inside},
+    view::View,
 };
 use rt_math::{Interval, Ray, Rgb, transcendental::exp};
 
@@ -26,40 +26,26 @@ impl Whitted {
             seen.radiance += path.weight * appearance.background.radiance(ray.direction);
             return self.ended.push(path.sample);
         };
-        let Some(material) = appearance.materials.get(hit.material as usize) else {
+        let interior = &mut self.samples[path.sample as usize].interior;
+        let Some(meeting) = Meeting::new(interior, &self.needs, &appearance.materials, ray, hit) else {
             seen.hit = true;
             return self.ended.push(path.sample);
         };
-        let phong = &material.phong;
-        let length = ray.direction.length();
-        let direction = ray.direction / length;
-        let inside = is_inside(direction, &hit.interaction);
-        let meeting = self.meet(appearance, phong, hit, inside, path.sample);
+        let Meeting { material, direction, length, is_inside, met } = meeting;
         let way = (hit.t - path.start) * length;
-        if let Meeting::Nothing(crossing) = meeting {
+        if let Met::Nothing(crossing) = met {
             return self.pass(hit, ray, crossing.as_ref(), way, path, seen);
         }
         seen.hit = true;
-        let crossing = if let Meeting::Transparent(crossing) = &meeting { Some(crossing) } else { None };
+        let crossing = if let Met::Transparent(crossing) = &met { Some(crossing) } else { None };
         if self.needs.absorption {
             let interior = &self.samples[path.sample as usize].interior;
             let medium = crossing.map_or_else(|| interior.medium(&appearance.materials), |c| c.before);
             self.absorb(&mut path.weight, medium.absorption, way);
         }
-        let view = View::new(direction, inside, &mut hit.interaction);
+        let view = View::new(direction, is_inside, &mut hit.interaction);
         self.light(appearance, material, &view, &path, ray.time);
-        self.send_on(appearance, phong, &view, crossing, &path, ray.time);
-    }
-
-    #[inline]
-    fn meet(&mut self, appearance: &Appearance, phong: &Phong, hit: &SurfaceHit, inside: bool, sample: u32) -> Meeting {
-        if !(self.needs.refraction && phong.transmission.is_some()) {
-            return Meeting::Opaque;
-        }
-        let interior = &mut self.samples[sample as usize].interior;
-        let meeting = Meeting::with_body(interior, &appearance.materials, phong, hit, inside);
-        self.counts.interior_overflows += u64::from(matches!(meeting, Meeting::Nothing(None)));
-        meeting
+        self.send_on(appearance, &material.phong, &view, crossing, &path, ray.time);
     }
 
     /// Goes on along the same ray, through a surface that does nothing to it.
@@ -78,6 +64,8 @@ impl Whitted {
                 path.start = hit.t;
             }
             self.samples[path.sample as usize].interior.cross(crossing);
+        } else {
+            self.counts.interior_overflows += 1;
         }
         self.counts.passages += 1;
         path.passages += 1;

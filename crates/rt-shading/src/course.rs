@@ -1,0 +1,78 @@
+//! The way that a path takes through transparent bodies.
+
+use crate::{
+    Interior, Material, ShadingCounts, SurfaceHit,
+    bsdf::Scattering,
+    interior::{Crossing, absorb},
+    meeting::FREE_PASSAGES,
+};
+use rt_math::Rgb;
+
+/// What a path is inside of, and since when.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Course {
+    pub(crate) interior: Interior,
+    /// Where on its ray the medium began.
+    medium_start: f64,
+    /// Surfaces passed in a row that did nothing to it.
+    passages: u32,
+}
+
+impl Course {
+    /// Back in air, at the start.
+    pub(crate) fn restart(&mut self) {
+        self.interior.clear();
+        (self.medium_start, self.passages) = (0.0, 0);
+    }
+
+    /// True if so many surfaces were passed that each further one costs a bounce.
+    pub(crate) const fn is_tired(&self) -> bool {
+        self.passages > FREE_PASSAGES
+    }
+
+    /// Takes off what the medium before a surface that is seen has absorbed, `length` world units being one of the parameter.
+    pub(crate) fn absorb(
+        &self,
+        materials: &[Material],
+        crossing: Option<&Crossing>,
+        t: f64,
+        length: f64,
+        light: &mut Rgb,
+    ) {
+        let medium = crossing.map_or_else(|| self.interior.medium(materials), |c| c.before);
+        absorb(light, medium.absorption, (t - self.medium_start) * length);
+    }
+
+    /// Goes through a surface that does nothing to the ray, and takes off what the medium before it has absorbed if the next one
+    /// absorbs otherwise. Whether anything was taken.
+    pub(crate) fn pass(
+        &mut self,
+        crossing: Option<&Crossing>,
+        hit: &SurfaceHit,
+        length: f64,
+        light: &mut Rgb,
+        counts: &mut ShadingCounts,
+    ) -> bool {
+        let mut is_dimmed = false;
+        if let Some(crossing) = crossing {
+            if crossing.before.absorption != crossing.after.absorption {
+                is_dimmed = absorb(light, crossing.before.absorption, (hit.t - self.medium_start) * length);
+                self.medium_start = hit.t;
+            }
+            self.interior.cross(crossing);
+        } else {
+            counts.interior_overflows += 1;
+        }
+        counts.passages += 1;
+        self.passages += 1;
+        is_dimmed
+    }
+
+    /// Goes on in another direction, through the surface if light is transmitted.
+    pub(crate) fn turn(&mut self, crossing: Option<&Crossing>, kind: Scattering) {
+        (self.medium_start, self.passages) = (0.0, 0);
+        if let (Some(crossing), Scattering::Transmission) = (crossing, kind) {
+            self.interior.cross(crossing);
+        }
+    }
+}
