@@ -7,7 +7,8 @@
 use std::path::{Path, PathBuf};
 
 use rt_camera::{Film, read_image};
-use rt_render::{PlanOptions, RenderPlan, RunOptions};
+use rt_math::transcendental::pow;
+use rt_render::{PlanOptions, RenderPlan, RunOptions, student_t};
 use rt_scene_io::LoadOptions;
 
 fn reference(name: &str) -> Option<PathBuf> {
@@ -76,6 +77,9 @@ fn block_sums(width: usize, height: usize, values: &[f64]) -> Vec<f64> {
     sums
 }
 
+/// Degrees of freedom of which Student's distribution is the normal one to six digits.
+const ALMOST_NORMAL: f64 = 1e8;
+
 /// The z-test over blocks of 8×8 pixels and over whole images, with the errors of both and no floor for them.
 fn assert_agree(ours: &Estimate, theirs: &Estimate) {
     assert_eq!((ours.width, ours.height), (theirs.width, theirs.height));
@@ -92,7 +96,7 @@ fn assert_agree(ours: &Estimate, theirs: &Estimate) {
         }
     }
     // Two-sided at 1 % over all blocks together (Šidák).
-    let limit = two_sided_normal_quantile(1.0 - libm::pow(0.99, 1.0 / scores.len() as f64));
+    let limit = student_t(pow(0.99, 1.0 / scores.len() as f64), ALMOST_NORMAL);
     let accepted = scores.iter().filter(|z| z.abs() < limit).count();
     let worst = scores.iter().fold(0.0, |worst: f64, z| worst.max(z.abs()));
     let mean_square = scores.iter().map(|z| z * z).sum::<f64>() / scores.len() as f64;
@@ -109,17 +113,6 @@ fn assert_agree(ours: &Estimate, theirs: &Estimate) {
         println!("channel {channel}: the image means differ by {score:.2} standard errors");
         assert!(score.abs() < 3.0);
     }
-}
-
-/// The number that a standard normal variable exceeds, on either side, with this probability: by bisection of erfc.
-fn two_sided_normal_quantile(probability: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 40.0);
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        let beyond = libm::erfc(middle / std::f64::consts::SQRT_2);
-        (low, high) = if beyond > probability { (middle, high) } else { (low, middle) };
-    }
-    low
 }
 
 #[test]

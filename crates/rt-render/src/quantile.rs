@@ -3,6 +3,9 @@
 //! ```text
 //!      Iₓ(a, b) = ∫₀ˣ tᵃ⁻¹ (1 − t)ᵇ⁻¹ dt / B(a, b)          P(F ≤ f) = Iₓ(m/2, n/2), x = m f / (m f + n)          t² ~ F(1, n)
 //! ```
+//!
+//! They are computed here, from functions that have the same bits on every machine: when `--target-error` leaves a pixel alone
+//! depends on them, and so do the bits of the picture.
 
 use rt_math::transcendental::{exp, lgamma, log};
 

@@ -4,8 +4,8 @@
 //! Student's t over the seeds gives the interval, whatever the errors of one seed have to do with each other.
 
 use rt_math::transcendental::{exp, log};
+use rt_render::student_t;
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Part of all intervals that hold what they are about.
 const CONFIDENCE: f64 = 0.95;
@@ -22,8 +22,7 @@ impl Interval {
     /// The interval by Student's t; `None` for fewer than two values, or if one is not finite.
     pub(super) fn of(values: &[f64]) -> Option<Self> {
         let (mean, error) = mean_and_error(values)?;
-        let freedom = values.len() as f64 - 1.0;
-        let half = error * StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.5 + 0.5 * CONFIDENCE);
+        let half = error * student_t(CONFIDENCE, values.len() as f64 - 1.0);
         Some(Self { low: mean - half, mean, high: mean + half })
     }
 
