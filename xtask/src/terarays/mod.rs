@@ -27,7 +27,7 @@ const SCENE: &str = "scenes/lecture/cornell.ron";
 #[derive(Debug, clap::Args)]
 pub(crate) struct Options {
     /// How long to go on measuring, as 60s, 10m or 8h; a tile that was begun is finished. 0s tells what is known.
-    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
+    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration, default_value = "60s")]
     budget: Duration,
     /// Forget what was measured before.
     #[arg(long)]
@@ -71,19 +71,6 @@ fn work(
         ledger.append(measure(tile)?)?;
     }
     Ok(())
-}
-
-/// A number of seconds, minutes or hours.
-fn duration(text: &str) -> Result<Duration, String> {
-    let (number, unit) = text.split_at(text.trim_end_matches(char::is_alphabetic).len());
-    let seconds = match unit {
-        "s" => 1,
-        "m" => 60,
-        "h" => 3600,
-        _ => return Err("write a time as 60s, 10m or 8h".to_owned()),
-    };
-    let number: u64 = number.parse().map_err(|_| "write a whole number of s, m or h".to_owned())?;
-    number.checked_mul(seconds).map(Duration::from_secs).ok_or_else(|| "that is too long".to_owned())
 }
 
 #[cfg(test)]
@@ -134,13 +121,5 @@ mod tests {
         };
         work(&mut ledger, Duration::from_millis(1), slow).unwrap();
         assert_eq!(ledger.units().len(), 1);
-    }
-
-    #[test]
-    fn budgets_have_units() {
-        assert_eq!(["0s", "90s", "10m", "8h"].map(duration), [0, 90, 600, 28_800].map(|s| Ok(Duration::from_secs(s))));
-        for bad in ["", "5", "s", "1.5h", "-1s", "1d", "99999999999999999999s", "9999999999999999h"] {
-            assert!(duration(bad).is_err(), "{bad}");
-        }
     }
 }

@@ -72,7 +72,7 @@ pub(crate) struct ConvergeRunArgs {
     /// End within this time, such as 90s, 10m or 1h, with what was measured by then
     ///
     /// Numbers of samples that there is no time for are left out and told. The first is measured in any case.
-    #[arg(long, value_name = "TIME", value_parser = duration)]
+    #[arg(long, value_name = "TIME", value_parser = values::time)]
     pub(crate) time: Option<Duration>,
 
     /// Number of threads; by default one for each processor
@@ -159,19 +159,6 @@ fn series(text: &str) -> Result<Series, String> {
     Ok(Series(numbers))
 }
 
-/// A number of seconds, minutes or hours.
-fn duration(text: &str) -> Result<Duration, String> {
-    let (number, unit) = text.split_at(text.trim_end_matches(char::is_alphabetic).len());
-    let seconds = match unit {
-        "" | "s" => 1.0,
-        "m" | "min" => 60.0,
-        "h" => 3600.0,
-        _ => return Err("the unit must be s, m or h".to_owned()),
-    };
-    let seconds = values::positive(number)? * seconds;
-    Duration::try_from_secs_f64(seconds).map_err(|_| "that is too long".to_owned())
-}
-
 pub(super) const CONVERGE_HELP: &str = "\
 Measure the error of methods against their run time, with confidence
 
@@ -203,18 +190,6 @@ mod tests {
         assert_eq!(series("1073741824..2147483648").map(|series| series.0.len()), Ok(2));
         for bad in ["", "..", "0..4", "8..4", "4,4", "16,4", "1,,2", "a..b", "-1", "1.5", "1..2147483649"] {
             assert!(series(bad).is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn times_have_units() {
-        let seconds = |text: &str| duration(text).map(|time| time.as_secs_f64());
-        assert_eq!(seconds("90"), Ok(90.0));
-        assert_eq!(seconds("0.5s"), Ok(0.5));
-        assert_eq!(seconds("10m"), Ok(600.0));
-        assert_eq!(seconds("2h"), Ok(7200.0));
-        for bad in ["", "s", "0", "-1s", "5d", "nan", "1e300h"] {
-            assert!(duration(bad).is_err(), "{bad}");
         }
     }
 

@@ -96,20 +96,10 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     finite(text).ok().filter(|&value| value > 0.0).ok_or_else(|| "write a number above 0".to_owned())
 }
 
-/// A time with its unit.
+/// A time above zero with its unit.
 pub(super) fn time(text: &str) -> Result<Duration, String> {
-    let rule = || "write a time above 0 with its unit, as 500ms, 10s, 1.5min or 2h".to_owned();
-    let digits = text.find(|c: char| c.is_ascii_alphabetic()).ok_or_else(rule)?;
-    let (number, unit) = text.split_at(digits);
-    let seconds = match unit {
-        "ms" => 0.001,
-        "s" => 1.0,
-        "min" | "m" => 60.0,
-        "h" => 3600.0,
-        _ => return Err(rule()),
-    };
-    let time = positive(number).ok().and_then(|number| Duration::try_from_secs_f64(number * seconds).ok());
-    time.filter(|time| !time.is_zero()).ok_or_else(rule)
+    let time = humantime::parse_duration(text).ok().filter(|time| !time.is_zero());
+    time.ok_or_else(|| "write a time above 0 with its unit, as 500ms, 10s, 1.5min or 2h".to_owned())
 }
 
 /// A percentage above zero, as a share.
@@ -223,13 +213,18 @@ mod tests {
 
     #[test]
     fn times_and_percentages_have_units() {
-        for (text, millis) in
-            [("500ms", 500), ("0.5s", 500), ("10s", 10_000), ("1.5min", 90_000), ("1m", 60_000), ("1h", 3_600_000)]
-        {
+        for (text, millis) in [
+            ("500ms", 500),
+            ("0.5s", 500),
+            ("10s", 10_000),
+            ("1.5min", 90_000),
+            ("10m", 600_000),
+            ("0.25h", 900_000),
+            ("1h 30min", 5_400_000),
+        ] {
             assert_eq!(time(text), Ok(Duration::from_millis(millis)), "{text}");
         }
-        for bad in ["", "0s", "10", "0", "-1s", "nans", "NaN", "infs", "1e400s", "s", "1d", "1e-12s", "1e30h", "10 s s"]
-        {
+        for bad in ["", "0s", "10", "0", "-1s", "nans", "NaN", "infs", "1e400s", "s", "1e-12s", "1e30h", "10 s s"] {
             assert!(time(bad).is_err(), "{bad}");
         }
         assert_eq!((percentage("1%"), percentage("0.5 %")), (Ok(0.01), Ok(0.005)));
