@@ -26,7 +26,6 @@ mod bench;
 mod costs;
 mod error;
 mod figures;
-mod machine;
 mod matrix;
 mod number;
 mod process;

@@ -29,7 +29,7 @@ pub(super) fn markdown(costs: &Costs, full: bool, model: impl Display) -> String
          `bih-lazy` is measured after its rays have been traced once, but for its build, which is only the beginning of \
          one. Shadow rays ask whether anything is hit, the others for the first hit; diffuse rays are incoherent.\n\n\
          ## Claims\n\n",
-        crate::machine::processor()
+        rt_render::processor()
     );
     text.extend(claims::of(costs).into_iter().map(|claim| format!("* {claim}\n")));
     for matrix in matrices(costs) {

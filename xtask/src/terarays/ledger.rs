@@ -55,7 +55,7 @@ impl Conditions {
             format: FORMAT,
             program: fingerprint(program)?,
             scene: fingerprint(scene)?,
-            processor: crate::machine::processor(),
+            processor: rt_render::processor(),
         })
     }
 }

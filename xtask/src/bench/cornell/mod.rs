@@ -84,7 +84,7 @@ pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
         }
     }
     let figures = Figures {
-        processor: crate::machine::processor(),
+        processor: rt_render::processor(),
         sampler: options.sampler.clone(),
         passes: options.passes,
         seeds: options.seeds,

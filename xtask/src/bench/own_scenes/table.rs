@@ -20,7 +20,7 @@ pub(super) fn page(tables: &str, options: &Options) -> String {
          * `rock`: a closed mesh of small triangles.\n\n\
          Shadow rays ask whether anything is hit, the others for the first hit; diffuse and random rays are incoherent.\n\n\
          {tables}",
-        crate::machine::processor()
+        rt_render::processor()
     )
 }
 

@@ -1,7 +1,6 @@
 //! What times were measured on. It names no folder and no host.
 
-use std::fs;
-
+use rt_render::processor;
 use serde::Serialize;
 
 /// The machine, and how the program was compiled.
@@ -37,11 +36,4 @@ impl Machine {
         let Self { program, version, processor, compiler, target, flags, .. } = self;
         format!("{processor}{threads}; {program} {version} by {compiler} for {target}, {flags}")
     }
-}
-
-/// The name of the processor, where the system tells it, or else its architecture.
-fn processor() -> String {
-    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
-    name.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
 }
