@@ -1,10 +1,10 @@
-//! What the tests of lights have in common: estimates with their standard errors, and truth to hold them against.
+//! What the tests of lights have in common: estimates with their standard errors.
 
 use super::{Emission, Emitter, EmitterSample, Sides};
 use rt_math::random::{hash, unit};
-use rt_math::transcendental::{acos, atan2, sincos};
+use rt_math::transcendental::sincos;
 use rt_math::{DVec3, Frame, Rgb};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// A mean of random numbers.
 #[derive(Clone, Copy, Debug)]
@@ -132,57 +132,4 @@ pub(super) fn assert_samples_and_pdf_agree(light: &Emitter, point: DVec3, tolera
     }
     assert!(seen > count / 20, "only {seen} of {count} are samples");
     assert!(passed_by * 1000 <= count, "{passed_by} of {seen} samples pass the light by");
-}
-
-/// The irradiance from a polygon of radiance 1: Lambert 1760, with what is below the horizon cut off.
-pub(super) fn lambert(corners: &[DVec3], [point, normal]: [DVec3; 2]) -> f64 {
-    let corners: Vec<_> = corners.iter().map(|corner| *corner - point).collect();
-    let mut above = Vec::new();
-    for (i, &a) in corners.iter().enumerate() {
-        let b = corners[(i + 1) % corners.len()];
-        let (height_a, height_b) = (a.dot(normal), b.dot(normal));
-        if height_a >= 0.0 {
-            above.push(a);
-        }
-        if (height_a < 0.0) != (height_b < 0.0) {
-            above.push(a.lerp(b, height_a / (height_a - height_b)));
-        }
-    }
-    let edge = |i: usize| {
-        let (a, b) = (above[i], above[(i + 1) % above.len()]);
-        let across = a.cross(b);
-        atan2(across.length(), a.dot(b)) * across.normalize_or_zero().dot(normal)
-    };
-    0.5 * (0..above.len()).map(edge).sum::<f64>().abs()
-}
-
-/// The irradiance from a sphere of radiance 1 whose sine of half the angle is s, seen at the angle θ from the normal;
-/// also where the horizon cuts it (Snyder 1996).
-pub(super) fn sphere_irradiance(s: f64, theta: f64) -> f64 {
-    let (sin, cos) = sincos(theta);
-    if cos >= s {
-        return PI * s * s * cos;
-    }
-    if cos <= -s {
-        return 0.0;
-    }
-    let k = (1.0 / (s * s) - 1.0).sqrt();
-    let y = -k * cos / sin;
-    let root = (1.0 - y * y).sqrt();
-    s * s * (cos * acos(y) - k * sin * root) + atan2(sin * root, k)
-}
-
-#[test]
-fn truth_has_its_published_values() {
-    for (s, degrees, expected) in
-        [(1.0 / 3.0, 90.0f64, 0.0255672289), (0.5, 80.0, 0.1718319751), (0.5, 100.0, 0.0354490153)]
-    {
-        assert!((sphere_irradiance(s, degrees.to_radians()) - expected).abs() < 1e-10);
-    }
-    let square = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[x, y]| DVec3::new(x, y, 1.0));
-    for (foot, expected) in [(DVec3::ZERO, 0.7522746885), (DVec3::new(0.5, 0.5, 0.0), 0.4352098757)] {
-        assert!((lambert(&square, [foot, DVec3::Z]) - expected).abs() < 1e-10);
-    }
-    let far = lambert(&square, [DVec3::Z * -999.0, DVec3::Z]);
-    assert!((far / 9.9999966667e-7 - 1.0).abs() < 1e-10);
 }

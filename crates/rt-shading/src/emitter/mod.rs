@@ -26,6 +26,8 @@
 //! same direction (Veach, Guibas 1995). A ray that hit the light knows the [`EmitterPoint`]; [`Emitter::pdf_at`] needs no
 //! second intersection.
 //!
+//! Of some lights the irradiance has a closed form: [`polygon_irradiance`], [`sphere_irradiance`], [`disk_irradiance`].
+//!
 //! ```
 //! use rt_math::{DVec3, Rgb};
 //! use rt_shading::emitter::{DiskLight, Emission, Emitter, Sides};
@@ -47,6 +49,7 @@
 
 mod bounds;
 mod choice;
+mod closed_form;
 mod cylinder;
 mod departure;
 mod disk;
@@ -67,6 +70,7 @@ mod tests;
 
 pub use bounds::EmitterBounds;
 pub use choice::{Choice, PowerChoice};
+pub use closed_form::{disk_irradiance, polygon_irradiance, sphere_irradiance};
 pub use cylinder::CylinderLight;
 pub use departure::Departure;
 pub use disk::DiskLight;

@@ -195,9 +195,9 @@ fn unit(edge: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::super::estimate::{
-        assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, irradiance_by_rays, lambert, white,
+        assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, irradiance_by_rays, white,
     };
-    use super::super::{Emitter, Sides};
+    use super::super::{Emitter, Sides, polygon_irradiance};
     use super::*;
     use rt_math::transcendental::asin;
 
@@ -248,7 +248,7 @@ mod tests {
         let light = square(Sides::Front);
         let emitter = Emitter::Quad(light);
         for at in receivers() {
-            let truth = lambert(&corners(&light), at);
+            let truth = polygon_irradiance(&corners(&light), at[0], at[1]);
             irradiance(&emitter, at, 100_000).assert(&format!("square from {}", at[0]), truth);
         }
     }
@@ -262,7 +262,7 @@ mod tests {
             [DVec3::Y, DVec3::new(1.0, 0.5, 0.0)],
         ] {
             let light = QuadLight::new(DVec3::new(-0.5, -0.5, 1.0), edges, white(Sides::Front)).expect("a light");
-            let truth = lambert(&corners(&light), [point, normal]);
+            let truth = polygon_irradiance(&corners(&light), point, normal);
             irradiance(&Emitter::Quad(light), [point, normal], 100_000).assert(&format!("{edges:?}"), truth);
             assert_samples_and_pdf_agree(&Emitter::Quad(light), point, 1e-8);
         }
@@ -316,7 +316,7 @@ mod tests {
         let point = DVec3::new(1.2, 0.4, 0.7);
         let at = [point, (DVec3::new(-0.2, 0.1, 1.0) - point).normalize()];
         let rays = irradiance_by_rays(&Emitter::Quad(light), at, 400_000);
-        rays.assert("square by rays", lambert(&corners(&light), at));
+        rays.assert("square by rays", polygon_irradiance(&corners(&light), at[0], at[1]));
         for (part, half) in [(0, 0.5), (1, 0.5), (0, 0.1), (1, 0.9)] {
             let count = 100;
             let inner = (0..count).map(|i| {
@@ -343,7 +343,7 @@ mod tests {
     fn a_wrong_density_is_caught() {
         let emitter = Emitter::Quad(square(Sides::Front));
         for at in [[DVec3::ZERO, DVec3::Z], [DVec3::new(0.0, 0.0, -999.0), DVec3::Z]] {
-            let truth = lambert(&corners(&square(Sides::Front)), at);
+            let truth = polygon_irradiance(&corners(&square(Sides::Front)), at[0], at[1]);
             assert!(irradiance_by(&emitter, at, 100_000, |s| s.pdf * 1.01).z(truth) > 5.0, "1 % too dense");
             let by_area = |s: &EmitterSample| s.distance * s.distance;
             assert!(irradiance_by(&emitter, at, 100_000, by_area).z(truth) > 5.0, "the light's cosine forgotten");

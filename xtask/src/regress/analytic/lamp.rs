@@ -5,10 +5,13 @@ use std::f64::consts::PI;
 use rt_camera::SamplePattern;
 use rt_math::{DVec3, Frame, Rgb, Sampler, transcendental::acos};
 use rt_scene_io::Integrator;
-use rt_shading::emitter::{DiskLight, Emission, Emitter, MeshLight, QuadLight, Sides, SphereLight};
+use rt_shading::emitter::{
+    DiskLight, Emission, Emitter, MeshLight, QuadLight, Sides, SphereLight, disk_irradiance, polygon_irradiance,
+    sphere_irradiance,
+};
 
 use super::{
-    Conditions, Fallible, Tally, closed_form,
+    Conditions, Fallible, Tally,
     estimate::{hold, mean_of},
     picture::Picture,
 };
@@ -105,18 +108,18 @@ impl Lamp {
         match *self {
             Self::Quad(corner, [along, across]) => {
                 let corners = [corner, corner + along, corner + along + across, corner + across];
-                closed_form::polygon(&corners, point, normal)
+                polygon_irradiance(&corners, point, normal)
             }
             Self::Disk { centre, radius, .. } => {
                 let height = (centre - point).dot(normal);
-                closed_form::disk(radius, height, (centre - point - normal * height).length())
+                disk_irradiance(radius, height, (centre - point - normal * height).length())
             }
             Self::Sphere { centre, radius } => {
                 let offset = centre - point;
                 let distance = offset.length();
-                closed_form::sphere(radius / distance, acos(offset.dot(normal) / distance))
+                sphere_irradiance(radius / distance, acos(offset.dot(normal) / distance))
             }
-            Self::Triangle(corners) => closed_form::polygon(&corners, point, normal),
+            Self::Triangle(corners) => polygon_irradiance(&corners, point, normal),
         }
     }
 
