@@ -63,6 +63,11 @@ impl SamplePattern {
         matches!(self, Self::Centre | Self::Grid | Self::HalfJittered)
     }
 
+    /// The patterns that are not [biased](Self::is_biased), from the plainest on: each of their samples is uniform over the pixel.
+    pub fn unbiased() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|pattern| !pattern.is_biased())
+    }
+
     /// The number of samples per pixel that the pattern takes when `spp` are asked for: the next square for patterns
     /// on a grid, the next power of two for Sobol' and blue noise, at least 1. The largest are 65,535² and 2³¹.
     ///
@@ -126,6 +131,13 @@ mod tests {
                 assert_eq!(pattern.round_up(rounded), rounded, "{pattern:?}, {spp}");
             }
         }
+    }
+
+    #[test]
+    fn fixed_and_half_jittered_patterns_are_biased_and_no_others() {
+        let (biased, unbiased): (Vec<_>, Vec<_>) = SamplePattern::ALL.into_iter().partition(|p| p.is_biased());
+        assert_eq!(biased, [SamplePattern::Centre, SamplePattern::Grid, SamplePattern::HalfJittered]);
+        assert!(SamplePattern::unbiased().eq(unbiased));
     }
 
     #[test]

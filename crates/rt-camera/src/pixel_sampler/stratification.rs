@@ -6,16 +6,6 @@ use proptest::prelude::*;
 const STRATIFIED: [SamplePattern; 4] =
     [SamplePattern::Jittered, SamplePattern::MultiJittered, SamplePattern::Sobol, SamplePattern::BlueNoise];
 
-/// Patterns of which every sample is uniform over the pixel.
-const UNIFORM: [SamplePattern; 6] = [
-    SamplePattern::Random,
-    SamplePattern::Jittered,
-    SamplePattern::MultiJittered,
-    SamplePattern::Sobol,
-    SamplePattern::Halton,
-    SamplePattern::BlueNoise,
-];
-
 /// The pair number `pair` of all samples of a pixel.
 fn pairs(pattern: SamplePattern, spp: u32, pixel: [u32; 2], pair: usize) -> Vec<[f64; 2]> {
     let sampler = PixelSampler::new(pattern, spp, 11);
@@ -234,7 +224,7 @@ fn correlation(pairs: &[[f64; 2]]) -> f64 {
 #[test]
 fn neighbouring_pixels_seeds_and_dimensions_are_uncorrelated() {
     let count = 4096u32;
-    for pattern in UNIFORM {
+    for pattern in SamplePattern::unbiased() {
         let draws = |seed, pixel, index| {
             let mut sample = PixelSampler::new(pattern, 16, seed).sample(pixel, index);
             [sample.next_2d(), sample.next_2d(), sample.next_2d()]
@@ -263,7 +253,7 @@ fn neighbouring_pixels_seeds_and_dimensions_are_uncorrelated() {
 #[test]
 fn every_sample_of_a_pattern_is_uniform_over_the_pixel() {
     let (bins, pixels) = (16usize, 25_600u32);
-    for pattern in UNIFORM {
+    for pattern in SamplePattern::unbiased() {
         let sampler = PixelSampler::new(pattern, 16, 5);
         for index in [0, 1, 7, 15] {
             for pair in 0..2 {

@@ -8,16 +8,6 @@ use rt_math::random::hash;
 
 use super::{Fallible, Tally};
 
-/// The patterns that are unbiased.
-pub(super) const PATTERNS: [SamplePattern; 6] = [
-    SamplePattern::Random,
-    SamplePattern::Jittered,
-    SamplePattern::MultiJittered,
-    SamplePattern::Sobol,
-    SamplePattern::Halton,
-    SamplePattern::BlueNoise,
-];
-
 /// Standard errors that a sound estimate may be off.
 pub(super) const MOST: f64 = 5.0;
 
@@ -74,7 +64,7 @@ pub(super) fn hold(
     } else {
         format!("{what} = {truth:.10e}: z")
     };
-    for pattern in PATTERNS {
+    for pattern in SamplePattern::unbiased() {
         let name = format!("{what}, {}", pattern.name());
         let found = Estimate::of_seeds(&name, seeds, |seed| estimate(pattern, seed))?;
         let z = found.z(truth);
