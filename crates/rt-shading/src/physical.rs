@@ -70,6 +70,22 @@ pub enum Physical {
     Mix(Vec<(f64, Self)>),
 }
 
+/// Lists the coefficients of a surface, borrowed as the surface is; `iter` and `coefficients` do it to the parts of a mix.
+macro_rules! list_coefficients {
+    ($surface:expr, $iter:ident, $coefficients:ident) => {
+        match $surface {
+            Self::Black | Self::Conductor { .. } => vec![],
+            Self::Diffuse { albedo: one, .. }
+            | Self::Mirror { reflectance: one }
+            | Self::Dielectric { transmittance: one, .. }
+            | Self::MetallicRoughness { base_color: one, .. }
+            | Self::ThinGlass { transmittance: one, .. } => vec![one],
+            Self::Glossy { diffuse, specular, .. } => vec![diffuse, specular],
+            Self::Mix(parts) => parts.$iter().flat_map(|(_, part)| part.$coefficients()).collect(),
+        }
+    };
+}
+
 /// The surface at one point, for [`Physical::bsdf`].
 #[derive(Clone, Copy, Debug)]
 pub struct PhysicalPoint<'a> {
@@ -196,30 +212,12 @@ impl Physical {
 
     /// The coefficients, which may have textures.
     pub fn coefficients(&self) -> Vec<&Coefficient> {
-        match self {
-            Self::Black | Self::Conductor { .. } => vec![],
-            Self::Diffuse { albedo: one, .. }
-            | Self::Mirror { reflectance: one }
-            | Self::Dielectric { transmittance: one, .. }
-            | Self::MetallicRoughness { base_color: one, .. }
-            | Self::ThinGlass { transmittance: one, .. } => vec![one],
-            Self::Glossy { diffuse, specular, .. } => vec![diffuse, specular],
-            Self::Mix(parts) => parts.iter().flat_map(|(_, part)| part.coefficients()).collect(),
-        }
+        list_coefficients!(self, iter, coefficients)
     }
 
     /// The coefficients, to change them.
     pub fn coefficients_mut(&mut self) -> Vec<&mut Coefficient> {
-        match self {
-            Self::Black | Self::Conductor { .. } => vec![],
-            Self::Diffuse { albedo: one, .. }
-            | Self::Mirror { reflectance: one }
-            | Self::Dielectric { transmittance: one, .. }
-            | Self::MetallicRoughness { base_color: one, .. }
-            | Self::ThinGlass { transmittance: one, .. } => vec![one],
-            Self::Glossy { diffuse, specular, .. } => vec![diffuse, specular],
-            Self::Mix(parts) => parts.iter_mut().flat_map(|(_, part)| part.coefficients_mut()).collect(),
-        }
+        list_coefficients!(self, iter_mut, coefficients_mut)
     }
 }
 
