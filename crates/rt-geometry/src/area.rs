@@ -13,10 +13,15 @@ const SLIVER: f64 = 1e-3;
 /// The two shorter edges are multiplied; slivers are computed without rounding.
 pub(crate) fn area_vector(vertices: [DVec3; 3]) -> DVec3 {
     let [a, b, c] = vertices;
-    let mut edges = [b - a, c - b, a - c];
-    let longest = (0..3).fold(0, |i, k| if edges[k].length_squared() > edges[i].length_squared() { k } else { i });
-    edges.rotate_left(longest);
-    let [_, e, f] = edges;
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    let [ab_squared, bc_squared, ca_squared] = [ab, bc, ca].map(DVec3::length_squared);
+    let (e, f) = if ab_squared >= bc_squared && ab_squared >= ca_squared {
+        (bc, ca)
+    } else if bc_squared >= ca_squared {
+        (ca, ab)
+    } else {
+        (ab, bc)
+    };
     let area = e.cross(f);
     let sliver = SLIVER * SLIVER * e.length_squared() * f.length_squared();
     if area.length_squared() > sliver { area } else { exact_area_vector(vertices) }

@@ -56,6 +56,7 @@ impl TriangleMesh {
     }
 
     /// The surface at a hit of this mesh with this ray; `None` for a hit on a primitive that it does not have.
+    #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceInteraction> {
         let triangle = *self.data.triangles.get(hit.primitive as usize)?;
         let corners = self.corners(triangle);

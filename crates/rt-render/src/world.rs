@@ -38,6 +38,7 @@ pub(crate) struct PartSurface {
 
 impl Part {
     /// The part's surface; `triangle` is the one that was hit, where the light is numbered as the mesh is.
+    #[inline]
     fn made(&self, interaction: SurfaceInteraction, triangle: Option<u32>) -> PartSurface {
         let emitter = self.emitter.map(|index| EmitterRef { index, triangle });
         PartSurface { interaction, material: self.material, emitter }
@@ -114,6 +115,7 @@ impl Parts<'_> {
     }
 
     /// The surface at a hit that [`Primitives::intersect`] reported on part `index`.
+    #[inline]
     pub(crate) fn surface(&self, index: u32, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<PartSurface> {
         let part = self.parts.get(index as usize)?;
         let shape_hit = ShapeHit { t: hit.t, uv: hit.uv };

@@ -27,9 +27,9 @@ pub(crate) fn bsdf_at(
 /// A surface where light is gathered and scattered.
 pub(crate) struct Vertex<'a> {
     pub(crate) view: View<'a>,
-    pub(crate) bsdf: Bsdf,
-    /// What of it is followed, if not all.
-    part: Part,
+    pub(crate) bsdf: &'a Bsdf,
+    /// What of it is followed.
+    part: Part<'a>,
     /// Shading coordinates: z is the shading normal, on the outside.
     pub(crate) frame: Frame,
     /// To the viewer, in the frame.
@@ -40,31 +40,31 @@ pub(crate) struct Vertex<'a> {
 }
 
 /// What of a BSDF paths follow.
-#[allow(clippy::large_enum_variant, reason = "it lives for one hit, which allocates nothing")]
-enum Part {
+enum Part<'a> {
     All,
-    Some(Bsdf),
+    Some(&'a Bsdf),
     Nothing,
 }
 
 impl<'a> Vertex<'a> {
     /// A surface of which all light is followed.
-    pub(crate) fn new(view: View<'a>, bsdf: Bsdf, time: f64) -> Self {
+    #[inline]
+    pub(crate) fn new(view: View<'a>, bsdf: &'a Bsdf, time: f64) -> Self {
         let frame = Frame::from_z(view.surface.shading_normal);
         let wo = frame.to_local(-view.direction);
         let normal = (!bsdf.transmits()).then_some(view.normal);
         Self { view, bsdf, part: Part::All, frame, wo, normal, time }
     }
 
-    /// The same, of which light is followed that is mirrored or refracted, sharply or not.
-    pub(crate) fn without_diffuse(self) -> Self {
-        Self { part: self.bsdf.without_diffuse().map_or(Part::Nothing, Part::Some), ..self }
+    /// The same, of which light is followed that this part of the BSDF scatters.
+    pub(crate) fn following(self, part: Option<&'a Bsdf>) -> Self {
+        Self { part: part.map_or(Part::Nothing, Part::Some), ..self }
     }
 
     /// What of the BSDF is followed.
     pub(crate) fn followed(&self) -> Option<&Bsdf> {
-        match &self.part {
-            Part::All => Some(&self.bsdf),
+        match self.part {
+            Part::All => Some(self.bsdf),
             Part::Some(part) => Some(part),
             Part::Nothing => None,
         }
@@ -92,7 +92,7 @@ impl<'a> Vertex<'a> {
         if all.is_black() {
             return all;
         }
-        let weighted = match &self.part {
+        let weighted = match self.part {
             Part::All => all * power_heuristic(pdf, self.bsdf.pdf(self.wo, local)),
             Part::Nothing => all,
             Part::Some(part) => {

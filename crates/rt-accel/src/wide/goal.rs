@@ -174,9 +174,7 @@ impl FirstHit {
         lane: usize,
     ) {
         let hit = F::hit::<S, false>(simd, leaf, lane, ray, self.span, judge);
-        if F::DECIDES {
-            self.uncounted_hits += u64::from(hit.is_some());
-        }
+        self.uncounted_hits += u64::from(hit.is_some() && F::decides(leaf, lane));
         if let Some(hit) = hit
             && (!self.is_hit | hit.precedes(&self.best))
         {
@@ -414,7 +412,7 @@ impl Goal for AnyHit {
         while unsure != 0 {
             let lane = take_lane(&mut unsure);
             if F::blocks(simd, view, lane, &prepared.ray, self.span, judge) {
-                self.uncounted_hits += u64::from(F::DECIDES);
+                self.uncounted_hits += u64::from(F::decides(view, lane));
                 self.block();
                 return ControlFlow::Break(());
             }
@@ -438,7 +436,7 @@ impl Goal for AnyHit {
             self.uncounted_hits += 1;
             self.block();
         } else if F::blocks(simd, leaf, lane, &ExactRay::new(simd, ray), self.span, judge) {
-            self.uncounted_hits += u64::from(F::DECIDES);
+            self.uncounted_hits += u64::from(F::decides(leaf, lane));
             self.block();
         }
     }

@@ -11,12 +11,16 @@ use rt_math::{Aabb, DVec3, Rgb};
 /// Edges whose angle differs from a right one by less than this are those of a rectangle.
 const RIGHT_ANGLE: f64 = 1e-12;
 
+/// Diagonals from the plane of a light beyond which it is sampled by area.
+const FAR: f64 = 2.0;
+
 /// A flat light between a corner and two edges. Its front is the side from which the first edge, then the second one,
 /// turn counter-clockwise.
 ///
 /// A rectangle is sampled uniformly by solid angle (Ureña, Fajardo, King, "An Area-Preserving Parametrization for
-/// Spherical Rectangles", 2013), so that the estimate of its irradiance varies with the receiver's cosine alone. Where it
-/// subtends less than 2⁻¹⁴ sr, and where its edges are not perpendicular, it is sampled by area.
+/// Spherical Rectangles", 2013), so that the estimate of its irradiance varies with the receiver's cosine alone. It is sampled
+/// by area where its plane is more than twice its diagonal away, from where all of its points look much alike and an
+/// angle costs more than it is worth, where it subtends less than 2⁻¹⁴ sr, and where its edges are not perpendicular.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuadLight {
     corner: DVec3,
@@ -27,6 +31,8 @@ pub struct QuadLight {
     normal: DVec3,
     area: f64,
     is_rectangle: bool,
+    /// The square of the height beyond which it is sampled by area.
+    far_squared: f64,
     emission: Emission,
 }
 
@@ -48,7 +54,8 @@ impl QuadLight {
         if !(area > 0.0 && area.is_finite()) {
             return Err(EmitterError::BadArea(area));
         }
-        Ok(Self { corner, edges, lengths, axes, normal, area, is_rectangle, emission })
+        let far_squared = FAR * FAR * (edges[0].length_squared() + edges[1].length_squared());
+        Ok(Self { corner, edges, lengths, axes, normal, area, is_rectangle, far_squared, emission })
     }
 
     /// Unit normal on the front side.
@@ -86,12 +93,12 @@ impl QuadLight {
         if radiance.is_black() || height.abs() <= rounding {
             return None;
         }
-        let solid_angle = self.solid_angle(point);
-        let (on_light, pdf) = if self.is_sampled_by_angle(solid_angle) {
-            (self.spherical_point(point, height, solid_angle, u), 1.0 / solid_angle)
-        } else {
-            let on_light = self.corner + self.edges[0] * u[0] + self.edges[1] * u[1];
-            (on_light, by_solid_angle(1.0 / self.area, on_light - point, height))
+        let (on_light, pdf) = match self.angle_to_sample(point, height) {
+            Some(solid_angle) => (self.spherical_point(point, height, solid_angle, u), 1.0 / solid_angle),
+            None => {
+                let on_light = self.corner + self.edges[0] * u[0] + self.edges[1] * u[1];
+                (on_light, by_solid_angle(1.0 / self.area, on_light - point, height))
+            }
         };
         let at = EmitterPoint { point: on_light, normal: self.normal, triangle: 0 };
         EmitterSample::of_surface(point, &at, self.lengths[0] + self.lengths[1], radiance, pdf)
@@ -104,11 +111,10 @@ impl QuadLight {
         if self.emission.seen(height).is_black() {
             return 0.0;
         }
-        let solid_angle = self.solid_angle(point);
-        if self.is_sampled_by_angle(solid_angle) {
-            return density(1.0 / solid_angle);
+        match self.angle_to_sample(point, height) {
+            Some(solid_angle) => density(1.0 / solid_angle),
+            None => density(by_solid_angle(1.0 / self.area, on_light - point, height)),
         }
-        density(by_solid_angle(1.0 / self.area, on_light - point, height))
     }
 
     /// Density, per unit solid angle, with which [`sample`](Self::sample) takes this direction; 0 for one that passes by.
@@ -155,8 +161,14 @@ impl QuadLight {
         EmitterBounds::of_flat(around, self.normal, &self.emission, self.area)
     }
 
-    fn is_sampled_by_angle(&self, solid_angle: f64) -> bool {
-        self.is_rectangle && solid_angle >= MIN_SPHERICAL
+    /// The solid angle of the light if it is sampled by that, from a point whose distance to its plane is the `height`.
+    #[inline]
+    fn angle_to_sample(&self, point: DVec3, height: f64) -> Option<f64> {
+        if !self.is_rectangle || height * height > self.far_squared {
+            return None;
+        }
+        let solid_angle = self.solid_angle(point);
+        (solid_angle >= MIN_SPHERICAL).then_some(solid_angle)
     }
 
     /// The point at which the unit square's `u` lies on the spherical rectangle.

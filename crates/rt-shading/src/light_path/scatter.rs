@@ -68,7 +68,7 @@ impl<S: Sampler> LightTracer<S> {
         let surface = hit.interaction;
         let view = View::new(direction, is_inside, &mut hit.interaction);
         let bsdf = bsdf_at(lighting.appearance, material, &view, crossing.as_ref());
-        let arrival = Arrival { vertex: Vertex::new(view, bsdf, ray.time), surface, crossing };
+        let arrival = Arrival { vertex: Vertex::new(view, &bsdf, ray.time), surface, crossing };
         if photon.bounces > 0 && !arrival.vertex.bsdf.is_delta() {
             if let Some(way) = photon.unweakened_way.take() {
                 photon.power = photon.power * (way * way);

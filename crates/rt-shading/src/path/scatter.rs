@@ -59,8 +59,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
         let view = View::new(direction, is_inside, &mut hit.interaction);
         let bsdf = bsdf_at(lighting.appearance, material, &view, crossing.as_ref());
-        let vertex = Vertex::new(view, bsdf, ray.time);
-        let vertex = if follows == Follows::Reflections { vertex.without_diffuse() } else { vertex };
+        let part = (follows == Follows::Reflections).then(|| bsdf.without_diffuse());
+        let vertex = Vertex::new(view, &bsdf, ray.time);
+        let vertex = if let Some(part) = &part { vertex.following(part.as_ref()) } else { vertex };
         if follows == Follows::Reflections && self.needs.ambient {
             let ambient = material.phong.ambient.at(&lighting.appearance.textures, vertex.view.surface.uv);
             seen.radiance += path.weight * ambient * lighting.appearance.ambient;

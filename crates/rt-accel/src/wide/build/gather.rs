@@ -48,7 +48,7 @@ impl Census {
         Ok(all)
     }
 
-    const EMPTY: Self = Self { unbounded: Vec::new(), bounded: 0, union: Aabb::EMPTY, layouts: Layouts::ALL };
+    const EMPTY: Self = Self { unbounded: Vec::new(), bounded: 0, union: Aabb::EMPTY, layouts: Layouts::NONE };
 
     fn of_run<P: Primitives>(primitives: &P, run: Range<u32>) -> Result<Self, BuildError> {
         let mut all = Self::EMPTY;

@@ -43,9 +43,9 @@ pub(super) struct Line([u32; LINE]);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum LeafKind {
-    /// The vertices of triangles as they are, which decide.
+    /// The vertices of triangles as they are, which decide; some primitives may be something else.
     Watertight,
-    /// The vertices of triangles relative to the centre of the tree, rounded.
+    /// The vertices of triangles relative to the centre of the tree, rounded; some primitives may be something else.
     Triangles,
     /// Centres relative to that of the tree, and radii, rounded: of spheres, and of balls around what else there is.
     Spheres,
@@ -57,54 +57,53 @@ pub(super) enum LeafKind {
 /// a filter sees better what is relative to the centre.
 const NEAR: f64 = 64.0;
 
-/// Of how many spheres one primitive may be something else, for which leaves of spheres still suit.
-const SPHERES_TO_ONE: u64 = 3;
+/// Of how many spheres, or triangles, one primitive may be something else, for which their leaves still suit.
+const ALIKE_TO_ONE: u64 = 3;
 
 /// What some primitives are.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Layouts {
     n_spheres: u64,
+    /// Of triangles, those of which copies decide.
+    n_watertight: u64,
+    n_triangles: u64,
     n_others: u64,
-    /// All of them.
-    watertight: bool,
-    triangles: bool,
 }
 
 impl Layouts {
     /// Of no primitives at all.
-    pub(super) const ALL: Self = Self { n_spheres: 0, n_others: 0, watertight: true, triangles: true };
+    pub(super) const NONE: Self = Self { n_spheres: 0, n_watertight: 0, n_triangles: 0, n_others: 0 };
 
     #[inline(always)]
     pub(super) const fn of(layout: &LeafLayout) -> Self {
-        let watertight = matches!(layout, LeafLayout::Watertight(_));
         let n_spheres = matches!(layout, LeafLayout::Sphere(..)) as u64;
-        Self {
-            n_spheres,
-            n_others: 1 - n_spheres,
-            watertight,
-            triangles: watertight || matches!(layout, LeafLayout::Triangle(_)),
-        }
+        let n_watertight = matches!(layout, LeafLayout::Watertight(_)) as u64;
+        let n_triangles = matches!(layout, LeafLayout::Triangle(_)) as u64 + n_watertight;
+        Self { n_spheres, n_watertight, n_triangles, n_others: 1 - n_spheres - n_triangles }
     }
 
     #[inline(always)]
     pub(super) const fn and(self, other: Self) -> Self {
         Self {
             n_spheres: self.n_spheres + other.n_spheres,
+            n_watertight: self.n_watertight + other.n_watertight,
+            n_triangles: self.n_triangles + other.n_triangles,
             n_others: self.n_others + other.n_others,
-            watertight: self.watertight & other.watertight,
-            triangles: self.triangles & other.triangles,
         }
     }
 }
 
 impl LeafKind {
-    /// The most particular kind that suits all primitives, or most of them if those are spheres.
+    /// The most particular kind that suits all primitives, or most of them if those are spheres or triangles.
     pub(super) fn of(layouts: Layouts, centre: DVec3, size: f64) -> Self {
-        if layouts.n_others * SPHERES_TO_ONE <= layouts.n_spheres {
+        let Layouts { n_spheres, n_watertight, n_triangles, n_others } = layouts;
+        let n = n_spheres + n_triangles + n_others;
+        let are_most = |alike: u64| (n - alike) * ALIKE_TO_ONE <= alike;
+        if are_most(n_spheres) {
             Self::Spheres
-        } else if layouts.watertight && centre.abs().max_element() <= NEAR * size {
+        } else if are_most(n_watertight) && centre.abs().max_element() <= NEAR * size {
             Self::Watertight
-        } else if layouts.triangles {
+        } else if are_most(n_triangles) {
             Self::Triangles
         } else {
             Self::Boxes
@@ -205,8 +204,8 @@ impl<P: Primitives> Filling<'_, P> {
         let mut words = [0; MAX_LINES * LINE];
         let mut block = Block { words: &mut words, count, header };
         match self.kind {
-            LeafKind::Watertight => triangles::fill(&mut block, self.primitives, indices, DVec3::ZERO),
-            LeafKind::Triangles => triangles::fill(&mut block, self.primitives, indices, self.centre),
+            LeafKind::Watertight => triangles::fill(&mut block, self.primitives, indices, None),
+            LeafKind::Triangles => triangles::fill(&mut block, self.primitives, indices, Some(self.centre)),
             LeafKind::Spheres => spheres::fill(&mut block, self.primitives, indices, self.centre),
             LeafKind::Boxes => boxes::fill(&mut block, indices, |index| self.own(index)),
         }
@@ -400,8 +399,14 @@ impl<'r, S: Simd> ExactRay<'r, S> {
 
 /// Rules primitives out, and sees to it that somebody decides about the others.
 pub(super) trait Filter: Copy {
-    /// True if leaves hold all that it takes to decide, so that nobody else is asked, or counts the hits.
+    /// True if leaves hold all that it takes to decide about what is hit for sure.
     const DECIDES: bool = false;
+
+    /// True if the leaf holds all that it takes to decide about this primitive, so that nobody else is asked, or counts the hits.
+    #[inline(always)]
+    fn decides(_: LeafView<'_>, _: usize) -> bool {
+        false
+    }
 
     /// Prepares a ray, of which it is handed what others have prepared.
     fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, boxes: &FilterRay, span: Interval, tree: &WideBvh) -> Self;
@@ -450,7 +455,7 @@ pub(super) trait Filter: Copy {
         span: Interval,
         judge: &mut dyn Judge,
     ) -> Option<Hit> {
-        if Self::DECIDES {
+        if Self::decides(leaf, lane) {
             Self::copied_hit::<S, CERTAIN>(simd, leaf, lane, ray, span)
         } else {
             judge.closest(Self::index(leaf, lane), &ray.slab_ray(simd), span)
@@ -467,7 +472,7 @@ pub(super) trait Filter: Copy {
         span: Interval,
         judge: &mut dyn Judge,
     ) -> bool {
-        if Self::DECIDES {
+        if Self::decides(leaf, lane) {
             Self::copied_hit::<S, false>(simd, leaf, lane, ray, span).is_some()
         } else {
             judge.occluded(Self::index(leaf, lane), &ray.slab_ray(simd), span)

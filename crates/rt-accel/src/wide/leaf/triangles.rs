@@ -15,6 +15,8 @@
 //! whose vertices are much closer to the truth than `ε`. The weights are computed to within `4.1·2m/|det|`, of which
 //! follows how far off `t` may be; the own box holds the true hit, and its slab test is off by some 2⁻⁵³ of `t`, which is
 //! far less.
+//!
+//! **The others.** What is no triangle has vertices that are no numbers: it is neither missed nor hit for sure.
 
 use glam::{DVec3, Vec3};
 use rt_math::{Hit, Interval, LeafLayout, Primitives};
@@ -36,19 +38,25 @@ pub(super) const NUMBERS: usize = 9;
 const MARGIN: f32 = 1.0 / (1 << 17) as f32;
 const ROUNDING: f32 = 1.0 / (1u64 << 39) as f32;
 
-pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices: &[u32], centre: DVec3) {
+/// Stand for vertices of what is no triangle: a filter knows nothing of it.
+const UNKNOWN: [Vec3; 3] = [Vec3::NAN; 3];
+
+/// Fills a leaf with vertices relative to a centre, or with exact ones where there is none.
+pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices: &[u32], centre: Option<DVec3>) {
     let mut greatest = Vec3::ZERO;
     let mut extent = Vec3::ZERO;
     for (lane, &index) in indices.iter().enumerate() {
-        let vertices = match primitives.leaf_layout(index) {
-            LeafLayout::Watertight(vertices) if centre == DVec3::ZERO => vertices,
-            LeafLayout::Watertight(vertices) => vertices.map(|vertex| (vertex.as_dvec3() - centre).as_vec3()),
-            LeafLayout::Triangle(vertices) => vertices.map(|vertex| (vertex - centre).as_vec3()),
-            _ => [Vec3::NAN; 3],
+        let vertices = match (primitives.leaf_layout(index), centre) {
+            (LeafLayout::Watertight(vertices), None) => vertices,
+            (LeafLayout::Watertight(vertices), Some(centre)) => vertices.map(|v| (v.as_dvec3() - centre).as_vec3()),
+            (LeafLayout::Triangle(vertices), Some(centre)) => vertices.map(|v| (v - centre).as_vec3()),
+            _ => UNKNOWN,
         };
-        let [a, b, c] = vertices;
-        greatest = vertices.iter().fold(greatest, |greatest, vertex| greatest.max(vertex.abs()));
-        extent = extent.max(a.max(b).max(c) - a.min(b).min(c));
+        if !vertices[0].is_nan() {
+            let [a, b, c] = vertices;
+            greatest = vertices.iter().fold(greatest, |greatest, vertex| greatest.max(vertex.abs()));
+            extent = extent.max(a.max(b).max(c) - a.min(b).min(c));
+        }
         for (vertex, position) in vertices.iter().enumerate() {
             for axis in 0..3 {
                 block.set(3 * vertex + axis, lane, position[axis]);
@@ -73,7 +81,7 @@ pub(in crate::wide) fn corner(leaf: LeafView<'_>, lane: usize, vertex: usize) ->
     [leaf.number(at), leaf.number(at + leaf.count), leaf.number(at + 2 * leaf.count)]
 }
 
-/// The watertight test with three answers. Where leaves hold exact `COPIES` it decides as well.
+/// The watertight test with three answers. Where leaves hold exact `COPIES` it decides about them as well.
 #[derive(Clone, Copy)]
 pub(in crate::wide) struct TriangleFilter<const COPIES: bool> {
     origin: [f32; 4],
@@ -137,7 +145,8 @@ impl<S: Simd> RayLanes<S> {
         let least = simd.min(simd.min(u, v), w);
         let greatest = simd.max(simd.max(u, v), w);
         let negative = simd.sub(simd.splat(0.0), margin);
-        let maybe = (simd.le(negative, least) | simd.le(greatest, margin)) & mask;
+        let is_unknown = !simd.le(u, u);
+        let maybe = (simd.le(negative, least) | simd.le(greatest, margin) | is_unknown) & mask;
         if maybe == 0 {
             return Verdict { maybe, sure: 0, near: u, far: u };
         }
@@ -199,6 +208,11 @@ fn farthest<S: Simd>(simd: S, p: [S::Lanes; 3]) -> S::Lanes {
 
 impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
     const DECIDES: bool = COPIES;
+
+    #[inline(always)]
+    fn decides(leaf: LeafView<'_>, lane: usize) -> bool {
+        COPIES && !leaf.number(HEADER + lane).is_nan()
+    }
 
     #[inline(always)]
     fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, _: &FilterRay, span: Interval, tree: &WideBvh) -> Self {
