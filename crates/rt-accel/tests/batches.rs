@@ -77,9 +77,10 @@ fn batches_through_small_trees_equal_single_queries() {
     let seed = Draw::run_seed();
     println!("batches: seed {seed}");
     type Kind = (&'static str, fn(&mut Draw) -> Soup);
-    let kinds: [Kind; 6] = [
+    let kinds: [Kind; 7] = [
         ("facets", Soup::facets),
         ("triangles", Soup::triangles),
+        ("facets and others", |draw| Soup::facets(draw).with_others(draw)),
         ("spheres", |draw| Soup::spheres(300, draw)),
         ("marbles", Soup::marbles),
         ("mixed", Soup::mixed),

@@ -130,9 +130,11 @@ fn wide_equals_brute_force_with_all_leaves_and_instructions() {
     let seed = Draw::run_seed();
     println!("wide: seed {seed}");
     type Kind = (&'static str, fn(&mut Draw) -> Soup);
-    let kinds: [Kind; 5] = [
+    let kinds: [Kind; 7] = [
         ("facets", Soup::facets),
         ("triangles", Soup::triangles),
+        ("facets and others", |draw| Soup::facets(draw).with_others(draw)),
+        ("triangles and others", |draw| Soup::triangles(draw).with_others(draw)),
         ("spheres", |draw| Soup::spheres(300, draw)),
         ("marbles", Soup::marbles),
         ("mixed", Soup::mixed),

@@ -117,6 +117,19 @@ impl Soup {
         Self(Self::triangles(draw).0.into_iter().map(facet).collect())
     }
 
+    /// The same with a few solids of all other kinds among them, the last of which cannot be hit.
+    pub(crate) fn with_others(mut self, draw: &mut Draw) -> Self {
+        let spacing = self.0.len() / 20;
+        for at in (0..20).map(|n| n * spacing) {
+            let corner = draw.point();
+            let around = Aabb::new(corner, corner + draw.point().abs() * 0.2);
+            let vertices = [corner, corner + draw.point() * 0.3, corner + draw.point() * 0.3];
+            self.0.insert(at, Solid::Sphere { centre: draw.point(), radius: 0.1 });
+            self.0.extend([Solid::Triangle(vertices), Solid::Box(around), Solid::Sloppy(around), Solid::Ghost(around)]);
+        }
+        self
+    }
+
     pub(crate) fn scaled(mut self, scale: f64) -> Self {
         self.map_points(|p| p * scale, scale);
         self
