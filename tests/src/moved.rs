@@ -16,6 +16,7 @@ pub fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Result<Scene, Transfor
     let root = Node {
         name: String::new(),
         parent_from_local: Transform::translate(offset).then_first(&enlarge),
+        moves_to: None,
         content: None,
         material: rt_scene_io::MaterialId(0),
         casts_shadow: true,
@@ -23,9 +24,14 @@ pub fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Result<Scene, Transfor
     };
     scene.nodes = vec![root];
     for camera in &mut scene.cameras {
-        let place = camera.settings.world_from_camera;
-        let translation = place.translation() * scale + offset;
-        camera.settings.world_from_camera = Transform::from_linear(place.linear(), translation)?;
+        let elsewhere =
+            |place: &Transform| Transform::from_linear(place.linear(), place.translation() * scale + offset);
+        let settings = &mut camera.settings;
+        settings.world_from_camera = elsewhere(&settings.world_from_camera)?;
+        settings.moves_to = settings.moves_to.as_ref().map(elsewhere).transpose()?;
+        if let Some(lens) = &mut settings.lens {
+            (lens.radius, lens.focus) = (lens.radius * scale, lens.focus * scale);
+        }
         if let Projection::Orthographic { height } = &mut camera.settings.projection {
             *height *= scale;
         }

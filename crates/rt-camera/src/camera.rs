@@ -4,7 +4,7 @@ mod sight;
 
 pub use sight::Sight;
 
-use rt_math::{DVec2, DVec3, Ray, Transform, transcendental::tan};
+use rt_math::{DVec2, DVec3, Motion, MotionError, Ray, Transform, transcendental::tan};
 
 use crate::{
     Lens,
@@ -42,6 +42,10 @@ pub enum Projection {
 pub struct CameraSettings {
     /// The camera looks along its −z, with +y up and +x to the right.
     pub world_from_camera: Transform,
+    /// Where the camera is at time 1, if it moves; [`world_from_camera`](Self::world_from_camera) is where it is at time 0.
+    pub moves_to: Option<Transform>,
+    /// When the shutter opens and closes, from 0 to 1.
+    pub shutter: [f64; 2],
     /// The projection.
     pub projection: Projection,
     /// Shift of the lens, as a part of the image's width and height: (0.5, 0) shows what lies half an image further
@@ -52,9 +56,9 @@ pub struct CameraSettings {
 }
 
 impl CameraSettings {
-    /// A camera without a shift, for which all is sharp.
+    /// A camera without a shift, at rest, for which all is sharp. The shutter is open from 0 to 1.
     pub const fn new(world_from_camera: Transform, projection: Projection) -> Self {
-        Self { world_from_camera, projection, lens_shift: DVec2::ZERO, lens: None }
+        Self { world_from_camera, moves_to: None, shutter: [0.0, 1.0], projection, lens_shift: DVec2::ZERO, lens: None }
     }
 }
 
@@ -85,6 +89,12 @@ pub enum CameraError {
     /// The angle of the aperture is NaN or infinite.
     #[error("the aperture is turned by {0}, which is not finite")]
     LensRotation(f64),
+    /// The shutter (its two moments) is not usable.
+    #[error("the shutter is open from {} to {}; it must open at 0 at the earliest, and close after that until 1", .0[0], .0[1])]
+    Shutter([f64; 2]),
+    /// The camera cannot move from the one place to the other.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
     /// The rays overflow: the transform scales, or the lens shift reaches, too far.
     #[error("the camera's transform, lens and lens shift are too large for its rays to be finite")]
     Overflow,
@@ -110,6 +120,8 @@ pub enum CameraError {
 /// origin' = origin + λ,      direction' = direction − λ / focus
 /// ```
 ///
+/// A camera that moves is, for each ray, the camera that stands where it is at the ray's moment.
+///
 /// ```
 /// use rt_camera::{Camera, CameraSettings, FovAxis, Projection};
 /// use rt_math::{DVec2, DVec3, Transform};
@@ -126,6 +138,9 @@ pub enum CameraError {
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
     world_from_camera: Transform,
+    /// How the camera moves, if it does while the shutter is open.
+    motion: Option<Motion>,
+    shutter: [f64; 2],
     is_perspective: bool,
     /// The camera's −z in world space, as long as the transform makes it.
     forward: DVec3,
@@ -146,7 +161,8 @@ impl Camera {
     ///
     /// # Errors
     /// [`CameraError`] if a side is 0, the field of view lies outside (0, π), the orthographic height is not
-    /// positive, the lens is unusable, or a number is NaN, infinite, or so large that rays would not be finite.
+    /// positive, the lens or the shutter is unusable, there is no way for a camera that moves, or a number is NaN, infinite, or
+    /// so large that rays would not be finite.
     pub fn new(settings: &CameraSettings, width: u32, height: u32) -> Result<Self, CameraError> {
         if width == 0 || height == 0 {
             return Err(CameraError::EmptyImage(width, height));
@@ -157,13 +173,25 @@ impl Camera {
         if let Some(lens) = &settings.lens {
             lens.check()?;
         }
+        let [opens, closes] = settings.shutter;
+        if !(0.0 <= opens && opens <= closes && closes <= 1.0) {
+            return Err(CameraError::Shutter(settings.shutter));
+        }
         let size = DVec2::new(f64::from(width), f64::from(height));
         let pixel_side = pixel_side(settings.projection, size)?;
-        let axes = settings.world_from_camera.linear();
+        let motion = match &settings.moves_to {
+            Some(end) => Some(Motion::new(&settings.world_from_camera, end)?),
+            None => None,
+        };
+        let world_from_camera = motion.map_or(settings.world_from_camera, |motion| motion.at(opens));
+        let moving = motion.filter(|motion| opens < closes && motion.start() != motion.end());
+        let axes = world_from_camera.linear();
         // Raster y runs down and the camera's y up.
         let towards_lower_left = settings.lens_shift * DVec2::new(-1.0, 1.0);
         let camera = Self {
-            world_from_camera: settings.world_from_camera,
+            world_from_camera,
+            motion: moving,
+            shutter: settings.shutter,
             is_perspective: matches!(settings.projection, Projection::Perspective { .. }),
             forward: -axes.z_axis,
             step_right: axes.x_axis * pixel_side,
@@ -173,9 +201,13 @@ impl Camera {
             lens: settings.lens.filter(|lens| lens.radius > 0.0),
         };
         let corners = [DVec2::ZERO, DVec2::new(size.x, 0.0), DVec2::new(0.0, size.y), size];
+        let moments = if moving.is_some() { [opens, closes] } else { [opens; 2] };
         let all_finite = corners
             .into_iter()
-            .flat_map(|corner| [camera.ray(corner, 0.0), camera.ray_through(corner, [1.0; 2], 0.0)])
+            .flat_map(|corner| {
+                moments.map(|time| [camera.ray(corner, time), camera.ray_through(corner, [1.0; 2], time)])
+            })
+            .flatten()
             .all(|ray| ray.origin.is_finite() && ray.direction.is_finite());
         if all_finite { Ok(camera) } else { Err(CameraError::Overflow) }
     }
@@ -185,13 +217,45 @@ impl Camera {
         self.lens.is_some()
     }
 
+    /// True if the camera moves while the shutter is open.
+    pub const fn moves(&self) -> bool {
+        self.motion.is_some()
+    }
+
+    /// The moment at which the shutter has been open for this part of its time: 0 when it opens, 1 when it closes.
+    pub fn moment(&self, part: f64) -> f64 {
+        let [opens, closes] = self.shutter;
+        opens + (closes - opens) * part
+    }
+
+    /// When the shutter opens and closes.
+    pub const fn shutter(&self) -> [f64; 2] {
+        self.shutter
+    }
+
+    /// The camera where it is at a moment.
+    fn at(&self, time: f64) -> Self {
+        let Some(motion) = &self.motion else { return *self };
+        let world_from_camera = motion.at(time);
+        let axes = world_from_camera.linear();
+        Self {
+            world_from_camera,
+            motion: None,
+            forward: -axes.z_axis,
+            step_right: axes.x_axis * self.pixel_side,
+            step_down: axes.y_axis * -self.pixel_side,
+            ..*self
+        }
+    }
+
     /// The ray through a raster point and a point of the lens, which is given by a point of the unit square; without a lens
     /// just [`ray`](Self::ray).
     #[inline]
     pub fn ray_through(&self, raster: DVec2, on_lens: [f64; 2], time: f64) -> Ray {
-        let centre = self.ray(raster, time);
-        let Some(lens) = &self.lens else { return centre };
-        let aside = self.aside(lens, on_lens);
+        let Some(lens) = &self.lens else { return self.ray(raster, time) };
+        let here = self.at(time);
+        let centre = here.ray(raster, time);
+        let aside = here.aside(lens, on_lens);
         Ray { origin: centre.origin + aside, direction: centre.direction - aside / lens.focus, time }
     }
 
@@ -206,6 +270,9 @@ impl Camera {
     /// the image are fine.
     #[inline]
     pub fn ray(&self, raster: DVec2, time: f64) -> Ray {
+        if self.motion.is_some() {
+            return self.at(time).ray(raster, time);
+        }
         let from_centre = raster - self.principal_point;
         let across = self.step_right * from_centre.x + self.step_down * from_centre.y;
         let pinhole = self.world_from_camera.translation();
@@ -216,9 +283,15 @@ impl Camera {
         }
     }
 
-    /// Where a point of the world appears through the pinhole or the centre of the lens, in raster coordinates; possibly
-    /// outside the image. `None` for a point
-    /// behind the camera plane, for one on the plane of a pinhole camera, and for one whose image is not finite.
+    /// The depth of a point of the world along the view axis when the shutter opens, in units of the camera's space; negative
+    /// behind the camera.
+    pub fn depth(&self, world: DVec3) -> f64 {
+        -self.world_from_camera.inverse_point(world).z
+    }
+
+    /// Where a point of the world appears through the pinhole or the centre of the lens when the shutter opens, in raster
+    /// coordinates; possibly outside the image. `None` for a point behind the camera plane, for one on the plane of a pinhole
+    /// camera, and for one whose image is not finite.
     pub fn project(&self, world: DVec3) -> Option<DVec2> {
         let point = self.world_from_camera.inverse_point(world);
         let depth = -point.z;
@@ -234,7 +307,8 @@ impl Camera {
     }
 
     /// The part of space that the rays through the raster points from `min` to `max`, and any points of the lens, run
-    /// through; points outside the image are fine. For all rays of an image, widen it by the sample offset and the filter's radius.
+    /// through when the shutter opens; points outside the image are fine. For all rays of an image, widen it by the sample offset
+    /// and the filter's radius.
     pub fn view_volume(&self, min: DVec2, max: DVec2) -> ViewVolume {
         ViewVolume::new(&Pencil {
             origin: self.world_from_camera.translation(),

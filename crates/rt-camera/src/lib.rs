@@ -21,6 +21,7 @@
 //! | where in and around the pixel, and with which weight | [`Filter`] |
 //! | ray through a raster point, and back | [`Camera`] |
 //! | where on the aperture it starts, and where it is sharp | [`Lens`] |
+//! | when it is cast, and where the camera is then | [`Camera::moment`], [`CameraSettings::moves_to`] |
 //! | boxes that none of these rays meets | [`ViewVolume`] |
 //! | linear radiance of every pixel | [`Film`] |
 //! | bytes | [`Development`] |

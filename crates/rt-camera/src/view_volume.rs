@@ -235,7 +235,9 @@ mod tests {
                 let shear = Transform::shear([shear, 0.1, 0.0, 0.2, shear, 0.0]).ok()?;
                 let world_from_camera = view.then_first(&shear).then_first(&Transform::scale(factors).ok()?);
                 let lens_shift = DVec2::new(shift.x, shift.y);
-                Camera::new(&CameraSettings { world_from_camera, projection, lens_shift, lens }, 120, 90).ok()
+                let settings =
+                    CameraSettings { lens_shift, lens, ..CameraSettings::new(world_from_camera, projection) };
+                Camera::new(&settings, 120, 90).ok()
             },
         )
     }

@@ -96,6 +96,7 @@ impl Failure {
             | RenderError::SamePasses(_)
             | RenderError::Adaptive(_)
             | RenderError::AdaptiveLens
+            | RenderError::AdaptiveMotion
             | RenderError::AdaptiveUntil => Self::Usage(source.to_string()),
             source => Self::Plan { file: file.to_owned(), source },
         }

@@ -1,5 +1,7 @@
 //! Maps one after the other, some of which move.
 
+use std::sync::Arc;
+
 use crate::{Aabb, Motion, Transform};
 
 /// A product of transforms and motions, as it stands above a node of a tree: `A₁ · M₁(τ) · A₂ · M₂(τ) · … · L`.
@@ -16,8 +18,8 @@ use crate::{Aabb, Motion, Transform};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionChain {
-    /// Each with the transform that is applied after it.
-    links: Vec<(Transform, Motion)>,
+    /// The innermost motion, with the chain that is applied after it. Shared by all that is below.
+    outer: Option<Arc<(Self, Motion)>>,
     /// What is applied first.
     last: Transform,
 }
@@ -25,12 +27,12 @@ pub struct MotionChain {
 impl MotionChain {
     /// A chain in which nothing moves.
     pub const fn still(transform: Transform) -> Self {
-        Self { links: Vec::new(), last: transform }
+        Self { outer: None, last: transform }
     }
 
     /// The transform, if nothing moves.
     pub const fn as_still(&self) -> Option<&Transform> {
-        if self.links.is_empty() { Some(&self.last) } else { None }
+        if self.outer.is_none() { Some(&self.last) } else { None }
     }
 
     /// The chain that applies `first` and then this one.
@@ -42,24 +44,54 @@ impl MotionChain {
 
     /// The chain that applies `first`, which moves, and then this one.
     #[must_use]
-    pub fn then_first_motion(mut self, first: &Motion) -> Self {
-        self.links.push((self.last, *first));
-        self.last = Transform::IDENTITY;
-        self
+    pub fn then_first_motion(self, first: &Motion) -> Self {
+        Self { outer: Some(Arc::new((self, *first))), last: Transform::IDENTITY }
     }
 
     /// The map at a moment.
     pub fn at(&self, time: f64) -> Transform {
-        let Some(((still, motion), rest)) = self.links.split_first() else { return self.last };
-        let first = still.then_first(&motion.at(time));
-        let all = rest.iter().fold(first, |all, (still, motion)| all.then_first(still).then_first(&motion.at(time)));
-        all.then_first(&self.last)
+        let (mut chain, mut map) = (self, self.last);
+        while let Some((outer, motion)) = chain.outer.as_deref() {
+            map = outer.last.then_first(&motion.at(time)).then_first(&map);
+            chain = outer;
+        }
+        map
     }
 
     /// A box around the image of a box at all moments from 0 to 1; the box around its image if nothing moves. Each map takes a
     /// box that contains what the maps before it make of the points. Empty stays empty.
     pub fn aabb(&self, aabb: &Aabb) -> Aabb {
-        let local = self.last.aabb(aabb);
-        self.links.iter().rev().fold(local, |sum, (still, motion)| still.aabb(&motion.aabb(&sum)))
+        let (mut chain, mut sum) = (self, self.last.aabb(aabb));
+        while let Some((outer, motion)) = chain.outer.as_deref() {
+            sum = outer.last.aabb(&motion.aabb(&sum));
+            chain = outer;
+        }
+        sum
+    }
+}
+
+impl Drop for MotionChain {
+    /// Link by link: a chain may be longer than the call stack is deep.
+    fn drop(&mut self) {
+        let mut outer = self.outer.take();
+        while let Some((mut chain, _)) = outer.and_then(Arc::into_inner) {
+            outer = chain.outer.take();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn long_chains_do_not_exhaust_the_call_stack() {
+        let step = Transform::translate(DVec3::X);
+        let motion = Motion::new(&Transform::IDENTITY, &step).expect("a motion");
+        let long = (0..1_000_000).fold(MotionChain::still(step), |chain, _| chain.then_first_motion(&motion));
+        let branch = long.clone().then_first(&step);
+        drop(long);
+        assert_eq!(branch.at(0.5).point(DVec3::ZERO).x, 500_002.0);
     }
 }

@@ -8,13 +8,16 @@ use rt_shading::{
     emitter::{CylinderLight, DiskLight, Emission, Emitter, EmitterSet, MeshLight, QuadLight, SphereLight},
 };
 
-use crate::world::{Assembly, Levels, Part, PartGeometry};
+use crate::{
+    surroundings::holds,
+    world::{Assembly, Levels, Part, PartGeometry},
+};
 
 /// How far the angles of a parallelogram may be off, as a part of its side.
 const SQUARENESS: f64 = 1e-9;
 
 /// Makes emitters of all parts that shine evenly, and notes at each part which it is. What cannot be drawn from (a textured
-/// lamp, a torus) is still found by rays.
+/// lamp, a torus, one that moves) is still found by rays.
 pub(crate) fn emitters(scene: &Scene, top: &mut Assembly, levels: &mut Levels) -> EmitterSet {
     // Each part of a group knows its place among the lights of the group, and each instance the number of its first one.
     let of_groups: Vec<Lamps> =
@@ -41,6 +44,16 @@ pub(crate) fn emitters(scene: &Scene, top: &mut Assembly, levels: &mut Levels) -
         collected.push(Emitter::Environment(light.as_ref().clone()));
     }
     EmitterSet::new(collected, scene.settings.light_sampling, radius(top))
+}
+
+/// The name of an object that shines and moves, if there is one.
+pub(crate) fn moving_lamp(scene: &Scene, top: &Assembly, levels: &Levels) -> Option<String> {
+    let shines = |material: u32| {
+        let material = scene.appearance.materials.get(material as usize);
+        material.is_some_and(|material| !material.phong.emission.is_zero())
+    };
+    let mut moving = top.all_parts(levels).filter(|part| part.moves());
+    moving.find(|part| holds(part, levels, &shines)).map(|part| part.name.to_string())
 }
 
 /// The emitters among some parts.
@@ -99,7 +112,7 @@ fn emitter_of(scene: &Scene, part: &Part, outer: &Transform, levels: &Levels) ->
             emitter_of_mesh(&levels.meshes[*level as usize].mesh, &outer.then_first(&inner), emission)
         }
         PartGeometry::Facet(mesh, _) => emitter_of_mesh(mesh, outer, emission),
-        PartGeometry::Group(..) => None,
+        PartGeometry::Group(..) | PartGeometry::Moving(_) => None,
     }
 }
 

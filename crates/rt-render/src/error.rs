@@ -69,6 +69,14 @@ pub enum RenderError {
         /// What is wrong.
         source: rt_math::TransformError,
     },
+    /// An object cannot move as it should.
+    #[error("object '{object}': {source}")]
+    Motion {
+        /// Name of the object.
+        object: String,
+        /// What is wrong.
+        source: rt_math::MotionError,
+    },
     /// More primitives in a group than indices.
     #[error("a group that is placed more than once has more than 2^32 - 1 shapes and triangles")]
     TooManyObjects,
@@ -109,6 +117,18 @@ pub enum RenderError {
          (--target-error)"
     )]
     AdaptiveLens,
+    /// Adaptive sampling in object space is asked for, and something moves while the shutter is open.
+    #[error(
+        "adaptive sampling in object space looks for edges at one moment, and the camera or an object moves; let the error \
+         decide (--target-error)"
+    )]
+    AdaptiveMotion,
+    /// A lamp moves, and the integrator sees only lamps that it can draw from.
+    #[error(
+        "object '{0}' shines and moves: lamps that move are found by rays in all directions, which 'distributed' does not \
+         follow; use 'path', 'direct' or 'caustics', or let it stand still"
+    )]
+    MovingLamp(String),
     /// Adaptive sampling in object space is asked for, and samples are to be taken until something ends the render.
     #[error(
         "adaptive sampling in object space shares out a fixed number of samples; it goes with no time and no error to reach"

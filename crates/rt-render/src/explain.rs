@@ -10,6 +10,7 @@ use rt_shading::{Follows, Light, LightKind, Material, PathSettings, Texture};
 
 use crate::{
     RenderPlan,
+    emitters::moving_lamp,
     estimate::PixelEstimate,
     plan::{View, World},
     splats::SplatImage,
@@ -99,6 +100,7 @@ struct Census {
     meshes: usize,
     group_instances: usize,
     groups: usize,
+    moving: usize,
     shadowless: usize,
     unbounded: usize,
 }
@@ -124,7 +126,8 @@ impl Census {
     fn add(&mut self, part: &Part) {
         self.shadowless += usize::from(!part.casts_shadow);
         self.unbounded += usize::from(part.bounds.is_none());
-        match &part.geometry {
+        self.moving += usize::from(matches!(part.geometry, PartGeometry::Moving(_)));
+        match part.geometry.at_rest() {
             PartGeometry::Shape(Shape::Sphere(_)) => self.spheres += 1,
             PartGeometry::Shape(Shape::AxisBox(_)) => self.boxes += 1,
             PartGeometry::Shape(Shape::Plane(_)) => self.planes += 1,
@@ -141,19 +144,21 @@ impl Census {
             PartGeometry::Placed(_) => self.placed += 1,
             PartGeometry::Mesh(..) => self.mesh_instances += 1,
             PartGeometry::Group(..) => self.group_instances += 1,
+            PartGeometry::Moving(_) => {}
         }
     }
 }
 
 /// Bytes of a part, with what it has on the heap.
 fn part_memory(part: &Part) -> usize {
-    let boxed = match &part.geometry {
+    let moving = if let PartGeometry::Moving(moving) = &part.geometry { size_of_val(&**moving) } else { 0 };
+    let boxed = match part.geometry.at_rest() {
         PartGeometry::Shape(shape) => shape_memory(shape),
         PartGeometry::Placed(placed) => size_of_val(&**placed) + shape_memory(placed.shape()),
         PartGeometry::Mesh(_, Some(transform)) | PartGeometry::Group(_, Some(transform)) => size_of_val(&**transform),
         _ => 0,
     };
-    size_of::<Part>() + boxed + part.name.len()
+    size_of::<Part>() + moving + boxed + part.name.len()
 }
 
 /// Bytes that a shape has on the heap.
@@ -229,6 +234,9 @@ impl RenderPlan<'_> {
             used.push("no objects".to_owned());
         }
         used.extend(self.structures());
+        if self.moves {
+            used.extend(self.motion(census));
+        }
         if self.camera.has_lens() {
             used.push("a lens: camera rays start all over the aperture".to_owned());
         }
@@ -243,6 +251,24 @@ impl RenderPlan<'_> {
             ));
         }
         used
+    }
+
+    /// What is elsewhere at another moment.
+    fn motion(&self, census: &Census) -> Vec<String> {
+        let [opens, closes] = self.camera.shutter();
+        let mut lines = vec![format!("a moment for each sample, while the shutter is open from {opens} to {closes}")];
+        if census.moving > 0 {
+            let what = count(census.moving, "object that moves", "objects that move");
+            lines.push(format!("{what}, in boxes around all that they pass"));
+        }
+        if self.camera.moves() {
+            lines.push("a camera that moves: no object is left out for its rays".to_owned());
+        }
+        if let (View::Paths(_), World::Parts(top, levels)) = (&self.view, &self.world) {
+            let lamp = moving_lamp(self.scene, top, levels);
+            lines.extend(lamp.map(|name| format!("lamps that move, such as '{name}': found by rays, not drawn from")));
+        }
+        lines
     }
 
     /// Paths from the lights, and what they are sent to.
@@ -385,6 +411,7 @@ impl RenderPlan<'_> {
             (linear, "tree over the objects", "all of them are asked in turn"),
             (census.shadowless == 0, "shadow switches", "every object casts shadows"),
             (!self.transparent, "alpha channel", "the background is part of the picture"),
+            (!self.moves, "time", "nothing moves while the shutter is open"),
             (!self.camera.has_lens(), "lens", "the camera is a pinhole, or looks along parallel rays"),
         ];
         let surface = [

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use rt_accel::BuildError;
 use rt_geometry::{Placed, Shape};
-use rt_math::{Aabb, Primitives, Transform};
+use rt_math::{Aabb, MotionChain, Primitives, Transform};
 use rt_scene_io::{Content, Group, GroupId, Integrator, MeshId, Node, Scene};
 
 use crate::{
     RenderError,
     structure::{self, Wanted},
-    world::{Assembly, Levels, MeshLevel, Part, PartGeometry, Parts},
+    world::{Assembly, Levels, MeshLevel, Moving, Part, PartGeometry, Parts},
 };
 
 /// Deepest accepted nesting of nodes and groups together.
@@ -25,24 +25,26 @@ const MAX_PARTS: u64 = 1 << 24;
 const DISSOLVED: usize = 64;
 
 /// Flattens a scene, in the space that `plan_from_world` leads to, and builds all structures. `may_be_flat` lets these decide by
-/// themselves where all parts are single primitives.
+/// themselves where all parts are single primitives. With a `moment`, everything stands still where it is then.
 pub(crate) fn flatten(
     scene: &Scene,
     wanted: Wanted,
     plan_from_world: Transform,
     may_be_flat: bool,
+    moment: Option<f64>,
 ) -> Result<(Assembly, Levels), RenderError> {
     let mut flattener = Flattener {
         scene,
         wanted,
         may_be_flat,
+        moment,
         mesh_levels: vec![None; scene.meshes.len()],
         group_levels: vec![None; scene.groups.len()],
         group_uses: count_group_uses(scene)?,
         group_sizes: vec![None; scene.groups.len()],
         levels: Levels::default(),
     };
-    let level = Level { assembly_from_parent: plan_from_world, ..Level::TOP };
+    let level = Level { assembly_from_parent: MotionChain::still(plan_from_world), ..Level::TOP };
     let top = flattener.assembly(&scene.nodes, level)?;
     Ok((top, flattener.levels))
 }
@@ -81,9 +83,9 @@ fn group_of<'s>(scene: &'s Scene, node: &Node, id: GroupId) -> Result<&'s Group,
 }
 
 /// Where the walk stands.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Level {
-    assembly_from_parent: Transform,
+    assembly_from_parent: MotionChain,
     casts_shadow: bool,
     depth: usize,
     /// Inside a group that has a level of its own: further groups are dissolved into it.
@@ -91,8 +93,29 @@ struct Level {
 }
 
 impl Level {
-    const TOP: Self =
-        Self { assembly_from_parent: Transform::IDENTITY, casts_shadow: true, depth: 0, within_group: false };
+    const TOP: Self = Self {
+        assembly_from_parent: MotionChain::still(Transform::IDENTITY),
+        casts_shadow: true,
+        depth: 0,
+        within_group: false,
+    };
+
+    /// What stands here is of this geometry, once it has a transform, and has such bounds without.
+    fn place(
+        &self,
+        bounds: Option<Aabb>,
+        geometry: impl FnOnce(Option<Box<Transform>>) -> PartGeometry,
+    ) -> (PartGeometry, Option<Aabb>) {
+        match self.assembly_from_parent.as_still() {
+            Some(transform) if transform.is_identity() => (geometry(None), bounds),
+            Some(transform) => (geometry(Some(Box::new(*transform))), bounds.map(|bounds| transform.aabb(&bounds))),
+            None => {
+                let assembly_from_local = self.assembly_from_parent.clone();
+                let swept = bounds.map(|bounds| assembly_from_local.aabb(&bounds));
+                (PartGeometry::Moving(Box::new(Moving { assembly_from_local, geometry: geometry(None) })), swept)
+            }
+        }
+    }
 }
 
 struct Flattener<'s> {
@@ -100,6 +123,8 @@ struct Flattener<'s> {
     wanted: Wanted,
     /// Whether a scene of single primitives is to be told apart.
     may_be_flat: bool,
+    /// When everything stands still, if it does.
+    moment: Option<f64>,
     /// Level of each mesh that has one already.
     mesh_levels: Vec<Option<u32>>,
     group_levels: Vec<Option<u32>>,
@@ -111,17 +136,19 @@ struct Flattener<'s> {
 
 impl<'s> Flattener<'s> {
     fn assembly(&mut self, nodes: &'s [Node], level: Level) -> Result<Assembly, RenderError> {
-        let count = self.count_parts(nodes, level.within_group);
+        let within_group = level.within_group;
+        let count = self.count_parts(nodes, within_group);
         if count > MAX_PARTS {
             return Err(RenderError::TooManyParts { count, limit: MAX_PARTS });
         }
         let mut parts = Vec::new();
         self.collect(nodes, level, &mut parts)?;
-        if level.within_group {
+        if within_group {
             self.number(&mut parts)?;
         }
-        let is_single = |part: &Part| !matches!(part.geometry, PartGeometry::Mesh(..) | PartGeometry::Group(..));
-        let is_flat = self.may_be_flat && !level.within_group && parts.iter().all(is_single);
+        let is_single =
+            |part: &Part| !matches!(part.geometry.at_rest(), PartGeometry::Mesh(..) | PartGeometry::Group(..));
+        let is_flat = self.may_be_flat && !within_group && parts.iter().all(is_single);
         let set = Parts { parts: &parts, levels: &self.levels, is_flat };
         let structure = structure::build(self.wanted, &set).map_err(|source| {
             let object = match source {
@@ -179,7 +206,7 @@ impl<'s> Flattener<'s> {
         let mut next = 0u32;
         for part in parts {
             part.first_primitive = next;
-            let count = match &part.geometry {
+            let count = match part.geometry.at_rest() {
                 PartGeometry::Mesh(level, _) => self.levels.meshes[*level as usize].mesh.data().triangles.len(),
                 _ => 1,
             };
@@ -203,13 +230,13 @@ impl<'s> Flattener<'s> {
                 return Err(RenderError::Nesting(node.name.clone()));
             }
             let here = Level {
-                assembly_from_parent: level.assembly_from_parent.then_first(&node.parent_from_local),
+                assembly_from_parent: self.place_below(&level.assembly_from_parent, node)?,
                 casts_shadow: level.casts_shadow && node.casts_shadow,
                 depth: level.depth + 1,
                 within_group: level.within_group,
             };
             check_transform(node, &here.assembly_from_parent)?;
-            open.push((node.children.iter(), here));
+            open.push((node.children.iter(), here.clone()));
             match node.content {
                 Some(Content::Shape(ref shape)) => {
                     let object = parts.len() as u32;
@@ -222,7 +249,9 @@ impl<'s> Flattener<'s> {
                 }
                 Some(Content::Instance(id)) => {
                     let group = group_of(self.scene, node, id)?;
-                    if here.within_group || self.group_uses[id.0 as usize] == 1 {
+                    // A group that moves as a whole is moved as a whole.
+                    let is_still = here.assembly_from_parent.as_still().is_some();
+                    if here.within_group || (is_still && self.group_uses[id.0 as usize] == 1) {
                         open.push((group.nodes.iter(), here));
                     } else {
                         let object = parts.len() as u32;
@@ -235,11 +264,22 @@ impl<'s> Flattener<'s> {
         Ok(())
     }
 
+    /// Takes the node's space to that of the assembly.
+    fn place_below(&self, outer: &MotionChain, node: &Node) -> Result<MotionChain, RenderError> {
+        let chain = match self.moment {
+            None => node.place_below(outer),
+            Some(moment) => node.motion().map(|motion| {
+                let place = motion.map_or(node.parent_from_local, |motion| motion.at(moment));
+                outer.clone().then_first(&place)
+            }),
+        };
+        chain.map_err(|source| RenderError::Motion { object: node.name.clone(), source })
+    }
+
     fn shape_part(&self, node: &Node, shape: &Shape, here: &Level) -> Result<Part, RenderError> {
-        let (geometry, bounds) = if here.assembly_from_parent.is_identity() {
-            (PartGeometry::Shape(shape.clone()), shape.bounds())
-        } else {
-            let placed = Placed::new(shape.clone(), here.assembly_from_parent);
+        let turned = here.assembly_from_parent.as_still().filter(|transform| !transform.is_identity());
+        let (geometry, bounds) = if let Some(transform) = turned {
+            let placed = Placed::new(shape.clone(), *transform);
             let baked = if self.shows_uv(node) { placed.baked() } else { placed.baked_without_uv() };
             match baked {
                 Some(shape) => {
@@ -251,6 +291,8 @@ impl<'s> Flattener<'s> {
                     (PartGeometry::Placed(Box::new(placed)), bounds)
                 }
             }
+        } else {
+            here.place(shape.bounds(), |_| PartGeometry::Shape(shape.clone()))
         };
         self.part(node, here, geometry, bounds)
     }
@@ -271,7 +313,7 @@ impl<'s> Flattener<'s> {
             count: self.scene.meshes.len(),
         })?;
         let count = named.mesh.data().triangles.len();
-        if count <= DISSOLVED && here.assembly_from_parent.is_identity() {
+        if count <= DISSOLVED && here.assembly_from_parent.as_still().is_some_and(Transform::is_identity) {
             let facet = |index| {
                 let bounds = Primitives::bounds(&*named.mesh, index);
                 self.part(node, here, PartGeometry::Facet(Arc::clone(&named.mesh), index), bounds)
@@ -289,10 +331,9 @@ impl<'s> Flattener<'s> {
                 level
             }
         };
-        let transform = boxed(&here.assembly_from_parent);
-        let bounds = named.mesh.bounds();
-        let bounds = transform.as_ref().map_or(bounds, |t| t.aabb(&bounds));
-        Ok(vec![self.part(node, here, PartGeometry::Mesh(level, transform), Some(bounds))?])
+        let (geometry, bounds) =
+            here.place(Some(named.mesh.bounds()), |transform| PartGeometry::Mesh(level, transform));
+        Ok(vec![self.part(node, here, geometry, bounds)?])
     }
 
     /// A group without parts is no part.
@@ -318,10 +359,9 @@ impl<'s> Flattener<'s> {
         if group.parts.is_empty() {
             return Ok(None);
         }
-        let transform = boxed(&here.assembly_from_parent);
         let bounds = group.parts.iter().try_fold(Aabb::EMPTY, |sum, part| Some(sum.union(part.bounds?)));
-        let bounds = bounds.map(|bounds| transform.as_ref().map_or(bounds, |t| t.aabb(&bounds)));
-        self.part(node, here, PartGeometry::Group(level, transform), bounds).map(Some)
+        let (geometry, bounds) = here.place(bounds, |transform| PartGeometry::Group(level, transform));
+        self.part(node, here, geometry, bounds).map(Some)
     }
 
     fn part(
@@ -332,16 +372,14 @@ impl<'s> Flattener<'s> {
         bounds: Option<Aabb>,
     ) -> Result<Part, RenderError> {
         let count = self.scene.appearance.materials.len();
-        if node.material.0 as usize >= count && !matches!(geometry, PartGeometry::Group(..)) {
+        let is_group = matches!(geometry.at_rest(), PartGeometry::Group(..));
+        if node.material.0 as usize >= count && !is_group {
             let (object, index) = (node.name.clone(), node.material.0);
             return Err(RenderError::Dangling { object, what: "material", index, count });
         }
         // Shadow rays take no notice of what fills a body. One of air must not darken the air around it; inside of glass,
         // where it is a bubble, the surface of the glass decides.
-        let is_air = match geometry {
-            PartGeometry::Group(..) => false,
-            _ => self.scene.appearance.materials[node.material.0 as usize].phong.is_air(),
-        };
+        let is_air = !is_group && self.scene.appearance.materials[node.material.0 as usize].phong.is_air();
         Ok(Part {
             geometry,
             material: node.material.0,
@@ -356,12 +394,11 @@ impl<'s> Flattener<'s> {
 }
 
 /// Transforms are sound one by one; their product may still flatten space.
-fn check_transform(node: &Node, transform: &Transform) -> Result<(), RenderError> {
-    Transform::from_linear(transform.linear(), transform.translation())
-        .map(|_| ())
-        .map_err(|source| RenderError::Transform { object: node.name.clone(), source })
-}
-
-fn boxed(transform: &Transform) -> Option<Box<Transform>> {
-    (!transform.is_identity()).then(|| Box::new(*transform))
+fn check_transform(node: &Node, place: &MotionChain) -> Result<(), RenderError> {
+    for moment in [0.0, 1.0] {
+        let transform = place.at(moment);
+        Transform::from_linear(transform.linear(), transform.translation())
+            .map_err(|source| RenderError::Transform { object: node.name.clone(), source })?;
+    }
+    Ok(())
 }

@@ -10,6 +10,9 @@
 //! and the statistics. It is the only crate that knows structures *and* materials.
 //! **Does not own** files, arguments or progress bars; nothing here prints.
 //!
+//! What moves while the shutter is open takes each ray to where it is at the ray's moment, which is drawn for each sample; all
+//! rays of a sample share it. Where nothing moves no moment is drawn, and nothing is the slower for it.
+//!
 //! The picture is a pure function of scene, settings and seed: thread count, tile order and structure change no bit.
 //!
 //! ```

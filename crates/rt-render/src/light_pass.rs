@@ -111,11 +111,15 @@ impl RenderPlan<'_> {
         let end = pass.paths.min((chunk + 1) * CHUNK);
         for first in (chunk * CHUNK..end).step_by(WAVE as usize) {
             let indices = first..end.min(first + WAVE);
-            let samplers = indices.map(|index| sampler.sample([(index >> 32) as u32, 0], index as u32));
+            let samplers = indices.map(|index| {
+                let mut sample = sampler.sample([(index >> 32) as u32, 0], index as u32);
+                let time = self.draw_moment(&mut sample);
+                (sample, time)
+            });
             let scene = LightScene { lighting, sources };
-            let sight = |point, sampler: &mut PixelSample| {
+            let sight = |point, time, sampler: &mut PixelSample| {
                 let on_lens = if self.camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
-                let sight = self.camera.sight(point, on_lens)?;
+                let sight = self.camera.sight(point, on_lens, time)?;
                 Some(Sight { origin: sight.origin, raster: sight.raster, magnification: sight.magnification })
             };
             tracer.trace(&mut world, scene, samplers, sight, |raster, light| {

@@ -4,7 +4,7 @@ use std::{borrow::Cow, time::Instant};
 
 use rt_accel::AnyStructure;
 use rt_accel::wide::{Quality, SimdLevel};
-use rt_camera::{Camera, CameraSettings, Filter, SamplePattern, ViewVolume};
+use rt_camera::{Camera, Filter, SamplePattern, ViewVolume};
 use rt_geometry::{Shape, Spheres};
 use rt_math::{Aabb, DVec2, DVec3};
 use rt_scene_io::{Accel, Integrator, MaterialId, NamedCamera, Scene, Settings};
@@ -14,7 +14,7 @@ use rt_shading::{
 
 use crate::{
     RenderError,
-    emitters::emitters,
+    emitters::{emitters, moving_lamp},
     flatten::flatten,
     light_pass::light_sources,
     passes::default_passes,
@@ -127,6 +127,8 @@ pub struct RenderPlan<'s> {
     /// The point of the scene that all coordinates are relative to.
     pub(crate) origin: DVec3,
     pub(crate) surroundings: Surroundings,
+    /// Whether the camera or an object moves while the shutter is open.
+    pub(crate) moves: bool,
     pub(crate) full: bool,
     pub(crate) build_seconds: f64,
 }
@@ -157,7 +159,14 @@ impl<'s> RenderPlan<'s> {
             .map_err(|source| RenderError::Camera { name: camera_name.clone(), source })?;
 
         let wanted = Wanted { accel: settings.accel, simd: options.simd, quality: options.quality };
-        let (mut top, mut levels) = flatten(scene, wanted, rebase::plan_from_world(origin), !options.full)?;
+        let [opens, closes] = camera.shutter();
+        let moment = (opens == closes).then_some(opens);
+        let (mut top, mut levels) = flatten(scene, wanted, rebase::plan_from_world(origin), !options.full, moment)?;
+        let moves = camera.moves() || top.all_parts(&levels).any(Part::moves);
+        check_adaptive(settings, &camera, moves)?;
+        if let (Integrator::Distributed, Some(lamp)) = (settings.integrator, moving_lamp(scene, &top, &levels)) {
+            return Err(RenderError::MovingLamp(lamp));
+        }
         let emitters = if settings.integrator.draws_lights() {
             emitters(scene, &mut top, &mut levels)
         } else {
@@ -165,13 +174,12 @@ impl<'s> RenderPlan<'s> {
         };
         let visible = if options.full { None } else { visible(scene, wanted, &camera, crop, &top, &levels)? };
         let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, *medium) };
-        let (near, far) = depth_range(&camera_settings, &top);
-        let stochastic = settings.integrator.is_stochastic() || camera.has_lens();
-        check_adaptive(settings, &camera)?;
+        let (near, far) = depth_range(&camera, &top);
+        let stochastic = settings.integrator.is_stochastic() || camera.has_lens() || moves;
         let passes = settings.passes.unwrap_or_else(|| default_passes(settings.pattern, settings.spp, stochastic));
         let world = if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) };
         let surroundings = if settings.integrator.follows_light() && needs.refraction {
-            Surroundings::of(named_camera, &camera, scene, &world)
+            Surroundings::of(named_camera, &camera, moves, scene, &world)
         } else {
             Surroundings::air()
         };
@@ -203,9 +211,13 @@ impl<'s> RenderPlan<'s> {
             light_sources,
             world,
             surroundings,
+            moves,
             visible,
             wanted,
-            narrows: !options.full && settings.accel == Accel::Auto && settings.integrator != Integrator::Cost,
+            narrows: !options.full
+                && settings.accel == Accel::Auto
+                && settings.integrator != Integrator::Cost
+                && !camera.moves(),
             origin,
             full: options.full,
             camera,
@@ -232,7 +244,8 @@ impl<'s> RenderPlan<'s> {
     /// False if every pass would be the same: fixed patterns, where nothing else is left to chance. Their error cannot be
     /// estimated.
     pub const fn passes_differ(&self) -> bool {
-        self.integrator.is_stochastic() || !matches!(self.pattern, SamplePattern::Centre | SamplePattern::Grid)
+        let is_fixed = matches!(self.pattern, SamplePattern::Centre | SamplePattern::Grid);
+        !is_fixed || self.integrator.is_stochastic() || self.camera.has_lens() || self.moves
     }
 
     /// Where the camera rays of a part of the image run.
@@ -287,11 +300,12 @@ fn camera_of(scene: &Scene, index: usize) -> Result<&NamedCamera, RenderError> {
     }
 }
 
-/// Pyramids are told apart where the integrator finds edges, and have an apex.
-fn check_adaptive(settings: &Settings, camera: &Camera) -> Result<(), RenderError> {
+/// Pyramids are told apart where the integrator finds edges and the edges stand still, and have an apex.
+fn check_adaptive(settings: &Settings, camera: &Camera, moves: bool) -> Result<(), RenderError> {
     match settings.adaptive {
         Some(_) if settings.integrator != Integrator::Whitted => Err(RenderError::Adaptive(settings.integrator.name())),
         Some(_) if camera.has_lens() => Err(RenderError::AdaptiveLens),
+        Some(_) if moves => Err(RenderError::AdaptiveMotion),
         _ => Ok(()),
     }
 }
@@ -309,7 +323,7 @@ fn check_crop(crop: Option<Crop>, film_width: u32, film_height: u32) -> Result<C
 }
 
 /// What the camera rays of the crop are asked of, where that pays. The cost view shows the work that the structure over
-/// the whole scene takes.
+/// the whole scene takes; a camera that moves looks into many volumes.
 fn visible(
     scene: &Scene,
     wanted: Wanted,
@@ -318,7 +332,7 @@ fn visible(
     top: &Assembly,
     levels: &Levels,
 ) -> Result<Option<Visible>, RenderError> {
-    if scene.settings.integrator == Integrator::Cost {
+    if scene.settings.integrator == Integrator::Cost || camera.moves() {
         return Ok(None);
     }
     let volume = view_volume(camera, scene.film.sample_offset, scene.film.filter, crop);
@@ -351,9 +365,9 @@ fn needs(scene: &Scene, top: &Assembly, levels: &Levels, medium: Option<Material
     }
     let mut casts_shadow = false;
     let mut shading_normals = false;
-    for part in top.parts.iter().chain(levels.groups.iter().flat_map(|group| &group.parts)) {
+    for part in top.all_parts(levels) {
         casts_shadow |= part.casts_shadow;
-        match &part.geometry {
+        match part.geometry.at_rest() {
             PartGeometry::Group(..) => {}
             PartGeometry::Mesh(level, _) => {
                 used[part.material as usize] = true;
@@ -363,7 +377,7 @@ fn needs(scene: &Scene, top: &Assembly, levels: &Levels, medium: Option<Material
                 used[part.material as usize] = true;
                 shading_normals |= !mesh.data().normals.is_empty();
             }
-            PartGeometry::Shape(_) | PartGeometry::Placed(_) => used[part.material as usize] = true,
+            _ => used[part.material as usize] = true,
         }
     }
     let needs = Needs::of(&scene.appearance, |material| used[material]);
@@ -371,12 +385,12 @@ fn needs(scene: &Scene, top: &Assembly, levels: &Levels, medium: Option<Material
 }
 
 /// Nearest and farthest depth of the bounded part of the world, along the view axis.
-fn depth_range(camera: &CameraSettings, top: &Assembly) -> (f64, f64) {
+fn depth_range(camera: &Camera, top: &Assembly) -> (f64, f64) {
     let bounds = top.parts.iter().filter_map(|part| part.bounds).fold(Aabb::EMPTY, Aabb::union);
     if bounds.is_empty() {
         return (0.0, 1.0);
     }
-    let depths = bounds.corners().map(|corner| -camera.world_from_camera.inverse_point(corner).z);
+    let depths = bounds.corners().map(|corner| camera.depth(corner));
     let near = depths.into_iter().fold(f64::INFINITY, f64::min).max(0.0);
     let far = depths.into_iter().fold(0.0, f64::max);
     if near < far { (near, far) } else { (near, near + 1.0) }

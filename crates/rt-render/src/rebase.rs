@@ -22,7 +22,8 @@ pub(crate) fn origin(scene: &Scene, camera: &CameraSettings) -> DVec3 {
     if bounds.is_empty() {
         return DVec3::ZERO;
     }
-    let all = bounds.include(camera.world_from_camera.translation());
+    let cameras = [Some(camera.world_from_camera), camera.moves_to].into_iter().flatten();
+    let all = cameras.fold(bounds, |all, place| all.include(place.translation()));
     let (size, centre) = (all.extent().max_element(), all.centre());
     let is_far = size > 0.0 && centre.is_finite() && centre.abs().max_element() > FAR * size;
     if !is_far {
@@ -40,8 +41,12 @@ pub(crate) fn plan_from_world(origin: DVec3) -> Transform {
 
 /// The camera, relative to `origin`.
 pub(crate) fn camera(settings: &CameraSettings, origin: DVec3) -> CameraSettings {
-    let world_from_camera = plan_from_world(origin).then_first(&settings.world_from_camera);
-    CameraSettings { world_from_camera, ..*settings }
+    let moved = |place: &Transform| plan_from_world(origin).then_first(place);
+    CameraSettings {
+        world_from_camera: moved(&settings.world_from_camera),
+        moves_to: settings.moves_to.as_ref().map(moved),
+        ..*settings
+    }
 }
 
 /// The appearance with lights relative to `origin`; borrowed where nothing moves.

@@ -21,7 +21,7 @@ pub(crate) enum Surroundings {
     /// The same for all rays.
     Same(Interior),
     /// To be found for each ray that starts in this box: rays of a parallel projection, or of a lens, start in different
-    /// places.
+    /// places, and at another moment there may be something else.
     ByRay(Aabb),
 }
 
@@ -32,18 +32,21 @@ impl Surroundings {
     }
 
     /// The medium that the camera names; otherwise what the world around it shows.
-    pub(crate) fn of(named: &NamedCamera, camera: &Camera, scene: &Scene, world: &World) -> Self {
+    pub(crate) fn of(named: &NamedCamera, camera: &Camera, moves: bool, scene: &Scene, world: &World) -> Self {
         if let Some(medium) = named.medium {
             return Self::Same(Interior::filled_with(medium.0));
         }
         let reach = reach_of_transparent_bodies(&scene.appearance.materials, world);
         let start_apart = matches!(named.settings.projection, Projection::Orthographic { .. }) || camera.has_lens();
-        if start_apart && !reach.is_empty() {
+        if (start_apart || camera.moves()) && !reach.is_empty() {
             return Self::ByRay(reach);
         }
         let pinhole = camera.ray(DVec2::ZERO, 0.0).origin;
         if !reach.contains(pinhole) {
             return Self::air();
+        }
+        if moves {
+            return Self::ByRay(reach);
         }
         Self::Same(look_around(scene, world, &Ray::new(pinhole, OUTWARD)))
     }
@@ -84,7 +87,7 @@ pub(crate) fn reach_of_transparent_bodies(materials: &[Material], world: &World)
 
 /// True if the part, or one in its group, is of such a material.
 pub(crate) fn holds(part: &Part, levels: &Levels, is_wanted: &impl Fn(u32) -> bool) -> bool {
-    match &part.geometry {
+    match part.geometry.at_rest() {
         PartGeometry::Group(level, _) => {
             levels.groups[*level as usize].parts.iter().any(|inner| is_wanted(inner.material))
         }

@@ -123,7 +123,7 @@ impl RenderPlan<'_> {
             weights.push(weight);
         };
         let has_lens = self.camera.has_lens();
-        if !has_lens && !self.view.draws() {
+        if !has_lens && !self.moves && !self.view.draws() {
             positions.resize(count, [0.0; 2]);
             sampler.positions([x, y], first, positions);
             for &position in &*positions {
@@ -136,11 +136,17 @@ impl RenderPlan<'_> {
             let mut sample = sampler.sample([x, y], index);
             let (offset, weight) = self.filter.sample(sample.next_2d());
             let on_lens = if has_lens { sample.next_2d() } else { [0.5; 2] };
-            push(self.camera.ray_through(corner + offset, on_lens, 0.0), weight);
+            let time = self.draw_moment(&mut sample);
+            push(self.camera.ray_through(corner + offset, on_lens, time), weight);
             if self.view.draws() {
                 samplers.push(sample);
             }
         }
+    }
+
+    /// The moment of a sample; its dimension is drawn only where something moves.
+    pub(crate) fn draw_moment(&self, sample: &mut PixelSample) -> f64 {
+        if self.moves { self.camera.moment(sample.next_1d()) } else { 0.0 }
     }
 }
 

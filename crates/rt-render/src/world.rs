@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use rt_accel::AnyStructure;
 use rt_geometry::{Placed, Shape, ShapeHit, SurfaceInteraction, SurfaceNeeds, TriangleMesh};
-use rt_math::{Aabb, Accelerator, Hit, Interval, LeafLayout, Primitives, Probe, Ray, Transform};
+use rt_math::{Aabb, Accelerator, Hit, Interval, LeafLayout, MotionChain, Primitives, Probe, Ray, Transform};
 use rt_shading::emitter::EmitterRef;
 
 /// Something that stands somewhere, in the space of its assembly.
@@ -37,6 +37,11 @@ pub(crate) struct PartSurface {
 }
 
 impl Part {
+    /// True if it is elsewhere at another moment, in its assembly.
+    pub(crate) const fn moves(&self) -> bool {
+        matches!(self.geometry, PartGeometry::Moving(_))
+    }
+
     /// The part's surface; `triangle` is the one that was hit, where the light is numbered as the mesh is.
     #[inline]
     fn made(&self, interaction: SurfaceInteraction, triangle: Option<u32>) -> PartSurface {
@@ -56,6 +61,22 @@ pub(crate) enum PartGeometry {
     Facet(Arc<TriangleMesh>, u32),
     /// Index of an [`Assembly`].
     Group(u32, Option<Box<Transform>>),
+    Moving(Box<Moving>),
+}
+
+impl PartGeometry {
+    /// What it is, if it moves, in its own space.
+    pub(crate) fn at_rest(&self) -> &Self {
+        if let Self::Moving(moving) = self { &moving.geometry } else { self }
+    }
+}
+
+/// Something that is elsewhere at another moment. The part's bounds contain it at all moments.
+#[derive(Debug)]
+pub(crate) struct Moving {
+    pub(crate) assembly_from_local: MotionChain,
+    /// A shape, or a mesh or group without a transform.
+    pub(crate) geometry: PartGeometry,
 }
 
 /// A mesh with the structure over its triangles, in the space of its file.
@@ -79,6 +100,11 @@ impl Assembly {
     /// The parts as a set of primitives.
     pub(crate) fn set<'w>(&'w self, levels: &'w Levels) -> Parts<'w> {
         Parts { parts: &self.parts, levels, is_flat: self.is_flat }
+    }
+
+    /// The parts with those of all groups, each of which is told once.
+    pub(crate) fn all_parts<'w>(&'w self, levels: &'w Levels) -> impl Iterator<Item = &'w Part> {
+        self.parts.iter().chain(levels.groups.iter().flat_map(|group| &group.parts))
     }
 }
 
@@ -118,8 +144,19 @@ impl Parts<'_> {
     #[inline]
     pub(crate) fn surface(&self, index: u32, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<PartSurface> {
         let part = self.parts.get(index as usize)?;
+        self.surface_of(part, &part.geometry, ray, hit, needs)
+    }
+
+    fn surface_of(
+        &self,
+        part: &Part,
+        geometry: &PartGeometry,
+        ray: &Ray,
+        hit: &Hit,
+        needs: SurfaceNeeds,
+    ) -> Option<PartSurface> {
         let shape_hit = ShapeHit { t: hit.t, uv: hit.uv };
-        Some(match &part.geometry {
+        Some(match geometry {
             PartGeometry::Shape(shape) => part.made(shape.surface(ray, &shape_hit, needs), None),
             PartGeometry::Placed(placed) => part.made(placed.surface(ray, &shape_hit, needs), None),
             PartGeometry::Mesh(level, transform) => {
@@ -148,7 +185,85 @@ impl Parts<'_> {
                     ..surface
                 }
             }
+            PartGeometry::Moving(moving) => {
+                let map = moving.assembly_from_local.at(ray.time);
+                let surface = self.surface_of(part, &moving.geometry, &map.inverse_ray(ray), hit, needs)?;
+                PartSurface { interaction: surface.interaction.transformed(&map), ..surface }
+            }
         })
+    }
+
+    /// The first hit on a part.
+    #[inline]
+    fn closest_on<S: Probe>(
+        &self,
+        (index, geometry): (u32, &PartGeometry),
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> Option<Hit> {
+        let single = |hit: ShapeHit| self.name(index, hit.t, hit.uv);
+        match geometry {
+            PartGeometry::Shape(shape) => shape.intersect(ray, span).map(single),
+            PartGeometry::Placed(placed) => placed.intersect(ray, span).map(single),
+            PartGeometry::Mesh(level, transform) => {
+                let level = &self.levels.meshes[*level as usize];
+                let ray = localise(ray, transform.as_deref());
+                let hit = level.structure.closest(&*level.mesh, &ray, span, probe)?;
+                Some(Hit { instance: index, ..hit })
+            }
+            PartGeometry::Facet(mesh, triangle) => {
+                let hit = mesh.intersect(*triangle, ray, span)?;
+                Some(self.name(index, hit.t, hit.uv))
+            }
+            PartGeometry::Group(level, transform) => {
+                let group = &self.levels.groups[*level as usize];
+                let inner = group.set(self.levels);
+                let ray = localise(ray, transform.as_deref());
+                let hit = group.structure.closest(&inner, &ray, span, probe)?;
+                let first = group.parts[hit.instance as usize].first_primitive;
+                Some(Hit { instance: index, primitive: first + hit.primitive, ..hit })
+            }
+            PartGeometry::Moving(moving) => self.closest_on_moving((index, moving), ray, span, probe),
+        }
+    }
+
+    #[inline(never)]
+    fn closest_on_moving<S: Probe>(
+        &self,
+        (index, moving): (u32, &Moving),
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> Option<Hit> {
+        let ray = moving.assembly_from_local.at(ray.time).inverse_ray(ray);
+        self.closest_on((index, &moving.geometry), &ray, span, probe)
+    }
+
+    /// True if a part blocks the ray.
+    #[inline]
+    fn occluded_by<S: Probe>(&self, geometry: &PartGeometry, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        match geometry {
+            PartGeometry::Shape(shape) => shape.intersect(ray, span).is_some(),
+            PartGeometry::Placed(placed) => placed.intersect(ray, span).is_some(),
+            PartGeometry::Mesh(level, transform) => {
+                let level = &self.levels.meshes[*level as usize];
+                level.structure.occluded(&*level.mesh, &localise(ray, transform.as_deref()), span, probe)
+            }
+            PartGeometry::Facet(mesh, triangle) => mesh.intersect(*triangle, ray, span).is_some(),
+            PartGeometry::Group(level, transform) => {
+                let group = &self.levels.groups[*level as usize];
+                let inner = group.set(self.levels);
+                group.structure.occluded(&inner, &localise(ray, transform.as_deref()), span, probe)
+            }
+            PartGeometry::Moving(moving) => self.occluded_by_moving(moving, ray, span, probe),
+        }
+    }
+
+    #[inline(never)]
+    fn occluded_by_moving<S: Probe>(&self, moving: &Moving, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        let ray = moving.assembly_from_local.at(ray.time).inverse_ray(ray);
+        self.occluded_by(&moving.geometry, &ray, span, probe)
     }
 }
 
@@ -174,50 +289,12 @@ impl Primitives for Parts<'_> {
     }
 
     fn intersect_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        let single = |hit: ShapeHit| self.name(index, hit.t, hit.uv);
-        match &self.parts[index as usize].geometry {
-            PartGeometry::Shape(shape) => shape.intersect(ray, span).map(single),
-            PartGeometry::Placed(placed) => placed.intersect(ray, span).map(single),
-            PartGeometry::Mesh(level, transform) => {
-                let level = &self.levels.meshes[*level as usize];
-                let ray = localise(ray, transform.as_deref());
-                let hit = level.structure.closest(&*level.mesh, &ray, span, probe)?;
-                Some(Hit { instance: index, ..hit })
-            }
-            PartGeometry::Facet(mesh, triangle) => {
-                let hit = mesh.intersect(*triangle, ray, span)?;
-                Some(self.name(index, hit.t, hit.uv))
-            }
-            PartGeometry::Group(level, transform) => {
-                let group = &self.levels.groups[*level as usize];
-                let inner = group.set(self.levels);
-                let ray = localise(ray, transform.as_deref());
-                let hit = group.structure.closest(&inner, &ray, span, probe)?;
-                let first = group.parts[hit.instance as usize].first_primitive;
-                Some(Hit { instance: index, primitive: first + hit.primitive, ..hit })
-            }
-        }
+        self.closest_on((index, &self.parts[index as usize].geometry), ray, span, probe)
     }
 
     fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         let part = &self.parts[index as usize];
-        if !part.casts_shadow {
-            return false;
-        }
-        match &part.geometry {
-            PartGeometry::Shape(shape) => shape.intersect(ray, span).is_some(),
-            PartGeometry::Placed(placed) => placed.intersect(ray, span).is_some(),
-            PartGeometry::Mesh(level, transform) => {
-                let level = &self.levels.meshes[*level as usize];
-                level.structure.occluded(&*level.mesh, &localise(ray, transform.as_deref()), span, probe)
-            }
-            PartGeometry::Facet(mesh, triangle) => mesh.intersect(*triangle, ray, span).is_some(),
-            PartGeometry::Group(level, transform) => {
-                let group = &self.levels.groups[*level as usize];
-                let inner = group.set(self.levels);
-                group.structure.occluded(&inner, &localise(ray, transform.as_deref()), span, probe)
-            }
-        }
+        part.casts_shadow && self.occluded_by(&part.geometry, ray, span, probe)
     }
 
     fn leaf_layout(&self, index: u32) -> LeafLayout {

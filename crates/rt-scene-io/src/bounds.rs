@@ -1,12 +1,12 @@
 //! Bounds over the tree of a scene.
 
 use rt_geometry::Shape;
-use rt_math::{Aabb, Transform};
+use rt_math::{Aabb, MotionChain, Transform};
 
 use crate::{Content, Group, GroupId, MeshId, NamedMesh, Node, Scene};
 
 impl Scene {
-    /// The box around all that is bounded, in world space; empty without any. Infinite planes don't count, nor do
+    /// The box around all that is bounded, in world space and at all moments; empty without any. Infinite planes don't count, nor do
     /// instances of a group that does not come before the group that they are in.
     pub fn bounds(&self) -> Aabb {
         tree_bounds(&self.nodes, &self.groups, &self.meshes)
@@ -26,14 +26,17 @@ pub(crate) fn tree_bounds(nodes: &[Node], groups: &[Group], meshes: &[NamedMesh]
 /// The box around nodes, in the space of their parent. Trees may be deep, so the walk keeps its own stack.
 fn measure(nodes: &[Node], groups: &[Aabb], meshes: &[NamedMesh]) -> Aabb {
     let mut sum = Aabb::EMPTY;
-    let mut open: Vec<(&Node, Transform)> = nodes.iter().map(|node| (node, Transform::IDENTITY)).collect();
+    let here = MotionChain::still(Transform::IDENTITY);
+    let mut open: Vec<(&Node, MotionChain)> = nodes.iter().map(|node| (node, here.clone())).collect();
     while let Some((node, outer)) = open.pop() {
-        let outer_from_local = outer.then_first(&node.parent_from_local);
+        // What cannot move as it should stays where it is.
+        let outer_from_local =
+            node.place_below(&outer).unwrap_or_else(|_| outer.clone().then_first(&node.parent_from_local));
         let local = node.content.as_ref().map_or(Aabb::EMPTY, |content| content_bounds(content, groups, meshes));
         if !local.is_empty() {
             sum = sum.union(outer_from_local.aabb(&local));
         }
-        open.extend(node.children.iter().map(|child| (child, outer_from_local)));
+        open.extend(node.children.iter().map(|child| (child, outer_from_local.clone())));
     }
     sum
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rt_camera::{CameraSettings, FilmSettings, SamplePattern};
 use rt_geometry::{Shape, TriangleMesh};
-use rt_math::{Rgb, Transform};
+use rt_math::{Motion, MotionChain, MotionError, Rgb, Transform};
 use rt_shading::{Appearance, emitter::LightSampling};
 
 pub use rt_shading::{Background, Material};
@@ -274,8 +274,10 @@ pub enum Content {
 pub struct Node {
     /// For messages; may be empty.
     pub name: String,
-    /// Takes this node's space to its parent's.
+    /// Takes this node's space to its parent's; where it moves, at time 0.
     pub parent_from_local: Transform,
+    /// The same at time 1, if the node moves.
+    pub moves_to: Option<Transform>,
     /// What stands here, if anything.
     pub content: Option<Content>,
     /// Material of a shape or mesh here. Instances keep the materials of their group.
@@ -292,11 +294,33 @@ impl Node {
         Self {
             name: String::new(),
             parent_from_local: Transform::IDENTITY,
+            moves_to: None,
             content: Some(content),
             material,
             casts_shadow: true,
             children: Vec::new(),
         }
+    }
+
+    /// The motion from [`parent_from_local`](Self::parent_from_local) to [`moves_to`](Self::moves_to); `None` for a node that is
+    /// at the same place all the time.
+    ///
+    /// # Errors
+    /// [`MotionError`] if there is no way from one to the other.
+    pub fn motion(&self) -> Result<Option<Motion>, MotionError> {
+        let end = self.moves_to.as_ref().filter(|end| **end != self.parent_from_local);
+        end.map(|end| Motion::new(&self.parent_from_local, end)).transpose()
+    }
+
+    /// Takes this node's space to that which `outer` takes its parent's to.
+    ///
+    /// # Errors
+    /// [`MotionError`] as of [`motion`](Self::motion).
+    pub fn place_below(&self, outer: &MotionChain) -> Result<MotionChain, MotionError> {
+        Ok(match self.motion()? {
+            Some(motion) => outer.clone().then_first_motion(&motion),
+            None => outer.clone().then_first(&self.parent_from_local),
+        })
     }
 }
 

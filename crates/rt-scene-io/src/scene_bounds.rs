@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use rt_math::{Aabb, Transform};
+use rt_math::{Aabb, Motion, Transform};
 
 use crate::{Content, GroupId, MeshId, Node, Scene};
 
@@ -35,6 +35,11 @@ impl Extent {
         }
         Self { bounds: target_from_source.aabb(&self.bounds), ..self }
     }
+
+    /// The same things at all moments of a motion.
+    fn swept(self, motion: &Motion) -> Self {
+        Self { bounds: motion.aabb(&self.bounds), ..self }
+    }
 }
 
 /// The extents of a node.
@@ -42,7 +47,7 @@ impl Extent {
 pub struct NodeBounds {
     /// What stands at the node itself, in the node's own space; all of a group for an instance.
     pub own: Extent,
-    /// The node with all below it, in the space of its parent.
+    /// The node with all below it at all moments, in the space of its parent.
     pub subtree: Extent,
 }
 
@@ -102,6 +107,7 @@ struct Entry {
     parent: Option<usize>,
     children: Vec<usize>,
     parent_from_local: Transform,
+    motion: Option<Motion>,
     content: Measured,
     bounds: NodeBounds,
 }
@@ -247,6 +253,8 @@ impl SceneBounds {
         };
         self.set_content(entry, content);
         self.entries[entry].parent_from_local = node.parent_from_local;
+        // What cannot move as it should stays where it is.
+        self.entries[entry].motion = node.motion().unwrap_or_default();
     }
 
     fn set_content(&mut self, entry: usize, content: Measured) {
@@ -264,13 +272,14 @@ impl SceneBounds {
 
     /// Computes the extents of an entry from those below it; true if the extent of the subtree is another now.
     fn measure(&mut self, entry: usize) -> bool {
-        let Entry { children, parent_from_local, content, bounds: before, .. } = &self.entries[entry];
+        let Entry { children, parent_from_local, motion, content, bounds: before, .. } = &self.entries[entry];
         let own = match content {
             Measured::Extent(extent) => *extent,
             Measured::Group(group) => self.entries[*group].bounds.subtree,
         };
         let all = children.iter().fold(own, |sum, &child| sum.union(self.entries[child].bounds.subtree));
-        let bounds = NodeBounds { own, subtree: all.mapped(parent_from_local) };
+        let subtree = motion.as_ref().map_or_else(|| all.mapped(parent_from_local), |motion| all.swept(motion));
+        let bounds = NodeBounds { own, subtree };
         let changed = bounds.subtree != before.subtree;
         self.entries[entry].bounds = bounds;
         changed
@@ -312,6 +321,7 @@ impl Entry {
             parent: None,
             children: Vec::new(),
             parent_from_local: Transform::IDENTITY,
+            motion: None,
             content: Measured::Extent(Extent::NOTHING),
             bounds: NodeBounds { own: Extent::NOTHING, subtree: Extent::NOTHING },
         }

@@ -86,13 +86,14 @@ fn outline(scene: &Scene) -> String {
 }
 
 fn outline_nodes(nodes: &[Node], depth: usize, lines: &mut Vec<String>) {
-    for Node { name, parent_from_local, content, material, casts_shadow, children } in nodes {
+    for Node { name, parent_from_local, moves_to, content, material, casts_shadow, children } in nodes {
         let (axes, origin) = (parent_from_local.linear(), parent_from_local.translation());
         let indent = "    ".repeat(depth);
         let place =
             if parent_from_local.is_identity() { String::new() } else { format!(" at {origin:.3} in {axes:.3}") };
         let shadow = if *casts_shadow { "" } else { " without shadow" };
-        lines.push(format!("{indent}node {name:?}: {content:?} of {material:?}{place}{shadow}"));
+        let motion = moves_to.map_or_else(String::new, |end| format!(" moving to {:.3}", end.translation()));
+        lines.push(format!("{indent}node {name:?}: {content:?} of {material:?}{place}{motion}{shadow}"));
         outline_nodes(children, depth + 1, lines);
     }
 }

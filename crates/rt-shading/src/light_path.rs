@@ -102,20 +102,20 @@ impl<S: Sampler> LightTracer<S> {
         core::mem::take(&mut self.counts)
     }
 
-    /// Follows a path for each sampler. `sight` says how the camera sees a point of the world, and may draw a point of its
-    /// lens. `splat` gets what arrives at a place of the image: the mean over all paths of the sum of it
+    /// Follows a path for each sampler, at the moment that goes with it. `sight` says how the camera sees a point of the world at
+    /// a moment, and may draw a point of its lens. `splat` gets what arrives at a place of the image: the mean over all paths of the sum of it
     /// times the filter is a pixel's radiance. Infinite or NaN if the scene is; the caller decides about such light.
     pub fn trace(
         &mut self,
         world: &mut impl Tracer,
         scene: LightScene<'_>,
-        samplers: impl IntoIterator<Item = S>,
-        sight: impl Fn(DVec3, &mut S) -> Option<Sight>,
+        samplers: impl IntoIterator<Item = (S, f64)>,
+        sight: impl Fn(DVec3, f64, &mut S) -> Option<Sight>,
         mut splat: impl FnMut(DVec2, Rgb),
     ) {
         self.photons.clear();
-        for sampler in samplers {
-            self.depart(world, scene, sampler);
+        for (sampler, time) in samplers {
+            self.depart(world, scene, sampler, time);
         }
         while !self.flow.is_empty() {
             let flow = core::mem::take(&mut self.flow);

@@ -16,8 +16,8 @@ pub struct Sight {
 }
 
 impl Camera {
-    /// How the camera sees a point, with a lens from the point of it that belongs to a point of the unit square. `None` where
-    /// [`project`](Self::project) is, and where the point is so near to the camera that its image has no bounds.
+    /// How the camera sees a point at a moment, with a lens from the point of it that belongs to a point of the unit square. `None`
+    /// where [`project`](Self::project) is then, and where the point is so near to the camera that its image has no bounds.
     ///
     /// The ray to the point at the depth t has the direction d, of which the part along the view is 1; r and b are one pixel to the
     /// right and down on the image plane. Rays through a pixel fill the solid angle `|d·(r × b)| / |d|³` where they start, so that a
@@ -26,13 +26,16 @@ impl Camera {
     /// ```text
     ///   |d| / (t² |d·(r × b)|)   pixels, and     |d| / |d·(r × b)|    in a parallel projection
     /// ```
-    pub fn sight(&self, world: DVec3, on_lens: [f64; 2]) -> Option<Sight> {
+    pub fn sight(&self, world: DVec3, on_lens: [f64; 2], time: f64) -> Option<Sight> {
+        if self.moves() {
+            return self.at(time).sight(world, on_lens, time);
+        }
         let depth = -self.world_from_camera.inverse_point(world).z;
         let raster = match &self.lens {
             None => self.project(world),
             Some(lens) => self.project(world - self.aside(lens, on_lens) * (1.0 - depth / lens.focus)),
         }?;
-        let ray = self.ray_through(raster, on_lens, 0.0);
+        let ray = self.ray_through(raster, on_lens, time);
         let pixel = ray.direction.dot(self.step_right.cross(self.step_down)).abs();
         let nearness = if self.is_perspective { 1.0 / (depth * depth) } else { 1.0 };
         let magnification = nearness * ray.direction.length() / pixel;
@@ -69,12 +72,12 @@ mod tests {
                 let on_lens = [0.3, 0.9];
                 let ray = camera.ray_through(raster, on_lens, 0.0);
                 let point = ray.at(4.0);
-                let sight = camera.sight(point, on_lens).expect("it is in front");
+                let sight = camera.sight(point, on_lens, 0.0).expect("it is in front");
                 assert!((sight.raster - raster).length() < 1e-9 && (sight.origin - ray.origin).length() < 1e-12);
                 let towards = (point - sight.origin).normalize();
                 let (a, b) = towards.any_orthonormal_pair();
                 let size = 1e-4;
-                let at = |offset: DVec3| camera.sight(point + offset * size, on_lens).expect("in front").raster;
+                let at = |offset: DVec3| camera.sight(point + offset * size, on_lens, 0.0).expect("in front").raster;
                 let (u, v) = ((at(a) - at(-a)) / (2.0 * size), (at(b) - at(-b)) / (2.0 * size));
                 let ratio = u.perp_dot(v).abs() / sight.magnification;
                 assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
@@ -86,8 +89,8 @@ mod tests {
     fn what_is_behind_is_not_seen() {
         for camera in cameras() {
             let ray = camera.ray(DVec2::new(150.0, 100.0), 0.0);
-            assert_eq!(camera.sight(ray.at(-1.0), [0.5; 2]), None);
-            assert_eq!(camera.sight(DVec3::NAN, [0.5; 2]), None);
+            assert_eq!(camera.sight(ray.at(-1.0), [0.5; 2], 0.0), None);
+            assert_eq!(camera.sight(DVec3::NAN, [0.5; 2], 0.0), None);
         }
     }
 }

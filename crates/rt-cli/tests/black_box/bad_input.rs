@@ -62,6 +62,15 @@ fn bad_scenes_end_with_code_3() {
             ("too large an image", "(film: (size: (100000, 100000)), nodes: [(shape: sphere())])", render),
             ("camera along up", "(camera: (look_from: (0, 5, 0)), nodes: [(shape: sphere())])", render),
             ("field of view", "(camera: (look_from: (0, 0, 5), fov: 180), nodes: [(shape: sphere())])", render),
+            ("shutter", "(camera: (shutter: (0.5, 0.25)), nodes: [(shape: sphere())])", render),
+            ("motion through a mirror", "(nodes: [(shape: sphere(), motion: [stretch(-1, 1, 1)])])", render),
+            (
+                "lamp that no ray finds",
+                "(materials: {\"lamp\": phong(emission: gray(3))}, settings: (integrator: distributed), \
+                 lights: [point(position: (3, 3, 3), intensity: gray(1))], camera: (look_from: (0, 0, 5)), \
+                 nodes: [(name: \"firefly\", shape: sphere(), motion: [translate(1, 0, 0)], material: \"lamp\")])",
+                render,
+            ),
             (
                 "missing texture",
                 "(materials: {\"wood\": phong(color: image(file: \"wood.png\"))}, nodes: [(shape: sphere(), material: \"wood\")])",

@@ -58,7 +58,7 @@ pub fn check(scene: &Scene) -> Report {
         findings.add(mended(warning));
     }
     let origin = scene.cameras.first().map_or(DVec3::ZERO, |camera| rebase::origin(scene, &camera.settings));
-    let world = flatten(scene, Wanted::default(), rebase::plan_from_world(origin), true)
+    let world = flatten(scene, Wanted::default(), rebase::plan_from_world(origin), true, Some(0.0))
         .map_err(|error| findings.add(refused(scene, &error.to_string())))
         .ok();
     let objects = Objects::of(scene);

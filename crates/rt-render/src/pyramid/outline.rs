@@ -49,7 +49,9 @@ impl Outlines for Parts<'_> {
             PartGeometry::Shape(shape) => Outline::of(shape),
             PartGeometry::Placed(placed) => Outline::of_placed(placed),
             PartGeometry::Facet(mesh, _) if mesh.data().normals.is_empty() => Outline::Flat,
-            PartGeometry::Facet(..) | PartGeometry::Mesh(..) | PartGeometry::Group(..) => Outline::Other,
+            PartGeometry::Facet(..) | PartGeometry::Mesh(..) | PartGeometry::Group(..) | PartGeometry::Moving(_) => {
+                Outline::Other
+            }
         }
     }
 

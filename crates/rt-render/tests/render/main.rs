@@ -5,6 +5,7 @@ mod culling;
 mod invariance;
 mod left_out;
 mod lens;
+mod motion;
 mod nested;
 mod one_picture;
 mod passes;

@@ -24,6 +24,12 @@ pub struct Camera {
     /// Instead of `look_from`: steps that place a camera which stands at the origin and looks along −z.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub transform: Vec<Step>,
+    /// Where the camera is at time 1, as steps like those of `transform`; at time 0 it is where `look_from` or `transform` says.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub motion: Vec<Step>,
+    /// When the shutter opens and closes, from 0 to 1, which is the default. What moves is blurred, unless both are the same.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shutter: Option<(f64, f64)>,
     /// Full opening angle in degrees, above 0 and below 180; 40 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fov: Option<f64>,

@@ -16,6 +16,10 @@ pub struct Node {
     /// `[scale(2), translate(1, 0, 0)]` makes it larger first and then moves it by 1.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub transform: Vec<Step>,
+    /// Where the node is at time 1, as steps like those of `transform`, which says where it is at time 0. On the way it turns
+    /// by the shortest arc, at most half a turn. It is blurred as far as it moves while the camera's shutter is open.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub motion: Vec<Step>,
     /// A shape that stands here.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<Shape>,
@@ -43,6 +47,7 @@ impl Default for Node {
         Self {
             name: String::new(),
             transform: Vec::new(),
+            motion: Vec::new(),
             shape: None,
             model: None,
             instance: None,

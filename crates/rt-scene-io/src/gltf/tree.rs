@@ -80,6 +80,7 @@ fn open(source: &Source<'_>, parent: Transform, model: &mut Model) -> Option<Fra
     let node = Node {
         name: source.name().unwrap_or_default().to_owned(),
         parent_from_local,
+        moves_to: None,
         content: None,
         material: MaterialId(0),
         casts_shadow: true,
@@ -151,6 +152,7 @@ fn place_mesh(node: &mut Node, parts: &[(MeshId, MaterialId)]) {
     node.children.extend(parts.iter().map(|(mesh, material)| Node {
         name: node.name.clone(),
         parent_from_local: Transform::IDENTITY,
+        moves_to: None,
         content: Some(Content::Mesh(*mesh)),
         material: *material,
         casts_shadow: true,

@@ -73,6 +73,7 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         model.nodes.push(Node {
             name: part.name.clone(),
             parent_from_local: Transform::IDENTITY,
+            moves_to: None,
             content: Some(Content::Mesh(id)),
             material,
             casts_shadow: true,

@@ -7,7 +7,7 @@ use rt_math::{DVec2, DVec3, Transform, TransformError};
 
 use super::lens::lens;
 use super::report::Report;
-use super::transform::transform;
+use super::transform::{motion, transform};
 use super::value::{coordinate, positive, vector};
 use crate::format;
 use crate::{MaterialId, NamedCamera, Reason};
@@ -73,7 +73,19 @@ fn settings(report: &mut Report, path: &str, camera: &format::Camera) -> Option<
         Some(given) => Some(lens(report, path, camera, given, &world_from_camera)?),
         None => None,
     };
-    Some(CameraSettings { lens_shift: DVec2::new(x, y), lens, ..CameraSettings::new(world_from_camera, projection) })
+    let moves_to = motion(report, path, &world_from_camera, &camera.motion)?;
+    let (opens, closes) = camera.shutter.unwrap_or((0.0, 1.0));
+    let rule = "must open at 0 at the earliest and close after that, at 1 at the latest";
+    let is_sound = 0.0 <= opens && opens <= closes && closes <= 1.0;
+    let refused = || Reason::invalid(format_args!("the shutter, open from {opens} to {closes},"), rule);
+    report.check(format_args!("{path}.shutter"), is_sound.then_some(()).ok_or_else(refused))?;
+    Some(CameraSettings {
+        moves_to,
+        shutter: [opens, closes],
+        lens_shift: DVec2::new(x, y),
+        lens,
+        ..CameraSettings::new(world_from_camera, projection)
+    })
 }
 
 /// An opening angle in radians.

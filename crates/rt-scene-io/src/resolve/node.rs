@@ -14,7 +14,7 @@ use super::material::Materials;
 use super::report::Report;
 use super::shape::{Solid, solid};
 use super::texture::Textures;
-use super::transform::transform;
+use super::transform::{motion, transform};
 use crate::format::{self, SceneFile};
 use crate::{Content, Group, GroupId, LoadOptions, MaterialId, MeshId, NamedMesh, Node, Reason};
 
@@ -84,10 +84,12 @@ impl<'a> Objects<'a> {
 
     fn node(&mut self, path: &str, node: &format::Node, inherited: Option<&str>, depth: u64) -> Option<Node> {
         let place = transform(&mut self.report, path, &node.transform);
+        let moves_to = place.and_then(|place| motion(&mut self.report, path, &place, &node.motion)).flatten();
         let material = node.material.as_deref().or(inherited);
         let mut placed = Node {
             name: node.name.clone(),
             parent_from_local: place.unwrap_or(Transform::IDENTITY),
+            moves_to,
             content: None,
             material: MaterialId(0),
             casts_shadow: node.casts_shadow,

@@ -2,27 +2,55 @@
 
 use std::fmt::Display;
 
-use rt_math::{DQuat, DVec3, Transform, TransformError};
+use rt_math::{DQuat, DVec3, Motion, MotionError, Transform, TransformError};
 
 use super::report::Report;
 use super::value::vector;
 use crate::Reason;
 use crate::format::Step;
 
-/// The steps as one map; each is applied after those before it.
+/// The `transform` of what stands at a path.
 pub(super) fn transform(report: &mut Report, path: impl Display, steps: &[Step]) -> Option<Transform> {
+    product(report, format_args!("{path}.transform"), steps)
+}
+
+/// Where the `motion` of what stands at a path leads, if it has one: a place that can be reached from the other.
+pub(super) fn motion(
+    report: &mut Report,
+    path: impl Display,
+    start: &Transform,
+    steps: &[Step],
+) -> Option<Option<Transform>> {
+    if steps.is_empty() {
+        return Some(None);
+    }
+    let path = format!("{path}.motion");
+    let end = product(report, &path, steps)?;
+    let refusal = |error| match error {
+        MotionError::Mirrors => {
+            Reason::invalid("the motion", "mirrors on its way, where all would be flat: mirror both ends")
+        }
+        MotionError::Decomposition => {
+            Reason::invalid("the motion", "has numbers that are too large, too small or too different")
+        }
+    };
+    report.check(&path, Motion::new(start, &end).map_err(refusal)).map(|_| Some(end))
+}
+
+/// The steps as one map; each is applied after those before it.
+fn product(report: &mut Report, path: impl Display, steps: &[Step]) -> Option<Transform> {
     if steps.is_empty() {
         return Some(Transform::IDENTITY);
     }
     let mut all = Transform::IDENTITY;
     for (i, step) in steps.iter().enumerate() {
-        let step = report.check(format_args!("{path}.transform[{i}]"), single(step))?;
+        let step = report.check(format_args!("{path}[{i}]"), single(step))?;
         all = step.then_first(&all);
     }
     // Steps may each be sound and yet flatten space, or leave the range of numbers, together.
     let product = Transform::from_linear(all.linear(), all.translation()).map_err(Reason::from);
     let checked = product.and_then(|_| vector(all.translation().to_array()));
-    report.check(format_args!("{path}.transform"), checked).map(|_| all)
+    report.check(path, checked).map(|_| all)
 }
 
 fn single(step: &Step) -> Result<Transform, Reason> {

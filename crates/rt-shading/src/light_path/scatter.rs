@@ -28,8 +28,8 @@ struct Arrival<'a> {
 
 impl<S: Sampler> LightTracer<S> {
     /// Begins a path.
-    pub(super) fn depart(&mut self, world: &mut impl Tracer, scene: LightScene<'_>, mut sampler: S) {
-        let Some(departing) = scene.sources.depart(scene.lighting, &mut sampler) else { return };
+    pub(super) fn depart(&mut self, world: &mut impl Tracer, scene: LightScene<'_>, mut sampler: S, time: f64) {
+        let Some(departing) = scene.sources.depart(scene.lighting, time, &mut sampler) else { return };
         let Departing { ray, span, power, is_unweakened } = departing;
         let mut course = Course::default();
         if self.needs.refraction {
@@ -48,7 +48,7 @@ impl<S: Sampler> LightTracer<S> {
         id: u32,
         ray: &Ray,
         hit: &mut SurfaceHit,
-        sight: &impl Fn(DVec3, &mut S) -> Option<Sight>,
+        sight: &impl Fn(DVec3, f64, &mut S) -> Option<Sight>,
     ) {
         let Some(photon) = self.photons.get_mut(id as usize) else { return };
         let materials = &lighting.appearance.materials;
@@ -91,11 +91,11 @@ impl<S: Sampler> LightTracer<S> {
     }
 
     /// Sends what the surface scatters to the camera on its way there, if the camera looks at it.
-    fn show(&mut self, id: u32, arrival: &Arrival<'_>, sight: &impl Fn(DVec3, &mut S) -> Option<Sight>) {
+    fn show(&mut self, id: u32, arrival: &Arrival<'_>, sight: &impl Fn(DVec3, f64, &mut S) -> Option<Sight>) {
         let Some(photon) = self.photons.get_mut(id as usize) else { return };
         let Arrival { vertex, crossing, .. } = arrival;
         let mut surface = arrival.surface;
-        let Some(sight) = sight(surface.point, &mut photon.sampler) else { return };
+        let Some(sight) = sight(surface.point, vertex.time, &mut photon.sampler) else { return };
         let Some(to_camera) = (sight.origin - surface.point).try_normalize() else { return };
         // As the camera's ray would see it.
         let normal = surface.geometric_normal;

@@ -73,8 +73,8 @@ impl LightSources {
         self.bodies
     }
 
-    /// Draws the beginning of a path; `None` if its light would leave through the wrong side of its lamp.
-    pub(super) fn depart(&self, lighting: Lighting<'_>, sampler: &mut impl Sampler) -> Option<Departing> {
+    /// Draws the beginning of a path at a moment; `None` if its light would leave through the wrong side of its lamp.
+    pub(super) fn depart(&self, lighting: Lighting<'_>, time: f64, sampler: &mut impl Sampler) -> Option<Departing> {
         let choice = self.choice.choose(sampler.next_1d())?;
         let ball = if self.targets.len() > 1 { sampler.next_1d() } else { 0.0 };
         let u = sampler.next_2d();
@@ -83,7 +83,8 @@ impl LightSources {
             Some(emitter) => self.leave_emitter(emitter, ball, u, sampler),
             None => self.leave_light(lighting.appearance.lights.get(index - self.emitters)?, ball, u),
         }?;
-        Some(Departing { power: departing.power / choice.probability, ..departing })
+        let ray = Ray { time, ..departing.ray };
+        Some(Departing { ray, power: departing.power / choice.probability, ..departing })
     }
 
     fn leave_emitter(

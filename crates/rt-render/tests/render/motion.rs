@@ -1,0 +1,388 @@
+//! Motion blur: what moves is where it is at each ray's moment.
+
+use crate::support::{everything, sphere, spheres};
+use rt_camera::{Film, Projection, SamplePattern};
+use rt_math::{DVec3, Motion, Rgb, Transform};
+use rt_render::{PlanOptions, RenderError, RenderPlan, RunOptions};
+use rt_scene_io::{Accel, Adaptive, Content, GroupId, Integrator, MaterialId, Node, Scene, Settings};
+use rt_shading::{Background, Coefficient, Phong};
+
+fn render_with(scene: &Scene, options: PlanOptions, threads: usize) -> Film {
+    let plan = RenderPlan::compile(scene, &options).expect("the scene compiles");
+    plan.render(&RunOptions { threads, ..RunOptions::default() }, |_| {}).expect("threads start").film
+}
+
+fn render(scene: &Scene) -> Film {
+    render_with(scene, PlanOptions::default(), 0)
+}
+
+fn shift(x: f64, y: f64, z: f64) -> Transform {
+    Transform::translate(DVec3::new(x, y, z))
+}
+
+/// One of everything, of which all but the floor moves: shapes, a mesh, instances, and one thing within a group.
+fn everything_moves() -> Scene {
+    let mut scene = everything();
+    let turn = Transform::rotate(DVec3::new(0.3, 1.0, -0.2), 0.7).expect("an axis");
+    for (i, node) in (0..).zip(&mut scene.nodes).skip(1) {
+        let step = shift(0.2 * f64::from(i % 3), 0.3, -0.1 * f64::from(i));
+        node.moves_to = Some(step.then_first(&node.parent_from_local).then_first(&turn));
+    }
+    scene.groups[1].nodes[2].moves_to = Some(shift(0.0, 0.5, 0.0));
+    scene
+}
+
+/// The scene as it is at a moment, without any motion.
+fn frozen(scene: &Scene, moment: f64) -> Scene {
+    let mut scene = scene.clone();
+    let groups = scene.groups.iter_mut().flat_map(|group| &mut group.nodes);
+    for node in scene.nodes.iter_mut().chain(groups) {
+        if let Some(motion) = node.motion().expect("a motion") {
+            node.parent_from_local = motion.at(moment);
+        }
+        node.moves_to = None;
+    }
+    let camera = &mut scene.cameras[0].settings;
+    if let Some(end) = camera.moves_to.take() {
+        camera.world_from_camera = Motion::new(&camera.world_from_camera, &end).expect("a motion").at(moment);
+    }
+    scene
+}
+
+#[test]
+fn a_shutter_that_opens_for_no_time_shows_the_still_picture_of_that_moment() {
+    let mut scene = everything_moves();
+    let camera = &mut scene.cameras[0].settings;
+    camera.moves_to = Some(shift(0.5, 0.2, 0.0).then_first(&camera.world_from_camera));
+    for integrator in [Integrator::Whitted, Integrator::Path, Integrator::Depth] {
+        scene.settings.integrator = integrator;
+        for moment in [0.0, 0.375, 1.0] {
+            scene.cameras[0].settings.shutter = [moment; 2];
+            assert_eq!(render(&scene), render(&frozen(&scene, moment)), "{integrator:?} {moment}");
+        }
+    }
+    scene.cameras[0].settings.shutter = [0.0, 1.0];
+    assert_ne!(render(&scene), render(&frozen(&scene, 0.0)));
+}
+
+/// Open for the time between two neighbouring numbers, the shutter shows what moves as if it stood still, but for rounding.
+#[test]
+fn a_moment_of_what_moves_is_the_still_picture() {
+    let mut scene = everything_moves();
+    scene.settings.passes = Some(1);
+    let still = render(&frozen(&scene, 0.375));
+    scene.cameras[0].settings.shutter = [0.375, 0.375_f64.next_up()];
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    assert!(!plan.explain().left_out.iter().any(|left| left.what == "time"));
+    let moving = render(&scene);
+    let differs = |(a, b): &(&[f32; 3], &[f32; 3])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 1e-4);
+    // Where an edge is met by a hair, a sample falls on the other side of it.
+    let different = moving.pixels().iter().zip(still.pixels()).filter(differs).count();
+    assert!(different <= 3, "{different} of {} pixels", moving.pixels().len());
+}
+
+/// Means of squares of 10 × 10 pixels.
+fn blocks(film: &Film) -> Vec<f64> {
+    let (width, height) = (film.width() as usize, film.pixels().len() / film.width() as usize);
+    let block = |left: usize, top: usize| {
+        let rows = film.pixels().chunks(width).skip(top).take(10);
+        let sum: f32 = rows.flat_map(|row| &row[left..left + 10]).map(|[r, g, b]| r + g + b).sum();
+        f64::from(sum) / 300.0
+    };
+    (0..height / 10).flat_map(|y| (0..width / 10).map(move |x| block(10 * x, 10 * y))).collect()
+}
+
+/// The same of the mean of pictures of still scenes, at moments in the middle of equal parts of the time.
+fn blocks_of_stills(scene: &Scene, count: u32) -> Vec<f64> {
+    let stills = (0..count).map(|i| {
+        let mut still = frozen(scene, (f64::from(i) + 0.5) / f64::from(count));
+        (still.settings.seed, still.settings.spp) = (u64::from(i) + 1, scene.settings.spp / 8);
+        blocks(&render(&still))
+    });
+    let add = |sum: Vec<f64>, still: Vec<f64>| sum.iter().zip(still).map(|(a, b)| a + b).collect();
+    let sum = stills.reduce(add).unwrap_or_default();
+    sum.iter().map(|value| value / f64::from(count)).collect()
+}
+
+/// Rays of all kinds are at the moment of their camera ray, and light paths at one of their own that all their rays share.
+#[test]
+fn the_picture_is_the_mean_of_the_still_pictures_of_its_moments() {
+    let mut scene = everything_moves();
+    scene.appearance.materials[5].phong.emission = Coefficient::ZERO;
+    let camera = &mut scene.cameras[0].settings;
+    camera.moves_to = Some(shift(0.5, 0.2, 0.0).then_first(&camera.world_from_camera));
+    for (integrator, tolerance) in [
+        (Integrator::Whitted, 0.015),
+        (Integrator::Distributed, 0.015),
+        (Integrator::Path, 0.03),
+        (Integrator::Direct, 0.015),
+        (Integrator::AmbientOcclusion, 0.015),
+        (Integrator::Normals, 0.005),
+    ] {
+        scene.settings = Settings { integrator, spp: 64, ..scene.settings };
+        for (moving, still) in blocks(&render(&scene)).into_iter().zip(blocks_of_stills(&scene, 16)) {
+            assert!((moving - still).abs() < tolerance, "{integrator:?}: {moving} {still}");
+        }
+    }
+}
+
+/// A ball of glass flies over a floor, and the spot that it gathers light to goes with it. A plain ball casts a shadow, and
+/// the camera moves as well.
+#[test]
+fn caustics_of_what_moves_are_means_of_stills() {
+    let mut scene = everything();
+    scene.groups.clear();
+    scene.appearance.background = Background::Constant(Rgb::BLACK);
+    scene.appearance.ambient = Rgb::BLACK;
+    scene.appearance.lights.truncate(1);
+    scene.nodes.truncate(1);
+    let fly = |x: f64, material| {
+        let mut ball = Node::new(sphere(0.0, 0.0, 0.0, 0.7), MaterialId(material));
+        ball.parent_from_local = shift(x, 0.6, 0.0);
+        ball.moves_to = Some(shift(x + 1.5, 0.6, 1.0));
+        ball
+    };
+    scene.nodes.extend([fly(-1.0, 3), fly(-3.0, 0)]);
+    let camera = &mut scene.cameras[0].settings;
+    camera.moves_to = Some(shift(0.8, 0.0, 0.0).then_first(&camera.world_from_camera));
+    scene.settings = Settings { integrator: Integrator::Caustics, spp: 64, ..scene.settings };
+    let moving = blocks(&render(&scene));
+    let paths = Scene { settings: Settings { integrator: Integrator::Path, ..scene.settings }, ..scene.clone() };
+    let without = blocks(&render(&paths));
+    let gathered = moving.iter().zip(&without).map(|(with, without)| with - without).fold(0.0, f64::max);
+    for (moving, still) in moving.iter().zip(blocks_of_stills(&scene, 16)) {
+        assert!((moving - still).abs() < 0.012, "{moving} {still}");
+    }
+    assert!(gathered > 0.03, "{gathered}");
+}
+
+/// From within water that moves away, or with a camera that leaves it, each ray finds out what is around it at its moment.
+#[test]
+fn what_is_around_the_camera_is_that_of_the_moment() {
+    let mut scene = everything();
+    scene.groups.clear();
+    scene.nodes.truncate(1);
+    scene.nodes.push(Node::new(sphere(0.0, 0.0, 0.0, 2.0), MaterialId(3)));
+    scene.cameras[0].settings.world_from_camera = shift(0.0, 0.0, 0.5);
+    scene.settings.spp = 16;
+    let mut camera_moves = scene.clone();
+    camera_moves.cameras[0].settings.moves_to = Some(shift(0.0, 0.0, 4.5));
+    scene.nodes[1].moves_to = Some(shift(0.0, 0.0, -4.0));
+    for scene in [scene, camera_moves] {
+        for (moving, still) in blocks(&render(&scene)).into_iter().zip(blocks_of_stills(&scene, 32)) {
+            assert!((moving - still).abs() < 0.02, "{moving} {still}");
+        }
+    }
+}
+
+#[test]
+fn edges_are_looked_for_where_nothing_moves() {
+    let mut scene = spheres();
+    scene.settings.adaptive = Some(Adaptive::ObjectSpace { least: None });
+    let refusal = |scene: &Scene| RenderPlan::compile(scene, &PlanOptions::default()).err();
+    assert!(refusal(&scene).is_none());
+    scene.nodes[3].moves_to = Some(shift(1.0, 0.0, 0.0));
+    assert!(matches!(refusal(&scene), Some(RenderError::AdaptiveMotion)));
+    scene.cameras[0].settings.shutter = [0.5; 2];
+    assert!(refusal(&scene).is_none());
+    let camera = &mut scene.cameras[0].settings;
+    (camera.shutter, camera.moves_to) = ([0.0, 0.5], Some(shift(0.0, 1.0, 9.0)));
+    scene.nodes[3].moves_to = None;
+    assert!(matches!(refusal(&scene), Some(RenderError::AdaptiveMotion)));
+}
+
+/// `distributed` draws lights and follows no ray that would find a lamp by chance.
+#[test]
+fn lamps_that_move_are_refused_where_no_ray_would_find_them() {
+    let mut scene = everything();
+    scene.settings.integrator = Integrator::Distributed;
+    let refusal = |scene: &Scene| RenderPlan::compile(scene, &PlanOptions::default()).err();
+    assert!(refusal(&scene).is_none());
+    let mut lamp = Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(5));
+    lamp.name = "firefly".into();
+    lamp.moves_to = Some(shift(1.0, 0.0, 0.0));
+    let mut swarm = Node::new(Content::Instance(GroupId(0)), MaterialId(0));
+    (swarm.name, swarm.moves_to) = ("swarm".into(), Some(shift(1.0, 0.0, 0.0)));
+    let alone = Scene { nodes: vec![lamp.clone()], ..scene.clone() };
+    let mut grouped = Scene { nodes: vec![swarm], ..scene.clone() };
+    grouped.groups[0].nodes = vec![Node { moves_to: None, ..lamp }];
+    for (mut scene, name) in [(alone, "firefly"), (grouped, "swarm")] {
+        assert!(matches!(refusal(&scene), Some(RenderError::MovingLamp(lamp)) if lamp == name), "{name}");
+        scene.settings.integrator = Integrator::Path;
+        assert!(refusal(&scene).is_none());
+    }
+}
+
+#[test]
+fn the_picture_is_the_same_for_all_threads_structures_and_plans() {
+    let mut scene = everything_moves();
+    for camera_moves in [false, true] {
+        if camera_moves {
+            let camera = &mut scene.cameras[0].settings;
+            camera.moves_to = Some(shift(0.5, 0.2, -0.5).then_first(&camera.world_from_camera));
+        }
+        for integrator in [Integrator::Whitted, Integrator::Caustics] {
+            scene.settings.integrator = integrator;
+            let picture = render(&scene);
+            assert_eq!(render_with(&scene, PlanOptions::default(), 1), picture);
+            assert_eq!(render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 3), picture);
+            for accel in Accel::ALL {
+                let other = Scene { settings: Settings { accel, ..scene.settings }, ..scene.clone() };
+                assert_eq!(render(&other), picture, "{integrator:?} {accel:?}");
+            }
+        }
+    }
+}
+
+/// 200 balls that fly in all directions past a camera at rest: most are left out for its rays, and none that is seen at any moment.
+#[test]
+fn what_flies_through_the_view_is_not_left_out() {
+    let mut scene = spheres();
+    scene.nodes = (0..200u64)
+        .map(|i| {
+            let unit = |k| 2.0 * rt_math::random::unit(rt_math::random::hash(&[i, k])) - 1.0;
+            let place = DVec3::new(unit(0), unit(1), unit(2)) * 20.0;
+            let mut node = Node::new(sphere(0.0, 0.0, 0.0, 0.5), MaterialId(0));
+            node.parent_from_local = Transform::translate(place);
+            let turn = Transform::rotate(DVec3::new(unit(3), unit(4), unit(5)), 2.0).expect("an axis");
+            node.moves_to =
+                Some(Transform::translate(place + DVec3::new(unit(6), unit(7), unit(8)) * 4.0).then_first(&turn));
+            node
+        })
+        .collect();
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let explanation = plan.explain();
+    assert!(explanation.left_out.iter().any(|left| left.what == "objects, for camera rays"));
+    assert!(explanation.used.iter().any(|line| line.starts_with("200 objects that move,")));
+    let full = render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
+    assert_eq!(render(&scene), full);
+}
+
+#[test]
+fn scenes_at_rest_do_not_draw_moments() {
+    let mut scene = everything();
+    let picture = render(&scene);
+    scene.cameras[0].settings.shutter = [0.25, 0.5];
+    for node in &mut scene.nodes {
+        node.moves_to = Some(node.parent_from_local);
+    }
+    scene.cameras[0].settings.moves_to = Some(scene.cameras[0].settings.world_from_camera);
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    assert!(plan.explain().left_out.iter().any(|left| left.what == "time"));
+    assert_eq!(render(&scene), picture);
+}
+
+/// A white ball of radius r on black that moves by 4r: a point that its middle passes over is covered for 2r of the 4r, wherever
+/// the ball neither starts nor ends there.
+#[test]
+fn a_ball_that_moves_across_covers_points_by_the_length_of_its_chords() {
+    let (radius, way) = (0.5, 2.0);
+    let mut scene = spheres();
+    let place = shift(0.0, 0.0, 9.0);
+    scene.cameras[0].settings = rt_camera::CameraSettings::new(place, Projection::Orthographic { height: 2.0 });
+    (scene.film.width, scene.film.height) = (1, 65);
+    (scene.settings.spp, scene.settings.pattern) = (4096, SamplePattern::Sobol);
+    scene.appearance.lights.clear();
+    scene.appearance.background = Background::Constant(Rgb::BLACK);
+    let white = Phong { emission: Coefficient::Constant(Rgb::WHITE), diffuse: Coefficient::ZERO, ..Phong::default() };
+    scene.appearance.materials[0].phong = white;
+    let mut ball = Node::new(sphere(0.0, 0.0, 0.0, radius), MaterialId(0));
+    ball.parent_from_local = shift(-0.5 * way, 0.0, 0.0);
+    ball.moves_to = Some(shift(0.5 * way, 0.0, 0.0));
+    scene.nodes = vec![ball];
+    for (shutter, lamp) in [([0.0, 1.0], 1.0), ([0.25, 0.75], 0.5)] {
+        scene.cameras[0].settings.shutter = shutter;
+        let film = render(&scene);
+        let mut squares = 0.0;
+        for (row, pixel) in film.pixels().iter().enumerate() {
+            // The mean over the pixel of the chord 2·√(r² − y²), by the antiderivative y·√(r² − y²) + r²·asin(y/r).
+            let integral = |y: f64| {
+                let y = y.clamp(-radius, radius);
+                y * (radius * radius - y * y).sqrt() + radius * radius * rt_math::transcendental::asin(y / radius)
+            };
+            let side = 2.0 / 65.0;
+            let bottom = 1.0 - side * (row as f64 + 1.0);
+            let expected = (integral(bottom + side) - integral(bottom)) / side / (way * lamp);
+            let error = f64::from(pixel[0]) - expected;
+            assert!(error.abs() < 0.01, "row {row}: {} for {expected}", pixel[0]);
+            squares += error * error;
+        }
+        let rms = (squares / 65.0).sqrt();
+        assert!(rms < 0.002, "{rms}");
+    }
+}
+
+/// Rays that leave a turning ball by mirroring must not meet it again: it is convex.
+#[test]
+fn mirrored_rays_do_not_meet_what_they_left() {
+    let mut scene = spheres();
+    let mirror = Phong { mirror: Coefficient::Constant(Rgb::WHITE), diffuse: Coefficient::ZERO, ..Phong::default() };
+    scene.appearance.materials[0].phong = Phong { specular: Coefficient::ZERO, ambient: Coefficient::ZERO, ..mirror };
+    scene.appearance.lights.clear();
+    scene.appearance.background = Background::Constant(Rgb::WHITE);
+    scene.settings.depth = 1;
+    let squash = Transform::scale(DVec3::new(1.5, 0.4, 0.9)).expect("regular");
+    let turn = Transform::rotate(DVec3::new(1.0, 2.0, 3.0), 2.5).expect("an axis");
+    let mut egg = Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0));
+    egg.parent_from_local = squash;
+    egg.moves_to = Some(shift(0.5, 0.5, 0.0).then_first(&turn).then_first(&squash));
+    scene.nodes = vec![egg];
+    assert!(render(&scene).pixels().iter().all(|pixel| *pixel == [1.0; 3]), "all is as white as the sky");
+}
+
+#[test]
+fn a_camera_that_moves_sees_as_if_the_world_moved_the_other_way() {
+    let mut moving_camera = spheres();
+    let place = moving_camera.cameras[0].settings.world_from_camera;
+    let step = shift(0.6, 0.2, -0.3);
+    moving_camera.cameras[0].settings.moves_to = Some(step.then_first(&place));
+    moving_camera.appearance.lights.clear();
+    moving_camera.settings.spp = 64;
+    let mut moving_world = moving_camera.clone();
+    moving_world.cameras[0].settings.moves_to = None;
+    for node in &mut moving_world.nodes {
+        node.moves_to = Some(step.inverse());
+    }
+    let plan = RenderPlan::compile(&moving_camera, &PlanOptions::default()).expect("the scene compiles");
+    assert!(plan.explain().used.iter().any(|line| line.starts_with("a camera that moves")));
+    let covered = |scene: &Scene| {
+        let options = PlanOptions { transparent: true, ..PlanOptions::default() };
+        render_with(scene, options, 0).alpha().expect("coverage").to_vec()
+    };
+    for (a, b) in covered(&moving_camera).into_iter().zip(covered(&moving_world)) {
+        assert!((a - b).abs() < 1.5 / 64.0, "{a} {b}");
+    }
+}
+
+/// A lamp that moves is no light to draw from; paths find it, with the same light as they find a lamp at rest.
+#[test]
+fn lamps_that_move_are_found_by_rays() {
+    let mut scene = spheres();
+    scene.appearance.lights.clear();
+    scene.appearance.background = Background::Constant(Rgb::BLACK);
+    let mut lamp_material = scene.appearance.materials[0].clone();
+    lamp_material.phong = Phong { emission: Coefficient::Constant(Rgb::WHITE), ..Phong::default() };
+    scene.appearance.materials.push(lamp_material);
+    // A ceiling that is everywhere at all moments, so that its light is that of one at rest.
+    let wide = rt_geometry::AxisBox::new(DVec3::new(-40.0, 4.0, -40.0), DVec3::new(40.0, 5.0, 40.0)).expect("a box");
+    let lamp = Content::Shape(rt_geometry::Shape::AxisBox(wide));
+    scene.nodes.push(Node::new(lamp, MaterialId(1)));
+    let mean = |scene: &Scene| {
+        let film = render(scene);
+        film.pixels().iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / film.pixels().len() as f64
+    };
+    let mut moving = scene.clone();
+    moving.nodes.last_mut().expect("the lamp").moves_to = Some(shift(0.0, 1e-6, 0.0));
+    for integrator in [Integrator::Path, Integrator::Direct, Integrator::Caustics] {
+        let [still, moving] = [&scene, &moving].map(|scene| {
+            let settings = Settings { integrator, spp: 128, ..scene.settings };
+            mean(&Scene { settings, ..scene.clone() })
+        });
+        assert!(still > 0.01 && (moving / still - 1.0).abs() < 0.02, "{integrator:?}: {moving} {still}");
+    }
+    let plan = RenderPlan::compile(&moving, &PlanOptions::default()).expect("the scene compiles");
+    assert!(plan.explain().used.iter().all(|line| !line.starts_with("lamps that move")), "whitted draws no lights");
+    moving.settings.integrator = Integrator::Path;
+    let plan = RenderPlan::compile(&moving, &PlanOptions::default()).expect("the scene compiles");
+    assert!(plan.explain().used.iter().any(|line| line.starts_with("lamps that move")));
+}
