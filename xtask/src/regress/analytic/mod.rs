@@ -24,13 +24,15 @@ mod furnace;
 mod irradiance;
 mod lamp;
 mod lamps;
+mod lens;
 mod occlusion;
 mod picture;
 mod quadrature;
 mod shadows;
 mod slopes;
+mod stopping;
 
-static CHAPTERS: [&[Case]; 10] = [
+static CHAPTERS: [&[Case]; 12] = [
     coverage::CASES,
     slopes::CASES,
     irradiance::CASES,
@@ -40,6 +42,8 @@ static CHAPTERS: [&[Case]; 10] = [
     occlusion::CASES,
     enclosures::CASES,
     furnace::CASES,
+    lens::CASES,
+    stopping::CASES,
     faults::CASES,
 ];
 
@@ -58,7 +62,7 @@ mod tests {
     fn every_case_has_a_name_of_its_own() {
         let ids: Vec<&str> = CHAPTERS.into_iter().flatten().map(|case| case.id).collect();
         assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len(), "{ids:?}");
-        let numbers = [58, 59, 60, 61, 62, 63, 65, 66, 67, 68, 69].map(|number| format!("S{number}"));
+        let numbers = [58, 59, 60, 61, 62, 63, 64, 65, 66, 67, 68, 69, 72, 73].map(|number| format!("S{number}"));
         for id in &numbers {
             assert!(ids.contains(&id.as_str()), "{id}");
         }
