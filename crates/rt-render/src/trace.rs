@@ -5,11 +5,7 @@ use rt_geometry::{Spheres, SurfaceNeeds};
 use rt_math::{Accelerator, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RayCounts, RayKind};
 use rt_shading::{SurfaceHit, Tracer, emitter::EmitterRef};
 
-use crate::{
-    pyramid::Outlines,
-    visible::Visible,
-    world::{PartSurface, Parts},
-};
+use crate::{pyramid::Outlines, visible::Visible, world::Parts};
 
 /// Primitives that know what their surface is made of.
 pub(crate) trait Surfaces: Outlines {
@@ -19,10 +15,9 @@ pub(crate) trait Surfaces: Outlines {
 }
 
 impl Surfaces for Parts<'_> {
+    #[inline]
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
-        let PartSurface { interaction, material, emitter } = self.surface(self.place(hit), ray, hit, needs)?;
-        let object = self.parts[self.place(hit) as usize].object;
-        Some(SurfaceHit { t: hit.t, interaction, object, material, emitter })
+        self.surface(ray, hit, needs)
     }
 }
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rt_accel::AnyStructure;
 use rt_geometry::{Placed, Shape, ShapeHit, SurfaceInteraction, SurfaceNeeds, TriangleMesh};
 use rt_math::{Aabb, Accelerator, Hit, Interval, LeafLayout, MotionChain, Primitives, Probe, Ray, Transform};
-use rt_shading::emitter::EmitterRef;
+use rt_shading::{SurfaceHit, emitter::EmitterRef};
 
 /// Something that stands somewhere, in the space of its assembly.
 #[derive(Debug)]
@@ -29,24 +29,17 @@ pub(crate) struct Part {
     pub(crate) name: Arc<str>,
 }
 
-/// A part's surface at a hit.
-pub(crate) struct PartSurface {
-    pub(crate) interaction: SurfaceInteraction,
-    pub(crate) material: u32,
-    pub(crate) emitter: Option<EmitterRef>,
-}
-
 impl Part {
     /// True if it is elsewhere at another moment, in its assembly.
     pub(crate) const fn moves(&self) -> bool {
         matches!(self.geometry, PartGeometry::Moving(_))
     }
 
-    /// The part's surface; `triangle` is the one that was hit, where the light is numbered as the mesh is.
+    /// The part's surface at `t`; `triangle` is the one that was hit, where the light is numbered as the mesh is.
     #[inline]
-    fn made(&self, interaction: SurfaceInteraction, triangle: Option<u32>) -> PartSurface {
+    fn made(&self, t: f64, interaction: SurfaceInteraction, triangle: Option<u32>) -> SurfaceHit {
         let emitter = self.emitter.map(|index| EmitterRef { index, triangle });
-        PartSurface { interaction, material: self.material, emitter }
+        SurfaceHit { t, interaction, object: self.object, material: self.material, emitter }
     }
 }
 
@@ -130,7 +123,7 @@ fn localise(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
 
 impl Parts<'_> {
     /// The place of the part that a hit is on.
-    pub(crate) fn place(&self, hit: &Hit) -> u32 {
+    fn place(&self, hit: &Hit) -> u32 {
         if self.is_flat { hit.primitive } else { hit.instance }
     }
 
@@ -140,10 +133,15 @@ impl Parts<'_> {
         Hit { t, instance, primitive, uv }
     }
 
-    /// The surface at a hit that [`Primitives::intersect`] reported on part `index`.
+    /// The surface at a hit that [`Primitives::intersect`] reported.
     #[inline]
-    pub(crate) fn surface(&self, index: u32, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<PartSurface> {
-        let part = self.parts.get(index as usize)?;
+    pub(crate) fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+        let part = self.parts.get(self.place(hit) as usize)?;
+        if let PartGeometry::Facet(mesh, triangle) = &part.geometry {
+            // By itself, so that it is written where it is needed, and not moved about.
+            let surface = mesh.surface(ray, &Hit { primitive: *triangle, ..*hit }, needs)?;
+            return Some(part.made(hit.t, surface, Some(*triangle)));
+        }
         self.surface_of(part, &part.geometry, ray, hit, needs)
     }
 
@@ -154,33 +152,35 @@ impl Parts<'_> {
         ray: &Ray,
         hit: &Hit,
         needs: SurfaceNeeds,
-    ) -> Option<PartSurface> {
+    ) -> Option<SurfaceHit> {
         let shape_hit = ShapeHit { t: hit.t, uv: hit.uv };
         Some(match geometry {
-            PartGeometry::Shape(shape) => part.made(shape.surface(ray, &shape_hit, needs), None),
-            PartGeometry::Placed(placed) => part.made(placed.surface(ray, &shape_hit, needs), None),
+            PartGeometry::Shape(shape) => part.made(hit.t, shape.surface(ray, &shape_hit, needs), None),
+            PartGeometry::Placed(placed) => part.made(hit.t, placed.surface(ray, &shape_hit, needs), None),
             PartGeometry::Mesh(level, transform) => {
                 let surface = self.levels.meshes[*level as usize].mesh.surface(
                     &localise(ray, transform.as_deref()),
                     hit,
                     needs,
                 )?;
-                part.made(lift(surface, transform.as_deref()), Some(hit.primitive))
+                part.made(hit.t, lift(surface, transform.as_deref()), Some(hit.primitive))
             }
             PartGeometry::Facet(mesh, triangle) => {
-                let hit = Hit { primitive: *triangle, ..*hit };
-                part.made(mesh.surface(ray, &hit, needs)?, Some(*triangle))
+                let surface = mesh.surface(ray, &Hit { primitive: *triangle, ..*hit }, needs)?;
+                part.made(hit.t, surface, Some(*triangle))
             }
             PartGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
                 let at = group.parts.partition_point(|p| p.first_primitive <= hit.primitive).checked_sub(1)?;
-                let inner_hit = Hit { primitive: hit.primitive - group.parts[at].first_primitive, ..*hit };
+                let inner_part = &group.parts[at];
+                let inner_hit = Hit { primitive: hit.primitive - inner_part.first_primitive, ..*hit };
                 let local = localise(ray, transform.as_deref());
-                let surface = inner.surface(at as u32, &local, &inner_hit, needs)?;
+                let surface = inner.surface_of(inner_part, &inner_part.geometry, &local, &inner_hit, needs)?;
                 let emitter = surface.emitter.zip(part.emitter);
-                PartSurface {
+                SurfaceHit {
                     interaction: lift(surface.interaction, transform.as_deref()),
+                    object: part.object,
                     emitter: emitter.map(|(light, first)| EmitterRef { index: first + light.index, ..light }),
                     ..surface
                 }
@@ -188,7 +188,7 @@ impl Parts<'_> {
             PartGeometry::Moving(moving) => {
                 let map = moving.assembly_from_local.at(ray.time);
                 let surface = self.surface_of(part, &moving.geometry, &map.inverse_ray(ray), hit, needs)?;
-                PartSurface { interaction: surface.interaction.transformed(&map), ..surface }
+                SurfaceHit { interaction: surface.interaction.transformed(&map), ..surface }
             }
         })
     }

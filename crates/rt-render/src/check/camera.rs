@@ -5,11 +5,12 @@ use std::fmt;
 use rt_camera::Camera;
 use rt_geometry::SurfaceNeeds;
 use rt_math::{Accelerator, DVec2, DVec3, Interval, NoProbe, Ray};
+use rt_shading::SurfaceHit;
 
 use super::objects::Objects;
 use super::report::{Finding, Findings, Kind, Severity, value};
 use crate::rebase;
-use crate::world::{Assembly, Levels, PartSurface};
+use crate::world::{Assembly, Levels};
 
 /// Rays are cast through the middles of this many cells along each side of the image.
 const CELLS: u32 = 64;
@@ -76,9 +77,7 @@ fn look(name: &str, camera: &Camera, size: DVec2, top: &Assembly, levels: &Level
         let raster = middle * size / f64::from(CELLS);
         let ray = camera.ray(raster, 0.0);
         let Some(hit) = top.structure.closest(&parts, &ray, Interval::FORWARD, &mut NoProbe) else { continue };
-        let Some(PartSurface { interaction: surface, .. }) = parts.surface(parts.place(&hit), &ray, &hit, needs) else {
-            continue;
-        };
+        let Some(SurfaceHit { interaction: surface, .. }) = parts.surface(&ray, &hit, needs) else { continue };
         let distance = hit.t * ray.direction.length();
         let error = surface.point_error.length();
         measures.hits += 1;
