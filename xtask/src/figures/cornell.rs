@@ -9,7 +9,7 @@ const TIMEOUT: Duration = Duration::from_secs(3600);
 const PLOT: &str = "docs/figures/cornell.svg";
 
 /// On one thread and in one pass, so that samplers are compared and nothing else.
-const OPTIONS: &str = "--vary sampler=random,jittered,halton,sobol --spp 1..256 --size 128x128 --passes 1 --threads 1";
+const OPTIONS: &str = "--vary sampler=random,jittered,halton,sobol --spp 1..64 --size 128x128 --passes 1 --threads 1";
 
 /// Lets the release build compare samplers, and keeps the plot.
 pub(super) fn run(workspace: &Workspace) -> Result<(), TaskError> {
