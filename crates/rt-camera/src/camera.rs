@@ -90,7 +90,7 @@ pub enum CameraError {
     #[error("the aperture is turned by {0}, which is not finite")]
     LensRotation(f64),
     /// The shutter (its two moments) is not usable.
-    #[error("the shutter is open from {} to {}; it must open at 0 at the earliest, and close after that until 1", .0[0], .0[1])]
+    #[error("the shutter is open from {} to {}; it must open at 0 at the earliest and close after that, at 1 at the latest", .0[0], .0[1])]
     Shutter([f64; 2]),
     /// The camera cannot move from the one place to the other.
     #[error(transparent)]

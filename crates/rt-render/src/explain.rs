@@ -342,7 +342,7 @@ impl RenderPlan<'_> {
             lines.push(format!("up to {} after the first hit", count(self.depth as usize, "bounce", "bounces")));
         }
         if self.needs.refraction {
-            lines.push(self.nesting());
+            lines.extend(self.nesting());
         }
         lines
     }
@@ -376,20 +376,22 @@ impl RenderPlan<'_> {
         }
     }
 
-    /// Which transparent body is where several overlap, and what the camera stands in.
-    fn nesting(&self) -> String {
+    /// Which transparent body is where several overlap, and what the camera stands in; `None` of panes without thickness.
+    fn nesting(&self) -> Option<String> {
         let transparent = self.appearance.materials.iter().filter_map(Material::body);
         let priorities: BTreeSet<i32> = transparent.map(|inside| inside.priority).collect();
-        let order = match (priorities.first(), priorities.last()) {
-            (Some(least), Some(greatest)) if least < greatest => format!("priorities {least} to {greatest}"),
-            _ => "all of one priority".to_owned(),
+        let (least, greatest) = (priorities.first()?, priorities.last()?);
+        let order = if least < greatest {
+            format!("priorities {least} to {greatest}")
+        } else {
+            "all of one priority".to_owned()
         };
         let camera = match &self.surroundings {
             Surroundings::Same(interior) if interior.is_empty() => "the camera stands in air",
             Surroundings::Same(_) => "the camera stands inside of one",
             Surroundings::ByRay(_) => "each camera ray looks which it starts in",
         };
-        format!("transparent bodies within each other: {order}; {camera}")
+        Some(format!("transparent bodies within each other: {order}; {camera}"))
     }
 
     fn left_out(&self, census: &Census) -> Vec<LeftOut> {

@@ -1,17 +1,23 @@
-//! Rays that are traced together, each for a path.
+//! Rays that are traced together, each for a path `P`: the path itself, or its number.
 
 use crate::bsdf::{BsdfSample, Scattering};
 use rt_math::{Interval, Ray, RayKind};
 
 /// Rays of one kind, and the paths that they belong to.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Queue {
+#[derive(Clone, Debug)]
+pub(crate) struct Queue<P> {
     pub(crate) rays: Vec<(Ray, Interval)>,
-    pub(crate) paths: Vec<u32>,
+    pub(crate) paths: Vec<P>,
 }
 
-impl Queue {
-    pub(crate) fn push(&mut self, ray: Ray, span: Interval, path: u32) {
+impl<P> Default for Queue<P> {
+    fn default() -> Self {
+        Self { rays: Vec::new(), paths: Vec::new() }
+    }
+}
+
+impl<P> Queue<P> {
+    pub(crate) fn push(&mut self, ray: Ray, span: Interval, path: P) {
         self.rays.push((ray, span));
         self.paths.push(path);
     }
@@ -22,17 +28,28 @@ impl Queue {
     }
 }
 
-/// The rays of all paths, by kind: each path has one.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Flow {
-    pub(crate) primary: Queue,
-    reflected: Queue,
-    refracted: Queue,
-    diffuse: Queue,
+/// The rays of all paths, each of which has one, by kind: rays of a kind run alike, and are counted as such.
+#[derive(Clone, Debug)]
+pub(crate) struct Flow<P> {
+    pub(crate) primary: Queue<P>,
+    pub(crate) reflected: Queue<P>,
+    pub(crate) refracted: Queue<P>,
+    diffuse: Queue<P>,
 }
 
-impl Flow {
-    pub(crate) fn queues(&self) -> [(RayKind, &Queue); 4] {
+impl<P> Default for Flow<P> {
+    fn default() -> Self {
+        Self {
+            primary: Queue::default(),
+            reflected: Queue::default(),
+            refracted: Queue::default(),
+            diffuse: Queue::default(),
+        }
+    }
+}
+
+impl<P> Flow<P> {
+    pub(crate) fn queues(&self) -> [(RayKind, &Queue<P>); 4] {
         [
             (RayKind::Primary, &self.primary),
             (RayKind::Reflection, &self.reflected),
@@ -42,18 +59,13 @@ impl Flow {
     }
 
     /// Puts in a ray that a light sends out, or a surface as the sample says.
-    pub(crate) fn push(&mut self, sample: Option<&BsdfSample>, ray: Ray, span: Interval, path: u32) {
+    pub(crate) fn push(&mut self, sample: Option<&BsdfSample>, ray: Ray, span: Interval, path: P) {
         let queue = match sample {
             Some(BsdfSample { kind: Scattering::Transmission, .. }) => &mut self.refracted,
             Some(BsdfSample { is_diffuse: false, .. }) => &mut self.reflected,
             _ => &mut self.diffuse,
         };
         queue.push(ray, span, path);
-    }
-
-    /// Puts in the rest of a ray that has passed a surface.
-    pub(crate) fn push_passing(&mut self, ray: Ray, span: Interval, path: u32) {
-        self.refracted.push(ray, span, path);
     }
 
     pub(crate) fn is_empty(&self) -> bool {

@@ -75,10 +75,10 @@ pub struct LightTracer<S> {
     photons: Vec<Photon<S>>,
     connections: Vec<Connection>,
     /// What is traced now, while the flow after it grows.
-    flow: Flow,
-    next: Flow,
+    flow: Flow<u32>,
+    next: Flow<u32>,
     /// Rays from surfaces to the camera.
-    to_camera: Queue,
+    to_camera: Queue<u32>,
     counts: ShadingCounts,
 }
 

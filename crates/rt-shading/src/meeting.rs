@@ -1,7 +1,7 @@
 //! What a surface is to a ray that meets it, with regard to the bodies on both sides.
 
 use crate::{
-    Material, Needs, Phong, SurfaceHit,
+    Material, Needs, SurfaceHit,
     interior::{Crossing, Interior},
     view::is_inside,
 };
@@ -47,11 +47,10 @@ impl<'m> Meeting<'m> {
         let length = ray.direction.length();
         let direction = ray.direction / length;
         let is_inside = is_inside(direction, &hit.interaction);
-        let met = match &material.phong {
-            Phong { transmission: Some(_), .. } if needs.refraction => {
-                Met::transparent(interior, materials, material, hit, is_inside)
-            }
-            _ => Met::Opaque,
+        let met = if needs.refraction && material.phong.transmission.is_some() {
+            Met::transparent(interior, materials, material, hit, is_inside)
+        } else {
+            Met::Opaque
         };
         Some(Self { material, direction, length, is_inside, met })
     }

@@ -57,8 +57,8 @@ pub struct PathTracer<S> {
     surroundings: Interior,
     paths: Vec<Path<S>>,
     /// What is traced now, while the flow after it grows.
-    flow: Flow,
-    next: Flow,
+    flow: Flow<u32>,
+    next: Flow<u32>,
     shadows: Shadows,
     /// Whether a ray that ends at the next surface may find light.
     finds_light: bool,

@@ -4,10 +4,10 @@ mod counts;
 mod shade;
 mod wave;
 
-use crate::{Appearance, Interior, Needs, Seen, Tracer};
+use crate::{Appearance, Interior, Needs, Seen, Tracer, flow::Flow};
 pub use counts::ShadingCounts;
 use rt_math::{Interval, Ray, Rgb};
-use wave::{Lights, Path, Sample, Wave};
+use wave::{Lights, Path, Sample};
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
 ///
@@ -28,8 +28,8 @@ pub struct Whitted {
     /// What camera rays start inside of.
     surroundings: Interior,
     /// What is traced now, while the wave after it grows.
-    wave: Wave,
-    next: Wave,
+    wave: Flow<Path>,
+    next: Flow<Path>,
     samples: Vec<Sample>,
     /// Samples whose path has ended in this wave.
     ended: Vec<u32>,
@@ -46,8 +46,8 @@ impl Whitted {
             min_contribution,
             needs,
             surroundings: Interior::default(),
-            wave: Wave::default(),
-            next: Wave::default(),
+            wave: Flow::default(),
+            next: Flow::default(),
             samples: Vec::new(),
             ended: Vec::new(),
             lights: Lights::default(),

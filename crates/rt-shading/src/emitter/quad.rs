@@ -31,8 +31,6 @@ pub struct QuadLight {
     normal: DVec3,
     area: f64,
     is_rectangle: bool,
-    /// The square of the height beyond which it is sampled by area.
-    far_squared: f64,
     emission: Emission,
 }
 
@@ -54,8 +52,7 @@ impl QuadLight {
         if !(area > 0.0 && area.is_finite()) {
             return Err(EmitterError::BadArea(area));
         }
-        let far_squared = FAR * FAR * (edges[0].length_squared() + edges[1].length_squared());
-        Ok(Self { corner, edges, lengths, axes, normal, area, is_rectangle, far_squared, emission })
+        Ok(Self { corner, edges, lengths, axes, normal, area, is_rectangle, emission })
     }
 
     /// Unit normal on the front side.
@@ -164,7 +161,8 @@ impl QuadLight {
     /// The solid angle of the light if it is sampled by that, from a point whose distance to its plane is the `height`.
     #[inline]
     fn angle_to_sample(&self, point: DVec3, height: f64) -> Option<f64> {
-        if !self.is_rectangle || height * height > self.far_squared {
+        let [a, b] = self.lengths;
+        if !self.is_rectangle || height * height > FAR * FAR * (a * a + b * b) {
             return None;
         }
         let solid_angle = self.solid_angle(point);

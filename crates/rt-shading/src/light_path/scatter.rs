@@ -87,7 +87,7 @@ impl<S: Sampler> LightTracer<S> {
             self.counts.depth_limited += 1;
             return;
         }
-        self.next.push_passing(*ray, hit.beyond(ray), id);
+        self.next.refracted.push(*ray, hit.beyond(ray), id);
     }
 
     /// Sends what the surface scatters to the camera on its way there, if the camera looks at it.

@@ -87,7 +87,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             self.counts.depth_limited += 1;
             return;
         }
-        self.next.push_passing(*ray, hit.beyond(ray), id);
+        self.next.refracted.push(*ray, hit.beyond(ray), id);
     }
 
     /// Asks all lights without extent and one of those with, and leaves it to shadow rays whether they count.

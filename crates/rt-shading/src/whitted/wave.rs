@@ -9,9 +9,10 @@
 
 use crate::{
     Interior, Seen,
+    flow::Flow,
     interior::{Crossing, InteriorStack},
 };
-use rt_math::{Interval, Ray, RayKind, Rgb};
+use rt_math::{Interval, Ray, Rgb};
 
 /// A path from the camera, as far as the ray that is traced for it now.
 #[derive(Clone, Copy, Debug)]
@@ -26,53 +27,6 @@ pub(super) struct Path {
     pub(super) weight: Rgb,
     /// Absorption is accounted for up to this parameter of its ray.
     pub(super) start: f64,
-}
-
-/// Paths whose rays are of one kind, in the order in which they are traced.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Queue {
-    pub(super) rays: Vec<(Ray, Interval)>,
-    pub(super) paths: Vec<Path>,
-}
-
-impl Queue {
-    pub(super) fn push(&mut self, ray: Ray, span: Interval, path: Path) {
-        self.rays.push((ray, span));
-        self.paths.push(path);
-    }
-
-    pub(super) fn clear(&mut self) {
-        self.rays.clear();
-        self.paths.clear();
-    }
-}
-
-/// The paths of one wave by kind: rays of a kind run alike, and are counted as such.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Wave {
-    pub(super) primary: Queue,
-    pub(super) reflected: Queue,
-    pub(super) refracted: Queue,
-}
-
-impl Wave {
-    pub(super) fn queues(&self) -> [(RayKind, &Queue); 3] {
-        [
-            (RayKind::Primary, &self.primary),
-            (RayKind::Reflection, &self.reflected),
-            (RayKind::Refraction, &self.refracted),
-        ]
-    }
-
-    pub(super) const fn is_empty(&self) -> bool {
-        self.primary.rays.is_empty() && self.reflected.rays.is_empty() && self.refracted.rays.is_empty()
-    }
-
-    pub(super) fn clear(&mut self) {
-        self.primary.clear();
-        self.reflected.clear();
-        self.refracted.clear();
-    }
 }
 
 /// A refracted ray that waits until the mirrored one, and all that comes of it, has been followed.
@@ -104,7 +58,7 @@ impl Sample {
 
     /// Puts the ray that has waited least into the wave, if there is one.
     #[inline]
-    pub(super) fn go_on(&mut self, wave: &mut Wave) {
+    pub(super) fn go_on(&mut self, wave: &mut Flow<Path>) {
         if let Some(Waiting { ray, path, bodies }) = self.waiting.pop() {
             self.interiors.pop(&mut self.interior, bodies);
             wave.refracted.push(ray, Interval::SPAWNED, path);
