@@ -1,0 +1,7 @@
+//! glTF in a binary container.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| rt_fuzz::with_file("m.glb", bytes, rt_fuzz::load_and_plan));

@@ -1,0 +1,7 @@
+//! Scene files in JSON.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| rt_fuzz::with_file("scene.json", bytes, rt_fuzz::load_and_plan));
