@@ -7,7 +7,7 @@ use rt_shading::{Coefficient, Falloff, Highlight, Light, LightKind, Phong};
 use crate::bounds::tree_bounds;
 use crate::format::{self, Color, Material, Node, SceneFile, Shape, Step};
 use crate::resolve::{backdrop, rounded};
-use crate::{LoadOptions, Model, NamedCamera};
+use crate::{LightUnits, LoadOptions, Model, NamedCamera};
 
 /// Name of the plane that `ground` asks for.
 const GROUND: &str = "ground";
@@ -24,24 +24,37 @@ pub(crate) fn scene_around(model: &Model, reference: &str, options: &LoadOptions
         notes.push(format!("A ground plane was put under the model, at y = {}.", bounds.min.y));
     }
     file.cameras = model.cameras.iter().map(camera).collect();
-    if !model.lights.is_empty() {
-        let level = typical_illuminance(&model.lights, &bounds);
-        // Lights that reach nothing, or are out of range, give no hint.
-        let level = if level > 0.0 && level.is_finite() { rounded(level, level) } else { 1.0 };
-        file.film.exposure = rounded(-transcendental::log2(level), 10.0);
-        // What is nearer to a lamp than most is many times as bright: the curve keeps its shape visible.
-        file.film.tone = format::Tone::Aces;
-        // Shadows would be pitch black, and a sky of the usual brightness invisible beside lights in lux.
-        file.lights =
-            Some(model.lights.iter().map(light).chain([format::Light::Ambient(Color::Gray(level))]).collect());
-        file.background = Some(backdrop(level));
-        notes.push(format!(
-            "The model's lights shine with about {level}; exposure {} and a filmic tone curve make that bright. Ambient \
-             light and a background of that level were added.",
-            file.film.exposure
-        ));
+    file.background.clone_from(&model.background);
+    if let Some([width, height]) = model.image_size {
+        file.film.size = (width.into(), height.into());
+    }
+    notes.extend(model.notes.iter().cloned());
+    if model.lights.is_empty() {
+        return (file, notes);
+    }
+    match model.light_units {
+        LightUnits::Classical => file.lights = Some(model.lights.iter().map(light).collect()),
+        LightUnits::Photometric => notes.push(expose(&mut file, model, &bounds)),
     }
     (file, notes)
+}
+
+/// Takes over lights in candela and lux, with a film that suits them; the sentence says how.
+fn expose(file: &mut SceneFile, model: &Model, bounds: &Aabb) -> String {
+    let level = typical_illuminance(&model.lights, bounds);
+    // Lights that reach nothing, or are out of range, give no hint.
+    let level = if level > 0.0 && level.is_finite() { rounded(level, level) } else { 1.0 };
+    file.film.exposure = rounded(-transcendental::log2(level), 10.0);
+    // What is nearer to a lamp than most is many times as bright: the curve keeps its shape visible.
+    file.film.tone = format::Tone::Aces;
+    // Shadows would be pitch black, and a sky of the usual brightness invisible beside lights in lux.
+    file.lights = Some(model.lights.iter().map(light).chain([format::Light::Ambient(Color::Gray(level))]).collect());
+    file.background.get_or_insert_with(|| backdrop(level));
+    format!(
+        "The model's lights shine with about {level}; exposure {} and a filmic tone curve make that bright. Ambient \
+         light and a background of that level were added.",
+        file.film.exposure
+    )
 }
 
 fn add_ground(file: &mut SceneFile, bounds: &Aabb, model: &Model) {

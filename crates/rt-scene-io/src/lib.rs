@@ -3,7 +3,7 @@
 //! ```text
 //!   .ron .json ── parse ──► SceneFile ──┐
 //!                                       ├─ resolve ─► Scene    plain data: ids instead of names, radians instead of
-//!   .obj .gltf .glb ── load ──► Model ──┘                      degrees, pixels instead of paths, nothing unchecked
+//!   .obj .gltf .nff ── load ──► Model ──┘                      degrees, pixels instead of paths, nothing unchecked
 //! ```
 //!
 //! **Owns** [`Scene`] and its tree of nodes, its bounds ([`Scene::bounds`], [`SceneBounds`]), the scene format ([`mod@format`]) and its JSON Schema,
@@ -65,6 +65,8 @@ mod load;
 mod mesh_build;
 #[cfg(feature = "format")]
 mod model;
+#[cfg(feature = "nff")]
+mod nff;
 #[cfg(feature = "obj")]
 mod obj;
 #[cfg(feature = "format")]
@@ -87,7 +89,7 @@ pub use files::{read_file, read_text, read_texture, resolve_path};
 #[cfg(feature = "format")]
 pub use load::load;
 #[cfg(feature = "format")]
-pub use model::{Model, load_model};
+pub use model::{LightUnits, Model, load_model};
 #[cfg(feature = "format")]
 pub use options::{LoadOptions, ReferencedFiles};
 #[cfg(feature = "format")]

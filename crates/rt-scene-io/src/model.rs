@@ -4,29 +4,50 @@ use std::path::Path;
 
 use rt_shading::{Light, Material, Texture};
 
-use crate::{LoadError, LoadOptions, NamedCamera, NamedMesh, Node, Reason, Warning};
+use crate::{LoadError, LoadOptions, NamedCamera, NamedMesh, Node, Reason, Warning, format};
 
-/// The content of an OBJ or glTF file.
+/// What the intensities of a model's lights mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightUnits {
+    /// Candela and lux, as in glTF: a bare model is exposed to suit them.
+    #[default]
+    Photometric,
+    /// Shares of white, as in classical ray tracers: a picture is taken of them as they are.
+    Classical,
+}
+
+/// The content of a file that another program wrote.
 ///
 /// Ids are local: [`MaterialId`](crate::MaterialId) counts in `materials`, [`MeshId`](crate::MeshId) in `meshes`,
-/// [`TextureId`](rt_shading::TextureId) in `textures`. Nodes hold meshes or nothing, never instances of groups.
+/// [`TextureId`](rt_shading::TextureId) in `textures`. Nodes hold meshes, shapes or nothing, never instances of groups.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     /// Meshes that nodes refer to.
     pub meshes: Vec<NamedMesh>,
-    /// Materials that nodes refer to: at least one if any node holds a mesh. Names need not be unique.
+    /// Materials that nodes refer to: at least one if any node holds a mesh or shape. Names need not be unique.
     pub materials: Vec<Material>,
     /// Textures that materials refer to.
     pub textures: Vec<Texture>,
-    /// Lights in the model's world space. They are photometric (candela, lux), as in glTF.
+    /// Lights in the model's world space.
     pub lights: Vec<Light>,
+    /// What their intensities mean.
+    pub light_units: LightUnits,
+    /// What rays see that hit nothing, if the file says.
+    pub background: Option<format::Background>,
+    /// Width and height of the image in pixels, if the file says.
+    pub image_size: Option<[u32; 2]>,
     /// Cameras in the model's world space; names are unique.
     pub cameras: Vec<NamedCamera>,
     /// The tree.
     pub nodes: Vec<Node>,
     /// What was mended or left out.
     pub warnings: Vec<Warning>,
+    /// What was chosen because the file leaves it open. One sentence each.
+    pub notes: Vec<String>,
 }
+
+/// The endings of the names of models that can be read, for messages.
+pub(crate) const KNOWN_ENDINGS: &str = ".obj, .gltf, .glb, .nff";
 
 /// Loads a model by the ending of its name.
 ///
@@ -35,7 +56,7 @@ pub struct Model {
 /// # Errors
 /// If the file cannot be read, is no valid model, or needs a feature that is not supported or not built in.
 #[cfg_attr(
-    not(any(feature = "obj", feature = "gltf")),
+    not(any(feature = "obj", feature = "gltf", feature = "nff")),
     expect(unused_variables, reason = "without a loader there are no references to follow")
 )]
 pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
@@ -46,6 +67,8 @@ pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Model, LoadError
         "obj" => crate::obj::load(path, &options),
         #[cfg(feature = "gltf")]
         "gltf" | "glb" => crate::gltf::load(path, &options),
-        _ => Err(Reason::UnknownFormat { known: ".obj, .gltf, .glb" }.at(path, "")),
+        #[cfg(feature = "nff")]
+        "nff" => crate::nff::load(path),
+        _ => Err(Reason::UnknownFormat { known: KNOWN_ENDINGS }.at(path, "")),
     }
 }

@@ -28,6 +28,8 @@ use crate::format::SceneFile;
 use crate::{Integrator, LoadError, LoadOptions, Model, Scene, Truth, format};
 use include::Models;
 use node::Objects;
+#[cfg(feature = "nff")]
+pub(crate) use report::Report;
 pub(crate) use studio::{backdrop, rounded};
 
 /// Resolves a scene that was read from `source` (or would stand there: files are looked up relative to it).

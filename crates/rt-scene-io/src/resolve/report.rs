@@ -9,20 +9,20 @@ use crate::{LoadError, Place, Problem, Reason, Warning};
 const MAX_PROBLEMS: usize = 20;
 
 /// The problems and warnings met while a file is resolved.
-pub(super) struct Report {
+pub(crate) struct Report {
     file: String,
     problems: Vec<Problem>,
     not_shown: usize,
-    pub(super) warnings: Vec<Warning>,
+    pub(crate) warnings: Vec<Warning>,
 }
 
 impl Report {
-    pub(super) fn new(file: &Path) -> Self {
+    pub(crate) fn new(file: &Path) -> Self {
         Self { file: file.display().to_string(), problems: Vec::new(), not_shown: 0, warnings: Vec::new() }
     }
 
     /// The value, or `None` after noting the problem at a path in the document such as `nodes[2].material`.
-    pub(super) fn check<T>(&mut self, path: impl Display, result: Result<T, impl Into<Reason>>) -> Option<T> {
+    pub(crate) fn check<T>(&mut self, path: impl Display, result: Result<T, impl Into<Reason>>) -> Option<T> {
         match result {
             Ok(value) => Some(value),
             Err(reason) => {
@@ -34,7 +34,7 @@ impl Report {
     }
 
     /// Notes problems that were found elsewhere, such as in an included file.
-    pub(super) fn add(&mut self, problems: impl IntoIterator<Item = Problem>) {
+    pub(crate) fn add(&mut self, problems: impl IntoIterator<Item = Problem>) {
         for problem in problems {
             if self.problems.len() < MAX_PROBLEMS {
                 self.problems.push(problem);
@@ -45,7 +45,7 @@ impl Report {
     }
 
     /// The warnings, or everything that is wrong.
-    pub(super) fn finish(mut self) -> Result<Vec<Warning>, LoadError> {
+    pub(crate) fn finish(mut self) -> Result<Vec<Warning>, LoadError> {
         if self.not_shown > 0 {
             let reason = Reason::More(self.not_shown);
             self.problems.push(Problem { file: self.file, place: Place::File, reason });
