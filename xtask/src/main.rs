@@ -6,6 +6,7 @@
 //!   cargo xtask bench      rays per second and build times of each structure
 //!   cargo xtask costs      what each structure costs, and how that grows
 //!   cargo xtask figures    the pictures in the guide of rt-accel, and the plot in the README
+//!   cargo xtask spd        the Standard Procedural Databases as NFF files
 //!   cargo xtask table1     the table of the report that this ray tracer began with
 //!   cargo xtask terarays   how long the lecture's trillion rays of a Cornell box take here
 //! ```
@@ -32,6 +33,7 @@ mod process;
 mod regress;
 mod renderer;
 mod scenes;
+mod spd;
 mod statistics;
 mod table1;
 mod terarays;
@@ -61,6 +63,8 @@ enum Task {
     Costs(costs::Options),
     /// Render the pictures in the guide of rt-accel, or measure the plot in the README.
     Figures(figures::Options),
+    /// Write the Standard Procedural Databases as NFF files.
+    Spd(spd::Options),
     /// Make the report's Table 1 again, its figures beside ours.
     Table1(table1::Options),
     /// Tell how long the lecture's trillion rays of a Cornell box take here, from a part of them.
@@ -87,6 +91,7 @@ fn run(task: Task) -> Result<bool, TaskError> {
         Task::Bench(options) => bench::run(&workspace, &options).map(|()| true),
         Task::Costs(options) => costs::run(&workspace, &options).map(|()| true),
         Task::Figures(options) => figures::run(&workspace, &options).map(|()| true),
+        Task::Spd(options) => spd::run(&workspace, &options).map(|()| true),
         Task::Table1(options) => table1::run(&workspace, &options).map(|()| true),
         Task::Terarays(options) => terarays::run(&workspace, &options).map(|()| true),
     }
