@@ -70,12 +70,15 @@ run_target() {
     memory=$(mktemp -d "${FUZZ_MEMORY:-/dev/shm}/fuzz.XXXXXX")
     local before after outcome=0
     before=$(find "$artifacts" -type f | wc -l)
+    # An image may have 2^28 pixels and take 1 GiB, even if it is all white and its file is short.
+    local limits=(-rss_limit_mb=512 -malloc_limit_mb=256)
+    case $target in texture | environment) limits=(-rss_limit_mb=3072 -malloc_limit_mb=1100) ;; esac
     TIMEFORMAT='cpu %U %S'
     {
         time TMPDIR=$memory ASAN_OPTIONS=quarantine_size_mb=8:detect_leaks=0 \
             "$target_folder/x86_64-unknown-linux-gnu/release/$target" "$corpus" \
             -max_total_time="$seconds" -max_len=20000 -dict="$dictionary" -artifact_prefix="$artifacts/" \
-            -rss_limit_mb=512 -malloc_limit_mb=256 -timeout=60 -print_final_stats=1 -close_fd_mask=1 \
+            "${limits[@]}" -timeout=60 -print_final_stats=1 -close_fd_mask=1 \
             >"$log" 2>&1 || outcome=$?
     } 2>"$log.cpu"
     rm -rf "$memory"

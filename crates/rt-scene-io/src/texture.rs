@@ -12,6 +12,13 @@ const MAX_PIXELS: u64 = 1 << 28;
 /// Most memory that a texture may take, decoded.
 const MAX_BYTES: u64 = 1 << 30;
 
+/// A file that claims to expand further is damaged: the densest compression, that of PNG and ZIP, reaches 1032 : 1, and
+/// 16-bit floats double when they are read. A few damaged bytes would cost gigabytes otherwise.
+const MAX_EXPANSION: u64 = 4096;
+
+/// The densest that the data of a PNG can be (Deutsch, RFC 1951: 258 bytes in two bits).
+const MAX_DEFLATION: u64 = 1032;
+
 /// Why an image cannot be used as a texture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -57,11 +64,36 @@ pub fn decode_texture(bytes: &[u8]) -> Result<Bitmap, TextureError> {
     if pixels > MAX_PIXELS || pixels * size_of::<[f32; 3]>() as u64 > MAX_BYTES {
         return Err(TextureError::TooLarge(width, height));
     }
+    let decoded = decoder.total_bytes();
+    let can_be = match packed_png_bytes(bytes) {
+        // Images of few colours grow when they are read, to a byte and more for each bit.
+        Some(packed) => packed / MAX_DEFLATION <= bytes.len() as u64,
+        None => decoded / MAX_EXPANSION <= bytes.len() as u64,
+    };
+    if !can_be {
+        let message = format!("{width} x {height} pixels cannot come from {} bytes", bytes.len());
+        return Err(TextureError::Damaged(message));
+    }
     let pixels = linear_pixels(DynamicImage::from_decoder(decoder).map_err(damaged)?);
     match pixels.iter().filter(|pixel| pixel.iter().any(|c| !c.is_finite())).count() {
         0 => Ok(Bitmap { width, height, pixels }),
         bad => Err(TextureError::NotFinite(bad)),
     }
+}
+
+/// The size of the pixels of a PNG before they are compressed, by its header; `None` for other formats.
+fn packed_png_bytes(bytes: &[u8]) -> Option<u64> {
+    let header = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n")?.get(8..18)?;
+    let number = |at: usize| header.get(at..at + 4)?.try_into().ok().map(u32::from_be_bytes);
+    let (width, height, depth, kind) = (number(0)?, number(4)?, header[8], header[9]);
+    let channels = match kind {
+        2 => 3,
+        4 => 2,
+        6 => 4,
+        _ => 1,
+    };
+    let line = (u64::from(width) * u64::from(depth) * channels).div_ceil(8);
+    Some(line.saturating_mul(u64::from(height)))
 }
 
 fn linear_pixels(image: DynamicImage) -> Vec<[f32; 3]> {
@@ -127,12 +159,41 @@ mod tests {
     #[test]
     fn a_texture_bomb_is_refused_before_it_is_decoded() {
         // The header alone claims 60 000² pixels.
+        let bytes = claiming(60_000, 60_000);
+        assert!(matches!(decode_texture(&bytes), Err(TextureError::TooLarge(60_000, 60_000))));
+    }
+
+    /// Memory was taken for all pixels that a header claims, however short the file.
+    #[test]
+    fn a_few_bytes_that_claim_millions_of_pixels_are_refused_before_memory_is_taken() {
+        let error = decode_texture(&claiming(40, 2_162_718)).expect_err("83 bytes").to_string();
+        assert!(error.contains("40 x 2162718 pixels cannot come from"), "{error}");
+        let mut exr = encode(image::Rgb32FImage::new(6, 4), ImageFormat::OpenExr);
+        let name = b"dataWindow\0box2i\0";
+        let window = exr.windows(name.len()).position(|bytes| bytes == name).unwrap() + name.len() + 4;
+        exr[window + 8..window + 12].copy_from_slice(&8_000_i32.to_le_bytes());
+        exr[window + 12..window + 16].copy_from_slice(&8_000_i32.to_le_bytes());
+        assert!(matches!(decode_texture(&exr), Err(TextureError::Damaged(_))));
+    }
+
+    #[test]
+    fn images_of_few_colours_may_grow_when_they_are_read() {
+        let mut header = claiming(1000, 1000);
+        (header[24], header[25]) = (1, 0);
+        assert_eq!(packed_png_bytes(&header), Some(125_000));
+        (header[24], header[25]) = (16, 6);
+        assert_eq!(packed_png_bytes(&header), Some(8_000_000));
+        assert_eq!(packed_png_bytes(b"GIF"), None);
+    }
+
+    /// A PNG of one pixel whose header claims others.
+    fn claiming(width: u32, height: u32) -> Vec<u8> {
         let mut bytes = encode(RgbImage::new(1, 1), ImageFormat::Png);
-        bytes[16..20].copy_from_slice(&60_000_u32.to_be_bytes());
-        bytes[20..24].copy_from_slice(&60_000_u32.to_be_bytes());
+        bytes[16..20].copy_from_slice(&width.to_be_bytes());
+        bytes[20..24].copy_from_slice(&height.to_be_bytes());
         let checksum = crc32(&bytes[12..29]);
         bytes[29..33].copy_from_slice(&checksum.to_be_bytes());
-        assert!(matches!(decode_texture(&bytes), Err(TextureError::TooLarge(60_000, 60_000))));
+        bytes
     }
 
     /// The checksum of PNG chunks (ISO 3309), bit by bit.

@@ -56,13 +56,26 @@ const MAX_CORNERS: usize = MeshData::MAX_CORNERS;
 const HARMLESS: [&str; 7] = ["mg", "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"];
 
 impl Document {
-    pub(super) fn parse(text: &str) -> Result<Self, BadLine> {
+    /// # Errors
+    /// All lines that cannot be read.
+    pub(super) fn parse(text: &str) -> Result<Self, Vec<BadLine>> {
         let mut reader = Reader::default();
+        let mut bad = Vec::new();
         for line in lines(text) {
-            reader.statement(&line).map_err(|message| BadLine { line: line.number, message })?;
+            if let Err(message) = reader.statement(&line) {
+                bad.push(BadLine { line: line.number, message });
+            }
         }
-        let mut document = reader.document;
-        for (i, faces) in reader.faces.iter().enumerate() {
+        if !bad.is_empty() {
+            return Err(bad);
+        }
+        let Reader { mut document, positions, colours, faces, .. } = reader;
+        let others = std::mem::replace(&mut document.text, positions);
+        if !colours.is_empty() {
+            document.text = coloured(&document.text, &colours);
+        }
+        document.text.push_str(&others);
+        for (i, faces) in faces.iter().enumerate() {
             // Writing to a string does not fail.
             let _ = writeln!(document.text, "g {i}");
             document.text.push_str(faces);
@@ -70,18 +83,37 @@ impl Document {
         Ok(document)
     }
 
-    /// The first statement with this keyword whose arguments are not numbers: `tobj` tells only that there is one.
-    pub(super) fn find_bad_number(source: &str, keyword: &str) -> Option<BadLine> {
-        lines(source).filter(|line| line.split().0 == keyword).find_map(|line| {
+    /// The statements with this keyword whose arguments are not numbers: `tobj` tells only that there is one.
+    pub(super) fn find_bad_numbers(source: &str, keyword: &str) -> Vec<BadLine> {
+        let lines = lines(source).filter(|line| line.split().0 == keyword);
+        let bad = lines.filter_map(|line| {
             let bad = line.arguments().take(3).find(|word| word.parse::<f32>().is_err())?;
-            Some(BadLine { line: line.number, message: format!("`{bad}` is not a number") })
-        })
+            Some(BadLine { line: line.number, message: format!("`{}` is not a number", shortened(bad)) })
+        });
+        bad.collect()
     }
+}
+
+/// The colour of vertices without one, where others have one.
+const WHITE: [f32; 3] = [1.0; 3];
+
+/// Adds its colour to each vertex statement.
+fn coloured(positions: &str, colours: &[[f32; 3]]) -> String {
+    let mut text = String::new();
+    for (position, [r, g, b]) in positions.lines().zip(colours) {
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "{position} {r} {g} {b}");
+    }
+    text
 }
 
 #[derive(Default)]
 struct Reader {
     document: Document,
+    /// Vertex statements without colours.
+    positions: String,
+    /// The colour of each vertex so far, if any has one.
+    colours: Vec<[f32; 3]>,
     /// Face statements of each part.
     faces: Vec<String>,
     /// Numbers of `v`, `vt` and `vn` so far.
@@ -134,26 +166,55 @@ impl Reader {
         Ok(())
     }
 
-    /// Copies the first `needed` numbers of a vertex statement. `w` and vertex colours have no meaning for us.
+    /// Copies the first `needed` numbers of a vertex statement. `w` has no meaning for us; a colour follows a place without
+    /// or with it.
     fn vertex(&mut self, line: &Line<'_>, kind: usize, needed: usize) -> Result<(), String> {
         let keyword = line.split().0;
-        self.document.text.push_str(keyword);
+        if kind == 0 {
+            self.colour(line)?;
+        }
+        // It counts even if it is bad, lest every face after it is found to be bad as well.
+        self.counts[kind] += 1;
+        let text = if kind == 0 { &mut self.positions } else { &mut self.document.text };
+        text.push_str(keyword);
         let mut found = 0;
         for word in line.arguments().take(needed) {
-            self.document.text.push(' ');
-            self.document.text.push_str(word);
+            text.push(' ');
+            text.push_str(word);
             found += 1;
         }
         if kind == 1 && found == 1 {
             // One-dimensional texture coordinates.
-            self.document.text.push_str(" 0");
+            text.push_str(" 0");
         } else if found < needed {
             return Err(format!("`{keyword}` needs {needed} numbers, but has {found}"));
-        } else if kind == 0 && line.arguments().nth(5).is_some() {
-            self.skip("vertex colour", line.number);
         }
-        self.document.text.push('\n');
-        self.counts[kind] += 1;
+        text.push('\n');
+        Ok(())
+    }
+
+    /// Keeps the colour of a vertex. Vertices before the first that has one are white, as are those without.
+    fn colour(&mut self, line: &Line<'_>) -> Result<(), String> {
+        let first = match line.arguments().take(8).count() {
+            6 => 3,
+            7 => 4,
+            _ if self.colours.is_empty() => return Ok(()),
+            _ => {
+                self.colours.push(WHITE);
+                return Ok(());
+            }
+        };
+        self.skip("vertex colour", line.number);
+        let mut colour = WHITE;
+        for (part, word) in colour.iter_mut().zip(line.arguments().skip(first)) {
+            *part = word.parse().map_err(|_| format!("`{}` is not a number", shortened(word)))?;
+        }
+        if !colour.iter().all(|part| (0.0..=1.0).contains(part)) {
+            self.skip("vertex colour outside of 0 to 1", line.number);
+            colour = colour.map(|part: f32| if part.is_nan() { 0.0 } else { part.clamp(0.0, 1.0) });
+        }
+        self.colours.resize(self.counts[0], WHITE);
+        self.colours.push(colour);
         Ok(())
     }
 
@@ -278,8 +339,9 @@ mod tests {
     }
 
     fn refused(faces: &str) -> String {
-        let BadLine { line, message } = Document::parse(&format!("{VERTICES}{faces}")).expect_err("a bad file");
-        format!("{line}: {message}")
+        let bad = Document::parse(&format!("{VERTICES}{faces}")).expect_err("a bad file");
+        let lines: Vec<String> = bad.iter().map(|BadLine { line, message }| format!("{line}: {message}")).collect();
+        lines.join("\n")
     }
 
     #[test]
@@ -332,11 +394,29 @@ mod tests {
     }
 
     #[test]
+    fn vertices_without_a_colour_are_white_beside_those_with_one() {
+        let document = parse("v 5 5 5 0.5 0 2\nv 6 6 6\nv 7 7 7 1 0.25 0.5 0\n");
+        let colours: Vec<_> = document.text.lines().take(7).map(|line| line.splitn(5, ' ').nth(4)).collect();
+        let white = Some("1 1 1");
+        assert_eq!(colours, [white, white, white, white, Some("0.5 0 1"), white, Some("0.25 0.5 0")]);
+        assert_eq!(document.skipped["vertex colour outside of 0 to 1"], (1, 7));
+        assert_eq!(refused("v 1 2 3 red 0 0"), "7: `red` is not a number");
+    }
+
+    #[test]
     fn short_vertices_and_huge_faces_are_refused() {
         assert_eq!(refused("v 1 2"), "7: `v` needs 3 numbers, but has 2");
         let huge = format!("f{}", " 1".repeat(MAX_CORNERS + 1));
         assert_eq!(refused(&huge), "7: a face with 100001 corners; at most 100000 are accepted");
-        let found = Document::find_bad_number("v 1 2 3\n\nv 1,5 2 3", "v").expect("a comma");
-        assert_eq!(found, BadLine { line: 3, message: "`1,5` is not a number".to_owned() });
+        let found = Document::find_bad_numbers("v 1 2 3\n\nv 1,5 2 3", "v");
+        assert_eq!(found, [BadLine { line: 3, message: "`1,5` is not a number".to_owned() }]);
+    }
+
+    #[test]
+    fn a_bad_vertex_does_not_make_the_faces_after_it_bad() {
+        assert_eq!(
+            refused("v 1 2\nf 1 2 5\nf 1 2 6\n"),
+            "7: `v` needs 3 numbers, but has 2\n9: the face names vertex 6, but 5 come before it (indices start at 1)"
+        );
     }
 }

@@ -10,13 +10,17 @@ use rt_shading::{Material, Phong, Texture, TextureId, Wrap};
 use super::{
     lines,
     map::Map,
-    material::{Maps, phong},
+    material::{Maps, phong, physical},
     mtl, warning,
 };
 use crate::{
     LoadError, LoadOptions, MaterialId, Model, Place, Reason, Warning,
     files::{read_file, read_texture, resolve_path},
 };
+
+/// Parameters of physical materials, and maps, that have no effect here: sheen, coat, brushed metal, relief.
+const UNUSED: [&str; 13] =
+    ["Ps", "Pc", "Pcr", "aniso", "anisor", "map_Pr", "map_Pm", "map_Ps", "map_Pc", "norm", "disp", "decal", "refl"];
 
 pub(super) struct Library<'a> {
     options: &'a LoadOptions,
@@ -104,8 +108,8 @@ impl<'a> Library<'a> {
                     specular: self.texture(mtl.specular_texture.as_deref(), &mtl, &file, model)?,
                     emission: self.texture(mtl.unknown_param.get("map_Ke").map(String::as_str), &mtl, &file, model)?,
                 };
-                self.warn_about_unused_maps(&mtl, &file, model);
-                Material::new(mtl.name.clone(), phong(&mtl, maps))
+                Self::warn_about_unused(&mtl, &file, model);
+                Material { physical: physical(&mtl, maps), ..Material::new(mtl.name.clone(), phong(&mtl, maps)) }
             }
             None => {
                 if let (Some(name), false) = (&name, self.incomplete) {
@@ -167,13 +171,15 @@ impl<'a> Library<'a> {
         Ok(Some(id))
     }
 
-    fn warn_about_unused_maps(&self, mtl: &tobj::Material, file: &Path, model: &mut Model) {
+    /// Warns of what the material says and no surface here can show.
+    fn warn_about_unused(mtl: &tobj::Material, file: &Path, model: &mut Model) {
         let maps = [
             ("map_d", mtl.dissolve_texture.is_some()),
             ("map_Ns", mtl.shininess_texture.is_some()),
             ("map_Bump", mtl.normal_texture.is_some()),
         ];
-        for (keyword, _) in maps.into_iter().filter(|(_, present)| *present) {
+        let unknown = UNUSED.map(|keyword| (keyword, mtl.unknown_param.get(keyword).is_some_and(|text| text != "0")));
+        for (keyword, _) in maps.into_iter().chain(unknown).filter(|(_, present)| *present) {
             let place = format!("{}: material `{}`", file.display(), mtl.name);
             model.warnings.push(Warning { place, message: format!("`{keyword}` is not followed") });
         }

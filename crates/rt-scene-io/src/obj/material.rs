@@ -1,4 +1,4 @@
-//! MTL materials as Phong surfaces.
+//! MTL materials as Phong surfaces, and as physical ones where they have the parameters of those.
 //!
 //! ```text
 //! diffuse      = d · Kd · map_Kd
@@ -9,9 +9,12 @@
 //! transmission = Tf       for models 6 and 7, bent by Ni; 7 shares the light by Fresnel's equations
 //!              = 1 − d    otherwise, without bending
 //! ```
+//!
+//! Materials with `Pr` or `Pm` are meant for physical integrators as well, which then see the metallic-roughness model of
+//! glTF with base colour `Kd · map_Kd`, metalness `Pm` and roughness `Pr`; models 6 and 7 make glass of them.
 
 use rt_math::Rgb;
-use rt_shading::{Coefficient, Highlight, Phong, TextureId, Transmission};
+use rt_shading::{Coefficient, Highlight, Phong, Physical, TextureId, Transmission};
 
 /// The textures of a material, where they could be loaded.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,17 +35,7 @@ pub(super) fn phong(mtl: &tobj::Material, maps: Maps) -> Phong {
     let model = mtl.illumination_model.unwrap_or(2);
     let opacity = opacity(mtl);
     let default = Phong::default();
-
-    let unmapped = match default.diffuse {
-        Coefficient::Constant(rgb) | Coefficient::Textured(_, rgb) => rgb,
-    };
-    let kd = match (mtl.diffuse.map(rgb), maps.diffuse) {
-        (Some(kd), None) => kd,
-        (Some(kd), Some(_)) if !kd.is_black() => kd,
-        // Exporters that mean "the texture alone" write black, or nothing.
-        (_, Some(_)) => Rgb::WHITE,
-        (None, None) => unmapped,
-    };
+    let kd = base_colour(mtl, maps);
     let ks = mtl.specular.map_or(Rgb::BLACK, rgb);
     let ke = match (mtl.emissive.map(rgb), maps.emission) {
         (None, Some(_)) => Rgb::WHITE,
@@ -67,6 +60,42 @@ pub(super) fn phong(mtl: &tobj::Material, maps: Maps) -> Phong {
             _ => Coefficient::ZERO,
         },
         transmission: transmission(mtl, model, opacity),
+    }
+}
+
+/// The physical surface, of a material that says how rough or metallic it is.
+pub(super) fn physical(mtl: &tobj::Material, maps: Maps) -> Option<Physical> {
+    let number = |name: &str| mtl.unknown_param.get(name).and_then(|text| text.parse::<f64>().ok());
+    let (roughness, metallic) = (number("Pr"), number("Pm"));
+    if roughness.is_none() && metallic.is_none() {
+        return None;
+    }
+    // What the file leaves out is what programs with these parameters begin with.
+    let (roughness, metallic) = (roughness.unwrap_or(0.5).min(1.0), metallic.unwrap_or(0.0).min(1.0));
+    if matches!(mtl.illumination_model, Some(6 | 7)) {
+        return Some(Physical::Dielectric { roughness, transmittance: Coefficient::Constant(filter_colour(mtl)) });
+    }
+    let base_color = coefficient(maps.diffuse, base_colour(mtl, maps));
+    let surface = Physical::MetallicRoughness { base_color, metallic, roughness };
+    Some(match opacity(mtl) {
+        1.0 => surface,
+        opacity => {
+            let opening = Physical::Dielectric { roughness: 0.0, transmittance: Coefficient::Constant(Rgb::WHITE) };
+            Physical::Mix(vec![(opacity, surface), (1.0 - opacity, opening)])
+        }
+    })
+}
+
+/// The colour that the texture is multiplied by, or that takes its place.
+fn base_colour(mtl: &tobj::Material, maps: Maps) -> Rgb {
+    match (mtl.diffuse.map(rgb), maps.diffuse) {
+        (Some(kd), None) => kd,
+        (Some(kd), Some(_)) if !kd.is_black() => kd,
+        // Exporters that mean "the texture alone" write black, or nothing.
+        (_, Some(_)) => Rgb::WHITE,
+        (None, None) => match Phong::default().diffuse {
+            Coefficient::Constant(rgb) | Coefficient::Textured(_, rgb) => rgb,
+        },
     }
 }
 
@@ -162,6 +191,20 @@ mod tests {
             let through = phong.transmission.expect("some light passes");
             assert_eq!((through.coefficient, through.ior, through.fresnel), (gray(0.75), 1.0, false));
         }
+    }
+
+    #[test]
+    fn roughness_and_metalness_make_a_physical_surface() {
+        let of = |text: &str| physical(&mtl(text), Maps::default());
+        assert_eq!(of("Kd 0.5\nNs 100"), None);
+        let metal = |metallic, roughness| Physical::MetallicRoughness { base_color: gray(0.5), metallic, roughness };
+        assert_eq!(of("Kd 0.5\nPr 0.25\nPm 1"), Some(metal(1.0, 0.25)));
+        assert_eq!(of("Kd 0.5\npm 7"), Some(metal(1.0, 0.5)));
+        let glass =
+            Physical::Dielectric { roughness: 0.0, transmittance: Coefficient::Constant(Rgb::new(1.0, 0.5, 0.0)) };
+        assert_eq!(of("Pr 0\nillum 7\nTf 1 0.5 0"), Some(glass));
+        let Some(Physical::Mix(parts)) = of("Kd 0.5\nPr 0\nd 0.75") else { panic!("a veil") };
+        assert_eq!(parts.iter().map(|(share, _)| *share).collect::<Vec<_>>(), [0.75, 0.25]);
     }
 
     #[test]

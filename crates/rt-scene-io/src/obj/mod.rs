@@ -9,6 +9,7 @@
 //! leaves out is replaced, with a warning: a library or image that is not there, a name that no library holds.
 
 mod document;
+mod face_shape;
 mod library;
 mod lines;
 mod map;
@@ -23,10 +24,11 @@ use rt_math::{Transform, Vec3};
 
 use self::{
     document::{BadLine, Document, Part},
+    face_shape::FaceShapes,
     library::Library,
 };
 use crate::{
-    Content, LoadError, LoadOptions, MeshId, Model, NamedMesh, Node, Place, Reason, Warning, files::read_file,
+    Content, LoadError, LoadOptions, MeshId, Model, NamedMesh, Node, Place, Problem, Reason, Warning, files::read_file,
     mesh_build::build_mesh,
 };
 
@@ -37,7 +39,7 @@ pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadErro
 
 /// Loads the model that `bytes` hold; `path` is for messages and for references to other files.
 pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    let bad = |BadLine { line, message }| Reason::Syntax(message).at(path, Place::Line(line));
+    let bad = |lines: Vec<BadLine>| refuse(lines, path);
     let (source, not_utf8) = lines::decode(bytes);
     let document = Document::parse(&source).map_err(bad)?;
 
@@ -55,14 +57,17 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
     let parsed = tobj::load_obj_buf(&mut document.text.as_bytes(), &how, no_library);
     let groups = match parsed {
         Ok((groups, _)) => groups,
-        Err(error) => return Err(explain(error, &source).map_or_else(|| unexplained(error, path), bad)),
+        Err(error) => return Err(explain(error, &source, path)),
     };
 
     let mut library = Library::open(&document.libraries, path, options, &mut model)?;
     for group in groups {
         let Some(part) = group.name.parse().ok().and_then(|i: usize| document.parts.get(i)) else { continue };
         let place = format!("{}: {}", path.display(), display_name(part));
-        let data = mesh_data(&group.mesh).map_err(|e| Reason::from(e).at(path, display_name(part)))?;
+        let mut shapes = FaceShapes::default();
+        let data = mesh_data(&group.mesh, &mut shapes).map_err(|e| Reason::from(e).at(path, display_name(part)))?;
+        let warnings = shapes.messages().map(|message| Warning { place: place.clone(), message });
+        model.warnings.extend(warnings);
         let data = smoothing::add_normals(data, part.smoothing);
         let mesh =
             build_mesh(data, &place, &mut model.warnings).map_err(|e| Reason::from(e).at(path, display_name(part)))?;
@@ -94,35 +99,53 @@ fn warning(path: &Path, line: usize, message: String) -> Warning {
     Warning { place: format!("{}:{line}", path.display()), message }
 }
 
-/// `tobj` says which kind of statement it cannot read; the first such one in the file is the culprit.
-fn explain(error: tobj::LoadError, source: &str) -> Option<BadLine> {
+/// Most lines that are named; whoever has more mends these first.
+const MAX_NAMED: usize = 20;
+
+/// All of the lines as one error.
+fn refuse(mut lines: Vec<BadLine>, path: &Path) -> LoadError {
+    let more = lines.len().saturating_sub(MAX_NAMED);
+    lines.truncate(MAX_NAMED);
+    let named = lines.into_iter().map(|BadLine { line, message }| (Place::Line(line), Reason::Syntax(message)));
+    let rest = (more > 0).then_some((Place::File, Reason::More(more)));
+    let problem = |(place, reason)| Problem { file: path.display().to_string(), place, reason };
+    let problems = named.chain(rest).map(problem).collect();
+    LoadError::from_problems(problems).unwrap_or_else(|| Reason::Empty.at(path, ""))
+}
+
+/// `tobj` says which kind of statement it cannot read; those in the file are the culprits.
+fn explain(error: tobj::LoadError, source: &str, path: &Path) -> LoadError {
     let keyword = match error {
         tobj::LoadError::PositionParseError => "v",
         tobj::LoadError::NormalParseError => "vn",
         tobj::LoadError::TexcoordParseError => "vt",
-        _ => return None,
+        _ => return Reason::Syntax(error.to_string()).at(path, ""),
     };
-    Document::find_bad_number(source, keyword)
-}
-
-fn unexplained(error: tobj::LoadError, path: &Path) -> LoadError {
-    Reason::Syntax(error.to_string()).at(path, "")
+    match Document::find_bad_numbers(source, keyword) {
+        lines if lines.is_empty() => Reason::Syntax(error.to_string()).at(path, ""),
+        lines => refuse(lines, path),
+    }
 }
 
 /// The arrays of a group, with its polygons cut into triangles.
-fn mesh_data(mesh: &tobj::Mesh) -> Result<MeshData, MeshError> {
+fn mesh_data(mesh: &tobj::Mesh, shapes: &mut FaceShapes) -> Result<MeshData, MeshError> {
     let vectors = |numbers: &[f32]| numbers.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<Vec3>>();
+    let positions = vectors(&mesh.positions);
+    faces(mesh).for_each(|face| shapes.look_at(&positions, face.outline));
+    let data = MeshData::from_polygons(positions, faces(mesh))?;
+    let uvs = mesh.texcoords.chunks_exact(2).map(|uv| [uv[0], uv[1]]).collect();
+    Ok(MeshData { normals: vectors(&mesh.normals), uvs, ..data })
+}
+
+fn faces(mesh: &tobj::Mesh) -> impl Iterator<Item = Face<'_>> {
     let mut rest = mesh.indices.as_slice();
     // `tobj` leaves the number of corners out where all faces are triangles.
     let all_triangles = std::iter::repeat_n(3, if mesh.face_arities.is_empty() { rest.len() / 3 } else { 0 });
-    let faces = mesh.face_arities.iter().copied().chain(all_triangles).map(|corners| {
+    mesh.face_arities.iter().copied().chain(all_triangles).map(move |corners| {
         let (outline, after) = rest.split_at(corners as usize);
         rest = after;
         Face { outline, holes: &[] }
-    });
-    let data = MeshData::from_polygons(vectors(&mesh.positions), faces)?;
-    let uvs = mesh.texcoords.chunks_exact(2).map(|uv| [uv[0], uv[1]]).collect();
-    Ok(MeshData { normals: vectors(&mesh.normals), uvs, ..data })
+    })
 }
 
 #[cfg(test)]

@@ -10,14 +10,16 @@ use super::lines::{Line, lines};
 pub(super) type Complaint = (usize, String);
 
 /// Keywords whose case exporters do not agree on, in the spelling that `tobj` knows.
-const KEYWORDS: [&str; 19] = [
-    "newmtl", "Ka", "Kd", "Ks", "Ke", "Tf", "Ns", "Ni", "d", "Tr", "illum", "map_Ka", "map_Kd", "map_Ks", "map_Ke",
-    "map_Ns", "map_d", "map_Bump", "bump",
+const KEYWORDS: [&str; 30] = [
+    "newmtl", "Ka", "Kd", "Ks", "Ke", "Tf", "Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso",
+    "anisor", "map_Ka", "map_Kd", "map_Ks", "map_Ke", "map_Ns", "map_d", "map_Bump", "bump", "map_Pr", "map_Pm",
+    "map_Ps", "norm",
 ];
 
 /// The materials of a file, and what was left out of it.
 ///
-/// All numbers of the result are finite and not negative. Tf, Tr and map_Ke are among the unknown parameters.
+/// All numbers of the result are finite and not negative. Tf, Tr, map_Ke and the physical parameters (Pr, Pm, ...) are among
+/// the unknown parameters.
 pub(super) fn parse(text: &str) -> (Vec<tobj::Material>, Vec<Complaint>) {
     let mut clean = String::new();
     let mut complaints = Vec::new();
@@ -53,7 +55,7 @@ fn statement(line: &Line<'_>) -> Result<String, String> {
             }
         }
         // `d -halo 0.5` is a dissolve that grows towards the silhouette; its value is the last word.
-        "Ns" | "Ni" | "d" | "Tr" => {
+        "Ns" | "Ni" | "d" | "Tr" | "Pr" | "Pm" | "Ps" | "Pc" | "Pcr" | "aniso" | "anisor" => {
             let word = line.arguments().last().ok_or_else(|| format!("`{keyword}` needs a number"))?;
             Ok(format!("{keyword} {}", number(word)?))
         }
