@@ -1,7 +1,7 @@
 //! The full geometry of a hit, computed once, for the winner.
 
 use rt_math::float::gamma;
-use rt_math::{DMat3, DVec3, Ray, Transform};
+use rt_math::{DMat3, DVec3, Ray, Transform, Vec3};
 
 /// What the consumer of a [`SurfaceInteraction`] will look at, so that the rest is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,11 +10,39 @@ pub struct SurfaceNeeds {
     pub uv: bool,
     /// Interpolated normals; the geometric normal otherwise.
     pub shading_normal: bool,
+    /// What only some meshes have; left [`SurfaceDetail::default`] otherwise.
+    pub detail: bool,
 }
 
 impl SurfaceNeeds {
     /// Everything.
-    pub const ALL: Self = Self { uv: true, shading_normal: true };
+    pub const ALL: Self = Self { uv: true, shading_normal: true, detail: true };
+    /// Nothing but the point and the geometric normal.
+    pub const NONE: Self = Self { uv: false, shading_normal: false, detail: false };
+}
+
+/// What only some meshes have at their vertices, interpolated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceDetail {
+    /// The second set of texture coordinates; (0, 0) without.
+    pub second_uv: [f32; 2],
+    /// Colour of the vertices, which multiplies that of the material; linear, white without.
+    pub color: [f32; 3],
+    /// Direction in which `u` of the normal map rises, of any length, in the space of the surface; zero without.
+    pub tangent: Vec3,
+    /// True if `v` rises against the cross product of normal and tangent.
+    pub is_mirrored: bool,
+}
+
+impl SurfaceDetail {
+    /// What stands for everything that a mesh does not have.
+    pub const NONE: Self = Self { second_uv: [0.0; 2], color: [1.0; 3], tangent: Vec3::ZERO, is_mirrored: false };
+}
+
+impl Default for SurfaceDetail {
+    fn default() -> Self {
+        Self::NONE
+    }
 }
 
 /// The surface around a hit, in the space that the shape was asked in.
@@ -35,12 +63,15 @@ pub struct SurfaceInteraction {
     pub shading_normal: DVec3,
     /// Texture coordinates; `v` runs upwards.
     pub uv: [f64; 2],
+    /// What only some meshes have.
+    pub detail: SurfaceDetail,
 }
 
 impl SurfaceInteraction {
-    /// A surface that is shaded as it is.
-    pub(crate) const fn flat(point: DVec3, point_error: DVec3, normal: DVec3, uv: [f64; 2]) -> Self {
-        Self { point, point_error, shadow_point: point, geometric_normal: normal, shading_normal: normal, uv }
+    /// A surface that is shaded as it is, with a unit normal.
+    pub const fn flat(point: DVec3, point_error: DVec3, normal: DVec3, uv: [f64; 2]) -> Self {
+        let detail = SurfaceDetail::NONE;
+        Self { point, point_error, shadow_point: point, geometric_normal: normal, shading_normal: normal, uv, detail }
     }
 
     /// The same surface seen from the target space of a transform. Normals are unit again; the error bound includes
@@ -56,7 +87,12 @@ impl SurfaceInteraction {
         } else {
             target_from_source.normal(self.shading_normal).normalize()
         };
-        Self { point, point_error, shadow_point, geometric_normal, shading_normal, uv: self.uv }
+        let mut detail = self.detail;
+        if detail.tangent != Vec3::ZERO {
+            detail.tangent = target_from_source.vector(detail.tangent.as_dvec3()).normalize_or_zero().as_vec3();
+            detail.is_mirrored ^= target_from_source.linear().determinant() < 0.0;
+        }
+        Self { point, point_error, shadow_point, geometric_normal, shading_normal, uv: self.uv, detail }
     }
 
     /// A ray that leaves the surface in `direction`: its origin is moved along the geometric normal, to the side of

@@ -86,7 +86,7 @@ pub use double_cone::DoubleCone;
 pub use error::ShapeError;
 pub use frustum::Frustum;
 pub use infinite_cylinder::InfiniteCylinder;
-pub use interaction::{ShadowRays, SurfaceInteraction, SurfaceNeeds};
+pub use interaction::{ShadowRays, SurfaceDetail, SurfaceInteraction, SurfaceNeeds};
 pub use mesh::TriangleMesh;
 pub use mesh_data::MeshData;
 pub use mesh_faces::{Face, fan, strip};

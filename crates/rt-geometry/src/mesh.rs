@@ -3,7 +3,7 @@
 use crate::area::unit_normal;
 use crate::mesh_repair::mend;
 use crate::triangle::{point_at, weights};
-use crate::{MeshData, MeshError, MeshRepairs, ShearedRay, SurfaceInteraction, SurfaceNeeds};
+use crate::{MeshData, MeshError, MeshRepairs, ShearedRay, SurfaceDetail, SurfaceInteraction, SurfaceNeeds};
 use rt_math::{Aabb, DVec3, Hit, Interval, LeafLayout, Primitives, Ray};
 
 /// A validated triangle mesh: a set of [`Primitives`], one for each triangle.
@@ -40,11 +40,14 @@ impl TriangleMesh {
 
     /// Size of the arrays in bytes.
     pub fn memory(&self) -> usize {
-        let MeshData { positions, triangles, normals, uvs } = &self.data;
+        let MeshData { positions, triangles, normals, uvs, second_uvs, colors, tangents } = &self.data;
         size_of_val(positions.as_slice())
             + size_of_val(triangles.as_slice())
             + size_of_val(normals.as_slice())
             + size_of_val(uvs.as_slice())
+            + size_of_val(second_uvs.as_slice())
+            + size_of_val(colors.as_slice())
+            + size_of_val(tangents.as_slice())
     }
 
     /// As [`Primitives::intersect`], for a ray that was prepared once for many triangles.
@@ -62,8 +65,11 @@ impl TriangleMesh {
         let corners = self.corners(triangle);
         let weights = weights(hit.uv);
         let (point, point_error) = point_at(corners, weights);
-        let uv = if needs.uv { self.uv(triangle, weights) } else { [0.0; 2] };
-        let flat = SurfaceInteraction::flat(point, point_error, unit_normal(corners), uv);
+        let uv = if needs.uv { interpolated(&self.data.uvs, triangle, weights).unwrap_or_default() } else { [0.0; 2] };
+        let mut flat = SurfaceInteraction::flat(point, point_error, unit_normal(corners), uv);
+        if needs.detail {
+            flat.detail = self.detail(triangle, weights);
+        }
         Some(if needs.shading_normal && !self.data.normals.is_empty() {
             self.smoothed(flat, triangle, corners, weights, ray.direction)
         } else {
@@ -92,20 +98,41 @@ impl TriangleMesh {
             let normal = normals[i] * viewer;
             normal * (weights[i] * (corners[i] - flat.point).dot(normal).max(0.0))
         };
+        let mut detail = flat.detail;
+        // The cross product turns with the normal.
+        detail.is_mirrored ^= front < 0.0;
         SurfaceInteraction {
             shading_normal: normal * front,
             shadow_point: flat.point + (lift(0) + lift(1) + lift(2)),
+            detail,
             ..flat
         }
     }
 
-    /// (0, 0) if the mesh has no texture coordinates.
-    fn uv(&self, triangle: [u32; 3], weights: [f64; 3]) -> [f64; 2] {
-        if self.data.uvs.is_empty() {
-            return [0.0; 2];
+    fn detail(&self, triangle: [u32; 3], weights: [f64; 3]) -> SurfaceDetail {
+        let MeshData { second_uvs, colors, tangents, .. } = &self.data;
+        let mut detail = SurfaceDetail::default();
+        if let Some(uv) = interpolated(second_uvs, triangle, weights) {
+            detail.second_uv = uv.map(|x| x as f32);
         }
-        let corners = triangle.map(|i| self.data.uvs[i as usize].map(f64::from));
-        [0, 1].map(|k| corners[0][k] * weights[0] + corners[1][k] * weights[1] + corners[2][k] * weights[2])
+        if let Some([red, green, blue, _]) = interpolated(colors, triangle, weights) {
+            detail.color = [red, green, blue].map(|x| x as f32);
+        }
+        if let Some([x, y, z, _]) = interpolated(tangents, triangle, weights) {
+            detail.tangent = DVec3::new(x, y, z).as_vec3();
+            detail.is_mirrored = tangents[triangle[0] as usize][3] < 0.0;
+        }
+        detail
+    }
+
+    /// Texture coordinates of both sets at a hit of this mesh, and how much of the surface the colours of its vertices cover
+    /// there: 1 without colours. `None` for a hit on a primitive that it does not have.
+    pub fn coverage_at(&self, hit: &Hit) -> Option<([[f64; 2]; 2], f64)> {
+        let triangle = *self.data.triangles.get(hit.primitive as usize)?;
+        let weights = weights(hit.uv);
+        let uv = |uvs: &[[f32; 2]]| interpolated(uvs, triangle, weights).unwrap_or_default();
+        let alpha = interpolated(&self.data.colors, triangle, weights).map_or(1.0, |color| color[3]);
+        Some(([uv(&self.data.uvs), uv(&self.data.second_uvs)], alpha))
     }
 
     #[inline]
@@ -123,6 +150,15 @@ impl TriangleMesh {
     fn triangle_bounds(&self, index: usize) -> Aabb {
         Aabb::from_points(self.corners(self.data.triangles[index]))
     }
+}
+
+/// The value between those at the corners; `None` if the mesh has none.
+fn interpolated<const N: usize>(values: &[[f32; N]], triangle: [u32; 3], weights: [f64; 3]) -> Option<[f64; N]> {
+    if values.is_empty() {
+        return None;
+    }
+    let corners = triangle.map(|i| values[i as usize].map(f64::from));
+    Some(core::array::from_fn(|k| corners[0][k] * weights[0] + corners[1][k] * weights[1] + corners[2][k] * weights[2]))
 }
 
 impl Primitives for TriangleMesh {
@@ -166,6 +202,7 @@ mod tests {
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             normals: vec![Vec3::Z * 3.0; 4],
             uvs: vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]],
+            ..MeshData::default()
         }
     }
 
@@ -186,7 +223,7 @@ mod tests {
         let surface = mesh.surface(&ray, &hit, SurfaceNeeds::ALL).expect("its own hit");
         assert_eq!((surface.point, surface.uv), (DVec3::new(0.25, 0.75, 0.0), [0.5, 1.5]));
         assert_eq!((surface.geometric_normal, surface.shading_normal), (DVec3::Z, DVec3::Z));
-        let bare = mesh.surface(&ray, &hit, SurfaceNeeds { uv: false, shading_normal: false }).expect("its own hit");
+        let bare = mesh.surface(&ray, &hit, SurfaceNeeds::NONE).expect("its own hit");
         let foreign = Hit { primitive: 1_000_000, ..hit };
         assert_eq!(mesh.surface(&ray, &foreign, SurfaceNeeds::ALL), None);
         assert_eq!((bare.uv, bare.shadow_point), ([0.0; 2], bare.point));
@@ -214,7 +251,10 @@ mod tests {
         // Repeated, not finite, and collinear vertices; 0.1 and 0.3 are rounded, but on the diagonal all the same.
         data.triangles.splice(1..1, [[0, 1, 1], [0, 1, 4], [0, 5, 6]]);
         let (mesh, repairs) = build(data);
-        assert_eq!(repairs, MeshRepairs { degenerate: 2, not_finite: 1, bad_normals: 2, bad_uvs: 1 });
+        assert_eq!(
+            repairs,
+            MeshRepairs { degenerate: 2, not_finite: 1, bad_normals: 2, bad_uvs: 1, ..MeshRepairs::default() }
+        );
         assert_eq!(mesh.data().triangles, square().triangles);
         assert_eq!(mesh.data().normals[1..3], [Vec3::Z; 2]);
         assert_eq!(mesh.data().uvs[3], [0.0; 2]);
@@ -272,7 +312,7 @@ mod tests {
             [[a, a + around, b + around], [a, b + around, b]]
         };
         let triangles = (0..up).flat_map(|row| (0..around).flat_map(move |column| quad(row, column))).collect();
-        build(MeshData { normals: positions.clone(), positions, triangles, uvs: Vec::new() }).0
+        build(MeshData { normals: positions.clone(), positions, triangles, ..MeshData::default() }).0
     }
 
     /// An orthographic view along −z of a ball in light of strength 1: the mean of cos θ over the ball's image, with

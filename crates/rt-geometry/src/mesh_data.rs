@@ -2,6 +2,7 @@
 
 use rt_math::transcendental::atan2;
 use rt_math::{DVec3, Vec3};
+use std::cmp::Ordering;
 use std::collections::HashMap;
 
 /// The plain arrays of a mesh, as files hold them. Vertices stay `f32` in local space.
@@ -15,6 +16,13 @@ pub struct MeshData {
     pub normals: Vec<Vec3>,
     /// One texture coordinate for each position, `v` upwards, or empty.
     pub uvs: Vec<[f32; 2]>,
+    /// A second set of texture coordinates, or empty.
+    pub second_uvs: Vec<[f32; 2]>,
+    /// One colour for each position: linear red, green and blue, and how much the surface covers; or empty.
+    pub colors: Vec<[f32; 4]>,
+    /// One tangent for each position (any non-zero length), along which `u` of the normal map rises, or empty. The last
+    /// number is 1 if the cross product of normal and tangent points to where `v` rises, and −1 if it points away.
+    pub tangents: Vec<[f32; 4]>,
 }
 
 impl MeshData {
@@ -41,6 +49,35 @@ impl MeshData {
         }
         let smooth = |p: &Vec3| sums.get(&place(*p)).map_or(Vec3::ZERO, |sum| sum.normalize_or_zero().as_vec3());
         self.normals = self.positions.iter().map(smooth).collect();
+    }
+}
+
+impl MeshData {
+    /// True if every edge of a triangle is met by one of another that runs the other way, so that the mesh encloses space (or is
+    /// empty). Vertices at the same position are one.
+    ///
+    /// Each edge adds its hash and its reverse takes it off, so that nothing is stored: an open mesh is taken for closed once in
+    /// 2⁶⁴.
+    pub fn is_closed(&self) -> bool {
+        let sum = self.triangles.iter().fold(0u64, |sum, triangle| {
+            let Some(corners) = corner_positions(&self.positions, *triangle) else { return sum };
+            let [a, b, c] = corners.map(place);
+            [(a, b), (b, c), (c, a)].into_iter().fold(sum, |sum, edge| sum.wrapping_add(edge_hash(edge)))
+        });
+        sum == 0
+    }
+}
+
+/// Minus the hash of the edge's reverse; 0 of an edge without length.
+fn edge_hash((from, to): ([u32; 3], [u32; 3])) -> u64 {
+    let hash = |[a, b, c]: [u32; 3], [d, e, f]: [u32; 3]| {
+        let pair = |low: u32, high: u32| u64::from(low) | u64::from(high) << 32;
+        rt_math::random::hash(&[pair(a, b), pair(c, d), pair(e, f)])
+    };
+    match from.cmp(&to) {
+        Ordering::Less => hash(from, to),
+        Ordering::Greater => hash(to, from).wrapping_neg(),
+        Ordering::Equal => 0,
     }
 }
 
@@ -76,6 +113,22 @@ mod tests {
             let diagonal = (*position - Vec3::splat(0.5)).normalize();
             assert!((*normal - diagonal).length() < 1e-6, "{normal} at {position}");
         }
+    }
+
+    #[test]
+    fn closed_meshes_are_told_from_open_ones() {
+        let mut mesh = cube();
+        assert!(mesh.is_closed() && MeshData::default().is_closed());
+        mesh.triangles[3].swap(0, 1);
+        assert!(!mesh.is_closed(), "one triangle faces the other way");
+        mesh.triangles[3].swap(0, 1);
+        // Seams: vertices of its own for one triangle, at the same places.
+        let corners = mesh.triangles[5];
+        mesh.positions.extend(corners.map(|i| mesh.positions[i as usize]));
+        mesh.triangles[5] = [8, 9, 10];
+        assert!(mesh.is_closed());
+        mesh.triangles.pop();
+        assert!(!mesh.is_closed(), "one triangle is missing");
     }
 
     #[test]

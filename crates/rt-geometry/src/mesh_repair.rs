@@ -45,10 +45,10 @@ pub enum MeshError {
         /// How many it may have.
         limit: usize,
     },
-    /// The number of normals or texture coordinates differs from that of positions.
+    /// The number of normals, texture coordinates, colours or tangents differs from that of positions.
     #[error("{count} {what} for {positions} positions")]
     CountMismatch {
-        /// "normals" or "texture coordinates".
+        /// "normals", "texture coordinates", "colours" or "tangents".
         what: &'static str,
         /// How many there are.
         count: usize,
@@ -71,6 +71,10 @@ pub struct MeshRepairs {
     pub bad_normals: usize,
     /// NaN or infinite texture coordinates, replaced by (0, 0).
     pub bad_uvs: usize,
+    /// Colours with a NaN, infinite or negative part, replaced by opaque white.
+    pub bad_colors: usize,
+    /// Zero or non-finite tangents, left zero: no normal map shows there.
+    pub bad_tangents: usize,
 }
 
 /// Refuses arrays that do not fit together, drops triangles that cannot be hit, makes all normals unit.
@@ -79,10 +83,16 @@ pub(crate) fn mend(data: &mut MeshData) -> Result<MeshRepairs, MeshError> {
     let mut repairs = MeshRepairs::default();
     drop_bad_triangles(data, &mut repairs);
     mend_normals(data, &mut repairs);
-    for uv in data.uvs.iter_mut().filter(|uv| !(uv[0].is_finite() && uv[1].is_finite())) {
+    let uvs = data.uvs.iter_mut().chain(&mut data.second_uvs);
+    for uv in uvs.filter(|uv| !(uv[0].is_finite() && uv[1].is_finite())) {
         *uv = [0.0; 2];
         repairs.bad_uvs += 1;
     }
+    for color in data.colors.iter_mut().filter(|color| !color.iter().all(|part| *part >= 0.0 && part.is_finite())) {
+        *color = [1.0; 4];
+        repairs.bad_colors += 1;
+    }
+    mend_tangents(data, &mut repairs);
     data.triangles.shrink_to_fit();
     Ok(repairs)
 }
@@ -92,7 +102,13 @@ fn check_counts(data: &MeshData) -> Result<(), MeshError> {
     if u32::try_from(count.max(data.triangles.len())).is_err() {
         return Err(MeshError::TooLarge);
     }
-    for (what, length) in [("normals", data.normals.len()), ("texture coordinates", data.uvs.len())] {
+    for (what, length) in [
+        ("normals", data.normals.len()),
+        ("texture coordinates", data.uvs.len()),
+        ("texture coordinates", data.second_uvs.len()),
+        ("colours", data.colors.len()),
+        ("tangents", data.tangents.len()),
+    ] {
         if length != 0 && length != count {
             return Err(MeshError::CountMismatch { what, count: length, positions: count });
         }
@@ -136,5 +152,15 @@ fn mend_normals(data: &mut MeshData, repairs: &mut MeshRepairs) {
                 repairs.bad_normals += 1;
             }
         }
+    }
+}
+
+/// Makes them unit. Those that no triangle uses count as well.
+fn mend_tangents(data: &mut MeshData, repairs: &mut MeshRepairs) {
+    for [x, y, z, side] in &mut data.tangents {
+        let unit = Vec3::new(*x, *y, *z).as_dvec3().normalize_or_zero().as_vec3();
+        repairs.bad_tangents += usize::from(unit == Vec3::ZERO);
+        [*x, *y, *z] = unit.to_array();
+        *side = if *side < 0.0 { -1.0 } else { 1.0 };
     }
 }

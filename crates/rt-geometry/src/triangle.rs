@@ -109,7 +109,7 @@ mod tests {
         for origin in [[0.25, 0.25, 1.0], [0.25, 0.25, -1.0]] {
             let ray = Ray::new(origin.into(), DVec3::new(0.0, 0.0, -origin[2]));
             let hit = corner().intersect(&ray, Interval::FORWARD).expect("a hit");
-            let surface = corner().surface(&ray, &hit, SurfaceNeeds { uv: false, shading_normal: false });
+            let surface = corner().surface(&ray, &hit, SurfaceNeeds::NONE);
             assert_eq!((surface.geometric_normal, surface.uv), (DVec3::Z, [0.0; 2]));
             assert_eq!(corner().surface(&ray, &hit, SurfaceNeeds::ALL).uv, [0.25, 0.25]);
         }

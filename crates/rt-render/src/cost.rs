@@ -14,7 +14,7 @@ use crate::{
 pub(crate) fn cost<W: Surfaces, S: Countable>(tracer: &mut WorldTracer<'_, W, S>, ray: &Ray) -> Seen {
     let work = |tally: Tally| tally.nodes + tally.tests;
     let before = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary));
-    let needs = SurfaceNeeds { uv: false, shading_normal: false };
+    let needs = SurfaceNeeds::NONE;
     let hit = tracer.closest(ray, Interval::FORWARD, RayKind::Primary, needs);
     let steps = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary)) - before;
     let heat = (rt_math::transcendental::log2(steps.max(1) as f64) / 10.0).min(1.0);

@@ -4,7 +4,7 @@ use rt_geometry::{Polygon, Shape, TriangleMesh};
 use rt_math::{Aabb, DVec3, Rgb, Transform};
 use rt_scene_io::{Background, Scene};
 use rt_shading::{
-    Coefficient,
+    Alpha, Coefficient,
     emitter::{CylinderLight, DiskLight, Emission, Emitter, EmitterSet, MeshLight, QuadLight, SphereLight},
 };
 
@@ -96,6 +96,10 @@ fn emission_of(scene: &Scene, part: &Part) -> Option<Emission> {
     }
     let material = scene.appearance.materials.get(part.material as usize)?;
     let Coefficient::Constant(radiance) = material.phong.emission else { return None };
+    // Light is drawn from all of a surface: one with holes is found by rays alone.
+    if material.coverage.alpha != Alpha::Opaque {
+        return None;
+    }
     (radiance != Rgb::BLACK).then(|| Emission::new(radiance, material.shines).ok())?
 }
 

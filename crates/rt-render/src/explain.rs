@@ -1,5 +1,7 @@
 //! What a plan uses, what it leaves out, and why.
 
+use std::collections::HashMap;
+use std::sync::Arc;
 use std::{collections::BTreeSet, fmt};
 
 use rt_accel::{AnyStructure, Structure as _};
@@ -501,10 +503,9 @@ impl RenderPlan<'_> {
     }
 
     fn texture_memory(&self) -> usize {
-        let pixels = |texture: &Texture| match texture {
-            Texture::Image { bitmap, .. } => size_of_val(bitmap.pixels.as_slice()),
-            Texture::Checker { .. } => 0,
-        };
-        self.appearance.textures.iter().map(pixels).sum()
+        // Several textures may share an image.
+        let images = self.appearance.textures.iter().filter_map(Texture::bitmap);
+        let unique: HashMap<_, _> = images.map(|bitmap| (Arc::as_ptr(bitmap), bitmap.memory())).collect();
+        unique.values().sum()
     }
 }

@@ -1,14 +1,17 @@
 //! From the node tree to parts: transforms multiplied out, groups that are used once dissolved, unused things left out.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use rt_accel::BuildError;
 use rt_geometry::{Placed, Shape};
 use rt_math::{Aabb, MotionChain, Primitives, Transform};
-use rt_scene_io::{Content, Group, GroupId, Integrator, MeshId, Node, Scene};
+use rt_scene_io::{Content, Group, GroupId, Integrator, MeshId, NamedMesh, Node, Scene};
+use rt_shading::{Coverage, Texture};
 
 use crate::{
     RenderError,
+    porous::{Holes, PorousMesh},
     structure::{self, Wanted},
     world::{Assembly, Levels, MeshLevel, Moving, Part, PartGeometry, Parts},
 };
@@ -38,15 +41,22 @@ pub(crate) fn flatten(
         wanted,
         may_be_flat,
         moment,
-        mesh_levels: vec![None; scene.meshes.len()],
+        mesh_levels: HashMap::new(),
         group_levels: vec![None; scene.groups.len()],
         group_uses: count_group_uses(scene)?,
         group_sizes: vec![None; scene.groups.len()],
-        levels: Levels::default(),
+        levels: Levels { textures: textures(scene), ..Levels::default() },
     };
     let level = Level { assembly_from_parent: MotionChain::still(plan_from_world), ..Level::TOP };
     let top = flattener.assembly(&scene.nodes, level)?;
     Ok((top, flattener.levels))
+}
+
+/// The textures, if the geometry looks at them.
+fn textures(scene: &Scene) -> Vec<Texture> {
+    let mut materials = scene.appearance.materials.iter();
+    let looks = materials.any(|material| material.relief.is_some() || material.coverage != Coverage::ALL);
+    if looks { scene.appearance.textures.clone() } else { Vec::new() }
 }
 
 /// How often each group is placed, counting through groups that are placed themselves.
@@ -125,8 +135,8 @@ struct Flattener<'s> {
     may_be_flat: bool,
     /// When everything stands still, if it does.
     moment: Option<f64>,
-    /// Level of each mesh that has one already.
-    mesh_levels: Vec<Option<u32>>,
+    /// Level of each mesh that has one already, and of each material that cuts holes into it.
+    mesh_levels: HashMap<(u32, Option<u32>), u32>,
     group_levels: Vec<Option<u32>>,
     group_uses: Vec<u64>,
     /// Number of parts of each group with all groups in it dissolved, where that is known.
@@ -313,27 +323,44 @@ impl<'s> Flattener<'s> {
             count: self.scene.meshes.len(),
         })?;
         let count = named.mesh.data().triangles.len();
-        if count <= DISSOLVED && here.assembly_from_parent.as_still().is_some_and(Transform::is_identity) {
+        let material = self.scene.appearance.materials.get(node.material.0 as usize);
+        let holes = material.and_then(|material| Holes::of(material, &named.mesh));
+        if count <= DISSOLVED
+            && holes.is_none()
+            && here.assembly_from_parent.as_still().is_some_and(Transform::is_identity)
+        {
             let facet = |index| {
                 let bounds = Primitives::bounds(&*named.mesh, index);
                 self.part(node, here, PartGeometry::Facet(Arc::clone(&named.mesh), index), bounds)
             };
             return (0..count as u32).map(facet).collect();
         }
-        let level = match self.mesh_levels[id.0 as usize] {
-            Some(level) => level,
+        let key = (id.0, holes.as_ref().map(|_| node.material.0));
+        let level = match self.mesh_levels.get(&key) {
+            Some(level) => *level,
             None => {
-                let structure = structure::build(self.wanted, &*named.mesh)
-                    .map_err(|source| RenderError::Build { object: named.name.clone(), source })?;
                 let level = self.levels.meshes.len() as u32;
-                self.levels.meshes.push(MeshLevel { mesh: Arc::clone(&named.mesh), structure });
-                self.mesh_levels[id.0 as usize] = Some(level);
+                let mesh = self.mesh_level(named, holes)?;
+                self.levels.meshes.push(mesh);
+                self.mesh_levels.insert(key, level);
                 level
             }
         };
         let (geometry, bounds) =
             here.place(Some(named.mesh.bounds()), |transform| PartGeometry::Mesh(level, transform));
         Ok(vec![self.part(node, here, geometry, bounds)?])
+    }
+
+    fn mesh_level(&self, named: &NamedMesh, holes: Option<Holes>) -> Result<MeshLevel, RenderError> {
+        let mesh = Arc::clone(&named.mesh);
+        let structure = match &holes {
+            None => structure::build(self.wanted, &*mesh),
+            Some(holes) => {
+                structure::build(self.wanted, &PorousMesh { mesh: &mesh, holes, textures: &self.levels.textures })
+            }
+        };
+        let structure = structure.map_err(|source| RenderError::Build { object: named.name.clone(), source })?;
+        Ok(MeshLevel { mesh, holes, structure })
     }
 
     /// A group without parts is no part.
@@ -380,8 +407,10 @@ impl<'s> Flattener<'s> {
         // Shadow rays take no notice of what fills a body. One of air must not darken the air around it; inside of glass,
         // where it is a bubble, the surface of the glass decides.
         let is_air = !is_group && self.scene.appearance.materials[node.material.0 as usize].phong.is_air();
+        let relief = if is_group { None } else { self.scene.appearance.materials[node.material.0 as usize].relief };
         Ok(Part {
             geometry,
+            relief,
             material: node.material.0,
             casts_shadow: here.casts_shadow && !is_air,
             bounds,

@@ -60,6 +60,7 @@ mod light_pass;
 mod passes;
 mod pixel;
 mod plan;
+mod porous;
 mod processor;
 mod progressive;
 mod pyramid;

@@ -8,7 +8,9 @@ use std::sync::Arc;
 use rt_accel::AnyStructure;
 use rt_geometry::{Placed, Shape, ShapeHit, SurfaceInteraction, SurfaceNeeds, TriangleMesh};
 use rt_math::{Aabb, Accelerator, Hit, Interval, LeafLayout, MotionChain, Primitives, Probe, Ray, Transform};
-use rt_shading::{SurfaceHit, emitter::EmitterRef};
+use rt_shading::{Relief, SurfaceHit, Texture, emitter::EmitterRef};
+
+use crate::porous::{Holes, PorousMesh};
 
 /// Something that stands somewhere, in the space of its assembly.
 #[derive(Debug)]
@@ -25,6 +27,8 @@ pub(crate) struct Part {
     /// The number of the light that this is, if one can draw from it; of the first one in a group. A group's part counts from
     /// there.
     pub(crate) emitter: Option<u32>,
+    /// The normal map of its material; `None` for a group.
+    pub(crate) relief: Option<Relief>,
     /// For messages.
     pub(crate) name: Arc<str>,
 }
@@ -76,7 +80,25 @@ pub(crate) struct Moving {
 #[derive(Debug)]
 pub(crate) struct MeshLevel {
     pub(crate) mesh: Arc<TriangleMesh>,
+    /// Where the material does not cover it.
+    pub(crate) holes: Option<Holes>,
     pub(crate) structure: AnyStructure,
+}
+
+impl MeshLevel {
+    fn closest<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
+        match &self.holes {
+            None => self.structure.closest(&*self.mesh, ray, span, probe),
+            Some(holes) => self.structure.closest(&PorousMesh { mesh: &self.mesh, holes, textures }, ray, span, probe),
+        }
+    }
+
+    fn occluded<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        match &self.holes {
+            None => self.structure.occluded(&*self.mesh, ray, span, probe),
+            Some(holes) => self.structure.occluded(&PorousMesh { mesh: &self.mesh, holes, textures }, ray, span, probe),
+        }
+    }
 }
 
 /// A list of parts with the structure over them.
@@ -106,6 +128,8 @@ impl Assembly {
 pub(crate) struct Levels {
     pub(crate) meshes: Vec<MeshLevel>,
     pub(crate) groups: Vec<Assembly>,
+    /// The textures of the scene, if holes or normal maps look at them.
+    pub(crate) textures: Vec<Texture>,
 }
 
 /// An assembly's parts as a set of primitives.
@@ -140,7 +164,7 @@ impl Parts<'_> {
         if let PartGeometry::Facet(mesh, triangle) = &part.geometry {
             // By itself, so that it is written where it is needed, and not moved about.
             let surface = mesh.surface(ray, &Hit { primitive: *triangle, ..*hit }, needs)?;
-            return Some(part.made(hit.t, surface, Some(*triangle)));
+            return Some(part.made(hit.t, self.shaped(part, surface), Some(*triangle)));
         }
         self.surface_of(part, &part.geometry, ray, hit, needs)
     }
@@ -163,11 +187,11 @@ impl Parts<'_> {
                     hit,
                     needs,
                 )?;
-                part.made(hit.t, lift(surface, transform.as_deref()), Some(hit.primitive))
+                part.made(hit.t, lift(self.shaped(part, surface), transform.as_deref()), Some(hit.primitive))
             }
             PartGeometry::Facet(mesh, triangle) => {
                 let surface = mesh.surface(ray, &Hit { primitive: *triangle, ..*hit }, needs)?;
-                part.made(hit.t, surface, Some(*triangle))
+                part.made(hit.t, self.shaped(part, surface), Some(*triangle))
             }
             PartGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
@@ -193,6 +217,15 @@ impl Parts<'_> {
         })
     }
 
+    /// The surface with the normal of the part's normal map.
+    #[inline]
+    fn shaped(&self, part: &Part, mut surface: SurfaceInteraction) -> SurfaceInteraction {
+        if let Some(relief) = &part.relief {
+            relief.shape(&self.levels.textures, &mut surface);
+        }
+        surface
+    }
+
     /// The first hit on a part.
     #[inline]
     fn closest_on<S: Probe>(
@@ -209,7 +242,7 @@ impl Parts<'_> {
             PartGeometry::Mesh(level, transform) => {
                 let level = &self.levels.meshes[*level as usize];
                 let ray = localise(ray, transform.as_deref());
-                let hit = level.structure.closest(&*level.mesh, &ray, span, probe)?;
+                let hit = level.closest(&self.levels.textures, &ray, span, probe)?;
                 Some(Hit { instance: index, ..hit })
             }
             PartGeometry::Facet(mesh, triangle) => {
@@ -248,7 +281,7 @@ impl Parts<'_> {
             PartGeometry::Placed(placed) => placed.intersect(ray, span).is_some(),
             PartGeometry::Mesh(level, transform) => {
                 let level = &self.levels.meshes[*level as usize];
-                level.structure.occluded(&*level.mesh, &localise(ray, transform.as_deref()), span, probe)
+                level.occluded(&self.levels.textures, &localise(ray, transform.as_deref()), span, probe)
             }
             PartGeometry::Facet(mesh, triangle) => mesh.intersect(*triangle, ray, span).is_some(),
             PartGeometry::Group(level, transform) => {

@@ -13,7 +13,7 @@ use crate::{Reason, read_texture};
 /// # Errors
 /// If the file cannot be read, is no image, or holds what is no radiance.
 pub fn read_environment(path: &Path, scale: Rgb, rotation: f64) -> Result<EnvironmentLight, Reason> {
-    let Bitmap { width, height, pixels } = read_texture(path)?;
+    let Bitmap { width, height, pixels, .. } = read_texture(path)?;
     let radiance = pixels.iter().map(|pixel| Rgb::from(pixel.map(f64::from)) * scale).collect();
     let (sin, cos) = sincos(0.5 * rotation);
     EnvironmentLight::new(width as usize, height as usize, radiance, DQuat::from_xyzw(0.0, sin, 0.0, cos))

@@ -101,4 +101,4 @@ pub use scene::{
 };
 pub use scene_bounds::{Extent, NodeBounds, SceneBounds, Tree};
 #[cfg(feature = "format")]
-pub use texture::{TextureError, decode_texture};
+pub use texture::{TextureError, decode_numbers, decode_texture};

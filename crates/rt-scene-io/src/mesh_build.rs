@@ -17,6 +17,8 @@ pub(crate) fn build_mesh(
         (repairs.not_finite, "triangles with a NaN or infinite vertex were dropped"),
         (repairs.bad_normals, "normals that are zero or not finite were replaced by those of a triangle"),
         (repairs.bad_uvs, "texture coordinates that are not finite were set to zero"),
+        (repairs.bad_colors, "vertex colours that are negative or not finite were set to white"),
+        (repairs.bad_tangents, "tangents that are zero or not finite are passed over"),
     ];
     let mut warn = |message| warnings.push(Warning { place: place.to_owned(), message });
     for (count, what) in counted.into_iter().filter(|(count, _)| *count > 0) {

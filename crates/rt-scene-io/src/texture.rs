@@ -40,14 +40,27 @@ pub enum TextureError {
     NotFinite(usize),
 }
 
-/// Decodes a PNG, JPEG, HDR or EXR image, told apart by content, to linear colour; an alpha channel is dropped.
+/// Decodes a PNG, JPEG, HDR or EXR image, told apart by content, to linear colour and alpha.
 ///
-/// Integer formats hold sRGB-encoded colour, floating-point formats linear light.
+/// Integer formats hold sRGB-encoded colour, floating-point formats linear light. Alpha is linear in any.
 ///
 /// # Errors
 /// If the image is damaged, of another format, empty, too large, or holds a NaN. Its size is checked before memory is
 /// taken.
 pub fn decode_texture(bytes: &[u8]) -> Result<Bitmap, TextureError> {
+    decode(bytes, |signal| Encoding::Srgb.decode_signal(signal))
+}
+
+/// As [`decode_texture`], of an image that holds numbers and no colours, such as a normal map: integers are divided by the
+/// greatest one, and that is all.
+///
+/// # Errors
+/// As [`decode_texture`].
+pub fn decode_numbers(bytes: &[u8]) -> Result<Bitmap, TextureError> {
+    decode(bytes, |signal| signal)
+}
+
+fn decode(bytes: &[u8], linear: impl Fn(f64) -> f64) -> Result<Bitmap, TextureError> {
     let damaged = |error: image::ImageError| TextureError::Damaged(error.to_string());
     let format = image::guess_format(bytes).map_err(|_| TextureError::UnknownFormat)?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
@@ -74,9 +87,11 @@ pub fn decode_texture(bytes: &[u8]) -> Result<Bitmap, TextureError> {
         let message = format!("{width} x {height} pixels cannot come from {} bytes", bytes.len());
         return Err(TextureError::Damaged(message));
     }
-    let pixels = linear_pixels(DynamicImage::from_decoder(decoder).map_err(damaged)?);
+    let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    let alpha = alpha(&image);
+    let pixels = linear_pixels(image, linear);
     match pixels.iter().filter(|pixel| pixel.iter().any(|c| !c.is_finite())).count() {
-        0 => Ok(Bitmap { width, height, pixels }),
+        0 => Ok(Bitmap { width, height, pixels, alpha }),
         bad => Err(TextureError::NotFinite(bad)),
     }
 }
@@ -96,19 +111,34 @@ fn packed_png_bytes(bytes: &[u8]) -> Option<u64> {
     Some(line.saturating_mul(u64::from(height)))
 }
 
-fn linear_pixels(image: DynamicImage) -> Vec<[f32; 3]> {
+fn linear_pixels(image: DynamicImage, linear: impl Fn(f64) -> f64) -> Vec<[f32; 3]> {
     use image::ColorType::{L16, La16, Rgb16, Rgb32F, Rgba16, Rgba32F};
     match image.color() {
         Rgb32F | Rgba32F => image.into_rgb32f().pixels().map(|pixel| pixel.0).collect(),
         L16 | La16 | Rgb16 | Rgba16 => {
-            let decode = |c: u16| Encoding::Srgb.decode_signal(f64::from(c) / 65535.0) as f32;
+            let decode = |c: u16| linear(f64::from(c) / 65535.0) as f32;
             image.into_rgb16().pixels().map(|pixel| pixel.0.map(decode)).collect()
         }
         _ => {
-            let table: [f32; 256] = std::array::from_fn(|c| Encoding::Srgb.decode(c as u8));
+            let table: [f32; 256] = std::array::from_fn(|c| linear(c as f64 / 255.0) as f32);
             image.into_rgb8().pixels().map(|pixel| pixel.0.map(|c| table[usize::from(c)])).collect()
         }
     }
+}
+
+/// How much of the surface each pixel covers; empty if all of them cover it.
+fn alpha(image: &DynamicImage) -> Vec<f32> {
+    if !image.color().has_alpha() {
+        return Vec::new();
+    }
+    let of = |alpha: f32| if alpha.is_nan() { 1.0 } else { alpha.clamp(0.0, 1.0) };
+    let alpha: Vec<f32> = match image {
+        DynamicImage::ImageRgba8(image) => image.pixels().map(|pixel| f32::from(pixel.0[3]) / 255.0).collect(),
+        DynamicImage::ImageLumaA8(image) => image.pixels().map(|pixel| f32::from(pixel.0[1]) / 255.0).collect(),
+        DynamicImage::ImageRgba32F(image) => image.pixels().map(|pixel| of(pixel.0[3])).collect(),
+        other => other.to_rgba16().pixels().map(|pixel| f32::from(pixel.0[3]) / 65535.0).collect(),
+    };
+    if alpha.iter().all(|alpha| *alpha == 1.0) { Vec::new() } else { alpha }
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ impl OcclusionWave {
     ) {
         self.rays.clear();
         self.places.clear();
-        let needs = SurfaceNeeds { uv: false, shading_normal: true };
+        let needs = SurfaceNeeds { shading_normal: true, ..SurfaceNeeds::NONE };
         world.closest_batch(rays, RayKind::Primary, needs, |at, hit| {
             seen[at] = Seen { radiance: Rgb::WHITE, hit: hit.is_some() };
             let (Some(hit), Some(sampler)) = (hit, samplers.get(at)) else { return };

@@ -24,7 +24,11 @@ pub enum FirstHitView {
 impl FirstHitView {
     /// What camera rays see: `seen[i]` answers `rays[i]`, which are camera rays with what counts of them.
     pub fn radiance_of(&self, world: &mut impl Tracer, rays: &[(Ray, Interval)], seen: &mut [Seen]) {
-        let needs = SurfaceNeeds { uv: matches!(self, Self::Uv), shading_normal: matches!(self, Self::Normals) };
+        let needs = SurfaceNeeds {
+            uv: matches!(self, Self::Uv | Self::Normals),
+            shading_normal: matches!(self, Self::Normals),
+            detail: matches!(self, Self::Normals),
+        };
         world.closest_batch(rays, RayKind::Primary, needs, |at, hit| {
             seen[at] = hit.map_or(Seen::NOTHING, |hit| Seen { radiance: self.shown(hit), hit: true });
         });

@@ -109,7 +109,7 @@ impl Interior {
         // Bodies around the origin come first in the list; behind them, bodies that were entered on the way.
         let mut around = 0;
         let mut span = Interval::FORWARD;
-        let needs = SurfaceNeeds { uv: false, shading_normal: false };
+        let needs = SurfaceNeeds::NONE;
         while let Some(hit) = world.closest(ray, span, RayKind::Refraction, needs) {
             span = hit.beyond(ray);
             if transmission(materials, hit.material).is_none() {

@@ -169,14 +169,7 @@ mod tests {
     #[test]
     fn the_lamp_around_a_light_does_not_shadow_it() {
         let kind = LightKind::Point { position: DVec3::Y * 4.0, falloff: Falloff::None, lamp_radius: 1.0 };
-        let surface = SurfaceInteraction {
-            point: DVec3::ZERO,
-            point_error: DVec3::ZERO,
-            shadow_point: DVec3::ZERO,
-            geometric_normal: DVec3::Y,
-            shading_normal: DVec3::Y,
-            uv: [0.0; 2],
-        };
+        let surface = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Y, [0.0; 2]);
         let light = light(kind);
         let (ray, span) =
             light.shadow_ray(&surface.shadow_rays(false), &light.illuminate(DVec3::ZERO).expect("lit"), 0.0);
@@ -189,12 +182,8 @@ mod tests {
         let lamp = light(LightKind::Point { position: DVec3::Y * 4.0, falloff: Falloff::None, lamp_radius: 1.0 });
         for lift in [0.5, -0.5] {
             let surface = SurfaceInteraction {
-                point: DVec3::ZERO,
-                point_error: DVec3::ZERO,
                 shadow_point: DVec3::Y * lift,
-                geometric_normal: DVec3::Y * lift.signum(),
-                shading_normal: DVec3::Y * lift.signum(),
-                uv: [0.0; 2],
+                ..SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Y * lift.signum(), [0.0; 2])
             };
             let lit = lamp.illuminate(surface.point).expect("lit");
             let (ray, span) = lamp.shadow_ray(&surface.shadow_rays(false), &lit, 0.0);

@@ -1,6 +1,7 @@
 //! Surface properties.
 
-use crate::{Physical, PhysicalPoint, Texture, TextureId, bsdf::Bsdf, emitter::Sides};
+use crate::{Coverage, Physical, PhysicalPoint, Relief, Texture, TextureId, bsdf::Bsdf, emitter::Sides};
+use rt_geometry::SurfaceInteraction;
 use rt_math::{DVec3, Rgb, transcendental};
 
 /// A coefficient that may vary over the surface.
@@ -21,15 +22,62 @@ impl Coefficient {
         matches!(self, Self::Constant(rgb) | Self::Textured(_, rgb) if rgb.is_black())
     }
 
-    /// The value at texture coordinates `uv`. A texture that is not in the list is black.
+    /// The value at a point of the surface. A texture that is not in the list is black.
     #[inline]
-    pub fn at(&self, textures: &[Texture], uv: [f64; 2]) -> Rgb {
+    pub fn at(&self, textures: &[Texture], surface: &SurfaceInteraction) -> Rgb {
         match self {
             Self::Constant(rgb) => *rgb,
             Self::Textured(TextureId(id), rgb) => {
-                textures.get(*id as usize).map_or(Rgb::BLACK, |texture| texture.at(uv)) * *rgb
+                textures.get(*id as usize).map_or(Rgb::BLACK, |texture| texture.at(&surface.into())) * *rgb
             }
         }
+    }
+}
+
+/// A part of the pixels of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// Red.
+    Red,
+    /// Green.
+    Green,
+    /// Blue.
+    Blue,
+    /// How much the texture covers.
+    Alpha,
+}
+
+/// A number that may vary over the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scalar {
+    /// The same everywhere.
+    Constant(f64),
+    /// A channel of a texture, multiplied by a factor.
+    Textured(TextureId, Channel, f64),
+}
+
+impl Scalar {
+    /// True if it is zero everywhere.
+    pub fn is_zero(&self) -> bool {
+        matches!(self, Self::Constant(factor) | Self::Textured(.., factor) if *factor == 0.0)
+    }
+
+    /// The value at a point of the surface. A texture that is not in the list is 0.
+    #[inline]
+    pub fn at(&self, textures: &[Texture], surface: &SurfaceInteraction) -> f64 {
+        let (TextureId(id), channel, factor) = match *self {
+            Self::Constant(value) => return value,
+            Self::Textured(id, channel, factor) => (id, channel, factor),
+        };
+        let Some(texture) = textures.get(id as usize) else { return 0.0 };
+        let point = surface.into();
+        factor
+            * match channel {
+                Channel::Red => texture.at(&point).r,
+                Channel::Green => texture.at(&point).g,
+                Channel::Blue => texture.at(&point).b,
+                Channel::Alpha => texture.alpha_at(&point),
+            }
     }
 }
 
@@ -171,18 +219,42 @@ pub struct Material {
     pub physical: Option<Physical>,
     /// Which sides shine with the emission of `phong`.
     pub shines: Sides,
+    /// Where the surface is.
+    pub coverage: Coverage,
+    /// A normal map, if there is one.
+    pub relief: Option<Relief>,
+    /// Part of the ambient light that gets to a point between what its detail hides: a texture that is made for it.
+    pub occlusion: Scalar,
 }
 
 impl Material {
     /// A classical surface that shines, if at all, from both sides.
     pub const fn new(name: String, phong: Phong) -> Self {
-        Self { name, phong, physical: None, shines: Sides::Both }
+        Self {
+            name,
+            phong,
+            physical: None,
+            shines: Sides::Both,
+            coverage: Coverage::ALL,
+            relief: None,
+            occlusion: Scalar::Constant(1.0),
+        }
     }
 
     /// Radiance that the surface emits by itself; black on the inside of one that shines from its front alone.
     #[inline]
-    pub fn emission(&self, textures: &[Texture], uv: [f64; 2], is_inside: bool) -> Rgb {
-        if is_inside && self.shines == Sides::Front { Rgb::BLACK } else { self.phong.emission.at(textures, uv) }
+    pub fn emission(&self, textures: &[Texture], surface: &SurfaceInteraction, is_inside: bool) -> Rgb {
+        if is_inside && self.shines == Sides::Front { Rgb::BLACK } else { self.phong.emission.at(textures, surface) }
+    }
+
+    /// Part of the ambient light that the surface reflects at a point.
+    #[inline]
+    pub fn ambient(&self, textures: &[Texture], surface: &SurfaceInteraction) -> Rgb {
+        let ambient = self.phong.ambient.at(textures, surface);
+        match self.occlusion {
+            Scalar::Constant(1.0) => ambient,
+            occlusion => ambient * occlusion.at(textures, surface),
+        }
     }
 
     /// What fills the body behind the surface, if there is a transparent one: behind a pane without thickness is what is before it.
@@ -209,11 +281,51 @@ impl Material {
         }
     }
 
+    /// True if it looks at the [`SurfaceDetail`](rt_geometry::SurfaceDetail) of meshes.
+    pub fn needs_detail(&self) -> bool {
+        matches!(&self.physical, Some(Physical::Layered(layered)) if layered.needs_tangents()) || self.is_textured()
+    }
+
+    /// Numbers the textures that it refers to from `first` on.
+    pub fn count_textures_from(&mut self, first: u32) {
+        let phong = &mut self.phong;
+        let of_transmission = phong.transmission.as_mut().map(|transmission| &mut transmission.coefficient);
+        let coefficients =
+            [&mut phong.ambient, &mut phong.diffuse, &mut phong.specular, &mut phong.emission, &mut phong.mirror];
+        let shift = |TextureId(id): &mut TextureId| *id += first;
+        let shift_coefficient = |coefficient: &mut Coefficient| {
+            if let Coefficient::Textured(id, _) = coefficient {
+                shift(id);
+            }
+        };
+        let shift_scalar = |scalar: &mut Scalar| {
+            if let Scalar::Textured(id, ..) = scalar {
+                shift(id);
+            }
+        };
+        coefficients.into_iter().chain(of_transmission).for_each(shift_coefficient);
+        shift_scalar(&mut self.occlusion);
+        if let Some(physical) = &mut self.physical {
+            physical.coefficients_mut().into_iter().for_each(shift_coefficient);
+            physical.scalars_mut().into_iter().for_each(shift_scalar);
+            if let Physical::Layered(layered) = physical {
+                layered.anisotropy_direction.iter_mut().for_each(shift);
+            }
+        }
+        self.relief.iter_mut().for_each(|relief| shift(&mut relief.texture));
+        self.coverage.texture.iter_mut().for_each(shift);
+    }
+
     /// True if any coefficient varies with the texture coordinates.
     pub fn is_textured(&self) -> bool {
         let textured = |coefficient: &&Coefficient| matches!(coefficient, Coefficient::Textured(..));
         let physical = self.physical.as_ref().map(Physical::coefficients).unwrap_or_default();
-        self.phong.is_textured() || physical.iter().any(textured)
+        let scalars = self.physical.as_ref().map(Physical::scalars).unwrap_or_default();
+        let is_textured = |scalar: &&Scalar| matches!(scalar, Scalar::Textured(..));
+        self.relief.is_some()
+            || self.phong.is_textured()
+            || physical.iter().any(textured)
+            || scalars.iter().chain(&[&self.occlusion]).any(is_textured)
     }
 }
 

@@ -27,6 +27,8 @@ pub struct Needs {
     pub textures: bool,
     /// Some surface has interpolated normals.
     pub shading_normals: bool,
+    /// Some surface looks at what only some meshes have: a second set of texture coordinates, colours, tangents.
+    pub detail: bool,
 }
 
 impl Needs {
@@ -42,6 +44,7 @@ impl Needs {
         absorption: true,
         textures: true,
         shading_normals: true,
+        detail: true,
     };
 
     /// What this appearance needs if the materials whose index is `used` are really there. Interpolated normals are a
@@ -61,11 +64,12 @@ impl Needs {
             absorption: any(&|p| p.transmission.is_some_and(|t| t.absorption != Rgb::BLACK)),
             textures: materials().any(|(_, material)| material.is_textured()),
             shading_normals: true,
+            detail: materials().any(|(_, material)| material.needs_detail()),
         }
     }
 
     /// What is needed of a surface.
     pub const fn surface(&self) -> SurfaceNeeds {
-        SurfaceNeeds { uv: self.textures, shading_normal: self.shading_normals }
+        SurfaceNeeds { uv: self.textures, shading_normal: self.shading_normals, detail: self.detail }
     }
 }

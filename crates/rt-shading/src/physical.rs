@@ -1,12 +1,13 @@
 //! Surfaces that obey physics, as a scene describes them: what a BSDF is made from at each point.
 
 use crate::{
-    Coefficient, Highlight, Phong, Texture, Transmission,
+    Coefficient, Highlight, LayeredSurface, Phong, Scalar, Texture, Transmission,
     bsdf::{
         Bsdf, ComplexIor, Conductor, Coupling, Dielectric, Ggx, Lambert, Lobe, MAX_LOBES, MetallicRoughness, Mirror,
         Mix, OrenNayar, PhongLobe, Refraction, ThinGlass,
     },
 };
+use rt_geometry::SurfaceInteraction;
 use rt_math::Rgb;
 
 /// A physical surface, of which colours may vary with the texture coordinates. Integrators that follow light from surface
@@ -66,7 +67,9 @@ pub enum Physical {
         /// What is left of light that crosses it once along the normal.
         transmittance: Coefficient,
     },
-    /// A weighted sum of up to [`MAX_LOBES`] surfaces, none of which is a mix itself.
+    /// The material of glTF with its extensions.
+    Layered(Box<LayeredSurface>),
+    /// A weighted sum of up to [`MAX_LOBES`] surfaces, none of which is a mix or layered itself.
     Mix(Vec<(f64, Self)>),
 }
 
@@ -81,6 +84,7 @@ macro_rules! list_coefficients {
             | Self::MetallicRoughness { base_color: one, .. }
             | Self::ThinGlass { transmittance: one, .. } => vec![one],
             Self::Glossy { diffuse, specular, .. } => vec![diffuse, specular],
+            Self::Layered(layered) => layered.$coefficients(),
             Self::Mix(parts) => parts.$iter().flat_map(|(_, part)| part.$coefficients()).collect(),
         }
     };
@@ -91,16 +95,21 @@ macro_rules! list_coefficients {
 pub struct PhysicalPoint<'a> {
     /// The textures that coefficients refer to.
     pub textures: &'a [Texture],
-    /// Texture coordinates.
-    pub uv: [f64; 2],
+    /// The surface itself.
+    pub surface: &'a SurfaceInteraction,
     /// Index of refraction below the surface divided by that above.
     pub ior: f64,
 }
 
 impl PhysicalPoint<'_> {
     /// A reflectance: what is beyond 1 would make light of nothing.
-    fn reflectance(&self, coefficient: &Coefficient) -> Rgb {
-        coefficient.at(self.textures, self.uv).map(|c| c.min(1.0))
+    pub(crate) fn reflectance(&self, coefficient: &Coefficient) -> Rgb {
+        coefficient.at(self.textures, self.surface).map(|c| c.min(1.0))
+    }
+
+    /// A number from 0 to 1.
+    pub(crate) fn share(&self, scalar: &Scalar) -> f64 {
+        scalar.at(self.textures, self.surface).clamp(0.0, 1.0)
     }
 }
 
@@ -152,6 +161,7 @@ impl Physical {
                 }
                 lobes.finish()
             }
+            Self::Layered(layered) => Bsdf::Layered(layered.bsdf(at)),
             single => Bsdf::Single(single.lobe(at)),
         }
     }
@@ -160,6 +170,7 @@ impl Physical {
     pub fn encloses_body(&self) -> bool {
         match self {
             Self::Dielectric { .. } => true,
+            Self::Layered(layered) => layered.encloses_body(),
             Self::Mix(parts) => parts.iter().any(|(_, part)| part.encloses_body()),
             Self::Black
             | Self::Diffuse { .. }
@@ -193,7 +204,7 @@ impl Physical {
             Self::ThinGlass { ior, transmittance } => {
                 ThinGlass { ior: *ior, transmittance: at.reflectance(transmittance) }.into()
             }
-            Self::Black | Self::Glossy { .. } | Self::Mix(_) => BLACK,
+            Self::Black | Self::Glossy { .. } | Self::Layered(_) | Self::Mix(_) => BLACK,
         }
     }
 
@@ -206,6 +217,7 @@ impl Physical {
                 Ggx::from_roughness(*roughness).is_none()
             }
             Self::Black | Self::Diffuse { .. } | Self::Glossy { .. } => false,
+            Self::Layered(layered) => layered.is_sharp(),
             Self::Mix(parts) => parts.iter().any(|(_, part)| part.is_sharp()),
         }
     }
@@ -218,6 +230,16 @@ impl Physical {
     /// The coefficients, to change them.
     pub fn coefficients_mut(&mut self) -> Vec<&mut Coefficient> {
         list_coefficients!(self, iter_mut, coefficients_mut)
+    }
+
+    /// The numbers that may have textures.
+    pub fn scalars(&self) -> Vec<&Scalar> {
+        if let Self::Layered(layered) = self { layered.scalars() } else { vec![] }
+    }
+
+    /// The numbers that may have textures, to change these.
+    pub fn scalars_mut(&mut self) -> Vec<&mut Scalar> {
+        if let Self::Layered(layered) = self { layered.scalars_mut() } else { vec![] }
     }
 }
 
@@ -258,6 +280,8 @@ impl Layers {
         match bsdf {
             Bsdf::Single(lobe) => self.push_weighted(weight, *lobe),
             Bsdf::Mix(mix) => mix.lobes().iter().for_each(|(within, lobe)| self.push_weighted(weight * within, *lobe)),
+            // A mix holds none: it has layers of its own.
+            Bsdf::Layered(_) => {}
         }
     }
 

@@ -1,6 +1,8 @@
 //! Colour that varies over a surface.
 
+use rt_geometry::{SurfaceDetail, SurfaceInteraction};
 use rt_math::Rgb;
+use std::sync::Arc;
 
 /// Index of a texture in [`Appearance::textures`](crate::Appearance::textures).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -26,6 +28,49 @@ pub struct Bitmap {
     pub height: u32,
     /// Linear colour of each pixel; `width · height` of them.
     pub pixels: Vec<[f32; 3]>,
+    /// How much of the surface each pixel covers, or empty if all of them cover it.
+    pub alpha: Vec<f32>,
+}
+
+/// Where on a surface a texture is looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TexturePoint {
+    /// Texture coordinates.
+    pub uv: [f64; 2],
+    /// Those of the second set, and the colour of the vertices.
+    pub detail: SurfaceDetail,
+}
+
+impl TexturePoint {
+    /// At first texture coordinates, where there is nothing else.
+    pub fn at(uv: [f64; 2]) -> Self {
+        Self { uv, detail: SurfaceDetail::default() }
+    }
+}
+
+impl From<&SurfaceInteraction> for TexturePoint {
+    fn from(surface: &SurfaceInteraction) -> Self {
+        Self { uv: surface.uv, detail: surface.detail }
+    }
+}
+
+/// From texture coordinates of a surface to those of a texture: u′ = m₀₀ u + m₀₁ v + m₀₂, and v′ by the second row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UvMap {
+    /// Whether the second set of coordinates is mapped.
+    pub is_second: bool,
+    /// Two rows.
+    pub rows: [[f64; 3]; 2],
+}
+
+impl UvMap {
+    /// The first set as it is.
+    pub const IDENTITY: Self = Self { is_second: false, rows: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] };
+
+    fn map(&self, point: &TexturePoint) -> [f64; 2] {
+        let [u, v] = if self.is_second { point.detail.second_uv.map(f64::from) } else { point.uv };
+        self.rows.map(|[a, b, c]| a * u + b * v + c)
+    }
 }
 
 /// A colour as a function of texture coordinates.
@@ -42,13 +87,22 @@ pub enum Texture {
     },
     /// An image; (0, 0) is its lower left corner, (1, 1) its upper right.
     Image {
-        /// The pixels.
-        bitmap: Bitmap,
+        /// The pixels, which several textures may share.
+        bitmap: Arc<Bitmap>,
         /// Beyond the edge, along u and v.
         wrap: [Wrap; 2],
         /// Interpolate between pixels rather than take the nearest.
         smooth: bool,
     },
+    /// A texture at coordinates of its own.
+    Mapped {
+        /// The texture.
+        texture: Arc<Texture>,
+        /// Leads to its coordinates.
+        map: UvMap,
+    },
+    /// The colour of the vertices, times a texture if there is one.
+    VertexColor(Option<Arc<Texture>>),
 }
 
 impl Wrap {
@@ -68,49 +122,101 @@ impl Wrap {
 }
 
 impl Bitmap {
-    /// The pixel in column `x` and row `y`; black if there is none.
-    fn pixel(&self, x: u32, y: u32) -> Rgb {
-        let index = y as usize * self.width as usize + x as usize;
+    /// An image of which every pixel covers the surface.
+    pub const fn opaque(width: u32, height: u32, pixels: Vec<[f32; 3]>) -> Self {
+        Self { width, height, pixels, alpha: Vec::new() }
+    }
+
+    /// Size of the pixels in bytes.
+    pub fn memory(&self) -> usize {
+        size_of_val(self.pixels.as_slice()) + size_of_val(self.alpha.as_slice())
+    }
+
+    /// Black if there is no such pixel.
+    fn pixel(&self, index: usize) -> Rgb {
         self.pixels.get(index).map_or(Rgb::BLACK, |p| Rgb::from(p.map(f64::from)))
     }
 }
 
 impl Texture {
-    /// The colour at texture coordinates `uv`; black where these are not finite, or no pixel can be numbered.
-    pub fn at(&self, uv: [f64; 2]) -> Rgb {
-        if !(uv[0].is_finite() && uv[1].is_finite()) {
-            return Rgb::BLACK;
-        }
+    /// The colour at a point; black where texture coordinates are not finite, or no pixel can be numbered.
+    pub fn at(&self, point: &TexturePoint) -> Rgb {
         match self {
+            Self::Mapped { texture, map } => texture.at(&TexturePoint { uv: map.map(point), ..*point }),
+            Self::VertexColor(texture) => {
+                let color = Rgb::from(point.detail.color.map(f64::from));
+                texture.as_ref().map_or(color, |texture| texture.at(point) * color)
+            }
+            _ if !(point.uv[0].is_finite() && point.uv[1].is_finite()) => Rgb::BLACK,
             Self::Checker { even, odd, size } => {
-                let parity = ((uv[0] / size).floor() + (uv[1] / size).floor()).rem_euclid(2.0);
+                let [u, v] = point.uv;
+                let parity = ((u / size).floor() + (v / size).floor()).rem_euclid(2.0);
                 if parity == 0.0 { *even } else { *odd }
             }
-            Self::Image { bitmap, wrap, smooth } => image_at(bitmap, *wrap, *smooth, uv),
+            Self::Image { bitmap, wrap, smooth } => {
+                let Some(Taps { pixels, right, down }) = Taps::at(bitmap, *wrap, *smooth, point.uv) else {
+                    return Rgb::BLACK;
+                };
+                let [a, b, c, d] = pixels.map(|index| bitmap.pixel(index));
+                a.lerp(b, right).lerp(c.lerp(d, right), down)
+            }
+        }
+    }
+
+    /// How much of the surface the texture covers at a point, 0 to 1: 1 where it does not say.
+    pub fn alpha_at(&self, point: &TexturePoint) -> f64 {
+        match self {
+            Self::Mapped { texture, map } => texture.alpha_at(&TexturePoint { uv: map.map(point), ..*point }),
+            Self::VertexColor(texture) => texture.as_ref().map_or(1.0, |texture| texture.alpha_at(point)),
+            Self::Checker { .. } => 1.0,
+            Self::Image { bitmap, wrap, smooth } => {
+                let Some(Taps { pixels, right, down }) = Taps::at(bitmap, *wrap, *smooth, point.uv) else { return 1.0 };
+                let [a, b, c, d] = pixels.map(|index| bitmap.alpha.get(index).map_or(1.0, |alpha| f64::from(*alpha)));
+                let (upper, lower) = (a + (b - a) * right, c + (d - c) * right);
+                upper + (lower - upper) * down
+            }
+        }
+    }
+
+    /// The image that it shows, if it shows one.
+    pub fn bitmap(&self) -> Option<&Arc<Bitmap>> {
+        match self {
+            Self::Image { bitmap, .. } => Some(bitmap),
+            Self::Mapped { texture, .. } => texture.bitmap(),
+            Self::VertexColor(texture) => texture.as_ref()?.bitmap(),
+            Self::Checker { .. } => None,
         }
     }
 }
 
-fn image_at(bitmap: &Bitmap, wrap: [Wrap; 2], smooth: bool, [u, v]: [f64; 2]) -> Rgb {
-    if bitmap.width == 0 || bitmap.height == 0 {
-        return Rgb::BLACK;
+/// The four pixels around a place, from the upper left to the lower right, and the way from the first to the others. All are
+/// one where images are not smooth.
+struct Taps {
+    pixels: [usize; 4],
+    right: f64,
+    down: f64,
+}
+
+impl Taps {
+    /// `None` where no pixel can be numbered.
+    fn at(bitmap: &Bitmap, wrap: [Wrap; 2], smooth: bool, [u, v]: [f64; 2]) -> Option<Self> {
+        let (x, y) = (u * f64::from(bitmap.width), (1.0 - v) * f64::from(bitmap.height));
+        if bitmap.width == 0 || bitmap.height == 0 || !(x.is_finite() && y.is_finite()) {
+            return None;
+        }
+        let pixel = |x: f64, y: f64| {
+            let (column, row) = (wrap[0].index(x as i64, bitmap.width), wrap[1].index(y as i64, bitmap.height));
+            row as usize * bitmap.width as usize + column as usize
+        };
+        if !smooth {
+            return Some(Self { pixels: [pixel(x.floor(), y.floor()); 4], right: 0.0, down: 0.0 });
+        }
+        // Pixel centres lie at half-integers.
+        let (x, y) = (x - 0.5, y - 0.5);
+        let (left, top) = (x.floor(), y.floor());
+        let pixels = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[i, j]| pixel(left + i, top + j));
+        Some(Self { pixels, right: x - left, down: y - top })
     }
-    let fetch =
-        |x: f64, y: f64| bitmap.pixel(wrap[0].index(x as i64, bitmap.width), wrap[1].index(y as i64, bitmap.height));
-    let (x, y) = (u * f64::from(bitmap.width), (1.0 - v) * f64::from(bitmap.height));
-    if !(x.is_finite() && y.is_finite()) {
-        return Rgb::BLACK;
-    }
-    if !smooth {
-        return fetch(x.floor(), y.floor());
-    }
-    // Pixel centres lie at half-integers.
-    let (x, y) = (x - 0.5, y - 0.5);
-    let (left, top) = (x.floor(), y.floor());
-    let (fx, fy) = (x - left, y - top);
-    let upper = fetch(left, top).lerp(fetch(left + 1.0, top), fx);
-    let lower = fetch(left, top + 1.0).lerp(fetch(left + 1.0, top + 1.0), fx);
-    upper.lerp(lower, fy)
 }
 
 #[cfg(test)]
@@ -120,11 +226,11 @@ mod tests {
     fn image(wrap: Wrap, smooth: bool) -> Texture {
         // Top row 1 2, bottom row 3 4.
         let pixels = [1.0, 2.0, 3.0, 4.0].map(|v| [v; 3]).to_vec();
-        Texture::Image { bitmap: Bitmap { width: 2, height: 2, pixels }, wrap: [wrap; 2], smooth }
+        Texture::Image { bitmap: Arc::new(Bitmap::opaque(2, 2, pixels)), wrap: [wrap; 2], smooth }
     }
 
     fn at(texture: &Texture, u: f64, v: f64) -> f64 {
-        texture.at([u, v]).r
+        texture.at(&TexturePoint::at([u, v])).r
     }
 
     #[test]
@@ -164,11 +270,37 @@ mod tests {
 
     #[test]
     fn nonsense_is_black() {
-        assert_eq!(image(Wrap::Repeat, true).at([f64::NAN, 0.0]), Rgb::BLACK);
-        assert_eq!(image(Wrap::Repeat, true).at([f64::INFINITY, 0.0]), Rgb::BLACK);
-        assert!(image(Wrap::Clamp, true).at([1e300, -1e300]).is_finite());
-        assert!(image(Wrap::Clamp, true).at([1e308, 0.5]).is_finite(), "more pixels away than numbers reach");
-        let empty = Bitmap { width: 0, height: 0, pixels: vec![] };
-        assert_eq!(Texture::Image { bitmap: empty, wrap: [Wrap::Repeat; 2], smooth: true }.at([0.5; 2]), Rgb::BLACK);
+        let at = |texture: Texture, uv| texture.at(&TexturePoint::at(uv));
+        assert_eq!(at(image(Wrap::Repeat, true), [f64::NAN, 0.0]), Rgb::BLACK);
+        assert_eq!(at(image(Wrap::Repeat, true), [f64::INFINITY, 0.0]), Rgb::BLACK);
+        assert!(at(image(Wrap::Clamp, true), [1e300, -1e300]).is_finite());
+        assert!(at(image(Wrap::Clamp, true), [1e308, 0.5]).is_finite(), "more pixels away than numbers reach");
+        let empty = Arc::new(Bitmap::opaque(0, 0, vec![]));
+        assert_eq!(at(Texture::Image { bitmap: empty, wrap: [Wrap::Repeat; 2], smooth: true }, [0.5; 2]), Rgb::BLACK);
+    }
+
+    #[test]
+    fn textures_are_read_at_coordinates_of_their_own() {
+        let texture = Arc::new(image(Wrap::Repeat, false));
+        let half = [[0.5, 0.0, 0.25], [0.0, 0.5, 0.25]];
+        let detail = SurfaceDetail { second_uv: [0.25, 0.75], color: [0.5, 1.0, 1.0], ..SurfaceDetail::default() };
+        let point = TexturePoint { uv: [1.0, 0.0], detail };
+        let mapped =
+            |is_second, rows| Texture::Mapped { texture: Arc::clone(&texture), map: UvMap { is_second, rows } };
+        // (1, 0) leads to (0.75, 0.25), the lower right pixel.
+        assert_eq!(mapped(false, half).at(&point).r, 4.0);
+        assert_eq!(mapped(true, UvMap::IDENTITY.rows).at(&point).r, 1.0);
+        let tinted = Texture::VertexColor(Some(Arc::new(mapped(false, half))));
+        assert_eq!(tinted.at(&point), Rgb::new(2.0, 4.0, 4.0));
+        assert_eq!(Texture::VertexColor(None).at(&point), Rgb::new(0.5, 1.0, 1.0));
+    }
+
+    #[test]
+    fn what_pixels_cover_is_interpolated_as_colours_are() {
+        let bitmap = Bitmap { alpha: vec![1.0, 0.0], ..Bitmap::opaque(2, 1, vec![[1.0; 3]; 2]) };
+        let texture = Texture::Image { bitmap: Arc::new(bitmap), wrap: [Wrap::Clamp; 2], smooth: true };
+        let alpha = |u| texture.alpha_at(&TexturePoint::at([u, 0.5]));
+        assert_eq!([alpha(0.25), alpha(0.5), alpha(0.75)], [1.0, 0.5, 0.0]);
+        assert_eq!(image(Wrap::Clamp, true).alpha_at(&TexturePoint::at([0.5; 2])), 1.0);
     }
 }

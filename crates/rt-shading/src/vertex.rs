@@ -21,7 +21,7 @@ pub(crate) fn bsdf_at(
         let (before, after) = (crossing.before.ior, crossing.after.ior);
         if view.is_inside { before / after } else { after / before }
     });
-    material.bsdf(&PhysicalPoint { textures: &appearance.textures, uv: view.surface.uv, ior })
+    material.bsdf(&PhysicalPoint { textures: &appearance.textures, surface: view.surface, ior })
 }
 
 /// A surface where light is gathered and scattered.

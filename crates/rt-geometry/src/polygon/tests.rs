@@ -51,7 +51,7 @@ fn a_square_is_hit_from_both_sides_and_shows_its_front() {
             let surface = square.surface(&ray, &hit, SurfaceNeeds::ALL);
             assert_eq!((hit.t, surface.point, surface.uv), (t, DVec3::new(1.5, 2.5, 1.0), [0.25, 0.75]));
             assert_eq!(surface.geometric_normal, DVec3::Z);
-            assert_eq!(square.surface(&ray, &hit, SurfaceNeeds { uv: false, shading_normal: false }).uv, [0.0; 2]);
+            assert_eq!(square.surface(&ray, &hit, SurfaceNeeds::NONE).uv, [0.0; 2]);
             assert_eq!(square.intersect(&ray, Interval::new(0.0, t.next_down())), None);
         }
         let within = Ray::new(DVec3::new(-1.0, 2.0, 1.0), DVec3::X);

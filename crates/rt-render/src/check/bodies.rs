@@ -84,7 +84,7 @@ fn wall_around(object: &Object<'_>, point: DVec3) -> Option<f64> {
 
 /// Where a ray in world space first meets an object, and the normal of its front there.
 fn first_hit(object: &Object<'_>, ray: &Ray) -> Option<(f64, DVec3)> {
-    let needs = SurfaceNeeds { uv: false, shading_normal: false };
+    let needs = SurfaceNeeds::NONE;
     match object.geometry {
         Geometry::Shape(shape) => {
             let placed = Placed::new(shape.clone(), object.world_from_local);

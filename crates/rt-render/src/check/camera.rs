@@ -60,7 +60,7 @@ impl fmt::Display for CameraMeasures {
 
 /// Looks through a camera at the world that a render would trace.
 fn look(name: &str, camera: &Camera, size: DVec2, top: &Assembly, levels: &Levels) -> CameraMeasures {
-    let needs = SurfaceNeeds { uv: false, shading_normal: false };
+    let needs = SurfaceNeeds::NONE;
     let parts = top.set(levels);
     let mut measures = CameraMeasures {
         name: name.to_owned(),

@@ -61,7 +61,7 @@ impl Patch {
             return None;
         }
         let is_closed = matches!(outline, Outline::Ball { .. } | Outline::Faces);
-        let needs = SurfaceNeeds { uv: false, shading_normal: false };
+        let needs = SurfaceNeeds::NONE;
         let mut material = None;
         let mut corner = |at: usize| {
             let surface = world.surface_at(&rays[at], &hits[at], needs)?;

@@ -194,7 +194,7 @@ fn each_sample_of_a_texel_that_is_not_a_number_is_counted() {
     (scene.film.width, scene.film.height, scene.settings.spp) = (64, 32, 4);
     let mut pixels = vec![[0.5; 3]; 8];
     pixels[1] = [0.5, f32::NAN, 0.5];
-    let bitmap = Bitmap { width: 4, height: 2, pixels };
+    let bitmap = std::sync::Arc::new(Bitmap::opaque(4, 2, pixels));
     scene.appearance.textures = vec![Texture::Image { bitmap, wrap: [Wrap::Clamp; 2], smooth: false }];
     let emission = Coefficient::Textured(TextureId(0), Rgb::WHITE);
     let phong = Phong { ambient: Coefficient::ZERO, diffuse: Coefficient::ZERO, emission, ..Phong::default() };

@@ -1,220 +1,339 @@
-//! Materials and textures of a document, made when first used.
+//! Materials of a document, made when first used.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::Arc};
 
-use gltf::{
-    Document, Material,
-    material::{AlphaMode, PbrSpecularGlossiness},
-    texture::{Info, MagFilter, Sampler, WrappingMode},
-};
-use rt_camera::Encoding;
+use gltf::{Document, Material};
 use rt_math::Rgb;
-use rt_shading::{Bitmap, Material as Named, Texture, TextureId, Wrap};
+use rt_shading::{
+    Alpha, Bitmap, Channel, Coverage, Material as Named, Relief, Scalar, Texture, TextureId, emitter::Sides,
+};
 
 use super::{
-    buffers::{Buffers, fetch},
-    material::{Surface, Tint},
-    primitive::UvSource,
+    buffers::Buffers,
+    description::{AlphaMode, Description, SpecularGlossiness, TextureInfo},
+    material::{Base, Surface, Tint, Value},
+    primitive::Wants,
+    textures::{Pixels, Textures, UvSets, image_texture, push},
 };
-use crate::{LoadError, LoadOptions, MaterialId, Model, Reason, Warning, decode_texture};
-
-/// Most memory that all textures of a model may take.
-const MAX_TEXTURE_BYTES: u64 = 1 << 32;
+use crate::{LoadError, LoadOptions, MaterialId, Model, Reason, Warning};
 
 /// A material as primitives need it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct UsedMaterial {
     pub(super) id: MaterialId,
-    /// Where its textures are read.
-    pub(super) uv_source: Option<UvSource>,
+    /// What the meshes must have for it.
+    pub(super) wants: Wants,
 }
 
+/// The materials and textures of a document.
 pub(super) struct Appearance<'a> {
-    document: &'a Document,
-    buffers: &'a Buffers<'a>,
-    options: &'a LoadOptions,
-    materials: HashMap<Option<usize>, UsedMaterial>,
-    /// By image and sampler; `None` for images that are not there.
-    textures: HashMap<(usize, Option<usize>), Option<TextureId>>,
-    texture_bytes: u64,
+    textures: Textures<'a>,
+    /// By index, and whether meshes bring colours.
+    materials: HashMap<(Option<usize>, bool), UsedMaterial>,
 }
 
 impl<'a> Appearance<'a> {
     pub(super) fn new(document: &'a Document, buffers: &'a Buffers<'a>, options: &'a LoadOptions) -> Self {
-        let (materials, textures) = (HashMap::new(), HashMap::new());
-        Self { document, buffers, options, materials, textures, texture_bytes: 0 }
+        Self { textures: Textures::new(document, buffers, options), materials: HashMap::new() }
     }
 
-    pub(super) fn material(&mut self, material: &Material<'_>, model: &mut Model) -> Result<UsedMaterial, LoadError> {
-        if let Some(&known) = self.materials.get(&material.index()) {
+    /// The material of a primitive, which has colours at its vertices or not.
+    pub(super) fn material(
+        &mut self,
+        material: &Material<'_>,
+        has_colors: bool,
+        model: &mut Model,
+    ) -> Result<UsedMaterial, LoadError> {
+        let key = (material.index(), has_colors);
+        if let Some(&known) = self.materials.get(&key) {
             return Ok(known);
         }
-        let surface = self.surface(material, model)?;
-        let name = material.name().unwrap_or(if material.index().is_some() { "unnamed" } else { "default" });
-        let id = MaterialId(model.materials.len() as u32);
-        model
-            .materials
-            .push(Named { physical: Some(surface.physical()), ..Named::new(name.to_owned(), surface.phong()) });
-        let base = material
-            .pbr_specular_glossiness()
-            .map_or_else(|| material.pbr_metallic_roughness().base_color_texture(), |model| model.diffuse_texture());
-        let (base, emission) = (base.map(|t| UvSource::of(&t)), material.emissive_texture().map(|t| UvSource::of(&t)));
-        if base.is_some() && emission.is_some() && base != emission && surface.emission.texture.is_some() {
-            warn(material, "the emissive texture is read where the base colour is, not at its own coordinates", model);
+        let description = self.description(material)?;
+        let wants = wants(&description, has_colors);
+        let place = match (material.name(), material.index()) {
+            (Some(name), _) => format!("material `{name}`"),
+            (None, index) => format!("materials[{}]", index.unwrap_or(0)),
+        };
+        let uses_other_sets = description.textures().any(|texture| !wants.uv_sets.contains(&Some(texture.uv_set())));
+        let mut reader = Reader { textures: &mut self.textures, sets: wants.uv_sets, has_colors, place: &place, model };
+        if uses_other_sets {
+            reader.warn("its textures read more than two sets of coordinates; the others are read at the first");
         }
-        let used = UsedMaterial { id, uv_source: base.or(emission) };
-        self.materials.insert(material.index(), used);
+        let name = material.name().unwrap_or(if material.index().is_some() { "unnamed" } else { "default" });
+        let named = reader.material(name, &description)?;
+        let id = MaterialId(model.materials.len() as u32);
+        model.materials.push(named);
+        let used = UsedMaterial { id, wants };
+        self.materials.insert(key, used);
         Ok(used)
     }
 
-    fn surface(&mut self, material: &Material<'_>, model: &mut Model) -> Result<Surface, LoadError> {
-        let pbr = material.pbr_metallic_roughness();
-        let emissive = rgb(material.emissive_factor()) * f64::from(material.emissive_strength().unwrap_or(1.0));
+    fn description(&self, material: &Material<'_>) -> Result<Description, LoadError> {
+        let Some(index) = material.index() else { return Ok(Description::default()) };
+        let json = &self.textures.document.as_json().materials[index];
+        let refuse = |error: serde_json::Error| {
+            Reason::Syntax(error.to_string()).at(self.textures.path(), format!("materials[{index}]"))
+        };
+        Description::of(json).map_err(refuse)
+    }
+}
+
+/// What meshes must have for a material: up to two sets of texture coordinates, in the order of its textures.
+fn wants(description: &Description, has_colors: bool) -> Wants {
+    let mut uv_sets: UvSets = [None; 2];
+    for set in description.textures().map(|texture| Some(texture.uv_set())) {
+        if !uv_sets.contains(&set)
+            && let Some(free) = uv_sets.iter_mut().find(|slot| slot.is_none())
+        {
+            *free = set;
+        }
+    }
+    let tangents = description.normal_texture.is_some() || description.extensions.anisotropy.is_some();
+    Wants { uv_sets, colors: has_colors, tangents }
+}
+
+/// Reads one material.
+struct Reader<'r, 'a> {
+    textures: &'r mut Textures<'a>,
+    sets: UvSets,
+    has_colors: bool,
+    /// For messages.
+    place: &'r str,
+    model: &'r mut Model,
+}
+
+impl Reader<'_, '_> {
+    fn warn(&mut self, message: &str) {
+        self.model.warnings.push(Warning { place: self.place.to_owned(), message: message.to_owned() });
+    }
+
+    fn material(&mut self, name: &str, description: &Description) -> Result<Named, LoadError> {
+        let surface = self.surface(description)?;
+        let shines = if description.double_sided { Sides::Both } else { Sides::Front };
+        let mut named = Named { physical: Some(surface.physical()), ..Named::new(name.to_owned(), surface.phong()) };
+        named.shines = shines;
+        named.coverage = self.coverage(description, &surface)?;
+        if surface.unlit {
+            return Ok(named);
+        }
+        if let Some(normal) = &description.normal_texture {
+            let texture = self.texture(Some(normal), Pixels::Numbers)?;
+            named.relief = texture.map(|texture| Relief { texture, scale: f64::from(normal.scale) });
+        }
+        if let Some(occlusion) = &description.occlusion_texture {
+            named.occlusion = self.occlusion(occlusion)?;
+        }
+        Ok(named)
+    }
+
+    fn surface(&mut self, description: &Description) -> Result<Surface, LoadError> {
+        let (pbr, all) = (&description.pbr_metallic_roughness, &description.extensions);
+        let strength = all.emissive_strength.as_ref().map_or(1.0, |extension| extension.emissive_strength);
+        let emissive = rgb(description.emissive_factor) * f64::from(strength.max(0.0));
+        let metal_rough = pbr.metallic_roughness_texture.as_ref();
         let mut surface = Surface {
-            base: self.tint(pbr.base_color_texture(), opaque(pbr.base_color_factor()), model)?,
-            emission: self.tint(material.emissive_texture(), emissive, model)?,
-            metallic: f64::from(pbr.metallic_factor()),
-            roughness: f64::from(pbr.roughness_factor()),
-            ior: material.ior().map(f64::from).filter(|ior| *ior > 0.0).unwrap_or(1.5),
-            specular: specular_tint(material),
-            transmission: material.transmission().map_or(0.0, |t| f64::from(t.transmission_factor())),
-            unlit: material.unlit(),
+            base: Base::MetallicRoughness {
+                color: self.tinted(pbr.base_color_texture.as_ref(), opaque(pbr.base_color_factor))?,
+                metallic: self.value(metal_rough, Channel::Blue, pbr.metallic_factor)?,
+                roughness: self.value(metal_rough, Channel::Green, pbr.roughness_factor)?,
+            },
+            emission: self.tint(description.emissive_texture.as_ref(), emissive)?,
+            unlit: all.unlit.is_some(),
+            ..Surface::default()
         };
         if surface.unlit {
             return Ok(surface);
         }
-        if let Some(bitmap) = self.untracked(pbr.metallic_roughness_texture(), model)? {
-            // The channels hold numbers, not colours: the decoding of sRGB is undone.
-            let mean = mean(&bitmap);
-            surface.roughness *= Encoding::Srgb.encode(mean.g);
-            surface.metallic *= Encoding::Srgb.encode(mean.b);
-            warn(material, "metalness and roughness are the same everywhere: the mean of their texture", model);
+        if let Some(other) = &all.specular_glossiness {
+            surface.base = self.specular_glossiness(other)?;
+            // The extension stands for itself: others are not combined with it.
+            return Ok(surface);
         }
-        if let Some(other) = material.pbr_specular_glossiness() {
-            surface = self.specular_glossiness(surface, &other, model)?;
-        }
-        for (what, present) in [
-            ("the normal texture is not followed", material.normal_texture().is_some()),
-            ("the occlusion texture is not followed", material.occlusion_texture().is_some()),
-            ("the alpha channel is not followed: it is drawn opaque", material.alpha_mode() != AlphaMode::Opaque),
-        ] {
-            if present {
-                warn(material, what, model);
+        if let Some(ior) = all.ior.as_ref().map(|extension| f64::from(extension.ior)) {
+            if ior == 0.0 || ior >= 1.0 {
+                surface.ior = ior;
+            } else {
+                self.warn("its index of refraction is below 1; that of glass is used");
             }
         }
+        self.read_layers(description, &mut surface)?;
+        self.read_body(description, &mut surface)?;
         Ok(surface)
     }
 
-    /// KHR_materials_pbrSpecularGlossiness: metals have their colour in the specular texture and a black diffuse one, so
-    /// the sum of both is the base colour.
-    fn specular_glossiness(
-        &mut self,
-        surface: Surface,
-        other: &PbrSpecularGlossiness<'_>,
-        model: &mut Model,
-    ) -> Result<Surface, LoadError> {
-        let (diffuse, specular) = (opaque(other.diffuse_factor()), rgb(other.specular_factor()));
-        let glossiness = f64::from(other.glossiness_factor());
-        let Some(shine) = self.untracked(other.specular_glossiness_texture(), model)? else {
-            let base = self.tint(other.diffuse_texture(), diffuse, model)?;
-            return Ok(surface.with_specular_glossiness(base, specular, glossiness));
-        };
-        let matt = self.untracked(other.diffuse_texture(), model)?;
-        let matt = matt.unwrap_or_else(|| Bitmap { width: 1, height: 1, pixels: vec![[1.0; 3]] });
-        let specular_mean = specular * mean(&shine);
-        let bitmap = sum_of(&matt, diffuse, &shine, specular);
-        self.count(&bitmap)?;
-        let sampler = other.diffuse_texture().or(other.specular_glossiness_texture()).map(|t| t.texture().sampler());
-        let id = push_image(bitmap, sampler.as_ref(), model);
-        let base = Tint { texture: Some(id), colour: Rgb::WHITE };
-        Ok(surface.with_specular_glossiness(base, specular_mean, glossiness))
-    }
-
-    fn tint(&mut self, info: Option<Info<'_>>, colour: Rgb, model: &mut Model) -> Result<Tint, LoadError> {
-        let texture = match info {
-            Some(info) if !colour.is_black() => self.texture(&info, model)?,
-            _ => None,
-        };
-        Ok(Tint { texture, colour })
-    }
-
-    fn texture(&mut self, info: &Info<'_>, model: &mut Model) -> Result<Option<TextureId>, LoadError> {
-        let sampler = info.texture().sampler();
-        let Some(image) = self.image_of(info) else {
-            let message = "has no image that can be read; the plain colour is used".to_owned();
-            model.warnings.push(Warning { place: format!("textures[{}]", info.texture().index()), message });
-            return Ok(None);
-        };
-        let key = (image, sampler.index());
-        if let Some(&known) = self.textures.get(&key) {
-            return Ok(known);
+    /// What lies over the base.
+    fn read_layers(&mut self, description: &Description, surface: &mut Surface) -> Result<(), LoadError> {
+        let all = &description.extensions;
+        if let Some(specular) = &all.specular {
+            surface.specular =
+                self.value(specular.specular_texture.as_ref(), Channel::Alpha, specular.specular_factor)?;
+            let color = rgb(specular.specular_color_factor);
+            surface.specular_color = self.tint(specular.specular_color_texture.as_ref(), color)?;
         }
-        let bitmap = self.bitmap(image, model)?;
-        bitmap.iter().try_for_each(|bitmap| self.count(bitmap))?;
-        let id = bitmap.map(|bitmap| push_image(bitmap, Some(&sampler), model));
-        self.textures.insert(key, id);
-        Ok(id)
-    }
-
-    /// The image of a texture; extensions may bring formats of their own and leave it out.
-    fn image_of(&self, info: &Info<'_>) -> Option<usize> {
-        let json = self.document.as_json();
-        let image = json.textures.get(info.texture().index())?.source.value();
-        (image < json.images.len()).then_some(image)
-    }
-
-    /// Decodes an image. One that is not there is a warning; a damaged one is an error.
-    fn bitmap(&mut self, index: usize, model: &mut Model) -> Result<Option<Bitmap>, LoadError> {
-        let path = self.buffers.path();
-        let place = format!("images[{index}]");
-        let image = &self.document.as_json().images[index];
-        let decoded = match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => match fetch(uri, path, self.options) {
-                Err(missing @ Reason::MissingReference { .. }) => {
-                    let message = format!("{missing}; the plain colour is used");
-                    model.warnings.push(Warning { place, message });
-                    return Ok(None);
-                }
-                bytes => decode_texture(&bytes.map_err(|reason| reason.at(path, place.clone()))?),
-            },
-            (None, Some(view)) => match self.document.views().nth(view.value()) {
-                Some(view) => decode_texture(self.buffers.view(&view)?),
-                None => return Ok(None),
-            },
-            (None, None) => return Err(Reason::Syntax("has neither uri nor bufferView".to_owned()).at(path, place)),
-        };
-        decoded.map(Some).map_err(|error| Reason::from(error).at(path, place))
-    }
-
-    /// Adds a bitmap that is kept to the memory of all textures.
-    fn count(&mut self, bitmap: &Bitmap) -> Result<(), LoadError> {
-        self.texture_bytes += size_of_val(bitmap.pixels.as_slice()) as u64;
-        if self.texture_bytes > MAX_TEXTURE_BYTES {
-            let (value, limit) = (self.texture_bytes, MAX_TEXTURE_BYTES);
-            let reason = Reason::TooLarge { what: "the memory of all textures in bytes", value, limit };
-            return Err(reason.at(self.buffers.path(), ""));
+        if let Some(coat) = &all.clearcoat {
+            surface.coat = self.value(coat.clearcoat_texture.as_ref(), Channel::Red, coat.clearcoat_factor)?;
+            let roughness = coat.clearcoat_roughness_texture.as_ref();
+            surface.coat_roughness = self.value(roughness, Channel::Green, coat.clearcoat_roughness_factor)?;
+            if coat.clearcoat_normal_texture.is_some() {
+                self.warn("the normal map of its coat is not followed: the coat has the normals of the base");
+            }
+        }
+        if let Some(sheen) = &all.sheen {
+            surface.sheen_color = self.tint(sheen.sheen_color_texture.as_ref(), rgb(sheen.sheen_color_factor))?;
+            let roughness = sheen.sheen_roughness_texture.as_ref();
+            surface.sheen_roughness = self.value(roughness, Channel::Alpha, sheen.sheen_roughness_factor)?;
+        }
+        if let Some(anisotropy) = &all.anisotropy {
+            let texture = anisotropy.anisotropy_texture.as_ref();
+            surface.anisotropy = self.value(texture, Channel::Blue, anisotropy.anisotropy_strength)?;
+            surface.anisotropy_rotation = f64::from(anisotropy.anisotropy_rotation);
+            surface.anisotropy_direction = self.texture(texture, Pixels::Numbers)?;
         }
         Ok(())
     }
 
-    /// The pixels of a texture that is looked at, but not kept; `None` without a texture.
-    fn untracked(&mut self, info: Option<Info<'_>>, model: &mut Model) -> Result<Option<Bitmap>, LoadError> {
-        match info.and_then(|info| self.image_of(&info)) {
-            Some(image) => self.bitmap(image, model),
+    /// What lies behind the surface.
+    fn read_body(&mut self, description: &Description, surface: &mut Surface) -> Result<(), LoadError> {
+        let all = &description.extensions;
+        if let Some(transmission) = &all.transmission {
+            let texture = transmission.transmission_texture.as_ref();
+            surface.transmission = self.value(texture, Channel::Red, transmission.transmission_factor)?;
+        }
+        if let Some(volume) = all.volume.as_ref().filter(|volume| volume.thickness_factor > 0.0) {
+            surface.is_thin = false;
+            surface.attenuation =
+                Some((f64::from(volume.attenuation_distance), rgb(volume.attenuation_color).map(|c| c.min(1.0))));
+        }
+        surface.dispersion = all.dispersion.as_ref().map_or(0.0, |d| f64::from(d.dispersion.max(0.0)));
+        Ok(())
+    }
+
+    /// KHR_materials_pbrSpecularGlossiness. The classical surface has but one colour: metals have theirs in the specular
+    /// texture and a black diffuse one, so the sum of both serves.
+    fn specular_glossiness(&mut self, other: &SpecularGlossiness) -> Result<Base, LoadError> {
+        let (diffuse_factor, specular_factor) = (opaque(other.diffuse_factor), rgb(other.specular_factor));
+        let shine = other.specular_glossiness_texture.as_ref();
+        let diffuse = self.tinted(other.diffuse_texture.as_ref(), diffuse_factor)?;
+        let mut base = Base::SpecularGlossiness {
+            color: diffuse,
+            diffuse,
+            specular: self.tint(shine, specular_factor)?,
+            glossiness: self.glossiness(shine, other.glossiness_factor)?,
+            mean_specular: specular_factor,
+        };
+        let Some(info) = shine else { return Ok(base) };
+        let Some(shine) = self.textures.bitmap(info, Pixels::Colours, self.place, self.model)? else { return Ok(base) };
+        let matt = match &other.diffuse_texture {
+            Some(info) => self.textures.bitmap(info, Pixels::Colours, self.place, self.model)?,
+            None => None,
+        };
+        let matt = matt.unwrap_or_else(|| Arc::new(Bitmap::opaque(1, 1, vec![[1.0; 3]])));
+        let bitmap = sum_of(&matt, diffuse_factor, &shine, specular_factor);
+        self.textures.count(&bitmap)?;
+        let sampler = self.textures.document.textures().nth(info.index).map(|texture| texture.sampler());
+        let id = push(image_texture(Arc::new(bitmap), sampler.as_ref()), self.model);
+        if let Base::SpecularGlossiness { color, mean_specular, .. } = &mut base {
+            *color = Tint { texture: Some(id), colour: Rgb::WHITE };
+            *mean_specular = specular_factor * mean(&shine);
+        }
+        Ok(base)
+    }
+
+    /// Glossiness stands in the alpha of an image of colours.
+    fn glossiness(&mut self, info: Option<&TextureInfo>, factor: f32) -> Result<Value, LoadError> {
+        let factor = f64::from(factor).clamp(0.0, 1.0);
+        let Some(texture) = self.texture(info, Pixels::Colours)? else { return Ok(Value::constant(factor)) };
+        let alpha = self.model.textures[texture.0 as usize].bitmap().map_or(1.0, |bitmap| mean_alpha(bitmap));
+        Ok(Value { scalar: Scalar::Textured(texture, Channel::Alpha, factor), mean: factor * alpha })
+    }
+
+    fn coverage(&mut self, description: &Description, surface: &Surface) -> Result<Coverage, LoadError> {
+        let gloss = description.extensions.specular_glossiness.as_ref().filter(|_| !surface.unlit);
+        let pbr = &description.pbr_metallic_roughness;
+        let (info, factor) = match gloss {
+            Some(other) => (other.diffuse_texture.as_ref(), other.diffuse_factor[3]),
+            None => (pbr.base_color_texture.as_ref(), pbr.base_color_factor[3]),
+        };
+        let alpha = match description.alpha_mode {
+            AlphaMode::Opaque => Alpha::Opaque,
+            AlphaMode::Mask => Alpha::Mask(f64::from(description.alpha_cutoff)),
+            AlphaMode::Blend => Alpha::Blend,
+        };
+        let texture = if alpha == Alpha::Opaque { None } else { self.texture(info, Pixels::Colours)? };
+        let texture = texture
+            .filter(|id| self.model.textures[id.0 as usize].bitmap().is_some_and(|bitmap| !bitmap.alpha.is_empty()));
+        let factor = f64::from(factor).clamp(0.0, 1.0);
+        // What nothing makes translucent is opaque, and traced faster.
+        let is_whole = texture.is_none() && !self.has_colors && factor == 1.0;
+        let alpha = if is_whole && alpha == Alpha::Blend { Alpha::Opaque } else { alpha };
+        // Light that comes through a body leaves it by the back of its surface.
+        let has_front_only = !description.double_sided && surface.transmission.scalar.is_zero();
+        Ok(Coverage { alpha, factor, texture, has_front_only })
+    }
+
+    /// Occlusion is 1 + strength · (texture − 1): a texture of its own says that with one factor.
+    fn occlusion(&mut self, info: &TextureInfo) -> Result<Scalar, LoadError> {
+        let whole = Scalar::Constant(1.0);
+        let Some(texture) = self.texture(Some(info), Pixels::Numbers)? else { return Ok(whole) };
+        let strength = info.strength.clamp(0.0, 1.0);
+        if strength == 1.0 {
+            return Ok(Scalar::Textured(texture, Channel::Red, 1.0));
+        }
+        let faded = |bitmap: &Bitmap| {
+            let pixels = bitmap.pixels.iter().map(|pixel| [1.0 + strength * (pixel[0] - 1.0); 3]).collect();
+            Arc::new(Bitmap::opaque(bitmap.width, bitmap.height, pixels))
+        };
+        let texture = match self.model.textures[texture.0 as usize].clone() {
+            Texture::Image { bitmap, wrap, smooth } => Texture::Image { bitmap: faded(&bitmap), wrap, smooth },
+            Texture::Mapped { texture, map } => match &*texture {
+                Texture::Image { bitmap, wrap, smooth } => {
+                    let (wrap, smooth) = (*wrap, *smooth);
+                    Texture::Mapped { texture: Arc::new(Texture::Image { bitmap: faded(bitmap), wrap, smooth }), map }
+                }
+                _ => return Ok(whole),
+            },
+            _ => return Ok(whole),
+        };
+        if let Some(bitmap) = texture.bitmap() {
+            self.textures.count(bitmap)?;
+        }
+        Ok(Scalar::Textured(push(texture, self.model), Channel::Red, 1.0))
+    }
+
+    fn texture(&mut self, info: Option<&TextureInfo>, pixels: Pixels) -> Result<Option<TextureId>, LoadError> {
+        match info {
+            Some(info) => self.textures.texture(info, pixels, self.sets, self.place, self.model),
             None => Ok(None),
         }
     }
-}
 
-fn push_image(bitmap: Bitmap, sampler: Option<&Sampler<'_>>, model: &mut Model) -> TextureId {
-    let wrap = sampler.map_or([WrappingMode::Repeat; 2], |s| [s.wrap_s(), s.wrap_t()]).map(|mode| match mode {
-        WrappingMode::Repeat => Wrap::Repeat,
-        WrappingMode::MirroredRepeat => Wrap::Mirror,
-        WrappingMode::ClampToEdge => Wrap::Clamp,
-    });
-    let smooth = sampler.and_then(Sampler::mag_filter) != Some(MagFilter::Nearest);
-    model.textures.push(Texture::Image { bitmap, wrap, smooth });
-    TextureId(model.textures.len() as u32 - 1)
+    fn tint(&mut self, info: Option<&TextureInfo>, colour: Rgb) -> Result<Tint, LoadError> {
+        let texture = if colour.is_black() { None } else { self.texture(info, Pixels::Colours)? };
+        Ok(Tint { texture, colour })
+    }
+
+    /// A colour that the colours of vertices multiply, if there are any.
+    fn tinted(&mut self, info: Option<&TextureInfo>, colour: Rgb) -> Result<Tint, LoadError> {
+        let tint = self.tint(info, colour)?;
+        if !self.has_colors || colour.is_black() {
+            return Ok(tint);
+        }
+        let below = tint.texture.map(|id| Arc::new(self.model.textures[id.0 as usize].clone()));
+        Ok(Tint { texture: Some(push(Texture::VertexColor(below), self.model)), colour })
+    }
+
+    fn value(&mut self, info: Option<&TextureInfo>, channel: Channel, factor: f32) -> Result<Value, LoadError> {
+        let factor = f64::from(factor).clamp(0.0, 1.0);
+        let info = info.filter(|_| factor > 0.0);
+        let Some(texture) = self.texture(info, Pixels::Numbers)? else { return Ok(Value::constant(factor)) };
+        let mean = self.model.textures[texture.0 as usize].bitmap().map_or(1.0, |bitmap| match channel {
+            Channel::Red => mean(bitmap).r,
+            Channel::Green => mean(bitmap).g,
+            Channel::Blue => mean(bitmap).b,
+            Channel::Alpha => mean_alpha(bitmap),
+        });
+        Ok(Value { scalar: Scalar::Textured(texture, channel, factor), mean: factor * mean })
+    }
 }
 
 /// The mean colour, from at most some 8000 pixels.
@@ -226,6 +345,14 @@ fn mean(bitmap: &Bitmap) -> Rgb {
         count += 1.0;
     }
     sum / count
+}
+
+/// The mean of what pixels cover, from as many of them.
+fn mean_alpha(bitmap: &Bitmap) -> f64 {
+    let step = (bitmap.alpha.len() / 4096).max(1);
+    let some = bitmap.alpha.iter().step_by(step);
+    let count = some.len();
+    if count == 0 { 1.0 } else { some.map(|alpha| f64::from(*alpha)).sum::<f64>() / count as f64 }
 }
 
 /// Diffuse colour plus what the specular colour has above the 4 % of a dielectric, at the resolution of the diffuse
@@ -241,24 +368,7 @@ fn sum_of(matt: &Bitmap, diffuse: Rgb, shine: &Bitmap, specular: Rgb) -> Bitmap 
         let metal = (nearest(shine, x, y) * specular).map(|c| (c - 0.04).max(0.0));
         (nearest(matt, x, y) * diffuse + metal).to_array().map(|c| c.min(1.0) as f32)
     });
-    Bitmap { width, height, pixels: pixels.collect() }
-}
-
-/// KHR_materials_specular, without its textures.
-fn specular_tint(material: &Material<'_>) -> Rgb {
-    let Some(extension) = material.extension_value("KHR_materials_specular") else { return Rgb::WHITE };
-    let number = |value: &serde_json::Value| value.as_f64().filter(|n| n.is_finite() && *n >= 0.0);
-    let factor = extension.get("specularFactor").and_then(number).unwrap_or(1.0);
-    let channel = |i: usize| extension.get("specularColorFactor").and_then(|c| number(c.get(i)?)).unwrap_or(1.0);
-    Rgb::new(channel(0), channel(1), channel(2)) * factor
-}
-
-fn warn(material: &Material<'_>, message: &str, model: &mut Model) {
-    let place = match (material.name(), material.index()) {
-        (Some(name), _) => format!("material `{name}`"),
-        (None, index) => format!("materials[{}]", index.unwrap_or(0)),
-    };
-    model.warnings.push(Warning { place, message: message.to_owned() });
+    Bitmap::opaque(width, height, pixels.collect())
 }
 
 fn opaque([r, g, b, _]: [f32; 4]) -> Rgb {
@@ -276,8 +386,8 @@ mod tests {
 
     #[test]
     fn the_colour_of_metals_is_added_to_the_diffuse_colour() {
-        let matt = Bitmap { width: 2, height: 1, pixels: vec![[0.5; 3], [0.0; 3]] };
-        let shine = Bitmap { width: 1, height: 2, pixels: vec![[0.04, 0.54, 1.0], [0.0; 3]] };
+        let matt = Bitmap::opaque(2, 1, vec![[0.5; 3], [0.0; 3]]);
+        let shine = Bitmap::opaque(1, 2, vec![[0.04, 0.54, 1.0], [0.0; 3]]);
         let sum = sum_of(&matt, Rgb::WHITE, &shine, Rgb::WHITE);
         assert_eq!((sum.width, sum.height), (2, 1));
         assert_eq!(sum.pixels, [[0.5, 1.0, 1.0], [0.0, 0.5, 0.96]]);

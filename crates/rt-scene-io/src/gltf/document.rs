@@ -15,14 +15,19 @@ use serde_json::Value;
 use crate::{LoadError, Place, Problem, Reason, Warning};
 
 /// Extensions that are followed, at least as far as they concern what we draw.
-const SUPPORTED: [&str; 9] = [
+const SUPPORTED: [&str; 14] = [
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];

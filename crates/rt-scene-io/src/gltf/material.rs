@@ -1,4 +1,4 @@
-//! Metallic-roughness and specular-glossiness as Phong surfaces.
+//! The surfaces of glTF, and what comes nearest to them among Phong's.
 //!
 //! The classical model has no blurred reflections, so the light that a metal reflects is split: the smoother it is, the
 //! more goes to the mirror, and the rest is shown as diffuse.
@@ -15,10 +15,13 @@
 //!
 //! (exponent + 8)/8 normalises the lobe for lights whose diffuse reflection is not divided by π (Akenine-Möller et al.,
 //! Real-Time Rendering, 4th ed., section 9.8), and the bound keeps a point light's highlight no brighter than the light.
+//! Where textures say how rough or metallic a surface is, their mean is taken: under `path`, each point has its own.
 //! Transmission becomes glass with Fresnel's equations; unlit surfaces emit their base colour.
 
-use rt_math::Rgb;
-use rt_shading::{Coefficient, Highlight, Phong, Physical, TextureId, Transmission};
+use rt_math::{Rgb, transcendental};
+use rt_shading::{
+    Coefficient, Highlight, LayeredBase, LayeredSurface, Phong, Physical, Scalar, TextureId, Transmission,
+};
 
 /// A texture times a colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +31,10 @@ pub(super) struct Tint {
 }
 
 impl Tint {
+    const fn plain(colour: Rgb) -> Self {
+        Self { texture: None, colour }
+    }
+
     fn scaled(self, by: f64) -> Coefficient {
         let colour = self.colour * by;
         match self.texture {
@@ -37,85 +44,206 @@ impl Tint {
     }
 }
 
-/// The surface of a glTF material, as far as it is followed. Textures of metalness and roughness are taken at their
-/// mean.
+/// A number that may vary, and its mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Value {
+    pub(super) scalar: Scalar,
+    pub(super) mean: f64,
+}
+
+impl Value {
+    pub(super) const fn constant(value: f64) -> Self {
+        Self { scalar: Scalar::Constant(value), mean: value }
+    }
+}
+
+/// How the base is described.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Base {
+    MetallicRoughness {
+        color: Tint,
+        metallic: Value,
+        roughness: Value,
+    },
+    SpecularGlossiness {
+        /// What shows the surface if there is but one colour.
+        color: Tint,
+        diffuse: Tint,
+        specular: Tint,
+        glossiness: Value,
+        mean_specular: Rgb,
+    },
+}
+
+/// The surface of a glTF material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Surface {
-    pub(super) base: Tint,
+    pub(super) base: Base,
     pub(super) emission: Tint,
-    pub(super) metallic: f64,
-    pub(super) roughness: f64,
-    /// Index of refraction; above 0.
+    /// Index of refraction; 0 for facets that reflect all light.
     pub(super) ior: f64,
-    /// Tint of the reflection of what is no metal.
-    pub(super) specular: Rgb,
+    /// Strength and colour of the reflection of what is no metal.
+    pub(super) specular: Value,
+    pub(super) specular_color: Tint,
     /// Share of the light that enters the surface and passes.
-    pub(super) transmission: f64,
+    pub(super) transmission: Value,
+    /// Whether it passes a pane without thickness rather than a body.
+    pub(super) is_thin: bool,
+    /// White light that has gone so far in the body has this colour left.
+    pub(super) attenuation: Option<(f64, Rgb)>,
+    pub(super) dispersion: f64,
+    pub(super) coat: Value,
+    pub(super) coat_roughness: Value,
+    pub(super) sheen_color: Tint,
+    pub(super) sheen_roughness: Value,
+    pub(super) anisotropy: Value,
+    pub(super) anisotropy_rotation: f64,
+    pub(super) anisotropy_direction: Option<TextureId>,
     pub(super) unlit: bool,
 }
 
+impl Default for Surface {
+    /// What the specification says where a file says nothing: a white, rough metal.
+    fn default() -> Self {
+        let none = Value::constant(0.0);
+        let (color, full) = (Tint::plain(Rgb::WHITE), Value::constant(1.0));
+        Self {
+            base: Base::MetallicRoughness { color, metallic: full, roughness: full },
+            emission: Tint::plain(Rgb::BLACK),
+            ior: 1.5,
+            specular: full,
+            specular_color: color,
+            transmission: none,
+            is_thin: true,
+            attenuation: None,
+            dispersion: 0.0,
+            coat: none,
+            coat_roughness: none,
+            sheen_color: Tint::plain(Rgb::BLACK),
+            sheen_roughness: none,
+            anisotropy: none,
+            anisotropy_rotation: 0.0,
+            anisotropy_direction: None,
+            unlit: false,
+        }
+    }
+}
+
 impl Surface {
+    /// Its colour, how metallic and how rough it is in the mean. Of diffuse and specular colours, what reflects more than 4 %
+    /// is metal to that degree.
+    fn plain(&self) -> (Tint, f64, f64) {
+        match self.base {
+            Base::MetallicRoughness { color, metallic, roughness } => (color, metallic.mean, roughness.mean),
+            Base::SpecularGlossiness { color, glossiness, mean_specular, .. } => {
+                let metallic = ((mean_specular.max_component() - 0.04) / 0.96).clamp(0.0, 1.0);
+                let color = match color.texture {
+                    Some(_) => color,
+                    None => Tint::plain(color.colour * (1.0 - metallic) + mean_specular * metallic),
+                };
+                (color, metallic, 1.0 - glossiness.mean)
+            }
+        }
+    }
+
     /// The classical surface that resembles it.
     pub(super) fn phong(&self) -> Phong {
+        let (base, metallic, roughness) = self.plain();
         if self.unlit {
             let zero = Coefficient::ZERO;
-            return Phong { ambient: zero, diffuse: zero, emission: self.base.scaled(1.0), ..Phong::default() };
+            return Phong { ambient: zero, diffuse: zero, emission: base.scaled(1.0), ..Phong::default() };
         }
-        let (metallic, roughness) = (self.metallic.clamp(0.0, 1.0), self.roughness.clamp(0.0, 1.0));
-        let transmission = self.transmission.clamp(0.0, 1.0) * (1.0 - metallic);
+        let transmission = self.transmission.mean * (1.0 - metallic);
         let smooth = (1.0 - 2.0 * roughness).max(0.0);
         let diffuse = (1.0 - metallic) - transmission + metallic * (1.0 - smooth);
         let exponent = exponent(roughness);
         let strength = (exponent + 8.0) / 8.0;
-        let fresnel = (self.ior - 1.0) / (self.ior + 1.0);
-        let f0 = (self.specular * (fresnel * fresnel)).map(|f| f.min(1.0)).lerp(self.base.colour, metallic);
+        let fresnel = if self.ior == 0.0 { 1.0 } else { (self.ior - 1.0) / (self.ior + 1.0) };
+        let specular = self.specular_color.colour * self.specular.mean;
+        let f0 = (specular * (fresnel * fresnel)).map(|f| f.min(1.0)).lerp(base.colour, metallic);
         let glass = Transmission {
-            coefficient: self.base.scaled(transmission),
-            ior: self.ior,
+            coefficient: base.scaled(transmission),
+            ior: self.ior.max(1.0),
             fresnel: true,
-            absorption: Rgb::BLACK,
+            absorption: self.absorption(),
             priority: 0,
         };
         let is_glass = !glass.coefficient.is_zero();
         Phong {
-            ambient: self.base.scaled(0.1 * diffuse),
-            diffuse: self.base.scaled(diffuse),
+            ambient: base.scaled(0.1 * diffuse),
+            diffuse: base.scaled(diffuse),
             specular: Coefficient::Constant(f0.map(|f| (1.0 - roughness) * (f * strength).min(1.0))),
             exponent,
             highlight: Highlight::Blinn,
             emission: self.emission.scaled(1.0),
             // Fresnel's equations weigh the mirror of glass.
-            mirror: if is_glass { Coefficient::Constant(Rgb::WHITE) } else { self.base.scaled(metallic * smooth) },
+            mirror: if is_glass { Coefficient::Constant(Rgb::WHITE) } else { base.scaled(metallic * smooth) },
             transmission: is_glass.then_some(glass),
         }
     }
 
-    /// The surface as the specification describes it. What transmits is glass to that degree.
+    /// Absorption per length: light falls to the colour of the attenuation in its distance (KHR_materials_volume).
+    fn absorption(&self) -> Rgb {
+        let Some((distance, color)) = self.attenuation.filter(|(distance, _)| *distance > 0.0) else {
+            return Rgb::BLACK;
+        };
+        // Of black, next to nothing is left.
+        color.map(|part| (-transcendental::log(part.max(1e-6)) / distance).max(0.0))
+    }
+
+    /// The surface as the specification and its extensions describe it.
     pub(super) fn physical(&self) -> Physical {
         if self.unlit {
             return Physical::Black;
         }
-        let (metallic, roughness) = (self.metallic.clamp(0.0, 1.0), self.roughness.clamp(0.0, 1.0));
-        let opaque = Physical::MetallicRoughness { base_color: self.base.scaled(1.0), metallic, roughness };
-        let transmission = self.transmission.clamp(0.0, 1.0) * (1.0 - metallic);
-        let glass = Physical::Dielectric { roughness, transmittance: self.base.scaled(1.0) };
-        match transmission {
-            0.0 => opaque,
-            1.0 => glass,
-            _ => Physical::Mix(vec![(1.0 - transmission, opaque), (transmission, glass)]),
-        }
+        let base = match self.base {
+            Base::MetallicRoughness { color, metallic, roughness } => {
+                if let Some((metallic, roughness)) = self.is_plain().then_some(()).and(constants(metallic, roughness)) {
+                    return Physical::MetallicRoughness { base_color: color.scaled(1.0), metallic, roughness };
+                }
+                LayeredBase::MetallicRoughness {
+                    base_color: color.scaled(1.0),
+                    metallic: metallic.scalar,
+                    roughness: roughness.scalar,
+                }
+            }
+            Base::SpecularGlossiness { diffuse, specular, glossiness, .. } => LayeredBase::SpecularGlossiness {
+                diffuse: diffuse.scaled(1.0),
+                specular: specular.scaled(1.0),
+                glossiness: glossiness.scalar,
+            },
+        };
+        Physical::Layered(Box::new(LayeredSurface {
+            ior: self.ior,
+            specular: self.specular.scalar,
+            specular_color: self.specular_color.scaled(1.0),
+            transmission: self.transmission.scalar,
+            is_thin: self.is_thin,
+            dispersion: self.dispersion,
+            coat: self.coat.scalar,
+            coat_roughness: self.coat_roughness.scalar,
+            sheen_color: self.sheen_color.scaled(1.0),
+            sheen_roughness: self.sheen_roughness.scalar,
+            anisotropy: self.anisotropy.scalar,
+            anisotropy_rotation: self.anisotropy_rotation,
+            anisotropy_direction: self.anisotropy_direction,
+            ..LayeredSurface::new(base)
+        }))
     }
 
-    /// Takes over the specular-glossiness model: diffuse colour, colour of the specular reflection, and glossiness.
-    /// What reflects more than 4 % becomes metal to that degree.
-    pub(super) fn with_specular_glossiness(self, diffuse: Tint, specular: Rgb, glossiness: f64) -> Self {
-        let metallic = ((specular.max_component() - 0.04) / 0.96).clamp(0.0, 1.0);
-        let base = match diffuse.texture {
-            // The texture shows where the surface is no metal; there is but one texture to multiply.
-            Some(_) => diffuse,
-            None => Tint { texture: None, colour: diffuse.colour * (1.0 - metallic) + specular * metallic },
-        };
-        Self { base, metallic, roughness: 1.0 - glossiness, ..self }
+    /// True if no extension adds to the base.
+    fn is_plain(&self) -> bool {
+        let plain = Self::default();
+        let Self { base, emission, unlit, .. } = *self;
+        *self == Self { base, emission, unlit, ..plain }
+    }
+}
+
+/// The numbers that a plain base of these has everywhere.
+fn constants(metallic: Value, roughness: Value) -> Option<(f64, f64)> {
+    match (metallic.scalar, roughness.scalar) {
+        (Scalar::Constant(metallic), Scalar::Constant(roughness)) => Some((metallic, roughness)),
+        _ => None,
     }
 }
 
@@ -129,21 +257,10 @@ fn exponent(roughness: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// What the specification says where a file says nothing: a white, rough metal.
-    const WHITE_METAL: Surface = Surface {
-        base: Tint { texture: None, colour: Rgb::WHITE },
-        emission: Tint { texture: None, colour: Rgb::BLACK },
-        metallic: 1.0,
-        roughness: 1.0,
-        ior: 1.5,
-        specular: Rgb::WHITE,
-        transmission: 0.0,
-        unlit: false,
-    };
-
-    fn surface(metallic: f64, roughness: f64) -> Phong {
-        let base = Tint { texture: None, colour: Rgb::new(0.8, 0.4, 0.2) };
-        Surface { base, metallic, roughness, ..WHITE_METAL }.phong()
+    fn surface(metallic: f64, roughness: f64) -> Surface {
+        let color = Tint::plain(Rgb::new(0.8, 0.4, 0.2));
+        let (metallic, roughness) = (Value::constant(metallic), Value::constant(roughness));
+        Surface { base: Base::MetallicRoughness { color, metallic, roughness }, ..Surface::default() }
     }
 
     fn red(coefficient: Coefficient) -> f64 {
@@ -154,7 +271,7 @@ mod tests {
 
     #[test]
     fn plastics_keep_their_colour_and_gain_a_highlight() {
-        let plastic = surface(0.0, 0.5);
+        let plastic = surface(0.0, 0.5).phong();
         assert_eq!((red(plastic.diffuse), red(plastic.mirror)), (0.8, 0.0));
         assert_eq!(plastic.exponent, 30.0);
         assert!((red(plastic.specular) - 0.5 * 0.04 * 38.0 / 8.0).abs() < 1e-12);
@@ -162,16 +279,18 @@ mod tests {
 
     #[test]
     fn the_light_of_metals_moves_from_diffuse_to_mirror_as_they_get_smooth() {
-        assert_eq!((red(surface(1.0, 0.0).diffuse), red(surface(1.0, 0.0).mirror)), (0.0, 0.8));
-        assert_eq!((red(surface(1.0, 0.25).diffuse), red(surface(1.0, 0.25).mirror)), (0.4, 0.4));
-        assert_eq!((red(surface(1.0, 1.0).diffuse), red(surface(1.0, 1.0).mirror)), (0.8, 0.0));
-        assert_eq!(red(surface(1.0, 1.0).specular), 0.0);
+        let parts = |roughness| {
+            let phong = surface(1.0, roughness).phong();
+            (red(phong.diffuse), red(phong.mirror))
+        };
+        assert_eq!([parts(0.0), parts(0.25), parts(1.0)], [(0.0, 0.8), (0.4, 0.4), (0.8, 0.0)]);
+        assert_eq!(red(surface(1.0, 1.0).phong().specular), 0.0);
     }
 
     #[test]
     fn extreme_values_stay_finite() {
-        for roughness in [0.0, 1e-9, 1.0, 7.0, -1.0] {
-            let phong = surface(0.5, roughness);
+        for roughness in [0.0, 1e-9, 1.0] {
+            let phong = surface(0.5, roughness).phong();
             assert!(phong.exponent >= 0.0 && phong.exponent <= 1e7);
             assert!((0.0..=1.0).contains(&red(phong.specular)), "{phong:?}");
         }
@@ -179,21 +298,53 @@ mod tests {
 
     #[test]
     fn glass_and_unlit() {
-        let glass = Surface { transmission: 1.0, metallic: 0.0, ior: 1.3, ..WHITE_METAL }.phong();
-        assert!(glass.diffuse.is_zero());
-        let transmission = glass.transmission.expect("light passes");
-        assert_eq!((transmission.ior, transmission.fresnel, red(glass.mirror)), (1.3, true, 1.0));
-        let unlit = Surface { unlit: true, ..WHITE_METAL }.phong();
-        assert!(unlit.diffuse.is_zero() && unlit.ambient.is_zero());
-        assert_eq!(unlit.emission, Coefficient::Constant(Rgb::WHITE));
+        let glass = Surface { transmission: Value::constant(1.0), ior: 1.3, ..surface(0.0, 0.0) };
+        let phong = glass.phong();
+        assert!(phong.diffuse.is_zero());
+        let transmission = phong.transmission.expect("light passes");
+        assert_eq!((transmission.ior, transmission.fresnel, red(phong.mirror)), (1.3, true, 1.0));
+        assert!(!glass.physical().encloses_body(), "a pane, unless it has a volume");
+        let unlit = Surface { unlit: true, ..surface(0.0, 0.5) };
+        assert!(unlit.phong().diffuse.is_zero() && unlit.phong().ambient.is_zero());
+        assert_eq!(red(unlit.phong().emission), 0.8);
+        assert_eq!(unlit.physical(), Physical::Black);
     }
 
     #[test]
-    fn specular_glossiness() {
-        let gray = |value: f64| Tint { texture: None, colour: Rgb::gray(value) };
-        let plastic = WHITE_METAL.with_specular_glossiness(gray(0.5), Rgb::gray(0.04), 0.75);
-        assert_eq!((plastic.metallic, plastic.roughness, plastic.base), (0.0, 0.25, gray(0.5)));
-        let gold = WHITE_METAL.with_specular_glossiness(gray(0.0), Rgb::new(1.0, 0.8, 0.3), 1.0);
-        assert_eq!((gold.metallic, gold.base.colour), (1.0, Rgb::new(1.0, 0.8, 0.3)));
+    fn bodies_absorb_what_their_colour_says() {
+        let attenuation = Some((2.0, Rgb::new(1.0, 0.5, 0.0)));
+        let transmission = Value::constant(1.0);
+        let glass = Surface { transmission, is_thin: false, attenuation, ..surface(0.0, 0.0) };
+        let absorption = glass.phong().transmission.expect("light passes").absorption;
+        let left = absorption.map(|a| transcendental::exp(-2.0 * a));
+        assert!((left.r - 1.0).abs() < 1e-12 && (left.g - 0.5).abs() < 1e-12 && left.b < 1e-5, "{left:?}");
+        assert!(glass.physical().encloses_body());
+    }
+
+    #[test]
+    fn plain_surfaces_stay_plain() {
+        assert!(matches!(surface(0.5, 0.5).physical(), Physical::MetallicRoughness { .. }));
+        let coated = Surface { coat: Value::constant(0.5), ..surface(0.5, 0.5) };
+        assert!(matches!(coated.physical(), Physical::Layered(_)));
+    }
+
+    #[test]
+    fn specular_glossiness_as_one_colour() {
+        let of = |diffuse: f64, specular: Rgb, glossiness: f64| {
+            let (color, glossiness) = (Tint::plain(Rgb::gray(diffuse)), Value::constant(glossiness));
+            let specular_tint = Tint::plain(specular);
+            let base = Base::SpecularGlossiness {
+                color,
+                diffuse: color,
+                specular: specular_tint,
+                glossiness,
+                mean_specular: specular,
+            };
+            Surface { base, ..Surface::default() }.plain()
+        };
+        let (color, metallic, roughness) = of(0.5, Rgb::gray(0.04), 0.75);
+        assert_eq!((color.colour, metallic, roughness), (Rgb::gray(0.5), 0.0, 0.25));
+        let gold = of(0.0, Rgb::new(1.0, 0.8, 0.3), 1.0);
+        assert_eq!((gold.1, gold.0.colour), (1.0, Rgb::new(1.0, 0.8, 0.3)));
     }
 }

@@ -13,9 +13,11 @@ mod accessor;
 mod appearance;
 mod buffers;
 mod container;
+mod description;
 mod document;
 mod material;
 mod primitive;
+mod textures;
 mod tree;
 
 use std::{
@@ -97,8 +99,9 @@ impl Meshes<'_> {
     ) -> Result<Option<(MeshId, MaterialId)>, LoadError> {
         let path = self.buffers.path();
         let warning = |message: &str| Warning { place: place.to_owned(), message: message.to_owned() };
-        let material = self.appearance.material(&primitive.material(), model)?;
-        let data = match primitive::read(primitive, material.uv_source, self.buffers, place)? {
+        let has_colors = primitive.get(&gltf::Semantic::Colors(0)).is_some();
+        let material = self.appearance.material(&primitive.material(), has_colors, model)?;
+        let data = match primitive::read(primitive, &material.wants, self.buffers, place)? {
             Content::Triangles(data, notes) => {
                 model.warnings.extend(notes.into_iter().map(warning));
                 data
@@ -210,8 +213,10 @@ mod tests {
                     "extensions": {{"KHR_texture_transform": {{"scale": [2, 1], "offset": [0.5, 0]}}}}}}}}}}]"#
         );
         let model = load_with(&textured, &rest).expect("a model");
-        assert_eq!(model.meshes[0].mesh.data().uvs, [[0.5, 0.0], [2.5, 0.0], [2.5, 1.0], [0.5, 1.0]]);
-        let rt_shading::Texture::Image { bitmap, wrap, smooth } = &model.textures[0] else { panic!("an image") };
+        assert_eq!(model.meshes[0].mesh.data().uvs, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+        let rt_shading::Texture::Mapped { texture, map } = &model.textures[0] else { panic!("mapped") };
+        assert_eq!((map.rows, map.is_second), ([[2.0, 0.0, 0.5], [0.0, 1.0, 0.0]], false));
+        let rt_shading::Texture::Image { bitmap, wrap, smooth } = &**texture else { panic!("an image") };
         assert_eq!((bitmap.pixels[0], *smooth), ([1.0, 0.0, 0.0], false));
         assert_eq!(*wrap, [rt_shading::Wrap::Clamp, rt_shading::Wrap::Repeat]);
         assert!(matches!(model.materials[0].phong.diffuse, Coefficient::Textured(_, Rgb::WHITE)));

@@ -1,12 +1,8 @@
 //! Primitives of meshes as arrays of triangles.
 
-use gltf::{
-    Primitive, Semantic,
-    mesh::Mode,
-    texture::{Info, TextureTransform},
-};
+use gltf::{Primitive, Semantic, mesh::Mode};
 use rt_geometry::{MeshData, fan, strip};
-use rt_math::{Vec3, transcendental::sincos};
+use rt_math::Vec3;
 
 use super::{
     accessor::{read_indices, read_vectors},
@@ -14,38 +10,15 @@ use super::{
 };
 use crate::{LoadError, Reason};
 
-/// Where a material's textures are read: a set of texture coordinates, and a map applied to it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct UvSource {
-    set: u32,
-    offset: [f32; 2],
-    rotation: f32,
-    scale: [f32; 2],
-}
-
-impl UvSource {
-    /// The source of one texture, with KHR_texture_transform.
-    pub(super) fn of(texture: &Info<'_>) -> Self {
-        let transform = texture.texture_transform();
-        let (offset, rotation, scale) =
-            transform.as_ref().map_or(([0.0; 2], 0.0, [1.0; 2]), |t| (t.offset(), t.rotation(), t.scale()));
-        let set = transform.as_ref().and_then(TextureTransform::tex_coord).unwrap_or_else(|| texture.tex_coord());
-        Self { set, offset, rotation, scale }
-    }
-
-    /// Maps coordinates of the file, with v downwards, to ours, with v upwards: first the scale, then the rotation,
-    /// counter-clockwise as seen in the image, then the offset.
-    fn map(&self, uvs: &[[f32; 2]]) -> Vec<[f32; 2]> {
-        let (sin, cos) = sincos(f64::from(self.rotation));
-        let [scale_u, scale_v] = self.scale.map(f64::from);
-        let [offset_u, offset_v] = self.offset.map(f64::from);
-        let map = |uv: &[f32; 2]| {
-            let (u, v) = (f64::from(uv[0]) * scale_u, f64::from(uv[1]) * scale_v);
-            let (u, v) = (cos * u + sin * v + offset_u, cos * v - sin * u + offset_v);
-            [u as f32, (1.0 - v) as f32]
-        };
-        uvs.iter().map(map).collect()
-    }
+/// What a material asks of the meshes that have it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Wants {
+    /// Which of the document's sets of texture coordinates the first and the second of a mesh hold; `None` for neither.
+    pub(super) uv_sets: [Option<u32>; 2],
+    /// Whether it shows the colours of vertices.
+    pub(super) colors: bool,
+    /// Whether it has a map that is laid along tangents.
+    pub(super) tangents: bool,
 }
 
 /// What a primitive holds.
@@ -56,10 +29,10 @@ pub(super) enum Content {
     NoSurface,
 }
 
-/// Reads the arrays of a primitive; texture coordinates only if a texture asks for them.
+/// Reads the arrays of a primitive that its material wants.
 pub(super) fn read(
     primitive: &Primitive<'_>,
-    uv_source: Option<UvSource>,
+    wants: &Wants,
     buffers: &Buffers<'_>,
     place: &str,
 ) -> Result<Content, LoadError> {
@@ -74,16 +47,19 @@ pub(super) fn read(
         Some(accessor) => read_vectors::<3>(&accessor, buffers)?.into_iter().map(Vec3::from).collect(),
         None => Vec::new(),
     };
-    let uvs = match uv_source {
-        Some(source) => match primitive.get(&Semantic::TexCoords(source.set)) {
-            Some(accessor) => source.map(&read_vectors::<2>(&accessor, buffers)?),
+    let [uvs, second_uvs] = wants.uv_sets.map(|set| match set {
+        Some(set) => match primitive.get(&Semantic::TexCoords(set)) {
+            Some(accessor) => {
+                Ok(read_vectors::<2>(&accessor, buffers)?.into_iter().map(|[u, v]| [u, 1.0 - v]).collect())
+            }
             None => {
                 notes.push("its texture reads coordinates that the mesh does not have: one point is used everywhere");
-                Vec::new()
+                Ok(Vec::new())
             }
         },
-        None => Vec::new(),
-    };
+        None => Ok(Vec::new()),
+    });
+    let (uvs, second_uvs) = (uvs?, second_uvs?);
     let order = match primitive.indices() {
         Some(accessor) => read_indices(&accessor, buffers)?,
         None => (0..u32::try_from(positions.len()).unwrap_or(u32::MAX)).collect(),
@@ -98,7 +74,7 @@ pub(super) fn read(
         notes.push("morph targets are not followed");
     }
     let triangles = assemble(primitive.mode(), &order);
-    Ok(Content::Triangles(MeshData { positions, triangles, normals, uvs }, notes))
+    Ok(Content::Triangles(MeshData { positions, triangles, normals, uvs, second_uvs, ..MeshData::default() }, notes))
 }
 
 /// Triangles from a list of vertices (glTF 2.0, section 3.7.2.1). All keep the orientation of the first.
@@ -114,7 +90,6 @@ fn assemble(mode: Mode, order: &[u32]) -> Vec<[u32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f32::consts::FRAC_PI_2;
 
     #[test]
     fn strips_and_fans_keep_their_orientation() {
@@ -124,15 +99,5 @@ mod tests {
         for mode in [Mode::TriangleStrip, Mode::TriangleFan, Mode::Triangles, Mode::Points] {
             assert_eq!(assemble(mode, &[]), [[0; 3]; 0]);
         }
-    }
-
-    #[test]
-    fn texture_coordinates_are_scaled_turned_moved_and_flipped() {
-        let source = UvSource { set: 0, offset: [0.5, 0.25], rotation: FRAC_PI_2, scale: [2.0, 4.0] };
-        // (1, 0) · scale = (2, 0); a quarter turn counter-clockwise, with v downwards, takes it to (0, −2).
-        let [u, v] = source.map(&[[1.0, 0.0]])[0];
-        assert!((u - 0.5).abs() < 1e-6 && (v - 2.75).abs() < 1e-6, "{u} {v}");
-        let plain = UvSource { set: 0, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2] };
-        assert_eq!(plain.map(&[[0.25, 0.25]]), [[0.25, 0.75]]);
     }
 }

@@ -3,6 +3,7 @@
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use rt_shading::{Material, Phong, Texture, TextureId, Wrap};
@@ -166,7 +167,7 @@ impl<'a> Library<'a> {
         let bitmap = read_texture(&key.0).map_err(|reason| reason.at(&key.0, ""))?;
         let id = TextureId(model.textures.len() as u32);
         let wrap = [if map.clamp { Wrap::Clamp } else { Wrap::Repeat }; 2];
-        model.textures.push(Texture::Image { bitmap, wrap, smooth: true });
+        model.textures.push(Texture::Image { bitmap: Arc::new(bitmap), wrap, smooth: true });
         self.textures.insert(key, id);
         Ok(Some(id))
     }

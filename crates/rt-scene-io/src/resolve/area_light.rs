@@ -51,7 +51,7 @@ fn lamp(name: &str, radiance: Rgb, shines: Sides) -> Material {
     let zero = Coefficient::ZERO;
     let emission = Coefficient::Constant(radiance);
     let phong = Phong { ambient: zero, diffuse: zero, emission, ..Phong::default() };
-    Material { name: name.to_owned(), phong, physical: Some(Physical::Black), shines }
+    Material { physical: Some(Physical::Black), shines, ..Material::new(name.to_owned(), phong) }
 }
 
 /// Shape and place of a light. What is wrong is reported.

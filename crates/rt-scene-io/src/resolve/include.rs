@@ -2,10 +2,8 @@
 
 use std::collections::HashMap;
 
-use rt_shading::{Coefficient, Physical, TextureId};
-
 use super::node::Objects;
-use crate::{Content, LoadError, Material, MaterialId, MeshId, Model, Node, load_model, resolve_path};
+use crate::{Content, LoadError, MaterialId, MeshId, Model, Node, load_model, resolve_path};
 
 /// Model files by reference, each loaded once.
 #[derive(Default)]
@@ -60,8 +58,8 @@ impl Objects<'_> {
         self.meshes.extend(model.meshes);
         self.textures.list.extend(model.textures);
         let mut ids = Vec::with_capacity(model.materials.len());
-        for material in model.materials {
-            let material = with_textures_from(first_texture, material);
+        for mut material in model.materials {
+            material.count_textures_from(first_texture);
             ids.push(self.materials.add_of_model(material, &mut self.textures, &mut self.report));
         }
         let mut nodes = model.nodes;
@@ -91,19 +89,4 @@ fn for_each_node(nodes: &mut [Node], change: &mut impl FnMut(&mut Node)) {
         change(node);
         for_each_node(&mut node.children, change);
     }
-}
-
-/// The material with the ids of its textures counted from `first`.
-fn with_textures_from(first: u32, mut material: Material) -> Material {
-    let phong = &mut material.phong;
-    let of_transmission = phong.transmission.as_mut().map(|transmission| &mut transmission.coefficient);
-    let coefficients =
-        [&mut phong.ambient, &mut phong.diffuse, &mut phong.specular, &mut phong.emission, &mut phong.mirror];
-    let of_physical = material.physical.as_mut().map(Physical::coefficients_mut).unwrap_or_default();
-    for coefficient in coefficients.into_iter().chain(of_transmission).chain(of_physical) {
-        if let Coefficient::Textured(TextureId(id), _) = coefficient {
-            *id += first;
-        }
-    }
-    material
 }

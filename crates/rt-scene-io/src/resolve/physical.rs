@@ -49,7 +49,7 @@ impl PhysicalReader<'_, '_> {
     /// The material of this name; `None` if something in it is wrong, which is reported.
     pub(super) fn material(&mut self, name: &str, definition: &format::Material) -> Option<Material> {
         let Surface { phong, physical, shines } = self.surface(&format!("materials[\"{name}\"]"), definition)?;
-        Some(Material { name: name.to_owned(), phong, physical: Some(physical), shines })
+        Some(Material { physical: Some(physical), shines, ..Material::new(name.to_owned(), phong) })
     }
 
     fn surface(&mut self, path: &str, definition: &format::Material) -> Option<Surface> {

@@ -44,8 +44,8 @@ pub(super) fn solid(shape: &format::Shape, place: &str, warnings: &mut Vec<Warni
             return mesh(MeshData {
                 positions: [*a, *b, *c, *d].map(Into::into).to_vec(),
                 triangles: vec![[0, 1, 2], [0, 2, 3]],
-                normals: Vec::new(),
                 uvs: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+                ..MeshData::default()
             });
         }
         format::Shape::Polygon { points, holes, rule } => Shape::Polygon(Arc::new(polygon(points, holes, *rule)?)),

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use rt_math::Rgb;
 use rt_shading::{Coefficient, Texture, TextureId, Wrap};
@@ -59,7 +60,7 @@ impl<'a> Textures<'a> {
             format::Wrap::Mirror => Wrap::Mirror,
             format::Wrap::Clamp => Wrap::Clamp,
         };
-        let id = self.add(Texture::Image { bitmap, wrap: [beyond; 2], smooth });
+        let id = self.add(Texture::Image { bitmap: Arc::new(bitmap), wrap: [beyond; 2], smooth });
         self.images.insert(key, id);
         Ok(id)
     }

@@ -16,8 +16,10 @@ use rt_math::{DVec3, transcendental};
 /// and for tiny α.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ggx {
-    /// α: the slope of a typical facet, at least [`Ggx::SMOOTHEST`].
+    /// α: the slope of a typical facet, at least [`Ggx::SMOOTHEST`], along y.
     alpha: f64,
+    /// The same along x, where α stands for either of them by its direction.
+    along_x: f64,
 }
 
 impl Ggx {
@@ -30,10 +32,18 @@ impl Ggx {
     pub fn from_roughness(roughness: f64) -> Option<Self> {
         let roughness = roughness.min(1.0);
         let alpha = roughness * roughness;
-        (roughness > 0.0 && alpha >= Self::SMOOTHEST).then_some(Self { alpha })
+        (roughness > 0.0 && alpha >= Self::SMOOTHEST).then_some(Self { alpha, along_x: alpha })
     }
 
-    /// The slope α.
+    /// The distribution of this roughness, of which the slope along x grows with `anisotropy` in \[0, 1\] to 1
+    /// (KHR_materials_anisotropy).
+    pub fn stretched_along_x(roughness: f64, anisotropy: f64) -> Option<Self> {
+        let even = Self::from_roughness(roughness)?;
+        let strength = anisotropy.clamp(0.0, 1.0);
+        Some(Self { along_x: even.alpha + (1.0 - even.alpha) * (strength * strength), ..even })
+    }
+
+    /// The lesser slope α.
     pub fn alpha(&self) -> f64 {
         self.alpha
     }
@@ -44,13 +54,21 @@ impl Ggx {
             return 0.0;
         }
         let alpha2 = self.alpha * self.alpha;
-        let q = m.z * m.z + (m.x * m.x + m.y * m.y) / alpha2;
-        1.0 / (PI * alpha2 * q * q)
+        if self.along_x == self.alpha {
+            let q = m.z * m.z + (m.x * m.x + m.y * m.y) / alpha2;
+            return 1.0 / (PI * alpha2 * q * q);
+        }
+        let q = m.z * m.z + m.x * m.x / (self.along_x * self.along_x) + m.y * m.y / alpha2;
+        1.0 / (PI * self.alpha * self.along_x * q * q)
     }
 
     /// S(w), the length of `w` on the surface stretched by α.
     pub fn stretched(&self, w: DVec3) -> f64 {
-        (w.z * w.z + self.alpha * self.alpha * (w.x * w.x + w.y * w.y)).sqrt()
+        let alpha2 = self.alpha * self.alpha;
+        if self.along_x == self.alpha {
+            return (w.z * w.z + alpha2 * (w.x * w.x + w.y * w.y)).sqrt();
+        }
+        (w.z * w.z + self.along_x * self.along_x * (w.x * w.x) + alpha2 * (w.y * w.y)).sqrt()
     }
 
     /// G₁(w): the part of the facets that is seen from `w`.
@@ -66,13 +84,13 @@ impl Ggx {
     /// A normal that is seen from `wo` (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", 2023).
     pub fn sample(&self, wo: DVec3, u: [f64; 2]) -> DVec3 {
         // On the stretched surface, facets are those of a hemisphere, and a half of what these reflect is a cap.
-        let wo = DVec3::new(self.alpha * wo.x, self.alpha * wo.y, wo.z).normalize_or(DVec3::Z);
+        let wo = DVec3::new(self.along_x * wo.x, self.alpha * wo.y, wo.z).normalize_or(DVec3::Z);
         let height = (1.0 - u[1]) * (1.0 + wo.z);
         let z = height - wo.z;
         let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
         let (sin_phi, cos_phi) = transcendental::sincos(TAU * u[0]);
         let half = DVec3::new(sin * cos_phi + wo.x, sin * sin_phi + wo.y, height);
-        DVec3::new(self.alpha * half.x, self.alpha * half.y, half.z).normalize_or(DVec3::Z)
+        DVec3::new(self.along_x * half.x, self.alpha * half.y, half.z).normalize_or(DVec3::Z)
     }
 
     /// D·G₂ / (4 cos cos): the BRDF of perfectly reflecting facets for two directions of which `m` is the half vector.

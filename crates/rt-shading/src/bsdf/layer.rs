@@ -20,7 +20,13 @@ struct Layer {
     mean: [f64; ROUGHNESSES],
 }
 
-static LAYER: LazyLock<Layer> = LazyLock::new(Layer::measure);
+static LAYER: LazyLock<Layer> = LazyLock::new(|| Layer::measure(super::metallic_roughness::dielectric_fresnel));
+
+/// Facets that reflect all light.
+static FACETS: LazyLock<Layer> = LazyLock::new(|| Layer::measure(|_| 1.0));
+
+/// Reflectance along the normal of the layer in the table.
+const F0: f64 = 0.04;
 
 /// The layer of roughness `roughness`: between two rows of the table.
 pub(super) struct LayerOf {
@@ -37,15 +43,40 @@ impl LayerOf {
 
     /// Part of the light under the angle of the cosine that is reflected: E.
     pub(super) fn reflects(&self, cos: f64) -> f64 {
-        let (column, fraction) = place(cos, COSINES);
-        let along = |row: usize| between(LAYER.albedo[row][column], LAYER.albedo[row][column + 1], fraction);
-        between(along(self.row), along(self.row + 1), self.fraction)
+        self.directional(&LAYER, cos)
     }
 
     /// Part of light from everywhere that is reflected: Ē.
     pub(super) fn reflects_on_average(&self) -> f64 {
-        between(LAYER.mean[self.row], LAYER.mean[self.row + 1], self.fraction)
+        self.mean(&LAYER)
     }
+
+    /// E of facets with other Fresnel terms f0 + (f90 − f0)(1 − cos)⁵: it is f0 times the first number and f90 times the
+    /// second.
+    pub(super) fn reflects_split(&self, cos: f64) -> [f64; 2] {
+        split(self.reflects(cos), self.directional(&FACETS, cos))
+    }
+
+    /// Ē in the same parts.
+    pub(super) fn reflects_split_on_average(&self) -> [f64; 2] {
+        split(self.reflects_on_average(), self.mean(&FACETS))
+    }
+
+    fn directional(&self, table: &Layer, cos: f64) -> f64 {
+        let (column, fraction) = place(cos, COSINES);
+        let along = |row: usize| between(table.albedo[row][column], table.albedo[row][column + 1], fraction);
+        between(along(self.row), along(self.row + 1), self.fraction)
+    }
+
+    fn mean(&self, table: &Layer) -> f64 {
+        between(table.mean[self.row], table.mean[self.row + 1], self.fraction)
+    }
+}
+
+/// What reflects `layer` with f0 = 0.04 and f90 = 1, and `whole` with both 1, in the parts of f0 and f90.
+fn split(layer: f64, whole: f64) -> [f64; 2] {
+    let along = (whole - layer) / (1.0 - F0);
+    [along, whole - along]
 }
 
 /// The entry at or below `x`, taken for the nearer end of \[0, 1\], NaN for 0, and the way to the next.
@@ -68,10 +99,10 @@ fn between(a: f64, b: f64, fraction: f64) -> f64 {
 }
 
 impl Layer {
-    fn measure() -> Self {
+    fn measure(fresnel: impl Fn(f64) -> f64) -> Self {
         let albedo: [[f64; COSINES]; ROUGHNESSES] = core::array::from_fn(|row| {
             let roughness = entry(row, ROUGHNESSES);
-            core::array::from_fn(|column| directional_albedo(entry(column, COSINES), roughness))
+            core::array::from_fn(|column| directional_albedo(entry(column, COSINES), roughness, &fresnel))
         });
         // ∫ E · 2 cos d cos, where E is a line a + b · cos between two entries.
         let mean = albedo.map(|row| {
@@ -89,9 +120,9 @@ impl Layer {
 }
 
 /// ∫ f cos dω: the mean of the weights of well-spread samples.
-fn directional_albedo(cos: f64, roughness: f64) -> f64 {
+fn directional_albedo(cos: f64, roughness: f64, fresnel: impl Fn(f64) -> f64) -> f64 {
     let Some(facets) = Ggx::from_roughness(roughness) else {
-        return super::metallic_roughness::dielectric_fresnel(cos);
+        return fresnel(cos);
     };
     // In the plane of the surface itself there is nothing to see.
     let cos = cos.max(1e-6);
@@ -103,8 +134,7 @@ fn directional_albedo(cos: f64, roughness: f64) -> f64 {
         if !(wi.z > 0.0) {
             return 0.0;
         }
-        let fresnel = super::metallic_roughness::dielectric_fresnel(wo.dot(m));
-        fresnel * facets.reflection(wo, wi, m) * wi.z / facets.reflection_pdf(wo, m)
+        fresnel(wo.dot(m)) * facets.reflection(wo, wi, m) * wi.z / facets.reflection_pdf(wo, m)
     };
     (0..NUMBERS * NUMBERS).map(weight).sum::<f64>() / (NUMBERS * NUMBERS) as f64
 }

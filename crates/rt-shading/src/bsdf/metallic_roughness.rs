@@ -163,7 +163,7 @@ pub(super) fn dielectric_fresnel(cos: f64) -> f64 {
 }
 
 /// (1 − cos)⁵.
-fn schlick_weight(cos: f64) -> f64 {
+pub(super) fn schlick_weight(cos: f64) -> f64 {
     let x = 1.0 - cos.clamp(0.0, 1.0);
     x * x * x * x * x
 }

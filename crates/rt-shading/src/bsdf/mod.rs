@@ -44,6 +44,7 @@
 //! | [`Dielectric`] | F·D·G / (4 cos cos), and Snell's law at each facet | Walter et al. 2007 |
 //! | [`Conductor`] | F·D·G / (4 cos cos) with a complex index | Cook, Torrance 1982; Heitz 2018 |
 //! | [`MetallicRoughness`] | a diffuse base under a layer of dielectric, mixed with metal | glTF 2.0, appendix B; Kulla, Conty 2017 |
+//! | [`Layered`] | the same under a coat, a [`Sheen`], and as a pane | extensions of glTF 2.0 |
 //! | [`Mix`] | Σ weight · f | |
 
 mod conductor;
@@ -51,13 +52,16 @@ mod dielectric;
 mod ggx;
 mod lambert;
 mod layer;
+mod layered;
 mod lobe;
 mod metallic_roughness;
 mod mirror;
 mod mix;
 mod oren_nayar;
 mod phong;
+mod prism;
 mod refraction;
+mod sheen;
 mod side;
 #[cfg(test)]
 mod tests;
@@ -68,13 +72,16 @@ pub use dielectric::Dielectric;
 pub use ggx::Ggx;
 pub use lambert::Lambert;
 pub(crate) use lambert::cosine_hemisphere;
+pub use layered::Layered;
 pub use lobe::Lobe;
 pub use metallic_roughness::{Coupling, MetallicRoughness};
 pub use mirror::Mirror;
 pub use mix::{MAX_LOBES, Mix, MixError};
 pub use oren_nayar::OrenNayar;
 pub use phong::PhongLobe;
+pub use prism::Prism;
 pub use refraction::Refraction;
+pub use sheen::Sheen;
 pub use thin_glass::ThinGlass;
 
 use rt_math::{DVec3, Rgb};
@@ -141,11 +148,19 @@ pub enum Bsdf {
     Single(Lobe),
     /// Several models at once.
     Mix(Mix),
+    /// A base under layers.
+    Layered(Layered),
 }
 
 impl<T: Into<Lobe>> From<T> for Bsdf {
     fn from(model: T) -> Self {
         Self::Single(model.into())
+    }
+}
+
+impl From<Layered> for Bsdf {
+    fn from(layered: Layered) -> Self {
+        Self::Layered(layered)
     }
 }
 
@@ -162,6 +177,7 @@ impl Bsdf {
         match self {
             Self::Single(lobe) => lobe.eval(wo, wi),
             Self::Mix(mix) => mix.eval(wo, wi),
+            Self::Layered(layered) => layered.eval(wo, wi),
         }
     }
 
@@ -171,6 +187,7 @@ impl Bsdf {
         match self {
             Self::Single(lobe) => lobe.pdf(wo, wi),
             Self::Mix(mix) => mix.pdf(wo, wi),
+            Self::Layered(layered) => layered.pdf(wo, wi),
         }
     }
 
@@ -180,6 +197,7 @@ impl Bsdf {
         match self {
             Self::Single(lobe) => lobe.sample(wo, u),
             Self::Mix(mix) => mix.sample(wo, u),
+            Self::Layered(layered) => layered.sample(wo, u),
         }
     }
 
@@ -196,6 +214,7 @@ impl Bsdf {
         match self {
             Self::Single(lobe) => (!lobe.is_diffuse()).then_some(*self),
             Self::Mix(mix) => mix.without_diffuse().map(Self::Mix),
+            Self::Layered(_) => Some(*self),
         }
     }
 
@@ -205,6 +224,7 @@ impl Bsdf {
         match self {
             Self::Single(lobe) => lobe.is_delta(),
             Self::Mix(mix) => mix.lobes().iter().all(|(_, lobe)| lobe.is_delta()),
+            Self::Layered(layered) => layered.is_delta(),
         }
     }
 
@@ -212,7 +232,7 @@ impl Bsdf {
     pub fn chooses(&self) -> bool {
         match self {
             Self::Single(lobe) => lobe.chooses(),
-            Self::Mix(_) => true,
+            Self::Mix(_) | Self::Layered(_) => true,
         }
     }
 
@@ -221,6 +241,7 @@ impl Bsdf {
         match self {
             Self::Single(lobe) => lobe.transmits(),
             Self::Mix(mix) => mix.lobes().iter().any(|(_, lobe)| lobe.transmits()),
+            Self::Layered(layered) => layered.transmits(),
         }
     }
 }

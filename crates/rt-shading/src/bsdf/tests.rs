@@ -79,6 +79,31 @@ pub(super) fn layers() -> Mix {
         .expect("a sound mix")
 }
 
+/// Metal, brushed across an axis that is not one of the coordinates.
+pub(super) fn brushed() -> Layered {
+    let (diffuse, f0, axis) = (Rgb::BLACK, Rgb::new(1.0, 0.8, 0.3), [0.6, 0.8]);
+    Layered { diffuse, f0, roughness: 0.3, anisotropy: 0.7, axis, ..Layered::PLASTIC }
+}
+
+pub(super) fn cloth() -> Layered {
+    let sheen = Some(Sheen { color: Rgb::new(0.9, 0.8, 1.0), roughness: 0.4 });
+    Layered { sheen, ..Layered::PLASTIC }
+}
+
+fn prism(iors: [f64; 3], roughness: f64) -> Prism {
+    Prism { iors, roughness, transmittance: Rgb::WHITE }
+}
+
+/// Half of what enters passes, in a colour.
+pub(super) fn tinted_pane(roughness: f64) -> Layered {
+    Layered { diffuse: Rgb::gray(0.5), passing: Rgb::new(0.5, 0.4, 0.1), roughness, ..Layered::PLASTIC }
+}
+
+/// True if channels have indices of their own: rough ones scatter to one direction with as many factors of n².
+pub(super) fn disperses(bsdf: &Bsdf) -> bool {
+    matches!(bsdf, Bsdf::Layered(Layered { glass: Some((_, glass)), .. }) if !glass.is_plain())
+}
+
 /// One of each model, and rough ones smooth to rough. White where that is possible: that is where energy shows.
 pub(super) fn surfaces() -> Vec<Surface> {
     let tinted = Dielectric {
@@ -116,5 +141,16 @@ pub(super) fn surfaces() -> Vec<Surface> {
         surface("pane", pane()),
         surface("mix", blend()),
         surface("layers", layers()),
+        surface("layered .3", Layered { roughness: 0.3, ..Layered::PLASTIC }),
+        surface("layered smooth", Layered { roughness: 0.0, ..Layered::PLASTIC }),
+        surface("brushed", brushed()),
+        surface("cloth", cloth()),
+        surface("varnish", Layered { coat: 1.0, ..cloth() }),
+        surface("rough varnish", Layered { coat: 0.7, coat_roughness: 0.4, ..brushed() }),
+        surface("tinted pane .3", tinted_pane(0.3)),
+        surface("tinted pane", tinted_pane(0.0)),
+        surface("half glass", Layered { glass: Some((0.5, prism([1.5; 3], 0.0))), roughness: 0.2, ..Layered::PLASTIC }),
+        surface("prism", Layered { glass: Some((1.0, prism([1.4, 1.5, 1.7], 0.0))), ..Layered::PLASTIC }),
+        surface("prism .4", Layered { glass: Some((0.8, prism([1.4, 1.5, 1.7], 0.4))), ..cloth() }),
     ]
 }

@@ -96,7 +96,7 @@ impl CylinderLight {
     pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<EmitterPoint> {
         let ray = Ray::new(point, direction);
         let hit = self.placed.intersect(&ray, Interval::SPAWNED)?;
-        let surface = self.placed.surface(&ray, &hit, SurfaceNeeds { uv: false, shading_normal: false });
+        let surface = self.placed.surface(&ray, &hit, SurfaceNeeds::NONE);
         Some(EmitterPoint { point: surface.point, normal: surface.geometric_normal, triangle: 0 })
     }
 

@@ -39,14 +39,8 @@ fn departure(at: &EmitterPoint, emission: &Emission, side: f64, area: f64, exten
     let is_behind = emission.sides() == Sides::Both && side >= 0.5;
     let sides = if emission.sides() == Sides::Both { 2.0 } else { 1.0 };
     let normal = if is_behind { -at.normal } else { at.normal };
-    let surface = SurfaceInteraction {
-        point: at.point,
-        point_error: (at.point.abs() + DVec3::splat(extent)) * gamma(16),
-        shadow_point: at.point,
-        geometric_normal: normal,
-        shading_normal: normal,
-        uv: [0.0; 2],
-    };
+    let point_error = (at.point.abs() + DVec3::splat(extent)) * gamma(16);
+    let surface = SurfaceInteraction::flat(at.point, point_error, normal, [0.0; 2]);
     Departure { surface, radiance: emission.radiance(), pdf: 1.0 / (sides * area) }
 }
 

@@ -18,14 +18,7 @@ fn materials(priorities: &[i32]) -> Vec<Material> {
 }
 
 fn hit(object: u32, material: u32) -> SurfaceHit {
-    let interaction = SurfaceInteraction {
-        point: DVec3::ZERO,
-        point_error: DVec3::ZERO,
-        shadow_point: DVec3::ZERO,
-        geometric_normal: DVec3::Y,
-        shading_normal: DVec3::Y,
-        uv: [0.0; 2],
-    };
+    let interaction = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Y, [0.0; 2]);
     SurfaceHit { t: 1.0, interaction, object, material, emitter: None }
 }
 

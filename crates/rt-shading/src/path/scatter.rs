@@ -48,7 +48,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             path.course.absorb(materials, crossing.as_ref(), hit.t, length, &mut path.weight);
         }
         if self.needs.emission {
-            let emitted = material.emission(&lighting.appearance.textures, hit.interaction.uv, is_inside);
+            let emitted = material.emission(&lighting.appearance.textures, &hit.interaction, is_inside);
             let is_left_out = follows == Follows::AllButCaustics && path.is_caustic_of(hit);
             if !emitted.is_black() && !is_left_out {
                 seen.radiance += path.weight * emitted * emitter_weight(lighting, path, hit);
@@ -63,7 +63,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let vertex = Vertex::new(view, &bsdf, ray.time);
         let vertex = if let Some(part) = &part { vertex.following(part.as_ref()) } else { vertex };
         if follows == Follows::Reflections && self.needs.ambient {
-            let ambient = material.phong.ambient.at(&lighting.appearance.textures, vertex.view.surface.uv);
+            let ambient = material.ambient(&lighting.appearance.textures, vertex.view.surface);
             seen.radiance += path.weight * ambient * lighting.appearance.ambient;
         }
         self.draw_lights(lighting, id, &vertex, seen);

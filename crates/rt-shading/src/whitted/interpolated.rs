@@ -21,12 +21,8 @@ impl Tracer for Facet {
         }
         self.met = true;
         let interaction = SurfaceInteraction {
-            point: DVec3::ZERO,
-            point_error: DVec3::splat(1e-12),
-            shadow_point: DVec3::ZERO,
-            geometric_normal: DVec3::Y,
             shading_normal: self.shading_normal,
-            uv: [0.0; 2],
+            ..SurfaceInteraction::flat(DVec3::ZERO, DVec3::splat(1e-12), DVec3::Y, [0.0; 2])
         };
         Some(SurfaceHit { t: 1.0, interaction, object: 0, material: 0, emitter: None })
     }

@@ -383,14 +383,7 @@ fn a_ray_through_endlessly_many_surfaces_ends() {
             self.0 += 1;
             let t = span.min.floor() + 1.0;
             let (point, normal) = (ray.at(t), if self.0.is_multiple_of(2) { DVec3::Z } else { DVec3::NEG_Z });
-            let interaction = rt_geometry::SurfaceInteraction {
-                point,
-                point_error: DVec3::ZERO,
-                shadow_point: point,
-                geometric_normal: normal,
-                shading_normal: normal,
-                uv: [0.0; 2],
-            };
+            let interaction = rt_geometry::SurfaceInteraction::flat(point, DVec3::ZERO, normal, [0.0; 2]);
             Some(SurfaceHit { t, interaction, object: 0, material: 0, emitter: None })
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {

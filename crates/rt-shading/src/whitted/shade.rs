@@ -95,13 +95,13 @@ impl Whitted {
         let textures = &appearance.textures;
         let mut radiance = Rgb::BLACK;
         if self.needs.emission {
-            radiance += material.emission(textures, surface.uv, view.is_inside);
+            radiance += material.emission(textures, surface, view.is_inside);
         }
         if self.needs.ambient {
-            radiance += phong.ambient.at(textures, surface.uv) * appearance.ambient;
+            radiance += material.ambient(textures, surface) * appearance.ambient;
         }
-        let diffuse = phong.diffuse.at(textures, surface.uv);
-        let specular = if self.needs.highlights { phong.specular.at(textures, surface.uv) } else { Rgb::BLACK };
+        let diffuse = phong.diffuse.at(textures, surface);
+        let specular = if self.needs.highlights { phong.specular.at(textures, surface) } else { Rgb::BLACK };
         let shadow_rays = surface.shadow_rays(view.is_inside);
         for (number, light) in appearance.lights.iter().enumerate() {
             let lit = light.illuminate(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
@@ -157,7 +157,7 @@ impl Whitted {
                     if crossing.is_null() { 0.0 } else { optics::fresnel(-view.direction.dot(view.normal), eta) };
             }
             let passed_part = if transmission.fresnel { 1.0 - reflected_part } else { 1.0 };
-            let weight = path.weight * transmission.coefficient.at(textures, surface.uv) * passed_part;
+            let weight = path.weight * transmission.coefficient.at(textures, surface) * passed_part;
             if self.matters(weight) {
                 let direction = if crossing.is_null() { Some(view.direction) } else { view.refracted(eta) };
                 refracted = direction.map(|direction| (crossing, direction, bounced(weight)));
@@ -165,7 +165,7 @@ impl Whitted {
         }
         let mirrored = self.needs.reflection.then(|| {
             self.counts.mirrors += 1;
-            path.weight * phong.mirror.at(textures, surface.uv) * reflected_part
+            path.weight * phong.mirror.at(textures, surface) * reflected_part
         });
         let mirrored = mirrored.filter(|weight| self.matters(*weight));
         let sample = &mut self.samples[path.sample as usize];

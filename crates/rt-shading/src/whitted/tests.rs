@@ -29,14 +29,7 @@ impl Tracer for Echo {
         let against = -ray.direction.normalize();
         let normal = if kind == RayKind::Refraction { -against } else { against };
         let point = ray.at(2.0 / ray.direction.length());
-        let interaction = SurfaceInteraction {
-            point,
-            point_error: DVec3::ZERO,
-            shadow_point: point,
-            geometric_normal: normal,
-            shading_normal: normal,
-            uv: [0.0; 2],
-        };
+        let interaction = SurfaceInteraction::flat(point, DVec3::ZERO, normal, [0.0; 2]);
         Some(SurfaceHit { t: 2.0 / ray.direction.length(), interaction, object: 0, material: 0, emitter: None })
     }
 
@@ -165,14 +158,7 @@ fn what_stands_inside_glass_is_seen_through_it() {
                 _ => return None,
             };
             let point = ray.at(2.0);
-            let interaction = SurfaceInteraction {
-                point,
-                point_error: DVec3::ZERO,
-                shadow_point: point,
-                geometric_normal: normal,
-                shading_normal: normal,
-                uv: [0.0; 2],
-            };
+            let interaction = SurfaceInteraction::flat(point, DVec3::ZERO, normal, [0.0; 2]);
             Some(SurfaceHit { t: 2.0, interaction, object: 0, material, emitter: None })
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
@@ -196,14 +182,7 @@ fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
         fn closest(&mut self, _: &Ray, _: Interval, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
             self.0 += 1;
             let normal = DVec3::new(0.8, 0.0, 0.6);
-            let interaction = SurfaceInteraction {
-                point: DVec3::ZERO,
-                point_error: DVec3::ZERO,
-                shadow_point: DVec3::ZERO,
-                geometric_normal: normal,
-                shading_normal: normal,
-                uv: [0.0; 2],
-            };
+            let interaction = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, normal, [0.0; 2]);
             (self.0 == 1).then_some(SurfaceHit { t: 1.0, interaction, object: 0, material: 0, emitter: None })
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {

@@ -3,6 +3,7 @@
 use std::{f64::consts::TAU, sync::Arc};
 
 use rt_camera::SamplePattern;
+use rt_geometry::SurfaceInteraction;
 use rt_math::{
     DVec3, Rgb, Sampler,
     transcendental::{exp, sin, sincos},
@@ -116,7 +117,8 @@ impl Truth {
             Self::Albedo => {
                 let material = &picture.scene.appearance.materials[0];
                 let ior = material.phong.transmission.map_or(1.0, |inside| inside.ior);
-                let at = PhysicalPoint { textures: &[], uv: [0.0; 2], ior };
+                let surface = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
+                let at = PhysicalPoint { textures: &[], surface: &surface, ior };
                 albedo(&material.bsdf(&at), DVec3::new(sin, 0.0, cos), ior)
             }
         }

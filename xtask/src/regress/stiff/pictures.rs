@@ -78,7 +78,7 @@ fn faceted_ball(around: u32, up: u32) -> Fallible<TriangleMesh> {
         [[a, a + around, b + around], [a, b + around, b]]
     };
     let triangles = (0..around * up).flat_map(quad).collect();
-    Ok(TriangleMesh::build(MeshData { normals: positions.clone(), positions, triangles, uvs: Vec::new() })?.0)
+    Ok(TriangleMesh::build(MeshData { normals: positions.clone(), positions, triangles, ..MeshData::default() })?.0)
 }
 
 fn terminator(conditions: &Conditions) -> Found {
@@ -157,7 +157,7 @@ fn nan_texels(conditions: &Conditions) -> Found {
     let upright = Transform::rotate(DVec3::X, PI / 2.0)?;
     let board = Content::Shape(Shape::Rectangle(Rectangle::new(2.0, 2.0)?));
     let mut scene = facing(SIDE, SIDE, Node { parent_from_local: upright, ..Node::new(board, MaterialId(0)) }, phong);
-    let bitmap = Bitmap { width: SIDE, height: SIDE, pixels };
+    let bitmap = Arc::new(Bitmap::opaque(SIDE, SIDE, pixels));
     scene.appearance.textures = vec![Texture::Image { bitmap, wrap: [Wrap::Clamp; 2], smooth: false }];
     scene.settings.spp = spp;
     scene.settings.pattern = SamplePattern::Grid;

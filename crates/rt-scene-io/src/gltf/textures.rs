@@ -1,0 +1,205 @@
+//! Textures of a document, made when first used. Images are decoded once for each meaning of their pixels.
+
+use std::{collections::HashMap, sync::Arc};
+
+use gltf::{
+    Document,
+    texture::{MagFilter, Sampler, WrappingMode},
+};
+use rt_math::transcendental::sincos;
+use rt_shading::{Bitmap, Texture, TextureId, UvMap, Wrap};
+
+use super::{
+    buffers::{Buffers, fetch},
+    description::{TextureInfo, TextureTransform},
+};
+use crate::{LoadError, LoadOptions, Model, Reason, Warning, decode_numbers, decode_texture};
+
+/// Most memory that all textures of a model may take.
+const MAX_TEXTURE_BYTES: u64 = 1 << 32;
+
+/// What the pixels of an image are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Pixels {
+    /// Colours, encoded as sRGB.
+    Colours,
+    /// Numbers as they are.
+    Numbers,
+}
+
+/// The slots of texture coordinates that meshes of a material have: which of the document's sets each holds.
+pub(super) type UvSets = [Option<u32>; 2];
+
+/// Two references with the same key are one texture.
+type Key = (usize, Option<usize>, Pixels, bool, [u64; 6]);
+
+pub(super) struct Textures<'a> {
+    pub(super) document: &'a Document,
+    buffers: &'a Buffers<'a>,
+    options: &'a LoadOptions,
+    /// By number of the image; `None` for those that are not there.
+    images: HashMap<(usize, Pixels), Option<Arc<Bitmap>>>,
+    known: HashMap<Key, TextureId>,
+    bytes: u64,
+}
+
+impl<'a> Textures<'a> {
+    pub(super) fn new(document: &'a Document, buffers: &'a Buffers<'a>, options: &'a LoadOptions) -> Self {
+        Self { document, buffers, options, images: HashMap::new(), known: HashMap::new(), bytes: 0 }
+    }
+
+    /// The texture that a reference at `place` means; `None`, with a warning, if it has no image that can be read.
+    pub(super) fn texture(
+        &mut self,
+        info: &TextureInfo,
+        pixels: Pixels,
+        sets: UvSets,
+        place: &str,
+        model: &mut Model,
+    ) -> Result<Option<TextureId>, LoadError> {
+        let Some(bitmap) = self.bitmap(info, pixels, place, model)? else { return Ok(None) };
+        let Some(texture) = self.document.textures().nth(info.index) else { return Ok(None) };
+        let sampler = texture.sampler();
+        let map = UvMap { is_second: sets[1] == Some(info.uv_set()), rows: rows(info.extensions.transform.as_ref()) };
+        let image = texture_source(self.document, info.index).unwrap_or_default();
+        let [a, b] = map.rows.map(|row| row.map(f64::to_bits));
+        let key = (image, sampler.index(), pixels, map.is_second, [a[0], a[1], a[2], b[0], b[1], b[2]]);
+        if let Some(&known) = self.known.get(&key) {
+            return Ok(Some(known));
+        }
+        let image = image_texture(bitmap, Some(&sampler));
+        let texture = if map == UvMap::IDENTITY { image } else { Texture::Mapped { texture: Arc::new(image), map } };
+        let id = push(texture, model);
+        self.known.insert(key, id);
+        Ok(Some(id))
+    }
+
+    /// The image of a reference; `None`, with a warning, if it cannot be read.
+    pub(super) fn bitmap(
+        &mut self,
+        info: &TextureInfo,
+        pixels: Pixels,
+        place: &str,
+        model: &mut Model,
+    ) -> Result<Option<Arc<Bitmap>>, LoadError> {
+        let count = self.document.as_json().textures.len();
+        if info.index >= count {
+            let reason = Reason::invalid(info.index, format!("is no texture; there are {count}"));
+            return Err(reason.at(self.buffers.path(), place));
+        }
+        let Some(image) = texture_source(self.document, info.index) else {
+            let message = "has no image that can be read; the plain colour is used".to_owned();
+            model.warnings.push(Warning { place: format!("textures[{}]", info.index), message });
+            return Ok(None);
+        };
+        if let Some(known) = self.images.get(&(image, pixels)) {
+            return Ok(known.clone());
+        }
+        let bitmap = self.decoded(image, pixels, model)?.map(Arc::new);
+        if let Some(bitmap) = &bitmap {
+            self.count(bitmap)?;
+        }
+        self.images.insert((image, pixels), bitmap.clone());
+        Ok(bitmap)
+    }
+
+    /// Decodes an image. One that is not there is a warning; a damaged one is an error.
+    fn decoded(&self, index: usize, pixels: Pixels, model: &mut Model) -> Result<Option<Bitmap>, LoadError> {
+        let path = self.buffers.path();
+        let place = format!("images[{index}]");
+        let decode = match pixels {
+            Pixels::Colours => decode_texture,
+            Pixels::Numbers => decode_numbers,
+        };
+        let image = &self.document.as_json().images[index];
+        let decoded = match (&image.uri, image.buffer_view) {
+            (Some(uri), _) => match fetch(uri, path, self.options) {
+                Err(missing @ Reason::MissingReference { .. }) => {
+                    let message = format!("{missing}; the plain colour is used");
+                    model.warnings.push(Warning { place, message });
+                    return Ok(None);
+                }
+                bytes => decode(&bytes.map_err(|reason| reason.at(path, place.clone()))?),
+            },
+            (None, Some(view)) => match self.document.views().nth(view.value()) {
+                Some(view) => decode(self.buffers.view(&view)?),
+                None => return Ok(None),
+            },
+            (None, None) => return Err(Reason::Syntax("has neither uri nor bufferView".to_owned()).at(path, place)),
+        };
+        decoded.map(Some).map_err(|error| Reason::from(error).at(path, place))
+    }
+
+    /// Adds a bitmap that is kept to the memory of all textures.
+    pub(super) fn count(&mut self, bitmap: &Bitmap) -> Result<(), LoadError> {
+        self.bytes += bitmap.memory() as u64;
+        if self.bytes > MAX_TEXTURE_BYTES {
+            let (value, limit) = (self.bytes, MAX_TEXTURE_BYTES);
+            let reason = Reason::TooLarge { what: "the memory of all textures in bytes", value, limit };
+            return Err(reason.at(self.buffers.path(), ""));
+        }
+        Ok(())
+    }
+
+    /// The file, for messages.
+    pub(super) const fn path(&self) -> &'a std::path::Path {
+        self.buffers.path()
+    }
+}
+
+/// The image of a texture; extensions may bring formats of their own and leave it out.
+fn texture_source(document: &Document, texture: usize) -> Option<usize> {
+    let json = document.as_json();
+    let image = json.textures.get(texture)?.source.value();
+    (image < json.images.len()).then_some(image)
+}
+
+/// A texture that shows an image as a sampler says, or repeats it.
+pub(super) fn image_texture(bitmap: Arc<Bitmap>, sampler: Option<&Sampler<'_>>) -> Texture {
+    let wrap = sampler.map_or([WrappingMode::Repeat; 2], |s| [s.wrap_s(), s.wrap_t()]).map(|mode| match mode {
+        WrappingMode::Repeat => Wrap::Repeat,
+        WrappingMode::MirroredRepeat => Wrap::Mirror,
+        WrappingMode::ClampToEdge => Wrap::Clamp,
+    });
+    let smooth = sampler.and_then(Sampler::mag_filter) != Some(MagFilter::Nearest);
+    Texture::Image { bitmap, wrap, smooth }
+}
+
+/// Adds a texture to those of the model.
+pub(super) fn push(texture: Texture, model: &mut Model) -> TextureId {
+    model.textures.push(texture);
+    TextureId(model.textures.len() as u32 - 1)
+}
+
+/// KHR_texture_transform maps coordinates with v downwards: first the scale, then the rotation, counter-clockwise as seen in
+/// the image, then the offset. Ours have v upwards, on both ends.
+fn rows(transform: Option<&TextureTransform>) -> [[f64; 3]; 2] {
+    let Some(transform) = transform else { return UvMap::IDENTITY.rows };
+    let (sin, cos) = sincos(f64::from(transform.rotation));
+    let [scale_u, scale_v] = transform.scale.map(f64::from);
+    let [offset_u, offset_v] = transform.offset.map(f64::from);
+    let ([a, b], [c, d]) = ([cos * scale_u, sin * scale_v], [-sin * scale_u, cos * scale_v]);
+    [[a, -b, b + offset_u], [-c, d, 1.0 - d - offset_v]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::FRAC_PI_2;
+
+    #[test]
+    fn texture_coordinates_are_scaled_turned_moved_and_flipped() {
+        let transform = TextureTransform {
+            offset: [0.5, 0.25],
+            rotation: FRAC_PI_2,
+            scale: [2.0, 4.0],
+            ..TextureTransform::default()
+        };
+        let [u, v] = rows(Some(&transform)).map(|[a, b, c]| a * 1.0 + b * 1.0 + c);
+        // (1, 0) of the file, our (1, 1), is scaled to (2, 0); a quarter turn counter-clockwise, with v downwards, takes it to
+        // (0, −2), and the offset to (0.5, −1.75): our (0.5, 2.75).
+        assert!((u - 0.5).abs() < 1e-6 && (v - 2.75).abs() < 1e-6, "{u} {v}");
+        assert_eq!(rows(Some(&TextureTransform::default())), UvMap::IDENTITY.rows);
+        assert_eq!(rows(None), UvMap::IDENTITY.rows);
+    }
+}
