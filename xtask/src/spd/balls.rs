@@ -48,9 +48,9 @@ fn directions() -> impl Iterator<Item = DVec3> {
 /// The vector under the smallest turn that takes +z to the unit vector `up` (Rodrigues).
 fn turned(v: DVec3, up: DVec3) -> DVec3 {
     let axis = DVec3::Z.cross(up);
-    // Straight down there is no smallest turn: a half turn around x.
+    // Straight down there is no smallest turn: a half turn around y.
     if 1.0 + up.z < 1e-12 {
-        return DVec3::new(v.x, -v.y, -v.z);
+        return DVec3::new(-v.x, v.y, -v.z);
     }
     v * up.z + axis.cross(v) + axis * (axis.dot(v) / (1.0 + up.z))
 }
