@@ -4,6 +4,7 @@
 //!   .ron .json ── parse ──► SceneFile ──┐
 //!                                       ├─ resolve ─► Scene    plain data: ids instead of names, radians instead of
 //!   .obj .gltf .nff ── load ──► Model ──┘                      degrees, pixels instead of paths, nothing unchecked
+//!   .ply .stl
 //! ```
 //!
 //! **Owns** [`Scene`] and its tree of nodes, its bounds ([`Scene::bounds`], [`SceneBounds`]), the scene format ([`mod@format`]) and its JSON Schema,
@@ -71,10 +72,14 @@ mod nff;
 mod obj;
 #[cfg(feature = "format")]
 mod options;
+#[cfg(feature = "ply")]
+mod ply;
 #[cfg(feature = "format")]
 mod resolve;
 mod scene;
 mod scene_bounds;
+#[cfg(feature = "stl")]
+mod stl;
 #[cfg(feature = "format")]
 mod texture;
 

@@ -46,8 +46,27 @@ pub struct Model {
     pub notes: Vec<String>,
 }
 
+#[cfg(any(feature = "ply", feature = "stl"))]
+impl Model {
+    /// Adds a mesh in plain grey, named like the file that it makes up.
+    pub(crate) fn set_mesh(&mut self, data: rt_geometry::MeshData, path: &Path) -> Result<(), LoadError> {
+        let place = path.display().to_string();
+        let mesh = crate::mesh_build::build_mesh(data, &place, &mut self.warnings);
+        let Some(mesh) = mesh.map_err(|error| Reason::from(error).at(path, ""))? else {
+            return Err(Reason::Syntax("no triangle is left: the file has no usable faces".to_owned()).at(path, ""));
+        };
+        let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        let material = crate::MaterialId(self.materials.len() as u32);
+        self.materials.push(Material::new("default".to_owned(), rt_shading::Phong::default()));
+        let content = crate::Content::Mesh(crate::MeshId(self.meshes.len() as u32));
+        self.nodes.push(Node { name: name.clone(), ..Node::new(content, material) });
+        self.meshes.push(NamedMesh { name, mesh: std::sync::Arc::new(mesh) });
+        Ok(())
+    }
+}
+
 /// The endings of the names of models that can be read, for messages.
-pub(crate) const KNOWN_ENDINGS: &str = ".obj, .gltf, .glb, .nff";
+pub(crate) const KNOWN_ENDINGS: &str = ".obj, .gltf, .glb, .nff, .ply, .stl";
 
 /// Loads a model by the ending of its name.
 ///
@@ -56,7 +75,7 @@ pub(crate) const KNOWN_ENDINGS: &str = ".obj, .gltf, .glb, .nff";
 /// # Errors
 /// If the file cannot be read, is no valid model, or needs a feature that is not supported or not built in.
 #[cfg_attr(
-    not(any(feature = "obj", feature = "gltf", feature = "nff")),
+    not(any(feature = "obj", feature = "gltf", feature = "nff", feature = "ply", feature = "stl")),
     expect(unused_variables, reason = "without a loader there are no references to follow")
 )]
 pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
@@ -69,6 +88,10 @@ pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Model, LoadError
         "gltf" | "glb" => crate::gltf::load(path, &options),
         #[cfg(feature = "nff")]
         "nff" => crate::nff::load(path),
+        #[cfg(feature = "ply")]
+        "ply" => crate::ply::load(path),
+        #[cfg(feature = "stl")]
+        "stl" => crate::stl::load(path),
         _ => Err(Reason::UnknownFormat { known: KNOWN_ENDINGS }.at(path, "")),
     }
 }

@@ -1,0 +1,80 @@
+//! What a header promises, checked before it is believed.
+
+use std::ops::Range;
+
+use serde_ply::{ElementDef, PlyFormat, PlyHeader, PropertyType, ScalarType};
+
+use super::rows::{COLUMNS, CORNERS, POSITION, column};
+use crate::Reason;
+
+/// Checks that there are vertices with positions, and that the `available` bytes after the header can hold all rows.
+pub(super) fn check(header: &PlyHeader, available: u64) -> Result<(), Reason> {
+    for (i, element) in header.elem_defs.iter().enumerate() {
+        if header.elem_defs[..i].iter().any(|before| before.name == element.name) {
+            return Err(Reason::Duplicate { kind: "element", name: element.name.clone() });
+        }
+    }
+    let mut needed: u64 = 0;
+    for element in &header.elem_defs {
+        let row: u64 =
+            element.properties.iter().map(|property| least_bytes(header.format, &property.property_type)).sum();
+        if row == 0 && element.count > 0 {
+            let value = format!("the element `{}` of {} rows", element.name, element.count);
+            return Err(Reason::invalid(value, "has no properties: a row must hold something"));
+        }
+        needed = needed.saturating_add(row.saturating_mul(element.count as u64));
+    }
+    if needed > available {
+        let value = format!("{available} bytes after the header");
+        return Err(Reason::invalid(value, format!("cannot hold what it promises, which takes {needed} or more")));
+    }
+    let Some(vertex) = header.get_element("vertex") else {
+        return Err(Reason::Syntax("the header has no element `vertex`".to_owned()));
+    };
+    for names in &COLUMNS[POSITION] {
+        if !names.iter().any(|name| vertex.has_property(name)) {
+            return Err(Reason::Syntax(format!("the element `vertex` has no property `{}`", names[0])));
+        }
+    }
+    Ok(())
+}
+
+/// Least size of a value: a list may be empty, and a word of text takes a digit and what is after it.
+fn least_bytes(format: PlyFormat, property: &PropertyType) -> u64 {
+    let first = match property {
+        PropertyType::Scalar(scalar) | PropertyType::List { count_type: scalar, .. } => scalar,
+    };
+    match (format, first) {
+        (PlyFormat::Ascii, _) | (_, ScalarType::I16 | ScalarType::U16) => 2,
+        (_, ScalarType::I8 | ScalarType::U8) => 1,
+        (_, ScalarType::I32 | ScalarType::U32 | ScalarType::F32) => 4,
+        (_, ScalarType::F64) => 8,
+    }
+}
+
+/// Whether vertices have all of these columns.
+pub(super) fn has(header: &PlyHeader, columns: Range<usize>) -> bool {
+    let has =
+        |names: &&[&str]| header.get_element("vertex").is_some_and(|v| names.iter().any(|name| v.has_property(name)));
+    COLUMNS[columns].iter().all(has)
+}
+
+/// What the file has beyond a mesh, in sentences.
+pub(super) fn left_out(header: &PlyHeader) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for ElementDef { name, count, properties } in &header.elem_defs {
+        let known: fn(&str) -> bool = match name.as_str() {
+            "vertex" => |name| column(name.as_bytes()).is_some(),
+            "face" => |name| CORNERS.contains(&name),
+            _ => {
+                sentences.push(format!("the element `{name}` of {count} rows is left out"));
+                continue;
+            }
+        };
+        let unknown: Vec<_> = properties.iter().filter(|p| !known(&p.name)).map(|p| format!("`{}`", p.name)).collect();
+        if !unknown.is_empty() {
+            sentences.push(format!("properties of the element `{name}` are left out: {}", unknown.join(", ")));
+        }
+    }
+    sentences
+}

@@ -1,0 +1,110 @@
+//! PLY (Greg Turk, "The PLY Polygon File Format", 1994), text and binary of both byte orders, through `serde_ply`.
+//!
+//! ```text
+//! header ── counts fit the bytes that follow? ──> vertices: x y z, nx ny nz, s t
+//!                                            └──> faces: lists of corners, cut into triangles
+//! ```
+//!
+//! The numbers of rows that a header promises are compared with the size of the file before anything is read.
+
+mod header;
+mod rows;
+
+use std::path::Path;
+
+use rt_geometry::{Face, MeshData};
+use rt_math::Vec3;
+use serde_ply::{DeserializeError, PlyFormat, PlyHeader, PlyReader};
+
+use self::rows::{Corners, Skipped, Vertices};
+use crate::files::read_file;
+use crate::{LoadError, Model, Place, Reason, Warning};
+
+/// Loads the file at `path`.
+pub(crate) fn load(path: &Path) -> Result<Model, LoadError> {
+    load_bytes(read_file(path).map_err(|reason| reason.at(path, ""))?, path)
+}
+
+/// Loads the file that `bytes` hold; `path` is for messages.
+pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadError> {
+    // The reader wants white space after the last word; behind binary data it does no harm.
+    bytes.push(b'\n');
+    let mut rest = bytes.as_slice();
+    let header = PlyReader::from_reader(&mut rest).map(|reader| reader.header().clone());
+    let header = header.map_err(|error| explain(&error, &bytes, rest, None, path))?;
+    header::check(&header, rest.len() as u64).map_err(|reason| reason.at(path, ""))?;
+    let mut rest = bytes.as_slice();
+    let content = read(&mut rest).map_err(|error| explain(&error, &bytes, rest, Some(header.format), path))?;
+    let Content { vertices, corners } = content;
+    if corners.is_empty() {
+        let what = "is a cloud of points, without faces, which";
+        return Err(Reason::Unsupported(what.to_owned()).at(path, ""));
+    }
+    let mut model = Model::default();
+    let mut warn = |message: String| model.warnings.push(Warning { place: path.display().to_string(), message });
+    for left_out in header::left_out(&header) {
+        warn(left_out);
+    }
+    if corners.short > 0 {
+        warn(format!("{} faces with fewer than three corners were left out", corners.short));
+    }
+    let data = mesh_data(&header, &vertices, &corners).map_err(|error| Reason::from(error).at(path, "element face"))?;
+    model.set_mesh(data, path)?;
+    Ok(model)
+}
+
+/// What a file holds of use.
+#[derive(Default)]
+struct Content {
+    vertices: Vertices,
+    corners: Corners,
+}
+
+fn read(bytes: &mut &[u8]) -> Result<Content, DeserializeError> {
+    let mut reader = PlyReader::from_reader(bytes)?;
+    let mut content = Content::default();
+    while let Some(element) = reader.current_element() {
+        match element.name.as_str() {
+            "vertex" => content.vertices = reader.next_element()?,
+            "face" => content.corners = reader.next_element()?,
+            _ => {
+                reader.next_element::<Skipped>()?;
+            }
+        }
+    }
+    Ok(content)
+}
+
+/// The problem at the place up to which the file was read: a line of text, or a byte.
+fn explain(error: &DeserializeError, bytes: &[u8], rest: &[u8], format: Option<PlyFormat>, path: &Path) -> LoadError {
+    // The last byte is not the file's.
+    let read = &bytes[..(bytes.len() - rest.len()).min(bytes.len() - 1)];
+    let message = match error.0.kind() {
+        std::io::ErrorKind::UnexpectedEof => "the file ends too early".to_owned(),
+        _ => error.0.to_string(),
+    };
+    match format {
+        // The end of the line of the last word may have been read with it.
+        None | Some(PlyFormat::Ascii) => {
+            let line = 1 + read.iter().rev().skip(1).filter(|byte| **byte == b'\n').count();
+            Reason::Syntax(message).at(path, Place::Line(line))
+        }
+        Some(_) => Reason::Syntax(format!("{message} (before byte {})", read.len())).at(path, ""),
+    }
+}
+
+fn mesh_data(header: &PlyHeader, vertices: &Vertices, corners: &Corners) -> Result<MeshData, rt_geometry::MeshError> {
+    let positions = vertices.rows.iter().map(|row| Vec3::new(row[0], row[1], row[2])).collect();
+    let faces = corners.faces().map(|outline| Face { outline, holes: &[] });
+    let mut data = MeshData::from_polygons(positions, faces)?;
+    if header::has(header, rows::NORMAL) {
+        data.normals = vertices.rows.iter().map(|row| Vec3::new(row[3], row[4], row[5])).collect();
+    }
+    if header::has(header, rows::UV) {
+        data.uvs = vertices.rows.iter().map(|row| [row[6], row[7]]).collect();
+    }
+    Ok(data)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,245 @@
+//! Rows of elements, straight into the arrays that are kept.
+
+use std::fmt;
+use std::ops::Range;
+
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+
+/// Columns of a vertex, each by its names.
+pub(super) const COLUMNS: [&[&str]; 8] = [
+    &["x"],
+    &["y"],
+    &["z"],
+    &["nx", "normal_x"],
+    &["ny", "normal_y"],
+    &["nz", "normal_z"],
+    &["s", "u", "texture_u", "texture_s", "texcoord_u"],
+    &["t", "v", "texture_v", "texture_t", "texcoord_v"],
+];
+
+/// Columns of the position, the normal and the texture coordinates.
+pub(super) const POSITION: Range<usize> = 0..3;
+pub(super) const NORMAL: Range<usize> = 3..6;
+pub(super) const UV: Range<usize> = 6..8;
+
+/// The column of this name.
+pub(super) fn column(name: &[u8]) -> Option<usize> {
+    COLUMNS.iter().position(|names| names.iter().any(|known| known.as_bytes() == name))
+}
+
+/// Names of the list of corners of a face.
+pub(super) const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+/// All vertices: a row of [`COLUMNS`] each, 0 where the file has no such column.
+#[derive(Debug, Default)]
+pub(super) struct Vertices {
+    pub(super) rows: Vec<[f32; 8]>,
+}
+
+/// The corners of all faces.
+#[derive(Debug, Default)]
+pub(super) struct Corners {
+    indices: Vec<u32>,
+    ends: Vec<usize>,
+    /// Faces with fewer than three corners, which are not kept.
+    pub(super) short: usize,
+}
+
+impl Corners {
+    pub(super) const fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// The corners of each face.
+    pub(super) fn faces(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| &self.indices[start..end])
+    }
+}
+
+/// An element that is passed over.
+#[derive(Debug)]
+pub(super) struct Skipped;
+
+/// Takes one row: whatever is at its keys.
+trait Row: Sized {
+    fn read<'de, A: MapAccess<'de>>(cells: A) -> Result<Self, A::Error>;
+}
+
+/// A row is a map to the reader, whatever it holds.
+struct Cells<R>(R);
+
+impl<'de, R: Row> Deserialize<'de> for Cells<R> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Map<R>(std::marker::PhantomData<R>);
+
+        impl<'de, R: Row> Visitor<'de> for Map<R> {
+            type Value = Cells<R>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a row of an element")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, cells: A) -> Result<Self::Value, A::Error> {
+                R::read(cells).map(Cells)
+            }
+        }
+
+        deserializer.deserialize_map(Map(std::marker::PhantomData))
+    }
+}
+
+/// The name of a property.
+struct Name<T>(T);
+
+/// What a name stands for.
+trait Meaning: Sized {
+    fn of(name: &[u8]) -> Self;
+}
+
+/// The column of a vertex.
+impl Meaning for Option<usize> {
+    fn of(name: &[u8]) -> Self {
+        column(name)
+    }
+}
+
+/// Whether it is the list of corners.
+impl Meaning for bool {
+    fn of(name: &[u8]) -> Self {
+        CORNERS.iter().any(|known| known.as_bytes() == name)
+    }
+}
+
+impl<'de, T: Meaning> Deserialize<'de> for Name<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Bytes<T>(std::marker::PhantomData<T>);
+
+        impl<T: Meaning> Visitor<'_> for Bytes<T> {
+            type Value = Name<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the name of a property")
+            }
+
+            fn visit_bytes<E: Error>(self, name: &[u8]) -> Result<Self::Value, E> {
+                Ok(Name(T::of(name)))
+            }
+        }
+
+        deserializer.deserialize_identifier(Bytes(std::marker::PhantomData))
+    }
+}
+
+impl Row for [f32; 8] {
+    fn read<'de, A: MapAccess<'de>>(mut cells: A) -> Result<Self, A::Error> {
+        let mut row = [0.0; 8];
+        while let Some(Name(column)) = cells.next_key::<Name<Option<usize>>>()? {
+            match column {
+                Some(column) => row[column] = cells.next_value()?,
+                None => drop(cells.next_value::<IgnoredAny>()?),
+            }
+        }
+        Ok(row)
+    }
+}
+
+impl Row for Vec<u32> {
+    fn read<'de, A: MapAccess<'de>>(mut cells: A) -> Result<Self, A::Error> {
+        let mut corners = Self::new();
+        while let Some(Name(is_corners)) = cells.next_key::<Name<bool>>()? {
+            if is_corners {
+                corners = cells.next_value()?;
+            } else {
+                cells.next_value::<IgnoredAny>()?;
+            }
+        }
+        Ok(corners)
+    }
+}
+
+impl Row for Skipped {
+    fn read<'de, A: MapAccess<'de>>(mut cells: A) -> Result<Self, A::Error> {
+        while cells.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {}
+        Ok(Self)
+    }
+}
+
+/// An array that rows are added to one by one. Nothing is reserved by what the file promises.
+trait Collects: Default {
+    type Row: Row;
+    fn add(&mut self, row: Self::Row);
+}
+
+impl Collects for Vertices {
+    type Row = [f32; 8];
+
+    fn add(&mut self, row: [f32; 8]) {
+        self.rows.push(row);
+    }
+}
+
+impl Collects for Corners {
+    type Row = Vec<u32>;
+
+    fn add(&mut self, row: Vec<u32>) {
+        if row.len() < 3 {
+            self.short += 1;
+        } else {
+            self.indices.extend(row);
+            self.ends.push(self.indices.len());
+        }
+    }
+}
+
+impl Default for Skipped {
+    fn default() -> Self {
+        Self
+    }
+}
+
+impl Collects for Skipped {
+    type Row = Self;
+
+    fn add(&mut self, _: Self) {}
+}
+
+fn collect<'de, T: Collects, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+    struct Rows<T>(std::marker::PhantomData<T>);
+
+    impl<'de, T: Collects> Visitor<'de> for Rows<T> {
+        type Value = T;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("the rows of an element")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut rows: A) -> Result<T, A::Error> {
+            let mut all = T::default();
+            while let Some(Cells(row)) = rows.next_element::<Cells<T::Row>>()? {
+                all.add(row);
+            }
+            Ok(all)
+        }
+    }
+
+    deserializer.deserialize_seq(Rows(std::marker::PhantomData))
+}
+
+impl<'de> Deserialize<'de> for Vertices {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        collect(deserializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Corners {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        collect(deserializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Skipped {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        collect(deserializer)
+    }
+}

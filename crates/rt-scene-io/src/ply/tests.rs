@@ -1,0 +1,146 @@
+use super::*;
+use std::fmt::Write;
+
+const SQUARE: &str = "ply\nformat ascii 1.0\ncomment c\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+                      element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+
+fn load_text(text: &str) -> Result<Model, LoadError> {
+    load_bytes(text.as_bytes().to_vec(), Path::new("m.ply"))
+}
+
+fn refused(text: &str) -> String {
+    load_text(text).expect_err("a bad file").to_string()
+}
+
+fn data(model: &Model) -> &MeshData {
+    model.meshes[0].mesh.data()
+}
+
+/// The square in binary, with normals, texture coordinates in doubles, an element between, and corners by 16 bits.
+fn binary(big: bool) -> Vec<u8> {
+    let mut header = String::new();
+    let order = if big { "big" } else { "little" };
+    write!(header, "ply\nformat binary_{order}_endian 1.0\nelement vertex 4\n").expect("written");
+    for name in ["x", "y", "z", "nx", "ny", "nz"] {
+        writeln!(header, "property float {name}").expect("written");
+    }
+    header += "property double u\nproperty uchar quality\nproperty double v\nelement edge 1\nproperty list uchar short a\n\
+               element face 2\nproperty list uchar ushort vertex_index\nend_header\n";
+    let mut bytes = header.into_bytes();
+    let f32s = |bytes: &mut Vec<u8>, x: f32| bytes.extend(if big { x.to_be_bytes() } else { x.to_le_bytes() });
+    let f64s = |bytes: &mut Vec<u8>, x: f64| bytes.extend(if big { x.to_be_bytes() } else { x.to_le_bytes() });
+    let u16s = |bytes: &mut Vec<u8>, x: u16| bytes.extend(if big { x.to_be_bytes() } else { x.to_le_bytes() });
+    for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+        for value in [x, y, 0.0, 0.0, 0.0, 2.0] {
+            f32s(&mut bytes, value);
+        }
+        f64s(&mut bytes, f64::from(x));
+        bytes.push(7);
+        f64s(&mut bytes, f64::from(y));
+    }
+    bytes.push(2);
+    u16s(&mut bytes, 1);
+    u16s(&mut bytes, 2);
+    for triangle in [[0, 1, 2], [0, 2, 3]] {
+        bytes.push(3);
+        for corner in triangle {
+            u16s(&mut bytes, corner);
+        }
+    }
+    bytes
+}
+
+#[test]
+fn text_and_both_byte_orders_hold_the_same_square() {
+    let text = load_text(SQUARE).expect("a square");
+    assert_eq!(data(&text).triangles.len(), 2);
+    assert_eq!(text.warnings, []);
+    for big in [false, true] {
+        let model = load_bytes(binary(big), Path::new("m.ply")).expect("a square");
+        assert_eq!(data(&model).positions, data(&text).positions);
+        assert_eq!(data(&model).triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(data(&model).normals, [Vec3::Z; 4]);
+        assert_eq!(data(&model).uvs, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+        let warnings: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
+        assert_eq!(
+            warnings,
+            ["properties of the element `vertex` are left out: `quality`", "the element `edge` of 1 rows is left out"]
+        );
+    }
+}
+
+#[test]
+fn a_concave_face_covers_its_own_area_only() {
+    let dart = SQUARE.replace("0 0 0\n1 0 0\n1 1 0\n0 1 0", "0 0 0\n2 0 0\n0.5 0.5 0\n0 2 0");
+    let model = load_text(&dart).expect("a dart");
+    let area = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|i| data(&model).positions[i as usize]);
+        (b - a).cross(c - a).z / 2.0
+    };
+    assert_eq!(data(&model).triangles.iter().map(area).collect::<Vec<_>>(), [0.5, 0.5]);
+}
+
+#[test]
+fn headers_that_promise_too_much_are_refused_at_once() {
+    let many = SQUARE.replace("vertex 4", "vertex 4000000000");
+    assert_eq!(
+        refused(&many),
+        "m.ply: 35 bytes after the header cannot hold what it promises, which takes 24000000002 or more"
+    );
+    let most = SQUARE.replace("face 1", "face 18446744073709551615");
+    assert!(refused(&most).contains("which takes 18446744073709551615 or more"));
+    let nothing = SQUARE.replace("element face", "element void 4000000000\nelement face");
+    assert_eq!(
+        refused(&nothing),
+        "m.ply: the element `void` of 4000000000 rows has no properties: a row must hold something"
+    );
+    // A list that is longer than the file.
+    let mut long = binary(false);
+    let at = long.len() - 7;
+    long[at] = 255;
+    let error = load_bytes(long, Path::new("m.ply")).expect_err("a bad file").to_string();
+    assert!(error.contains("the file ends too early"), "{error}");
+}
+
+#[test]
+fn every_bad_line_is_named() {
+    let cases = [
+        (SQUARE.replace("ply\n", "plx\n"), "m.ply:1: File must start with 'ply'"),
+        (SQUARE.replace("float y", "flaot y"), "m.ply:6: Unknown scalar type: flaot"),
+        (SQUARE.replace("float z", "float w"), "m.ply: the element `vertex` has no property `z`"),
+        (SQUARE.replace("element vertex", "element vortex"), "m.ply: the header has no element `vertex`"),
+        (SQUARE.replace("1 1 0\n", "1 x 0\n"), "m.ply:13: Failed to parse f32 from ASCII"),
+        (SQUARE.replace("4 0 1 2 3", "4 0 1 -2 3"), "m.ply:15: invalid value: integer `-2`, expected u32"),
+        (SQUARE.replace("4 0 1 2 3", "5 0 1 2 3"), "m.ply:15: the file ends too early"),
+    ];
+    for (text, expected) in cases {
+        assert_eq!(refused(&text), expected);
+    }
+    assert!(refused(&SQUARE.replace("4 0 1 2 3", "4 0 1 2 9")).starts_with("m.ply: element face: "));
+    assert!(refused(&SQUARE.replace("face 1", "face 0").replace("4 0 1 2 3\n", "")).contains("is a cloud of points"));
+    assert!(
+        refused(&SQUARE.replace("element face", "element vertex")).contains("there are two elements named `vertex`")
+    );
+}
+
+#[test]
+fn faces_that_are_none_are_counted() {
+    let text = SQUARE.replace("face 1", "face 3").replace("4 0 1 2 3\n", "4 0 1 2 3\n2 0 1\n0\n");
+    let model = load_text(&text).expect("a model");
+    assert_eq!(model.warnings[0].message, "2 faces with fewer than three corners were left out");
+}
+
+#[test]
+fn cut_files_never_panic() {
+    for bytes in [SQUARE.as_bytes().to_vec(), binary(false), binary(true)] {
+        for length in 0..bytes.len() - 1 {
+            let cut = load_bytes(bytes[..length].to_vec(), Path::new("m.ply"));
+            assert!(cut.is_err() || length + 3 > bytes.len(), "cut at {length}");
+        }
+        for (place, value) in (0..bytes.len()).flat_map(|place| [0, 1, 127, 255].map(|value| (place, value))) {
+            let mut changed = bytes.clone();
+            changed[place] = value;
+            let _ = load_bytes(changed, Path::new("m.ply"));
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! STL (3D Systems, 1988), text and binary, through `stl_io`.
+//!
+//! Which of the two a file is tells its size, not its first word: many binary files begin with "solid". Corners at one place
+//! become one vertex. Facets are flat, whatever the normals in the file say.
+
+mod lines;
+
+use std::collections::HashMap;
+use std::io::{self, Cursor};
+use std::path::Path;
+
+use rt_geometry::MeshData;
+use rt_math::Vec3;
+
+use self::lines::Lines;
+use crate::files::read_file;
+use crate::{LoadError, Model, Place, Reason, Warning};
+
+/// Bytes before the facets of a binary file: a comment and the number of facets.
+const HEADER: usize = 84;
+const COMMENT: usize = 80;
+/// Bytes of a facet: a normal, three corners, two bytes for whatever programs like.
+const FACET: u64 = 50;
+
+/// Loads the file at `path`.
+pub(crate) fn load(path: &Path) -> Result<Model, LoadError> {
+    load_bytes(read_file(path).map_err(|reason| reason.at(path, ""))?, path)
+}
+
+/// Loads the file that `bytes` hold; `path` is for messages.
+pub(crate) fn load_bytes(bytes: Vec<u8>, path: &Path) -> Result<Model, LoadError> {
+    let mut mesh = Welded::default();
+    let mut model = Model::default();
+    let begins_as_text = bytes.trim_ascii_start().starts_with(b"solid");
+    match promised_size(&bytes) {
+        Some(promised) if promised == bytes.len() as u64 || !begins_as_text => {
+            let after = (bytes.len() as u64).checked_sub(promised).ok_or_else(|| {
+                let facets = (promised - HEADER as u64) / FACET;
+                let rule = format!("cannot hold the {facets} facets that it promises, which take {promised}");
+                Reason::invalid(format_args!("a file of {} bytes", bytes.len()), rule).at(path, "")
+            })?;
+            if after > 0 {
+                let message = format!("{after} bytes after the last facet are left out");
+                model.warnings.push(Warning { place: path.display().to_string(), message });
+            }
+            read_binary(bytes, &mut mesh).map_err(|error| Reason::Syntax(error.to_string()).at(path, ""))?;
+        }
+        _ if begins_as_text => read_text(&bytes, &mut mesh)
+            .map_err(|(line, error)| Reason::Syntax(error.to_string()).at(path, Place::Line(line)))?,
+        _ => {
+            let rule = "is no STL: it is too short for a binary file and does not begin with `solid`";
+            return Err(Reason::invalid(format_args!("a file of {} bytes", bytes.len()), rule).at(path, ""));
+        }
+    }
+    model.set_mesh(mesh.data, path)?;
+    Ok(model)
+}
+
+/// The size of a binary file by the number of facets that stands in it.
+fn promised_size(bytes: &[u8]) -> Option<u64> {
+    let count = bytes.get(COMMENT..HEADER)?.try_into().ok()?;
+    Some(HEADER as u64 + FACET * u64::from(u32::from_le_bytes(count)))
+}
+
+/// Triangles whose corners at one place are one vertex.
+#[derive(Default)]
+struct Welded {
+    data: MeshData,
+    known: HashMap<[u32; 3], u32>,
+}
+
+impl Welded {
+    fn add(&mut self, corners: [stl_io::Vertex; 3]) {
+        let triangle = corners.map(|corner| {
+            let position = Vec3::new(corner[0], corner[1], corner[2]);
+            // 0 and −0 are the same place.
+            let place = position.to_array().map(|x| (x + 0.0).to_bits());
+            *self.known.entry(place).or_insert_with(|| {
+                self.data.positions.push(position);
+                self.data.positions.len() as u32 - 1
+            })
+        });
+        self.data.triangles.push(triangle);
+    }
+}
+
+fn read_binary(mut bytes: Vec<u8>, mesh: &mut Welded) -> io::Result<()> {
+    // The reader takes a file whose comment begins with "solid" for text.
+    bytes[0] = b'\n';
+    let mut bytes = Cursor::new(bytes);
+    for facet in stl_io::create_stl_reader(&mut bytes)? {
+        mesh.add(facet?.vertices);
+    }
+    Ok(())
+}
+
+/// Reads all solids of a text file; an error comes with its line.
+fn read_text(bytes: &[u8], mesh: &mut Welded) -> Result<(), (usize, io::Error)> {
+    let mut lines = Lines::of(bytes);
+    while lines.begin_solid()? {
+        // The reader ends at the end of a solid.
+        let result = stl_io::create_stl_reader(&mut lines)
+            .and_then(|mut facets| facets.try_for_each(|facet| facet.map(|facet| mesh.add(facet.vertices))));
+        result.map_err(|error| (lines.line(), error))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,92 @@
+use super::*;
+
+const FACET_TEXT: &str =
+    "facet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 1 0\n endloop\nendfacet\n";
+const OTHER_TEXT: &str =
+    "facet normal 0 0 1\n outer loop\n  vertex 1 0 0\n  vertex 1 1 0\n  vertex -0 1 0\n endloop\nendfacet\n";
+
+fn text() -> String {
+    format!("solid a\n{FACET_TEXT}{OTHER_TEXT}endsolid a\n")
+}
+
+/// Two triangles with a common edge.
+fn binary(comment: &[u8]) -> Vec<u8> {
+    let mut bytes = comment.to_vec();
+    bytes.resize(COMMENT, b' ');
+    bytes.extend(2u32.to_le_bytes());
+    for corners in [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [[1.0, 0.0], [1.0, 1.0], [-0.0, 1.0]]] {
+        bytes.extend([0.0f32, 0.0, 1.0].map(f32::to_le_bytes).concat());
+        for [x, y] in corners {
+            bytes.extend([x, y, 0.0f32].map(f32::to_le_bytes).concat());
+        }
+        bytes.extend([0, 0]);
+    }
+    bytes
+}
+
+fn load_all(bytes: &[u8]) -> Result<Model, LoadError> {
+    load_bytes(bytes.to_vec(), Path::new("m.stl"))
+}
+
+fn refused(bytes: &[u8]) -> String {
+    load_all(bytes).expect_err("a bad file").to_string()
+}
+
+#[test]
+fn text_and_binary_hold_the_same_square() {
+    for bytes in [text().into_bytes(), binary(b"made by a program"), binary(b"solid but not text"), binary(b"solid ")] {
+        let model = load_all(&bytes).expect("a square");
+        let data = model.meshes[0].mesh.data();
+        assert_eq!(data.triangles, [[0, 1, 2], [1, 3, 2]], "equal corners are one vertex");
+        assert_eq!(data.positions.len(), 4);
+        assert_eq!((data.normals.len(), model.warnings.len()), (0, 0));
+    }
+}
+
+#[test]
+fn text_may_have_any_first_line_and_several_solids() {
+    let two = format!("\n  solid\r\n{FACET_TEXT}endsolid\n\nsolid b c\n{OTHER_TEXT}endsolid b c");
+    assert_eq!(load_all(two.as_bytes()).expect("a square").meshes[0].mesh.data().triangles.len(), 2);
+}
+
+#[test]
+fn every_bad_line_is_named() {
+    let line = |from: &str, to: &str| refused(text().replacen(from, to, 1).as_bytes());
+    assert!(line("facet normal 0 0 1", "facet norm 0 0 1").starts_with("m.stl:2: invalid facet header"));
+    assert!(line("outer loop", "outer").starts_with("m.stl:3: expected"));
+    assert!(line("vertex 1 0 0", "vertex 1 0 zero").starts_with("m.stl:5: invalid float"));
+    assert!(line("vertex 1 0 0", "vertex 1 0 nan").starts_with("m.stl:5: expected finite f32"));
+    assert!(line("vertex 1 0 0", "vertex 1 0").starts_with("m.stl:5: vertex f32 f32 f32"));
+    assert!(line("endsolid a", "").starts_with("m.stl:16: EOF while expecting"), "{}", line("endsolid a", ""));
+    assert_eq!(line("endsolid a\n", "endsolid a\nrest"), "m.stl:17: expected `solid` or the end of the file");
+    assert_eq!(refused(b"solid a\nendsolid a"), "m.stl: no triangle is left: the file has no usable faces");
+}
+
+#[test]
+fn numbers_of_facets_are_checked_before_anything_is_read() {
+    let mut many = binary(b"");
+    many[COMMENT..HEADER].copy_from_slice(&u32::MAX.to_le_bytes());
+    let expected =
+        "m.stl: a file of 184 bytes cannot hold the 4294967295 facets that it promises, which take 214748364834";
+    assert_eq!(refused(&many), expected);
+    assert_eq!(
+        refused(b"abc"),
+        "m.stl: a file of 3 bytes is no STL: it is too short for a binary file and does not begin with `solid`"
+    );
+    let longer = [binary(b""), vec![0; 7]].concat();
+    assert_eq!(load_all(&longer).expect("a square").warnings[0].message, "7 bytes after the last facet are left out");
+}
+
+#[test]
+fn cut_and_changed_files_never_panic() {
+    for bytes in [text().into_bytes(), binary(b""), binary(b"solid")] {
+        for length in 0..bytes.len() {
+            let _ = load_all(&bytes[..length]);
+        }
+        for (place, value) in (0..bytes.len()).flat_map(|place| [0, b' ', 127, 255].map(|value| (place, value))) {
+            let mut changed = bytes.clone();
+            changed[place] = value;
+            let _ = load_all(&changed);
+        }
+    }
+}
