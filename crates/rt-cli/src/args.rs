@@ -183,6 +183,20 @@ pub(crate) struct InputArgs {
     /// Put a ground under a bare model
     #[arg(long)]
     pub(crate) ground: bool,
+
+    /// Pose models (.gltf, .glb) as their animation has them at this moment, in seconds
+    ///
+    /// Without it, a model rests as its nodes say. Before the first and after the last key of a channel, that key holds.
+    #[arg(long, value_name = "SECONDS", value_parser = values::finite, allow_negative_numbers = true)]
+    pub(crate) at_time: Option<f64>,
+
+    /// The animation for --at-time: its name, its index from 0 on, or `all`; by default the first
+    #[arg(long, value_name = "NAME|INDEX", requires = "at_time")]
+    pub(crate) animation: Option<String>,
+
+    /// Show models (.gltf, .glb) in this variant of their materials
+    #[arg(long, value_name = "NAME")]
+    pub(crate) variant: Option<String>,
 }
 
 /// What changes nothing in the picture.

@@ -37,7 +37,14 @@ pub(crate) fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console) -
 pub(crate) fn load_options(args: &InputArgs) -> Result<LoadOptions, Failure> {
     match &args.root {
         Some(root) if !root.is_dir() => Err(Failure::Usage(format!("--root {} is not a folder", root.display()))),
-        root => Ok(LoadOptions { root: root.clone(), ground: args.ground, ..LoadOptions::default() }),
+        root => Ok(LoadOptions {
+            root: root.clone(),
+            ground: args.ground,
+            at_time: args.at_time,
+            animation: args.animation.clone(),
+            variant: args.variant.clone(),
+            ..LoadOptions::default()
+        }),
     }
 }
 

@@ -14,6 +14,13 @@ pub struct LoadOptions {
     /// Width and height of the image in place of the file's. A camera that is put where it sees everything depends on
     /// their ratio.
     pub size: Option<[u32; 2]>,
+    /// The moment of an animation, in seconds, at which a model is posed. Without it the model rests as its nodes say.
+    pub at_time: Option<f64>,
+    /// Which animation poses a model: its name, its index, or `all`; by default the first. It matters with
+    /// [`at_time`](Self::at_time) alone.
+    pub animation: Option<String>,
+    /// The variant of the materials of a model that have several; by default none, which shows the model's own.
+    pub variant: Option<String>,
     /// Receives the files that loading meets beside the one that it is given.
     pub referenced: ReferencedFiles,
 }

@@ -134,18 +134,33 @@ fn unsigned(bytes: &[u8]) -> u32 {
     bytes.iter().rev().fold(0, |sum, &byte| (sum << 8) | u32::from(byte))
 }
 
-/// A component as a number; normalised integers are divided as in section 3.11 of the glTF 2.0 specification.
+/// A component as a number.
 fn number(bytes: &[u8], kind: DataType, normalized: bool) -> f32 {
     let bits = unsigned(bytes);
-    let signed = |value: f32, most: f32| if normalized { (value / most).max(-1.0) } else { value };
-    match kind {
+    let value = match kind {
         DataType::F32 => f32::from_bits(bits),
-        DataType::I8 => signed(f32::from(bits as u8 as i8), 127.0),
-        DataType::I16 => signed(f32::from(bits as u16 as i16), 32767.0),
-        DataType::U8 => signed(bits as f32, 255.0),
-        DataType::U16 => signed(bits as f32, 65535.0),
-        DataType::U32 => signed(bits as f32, u32::MAX as f32),
+        DataType::I8 => f32::from(bits as u8 as i8),
+        DataType::I16 => f32::from(bits as u16 as i16),
+        DataType::U8 | DataType::U16 | DataType::U32 => bits as f32,
+    };
+    greatest(kind).filter(|_| normalized).map_or(value, |most| normalised(value, most))
+}
+
+/// The integer that stands for 1 where integers are normalised; `None` for numbers that are none.
+pub(super) const fn greatest(kind: DataType) -> Option<f32> {
+    match kind {
+        DataType::F32 => None,
+        DataType::I8 => Some(127.0),
+        DataType::I16 => Some(32767.0),
+        DataType::U8 => Some(255.0),
+        DataType::U16 => Some(65535.0),
+        DataType::U32 => Some(u32::MAX as f32),
     }
+}
+
+/// An integer as a number in [0, 1] or [−1, 1] (glTF 2.0, section 3.11).
+pub(super) fn normalised(value: f32, greatest: f32) -> f32 {
+    (value / greatest).max(-1.0)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The bytes that a document refers to: in the file itself, in data URIs, or in files beside it.
 
-use std::path::Path;
+use std::{collections::HashMap, path::Path};
 
 use base64::{
     Engine,
@@ -10,6 +10,7 @@ use base64::{
 use gltf::{Document, buffer::View};
 use percent_encoding::percent_decode_str;
 
+use super::meshopt;
 use crate::{
     LoadError, LoadOptions, Reason,
     files::{read_file, resolve_path},
@@ -21,17 +22,23 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
+/// Most bytes that all compressed views of a file may hold.
+const MAX_DECODED_BYTES: u64 = 1 << 32;
+
 /// The content of all buffers.
 pub(super) struct Buffers<'a> {
     path: &'a Path,
+    document: &'a Document,
     /// `None` for buffers without data, which some extensions use as placeholders.
     data: Vec<Option<Vec<u8>>>,
+    /// What compressed views hold, by their index.
+    decoded: HashMap<usize, Vec<u8>>,
 }
 
 impl<'a> Buffers<'a> {
     /// Loads all buffers. `blob` is the binary chunk of a GLB file.
     pub(super) fn load(
-        document: &Document,
+        document: &'a Document,
         blob: Option<&[u8]>,
         path: &'a Path,
         options: &LoadOptions,
@@ -40,6 +47,7 @@ impl<'a> Buffers<'a> {
         for (i, buffer) in document.as_json().buffers.iter().enumerate() {
             let content = match &buffer.uri {
                 Some(uri) => Some(fetch(uri, path, options).map_err(|r| r.at(path, format!("buffers[{i}].uri")))?),
+                None if meshopt::is_placeholder(buffer.extensions.as_ref()) => None,
                 None => blob.filter(|_| i == 0).map(<[u8]>::to_vec),
             };
             data.push(match content {
@@ -55,11 +63,15 @@ impl<'a> Buffers<'a> {
                 None => None,
             });
         }
-        Ok(Self { path, data })
+        let decoded = decode_views(document, &data, path)?;
+        Ok(Self { path, document, data, decoded })
     }
 
     /// The bytes of a view.
     pub(super) fn view(&self, view: &View<'_>) -> Result<&[u8], LoadError> {
+        if let Some(decoded) = self.decoded.get(&view.index()) {
+            return Ok(decoded);
+        }
         let buffer = view.buffer().index();
         let fail = |reason: Reason| reason.at(self.path, format!("bufferViews[{}]", view.index()));
         let Some(Some(data)) = self.data.get(buffer) else {
@@ -73,10 +85,37 @@ impl<'a> Buffers<'a> {
         })
     }
 
+    /// The document whose buffers these are.
+    pub(super) const fn document(&self) -> &'a Document {
+        self.document
+    }
+
     /// The file, for messages.
     pub(super) const fn path(&self) -> &'a Path {
         self.path
     }
+}
+
+/// Decodes the compressed views.
+fn decode_views(
+    document: &Document,
+    data: &[Option<Vec<u8>>],
+    path: &Path,
+) -> Result<HashMap<usize, Vec<u8>>, LoadError> {
+    let mut total = 0;
+    let mut decoded = HashMap::new();
+    for (index, view) in document.as_json().buffer_views.iter().enumerate() {
+        let Some((name, object)) = meshopt::of_view(view) else { continue };
+        let fail = |reason: Reason| reason.at(path, format!("bufferViews[{index}].extensions.{name}"));
+        let bytes = meshopt::decode(object, data).map_err(fail)?;
+        total += bytes.len() as u64;
+        if total > MAX_DECODED_BYTES {
+            let what = "the size of all decoded views in bytes";
+            return Err(fail(Reason::TooLarge { what, value: total, limit: MAX_DECODED_BYTES }));
+        }
+        decoded.insert(index, bytes);
+    }
+    Ok(decoded)
 }
 
 /// The bytes that a URI names: a data URI, or a file below the root folder. Other schemes are refused.

@@ -12,10 +12,14 @@ use gltf::{
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::attribute_rules;
 use crate::{LoadError, Place, Problem, Reason, Warning};
 
 /// Extensions that are followed, at least as far as they concern what we draw.
-const SUPPORTED: [&str; 14] = [
+const SUPPORTED: [&str; 19] = [
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -27,40 +31,67 @@ const SUPPORTED: [&str; 14] = [
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_transform",
 ];
 
 /// More problems than this are not listed.
 const MAX_PROBLEMS: usize = 20;
 
+/// The JSON part of a file.
+#[derive(Debug)]
+pub(super) struct Parsed {
+    pub(super) document: Document,
+    /// The list of animations, unchecked: it matters only to those who play one.
+    pub(super) animations: Value,
+}
+
 /// Reads and checks the JSON part of a file.
-pub(super) fn parse(json: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Document, LoadError> {
+pub(super) fn parse(json: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Parsed, LoadError> {
     let mut value: Value = serde_json::from_slice(json).map_err(|error| syntax(&error, path))?;
+    mend_integers(&mut value);
     check_version(&value).map_err(|reason| reason.at(path, "asset.version"))?;
     check_extensions(&value, path, warnings)?;
-    check_primitives(&value, path)?;
-    if let Some(animations) = value.as_object_mut().and_then(|root| root.remove("animations")) {
-        let message = "animations are not played; the model rests as the nodes say".to_owned();
-        if animations.as_array().is_some_and(|list| !list.is_empty()) {
-            warnings.push(Warning { place: "animations".to_owned(), message });
-        }
-    }
+    check_primitives(&value, path, warnings)?;
+    let animations = value.as_object_mut().and_then(|root| root.remove("animations")).unwrap_or_default();
     let root = Root::deserialize(&value).map_err(|error| {
-        // Only a parse of the text knows the line.
+        // Only a parse of the text knows the line, but it may stumble over whole numbers with a point.
         serde_json::from_slice::<Root>(json)
             .err()
+            .filter(|located| located.to_string().starts_with(&error.to_string()))
             .map_or_else(|| Reason::Syntax(error.to_string()).at(path, ""), |located| syntax(&located, path))
     })?;
     check_references(&root, &value, path)?;
-    Ok(Document::from_json_without_validation(root))
+    let problems = attribute_rules::check(&root, warnings).into_iter();
+    refuse(problems.map(|(place, reason)| problem(place, reason, path)).collect())?;
+    Ok(Parsed { document: Document::from_json_without_validation(root), animations })
 }
 
 fn syntax(error: &serde_json::Error, path: &Path) -> LoadError {
     let message = error.to_string();
     let end = message.rfind(" at line ").unwrap_or(message.len());
     Reason::Syntax(message[..end].to_owned()).at(path, Place::Position(error.line(), error.column()))
+}
+
+/// Writes whole numbers as integers: JSON does not tell `1.0` from `1`, but the types of the `gltf` crate do. Values are at most
+/// as deep as the parser of JSON lets them be.
+fn mend_integers(value: &mut Value) {
+    match value {
+        Value::Array(list) => list.iter_mut().for_each(mend_integers),
+        Value::Object(map) => map.values_mut().for_each(mend_integers),
+        Value::Number(number) => {
+            // Beyond this, a number with a fraction no longer has one.
+            const MOST: f64 = 9_007_199_254_740_992.0;
+            let whole = number.as_f64().filter(|x| number.is_f64() && x.trunc() == *x && (0.0..=MOST).contains(x));
+            if let Some(whole) = whole {
+                *number = (whole as u64).into();
+            }
+        }
+        Value::Null | Value::Bool(_) | Value::String(_) => {}
+    }
 }
 
 fn check_version(value: &Value) -> Result<(), Reason> {
@@ -101,26 +132,25 @@ fn check_extensions(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> 
     Ok(())
 }
 
-/// Checks the position accessors of primitives, which the validation of the `gltf` crate takes for granted.
-fn check_primitives(value: &Value, path: &Path) -> Result<(), LoadError> {
+/// Checks the position accessors of primitives, which the validation of the `gltf` crate takes for granted, and tells of
+/// morphed attributes that it does not know.
+fn check_primitives(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> Result<(), LoadError> {
     let accessors = list(value, "accessors");
     let mut problems = Vec::new();
     for (m, mesh) in list(value, "meshes").iter().enumerate() {
         for (p, primitive) in list(mesh, "primitives").iter().enumerate() {
             let place = format!("meshes[{m}].primitives[{p}]");
+            let targets = list(primitive, "targets").iter().filter_map(Value::as_object);
+            let unknown = |name: &&String| !["POSITION", "NORMAL", "TANGENT"].contains(&name.as_str());
+            if let Some(name) = targets.flat_map(|target| target.keys()).find(unknown) {
+                let message = format!("morph targets of {name} are not followed");
+                warnings.push(Warning { place: place.clone(), message });
+            }
             let Some(position) = primitive.get("attributes").and_then(|all| all.get("POSITION")) else { continue };
             let accessor = position.as_u64().and_then(|i| accessors.get(usize::try_from(i).ok()?));
-            let compressed = primitive.get("extensions").and_then(|all| all.get("KHR_draco_mesh_compression"));
-            match accessor {
-                None => {
-                    let reason = Reason::invalid(position, format!("is no accessor; there are {}", accessors.len()));
-                    problems.push(problem(format!("{place}.attributes.POSITION"), reason, path));
-                }
-                Some(accessor) if compressed.is_some() && accessor.get("bufferView").is_none() => {
-                    let reason = Reason::Unsupported("the extension KHR_draco_mesh_compression".to_owned());
-                    problems.push(problem(place, reason, path));
-                }
-                Some(_) => {}
+            if accessor.is_none() {
+                let reason = Reason::invalid(position, format!("is no accessor; there are {}", accessors.len()));
+                problems.push(problem(format!("{place}.attributes.POSITION"), reason, path));
             }
         }
     }
@@ -216,6 +246,16 @@ mod tests {
     }
 
     #[test]
+    fn whole_numbers_may_be_written_with_a_point() {
+        let json = r#"{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0.0, "scale": [1.0, -2.0, 0.5]}],
+            "accessors": [{"componentType": 5126, "count": 3e0, "type": "VEC3"}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0.0}}]}]}"#;
+        let parsed = parse(json.as_bytes(), Path::new("m.gltf"), &mut Vec::new()).expect("the same as 0 and 3");
+        assert_eq!(parsed.document.accessors().next().map(|accessor| accessor.count()), Some(3));
+        assert!(refused(&json.replace("3e0", "3.5")).contains("invalid type: floating point `3.5`, expected u64"));
+    }
+
+    #[test]
     fn broken_text_is_located() {
         assert_eq!(refused("{\n \"asset\": }"), "m.gltf:2:11: expected value");
         let wrong = "{\"asset\": {\"version\": \"2.0\"},\n\"nodes\": 3}";
@@ -227,10 +267,10 @@ mod tests {
     fn what_does_not_matter_is_let_through() {
         let json = r#"{"asset": {"version": "2.0"}, "animations": [{"channels": 3}],
             "accessors": [{"componentType": 5126, "count": 1, "type": "VEC3"}],
-            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOUR": 0}}]}]}"#;
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOUR": 0}, "targets": [{"TEXCOORD_0": 0}]}]}]}"#;
         let mut warnings = Vec::new();
         parse(json.as_bytes(), Path::new("m.gltf"), &mut warnings).expect("usable");
-        assert_eq!(warnings[0].place, "animations");
+        assert_eq!(warnings[0].message, "morph targets of TEXCOORD_0 are not followed");
     }
 
     #[test]

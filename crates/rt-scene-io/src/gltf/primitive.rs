@@ -1,80 +1,216 @@
 //! Primitives of meshes as arrays of triangles.
 
-use gltf::{Primitive, Semantic, mesh::Mode};
+use std::sync::Arc;
+
+use gltf::{Accessor, Primitive, Semantic, mesh::Mode};
 use rt_geometry::{MeshData, fan, strip};
 use rt_math::Vec3;
 
 use super::{
-    accessor::{read_indices, read_vectors},
+    accessor::read_vectors,
+    attributes::Attributes,
     buffers::Buffers,
+    pose::Affine,
+    skin::{self, Influences},
+    tangents,
 };
 use crate::{LoadError, Reason};
 
-/// What a material asks of the meshes that have it.
+/// What the material of a primitive reads of it, beside positions and normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Wants {
-    /// Which of the document's sets of texture coordinates the first and the second of a mesh hold; `None` for neither.
+    /// The sets of texture coordinates (TEXCOORD_n) for both slots of a mesh; `None` for a slot that nothing reads.
     pub(super) uv_sets: [Option<u32>; 2],
-    /// Whether it shows the colours of vertices.
+    /// Vertex colours.
     pub(super) colors: bool,
     /// Whether it has a map that is laid along tangents.
     pub(super) tangents: bool,
 }
 
+/// How a mesh differs from what the file has.
+pub(super) struct Deformation<'a> {
+    /// How much of each morph target is added.
+    pub(super) weights: &'a [f32],
+    /// The joints that take it to the world, if it follows some.
+    pub(super) joints: Option<Arc<[Affine]>>,
+    /// Whether its node mirrors, where the node itself does not place it: the back is the front then.
+    pub(super) mirrored: bool,
+}
+
 /// What a primitive holds.
 pub(super) enum Content {
-    /// Triangles, and what was left out of them.
-    Triangles(MeshData, Vec<&'static str>),
+    /// Triangles, and what was left out of them or mended.
+    Triangles(MeshData, Vec<String>),
     /// Points or lines, which have no surface.
     NoSurface,
 }
 
-/// Reads the arrays of a primitive that its material wants.
+/// Reads the arrays of a primitive, and morphs and bends them. Where tangents are wanted and the file has none, they are made
+/// along the texture coordinates of slot `along`.
 pub(super) fn read(
     primitive: &Primitive<'_>,
     wants: &Wants,
+    along: usize,
+    deformation: &Deformation<'_>,
     buffers: &Buffers<'_>,
     place: &str,
 ) -> Result<Content, LoadError> {
-    let mut notes = Vec::new();
     if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
         return Ok(Content::NoSurface);
     }
-    let missing = |what: String| Reason::Syntax(format!("has no {what}")).at(buffers.path(), place);
-    let positions = primitive.get(&Semantic::Positions).ok_or_else(|| missing("POSITION".to_owned()))?;
-    let positions: Vec<Vec3> = read_vectors::<3>(&positions, buffers)?.into_iter().map(Vec3::from).collect();
-    let normals = match primitive.get(&Semantic::Normals) {
-        Some(accessor) => read_vectors::<3>(&accessor, buffers)?.into_iter().map(Vec3::from).collect(),
-        None => Vec::new(),
-    };
-    let [uvs, second_uvs] = wants.uv_sets.map(|set| match set {
-        Some(set) => match primitive.get(&Semantic::TexCoords(set)) {
-            Some(accessor) => {
-                Ok(read_vectors::<2>(&accessor, buffers)?.into_iter().map(|[u, v]| [u, 1.0 - v]).collect())
-            }
-            None => {
-                notes.push("its texture reads coordinates that the mesh does not have: one point is used everywhere");
-                Ok(Vec::new())
-            }
-        },
-        None => Ok(Vec::new()),
-    });
-    let (uvs, second_uvs) = (uvs?, second_uvs?);
-    let order = match primitive.indices() {
-        Some(accessor) => read_indices(&accessor, buffers)?,
-        None => (0..u32::try_from(positions.len()).unwrap_or(u32::MAX)).collect(),
-    };
+    let mut notes = Vec::new();
+    let attributes = Attributes::of(primitive, buffers, place)?;
+    let mut data = read_vertices(&attributes, wants, &mut notes)?
+        .ok_or_else(|| Reason::Syntax("has no POSITION".to_owned()).at(buffers.path(), place))?;
+    let order = attributes.order(data.positions.len())?;
     if primitive.mode() == Mode::Triangles && order.len() % 3 != 0 {
-        notes.push("the number of vertices is no multiple of three; the last ones are left out");
+        notes.push("the number of vertices is no multiple of three; the last ones are left out".to_owned());
     }
-    if primitive.get(&Semantic::Colors(0)).is_some() {
-        notes.push("vertex colours are not followed");
+    data.triangles = assemble(primitive.mode(), &order);
+    check_counts(&data).map_err(|reason| reason.at(buffers.path(), place))?;
+    morph(&mut data, primitive, deformation.weights, buffers, place)?;
+    if let Some(joints) = &deformation.joints {
+        bend(&mut data, &attributes, joints, &mut notes).map_err(|bend| match bend {
+            Bend::Read(error) => error,
+            Bend::Deform(reason) => reason.at(buffers.path(), place),
+        })?;
+        if deformation.mirrored {
+            data.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
     }
-    if primitive.morph_targets().len() > 0 {
-        notes.push("morph targets are not followed");
+    if wants.tangents {
+        complete_tangents(&mut data, along, &mut notes);
     }
-    let triangles = assemble(primitive.mode(), &order);
-    Ok(Content::Triangles(MeshData { positions, triangles, normals, uvs, second_uvs, ..MeshData::default() }, notes))
+    Ok(Content::Triangles(data, notes))
+}
+
+/// The arrays that have an element for each vertex; `None` without positions.
+fn read_vertices(
+    attributes: &Attributes<'_>,
+    wants: &Wants,
+    notes: &mut Vec<String>,
+) -> Result<Option<MeshData>, LoadError> {
+    let vectors = |list: Vec<[f32; 3]>| list.into_iter().map(Vec3::from).collect::<Vec<_>>();
+    let Some(positions) = attributes.vectors::<3>(&Semantic::Positions)? else { return Ok(None) };
+    let normals = attributes.vectors::<3>(&Semantic::Normals)?.map_or(Vec::new(), vectors);
+    let mut sets = [Vec::new(), Vec::new()];
+    for (set, slot) in wants.uv_sets.iter().zip(&mut sets) {
+        let Some(set) = *set else { continue };
+        match attributes.vectors::<2>(&Semantic::TexCoords(set))? {
+            // In the file v runs downwards.
+            Some(uvs) => *slot = uvs.into_iter().map(|[u, v]| [u, 1.0 - v]).collect(),
+            None => notes
+                .push(format!("its texture reads TEXCOORD_{set}, which is not there: one point is used everywhere")),
+        }
+    }
+    // Flat triangles have normals of their own, which the tangents of a file do not fit.
+    let tangents = if wants.tangents && !normals.is_empty() {
+        attributes.vectors::<4>(&Semantic::Tangents)?.unwrap_or_default()
+    } else {
+        Vec::new()
+    };
+    let colors = if wants.colors { attributes.colours()? } else { Vec::new() };
+    let [uvs, second_uvs] = sets;
+    let positions = vectors(positions);
+    Ok(Some(MeshData { positions, triangles: Vec::new(), normals, uvs, second_uvs, colors, tangents }))
+}
+
+/// Refuses arrays that do not fit together, before they are changed element by element.
+fn check_counts(data: &MeshData) -> Result<(), Reason> {
+    let count = data.positions.len();
+    let lengths = [data.normals.len(), data.uvs.len(), data.second_uvs.len(), data.colors.len(), data.tangents.len()];
+    if let Some(length) = lengths.into_iter().find(|length| *length != 0 && *length != count) {
+        return Err(Reason::invalid(length, format!("elements of an attribute do not fit {count} positions")));
+    }
+    match data.triangles.iter().flatten().find(|vertex| **vertex as usize >= count) {
+        Some(vertex) => Err(Reason::invalid(vertex, format!("is an index, but there are {count} vertices"))),
+        None => Ok(()),
+    }
+}
+
+/// Adds the morph targets (glTF 2.0, section 3.7.2.2).
+fn morph(
+    data: &mut MeshData,
+    primitive: &Primitive<'_>,
+    weights: &[f32],
+    buffers: &Buffers<'_>,
+    place: &str,
+) -> Result<(), LoadError> {
+    let count = data.positions.len();
+    let deltas = |accessor: Option<Accessor<'_>>, wanted: bool| {
+        let Some(accessor) = accessor.filter(|_| wanted) else { return Ok(Vec::new()) };
+        let deltas = read_vectors::<3>(&accessor, buffers)?;
+        if deltas.len() != count {
+            let rule = format!("elements of a morph target do not fit {count} positions");
+            return Err(Reason::invalid(deltas.len(), rule).at(buffers.path(), format!("{place}.targets")));
+        }
+        Ok(deltas)
+    };
+    for (target, &weight) in primitive.morph_targets().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+        for (position, delta) in data.positions.iter_mut().zip(deltas(target.positions(), true)?) {
+            *position += Vec3::from(delta) * weight;
+        }
+        let normals = deltas(target.normals(), !data.normals.is_empty())?;
+        for (normal, delta) in data.normals.iter_mut().zip(normals) {
+            *normal += Vec3::from(delta) * weight;
+        }
+        let tangents = deltas(target.tangents(), !data.tangents.is_empty())?;
+        for (tangent, delta) in data.tangents.iter_mut().zip(tangents) {
+            (0..3).for_each(|k| tangent[k] += delta[k] * weight);
+        }
+    }
+    Ok(())
+}
+
+/// Why a mesh does not follow its bones.
+enum Bend {
+    Read(LoadError),
+    Deform(Reason),
+}
+
+/// Takes the mesh to the world by its joints.
+fn bend(
+    data: &mut MeshData,
+    attributes: &Attributes<'_>,
+    joints: &[Affine],
+    notes: &mut Vec<String>,
+) -> Result<(), Bend> {
+    let mut sets = Vec::new();
+    for set in 0.. {
+        let joints = attributes.vectors::<4>(&Semantic::Joints(set)).map_err(Bend::Read)?;
+        let weights = attributes.vectors::<4>(&Semantic::Weights(set)).map_err(Bend::Read)?;
+        let (Some(joints), Some(weights)) = (joints, weights) else { break };
+        if joints.len() != data.positions.len() || weights.len() != data.positions.len() {
+            let rule =
+                format!("and {} joints and weights do not fit {} positions", weights.len(), data.positions.len());
+            return Err(Bend::Deform(Reason::invalid(joints.len(), rule)));
+        }
+        sets.push(Influences { joints, weights });
+    }
+    if sets.is_empty() {
+        notes
+            .push("its node has a skin, but it has no joints and weights; it stays where it is in the file".to_owned());
+        return Ok(());
+    }
+    let count = skin::deform(data, &sets, joints).map_err(Bend::Deform)?;
+    if count > 0 {
+        notes.push(format!("the weights of {count} vertices do not have the sum 1; they were scaled"));
+    }
+    Ok(())
+}
+
+/// Makes tangents where the file has none.
+fn complete_tangents(data: &mut MeshData, along: usize, notes: &mut Vec<String>) {
+    if !data.tangents.is_empty() {
+        return;
+    }
+    let uvs = if along == 0 { &data.uvs } else { &data.second_uvs };
+    if uvs.is_empty() {
+        notes.push("without texture coordinates there are no tangents: its normal map is left out".to_owned());
+        return;
+    }
+    let uvs = uvs.clone();
+    tangents::generate(data, &uvs);
 }
 
 /// Triangles from a list of vertices (glTF 2.0, section 3.7.2.1). All keep the orientation of the first.

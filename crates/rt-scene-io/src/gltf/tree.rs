@@ -11,22 +11,28 @@ use rt_camera::{CameraSettings, FovAxis, Projection};
 use rt_math::{DQuat, DVec3, Rgb, Transform, TransformError, transcendental::cos};
 use rt_shading::{Falloff, Light, LightKind};
 
-use crate::{Content, LoadError, MaterialId, MeshId, Model, NamedCamera, Node, Reason, Warning};
+use super::{Part, buffers::Buffers, instancing, pose::Pose};
+use crate::{Content, LoadError, MaterialId, Model, NamedCamera, Node, Reason, Warning};
 
 /// Deepest tree that is accepted.
 const MAX_DEPTH: usize = 1024;
 
+/// Most instances that the nodes of a file may place.
+const MAX_INSTANCES: u64 = 1 << 21;
+
 /// Walks the tree of the scene to be shown. `parts_of` gives the meshes of a node, with their materials.
 pub(super) fn walk(
-    document: &Document,
-    path: &Path,
+    buffers: &Buffers<'_>,
+    pose: &Pose,
     model: &mut Model,
-    mut parts_of: impl FnMut(&gltf::Mesh<'_>, &mut Model) -> Result<Vec<(MeshId, MaterialId)>, LoadError>,
+    mut parts_of: impl FnMut(&Source<'_>, &gltf::Mesh<'_>, &mut Model) -> Result<Vec<Part>, LoadError>,
 ) -> Result<(), LoadError> {
+    let (document, path) = (buffers.document(), buffers.path());
     let nodes: Vec<Source<'_>> = document.nodes().collect();
+    let mut instances = 0;
     for root in roots(document, path)? {
         let mut stack: Vec<Frame> = Vec::new();
-        stack.extend(open(&nodes[root], Transform::IDENTITY, model));
+        stack.extend(open(&nodes[root], pose, Transform::IDENTITY, model));
         while let Some(mut frame) = stack.pop() {
             if let Some(child) = frame.children.pop() {
                 let world = frame.world;
@@ -36,18 +42,16 @@ pub(super) fn walk(
                     let reason = Reason::TooLarge { what: "the depth of the tree", value, limit };
                     return Err(reason.at(path, format!("nodes[{child}]")));
                 }
-                stack.extend(open(&nodes[child], world, model));
+                stack.extend(open(&nodes[child], pose, world, model));
                 continue;
             }
             let source = &nodes[frame.index];
             if let Some(mesh) = source.mesh() {
-                place_mesh(&mut frame.node, &parts_of(&mesh, model)?);
+                let parts = parts_of(source, &mesh, model)?;
+                place(source, &mut frame.node, &parts, buffers, &mut instances, model)?;
             }
             place_camera(source, document, &frame.world, model);
             place_light(source, document, &frame.world, model);
-            if source.skin().is_some() {
-                warn(source, "its skin is not followed; the mesh keeps its rest pose", model);
-            }
             match stack.last_mut() {
                 Some(parent) => parent.node.children.push(frame.node),
                 None => model.nodes.push(frame.node),
@@ -67,8 +71,8 @@ struct Frame {
 }
 
 /// Starts a node, unless its transform is unusable.
-fn open(source: &Source<'_>, parent: Transform, model: &mut Model) -> Option<Frame> {
-    let parent_from_local = match transform(source) {
+fn open(source: &Source<'_>, pose: &Pose, parent: Transform, model: &mut Model) -> Option<Frame> {
+    let parent_from_local = match transform(pose.matrix(source.index())?) {
         Ok(transform) => transform,
         Err(error) => {
             warn(source, &format!("{error}; it is left out, with all below"), model);
@@ -77,15 +81,7 @@ fn open(source: &Source<'_>, parent: Transform, model: &mut Model) -> Option<Fra
     };
     let mut children: Vec<usize> = source.children().map(|child| child.index()).collect();
     children.reverse();
-    let node = Node {
-        name: source.name().unwrap_or_default().to_owned(),
-        parent_from_local,
-        moves_to: None,
-        content: None,
-        material: MaterialId(0),
-        casts_shadow: true,
-        children: Vec::new(),
-    };
+    let node = Node { parent_from_local, ..empty(source) };
     Some(Frame { index: source.index(), node, world: parent.then_first(&parent_from_local), children })
 }
 
@@ -123,8 +119,9 @@ fn roots(document: &Document, path: &Path) -> Result<Vec<usize>, LoadError> {
     Ok(roots)
 }
 
-fn transform(source: &Source<'_>) -> Result<Transform, TransformError> {
-    match source.transform() {
+/// The map that a node's matrix, or its translation, rotation and scale stand for.
+pub(super) fn transform(matrix: &Matrix) -> Result<Transform, TransformError> {
+    match matrix {
         Matrix::Matrix { matrix } => {
             // Columns in the file.
             let rows = std::array::from_fn(|row| std::array::from_fn(|column| f64::from(matrix[column][row])));
@@ -142,22 +139,67 @@ fn transform(source: &Source<'_>) -> Result<Transform, TransformError> {
     }
 }
 
+/// Puts a mesh where its node is, where the node's instances are, or, if it follows bones, into the world.
+fn place(
+    source: &Source<'_>,
+    node: &mut Node,
+    parts: &[Part],
+    buffers: &Buffers<'_>,
+    instances: &mut u64,
+    model: &mut Model,
+) -> Result<(), LoadError> {
+    if source.skin().is_some() {
+        let mut bound = empty(source);
+        place_mesh(&mut bound, parts);
+        model.nodes.push(bound);
+        return Ok(());
+    }
+    let Some((placements, lost)) = instancing::placements(source, buffers)? else {
+        place_mesh(node, parts);
+        return Ok(());
+    };
+    *instances += placements.len() as u64;
+    if *instances > MAX_INSTANCES {
+        let reason = Reason::TooLarge { what: "the number of instances", value: *instances, limit: MAX_INSTANCES };
+        return Err(reason.at(buffers.path(), format!("nodes[{}].extensions.{}", source.index(), instancing::NAME)));
+    }
+    if lost > 0 {
+        warn(source, &format!("{lost} of its instances have an unusable transform; they are left out"), model);
+    }
+    for parent_from_local in placements {
+        // Names of instances would take more room than they are worth.
+        let mut instance = Node { name: String::new(), parent_from_local, ..empty(source) };
+        place_mesh(&mut instance, parts);
+        node.children.push(instance);
+    }
+    Ok(())
+}
+
+/// A node without content at its parent's place.
+fn empty(source: &Source<'_>) -> Node {
+    Node {
+        name: source.name().unwrap_or_default().to_owned(),
+        parent_from_local: Transform::IDENTITY,
+        moves_to: None,
+        content: None,
+        material: MaterialId(0),
+        casts_shadow: true,
+        children: Vec::new(),
+    }
+}
+
 /// One mesh stands at the node itself, several at children of it.
-fn place_mesh(node: &mut Node, parts: &[(MeshId, MaterialId)]) {
+fn place_mesh(node: &mut Node, parts: &[Part]) {
     if let [(mesh, material)] = *parts {
         node.content = Some(Content::Mesh(mesh));
         node.material = material;
         return;
     }
-    node.children.extend(parts.iter().map(|(mesh, material)| Node {
-        name: node.name.clone(),
-        parent_from_local: Transform::IDENTITY,
-        moves_to: None,
-        content: Some(Content::Mesh(*mesh)),
-        material: *material,
-        casts_shadow: true,
-        children: Vec::new(),
-    }));
+    node.children.extend(
+        parts
+            .iter()
+            .map(|(mesh, material)| Node { name: node.name.clone(), ..Node::new(Content::Mesh(*mesh), *material) }),
+    );
 }
 
 fn place_camera(source: &Source<'_>, document: &Document, world: &Transform, model: &mut Model) {

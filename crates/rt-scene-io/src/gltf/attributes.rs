@@ -1,0 +1,74 @@
+//! The attributes of a primitive: from accessors, or from a compressed stream.
+
+use gltf::{Primitive, Semantic};
+
+use super::{
+    accessor::{read_indices, read_vectors},
+    buffers::Buffers,
+    draco::Decoded,
+};
+use crate::{LoadError, Reason};
+
+/// Where the numbers of a primitive come from.
+pub(super) struct Attributes<'a> {
+    primitive: &'a Primitive<'a>,
+    buffers: &'a Buffers<'a>,
+    place: &'a str,
+    stream: Option<Decoded>,
+}
+
+impl<'a> Attributes<'a> {
+    /// Decodes the stream of a compressed primitive, unless it has plain positions beside it.
+    pub(super) fn of(
+        primitive: &'a Primitive<'a>,
+        buffers: &'a Buffers<'a>,
+        place: &'a str,
+    ) -> Result<Self, LoadError> {
+        let is_plain = |accessor: gltf::Accessor<'_>| accessor.view().is_some() || accessor.sparse().is_some();
+        let plain = primitive.get(&Semantic::Positions).is_some_and(is_plain);
+        let stream = if plain { None } else { Decoded::of(primitive, buffers, place)? };
+        Ok(Self { primitive, buffers, place, stream })
+    }
+
+    /// Vectors of `N` components; `None` if the primitive does not have the attribute.
+    pub(super) fn vectors<const N: usize>(&self, semantic: &Semantic) -> Result<Option<Vec<[f32; N]>>, LoadError> {
+        let Some(accessor) = self.primitive.get(semantic) else { return Ok(None) };
+        if let Some(stream) = &self.stream {
+            let name = semantic.to_string();
+            let found = stream.vectors(&name, accessor.normalized(), self.buffers.path(), self.place)?;
+            if found.is_some() {
+                return Ok(found);
+            }
+        }
+        read_vectors(&accessor, self.buffers).map(Some)
+    }
+
+    /// Colours with alpha, which is 1 where the file has none.
+    pub(super) fn colours(&self) -> Result<Vec<[f32; 4]>, LoadError> {
+        let semantic = Semantic::Colors(0);
+        let Some(accessor) = self.primitive.get(&semantic) else { return Ok(Vec::new()) };
+        let in_stream = self.stream.as_ref().and_then(|stream| stream.components(&semantic.to_string()));
+        if in_stream.unwrap_or_else(|| accessor.dimensions().multiplicity()) == 3 {
+            let colours = self.vectors::<3>(&semantic)?.unwrap_or_default();
+            return Ok(colours.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect());
+        }
+        Ok(self.vectors::<4>(&semantic)?.unwrap_or_default())
+    }
+
+    /// The vertices of the primitive in turn, of which there are `count`.
+    pub(super) fn order(&self, count: usize) -> Result<Vec<u32>, LoadError> {
+        match (&self.stream, self.primitive.indices()) {
+            (Some(stream), _) => Ok(stream.indices()),
+            (None, Some(accessor)) => read_indices(&accessor, self.buffers),
+            (None, None) => {
+                let value = count as u64;
+                let limit = u64::from(u32::MAX);
+                let count = u32::try_from(count).map_err(|_| {
+                    let reason = Reason::TooLarge { what: "the number of vertices", value, limit };
+                    reason.at(self.buffers.path(), self.place)
+                })?;
+                Ok((0..count).collect())
+            }
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Meshes that follow bones (glTF 2.0, section 3.7.3).
+
+use gltf::Skin;
+use rt_geometry::MeshData;
+use rt_math::{DMat3, DVec3};
+
+use super::{accessor::read_vectors, buffers::Buffers, pose::Affine};
+use crate::{LoadError, Reason};
+
+/// Weights whose sum is farther than this from 1 are worth a warning: four of them rounded to bytes are within it.
+const MAX_DEVIATION: f64 = 1.0 / 64.0;
+
+/// The maps of the joints, from where the mesh was bound to the world.
+pub(super) fn joints(
+    skin: &Skin<'_>,
+    worlds: &[Option<Affine>],
+    buffers: &Buffers<'_>,
+) -> Result<Vec<Affine>, LoadError> {
+    let fail = |reason: Reason| reason.at(buffers.path(), format!("skins[{}]", skin.index()));
+    let mut joints = Vec::new();
+    for joint in skin.joints() {
+        let world = worlds.get(joint.index()).copied().flatten();
+        joints.push(world.ok_or_else(|| fail(Reason::invalid(joint.index(), "is a joint that is below itself")))?);
+    }
+    let Some(accessor) = skin.inverse_bind_matrices() else { return Ok(joints) };
+    let inverses = read_vectors::<16>(&accessor, buffers)?;
+    if inverses.len() < joints.len() {
+        let rule = format!("inverse bind matrices are too few for {} joints", joints.len());
+        return Err(fail(Reason::invalid(inverses.len(), rule)));
+    }
+    for (joint, inverse) in joints.iter_mut().zip(&inverses) {
+        let columns = std::array::from_fn(|c| std::array::from_fn(|r| inverse[4 * c + r]));
+        *joint = joint.then_first(&Affine::from_columns(&columns));
+    }
+    Ok(joints)
+}
+
+/// Up to four joints of each vertex, by their place in the skin, and their weights.
+pub(super) struct Influences {
+    pub(super) joints: Vec<[f32; 4]>,
+    pub(super) weights: Vec<[f32; 4]>,
+}
+
+/// Takes a mesh to the world by its joints. Weights are made to have the sum 1; the number of vertices where that changes
+/// much is returned.
+pub(super) fn deform(data: &mut MeshData, sets: &[Influences], joints: &[Affine]) -> Result<usize, Reason> {
+    let mut unnormalised = 0;
+    for vertex in 0..data.positions.len() {
+        let mut sum = 0.0;
+        let mut blend = Affine::ZERO;
+        for set in sets {
+            for (joint, weight) in set.joints[vertex].into_iter().zip(set.weights[vertex].map(f64::from)) {
+                if weight > 0.0 {
+                    let rule = || format!("is no joint of the skin; there are {} (vertex {vertex})", joints.len());
+                    let map = joints.get(joint as usize).ok_or_else(|| Reason::invalid(joint, rule()))?;
+                    sum += weight;
+                    blend.linear += map.linear * weight;
+                    blend.translation += map.translation * weight;
+                }
+            }
+        }
+        unnormalised += usize::from(!((sum - 1.0).abs() <= MAX_DEVIATION));
+        let map = if sum > 0.0 && sum.is_finite() {
+            Affine { linear: blend.linear * (1.0 / sum), translation: blend.translation * (1.0 / sum) }
+        } else {
+            // A vertex that no joint holds goes with the first of those that it names.
+            let first = sets.first().and_then(|set| joints.get(set.joints[vertex][0] as usize));
+            *first.unwrap_or(&Affine::IDENTITY)
+        };
+        move_vertex(data, vertex, &map);
+    }
+    Ok(unnormalised)
+}
+
+fn move_vertex(data: &mut MeshData, vertex: usize, map: &Affine) {
+    let position = &mut data.positions[vertex];
+    *position = map.point(position.as_dvec3()).as_vec3();
+    let mirrors = if map.linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+    if let Some(normal) = data.normals.get_mut(vertex) {
+        *normal = (cofactors(&map.linear) * normal.as_dvec3() * mirrors).normalize_or_zero().as_vec3();
+    }
+    if let Some([x, y, z, side]) = data.tangents.get_mut(vertex) {
+        let tangent = map.linear * DVec3::new(f64::from(*x), f64::from(*y), f64::from(*z));
+        [*x, *y, *z] = tangent.normalize_or_zero().as_vec3().to_array();
+        *side *= mirrors as f32;
+    }
+}
+
+/// The matrix that takes normals, up to a factor that has the sign of the determinant; it is there for flat maps, too.
+fn cofactors(m: &DMat3) -> DMat3 {
+    let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
+    DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::Vec3;
+
+    /// A vertex at (1, 0, 0) with the normal x and the tangent y.
+    fn vertex() -> MeshData {
+        MeshData {
+            positions: vec![Vec3::X],
+            normals: vec![Vec3::X],
+            tangents: vec![[0.0, 1.0, 0.0, 1.0]],
+            ..MeshData::default()
+        }
+    }
+
+    fn deformed(maps: &[Affine], joints: [f32; 4], weights: [f32; 4]) -> (MeshData, usize) {
+        let mut data = vertex();
+        let set = Influences { joints: vec![joints], weights: vec![weights] };
+        let bad = deform(&mut data, &[set], maps).expect("joints that are there");
+        (data, bad)
+    }
+
+    fn moved(offset: DVec3) -> Affine {
+        Affine { translation: offset, ..Affine::IDENTITY }
+    }
+
+    #[test]
+    fn vertices_go_with_the_mean_of_their_joints() {
+        let maps = [moved(DVec3::X * 4.0), moved(DVec3::Y * 8.0)];
+        let (data, bad) = deformed(&maps, [0.0, 1.0, 0.0, 0.0], [0.25, 0.75, 0.0, 0.0]);
+        assert_eq!((data.positions[0], bad), (Vec3::new(2.0, 6.0, 0.0), 0));
+        assert_eq!((data.normals[0], data.tangents[0]), (Vec3::X, [0.0, 1.0, 0.0, 1.0]));
+    }
+
+    #[test]
+    fn weights_are_made_to_have_the_sum_one() {
+        let maps = [moved(DVec3::X * 4.0), moved(DVec3::Y * 8.0)];
+        let (data, bad) = deformed(&maps, [0.0, 1.0, 9.0, 0.0], [0.5, 1.5, 0.0, 0.0]);
+        assert_eq!((data.positions[0], bad), (Vec3::new(2.0, 6.0, 0.0), 1));
+        let (data, bad) = deformed(&maps, [1.0, 0.0, 0.0, 0.0], [0.0; 4]);
+        assert_eq!((data.positions[0], bad), (Vec3::new(1.0, 8.0, 0.0), 1));
+    }
+
+    #[test]
+    fn normals_stay_normal_and_mirrors_turn_the_side() {
+        let squeeze = Affine { linear: DMat3::from_diagonal(DVec3::new(-0.5, 2.0, 1.0)), translation: DVec3::ZERO };
+        let mut data = vertex();
+        data.normals[0] = Vec3::new(1.0, 1.0, 0.0);
+        let set = Influences { joints: vec![[0.0; 4]], weights: vec![[1.0, 0.0, 0.0, 0.0]] };
+        deform(&mut data, &[set], &[squeeze]).expect("a joint");
+        // The inverse transpose is (−2, 1/2, 1).
+        let expected = Vec3::new(-2.0, 0.5, 0.0).normalize();
+        assert!((data.normals[0] - expected).length() < 1e-6, "{}", data.normals[0]);
+        assert_eq!(data.tangents[0], [0.0, 1.0, 0.0, -1.0]);
+    }
+
+    #[test]
+    fn joints_that_are_not_there_are_refused() {
+        let set = Influences { joints: vec![[7.0, 0.0, 0.0, 0.0]], weights: vec![[1.0, 0.0, 0.0, 0.0]] };
+        let error = deform(&mut vertex(), &[set], &[Affine::IDENTITY]).expect_err("no joint 7").to_string();
+        assert_eq!(error, "7 is no joint of the skin; there are 1 (vertex 0)");
+    }
+}

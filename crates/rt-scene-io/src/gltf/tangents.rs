@@ -1,0 +1,177 @@
+//! Tangents of meshes that come without (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008).
+
+use std::collections::HashMap;
+
+use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
+use rt_geometry::MeshData;
+use rt_math::transcendental::acos;
+
+/// Tangents of a flat or degenerate neighbourhood, which has none.
+const NONE: [f32; 4] = [0.0; 4];
+
+/// Gives each vertex the tangent along which u of `uvs` rises, and the side on which v does. A vertex whose triangles
+/// disagree is split. Without normals the triangles are flat.
+pub(super) fn generate(data: &mut MeshData, uvs: &[[f32; 2]]) {
+    let mut corners = Corners { data, uvs, tangents: vec![[NONE; 3]; data.triangles.len()] };
+    // There is no way to fail: the error has no values.
+    if generate_tangents(&mut corners).is_err() {
+        return;
+    }
+    let tangents = corners.tangents;
+    assign(data, &tangents);
+}
+
+/// Stores one tangent for each vertex, and copies those that need several.
+fn assign(data: &mut MeshData, tangents: &[[[f32; 4]; 3]]) {
+    data.tangents = vec![NONE; data.positions.len()];
+    let mut copies: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
+    let mut taken = vec![false; data.positions.len()];
+    for (t, corners) in tangents.iter().enumerate() {
+        for (k, &tangent) in corners.iter().enumerate() {
+            let vertex = data.triangles[t][k];
+            if !std::mem::replace(&mut taken[vertex as usize], true) {
+                data.tangents[vertex as usize] = tangent;
+            } else if data.tangents[vertex as usize] != tangent {
+                let key = (vertex, tangent.map(f32::to_bits));
+                data.triangles[t][k] = *copies.entry(key).or_insert_with(|| split(data, vertex, tangent));
+            }
+        }
+    }
+}
+
+/// Appends a copy of a vertex with a tangent of its own.
+fn split(data: &mut MeshData, vertex: u32, tangent: [f32; 4]) -> u32 {
+    let copy = data.positions.len() as u32;
+    data.positions.push(data.positions[vertex as usize]);
+    again(&mut data.normals, vertex);
+    again(&mut data.uvs, vertex);
+    again(&mut data.second_uvs, vertex);
+    again(&mut data.colors, vertex);
+    data.tangents.push(tangent);
+    copy
+}
+
+/// Appends a copy of an element, if the list is there.
+fn again<T: Copy>(list: &mut Vec<T>, element: u32) {
+    if let Some(&value) = list.get(element as usize) {
+        list.push(value);
+    }
+}
+
+/// A mesh as the algorithm looks at it: corner by corner.
+struct Corners<'a> {
+    data: &'a MeshData,
+    uvs: &'a [[f32; 2]],
+    tangents: Vec<[[f32; 4]; 3]>,
+}
+
+impl Corners<'_> {
+    fn vertex(&self, face: usize, corner: usize) -> usize {
+        self.data.triangles[face][corner] as usize
+    }
+}
+
+impl Geometry<Portable> for Corners<'_> {
+    fn num_faces(&self) -> usize {
+        self.data.triangles.len()
+    }
+
+    fn num_vertices_of_face(&self, _face: usize) -> usize {
+        3
+    }
+
+    fn position(&self, face: usize, corner: usize) -> [f32; 3] {
+        self.data.positions[self.vertex(face, corner)].to_array()
+    }
+
+    fn normal(&self, face: usize, corner: usize) -> [f32; 3] {
+        match self.data.normals.get(self.vertex(face, corner)) {
+            Some(normal) => normal.normalize_or_zero().to_array(),
+            None => {
+                let [a, b, c] = self.data.triangles[face].map(|i| self.data.positions[i as usize].as_dvec3());
+                (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array()
+            }
+        }
+    }
+
+    fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
+        self.uvs[self.vertex(face, corner)]
+    }
+
+    fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
+        let tangent = space.map_or(NONE, |space| space.tangent_encoded());
+        self.tangents[face][corner] = if tangent.iter().all(|x| x.is_finite()) { tangent } else { NONE };
+    }
+}
+
+/// The functions of which platforms have different ones.
+enum Portable {}
+
+impl Ops for Portable {
+    fn sqrt(x: f32) -> f32 {
+        x.sqrt()
+    }
+
+    fn acos(x: f32) -> f32 {
+        acos(f64::from(x)) as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::Vec3;
+
+    /// The unit square in z = 0, seen from +z, u along y and v against x, unless mirrored.
+    fn square(mirror: f32) -> MeshData {
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+        let uvs = positions.iter().map(|p| [p.y, -p.x * mirror]).collect();
+        let normals = vec![Vec3::Z; 4];
+        MeshData { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], normals, uvs, ..MeshData::default() }
+    }
+
+    fn along_first(data: &mut MeshData) {
+        let uvs = data.uvs.clone();
+        generate(data, &uvs);
+    }
+
+    #[test]
+    fn tangents_point_where_u_rises() {
+        let mut data = square(1.0);
+        along_first(&mut data);
+        assert_eq!(data.tangents, [[0.0, 1.0, 0.0, 1.0]; 4], "n × t = −x, where v rises");
+        let mut mirrored = square(-1.0);
+        along_first(&mut mirrored);
+        assert_eq!(mirrored.tangents, [[0.0, 1.0, 0.0, -1.0]; 4]);
+    }
+
+    #[test]
+    fn flat_triangles_have_tangents_as_well() {
+        let mut flat = MeshData { normals: Vec::new(), ..square(1.0) };
+        along_first(&mut flat);
+        assert_eq!((flat.tangents, flat.positions.len()), (vec![[0.0, 1.0, 0.0, 1.0]; 4], 4));
+    }
+
+    #[test]
+    fn vertices_on_a_seam_are_split() {
+        // The second triangle is mirrored in texture space, so that the shared edge has two sides.
+        let mut data = square(1.0);
+        data.uvs[3] = [0.0, -1.0];
+        data.colors = vec![[0.5; 4]; 4];
+        along_first(&mut data);
+        assert_eq!(data.triangles, [[0, 1, 2], [4, 5, 3]]);
+        assert_eq!(data.positions[4..], [Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0)]);
+        let lengths = [data.normals.len(), data.uvs.len(), data.colors.len(), data.tangents.len()];
+        assert_eq!((lengths, data.second_uvs.len()), ([6; 4], 0));
+        assert_ne!(data.tangents[0][3], data.tangents[4][3]);
+    }
+
+    #[test]
+    fn coordinates_that_do_not_vary_have_no_tangents() {
+        let mut data = square(1.0);
+        data.uvs = vec![[0.5; 2]; 4];
+        data.positions[1] = Vec3::NAN;
+        along_first(&mut data);
+        assert!(data.tangents.iter().flatten().all(|x| x.is_finite()), "{:?}", data.tangents);
+    }
+}

@@ -1,0 +1,407 @@
+//! Documents that are loaded as a whole.
+
+use super::*;
+use crate::{Content, Node};
+use rt_camera::Projection;
+use rt_math::{DVec3, Rgb, Vec3};
+use rt_shading::{Coefficient, LightKind};
+
+/// A unit square: four positions, four texture coordinates as bytes, and the indices of two triangles.
+fn square() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for [x, y] in [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0_f32]] {
+        bytes.extend([x, y, 0.0].into_iter().flat_map(f32::to_le_bytes));
+    }
+    bytes.extend([0, 255, 255, 255, 255, 0, 0, 0]);
+    bytes.extend([0, 1, 2, 0, 2, 3]);
+    bytes
+}
+
+const ARRAYS: &str = r#""bufferViews": [
+        {"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 8},
+        {"buffer": 0, "byteOffset": 56, "byteLength": 6}],
+    "accessors": [
+        {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+        {"bufferView": 1, "componentType": 5121, "count": 4, "type": "VEC2", "normalized": true},
+        {"bufferView": 2, "componentType": 5121, "count": 6, "type": "SCALAR"}]"#;
+
+const MESH: &str = r#"{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2}"#;
+
+fn load_with(primitives: &str, rest: &str) -> Result<Model, LoadError> {
+    let json = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": 62}}], {ARRAYS},
+            "meshes": [{{"name": "square", "primitives": [{primitives}]}}], {rest}}}"#
+    );
+    let mut json = json.into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let file = container::tests::glb(&[(b"JSON", &json), (b"BIN\0", &square())]);
+    load_bytes(&file, Path::new("m.glb"), &LoadOptions::default())
+}
+
+fn load_nodes(rest: &str) -> Model {
+    load_with(MESH, rest).expect("a model")
+}
+
+fn refused(rest: &str) -> String {
+    load_with(MESH, rest).expect_err("a bad model").to_string()
+}
+
+#[test]
+fn instances_share_their_mesh() {
+    let model = load_nodes(
+        r#""nodes": [{"children": [1, 2]}, {"mesh": 0, "translation": [1, 2, 3]}, {"mesh": 0, "scale": [2, 2, 2]}]"#,
+    );
+    assert_eq!((model.nodes.len(), model.meshes.len(), model.materials.len()), (1, 1, 1));
+    let children = &model.nodes[0].children;
+    assert!(children.iter().all(|node| node.content == Some(Content::Mesh(MeshId(0)))));
+    assert_eq!(children[0].parent_from_local.point(DVec3::ZERO), DVec3::new(1.0, 2.0, 3.0));
+    assert_eq!(children[1].parent_from_local.point(DVec3::ONE), DVec3::splat(2.0));
+    assert_eq!(model.meshes[0].mesh.data().triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert!(model.meshes[0].mesh.data().uvs.is_empty(), "no texture reads them");
+}
+
+#[test]
+fn primitives_become_nodes_with_their_materials() {
+    let two = format!(r#"{MESH}, {{"attributes": {{"POSITION": 0}}, "mode": 5, "material": 0}}"#);
+    let rest = r#""nodes": [{"mesh": 0, "name": "n"}],
+        "materials": [{"name": "red", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1], "metallicFactor": 0}}]"#;
+    let model = load_with(&two, rest).expect("a model");
+    let [strip] = &model.nodes[0].children[1..] else { panic!("two primitives") };
+    assert_eq!((&strip.content, strip.material), (&Some(Content::Mesh(MeshId(1))), MaterialId(1)));
+    assert_eq!(model.meshes[1].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
+    assert_eq!(model.materials[1].phong.diffuse, Coefficient::Constant(Rgb::new(1.0, 0.0, 0.0)));
+}
+
+#[test]
+fn images_are_read_from_data_uris_at_the_given_coordinates() {
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::RgbImage::from_pixel(1, 1, image::Rgb([255, 0, 0]))
+        .write_to(&mut png, image::ImageFormat::Png)
+        .expect("a png");
+    let uri: String = png.into_inner().iter().map(|byte| format!("%{byte:02x}")).collect();
+    let textured = MESH.replace("\"indices\"", "\"material\": 0, \"indices\"");
+    let rest = format!(
+        r#""nodes": [{{"mesh": 0}}], "images": [{{"uri": "data:image/png,{uri}"}}],
+            "samplers": [{{"wrapS": 33071, "magFilter": 9728}}], "textures": [{{"source": 0, "sampler": 0}}],
+            "materials": [{{"pbrMetallicRoughness": {{"metallicFactor": 0, "baseColorTexture": {{"index": 0,
+                "extensions": {{"KHR_texture_transform": {{"scale": [2, 1], "offset": [0.5, 0]}}}}}}}}}}]"#
+    );
+    let model = load_with(&textured, &rest).expect("a model");
+    assert_eq!(model.meshes[0].mesh.data().uvs, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+    let rt_shading::Texture::Mapped { texture, map } = &model.textures[0] else { panic!("mapped") };
+    assert_eq!((map.rows, map.is_second), ([[2.0, 0.0, 0.5], [0.0, 1.0, 0.0]], false));
+    let rt_shading::Texture::Image { bitmap, wrap, smooth } = &**texture else { panic!("an image") };
+    assert_eq!((bitmap.pixels[0], *smooth), ([1.0, 0.0, 0.0], false));
+    assert_eq!(*wrap, [rt_shading::Wrap::Clamp, rt_shading::Wrap::Repeat]);
+    assert!(matches!(model.materials[0].phong.diffuse, Coefficient::Textured(_, Rgb::WHITE)));
+}
+
+#[test]
+fn matrices_are_columns_and_nest() {
+    let model = load_nodes(
+        r#""nodes": [{"matrix": [0,1,0,0, -1,0,0,0, 0,0,1,0, 5,6,7,1], "children": [1]}, {"camera": 0, "translation": [1,0,0]}],
+            "cameras": [{"type": "perspective", "name": "c", "perspective": {"yfov": 0.5, "znear": 0.1}}]"#,
+    );
+    let camera = &model.cameras[0];
+    assert_eq!(camera.name, "c");
+    // The x axis of the outer node is turned to y.
+    let eye = camera.settings.world_from_camera.point(DVec3::ZERO);
+    assert_eq!(eye, DVec3::new(5.0, 7.0, 7.0));
+    assert!(matches!(camera.settings.projection, Projection::Perspective { fov, .. } if fov == 0.5));
+}
+
+#[test]
+fn lights_stand_where_their_nodes_are() {
+    let model = load_nodes(
+        r#""nodes": [{"translation": [0, 3, 0], "scale": [2, 2, 2], "extensions": {"KHR_lights_punctual": {"light": 0}}},
+                     {"rotation": [-0.70710678, 0, 0, 0.70710678], "extensions": {"KHR_lights_punctual": {"light": 1}}}],
+            "extensions": {"KHR_lights_punctual": {"lights": [
+                {"type": "point", "intensity": 10, "color": [1, 0.5, 0]},
+                {"type": "spot", "spot": {"innerConeAngle": 0.5, "outerConeAngle": 0.5}}]}}"#,
+    );
+    assert_eq!(model.lights[0].intensity, Rgb::new(10.0, 5.0, 0.0));
+    assert!(matches!(model.lights[0].kind, LightKind::Point { position, .. } if position == DVec3::new(0.0, 3.0, 0.0)));
+    let LightKind::Spot { direction, cos_inner, cos_outer, .. } = model.lights[1].kind else { panic!("a spot") };
+    assert!((direction - DVec3::NEG_Y).length() < 1e-6, "{direction}");
+    assert!(cos_inner > cos_outer && cos_inner - cos_outer < 1e-12);
+}
+
+#[test]
+fn trees_with_cycles_or_two_parents_are_refused() {
+    let own_child = refused(r#""nodes": [{"children": [0]}], "scenes": [{"nodes": [0]}], "scene": 0"#);
+    assert!(own_child.starts_with("m.glb: nodes[0]: is a root of the scene, but also below the node 0"), "{own_child}");
+    assert!(refused(r#""nodes": [{"children": [1]}, {"children": [0]}]"#).contains("they form a cycle"));
+    let shared = refused(r#""nodes": [{"children": [2]}, {"children": [2]}, {}]"#);
+    assert!(shared.starts_with("m.glb: nodes[2]: has two parents, 0 and 1"), "{shared}");
+}
+
+#[test]
+fn deep_trees_are_refused_and_less_deep_ones_walked() {
+    let chain = |depth: usize| {
+        let links: Vec<String> = (1..depth).map(|child| format!(r#"{{"children": [{child}]}}"#)).collect();
+        format!(r#""nodes": [{}, {{"mesh": 0}}]"#, links.join(","))
+    };
+    assert!(refused(&chain(50_000)).contains("the depth of the tree is 1025, the limit is 1024"));
+    let mut node: &Node = &load_nodes(&chain(1024)).nodes[0].clone();
+    let mut depth = 1;
+    while let [child] = node.children.as_slice() {
+        node = child;
+        depth += 1;
+    }
+    assert_eq!((depth, &node.content), (1024, &Some(Content::Mesh(MeshId(0)))));
+}
+
+#[test]
+fn flattened_nodes_are_left_out_with_a_warning() {
+    let model = load_nodes(r#""nodes": [{"name": "gone", "scale": [1, 0, 1], "mesh": 0}, {"mesh": 0}]"#);
+    assert_eq!(model.nodes.len(), 1);
+    assert_eq!(model.warnings[0].place, "m.glb: node `gone`");
+    assert!(model.warnings[0].message.contains("flattens space"));
+    let skewed = load_nodes(r#""nodes": [{"matrix": [1,0,0,1, 0,1,0,0, 0,0,1,0, 0,0,0,1], "mesh": 0}]"#);
+    assert!(skewed.warnings[0].message.contains("last row"));
+}
+
+#[test]
+fn bad_arrays_are_refused() {
+    let refuse = |primitive: &str| load_with(primitive, r#""nodes": [{"mesh": 0}]"#).expect_err("bad").to_string();
+    let out_of_range = r#"{"attributes": {"POSITION": 0}, "indices": 0}"#;
+    assert!(refuse(out_of_range).contains("indices: the accessor of indices must hold unsigned scalars"));
+    let mismatched = r#"{"attributes": {"POSITION": 0, "NORMAL": 2}, "indices": 2}"#;
+    assert!(refuse(mismatched).contains("attributes.NORMAL: accessors[2] must be VEC3"));
+    let points =
+        load_with(r#"{"attributes": {"POSITION": 0}, "mode": 0}"#, r#""nodes": [{"mesh": 0}]"#).expect("empty");
+    assert_eq!(points.warnings[0].message, "points and lines have no surface; they are left out");
+}
+
+#[test]
+fn arrays_without_indices_run_in_order() {
+    let model = load_with(r#"{"attributes": {"POSITION": 0}, "mode": 6}"#, r#""nodes": [{"mesh": 0}]"#).expect("a fan");
+    let data = model.meshes[0].mesh.data();
+    assert_eq!(data.triangles, [[1, 2, 0], [2, 3, 0]]);
+    assert_eq!(data.positions[2], Vec3::new(1.0, 1.0, 0.0));
+    assert!(data.normals.is_empty(), "flat, as the specification asks");
+}
+
+/// A document of arrays of numbers, each an accessor of its own.
+#[derive(Default)]
+struct Arrays {
+    bytes: Vec<u8>,
+    views: Vec<String>,
+    accessors: Vec<String>,
+}
+
+impl Arrays {
+    /// A triangle with the corners (0, 0, 0), (1, 0, 0) and (0, 1, 0) as the first accessor.
+    fn triangle() -> Self {
+        Self::default().with("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0])
+    }
+
+    fn with(mut self, kind: &str, numbers: &[f32]) -> Self {
+        let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+        self.push(kind, 5126, numbers.len(), &bytes);
+        self
+    }
+
+    fn with_bytes(mut self, kind: &str, bytes: &[u8]) -> Self {
+        self.push(kind, 5121, bytes.len(), bytes);
+        self
+    }
+
+    fn push(&mut self, kind: &str, component: u32, numbers: usize, bytes: &[u8]) {
+        let width = match kind {
+            "SCALAR" => 1,
+            "VEC3" => 3,
+            "VEC4" => 4,
+            _ => 16,
+        };
+        self.views.push(format!(
+            r#"{{"buffer": 0, "byteOffset": {}, "byteLength": {}}}"#,
+            self.bytes.len(),
+            bytes.len()
+        ));
+        self.accessors.push(format!(
+            r#"{{"bufferView": {}, "componentType": {component}, "count": {}, "type": "{kind}"}}"#,
+            self.views.len() - 1,
+            numbers / width
+        ));
+        self.bytes.extend(bytes);
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+    }
+
+    fn load(&self, rest: &str, options: &LoadOptions) -> Result<Model, LoadError> {
+        let mut json = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": {}}}], "bufferViews": [{}],
+                "accessors": [{}], {rest}}}"#,
+            self.bytes.len(),
+            self.views.join(","),
+            self.accessors.join(",")
+        )
+        .into_bytes();
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let file = container::tests::glb(&[(b"JSON", &json), (b"BIN\0", &self.bytes)]);
+        load_bytes(&file, Path::new("m.glb"), options)
+    }
+
+    fn model(&self, rest: &str) -> Model {
+        self.load(rest, &LoadOptions::default()).expect("a model")
+    }
+
+    fn at(&self, time: f64, rest: &str) -> Model {
+        self.load(rest, &LoadOptions { at_time: Some(time), ..LoadOptions::default() }).expect("a model")
+    }
+}
+
+const TRIANGLE: &str = r#""meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}]"#;
+
+#[test]
+fn instances_of_a_node_share_its_mesh() {
+    let arrays = Arrays::triangle()
+        .with("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 7.0, 0.0])
+        .with("VEC3", &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 0.0, 1.0, 1.0]);
+    let rest = format!(
+        r#"{TRIANGLE}, "extensionsRequired": ["EXT_mesh_gpu_instancing"], "nodes": [{{"mesh": 0, "translation": [0, 0, 1],
+            "extensions": {{"EXT_mesh_gpu_instancing": {{"attributes": {{"TRANSLATION": 1, "SCALE": 2, "_ID": 9}}}}}}}}]"#
+    );
+    let model = arrays.model(&rest);
+    assert_eq!((model.meshes.len(), &model.nodes[0].content), (1, &None));
+    let [first, second] = model.nodes[0].children.as_slice() else { panic!("two instances") };
+    assert!([first, second].iter().all(|node| node.content == Some(Content::Mesh(MeshId(0)))));
+    assert_eq!(second.parent_from_local.point(DVec3::ONE), DVec3::new(7.0, 2.0, 2.0));
+    assert!(model.warnings[0].message.starts_with("1 of its instances have an unusable transform"));
+    let refused = |attributes: &str| {
+        let rest = rest.replace(r#""TRANSLATION": 1, "SCALE": 2"#, attributes);
+        arrays.load(&rest, &LoadOptions::default()).expect_err("bad instances").to_string()
+    };
+    assert!(refused(r#""TRANSLATION": 7"#).contains("there is no accessor 7"));
+    assert!(refused(r#""_OTHER": 1"#).contains("no attribute that places"));
+    let shorter = arrays.accessors[2].replace("\"count\": 3", "\"count\": 2");
+    let accessors = vec![arrays.accessors[0].clone(), arrays.accessors[1].clone(), shorter];
+    let arrays = Arrays { bytes: arrays.bytes.clone(), views: arrays.views.clone(), accessors };
+    let error = arrays.load(&rest, &LoadOptions::default()).expect_err("counts").to_string();
+    assert!(error.starts_with("m.glb: nodes[0].extensions.EXT_mesh_gpu_instancing: the counts"), "{error}");
+}
+
+#[test]
+fn variants_choose_the_material() {
+    let rest = r#""extensions": {"KHR_materials_variants": {"variants": [{"name": "day"}, {"name": "night"}]}},
+        "materials": [{"name": "white"}, {"name": "black"}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0, "extensions":
+            {"KHR_materials_variants": {"mappings": [{"material": 1, "variants": [1]}]}}}]}]"#;
+    let with = |name: &str| LoadOptions { variant: Some(name.to_owned()), ..LoadOptions::default() };
+    let shown =
+        |options: &LoadOptions| Arrays::triangle().load(rest, options).expect("a model").materials[0].name.clone();
+    assert_eq!(shown(&LoadOptions::default()), "white");
+    assert_eq!((shown(&with("day")), shown(&with("night"))), ("white".to_owned(), "black".to_owned()));
+    let error = Arrays::triangle().load(rest, &with("knight")).expect_err("unknown").to_string();
+    assert!(error.contains("unknown variant `knight`; did you mean `night`? Known are `day`, `night`"), "{error}");
+    let beyond = rest.replace("\"material\": 1", "\"material\": 2");
+    let error = Arrays::triangle().load(&beyond, &with("night")).expect_err("no material 2").to_string();
+    assert!(error.contains("2 is no material; there are 2"), "{error}");
+}
+
+#[test]
+fn nodes_are_posed_at_a_moment() {
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let arrays = Arrays::triangle()
+        .with("SCALAR", &[0.0, 2.0])
+        .with("VEC3", &[0.0, 0.0, 0.0, 4.0, 0.0, 0.0])
+        .with("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, half, half]);
+    let rest = format!(
+        r#"{TRIANGLE}, "nodes": [{{"mesh": 0, "scale": [2, 2, 2]}}], "animations": [{{
+            "channels": [{{"sampler": 0, "target": {{"node": 0, "path": "translation"}}}},
+                         {{"sampler": 1, "target": {{"node": 0, "path": "rotation"}}}},
+                         {{"sampler": 1, "target": {{"path": "pointer"}}}}],
+            "samplers": [{{"input": 1, "output": 2}}, {{"input": 1, "output": 3, "interpolation": "STEP"}}]}}]"#
+    );
+    let place = |model: Model| model.nodes[0].parent_from_local.point(DVec3::X);
+    let rest_model = arrays.model(&rest);
+    assert_eq!(rest_model.warnings[0].message, "no time was chosen: the model rests as its nodes say");
+    assert_eq!(place(rest_model), DVec3::new(2.0, 0.0, 0.0));
+    assert_eq!(place(arrays.at(1.0, &rest)), DVec3::new(4.0, 0.0, 0.0));
+    assert!((place(arrays.at(9.0, &rest)) - DVec3::new(4.0, 2.0, 0.0)).length() < 1e-6);
+    let refused = |from: &str, to: &str| {
+        let options = LoadOptions { at_time: Some(1.0), ..LoadOptions::default() };
+        arrays.load(&rest.replace(from, to), &options).expect_err("a bad animation").to_string()
+    };
+    assert!(
+        refused(r#"{"node": 0, "path": "rot"#, r#"{"node": 1, "path": "rot"#).contains("1 is no node; there are 1")
+    );
+    assert!(refused("\"sampler\": 1", "\"sampler\": 5").contains("5 is no sampler; there are 2"));
+    assert!(refused("\"output\": 2", "\"output\": 3").contains("has 4 components, where 3 are needed"));
+    assert!(refused("\"interpolation\": \"STEP\"", "\"interpolation\": \"CUBICSPLINE\"").contains("do not fit 2 keys"));
+    assert!(
+        refused("\"input\": 1, \"output\": 2", "\"input\": 9, \"output\": 2").contains("accessors[9]: is not there")
+    );
+    let fixed = rest.replace("\"scale\": [2, 2, 2]", "\"matrix\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]");
+    let options = LoadOptions { at_time: Some(1.0), ..LoadOptions::default() };
+    let error = arrays.load(&fixed, &options).expect_err("a matrix").to_string();
+    assert!(error.contains("0 is a node with a matrix, which cannot be animated"), "{error}");
+}
+
+#[test]
+fn morph_targets_are_added_by_their_weights() {
+    let arrays = Arrays::triangle()
+        .with("VEC3", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0])
+        .with("SCALAR", &[0.0, 1.0])
+        .with("SCALAR", &[0.0, 8.0]);
+    let rest = r#""meshes": [{"weights": [0.5], "primitives": [{"attributes": {"POSITION": 0}, "targets": [{"POSITION": 1}]}]}],
+        "nodes": [{"mesh": 0}, {"mesh": 0, "weights": [2]}, {"mesh": 0}],
+        "animations": [{"channels": [{"sampler": 0, "target": {"node": 2, "path": "weights"}}],
+            "samplers": [{"input": 2, "output": 3}]}]"#;
+    let heights = |model: &Model| {
+        let height = |node: &Node| {
+            let Some(Content::Mesh(MeshId(mesh))) = node.content else { panic!("a mesh") };
+            model.meshes[mesh as usize].mesh.data().positions[1].z
+        };
+        model.nodes.iter().map(height).collect::<Vec<_>>()
+    };
+    let model = arrays.model(rest);
+    assert_eq!((heights(&model), model.meshes.len()), (vec![0.5, 2.0, 0.5], 2));
+    assert_eq!(heights(&arrays.at(0.25, rest)), [0.5, 2.0, 2.0]);
+}
+
+#[test]
+fn skins_follow_their_joints_and_not_their_node() {
+    let arrays = Arrays::triangle()
+        .with_bytes("VEC4", &[0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0])
+        .with("VEC4", &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0])
+        .with(
+            "MAT4",
+            &[
+                [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+                [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 1.0],
+            ]
+            .concat(),
+        );
+    let rest = r#""meshes": [{"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}}]}],
+        "skins": [{"joints": [1, 2], "inverseBindMatrices": 3}],
+        "nodes": [{"mesh": 0, "skin": 0, "translation": [100, 0, 0], "children": [3]},
+                  {"children": [2], "translation": [0, 0, 3]}, {"translation": [1, 2, 0]}, {"mesh": 0}]"#;
+    let model = arrays.model(rest);
+    let bound = model.nodes.iter().find(|node| node.content.is_some()).expect("the skinned mesh");
+    assert_eq!(bound.parent_from_local, rt_math::Transform::IDENTITY);
+    let Some(Content::Mesh(MeshId(mesh))) = bound.content else { panic!("a mesh") };
+    let positions = &model.meshes[mesh as usize].mesh.data().positions;
+    // The first joint lifts by 3, the second by (1, 2, 3) less its bind matrix, the last vertex has both by halves.
+    assert_eq!(positions[..], [Vec3::new(0.0, 0.0, 3.0), Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 2.0, 3.0)]);
+    let child = model.nodes.iter().flat_map(|node| &node.children).find(|node| node.content.is_some());
+    assert_eq!(
+        child.map(|node| &node.content),
+        Some(&Some(Content::Mesh(MeshId(mesh ^ 1)))),
+        "at rest, as it has no skin"
+    );
+    let error = arrays.load(&rest.replace("[1, 2]", "[1, 2, 3]"), &LoadOptions::default()).expect_err("three joints");
+    assert!(error.to_string().contains("2 inverse bind matrices are too few for 3 joints"), "{error}");
+    let error = arrays.load(&rest.replace("[1, 2]", "[1]"), &LoadOptions::default()).expect_err("one joint");
+    assert!(error.to_string().contains("1 is no joint of the skin; there are 1"), "{error}");
+}
+
+#[test]
+fn a_mirrored_node_of_a_skin_turns_its_triangles() {
+    let arrays = Arrays::triangle().with_bytes("VEC4", &[0; 12]).with("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3));
+    let rest = r#""meshes": [{"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}}]}],
+        "skins": [{"joints": [1]}], "nodes": [{"scale": [-1, 1, 1], "children": [1, 2]}, {}, {"mesh": 0, "skin": 0}]"#;
+    let model = arrays.model(rest);
+    let data = model.meshes[0].mesh.data();
+    assert_eq!((data.triangles[0], data.positions[1]), ([0, 2, 1], Vec3::new(-1.0, 0.0, 0.0)));
+}
