@@ -69,6 +69,7 @@ pub struct SurfaceInteraction {
 
 impl SurfaceInteraction {
     /// A surface that is shaded as it is, with a unit normal.
+    #[inline]
     pub const fn flat(point: DVec3, point_error: DVec3, normal: DVec3, uv: [f64; 2]) -> Self {
         let detail = SurfaceDetail::NONE;
         Self { point, point_error, shadow_point: point, geometric_normal: normal, shading_normal: normal, uv, detail }

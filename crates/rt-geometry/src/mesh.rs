@@ -109,6 +109,7 @@ impl TriangleMesh {
         }
     }
 
+    #[inline(never)]
     fn detail(&self, triangle: [u32; 3], weights: [f64; 3]) -> SurfaceDetail {
         let MeshData { second_uvs, colors, tangents, .. } = &self.data;
         let mut detail = SurfaceDetail::default();

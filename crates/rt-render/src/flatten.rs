@@ -325,8 +325,10 @@ impl<'s> Flattener<'s> {
         let count = named.mesh.data().triangles.len();
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
         let holes = material.and_then(|material| Holes::of(material, &named.mesh));
+        let has_relief = material.is_some_and(|material| material.relief.is_some());
         if count <= DISSOLVED
             && holes.is_none()
+            && !has_relief
             && here.assembly_from_parent.as_still().is_some_and(Transform::is_identity)
         {
             let facet = |index| {

@@ -54,7 +54,7 @@ pub(crate) enum PartGeometry {
     Placed(Box<Placed>),
     /// Index of a [`MeshLevel`]; no transform means the identity.
     Mesh(u32, Option<Box<Transform>>),
-    /// One triangle of a small mesh that stands where its file says.
+    /// One triangle of a small mesh that stands where its file says, and has no normal map.
     Facet(Arc<TriangleMesh>, u32),
     /// Index of an [`Assembly`].
     Group(u32, Option<Box<Transform>>),
@@ -164,7 +164,7 @@ impl Parts<'_> {
         if let PartGeometry::Facet(mesh, triangle) = &part.geometry {
             // By itself, so that it is written where it is needed, and not moved about.
             let surface = mesh.surface(ray, &Hit { primitive: *triangle, ..*hit }, needs)?;
-            return Some(part.made(hit.t, self.shaped(part, surface), Some(*triangle)));
+            return Some(part.made(hit.t, surface, Some(*triangle)));
         }
         self.surface_of(part, &part.geometry, ray, hit, needs)
     }
@@ -182,16 +182,19 @@ impl Parts<'_> {
             PartGeometry::Shape(shape) => part.made(hit.t, shape.surface(ray, &shape_hit, needs), None),
             PartGeometry::Placed(placed) => part.made(hit.t, placed.surface(ray, &shape_hit, needs), None),
             PartGeometry::Mesh(level, transform) => {
-                let surface = self.levels.meshes[*level as usize].mesh.surface(
+                let mut surface = self.levels.meshes[*level as usize].mesh.surface(
                     &localise(ray, transform.as_deref()),
                     hit,
                     needs,
                 )?;
-                part.made(hit.t, lift(self.shaped(part, surface), transform.as_deref()), Some(hit.primitive))
+                if let Some(relief) = &part.relief {
+                    relief.shape(&self.levels.textures, &mut surface);
+                }
+                part.made(hit.t, lift(surface, transform.as_deref()), Some(hit.primitive))
             }
             PartGeometry::Facet(mesh, triangle) => {
                 let surface = mesh.surface(ray, &Hit { primitive: *triangle, ..*hit }, needs)?;
-                part.made(hit.t, self.shaped(part, surface), Some(*triangle))
+                part.made(hit.t, surface, Some(*triangle))
             }
             PartGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
@@ -215,15 +218,6 @@ impl Parts<'_> {
                 SurfaceHit { interaction: surface.interaction.transformed(&map), ..surface }
             }
         })
-    }
-
-    /// The surface with the normal of the part's normal map.
-    #[inline]
-    fn shaped(&self, part: &Part, mut surface: SurfaceInteraction) -> SurfaceInteraction {
-        if let Some(relief) = &part.relief {
-            relief.shape(&self.levels.textures, &mut surface);
-        }
-        surface
     }
 
     /// The first hit on a part.
