@@ -5,6 +5,7 @@
 //!   cargo xtask bench rays MESH RAYS     meshes and rays from neutral files, which other tracers read as well
 //!   cargo xtask bench render             whole pictures, from neutral descriptions
 //!   cargo xtask bench cornell REFERENCE  error and efficiency on the Cornell box
+//!   cargo xtask bench load               time and memory that a mesh takes to load
 //!   cargo xtask bench convert JSON SCENE the scene file of such a description
 //! ```
 //!
@@ -21,6 +22,7 @@ use crate::{
 };
 
 mod cornell;
+mod load;
 mod own_scenes;
 mod rays;
 mod render;
@@ -44,6 +46,8 @@ enum What {
     Render(render::Options),
     /// Measure error and efficiency on the Cornell box against an image.
     Cornell(cornell::Options),
+    /// Measure the time and memory that a mesh takes to load, in each format.
+    Load(load::Options),
     /// Write the scene file of a neutral description.
     Convert(render::convert::Options),
 }
@@ -58,6 +62,7 @@ pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
         Some(What::Rays(options)) => rays::run(options),
         Some(What::Render(options)) => render::run(workspace, options),
         Some(What::Cornell(options)) => cornell::run(workspace, options),
+        Some(What::Load(options)) => load::run(workspace, options),
         Some(What::Convert(options)) => render::convert::run(options),
     }
 }

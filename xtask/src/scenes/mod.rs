@@ -20,7 +20,7 @@ pub(crate) use balls::balls;
 pub(crate) use gears::gears;
 pub(crate) use model::model;
 pub(crate) use mound::mound;
-pub(crate) use rock::rock;
+pub(crate) use rock::{data as rock_data, rock};
 pub(crate) use stadium::stadium;
 pub(crate) use tree::tree;
 

@@ -14,7 +14,7 @@ pub(crate) fn rock(wanted: usize) -> Result<Scene<TriangleMesh>, TaskError> {
 }
 
 /// The mesh of a rock with a radius of about 1.
-pub(super) fn data(wanted: usize) -> MeshData {
+pub(crate) fn data(wanted: usize) -> MeshData {
     let subdivisions = nearest(wanted, 0..10, |subdivisions| 20 << (2 * subdivisions));
     let (mut points, mut triangles) = icosahedron();
     for _ in 0..subdivisions {

@@ -1,0 +1,203 @@
+//! How long a mesh takes to load, and how much memory: the same rock in each format, read by the release binary.
+
+use std::{
+    fs::{self, File},
+    io::{BufWriter, Write},
+    path::{Path, PathBuf},
+};
+
+use rt_geometry::MeshData;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use super::{print, spread::Spread};
+use crate::{error::TaskError, number::three_digits, process::Program, scenes::rock_data, workspace::Workspace};
+
+/// What the command line asks for.
+#[derive(Debug, clap::Args)]
+pub(super) struct Options {
+    /// About as many triangles; each step down makes a fourth.
+    #[arg(long, default_value_t = 1_310_720)]
+    triangles: usize,
+    /// Runs of each file.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    reps: u32,
+    /// Keep the files here, for other programs to be measured with.
+    #[arg(long, value_name = "DIR")]
+    keep: Option<PathBuf>,
+}
+
+/// One file.
+#[derive(Debug, Serialize)]
+struct Figure {
+    file: String,
+    bytes: u64,
+    /// From the first byte to the arrays of the mesh.
+    load_seconds: Spread,
+    /// The structure over it.
+    build_seconds: Spread,
+    /// Greatest resident memory of the process, structure included.
+    peak_bytes: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct Figures {
+    triangles: usize,
+    files: Vec<Figure>,
+}
+
+/// What the renderer's statistics say about time.
+#[derive(Debug, Deserialize)]
+struct Timed {
+    seconds: Seconds,
+}
+
+#[derive(Debug, Deserialize)]
+struct Seconds {
+    load: f64,
+    build: f64,
+}
+
+/// Measures and prints.
+pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
+    let program = workspace.build_renderer()?;
+    let folder = workspace.fresh_folder("bench-load")?;
+    let keep = options.keep.clone().unwrap_or_else(|| folder.clone());
+    fs::create_dir_all(&keep).map_err(TaskError::file(&keep))?;
+    let (triangles, files) = write_files(&keep, options.triangles)?;
+    let program = Program { path: program, folder };
+    let files = files.iter().map(|path| measure(&program, path, options.reps)).collect::<Result<Vec<_>, _>>()?;
+    let figures = Figures { triangles, files };
+    print(&figures, &markdown(&figures))
+}
+
+/// The rock as OBJ and as GLB, and how many triangles it has.
+fn write_files(folder: &Path, wanted: usize) -> Result<(usize, [PathBuf; 2]), TaskError> {
+    let mesh = rock_data(wanted);
+    let files = ["rock.obj", "rock.glb"].map(|name| folder.join(name));
+    let file = |path: &Path| File::create(path).map(BufWriter::new).map_err(TaskError::file(path));
+    write_obj(&mesh, file(&files[0])?).map_err(TaskError::file(&files[0]))?;
+    write_glb(&mesh, file(&files[1])?).map_err(TaskError::file(&files[1]))?;
+    Ok((mesh.triangles.len(), files))
+}
+
+fn write_obj(mesh: &MeshData, mut file: impl Write) -> std::io::Result<()> {
+    for p in &mesh.positions {
+        writeln!(file, "v {} {} {}", p.x, p.y, p.z)?;
+    }
+    for [a, b, c] in &mesh.triangles {
+        writeln!(file, "f {} {} {}", a + 1, b + 1, c + 1)?;
+    }
+    file.flush()
+}
+
+fn write_glb(mesh: &MeshData, mut file: impl Write) -> std::io::Result<()> {
+    let (least, greatest) = mesh
+        .positions
+        .iter()
+        .fold((rt_math::Vec3::INFINITY, rt_math::Vec3::NEG_INFINITY), |(least, greatest), position| {
+            (least.min(*position), greatest.max(*position))
+        });
+    let (positions, indices) = (12 * mesh.positions.len(), 12 * mesh.triangles.len());
+    let document = json!({
+        "asset": {"version": "2.0"},
+        "buffers": [{"byteLength": positions + indices}],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": positions},
+            {"buffer": 0, "byteOffset": positions, "byteLength": indices},
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": mesh.positions.len(), "type": "VEC3",
+             "min": least.to_array(), "max": greatest.to_array()},
+            {"bufferView": 1, "componentType": 5125, "count": 3 * mesh.triangles.len(), "type": "SCALAR"},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+        "scene": 0,
+    });
+    let mut json = document.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let whole = 12 + 8 + json.len() + 8 + positions + indices;
+    // A GLB holds at most 4 GiB: the rock stays far below.
+    file.write_all(b"glTF\x02\0\0\0")?;
+    file.write_all(&(whole as u32).to_le_bytes())?;
+    file.write_all(&(json.len() as u32).to_le_bytes())?;
+    file.write_all(b"JSON")?;
+    file.write_all(&json)?;
+    file.write_all(&((positions + indices) as u32).to_le_bytes())?;
+    file.write_all(b"BIN\0")?;
+    for position in &mesh.positions {
+        position.to_array().into_iter().try_for_each(|x| file.write_all(&x.to_le_bytes()))?;
+    }
+    for triangle in &mesh.triangles {
+        triangle.iter().try_for_each(|index| file.write_all(&index.to_le_bytes()))?;
+    }
+    file.flush()
+}
+
+fn measure(program: &Program, path: &Path, reps: u32) -> Result<Figure, TaskError> {
+    let scene = path.to_string_lossy();
+    let stats = program.folder.join("stats.json");
+    let args = ["render", &scene, "-o", "rock.png", "--size", "8x8", "--spp", "1", "--threads", "1", "--quiet"];
+    let args = [&args[..], &["--stats", "stats.json"]].concat();
+    let (mut load, mut build, mut peak_bytes) = (Vec::new(), Vec::new(), 0);
+    for _ in 0..reps {
+        peak_bytes = program.run(&args)?.bytes.max(peak_bytes);
+        let text = fs::read_to_string(&stats).map_err(TaskError::file(&stats))?;
+        let Timed { seconds } =
+            serde_json::from_str(&text).map_err(|source| TaskError::Json { path: stats.clone(), source })?;
+        load.push(seconds.load);
+        build.push(seconds.build);
+    }
+    Ok(Figure {
+        file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        bytes: fs::metadata(path).map_err(TaskError::file(path))?.len(),
+        load_seconds: Spread::of(load),
+        build_seconds: Spread::of(build),
+        peak_bytes,
+    })
+}
+
+fn markdown(figures: &Figures) -> String {
+    let millions = figures.triangles as f64 / 1e6;
+    let mebibytes = |bytes: u64| bytes as f64 / f64::from(1 << 20);
+    let mut text = format!(
+        "A mesh of {} triangles, on one thread. Per million triangles:\n\n\
+         | file | MiB in the file | load s (least..greatest) | structure s | peak MiB of the process |\n|---|---|---|---|---|\n",
+        figures.triangles
+    );
+    for figure in &figures.files {
+        let Spread { median, min, max } = figure.load_seconds;
+        text.push_str(&format!(
+            "| {} | {} | {} ({}..{}) | {} | {} |\n",
+            figure.file,
+            three_digits(mebibytes(figure.bytes) / millions),
+            three_digits(median / millions),
+            three_digits(min / millions),
+            three_digits(max / millions),
+            three_digits(figure.build_seconds.median / millions),
+            three_digits(mebibytes(figure.peak_bytes) / millions),
+        ));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_scene_io::{LoadOptions, load_model};
+
+    #[test]
+    fn both_files_hold_the_same_mesh() {
+        let folder = tempfile::tempdir().unwrap();
+        let (triangles, files) = write_files(folder.path(), 320).unwrap();
+        assert_eq!(triangles, 320);
+        let [obj, glb] = files.map(|path| load_model(&path, &LoadOptions::default()).unwrap());
+        let corners = |model: &rt_scene_io::Model| -> Vec<_> {
+            let mesh = &model.meshes[0].mesh;
+            (0..320).map(|triangle| mesh.vertices(triangle).unwrap()).collect()
+        };
+        assert_eq!(corners(&obj), corners(&glb));
+    }
+}
