@@ -11,10 +11,10 @@ fn scenes_folder() -> PathBuf {
 
 fn scene_files() -> Vec<PathBuf> {
     let mut files = vec![];
-    for chapter in ["report", "lecture", "gallery"] {
+    for chapter in ["report", "lecture", "gallery", "spd"] {
         let folder = std::fs::read_dir(scenes_folder().join(chapter)).expect("the chapter's folder");
         let paths = folder.map(|entry| entry.expect("an entry").path());
-        files.extend(paths.filter(|path| path.extension().is_some_and(|ending| ending == "ron")));
+        files.extend(paths.filter(|path| path.extension().is_some_and(|ending| ending == "ron" || ending == "nff")));
     }
     files.sort();
     files

@@ -11,10 +11,10 @@ use rt_scene_io::LoadOptions;
 fn no_scene_leaves_it_to_rounding_which_of_two_surfaces_is_seen() {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
     let mut checked = 0;
-    for chapter in ["report", "lecture", "gallery"] {
+    for chapter in ["report", "lecture", "gallery", "spd"] {
         for entry in std::fs::read_dir(scenes.join(chapter)).expect("the chapter's folder") {
             let file = entry.expect("an entry").path();
-            if file.extension().is_none_or(|ending| ending != "ron") {
+            if file.extension().is_none_or(|ending| ending != "ron" && ending != "nff") {
                 continue;
             }
             let scene = rt_scene_io::load(&file, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));

@@ -37,9 +37,10 @@ struct OnePicture {
     name: String,
 }
 
-/// One unit per scene file of the gallery and of the golden images.
+/// One unit per scene file that comes along, and per golden image.
 pub(super) fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
     let mut scenes = workspace.files("scenes", ".ron")?;
+    scenes.extend(workspace.files("scenes/spd", ".nff")?);
     scenes.extend(workspace.files("tests/golden", ".ron")?);
     Ok(scenes
         .into_iter()
