@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde_ply::{ElementDef, PlyFormat, PlyHeader, PropertyType, ScalarType};
 
-use super::rows::{COLUMNS, CORNERS, POSITION, column};
+use super::rows::{COLOR, COLUMNS, CORNERS, POSITION, column};
 use crate::Reason;
 
 /// Checks that there are vertices with positions, and that the `available` bytes after the header can hold all rows.
@@ -59,12 +59,29 @@ pub(super) fn has(header: &PlyHeader, columns: Range<usize>) -> bool {
     COLUMNS[columns].iter().all(has)
 }
 
+/// The number that stands for all of a colour in the first of these columns; `None` where it is a fraction already.
+pub(super) fn whole(header: &PlyHeader, columns: Range<usize>) -> Option<f32> {
+    let names = COLUMNS.get(columns)?.first()?;
+    let property = header.get_element("vertex")?.properties.iter().find(|p| names.contains(&p.name.as_str()))?;
+    match &property.property_type {
+        PropertyType::Scalar(ScalarType::I8) => Some(f32::from(i8::MAX)),
+        PropertyType::Scalar(ScalarType::U8) => Some(f32::from(u8::MAX)),
+        PropertyType::Scalar(ScalarType::I16) => Some(f32::from(i16::MAX)),
+        PropertyType::Scalar(ScalarType::U16) => Some(f32::from(u16::MAX)),
+        // Programs that write 32 bits mean bytes all the same.
+        PropertyType::Scalar(ScalarType::I32 | ScalarType::U32) => Some(f32::from(u8::MAX)),
+        _ => None,
+    }
+}
+
 /// What the file has beyond a mesh, in sentences.
 pub(super) fn left_out(header: &PlyHeader) -> Vec<String> {
     let mut sentences = Vec::new();
     for ElementDef { name, count, properties } in &header.elem_defs {
         let known: fn(&str) -> bool = match name.as_str() {
-            "vertex" => |name| column(name.as_bytes()).is_some(),
+            "vertex" if has(header, COLOR) => |name| column(name.as_bytes()).is_some(),
+            // A share without colours says nothing.
+            "vertex" => |name| column(name.as_bytes()).is_some_and(|column| column < COLOR.start),
             "face" => |name| CORNERS.contains(&name),
             _ => {
                 sentences.push(format!("the element `{name}` of {count} rows is left out"));

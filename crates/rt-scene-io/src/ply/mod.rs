@@ -1,24 +1,30 @@
 //! PLY (Greg Turk, "The PLY Polygon File Format", 1994), text and binary of both byte orders, through `serde_ply`.
 //!
 //! ```text
-//! header ── counts fit the bytes that follow? ──> vertices: x y z, nx ny nz, s t
+//! header ── counts fit the bytes that follow? ──> vertices: x y z, nx ny nz, s t, red green blue alpha
 //!                                            └──> faces: lists of corners, cut into triangles
 //! ```
 //!
-//! The numbers of rows that a header promises are compared with the size of the file before anything is read.
+//! Colours of vertices colour the surface: whole numbers are shares of the greatest one, encoded as in sRGB, fractions are
+//! linear. Only the colours are shown, not what alpha leaves open. The numbers of rows that a header promises are compared with the size of the file before anything is read.
 
 mod header;
 mod rows;
 
 use std::path::Path;
 
+use rt_camera::Encoding;
 use rt_geometry::{Face, MeshData};
-use rt_math::Vec3;
+use rt_math::{Rgb, Vec3};
+use rt_shading::{Coefficient, Texture, TextureId};
 use serde_ply::{DeserializeError, PlyFormat, PlyHeader, PlyReader};
 
 use self::rows::{Corners, Skipped, Vertices};
 use crate::files::read_file;
-use crate::{LoadError, Model, Place, Reason, Warning};
+use crate::{LoadError, Material, Model, Place, Reason, Warning};
+
+/// Share of the ambient light in the colour of a surface.
+const AMBIENT: f64 = 0.1;
 
 /// Loads the file at `path`.
 pub(crate) fn load(path: &Path) -> Result<Model, LoadError> {
@@ -49,8 +55,22 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
         warn(format!("{} faces with fewer than three corners were left out", corners.short));
     }
     let data = mesh_data(&header, &vertices, &corners).map_err(|error| Reason::from(error).at(path, "element face"))?;
+    let is_colored = !data.colors.is_empty();
     model.set_mesh(data, path)?;
+    if is_colored {
+        show_colors(&mut model);
+    }
     Ok(model)
+}
+
+/// Gives the one material the colours of the vertices, with as much of the ambient light as plain grey takes.
+fn show_colors(model: &mut Model) {
+    let color = TextureId(model.textures.len() as u32);
+    model.textures.push(Texture::VertexColor(None));
+    for Material { phong, .. } in &mut model.materials {
+        phong.ambient = Coefficient::Textured(color, Rgb::gray(AMBIENT));
+        phong.diffuse = Coefficient::Textured(color, Rgb::WHITE);
+    }
 }
 
 /// What a file holds of use.
@@ -103,7 +123,26 @@ fn mesh_data(header: &PlyHeader, vertices: &Vertices, corners: &Corners) -> Resu
     if header::has(header, rows::UV) {
         data.uvs = vertices.rows.iter().map(|row| [row[6], row[7]]).collect();
     }
+    if header::has(header, rows::COLOR) {
+        data.colors = colors(header, vertices);
+    }
     Ok(data)
+}
+
+/// Linear colours with alpha, 1 where the file has none.
+fn colors(header: &PlyHeader, vertices: &Vertices) -> Vec<[f32; 4]> {
+    let linear: fn(f32) -> f32 = match header::whole(header, rows::COLOR) {
+        Some(_) => |share| Encoding::Srgb.decode_signal(f64::from(share)) as f32,
+        None => |share| share,
+    };
+    let greatest = header::whole(header, rows::COLOR).unwrap_or(1.0);
+    let greatest_alpha = header::whole(header, rows::ALPHA).unwrap_or(1.0);
+    let has_alpha = header::has(header, rows::ALPHA);
+    let decoded = vertices.colors.iter().map(|[r, g, b, a]| {
+        let [r, g, b] = [r, g, b].map(|c| linear(c / greatest));
+        [r, g, b, if has_alpha { a / greatest_alpha } else { 1.0 }]
+    });
+    decoded.collect()
 }
 
 #[cfg(test)]

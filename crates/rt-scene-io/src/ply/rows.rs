@@ -6,7 +6,7 @@ use std::ops::Range;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
 /// Columns of a vertex, each by its names.
-pub(super) const COLUMNS: [&[&str]; 8] = [
+pub(super) const COLUMNS: [&[&str]; 12] = [
     &["x"],
     &["y"],
     &["z"],
@@ -15,12 +15,21 @@ pub(super) const COLUMNS: [&[&str]; 8] = [
     &["nz", "normal_z"],
     &["s", "u", "texture_u", "texture_s", "texcoord_u"],
     &["t", "v", "texture_v", "texture_t", "texcoord_v"],
+    &["red", "r", "diffuse_red"],
+    &["green", "g", "diffuse_green"],
+    &["blue", "b", "diffuse_blue"],
+    &["alpha", "a"],
 ];
 
-/// Columns of the position, the normal and the texture coordinates.
+/// How many columns of a vertex are no colours.
+const PLACED: usize = 8;
+
+/// Columns of the position, the normal, the texture coordinates, and the three colours. After them comes alpha.
 pub(super) const POSITION: Range<usize> = 0..3;
 pub(super) const NORMAL: Range<usize> = 3..6;
 pub(super) const UV: Range<usize> = 6..8;
+pub(super) const COLOR: Range<usize> = 8..11;
+pub(super) const ALPHA: Range<usize> = 11..12;
 
 /// The column of this name.
 pub(super) fn column(name: &[u8]) -> Option<usize> {
@@ -30,10 +39,19 @@ pub(super) fn column(name: &[u8]) -> Option<usize> {
 /// Names of the list of corners of a face.
 pub(super) const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// All vertices: a row of [`COLUMNS`] each, 0 where the file has no such column.
+/// All vertices: the first of [`COLUMNS`] of each, 0 where the file has no such column.
 #[derive(Debug, Default)]
 pub(super) struct Vertices {
-    pub(super) rows: Vec<[f32; 8]>,
+    pub(super) rows: Vec<[f32; PLACED]>,
+    /// The other columns, as they stand in the file; empty if it has none of them.
+    pub(super) colors: Vec<[f32; 4]>,
+}
+
+/// The numbers of a vertex.
+#[derive(Default)]
+struct Vertex {
+    placed: [f32; PLACED],
+    color: Option<[f32; 4]>,
 }
 
 /// The corners of all faces.
@@ -131,12 +149,13 @@ impl<'de, T: Meaning> Deserialize<'de> for Name<T> {
     }
 }
 
-impl Row for [f32; 8] {
+impl Row for Vertex {
     fn read<'de, A: MapAccess<'de>>(mut cells: A) -> Result<Self, A::Error> {
-        let mut row = [0.0; 8];
+        let mut row = Self::default();
         while let Some(Name(column)) = cells.next_key::<Name<Option<usize>>>()? {
             match column {
-                Some(column) => row[column] = cells.next_value()?,
+                Some(column @ PLACED..) => row.color.get_or_insert_default()[column - PLACED] = cells.next_value()?,
+                Some(column) => row.placed[column] = cells.next_value()?,
                 None => drop(cells.next_value::<IgnoredAny>()?),
             }
         }
@@ -172,10 +191,12 @@ trait Collects: Default {
 }
 
 impl Collects for Vertices {
-    type Row = [f32; 8];
+    type Row = Vertex;
 
-    fn add(&mut self, row: [f32; 8]) {
-        self.rows.push(row);
+    fn add(&mut self, row: Vertex) {
+        self.rows.push(row.placed);
+        // A file has them in every row or in none.
+        self.colors.extend(row.color);
     }
 }
 

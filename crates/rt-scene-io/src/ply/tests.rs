@@ -144,3 +144,42 @@ fn cut_files_never_panic() {
         }
     }
 }
+
+/// The square with one colour for each vertex.
+fn colored(kind: &str, alpha: &str, colors: [&str; 4]) -> Model {
+    let header = format!("property float z\nproperty {kind} red\nproperty {kind} green\nproperty {kind} blue\n{alpha}");
+    let mut text = SQUARE.replace("property float z\n", &header);
+    for (corner, color) in ["0 0 0\n", "1 0 0\n", "1 1 0\n", "0 1 0\n"].into_iter().zip(colors) {
+        text = text.replacen(&format!("\n{corner}"), &format!("\n{} {color}\n", corner.trim_end()), 1);
+    }
+    load_text(&text).expect("a colored square")
+}
+
+#[test]
+fn colours_of_vertices_are_decoded_and_shown() {
+    let bytes = colored("uchar", "", ["255 0 188", "0 255 0", "0 0 255", "10 20 30"]);
+    let shown = data(&bytes).colors[0];
+    assert_eq!((shown[0], shown[1], shown[3]), (1.0, 0.0, 1.0));
+    assert!((shown[2] - 0.502_886_5).abs() < 1e-6, "{shown:?}");
+    assert_eq!(bytes.warnings, []);
+    let phong = &bytes.materials[0].phong;
+    assert_eq!(bytes.textures, [Texture::VertexColor(None)]);
+    assert_eq!(phong.diffuse, Coefficient::Textured(TextureId(0), Rgb::WHITE));
+    assert_eq!(phong.ambient, Coefficient::Textured(TextureId(0), Rgb::gray(0.1)));
+
+    let alpha = "property uchar alpha\n";
+    let floats = colored("float", alpha, ["0.5 0 1 255", "2 0 0 0", "0 0 0 51", "1 1 1 255"]);
+    assert_eq!(
+        data(&floats).colors,
+        [[0.5, 0.0, 1.0, 1.0], [2.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.2], [1.0, 1.0, 1.0, 1.0]]
+    );
+    assert!(load_text(SQUARE).expect("a square").textures.is_empty());
+}
+
+#[test]
+fn a_part_of_a_colour_is_left_out_with_a_warning() {
+    let red = SQUARE.replace("property float z\n", "property float z\nproperty uchar red\n").replace(" 0\n", " 0 9\n");
+    let model = load_text(&red).expect("a square");
+    assert!(data(&model).colors.is_empty() && model.textures.is_empty());
+    assert_eq!(model.warnings[0].message, "properties of the element `vertex` are left out: `red`");
+}

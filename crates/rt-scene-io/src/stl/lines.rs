@@ -5,6 +5,11 @@ use std::io::{self, Read, Seek, SeekFrom};
 /// What a solid begins with, in the one form that the reader takes.
 const SOLID: &[u8] = b"solid \n";
 
+/// Whether a line begins a solid, in letters of either case.
+pub(super) fn begins_solid(line: &[u8]) -> bool {
+    line.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+}
+
 /// The lines of a file. Each read gives one line at most; the line that begins a solid is replaced by [`SOLID`].
 pub(super) struct Lines<'a> {
     bytes: &'a [u8],
@@ -41,7 +46,7 @@ impl<'a> Lines<'a> {
             self.next += line.len();
             match line.trim_ascii() {
                 b"" => {}
-                text if text.starts_with(b"solid") => {
+                text if begins_solid(text) => {
                     (self.start, self.head) = (self.next, SOLID);
                     return Ok(true);
                 }
@@ -61,6 +66,8 @@ impl Read for Lines<'_> {
             return self.head.read(buffer);
         }
         let count = self.next_line().read(buffer)?;
+        // The reader knows the words of the format in lower case alone.
+        buffer[..count].make_ascii_lowercase();
         self.next += count;
         Ok(count)
     }

@@ -31,7 +31,7 @@ pub(crate) fn load(path: &Path) -> Result<Model, LoadError> {
 pub(crate) fn load_bytes(bytes: Vec<u8>, path: &Path) -> Result<Model, LoadError> {
     let mut mesh = Welded::default();
     let mut model = Model::default();
-    let begins_as_text = bytes.trim_ascii_start().starts_with(b"solid");
+    let begins_as_text = lines::begins_solid(bytes.trim_ascii_start());
     match promised_size(&bytes) {
         Some(promised) if promised == bytes.len() as u64 || !begins_as_text => {
             let after = (bytes.len() as u64).checked_sub(promised).ok_or_else(|| {

@@ -50,6 +50,12 @@ fn text_may_have_any_first_line_and_several_solids() {
 }
 
 #[test]
+fn text_may_be_in_upper_case() {
+    let model = load_all(text().to_uppercase().as_bytes()).expect("a square");
+    assert_eq!(model.meshes[0].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
+}
+
+#[test]
 fn every_bad_line_is_named() {
     let line = |from: &str, to: &str| refused(text().replacen(from, to, 1).as_bytes());
     assert!(line("facet normal 0 0 1", "facet norm 0 0 1").starts_with("m.stl:2: invalid facet header"));
