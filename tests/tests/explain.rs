@@ -14,7 +14,10 @@ fn scene_files() -> Vec<PathBuf> {
     for chapter in ["report", "lecture", "gallery", "spd"] {
         let folder = std::fs::read_dir(scenes_folder().join(chapter)).expect("the chapter's folder");
         let paths = folder.map(|entry| entry.expect("an entry").path());
-        files.extend(paths.filter(|path| path.extension().is_some_and(|ending| ending == "ron" || ending == "nff")));
+        let is_scene = |path: &PathBuf| {
+            path.extension().is_some_and(|ending| ["ron", "nff", "pbrt"].iter().any(|known| ending == *known))
+        };
+        files.extend(paths.filter(is_scene));
     }
     files.sort();
     files

@@ -23,8 +23,8 @@ pub(crate) use stop::{Aov, AovArg, StopArgs};
     name = "rt-cli",
     bin_name = "rt-cli",
     version,
-    about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .ply, .stl) to pictures",
-    long_about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .ply, .stl) to pictures.\n\n\
+    about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to pictures",
+    long_about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to pictures.\n\n\
                   Without a command, it renders a built-in showcase to showcase.png.",
     after_help = "Exit codes: 0 done, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output could not be written, 5 finished but damaged.",
     disable_help_subcommand = true
@@ -172,7 +172,7 @@ pub(crate) struct DevelopArgs {
 /// What is read.
 #[derive(Debug, Args)]
 pub(crate) struct InputArgs {
-    /// Scene (.ron, .json) or model (.gltf, .glb, .obj, .nff, .ply, .stl)
+    /// Scene (.ron, .json) or model (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl)
     #[arg(value_hint = ValueHint::FilePath)]
     pub(crate) scene: PathBuf,
 

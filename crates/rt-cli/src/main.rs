@@ -8,7 +8,7 @@
 //!
 //! ```text
 //! rt-cli                                  renders a built-in scene to showcase.png
-//! rt-cli render scene.ron -o picture.exr  also .json, .gltf, .glb, .obj, .nff, .ply, .stl; and .png, .jpg, .hdr, .pfm
+//! rt-cli render scene.ron -o picture.exr  also .json, .gltf, .glb, .obj, .nff, .pbrt, .ply, .stl; and .png, .jpg, .hdr, .pfm
 //! rt-cli explain scene.ron                what a render uses, what it leaves out, and why
 //! rt-cli check scene.ron                  what may lose digits, and what is probably not meant
 //! rt-cli compare a.exr b.exr              how much two pictures differ

@@ -29,10 +29,14 @@ pub(crate) fn scene_around(model: &Model, reference: &str, options: &LoadOptions
         file.film.size = (width.into(), height.into());
     }
     notes.extend(model.notes.iter().cloned());
-    if model.lights.is_empty() {
+    if model.lights.is_empty() && model.light_units != LightUnits::Radiometric {
         return (file, notes);
     }
     match model.light_units {
+        LightUnits::Radiometric => {
+            file.lights = Some(model.lights.iter().map(light).collect());
+            file.settings.integrator = Some(format::Integrator::Path);
+        }
         LightUnits::Classical => file.lights = Some(model.lights.iter().map(light).collect()),
         LightUnits::Photometric => notes.push(expose(&mut file, model, &bounds)),
     }

@@ -4,7 +4,7 @@
 //!   .ron .json ── parse ──► SceneFile ──┐
 //!                                       ├─ resolve ─► Scene    plain data: ids instead of names, radians instead of
 //!   .obj .gltf .nff ── load ──► Model ──┘                      degrees, pixels instead of paths, nothing unchecked
-//!   .ply .stl
+//!   .ply .stl .pbrt
 //! ```
 //!
 //! **Owns** [`Scene`] and its tree of nodes, its bounds ([`Scene::bounds`], [`SceneBounds`]), the scene format ([`mod@format`]) and its JSON Schema,
@@ -72,6 +72,8 @@ mod nff;
 mod obj;
 #[cfg(feature = "format")]
 mod options;
+#[cfg(feature = "pbrt")]
+mod pbrt;
 #[cfg(feature = "ply")]
 mod ply;
 #[cfg(feature = "format")]

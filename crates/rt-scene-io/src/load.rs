@@ -7,8 +7,8 @@ use crate::format::{SceneFile, parse_json, parse_ron};
 use crate::resolve::{resolve, resolve_with};
 use crate::{LoadError, LoadOptions, Scene, load_model, read_text};
 
-/// Loads a scene (`.ron`, `.json`) or a bare model (`.obj`, `.gltf`, `.glb`, `.nff`, `.ply`,
-/// `.stl`).
+/// Loads a scene (`.ron`, `.json`) or a bare model (`.obj`, `.gltf`, `.glb`, `.nff`, `.pbrt`,
+/// `.ply`, `.stl`).
 ///
 /// What the file leaves open is chosen, and said in [`Scene::notes`]: a camera that sees everything, a key and a fill
 /// light, an exposure that suits the lights of a model, a ground plane if `options.ground` asks for it.

@@ -14,6 +14,9 @@ pub enum LightUnits {
     Photometric,
     /// Shares of white, as in classical ray tracers: a picture is taken of them as they are.
     Classical,
+    /// Radiance and radiant intensity of which the colour 1 is white, as in physical renderers: a picture is taken of them as
+    /// they are, by path tracing, since surfaces are among the lights.
+    Radiometric,
 }
 
 /// The content of a file that another program wrote.
@@ -66,7 +69,7 @@ impl Model {
 }
 
 /// The endings of the names of models that can be read, for messages.
-pub(crate) const KNOWN_ENDINGS: &str = ".obj, .gltf, .glb, .nff, .ply, .stl";
+pub(crate) const KNOWN_ENDINGS: &str = ".obj, .gltf, .glb, .nff, .pbrt, .ply, .stl";
 
 /// Loads a model by the ending of its name.
 ///
@@ -75,7 +78,7 @@ pub(crate) const KNOWN_ENDINGS: &str = ".obj, .gltf, .glb, .nff, .ply, .stl";
 /// # Errors
 /// If the file cannot be read, is no valid model, or needs a feature that is not supported or not built in.
 #[cfg_attr(
-    not(any(feature = "obj", feature = "gltf", feature = "nff", feature = "ply", feature = "stl")),
+    not(any(feature = "obj", feature = "gltf", feature = "nff", feature = "pbrt", feature = "ply", feature = "stl")),
     expect(unused_variables, reason = "without a loader there are no references to follow")
 )]
 pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
@@ -88,6 +91,8 @@ pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Model, LoadError
         "gltf" | "glb" => crate::gltf::load(path, &options),
         #[cfg(feature = "nff")]
         "nff" => crate::nff::load(path),
+        #[cfg(feature = "pbrt")]
+        "pbrt" => crate::pbrt::load(path, &options),
         #[cfg(feature = "ply")]
         "ply" => crate::ply::load(path),
         #[cfg(feature = "stl")]

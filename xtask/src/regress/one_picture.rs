@@ -41,6 +41,7 @@ struct OnePicture {
 pub(super) fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
     let mut scenes = workspace.files("scenes", ".ron")?;
     scenes.extend(workspace.files("scenes/spd", ".nff")?);
+    scenes.extend(workspace.files("scenes/gallery", ".pbrt")?);
     scenes.extend(workspace.files("tests/golden", ".ron")?);
     Ok(scenes
         .into_iter()

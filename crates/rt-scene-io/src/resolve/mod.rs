@@ -28,7 +28,7 @@ use crate::format::SceneFile;
 use crate::{Integrator, LoadError, LoadOptions, Model, Scene, Truth, format};
 use include::Models;
 use node::Objects;
-#[cfg(feature = "nff")]
+#[cfg(any(feature = "nff", feature = "pbrt"))]
 pub(crate) use report::Report;
 pub(crate) use studio::{backdrop, rounded};
 

@@ -1,0 +1,240 @@
+//! Materials as physical surfaces, each with the classical surface that comes nearest to it.
+//!
+//! ```text
+//! diffuse         Lambert
+//! coateddiffuse   metallic-roughness, metallic 0
+//! conductor       measured metal; with a reflectance metallic-roughness, metallic 1
+//! dielectric      glass                 thindielectric   a pane
+//! mix             a weighted sum        interface        nothing
+//! ```
+//!
+//! The facets of the format have α = √roughness, or α = roughness without `remaproughness`; ours have α = roughness².
+
+use rt_math::Rgb;
+use rt_shading::bsdf::ComplexIor;
+use rt_shading::{Coefficient, Phong, Physical, Transmission};
+
+use super::parameters::{Parameters, Values};
+use super::spectrum::{colour, glass, metal};
+use super::texture::Textures;
+use super::tokens::Flaw;
+use crate::{Material, Reason};
+
+/// Kinds of materials that only other programs have.
+const UNSUPPORTED: [&str; 5] = ["coatedconductor", "diffusetransmission", "hair", "measured", "subsurface"];
+
+/// Kinds of materials that are read.
+const SUPPORTED: [&str; 9] =
+    ["diffuse", "coateddiffuse", "conductor", "dielectric", "thindielectric", "mix", "interface", "none", ""];
+
+/// Share of the ambient light in the colour of a surface.
+const AMBIENT: f64 = 0.1;
+
+/// How much a pane of glass mirrors when looked at straight, for the classical surface.
+const PANE_MIRROR: f64 = 0.08;
+
+/// Nothing is seen of it.
+const BARE: Phong = Phong {
+    ambient: Coefficient::ZERO,
+    diffuse: Coefficient::ZERO,
+    specular: Coefficient::ZERO,
+    exponent: 32.0,
+    highlight: rt_shading::Highlight::Phong,
+    emission: Coefficient::ZERO,
+    mirror: Coefficient::ZERO,
+    transmission: None,
+};
+
+/// What a surface is made of; `None` for the border of a medium, which is not seen.
+pub(super) type Surface = Option<Material>;
+
+/// Reads a material of this kind. `find` gives the parts of a mix by their names.
+pub(super) fn read(
+    kind: &str,
+    parameters: &Parameters,
+    textures: &Textures,
+    find: impl Fn(&str) -> Result<Surface, Flaw>,
+    losses: &mut Vec<String>,
+) -> Result<Surface, Flaw> {
+    let name = format!("line {}", parameters.line);
+    let made = |phong, physical| Material { physical: Some(physical), ..Material::new(name.clone(), phong) };
+    let reader = Reader { parameters, textures };
+    Ok(Some(match kind {
+        "diffuse" => {
+            let albedo = textures.coefficient(parameters, "reflectance", Rgb::gray(0.5), losses)?;
+            made(diffuse(albedo), Physical::Diffuse { albedo, roughness: 0.0 })
+        }
+        "coateddiffuse" => {
+            let base_color = textures.coefficient(parameters, "reflectance", Rgb::gray(0.5), losses)?;
+            let roughness = reader.roughness(losses)?;
+            made(diffuse(base_color), Physical::MetallicRoughness { base_color, metallic: 0.0, roughness })
+        }
+        "conductor" => {
+            let (phong, physical) = reader.conductor(losses)?;
+            made(phong, physical)
+        }
+        "dielectric" => {
+            let (ior, roughness) = (reader.ior(losses)?, reader.roughness(losses)?);
+            let transmittance = Coefficient::Constant(Rgb::WHITE);
+            let inside =
+                Transmission { coefficient: transmittance, ior, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
+            let phong = Phong { mirror: transmittance, transmission: Some(inside), ..BARE };
+            made(phong, Physical::Dielectric { roughness, transmittance })
+        }
+        "thindielectric" => {
+            let (ior, transmittance) = (reader.ior(losses)?, Coefficient::Constant(Rgb::WHITE));
+            let air = Transmission {
+                coefficient: transmittance,
+                ior: 1.0,
+                fresnel: false,
+                absorption: Rgb::BLACK,
+                priority: 0,
+            };
+            let phong =
+                Phong { mirror: Coefficient::Constant(Rgb::gray(PANE_MIRROR)), transmission: Some(air), ..BARE };
+            made(phong, Physical::ThinGlass { ior, transmittance })
+        }
+        "mix" => return reader.mix(find, losses),
+        "interface" | "none" | "" => return Ok(None),
+        other if UNSUPPORTED.contains(&other) => {
+            losses.push(format!("the material \"{other}\" is not supported: grey is in its place"));
+            let albedo = Coefficient::Constant(Rgb::gray(0.5));
+            made(diffuse(albedo), Physical::Diffuse { albedo, roughness: 0.0 })
+        }
+        other => return Err(unknown("material", other, parameters.line, SUPPORTED.into_iter().chain(UNSUPPORTED))),
+    }))
+}
+
+/// A word that is not among those that are known.
+pub(super) fn unknown<'a>(
+    kind: &'static str,
+    found: &str,
+    line: usize,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Flaw {
+    let known = known.into_iter().filter(|word| !word.is_empty()).map(str::to_owned).collect();
+    Flaw { line, reason: Reason::UnknownWord { kind, found: found.to_owned(), known } }
+}
+
+/// What shines with this radiance and scatters nothing.
+pub(super) fn black() -> Material {
+    Material { physical: Some(Physical::Black), ..Material::new("lamp".to_owned(), BARE) }
+}
+
+struct Reader<'r> {
+    parameters: &'r Parameters,
+    textures: &'r Textures,
+}
+
+impl Reader<'_> {
+    /// Our roughness, by that of the file.
+    fn roughness(&self, losses: &mut Vec<String>) -> Result<f64, Flaw> {
+        let p = self.parameters;
+        let both = self.textures.number(p, "roughness", 0.0, losses)?;
+        let along = self.textures.number(p, "uroughness", both, losses)?;
+        let across = self.textures.number(p, "vroughness", both, losses)?;
+        if along != across {
+            losses
+                .push(format!("a surface of roughness {along} along u and {across} along v has their mean all around"));
+        }
+        let roughness = 0.5 * (along + across);
+        let remap = p.get("remaproughness").is_none() || p.flag("remaproughness")?;
+        let alpha = if remap { roughness.sqrt() } else { roughness };
+        if alpha <= 1.0 {
+            return Ok(alpha.sqrt());
+        }
+        losses.push(format!("roughness {roughness} is more than there is: it became 1"));
+        Ok(1.0)
+    }
+
+    fn ior(&self, losses: &mut Vec<String>) -> Result<f64, Flaw> {
+        let p = self.parameters;
+        let Some(eta) = p.get("eta") else { return Ok(1.5) };
+        match &eta.values {
+            Values::Words(words) => Ok(words.first().and_then(|name| glass(name)).unwrap_or_else(|| {
+                losses.push(format!("the spectrum {words:?} of \"eta\" is not known: 1.5 is in its place"));
+                1.5
+            })),
+            Values::Numbers(_) if eta.kind == "float" => p.positive("eta", 1.5),
+            Values::Numbers(_) => {
+                let (rgb, _) = colour(p, "eta")?.unwrap_or_default();
+                losses.push("an index of refraction that changes with the colour became that of green".to_owned());
+                if rgb.g > 0.0 { Ok(rgb.g) } else { Err(eta.flaw(rgb.g, "must be above 0")) }
+            }
+        }
+    }
+
+    fn conductor(&self, losses: &mut Vec<String>) -> Result<(Phong, Physical), Flaw> {
+        let (p, roughness) = (self.parameters, self.roughness(losses)?);
+        if p.get("reflectance").is_some() {
+            let base_color = self.textures.coefficient(p, "reflectance", Rgb::WHITE, losses)?;
+            let physical = Physical::MetallicRoughness { base_color, metallic: 1.0, roughness };
+            return Ok((metal_phong(base_color, roughness), physical));
+        }
+        let mut half = |name: &str, of: fn(&ComplexIor) -> Rgb| match p.get(name) {
+            None => Ok(of(&ComplexIor::COPPER)),
+            Some(parameter) => match &parameter.values {
+                Values::Words(words) => Ok(words.first().and_then(|name| metal(name)).map_or_else(
+                    || {
+                        losses
+                            .push(format!("the spectrum {words:?} of \"{name}\" is not known: copper is in its place"));
+                        of(&ComplexIor::COPPER)
+                    },
+                    |known| of(&known),
+                )),
+                Values::Numbers(_) => Ok(colour(p, name)?.map_or(Rgb::WHITE, |(rgb, loss)| {
+                    losses.extend(loss);
+                    rgb
+                })),
+            },
+        };
+        let ior = ComplexIor { n: half("eta", |ior| ior.n)?, k: half("k", |ior| ior.k)? };
+        let reflectance = Coefficient::Constant(ior.fresnel(1.0));
+        Ok((metal_phong(reflectance, roughness), Physical::Conductor { ior, roughness }))
+    }
+
+    fn mix(&self, find: impl Fn(&str) -> Result<Surface, Flaw>, losses: &mut Vec<String>) -> Result<Surface, Flaw> {
+        let p = self.parameters;
+        let amount = self.textures.number(p, "amount", 0.5, losses)?;
+        let names = match p.get("materials").map(|parameter| &parameter.values) {
+            Some(Values::Words(names)) if names.len() == 2 => names,
+            _ => return Err(Flaw::new(p.line, "a mix", "has no \"string materials\" of two names: add them")),
+        };
+        if amount > 1.0 {
+            return Err(Flaw::new(p.line, amount, "as \"amount\" must lie between 0 and 1"));
+        }
+        let (first, second) = (find(&names[0])?, find(&names[1])?);
+        let (Some(first), Some(second)) = (first, second) else {
+            return Err(Flaw::new(p.line, "a mix", "has a part that is not seen: give it a material"));
+        };
+        let mixes = |part: &Material| match &part.physical {
+            None | Some(Physical::Mix(_) | Physical::Dielectric { .. }) => None,
+            Some(physical) => Some(physical.clone()),
+        };
+        let (Some(a), Some(b)) = (mixes(&first), mixes(&second)) else {
+            losses.push("a mix with glass or another mix is not supported: its first part alone is seen".to_owned());
+            return Ok(Some(first));
+        };
+        let parts = vec![(1.0 - amount, a), (amount, b)];
+        let nearest = if amount > 0.5 { second.phong } else { first.phong };
+        let name = format!("line {}", p.line);
+        Ok(Some(Material { physical: Some(Physical::Mix(parts)), ..Material::new(name, nearest) }))
+    }
+}
+
+fn diffuse(albedo: Coefficient) -> Phong {
+    Phong { ambient: scaled(albedo, AMBIENT), diffuse: albedo, ..BARE }
+}
+
+/// The smoother metal is, the more of its light is shown as mirrored, and the rest as diffuse.
+fn metal_phong(reflectance: Coefficient, roughness: f64) -> Phong {
+    let smooth = (1.0 - 2.0 * roughness).max(0.0);
+    Phong { mirror: scaled(reflectance, smooth), ..diffuse(scaled(reflectance, 1.0 - smooth)) }
+}
+
+fn scaled(coefficient: Coefficient, by: f64) -> Coefficient {
+    match coefficient {
+        Coefficient::Constant(rgb) => Coefficient::Constant(rgb * by),
+        Coefficient::Textured(id, rgb) => Coefficient::Textured(id, rgb * by),
+    }
+}

@@ -1,0 +1,53 @@
+//! Scenes of pbrt-v4 (Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, 2023, and the description of the
+//! file format that goes with it).
+//!
+//! ```text
+//! text ── tokens ── directives ──> options: Camera, Film               ──> camera, image size
+//!            └ Include                      graphics state: CTM, material, light
+//!                                           Shape, ObjectInstance      ──> nodes below one mirror
+//!                                           LightSource                ──> lights, sky
+//! ```
+//!
+//! The world of the format is left-handed: all of it stands mirrored below one node, unless its camera is a mirror as well.
+//! Instances of objects share their meshes. Media, motion, curves and partial shapes are left out or made whole with a
+//! warning, as is every parameter that nothing asks for. The colour 1 of a light is white.
+
+mod light;
+mod material;
+mod parameters;
+mod reader;
+mod shape;
+mod spectrum;
+mod state;
+mod texture;
+mod tokens;
+mod view;
+mod world;
+
+use std::path::Path;
+
+use self::reader::Reader;
+use crate::files::read_text;
+use crate::{LoadError, LoadOptions, Model};
+
+/// Where references of a scene lead: they are relative to the first file, whichever they stand in.
+#[derive(Clone, Copy)]
+struct Files<'a> {
+    root_file: &'a Path,
+    options: &'a LoadOptions,
+}
+
+/// Loads the file at `path`.
+pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
+    load_text(&read_text(path).map_err(|reason| reason.at(path, ""))?, path, options)
+}
+
+/// Loads the scene that `text` holds; references are looked up beside `path`.
+fn load_text(text: &str, path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
+    let mut reader = Reader::new(Files { root_file: path, options });
+    reader.read(text);
+    reader.finish()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,317 @@
+//! The parameters of a directive: `"type name" value` or `"type name" [ values ]`, in any number and order.
+
+use std::cell::Cell;
+use std::fmt::Display;
+
+use rt_math::DVec3;
+
+use super::tokens::{Flaw, Kind, Tokens, number, shown};
+
+/// The types that the format has, and how many numbers make one value; 0 for those of words.
+const TYPES: [(&str, usize); 16] = [
+    ("integer", 1),
+    ("float", 1),
+    ("point2", 2),
+    ("vector2", 2),
+    ("point3", 3),
+    ("point", 3),
+    ("vector3", 3),
+    ("vector", 3),
+    ("normal3", 3),
+    ("normal", 3),
+    ("rgb", 3),
+    ("blackbody", 1),
+    ("spectrum", 0),
+    ("string", 0),
+    ("texture", 0),
+    ("bool", 0),
+];
+
+/// The values of a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Values {
+    Numbers(Vec<f64>),
+    Words(Vec<String>),
+}
+
+/// A parameter, and whether anything has asked for it.
+#[derive(Clone, Debug)]
+pub(super) struct Parameter {
+    pub(super) line: usize,
+    pub(super) kind: &'static str,
+    pub(super) name: String,
+    pub(super) values: Values,
+    used: Cell<bool>,
+}
+
+/// The parameters of one directive.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Parameters {
+    /// The line of the directive.
+    pub(super) line: usize,
+    list: Vec<Parameter>,
+}
+
+impl Parameter {
+    fn read(tokens: &mut Tokens<'_>) -> Result<Self, Flaw> {
+        let line = tokens.line();
+        let declared = tokens.text("the type and name of a parameter")?;
+        let mut words = declared.split_whitespace();
+        let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
+            let rule = "is no parameter: give its type and its name, such as \"float radius\"";
+            return Err(Flaw::new(line, format_args!("`\"{declared}\"`"), rule));
+        };
+        let Some((kind, size)) = TYPES.iter().copied().find(|(known, _)| *known == kind) else {
+            let (kind, found) = ("type of a parameter", kind.to_owned());
+            let known = TYPES.iter().map(|(known, _)| (*known).to_owned()).collect();
+            return Err(Flaw { line, reason: crate::Reason::UnknownWord { kind, found, known } });
+        };
+        let values = Self::values(tokens, name)?;
+        let fits = match &values {
+            Values::Numbers(numbers) if size > 0 => numbers.len().is_multiple_of(size),
+            // A spectrum is a name, or pairs of wavelength and value.
+            Values::Numbers(numbers) => kind == "spectrum" && numbers.len().is_multiple_of(2),
+            Values::Words(_) => size == 0,
+        };
+        if !fits {
+            let rule = match size {
+                0 => format!("takes words or `true` and `false`, not so many numbers, as {kind}"),
+                _ => format!("takes {size} numbers for each {kind}"),
+            };
+            return Err(Flaw::new(line, format_args!("the parameter \"{name}\""), rule));
+        }
+        Ok(Self { line, kind, name: name.to_owned(), values, used: Cell::new(false) })
+    }
+
+    fn values(tokens: &mut Tokens<'_>, name: &str) -> Result<Values, Flaw> {
+        let what = format!("a value of \"{name}\"");
+        let (mut numbers, mut words) = (Vec::new(), Vec::new());
+        let mut add = |line: usize, kind: Kind<'_>| {
+            match kind {
+                Kind::Text(text) => words.push(text),
+                Kind::Word(word @ ("true" | "false")) => words.push(word.to_owned()),
+                other => numbers.push(number(line, &other, &what)?),
+            }
+            if numbers.is_empty() || words.is_empty() {
+                Ok(())
+            } else {
+                Err(Flaw::new(line, format_args!("the parameter \"{name}\""), "mixes numbers and words"))
+            }
+        };
+        match tokens.next_kind(&what)? {
+            (_, Kind::Open) => loop {
+                match tokens.peek() {
+                    // A directive here means that the bracket was never closed.
+                    Some(Kind::Word(word)) if word.starts_with(|c: char| c.is_ascii_uppercase()) => {
+                        let rule = format!("stands where {what} should: close the bracket");
+                        return Err(Flaw::new(tokens.line(), format_args!("`{word}`"), rule));
+                    }
+                    _ => {}
+                }
+                match tokens.next_kind(&what)? {
+                    (_, Kind::Close) => break,
+                    (line, kind) => add(line, kind)?,
+                }
+            },
+            (line, kind @ Kind::Close) => {
+                return Err(Flaw::new(line, shown(&kind), format!("stands where {what} should")));
+            }
+            (line, kind) => add(line, kind)?,
+        }
+        Ok(if words.is_empty() { Values::Numbers(numbers) } else { Values::Words(words) })
+    }
+
+    /// What is wrong with its value.
+    pub(super) fn flaw(&self, value: impl Display, rule: impl Into<String>) -> Flaw {
+        Flaw::new(self.line, format_args!("{value} as \"{}\"", self.name), rule)
+    }
+}
+
+impl Parameters {
+    /// Reads all parameters of the directive in `line`.
+    pub(super) fn read(tokens: &mut Tokens<'_>, line: usize) -> Result<Self, Flaw> {
+        let mut list: Vec<Parameter> = Vec::new();
+        while let Some(Kind::Text(_)) = tokens.peek() {
+            let parameter = Parameter::read(tokens)?;
+            if list.iter().any(|before| before.name == parameter.name && before.kind == parameter.kind) {
+                let rule = "is given a second time: keep one";
+                return Err(Flaw::new(parameter.line, format_args!("the parameter \"{}\"", parameter.name), rule));
+            }
+            list.push(parameter);
+        }
+        Ok(Self { line, list })
+    }
+
+    /// Adds parameters that hold where these say nothing.
+    pub(super) fn or(mut self, defaults: &Self) -> Self {
+        for default in &defaults.list {
+            if self.list.iter().all(|given| given.name != default.name) {
+                // Not every shape has a use for what is meant for all of them.
+                self.list.push(Parameter { used: Cell::new(true), ..default.clone() });
+            }
+        }
+        self
+    }
+
+    /// Puts others over these.
+    pub(super) fn replace_by(&mut self, others: Self) {
+        let before = std::mem::replace(self, others);
+        *self = std::mem::take(self).or(&before);
+    }
+
+    /// The parameter of this name, which counts as used from now on.
+    pub(super) fn get(&self, name: &str) -> Option<&Parameter> {
+        let found = self.list.iter().find(|parameter| parameter.name == name)?;
+        found.used.set(true);
+        Some(found)
+    }
+
+    /// Says that these parameters make no difference here.
+    pub(super) fn pass_over(&self, names: &[&str]) {
+        for name in names {
+            let _ = self.get(name);
+        }
+    }
+
+    /// Names of the parameters that nothing has asked for.
+    pub(super) fn unused(&self) -> Vec<(usize, &str)> {
+        self.list.iter().filter(|p| !p.used.get()).map(|p| (p.line, p.name.as_str())).collect()
+    }
+
+    /// All numbers of a parameter of one of the types; empty if it is not there.
+    pub(super) fn numbers(&self, name: &str, types: &[&str]) -> Result<&[f64], Flaw> {
+        let Some(parameter) = self.get(name) else { return Ok(&[]) };
+        match &parameter.values {
+            Values::Numbers(numbers) if types.contains(&parameter.kind) => Ok(numbers),
+            _ => Err(parameter.flaw(parameter.kind, format!("has the wrong type: give {}", types[0]))),
+        }
+    }
+
+    fn one<const N: usize>(&self, name: &str, types: &[&str]) -> Result<Option<[f64; N]>, Flaw> {
+        let Some(parameter) = self.get(name) else { return Ok(None) };
+        let numbers = self.numbers(name, types)?;
+        let one = numbers.try_into();
+        one.map(Some).map_err(|_| parameter.flaw(format_args!("{} numbers", numbers.len()), format!("must be {N}")))
+    }
+
+    /// A number.
+    pub(super) fn float(&self, name: &str, default: f64) -> Result<f64, Flaw> {
+        Ok(self.one(name, &["float", "integer"])?.map_or(default, |[number]| number))
+    }
+
+    /// A number above 0.
+    pub(super) fn positive(&self, name: &str, default: f64) -> Result<f64, Flaw> {
+        let number = self.float(name, default)?;
+        match self.get(name) {
+            Some(parameter) if number <= 0.0 => Err(parameter.flaw(number, "must be above 0")),
+            _ => Ok(number),
+        }
+    }
+
+    /// A number from 0 up.
+    pub(super) fn not_negative(&self, name: &str, default: f64) -> Result<f64, Flaw> {
+        let number = self.float(name, default)?;
+        match self.get(name) {
+            Some(parameter) if number < 0.0 => Err(parameter.flaw(number, "must not be negative")),
+            _ => Ok(number),
+        }
+    }
+
+    /// A point.
+    pub(super) fn point(&self, name: &str, default: DVec3) -> Result<DVec3, Flaw> {
+        Ok(self.one(name, &["point3", "point"])?.map_or(default, |p: [f64; 3]| p.into()))
+    }
+
+    /// A word.
+    pub(super) fn word(&self, name: &str, kind: &str) -> Result<Option<&str>, Flaw> {
+        let Some(parameter) = self.get(name) else { return Ok(None) };
+        match &parameter.values {
+            Values::Words(words) if parameter.kind == kind && words.len() == 1 => Ok(words.first().map(String::as_str)),
+            _ => Err(parameter.flaw(parameter.kind, format!("must be one {kind}"))),
+        }
+    }
+
+    /// `true` or `false`.
+    pub(super) fn flag(&self, name: &str) -> Result<bool, Flaw> {
+        match self.word(name, "bool")? {
+            Some("true") => Ok(true),
+            None | Some("false") => Ok(false),
+            Some(other) => Err(Flaw::new(
+                self.line,
+                format_args!("`{other}`"),
+                format!("is neither true nor false, as \"{name}\" must be"),
+            )),
+        }
+    }
+
+    /// Points, vectors or normals of three numbers.
+    pub(super) fn triples(&self, name: &str, types: &[&str]) -> Result<Vec<[f64; 3]>, Flaw> {
+        Ok(self.numbers(name, types)?.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect())
+    }
+
+    /// Whole numbers from 0 up to the last of `count`.
+    pub(super) fn indices(&self, name: &str, count: usize) -> Result<Vec<u32>, Flaw> {
+        let Some(parameter) = self.get(name) else { return Ok(Vec::new()) };
+        let index = |&number: &f64| {
+            if number >= 0.0 && number < count as f64 && number.fract() == 0.0 {
+                Ok(number as u32)
+            } else {
+                Err(parameter.flaw(number, format!("names no vertex: there are {count}, counted from 0")))
+            }
+        };
+        self.numbers(name, &["integer"])?.iter().map(index).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Parameters, String> {
+        Parameters::read(&mut Tokens::of(text), 1).map_err(|flaw| format!("{}: {}", flaw.line, flaw.reason))
+    }
+
+    #[test]
+    fn values_have_the_type_that_they_say() {
+        let p = read(
+            "\"float r\" 2 \"point3 P\" [1 2 3 4 5 6]\n\"bool on\" true \"string s\" [\"a b\"] \"integer i\" [0 1]",
+        )
+        .unwrap();
+        assert_eq!((p.float("r", 1.0).unwrap(), p.float("q", 1.0).unwrap()), (2.0, 1.0));
+        assert_eq!(p.triples("P", &["point3"]).unwrap(), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+        assert!(p.flag("on").unwrap() && !p.flag("off").unwrap());
+        assert_eq!(p.unused(), [(2, "s"), (2, "i")]);
+        assert_eq!(p.word("s", "string").unwrap(), Some("a b"));
+        assert_eq!(p.indices("i", 2).unwrap(), [0, 1]);
+        let message = p.indices("i", 1).unwrap_err().reason.to_string();
+        assert_eq!(message, "1 as \"i\" names no vertex: there are 1, counted from 0");
+        assert!(p.float("P", 0.0).is_err() && p.word("r", "string").is_err() && p.point("P", DVec3::ZERO).is_err());
+    }
+
+    #[test]
+    fn every_bad_parameter_is_named() {
+        for (text, message) in [
+            ("\"radius\" 1", "1: `\"radius\"` is no parameter"),
+            ("\n\"flaot r\" 1", "2: unknown type of a parameter `flaot`; did you mean `float`?"),
+            ("\"rgb c\" [1 2]", "1: the parameter \"c\" takes 3 numbers for each rgb"),
+            ("\"float r\" \"a\"", "1: the parameter \"r\" takes 1 numbers for each float"),
+            ("\"string s\" 1", "1: the parameter \"s\" takes words"),
+            ("\"float r\" [1 \"a\"]", "1: the parameter \"r\" mixes numbers and words"),
+            ("\"float r\" [1\nShape", "2: `Shape` stands where a value of \"r\" should: close the bracket"),
+            ("\"float r\" x", "1: `x` stands where a value of \"r\" should"),
+            ("\"float r\"", "1: the end of the file comes before a value of \"r\""),
+            ("\"float r\" 1 \"float r\" 2", "1: the parameter \"r\" is given a second time"),
+        ] {
+            let error = read(text).unwrap_err();
+            assert!(error.starts_with(message), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn defaults_hold_where_nothing_is_said() {
+        let mut all = read("\"float a\" 1 \"float b\" 1").unwrap();
+        all.replace_by(read("\"float b\" 2").unwrap());
+        let own = read("\"float a\" 3").unwrap().or(&all);
+        assert_eq!((own.float("a", 0.0).unwrap(), own.float("b", 0.0).unwrap()), (3.0, 2.0));
+    }
+}

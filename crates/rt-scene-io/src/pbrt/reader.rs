@@ -1,0 +1,396 @@
+//! The directives of a scene, one after the other.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+
+use rt_math::{Rgb, Transform};
+
+use super::material::{Surface, unknown};
+use super::parameters::Parameters;
+use super::shape::Trouble;
+use super::state::{State, TRANSFORMS};
+use super::texture::Textures;
+use super::tokens::{Flaw, Kind, Token, Tokens, shown};
+use super::view::View;
+use super::world::empty;
+use super::{Files, material, state, view};
+use crate::format::{Background, Color};
+use crate::resolve::Report;
+use crate::{LightUnits, LoadError, MaterialId, Model, Node, Place, Problem, Reason, Warning, read_text, resolve_path};
+
+/// Deepest files within files.
+const MAX_INCLUDE_DEPTH: usize = 16;
+
+/// Most files within files, however deep.
+const MAX_INCLUDES: usize = 1024;
+
+/// Most scopes within scopes.
+const MAX_SCOPES: usize = 1024;
+
+/// Directives before the world that choose among what this program decides itself.
+const CHOICES: [&str; 5] = ["Integrator", "Sampler", "PixelFilter", "Accelerator", "ColorSpace"];
+
+/// Directives of the world.
+const WORLD: [&str; 22] = [
+    "Camera",
+    "Film",
+    "Option",
+    "WorldBegin",
+    "AttributeBegin",
+    "AttributeEnd",
+    "Attribute",
+    "CoordinateSystem",
+    "CoordSysTransform",
+    "ReverseOrientation",
+    "ObjectBegin",
+    "ObjectEnd",
+    "ObjectInstance",
+    "Include",
+    "Import",
+    "Texture",
+    "Material",
+    "MakeNamedMaterial",
+    "NamedMaterial",
+    "LightSource",
+    "AreaLightSource",
+    "Shape",
+];
+
+/// Directives that are read and left out.
+const LEFT_OUT: [&str; 4] = ["MakeNamedMedium", "MediumInterface", "ActiveTransform", "TransformTimes"];
+
+/// A surface by its index, and the bits of what it emits from one side or both.
+type Shown = (usize, Option<([u64; 3], bool)>);
+
+/// What has been read so far.
+pub(super) struct Reader<'f> {
+    pub(super) files: Files<'f>,
+    /// The file that is read, for messages.
+    pub(super) path: PathBuf,
+    /// The files that are open, canonical.
+    pub(super) open: Vec<PathBuf>,
+    pub(super) includes: usize,
+    pub(super) report: Report,
+    pub(super) model: Model,
+    /// Where each message stands in the warnings, and how often it came.
+    pub(super) warned: HashMap<String, (usize, usize)>,
+    pub(super) state: State,
+    /// What `AttributeBegin` and `ObjectBegin` saved, and their lines.
+    pub(super) saved: Vec<(State, usize, bool)>,
+    /// Whether the matrix that changes is one of motion, which is not followed.
+    pub(super) at_end_time: bool,
+    pub(super) in_world: bool,
+    pub(super) view: Option<View>,
+    pub(super) size: [u32; 2],
+    pub(super) systems: BTreeMap<String, Transform>,
+    pub(super) textures: Textures,
+    pub(super) surfaces: Vec<Surface>,
+    pub(super) named: BTreeMap<String, usize>,
+    pub(super) materials: HashMap<Shown, MaterialId>,
+    /// The object that is described.
+    pub(super) object: Option<(String, Vec<Node>)>,
+    pub(super) objects: BTreeMap<String, Vec<Node>>,
+    pub(super) nodes: Vec<Node>,
+    /// How many nodes there are, with those below instances.
+    pub(super) unfolded: usize,
+    pub(super) sky: Option<Rgb>,
+    pub(super) shines: bool,
+}
+
+impl<'f> Reader<'f> {
+    pub(super) fn new(files: Files<'f>) -> Self {
+        let textures = Textures::default();
+        let default = Parameters::default();
+        // Without parameters nothing can be wrong.
+        let grey = material::read("diffuse", &default, &textures, |_| Ok(None), &mut Vec::new()).ok().flatten();
+        let grey = grey.map(|grey| crate::Material { name: "default".to_owned(), ..grey });
+        Self {
+            files,
+            path: files.root_file.to_path_buf(),
+            open: files.root_file.canonicalize().into_iter().collect(),
+            includes: 0,
+            report: Report::new(files.root_file),
+            model: Model::default(),
+            warned: HashMap::new(),
+            state: State::default(),
+            saved: Vec::new(),
+            at_end_time: false,
+            in_world: false,
+            view: None,
+            size: [1280, 720],
+            systems: BTreeMap::new(),
+            textures,
+            surfaces: vec![grey],
+            named: BTreeMap::new(),
+            materials: HashMap::new(),
+            object: None,
+            objects: BTreeMap::new(),
+            nodes: Vec::new(),
+            unfolded: 0,
+            sky: None,
+            shines: false,
+        }
+    }
+
+    /// Reads all directives of a text; what is wrong is reported.
+    pub(super) fn read(&mut self, text: &str) {
+        let mut tokens = Tokens::of(text);
+        loop {
+            let read = match tokens.take() {
+                Ok(None) => return,
+                Ok(Some(Token { line, kind: Kind::Word(word) })) => self.directive(word, line, &mut tokens),
+                Ok(Some(Token { line, kind })) => {
+                    Err(Flaw::new(line, shown(&kind), "stands where a directive should: remove it").into())
+                }
+                Err(flaw) => Err(flaw.into()),
+            };
+            match read {
+                Ok(()) => {}
+                Err(Trouble::Here(flaw)) => {
+                    self.complain(flaw);
+                    tokens.skip_to_directive();
+                }
+                Err(Trouble::There(error)) => self.report.add(error.into_problems()),
+            }
+        }
+    }
+
+    pub(super) fn complain(&mut self, Flaw { line, reason }: Flaw) {
+        let file = self.path.display().to_string();
+        self.report.add([Problem { file, place: Place::Line(line), reason }]);
+    }
+
+    /// Warns once of what comes many times.
+    pub(super) fn warn(&mut self, line: usize, message: String) {
+        if let Some((_, count)) = self.warned.get_mut(&message) {
+            *count += 1;
+            return;
+        }
+        self.warned.insert(message.clone(), (self.model.warnings.len(), 1));
+        self.model.warnings.push(Warning { place: format!("{}:{line}", self.path.display()), message });
+    }
+
+    pub(super) fn warn_all(&mut self, directive: &str, parameters: &Parameters, losses: Vec<String>) {
+        for loss in losses {
+            self.warn(parameters.line, loss);
+        }
+        for (line, name) in parameters.unused() {
+            self.warn(line, format!("the parameter \"{name}\" of {directive} is not supported"));
+        }
+    }
+
+    fn directive(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Trouble> {
+        match word {
+            "Camera" | "Film" if self.in_world => {
+                return Err(Flaw::new(
+                    line,
+                    format_args!("`{word}`"),
+                    "comes after the world has begun: put it before",
+                )
+                .into());
+            }
+            "Shape" | "LightSource" | "AreaLightSource" | "ObjectBegin" | "ObjectInstance" if !self.in_world => {
+                return Err(Flaw::new(line, format_args!("`{word}`"), "comes before `WorldBegin`: put it after").into());
+            }
+            _ if TRANSFORMS.contains(&word) => {
+                let changed = state::transformed(&self.state.matrix, word, line, tokens)?;
+                self.set_matrix(changed, line);
+            }
+            "CoordinateSystem" | "CoordSysTransform" | "ReverseOrientation" | "ActiveTransform" | "TransformTimes" => {
+                self.space(word, line, tokens)?;
+            }
+            "Camera" | "Film" | "Option" | "WorldBegin" => self.option(word, line, tokens)?,
+            _ if CHOICES.contains(&word) => {
+                let name = tokens.text("the name of a choice")?;
+                Parameters::read(tokens, line)?;
+                self.model.notes.push(format!("{word} \"{name}\" is not taken over: this program's own choice holds."));
+            }
+            "AttributeBegin" | "TransformBegin" => self.open_scope(line, false)?,
+            "AttributeEnd" | "TransformEnd" => self.close_scope(line, word)?,
+            "ObjectBegin" | "ObjectEnd" | "ObjectInstance" => self.object(word, line, tokens)?,
+            "Include" | "Import" => self.include(word == "Import", line, tokens)?,
+            "Attribute" => {
+                let target = tokens.text("what attributes are for")?;
+                let parameters = Parameters::read(tokens, line)?;
+                self.state.attributes.entry(target).or_default().replace_by(parameters);
+            }
+            "Texture" | "Material" | "MakeNamedMaterial" | "NamedMaterial" => self.appearance(word, line, tokens)?,
+            "MakeNamedMedium" | "MediumInterface" => self.medium(word, line, tokens)?,
+            "LightSource" | "AreaLightSource" => self.light(word, line, tokens)?,
+            "Shape" => self.shape(line, tokens)?,
+            // Of the third version, where it ended the file.
+            "WorldEnd" => {}
+            found => {
+                let known = TRANSFORMS.into_iter().chain(CHOICES).chain(WORLD).chain(LEFT_OUT);
+                return Err(unknown("directive", found, line, known).into());
+            }
+        }
+        Ok(())
+    }
+
+    fn medium(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+        // Names have no space, parameters begin with a type.
+        while let Some(Kind::Text(text)) = tokens.peek()
+            && !text.contains(' ')
+        {
+            tokens.take()?;
+        }
+        Parameters::read(tokens, line)?;
+        self.warn(line, format!("`{word}` is left out: media are not supported"));
+        Ok(())
+    }
+
+    fn set_matrix(&mut self, matrix: Transform, line: usize) {
+        if self.at_end_time {
+            self.warn(line, "motion is not supported: all is where it begins".to_owned());
+        } else {
+            self.state.matrix = matrix;
+        }
+    }
+
+    fn space(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+        match word {
+            "CoordinateSystem" => {
+                let name = tokens.text("the name of a coordinate system")?;
+                self.systems.insert(name, self.state.matrix);
+            }
+            "CoordSysTransform" => {
+                let name = tokens.text("the name of a coordinate system")?;
+                let Some(system) = self.systems.get(&name).copied() else {
+                    return Err(unknown("coordinate system", &name, line, self.systems.keys().map(String::as_str)));
+                };
+                self.set_matrix(system, line);
+            }
+            "ReverseOrientation" => self.state.reversed = !self.state.reversed,
+            "ActiveTransform" => match tokens.next_kind("`StartTime`, `EndTime` or `All`")? {
+                (_, Kind::Word("StartTime" | "All")) => self.at_end_time = false,
+                (_, Kind::Word("EndTime")) => self.at_end_time = true,
+                (line, other) => {
+                    return Err(Flaw::new(line, shown(&other), "is none of `StartTime`, `EndTime` and `All`"));
+                }
+            },
+            _ => {
+                tokens.numbers::<2>("a time")?;
+            }
+        }
+        Ok(())
+    }
+
+    fn option(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+        match word {
+            "Camera" => {
+                let kind = tokens.text("the kind of the camera")?;
+                let parameters = Parameters::read(tokens, line)?;
+                self.view = View::read(&kind, &parameters, self.state.matrix)?;
+                self.systems.insert("camera".to_owned(), self.state.matrix.inverse());
+                if self.view.is_none() {
+                    self.warn(
+                        line,
+                        format!("the camera \"{kind}\" is not supported: one that sees everything is put up"),
+                    );
+                    return Ok(());
+                }
+                self.warn_all(word, &parameters, Vec::new());
+            }
+            "Film" => {
+                tokens.text("the kind of the film")?;
+                let parameters = Parameters::read(tokens, line)?;
+                self.size = view::film(&parameters)?;
+                // They say what is done with the picture, not what is in it.
+                parameters.pass_over(&["filename", "diagonal", "savefp16", "sensor"]);
+                self.warn_all(word, &parameters, Vec::new());
+            }
+            "Option" => {
+                let parameters = Parameters::read(tokens, line)?;
+                self.warn_all(word, &parameters, Vec::new());
+            }
+            _ => {
+                if std::mem::replace(&mut self.in_world, true) {
+                    return Err(Flaw::new(line, "`WorldBegin`", "comes a second time: keep one"));
+                }
+                self.state.matrix = Transform::IDENTITY;
+                self.at_end_time = false;
+                self.systems.insert("world".to_owned(), Transform::IDENTITY);
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn open_scope(&mut self, line: usize, is_object: bool) -> Result<(), Flaw> {
+        if self.saved.len() >= MAX_SCOPES {
+            let (what, value, limit) = ("the depth of scopes", MAX_SCOPES as u64 + 1, MAX_SCOPES as u64);
+            return Err(Flaw { line, reason: Reason::TooLarge { what, value, limit } });
+        }
+        self.saved.push((self.state.clone(), line, is_object));
+        Ok(())
+    }
+
+    pub(super) fn close_scope(&mut self, line: usize, word: &str) -> Result<(), Flaw> {
+        let is_object = word == "ObjectEnd";
+        if self.saved.last().is_none_or(|(_, _, of_object)| *of_object != is_object) {
+            return Err(Flaw::new(line, format_args!("`{word}`"), "ends nothing that is open here: remove it"));
+        }
+        if let Some((state, ..)) = self.saved.pop() {
+            self.state = state;
+        }
+        Ok(())
+    }
+
+    fn include(&mut self, is_import: bool, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+        let reference = tokens.text("the name of a file")?;
+        let flaw = |reason| Flaw { line, reason };
+        let bad = |rule: String| flaw(Reason::BadReference { reference: reference.clone(), rule });
+        let path = resolve_path(&reference, self.files.root_file, self.files.options).map_err(flaw)?;
+        let canonical = path.canonicalize().map_err(|error| flaw(error.into()))?;
+        if self.open.contains(&canonical) {
+            return Err(bad("includes itself: remove one of the directives".to_owned()));
+        }
+        self.includes += 1;
+        if self.open.len() > MAX_INCLUDE_DEPTH || self.includes > MAX_INCLUDES {
+            let rule =
+                format!("is one file too many: {MAX_INCLUDE_DEPTH} within each other and {MAX_INCLUDES} in all may be");
+            return Err(bad(rule));
+        }
+        let text = read_text(&path).map_err(|reason| bad(reason.to_string()))?;
+        let (outer, state) = (std::mem::replace(&mut self.path, path), is_import.then(|| self.state.clone()));
+        self.open.push(canonical);
+        self.read(&text);
+        self.open.pop();
+        self.path = outer;
+        if let Some(state) = state {
+            self.state = state;
+        }
+        Ok(())
+    }
+
+    /// All that was read, or everything that is wrong with it.
+    pub(super) fn finish(mut self) -> Result<Model, LoadError> {
+        if let Some((_, line, _)) = self.saved.pop() {
+            self.complain(Flaw::new(line, "what begins here", "has no end: add `AttributeEnd` or `ObjectEnd`"));
+        } else if !self.in_world {
+            let reason = Reason::Syntax("has no `WorldBegin`: add it before the first shape".to_owned());
+            self.report.add(reason.at(self.files.root_file, "").into_problems());
+        }
+        let path: &Path = self.files.root_file;
+        self.report.finish()?;
+        if self.nodes.is_empty() {
+            return Err(Reason::Syntax("has no shapes that can be seen".to_owned()).at(path, ""));
+        }
+        let mut model = self.model;
+        for (index, count) in self.warned.into_values().filter(|(_, count)| *count > 1) {
+            model.warnings[index].message += &format!(" ({count} times, this is the first)");
+        }
+        model.textures = self.textures.list;
+        if self.shines || self.sky.is_some() || !model.lights.is_empty() {
+            model.light_units = LightUnits::Radiometric;
+            model.background = Some(Background::Constant(Color::from_rgb(self.sky.unwrap_or_default().to_array())));
+        }
+        model.image_size = Some(self.size);
+        let size = self.files.options.size.unwrap_or(self.size);
+        model.cameras.extend(self.view.as_ref().map(|view| view.camera(size)));
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        let world = View::ours_from_world(self.view.as_ref());
+        model.nodes = vec![Node { children: self.nodes, ..empty(stem, world) }];
+        Ok(model)
+    }
+}

@@ -1,0 +1,207 @@
+//! Shapes in their own space, +z up for those of revolution.
+//!
+//! ```text
+//! sphere disk cylinder           exact shapes, turned so that our +y is the file's +z and `u` begins at its +x
+//! trianglemesh plymesh           meshes
+//! bilinearmesh loopsubdiv        meshes of the corners: two triangles for each patch, and the control mesh
+//! ```
+
+use std::sync::Arc;
+
+use rt_geometry::{Cylinder, Disk, MeshData, Shape, Sphere};
+use rt_math::{DMat3, DVec3, Transform, Vec3};
+
+use super::Files;
+use super::material::unknown;
+use super::parameters::Parameters;
+use super::tokens::Flaw;
+use crate::{LoadError, Reason, resolve_path};
+
+/// Known kinds of shapes.
+const KINDS: [&str; 8] =
+    ["sphere", "disk", "cylinder", "trianglemesh", "plymesh", "bilinearmesh", "loopsubdiv", "curve"];
+
+/// Something that stands in the scene.
+#[derive(Debug)]
+pub(super) enum Solid {
+    /// A shape, and how it stands in the space of the file.
+    Exact(Shape, Transform),
+    /// A mesh.
+    Mesh(MeshData),
+    /// A shape that only other programs have.
+    Unsupported,
+}
+
+/// Why a shape cannot be made: a line of the scene, or a file beside it.
+#[derive(Debug)]
+pub(super) enum Trouble {
+    Here(Flaw),
+    There(LoadError),
+}
+
+impl From<Flaw> for Trouble {
+    fn from(flaw: Flaw) -> Self {
+        Self::Here(flaw)
+    }
+}
+
+/// Reads a shape of this kind, with its front on the other side if it is `reversed`.
+pub(super) fn read(
+    kind: &str,
+    parameters: &Parameters,
+    reversed: bool,
+    files: Files<'_>,
+    losses: &mut Vec<String>,
+) -> Result<Solid, Trouble> {
+    let mut data = match kind {
+        "sphere" | "disk" | "cylinder" => return Ok(exact(kind, parameters, reversed, losses)?),
+        "trianglemesh" => triangles(parameters)?,
+        "loopsubdiv" => {
+            parameters.pass_over(&["levels"]);
+            losses.push("a subdivision surface is not smoothed: its control mesh is seen".to_owned());
+            triangles(parameters)?
+        }
+        "bilinearmesh" => patches(parameters, losses)?,
+        "plymesh" => return ply(parameters, reversed, files, losses),
+        "curve" => return Ok(Solid::Unsupported),
+        other => return Err(unknown("shape", other, parameters.line, KINDS).into()),
+    };
+    face(&mut data, reversed);
+    Ok(Solid::Mesh(data))
+}
+
+fn exact(kind: &str, p: &Parameters, reversed: bool, losses: &mut Vec<String>) -> Result<Solid, Flaw> {
+    let flaw = |error: rt_geometry::ShapeError| Flaw { line: p.line, reason: error.into() };
+    let turned = |offset| Transform::from_linear(turn(), offset).unwrap_or(Transform::IDENTITY);
+    if p.float("phimax", 360.0)? != 360.0 {
+        losses.push(format!("the {kind} is closed all around, without regard to \"phimax\""));
+    }
+    let radius = p.positive("radius", 1.0)?;
+    if reversed && kind != "disk" {
+        losses.push(format!("the {kind} faces outwards, without regard to `ReverseOrientation`"));
+    }
+    match kind {
+        "sphere" => {
+            if p.float("zmin", -radius)? > -radius || p.float("zmax", radius)? < radius {
+                losses.push("the sphere is whole, without regard to \"zmin\" and \"zmax\"".to_owned());
+            }
+            let sphere = Sphere::new(DVec3::ZERO, radius).map_err(flaw)?;
+            Ok(Solid::Exact(Shape::Sphere(sphere), turned(DVec3::ZERO)))
+        }
+        "disk" => {
+            let disk = Disk::new(radius, p.not_negative("innerradius", 0.0)?).map_err(flaw)?;
+            let place = turned(DVec3::Z * p.float("height", 0.0)?);
+            // A half turn around x.
+            let over = Transform::from_linear(DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)), DVec3::ZERO);
+            let place = if reversed { place.then_first(&over.unwrap_or(Transform::IDENTITY)) } else { place };
+            Ok(Solid::Exact(Shape::Disk(disk), place))
+        }
+        _ => {
+            let (bottom, top) = (p.float("zmin", -1.0)?, p.float("zmax", 1.0)?);
+            let cylinder = Cylinder::new(radius, bottom.min(top), bottom.max(top), false).map_err(flaw)?;
+            Ok(Solid::Exact(Shape::Cylinder(cylinder), turned(DVec3::ZERO)))
+        }
+    }
+}
+
+/// Where our x, y and z point in the file: `u` of our spheres begins at −z and goes on to −x.
+const fn turn() -> DMat3 {
+    DMat3::from_cols(DVec3::NEG_Y, DVec3::Z, DVec3::NEG_X)
+}
+
+fn triangles(parameters: &Parameters) -> Result<MeshData, Flaw> {
+    let mut data = vertices(parameters)?;
+    let indices = parameters.indices("indices", data.positions.len())?;
+    // A single triangle needs no indices.
+    let indices = if indices.is_empty() && data.positions.len() == 3 { vec![0, 1, 2] } else { indices };
+    if indices.is_empty() || !indices.len().is_multiple_of(3) {
+        let rule = "must be three for each triangle, and for one at least";
+        return Err(Flaw::new(parameters.line, format_args!("{} indices", indices.len()), rule));
+    }
+    data.triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    Ok(data)
+}
+
+/// Two triangles for each patch, whose corners are at (0, 0), (1, 0), (0, 1) and (1, 1).
+fn patches(parameters: &Parameters, losses: &mut Vec<String>) -> Result<MeshData, Flaw> {
+    let mut data = vertices(parameters)?;
+    let indices = parameters.indices("indices", data.positions.len())?;
+    let indices = if indices.is_empty() && data.positions.len() == 4 { vec![0, 1, 2, 3] } else { indices };
+    if indices.is_empty() || !indices.len().is_multiple_of(4) {
+        let rule = "must be four for each patch, and for one at least";
+        return Err(Flaw::new(parameters.line, format_args!("{} indices", indices.len()), rule));
+    }
+    let mut bent = 0;
+    for patch in indices.chunks_exact(4) {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|i| data.positions[patch[i] as usize].as_dvec3());
+        let volume = (b - a).dot((c - a).cross(d - a));
+        let size = (b - a).length() * (c - a).length() * (d - a).length();
+        bent += usize::from(volume.abs() > FLATNESS * size);
+        let [a, b, c, d] = [patch[0], patch[1], patch[2], patch[3]];
+        data.triangles.extend([[a, b, d], [a, d, c]]);
+    }
+    if bent > 0 {
+        losses.push(format!("{bent} bent patches became two flat triangles each"));
+    }
+    if data.uvs.is_empty() && data.positions.len() == 4 {
+        data.uvs = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+    }
+    Ok(data)
+}
+
+/// The part of a cube that the corners of a patch may span before it is called bent: what rounding to `f32` brings.
+const FLATNESS: f64 = 1e-5;
+
+fn vertices(parameters: &Parameters) -> Result<MeshData, Flaw> {
+    let vectors = |triples: Vec<[f64; 3]>| triples.into_iter().map(|[x, y, z]| Vec3::new(x as f32, y as f32, z as f32));
+    let positions: Vec<_> = vectors(parameters.triples("P", &["point3", "point"])?).collect();
+    if positions.is_empty() {
+        return Err(Flaw::new(parameters.line, "a mesh", "has no \"point3 P\": add its vertices"));
+    }
+    let normals: Vec<_> = vectors(parameters.triples("N", &["normal", "normal3", "vector3"])?).collect();
+    let uvs = parameters.numbers("uv", &["point2", "vector2", "float"])?;
+    let uvs: Vec<_> = uvs.chunks_exact(2).map(|uv| [uv[0] as f32, uv[1] as f32]).collect();
+    for (name, count) in [("N", normals.len()), ("uv", uvs.len())] {
+        if count != 0 && count != positions.len() {
+            let rule = format!("must be one for each of the {} vertices", positions.len());
+            return Err(Flaw::new(parameters.line, format_args!("{count} values of \"{name}\""), rule));
+        }
+    }
+    Ok(MeshData { positions, normals, uvs, ..MeshData::default() })
+}
+
+/// Turns the triangles so that their fronts are where the format has them: by the normals of the vertices, or else by the
+/// order of the corners, unless the orientation is reversed.
+fn face(data: &mut MeshData, reversed: bool) {
+    if reversed {
+        data.normals.iter_mut().for_each(|normal| *normal = -*normal);
+    }
+    for triangle in &mut data.triangles {
+        let [a, b, c] = triangle.map(|i| data.positions.get(i as usize).copied().unwrap_or_default());
+        let normal = (b - a).cross(c - a);
+        let along: f32 = triangle.iter().filter_map(|i| data.normals.get(*i as usize)).map(|n| n.dot(normal)).sum();
+        let is_back = if data.normals.is_empty() { reversed } else { along < 0.0 };
+        if is_back {
+            triangle.swap(1, 2);
+        }
+    }
+}
+
+/// The mesh of a PLY file; its colours are not used.
+fn ply(p: &Parameters, reversed: bool, files: Files<'_>, losses: &mut Vec<String>) -> Result<Solid, Trouble> {
+    let flaw = |reason: Reason| Flaw { line: p.line, reason };
+    let Some(file) = p.word("filename", "string")? else {
+        return Err(Flaw::new(p.line, "a mesh of a PLY file", "has no \"string filename\": add it").into());
+    };
+    if !file.to_ascii_lowercase().ends_with(".ply") {
+        return Err(flaw(Reason::Unsupported(format!("`{file}`, which does not end in .ply,"))).into());
+    }
+    let path = resolve_path(file, files.root_file, files.options).map_err(flaw)?;
+    let model = crate::ply::load(&path).map_err(Trouble::There)?;
+    losses.extend(model.warnings.into_iter().map(|warning| format!("{}: {}", warning.place, warning.message)));
+    let Some(mesh) = model.meshes.into_iter().next() else { return Ok(Solid::Unsupported) };
+    let mut data = Arc::unwrap_or_clone(mesh.mesh).data().clone();
+    data.colors = Vec::new();
+    face(&mut data, reversed);
+    Ok(Solid::Mesh(data))
+}

@@ -1,0 +1,173 @@
+//! Spectra as linear sRGB.
+//!
+//! ```text
+//! rgb        as it is
+//! blackbody  Planck's law ── colour matching functions ──> XYZ ──> sRGB, of luminance 1
+//! spectrum   the name of a metal; pairs of wavelength and value become their mean
+//! ```
+//!
+//! The colour matching functions are those of Wyman, Sloan and Shirley, "Simple Analytic Approximations to the CIE XYZ Color
+//! Matching Functions", JCGT 2(2), 2013, with several lobes.
+
+use rt_math::Rgb;
+use rt_math::transcendental::exp;
+use rt_shading::bsdf::ComplexIor;
+
+use super::parameters::{Parameter, Parameters, Values};
+use super::tokens::Flaw;
+
+/// What of a spectrum cannot be kept, in a sentence.
+pub(super) type Loss = Option<String>;
+
+/// The colour of a parameter, none of whose numbers may be negative.
+pub(super) fn colour(parameters: &Parameters, name: &str) -> Result<Option<(Rgb, Loss)>, Flaw> {
+    parameters.get(name).map(of).transpose()
+}
+
+fn of(parameter: &Parameter) -> Result<(Rgb, Loss), Flaw> {
+    match (parameter.kind, &parameter.values) {
+        ("rgb", Values::Numbers(numbers)) => match numbers[..] {
+            [r, g, b] if r >= 0.0 && g >= 0.0 && b >= 0.0 => Ok((Rgb::new(r, g, b), None)),
+            _ => Err(parameter.flaw(format_args!("{numbers:?}"), "must be three numbers from 0 up")),
+        },
+        ("float", Values::Numbers(numbers)) => match numbers[..] {
+            [gray] if gray >= 0.0 => Ok((Rgb::gray(gray), None)),
+            _ => Err(parameter.flaw(format_args!("{numbers:?}"), "must be one number from 0 up")),
+        },
+        ("blackbody", Values::Numbers(numbers)) => match numbers[..] {
+            [kelvin] if (500.0..=1e6).contains(&kelvin) => Ok((blackbody(kelvin), None)),
+            _ => Err(parameter.flaw(format_args!("{numbers:?}"), "must be one temperature from 500 to 1e6 kelvin")),
+        },
+        ("spectrum", Values::Numbers(numbers)) => {
+            let values = || numbers.iter().skip(1).step_by(2);
+            if numbers.is_empty() || values().any(|value| *value < 0.0) {
+                return Err(
+                    parameter.flaw(format_args!("{numbers:?}"), "must be pairs of wavelength and value from 0 up")
+                );
+            }
+            let mean = values().sum::<f64>() / values().count() as f64;
+            let loss = format!("the spectrum \"{}\" became its mean, {mean}", parameter.name);
+            Ok((Rgb::gray(mean), values().any(|value| *value != mean).then_some(loss)))
+        }
+        ("spectrum", Values::Words(words)) => match words.first().map(String::as_str) {
+            Some("stdillum-D65") => Ok((Rgb::WHITE, None)),
+            Some(name) => {
+                Ok((Rgb::WHITE, Some(format!("the spectrum \"{name}\" is not known: white is in its place"))))
+            }
+            None => Err(parameter.flaw("nothing", "must be the name of a spectrum")),
+        },
+        (kind, _) => Err(parameter.flaw(kind, "has the wrong type: give rgb")),
+    }
+}
+
+/// The index of refraction of a measured metal by the name of either of its two spectra, such as `metal-Cu-eta`.
+pub(super) fn metal(name: &str) -> Option<ComplexIor> {
+    let symbol = name.strip_prefix("metal-")?;
+    match symbol.strip_suffix("-eta").or_else(|| symbol.strip_suffix("-k"))? {
+        "Al" => Some(ComplexIor::ALUMINIUM),
+        "Cu" => Some(ComplexIor::COPPER),
+        "Au" => Some(ComplexIor::GOLD),
+        "Ag" => Some(ComplexIor::SILVER),
+        _ => None,
+    }
+}
+
+/// The index of refraction of a measured glass at 587.6 nm, by the catalogues of its makers.
+pub(super) fn glass(name: &str) -> Option<f64> {
+    Some(match name {
+        "glass-BK7" => 1.5168,
+        "glass-BAF10" => 1.67003,
+        "glass-FK51A" => 1.48656,
+        "glass-LASF9" => 1.85025,
+        "glass-F5" | "glass-SF5" => 1.6727,
+        "glass-F10" | "glass-SF10" => 1.72825,
+        "glass-F11" | "glass-SF11" => 1.78472,
+        _ => return None,
+    })
+}
+
+/// The colour of a black body, of luminance 1; what lies outside of sRGB is cut off.
+fn blackbody(kelvin: f64) -> Rgb {
+    /// Planck's constant times the speed of light over Boltzmann's constant, in nm·K.
+    const C2: f64 = 1.438_776_877e7;
+    let mut xyz = [0.0; 3];
+    for step in 0..95 {
+        let nm = 360.0 + 5.0 * f64::from(step);
+        // Relative to 560 nm, lest numbers grow out of range.
+        let relative = nm / 560.0;
+        let fifth = relative * relative * relative * relative * relative;
+        let planck = (exp(C2 / (560.0 * kelvin)) - 1.0) / (exp(C2 / (nm * kelvin)) - 1.0) / fifth;
+        for (sum, matching) in xyz.iter_mut().zip(matching(nm)) {
+            *sum += planck * matching;
+        }
+    }
+    let [x, y, z] = xyz.map(|sum| sum / xyz[1]);
+    let rgb = Rgb::new(
+        3.240_454_2 * x - 1.537_138_5 * y - 0.498_531_4 * z,
+        -0.969_266_0 * x + 1.876_010_8 * y + 0.041_556_0 * z,
+        0.055_643_4 * x - 0.204_025_9 * y + 1.057_225_2 * z,
+    )
+    .map(|c| c.max(0.0));
+    rgb / rgb.luminance()
+}
+
+/// The colour matching functions of the observer of 1931 at a wavelength.
+fn matching(nm: f64) -> [f64; 3] {
+    let lobe = |height: f64, middle: f64, below: f64, above: f64| {
+        let t = (nm - middle) * if nm < middle { below } else { above };
+        height * exp(-0.5 * t * t)
+    };
+    [
+        lobe(0.362, 442.0, 0.0624, 0.0374) + lobe(1.056, 599.8, 0.0264, 0.0323) + lobe(-0.065, 501.1, 0.0490, 0.0382),
+        lobe(0.821, 568.8, 0.0213, 0.0247) + lobe(0.286, 530.9, 0.0613, 0.0322),
+        lobe(1.217, 437.0, 0.0845, 0.0278) + lobe(0.681, 459.0, 0.0385, 0.0725),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tokens::Tokens;
+    use super::*;
+
+    fn read(text: &str) -> Result<(Rgb, Loss), String> {
+        let parameters = Parameters::read(&mut Tokens::of(text), 1).expect("parameters");
+        colour(&parameters, "L").map(|found| found.expect("a colour")).map_err(|flaw| flaw.reason.to_string())
+    }
+
+    #[test]
+    fn colours_and_their_losses() {
+        assert_eq!(read("\"rgb L\" [1 2 3]").unwrap(), (Rgb::new(1.0, 2.0, 3.0), None));
+        assert_eq!(read("\"spectrum L\" [400 2 700 2]").unwrap(), (Rgb::gray(2.0), None));
+        assert_eq!(read("\"spectrum L\" [400 1 700 2]").unwrap().1.unwrap(), "the spectrum \"L\" became its mean, 1.5");
+        assert_eq!(
+            read("\"rgb L\" [1 -2 3]").unwrap_err(),
+            "[1.0, -2.0, 3.0] as \"L\" must be three numbers from 0 up"
+        );
+        assert!(read("\"blackbody L\" [1]").is_err() && read("\"point3 L\" [1 1 1]").is_err());
+        assert!(read("\"spectrum L\" \"stdillum-F11\"").unwrap().1.is_some());
+    }
+
+    /// CIE 15: the chromaticity of a black body of 2856 K, illuminant A, is (0.4476, 0.4074).
+    #[test]
+    fn black_bodies_have_the_chromaticity_of_their_temperature() {
+        let Rgb { r, g, b } = blackbody(2856.0);
+        let x = 0.412_456 * r + 0.357_576 * g + 0.180_437 * b;
+        let y = 0.212_673 * r + 0.715_152 * g + 0.072_175 * b;
+        let z = 0.019_334 * r + 0.119_192 * g + 0.950_304 * b;
+        let sum = x + y + z;
+        assert!((x / sum - 0.4476).abs() < 4e-3 && (y / sum - 0.4074).abs() < 4e-3, "{} {}", x / sum, y / sum);
+        assert!((y - 1.0).abs() < 1e-3, "{y}");
+        for kelvin in [500.0, 6500.0, 1e6] {
+            let white = blackbody(kelvin);
+            assert!(white.is_finite() && (white.luminance() - 1.0).abs() < 1e-12, "{kelvin}: {white:?}");
+        }
+        assert!((blackbody(6600.0) - Rgb::WHITE).map(f64::abs).max_component() < 0.05, "{:?}", blackbody(6600.0));
+    }
+
+    #[test]
+    fn metals_go_by_either_spectrum() {
+        assert_eq!(metal("metal-Au-eta"), Some(ComplexIor::GOLD));
+        assert_eq!(metal("metal-Ag-k"), Some(ComplexIor::SILVER));
+        assert_eq!((metal("metal-Xx-k"), metal("glass-BK7")), (None, None));
+    }
+}

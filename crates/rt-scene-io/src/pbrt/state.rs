@@ -1,0 +1,73 @@
+//! The graphics state: what holds for the shapes that follow.
+
+use std::collections::HashMap;
+
+use rt_math::{DVec3, Rgb, Transform, TransformError};
+
+use super::parameters::Parameters;
+use super::tokens::{Flaw, Tokens};
+use super::view;
+
+/// Light that a surface gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Emission {
+    pub(super) radiance: Rgb,
+    pub(super) both_sides: bool,
+}
+
+/// What `AttributeBegin` saves.
+#[derive(Clone, Debug)]
+pub(super) struct State {
+    /// From the space of shapes to the world; before the world begins, from the world to the camera.
+    pub(super) matrix: Transform,
+    pub(super) reversed: bool,
+    /// Index in the list of surfaces.
+    pub(super) surface: usize,
+    pub(super) emission: Option<Emission>,
+    /// Parameters that hold for all directives of a kind.
+    pub(super) attributes: HashMap<String, Parameters>,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        let (matrix, attributes) = (Transform::IDENTITY, HashMap::new());
+        Self { matrix, reversed: false, surface: 0, emission: None, attributes }
+    }
+}
+
+/// Directives that change the matrix.
+pub(super) const TRANSFORMS: [&str; 7] =
+    ["Identity", "Translate", "Scale", "Rotate", "LookAt", "Transform", "ConcatTransform"];
+
+/// The matrix after one of [`TRANSFORMS`].
+pub(super) fn transformed(
+    matrix: &Transform,
+    directive: &str,
+    line: usize,
+    tokens: &mut Tokens<'_>,
+) -> Result<Transform, Flaw> {
+    let flaw = |error: TransformError| Flaw { line, reason: error.into() };
+    let first = match directive {
+        "Identity" => return Ok(Transform::IDENTITY),
+        "Translate" => Transform::translate(DVec3::from(tokens.numbers("a part of the way")?)),
+        "Scale" => Transform::scale(DVec3::from(tokens.numbers("a factor")?)).map_err(flaw)?,
+        "Rotate" => {
+            let [degrees, x, y, z] = tokens.numbers("an angle in degrees or a component of the axis")?;
+            Transform::rotate(DVec3::new(x, y, z), degrees.to_radians()).map_err(flaw)?
+        }
+        "LookAt" => view::look_at(line, tokens.numbers("a coordinate of the view")?)?,
+        replaces_or_adds => {
+            // Column by column.
+            let m: [f64; 16] = tokens.numbers("an element of the matrix")?;
+            let rows = [0, 1, 2, 3].map(|row| [m[row], m[row + 4], m[row + 8], m[row + 12]]);
+            let given = Transform::from_rows(rows).map_err(flaw)?;
+            if replaces_or_adds == "Transform" {
+                return Ok(given);
+            }
+            given
+        }
+    };
+    let sum = matrix.then_first(&first);
+    // Factors that are small one by one may flatten space together.
+    Transform::from_linear(sum.linear(), sum.translation()).map_err(flaw)
+}

@@ -1,0 +1,109 @@
+//! Camera and image.
+//!
+//! The format's cameras look along +z with +y up and +x to the right, ours along −z. What is in between is a mirror, and the
+//! world is mirrored with it: so turns right stay right, and text can be read.
+
+use rt_camera::{CameraSettings, Film, FovAxis, Projection};
+use rt_math::{DMat3, DVec3, Transform};
+
+use super::material::unknown;
+use super::parameters::Parameters;
+use super::tokens::Flaw;
+use crate::NamedCamera;
+
+/// A camera as the file has it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct View {
+    camera_from_world: Transform,
+    lens: Lens,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Lens {
+    /// Degrees along the shorter side of the image.
+    Perspective(f64),
+    Orthographic,
+}
+
+impl View {
+    /// Reads a `Camera` of this kind; `None` for one that only other programs have.
+    pub(super) fn read(
+        kind: &str,
+        parameters: &Parameters,
+        camera_from_world: Transform,
+    ) -> Result<Option<Self>, Flaw> {
+        let lens = match kind {
+            "perspective" => {
+                let degrees = parameters.float("fov", 90.0)?;
+                if !(degrees > 0.0 && degrees < 180.0) {
+                    let rule = "degrees: the field of view must lie between 0 and 180";
+                    return Err(Flaw::new(parameters.line, degrees, rule));
+                }
+                Lens::Perspective(degrees)
+            }
+            "orthographic" => Lens::Orthographic,
+            "realistic" | "spherical" => return Ok(None),
+            other => {
+                let known = ["perspective", "orthographic", "realistic", "spherical"];
+                return Err(unknown("camera", other, parameters.line, known));
+            }
+        };
+        Ok(Some(Self { camera_from_world, lens }))
+    }
+
+    /// From the world of the file to ours: mirrored, unless the file's camera is a mirror itself.
+    pub(super) fn ours_from_world(view: Option<&Self>) -> Transform {
+        if view.is_some_and(|view| view.camera_from_world.flips_handedness()) { Transform::IDENTITY } else { mirror() }
+    }
+
+    /// The camera of an image of so many pixels.
+    pub(super) fn camera(&self, [width, height]: [u32; 2]) -> NamedCamera {
+        let (width, height) = (f64::from(width), f64::from(height));
+        let projection = match self.lens {
+            Lens::Perspective(degrees) => {
+                let axis = if width < height { FovAxis::Horizontal } else { FovAxis::Vertical };
+                Projection::Perspective { fov: degrees.to_radians(), axis }
+            }
+            // The shorter side shows what lies between −1 and 1.
+            Lens::Orthographic => Projection::Orthographic { height: 2.0 * (height / width).max(1.0) },
+        };
+        let world_from_camera = self.camera_from_world.inverse().then_first(&mirror());
+        let ours = Self::ours_from_world(Some(self)).then_first(&world_from_camera);
+        NamedCamera { name: "camera".to_owned(), settings: CameraSettings::new(ours, projection), medium: None }
+    }
+}
+
+/// z to −z.
+fn mirror() -> Transform {
+    let turned = Transform::from_linear(DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0)), DVec3::ZERO);
+    turned.unwrap_or(Transform::IDENTITY)
+}
+
+/// What `LookAt` multiplies the matrix by.
+pub(super) fn look_at(line: usize, [ex, ey, ez, tx, ty, tz, ux, uy, uz]: [f64; 9]) -> Result<Transform, Flaw> {
+    let (eye, target, up) = (DVec3::new(ex, ey, ez), DVec3::new(tx, ty, tz), DVec3::new(ux, uy, uz));
+    // Ours looks along −z with +x to the right in a right-handed world: a half turn around y gives the axes of the file.
+    let turn = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, -1.0));
+    let placed = Transform::look_at(eye, target, up)
+        .and_then(|ours| Ok(ours.then_first(&Transform::from_linear(turn, DVec3::ZERO)?)));
+    placed.map(|world_from_camera| world_from_camera.inverse()).map_err(|_| {
+        let rule = "has no direction: eye and target must differ, and `up` must not be 0 or along the view";
+        Flaw::new(line, format_args!("the view from {eye} to {target} with {up} up"), rule)
+    })
+}
+
+/// Reads a `Film`: the size of the image.
+pub(super) fn film(parameters: &Parameters) -> Result<[u32; 2], Flaw> {
+    let (width, height) = (parameters.float("xresolution", 1280.0)?, parameters.float("yresolution", 720.0)?);
+    let shown = || format!("{width} x {height}");
+    let whole = |side: f64| side >= 1.0 && side.fract() == 0.0;
+    if !whole(width) || !whole(height) {
+        let rule = "is no resolution: give two whole numbers of pixels from 1 up";
+        return Err(Flaw::new(parameters.line, shown(), rule));
+    }
+    if width * height > Film::MAX_PIXELS as f64 {
+        return Err(Flaw::new(parameters.line, shown(), "pixels are more than 2^28: choose a smaller image"));
+    }
+    // Both fit, because their product does.
+    Ok([width as u32, height as u32])
+}

@@ -1,0 +1,218 @@
+//! What stands and shines in the world: objects, materials, lights and shapes.
+
+use std::sync::Arc;
+
+use rt_math::{Rgb, Transform};
+use rt_shading::Coefficient;
+use rt_shading::emitter::Sides;
+
+use super::light::Source;
+use super::material::unknown;
+use super::parameters::Parameters;
+use super::reader::Reader;
+use super::shape::{Solid, Trouble};
+use super::state::Emission;
+use super::tokens::{Flaw, Tokens};
+use super::view::View;
+use super::{light, material, shape, spectrum};
+use crate::mesh_build::build_mesh;
+use crate::{Content, MaterialId, MeshId, NamedMesh, Node, Reason};
+
+/// Most nodes that instances may unfold to.
+const MAX_NODES: usize = 1 << 18;
+
+impl Reader<'_> {
+    pub(super) fn object(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+        if word == "ObjectEnd" {
+            self.close_scope(line, word)?;
+            if let Some((name, nodes)) = self.object.take() {
+                self.objects.insert(name, nodes);
+            }
+            return Ok(());
+        }
+        let name = tokens.text("the name of an object")?;
+        if self.object.is_some() {
+            return Err(Flaw::new(
+                line,
+                format_args!("`{word}`"),
+                "stands within an object: objects hold shapes alone",
+            ));
+        }
+        if word == "ObjectBegin" {
+            if self.objects.contains_key(&name) {
+                return Err(Flaw { line, reason: Reason::Duplicate { kind: "object", name } });
+            }
+            self.open_scope(line, true)?;
+            self.object = Some((name, Vec::new()));
+            return Ok(());
+        }
+        let Some(nodes) = self.objects.get(&name) else {
+            return Err(unknown("object", &name, line, self.objects.keys().map(String::as_str)));
+        };
+        let children = nodes.clone();
+        self.add(Node { children, ..empty(name, self.state.matrix) }, line)
+    }
+
+    /// Adds a node to the object that is described, or to the world.
+    fn add(&mut self, node: Node, line: usize) -> Result<(), Flaw> {
+        self.unfolded += 1 + node.children.len();
+        if self.unfolded > MAX_NODES {
+            let (what, value, limit) =
+                ("the number of shapes, instances unfolded,", self.unfolded as u64, MAX_NODES as u64);
+            return Err(Flaw { line, reason: Reason::TooLarge { what, value, limit } });
+        }
+        match &mut self.object {
+            Some((_, nodes)) => nodes.push(node),
+            None => self.nodes.push(node),
+        }
+        Ok(())
+    }
+
+    pub(super) fn appearance(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+        let name = tokens.text("a name")?;
+        let mut losses = Vec::new();
+        match word {
+            "NamedMaterial" => {
+                let Some(surface) = self.named.get(&name) else {
+                    return Err(unknown("material", &name, line, self.named.keys().map(String::as_str)));
+                };
+                self.state.surface = *surface;
+            }
+            "Texture" => {
+                tokens.text("the type of a texture")?;
+                let class = tokens.text("the class of a texture")?;
+                let parameters = self.parameters(tokens, line, "texture")?;
+                let losses = self.textures.define(name, &class, &parameters, self.files)?;
+                self.warn_all(word, &parameters, losses);
+            }
+            _ => {
+                let parameters = self.parameters(tokens, line, "material")?;
+                let kind = if word == "Material" {
+                    name.clone()
+                } else {
+                    parameters.word("type", "string")?.unwrap_or("diffuse").to_owned()
+                };
+                let (named, surfaces) = (&self.named, &self.surfaces);
+                let find = |part: &str| match named.get(part) {
+                    Some(&index) => Ok(surfaces.get(index).cloned().flatten()),
+                    None => Err(unknown("material", part, line, named.keys().map(String::as_str))),
+                };
+                let surface = material::read(&kind, &parameters, &self.textures, find, &mut losses)?;
+                self.surfaces.push(surface);
+                let index = self.surfaces.len() - 1;
+                if word == "Material" {
+                    self.state.surface = index;
+                } else {
+                    if let Some(surface) = &mut self.surfaces[index] {
+                        surface.name.clone_from(&name);
+                    }
+                    self.named.insert(name, index);
+                }
+                self.warn_all(word, &parameters, losses);
+            }
+        }
+        Ok(())
+    }
+
+    /// The parameters of a directive, with the attributes that hold for its kind.
+    fn parameters(&self, tokens: &mut Tokens<'_>, line: usize, target: &str) -> Result<Parameters, Flaw> {
+        let own = Parameters::read(tokens, line)?;
+        Ok(match self.state.attributes.get(target) {
+            Some(defaults) => own.or(defaults),
+            None => own,
+        })
+    }
+
+    pub(super) fn light(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+        let kind = tokens.text("the kind of a light")?;
+        let parameters = self.parameters(tokens, line, "light")?;
+        if word == "AreaLightSource" {
+            if kind != "diffuse" {
+                return Err(unknown("area light", &kind, line, ["diffuse"]));
+            }
+            let (radiance, loss) = spectrum::colour(&parameters, "L")?.unwrap_or((Rgb::WHITE, None));
+            let radiance = radiance * parameters.not_negative("scale", 1.0)?;
+            self.state.emission = Some(Emission { radiance, both_sides: parameters.flag("twosided")? });
+            self.warn_all(word, &parameters, loss.into_iter().collect());
+            return Ok(());
+        }
+        let place = View::ours_from_world(self.view.as_ref()).then_first(&self.state.matrix);
+        let (source, losses) = light::read(&kind, &parameters, &place, self.files)?;
+        match source {
+            Source::Light(light) => self.model.lights.push(light),
+            Source::Sky(radiance) => self.sky = Some(self.sky.unwrap_or_default() + radiance),
+            Source::Unsupported => {
+                self.warn(line, format!("the light \"{kind}\" is left out: it is not supported"));
+                return Ok(());
+            }
+        }
+        self.warn_all(word, &parameters, losses);
+        Ok(())
+    }
+
+    pub(super) fn shape(&mut self, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Trouble> {
+        let kind = tokens.text("the kind of a shape")?;
+        let parameters = self.parameters(tokens, line, "shape")?;
+        let mut losses = Vec::new();
+        let solid = shape::read(&kind, &parameters, self.state.reversed, self.files, &mut losses)?;
+        let name = format!("line {line}");
+        let (content, place) = match solid {
+            Solid::Exact(shape, place) => (Content::Shape(shape), self.state.matrix.then_first(&place)),
+            Solid::Mesh(data) => {
+                let at = format!("{}:{line}", self.path.display());
+                let mesh = build_mesh(data, &at, &mut self.model.warnings);
+                let Some(mesh) = mesh.map_err(|error| Flaw { line, reason: error.into() })? else { return Ok(()) };
+                self.model.meshes.push(NamedMesh { name: name.clone(), mesh: Arc::new(mesh) });
+                (Content::Mesh(MeshId(self.model.meshes.len() as u32 - 1)), self.state.matrix)
+            }
+            Solid::Unsupported => {
+                self.warn(line, format!("the shape \"{kind}\" is left out: it is not supported"));
+                return Ok(());
+            }
+        };
+        self.warn_all(&format!("the shape \"{kind}\""), &parameters, losses);
+        let Some(material) = self.material() else {
+            self.warn(line, "a shape of no material is not seen: it is left out".to_owned());
+            return Ok(());
+        };
+        self.add(Node { content: Some(content), material, ..empty(name, place) }, line)?;
+        Ok(())
+    }
+
+    /// The material in force, with the light that it gives; `None` if nothing is seen of it.
+    fn material(&mut self) -> Option<MaterialId> {
+        let emission = self.state.emission.filter(|emission| !emission.radiance.is_black());
+        let surface = self.surfaces.get(self.state.surface).cloned().flatten();
+        let bits = emission.map(|light| (light.radiance.to_array().map(f64::to_bits), light.both_sides));
+        let key = (self.state.surface, bits);
+        if let Some(known) = self.materials.get(&key) {
+            return Some(*known);
+        }
+        let mut made = match surface {
+            Some(surface) => surface,
+            None => emission.map(|_| material::black())?,
+        };
+        if let Some(Emission { radiance, both_sides }) = emission {
+            self.shines = true;
+            made.phong.emission = Coefficient::Constant(radiance);
+            made.shines = if both_sides { Sides::Both } else { Sides::Front };
+        }
+        self.model.materials.push(made);
+        let id = MaterialId(self.model.materials.len() as u32 - 1);
+        self.materials.insert(key, id);
+        Some(id)
+    }
+}
+
+/// A node that holds nothing.
+pub(super) const fn empty(name: String, parent_from_local: Transform) -> Node {
+    Node {
+        name,
+        parent_from_local,
+        moves_to: None,
+        content: None,
+        material: MaterialId(0),
+        casts_shadow: true,
+        children: Vec::new(),
+    }
+}
