@@ -264,6 +264,10 @@ fn what_is_not_supported_is_listed_with_its_line() {
             "the parameter \"normalmap\" of Material is not supported",
         ),
         ("Texture \"t\" \"float\" \"fbm\"", "the texture \"fbm\" is not supported"),
+        (
+            "Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"spherical\"",
+            "the mapping \"spherical\" is not supported",
+        ),
         ("LightSource \"goniometric\"", "the light \"goniometric\" is left out"),
         ("LightSource \"point\" \"float power\" 5", "the parameter \"power\" of LightSource is not supported"),
         ("MediumInterface \"fog\" \"\"", "`MediumInterface` is left out"),

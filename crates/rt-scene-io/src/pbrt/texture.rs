@@ -124,7 +124,7 @@ impl Textures {
         if parameters.float("dimension", 2.0)? != 2.0 {
             losses.push("the checkerboard in space became one on the surface".to_owned());
         }
-        self.mapped(parameters, Texture::Checker { even, odd, size: 1.0 })
+        self.mapped(parameters, Texture::Checker { even, odd, size: 1.0 }, losses)
     }
 
     fn image(
@@ -168,15 +168,19 @@ impl Textures {
         }
         let smooth = parameters.word("filter", "string")? != Some("point");
         let scale = parameters.not_negative("scale", 1.0)?;
-        let textured = self.mapped(parameters, Texture::Image { bitmap, wrap: [wrap; 2], smooth })?;
+        let textured = self.mapped(parameters, Texture::Image { bitmap, wrap: [wrap; 2], smooth }, losses)?;
         Ok(times(textured, Rgb::gray(scale)))
     }
 
     /// Adds a texture at the coordinates that its parameters lead to.
-    fn mapped(&mut self, parameters: &Parameters, texture: Texture) -> Result<Coefficient, Flaw> {
-        if parameters.word("mapping", "string")?.is_some_and(|mapping| mapping != "uv") {
-            let rule = "is not supported: only \"uv\" is";
-            return Err(Flaw::new(parameters.line, "the mapping of a texture", rule));
+    fn mapped(
+        &mut self,
+        parameters: &Parameters,
+        texture: Texture,
+        losses: &mut Vec<String>,
+    ) -> Result<Coefficient, Flaw> {
+        if let Some(mapping) = parameters.word("mapping", "string")?.filter(|mapping| *mapping != "uv") {
+            losses.push(format!("the mapping \"{mapping}\" is not supported: the texture lies along u and v"));
         }
         let u = [parameters.float("uscale", 1.0)?, 0.0, parameters.float("udelta", 0.0)?];
         let v = [0.0, parameters.float("vscale", 1.0)?, parameters.float("vdelta", 0.0)?];
