@@ -27,6 +27,9 @@ const TYPES: [(&str, usize); 16] = [
     ("bool", 0),
 ];
 
+/// Most parameters that hold for one directive.
+const MAX_PARAMETERS: usize = 256;
+
 /// The values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Values {
@@ -138,6 +141,7 @@ impl Parameters {
                 return Err(Flaw::new(parameter.line, format_args!("the parameter \"{}\"", parameter.name), rule));
             }
             list.push(parameter);
+            check_count(line, list.len())?;
         }
         Ok(Self { line, list })
     }
@@ -154,9 +158,10 @@ impl Parameters {
     }
 
     /// Puts others over these.
-    pub(super) fn replace_by(&mut self, others: Self) {
+    pub(super) fn replace_by(&mut self, others: Self) -> Result<(), Flaw> {
         let before = std::mem::replace(self, others);
         *self = std::mem::take(self).or(&before);
+        check_count(self.line, self.list.len())
     }
 
     /// The parameter of this name, which counts as used from now on.
@@ -263,6 +268,15 @@ impl Parameters {
     }
 }
 
+/// Checks that there are not so many parameters that looking for one among them takes long.
+fn check_count(line: usize, count: usize) -> Result<(), Flaw> {
+    if count <= MAX_PARAMETERS {
+        return Ok(());
+    }
+    let (what, value, limit) = ("the number of parameters", count as u64, MAX_PARAMETERS as u64);
+    Err(Flaw { line, reason: crate::Reason::TooLarge { what, value, limit } })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -310,8 +324,14 @@ mod tests {
     #[test]
     fn defaults_hold_where_nothing_is_said() {
         let mut all = read("\"float a\" 1 \"float b\" 1").unwrap();
-        all.replace_by(read("\"float b\" 2").unwrap());
+        all.replace_by(read("\"float b\" 2").unwrap()).unwrap();
         let own = read("\"float a\" 3").unwrap().or(&all);
         assert_eq!((own.float("a", 0.0).unwrap(), own.float("b", 0.0).unwrap()), (3.0, 2.0));
+    }
+
+    #[test]
+    fn parameters_are_counted() {
+        let text: String = (0..300).map(|i| format!("\"float p{i}\" 1 ")).collect();
+        assert_eq!(read(&text).unwrap_err(), "1: the number of parameters is 257, the limit is 256");
     }
 }

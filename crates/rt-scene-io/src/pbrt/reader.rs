@@ -27,6 +27,9 @@ const MAX_INCLUDES: usize = 1024;
 /// Most scopes within scopes.
 const MAX_SCOPES: usize = 1024;
 
+/// After so many complaints no more is read: a file of nothing but mistakes would take long.
+const MAX_COMPLAINTS: usize = 1000;
+
 /// Directives before the world that choose among what this program decides itself.
 const CHOICES: [&str; 5] = ["Integrator", "Sampler", "PixelFilter", "Accelerator", "ColorSpace"];
 
@@ -71,6 +74,7 @@ pub(super) struct Reader<'f> {
     pub(super) open: Vec<PathBuf>,
     pub(super) includes: usize,
     pub(super) report: Report,
+    pub(super) complaints: usize,
     pub(super) model: Model,
     /// Where each message stands in the warnings, and how often it came.
     pub(super) warned: HashMap<String, (usize, usize)>,
@@ -110,6 +114,7 @@ impl<'f> Reader<'f> {
             open: files.root_file.canonicalize().into_iter().collect(),
             includes: 0,
             report: Report::new(files.root_file),
+            complaints: 0,
             model: Model::default(),
             warned: HashMap::new(),
             state: State::default(),
@@ -135,7 +140,7 @@ impl<'f> Reader<'f> {
     /// Reads all directives of a text; what is wrong is reported.
     pub(super) fn read(&mut self, text: &str) {
         let mut tokens = Tokens::of(text);
-        loop {
+        while self.complaints < MAX_COMPLAINTS {
             let read = match tokens.take() {
                 Ok(None) => return,
                 Ok(Some(Token { line, kind: Kind::Word(word) })) => self.directive(word, line, &mut tokens),
@@ -150,12 +155,16 @@ impl<'f> Reader<'f> {
                     self.complain(flaw);
                     tokens.skip_to_directive();
                 }
-                Err(Trouble::There(error)) => self.report.add(error.into_problems()),
+                Err(Trouble::There(error)) => {
+                    self.complaints += 1;
+                    self.report.add(error.into_problems());
+                }
             }
         }
     }
 
     pub(super) fn complain(&mut self, Flaw { line, reason }: Flaw) {
+        self.complaints += 1;
         let file = self.path.display().to_string();
         self.report.add([Problem { file, place: Place::Line(line), reason }]);
     }
@@ -212,7 +221,7 @@ impl<'f> Reader<'f> {
             "Attribute" => {
                 let target = tokens.text("what attributes are for")?;
                 let parameters = Parameters::read(tokens, line)?;
-                self.state.attributes.entry(target).or_default().replace_by(parameters);
+                self.state.attributes.entry(target).or_default().replace_by(parameters)?;
             }
             "Texture" | "Material" | "MakeNamedMaterial" | "NamedMaterial" => self.appearance(word, line, tokens)?,
             "MakeNamedMedium" | "MediumInterface" => self.medium(word, line, tokens)?,

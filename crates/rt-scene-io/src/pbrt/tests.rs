@@ -390,6 +390,15 @@ fn instances_are_counted_before_they_are_unfolded() {
     assert!(scopes.starts_with("m.pbrt:1026: the depth of scopes is 1025, the limit is 1024"), "{scopes}");
 }
 
+/// Each message lists all names, of which there may be many.
+#[test]
+fn files_of_nothing_but_mistakes_end_early() {
+    let names: String = (0..5000).map(|i| format!("MakeNamedMaterial \"m{i}\"\n")).collect();
+    let mistakes = "NamedMaterial \"none\"\n".repeat(20_000);
+    let error = load(&world(&(names + &mistakes))).unwrap_err();
+    assert!(error.to_string().ends_with("m.pbrt: 980 more problems; mend these first"), "{error}");
+}
+
 #[test]
 fn cut_files_never_panic() {
     for length in (0..SCENE.len()).filter(|length| SCENE.is_char_boundary(*length)) {
