@@ -204,7 +204,6 @@ impl Reader {
                 return Ok(());
             }
         };
-        self.skip("vertex colour", line.number);
         let mut colour = WHITE;
         for (part, word) in colour.iter_mut().zip(line.arguments().skip(first)) {
             *part = word.parse().map_err(|_| format!("`{}` is not a number", shortened(word)))?;
@@ -388,7 +387,6 @@ mod tests {
             ("face with fewer than three corners", (1, 9)),
             ("line or point", (2, 7)),
             ("unsupported statement `vp`", (1, 11)),
-            ("vertex colour", (1, 10)),
         ];
         assert_eq!(skipped, expected);
     }

@@ -31,8 +31,17 @@ pub(super) struct Library<'a> {
     known: HashMap<String, (tobj::Material, PathBuf)>,
     /// Whether names that are not known have been explained already by a missing library.
     incomplete: bool,
-    used: HashMap<Option<String>, MaterialId>,
+    /// By name, and whether the colours of vertices tint it.
+    used: HashMap<(Option<String>, bool), MaterialId>,
+    /// By file, and whether it ends at its edge.
     textures: HashMap<(PathBuf, bool), TextureId>,
+}
+
+/// The colours of vertices, times a texture if there is one.
+fn tinted(texture: Option<TextureId>, model: &mut Model) -> TextureId {
+    let below = texture.and_then(|id| model.textures.get(id.0 as usize)).map(|texture| Arc::new(texture.clone()));
+    model.textures.push(Texture::VertexColor(below));
+    TextureId(model.textures.len() as u32 - 1)
 }
 
 impl<'a> Library<'a> {
@@ -96,19 +105,27 @@ impl<'a> Library<'a> {
         Ok(())
     }
 
-    /// The material of this name, or the default material.
-    pub(super) fn material(&mut self, name: Option<&str>, model: &mut Model) -> Result<MaterialId, LoadError> {
+    /// The material of this name, or the default material; the colours of vertices tint it if there are any.
+    pub(super) fn material(
+        &mut self,
+        name: Option<&str>,
+        has_colours: bool,
+        model: &mut Model,
+    ) -> Result<MaterialId, LoadError> {
         let name = name.map(str::to_owned);
-        if let Some(&id) = self.used.get(&name) {
+        if let Some(&id) = self.used.get(&(name.clone(), has_colours)) {
             return Ok(id);
         }
         let material = match name.as_ref().and_then(|name| self.known.get(name)).cloned() {
             Some((mtl, file)) => {
-                let maps = Maps {
+                let mut maps = Maps {
                     diffuse: self.texture(mtl.diffuse_texture.as_deref(), &mtl, &file, model)?,
                     specular: self.texture(mtl.specular_texture.as_deref(), &mtl, &file, model)?,
                     emission: self.texture(mtl.unknown_param.get("map_Ke").map(String::as_str), &mtl, &file, model)?,
                 };
+                if has_colours {
+                    maps.diffuse = Some(tinted(maps.diffuse, model));
+                }
                 Self::warn_about_unused(&mtl, &file, model);
                 Material { physical: physical(&mtl, maps), ..Material::new(mtl.name.clone(), phong(&mtl, maps)) }
             }
@@ -116,12 +133,15 @@ impl<'a> Library<'a> {
                 if let (Some(name), false) = (&name, self.incomplete) {
                     model.warnings.push(self.unknown(name));
                 }
-                Material::new(name.clone().unwrap_or_else(|| "default".to_owned()), Phong::default())
+                let mtl = tobj::Material::default();
+                let maps = Maps { diffuse: has_colours.then(|| tinted(None, model)), ..Maps::default() };
+                let phong = if has_colours { phong(&mtl, maps) } else { Phong::default() };
+                Material::new(name.clone().unwrap_or_else(|| "default".to_owned()), phong)
             }
         };
         let id = MaterialId(model.materials.len() as u32);
         model.materials.push(material);
-        self.used.insert(name, id);
+        self.used.insert((name, has_colours), id);
         Ok(id)
     }
 
@@ -160,16 +180,26 @@ impl<'a> Library<'a> {
             }
             Err(reason) => return Err(reason.at(file, place)),
         };
-        let key = (image, map.clamp);
+        let id = self.image((image, map.clamp), model)?;
+        if map.has_own_coordinates() {
+            let Some(texture) = model.textures.get(id.0 as usize).cloned().map(Arc::new) else { return Ok(None) };
+            model.textures.push(Texture::Mapped { texture, map: map.coordinates() });
+            return Ok(Some(TextureId(model.textures.len() as u32 - 1)));
+        }
+        Ok(Some(id))
+    }
+
+    /// The texture of an image file, which is read once.
+    fn image(&mut self, key: (PathBuf, bool), model: &mut Model) -> Result<TextureId, LoadError> {
         if let Some(&id) = self.textures.get(&key) {
-            return Ok(Some(id));
+            return Ok(id);
         }
         let bitmap = read_texture(&key.0).map_err(|reason| reason.at(&key.0, ""))?;
         let id = TextureId(model.textures.len() as u32);
-        let wrap = [if map.clamp { Wrap::Clamp } else { Wrap::Repeat }; 2];
+        let wrap = [if key.1 { Wrap::Clamp } else { Wrap::Repeat }; 2];
         model.textures.push(Texture::Image { bitmap: Arc::new(bitmap), wrap, smooth: true });
         self.textures.insert(key, id);
-        Ok(Some(id))
+        Ok(id)
     }
 
     /// Warns of what the material says and no surface here can show.

@@ -19,6 +19,7 @@ mod smoothing;
 
 use std::{path::Path, sync::Arc};
 
+use rt_camera::Encoding;
 use rt_geometry::{Face, MeshData, MeshError};
 use rt_math::{Transform, Vec3};
 
@@ -72,7 +73,8 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         let mesh =
             build_mesh(data, &place, &mut model.warnings).map_err(|e| Reason::from(e).at(path, display_name(part)))?;
         let Some(mesh) = mesh else { continue };
-        let material = library.material(part.material.as_deref(), &mut model)?;
+        let has_colours = !mesh.data().colors.is_empty();
+        let material = library.material(part.material.as_deref(), has_colours, &mut model)?;
         let id = MeshId(model.meshes.len() as u32);
         model.meshes.push(NamedMesh { name: part.name.clone(), mesh: Arc::new(mesh) });
         model.nodes.push(Node {
@@ -133,8 +135,19 @@ fn mesh_data(mesh: &tobj::Mesh, shapes: &mut FaceShapes) -> Result<MeshData, Mes
     let positions = vectors(&mesh.positions);
     faces(mesh).for_each(|face| shapes.look_at(&positions, face.outline));
     let data = MeshData::from_polygons(positions, faces(mesh))?;
+    let colors = linear_colours(&mesh.vertex_color);
     let uvs = mesh.texcoords.chunks_exact(2).map(|uv| [uv[0], uv[1]]).collect();
-    Ok(MeshData { normals: vectors(&mesh.normals), uvs, ..data })
+    Ok(MeshData { normals: vectors(&mesh.normals), uvs, colors, ..data })
+}
+
+/// The colours of vertices as light; none if all are white. The programs that write them (MeshLab, ZBrush, Blender) write
+/// colours as they are shown: sRGB.
+fn linear_colours(shown: &[f32]) -> Vec<[f32; 4]> {
+    if shown.iter().all(|&part| part == 1.0) {
+        return Vec::new();
+    }
+    let light = |part: f32| Encoding::Srgb.decode_signal(f64::from(part)) as f32;
+    shown.chunks_exact(3).map(|rgb| [light(rgb[0]), light(rgb[1]), light(rgb[2]), 1.0]).collect()
 }
 
 fn faces(mesh: &tobj::Mesh) -> impl Iterator<Item = Face<'_>> {
@@ -152,7 +165,7 @@ fn faces(mesh: &tobj::Mesh) -> impl Iterator<Item = Face<'_>> {
 mod tests {
     use super::*;
     use rt_math::Rgb;
-    use rt_shading::{Coefficient, Texture};
+    use rt_shading::{Coefficient, Texture, TextureId};
     use std::fs;
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -193,6 +206,22 @@ mod tests {
         assert_eq!(data.positions[4], data.positions[0]);
         assert_eq!((data.uvs[0], data.uvs[4]), ([0.0, 0.0], [1.0, 1.0]));
         assert!(data.normals.iter().all(|n| *n == Vec3::Z));
+    }
+
+    #[test]
+    fn colours_of_vertices_tint_the_material() {
+        let text =
+            "v 0 0 0 1 0 0\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\no white\nf 4 5 6\n";
+        let model = load_text(text).expect("a model");
+        let colors = &model.meshes[0].mesh.data().colors;
+        assert_eq!((colors[0], colors[2]), ([1.0, 0.0, 0.0, 1.0], [1.0; 4]));
+        // The sRGB curve takes 1/2 to 0.214.
+        assert!((colors[1][0] - 0.214_041).abs() < 1e-6 && colors[1][3] == 1.0, "{colors:?}");
+        assert!(model.meshes[1].mesh.data().colors.is_empty());
+        let diffuse = |node: usize| model.materials[model.nodes[node].material.0 as usize].phong.diffuse;
+        assert!(matches!(diffuse(0), Coefficient::Textured(TextureId(0), _)));
+        assert_eq!(model.textures, [Texture::VertexColor(None)]);
+        assert!(matches!(diffuse(1), Coefficient::Constant(_)));
     }
 
     #[test]

@@ -45,6 +45,7 @@ pub(super) fn add_normals(mesh: MeshData, smoothing: Smoothing) -> MeshData {
                 out.positions.push(mesh.positions[*vertex as usize]);
                 out.normals.push(normal);
                 out.uvs.extend(mesh.uvs.get(*vertex as usize));
+                out.colors.extend(mesh.colors.get(*vertex as usize));
                 (out.positions.len() - 1) as u32
             });
             *vertex = index;
