@@ -24,12 +24,15 @@ const CREASE_COSINE: f64 = 0.75;
 /// Corners with more faces than this are not smoothed across creases, which would take the square of their number.
 const MAX_CREASED_FACES: usize = 256;
 
-/// Adds normals to a mesh without any.
+/// Adds normals to a mesh without any; those that a file gives count.
 ///
 /// A normal is the sum of those of the faces around the corner, weighted by area. Faces meet where their positions are
 /// equal: texture seams, and triangles that share no vertices at all, do not show. A vertex that needs several normals
 /// is repeated.
 pub(super) fn add_normals(mesh: MeshData, smoothing: Smoothing) -> MeshData {
+    if !mesh.normals.is_empty() {
+        return mesh;
+    }
     let crease = match smoothing {
         Smoothing::Off => return mesh,
         Smoothing::Unsaid => Some(CREASE_COSINE),
@@ -163,6 +166,16 @@ mod tests {
         assert_eq!(sharp.positions.len(), 8, "the two vertices of the ridge are repeated");
         let flat = DVec3::new(-2.0, 0.0, 1.0).normalize().as_vec3();
         assert!(sharp.normals.iter().all(|n| (*n - Vec3::Z).length() < 1e-6 || (*n - flat).length() < 1e-6));
+    }
+
+    /// The normals of files were replaced by computed ones.
+    #[test]
+    fn normals_that_a_file_gives_are_kept() {
+        let tilted = Vec3::new(0.6, 0.0, 0.8);
+        let given = MeshData { normals: vec![tilted; 6], ..roof(0.5) };
+        for smoothing in [Smoothing::Unsaid, Smoothing::Group(1), Smoothing::Off] {
+            assert_eq!(add_normals(given.clone(), smoothing), given);
+        }
     }
 
     #[test]
