@@ -62,22 +62,22 @@ impl PhysicalReader<'_, '_> {
                 None
             }
             format::Material::Diffuse { albedo, roughness, emission } => {
-                let albedo = self.coefficient(path, "albedo", albedo)?;
+                let albedo = self.reflectance(path, "albedo", albedo)?;
                 let roughness = self.share(path, "roughness", *roughness)?;
                 let emission = self.emission(path, emission.as_ref())?;
                 let phong = Phong { emission, ..diffuse(albedo) };
                 Some(both(phong, Physical::Diffuse { albedo, roughness }))
             }
             format::Material::Glossy { diffuse: base, specular, exponent } => {
-                let base = self.coefficient(path, "diffuse", base)?;
-                let specular = self.coefficient(path, "specular", specular)?;
+                let base = self.reflectance(path, "diffuse", base)?;
+                let specular = self.reflectance(path, "specular", specular)?;
                 let exponent =
                     self.report.check(format_args!("{path}.exponent"), within(*exponent, 0.0, MAX_EXPONENT))?;
                 let phong = Phong { specular, exponent, ..diffuse(base) };
                 Some(both(phong, Physical::Glossy { diffuse: base, specular, exponent }))
             }
             format::Material::Mirror { reflectance } => {
-                let reflectance = self.coefficient(path, "reflectance", reflectance)?;
+                let reflectance = self.reflectance(path, "reflectance", reflectance)?;
                 Some(both(Phong { mirror: reflectance, ..BARE }, Physical::Mirror { reflectance }))
             }
             format::Material::Glass { .. } => self.glass(path, definition),
@@ -88,7 +88,7 @@ impl PhysicalReader<'_, '_> {
                 Some(both(phong, Physical::Conductor { ior, roughness }))
             }
             format::Material::MetallicRoughness { base_color, metallic, roughness, emission } => {
-                let base_color = self.coefficient(path, "base_color", base_color)?;
+                let base_color = self.reflectance(path, "base_color", base_color)?;
                 let metallic = self.share(path, "metallic", *metallic)?;
                 let roughness = self.share(path, "roughness", *roughness)?;
                 let emission = self.emission(path, emission.as_ref())?;
@@ -100,7 +100,7 @@ impl PhysicalReader<'_, '_> {
             }
             format::Material::ThinGlass { ior, transmittance } => {
                 let ior = self.report.check(format_args!("{path}.ior"), positive(*ior))?;
-                let transmittance = self.coefficient(path, "transmittance", transmittance)?;
+                let transmittance = self.reflectance(path, "transmittance", transmittance)?;
                 let air = Transmission {
                     coefficient: transmittance,
                     ior: 1.0,
@@ -126,7 +126,7 @@ impl PhysicalReader<'_, '_> {
         };
         let ior = self.report.check(format_args!("{path}.ior"), positive(*ior))?;
         let roughness = self.share(path, "roughness", *roughness)?;
-        let transmittance = self.coefficient(path, "transmittance", transmittance)?;
+        let transmittance = self.reflectance(path, "transmittance", transmittance)?;
         let absorption = match absorption {
             Some(value) => self.report.check(format_args!("{path}.absorption"), colour(value))?,
             None => Rgb::BLACK,
@@ -174,6 +174,19 @@ impl PhysicalReader<'_, '_> {
             mixed.push((weight, surface.physical));
         }
         Some(Surface { physical: Physical::Mix(mixed), ..sum })
+    }
+
+    /// A part of the light: a constant beyond 1 would make light of nothing.
+    fn reflectance(&mut self, path: &str, field: &str, value: &format::Coefficient) -> Option<Coefficient> {
+        let part = self.coefficient(path, field, value)?;
+        let checked = match part {
+            Coefficient::Constant(rgb) if rgb.max_component() > 1.0 => {
+                let rule = "is more than all of the light: each part must lie between 0 and 1";
+                Err(Reason::invalid(rgb.max_component(), rule))
+            }
+            part => Ok(part),
+        };
+        self.report.check(format_args!("{path}.{field}"), checked)
     }
 
     fn coefficient(&mut self, path: &str, field: &str, value: &format::Coefficient) -> Option<Coefficient> {
