@@ -1,0 +1,68 @@
+//! Faces and materials of OBJ files.
+
+use crate::input::{Content, Input};
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+fn obj(rest: &str) -> Input {
+    Input::file("m.obj", format!("{SQUARE}{rest}"))
+}
+
+pub(crate) fn face_index_zero() -> Vec<Input> {
+    vec![obj("f 0 1 2\n").refused(&["m.obj:5: the face names vertex 0, but 4 come before it (indices start at 1)"])]
+}
+
+pub(crate) fn face_index_beyond_count() -> Vec<Input> {
+    vec![
+        obj("f 1 2 5\n").refused(&["m.obj:5: the face names vertex 5, but 4 come before it"]),
+        obj("f 1 2 5\nf 1 2 3\nf 1 2 6\n").refused(&["m.obj:5: ", "m.obj:7: "]),
+    ]
+}
+
+pub(crate) fn negative_face_index_beyond_start() -> Vec<Input> {
+    vec![obj("f 1 2 -5\n").refused(&["m.obj:5: the face names vertex -5, but 4 come before it"])]
+}
+
+pub(crate) fn face_index_overflow() -> Vec<Input> {
+    vec![obj("f 1 2 9223372036854775808\n").refused(&["m.obj:5: `9223372036854775808` is no index"])]
+}
+
+pub(crate) fn face_with_two_vertices() -> Vec<Input> {
+    vec![obj("f 1 2\nf 1 2 3\n").shown(&["m.obj:5: face with fewer than three corners: left out (1 in the file"])]
+}
+
+pub(crate) fn face_with_repeated_vertex() -> Vec<Input> {
+    vec![obj("f 1 2 2\nf 1 2 3\n").shown(&["m.obj", "1 triangles without area were dropped (of 2 triangles in all)"])]
+}
+
+pub(crate) fn million_sided_polygon() -> Vec<Input> {
+    let face = Content { head: format!("{SQUARE}f").into(), part: " 1 2 3 4".into(), times: 250_000, tail: Vec::new() };
+    vec![Input::long("m.obj", face).refused(&["m.obj:5: a face with 1000000 corners; at most 100000 are accepted"])]
+}
+
+pub(crate) fn bent_or_crossed_polygon() -> Vec<Input> {
+    let polygon = |points: &str| Input::node(&format!("shape: polygon(points: [{points}])"));
+    vec![
+        polygon("(0, 0, 0), (1, 0, 0), (1, 1, 0.5), (0, 1, 0)")
+            .refused(&["scene.ron: nodes[0].shape: the polygon is not flat", "off its plane"]),
+        polygon("(0, 0, 0), (2, 0, 0), (0, 1, 0), (2, 1, 0)")
+            .refused(&["scene.ron: nodes[0].shape: the outline of the polygon has no area"]),
+        obj("v 2 0.5 0.7\nf 1 2 5 3 4\n").shown(&["m.obj", "1 faces with more than four corners are not flat"]),
+    ]
+}
+
+pub(crate) fn zero_or_missing_normals() -> Vec<Input> {
+    vec![
+        obj("vn 0 0 0\nf 1//1 2//1 3//1\n").shown(&["m.obj", "3 normals that are zero or not finite were replaced"]),
+        obj("vn 0 0 1\nf 1//7 2//1 3//1\n")
+            .shown(&["m.obj:6: normal or texture coordinate that is not there: left out"]),
+    ]
+}
+
+pub(crate) fn missing_material_library() -> Vec<Input> {
+    vec![
+        Input::file("m.obj", format!("mtllib none.mtl\n{SQUARE}usemtl red\nf 1 2 3\n"))
+            .shown(&["m.obj:1: the material library `none.mtl` is not there; its materials become plain grey"]),
+        obj("usemtl red\nf 1 2 3\n").shown(&["the material `red` is in no library"]),
+    ]
+}

@@ -1,0 +1,252 @@
+//! Scene files that say what cannot be.
+
+use std::fmt::Write;
+
+use crate::input::{Content, Input};
+
+/// Nodes that are bad in the same way: each is refused, with its place and these parts.
+fn refused_nodes(nodes: &[&str], parts: &'static [&'static str]) -> Vec<Input> {
+    nodes.iter().map(|node| Input::node(node).refused(parts)).collect()
+}
+
+/// Scenes around a sphere with other fields.
+fn with(fields: &str) -> Input {
+    Input::scene(&format!("({fields}, nodes: [(shape: sphere())])"))
+}
+
+/// Scenes that are bad in the same way.
+fn refused(fields: &[&str], parts: &'static [&'static str]) -> Vec<Input> {
+    fields.iter().map(|fields| with(fields).refused(parts)).collect()
+}
+
+pub(crate) fn nan_coordinate() -> Vec<Input> {
+    let mut inputs = refused_nodes(&["shape: sphere(center: (NaN, 0, 0))"], &["scene.ron: nodes[0].shape: ", "NaN"]);
+    inputs.push(
+        Input::file("m.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n")
+            .shown(&["1 triangles with a NaN"]),
+    );
+    inputs
+}
+
+pub(crate) fn infinite_coordinate() -> Vec<Input> {
+    let nodes = ["shape: sphere(center: (0, inf, 0))", "shape: box(min: (-inf, 0, 0), max: (1, 1, 1))"];
+    refused_nodes(&nodes, &["scene.ron: nodes[0].shape: ", "inf"])
+}
+
+pub(crate) fn overflowing_number() -> Vec<Input> {
+    let json = r#"{"nodes": [{"shape": {"sphere": {"radius": 1e400}}}]}"#;
+    let mut inputs = refused_nodes(&["shape: sphere(radius: 1e400)"], &["scene.ron: nodes[0].shape: ", "inf"]);
+    inputs.push(Input::file("scene.json", json).refused(&["scene.json:1:", "out of range"]));
+    inputs
+}
+
+pub(crate) fn coordinate_beyond_1e60() -> Vec<Input> {
+    refused_nodes(&["shape: sphere(center: (1e61, 0, 0))"], &["scene.ron: nodes[0].shape: ", "magnitude at most 1e60"])
+}
+
+pub(crate) fn comma_decimals() -> Vec<Input> {
+    vec![
+        Input::node("shape: sphere(radius: 0,5)").refused(&["scene.ron:1:", "decimals are written with a point"]),
+        Input::file("m.obj", "v 0 0 0\nv 1,5 0 0\nv 0 1 0\nf 1 2 3\n").refused(&["m.obj:2: `1,5` is not a number"]),
+    ]
+}
+
+pub(crate) fn unknown_material() -> Vec<Input> {
+    let materials = "materials: {\"chrome\": mirror()}";
+    let scene = format!("({materials}, nodes: [(shape: sphere(), material: \"crome\")])");
+    vec![Input::scene(&scene).refused(&["scene.ron: nodes[0].material: ", "`crome`", "did you mean `chrome`"])]
+}
+
+pub(crate) fn duplicate_names() -> Vec<Input> {
+    refused(
+        &["materials: {\"m\": mirror(), \"m\": mirror()}", "cameras: [(name: \"a\"), (name: \"a\")]"],
+        &["scene.ron", "there are two"],
+    )
+}
+
+pub(crate) fn unknown_field() -> Vec<Input> {
+    vec![
+        Input::node("shape: sphere(raduis: 1)")
+            .refused(&["scene.ron:1:", "unknown field `raduis`; did you mean `radius`?"]),
+        Input::node("shape: sphare()").refused(&["scene.ron:1:", "did you mean `sphere`?"]),
+    ]
+}
+
+pub(crate) fn wrong_type() -> Vec<Input> {
+    vec![
+        Input::node("shape: sphere(radius: \"one\")").refused(&["scene.ron:1:"]),
+        Input::scene("(nodes: 3)").refused(&["scene.ron:1:"]),
+        Input::file("scene.json", "[]").refused(&["scene.json:1:"]),
+    ]
+}
+
+pub(crate) fn nesting_of_100_000() -> Vec<Input> {
+    let children = Content { head: "(nodes: [".into(), part: "(children: [".into(), times: 100_000, tail: Vec::new() };
+    let brackets = Content { head: Vec::new(), part: "[".into(), times: 100_000, tail: Vec::new() };
+    vec![
+        Input::long("scene.ron", children).refused(&["scene.ron:1:", "nested deeper than 128"]),
+        Input::long("scene.json", brackets).refused(&["scene.json:1:"]),
+    ]
+}
+
+pub(crate) fn include_cycle() -> Vec<Input> {
+    let groups = "groups: {\"a\": [(instance: \"b\")], \"b\": [(instance: \"a\")]}";
+    vec![
+        with(groups).refused(&["scene.ron", "groups contain each other"]),
+        Input::node("model: \"scene.ron\"").refused(&["scene.ron", "no known ending"]),
+    ]
+}
+
+/// A scene cannot contain scenes at all, and so no chain of them.
+pub(crate) fn include_depth() -> Vec<Input> {
+    vec![
+        Input::node("model: \"other.ron\"")
+            .beside("other.ron", "(nodes: [])")
+            .refused(&["other.ron", "no known ending"]),
+    ]
+}
+
+fn refused_matrix(matrix: &str, parts: &'static [&'static str]) -> Vec<Input> {
+    vec![Input::node(&format!("shape: sphere(), transform: [matrix({matrix})]")).refused(parts)]
+}
+
+pub(crate) fn singular_matrix() -> Vec<Input> {
+    refused_matrix(
+        "(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1)",
+        &["scene.ron: nodes[0].transform", "flattens space"],
+    )
+}
+
+pub(crate) fn nan_matrix() -> Vec<Input> {
+    refused_matrix(
+        "(1, 0, 0, NaN), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)",
+        &["scene.ron: nodes[0].transform", "NaN"],
+    )
+}
+
+pub(crate) fn projective_matrix() -> Vec<Input> {
+    refused_matrix("(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 1, 1)", &["scene.ron: nodes[0].transform", "row"])
+}
+
+pub(crate) fn zero_or_negative_size() -> Vec<Input> {
+    let nodes = [
+        "shape: sphere(radius: -1)",
+        "shape: sphere(radius: 0)",
+        "shape: cylinder(bottom: 1, top: 1)",
+        "shape: cone(height: 0)",
+        "shape: cone(height: -1)",
+        "shape: torus(tube_radius: 0)",
+        "shape: disk(radius: 0)",
+    ];
+    refused_nodes(&nodes, &["scene.ron: nodes[0].shape: "])
+}
+
+pub(crate) fn too_wide_cone() -> Vec<Input> {
+    refused_nodes(
+        &["shape: double_cone(slope: inf)", "shape: double_cone(slope: 0)", "shape: cone(radius: inf)"],
+        &["scene.ron: nodes[0].shape: "],
+    )
+}
+
+pub(crate) fn box_min_beyond_max() -> Vec<Input> {
+    refused_nodes(&["shape: box(min: (1, 0, 0), max: (0, 1, 1))"], &["scene.ron: nodes[0].shape: "])
+}
+
+pub(crate) fn zero_scale() -> Vec<Input> {
+    refused_nodes(
+        &["shape: sphere(), transform: [scale(0)]", "shape: sphere(), transform: [stretch(1, 0, 1)]"],
+        &["scene.ron: nodes[0].transform"],
+    )
+}
+
+pub(crate) fn impossible_camera() -> Vec<Input> {
+    refused(
+        &[
+            "camera: (look_from: (1, 2, 3), look_at: (1, 2, 3))",
+            "camera: (look_from: (0, 5, 0))",
+            "camera: (fov: 0)",
+            "camera: (fov: 180)",
+            "camera: (fov: NaN)",
+            "camera: (orthographic: 0)",
+        ],
+        &["scene.ron: camera"],
+    )
+}
+
+pub(crate) fn impossible_lens() -> Vec<Input> {
+    refused(
+        &[
+            "camera: (look_from: (0, 0, 5), lens: (radius: -1))",
+            "camera: (look_from: (0, 0, 5), lens: (radius: 0.1, focus: 0))",
+        ],
+        &["scene.ron: camera"],
+    )
+}
+
+pub(crate) fn image_of_no_or_too_many_pixels() -> Vec<Input> {
+    let inputs = refused(&["film: (size: (0, 48))", "film: (size: (100000, 100000))"], &["scene.ron: film"]);
+    inputs.into_iter().map(Input::in_its_own_size).collect()
+}
+
+pub(crate) fn no_or_too_many_samples() -> Vec<Input> {
+    refused(&["settings: (spp: 0)", "settings: (spp: 2147483649)"], &["scene.ron: settings.spp"])
+}
+
+pub(crate) fn negative_depth() -> Vec<Input> {
+    let mut inputs = refused(&["settings: (depth: -1)"], &["scene.ron:1:"]);
+    inputs.extend(refused(&["settings: (depth: 10001)"], &["scene.ron: settings.depth", "10001"]));
+    inputs
+}
+
+pub(crate) fn impossible_index_of_refraction() -> Vec<Input> {
+    refused(
+        &[
+            "materials: {\"m\": glass(ior: 0)}",
+            "materials: {\"m\": glass(ior: NaN)}",
+            "materials: {\"m\": phong(transmission: gray(1), ior: -1)}",
+        ],
+        &["scene.ron: materials[\"m\"]"],
+    )
+}
+
+pub(crate) fn albedo_beyond_1() -> Vec<Input> {
+    refused(
+        &["materials: {\"m\": diffuse(albedo: gray(1.5))}", "materials: {\"m\": diffuse(albedo: rgb(0.5, -0.1, 0))}"],
+        &["scene.ron: materials[\"m\"]"],
+    )
+}
+
+pub(crate) fn impossible_exponent() -> Vec<Input> {
+    refused(
+        &["materials: {\"m\": phong(exponent: -1)}", "materials: {\"m\": phong(exponent: 2e7)}"],
+        &["scene.ron: materials[\"m\"].exponent: "],
+    )
+}
+
+pub(crate) fn impossible_light() -> Vec<Input> {
+    refused(
+        &[
+            "lights: [point(position: (0, 9, 0), intensity: gray(NaN))]",
+            "lights: [directional(direction: (0, 0, 0))]",
+            "lights: [spot(position: (0, 9, 0), direction: (0, 0, 0))]",
+        ],
+        &["scene.ron: lights[0]"],
+    )
+}
+
+pub(crate) fn billion_instances() -> Vec<Input> {
+    let mut groups = String::from("\"g0\": [(shape: sphere())],");
+    for level in 1..10 {
+        let instance = format!("(instance: \"g{}\"),", level - 1);
+        write!(groups, "\"g{level}\": [{}],", instance.repeat(10)).expect("memory");
+    }
+    let scene = |top: usize| format!("(nodes: [{}], groups: {{{groups}}})", "(instance: \"g9\"),".repeat(top));
+    vec![
+        Input::scene(&scene(1)).refused(&["scene.ron", "10000000"]),
+        Input::scene(&scene(10)).refused(&["scene.ron", "10000000000"]),
+    ]
+}
+
+pub(crate) fn no_camera_and_no_lights() -> Vec<Input> {
+    vec![Input::node("shape: sphere()").shown(&["note: The camera has no place", "note: There are no lights"])]
+}
