@@ -316,7 +316,8 @@ impl RenderPlan<'_> {
                 lines.extend(levels.groups.iter().map(|group| assembly("  of a group", group, levels)));
                 lines.extend(levels.meshes.iter().map(|level| {
                     let why = why(wanted, &*level.mesh);
-                    line("  of a mesh", &level.structure, level.mesh.data().triangles.len(), why)
+                    let kind = if level.holes.is_some() { "  of a mesh with holes" } else { "  of a mesh" };
+                    line(kind, &level.structure, level.mesh.data().triangles.len(), why)
                 }));
             }
         }
