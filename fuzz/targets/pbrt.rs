@@ -1,0 +1,7 @@
+//! Scenes of pbrt-v4.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| rt_fuzz::with_file("s.pbrt", bytes, rt_fuzz::load_and_plan));
