@@ -10,6 +10,9 @@ use rt_math::TransformError;
 
 use crate::texture::TextureError;
 
+/// Largest magnitude of a number in a file: squares and cubes of it stay far from overflow.
+pub(crate) const MAX_NUMBER: f64 = 1e60;
+
 /// Everything that is wrong with a scene or model: at least one [`Problem`], printed one a line.
 #[derive(Debug)]
 pub struct LoadError {

@@ -49,6 +49,8 @@
 mod bare;
 mod bounds;
 #[cfg(feature = "format")]
+mod classical;
+#[cfg(feature = "format")]
 mod convert;
 #[cfg(feature = "format")]
 mod environment;
@@ -56,6 +58,8 @@ mod environment;
 mod error;
 #[cfg(feature = "format")]
 mod files;
+#[cfg(any(feature = "nff", feature = "pbrt"))]
+mod flaw;
 #[cfg(feature = "format")]
 pub mod format;
 #[cfg(feature = "gltf")]

@@ -12,8 +12,9 @@ use std::sync::Arc;
 use rt_geometry::{Face, InsideRule, MeshData, MeshError, Polygon, PolygonError, Shape, Triangle};
 use rt_math::{DVec3, Vec3};
 
-use super::words::{Flaw, Word, Words};
+use super::words::{Word, Words};
 use crate::Reason;
+use crate::flaw::Flaw;
 
 /// Most polygons of a fill that become shapes of their own.
 pub(super) const MOST_SHAPES: usize = 16;

@@ -3,8 +3,9 @@
 use rt_geometry::{Cone, Cylinder, Frustum, Shape, ShapeError, Sphere};
 use rt_math::{DMat3, DVec3, Frame, Transform};
 
-use super::words::{Flaw, Words};
+use super::words::Words;
 use crate::Reason;
+use crate::flaw::Flaw;
 
 /// A shape and where it stands.
 pub(super) struct Solid {

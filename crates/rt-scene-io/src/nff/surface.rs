@@ -12,7 +12,8 @@
 use rt_math::Rgb;
 use rt_shading::{Coefficient, Highlight, Phong, Transmission};
 
-use super::words::{Flaw, Words};
+use super::words::Words;
+use crate::flaw::Flaw;
 
 /// Largest exponent of a highlight; it is narrower than a pixel by far.
 const MAX_EXPONENT: f64 = 1e7;

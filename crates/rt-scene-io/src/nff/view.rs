@@ -3,8 +3,9 @@
 use rt_camera::{CameraSettings, Film, FovAxis, Projection};
 use rt_math::{DVec3, Transform};
 
-use super::words::{Flaw, Word, Words};
+use super::words::{Word, Words};
 use crate::NamedCamera;
+use crate::flaw::Flaw;
 
 /// The words that parts of the statement begin with.
 pub(super) const PARTS: [&str; 6] = ["from", "at", "up", "angle", "hither", "resolution"];

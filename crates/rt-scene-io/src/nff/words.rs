@@ -1,28 +1,13 @@
 //! The words of an NFF file, each with its line.
 
-use std::fmt::Display;
-
-use crate::Reason;
+use crate::error::MAX_NUMBER;
+use crate::flaw::Flaw;
 
 /// A word and the number of its line, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Word<'a> {
     pub(super) line: usize,
     pub(super) text: &'a str,
-}
-
-/// What is wrong in a line.
-#[derive(Debug)]
-pub(super) struct Flaw {
-    pub(super) line: usize,
-    pub(super) reason: Reason,
-}
-
-impl Flaw {
-    /// A value in a line that breaks a rule.
-    pub(super) fn new(line: usize, value: impl Display, rule: impl Into<String>) -> Self {
-        Self { line, reason: Reason::invalid(value, rule) }
-    }
 }
 
 /// The words of a text without its comments, one after the other. Where lines end does not matter to the format: the
@@ -33,9 +18,6 @@ pub(super) struct Words<'a> {
     line: usize,
     next: Option<Word<'a>>,
 }
-
-/// Largest magnitude of a number: squares and cubes of it stay far from overflow.
-const MAX_NUMBER: f64 = 1e60;
 
 impl<'a> Words<'a> {
     /// The words of a text whose lines end in `\n` or `\r\n`.

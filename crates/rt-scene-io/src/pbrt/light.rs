@@ -13,7 +13,7 @@ use super::Files;
 use super::material::unknown;
 use super::parameters::Parameters;
 use super::spectrum::colour;
-use super::tokens::Flaw;
+use crate::flaw::Flaw;
 use crate::{Reason, read_texture, resolve_path};
 
 /// Something that shines on the scene.

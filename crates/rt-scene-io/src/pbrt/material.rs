@@ -17,7 +17,8 @@ use rt_shading::{Coefficient, Phong, Physical, Transmission};
 use super::parameters::{Parameters, Values};
 use super::spectrum::{colour, glass, metal};
 use super::texture::Textures;
-use super::tokens::Flaw;
+use crate::classical::{self, BARE, PANE_MIRROR, diffuse};
+use crate::flaw::Flaw;
 use crate::{Material, Reason};
 
 /// Kinds of materials that only other programs have.
@@ -26,24 +27,6 @@ const UNSUPPORTED: [&str; 5] = ["coatedconductor", "diffusetransmission", "hair"
 /// Kinds of materials that are read.
 const SUPPORTED: [&str; 9] =
     ["diffuse", "coateddiffuse", "conductor", "dielectric", "thindielectric", "mix", "interface", "none", ""];
-
-/// Share of the ambient light in the colour of a surface.
-const AMBIENT: f64 = 0.1;
-
-/// How much a pane of glass mirrors when looked at straight, for the classical surface.
-const PANE_MIRROR: f64 = 0.08;
-
-/// Nothing is seen of it.
-const BARE: Phong = Phong {
-    ambient: Coefficient::ZERO,
-    diffuse: Coefficient::ZERO,
-    specular: Coefficient::ZERO,
-    exponent: 32.0,
-    highlight: rt_shading::Highlight::Phong,
-    emission: Coefficient::ZERO,
-    mirror: Coefficient::ZERO,
-    transmission: None,
-};
 
 /// What a surface is made of; `None` for the border of a medium, which is not seen.
 pub(super) type Surface = Option<Material>;
@@ -169,7 +152,7 @@ impl Reader<'_> {
         if p.get("reflectance").is_some() {
             let base_color = self.textures.coefficient(p, "reflectance", Rgb::WHITE, losses)?;
             let physical = Physical::MetallicRoughness { base_color, metallic: 1.0, roughness };
-            return Ok((metal_phong(base_color, roughness), physical));
+            return Ok((classical::metal(base_color, roughness), physical));
         }
         let mut half = |name: &str, of: fn(&ComplexIor) -> Rgb| match p.get(name) {
             None => Ok(of(&ComplexIor::COPPER)),
@@ -190,7 +173,7 @@ impl Reader<'_> {
         };
         let ior = ComplexIor { n: half("eta", |ior| ior.n)?, k: half("k", |ior| ior.k)? };
         let reflectance = Coefficient::Constant(ior.fresnel(1.0));
-        Ok((metal_phong(reflectance, roughness), Physical::Conductor { ior, roughness }))
+        Ok((classical::metal(reflectance, roughness), Physical::Conductor { ior, roughness }))
     }
 
     fn mix(&self, find: impl Fn(&str) -> Result<Surface, Flaw>, losses: &mut Vec<String>) -> Result<Surface, Flaw> {
@@ -219,22 +202,5 @@ impl Reader<'_> {
         let nearest = if amount > 0.5 { second.phong } else { first.phong };
         let name = format!("line {}", p.line);
         Ok(Some(Material { physical: Some(Physical::Mix(parts)), ..Material::new(name, nearest) }))
-    }
-}
-
-fn diffuse(albedo: Coefficient) -> Phong {
-    Phong { ambient: scaled(albedo, AMBIENT), diffuse: albedo, ..BARE }
-}
-
-/// The smoother metal is, the more of its light is shown as mirrored, and the rest as diffuse.
-fn metal_phong(reflectance: Coefficient, roughness: f64) -> Phong {
-    let smooth = (1.0 - 2.0 * roughness).max(0.0);
-    Phong { mirror: scaled(reflectance, smooth), ..diffuse(scaled(reflectance, 1.0 - smooth)) }
-}
-
-fn scaled(coefficient: Coefficient, by: f64) -> Coefficient {
-    match coefficient {
-        Coefficient::Constant(rgb) => Coefficient::Constant(rgb * by),
-        Coefficient::Textured(id, rgb) => Coefficient::Textured(id, rgb * by),
     }
 }

@@ -5,7 +5,8 @@ use std::fmt::Display;
 
 use rt_math::DVec3;
 
-use super::tokens::{Flaw, Kind, Tokens, number, shown};
+use super::tokens::{Kind, Tokens, number, shown};
+use crate::flaw::Flaw;
 
 /// The types that the format has, and how many numbers make one value; 0 for those of words.
 const TYPES: [(&str, usize); 16] = [

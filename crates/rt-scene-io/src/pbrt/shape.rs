@@ -14,7 +14,7 @@ use rt_math::{DMat3, DVec3, Transform, Vec3};
 use super::Files;
 use super::material::unknown;
 use super::parameters::Parameters;
-use super::tokens::Flaw;
+use crate::flaw::Flaw;
 use crate::{LoadError, Reason, resolve_path};
 
 /// Known kinds of shapes.

@@ -14,7 +14,7 @@ use rt_math::transcendental::exp;
 use rt_shading::bsdf::ComplexIor;
 
 use super::parameters::{Parameter, Parameters, Values};
-use super::tokens::Flaw;
+use crate::flaw::Flaw;
 
 /// What of a spectrum cannot be kept, in a sentence.
 pub(super) type Loss = Option<String>;

@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use rt_math::{DVec3, Rgb, Transform, TransformError};
 
 use super::parameters::Parameters;
-use super::tokens::{Flaw, Tokens};
+use super::tokens::Tokens;
 use super::view;
+use crate::flaw::Flaw;
 
 /// Light that a surface gives.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,7 +11,7 @@ use super::Files;
 use super::material::unknown;
 use super::parameters::Parameters;
 use super::spectrum::colour;
-use super::tokens::Flaw;
+use crate::flaw::Flaw;
 use crate::{Reason, read_texture, resolve_path};
 
 /// Kinds of textures that only other programs have.

@@ -1,8 +1,7 @@
 //! The words of a scene file, each with its line.
 
-use std::fmt::Display;
-
-use crate::Reason;
+use crate::error::MAX_NUMBER;
+use crate::flaw::Flaw;
 
 /// A piece of the text and the number of its line, counted from 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,23 +22,6 @@ pub(super) enum Kind<'a> {
     /// `]`
     Close,
 }
-
-/// What is wrong in a line.
-#[derive(Debug)]
-pub(super) struct Flaw {
-    pub(super) line: usize,
-    pub(super) reason: Reason,
-}
-
-impl Flaw {
-    /// A value in a line that breaks a rule.
-    pub(super) fn new(line: usize, value: impl Display, rule: impl Into<String>) -> Self {
-        Self { line, reason: Reason::invalid(value, rule) }
-    }
-}
-
-/// Largest magnitude of a number: squares and cubes of it stay far from overflow.
-const MAX_NUMBER: f64 = 1e60;
 
 /// The tokens of a text, one after the other.
 pub(super) struct Tokens<'a> {

@@ -8,8 +8,8 @@ use rt_math::{DMat3, DVec3, Transform};
 
 use super::material::unknown;
 use super::parameters::Parameters;
-use super::tokens::Flaw;
 use crate::NamedCamera;
+use crate::flaw::Flaw;
 
 /// A camera as the file has it.
 #[derive(Clone, Copy, Debug)]

@@ -12,9 +12,10 @@ use super::parameters::Parameters;
 use super::reader::Reader;
 use super::shape::{Solid, Trouble};
 use super::state::Emission;
-use super::tokens::{Flaw, Tokens};
+use super::tokens::Tokens;
 use super::view::View;
 use super::{light, material, shape, spectrum};
+use crate::flaw::Flaw;
 use crate::mesh_build::build_mesh;
 use crate::{Content, MaterialId, MeshId, NamedMesh, Node, Reason};
 

@@ -20,11 +20,9 @@ use rt_shading::{Coefficient, Texture, TextureId};
 use serde_ply::{DeserializeError, PlyFormat, PlyHeader, PlyReader};
 
 use self::rows::{Corners, Skipped, Vertices};
+use crate::classical::AMBIENT;
 use crate::files::read_file;
 use crate::{LoadError, Material, Model, Place, Reason, Warning};
-
-/// Share of the ambient light in the colour of a surface.
-const AMBIENT: f64 = 0.1;
 
 /// Loads the file at `path`.
 pub(crate) fn load(path: &Path) -> Result<Model, LoadError> {

@@ -9,14 +9,9 @@ use super::material::MAX_EXPONENT;
 use super::report::Report;
 use super::texture::Textures;
 use super::value::{colour, not_negative, positive, within};
+use crate::classical::{self, BARE, PANE_MIRROR, diffuse, scaled};
 use crate::format::{self, Metal};
 use crate::{Material, Reason};
-
-/// Part of the ambient light that a diffuse surface shows.
-const AMBIENT: f64 = 0.1;
-
-/// How much a pane of glass mirrors when looked at straight, for the classical surface.
-const PANE_MIRROR: f64 = 0.08;
 
 /// Reads the physical materials of the file.
 pub(super) struct PhysicalReader<'r, 'a> {
@@ -30,20 +25,6 @@ struct Surface {
     physical: Physical,
     shines: Sides,
 }
-
-const ZERO: Coefficient = Coefficient::ZERO;
-
-/// Nothing is seen of it.
-const BARE: Phong = Phong {
-    ambient: ZERO,
-    diffuse: ZERO,
-    specular: ZERO,
-    exponent: 32.0,
-    highlight: rt_shading::Highlight::Phong,
-    emission: ZERO,
-    mirror: ZERO,
-    transmission: None,
-};
 
 impl PhysicalReader<'_, '_> {
     /// The material of this name; `None` if something in it is wrong, which is reported.
@@ -84,7 +65,7 @@ impl PhysicalReader<'_, '_> {
             format::Material::Metal { metal, n, k, roughness } => {
                 let roughness = self.share(path, "roughness", *roughness)?;
                 let ior = self.metal(path, *metal, n.as_ref(), k.as_ref())?;
-                let phong = metal_phong(Coefficient::Constant(ior.fresnel(1.0)), roughness);
+                let phong = classical::metal(Coefficient::Constant(ior.fresnel(1.0)), roughness);
                 Some(both(phong, Physical::Conductor { ior, roughness }))
             }
             format::Material::MetallicRoughness { base_color, metallic, roughness, emission } => {
@@ -92,7 +73,7 @@ impl PhysicalReader<'_, '_> {
                 let metallic = self.share(path, "metallic", *metallic)?;
                 let roughness = self.share(path, "roughness", *roughness)?;
                 let emission = self.emission(path, emission.as_ref())?;
-                let metal = metal_phong(base_color, roughness);
+                let metal = classical::metal(base_color, roughness);
                 let base = Phong { mirror: scaled(metal.mirror, metallic), ..diffuse(base_color) };
                 let phong =
                     Phong { emission, diffuse: if metallic < 1.0 { base.diffuse } else { metal.diffuse }, ..base };
@@ -235,23 +216,6 @@ pub(super) const fn sides(sides: format::Sides) -> Sides {
     match sides {
         format::Sides::Front => Sides::Front,
         format::Sides::Both => Sides::Both,
-    }
-}
-
-fn diffuse(albedo: Coefficient) -> Phong {
-    Phong { ambient: scaled(albedo, AMBIENT), diffuse: albedo, ..BARE }
-}
-
-/// The smoother metal is, the more of its light is shown as mirrored, and the rest as diffuse.
-fn metal_phong(reflectance: Coefficient, roughness: f64) -> Phong {
-    let smooth = (1.0 - 2.0 * roughness).max(0.0);
-    Phong { mirror: scaled(reflectance, smooth), ..diffuse(scaled(reflectance, 1.0 - smooth)) }
-}
-
-fn scaled(coefficient: Coefficient, by: f64) -> Coefficient {
-    match coefficient {
-        Coefficient::Constant(rgb) => Coefficient::Constant(rgb * by),
-        Coefficient::Textured(id, rgb) => Coefficient::Textured(id, rgb * by),
     }
 }
 

@@ -6,15 +6,13 @@ use rt_camera::Encoding;
 use rt_math::{DVec3, Rgb};
 
 use crate::Reason;
+use crate::error::MAX_NUMBER;
 use crate::format::Color;
-
-/// Largest magnitude of a coordinate: squares and cubes of it stay far from overflow.
-const MAX_COORDINATE: f64 = 1e60;
 
 /// A coordinate or length: a number of magnitude at most 10⁶⁰.
 pub(super) fn coordinate(value: f64) -> Result<f64, Reason> {
     // A NaN fails the comparison.
-    if value.abs() <= MAX_COORDINATE {
+    if value.abs() <= MAX_NUMBER {
         Ok(value)
     } else {
         Err(Reason::invalid(format_args!("{value:e}"), "is not a number of magnitude at most 1e60"))
