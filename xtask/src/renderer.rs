@@ -48,6 +48,16 @@ impl Renderer {
         folder: &Path,
         args: impl IntoIterator<Item = A>,
     ) -> Result<Run, TaskError> {
+        self.run_at_most(folder, args, self.timeout)
+    }
+
+    /// Runs the program as [`run`](Self::run) does, and kills it after this time: it gets no chance to tidy up.
+    pub(crate) fn run_at_most<A: AsRef<OsStr>>(
+        &self,
+        folder: &Path,
+        args: impl IntoIterator<Item = A>,
+        time: Duration,
+    ) -> Result<Run, TaskError> {
         // A file rather than a pipe: a full pipe would block the program until somebody reads it.
         let log_path = folder.join("log.txt");
         let log_file = File::create(&log_path).map_err(TaskError::file(&log_path))?;
@@ -60,7 +70,7 @@ impl Renderer {
             .stderr(log_twin)
             .spawn()
             .map_err(TaskError::file(&self.program))?;
-        let exit = wait(&mut child, self.timeout).map_err(TaskError::file(&self.program))?;
+        let exit = wait(&mut child, time).map_err(TaskError::file(&self.program))?;
         let log = fs::read(&log_path).map_err(TaskError::file(&log_path))?;
         Ok(Run { exit, log: String::from_utf8_lossy(&log).into_owned() })
     }

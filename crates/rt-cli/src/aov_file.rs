@@ -7,7 +7,7 @@ use rt_render::Rendering;
 
 use crate::args::{Aov, AovArg};
 use crate::error::Failure;
-use crate::output::OutputFile;
+use crate::output::{OutputError, OutputFile};
 use crate::picture_file;
 
 /// What goes where.
@@ -20,13 +20,31 @@ pub(crate) struct AovFile {
 
 impl AovFile {
     /// Checks that the file can be written, and is none of `inputs`.
-    pub(crate) fn prepare(arg: &AovArg, inputs: &[PathBuf]) -> Result<Self, Failure> {
+    fn prepare(arg: &AovArg, inputs: &[PathBuf]) -> Result<Self, Failure> {
         let format = picture_file::format_of(&arg.file)?;
         Ok(Self { aov: arg.aov, format, output: OutputFile::prepare(&arg.file, inputs)? })
     }
 
+    /// All of them: none may go where another does, or one of `others`.
+    pub(crate) fn prepare_all(
+        args: &[AovArg],
+        inputs: &[PathBuf],
+        others: &[&OutputFile],
+    ) -> Result<Vec<Self>, Failure> {
+        let mut aovs: Vec<Self> = Vec::with_capacity(args.len());
+        for arg in args {
+            let aov = Self::prepare(arg, inputs)?;
+            if aovs.iter().map(Self::output).chain(others.iter().copied()).any(|other| other.is_same_file(&aov.output))
+            {
+                return Err(Failure::Usage(format!("something else goes to {} already", arg.file.display())));
+            }
+            aovs.push(aov);
+        }
+        Ok(aovs)
+    }
+
     /// The file.
-    pub(crate) const fn output(&self) -> &OutputFile {
+    const fn output(&self) -> &OutputFile {
         &self.output
     }
 
@@ -39,8 +57,8 @@ impl AovFile {
         picture_file::check(self.format, size, false)
     }
 
-    /// Writes the file, if the render has kept what goes there.
-    pub(crate) fn write(&self, rendering: &Rendering) -> Result<(), Failure> {
+    /// Writes the file, if the render has kept what goes there; if need be to one of the refuges.
+    pub(crate) fn write(&self, rendering: &Rendering, refuges: &[PathBuf]) -> Result<(), OutputError> {
         let film = match self.aov {
             Aov::Variance => &rendering.standard_error,
             Aov::Samples => &rendering.sample_counts,
@@ -53,7 +71,7 @@ impl AovFile {
         } else {
             film
         };
-        Ok(self.output.write(|file| write_image(film, &Development::default(), self.format, file))?)
+        self.output.write_or_rescue(refuges, |file| write_image(film, &Development::default(), self.format, file))
     }
 }
 

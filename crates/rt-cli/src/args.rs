@@ -2,6 +2,10 @@
 
 mod compare;
 mod converge;
+mod frames;
+mod keep;
+mod memory;
+mod merge;
 mod picture;
 mod stop;
 mod typed;
@@ -14,8 +18,13 @@ use rt_scene_io::Reason;
 
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
 pub(crate) use converge::{Against, ConvergeArgs, Variation};
+pub(crate) use frames::{Frames, FramesArgs, PaceArgs};
+pub(crate) use keep::{Every, KeepArgs};
+pub(crate) use memory::Amount;
+pub(crate) use merge::MergeArgs;
 pub(crate) use picture::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 pub(crate) use stop::{Aov, AovArg, StopArgs};
+pub(crate) use values::{tone_name, tone_of_name};
 
 /// The commands, and what needs no command.
 #[derive(Debug, Parser)]
@@ -26,10 +35,15 @@ pub(crate) use stop::{Aov, AovArg, StopArgs};
     about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to pictures",
     long_about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to pictures.\n\n\
                   Without a command, it renders a built-in showcase to showcase.png.",
-    after_help = "Exit codes: 0 done, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output could not be written, 5 finished but damaged.",
-    disable_help_subcommand = true
+    after_help = "Exit codes: 0 done, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output could not be written, 5 finished but damaged, 130 interrupted (the picture so far is saved).",
+    disable_help_subcommand = true,
+    args_conflicts_with_subcommands = true
 )]
 pub(crate) struct Cli {
+    /// Print every limit on what is read, and which option changes it
+    #[arg(long)]
+    pub(crate) limits: bool,
+
     /// What to do.
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
@@ -39,7 +53,10 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Render a scene or model to a picture
-    Render(RenderArgs),
+    Render(Box<RenderArgs>),
+    /// Look at a scene in a window, move around in it, and ask what is where
+    #[cfg(feature = "view")]
+    View(Box<WindowArgs>),
     /// Show what a render would use, what it would leave out and why, and its memory
     Explain(ExplainArgs),
     /// Report on the numerical health of a scene: sizes, transforms, meshes, glass, precision
@@ -48,6 +65,9 @@ pub(crate) enum Command {
     Convert(ConvertArgs),
     /// Turn an image of linear light into a picture: exposure, tone curve, gamma
     Develop(DevelopArgs),
+    /// Join the parts of a picture that machines have rendered
+    #[command(long_about = merge::MERGE_HELP)]
+    Merge(MergeArgs),
     /// Measure how much an image differs from a reference: errors, PSNR, SSIM, FLIP, heat map
     #[command(long_about = compare::COMPARE_HELP)]
     Compare(CompareArgs),
@@ -70,17 +90,20 @@ pub(crate) enum Command {
 }
 
 /// Arguments of `render`.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
 
-    /// Picture to write: .png, .jpg, .exr, .hdr or .pfm
+    /// Picture to write: .png, .jpg, .exr, .hdr or .pfm; with --shard, a .part file
     ///
-    /// By default the scene's name with .png, in the current folder. An older file is replaced when the new one is
+    /// By default the scene's name with .png, or .I-of-N.part, in the current folder. An older file is replaced when the new one is
     /// complete, and survives any failure.
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) frames: FramesArgs,
 
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
@@ -96,7 +119,28 @@ pub(crate) struct RenderArgs {
     pub(crate) aov: Vec<AovArg>,
 
     #[command(flatten)]
+    pub(crate) keep: KeepArgs,
+
+    #[command(flatten)]
     pub(crate) run: RunArgs,
+}
+
+/// Arguments of `view`.
+#[cfg(feature = "view")]
+#[derive(Debug, Args)]
+pub(crate) struct WindowArgs {
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+
+    #[command(flatten)]
+    pub(crate) development: DevelopmentArgs,
+
+    /// Number of threads; by default one for each processor
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Running")]
+    pub(crate) threads: Option<u16>,
 }
 
 /// Arguments of `explain`.
@@ -107,6 +151,10 @@ pub(crate) struct ExplainArgs {
 
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
+
+    /// Take warnings for errors (exit code 3)
+    #[arg(long)]
+    pub(crate) strict: bool,
 }
 
 /// Arguments of `check`.
@@ -148,6 +196,10 @@ pub(crate) struct ConvertArgs {
     /// Scene file to write: .ron or .json
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: PathBuf,
+
+    /// Take warnings for errors (exit code 3), and write no file
+    #[arg(long)]
+    pub(crate) strict: bool,
 }
 
 /// Arguments of `develop`.
@@ -170,7 +222,7 @@ pub(crate) struct DevelopArgs {
 }
 
 /// What is read.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct InputArgs {
     /// Scene (.ron, .json) or model (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl)
     #[arg(value_hint = ValueHint::FilePath)]
@@ -184,23 +236,38 @@ pub(crate) struct InputArgs {
     #[arg(long)]
     pub(crate) ground: bool,
 
-    /// Pose models (.gltf, .glb) as their animation has them at this moment, in seconds
+    /// Pose the scene and its models (.gltf, .glb) as their animations have them at this moment, in seconds
     ///
-    /// Without it, a model rests as its nodes say. Before the first and after the last key of a channel, that key holds.
+    /// Without it, a model rests as its nodes say, and what a scene file animates is as at 0. Before the first and after the
+    /// last key, that key holds.
     #[arg(long, value_name = "SECONDS", value_parser = values::finite, allow_negative_numbers = true)]
     pub(crate) at_time: Option<f64>,
 
-    /// The animation for --at-time: its name, its index from 0 on, or `all`; by default the first
-    #[arg(long, value_name = "NAME|INDEX", requires = "at_time")]
+    #[command(flatten)]
+    pub(crate) pace: PaceArgs,
+
+    /// The animation of models for --at-time: its name, its index from 0 on, or `all`; by default the first
+    #[arg(long, value_name = "NAME|INDEX")]
     pub(crate) animation: Option<String>,
 
     /// Show models (.gltf, .glb) in this variant of their materials
     #[arg(long, value_name = "NAME")]
     pub(crate) variant: Option<String>,
+
+    /// Most memory to take, as 512M, 4GiB or 75%; what is predicted to need more is refused
+    ///
+    /// By default 75 % of what the machine has, or of what the control group allows; no limit where neither can be told.
+    /// Percentages are of the same. K, M, G and T are powers of 1000, Ki, Mi, Gi and Ti of 1024.
+    #[arg(long, value_name = "BYTES", value_parser = memory::amount, help_heading = "Limits")]
+    pub(crate) memory: Option<Amount>,
+
+    /// Largest file to read, as 2GiB; 1GiB by default
+    #[arg(long, value_name = "BYTES", value_parser = memory::bytes, help_heading = "Limits")]
+    pub(crate) max_file_size: Option<u64>,
 }
 
 /// What changes nothing in the picture.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Running")]
 pub(crate) struct RunArgs {
     /// Number of threads; by default one for each processor. Any number gives the same picture
@@ -211,6 +278,13 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, long_help = STATS_HELP)]
     pub(crate) stats: Option<PathBuf>,
 
+    /// Show the picture in the image viewer tev as it grows
+    ///
+    /// The viewer must be there before; if it is lost, the render goes on.
+    #[cfg(feature = "display")]
+    #[arg(long, value_name = "HOST:PORT")]
+    pub(crate) display_server: Option<String>,
+
     /// Take warnings for errors (exit code 3), and bad samples too (exit code 5)
     #[arg(long)]
     pub(crate) strict: bool,
@@ -218,6 +292,16 @@ pub(crate) struct RunArgs {
     /// Print nothing but errors
     #[arg(short, long)]
     pub(crate) quiet: bool,
+}
+
+impl RunArgs {
+    /// Where the viewer is that shows the picture as it grows.
+    pub(crate) fn display_server(&self) -> Option<&str> {
+        #[cfg(feature = "display")]
+        return self.display_server.as_deref();
+        #[cfg(not(feature = "display"))]
+        None
+    }
 }
 
 const STATS_HELP: &str = "\

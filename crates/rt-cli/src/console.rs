@@ -1,5 +1,6 @@
 //! Text for people: reports on standard output, complaints on standard error.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 
@@ -15,7 +16,7 @@ pub(crate) struct Console {
 impl Console {
     /// Reports on standard output, with a line break.
     pub(crate) fn say(self, text: impl Display) -> Result<(), Failure> {
-        if self.quiet { Ok(()) } else { print(format_args!("{text}\n")) }
+        if self.quiet { Ok(()) } else { show(format_args!("{text}\n")) }
     }
 
     /// Warns on standard error, with a line break.
@@ -26,7 +27,12 @@ impl Console {
     }
 }
 
-/// Writes what was asked for to standard output.
+/// Writes text for people to standard output.
+pub(crate) fn show(text: impl Display) -> Result<(), Failure> {
+    print(visible(&text.to_string()))
+}
+
+/// Writes what was asked for to standard output, as it is.
 ///
 /// A reader that has left, as `head` does, has seen enough: that is no failure.
 pub(crate) fn print(text: impl Display) -> Result<(), Failure> {
@@ -46,5 +52,26 @@ pub(crate) fn complain(failure: &Failure) {
 
 /// Nobody is left to be told if this fails.
 fn to_stderr(text: impl Display) {
-    let _ = write!(io::stderr().lock(), "{text}");
+    let _ = io::stderr().lock().write_all(visible(&text.to_string()).as_bytes());
+}
+
+/// Writes control characters out, but for line breaks and tabs: names in files may hold orders for the terminal.
+fn visible(text: &str) -> Cow<'_, str> {
+    let is_order = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
+    if !text.contains(is_order) {
+        return Cow::Borrowed(text);
+    }
+    let shown = |c: char| if is_order(c) { c.escape_default().to_string() } else { c.to_string() };
+    Cow::Owned(text.chars().map(shown).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_for_the_terminal_are_written_out() {
+        assert_eq!(visible("plan for 'a\u{1b}]0;b\u{7}'\n\tc"), "plan for 'a\\u{1b}]0;b\\u{7}'\n\tc");
+        assert!(matches!(visible("Würfel\n"), Cow::Borrowed(_)));
+    }
 }

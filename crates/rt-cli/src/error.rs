@@ -9,6 +9,8 @@ use rt_camera::metrics::PairError;
 use rt_render::RenderError;
 use rt_scene_io::LoadError;
 
+use crate::interruption;
+use crate::kept_file::KeptError;
 use crate::output::OutputError;
 
 /// Why a command failed.
@@ -65,9 +67,53 @@ pub(crate) enum Failure {
         /// How many.
         count: usize,
     },
+    /// A frame of an animation failed; those before it are done.
+    #[error("frame {frame}: {source}")]
+    Frame {
+        /// Its number.
+        frame: u32,
+        /// Why.
+        source: Box<Self>,
+    },
     /// A file could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// Files could not be written: one line for each.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Outputs(Vec<OutputError>),
+    /// A checkpoint or a part is bad.
+    #[error(transparent)]
+    Kept(#[from] KeptError),
+    /// Parts do not make a picture.
+    #[error("{0}; nothing was written")]
+    Join(String),
+    /// The render was interrupted.
+    #[error("interrupted after {percent:.1} % of the samples; {}{}", saved(.picture.as_deref()), goes_on(.checkpoint))]
+    Interrupted {
+        /// How far it has come.
+        percent: f64,
+        /// The picture so far.
+        picture: Option<PathBuf>,
+        /// Where the checkpoint is, or why it is nowhere.
+        checkpoint: Option<Result<PathBuf, String>>,
+    },
+    /// A worker has failed, by a defect of the program.
+    #[error(
+        "a defect of this program cost {tiles} of the tiles, which are black or noisy; please report it with the scene; {}{}",
+        saved(.picture.as_deref()), tries_again(.checkpoint)
+    )]
+    Lost {
+        /// How many.
+        tiles: usize,
+        /// The picture.
+        picture: Option<PathBuf>,
+        /// Where the checkpoint of the others is, or why it is nowhere.
+        checkpoint: Option<Result<PathBuf, String>>,
+    },
+    /// There is no window system, or it refuses.
+    #[cfg(feature = "view")]
+    #[error("no window can be opened: {0}; `render` needs none")]
+    Window(String),
     /// Standard output could not be written.
     #[error("standard output cannot be written: {0}")]
     Stdout(io::Error),
@@ -87,6 +133,15 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
+    /// The window system's reason.
+    #[cfg(feature = "view")]
+    pub(crate) fn window(reason: &impl std::fmt::Display) -> Self {
+        // Errors of the system begin with the line of the window library that met them, which helps no user.
+        let reason = reason.to_string();
+        let said = reason.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")).map(|(_, said)| said);
+        Self::Window(said.unwrap_or(&reason).trim_end_matches('.').to_owned())
+    }
+
     /// A scene that cannot be rendered, or arguments that ask too much of it.
     pub(crate) fn plan(file: &std::path::Path, source: RenderError) -> Self {
         match source {
@@ -97,20 +152,52 @@ impl Failure {
             | RenderError::Adaptive(_)
             | RenderError::AdaptiveLens
             | RenderError::AdaptiveMotion
-            | RenderError::AdaptiveUntil => Self::Usage(source.to_string()),
+            | RenderError::AdaptiveUntil
+            | RenderError::SharedUntil => Self::Usage(source.to_string()),
             source => Self::Plan { file: file.to_owned(), source },
         }
     }
 
-    /// 1 difference found, 2 usage, 3 bad input, 4 output could not be written, 5 finished but damaged.
+    /// 1 difference found, 2 usage, 3 bad input, 4 output could not be written, 5 finished but damaged, 130
+    /// interrupted.
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
+            Self::Frame { source, .. } => return source.exit_code(),
             Self::Different { .. } => 1,
             Self::Usage(_) => 2,
             Self::Load(_) | Self::Plan { .. } | Self::Image(_) | Self::Pair { .. } | Self::Warnings { .. } => 3,
-            Self::Output(_) | Self::Stdout(_) => 4,
-            Self::Damaged { .. } => 5,
+            Self::Kept(_) | Self::Join(_) => 3,
+            Self::Output(_) | Self::Outputs(_) | Self::Stdout(_) => 4,
+            #[cfg(feature = "view")]
+            Self::Window(_) => 4,
+            Self::Damaged { .. } | Self::Lost { .. } => 5,
+            Self::Interrupted { .. } => interruption::EXIT_CODE,
         })
+    }
+}
+
+/// Where the picture is.
+fn saved(picture: Option<&std::path::Path>) -> String {
+    picture.map_or_else(
+        || "no picture was written".to_owned(),
+        |file| format!("the picture was written to {}", file.display()),
+    )
+}
+
+/// How an interrupted render goes on.
+fn goes_on(checkpoint: &Option<Result<PathBuf, String>>) -> String {
+    match checkpoint {
+        Some(Ok(file)) => format!("; --resume goes on from {}", file.display()),
+        Some(Err(reason)) => format!("; it cannot go on, as no checkpoint could be written: {reason}"),
+        None => String::new(),
+    }
+}
+
+/// How tiles that were lost can be had.
+fn tries_again(checkpoint: &Option<Result<PathBuf, String>>) -> String {
+    match checkpoint {
+        Some(Ok(file)) => format!("; --resume tries them again, from {}", file.display()),
+        _ => String::new(),
     }
 }
 

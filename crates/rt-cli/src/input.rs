@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use rt_scene_io::{LoadOptions, Scene, load};
+use rt_scene_io::{LoadOptions, MemoryBudget, Scene, Warning, load};
 
 use crate::args::InputArgs;
 use crate::console::Console;
 use crate::error::Failure;
+use crate::memory;
 
 /// Warnings that are printed one by one; the rest is counted.
 const MAX_PRINTED: usize = 20;
@@ -16,36 +17,55 @@ const MAX_PRINTED: usize = 20;
 pub(crate) struct Input {
     pub(crate) scene: Scene,
     pub(crate) files: Vec<PathBuf>,
+    /// How they were read, and what memory that took.
+    pub(crate) options: LoadOptions,
 }
 
 /// Reads a scene for an image of the given size, by default its own, and passes on what the loader warns of.
 pub(crate) fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console) -> Result<Input, Failure> {
     let options = LoadOptions { size, ..load_options(args)? };
     let scene = load(&args.scene, &options)?;
-    for warning in scene.warnings.iter().take(MAX_PRINTED) {
-        console.warn(format_args!("{}: {}", warning.place, warning.message));
-    }
-    if scene.warnings.len() > MAX_PRINTED {
-        console.warn(format_args!("{} more are not shown", scene.warnings.len() - MAX_PRINTED));
-    }
+    warn(&scene.warnings, console);
     let mut files = options.referenced.paths();
     files.push(args.scene.clone());
-    Ok(Input { scene, files })
+    Ok(Input { scene, files, options })
+}
+
+/// Passes on what the loader warns of.
+pub(crate) fn warn(warnings: &[Warning], console: Console) {
+    for warning in warnings.iter().take(MAX_PRINTED) {
+        console.warn(warning);
+    }
+    if warnings.len() > MAX_PRINTED {
+        console.warn(format_args!("{} more are not shown", warnings.len() - MAX_PRINTED));
+    }
 }
 
 /// Options of the loader.
 pub(crate) fn load_options(args: &InputArgs) -> Result<LoadOptions, Failure> {
+    if args.animation.is_some() && args.at_time.is_none() {
+        return Err(Failure::Usage("--animation needs a moment of it: add --at-time".to_owned()));
+    }
     match &args.root {
         Some(root) if !root.is_dir() => Err(Failure::Usage(format!("--root {} is not a folder", root.display()))),
         root => Ok(LoadOptions {
             root: root.clone(),
             ground: args.ground,
             at_time: args.at_time,
+            frame_time: Some(1.0 / args.pace.fps),
+            shutter: args.pace.shutter,
             animation: args.animation.clone(),
             variant: args.variant.clone(),
+            max_file_bytes: args.max_file_size,
+            memory: memory_limit(args).map_or_else(MemoryBudget::default, MemoryBudget::of),
             ..LoadOptions::default()
         }),
     }
+}
+
+/// Most bytes of memory that a command may take, if there is a limit.
+pub(crate) fn memory_limit(args: &InputArgs) -> Option<u64> {
+    args.memory.unwrap_or_default().of(memory::available_bytes())
 }
 
 /// Says what the loader chose because the file leaves it open.
@@ -54,8 +74,8 @@ pub(crate) fn say_notes(scene: &Scene, console: Console) -> Result<(), Failure> 
 }
 
 /// Refuses a scene with warnings.
-pub(crate) fn refuse_warnings(file: &Path, scene: &Scene) -> Result<(), Failure> {
-    match scene.warnings.len() {
+pub(crate) fn refuse_warnings(file: &Path, warnings: &[Warning]) -> Result<(), Failure> {
+    match warnings.len() {
         0 => Ok(()),
         count => Err(Failure::Warnings { file: file.to_owned(), count }),
     }

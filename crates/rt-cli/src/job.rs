@@ -1,23 +1,24 @@
 //! A render from a loaded scene to a finished file and its report.
 
-use std::env;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use rt_camera::{ImageFormat, write_image};
-use rt_render::{PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, StopRule};
+use rt_camera::{FilmSettings, ImageFormat, write_image};
+use rt_render::{Crop, Part, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, Share, StopRule, Stopped};
 use rt_scene_io::Scene;
-use serde::Serialize;
 
 use crate::aov_file::AovFile;
+use crate::args::KeepArgs;
+use crate::checkpoints::Checkpoints;
 use crate::console::Console;
+use crate::display::Display;
 use crate::error::Failure;
-use crate::input;
-use crate::output::OutputFile;
-use crate::picture_file;
-use crate::progress::ProgressDisplay;
-use crate::report;
+use crate::identity::Identity;
+use crate::kept_file::{self, KeptError, KeptKind, Label};
+use crate::output::{OutputError, OutputFile, refuges, write_all};
 use crate::stats::{Outcome, StatsFile};
+use crate::watcher::Watcher;
+use crate::{input, interruption, picture_file, report};
 
 /// All that a render needs.
 #[derive(Debug)]
@@ -27,30 +28,77 @@ pub(crate) struct Job<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) load_seconds: f64,
     pub(crate) options: PlanOptions,
-    pub(crate) format: ImageFormat,
-    pub(crate) output: OutputFile,
+    pub(crate) result: JobResult,
     pub(crate) stats: Option<OutputFile>,
-    pub(crate) aovs: Vec<AovFile>,
     /// What ends the render, if not the scene's number of samples.
     pub(crate) rule: Option<StopRule>,
+    /// What is kept of it; nothing if it is over soon.
+    pub(crate) keep: Option<Keep<'a>>,
     /// 0 for one for each processor.
     pub(crate) threads: usize,
     pub(crate) strict: bool,
+    /// Where the viewer is that shows the picture as it grows.
+    pub(crate) display_server: Option<&'a str>,
     pub(crate) console: Console,
+}
+
+/// What a render makes.
+#[derive(Debug)]
+pub(crate) enum JobResult {
+    /// A picture, and what else is known of its pixels.
+    Picture { format: ImageFormat, output: OutputFile, aovs: Vec<AovFile> },
+    /// A share of a picture.
+    Part(OutputFile),
+}
+
+/// What is kept of a render that may take long.
+#[derive(Debug)]
+pub(crate) struct Keep<'a> {
+    pub(crate) args: &'a KeepArgs,
+    pub(crate) identity: Identity,
+}
+
+impl JobResult {
+    /// The file that the user wants.
+    pub(crate) const fn output(&self) -> &OutputFile {
+        match self {
+            Self::Picture { output, .. } | Self::Part(output) => output,
+        }
+    }
+
+    fn aovs(&self) -> &[AovFile] {
+        match self {
+            Self::Picture { aovs, .. } => aovs,
+            Self::Part(_) => &[],
+        }
+    }
+
+    /// True if standard errors and numbers of samples are to be known. Those of a part may be wanted when it is joined.
+    fn wants_maps(&self) -> bool {
+        matches!(self, Self::Part(_)) || !self.aovs().is_empty()
+    }
 }
 
 impl Job<'_> {
     /// Renders, writes the picture and the statistics, and reports.
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        if self.is_done()? {
+            let part = self.result.output().path().display();
+            return self.console.say(format_args!("{part} is there already, and finished"));
+        }
         let plan = self.compile()?;
+        let display = self.display_server.map(|server| self.connect(server)).transpose()?;
         self.say_notes(&plan)?;
-        let rendering = self.render(&plan)?;
-        let Rendering { film, statistics, .. } = &rendering;
+        let refuges = refuges(self.keep.as_ref().and_then(|keep| keep.args.fallback.as_deref()));
+        let Rendered { part, checkpoints, kept, display } = self.render(&plan, &refuges, display)?;
         let written = Instant::now();
-        let development = &self.scene.film.development;
-        self.output.write_or_rescue(&env::temp_dir(), |file| write_image(film, development, self.format, file))?;
-        for aov in &self.aovs {
-            aov.write(&rendering)?;
+        let (stopped, missing_tiles) = (part.stopped(), part.missing_tiles());
+        let is_written = matches!(self.result, JobResult::Picture { .. }) || missing_tiles == 0;
+        let mut results = vec![self.write_part(&part, &refuges)];
+        let rendering = part.into_rendering();
+        results.extend(self.write_pictures(&rendering, &refuges));
+        if let Some(display) = display {
+            display.finish(&rendering.film);
         }
         let outcome = Outcome {
             scene_file: self.scene_file,
@@ -63,18 +111,99 @@ impl Job<'_> {
             output_seconds: written.elapsed().as_secs_f64(),
         };
         if let Some(stats) = &self.stats {
-            write_json(stats, &StatsFile::new(&outcome))?;
+            let stats_file = StatsFile::new(&outcome);
+            results.push(stats.write_or_rescue(&refuges, |file| serde_json::to_writer_pretty(file, &stats_file)));
+        }
+        write_all(results)?;
+        let picture = is_written.then(|| self.result.output().path().to_owned());
+        if stopped == Stopped::Interrupted {
+            let percent = self.percent(&plan, &rendering);
+            return Err(Failure::Interrupted { percent, picture, checkpoint: kept });
         }
         self.console.say(report::statistics(&outcome, self.stats.is_some()))?;
-        let (width, height) = (film.width(), film.height());
-        self.console.say(format_args!("wrote {} ({width}x{height})", self.output.path().display()))?;
-        self.judge(statistics.bad_samples, statistics.samples)
+        if !rendering.lost.is_empty() {
+            return Err(Failure::Lost { tiles: rendering.lost.len(), picture, checkpoint: kept });
+        }
+        self.say_written(&rendering)?;
+        if let Some(checkpoints) = checkpoints {
+            checkpoints.remove();
+        }
+        self.judge(rendering.statistics.bad_samples, rendering.statistics.samples)
+    }
+
+    /// Writes the part, if that is what is wanted, and it is finished.
+    fn write_part(&self, part: &Part, refuges: &[PathBuf]) -> Result<(), OutputError> {
+        match (&self.result, self.label(KeptKind::Part)) {
+            (JobResult::Part(output), Some(label)) if part.missing_tiles() == 0 => {
+                output.write_or_rescue(refuges, |file| kept_file::write(file, &label, part))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes the picture and what belongs to it, if that is what is wanted.
+    fn write_pictures(&self, rendering: &Rendering, refuges: &[PathBuf]) -> Vec<Result<(), OutputError>> {
+        let JobResult::Picture { format, output, aovs } = &self.result else { return Vec::new() };
+        let development = &self.scene.film.development;
+        let picture = output.write_or_rescue(refuges, |file| write_image(&rendering.film, development, *format, file));
+        core::iter::once(picture).chain(aovs.iter().map(|aov| aov.write(rendering, refuges))).collect()
+    }
+
+    /// True if the part that is to be rendered or continued is there: finished, and of this picture.
+    fn is_done(&self) -> Result<bool, Failure> {
+        let (JobResult::Part(output), Some(Keep { args, identity })) = (&self.result, &self.keep) else {
+            return Ok(false);
+        };
+        if !args.resume || !output.path().exists() {
+            return Ok(false);
+        }
+        let (label, part) = kept_file::read::<Part>(output.path(), KeptKind::Part)?;
+        if label.identity != *identity || Some(part.share()) != args.shard {
+            let advice = "; begin anew with --restart";
+            let file = output.path().to_owned();
+            return Err(KeptError::Foreign { file, scene: label.scene, advice }.into());
+        }
+        Ok(part.missing_tiles() == 0)
+    }
+
+    fn label(&self, kind: KeptKind) -> Option<Label> {
+        let development = &self.scene.film.development;
+        self.keep.as_ref().map(|keep| Label::new(kind, keep.identity, self.scene_file, development))
+    }
+
+    /// Samples taken, of those that were wanted as far as that is known.
+    fn percent(&self, plan: &RenderPlan<'_>, rendering: &Rendering) -> f64 {
+        let pixels = rendering.film.pixels().len() as f64 / f64::from(self.share().count());
+        let per_pixel = self.rule.map_or(plan.samples_per_pixel(), |rule| rule.max_spp);
+        100.0 * (rendering.statistics.samples as f64 / (pixels * f64::from(per_pixel))).min(1.0)
+    }
+
+    fn share(&self) -> Share {
+        self.keep.as_ref().and_then(|keep| keep.args.shard).unwrap_or_default()
+    }
+
+    fn say_written(&self, rendering: &Rendering) -> Result<(), Failure> {
+        let path = self.result.output().path().display();
+        match &self.result {
+            JobResult::Picture { .. } => {
+                let (width, height) = (rendering.film.width(), rendering.film.height());
+                self.console.say(format_args!("wrote {path} ({width}x{height})"))
+            }
+            JobResult::Part(_) => {
+                let share = self.share();
+                let (number, count) = (share.index() + 1, share.count());
+                self.console.say(format_args!("wrote {path} (part {number} of {count}; `merge` joins them)"))
+            }
+        }
     }
 
     fn compile(&self) -> Result<RenderPlan<'_>, Failure> {
         let film = &self.scene.film;
         let size = self.options.crop.map_or([film.width, film.height], |crop| [crop.width, crop.height]);
-        picture_file::check(self.format, size, self.options.transparent)?;
+        if let JobResult::Picture { format, output, .. } = &self.result {
+            picture_file::check(*format, size, self.options.transparent)?;
+            output.check_space(picture_file::most_bytes(*format, size))?;
+        }
         let plan =
             RenderPlan::compile(self.scene, &self.options).map_err(|error| Failure::plan(self.scene_file, error))?;
         if self.rule.is_some_and(|rule| rule.target.is_some()) && !plan.passes_differ() {
@@ -84,7 +213,7 @@ impl Job<'_> {
         if self.rule.is_some() && plan.least_samples_per_pixel().is_some() {
             return Err(Failure::plan(self.scene_file, RenderError::AdaptiveUntil));
         }
-        for aov in &self.aovs {
+        for aov in self.result.aovs() {
             aov.check(size, self.rule.is_some() || plan.passes() > 1)?;
         }
         Ok(plan)
@@ -104,15 +233,44 @@ impl Job<'_> {
         self.console.say(format_args!("note: {sampler} takes {taken} samples per pixel rather than {asked}"))
     }
 
-    fn render(&self, plan: &RenderPlan<'_>) -> Result<Rendering, Failure> {
-        let run = RunOptions { threads: self.threads, count: self.stats.is_some(), maps: !self.aovs.is_empty() };
-        let mut progress = ProgressDisplay::new(self.console.quiet);
-        let rendering = match &self.rule {
-            Some(rule) => plan.render_until(&run, rule, |so_far| progress.update(so_far)),
-            None => plan.render(&run, |so_far| progress.update(so_far)),
+    /// The viewer, with a black image in it.
+    fn connect(&self, server: &str) -> Result<Display, Failure> {
+        let Scene { name, film: FilmSettings { width, height, .. }, .. } = self.scene;
+        let part = self.options.crop.unwrap_or(Crop { x: 0, y: 0, width: *width, height: *height });
+        Display::connect(server, name, part, self.options.transparent, self.console)
+    }
+
+    fn render(
+        &self,
+        plan: &RenderPlan<'_>,
+        refuges: &[PathBuf],
+        display: Option<Display>,
+    ) -> Result<Rendered, Failure> {
+        let label = self.label(KeptKind::Checkpoint);
+        let mut earlier = None;
+        let mut checkpoints = None;
+        if let (Some(keep), Some(label)) = (&self.keep, label) {
+            let of_job = Checkpoints::new(keep.args, self.result.output(), label, self.console);
+            earlier = of_job.earlier(keep.args)?;
+            if let Some(earlier) = &earlier {
+                let (samples, file) = (earlier.samples(), of_job.file().display());
+                self.console.say(format_args!("note: goes on from {file}, with {samples} samples"))?;
+            }
+            checkpoints = Some(of_job);
+        }
+        let listening = interruption::listen();
+        let run = RunOptions {
+            threads: self.threads,
+            count: self.stats.is_some(),
+            maps: self.result.wants_maps(),
+            share: self.share(),
+            interrupt: Some(listening.flag()),
         };
-        progress.finish();
-        rendering.map_err(|error| Failure::plan(self.scene_file, error))
+        let mut watcher = Watcher::new(self.console.quiet, earlier.as_ref(), checkpoints, refuges.to_vec(), display);
+        let part = plan.render_part(&run, self.rule.as_ref(), earlier, &mut watcher);
+        let (checkpoints, kept, display) = watcher.finish();
+        let part = part.map_err(|error| Failure::plan(self.scene_file, error))?;
+        Ok(Rendered { part, checkpoints, kept, display })
     }
 
     /// A picture with bad samples is worth keeping, but not worth trusting.
@@ -120,7 +278,7 @@ impl Job<'_> {
         if bad_samples == 0 {
             return Ok(());
         }
-        let damaged = Failure::Damaged { bad_samples, samples, file: self.output.path().to_owned() };
+        let damaged = Failure::Damaged { bad_samples, samples, file: self.result.output().path().to_owned() };
         if self.strict {
             return Err(damaged);
         }
@@ -129,6 +287,11 @@ impl Job<'_> {
     }
 }
 
-fn write_json(file: &OutputFile, content: &impl Serialize) -> Result<(), Failure> {
-    Ok(file.write(|file| serde_json::to_writer_pretty(file, content))?)
+/// What comes out of a render.
+struct Rendered {
+    part: Part,
+    checkpoints: Option<Checkpoints>,
+    /// Where the checkpoint of an unfinished render is, or why it is nowhere.
+    kept: Option<Result<PathBuf, String>>,
+    display: Option<Display>,
 }

@@ -9,8 +9,10 @@
 //! ```text
 //! rt-cli                                  renders a built-in scene to showcase.png
 //! rt-cli render scene.ron -o picture.exr  also .json, .gltf, .glb, .obj, .nff, .pbrt, .ply, .stl; and .png, .jpg, .hdr, .pfm
+//! rt-cli view scene.ron                   a window to move around in
 //! rt-cli explain scene.ron                what a render uses, what it leaves out, and why
 //! rt-cli check scene.ron                  what may lose digits, and what is probably not meant
+//! rt-cli merge *.part -o picture.exr      the picture of all parts that machines have rendered
 //! rt-cli compare a.exr b.exr              how much two pictures differ
 //! rt-cli converge scene.ron --vary ...    which method reaches an error first
 //! rt-cli --help                           what else there is
@@ -23,11 +25,18 @@
 
 mod aov_file;
 mod args;
+mod checkpoints;
 mod commands;
 mod console;
+#[cfg_attr(not(feature = "display"), path = "no_display.rs")]
+mod display;
 mod error;
+mod frame_log;
+mod identity;
 mod input;
+mod interruption;
 mod job;
+mod kept_file;
 mod memory;
 mod output;
 mod overrides;
@@ -35,6 +44,7 @@ mod picture_file;
 mod progress;
 mod report;
 mod stats;
+mod watcher;
 
 use std::process::ExitCode;
 

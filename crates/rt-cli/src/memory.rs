@@ -1,9 +1,51 @@
-//! How much memory the process used at most.
+//! How much memory the process used at most, and how much there is.
+
+/// Bytes of memory that the process may use: what its control groups allow, or what the machine has, whichever is less.
+/// `None` where the system says neither.
+#[cfg(target_os = "linux")]
+pub(crate) fn available_bytes() -> Option<u64> {
+    let read = |path: &str| std::fs::read_to_string(path).ok();
+    let machine = read("/proc/meminfo").and_then(|text| kibibytes(&text, "MemTotal:"));
+    let groups = read("/proc/self/cgroup").map(|text| group_files(&text)).unwrap_or_default();
+    let allowed = groups.iter().filter_map(|file| read(file)?.trim().parse().ok());
+    allowed.chain(machine).min()
+}
+
+/// Bytes of memory that the process may use; `None` where the system does not say.
+#[cfg(not(target_os = "linux"))]
+pub(crate) const fn available_bytes() -> Option<u64> {
+    None
+}
+
+/// The files that hold the limits of the control groups that a process is in, by the text of `/proc/self/cgroup`: of each group
+/// and those around it (cgroups(7)). A group without a limit says `max`, or a number beyond all memory.
+#[cfg(any(target_os = "linux", test))]
+fn group_files(groups: &str) -> Vec<String> {
+    let mut files = Vec::new();
+    for line in groups.lines() {
+        let mut fields = line.splitn(3, ':').skip(1);
+        let (Some(controllers), Some(path)) = (fields.next(), fields.next()) else { continue };
+        let (root, file) = match controllers {
+            "" => ("/sys/fs/cgroup", "memory.max"),
+            _ if controllers.split(',').any(|name| name == "memory") => {
+                ("/sys/fs/cgroup/memory", "memory.limit_in_bytes")
+            }
+            _ => continue,
+        };
+        let mut path = path.trim_end_matches('/');
+        loop {
+            files.push(format!("{root}{path}/{file}"));
+            let Some((around, _)) = path.rsplit_once('/') else { break };
+            path = around;
+        }
+    }
+    files
+}
 
 /// Bytes of physical memory that the process occupied at its peak; `None` where the system does not say.
 #[cfg(target_os = "linux")]
 pub(crate) fn peak_bytes() -> Option<u64> {
-    peak_of_status(&std::fs::read_to_string("/proc/self/status").ok()?)
+    kibibytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
 /// Bytes of physical memory that the process occupied at its peak; `None` where the system does not say.
@@ -12,10 +54,10 @@ pub(crate) const fn peak_bytes() -> Option<u64> {
     None
 }
 
-/// The high water mark in the text of `/proc/self/status`, which counts in units of 1024 bytes (proc(5)).
+/// The value of a line in the texts of proc(5), which count in units of 1024 bytes.
 #[cfg(any(target_os = "linux", test))]
-fn peak_of_status(status: &str) -> Option<u64> {
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+fn kibibytes(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
 }
 
@@ -25,9 +67,23 @@ mod tests {
 
     #[test]
     fn the_high_water_mark_is_found_among_the_lines() {
-        assert_eq!(peak_of_status("Name:\tx\nVmPeak:\t  900 kB\nVmHWM:\t    1536 kB\n"), Some(1_572_864));
-        assert_eq!(peak_of_status("Name:\tx\n"), None);
-        assert_eq!(peak_of_status("VmHWM:\tmany kB\n"), None);
+        let peak = |text: &str| kibibytes(text, "VmHWM:");
+        assert_eq!(peak("Name:\tx\nVmPeak:\t  900 kB\nVmHWM:\t    1536 kB\n"), Some(1_572_864));
+        assert_eq!(peak("Name:\tx\n"), None);
+        assert_eq!(peak("VmHWM:\tmany kB\n"), None);
+    }
+
+    #[test]
+    fn limits_are_looked_for_in_all_groups_around() {
+        assert_eq!(
+            group_files("0::/user/shell\n"),
+            ["/sys/fs/cgroup/user/shell/memory.max", "/sys/fs/cgroup/user/memory.max", "/sys/fs/cgroup/memory.max"]
+        );
+        assert_eq!(group_files("0::/\n"), ["/sys/fs/cgroup/memory.max"]);
+        assert_eq!(
+            group_files("4:cpu,memory:/a:b\n2:pids:/a\nnonsense\n"),
+            ["/sys/fs/cgroup/memory/a:b/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.limit_in_bytes"]
+        );
     }
 
     #[test]
@@ -35,5 +91,6 @@ mod tests {
     fn this_process_uses_some_memory() {
         let peak = peak_bytes().expect("Linux says");
         assert!((100_000..1 << 40).contains(&peak), "{peak}");
+        assert!(available_bytes().expect("Linux says") > peak);
     }
 }

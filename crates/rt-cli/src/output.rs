@@ -3,12 +3,17 @@
 //! A file is written under a temporary name in its own folder, synchronised, and renamed: whoever looks sees the older
 //! file or the new one, never a part, and an older file survives every failure.
 
+use std::env;
+use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use indicatif::HumanBytes;
 use tempfile::NamedTempFile;
+
+use crate::error::Failure;
 
 /// A place that was found fit to write a file to.
 #[derive(Debug)]
@@ -52,6 +57,21 @@ pub(crate) enum OutputError {
         folder: PathBuf,
         /// What the system says.
         source: io::Error,
+    },
+    /// There is no room for the file.
+    #[error(
+        "cannot write `{}`: it may take {}, and {} has room for {}",
+        path.display(), HumanBytes(*bytes), folder.display(), HumanBytes(*available)
+    )]
+    NoSpace {
+        /// The file.
+        path: PathBuf,
+        /// Where it should go.
+        folder: PathBuf,
+        /// Bytes that are free.
+        available: u64,
+        /// Bytes that the file may take.
+        bytes: u64,
     },
     /// Writing failed halfway. Nothing of it is left.
     #[error("cannot write `{}`: {reason}", path.display())]
@@ -98,7 +118,10 @@ impl OutputFile {
         }
         // An anonymous file proves that the folder takes files, and leaves nothing behind whatever happens later.
         match tempfile::tempfile_in(folder) {
-            Ok(_) => Ok(Self { path: path.to_owned(), folder: folder.to_owned(), target }),
+            Ok(_) => {
+                clear_away(folder, &target);
+                Ok(Self { path: path.to_owned(), folder: folder.to_owned(), target })
+            }
             Err(source) => Err(OutputError::Folder { path: path.to_owned(), folder: folder.to_owned(), source }),
         }
     }
@@ -123,21 +146,44 @@ impl OutputFile {
             .map_err(|reason| OutputError::Write { path: self.path.clone(), reason })
     }
 
-    /// Writes the file; if that fails, writes it under a new name in the folder `refuge`, so that its content is not
-    /// lost, and says so in the error.
+    /// Writes the file; if that fails, writes it under a new name in the first of the folders `refuges` that takes it, so that
+    /// its content is not lost, and says so in the error.
     pub(crate) fn write_or_rescue<E: Display>(
         &self,
-        refuge: &Path,
+        refuges: &[PathBuf],
         content: impl Fn(&mut BufWriter<&mut File>) -> Result<(), E>,
     ) -> Result<(), OutputError> {
         let Err(original) = self.write(&content) else { return Ok(()) };
         let name = self.target.file_name().unwrap_or_default().to_string_lossy();
-        let rescued = refuge.join(format!("rt-cli-{}-{name}", std::process::id()));
-        match write_atomically(&rescued, refuge, content) {
-            Ok(()) => Err(OutputError::Rescued { original: Box::new(original), rescued }),
-            Err(_) => Err(original),
+        let name = format!("rt-cli-{}-{name}", std::process::id());
+        let takes_it = |refuge: &&PathBuf| write_atomically(&refuge.join(&name), refuge, &content).is_ok();
+        match refuges.iter().find(takes_it) {
+            Some(refuge) => Err(OutputError::Rescued { original: Box::new(original), rescued: refuge.join(&name) }),
+            None => Err(original),
         }
     }
+
+    /// Refuses to begin what will not fit on the disk: the new file lies beside an older one until it is whole.
+    pub(crate) fn check_space(&self, bytes: u64) -> Result<(), OutputError> {
+        match fs4::available_space(&self.folder) {
+            Ok(available) if available < bytes => {
+                Err(OutputError::NoSpace { path: self.path.clone(), folder: self.folder.clone(), available, bytes })
+            }
+            // A system that does not say is no reason to stop.
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Folders for what cannot be written where it should, the user's own first.
+pub(crate) fn refuges(fallback: Option<&Path>) -> Vec<PathBuf> {
+    fallback.map(Path::to_owned).into_iter().chain([env::temp_dir(), PathBuf::from(".")]).collect()
+}
+
+/// Writes everything, whatever becomes of some of it.
+pub(crate) fn write_all(results: impl IntoIterator<Item = Result<(), OutputError>>) -> Result<(), Failure> {
+    let failed: Vec<_> = results.into_iter().filter_map(Result::err).collect();
+    if failed.is_empty() { Ok(()) } else { Err(Failure::Outputs(failed)) }
 }
 
 fn write_atomically<E: Display>(
@@ -145,7 +191,7 @@ fn write_atomically<E: Display>(
     folder: &Path,
     content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
 ) -> Result<(), String> {
-    let mut file = temporary_file(folder).map_err(|error| error.to_string())?;
+    let mut file = temporary_file(folder, target).map_err(|error| error.to_string())?;
     let mut writer = BufWriter::new(file.as_file_mut());
     content(&mut writer).map_err(|error| error.to_string())?;
     writer.flush().map_err(|error| error.to_string())?;
@@ -166,13 +212,43 @@ fn replace(target: &Path, file: NamedTempFile) -> io::Result<()> {
     Ok(())
 }
 
-/// A file that is removed unless it is renamed, with the permissions of any new file.
-fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
+/// Ending of the names of files that are being written.
+const UNFINISHED: &str = ".unfinished";
+
+/// How names of files begin that are being written and will be called `target`.
+fn unfinished_name(target: &Path) -> OsString {
+    let mut name = OsString::from(".");
+    name.push(target.file_name().unwrap_or_default());
+    name.push("-");
+    name
+}
+
+/// A file that is removed unless it is renamed, with the permissions of any new file. It is locked as long as it is being written.
+fn temporary_file(folder: &Path, target: &Path) -> io::Result<NamedTempFile> {
+    let prefix = unfinished_name(target);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".rt-cli-").suffix(".part");
+    builder.prefix(&prefix).suffix(UNFINISHED);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
+    let file = builder.tempfile_in(folder)?;
+    // Where nothing can be locked, what a kill leaves stays.
+    let _ = file.as_file().try_lock();
+    Ok(file)
+}
+
+/// Removes what a program that was killed has left of the same file. What another one is writing is locked.
+fn clear_away(folder: &Path, target: &Path) {
+    let prefix = unfinished_name(target);
+    let is_unfinished = |name: &OsStr| {
+        let name = name.as_encoded_bytes();
+        name.starts_with(prefix.as_encoded_bytes()) && name.ends_with(UNFINISHED.as_bytes())
+    };
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if is_unfinished(&entry.file_name()) && File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok()) {
+            // If it stays, it is in nobody's way.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 #[cfg(test)]
@@ -200,6 +276,20 @@ mod tests {
             assert_eq!(fs::read_to_string(&path).expect("there"), content);
             assert_eq!(entries(folder.path()), 1);
         }
+    }
+
+    #[test]
+    fn what_a_kill_has_left_is_cleared_away_and_what_is_being_written_is_not() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.txt");
+        let left = folder.path().join(".a.txt-K1ll3d.unfinished");
+        let other = folder.path().join(".b.txt-K1ll3d.unfinished");
+        for file in [&left, &other] {
+            fs::write(file, "half").expect("written");
+        }
+        let being_written = temporary_file(folder.path(), &path).expect("created");
+        prepare(&path).expect("fit");
+        assert!(!left.exists() && other.exists() && being_written.path().exists());
     }
 
     #[test]
@@ -231,13 +321,15 @@ mod tests {
         fs::create_dir(&gone).expect("created");
         let output = prepare(&gone.join("a.txt")).expect("fit");
         fs::remove_dir(&gone).expect("removed");
-        let Err(OutputError::Rescued { rescued, .. }) = output.write_or_rescue(refuge.path(), text("precious")) else {
+        let Err(OutputError::Rescued { rescued, .. }) =
+            output.write_or_rescue(&[PathBuf::from("/nowhere"), refuge.path().to_owned()], text("precious"))
+        else {
             panic!("not rescued")
         };
         assert_eq!(rescued.parent(), Some(refuge.path()));
         assert_eq!(rescued.extension().and_then(|e| e.to_str()), Some("txt"));
         assert_eq!(fs::read_to_string(&rescued).expect("there"), "precious");
-        let lost = output.write_or_rescue(&gone, text("precious"));
+        let lost = output.write_or_rescue(core::slice::from_ref(&gone), text("precious"));
         assert!(matches!(lost, Err(OutputError::Write { .. })), "{lost:?}");
     }
 

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use rt_camera::{CameraSettings, Development, FilmSettings, Projection};
+use rt_camera::{CameraSettings, Development, Projection};
 use rt_math::{DVec3, Rgb, Transform};
 use rt_render::PlanOptions;
-use rt_scene_io::{Adaptive, Background, Integrator, Reason, Scene, read_environment};
+use rt_scene_io::{Adaptive, Background, Integrator, LoadOptions, Reason, Scene, read_environment};
 
 use crate::args::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 use crate::error::Failure;
 
-/// Applies the options to the scene; those that are no part of a scene are returned.
-pub(crate) fn apply(args: &PictureArgs, scene: &mut Scene) -> Result<PlanOptions, Failure> {
+/// Applies the options to the scene, which was loaded with others; those that are no part of a scene are returned.
+pub(crate) fn apply(args: &PictureArgs, loaded: &LoadOptions, scene: &mut Scene) -> Result<PlanOptions, Failure> {
     let film = &mut scene.film;
     [film.width, film.height] = args.size.unwrap_or([film.width, film.height]);
     let settings = &mut scene.settings;
@@ -33,7 +33,8 @@ pub(crate) fn apply(args: &PictureArgs, scene: &mut Scene) -> Result<PlanOptions
         scene.appearance.background = Background::Constant(colour);
     }
     if let Some(file) = &args.env {
-        let light = read_environment(file, Rgb::WHITE, 0.0).map_err(|reason| Failure::from(reason.at(file, "")))?;
+        let light = read_environment(file, Rgb::WHITE, 0.0, loaded);
+        let light = light.map_err(|reason| Failure::from(reason.at(file, "")))?;
         scene.appearance.background = Background::Environment(Arc::new(light));
         if args.integrator.is_none() && scene.settings.integrator == Integrator::Whitted {
             scene.settings.integrator = Integrator::Path;
@@ -50,6 +51,8 @@ pub(crate) fn apply(args: &PictureArgs, scene: &mut Scene) -> Result<PlanOptions
         full: args.full_plan,
         simd: args.simd,
         quality: args.quality.unwrap_or_default(),
+        memory: loaded.memory.limit(),
+        progressive: false,
     })
 }
 
@@ -69,10 +72,10 @@ fn adaptive(args: &PictureArgs, of_scene: Option<Adaptive>) -> Result<Option<Ada
     }
 }
 
-/// Applies the options to the film.
-pub(crate) fn apply_development(args: &DevelopmentArgs, film: &mut FilmSettings) {
-    replace(&mut film.development.exposure, args.exposure);
-    replace(&mut film.development.tone, args.tone);
+/// Applies the options to how the film is developed.
+pub(crate) fn apply_development(args: &DevelopmentArgs, development: &mut Development) {
+    replace(&mut development.exposure, args.exposure);
+    replace(&mut development.tone, args.tone);
 }
 
 fn replace<T>(value: &mut T, other: Option<T>) {
@@ -102,6 +105,8 @@ fn move_camera(args: &ViewArgs, camera: &mut CameraSettings) -> Result<(), Failu
     }
     if args.look_from.is_some() || args.look_at.is_some() || args.up.is_some() {
         camera.world_from_camera = placed(args, &camera.world_from_camera)?;
+        // The way that it would take starts elsewhere.
+        camera.moves_to = None;
     }
     Ok(())
 }

@@ -27,6 +27,13 @@ pub(crate) fn check(format: ImageFormat, [width, height]: [u32; 2], transparent:
     Ok(())
 }
 
+/// Bytes that a picture takes at most.
+pub(crate) const fn most_bytes(format: ImageFormat, [width, height]: [u32; 2]) -> u64 {
+    let pixels = width as u64 * height as u64;
+    // A byte or a float for each of four channels, and some for headers and the tables of rows.
+    pixels * if is_developed(format) { 4 } else { 16 } + 65_536 + 32 * height as u64
+}
+
 /// True if the format holds bytes for display rather than linear light.
 pub(crate) const fn is_developed(format: ImageFormat) -> bool {
     matches!(format, ImageFormat::Png | ImageFormat::Jpeg)

@@ -16,6 +16,8 @@ const LONGEST: f64 = 1e9;
 #[derive(Debug)]
 pub(crate) struct ProgressDisplay {
     started: Instant,
+    /// Samples and rays of earlier runs.
+    earlier: (u64, u64),
     form: Form,
 }
 
@@ -27,8 +29,8 @@ enum Form {
 }
 
 impl ProgressDisplay {
-    /// A display that suits where standard error goes.
-    pub(crate) fn new(quiet: bool) -> Self {
+    /// A display that suits where standard error goes, of a render that has come so far already.
+    pub(crate) fn new(quiet: bool, earlier_samples: u64, earlier_rays: u64) -> Self {
         let started = Instant::now();
         let form = if quiet {
             Form::Nothing
@@ -37,7 +39,7 @@ impl ProgressDisplay {
         } else {
             Form::Lines { next: started + LINE_INTERVAL }
         };
-        Self { started, form }
+        Self { started, earlier: (earlier_samples, earlier_rays), form }
     }
 
     /// Shows that the render has come this far.
@@ -45,7 +47,7 @@ impl ProgressDisplay {
         match &mut self.form {
             Form::Bar(bar) => {
                 bar.set_length(progress.total_samples);
-                bar.set_message(status(progress, self.started.elapsed()));
+                bar.set_message(status(progress, self.earlier, self.started.elapsed()));
                 bar.set_position(progress.samples);
             }
             Form::Lines { next } => {
@@ -53,7 +55,7 @@ impl ProgressDisplay {
                 if now >= *next && progress.samples < progress.total_samples {
                     *next = now + LINE_INTERVAL;
                     let percent = progress.samples * 100 / progress.total_samples;
-                    let status = status(progress, self.started.elapsed());
+                    let status = status(progress, self.earlier, self.started.elapsed());
                     // A closed standard error is no reason to stop rendering.
                     let _ = writeln!(io::stderr().lock(), "{percent} %, {status}");
                 }
@@ -75,10 +77,11 @@ fn bar_style() -> ProgressStyle {
 }
 
 /// Rate and remaining time, if the rest takes as long a sample as what is done.
-fn status(progress: Progress, elapsed: Duration) -> String {
+fn status(progress: Progress, (earlier_samples, earlier_rays): (u64, u64), elapsed: Duration) -> String {
     let Progress { samples, total_samples, rays, pass } = progress;
-    let rate = rays as f64 / elapsed.as_secs_f64().max(1e-9) * 1e-6;
-    let left = elapsed.as_secs_f64() * (total_samples.saturating_sub(samples) as f64 / samples.max(1) as f64);
+    let done = samples.saturating_sub(earlier_samples);
+    let rate = rays.saturating_sub(earlier_rays) as f64 / elapsed.as_secs_f64().max(1e-9) * 1e-6;
+    let left = elapsed.as_secs_f64() * (total_samples.saturating_sub(samples) as f64 / done.max(1) as f64);
     let left = HumanDuration(Duration::from_secs_f64(left.min(LONGEST)));
     let pass = match pass {
         Some(PassProgress { finished, spp, rmse: Some(rmse) }) => {
@@ -97,7 +100,9 @@ mod tests {
     #[test]
     fn rate_and_remaining_time_follow_from_what_is_done() {
         let progress = Progress { samples: 250, total_samples: 1000, rays: 30_000_000, pass: None };
-        assert_eq!(status(progress, Duration::from_secs(20)), "1.50 Mrays/s, 60 seconds left");
+        assert_eq!(status(progress, (0, 0), Duration::from_secs(20)), "1.50 Mrays/s, 60 seconds left");
+        // What an earlier run has done took none of this time.
+        assert_eq!(status(progress, (150, 10_000_000), Duration::from_secs(20)), "1.00 Mrays/s, 3 minutes left");
     }
 
     #[test]
@@ -105,17 +110,17 @@ mod tests {
         let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.001_234) });
         let progress = Progress { samples: 500, total_samples: 1000, rays: 1_000_000, pass };
         let expected = "pass 7, 32 spp, RMSE 1.234e-3, 1.00 Mrays/s, 1 second left";
-        assert_eq!(status(progress, Duration::from_secs(1)), expected);
+        assert_eq!(status(progress, (0, 0), Duration::from_secs(1)), expected);
         let first = Progress { pass: Some(PassProgress { finished: 0, spp: 0, rmse: None }), ..progress };
-        assert!(status(first, Duration::from_secs(1)).starts_with("pass 1, 1.00 Mrays/s"));
+        assert!(status(first, (0, 0), Duration::from_secs(1)).starts_with("pass 1, 1.00 Mrays/s"));
     }
 
     #[test]
     fn the_start_and_the_end_are_no_special_cases() {
         let start = Progress { samples: 0, total_samples: u64::MAX, rays: 0, pass: None };
-        assert!(status(start, Duration::ZERO).starts_with("0.00 Mrays/s"));
+        assert!(status(start, (0, 0), Duration::ZERO).starts_with("0.00 Mrays/s"));
         let end = Progress { samples: 1000, total_samples: 1000, rays: 2_000_000, pass: None };
-        assert_eq!(status(end, Duration::from_secs(1)), "2.00 Mrays/s, 0 seconds left");
+        assert_eq!(status(end, (0, 0), Duration::from_secs(1)), "2.00 Mrays/s, 0 seconds left");
     }
 
     #[test]

@@ -56,6 +56,7 @@ fn ending(rendering: &Rendering, rule: &StopRule) -> String {
         Stopped::Samples => "--spp",
         Stopped::Time => "--time",
         Stopped::Target => "--target-error",
+        Stopped::Interrupted => "an interruption",
     };
     let ending = format!("stopped by {option} after {samples} in {} passes", rendering.statistics.passes);
     match (rule.target, rendering.unconverged) {

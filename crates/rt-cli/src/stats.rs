@@ -106,7 +106,7 @@ struct PlanStats {
     /// What is left out, and why.
     left_out: IndexMap<&'static str, String>,
     /// Predicted.
-    memory_bytes: IndexMap<&'static str, usize>,
+    memory_bytes: IndexMap<&'static str, u64>,
 }
 
 /// The cost of the rays of one kind.
@@ -186,6 +186,7 @@ const fn stopped_by(stopped: Stopped) -> &'static str {
         Stopped::Samples => "samples",
         Stopped::Time => "time",
         Stopped::Target => "target-error",
+        Stopped::Interrupted => "interrupted",
     }
 }
 
@@ -228,7 +229,7 @@ impl From<Explanation> for PlanStats {
         Self {
             used: explanation.used.into_iter().map(|line| line.trim().to_owned()).collect(),
             left_out: explanation.left_out.into_iter().map(|left| (left.what, left.why)).collect(),
-            memory_bytes: explanation.memory.into_iter().collect(),
+            memory_bytes: explanation.memory.parts().into_iter().collect(),
         }
     }
 }

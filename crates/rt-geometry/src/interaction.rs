@@ -32,11 +32,19 @@ pub struct SurfaceDetail {
     pub tangent: Vec3,
     /// True if `v` rises against the cross product of normal and tangent.
     pub is_mirrored: bool,
+    /// The shading normal as it was before a normal map turned it; zero if none did.
+    pub smooth_normal: Vec3,
 }
 
 impl SurfaceDetail {
     /// What stands for everything that a mesh does not have.
-    pub const NONE: Self = Self { second_uv: [0.0; 2], color: [1.0; 3], tangent: Vec3::ZERO, is_mirrored: false };
+    pub const NONE: Self = Self {
+        second_uv: [0.0; 2],
+        color: [1.0; 3],
+        tangent: Vec3::ZERO,
+        is_mirrored: false,
+        smooth_normal: Vec3::ZERO,
+    };
 }
 
 impl Default for SurfaceDetail {
@@ -92,6 +100,10 @@ impl SurfaceInteraction {
         if detail.tangent != Vec3::ZERO {
             detail.tangent = target_from_source.vector(detail.tangent.as_dvec3()).normalize_or_zero().as_vec3();
             detail.is_mirrored ^= target_from_source.linear().determinant() < 0.0;
+        }
+        if detail.smooth_normal != Vec3::ZERO {
+            detail.smooth_normal =
+                target_from_source.normal(detail.smooth_normal.as_dvec3()).normalize_or_zero().as_vec3();
         }
         Self { point, point_error, shadow_point, geometric_normal, shading_normal, uv: self.uv, detail }
     }

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! **Owns** [`Ray`], [`Interval`], [`Aabb`] and its slab test, [`Transform`] (an affine map kept in both
-//! directions), [`Motion`] (one that changes with time), [`Rgb`], [`Frame`], the statistics ([`Probe`], [`Counters`]), the hash that all random numbers come
+//! directions), [`Motion`] and [`TransformKeys`] (such that change with time), [`Rgb`], [`Frame`], the statistics ([`Probe`], [`Counters`]), the hash that all random numbers come
 //! from ([`random`]), and the contracts [`Primitives`], [`NearestPoint`], [`Accelerator`] and
 //! [`Sampler`], and the one test of triangles ([`ShearedRay`]), which structures may run on copies of them.
 //! **Does not own** any other shape, nor any structure, light or camera.
@@ -49,8 +49,10 @@ mod ray;
 mod rgb;
 mod sampler;
 mod sheared_ray;
+mod timeline;
 pub mod transcendental;
 mod transform;
+mod transform_keys;
 
 pub use aabb::{Aabb, FAR_FACTOR, OWN_BOX_PAD, SlabRay};
 pub use accelerator::Accelerator;
@@ -67,6 +69,8 @@ pub use ray::Ray;
 pub use rgb::Rgb;
 pub use sampler::Sampler;
 pub use sheared_ray::{ShearedRay, TriangleHit};
+pub use timeline::{Interpolation, Timeline, TimelineError};
 pub use transform::{Transform, TransformError};
+pub use transform_keys::{TransformKeys, TransformKeysError};
 
 pub use glam::{DMat3, DQuat, DVec2, DVec3, Vec2, Vec3};

@@ -79,9 +79,8 @@ impl Motion {
         }
         let (from, first) = polar(&start.linear()).ok_or(MotionError::Decomposition)?;
         let (to, second) = polar(&end.linear()).ok_or(MotionError::Decomposition)?;
-        // A quaternion and its negative are the same rotation; one of them is nearer.
-        let to = if from.dot(to) < 0.0 { -to } else { to };
-        let angle = 2.0 * atan2((to - from).length(), (to + from).length());
+        let to = nearer(from, to);
+        let angle = angle_between(from, to);
         Ok(Self { start: *start, end: *end, rotations: [from, to], angle, stretches: [first, second] })
     }
 
@@ -103,19 +102,24 @@ impl Motion {
         if time >= 1.0 {
             return self.end;
         }
-        let rotation = DMat3::from_quat(self.rotation(time));
         let [first, second] = self.stretches;
-        let stretch = first * (1.0 - time) + second * time;
         let translation = self.start.translation().lerp(self.end.translation(), time);
-        Transform::from_parts(rotation * stretch, stretch.inverse() * rotation.transpose(), translation)
+        composed(translation, self.rotation(time), first * (1.0 - time) + second * time)
     }
 
-    /// Shoemake's spherical interpolation.
+    /// The rotations at both ends as quaternions, of which the second is the nearer one of its pair.
+    pub(crate) const fn rotations(&self) -> [DQuat; 2] {
+        self.rotations
+    }
+
+    /// The symmetric stretches at both ends: negative definite for maps that mirror.
+    pub(crate) const fn stretches(&self) -> [DMat3; 2] {
+        self.stretches
+    }
+
     fn rotation(&self, time: f64) -> DQuat {
-        let [from, to] = self.rotations.map(DVec4::from);
-        let (before, after) = (sin((1.0 - time) * self.angle), sin(time * self.angle));
-        let sum = if before + after > 0.0 { from * before + to * after } else { from };
-        DQuat::from_vec4(sum / sum.length())
+        let [from, to] = self.rotations;
+        spherical(from, to, self.angle, time)
     }
 
     /// A box around the image of a box at all moments from 0 to 1. Empty stays empty.
@@ -156,6 +160,30 @@ impl Motion {
         });
         swept.fold(ends, Aabb::union)
     }
+}
+
+/// The map that stretches first, then turns, then moves.
+pub(crate) fn composed(translation: DVec3, rotation: DQuat, stretch: DMat3) -> Transform {
+    let rotation = DMat3::from_quat(rotation);
+    Transform::from_parts(rotation * stretch, stretch.inverse() * rotation.transpose(), translation)
+}
+
+/// The one of a quaternion and its negative, which are the same rotation, that is nearer to another.
+pub(crate) fn nearer(from: DQuat, to: DQuat) -> DQuat {
+    if from.dot(to) < 0.0 { -to } else { to }
+}
+
+/// The angle between unit quaternions, half of that by which the one turns to become the other.
+pub(crate) fn angle_between(from: DQuat, to: DQuat) -> f64 {
+    2.0 * atan2((to - from).length(), (to + from).length())
+}
+
+/// Shoemake's spherical interpolation of unit quaternions with this angle between them, at a moment from 0 to 1.
+pub(crate) fn spherical(from: DQuat, to: DQuat, angle: f64, time: f64) -> DQuat {
+    let (from, to) = (DVec4::from(from), DVec4::from(to));
+    let (before, after) = (sin((1.0 - time) * angle), sin(time * angle));
+    let sum = if before + after > 0.0 { from * before + to * after } else { from };
+    DQuat::from_vec4(sum / sum.length())
 }
 
 /// The rotation and the symmetric stretch whose product a map is. The stretch is negative definite for a map that mirrors.

@@ -4,6 +4,7 @@ use core::ops::AddAssign;
 
 /// Why a ray was traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RayKind {
     /// From the camera.
     Primary,
@@ -81,6 +82,7 @@ impl Probe for RayCounts {
 
 /// What the rays of one kind cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tally {
     /// Rays traced.
     pub rays: u64,
@@ -103,6 +105,7 @@ impl AddAssign for Tally {
 
 /// Counts everything, by kind of ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counters {
     by_kind: [Tally; 5],
     current: RayKind,

@@ -1,7 +1,8 @@
 //! The threads of a render, and how they share its tiles.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{
-    atomic::{AtomicUsize, Ordering},
+    atomic::{AtomicBool, AtomicUsize, Ordering},
     mpsc,
 };
 
@@ -21,70 +22,162 @@ pub(crate) struct Crew<'p> {
     pool: rayon::ThreadPool,
     tiles: Vec<Tile>,
     count: bool,
+    interrupt: Option<&'p AtomicBool>,
+}
+
+/// What became of work that was shared out.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Outcome {
+    /// The work was interrupted: pieces are left that nobody has begun.
+    pub(crate) interrupted: bool,
+    /// Pieces in which a worker panicked.
+    pub(crate) lost: Vec<usize>,
 }
 
 impl<'p> Crew<'p> {
-    pub(crate) fn new(plan: &'p RenderPlan<'p>, options: &RunOptions) -> Result<Self, RenderError> {
+    pub(crate) fn new(plan: &'p RenderPlan<'p>, options: &RunOptions<'p>) -> Result<Self, RenderError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build()?;
-        let crop = plan.crop;
-        Ok(Self { plan, pool, tiles: tiles(crop.x, crop.y, crop.width, crop.height), count: options.count })
+        Ok(Self { plan, pool, tiles: tiles(plan.crop), count: options.count, interrupt: options.interrupt })
     }
 
     pub(crate) fn threads(&self) -> usize {
         self.pool.current_num_threads()
     }
 
-    pub(crate) fn tile_count(&self) -> usize {
-        self.tiles.len()
+    /// The tiles of the plan, by number.
+    pub(crate) fn tiles(&self) -> &[Tile] {
+        &self.tiles
     }
 
-    /// Renders all tiles in which there is something to sample. `finished` gets each with its number, in any order, on this
-    /// thread, while others are being rendered.
-    pub(crate) fn sweep(&self, sweep: &Sweep<'_>, mut finished: impl FnMut(usize, Finished)) {
-        let render = |worker: &mut Worker, index: usize| {
-            let tile = self.tiles[index];
-            let task = Task::new(tile, sweep);
-            let is_wanted = sweep.pixels_of(tile).next().is_some();
-            is_wanted.then(|| (index, self.plan.render_tile(&task, self.count, worker)))
+    /// Renders those of the tiles, by number, in which there is something to sample. `finished` gets each, in any order, on
+    /// this thread, while others are being rendered.
+    pub(crate) fn sweep(&self, sweep: &Sweep<'_>, wanted: &[usize], finished: impl FnMut(usize, Finished)) -> Outcome {
+        let render = |worker: &mut Worker, number: usize| {
+            let task = Task::new(self.tiles[number], sweep);
+            self.plan.render_tile(&task, self.count, worker)
         };
-        self.share(self.tiles.len(), || Worker::new(self.plan), render, |(index, tile)| finished(index, tile));
+        let is_wanted = |number: &usize| sweep.pixels_of(self.tiles[*number]).next().is_some();
+        let wanted: Vec<_> = wanted.iter().copied().filter(is_wanted).collect();
+        self.share(&wanted, || Worker::new(self.plan), render, finished)
     }
 
     /// Follows all light paths of a pass. `finished` gets what they do, in any order, on this thread.
-    pub(crate) fn trace_light(&self, pass: LightPass, finished: impl FnMut(LitChunk)) {
+    pub(crate) fn trace_light(&self, pass: LightPass, mut finished: impl FnMut(LitChunk)) -> Outcome {
         let tracer = || LightTracer::new(self.plan.view.path_settings(), self.plan.needs);
-        let trace = |tracer: &mut LightTracer<_>, chunk: usize| {
-            Some(self.plan.trace_light(pass, chunk as u64, self.count, tracer))
-        };
-        self.share(pass.chunks() as usize, tracer, trace, finished);
+        let trace =
+            |tracer: &mut LightTracer<_>, chunk: usize| self.plan.trace_light(pass, chunk as u64, self.count, tracer);
+        let chunks: Vec<_> = (0..pass.chunks() as usize).collect();
+        self.share(&chunks, tracer, trace, |_, lit| finished(lit))
     }
 
-    /// Shares so many pieces of work out among the threads, each of which has a worker of its own and takes the next piece that
-    /// nobody has begun, until there is none.
+    fn is_interrupted(&self) -> bool {
+        self.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed))
+    }
+
+    /// Shares pieces of work out among the threads, each of which has a worker of its own and takes the next piece that
+    /// nobody has begun, until there is none, or the work is interrupted. A panic costs the piece, and a new worker.
     fn share<W, T: Send>(
         &self,
-        pieces: usize,
+        pieces: &[usize],
         worker: impl Fn() -> W + Sync,
-        work: impl Fn(&mut W, usize) -> Option<T> + Sync,
-        finished: impl FnMut(T),
-    ) {
+        work: impl Fn(&mut W, usize) -> T + Sync,
+        mut finished: impl FnMut(usize, T),
+    ) -> Outcome {
         let (sender, receiver) = mpsc::channel();
         let next = AtomicUsize::new(0);
         let (next, worker, work) = (&next, &worker, &work);
+        let mut left = pieces.len();
+        let mut lost = Vec::new();
         self.pool.in_place_scope(|scope| {
             for sender in vec![sender; self.threads()] {
                 scope.spawn(move |_| {
-                    let mut worker = worker();
-                    let begun = core::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
-                    for piece in begun.take_while(|piece| *piece < pieces) {
-                        if let Some(done) = work(&mut worker, piece) {
-                            // The receiver outlives this loop, so that sending cannot fail.
-                            let _ = sender.send(done);
+                    let mut own = worker();
+                    while !self.is_interrupted() {
+                        let Some(&piece) = pieces.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
+                        // The worker is replaced after a panic, and nothing else is changed by its work.
+                        let done = catch_unwind(AssertUnwindSafe(|| work(&mut own, piece)));
+                        if done.is_err() {
+                            own = worker();
                         }
+                        // The receiver outlives this loop, so that sending cannot fail.
+                        let _ = sender.send((piece, done.ok()));
                     }
                 });
             }
-            receiver.into_iter().for_each(finished);
+            for (piece, done) in receiver {
+                left -= 1;
+                match done {
+                    Some(done) => finished(piece, done),
+                    None => lost.push(piece),
+                }
+            }
+        });
+        Outcome { interrupted: left > 0, lost }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rt_scene_io::{Content, MaterialId, NamedCamera, Node, Scene};
+
+    use super::*;
+    use crate::PlanOptions;
+
+    /// A plan of one sphere, which is all that a crew needs.
+    fn with_crew(interrupt: Option<&AtomicBool>, test: impl FnOnce(&Crew<'_>)) {
+        let sphere = rt_geometry::Sphere::new(rt_math::DVec3::ZERO, 1.0).expect("a sphere");
+        let projection = rt_camera::Projection::Orthographic { height: 3.0 };
+        let camera = rt_camera::CameraSettings::new(rt_math::Transform::translate(rt_math::DVec3::Z * 4.0), projection);
+        let mut scene = Scene::empty("one sphere");
+        scene.cameras = vec![NamedCamera { name: "main".into(), settings: camera, medium: None }];
+        scene.appearance.materials = vec![rt_shading::Material::new("any".into(), rt_shading::Phong::default())];
+        scene.nodes = vec![Node::new(Content::Shape(rt_geometry::Shape::Sphere(sphere)), MaterialId(0))];
+        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+        test(&Crew::new(&plan, &RunOptions { threads: 3, interrupt, ..RunOptions::default() }).expect("threads"));
+    }
+
+    #[test]
+    fn a_panic_costs_its_piece_and_a_new_worker() {
+        with_crew(None, |crew| {
+            let pieces: Vec<_> = (10..90).collect();
+            let mut sum = 0;
+            // A worker that went on after its panic would say so by its count.
+            let work = |broken: &mut bool, piece: usize| {
+                assert!(!core::mem::replace(broken, true), "the worker of a panic goes on");
+                assert_ne!(piece % 20, 7, "a defect");
+                *broken = false;
+                piece
+            };
+            let mut outcome = crew.share(
+                &pieces,
+                || false,
+                work,
+                |piece, done| {
+                    assert_eq!(piece, done);
+                    sum += done;
+                },
+            );
+            outcome.lost.sort_unstable();
+            assert_eq!(outcome, Outcome { interrupted: false, lost: vec![27, 47, 67, 87] });
+            assert_eq!(sum, (10..90).sum::<usize>() - (27 + 47 + 67 + 87));
+        });
+    }
+
+    #[test]
+    fn an_interruption_finishes_what_is_begun() {
+        let interrupt = AtomicBool::new(false);
+        with_crew(Some(&interrupt), |crew| {
+            let (begun, mut finished) = (AtomicUsize::new(0), 0);
+            let work = |(): &mut (), piece: usize| {
+                begun.fetch_add(1, Ordering::Relaxed);
+                if piece == 5 {
+                    interrupt.store(true, Ordering::Relaxed);
+                }
+            };
+            let pieces: Vec<_> = (0..100_000).collect();
+            let outcome = crew.share(&pieces, || (), work, |_, ()| finished += 1);
+            assert!(outcome.interrupted && outcome.lost.is_empty());
+            assert!(finished == begun.load(Ordering::Relaxed) && finished < 100_000, "{finished}");
         });
     }
 }

@@ -134,6 +134,18 @@ pub enum RenderError {
         "adaptive sampling in object space shares out a fixed number of samples; it goes with no time and no error to reach"
     )]
     AdaptiveUntil,
+    /// A part of the tiles is to be rendered until something ends the render.
+    #[error(
+        "a share of the tiles takes a fixed number of samples: when to stop would depend on the clock of the machine, or on pixels \
+         that other machines have"
+    )]
+    SharedUntil,
+    /// A checkpoint is damaged, or of a render of another size, with other options, or of another share.
+    #[error("the checkpoint is of another picture, or of one that was made with other options")]
+    Checkpoint,
+    /// More memory would be needed than the budget allows.
+    #[error(transparent)]
+    Memory(#[from] rt_scene_io::Shortage),
     /// The worker threads could not be started.
     #[error("worker threads could not be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

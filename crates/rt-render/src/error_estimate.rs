@@ -13,6 +13,7 @@
 //! A pixel counts as one, however much its channels differ. Pixels count as independent.
 
 use rt_math::Rgb;
+use serde::{Deserialize, Serialize};
 
 use crate::{estimate::PixelEstimate, quantile::f_quantile};
 
@@ -34,7 +35,7 @@ pub struct ErrorEstimate {
 }
 
 /// What the estimate needs of a number of pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ErrorSums {
     pixels: u64,
     /// Σ vᵢ.
@@ -63,8 +64,8 @@ impl ErrorSums {
     }
 
     /// The pixels of all parts of the image. Sums depend on the order of parts in their last digits.
-    pub(crate) fn joined(parts: &[Self]) -> Self {
-        parts.iter().fold(Self::default(), |all, part| Self {
+    pub(crate) fn joined(parts: impl IntoIterator<Item = Self>) -> Self {
+        parts.into_iter().fold(Self::default(), |all, part| Self {
             pixels: all.pixels + part.pixels,
             squares: all.squares + part.squares,
             spread_of_estimate: all.spread_of_estimate + part.spread_of_estimate,
@@ -169,7 +170,7 @@ mod tests {
             pixels.iter().for_each(|pixel| sums.add(pixel));
             sums
         };
-        let joined = ErrorSums::joined(&[of(&pixels[..3]), of(&pixels[3..])]);
+        let joined = ErrorSums::joined([of(&pixels[..3]), of(&pixels[3..])]);
         let (whole, joined) = (of(&pixels).estimate().expect("passes"), joined.estimate().expect("passes"));
         assert!((whole.rmse - joined.rmse).abs() < 1e-15 && whole.largest == joined.largest);
         assert!(whole.interval[0] < whole.rmse && whole.rmse < whole.interval[1]);

@@ -9,9 +9,10 @@
 //! too little.
 
 use rt_math::Rgb;
+use serde::{Deserialize, Serialize};
 
 /// A pixel over its passes. Passes are folded in one after the other (West 1979), so that nothing cancels.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PixelEstimate {
     mean: Rgb,
     coverage: f64,

@@ -1,21 +1,17 @@
 //! What a plan uses, what it leaves out, and why.
 
-use std::collections::HashMap;
-use std::sync::Arc;
 use std::{collections::BTreeSet, fmt};
 
 use rt_accel::{AnyStructure, Structure as _};
 use rt_geometry::Shape;
 use rt_math::{DVec3, Primitives as _};
 use rt_scene_io::{Integrator, LightSampling};
-use rt_shading::{Follows, Light, LightKind, Material, PathSettings, Texture};
+use rt_shading::{Follows, Light, LightKind, Material, PathSettings};
 
 use crate::{
-    RenderPlan,
+    MemoryPrediction, RenderPlan,
     emitters::moving_lamp,
-    estimate::PixelEstimate,
     plan::{View, World},
-    splats::SplatImage,
     structure::{FEW, why},
     surroundings::Surroundings,
     visible::Visible,
@@ -40,8 +36,8 @@ pub struct Explanation {
     pub used: Vec<String>,
     /// What is left out.
     pub left_out: Vec<LeftOut>,
-    /// Predicted bytes of film, textures, geometry and structures.
-    pub memory: [(&'static str, usize); 4],
+    /// Predicted bytes of memory.
+    pub memory: MemoryPrediction,
 }
 
 impl fmt::Display for Explanation {
@@ -57,26 +53,7 @@ impl fmt::Display for Explanation {
                 writeln!(f, "  {what}: {why}")?;
             }
         }
-        write!(f, "\npredicted memory\n ")?;
-        for (i, (what, bytes)) in self.memory.iter().enumerate() {
-            write!(f, "{} {what} {}", if i == 0 { "" } else { "," }, Bytes(*bytes))?;
-        }
-        writeln!(f)
-    }
-}
-
-/// Bytes in a unit that fits.
-struct Bytes(usize);
-
-impl fmt::Display for Bytes {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let bytes = self.0 as f64;
-        match self.0 {
-            0..1024 => write!(f, "{} B", self.0),
-            1024..1_048_576 => write!(f, "{:.1} KiB", bytes / 1024.0),
-            1_048_576..1_073_741_824 => write!(f, "{:.1} MiB", bytes / 1_048_576.0),
-            _ => write!(f, "{:.1} GiB", bytes / 1_073_741_824.0),
-        }
+        writeln!(f, "\npredicted memory\n  {}", self.memory)
     }
 }
 
@@ -151,23 +128,6 @@ impl Census {
     }
 }
 
-/// Bytes of a part, with what it has on the heap.
-fn part_memory(part: &Part) -> usize {
-    let moving = if let PartGeometry::Moving(moving) = &part.geometry { size_of_val(&**moving) } else { 0 };
-    let boxed = match part.geometry.at_rest() {
-        PartGeometry::Shape(shape) => shape_memory(shape),
-        PartGeometry::Placed(placed) => size_of_val(&**placed) + shape_memory(placed.shape()),
-        PartGeometry::Mesh(_, Some(transform)) | PartGeometry::Group(_, Some(transform)) => size_of_val(&**transform),
-        _ => 0,
-    };
-    size_of::<Part>() + moving + boxed + part.name.len()
-}
-
-/// Bytes that a shape has on the heap.
-fn shape_memory(shape: &Shape) -> usize {
-    if let Shape::Polygon(polygon) = shape { polygon.memory() } else { 0 }
-}
-
 /// "1 sphere", "2 spheres".
 fn count(n: usize, singular: &str, plural: &str) -> String {
     format!("{n} {}", if n == 1 { singular } else { plural })
@@ -181,7 +141,7 @@ impl RenderPlan<'_> {
             title: self.title(),
             used: self.used(&census),
             left_out: if self.full { Vec::new() } else { self.left_out(&census) },
-            memory: self.memory(),
+            memory: self.memory,
         }
     }
 
@@ -276,8 +236,8 @@ impl RenderPlan<'_> {
     /// Paths from the lights, and what they are sent to.
     fn light_paths(&self) -> Option<String> {
         let sources = self.light_sources.as_ref()?;
-        let film = &self.scene.film;
-        let paths = u64::from(film.width) * u64::from(film.height) * u64::from(self.pass_spp);
+        let [width, height] = self.size.map(u64::from);
+        let paths = width * height * u64::from(self.pass_spp);
         let targets = if sources.targets().is_everywhere() {
             "in all directions, as a sharp mirror or a body of glass has no bounds".to_owned()
         } else {
@@ -478,35 +438,5 @@ impl RenderPlan<'_> {
             Some(_) => of("light paths of the environment", "its light is found by paths from the camera"),
             None => None,
         }
-    }
-
-    fn memory(&self) -> [(&'static str, usize); 4] {
-        let pixels = self.crop.width as usize * self.crop.height as usize;
-        let by_passes = pixels * size_of::<PixelEstimate>() + SplatImage::memory(pixels, self.filter);
-        let film = pixels * if self.transparent { 16 } else { 12 };
-        let film = film + if self.light_sources.is_some() { by_passes } else { 0 };
-        let (geometry, structures) = match &self.world {
-            World::Spheres(world, structure) => {
-                let lists = world.materials.len() * (size_of::<rt_geometry::Sphere>() + 4) + world.casts_shadow.len();
-                (lists, structure.memory())
-            }
-            World::Parts(top, levels) => {
-                let assemblies = || std::iter::once(top).chain(&levels.groups);
-                let parts: usize = assemblies().flat_map(|a| &a.parts).map(part_memory).sum();
-                let meshes: usize = levels.meshes.iter().map(|m| m.mesh.memory()).sum();
-                let structures: usize = assemblies().map(|a| a.structure.memory()).sum();
-                let mesh_structures: usize = levels.meshes.iter().map(|m| m.structure.memory()).sum();
-                (parts + meshes, structures + mesh_structures)
-            }
-        };
-        let structures = structures + self.visible.as_ref().map_or(0, Visible::memory);
-        [("film", film), ("textures", self.texture_memory()), ("geometry", geometry), ("structures", structures)]
-    }
-
-    fn texture_memory(&self) -> usize {
-        // Several textures may share an image.
-        let images = self.appearance.textures.iter().filter_map(Texture::bitmap);
-        let unique: HashMap<_, _> = images.map(|bitmap| (Arc::as_ptr(bitmap), bitmap.memory())).collect();
-        unique.values().sum()
     }
 }

@@ -25,7 +25,7 @@ const MAX_PARTS: u64 = 1 << 24;
 
 /// A mesh of at most so many triangles has no structure of its own where it needs no transform: its triangles join the level
 /// above.
-const DISSOLVED: usize = 64;
+pub(crate) const DISSOLVED: usize = 64;
 
 /// Flattens a scene, in the space that `plan_from_world` leads to, and builds all structures. `may_be_flat` lets these decide by
 /// themselves where all parts are single primitives. With a `moment`, everything stands still where it is then.
@@ -60,7 +60,7 @@ fn textures(scene: &Scene) -> Vec<Texture> {
 }
 
 /// How often each group is placed, counting through groups that are placed themselves.
-fn count_group_uses(scene: &Scene) -> Result<Vec<u64>, RenderError> {
+pub(crate) fn count_group_uses(scene: &Scene) -> Result<Vec<u64>, RenderError> {
     let mut uses = vec![0u64; scene.groups.len()];
     let mut open = vec![(scene.nodes.as_slice(), 0usize)];
     while let Some((nodes, depth)) = open.pop() {
@@ -83,13 +83,34 @@ fn count_group_uses(scene: &Scene) -> Result<Vec<u64>, RenderError> {
     Ok(uses)
 }
 
-fn group_of<'s>(scene: &'s Scene, node: &Node, id: GroupId) -> Result<&'s Group, RenderError> {
+pub(crate) fn group_of<'s>(scene: &'s Scene, node: &Node, id: GroupId) -> Result<&'s Group, RenderError> {
     scene.groups.get(id.0 as usize).ok_or_else(|| RenderError::Dangling {
         object: node.name.clone(),
         what: "group",
         index: id.0,
         count: scene.groups.len(),
     })
+}
+
+/// The name of the node at which shape number `index` stands, counted as [`Flattener::collect`] finds them, in a scene all of
+/// whose groups are dissolved and that has no meshes.
+pub(crate) fn name_of_shape(scene: &Scene, index: u32) -> Option<&str> {
+    let mut shapes_before = index;
+    let mut open = vec![scene.nodes.iter()];
+    while let Some(nodes) = open.last_mut() {
+        let Some(node) = nodes.next() else {
+            open.pop();
+            continue;
+        };
+        open.push(node.children.iter());
+        match node.content {
+            Some(Content::Shape(_)) if shapes_before == 0 => return Some(&node.name),
+            Some(Content::Shape(_)) => shapes_before -= 1,
+            Some(Content::Instance(id)) => open.push(scene.groups.get(id.0 as usize)?.nodes.iter()),
+            Some(Content::Mesh(_)) | None => {}
+        }
+    }
+    None
 }
 
 /// Where the walk stands.

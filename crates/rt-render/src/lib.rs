@@ -48,6 +48,7 @@
 #![forbid(unsafe_code)]
 
 pub mod check;
+mod checkpoint;
 mod cost;
 mod crew;
 mod emitters;
@@ -57,7 +58,12 @@ mod estimate;
 mod explain;
 mod flatten;
 mod light_pass;
+mod memory;
+mod observer;
+mod outlook;
+mod part;
 mod passes;
+mod pick;
 mod pixel;
 mod plan;
 mod porous;
@@ -80,10 +86,15 @@ mod visible;
 mod wave;
 mod world;
 
+pub use checkpoint::Checkpoint;
 pub use error::RenderError;
 pub use error_estimate::ErrorEstimate;
 pub use explain::{Explanation, LeftOut};
+pub use memory::MemoryPrediction;
+pub use observer::{Kept, Observer, SoFar};
+pub use part::{JoinError, Part, Share};
 pub use passes::default_passes;
+pub use pick::Picked;
 pub use plan::{Crop, PlanOptions, RenderPlan};
 pub use processor::processor;
 pub use quantile::student_t;

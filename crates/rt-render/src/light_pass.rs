@@ -3,7 +3,7 @@
 use rt_accel::AnyStructure;
 use rt_camera::{PixelSample, PixelSampler, SamplePattern};
 use rt_geometry::Shape;
-use rt_math::{Aabb, Counters, NoProbe, Sampler, random::hash};
+use rt_math::{Counters, NoProbe, Sampler, random::hash};
 use rt_shading::{
     Appearance, Ball, LightScene, LightSources, LightTracer, Lighting, ShadingCounts, Sight, Targets,
     emitter::EmitterSet,
@@ -56,8 +56,8 @@ impl LightPass {
 impl RenderPlan<'_> {
     /// The light paths of a pass of so many samples per pixel; `None` if the plan follows none.
     pub(crate) fn light_pass(&self, pass: u32, spp: u32) -> Option<LightPass> {
-        let film = &self.scene.film;
-        let paths = u64::from(film.width) * u64::from(film.height) * u64::from(spp);
+        let [width, height] = self.size.map(u64::from);
+        let paths = width * height * u64::from(spp);
         self.light_sources.as_ref().map(|_| LightPass { pass, paths })
     }
 
@@ -141,22 +141,18 @@ impl RenderPlan<'_> {
 pub(crate) fn light_sources(appearance: &Appearance, emitters: &EmitterSet, world: &World) -> Option<LightSources> {
     let is_sharp =
         |material: u32| appearance.materials.get(material as usize).is_some_and(rt_shading::Material::is_sharp);
-    let (targets, bounds) = match world {
+    let targets = match world {
         World::Spheres(world, _) => {
-            let spheres = || world.spheres.as_slice().iter();
-            let sharp = spheres().zip(&world.materials).filter(|(_, material)| is_sharp(**material));
+            let sharp = world.spheres.as_slice().iter().zip(&world.materials);
+            let sharp = sharp.filter(|(_, material)| is_sharp(**material));
             let ball =
                 |(sphere, _): (&rt_geometry::Sphere, _)| Ball { centre: sphere.centre(), radius: sphere.radius() };
-            let bounds = spheres().fold(Aabb::EMPTY, |sum, sphere| sum.union(sphere.bounds()));
-            (Targets::new(sharp.map(ball).collect()), bounds)
+            Targets::new(sharp.map(ball).collect())
         }
-        World::Parts(top, levels) => {
-            let bounds = top.parts.iter().filter_map(|part| part.bounds).fold(Aabb::EMPTY, Aabb::union);
-            (targets(&top.parts, levels, &is_sharp), bounds)
-        }
+        World::Parts(top, levels) => targets(&top.parts, levels, &is_sharp),
     };
     let bodies = reach_of_transparent_bodies(&appearance.materials, world);
-    let sources = LightSources::new(&appearance.lights, emitters, targets, bounds, bodies);
+    let sources = LightSources::new(&appearance.lights, emitters, targets, world.bounds(), bodies);
     (!sources.is_empty()).then_some(sources)
 }
 

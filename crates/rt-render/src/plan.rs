@@ -6,18 +6,20 @@ use rt_accel::AnyStructure;
 use rt_accel::wide::{Quality, SimdLevel};
 use rt_camera::{Camera, Filter, SamplePattern, ViewVolume};
 use rt_geometry::{Shape, Spheres};
-use rt_math::{Aabb, DVec2, DVec3};
-use rt_scene_io::{Accel, Integrator, MaterialId, NamedCamera, Scene, Settings};
+use rt_math::{DVec2, DVec3};
+use rt_scene_io::{Integrator, MaterialId, NamedCamera, Scene, Settings};
 use rt_shading::{
     AmbientOcclusion, Appearance, FirstHitView, Follows, LightSources, Needs, PathSettings, emitter::EmitterSet,
 };
+use serde::{Deserialize, Serialize};
 
 use crate::{
     RenderError,
     emitters::{emitters, moving_lamp},
     flatten::flatten,
     light_pass::light_sources,
-    passes::default_passes,
+    memory::{MemoryPrediction, PerPixel},
+    outlook::{Outlook, Shot, Stage},
     rebase,
     structure::Wanted,
     surroundings::Surroundings,
@@ -27,7 +29,7 @@ use crate::{
 };
 
 /// A part of the image, in pixels from its upper left corner.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Crop {
     /// Left edge.
     pub x: u32,
@@ -55,6 +57,12 @@ pub struct PlanOptions {
     pub simd: Option<SimdLevel>,
     /// How much time the wide tree may take to be built. The picture is the same to the bit.
     pub quality: Quality,
+    /// Most bytes of memory that the render may take. What is predicted to take more is refused before it is built; `None`
+    /// for no limit.
+    pub memory: Option<u64>,
+    /// Whether the render will go on until something ends it, or keep maps of error and samples: more is then kept of each
+    /// pixel. It matters for the prediction of memory alone.
+    pub progressive: bool,
 }
 
 /// What camera rays are asked for.
@@ -94,12 +102,15 @@ pub(crate) enum World {
 #[derive(Debug)]
 pub struct RenderPlan<'s> {
     pub(crate) scene: &'s Scene,
+    pub(crate) options: PlanOptions,
     pub(crate) camera_name: &'s str,
     pub(crate) camera: Camera,
     pub(crate) pattern: SamplePattern,
     pub(crate) seed: u64,
     pub(crate) filter: Filter,
     pub(crate) sample_offset: DVec2,
+    /// Width and height of the whole image.
+    pub(crate) size: [u32; 2],
     pub(crate) crop: Crop,
     pub(crate) transparent: bool,
     /// Independent passes of a render of a fixed number of samples.
@@ -129,7 +140,11 @@ pub struct RenderPlan<'s> {
     pub(crate) surroundings: Surroundings,
     /// Whether the camera or an object moves while the shutter is open.
     pub(crate) moves: bool,
+    /// When everything stands still, if it does.
+    pub(crate) moment: Option<f64>,
     pub(crate) full: bool,
+    /// What was foreseen.
+    pub(crate) memory: MemoryPrediction,
     pub(crate) build_seconds: f64,
 }
 
@@ -137,9 +152,21 @@ impl<'s> RenderPlan<'s> {
     /// Compiles a scene.
     ///
     /// # Errors
-    /// If the camera, film or crop is unusable, an index points nowhere, groups contain themselves, or a structure
-    /// cannot be built. Each error names the object.
+    /// If the camera, film or crop is unusable, an index points nowhere, groups contain themselves, a structure cannot be
+    /// built, or more memory would be needed than is allowed. Each error names the object.
     pub fn compile(scene: &'s Scene, options: &PlanOptions) -> Result<Self, RenderError> {
+        let camera = camera_of(scene, options.camera)?;
+        let shot = Shot { camera, size: [scene.film.width, scene.film.height] };
+        Self::compile_shot(scene, options, &shot, &camera.name)
+    }
+
+    /// Compiles a scene for a camera that it need not contain.
+    pub(crate) fn compile_shot(
+        scene: &'s Scene,
+        options: &PlanOptions,
+        shot: &Shot<'_>,
+        camera_name: &'s str,
+    ) -> Result<Self, RenderError> {
         let started = Instant::now();
         let film = &scene.film;
         film.validate()?;
@@ -150,20 +177,19 @@ impl<'s> RenderPlan<'s> {
         if settings.passes == Some(0) {
             return Err(RenderError::NoPasses);
         }
-        let crop = check_crop(options.crop, film.width, film.height)?;
-        let named_camera = camera_of(scene, options.camera)?;
-        let NamedCamera { name: camera_name, settings: camera_settings, medium } = named_camera;
-        let origin = rebase::origin(scene, camera_settings);
-        let camera_settings = rebase::camera(camera_settings, origin);
-        let camera = Camera::new(&camera_settings, film.width, film.height)
-            .map_err(|source| RenderError::Camera { name: camera_name.clone(), source })?;
-
+        let origin = rebase::origin(scene, &shot.camera.settings);
+        check_shot(scene, options, shot, origin)?;
         let wanted = Wanted { accel: settings.accel, simd: options.simd, quality: options.quality };
-        let [opens, closes] = camera.shutter();
-        let moment = (opens == closes).then_some(opens);
+        let kept = PerPixel {
+            crop: check_crop(options.crop, shot.size[0], shot.size[1])?,
+            transparent: options.transparent,
+            progressive: options.progressive,
+            culls: !options.full && settings.integrator != Integrator::Cost,
+        };
+        let (memory, most) = MemoryPrediction::of(scene, wanted, &kept)?;
+        memory.check(options.memory, most)?;
+        let moment = shot.moment();
         let (mut top, mut levels) = flatten(scene, wanted, rebase::plan_from_world(origin), !options.full, moment)?;
-        let moves = camera.moves() || top.all_parts(&levels).any(Part::moves);
-        check_adaptive(settings, &camera, moves)?;
         if let (Integrator::Distributed, Some(lamp)) = (settings.integrator, moving_lamp(scene, &top, &levels)) {
             return Err(RenderError::MovingLamp(lamp));
         }
@@ -172,37 +198,31 @@ impl<'s> RenderPlan<'s> {
         } else {
             EmitterSet::default()
         };
-        let visible = if options.full { None } else { visible(scene, wanted, &camera, crop, &top, &levels)? };
-        let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, *medium) };
-        let (near, far) = depth_range(&camera, &top);
-        let stochastic = settings.integrator.is_stochastic() || camera.has_lens() || moves;
-        let passes = settings.passes.unwrap_or_else(|| default_passes(settings.pattern, settings.spp, stochastic));
+        let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, shot.camera.medium) };
         let world = if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) };
-        let surroundings = if settings.integrator.follows_light() && needs.refraction {
-            Surroundings::of(named_camera, &camera, moves, scene, &world)
-        } else {
-            Surroundings::air()
-        };
+        let stage = Stage { scene, options, wanted, origin, world: &world, refracts: needs.refraction };
+        let outlook = Outlook::of(&stage, shot)?;
+        let Outlook { camera, size, crop, visible, narrows, view, surroundings, .. } = outlook;
+        let Outlook { moves, passes, pass_spp, simple_pass_spp, .. } = outlook;
         let appearance = rebase::appearance(&scene.appearance, origin);
         let follows_light_paths = settings.integrator == Integrator::Caustics;
         let light_sources = if follows_light_paths { light_sources(&appearance, &emitters, &world) } else { None };
         Ok(Self {
             scene,
+            options: *options,
             camera_name,
             pattern: settings.pattern,
             seed: settings.seed,
             filter: film.filter,
             sample_offset: film.sample_offset,
+            size,
             crop,
             transparent: options.transparent,
             passes,
-            pass_spp: settings.pattern.round_up(settings.spp.div_ceil(passes)),
-            simple_pass_spp: settings.adaptive.map(|adaptive| {
-                let least = adaptive.least(settings.spp).min(settings.spp);
-                settings.pattern.round_up(least.div_ceil(passes))
-            }),
+            pass_spp,
+            simple_pass_spp,
             integrator: settings.integrator,
-            view: View::new(settings, near, far),
+            view,
             emitters,
             depth: settings.depth,
             min_contribution: settings.min_contribution,
@@ -212,15 +232,14 @@ impl<'s> RenderPlan<'s> {
             world,
             surroundings,
             moves,
+            moment,
             visible,
             wanted,
-            narrows: !options.full
-                && settings.accel == Accel::Auto
-                && settings.integrator != Integrator::Cost
-                && !camera.moves(),
+            narrows,
             origin,
             full: options.full,
             camera,
+            memory,
             build_seconds: started.elapsed().as_secs_f64(),
         })
     }
@@ -256,6 +275,11 @@ impl<'s> RenderPlan<'s> {
     /// The corners of a part of the image between which its camera rays run, first the one of least coordinates.
     pub(crate) fn raster_of(&self, part: Crop) -> [DVec2; 2] {
         raster_of(self.sample_offset, self.filter, part)
+    }
+
+    /// Bytes of memory that the render takes, as they were foreseen before anything was built.
+    pub const fn memory(&self) -> MemoryPrediction {
+        self.memory
     }
 
     /// Seconds that compilation took, structures included.
@@ -301,7 +325,7 @@ fn camera_of(scene: &Scene, index: usize) -> Result<&NamedCamera, RenderError> {
 }
 
 /// Pyramids are told apart where the integrator finds edges and the edges stand still, and have an apex.
-fn check_adaptive(settings: &Settings, camera: &Camera, moves: bool) -> Result<(), RenderError> {
+pub(crate) fn check_adaptive(settings: &Settings, camera: &Camera, moves: bool) -> Result<(), RenderError> {
     match settings.adaptive {
         Some(_) if settings.integrator != Integrator::Whitted => Err(RenderError::Adaptive(settings.integrator.name())),
         Some(_) if camera.has_lens() => Err(RenderError::AdaptiveLens),
@@ -310,7 +334,7 @@ fn check_adaptive(settings: &Settings, camera: &Camera, moves: bool) -> Result<(
     }
 }
 
-fn check_crop(crop: Option<Crop>, film_width: u32, film_height: u32) -> Result<Crop, RenderError> {
+pub(crate) fn check_crop(crop: Option<Crop>, film_width: u32, film_height: u32) -> Result<Crop, RenderError> {
     let whole = Crop { x: 0, y: 0, width: film_width, height: film_height };
     let crop = crop.unwrap_or(whole);
     let Crop { x, y, width, height } = crop;
@@ -322,26 +346,18 @@ fn check_crop(crop: Option<Crop>, film_width: u32, film_height: u32) -> Result<C
     }
 }
 
-/// What the camera rays of the crop are asked of, where that pays. The cost view shows the work that the structure over
-/// the whole scene takes; a camera that moves looks into many volumes.
-fn visible(
-    scene: &Scene,
-    wanted: Wanted,
-    camera: &Camera,
-    crop: Crop,
-    top: &Assembly,
-    levels: &Levels,
-) -> Result<Option<Visible>, RenderError> {
-    if scene.settings.integrator == Integrator::Cost || camera.moves() {
-        return Ok(None);
-    }
-    let volume = view_volume(camera, scene.film.sample_offset, scene.film.filter, crop);
-    Visible::build(wanted, &top.set(levels), &volume)
-        .map_err(|source| RenderError::Build { object: scene.name.clone(), source })
+/// Checks what can be checked before anything is built.
+fn check_shot(scene: &Scene, options: &PlanOptions, shot: &Shot<'_>, origin: DVec3) -> Result<(), RenderError> {
+    let [width, height] = shot.size;
+    check_crop(options.crop, width, height)?;
+    let settings = rebase::camera(&shot.camera.settings, origin);
+    let camera = Camera::new(&settings, width, height)
+        .map_err(|source| RenderError::Camera { name: shot.camera.name.clone(), source })?;
+    check_adaptive(&scene.settings, &camera, camera.moves())
 }
 
 /// Where the rays of a part of the image run.
-fn view_volume(camera: &Camera, sample_offset: DVec2, filter: Filter, part: Crop) -> ViewVolume {
+pub(crate) fn view_volume(camera: &Camera, sample_offset: DVec2, filter: Filter, part: Crop) -> ViewVolume {
     let [min, max] = raster_of(sample_offset, filter, part);
     camera.view_volume(min, max)
 }
@@ -382,16 +398,4 @@ fn needs(scene: &Scene, top: &Assembly, levels: &Levels, medium: Option<Material
     }
     let needs = Needs::of(&scene.appearance, |material| used[material]);
     Needs { shadows: needs.shadows && casts_shadow, shading_normals, ..needs }
-}
-
-/// Nearest and farthest depth of the bounded part of the world, along the view axis.
-fn depth_range(camera: &Camera, top: &Assembly) -> (f64, f64) {
-    let bounds = top.parts.iter().filter_map(|part| part.bounds).fold(Aabb::EMPTY, Aabb::union);
-    if bounds.is_empty() {
-        return (0.0, 1.0);
-    }
-    let depths = bounds.corners().map(|corner| camera.depth(corner));
-    let near = depths.into_iter().fold(f64::INFINITY, f64::min).max(0.0);
-    let far = depths.into_iter().fold(0.0, f64::max);
-    if near < far { (near, far) } else { (near, near + 1.0) }
 }

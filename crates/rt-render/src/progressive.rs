@@ -2,172 +2,311 @@
 //!
 //! What is known of a pixel is a function of the seed and of the passes that it took, whatever the threads do. The clock decides
 //! how many passes there are, and nothing else.
+//!
+//! A render can be interrupted in the midst of a pass and go on from there: [`PassState`] is all that it knows.
 
+use core::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use rt_camera::Film;
 use rt_math::Rgb;
+use serde::{Deserialize, Serialize};
 
 use crate::{
-    Crop, PassProgress, Progress, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, Statistics, StopRule,
-    Stopped,
+    Crop, Observer, Part, PassProgress, Progress, RenderPlan, Share, SoFar, Statistics, StopRule, Stopped, TargetError,
     crew::Crew,
     error_estimate::ErrorSums,
     estimate::PixelEstimate,
+    observer::{Kept, State},
+    part::{Frame, TilePixels},
     passes::{PixelMask, Sweep},
+    refine::Stage,
     render::rounded,
     splats::SplatImage,
     tile::Finished,
-    tiles::Tile,
+    tiles::{Tile, tile_count},
 };
 
 impl RenderPlan<'_> {
-    /// Renders pass after pass until the rule says stop; the number of samples in the scene is not looked at. `progress` is
-    /// called on this thread after each tile.
-    ///
-    /// # Errors
-    /// [`RenderError::Threads`] if the worker threads cannot be started, [`RenderError::TargetError`] and
-    /// [`RenderError::NoSamples`] for a rule with such numbers, [`RenderError::AdaptiveUntil`] for a plan that tells pixels apart
-    /// in object space, [`RenderError::SamePasses`] for an error that would never
-    /// be known.
-    pub fn render_until(
+    /// Renders passes over the whole image: those of a fixed number of samples, or as many as the rule wants. In memory there are
+    /// the light paths of one pass.
+    pub(crate) fn render_passes(
         &self,
-        options: &RunOptions,
-        rule: &StopRule,
-        progress: impl FnMut(Progress),
-    ) -> Result<Rendering, RenderError> {
-        rule.validate()?;
-        if self.simple_pass_spp.is_some() {
-            return Err(RenderError::AdaptiveUntil);
-        }
-        if rule.target.is_some() && !self.passes_differ() {
-            return Err(RenderError::SamePasses(self.pattern.name()));
-        }
-        let mut render = Progressive::new(self, options, *rule, progress)?;
-        let (stopped, unconverged) = match rule.target {
-            None => (render.pass_after_pass(), None),
-            Some(target) => {
-                let (stopped, unconverged) = render.refine(target);
+        crew: &Crew<'_>,
+        share: Share,
+        rule: Option<&StopRule>,
+        state: PassState,
+        observer: impl Observer,
+    ) -> Part {
+        let fixed = StopRule { max_spp: self.samples_per_pixel(), ..StopRule::default() };
+        let mut render = Progressive {
+            plan: self,
+            crew,
+            rule: rule.copied().unwrap_or(fixed),
+            started: Instant::now(),
+            spent: Duration::try_from_secs_f64(state.statistics.render_seconds).unwrap_or_default(),
+            of_share: (0..crew.tiles().len()).filter(|number| share.holds(*number)).collect(),
+            state,
+            expected_samples: None,
+            observer,
+        };
+        let (stopped, unconverged) = match rule {
+            None => (render.all_passes(), None),
+            Some(StopRule { target: None, .. }) => (render.pass_after_pass(), None),
+            Some(StopRule { target: Some(target), .. }) => {
+                let (stopped, unconverged) = render.refine(*target);
                 (stopped, Some(unconverged))
             }
         };
-        Ok(render.finish(stopped, unconverged, options.maps))
+        if stopped == Stopped::Interrupted {
+            render.observer.unfinished(&Kept(State::Passes(&render.state)));
+        }
+        render.finish(share, stopped, unconverged)
     }
 }
 
-impl RenderPlan<'_> {
-    /// Renders the passes of a fixed number of samples one after the other, with the light paths of each before it: in memory
-    /// there are those of one pass.
-    pub(crate) fn render_by_passes(
-        &self,
-        options: &RunOptions,
-        progress: impl FnMut(Progress),
-    ) -> Result<Rendering, RenderError> {
-        let rule = StopRule { max_spp: self.samples_per_pixel(), ..StopRule::default() };
-        let mut render = Progressive::new(self, options, rule, progress)?;
-        let stopped = render.all_passes();
-        Ok(render.finish(stopped, None, options.maps))
+/// What a render of passes knows of its pixels, and where it stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct PassState {
+    pub(crate) frame: Frame,
+    share: Share,
+    way: Way,
+    /// All pixels, row by row.
+    pub(crate) pixels: Vec<PixelEstimate>,
+    pub(crate) statistics: Statistics,
+    pub(crate) place: Place,
+    /// Wall-clock seconds that the last pass took for a sample.
+    seconds_per_sample: f64,
+    rmse: Option<f64>,
+    /// Numbers of the tiles in which a worker failed.
+    lost: Vec<u32>,
+}
+
+/// What says how large passes are, and which pixels take them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Way {
+    /// The plan.
+    Fixed,
+    /// They grow until there is enough.
+    Growing,
+    /// They grow until each pixel is sure of itself, or has so many samples.
+    Target(TargetError, u32),
+}
+
+/// Where in its passes a render stands.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Place {
+    /// Number of the pass that is taken now or next.
+    pub(crate) pass: u32,
+    /// Samples that a pixel has if it took all passes before.
+    pub(crate) taken: u32,
+    /// Tiles that have taken the pass; empty before the first one has.
+    pub(crate) begun: Vec<bool>,
+    pub(crate) stage: Stage,
+}
+
+impl PassState {
+    /// Of a render that has not begun.
+    pub(crate) fn new(frame: Frame, share: Share, rule: Option<&StopRule>, statistics: Statistics) -> Self {
+        let Crop { width, height, .. } = frame.crop;
+        Self {
+            frame,
+            share,
+            way: Way::new(rule),
+            pixels: vec![PixelEstimate::default(); width as usize * height as usize],
+            statistics,
+            place: Place::default(),
+            seconds_per_sample: 0.0,
+            rmse: None,
+            lost: Vec::new(),
+        }
+    }
+
+    /// True if a render of this kind can go on from here.
+    pub(crate) fn fits(&self, frame: Frame, share: Share, rule: Option<&StopRule>) -> bool {
+        let Crop { width, height, .. } = frame.crop;
+        let pixels = width as usize * height as usize;
+        let is_optional = |length: usize, all: usize| length == 0 || length == all;
+        self.frame == frame
+            && self.share == share
+            && self.way == Way::new(rule)
+            && self.pixels.len() == pixels
+            && is_optional(self.place.begun.len(), tile_count(frame.crop))
+            && self.place.stage.fits(pixels)
+    }
+
+    /// The picture so far.
+    pub(crate) fn film(&self) -> Film {
+        let Crop { width, height, .. } = self.frame.crop;
+        let mut film = Film::new(width, height, self.frame.transparent);
+        for (place, pixel) in film.pixels_mut().iter_mut().zip(&self.pixels) {
+            *place = rounded(pixel.mean());
+        }
+        for (place, pixel) in film.alpha_mut().unwrap_or_default().iter_mut().zip(&self.pixels) {
+            *place = rounded_coverage(pixel);
+        }
+        film
+    }
+
+    /// What a tile shows now.
+    pub(crate) fn tile_pixels(&self, tile: Tile) -> TilePixels {
+        let Frame { crop, transparent, maps, .. } = self.frame;
+        let pixels = || tile.pixels().filter_map(move |at| self.pixels.get(place_of(crop, at)));
+        let counts: Vec<_> = pixels().map(PixelEstimate::samples).collect();
+        let range = [counts.iter().copied().min(), counts.iter().copied().max()].map(Option::unwrap_or_default);
+        let standard_error = |pixel: &PixelEstimate| match pixel.variance() {
+            Some(variance) => rounded(variance.map(f64::sqrt)),
+            None => [f32::INFINITY; 3],
+        };
+        let mut error = ErrorSums::default();
+        pixels().for_each(|pixel| error.add(pixel));
+        TilePixels {
+            pixels: pixels().map(|pixel| rounded(pixel.mean())).collect(),
+            alpha: pixels().filter(|_| transparent).map(rounded_coverage).collect(),
+            standard_errors: pixels().filter(|_| maps).map(standard_error).collect(),
+            samples: counts.iter().copied().map(u64::from).sum(),
+            counts: if range[0] == range[1] { Vec::new() } else { counts },
+            range,
+            error,
+        }
+    }
+}
+
+impl Way {
+    fn new(rule: Option<&StopRule>) -> Self {
+        match rule {
+            None => Self::Fixed,
+            Some(StopRule { target: None, .. }) => Self::Growing,
+            Some(StopRule { target: Some(target), max_spp, .. }) => Self::Target(*target, *max_spp),
+        }
     }
 }
 
 /// A render in progress.
-pub(crate) struct Progressive<'p, F> {
+pub(crate) struct Progressive<'p, O> {
     plan: &'p RenderPlan<'p>,
-    crew: Crew<'p>,
+    crew: &'p Crew<'p>,
     pub(crate) rule: StopRule,
     started: Instant,
-    statistics: Statistics,
-    /// All pixels, row by row.
-    pub(crate) pixels: Vec<PixelEstimate>,
-    /// Wall-clock seconds that the last pass took for a sample.
-    seconds_per_sample: f64,
-    rmse: Option<f64>,
+    /// Time that earlier runs took.
+    spent: Duration,
+    /// Numbers of the tiles to render.
+    of_share: Vec<usize>,
+    pub(crate) state: PassState,
     /// Samples that pixels are expected to need in all, if more is known than what time allows.
     pub(crate) expected_samples: Option<u64>,
-    progress: F,
+    observer: O,
 }
 
-impl<'p, F: FnMut(Progress)> Progressive<'p, F> {
-    fn new(plan: &'p RenderPlan<'p>, options: &RunOptions, rule: StopRule, progress: F) -> Result<Self, RenderError> {
-        let started = Instant::now();
-        let crew = Crew::new(plan, options)?;
-        let Crop { width, height, .. } = plan.crop;
-        Ok(Self {
-            statistics: Statistics::new(&crew, plan),
-            plan,
-            crew,
-            rule,
-            started,
-            pixels: vec![PixelEstimate::default(); width as usize * height as usize],
-            seconds_per_sample: 0.0,
-            rmse: None,
-            expected_samples: None,
-            progress,
-        })
-    }
-
+impl<O: Observer> Progressive<'_, O> {
     /// The passes that the plan splits its samples into.
     fn all_passes(&mut self) -> Stopped {
-        (0..self.plan.passes).for_each(|pass| self.take_pass(pass, self.plan.pass_spp, None));
+        while self.state.place.pass < self.plan.passes {
+            if self.take_pass(self.plan.pass_spp, None).is_break() {
+                return Stopped::Interrupted;
+            }
+        }
         Stopped::Samples
     }
 
     /// Passes that grow, over all pixels.
     fn pass_after_pass(&mut self) -> Stopped {
-        let mut taken = 0;
-        for pass in 0.. {
-            let Some(spp) = self.pass_spp(pass, taken) else { return Stopped::Samples };
-            if pass > 0 && !self.is_in_time(spp, self.pixels.len(), self.rule.time) {
+        while let Some(spp) = self.pass_spp() {
+            if !self.is_in_time(spp, self.state.pixels.len(), self.rule.time) {
                 return Stopped::Time;
             }
-            self.take_pass(pass, spp, None);
-            taken += spp;
+            if self.take_pass(spp, None).is_break() {
+                return Stopped::Interrupted;
+            }
         }
         Stopped::Samples
     }
 
     /// Samples of the next pass; `None` if the rule allows no more.
-    pub(crate) fn pass_spp(&self, pass: u32, taken: u32) -> Option<u32> {
+    pub(crate) fn pass_spp(&self) -> Option<u32> {
+        let Place { pass, taken, .. } = self.state.place;
         self.rule.pass_spp(self.plan.pattern, pass, taken)
     }
 
-    /// True if so many samples of so many pixels can be expected to be there by then.
+    /// True if so many samples of so many pixels can be expected to be there by then. The first pass is always taken, and one
+    /// that was begun is always finished.
     pub(crate) fn is_in_time(&self, spp: u32, pixels: usize, limit: Option<Duration>) -> bool {
-        let next = self.seconds_per_sample * f64::from(spp) * pixels as f64;
-        limit.is_none_or(|limit| self.started.elapsed().as_secs_f64() + next <= limit.as_secs_f64())
+        let next = self.state.seconds_per_sample * f64::from(spp) * pixels as f64;
+        let is_due = self.state.place.pass == 0 || !self.state.place.begun.is_empty();
+        is_due || limit.is_none_or(|limit| self.elapsed().as_secs_f64() + next <= limit.as_secs_f64())
     }
 
-    /// Takes a pass over the pixels of the mask.
-    pub(crate) fn take_pass(&mut self, pass: u32, spp: u32, mask: Option<&PixelMask>) {
-        let (began, samples_before) = (Instant::now(), self.statistics.samples);
+    fn elapsed(&self) -> Duration {
+        self.spent + self.started.elapsed()
+    }
+
+    /// Takes the next pass over the pixels of the mask, or what is left of it.
+    pub(crate) fn take_pass(&mut self, spp: u32, mask: Option<&PixelMask>) -> ControlFlow<()> {
+        let began = Instant::now();
+        let pass = self.state.place.stage.seed_of(self.state.place.pass);
+        let light = self.trace_light(pass, spp)?;
         let sweep = Sweep { first: pass, count: 1, spp, simple_spp: None, pixels: mask };
-        let Self { plan, crew, started, statistics, pixels, rmse, progress, rule, expected_samples, .. } = self;
-        let most = pixels.iter().map(PixelEstimate::samples).max().unwrap_or(0);
-        let here = PassProgress { finished: statistics.passes, spp: most, rmse: *rmse };
-        let light = plan.light_pass(pass, spp).map(|light| {
-            let mut image = SplatImage::new(plan.crop, plan.filter);
-            crew.trace_light(light, |lit| {
-                statistics.add_light(&lit);
-                lit.splats.iter().for_each(|splat| image.add(splat));
-            });
-            image
-        });
-        crew.sweep(&sweep, |_, tile| {
-            fold(plan.crop, pixels, &tile, light.as_ref(), &sweep);
+        let Self { plan, crew, started, spent, of_share, state, observer, rule, expected_samples, .. } = self;
+        state.place.begun.resize(crew.tiles().len(), false);
+        let left: Vec<_> = of_share.iter().copied().filter(|&number| !state.place.begun[number]).collect();
+        let samples_before = state.statistics.samples;
+        let most = state.pixels.iter().map(PixelEstimate::samples).max().unwrap_or(0);
+        let here = PassProgress { finished: state.statistics.passes, spp: most, rmse: state.rmse };
+        let pixels: u64 = of_share.iter().map(|&number| crew.tiles()[number].area()).sum();
+        let outcome = crew.sweep(&sweep, &left, |number, tile| {
+            fold(plan.crop, &mut state.pixels, &tile, light.as_ref(), &sweep);
+            state.place.begun[number] = true;
+            let elapsed = *spent + started.elapsed();
+            let statistics = &mut state.statistics;
             statistics.add(&tile);
+            statistics.render_seconds = elapsed.as_secs_f64();
             let samples = statistics.samples;
             let total_samples = match (*expected_samples, rule.time) {
                 (Some(expected), _) => expected.max(samples),
-                (None, Some(time)) => in_all(samples, started.elapsed(), time),
-                (None, None) => (pixels.len() as u64).saturating_mul(rule.max_spp.into()),
+                (None, Some(time)) => in_all(samples, elapsed, time),
+                (None, None) => pixels.saturating_mul(rule.max_spp.into()),
             };
             let rays = statistics.counters.total().rays;
-            progress(Progress { samples, total_samples, rays, pass: Some(here) });
+            let progress = Progress { samples, total_samples, rays, pass: Some(here) };
+            observer.tile_done(&SoFar { progress, tile: tile.tile, state: State::Passes(state) });
         });
-        statistics.passes += 1;
-        *rmse = error_of(pixels).rmse();
-        let samples = statistics.samples - samples_before;
-        self.seconds_per_sample = began.elapsed().as_secs_f64() / samples.max(1) as f64;
+        state.lost.extend(outcome.lost.iter().map(|&number| number as u32));
+        if outcome.interrupted {
+            return ControlFlow::Break(());
+        }
+        state.statistics.passes += 1;
+        state.rmse = error_of(&state.pixels).rmse();
+        let samples = state.statistics.samples - samples_before;
+        if samples > 0 {
+            state.seconds_per_sample = began.elapsed().as_secs_f64() / samples as f64;
+        }
+        state.place.pass += 1;
+        state.place.taken = state.place.taken.saturating_add(spp);
+        state.place.begun.clear();
+        ControlFlow::Continue(())
+    }
+
+    /// The light paths of a pass, if the plan follows any. They belong to the pass as a whole: a run that goes on in the midst of
+    /// it follows them again, and does not count them again.
+    fn trace_light(&mut self, pass: u32, spp: u32) -> ControlFlow<(), Option<SplatImage>> {
+        let Self { plan, crew, state, .. } = self;
+        let Some(light) = plan.light_pass(pass, spp) else { return ControlFlow::Continue(None) };
+        let mut image = SplatImage::new(plan.crop, plan.filter);
+        let mut statistics = state.statistics;
+        let outcome = crew.trace_light(light, |lit| {
+            statistics.add_light(&lit);
+            lit.splats.iter().for_each(|splat| image.add(splat));
+        });
+        if outcome.interrupted {
+            return ControlFlow::Break(());
+        }
+        if !outcome.lost.is_empty() {
+            state.lost = (0..crew.tiles().len() as u32).collect();
+        }
+        if state.place.begun.is_empty() {
+            state.statistics = statistics;
+        }
+        ControlFlow::Continue(Some(image))
     }
 
     /// The part of the image that is rendered.
@@ -178,51 +317,40 @@ impl<'p, F: FnMut(Progress)> Progressive<'p, F> {
 
     /// Samples taken so far, also those that were thrown away.
     pub(crate) const fn samples(&self) -> u64 {
-        self.statistics.samples
+        self.state.statistics.samples
     }
 
-    fn finish(mut self, stopped: Stopped, unconverged: Option<u64>, maps: bool) -> Rendering {
-        let Crop { width, height, .. } = self.plan.crop;
-        let film = |with_alpha: bool, of: &dyn Fn(&PixelEstimate) -> [f32; 3]| {
-            let mut film = Film::new(width, height, with_alpha);
-            for (place, pixel) in film.pixels_mut().iter_mut().zip(&self.pixels) {
-                *place = of(pixel);
-            }
-            film
-        };
-        let mut picture = film(self.plan.transparent, &|pixel| rounded(pixel.mean()));
-        for (place, pixel) in picture.alpha_mut().unwrap_or_default().iter_mut().zip(&self.pixels) {
-            *place = pixel.coverage().clamp(0.0, 1.0) as f32;
+    /// Each tile with what it shows now, the tiles of other shares left out.
+    fn finish(self, share: Share, stopped: Stopped, unconverged: Option<u64>) -> Part {
+        let (state, seconds) = (&self.state, self.elapsed().as_secs_f64());
+        let mut part = Part::empty(state.frame, share, Statistics { render_seconds: seconds, ..state.statistics });
+        for number in self.of_share {
+            part.tiles.insert(number as u32, state.tile_pixels(self.crew.tiles()[number]));
         }
-        let standard_error = |pixel: &PixelEstimate| match pixel.variance() {
-            Some(variance) => rounded(variance.map(f64::sqrt)),
-            None => [f32::INFINITY; 3],
-        };
-        let counts = |pixel: &PixelEstimate| [pixel.samples() as f32; 3];
-        let (standard_error, sample_counts) =
-            (maps.then(|| film(false, &standard_error)), maps.then(|| film(false, &counts)));
-        self.statistics.render_seconds = self.started.elapsed().as_secs_f64();
-        Rendering {
-            film: picture,
-            statistics: self.statistics,
-            stopped,
-            error: error_of(&self.pixels).estimate().filter(|_| self.plan.passes_differ()),
-            samples_per_pixel: sample_range(&self.pixels),
-            unconverged,
-            standard_error,
-            sample_counts,
-        }
+        let mut lost = state.lost.clone();
+        lost.sort_unstable();
+        lost.dedup();
+        Part { stopped, unconverged, lost, ..part }
     }
 }
 
 /// Adds the pixels of a tile that went through a pass to what is known of them, and what light paths brought in the same pass.
 fn fold(crop: Crop, pixels: &mut [PixelEstimate], tile: &Finished, light: Option<&SplatImage>, sweep: &Sweep<'_>) {
     let mut coverage = tile.alpha.iter().copied();
-    for ([x, y], radiance) in sweep.pixels_of(tile.tile).zip(&tile.pixels) {
-        let index = (y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize;
+    for (at, radiance) in sweep.pixels_of(tile.tile).zip(&tile.pixels) {
+        let index = place_of(crop, at);
         let brought = light.map_or(Rgb::BLACK, |light| light.radiance(index));
         pixels[index].add(*radiance + brought, coverage.next().unwrap_or(1.0), sweep.spp);
     }
+}
+
+/// Where a pixel of the image is among those of a part of it.
+const fn place_of(crop: Crop, [x, y]: [u32; 2]) -> usize {
+    (y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize
+}
+
+fn rounded_coverage(pixel: &PixelEstimate) -> f32 {
+    pixel.coverage().clamp(0.0, 1.0) as f32
 }
 
 /// Samples that there will be at the end if they go on coming at this rate.
@@ -235,12 +363,6 @@ fn error_of(pixels: &[PixelEstimate]) -> ErrorSums {
     let mut sums = ErrorSums::default();
     pixels.iter().for_each(|pixel| sums.add(pixel));
     sums
-}
-
-fn sample_range(pixels: &[PixelEstimate]) -> SampleRange {
-    let samples = || pixels.iter().map(PixelEstimate::samples);
-    let mean = samples().map(u64::from).sum::<u64>() as f64 / pixels.len().max(1) as f64;
-    SampleRange { least: samples().min().unwrap_or(0), mean, most: samples().max().unwrap_or(0) }
 }
 
 #[cfg(test)]

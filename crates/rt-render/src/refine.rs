@@ -2,9 +2,16 @@
 
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
+
 use crate::{
-    Progress, Stopped, TargetError, estimate::PixelEstimate, passes::PixelMask, progressive::Progressive,
-    quantile::student_t, stop::PASSES_BETWEEN_TESTS, tiles::Tile,
+    Observer, Stopped, TargetError,
+    estimate::PixelEstimate,
+    passes::PixelMask,
+    progressive::{Place, Progressive},
+    quantile::student_t,
+    stop::PASSES_BETWEEN_TESTS,
+    tiles::Tile,
 };
 
 /// Number of the first pass whose samples nothing was decided by.
@@ -25,50 +32,99 @@ impl TargetError {
     }
 }
 
-impl<F: FnMut(Progress)> Progressive<'_, F> {
+/// Which of its samples decide, and which make the picture.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Stage {
+    /// All of them, over all pixels.
+    #[default]
+    Everywhere,
+    /// Those of the pixels that are not yet sure, row by row.
+    Decide(Vec<bool>),
+    /// New ones: as many passes of each pixel as were decided on. What ended the decision, and how many pixels were not sure.
+    Repeat(Vec<u32>, Stopped, u64),
+}
+
+impl Stage {
+    /// The number that tells the random numbers of a pass from those of others.
+    pub(crate) const fn seed_of(&self, pass: u32) -> u32 {
+        match self {
+            Self::Everywhere | Self::Decide(_) => pass,
+            Self::Repeat(..) => SECOND_STAGE | pass,
+        }
+    }
+
+    /// True if it says something of so many pixels.
+    pub(crate) const fn fits(&self, pixels: usize) -> bool {
+        match self {
+            Self::Everywhere => true,
+            Self::Decide(active) => active.len() == pixels,
+            Self::Repeat(decided, ..) => decided.len() == pixels,
+        }
+    }
+}
+
+impl<O: Observer> Progressive<'_, O> {
     /// Takes passes until all pixels have reached the error, or there is no more time, or no pixel may have more samples. The
     /// second result is how many have not reached it.
     pub(crate) fn refine(&mut self, target: TargetError) -> (Stopped, u64) {
-        let Some(time) = self.rule.time.filter(|_| target.two_stage) else {
-            let end = self.decide(target, self.rule.time);
-            return if target.two_stage { self.repeat(end, None) } else { end };
-        };
-        let end = self.decide(target, Some(time / 2));
-        self.repeat(end, Some(time))
+        let time = self.rule.time;
+        if !target.two_stage {
+            return self.decide(target, time);
+        }
+        if !matches!(self.state.place.stage, Stage::Repeat(..)) {
+            let end = self.decide(target, time.map(|time| time / 2));
+            if end.0 == Stopped::Interrupted {
+                return end;
+            }
+            let decided = self.state.pixels.iter().map(PixelEstimate::passes).collect();
+            self.state.pixels.fill(PixelEstimate::default());
+            self.state.place = Place { stage: Stage::Repeat(decided, end.0, end.1), ..Place::default() };
+        }
+        self.repeat(time)
+    }
+
+    /// The pixels that are not yet sure, as far as is known.
+    fn active(&self) -> Vec<bool> {
+        match &self.state.place.stage {
+            Stage::Decide(active) => active.clone(),
+            Stage::Everywhere | Stage::Repeat(..) => vec![true; self.state.pixels.len()],
+        }
     }
 
     /// Samples all pixels until they have converged.
     fn decide(&mut self, target: TargetError, time: Option<Duration>) -> (Stopped, u64) {
-        let mut mask = None;
-        let mut active = vec![true; self.pixels.len()];
-        let (mut wanted, mut taken) = (active.len(), 0);
         let mut cause = Stopped::Samples;
-        let mut pass = 0;
-        while let Some(spp) = self.pass_spp(pass, taken) {
-            if pass > 0 && !self.is_in_time(spp, wanted, time) {
+        let mut active = self.active();
+        let mut wanted = count(&active);
+        let mut mask = (wanted < active.len()).then(|| PixelMask::new(self.part(), active.clone()));
+        while let Some(spp) = self.pass_spp() {
+            if !self.is_in_time(spp, wanted, time) {
                 cause = Stopped::Time;
                 break;
             }
-            self.take_pass(pass, spp, mask.as_ref());
-            (pass, taken) = (pass + 1, taken + spp);
-            if pass.is_multiple_of(PASSES_BETWEEN_TESTS) {
-                let unconverged = self.unconverged(target, &active, pass);
+            if self.take_pass(spp, mask.as_ref()).is_break() {
+                return (Stopped::Interrupted, wanted as u64);
+            }
+            if self.state.place.pass.is_multiple_of(PASSES_BETWEEN_TESTS) {
+                let unconverged = self.unconverged(target, &active);
                 active = neighbourhood(&unconverged, &active, self.part());
-                wanted = active.iter().filter(|&&active| active).count();
+                wanted = count(&active);
                 if wanted == 0 {
                     return (Stopped::Target, 0);
                 }
                 mask = Some(PixelMask::new(self.part(), active.clone()));
+                self.state.place.stage = Stage::Decide(active.clone());
             }
         }
-        match self.unconverged(target, &active, pass).into_iter().filter(|&missing| missing).count() {
+        match count(&self.unconverged(target, &active)) {
             0 => (Stopped::Target, 0),
             missing => (cause, missing as u64),
         }
     }
 
-    /// The active pixels that have not reached the error, all of which have taken so many passes.
-    fn unconverged(&mut self, target: TargetError, active: &[bool], passes: u32) -> Vec<bool> {
+    /// The active pixels that have not reached the error, all of which have taken all passes so far.
+    fn unconverged(&mut self, target: TargetError, active: &[bool]) -> Vec<bool> {
+        let passes = self.state.place.pass;
         let student =
             if passes > 1 { student_t(TargetError::CONFIDENCE, f64::from(passes - 1)) } else { f64::INFINITY };
         // The error falls as the square root of the number of samples, or faster.
@@ -81,29 +137,35 @@ impl<F: FnMut(Progress)> Progressive<'_, F> {
             }
             excess > 1.0
         };
-        let unconverged = self.pixels.iter().zip(active).map(of).collect();
+        let unconverged = self.state.pixels.iter().zip(active).map(of).collect();
         self.expected_samples = Some(needed as u64);
         unconverged
     }
 
     /// Takes as many passes of each pixel as decided, from new samples.
-    fn repeat(&mut self, (stopped, unconverged): (Stopped, u64), time: Option<Duration>) -> (Stopped, u64) {
-        let decided: Vec<_> = self.pixels.iter().map(PixelEstimate::passes).collect();
-        self.pixels.fill(PixelEstimate::default());
+    fn repeat(&mut self, time: Option<Duration>) -> (Stopped, u64) {
+        let Stage::Repeat(decided, stopped, unconverged) = self.state.place.stage.clone() else {
+            return (Stopped::Samples, 0);
+        };
         let last = decided.iter().copied().max().unwrap_or(0);
-        let mut taken = 0;
-        for pass in 0..last {
+        while self.state.place.pass < last {
+            let pass = self.state.place.pass;
             let active: Vec<_> = decided.iter().map(|&passes| passes > pass).collect();
-            let wanted = active.iter().filter(|&&active| active).count();
-            let Some(spp) = self.pass_spp(pass, taken) else { break };
-            if pass > 0 && !self.is_in_time(spp, wanted, time) {
+            let wanted = count(&active);
+            let Some(spp) = self.pass_spp() else { break };
+            if !self.is_in_time(spp, wanted, time) {
                 return (Stopped::Time, wanted.max(unconverged as usize) as u64);
             }
-            self.take_pass(SECOND_STAGE | pass, spp, Some(&PixelMask::new(self.part(), active)));
-            taken += spp;
+            if self.take_pass(spp, Some(&PixelMask::new(self.part(), active))).is_break() {
+                return (Stopped::Interrupted, wanted.max(unconverged as usize) as u64);
+            }
         }
         (stopped, unconverged)
     }
+}
+
+fn count(pixels: &[bool]) -> usize {
+    pixels.iter().filter(|&&is| is).count()
 }
 
 /// The pixels among those that are active which have an unconverged one in the square of nine around them.

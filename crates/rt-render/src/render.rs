@@ -1,5 +1,6 @@
 //! The loop over tiles, pixels and samples.
 
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use rt_camera::Film;
@@ -8,24 +9,31 @@ use rt_scene_io::{Integrator, Settings};
 use rt_shading::{AmbientOcclusion, FirstHitView, Follows, LightTracer, PathSettings};
 
 use crate::{
-    Crop, ErrorEstimate, RenderError, RenderPlan, Statistics, Stopped,
+    Crop, ErrorEstimate, RenderError, RenderPlan, Statistics, StopRule, Stopped,
+    checkpoint::Checkpoint,
     crew::Crew,
-    error_estimate::ErrorSums,
+    observer::{Kept, Observer, SoFar, State},
+    part::{Frame, Part, Share, TilePixels},
     plan::View,
     splats::SplatImage,
-    tile::{Finished, Task, Worker},
+    tile::{Task, Worker},
     tiles::Tile,
 };
 
-/// How to run a plan; none of it changes the picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RunOptions {
+/// How to run a plan; none of it changes what a pixel shows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RunOptions<'a> {
     /// Number of threads; 0 for one per processor.
     pub threads: usize,
     /// Count nodes, primitive tests and hits as well as rays.
     pub count: bool,
     /// Keep the standard error of each pixel and the number of its samples.
     pub maps: bool,
+    /// The tiles to render.
+    pub share: Share,
+    /// May be set at any time, by a signal or another thread: the tiles that are being rendered are finished, no other is begun,
+    /// and the render ends as [`Stopped::Interrupted`].
+    pub interrupt: Option<&'a AtomicBool>,
 }
 
 /// How far a render has come.
@@ -71,6 +79,8 @@ pub struct Rendering {
     pub standard_error: Option<Film>,
     /// With [`RunOptions::maps`], the samples of each pixel, in all channels.
     pub sample_counts: Option<Film>,
+    /// What a worker has failed at, by a defect of this program: these tiles lack some of their samples, or are black.
+    pub lost: Vec<Crop>,
 }
 
 /// Samples of the pixels of a picture.
@@ -85,57 +95,108 @@ pub struct SampleRange {
 }
 
 impl RenderPlan<'_> {
-    /// Renders the picture with the samples that its scene asks for. `progress` is called on this thread after each tile.
+    /// Renders the picture with the samples that its scene asks for. The observer is called on this thread after each tile.
     ///
     /// # Errors
     /// [`RenderError::Threads`] if the worker threads cannot be started.
-    pub fn render(&self, options: &RunOptions, mut progress: impl FnMut(Progress)) -> Result<Rendering, RenderError> {
-        if self.light_sources.is_some() {
-            return self.render_by_passes(options, progress);
+    pub fn render(&self, options: &RunOptions<'_>, observer: impl Observer) -> Result<Rendering, RenderError> {
+        Ok(self.render_part(options, None, None, observer)?.into_rendering())
+    }
+
+    /// Renders pass after pass until the rule says stop; the number of samples in the scene is not looked at. The observer is
+    /// called on this thread after each tile.
+    ///
+    /// # Errors
+    /// As [`render_part`](Self::render_part).
+    pub fn render_until(
+        &self,
+        options: &RunOptions<'_>,
+        rule: &StopRule,
+        observer: impl Observer,
+    ) -> Result<Rendering, RenderError> {
+        Ok(self.render_part(options, Some(rule), None, observer)?.into_rendering())
+    }
+
+    /// Renders the tiles of [`RunOptions::share`], with the samples that the scene asks for or until the rule says stop, and goes on
+    /// from a checkpoint if there is one. Apart from what depends on the clock, the result is the same to the bit with
+    /// and without interruptions.
+    ///
+    /// # Errors
+    /// [`RenderError::Threads`] if the worker threads cannot be started, [`RenderError::TargetError`] and
+    /// [`RenderError::NoSamples`] for a rule with such numbers, [`RenderError::AdaptiveUntil`] for a rule and a plan that tells
+    /// pixels apart in object space, [`RenderError::SamePasses`] for an error that would never be known,
+    /// [`RenderError::SharedUntil`] for a rule and a share of the tiles, and [`RenderError::Checkpoint`] for a checkpoint that was
+    /// not made with the same plan, rule and options.
+    pub fn render_part(
+        &self,
+        options: &RunOptions<'_>,
+        rule: Option<&StopRule>,
+        from: Option<Checkpoint>,
+        observer: impl Observer,
+    ) -> Result<Part, RenderError> {
+        if let Some(rule) = rule {
+            self.check_rule(rule, options.share)?;
         }
-        let started = Instant::now();
         let crew = Crew::new(self, options)?;
-        let Crop { width, height, .. } = self.crop;
+        let frame = Frame::new(self, options);
+        let statistics = Statistics::new(&crew, self);
+        if rule.is_some() || self.light_sources.is_some() {
+            let state = Checkpoint::passes_of(from, frame, options.share, rule, statistics)?;
+            Ok(self.render_passes(&crew, options.share, rule, state, observer))
+        } else {
+            let part = Checkpoint::part_of(from, frame, options.share, statistics)?;
+            Ok(self.render_tiles(&crew, part, observer))
+        }
+    }
+
+    fn check_rule(&self, rule: &StopRule, share: Share) -> Result<(), RenderError> {
+        rule.validate()?;
+        if self.simple_pass_spp.is_some() {
+            return Err(RenderError::AdaptiveUntil);
+        }
+        if rule.target.is_some() && !self.passes_differ() {
+            return Err(RenderError::SamePasses(self.pattern.name()));
+        }
+        if share != Share::ALL {
+            return Err(RenderError::SharedUntil);
+        }
+        Ok(())
+    }
+
+    /// Tile after tile, each with all of its samples, so that no sums of the whole image are kept.
+    fn render_tiles(&self, crew: &Crew<'_>, mut part: Part, mut observer: impl Observer) -> Part {
+        let (started, spent) = (Instant::now(), part.statistics.render_seconds);
         let sweep = self.all_passes();
-        let mut film = Film::new(width, height, self.transparent);
-        let mut standard_error = options.maps.then(|| constant_film(width, height, f32::INFINITY));
-        let mut statistics = Statistics::new(&crew, self);
-        let mut sample_counts = options.maps.then(|| constant_film(width, height, self.samples_per_pixel() as f32));
-        let mut range = None;
-        let mut pixels_done = 0;
-        let mut errors = vec![ErrorSums::default(); if self.passes > 1 { crew.tile_count() } else { 0 }];
-        let pixels = u64::from(width) * u64::from(height);
-        crew.sweep(&sweep, |index, tile| {
-            self.expose(&mut film, standard_error.as_mut(), sample_counts.as_mut(), &tile);
+        let is_of_share = |number: &usize| part.share.holds(*number);
+        let numbers: Vec<_> = (0..crew.tiles().len()).filter(is_of_share).collect();
+        let area = |number: usize| crew.tiles()[number].area();
+        let pixels = numbers.iter().map(|&number| area(number)).sum::<u64>();
+        let (done, left): (Vec<_>, Vec<_>) =
+            numbers.iter().partition(|number| part.tiles.contains_key(&(**number as u32)));
+        let mut pixels_done = done.iter().map(|&number| area(number)).sum::<u64>();
+        let outcome = crew.sweep(&sweep, &left, |number, tile| {
+            let maps = part.frame.maps;
+            part.tiles.insert(number as u32, TilePixels::new(&tile, self.samples_per_pixel(), maps));
+            let statistics = &mut part.statistics;
             statistics.add(&tile);
+            statistics.render_seconds = spent + started.elapsed().as_secs_f64();
             pixels_done += tile.pixels.len() as u64;
-            let counts = tile.counts.iter().copied();
-            range = counts.fold(range, |range: Option<[u32; 2]>, count| {
-                Some(range.map_or([count; 2], |[least, most]| [least.min(count), most.max(count)]))
-            });
-            if let Some(error) = errors.get_mut(index) {
-                *error = tile.error;
-            }
-            let rays = statistics.counters.total().rays;
             let total_samples = match self.simple_pass_spp {
                 None => pixels * sweep.samples_per_pixel(),
                 Some(_) => (statistics.samples as f64 * (pixels as f64 / pixels_done as f64)) as u64,
             };
-            progress(Progress { samples: statistics.samples, total_samples, rays, pass: None });
+            let rays = statistics.counters.total().rays;
+            let progress = Progress { samples: statistics.samples, total_samples, rays, pass: None };
+            observer.tile_done(&SoFar { progress, tile: tile.tile, state: State::Tiles(&part) });
         });
-        statistics.passes = self.passes;
-        statistics.render_seconds = started.elapsed().as_secs_f64();
-        let [least, most] = range.unwrap_or([self.samples_per_pixel(); 2]);
-        Ok(Rendering {
-            film,
-            statistics,
-            stopped: Stopped::Samples,
-            error: ErrorSums::joined(&errors).estimate().filter(|_| self.passes_differ()),
-            samples_per_pixel: SampleRange { least, mean: statistics.samples as f64 / pixels as f64, most },
-            unconverged: None,
-            standard_error,
-            sample_counts,
-        })
+        part.statistics.passes = self.passes;
+        part.statistics.render_seconds = spent + started.elapsed().as_secs_f64();
+        part.stopped = if outcome.interrupted { Stopped::Interrupted } else { Stopped::Samples };
+        part.lost = outcome.lost.iter().map(|&number| number as u32).collect();
+        if outcome.interrupted || !outcome.lost.is_empty() {
+            observer.unfinished(&Kept(State::Tiles(&part)));
+        }
+        part
     }
 
     /// The radiance of one pixel as it is before the film rounds it to `f32`; (`x`, `y`) counts from the upper left
@@ -162,48 +223,11 @@ impl RenderPlan<'_> {
         }
         sum / f64::from(self.passes)
     }
-
-    /// Rounds a tile to what films hold, in its place.
-    fn expose(
-        &self,
-        film: &mut Film,
-        standard_error: Option<&mut Film>,
-        sample_counts: Option<&mut Film>,
-        finished: &Finished,
-    ) {
-        let Crop { x: left, y: top, .. } = self.crop;
-        let stride = film.width() as usize;
-        let places = finished.tile.pixels().map(|[x, y]| (y - top) as usize * stride + (x - left) as usize);
-        for (place, radiance) in places.clone().zip(&finished.pixels) {
-            film.pixels_mut()[place] = rounded(*radiance);
-        }
-        if let Some(alpha) = film.alpha_mut() {
-            for (place, coverage) in places.clone().zip(&finished.alpha) {
-                alpha[place] = coverage.clamp(0.0, 1.0) as f32;
-            }
-        }
-        if let Some(standard_error) = standard_error {
-            for (place, variance) in places.clone().zip(&finished.variances) {
-                standard_error.pixels_mut()[place] = rounded(variance.map(f64::sqrt));
-            }
-        }
-        if let Some(sample_counts) = sample_counts {
-            for (place, count) in places.zip(&finished.counts) {
-                sample_counts.pixels_mut()[place] = [*count as f32; 3];
-            }
-        }
-    }
 }
 
 /// What a film holds of a value.
 pub(crate) fn rounded(value: Rgb) -> [f32; 3] {
     value.to_array().map(|component| component as f32)
-}
-
-fn constant_film(width: u32, height: u32, value: f32) -> Film {
-    let mut film = Film::new(width, height, false);
-    film.pixels_mut().fill([value; 3]);
-    film
 }
 
 impl View {

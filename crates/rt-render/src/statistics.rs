@@ -2,11 +2,12 @@
 
 use rt_math::Counters;
 use rt_shading::ShadingCounts;
+use serde::{Deserialize, Serialize};
 
 use crate::{RenderPlan, crew::Crew, light_pass::LitChunk, tile::Finished};
 
 /// Figures of one render. Counts are deterministic; times are not.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Camera samples taken.
     pub samples: u64,
@@ -22,11 +23,11 @@ pub struct Statistics {
     pub passes: u32,
     /// Samples that came out NaN, infinite or negative; they count as black.
     pub bad_samples: u64,
-    /// Threads that worked.
+    /// Threads that worked; of all machines together.
     pub threads: usize,
-    /// Wall-clock seconds to flatten the scene and build structures.
+    /// Wall-clock seconds to flatten the scene and build structures; the sum of all machines.
     pub build_seconds: f64,
-    /// Wall-clock seconds to render.
+    /// Wall-clock seconds to render; the sum of all runs and machines.
     pub render_seconds: f64,
 }
 
@@ -62,6 +63,25 @@ impl Statistics {
         self.counters += lit.counters;
         self.shading += lit.shading;
         self.bad_samples += lit.bad;
+    }
+
+    /// The figures of a render that goes on, in a run that has just begun.
+    pub(crate) const fn continued(self, run: &Self) -> Self {
+        Self { threads: run.threads, build_seconds: run.build_seconds, ..self }
+    }
+
+    /// Adds what another part of the same picture took.
+    pub(crate) fn join(&mut self, other: &Self) {
+        self.samples += other.samples;
+        self.simple_pixels += other.simple_pixels;
+        self.counters += other.counters;
+        self.primary_rays_spared += other.primary_rays_spared;
+        self.shading += other.shading;
+        self.passes = self.passes.max(other.passes);
+        self.bad_samples += other.bad_samples;
+        self.threads += other.threads;
+        self.build_seconds += other.build_seconds;
+        self.render_seconds += other.render_seconds;
     }
 
     /// Millions of rays of all kinds per second of rendering.

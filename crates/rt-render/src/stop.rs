@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use rt_camera::SamplePattern;
+use serde::{Deserialize, Serialize};
 
 use crate::RenderError;
 
@@ -34,7 +35,7 @@ impl Default for StopRule {
 ///
 /// Whether it does is tested when 64, 128, 256, … samples have been taken, by Student's t. A pixel goes on as long as one of
 /// its eight neighbours does: what it has missed, they may have seen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TargetError {
     /// The error, as a share of radiance; finite and above 0.
     pub relative: f64,
@@ -45,7 +46,7 @@ pub struct TargetError {
 }
 
 /// What ended a render.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Stopped {
     /// All samples that were asked for, or as many as a pixel may have.
     Samples,
@@ -53,6 +54,8 @@ pub enum Stopped {
     Time,
     /// All pixels have reached the error that was asked for.
     Target,
+    /// [`RunOptions::interrupt`](crate::RunOptions) was set.
+    Interrupted,
 }
 
 impl StopRule {

@@ -28,7 +28,7 @@ pub(crate) fn build<P: Primitives>(wanted: Wanted, primitives: &P) -> Result<Any
 }
 
 /// What `accel` asks for; `Auto` is brute force for a few primitives and the wide tree of boxes otherwise.
-fn choose(accel: Accel, count: usize) -> StructureKind {
+pub(crate) fn choose(accel: Accel, count: usize) -> StructureKind {
     match accel {
         Accel::Auto if count <= FEW => StructureKind::Linear,
         Accel::Auto | Accel::Wide => StructureKind::Wide,

@@ -1,5 +1,7 @@
 //! The image cut into tiles: the unit of work of a thread.
 
+use crate::Crop;
+
 /// Side of a tile in pixels.
 const SIDE: u32 = 16;
 
@@ -13,6 +15,11 @@ pub(crate) struct Tile {
 }
 
 impl Tile {
+    /// Number of its pixels.
+    pub(crate) fn area(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+
     /// The pixels of the tile, row by row.
     pub(crate) fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + Clone + use<> {
         let Self { x, y, width, height } = *self;
@@ -20,19 +27,32 @@ impl Tile {
     }
 }
 
-/// Cuts the rectangle at (`x`, `y`) into tiles, row by row.
-pub(crate) fn tiles(x: u32, y: u32, width: u32, height: u32) -> Vec<Tile> {
-    let steps = |length: u32| (0..length).step_by(SIDE as usize);
-    steps(height)
-        .flat_map(|top| {
-            steps(width).map(move |left| Tile {
-                x: x + left,
-                y: y + top,
-                width: SIDE.min(width - left),
-                height: SIDE.min(height - top),
-            })
-        })
-        .collect()
+impl From<Tile> for Crop {
+    fn from(Tile { x, y, width, height }: Tile) -> Self {
+        Self { x, y, width, height }
+    }
+}
+
+/// Cuts a part of the image into tiles, row by row.
+pub(crate) fn tiles(crop: Crop) -> Vec<Tile> {
+    (0..tile_count(crop)).map(|number| tile(crop, number)).collect()
+}
+
+/// Number `number`, which is less than there are, of the tiles that a part of the image is cut into.
+pub(crate) fn tile(crop: Crop, number: usize) -> Tile {
+    let columns = crop.width.div_ceil(SIDE) as usize;
+    let [left, top] = [number % columns, number / columns].map(|steps| steps as u32 * SIDE);
+    Tile { x: crop.x + left, y: crop.y + top, width: SIDE.min(crop.width - left), height: SIDE.min(crop.height - top) }
+}
+
+/// How many tiles a part of the image is cut into.
+pub(crate) const fn tile_count(crop: Crop) -> usize {
+    crop.width.div_ceil(SIDE) as usize * crop.height.div_ceil(SIDE) as usize
+}
+
+/// The place of a tile among those that a part of the image is cut into.
+pub(crate) const fn tile_number(crop: Crop, tile: Tile) -> usize {
+    ((tile.y - crop.y) / SIDE) as usize * crop.width.div_ceil(SIDE) as usize + ((tile.x - crop.x) / SIDE) as usize
 }
 
 #[cfg(test)]
@@ -43,9 +63,13 @@ mod tests {
     fn tiles_cover_each_pixel_once() {
         for (x, y, width, height) in [(0, 0, 1, 1), (3, 5, 16, 17), (0, 0, 100, 33), (7, 0, 1, 65), (0, 2, 64, 1)] {
             let mut seen = vec![0; (width * height) as usize];
-            for [column, row] in tiles(x, y, width, height).iter().flat_map(Tile::pixels) {
+            let crop = Crop { x, y, width, height };
+            let all = tiles(crop);
+            for [column, row] in all.iter().flat_map(Tile::pixels) {
                 seen[((row - y) * width + (column - x)) as usize] += 1;
             }
+            assert_eq!(all.len(), tile_count(crop));
+            assert!(all.iter().enumerate().all(|(number, tile)| tile_number(crop, *tile) == number));
             assert!(seen.iter().all(|&count| count == 1), "{width}×{height} at {x},{y}");
         }
     }

@@ -123,10 +123,6 @@ impl Visible {
     pub(crate) const fn of(&self) -> usize {
         self.of
     }
-
-    pub(crate) fn memory(&self) -> usize {
-        self.structure.memory() + size_of_val(self.indices.as_slice())
-    }
 }
 
 /// All boxes that a view volume may have something in common with, once they are widened to own boxes.

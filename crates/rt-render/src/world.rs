@@ -66,6 +66,11 @@ impl PartGeometry {
     pub(crate) fn at_rest(&self) -> &Self {
         if let Self::Moving(moving) = self { &moving.geometry } else { self }
     }
+
+    /// Index of the [`Assembly`] that it places.
+    pub(crate) fn group(&self) -> Option<u32> {
+        if let Self::Group(level, _) = self.at_rest() { Some(*level) } else { None }
+    }
 }
 
 /// Something that is elsewhere at another moment. The part's bounds contain it at all moments.
@@ -147,7 +152,7 @@ fn localise(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
 
 impl Parts<'_> {
     /// The place of the part that a hit is on.
-    fn place(&self, hit: &Hit) -> u32 {
+    pub(crate) fn place(&self, hit: &Hit) -> u32 {
         if self.is_flat { hit.primitive } else { hit.instance }
     }
 

@@ -5,7 +5,7 @@ use rt_math::{Aabb, DVec3, Rgb, Transform, transcendental};
 use rt_shading::{Coefficient, Falloff, Highlight, Light, LightKind, Phong};
 
 use crate::bounds::tree_bounds;
-use crate::format::{self, Color, Material, Node, SceneFile, Shape, Step};
+use crate::format::{self, CameraAnimation, CameraKey, Color, Interpolation, Material, Node, SceneFile, Shape, Step};
 use crate::resolve::{backdrop, rounded};
 use crate::{LightUnits, LoadOptions, Model, NamedCamera};
 
@@ -14,16 +14,24 @@ const GROUND: &str = "ground";
 
 /// A scene file that shows a model by its own cameras and lights, and the choices that were made for it. What the
 /// model does not bring is left open.
-pub(crate) fn scene_around(model: &Model, reference: &str, options: &LoadOptions) -> (SceneFile, Vec<String>) {
+///
+/// Choices are made for the model `at_rest`, which may be another pose of it.
+pub(crate) fn scene_around(
+    model: &Model,
+    at_rest: &Model,
+    reference: &str,
+    options: &LoadOptions,
+) -> (SceneFile, Vec<String>) {
     let mut notes = Vec::new();
-    let bounds = tree_bounds(&model.nodes, &[], &model.meshes);
+    let bounds = tree_bounds(&at_rest.nodes, &[], &at_rest.meshes);
     let content = Node { model: Some(reference.to_owned()), ..Node::default() };
     let mut file = SceneFile::of_nodes(vec![content]);
     if options.ground && !bounds.is_empty() {
         add_ground(&mut file, &bounds, model);
         notes.push(format!("A ground plane was put under the model, at y = {}.", bounds.min.y));
     }
-    file.cameras = model.cameras.iter().map(camera).collect();
+    let exposure = options.exposure().unwrap_or_default();
+    file.cameras = model.cameras.iter().map(|model| camera(model, exposure)).collect();
     file.background.clone_from(&model.background);
     if let Some([width, height]) = model.image_size {
         file.film.size = (width.into(), height.into());
@@ -38,14 +46,18 @@ pub(crate) fn scene_around(model: &Model, reference: &str, options: &LoadOptions
             file.settings.integrator = Some(format::Integrator::Path);
         }
         LightUnits::Classical => file.lights = Some(model.lights.iter().map(light).collect()),
-        LightUnits::Photometric => notes.push(expose(&mut file, model, &bounds)),
+        LightUnits::Photometric => notes.push(expose(&mut file, model, typical_illuminance(&at_rest.lights, &bounds))),
     }
     (file, notes)
 }
 
-/// Takes over lights in candela and lux, with a film that suits them; the sentence says how.
-fn expose(file: &mut SceneFile, model: &Model, bounds: &Aabb) -> String {
-    let level = typical_illuminance(&model.lights, bounds);
+/// True if the box around a model matters to what is chosen for it.
+pub(crate) const fn asks_for_bounds(model: &Model, options: &LoadOptions) -> bool {
+    options.ground || (matches!(model.light_units, LightUnits::Photometric) && !model.lights.is_empty())
+}
+
+/// Takes over lights in candela and lux, with a film that suits those that shine with this level; the sentence says how.
+fn expose(file: &mut SceneFile, model: &Model, level: f64) -> String {
     // Lights that reach nothing, or are out of range, give no hint.
     let level = if level > 0.0 && level.is_finite() { rounded(level, level) } else { 1.0 };
     file.film.exposure = rounded(-transcendental::log2(level), 10.0);
@@ -103,10 +115,23 @@ fn typical_illuminance(lights: &[Light], bounds: &Aabb) -> f64 {
     (sum / 125.0 * greatest).sqrt()
 }
 
-fn camera(camera: &NamedCamera) -> format::Camera {
+/// A camera, which moves from one place to another while the shutter is open.
+fn camera(camera: &NamedCamera, exposure: [f64; 2]) -> format::Camera {
+    let start = vec![matrix(&camera.settings.world_from_camera)];
+    let (transform, animation) = match &camera.settings.moves_to {
+        None => (start, None),
+        Some(end) => {
+            let keys = exposure.into_iter().zip([start, vec![matrix(end)]]);
+            let key =
+                |(time, transform)| CameraKey { time, look_from: None, look_at: None, up: None, transform, fov: None };
+            let keys = keys.map(key).collect();
+            (Vec::new(), Some(CameraAnimation { interpolation: Interpolation::Linear, keys }))
+        }
+    };
     let mut written = format::Camera {
         name: Some(camera.name.clone()),
-        transform: vec![matrix(&camera.settings.world_from_camera)],
+        transform,
+        animation,
         lens_shift: camera.settings.lens_shift.to_array(),
         ..format::Camera::default()
     };
@@ -211,7 +236,7 @@ mod tests {
     }
 
     fn scene(model: Model, ground: bool) -> Scene {
-        let (mut file, _) = scene_around(&model, "a.glb", &LoadOptions { ground, ..LoadOptions::default() });
+        let (mut file, _) = scene_around(&model, &model, "a.glb", &LoadOptions { ground, ..LoadOptions::default() });
         resolve_with(&mut file, Path::new("a.glb"), &LoadOptions::default(), Some(("a.glb".to_owned(), model))).unwrap()
     }
 

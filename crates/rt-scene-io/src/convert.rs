@@ -7,7 +7,16 @@ use crate::bare::material;
 use crate::format::{Background, Coefficient, Material, Node, SceneFile};
 use crate::load::{ending, load_bare, read_scene_file};
 use crate::options::folder_of;
-use crate::{LoadError, LoadOptions, Reason, Scene, resolve, resolve_path};
+use crate::{LoadError, LoadOptions, Reason, Scene, Warning, resolve, resolve_path};
+
+/// What [`convert`] makes.
+#[derive(Clone, Debug, Default)]
+pub struct Converted {
+    /// The scene file.
+    pub text: String,
+    /// What was mended or left out of the input.
+    pub warnings: Vec<Warning>,
+}
 
 /// The text of a scene file that stands for `input`, to be written to `output`, whose ending (`.ron` or `.json`)
 /// decides the format.
@@ -18,17 +27,17 @@ use crate::{LoadError, LoadOptions, Reason, Scene, resolve, resolve_path};
 ///
 /// # Errors
 /// Everything that is wrong with the input, or an output of another format or in a folder that does not exist.
-pub fn convert(input: &Path, output: &Path, options: &LoadOptions) -> Result<String, LoadError> {
+pub fn convert(input: &Path, output: &Path, options: &LoadOptions) -> Result<Converted, LoadError> {
     let is_json = match ending(output).as_str() {
         "ron" => false,
         "json" => true,
         _ => return Err(Reason::UnknownFormat { known: ".ron, .json" }.at(output, "")),
     };
     let options = options.rooted_at(input);
-    let (mut file, mut comments) = match read_scene_file(input)? {
-        Some(file) => {
-            resolve(&file, input, &options)?;
-            (file, Vec::new())
+    let (mut file, mut comments, warnings) = match read_scene_file(input, &options)? {
+        Some((file, _room)) => {
+            let warnings = resolve(&file, input, &options)?.warnings;
+            (file, Vec::new(), warnings)
         }
         None => around_model(input, &options)?,
     };
@@ -37,18 +46,18 @@ pub fn convert(input: &Path, output: &Path, options: &LoadOptions) -> Result<Str
         comments.push("Some files lie outside of this folder: choose a root folder that contains them.".to_owned());
     }
     if is_json {
-        return Ok(file.to_json());
+        return Ok(Converted { text: file.to_json(), warnings });
     }
     let comments: String = comments.iter().map(|comment| format!("// {comment}\n")).collect();
-    Ok(comments + &file.to_ron())
+    Ok(Converted { text: comments + &file.to_ron(), warnings })
 }
 
-/// A scene around a model with everything written out that one may want to edit, and what to say about it.
-fn around_model(input: &Path, options: &LoadOptions) -> Result<(SceneFile, Vec<String>), LoadError> {
+/// A scene around a model with everything written out that one may want to edit, what to say about it, and to warn of.
+fn around_model(input: &Path, options: &LoadOptions) -> Result<(SceneFile, Vec<String>, Vec<Warning>), LoadError> {
     let (mut file, scene) = load_bare(input, options)?;
     file.name = Some(scene.name.clone());
     write_materials(&mut file, &scene);
-    Ok((file, scene.notes))
+    Ok((file, scene.notes, scene.warnings))
 }
 
 /// Adds the materials of a scene to its file. Names that two materials share cannot tell them apart and are left out.

@@ -8,10 +8,9 @@ use rt_camera::CameraError;
 use rt_geometry::{MeshError, PolygonError, ShapeError};
 use rt_math::TransformError;
 
+use crate::Shortage;
+use crate::one_line::OneLine;
 use crate::texture::TextureError;
-
-/// Largest magnitude of a number in a file: squares and cubes of it stay far from overflow.
-pub(crate) const MAX_NUMBER: f64 = 1e60;
 
 /// Everything that is wrong with a scene or model: at least one [`Problem`], printed one a line.
 #[derive(Debug)]
@@ -21,7 +20,7 @@ pub struct LoadError {
 
 /// One thing that is wrong, and where.
 #[derive(Debug, thiserror::Error)]
-#[error("{file}{place}: {reason}")]
+#[error("{}", OneLine(format_args!("{file}{place}: {reason}")))]
 pub struct Problem {
     /// The file, as the user named it.
     pub file: String,
@@ -69,6 +68,9 @@ pub enum Reason {
         /// How large it may be.
         limit: u64,
     },
+    /// More memory than the budget allows; predicted before it is taken.
+    #[error(transparent)]
+    Memory(#[from] Shortage),
     /// Bytes that are not text.
     #[error("is not UTF-8 text: the byte at offset {0} is invalid")]
     NotUtf8(usize),

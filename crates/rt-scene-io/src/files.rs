@@ -7,37 +7,44 @@ use std::path::{Path, PathBuf};
 use rt_shading::Bitmap;
 
 use crate::options::folder_of;
-use crate::{LoadOptions, Reason, decode_texture};
+use crate::texture::{Pixels, decode_within};
+use crate::{LoadOptions, Reason, limits};
 
-/// Largest file that is read.
-const MAX_FILE_BYTES: u64 = 1 << 30;
-
-/// Reads a regular file of at most 1 GiB.
+/// Reads a regular file. Whoever asks for it has foreseen the memory that it takes.
 ///
 /// # Errors
-/// If there is no such file, it is empty, a folder, a pipe or a device, too large, or cannot be read.
-pub fn read_file(path: &Path) -> Result<Vec<u8>, Reason> {
+/// If there is no such file, it is empty, a folder, a pipe or a device, larger than `options` allow, or cannot be read.
+pub fn read_file(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, Reason> {
     // The kind is checked before opening: opening a pipe would wait for its writer.
     if !fs::metadata(path)?.is_file() {
         return Err(Reason::NotAFile);
     }
     let file = File::open(path)?;
     let size = file.metadata()?.len();
-    if size > MAX_FILE_BYTES {
-        return Err(Reason::TooLarge { what: "the size in bytes", value: size, limit: MAX_FILE_BYTES });
+    let limit = options.max_file_bytes.unwrap_or(limits::FILE_BYTES);
+    if size > limit {
+        return Err(Reason::TooLarge { what: "the size in bytes", value: size, limit });
     }
-    let mut bytes = Vec::new();
+    let mut bytes = Vec::with_capacity(usize::try_from(size).unwrap_or(0));
     // The limit holds even if the file grows meanwhile.
-    file.take(MAX_FILE_BYTES).read_to_end(&mut bytes)?;
+    file.take(limit).read_to_end(&mut bytes)?;
     if bytes.is_empty() { Err(Reason::Empty) } else { Ok(bytes) }
+}
+
+/// Reads a file that another refers to, if the budget has room for it.
+pub(crate) fn read_beside(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, Reason> {
+    let size = fs::metadata(path).map_or(0, |metadata| metadata.len());
+    options.memory.check(format_args!("the file {}", path.display()), size)?;
+    read_file(path, options)
 }
 
 /// Reads a text file in UTF-8, without its byte order mark.
 ///
 /// # Errors
 /// As [`read_file`], or if the bytes are not UTF-8.
-pub fn read_text(path: &Path) -> Result<String, Reason> {
-    let text = String::from_utf8(read_file(path)?).map_err(|e| Reason::NotUtf8(e.utf8_error().valid_up_to()))?;
+pub fn read_text(path: &Path, options: &LoadOptions) -> Result<String, Reason> {
+    let text =
+        String::from_utf8(read_file(path, options)?).map_err(|e| Reason::NotUtf8(e.utf8_error().valid_up_to()))?;
     match text.strip_prefix('\u{feff}') {
         Some("") => Err(Reason::Empty),
         Some(rest) => Ok(rest.to_owned()),
@@ -48,9 +55,17 @@ pub fn read_text(path: &Path) -> Result<String, Reason> {
 /// Reads an image file as a texture.
 ///
 /// # Errors
-/// As [`read_file`] and [`decode_texture`].
-pub fn read_texture(path: &Path) -> Result<Bitmap, Reason> {
-    Ok(decode_texture(&read_file(path)?)?)
+/// As [`read_file`] and [`decode_texture`](crate::decode_texture), or if the budget has no room for it.
+pub fn read_texture(path: &Path, options: &LoadOptions) -> Result<Bitmap, Reason> {
+    read_texture_as(path, Pixels::Colours, options)
+}
+
+/// As [`read_texture`], of an image whose pixels may be numbers.
+pub(crate) fn read_texture_as(path: &Path, pixels: Pixels, options: &LoadOptions) -> Result<Bitmap, Reason> {
+    let bytes = read_beside(path, options)?;
+    let what = format_args!("the texture {}", path.display());
+    let _file = options.memory.reserve(what, bytes.len() as u64)?;
+    decode_within(&bytes, pixels, what, &options.memory)
 }
 
 /// The file that `reference` names, as written in the file `referrer`.

@@ -49,6 +49,8 @@
 mod bare;
 mod bounds;
 #[cfg(feature = "format")]
+mod budget;
+#[cfg(feature = "format")]
 mod classical;
 #[cfg(feature = "format")]
 mod convert;
@@ -61,9 +63,13 @@ mod files;
 #[cfg(any(feature = "nff", feature = "pbrt"))]
 mod flaw;
 #[cfg(feature = "format")]
+mod forecast;
+#[cfg(feature = "format")]
 pub mod format;
 #[cfg(feature = "gltf")]
 mod gltf;
+#[cfg(feature = "format")]
+pub mod limits;
 #[cfg(feature = "format")]
 mod load;
 #[cfg(feature = "format")]
@@ -74,6 +80,7 @@ mod model;
 mod nff;
 #[cfg(feature = "obj")]
 mod obj;
+mod one_line;
 #[cfg(feature = "format")]
 mod options;
 #[cfg(feature = "pbrt")]
@@ -84,13 +91,18 @@ mod ply;
 mod resolve;
 mod scene;
 mod scene_bounds;
+mod shortage;
 #[cfg(feature = "stl")]
 mod stl;
+#[cfg(any(feature = "gltf", feature = "obj", feature = "pbrt"))]
+mod tangents;
 #[cfg(feature = "format")]
 mod texture;
 
 #[cfg(feature = "format")]
-pub use convert::convert;
+pub use budget::MemoryBudget;
+#[cfg(feature = "format")]
+pub use convert::{Converted, convert};
 #[cfg(feature = "format")]
 pub use environment::read_environment;
 #[cfg(feature = "format")]
@@ -111,5 +123,6 @@ pub use scene::{
     NamedMesh, Node, Scene, Settings, Truth, Warning,
 };
 pub use scene_bounds::{Extent, NodeBounds, SceneBounds, Tree};
+pub use shortage::{Shortage, Size};
 #[cfg(feature = "format")]
 pub use texture::{TextureError, decode_numbers, decode_texture};

@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use crate::bare::scene_around;
+use crate::bare::{asks_for_bounds, scene_around};
+use crate::budget::Reservation;
+use crate::forecast::reserve_scene;
 use crate::format::{SceneFile, parse_json, parse_ron};
 use crate::resolve::{resolve, resolve_with};
-use crate::{LoadError, LoadOptions, Scene, load_model, read_text};
+use crate::{LoadError, LoadOptions, Reason, Scene, load_model, read_text};
 
 /// Loads a scene (`.ron`, `.json`) or a bare model (`.obj`, `.gltf`, `.glb`, `.nff`, `.pbrt`,
 /// `.ply`, `.stl`).
@@ -17,8 +19,8 @@ use crate::{LoadError, LoadOptions, Scene, load_model, read_text};
 /// Everything that is wrong with the file and those that it refers to.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     let options = options.rooted_at(path);
-    match read_scene_file(path)? {
-        Some(file) => resolve(&file, path, &options),
+    match read_scene_file(path, &options)? {
+        Some((file, _room)) => resolve(&file, path, &options),
         None => load_bare(path, &options).map(|(_, scene)| scene),
     }
 }
@@ -27,22 +29,34 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
 pub(crate) fn load_bare(path: &Path, options: &LoadOptions) -> Result<(SceneFile, Scene), LoadError> {
     let model = load_model(path, options)?;
     let reference = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let (mut file, mut notes) = scene_around(&model, &reference, options);
+    // What is chosen for a model suits it as it rests, so that it is the same at all moments of an animation.
+    let at_rest = match options.at_time {
+        Some(_) if asks_for_bounds(&model, options) => {
+            Some(load_model(path, &LoadOptions { at_time: None, ..options.clone() })?)
+        }
+        _ => None,
+    };
+    let (mut file, mut notes) = scene_around(&model, at_rest.as_ref().unwrap_or(&model), &reference, options);
     let mut scene = resolve_with(&mut file, path, options, Some((reference, model)))?;
     notes.append(&mut scene.notes);
     scene.notes = notes;
     Ok((file, scene))
 }
 
-/// Parses a scene file; `None` if the name ends otherwise.
-pub(crate) fn read_scene_file(path: &Path) -> Result<Option<SceneFile>, LoadError> {
+/// Parses a scene file, for which there is room as long as it is used; `None` if the name ends otherwise.
+pub(crate) fn read_scene_file(
+    path: &Path,
+    options: &LoadOptions,
+) -> Result<Option<(SceneFile, Reservation)>, LoadError> {
     let parse = match ending(path).as_str() {
         "ron" => parse_ron,
         "json" => parse_json,
         _ => return Ok(None),
     };
-    let text = read_text(path).map_err(|reason| reason.at(path, ""))?;
-    parse(&text, path).map(Some)
+    let fail = |reason: Reason| reason.at(path, "");
+    let room = reserve_scene(path, options).map_err(fail)?;
+    let text = read_text(path, options).map_err(fail)?;
+    parse(&text, path).map(|file| Some((file, room)))
 }
 
 /// The ending of a file's name in lower case.

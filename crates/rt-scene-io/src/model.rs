@@ -90,13 +90,13 @@ pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Model, LoadError
         #[cfg(feature = "gltf")]
         "gltf" | "glb" => crate::gltf::load(path, &options),
         #[cfg(feature = "nff")]
-        "nff" => crate::nff::load(path),
+        "nff" => crate::nff::load(path, &options),
         #[cfg(feature = "pbrt")]
         "pbrt" => crate::pbrt::load(path, &options),
         #[cfg(feature = "ply")]
-        "ply" => crate::ply::load(path),
+        "ply" => crate::ply::load(path, &options),
         #[cfg(feature = "stl")]
-        "stl" => crate::stl::load(path),
+        "stl" => crate::stl::load(path, &options),
         _ => Err(Reason::UnknownFormat { known: KNOWN_ENDINGS }.at(path, "")),
     }
 }

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::MemoryBudget;
+
 /// What the caller decides about loading.
 #[derive(Clone, Debug, Default)]
 pub struct LoadOptions {
@@ -14,13 +16,23 @@ pub struct LoadOptions {
     /// Width and height of the image in place of the file's. A camera that is put where it sees everything depends on
     /// their ratio.
     pub size: Option<[u32; 2]>,
-    /// The moment of an animation, in seconds, at which a model is posed. Without it the model rests as its nodes say.
+    /// The moment of an animation, in seconds, at which scenes and models are posed. Without it models rest as their nodes say,
+    /// and scene files are as at 0.
     pub at_time: Option<f64>,
+    /// Seconds from one frame of an animation to the next, of which the shutters of cameras are open for a part; a 24th by
+    /// default.
+    pub frame_time: Option<f64>,
+    /// When the shutters of all cameras open and close, from 0 to 1, in place of what the scene says.
+    pub shutter: Option<[f64; 2]>,
     /// Which animation poses a model: its name, its index, or `all`; by default the first. It matters with
     /// [`at_time`](Self::at_time) alone.
     pub animation: Option<String>,
     /// The variant of the materials of a model that have several; by default none, which shows the model's own.
     pub variant: Option<String>,
+    /// Most bytes that a file may have; [`limits::FILE_BYTES`](crate::limits::FILE_BYTES) by default.
+    pub max_file_bytes: Option<u64>,
+    /// How much memory loading may take; by default, as much as it wants.
+    pub memory: MemoryBudget,
     /// Receives the files that loading meets beside the one that it is given.
     pub referenced: ReferencedFiles,
 }
@@ -44,6 +56,17 @@ impl ReferencedFiles {
 }
 
 impl LoadOptions {
+    /// Frames of a second, unless the options say otherwise.
+    pub const DEFAULT_FPS: f64 = 24.0;
+
+    /// The moments at which the shutter opens and closes, in seconds: of the shutter that is given, or else both
+    /// [`at_time`](Self::at_time). `None` if there is no such time.
+    pub(crate) fn exposure(&self) -> Option<[f64; 2]> {
+        let frame_time = self.frame_time.unwrap_or(1.0 / Self::DEFAULT_FPS);
+        let shutter = self.shutter.unwrap_or([0.0; 2]);
+        self.at_time.map(|time| shutter.map(|part| time + part * frame_time))
+    }
+
     /// These options with the root settled: as given, or else the folder of `file`.
     pub fn rooted_at(&self, file: &Path) -> Self {
         let root = self.root.clone().unwrap_or_else(|| folder_of(file).to_path_buf());

@@ -1,11 +1,13 @@
 //! The resolved scene: plain data, no paths, nothing left to look up.
 
-use std::sync::Arc;
+use std::{fmt, sync::Arc};
 
 use rt_camera::{CameraSettings, FilmSettings, SamplePattern};
 use rt_geometry::{Shape, TriangleMesh};
 use rt_math::{Motion, MotionChain, MotionError, Rgb, Transform};
 use rt_shading::{Appearance, emitter::LightSampling};
+
+use crate::one_line::OneLine;
 
 pub use rt_shading::{Background, Material};
 
@@ -324,13 +326,19 @@ impl Node {
     }
 }
 
-/// Something that was mended, and where.
+/// Something that was mended, and where. Printed on one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
     /// File and line, path in the document, or name of the object.
     pub place: String,
     /// What was found and what was done about it.
     pub message: String,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", OneLine(format_args!("{}: {}", self.place, self.message)))
+    }
 }
 
 /// The closed form of a scene's picture.

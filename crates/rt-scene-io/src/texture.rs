@@ -1,23 +1,13 @@
 //! Image files to linear pixels.
 
+use std::fmt::Display;
 use std::io::Cursor;
 
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 use rt_camera::Encoding;
 use rt_shading::Bitmap;
 
-/// Most pixels that a texture may have.
-const MAX_PIXELS: u64 = 1 << 28;
-
-/// Most memory that a texture may take, decoded.
-const MAX_BYTES: u64 = 1 << 30;
-
-/// A file that claims to expand further is damaged: the densest compression, that of PNG and ZIP, reaches 1032 : 1, and
-/// 16-bit floats double when they are read. A few damaged bytes would cost gigabytes otherwise.
-const MAX_EXPANSION: u64 = 4096;
-
-/// The densest that the data of a PNG can be (Deutsch, RFC 1951: 258 bytes in two bits).
-const MAX_DEFLATION: u64 = 1032;
+use crate::{MemoryBudget, Reason, limits};
 
 /// Why an image cannot be used as a texture.
 #[derive(Debug, thiserror::Error)]
@@ -48,7 +38,7 @@ pub enum TextureError {
 /// If the image is damaged, of another format, empty, too large, or holds a NaN. Its size is checked before memory is
 /// taken.
 pub fn decode_texture(bytes: &[u8]) -> Result<Bitmap, TextureError> {
-    decode(bytes, |signal| Encoding::Srgb.decode_signal(signal))
+    open(bytes)?.decode(Pixels::Colours)
 }
 
 /// As [`decode_texture`], of an image that holds numbers and no colours, such as a normal map: integers are divided by the
@@ -57,15 +47,44 @@ pub fn decode_texture(bytes: &[u8]) -> Result<Bitmap, TextureError> {
 /// # Errors
 /// As [`decode_texture`].
 pub fn decode_numbers(bytes: &[u8]) -> Result<Bitmap, TextureError> {
-    decode(bytes, |signal| signal)
+    open(bytes)?.decode(Pixels::Numbers)
 }
 
-fn decode(bytes: &[u8], linear: impl Fn(f64) -> f64) -> Result<Bitmap, TextureError> {
+/// What the pixels of an image are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Pixels {
+    /// Colours: integers are encoded as sRGB.
+    Colours,
+    /// Numbers as they are.
+    Numbers,
+}
+
+/// Decodes an image, if the budget has room for its pixels; what is left in the end is kept there.
+pub(crate) fn decode_within(
+    bytes: &[u8],
+    pixels: Pixels,
+    what: impl Display + Copy,
+    memory: &MemoryBudget,
+) -> Result<Bitmap, Reason> {
+    let image = open(bytes)?;
+    let decoding = memory.reserve(what, image.peak_bytes())?;
+    let bitmap = image.decode(pixels)?;
+    drop(decoding);
+    memory.keep(what, bitmap.memory() as u64)?;
+    Ok(bitmap)
+}
+
+/// An image whose header is read and sound.
+struct Opened<'a> {
+    decoder: Box<dyn ImageDecoder + 'a>,
+}
+
+fn open(bytes: &[u8]) -> Result<Opened<'_>, TextureError> {
     let damaged = |error: image::ImageError| TextureError::Damaged(error.to_string());
     let format = image::guess_format(bytes).map_err(|_| TextureError::UnknownFormat)?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
-    limits.max_alloc = Some(MAX_BYTES);
+    limits.max_alloc = Some(limits::TEXTURE_BYTES);
     reader.limits(limits);
 
     let decoder = reader.into_decoder().map_err(damaged)?;
@@ -74,26 +93,70 @@ fn decode(bytes: &[u8], linear: impl Fn(f64) -> f64) -> Result<Bitmap, TextureEr
     if pixels == 0 {
         return Err(TextureError::NoPixels(width, height));
     }
-    if pixels > MAX_PIXELS || pixels * size_of::<[f32; 3]>() as u64 > MAX_BYTES {
+    if pixels > limits::TEXTURE_PIXELS || pixels * size_of::<[f32; 3]>() as u64 > limits::TEXTURE_BYTES {
         return Err(TextureError::TooLarge(width, height));
     }
     let decoded = decoder.total_bytes();
     let can_be = match packed_png_bytes(bytes) {
         // Images of few colours grow when they are read, to a byte and more for each bit.
-        Some(packed) => packed / MAX_DEFLATION <= bytes.len() as u64,
-        None => decoded / MAX_EXPANSION <= bytes.len() as u64,
+        Some(packed) => packed / limits::PNG_EXPANSION <= bytes.len() as u64,
+        None => decoded / limits::TEXTURE_EXPANSION <= bytes.len() as u64,
     };
     if !can_be {
         let message = format!("{width} x {height} pixels cannot come from {} bytes", bytes.len());
         return Err(TextureError::Damaged(message));
     }
-    let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
-    let alpha = alpha(&image);
-    let pixels = linear_pixels(image, linear);
-    match pixels.iter().filter(|pixel| pixel.iter().any(|c| !c.is_finite())).count() {
-        0 => Ok(Bitmap { width, height, pixels, alpha }),
-        bad => Err(TextureError::NotFinite(bad)),
+    // Each tile of an EXR image is decoded to memory of its own, which its header alone decides on.
+    if let Some((width, height)) = largest_exr_tile(bytes)
+        && u64::from(width) * u64::from(height) / limits::TEXTURE_EXPANSION > bytes.len() as u64
+    {
+        let message = format!("a tile of {width} x {height} pixels cannot come from {} bytes", bytes.len());
+        return Err(TextureError::Damaged(message));
     }
+    Ok(Opened { decoder: Box::new(decoder) })
+}
+
+impl Opened<'_> {
+    /// Bytes that are in memory at once while it is decoded: the pixels as they are in the file, those of three channels, and
+    /// the linear ones with alpha.
+    fn peak_bytes(&self) -> u64 {
+        let (width, height) = self.decoder.dimensions();
+        let pixels = u64::from(width) * u64::from(height);
+        let color = self.decoder.color_type();
+        let file = u64::from(color.bytes_per_pixel());
+        let three_channels = file / u64::from(color.channel_count()) * 3;
+        let alpha = if color.has_alpha() { size_of::<f32>() as u64 } else { 0 };
+        pixels.saturating_mul(file.max(three_channels) + three_channels + size_of::<[f32; 3]>() as u64 + alpha)
+    }
+
+    fn decode(self, pixels: Pixels) -> Result<Bitmap, TextureError> {
+        let (width, height) = self.decoder.dimensions();
+        let image =
+            DynamicImage::from_decoder(self.decoder).map_err(|error| TextureError::Damaged(error.to_string()))?;
+        let alpha = alpha(&image);
+        let pixels = match pixels {
+            Pixels::Colours => linear_pixels(image, |signal| Encoding::Srgb.decode_signal(signal)),
+            Pixels::Numbers => linear_pixels(image, |signal| signal),
+        };
+        match pixels.iter().filter(|pixel| pixel.iter().any(|c| !c.is_finite())).count() {
+            0 => Ok(Bitmap { width, height, pixels, alpha }),
+            bad => Err(TextureError::NotFinite(bad)),
+        }
+    }
+}
+
+/// Width and height of the largest tile that the headers of an EXR image describe; `None` for other formats and without tiles.
+fn largest_exr_tile(bytes: &[u8]) -> Option<(u32, u32)> {
+    const MAGIC: &[u8] = b"\x76\x2f\x31\x01";
+    const TILES: &[u8] = b"tiles\0tiledesc\0\x09\0\0\0";
+    let described = |at: usize| {
+        let sides = bytes.get(at + TILES.len()..at + TILES.len() + 8)?;
+        let (width, height) = sides.split_at(4);
+        Some((u32::from_le_bytes(width.try_into().ok()?), u32::from_le_bytes(height.try_into().ok()?)))
+    };
+    let places = bytes.starts_with(MAGIC).then(|| bytes.windows(TILES.len()).enumerate())?;
+    let tiles = places.filter(|(_, window)| *window == TILES).filter_map(|(at, _)| described(at));
+    tiles.max_by_key(|(width, height)| u64::from(*width) * u64::from(*height))
 }
 
 /// The size of the pixels of a PNG before they are compressed, by its header; `None` for other formats.
@@ -204,6 +267,22 @@ mod tests {
         exr[window + 8..window + 12].copy_from_slice(&8_000_i32.to_le_bytes());
         exr[window + 12..window + 16].copy_from_slice(&8_000_i32.to_le_bytes());
         assert!(matches!(decode_texture(&exr), Err(TextureError::Damaged(_))));
+    }
+
+    /// Memory was taken for a whole tile that a header describes, however small the image and short the file.
+    #[test]
+    fn a_few_bytes_that_describe_a_huge_tile_are_refused_before_memory_is_taken() {
+        let plain = encode(image::Rgb32FImage::new(6, 4), ImageFormat::OpenExr);
+        let name = b"tiles\0tiledesc\0";
+        let sides = plain.windows(name.len()).position(|bytes| bytes == name).expect("it is tiled") + name.len() + 4;
+        let tiled = |side: u32| {
+            let mut exr = plain.clone();
+            exr[sides..sides + 8].copy_from_slice([side, side].map(u32::to_le_bytes).as_flattened());
+            exr
+        };
+        assert_eq!((largest_exr_tile(b"GIF"), largest_exr_tile(&tiled(48))), (None, Some((48, 48))));
+        let error = decode_texture(&tiled(20_000)).expect_err("some hundred bytes").to_string();
+        assert!(error.contains("a tile of 20000 x 20000 pixels cannot come from"), "{error}");
     }
 
     #[test]

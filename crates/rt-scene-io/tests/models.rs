@@ -92,7 +92,7 @@ fn a_converted_model_gives_the_same_picture() {
         let direct = load(&model, &options).unwrap();
         for ending in ["ron", "json"] {
             let output = folder.path().join("out").with_extension(ending);
-            fs::write(&output, convert(&model, &output, &options).unwrap()).unwrap();
+            fs::write(&output, convert(&model, &output, &options).unwrap().text).unwrap();
             let again = load(&output, &LoadOptions::default()).unwrap();
             assert_eq!(picture(&again), picture(&direct));
             assert!(again.notes.is_empty(), "everything is written out: {:?}", again.notes);
@@ -103,7 +103,7 @@ fn a_converted_model_gives_the_same_picture() {
 #[test]
 fn a_converted_model_is_written_to_be_edited() {
     let (folder, model) = folder();
-    insta::assert_snapshot!(convert(&model, &folder.path().join("out.ron"), &LoadOptions::default()).unwrap());
+    insta::assert_snapshot!(convert(&model, &folder.path().join("out.ron"), &LoadOptions::default()).unwrap().text);
 }
 
 #[test]
@@ -112,7 +112,7 @@ fn references_follow_a_scene_to_another_folder() {
     let root = LoadOptions { root: Some(folder.path().to_path_buf()), ..LoadOptions::default() };
     fs::create_dir(folder.path().join("scenes")).unwrap();
     let output = folder.path().join("scenes/out.ron");
-    let text = convert(&model, &output, &root).unwrap();
+    let text = convert(&model, &output, &root).unwrap().text;
     assert!(text.contains("model: \"../a.obj\""), "{text}");
     assert!(text.starts_with("// ") && text.contains("choose a root folder"), "{text}");
     fs::write(&output, text).unwrap();
@@ -121,7 +121,7 @@ fn references_follow_a_scene_to_another_folder() {
     assert_eq!(picture(&moved), picture(&load(&model, &root).unwrap()));
     // And back again, through JSON.
     let back = folder.path().join("back.json");
-    let text = convert(&output, &back, &root).unwrap();
+    let text = convert(&output, &back, &root).unwrap().text;
     assert!(text.contains(r#""model": "a.obj""#), "{text}");
 }
 

@@ -1,7 +1,7 @@
 //! The material of glTF with its extensions, as a scene describes it.
 
 use crate::{
-    Coefficient, PhysicalPoint, Scalar, TextureId,
+    Coefficient, PhysicalPoint, Relief, Scalar, TextureId,
     bsdf::{Ggx, Layered, Prism, Sheen},
 };
 use rt_geometry::SurfaceInteraction;
@@ -51,6 +51,8 @@ pub struct LayeredSurface {
     pub coat: Scalar,
     /// Roughness of the coat.
     pub coat_roughness: Scalar,
+    /// Normal map of the coat, whose normals are smooth without one, whatever those of the base.
+    pub coat_relief: Option<Relief>,
     /// Colour of the fibres (KHR_materials_sheen).
     pub sheen_color: Coefficient,
     /// Their roughness.
@@ -76,6 +78,7 @@ impl LayeredSurface {
             dispersion: 0.0,
             coat: Scalar::Constant(0.0),
             coat_roughness: Scalar::Constant(0.0),
+            coat_relief: None,
             sheen_color: Coefficient::ZERO,
             sheen_roughness: Scalar::Constant(0.0),
             anisotropy: Scalar::Constant(0.0),
@@ -106,6 +109,7 @@ impl LayeredSurface {
         if !self.coat.is_zero() {
             layers.coat = at.share(&self.coat);
             layers.coat_roughness = at.share(&self.coat_roughness);
+            layers.coat_normal = self.coat_normal(at);
         }
         if !self.sheen_color.is_zero() {
             let (color, roughness) = (at.reflectance(&self.sheen_color), at.share(&self.sheen_roughness));
@@ -143,6 +147,18 @@ impl LayeredSurface {
     fn iors(&self, ior: f64) -> [f64; 3] {
         let spread = (self.ior - 1.0) * 0.025 * self.dispersion / self.ior;
         [1.0 - spread, 1.0, 1.0 + spread].map(|part| ior * part)
+    }
+
+    /// The normal of the coat in shading coordinates.
+    fn coat_normal(&self, at: &PhysicalPoint<'_>) -> DVec3 {
+        let base = at.surface.shading_normal;
+        let is_turned = at.surface.detail.smooth_normal != Vec3::ZERO;
+        let smooth = if is_turned { at.surface.detail.smooth_normal.as_dvec3().normalize() } else { base };
+        let turned = self.coat_relief.and_then(|relief| relief.turned(at.textures, at.surface, smooth));
+        match turned {
+            None if !is_turned => DVec3::Z,
+            turned => Frame::from_z(base).to_local(turned.unwrap_or(smooth)),
+        }
     }
 
     /// How much facets are stretched at a point, and along which axis in shading coordinates.
@@ -194,7 +210,7 @@ impl LayeredSurface {
 
     /// True if it looks at the tangents of meshes.
     pub fn needs_tangents(&self) -> bool {
-        !self.anisotropy.is_zero()
+        !self.anisotropy.is_zero() || (self.coat_relief.is_some() && !self.coat.is_zero())
     }
 }
 

@@ -35,7 +35,7 @@ impl Coefficient {
 }
 
 /// A part of the pixels of a texture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Channel {
     /// Red.
     Red,
@@ -310,6 +310,7 @@ impl Material {
             physical.scalars_mut().into_iter().for_each(shift_scalar);
             if let Physical::Layered(layered) = physical {
                 layered.anisotropy_direction.iter_mut().for_each(shift);
+                layered.coat_relief.iter_mut().for_each(|relief| shift(&mut relief.texture));
             }
         }
         self.relief.iter_mut().for_each(|relief| shift(&mut relief.texture));

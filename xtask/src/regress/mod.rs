@@ -18,6 +18,7 @@ mod bad_inputs;
 mod case;
 mod compare;
 mod golden;
+mod kills;
 mod minray;
 mod one_picture;
 mod panels;
@@ -44,6 +45,9 @@ pub(crate) struct Options {
     /// Run checks at full size: hours instead of minutes.
     #[arg(long)]
     full: bool,
+    /// The program under test, instead of a release build of what is here.
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
     /// Renders at the same time; by default one per processor.
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     jobs: usize,
@@ -132,8 +136,11 @@ pub(crate) fn run(workspace: Workspace, options: &Options) -> Result<bool, TaskE
     if units.is_empty() {
         return Err(TaskError::Other("nothing matches the filter".to_owned()));
     }
-    let program =
-        if units.iter().all(|unit| unit.runs_in_process()) { PathBuf::new() } else { workspace.build_renderer()? };
+    let program = match &options.program {
+        Some(program) => fs::canonicalize(program).map_err(TaskError::file(program))?,
+        None if units.iter().all(|unit| unit.runs_in_process()) => PathBuf::new(),
+        None => workspace.build_renderer()?,
+    };
     let folder = workspace.fresh_folder("regress")?;
     let renderer = Renderer::new(program, if options.full { FULL_TIMEOUT } else { TIMEOUT });
     let context = Context { workspace, renderer, bless: options.bless, full: options.full };
@@ -162,6 +169,7 @@ fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
     units.push(Box::new(minray::Minray));
     units.extend(table1_counts::units());
     units.extend(one_picture::units(workspace)?);
+    units.extend(kills::units());
     units.extend(bad_inputs::units());
     units.extend(golden::units(workspace)?);
     units.extend(stiff::units());

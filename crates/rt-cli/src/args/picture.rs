@@ -11,7 +11,7 @@ use rt_scene_io::{Accel, Integrator, LightSampling};
 use super::values::{self, choice};
 
 /// How much to render, how, and what of it.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct PictureArgs {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = values::size, help_heading = "How much")]
@@ -86,7 +86,7 @@ pub(crate) struct PictureArgs {
 }
 
 /// Which camera, and where it stands.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "What")]
 pub(crate) struct ViewArgs {
     /// Camera of the scene to use; by default its first
@@ -111,7 +111,7 @@ pub(crate) struct ViewArgs {
 }
 
 /// How light becomes bytes.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Developing")]
 pub(crate) struct DevelopmentArgs {
     /// Exposure in stops: 1 doubles the brightness, -1 halves it

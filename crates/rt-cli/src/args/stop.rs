@@ -9,7 +9,7 @@ use rt_render::{StopRule, TargetError};
 use super::values;
 
 /// What ends a render other than a fixed number of samples.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "How much")]
 pub(crate) struct StopArgs {
     /// Render pass after pass for as long as this: 10s, 1.5min, 2h

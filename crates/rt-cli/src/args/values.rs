@@ -6,20 +6,25 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use rt_camera::metrics::Flip;
 use rt_camera::{Development, Encoding, FilmSettings, ToneCurve};
 use rt_math::{DVec3, Rgb};
-use rt_render::{Crop, Quality, SimdLevel};
+use rt_render::{Crop, Quality, Share, SimdLevel};
 
-use super::{Aov, AovArg, BackgroundChoice};
+use super::{Aov, AovArg, BackgroundChoice, Every};
 
 /// The tone curves.
 pub(super) const TONE_CURVES: [ToneCurve; 3] = [ToneCurve::Clamp, ToneCurve::Reinhard, ToneCurve::Aces];
 
 /// The name that users type.
-pub(super) const fn tone_name(tone: ToneCurve) -> &'static str {
+pub(crate) const fn tone_name(tone: ToneCurve) -> &'static str {
     match tone {
         ToneCurve::Clamp => "clamp",
         ToneCurve::Reinhard => "reinhard",
         ToneCurve::Aces => "aces",
     }
+}
+
+/// The tone curve of this name.
+pub(crate) fn tone_of_name(name: &str) -> Option<ToneCurve> {
+    TONE_CURVES.into_iter().find(|&tone| tone_name(tone) == name)
 }
 
 /// A choice among values that have names.
@@ -100,6 +105,20 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 pub(super) fn time(text: &str) -> Result<Duration, String> {
     let time = humantime::parse_duration(text).ok().filter(|time| !time.is_zero());
     time.ok_or_else(|| "write a time above 0 with its unit, as 500ms, 10s, 1.5min or 2h".to_owned())
+}
+
+/// A time with its unit, or "never".
+pub(super) fn every(text: &str) -> Result<Every, String> {
+    if text == "never" { Ok(Every::Never) } else { time(text).map(Every::Time).map_err(|error| error + ", or never") }
+}
+
+/// Part I of N, from 1 on.
+pub(super) fn share(text: &str) -> Result<Share, String> {
+    let numbers =
+        text.split_once('/').and_then(|(index, count)| Some((index.parse::<u32>().ok()?, count.parse().ok()?)));
+    numbers
+        .and_then(|(index, count)| Share::new(index.checked_sub(1)?, count))
+        .ok_or_else(|| format!("write which part of how many, as 1/8 to 8/8; there are at most {}", Share::MOST))
 }
 
 /// A percentage above zero, as a share.

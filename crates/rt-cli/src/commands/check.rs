@@ -2,19 +2,23 @@
 
 use indexmap::IndexMap;
 use rt_render::check::{CameraMeasures, Finding, Measures, More, Report, Severity, check};
+use rt_render::{MemoryPrediction, RenderError};
 use serde::Serialize;
 
 use crate::args::{CheckArgs, ReportFormat};
-use crate::console::{Console, print};
+use crate::console::{Console, print, show};
 use crate::error::Failure;
-use crate::input;
+use crate::input::{self, Input};
 
 pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
     // What the loader warns of is part of the report.
-    let scene = input::read(&args.input, None, Console { quiet: true })?.scene;
+    let Input { scene, options, .. } = input::read(&args.input, None, Console { quiet: true })?;
+    if let Err(shortage @ RenderError::Memory(_)) = MemoryPrediction::of_scene(&scene, options.memory.limit()) {
+        return Err(Failure::plan(&args.input.scene, shortage));
+    }
     let report = check(&scene);
     match args.format {
-        ReportFormat::Text => print(format_args!("{report}"))?,
+        ReportFormat::Text => show(format_args!("{report}"))?,
         ReportFormat::Json => print(json(&ReportFile::new(&scene.name, &report))?)?,
     }
     match report.count(Severity::Error) + report.count(Severity::Warning) {

@@ -11,7 +11,7 @@ use self::measures::Measures;
 use self::pair::Images;
 use self::report::{Comparison, HeatMap};
 use crate::args::{CompareArgs, HeatMapOf, Metric};
-use crate::console::print;
+use crate::console::{print, show};
 use crate::error::Failure;
 use crate::output::OutputFile;
 use crate::picture_file;
@@ -46,7 +46,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
     if args.json {
         print(comparison.json()?)?;
     } else {
-        print(comparison.text())?;
+        show(comparison.text())?;
     }
     comparison.failure().map_or(Ok(()), Err)
 }

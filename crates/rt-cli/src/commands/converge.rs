@@ -33,9 +33,9 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<(), Failure> {
     let clock = Clock::start(args.run.time);
     let console = Console { quiet: args.run.quiet };
     let picture = args.fixed.with(&[]).map_err(Failure::Usage)?;
-    let Input { scene, files } = input::read(&args.input, picture.size, console)?;
+    let Input { scene, files, options: loaded } = input::read(&args.input, picture.size, console)?;
     input::say_notes(&scene, console)?;
-    let mut methods = methods::resolve(args, &scene)?;
+    let mut methods = methods::resolve(args, &loaded, &scene)?;
     let against = choice::choose(args, &scene, &picture)?;
     let Some(first) = methods.first() else { return Err(Failure::Usage("there is no method".to_owned())) };
     let development = first.scene.film.development;
@@ -44,7 +44,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<(), Failure> {
 
     let extent = Extent { series: &args.spp.0, seeds: args.seeds };
     let planned = extent.samples(&methods);
-    let progress = ProgressDisplay::new(args.run.quiet);
+    let progress = ProgressDisplay::new(args.run.quiet, 0, 0);
     let threads = args.run.threads.unwrap_or(0).into();
     let mut laboratory = Laboratory::new(&args.input.scene, threads, clock, progress, planned);
     let yardstick = match given {

@@ -4,9 +4,10 @@ use std::io::Write;
 use std::path::Path;
 use std::slice;
 
-use rt_scene_io::convert;
+use rt_scene_io::{Converted, convert};
 
 use crate::args::ConvertArgs;
+use crate::console::Console;
 use crate::error::Failure;
 use crate::input;
 use crate::output::OutputFile;
@@ -17,7 +18,11 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
         return Err(Failure::Usage(message));
     }
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.input.scene))?;
-    let text = convert(&args.input.scene, &args.output, &input::load_options(&args.input)?)?;
+    let Converted { text, warnings } = convert(&args.input.scene, &args.output, &input::load_options(&args.input)?)?;
+    input::warn(&warnings, Console { quiet: false });
+    if args.strict {
+        input::refuse_warnings(&args.input.scene, &warnings)?;
+    }
     Ok(output.write(|file| file.write_all(text.as_bytes()))?)
 }
 

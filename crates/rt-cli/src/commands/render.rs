@@ -1,67 +1,127 @@
-//! `render`: a picture of a scene.
+//! `render`: a picture of a scene, or a part of it.
+
+mod frames;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+use rt_camera::ImageFormat;
+use rt_render::Share;
 
 use crate::aov_file::AovFile;
 use crate::args::RenderArgs;
 use crate::console::Console;
 use crate::error::Failure;
+use crate::identity::Identity;
 use crate::input::Input;
-use crate::job::Job;
+use crate::job::{Job, JobResult, Keep};
 use crate::output::OutputFile;
 use crate::{input, overrides, picture_file};
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    match args.frames.frames {
+        Some(frames) => frames::each(args, frames, picture),
+        None => picture(args),
+    }
+}
+
+/// Renders a single picture.
+fn picture(args: &RenderArgs) -> Result<(), Failure> {
+    refuse_what_parts_cannot(args)?;
     let console = Console { quiet: args.run.quiet };
     let scene_file = args.input.scene.as_path();
-    let picture = args.output.clone().unwrap_or_else(|| default_output(scene_file));
-    let format = picture_file::format_of(&picture)?;
+    let picture = args.output.clone().unwrap_or_else(|| default_output(scene_file, args.keep.shard));
+    let ending = Ending::of(&picture, args.keep.shard)?;
 
     let started = Instant::now();
-    let Input { mut scene, files } = input::read(&args.input, args.picture.size, console)?;
+    let Input { mut scene, mut files, options: loaded } = input::read(&args.input, args.picture.size, console)?;
     let load_seconds = started.elapsed().as_secs_f64();
     if args.run.strict {
-        input::refuse_warnings(scene_file, &scene)?;
+        input::refuse_warnings(scene_file, &scene.warnings)?;
     }
-    let options = overrides::apply(&args.picture, &mut scene)?;
-    overrides::apply_development(&args.development, &mut scene.film);
+    let mut options = overrides::apply(&args.picture, &loaded, &mut scene)?;
+    options.progressive = args.stop.rule(args.picture.spp).is_some() || !args.aov.is_empty();
+    overrides::apply_development(&args.development, &mut scene.film.development);
+    files.extend(args.picture.env.clone());
 
     let output = OutputFile::prepare(&picture, &files)?;
     let stats = args.run.stats.as_deref().map(|path| OutputFile::prepare(path, &files)).transpose()?;
     if stats.as_ref().is_some_and(|stats| stats.is_same_file(&output)) {
         return Err(Failure::Usage("the picture and the statistics cannot go to the same file".to_owned()));
     }
-    let mut aovs: Vec<AovFile> = Vec::new();
-    for arg in &args.aov {
-        let aov = AovFile::prepare(arg, &files)?;
-        let others = aovs.iter().map(AovFile::output).chain(&stats).chain([&output]);
-        if others.into_iter().any(|other| other.is_same_file(aov.output())) {
-            return Err(Failure::Usage(format!("something else goes to {} already", arg.file.display())));
-        }
-        aovs.push(aov);
-    }
+    let others: Vec<_> = stats.iter().chain([&output]).collect();
+    let aovs = AovFile::prepare_all(&args.aov, &files, &others)?;
+    let identity = Identity::new(&args.input, &args.picture, &files)?;
     let job = Job {
         scene_file,
         scene: &scene,
         load_seconds,
         options,
-        format,
-        output,
+        result: match ending {
+            Ending::Picture(format) => JobResult::Picture { format, output, aovs },
+            Ending::Part => JobResult::Part(output),
+        },
         stats,
-        aovs,
         rule: args.stop.rule(args.picture.spp),
+        keep: Some(Keep { args: &args.keep, identity }),
         threads: args.run.threads.unwrap_or(0).into(),
         strict: args.run.strict,
+        display_server: args.run.display_server(),
         console,
     };
     job.run()
 }
 
-/// The scene's name with `.png`, in the current folder.
-fn default_output(scene: &Path) -> PathBuf {
+/// Refuses options that need all of a picture, where a part of it is rendered.
+fn refuse_what_parts_cannot(args: &RenderArgs) -> Result<(), Failure> {
+    let whole = [
+        ("--time", args.stop.time.is_some()),
+        ("--target-error", args.stop.target_error.is_some()),
+        ("--aov", !args.aov.is_empty()),
+    ];
+    match whole.into_iter().find(|(_, is_given)| *is_given && args.keep.shard.is_some()) {
+        None => Ok(()),
+        Some(("--aov", _)) => Err(Failure::Usage("--aov is for all of a picture: give it to `merge`".to_owned())),
+        Some((option, _)) => Err(Failure::Usage(format!(
+            "{option} cannot be used with --shard, unless that shares out frames (--frames)"
+        ))),
+    }
+}
+
+/// What the name of a result says of it.
+enum Ending {
+    Picture(ImageFormat),
+    Part,
+}
+
+impl Ending {
+    fn of(path: &Path, shard: Option<Share>) -> Result<Self, Failure> {
+        let is_part = path.extension().is_some_and(|extension| extension == PART);
+        match (shard, is_part) {
+            (Some(_), true) => Ok(Self::Part),
+            (None, false) => Ok(Self::Picture(picture_file::format_of(path)?)),
+            (Some(_), false) => Err(Failure::Usage(format!(
+                "{} is no .part file, which --shard writes; `merge` makes the picture of all parts",
+                path.display()
+            ))),
+            (None, true) => Err(Failure::Usage(format!(
+                "{} would be a part of a picture: say which with --shard I/N",
+                path.display()
+            ))),
+        }
+    }
+}
+
+/// Ending of the names of parts.
+const PART: &str = "part";
+
+/// The scene's name with `.png`, or with the number of the part, in the current folder.
+fn default_output(scene: &Path, shard: Option<Share>) -> PathBuf {
     let mut name = scene.file_stem().unwrap_or_default().to_owned();
-    name.push(".png");
+    match shard {
+        None => name.push(".png"),
+        Some(share) => name.push(format!(".{}-of-{}.{PART}", share.index() + 1, share.count())),
+    }
     PathBuf::from(name)
 }
 
@@ -74,7 +134,8 @@ mod tests {
         for (scene, picture) in
             [("a/b.ron", "b.png"), ("/x/c.tar.gltf", "c.tar.png"), ("d", "d.png"), ("e.png.ron", "e.png.png")]
         {
-            assert_eq!(default_output(Path::new(scene)), Path::new(picture));
+            assert_eq!(default_output(Path::new(scene), None), Path::new(picture));
         }
+        assert_eq!(default_output(Path::new("a/b.ron"), Share::new(2, 8)), Path::new("b.3-of-8.part"));
     }
 }

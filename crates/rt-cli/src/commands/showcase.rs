@@ -9,7 +9,7 @@ use rt_scene_io::{LoadOptions, Scene, resolve};
 
 use crate::console::Console;
 use crate::error::Failure;
-use crate::job::Job;
+use crate::job::{Job, JobResult};
 use crate::output::OutputFile;
 use crate::picture_file;
 
@@ -27,13 +27,17 @@ pub(super) fn run() -> Result<(), Failure> {
         scene: &scene,
         load_seconds: started.elapsed().as_secs_f64(),
         options: rt_render::PlanOptions::default(),
-        format: picture_file::format_of(Path::new(PICTURE))?,
-        output: OutputFile::prepare(Path::new(PICTURE), &[])?,
+        result: JobResult::Picture {
+            format: picture_file::format_of(Path::new(PICTURE))?,
+            output: OutputFile::prepare(Path::new(PICTURE), &[])?,
+            aovs: Vec::new(),
+        },
         stats: None,
-        aovs: Vec::new(),
         rule: None,
+        keep: None,
         threads: 0,
         strict: false,
+        display_server: None,
         console,
     };
     console.say("rendering a built-in scene; `--help` lists what else there is")?;

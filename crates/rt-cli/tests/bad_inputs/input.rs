@@ -159,7 +159,7 @@ impl Input {
         let notes_path = outer.path().join("notes.txt");
         let notes = File::create(&notes_path).expect("a file");
         let mut command = Command::new(env!("CARGO_BIN_EXE_rt-cli"));
-        command.args(["render", &self.name, "-o", "picture.png", "--threads", "1"]);
+        command.args(["render", &self.name, "-o", "picture.png", "--threads", "1", "--memory", "4GiB"]);
         if !self.has_own_size {
             command.args(["--size", "8x6"]);
         }

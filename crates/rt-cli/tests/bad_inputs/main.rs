@@ -118,7 +118,7 @@ const HEAD: &str = "# Bad inputs
 
 What the program says to files that are broken, or made to break it. Each is a test by this name in
 `crates/rt-cli/tests/bad_inputs/`: the real binary gets the file, ends with the exit code below, leaves no file where it refuses,
-and takes less than a second of processor time and 64 MiB.
+and takes less than a second of processor time and 64 MiB. All of them with `--memory 4GiB`.
 
 Written by `WRITE_TABLE=1 cargo test -p rt-cli --test bad_inputs`.
 

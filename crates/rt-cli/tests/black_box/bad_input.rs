@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::program::Workplace;
+use crate::program::{SCENE, Workplace};
 
 /// Runs each case in a folder of its own, and collects what the program says.
 fn complaints(code: i32, cases: &[(&str, &str, &str)]) -> String {
@@ -184,5 +184,18 @@ fn warnings_are_errors_under_strict() {
     let strict = place.run("render m.obj --size 8x8 --strict -o strict.png");
     assert_eq!(strict.code, Some(3), "{strict:?}");
     assert!(strict.stderr.contains("error: m.obj: 1 warning; mend the scene"), "{strict:?}");
-    assert_eq!(place.files(), ["m.obj", "m.png"]);
+    for (command, output) in [("explain m.obj", ""), ("convert m.obj", " -o m.ron")] {
+        let strict = place.run(&format!("{command} --strict{output}"));
+        assert_eq!((strict.code, strict.stdout.as_str()), (Some(3), ""), "{strict:?}");
+        assert!(
+            strict.stderr.contains("warning: m.obj") && strict.stderr.contains("error: m.obj: 1 warning"),
+            "{strict:?}"
+        );
+        assert_eq!(place.files(), ["m.obj", "m.png"], "{command}");
+        let lenient = place.succeed(&format!("{command}{output}"));
+        assert!(lenient.stderr.starts_with("warning: m.obj"), "{lenient:?}");
+    }
+    place.write("scene.ron", SCENE);
+    let sound = place.succeed("convert scene.ron --strict -o sound.json");
+    assert_eq!(sound.stderr, "", "a conversion that mends nothing");
 }

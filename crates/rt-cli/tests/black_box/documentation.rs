@@ -5,7 +5,8 @@ use crate::program::Workplace;
 #[test]
 fn help() {
     let place = Workplace::new();
-    for command in ["", "render", "explain", "check", "convert", "develop", "compare", "converge", "completions", "man"]
+    for command in
+        ["", "render", "view", "explain", "check", "convert", "develop", "compare", "converge", "completions", "man"]
     {
         let name = if command.is_empty() { "help" } else { command };
         let text = place.succeed(&format!("{command} --help")).stdout;
@@ -51,6 +52,7 @@ fn every_command_has_a_manual_page() {
     for page in [
         "",
         "-render",
+        "-view",
         "-explain",
         "-check",
         "-convert",

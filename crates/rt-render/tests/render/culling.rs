@@ -147,7 +147,7 @@ fn predicted_memory_includes_the_second_structure() {
     let structures = |integrator| {
         let mut scene = scene.clone();
         scene.settings.integrator = integrator;
-        RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles").explain().memory[3].1
+        RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles").memory().structures
     };
     let (with, without) = (structures(Integrator::Normals), structures(Integrator::Cost));
     assert!(without < with && with <= without + without / 2, "{with} after {without}");

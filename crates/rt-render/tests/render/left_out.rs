@@ -2,11 +2,11 @@
 
 use crate::support::{everything, sphere, spheres};
 use rt_math::{RayKind, Rgb};
-use rt_render::{PlanOptions, RenderPlan, RunOptions, Statistics};
+use rt_render::{PlanOptions, RenderPlan, RunOptions, Share, Statistics};
 use rt_scene_io::{Accel, MaterialId, Node, Scene};
 use rt_shading::{Coefficient, ShadingCounts};
 
-const COUNT: RunOptions = RunOptions { threads: 1, count: true, maps: false };
+const COUNT: RunOptions<'_> = RunOptions { threads: 1, count: true, maps: false, share: Share::ALL, interrupt: None };
 
 fn statistics(scene: &Scene) -> Statistics {
     let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");

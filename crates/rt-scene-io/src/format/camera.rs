@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Step;
+use super::{CameraAnimation, Step};
 
 /// A camera. It stands where `look_from` or `transform` says; without both it is put where it sees everything.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -27,7 +27,13 @@ pub struct Camera {
     /// Where the camera is at time 1, as steps like those of `transform`; at time 0 it is where `look_from` or `transform` says.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub motion: Vec<Step>,
-    /// When the shutter opens and closes, from 0 to 1, which is the default. What moves is blurred, unless both are the same.
+    /// Instead of `motion`: where the camera is at moments of an animation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub animation: Option<CameraAnimation>,
+    /// When the shutter opens and closes, from 0 to 1. What moves is blurred, unless both are the same. Motions take all of the
+    /// time from 0 to 1, which is the default for them. An animation is seen at the moment of a frame, which is 0, and 1 is the
+    /// moment of the next frame: `(0, 0.5)` blurs half of the way between two frames, and without `shutter` animations are
+    /// sharp.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shutter: Option<(f64, f64)>,
     /// Full opening angle in degrees, above 0 and below 180; 40 by default.
@@ -49,6 +55,14 @@ pub struct Camera {
     /// around it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub medium: Option<String>,
+}
+
+impl Camera {
+    /// True if nothing says where the camera itself stands.
+    pub(crate) fn is_unplaced(&self) -> bool {
+        let Self { look_from, look_at, up, transform, .. } = self;
+        look_from.is_none() && look_at.is_none() && up.is_none() && transform.is_empty()
+    }
 }
 
 /// A thin lens. Lengths are in units of the camera's space, which are those of the scene unless its transform scales.

@@ -4,6 +4,7 @@
 //! angles are in degrees, +y is up, and cameras look along −z. What the numbers mean is settled by
 //! [`resolve`](crate::resolve).
 
+mod animation;
 mod camera;
 mod colour;
 mod film;
@@ -19,6 +20,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
+pub use animation::{CameraAnimation, CameraKey, Interpolation, NodeAnimation, NodeKey};
 pub use camera::{Camera, FovAxis, Lens};
 pub use colour::{Coefficient, Color, Wrap};
 pub use film::{Encoding, Film, Filter, Tone};

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Step;
+use super::{NodeAnimation, Step};
 
 /// A place in the tree, with at most one of `shape`, `model` and `instance`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -20,6 +20,10 @@ pub struct Node {
     /// by the shortest arc, at most half a turn. It is blurred as far as it moves while the camera's shutter is open.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub motion: Vec<Step>,
+    /// Instead of `motion`: where the node is at moments of an animation. It is blurred as far as it moves while the shutter
+    /// of a camera that has one is open.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub animation: Option<NodeAnimation>,
     /// A shape that stands here.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<Shape>,
@@ -48,6 +52,7 @@ impl Default for Node {
             name: String::new(),
             transform: Vec::new(),
             motion: Vec::new(),
+            animation: None,
             shape: None,
             model: None,
             instance: None,

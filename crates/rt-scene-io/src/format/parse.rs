@@ -5,13 +5,11 @@ use std::path::Path;
 use ron::extensions::Extensions;
 
 use super::SceneFile;
+use crate::limits::NESTING;
 use crate::{LoadError, Place, Reason};
 
-/// Deepest nesting of brackets that is followed, which is also the limit of serde_json.
-const MAX_NESTING: usize = 128;
-
 /// The limit that RON's parser needs for it: it counts each bracket twice.
-const RON_RECURSION_LIMIT: usize = MAX_NESTING * 2;
+const RON_RECURSION_LIMIT: usize = NESTING * 2;
 
 /// RON as scene files use it: optional values are written without `Some`.
 pub(super) fn ron_options() -> ron::Options {
@@ -90,5 +88,5 @@ fn json_reason(message: &str) -> Reason {
 }
 
 fn too_deep() -> Reason {
-    Reason::Syntax(format!("brackets are nested deeper than {MAX_NESTING}; flatten the tree or use groups"))
+    Reason::Syntax(format!("brackets are nested deeper than {NESTING}; flatten the tree or use groups"))
 }

@@ -9,10 +9,7 @@ use gltf::{
 };
 
 use super::buffers::Buffers;
-use crate::{LoadError, Reason};
-
-/// Most elements that an accessor without a buffer may have: they are zeros that cost nothing in the file.
-const MAX_ZEROS: usize = 1 << 22;
+use crate::{LoadError, Reason, limits};
 
 /// Reads vectors of `N` components. Normalised integers become numbers in [0, 1] or [−1, 1], others keep their value.
 pub(super) fn read_vectors<const N: usize>(
@@ -54,9 +51,9 @@ fn read<T: Copy>(
     }
     let mut elements = match accessor.view() {
         Some(view) => Items::new(&view, accessor.offset(), count, size, buffers)?.decode(&decode),
-        None if count <= MAX_ZEROS => vec![zero; count],
+        None if count <= limits::GLTF_ZEROS => vec![zero; count],
         None => {
-            let (value, limit) = (count as u64, MAX_ZEROS as u64);
+            let (value, limit) = (count as u64, limits::GLTF_ZEROS as u64);
             return Err(fail(
                 accessor,
                 buffers,

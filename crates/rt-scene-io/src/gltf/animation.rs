@@ -1,5 +1,6 @@
 //! Animations: channels of keys, and their values at a moment (glTF 2.0, section 3.11 and appendix C).
 
+use gltf::Document;
 use rt_math::transcendental::{atan2, sin};
 use serde::Deserialize;
 use serde_json::Value;
@@ -48,28 +49,47 @@ enum Interpolation {
     CubicSpline,
 }
 
-/// Poses a model at the moment that the options ask for. `animations` is the list in the file.
-pub(super) fn animate(
-    pose: &mut Pose,
+/// A model when the shutter opens and, if its animation runs meanwhile, when it closes, as the options say. `animations` is the
+/// list in the file.
+pub(super) fn poses(
+    document: &Document,
     animations: &Value,
     buffers: &Buffers<'_>,
     options: &LoadOptions,
     warnings: &mut Vec<Warning>,
-) -> Result<(), LoadError> {
+) -> Result<(Pose, Option<Pose>), LoadError> {
     let list = animations.as_array().map_or(&[][..], Vec::as_slice);
     let mut warn = |message: &str| {
         warnings.push(Warning { place: "animations".to_owned(), message: message.to_owned() });
     };
-    let Some(time) = options.at_time else {
+    let mut opens = Pose::rest(document);
+    let Some([opens_at, closes_at]) = options.exposure() else {
         if !list.is_empty() {
             warn("no time was chosen: the model rests as its nodes say");
         }
-        return Ok(());
+        return Ok((opens, None));
     };
     if list.is_empty() {
         warn("there is none to pose the model by; it rests as its nodes say");
-        return Ok(());
+        return Ok((opens, None));
     }
+    animate(&mut opens, list, opens_at, buffers, options)?;
+    if !(closes_at > opens_at) {
+        return Ok((opens, None));
+    }
+    let mut closes = Pose::rest(document);
+    animate(&mut closes, list, closes_at, buffers, options)?;
+    Ok((opens, Some(closes)))
+}
+
+/// Poses a model at a moment, in seconds.
+fn animate(
+    pose: &mut Pose,
+    list: &[Value],
+    time: f64,
+    buffers: &Buffers<'_>,
+    options: &LoadOptions,
+) -> Result<(), LoadError> {
     for index in chosen(list, options.animation.as_deref()).map_err(|r| r.at(buffers.path(), "animations"))? {
         let place = format!("animations[{index}]");
         let animation = Animation::deserialize(&list[index])

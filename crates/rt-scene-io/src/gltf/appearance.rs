@@ -88,8 +88,10 @@ fn wants(description: &Description, has_colors: bool) -> Wants {
             *free = set;
         }
     }
-    let tangents = description.normal_texture.is_some() || description.extensions.anisotropy.is_some();
-    Wants { uv_sets, colors: has_colors, tangents }
+    let tangents = description.normals().is_some() || description.extensions.anisotropy.is_some();
+    let along = description.normals().map(|texture| Some(texture.uv_set()));
+    let along = uv_sets.iter().position(|set| Some(*set) == along).unwrap_or(0);
+    Wants { uv_sets, along, colors: has_colors, tangents }
 }
 
 /// Reads one material.
@@ -116,10 +118,7 @@ impl Reader<'_, '_> {
         if surface.unlit {
             return Ok(named);
         }
-        if let Some(normal) = &description.normal_texture {
-            let texture = self.texture(Some(normal), Pixels::Numbers)?;
-            named.relief = texture.map(|texture| Relief { texture, scale: f64::from(normal.scale) });
-        }
+        named.relief = self.relief(description.normal_texture.as_ref())?;
         if let Some(occlusion) = &description.occlusion_texture {
             named.occlusion = self.occlusion(occlusion)?;
         }
@@ -174,9 +173,7 @@ impl Reader<'_, '_> {
             surface.coat = self.value(coat.clearcoat_texture.as_ref(), Channel::Red, coat.clearcoat_factor)?;
             let roughness = coat.clearcoat_roughness_texture.as_ref();
             surface.coat_roughness = self.value(roughness, Channel::Green, coat.clearcoat_roughness_factor)?;
-            if coat.clearcoat_normal_texture.is_some() {
-                self.warn("the normal map of its coat is not followed: the coat has the normals of the base");
-            }
+            surface.coat_relief = self.relief(coat.clearcoat_normal_texture.as_ref())?;
         }
         if let Some(sheen) = &all.sheen {
             surface.sheen_color = self.tint(sheen.sheen_color_texture.as_ref(), rgb(sheen.sheen_color_factor))?;
@@ -305,6 +302,11 @@ impl Reader<'_, '_> {
             Some(info) => self.textures.texture(info, pixels, self.sets, self.place, self.model),
             None => Ok(None),
         }
+    }
+
+    fn relief(&mut self, info: Option<&TextureInfo>) -> Result<Option<Relief>, LoadError> {
+        let scale = info.map_or(1.0, |info| f64::from(info.scale));
+        Ok(self.texture(info, Pixels::Numbers)?.map(|texture| Relief { texture, scale }))
     }
 
     fn tint(&mut self, info: Option<&TextureInfo>, colour: Rgb) -> Result<Tint, LoadError> {

@@ -1,6 +1,6 @@
 //! The bytes that a document refers to: in the file itself, in data URIs, or in files beside it.
 
-use std::{collections::HashMap, path::Path};
+use std::{borrow::Cow, collections::HashMap, path::Path};
 
 use base64::{
     Engine,
@@ -13,7 +13,9 @@ use percent_encoding::percent_decode_str;
 use super::meshopt;
 use crate::{
     LoadError, LoadOptions, Reason,
-    files::{read_file, resolve_path},
+    budget::Reservation,
+    files::{read_beside, resolve_path},
+    limits,
 };
 
 /// Base64 as it occurs, with or without padding.
@@ -22,33 +24,38 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// Most bytes that all compressed views of a file may hold.
-const MAX_DECODED_BYTES: u64 = 1 << 32;
-
 /// The content of all buffers.
 pub(super) struct Buffers<'a> {
     path: &'a Path,
     document: &'a Document,
     /// `None` for buffers without data, which some extensions use as placeholders.
-    data: Vec<Option<Vec<u8>>>,
+    data: Vec<Option<Cow<'a, [u8]>>>,
     /// What compressed views hold, by their index.
     decoded: HashMap<usize, Vec<u8>>,
+    /// The memory that they take, but for what lies in the file itself.
+    _room: Vec<Reservation>,
 }
 
 impl<'a> Buffers<'a> {
     /// Loads all buffers. `blob` is the binary chunk of a GLB file.
     pub(super) fn load(
         document: &'a Document,
-        blob: Option<&[u8]>,
+        blob: Option<&'a [u8]>,
         path: &'a Path,
         options: &LoadOptions,
     ) -> Result<Self, LoadError> {
-        let mut data = Vec::new();
+        let (mut data, mut room) = (Vec::new(), Vec::new());
         for (i, buffer) in document.as_json().buffers.iter().enumerate() {
             let content = match &buffer.uri {
-                Some(uri) => Some(fetch(uri, path, options).map_err(|r| r.at(path, format!("buffers[{i}].uri")))?),
+                Some(uri) => {
+                    let fail = |reason: Reason| reason.at(path, format!("buffers[{i}].uri"));
+                    let content = fetch(uri, path, options).map_err(fail)?;
+                    let what = format_args!("buffer {i} of {}", path.display());
+                    room.push(options.memory.reserve(what, content.len() as u64).map_err(fail)?);
+                    Some(Cow::Owned(content))
+                }
                 None if meshopt::is_placeholder(buffer.extensions.as_ref()) => None,
-                None => blob.filter(|_| i == 0).map(<[u8]>::to_vec),
+                None => blob.filter(|_| i == 0).map(Cow::Borrowed),
             };
             data.push(match content {
                 Some(mut content) => {
@@ -57,14 +64,17 @@ impl<'a> Buffers<'a> {
                         let rule = format!("bytes are claimed, but there are {}", content.len());
                         return Err(Reason::invalid(claimed, rule).at(path, format!("buffers[{i}].byteLength")));
                     }
-                    content.truncate(claimed as usize);
+                    match &mut content {
+                        Cow::Borrowed(bytes) => *bytes = &bytes[..claimed as usize],
+                        Cow::Owned(bytes) => bytes.truncate(claimed as usize),
+                    }
                     Some(content)
                 }
                 None => None,
             });
         }
-        let decoded = decode_views(document, &data, path)?;
-        Ok(Self { path, document, data, decoded })
+        let decoded = decode_views(document, &data, path, options, &mut room)?;
+        Ok(Self { path, document, data, decoded, _room: room })
     }
 
     /// The bytes of a view.
@@ -85,6 +95,13 @@ impl<'a> Buffers<'a> {
         })
     }
 
+    /// Bytes of all buffers, and of what compressed views hold.
+    pub(super) fn bytes(&self) -> u64 {
+        let buffers: usize = self.data.iter().flatten().map(|data| data.len()).sum();
+        let views: usize = self.decoded.values().map(Vec::len).sum();
+        (buffers + views) as u64
+    }
+
     /// The document whose buffers these are.
     pub(super) const fn document(&self) -> &'a Document {
         self.document
@@ -99,19 +116,23 @@ impl<'a> Buffers<'a> {
 /// Decodes the compressed views.
 fn decode_views(
     document: &Document,
-    data: &[Option<Vec<u8>>],
+    data: &[Option<Cow<'_, [u8]>>],
     path: &Path,
+    options: &LoadOptions,
+    room: &mut Vec<Reservation>,
 ) -> Result<HashMap<usize, Vec<u8>>, LoadError> {
     let mut total = 0;
     let mut decoded = HashMap::new();
     for (index, view) in document.as_json().buffer_views.iter().enumerate() {
         let Some((name, object)) = meshopt::of_view(view) else { continue };
         let fail = |reason: Reason| reason.at(path, format!("bufferViews[{index}].extensions.{name}"));
+        let what = format_args!("view {index} of {}", path.display());
+        room.push(options.memory.reserve(what, meshopt::decoded_bytes(object)).map_err(fail)?);
         let bytes = meshopt::decode(object, data).map_err(fail)?;
         total += bytes.len() as u64;
-        if total > MAX_DECODED_BYTES {
+        if total > limits::GLTF_DECODED_BYTES {
             let what = "the size of all decoded views in bytes";
-            return Err(fail(Reason::TooLarge { what, value: total, limit: MAX_DECODED_BYTES }));
+            return Err(fail(Reason::TooLarge { what, value: total, limit: limits::GLTF_DECODED_BYTES }));
         }
         decoded.insert(index, bytes);
     }
@@ -124,7 +145,7 @@ pub(super) fn fetch(uri: &str, path: &Path, options: &LoadOptions) -> Result<Vec
         Some(rest) => decode_data_uri(rest),
         None => {
             let decoded = percent_decode_str(uri).decode_utf8_lossy();
-            match read_file(&resolve_path(&decoded, path, options)?) {
+            match read_beside(&resolve_path(&decoded, path, options)?, options) {
                 // An empty buffer is no error before someone reads from it.
                 Err(Reason::Empty) => Ok(Vec::new()),
                 other => other,

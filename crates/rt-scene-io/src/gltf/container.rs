@@ -32,6 +32,11 @@ impl<'a> Container<'a> {
         let blob = if rest.is_empty() { None } else { chunk(&mut rest, BIN)? };
         Ok(Self { json, blob })
     }
+
+    /// The size of the document in a GLB file, by its first bytes; `None` for plain JSON.
+    pub(super) fn json_bytes(head: &[u8]) -> Option<u64> {
+        head.strip_prefix(MAGIC).and_then(|_| number(head, 12)).map(|bytes| bytes as u64)
+    }
 }
 
 /// Takes the next chunk if it is of this kind.

@@ -217,6 +217,7 @@ impl Description {
             all.transmission.as_ref().and_then(|transmission| transmission.transmission_texture.as_ref()),
             coat.and_then(|coat| coat.clearcoat_texture.as_ref()),
             coat.and_then(|coat| coat.clearcoat_roughness_texture.as_ref()),
+            coat.and_then(|coat| coat.clearcoat_normal_texture.as_ref()),
             sheen.and_then(|sheen| sheen.sheen_color_texture.as_ref()),
             sheen.and_then(|sheen| sheen.sheen_roughness_texture.as_ref()),
             specular.and_then(|specular| specular.specular_texture.as_ref()),
@@ -225,6 +226,12 @@ impl Description {
         ]
         .into_iter()
         .flatten()
+    }
+
+    /// The map along whose coordinates tangents are laid: that of the base, or else of its coat.
+    pub(super) fn normals(&self) -> Option<&TextureInfo> {
+        let coat = self.extensions.clearcoat.as_ref();
+        self.normal_texture.as_ref().or_else(|| coat.and_then(|coat| coat.clearcoat_normal_texture.as_ref()))
     }
 }
 

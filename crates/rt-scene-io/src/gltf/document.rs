@@ -13,7 +13,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::attribute_rules;
-use crate::{LoadError, Place, Problem, Reason, Warning};
+use crate::{LoadError, Place, Problem, Reason, Warning, limits};
 
 /// Extensions that are followed, at least as far as they concern what we draw.
 const SUPPORTED: [&str; 19] = [
@@ -38,9 +38,6 @@ const SUPPORTED: [&str; 19] = [
     "KHR_texture_transform",
 ];
 
-/// More problems than this are not listed.
-const MAX_PROBLEMS: usize = 20;
-
 /// The JSON part of a file.
 #[derive(Debug)]
 pub(super) struct Parsed {
@@ -56,6 +53,7 @@ pub(super) fn parse(json: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Re
     check_version(&value).map_err(|reason| reason.at(path, "asset.version"))?;
     check_extensions(&value, path, warnings)?;
     check_primitives(&value, path, warnings)?;
+    check_depth(&value, path)?;
     let animations = value.as_object_mut().and_then(|root| root.remove("animations")).unwrap_or_default();
     let root = Root::deserialize(&value).map_err(|error| {
         // Only a parse of the text knows the line, but it may stumble over whole numbers with a point.
@@ -157,6 +155,33 @@ fn check_primitives(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> 
     refuse(problems)
 }
 
+/// Refuses a tree that is too deep, before memory is spent on its nodes. Whether it is a tree at all is not asked here: what goes
+/// in circles has no root.
+fn check_depth(value: &Value, path: &Path) -> Result<(), LoadError> {
+    let nodes = list(value, "nodes");
+    let children = |node: usize| {
+        let indices = list(&nodes[node], "children").iter().filter_map(Value::as_u64);
+        indices.filter_map(|child| usize::try_from(child).ok().filter(|&child| child < nodes.len()))
+    };
+    let mut is_child = vec![false; nodes.len()];
+    let mut stack = Vec::new();
+    for node in 0..nodes.len() {
+        children(node).for_each(|child| is_child[child] = true);
+    }
+    stack.extend((0..nodes.len()).filter(|&node| !is_child[node]).map(|root| (root, 1)));
+    while let Some((node, depth)) = stack.pop() {
+        if depth > limits::NODE_DEPTH {
+            let reason = Reason::TooLarge { what: "the depth of the tree", value: depth, limit: limits::NODE_DEPTH };
+            return Err(reason.at(path, format!("nodes[{node}]")));
+        }
+        // A node that several others claim is refused later; here it is visited once.
+        stack.extend(
+            children(node).filter(|&child| core::mem::take(&mut is_child[child])).map(|child| (child, depth + 1)),
+        );
+    }
+    Ok(())
+}
+
 fn list<'a>(value: &'a Value, key: &str) -> &'a [Value] {
     value.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
 }
@@ -209,7 +234,7 @@ fn problem(place: String, reason: Reason, path: &Path) -> Problem {
 }
 
 fn refuse(mut problems: Vec<Problem>) -> Result<(), LoadError> {
-    problems.truncate(MAX_PROBLEMS);
+    problems.truncate(limits::PROBLEMS);
     LoadError::from_problems(problems).map_or(Ok(()), Err)
 }
 

@@ -10,14 +10,10 @@ use super::{
     accessor::{greatest, normalised},
     buffers::Buffers,
 };
-use crate::{LoadError, Reason};
+use crate::{LoadError, Reason, limits};
 
 /// The name of the extension.
 pub(super) const NAME: &str = "KHR_draco_mesh_compression";
-
-/// Most that one stream may hold: its header claims it before there is anything to show for it.
-const MAX_BYTES: u64 = 1 << 31;
-const MAX_FACES: u64 = 1 << 27;
 
 /// The object of the extension at a primitive.
 #[derive(Deserialize)]
@@ -43,7 +39,8 @@ impl Decoded {
             Compression::deserialize(object).map_err(|error| fail(error.to_string()))?;
         let view = buffers.document().views().nth(buffer_view);
         let view = view.ok_or_else(|| fail(format!("there is no bufferView {buffer_view}")))?;
-        let limits = DecodeLimits::default().with_max_faces(MAX_FACES).with_max_decoded_bytes(MAX_BYTES);
+        let limits =
+            DecodeLimits::default().with_max_faces(limits::DRACO_FACES).with_max_decoded_bytes(limits::DRACO_BYTES);
         let mut stream = DecoderBuffer::new(buffers.view(&view)?).with_limits(limits);
         let mut mesh = Mesh::new();
         MeshDecoder::new().decode(&mut stream, &mut mesh).map_err(|error| fail(error.to_string()))?;

@@ -20,7 +20,7 @@
 
 use rt_math::{Rgb, transcendental};
 use rt_shading::{
-    Coefficient, Highlight, LayeredBase, LayeredSurface, Phong, Physical, Scalar, TextureId, Transmission,
+    Coefficient, Highlight, LayeredBase, LayeredSurface, Phong, Physical, Relief, Scalar, TextureId, Transmission,
 };
 
 /// A texture times a colour.
@@ -94,6 +94,7 @@ pub(super) struct Surface {
     pub(super) dispersion: f64,
     pub(super) coat: Value,
     pub(super) coat_roughness: Value,
+    pub(super) coat_relief: Option<Relief>,
     pub(super) sheen_color: Tint,
     pub(super) sheen_roughness: Value,
     pub(super) anisotropy: Value,
@@ -119,6 +120,7 @@ impl Default for Surface {
             dispersion: 0.0,
             coat: none,
             coat_roughness: none,
+            coat_relief: None,
             sheen_color: Tint::plain(Rgb::BLACK),
             sheen_roughness: none,
             anisotropy: none,
@@ -222,6 +224,7 @@ impl Surface {
             dispersion: self.dispersion,
             coat: self.coat.scalar,
             coat_roughness: self.coat_roughness.scalar,
+            coat_relief: self.coat_relief,
             sheen_color: self.sheen_color.scaled(1.0),
             sheen_roughness: self.sheen_roughness.scalar,
             anisotropy: self.anisotropy.scalar,

@@ -2,6 +2,8 @@
 //!
 //! The bit streams are decoded by `draco-gltf`; what the file says of them is checked here.
 
+use std::borrow::Cow;
+
 use draco_gltf::{MeshoptFilter, MeshoptMode, meshopt::decode_buffer_view};
 use gltf::json::{buffer::View, extensions::buffer::Buffer};
 use serde::Deserialize;
@@ -41,8 +43,14 @@ pub(super) fn is_placeholder(extensions: Option<&Buffer>) -> bool {
     NAMES.into_iter().any(|name| fallback(name) == Some(true))
 }
 
+/// Bytes that a view claims to hold; 0 of one that cannot be read, which [`decode`] refuses.
+pub(super) fn decoded_bytes(object: &Value) -> u64 {
+    let view = Compression::deserialize(object).ok();
+    view.map_or(0, |view| (view.count as u64).saturating_mul(view.byte_stride as u64))
+}
+
 /// Decodes a view, given the content of all buffers.
-pub(super) fn decode(object: &Value, buffers: &[Option<Vec<u8>>]) -> Result<Vec<u8>, Reason> {
+pub(super) fn decode(object: &Value, buffers: &[Option<Cow<'_, [u8]>>]) -> Result<Vec<u8>, Reason> {
     let syntax = |message: String| Reason::Syntax(message);
     let view = Compression::deserialize(object).map_err(|error| syntax(error.to_string()))?;
     let Some(Some(data)) = buffers.get(view.buffer) else {
@@ -94,7 +102,7 @@ mod tests {
     #[test]
     fn vertices_are_sums_of_differences() {
         let stream = stream();
-        let decoded = decode(&object(&stream, 2), &[Some(stream.clone())]).expect("a stream");
+        let decoded = decode(&object(&stream, 2), &[Some(Cow::Borrowed(stream.as_slice()))]).expect("a stream");
         assert_eq!(decoded, [10, 20, 30, 40, 11, 20, 30, 40]);
     }
 
@@ -104,7 +112,7 @@ mod tests {
         let refused = |change: &str, value: Value| {
             let mut object = object(&stream, 2);
             object[change] = value;
-            decode(&object, &[Some(stream.clone()), None]).expect_err("a lie").to_string()
+            decode(&object, &[Some(Cow::Borrowed(stream.as_slice())), None]).expect_err("a lie").to_string()
         };
         assert_eq!(refused("buffer", json!(1)), "the buffer 1 has no data");
         assert_eq!(

@@ -25,7 +25,6 @@ mod meshopt;
 mod pose;
 mod primitive;
 mod skin;
-mod tangents;
 mod textures;
 mod tree;
 mod variants;
@@ -41,27 +40,53 @@ use self::{
     appearance::Appearance,
     buffers::Buffers,
     container::Container,
-    pose::{Affine, Pose},
+    pose::{Affine, Pose, Poses},
     primitive::{Content, Deformation},
 };
 use crate::{
-    LoadError, LoadOptions, MaterialId, MeshId, Model, NamedMesh, Reason, Warning, files::read_file,
+    LoadError, LoadOptions, MaterialId, MeshId, Model, NamedMesh, Reason, Warning,
+    budget::Reservation,
+    files::read_file,
+    forecast::{self, Sample},
+    limits,
     mesh_build::build_mesh,
 };
 
-/// Most memory that all meshes of a model may take.
-const MAX_MESH_BYTES: u64 = 1 << 32;
+/// Bytes of memory that an object of the document takes: as it is written, as it is understood, and as a node.
+const OBJECT_BYTES: u64 = 1800;
+
+/// Bytes of memory that a corner of a triangle takes while its mesh is built.
+const CORNER_BYTES: u64 = 8;
+
+/// The same of an attribute of a vertex.
+const ATTRIBUTE_BYTES: u64 = 16;
 
 /// A mesh of one material.
 type Part = (MeshId, MaterialId);
 
 /// Loads the model at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    let bytes = read_file(path).map_err(|reason| reason.at(path, ""))?;
-    // The last net, below the checks: the `gltf` crate may panic on documents that nobody thought of.
-    catch_unwind(AssertUnwindSafe(|| load_bytes(&bytes, path, options))).unwrap_or_else(|_| {
-        Err(Reason::Syntax("the document contradicts itself in a way that is not understood".to_owned()).at(path, ""))
+    forecast::within(path, options, peak_bytes, || {
+        let bytes = read_file(path, options).map_err(|reason| reason.at(path, ""))?;
+        // The last net, below the checks: the `gltf` crate may panic on documents that nobody thought of.
+        catch_unwind(AssertUnwindSafe(|| load_bytes(&bytes, path, options))).unwrap_or_else(|_| {
+            let message = "the document contradicts itself in a way that is not understood";
+            Err(Reason::Syntax(message.to_owned()).at(path, ""))
+        })
     })
+}
+
+/// Bytes of memory that the document takes while it is read. Buffers and meshes are counted when they are met.
+fn peak_bytes(sample: &Sample) -> u64 {
+    let objects = |text: &[u8]| text.iter().filter(|&&byte| byte == b'{').count() as u64;
+    let (json, objects) = match Container::json_bytes(sample.head()) {
+        None => (sample.size, sample.over_lines(|line| [objects(line)])[0]),
+        Some(json) => {
+            let (json, seen) = (json.min(sample.size), sample.head().len().max(1) as u64);
+            (json, objects(sample.head()).saturating_mul((json / seen).max(1)))
+        }
+    };
+    sample.size + 3 * json + OBJECT_BYTES * objects
 }
 
 fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
@@ -71,19 +96,30 @@ fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model,
     let document = &parsed.document;
     let variant = options.variant.as_deref().map(|name| variants::find(name, document, path)).transpose()?;
     let buffers = Buffers::load(document, container.blob, path, options)?;
-    let mut pose = Pose::rest(document);
-    animation::animate(&mut pose, &parsed.animations, &buffers, options, &mut model.warnings)?;
+    let (pose, later) = animation::poses(document, &parsed.animations, &buffers, options, &mut model.warnings)?;
+    let worlds = |pose: &Pose| if document.skins().len() > 0 { pose.worlds(document) } else { Vec::new() };
     let mut meshes = Meshes {
         buffers: &buffers,
         appearance: Appearance::new(document, &buffers, options),
         variant,
         pose: &pose,
-        worlds: if document.skins().len() > 0 { pose.worlds(document) } else { Vec::new() },
+        worlds: worlds(&pose),
+        later: later.as_ref().map(|later| (later, worlds(later))),
+        held: 0,
         skins: HashMap::new(),
         known: HashMap::new(),
         bytes: 0,
+        loading: Vec::new(),
+        options,
     };
-    tree::walk(&buffers, &pose, &mut model, |node, mesh, model| meshes.parts(node, mesh, model))?;
+    let poses = Poses { opens: &pose, closes: later.as_ref() };
+    tree::walk(&buffers, &poses, &mut model, |node, mesh, model| meshes.parts(node, mesh, model))?;
+    if meshes.held > 0 {
+        let held = meshes.held;
+        let message =
+            format!("{held} meshes that bones or morph targets move are not blurred: they are as the shutter opens");
+        model.warnings.push(Warning { place: "animations".to_owned(), message });
+    }
     if model.meshes.is_empty() {
         let message = "there are no triangles in the scene".to_owned();
         model.warnings.push(Warning { place: "scene".to_owned(), message });
@@ -103,11 +139,18 @@ struct Meshes<'a> {
     pose: &'a Pose,
     /// From nodes to the world; empty if no mesh follows bones.
     worlds: Vec<Option<Affine>>,
+    /// The pose when the shutter closes, if it is another, with its maps to the world.
+    later: Option<(&'a Pose, Vec<Option<Affine>>)>,
+    /// Meshes that would change while the shutter is open.
+    held: u32,
     /// The joints of skins, by their index.
     skins: HashMap<usize, Arc<[Affine]>>,
     /// The primitives, each with its material, by the index of the mesh and that of the node, if it poses the mesh.
     known: HashMap<(usize, Option<usize>), Vec<Part>>,
     bytes: u64,
+    /// The memory of the meshes so far.
+    loading: Vec<Reservation>,
+    options: &'a LoadOptions,
 }
 
 impl Meshes<'_> {
@@ -127,6 +170,7 @@ impl Meshes<'_> {
             joints: node.skin().map(|skin| self.joints(&skin)).transpose()?,
             mirrored: self.worlds.get(node.index()).copied().flatten().is_some_and(|w| w.linear.determinant() < 0.0),
         };
+        self.held += u32::from(self.changes(node, mesh));
         let mut parts = Vec::new();
         for primitive in mesh.primitives() {
             let place = format!("meshes[{}].primitives[{}]", mesh.index(), primitive.index());
@@ -136,6 +180,14 @@ impl Meshes<'_> {
         Ok(parts)
     }
 
+    /// True if bones or morph targets move a mesh while the shutter is open.
+    fn changes(&self, node: &gltf::Node<'_>, mesh: &gltf::Mesh<'_>) -> bool {
+        let Some((later, worlds)) = &self.later else { return false };
+        let moved = |joint: gltf::Node<'_>| worlds.get(joint.index()) != self.worlds.get(joint.index());
+        later.weights(node, mesh) != self.pose.weights(node, mesh)
+            || node.skin().is_some_and(|skin| skin.joints().any(moved))
+    }
+
     fn joints(&mut self, skin: &gltf::Skin<'_>) -> Result<Arc<[Affine]>, LoadError> {
         if let Some(known) = self.skins.get(&skin.index()) {
             return Ok(Arc::clone(known));
@@ -143,6 +195,27 @@ impl Meshes<'_> {
         let joints: Arc<[Affine]> = skin::joints(skin, &self.worlds, self.buffers)?.into();
         self.skins.insert(skin.index(), Arc::clone(&joints));
         Ok(joints)
+    }
+
+    /// Room for a primitive while it is read: what its accessors say, twice, as arrays and as a mesh.
+    fn reserve(
+        &self,
+        mesh: &gltf::Mesh<'_>,
+        primitive: &gltf::Primitive<'_>,
+        place: &str,
+    ) -> Result<Reservation, LoadError> {
+        // What claims more elements than there are bytes is refused for that when it is read.
+        let most = self.buffers.bytes().max(limits::GLTF_ZEROS as u64);
+        let vertices =
+            primitive.get(&gltf::Semantic::Positions).map_or(0, |accessor| most.min(accessor.count() as u64));
+        // Not by the crate's iterator, which panics at names that the specification does not know.
+        let json = &self.buffers.document().as_json().meshes[mesh.index()].primitives[primitive.index()];
+        let attributes = json.attributes.len() as u64;
+        let corners = primitive.indices().map_or(vertices, |accessor| most.min(accessor.count() as u64));
+        let bytes =
+            CORNER_BYTES.saturating_mul(corners).saturating_add(vertices.saturating_mul(ATTRIBUTE_BYTES * attributes));
+        let what = format_args!("{place} of {}", self.buffers.path().display());
+        self.options.memory.reserve(what, bytes).map_err(|reason| reason.at(self.buffers.path(), place))
     }
 
     fn part(
@@ -157,10 +230,9 @@ impl Meshes<'_> {
         let warning = |message: String| Warning { place: place.to_owned(), message };
         let material = variants::material(primitive, self.variant, self.buffers.document(), path, place)?;
         let has_colors = primitive.get(&gltf::Semantic::Colors(0)).is_some();
-        let along = uv_set_of_normals(&material);
         let material = self.appearance.material(&material, has_colors, model)?;
-        let along = material.wants.uv_sets.iter().position(|set| *set == along && set.is_some()).unwrap_or(0);
-        let data = match primitive::read(primitive, &material.wants, along, deformation, self.buffers, place)? {
+        let room = self.reserve(mesh, primitive, place)?;
+        let data = match primitive::read(primitive, &material.wants, deformation, self.buffers, place)? {
             Content::Triangles(data, notes) => {
                 model.warnings.extend(notes.into_iter().map(warning));
                 data
@@ -172,22 +244,19 @@ impl Meshes<'_> {
         };
         let built = build_mesh(data, place, &mut model.warnings).map_err(|e| Reason::from(e).at(path, place))?;
         let Some(built) = built else { return Ok(None) };
+        drop(room);
+        let what = format!("{place} of {}", path.display());
+        let built_room = self.options.memory.reserve(what, built.memory() as u64);
+        self.loading.push(built_room.map_err(|reason| reason.at(path, place))?);
         self.bytes += built.memory() as u64;
-        if self.bytes > MAX_MESH_BYTES {
-            let (value, limit) = (self.bytes, MAX_MESH_BYTES);
+        if self.bytes > limits::GLTF_MESH_BYTES {
+            let (value, limit) = (self.bytes, limits::GLTF_MESH_BYTES);
             return Err(Reason::TooLarge { what: "the memory of all meshes in bytes", value, limit }.at(path, place));
         }
         let id = MeshId(model.meshes.len() as u32);
         model.meshes.push(NamedMesh { name: mesh.name().unwrap_or_default().to_owned(), mesh: Arc::new(built) });
         Ok(Some((id, material.id)))
     }
-}
-
-/// The texture coordinates that a normal map is laid along.
-fn uv_set_of_normals(material: &gltf::Material<'_>) -> Option<u32> {
-    let texture = material.normal_texture()?;
-    let moved = texture.extension_value("KHR_texture_transform").and_then(|object| object.get("texCoord")?.as_u64());
-    Some(moved.and_then(|set| u32::try_from(set).ok()).unwrap_or_else(|| texture.tex_coord()))
 }
 
 #[cfg(test)]

@@ -41,6 +41,13 @@ pub(super) struct Pose {
     nodes: Vec<Posed>,
 }
 
+/// The states while the shutter is open.
+pub(super) struct Poses<'a> {
+    pub(super) opens: &'a Pose,
+    /// If it differs.
+    pub(super) closes: Option<&'a Pose>,
+}
+
 struct Posed {
     matrix: Matrix,
     /// Weights of morph targets in place of those of the mesh.

@@ -12,15 +12,16 @@ use super::{
     buffers::Buffers,
     pose::Affine,
     skin::{self, Influences},
-    tangents,
 };
-use crate::{LoadError, Reason};
+use crate::{LoadError, Reason, tangents};
 
 /// What the material of a primitive reads of it, beside positions and normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Wants {
     /// The sets of texture coordinates (TEXCOORD_n) for both slots of a mesh; `None` for a slot that nothing reads.
     pub(super) uv_sets: [Option<u32>; 2],
+    /// The slot of coordinates along which its normal map is laid.
+    pub(super) along: usize,
     /// Vertex colours.
     pub(super) colors: bool,
     /// Whether it has a map that is laid along tangents.
@@ -45,12 +46,10 @@ pub(super) enum Content {
     NoSurface,
 }
 
-/// Reads the arrays of a primitive, and morphs and bends them. Where tangents are wanted and the file has none, they are made
-/// along the texture coordinates of slot `along`.
+/// Reads the arrays of a primitive, and morphs and bends them. Where tangents are wanted and the file has none, they are made.
 pub(super) fn read(
     primitive: &Primitive<'_>,
     wants: &Wants,
-    along: usize,
     deformation: &Deformation<'_>,
     buffers: &Buffers<'_>,
     place: &str,
@@ -79,7 +78,7 @@ pub(super) fn read(
         }
     }
     if wants.tangents {
-        complete_tangents(&mut data, along, &mut notes);
+        complete_tangents(&mut data, wants.along, &mut notes);
     }
     Ok(Content::Triangles(data, notes))
 }

@@ -47,6 +47,13 @@ fn refused(rest: &str) -> String {
 }
 
 #[test]
+fn attributes_of_unknown_names_are_not_met_by_a_panic_when_room_is_reserved() {
+    let named = r#"{"attributes": {"POSITION": 0, "COLOUR": 0, "_OWN": 0}, "indices": 2}"#;
+    let model = load_with(named, r#""nodes": [{"mesh": 0}]"#).expect("a model");
+    assert_eq!(model.meshes[0].mesh.data().triangles.len(), 2);
+}
+
+#[test]
 fn instances_share_their_mesh() {
     let model = load_nodes(
         r#""nodes": [{"children": [1, 2]}, {"mesh": 0, "translation": [1, 2, 3]}, {"mesh": 0, "scale": [2, 2, 2]}]"#,
@@ -336,6 +343,70 @@ fn nodes_are_posed_at_a_moment() {
     let options = LoadOptions { at_time: Some(1.0), ..LoadOptions::default() };
     let error = arrays.load(&fixed, &options).expect_err("a matrix").to_string();
     assert!(error.contains("0 is a node with a matrix, which cannot be animated"), "{error}");
+}
+
+/// With the shutter open from this moment on, for a second.
+fn open_at(time: f64) -> LoadOptions {
+    LoadOptions { at_time: Some(time), frame_time: Some(1.0), shutter: Some([0.0, 1.0]), ..LoadOptions::default() }
+}
+
+#[test]
+fn nodes_and_cameras_move_while_the_shutter_is_open() {
+    let arrays = Arrays::triangle().with("SCALAR", &[0.0, 4.0]).with("VEC3", &[0.0, 0.0, 0.0, 8.0, 0.0, 0.0]);
+    let rest = format!(
+        r#"{TRIANGLE}, "cameras": [{{"type": "orthographic", "orthographic": {{"xmag": 1, "ymag": 1, "zfar": 9, "znear": 0}}}}],
+            "nodes": [{{"mesh": 0, "children": [1, 2]}}, {{"camera": 0, "translation": [0, 0, 3]}}, {{"mesh": 0}}],
+            "animations": [{{"channels": [{{"sampler": 0, "target": {{"node": 0, "path": "PATH"}}}}],
+                "samplers": [{{"input": 1, "output": 2}}]}}]"#
+    );
+    let moved = rest.replace("PATH", "translation");
+    let model = arrays.load(&moved, &open_at(1.0)).expect("a model");
+    let translation = |x: f64, z: f64| rt_math::Transform::translate(DVec3::new(x, 0.0, z));
+    assert_eq!(model.nodes[0].parent_from_local, translation(2.0, 0.0));
+    assert_eq!(model.nodes[0].moves_to, Some(translation(4.0, 0.0)));
+    assert_eq!(model.nodes[0].children[1].moves_to, None, "it moves with its parent");
+    let camera = model.cameras[0].settings;
+    assert_eq!((camera.world_from_camera, camera.moves_to), (translation(2.0, 3.0), Some(translation(4.0, 3.0))));
+    assert_eq!(model.warnings, []);
+    let later = arrays.load(&moved, &open_at(4.0)).expect("a model");
+    assert_eq!((later.nodes[0].moves_to, later.cameras[0].settings.moves_to), (None, None));
+    let sharp = arrays.at(1.0, &moved);
+    assert_eq!((sharp.nodes[0].moves_to, sharp.nodes[0].parent_from_local), (None, translation(2.0, 0.0)));
+    // A bare model is seen by its camera on the same way.
+    let (mut file, _) = crate::bare::scene_around(&model, &model, "m.glb", &open_at(1.0));
+    let at_hand = Some(("m.glb".to_owned(), model));
+    let scene = crate::resolve::resolve_with(&mut file, Path::new("m.glb"), &open_at(1.0), at_hand).expect("a scene");
+    let seen = scene.cameras[0].settings;
+    assert_eq!(
+        (seen.world_from_camera, seen.moves_to, seen.shutter),
+        (camera.world_from_camera, camera.moves_to, [0.0, 1.0])
+    );
+    // Scaled to nothing on its way, a node stands still.
+    let flat = arrays.load(&rest.replace("PATH", "scale"), &open_at(-1.0)).expect("a model");
+    assert!(flat.nodes.is_empty() && flat.warnings[0].message.contains("left out"), "{:?}", flat.warnings);
+}
+
+#[test]
+fn meshes_that_bones_or_weights_move_are_not_blurred_and_say_so() {
+    let arrays = Arrays::triangle()
+        .with("VEC3", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0])
+        .with("SCALAR", &[0.0, 4.0])
+        .with("SCALAR", &[0.0, 8.0])
+        .with_bytes("VEC4", &[0; 12])
+        .with("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3))
+        .with("VEC3", &[0.0, 0.0, 0.0, 8.0, 0.0, 0.0]);
+    let rest = r#""meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "targets": [{"POSITION": 1}]}]},
+            {"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 4, "WEIGHTS_0": 5}}]}],
+        "skins": [{"joints": [3]}], "nodes": [{"mesh": 0}, {"mesh": 0}, {"mesh": 1, "skin": 0}, {}],
+        "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}},
+            {"sampler": 1, "target": {"node": 3, "path": "translation"}}],
+            "samplers": [{"input": 2, "output": 3}, {"input": 2, "output": 6}]}]"#;
+    let warnings = |options: &LoadOptions| arrays.load(rest, options).expect("a model").warnings;
+    let message = "2 meshes that bones or morph targets move are not blurred: they are as the shutter opens";
+    assert_eq!(warnings(&open_at(1.0)).iter().map(|w| w.message.as_str()).collect::<Vec<_>>(), [message]);
+    assert_eq!(warnings(&open_at(4.0)), []);
+    let model = arrays.load(rest, &open_at(1.0)).expect("a model");
+    assert_eq!(model.meshes[0].mesh.data().positions[0].z, 2.0);
 }
 
 #[test]

@@ -13,19 +13,8 @@ use super::{
     buffers::{Buffers, fetch},
     description::{TextureInfo, TextureTransform},
 };
-use crate::{LoadError, LoadOptions, Model, Reason, Warning, decode_numbers, decode_texture};
-
-/// Most memory that all textures of a model may take.
-const MAX_TEXTURE_BYTES: u64 = 1 << 32;
-
-/// What the pixels of an image are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Pixels {
-    /// Colours, encoded as sRGB.
-    Colours,
-    /// Numbers as they are.
-    Numbers,
-}
+pub(super) use crate::texture::Pixels;
+use crate::{LoadError, LoadOptions, Model, Reason, Warning, limits, texture::decode_within};
 
 /// The slots of texture coordinates that meshes of a material have: which of the document's sets each holds.
 pub(super) type UvSets = [Option<u32>; 2];
@@ -107,10 +96,8 @@ impl<'a> Textures<'a> {
     fn decoded(&self, index: usize, pixels: Pixels, model: &mut Model) -> Result<Option<Bitmap>, LoadError> {
         let path = self.buffers.path();
         let place = format!("images[{index}]");
-        let decode = match pixels {
-            Pixels::Colours => decode_texture,
-            Pixels::Numbers => decode_numbers,
-        };
+        let what = format!("image {index} of {}", path.display());
+        let decode = |bytes: &[u8]| decode_within(bytes, pixels, &what, &self.options.memory);
         let image = &self.document.as_json().images[index];
         let decoded = match (&image.uri, image.buffer_view) {
             (Some(uri), _) => match fetch(uri, path, self.options) {
@@ -127,14 +114,14 @@ impl<'a> Textures<'a> {
             },
             (None, None) => return Err(Reason::Syntax("has neither uri nor bufferView".to_owned()).at(path, place)),
         };
-        decoded.map(Some).map_err(|error| Reason::from(error).at(path, place))
+        decoded.map(Some).map_err(|reason| reason.at(path, place))
     }
 
     /// Adds a bitmap that is kept to the memory of all textures.
     pub(super) fn count(&mut self, bitmap: &Bitmap) -> Result<(), LoadError> {
         self.bytes += bitmap.memory() as u64;
-        if self.bytes > MAX_TEXTURE_BYTES {
-            let (value, limit) = (self.bytes, MAX_TEXTURE_BYTES);
+        if self.bytes > limits::MODEL_TEXTURE_BYTES {
+            let (value, limit) = (self.bytes, limits::MODEL_TEXTURE_BYTES);
             let reason = Reason::TooLarge { what: "the memory of all textures in bytes", value, limit };
             return Err(reason.at(self.buffers.path(), ""));
         }

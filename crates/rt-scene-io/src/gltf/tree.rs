@@ -8,22 +8,16 @@ use gltf::{
     scene::Transform as Matrix,
 };
 use rt_camera::{CameraSettings, FovAxis, Projection};
-use rt_math::{DQuat, DVec3, Rgb, Transform, TransformError, transcendental::cos};
+use rt_math::{DQuat, DVec3, Motion, Rgb, Transform, TransformError, transcendental::cos};
 use rt_shading::{Falloff, Light, LightKind};
 
-use super::{Part, buffers::Buffers, instancing, pose::Pose};
-use crate::{Content, LoadError, MaterialId, Model, NamedCamera, Node, Reason, Warning};
-
-/// Deepest tree that is accepted.
-const MAX_DEPTH: usize = 1024;
-
-/// Most instances that the nodes of a file may place.
-const MAX_INSTANCES: u64 = 1 << 21;
+use super::{Part, buffers::Buffers, instancing, pose::Poses};
+use crate::{Content, LoadError, MaterialId, Model, NamedCamera, Node, Reason, Warning, limits};
 
 /// Walks the tree of the scene to be shown. `parts_of` gives the meshes of a node, with their materials.
 pub(super) fn walk(
     buffers: &Buffers<'_>,
-    pose: &Pose,
+    poses: &Poses<'_>,
     model: &mut Model,
     mut parts_of: impl FnMut(&Source<'_>, &gltf::Mesh<'_>, &mut Model) -> Result<Vec<Part>, LoadError>,
 ) -> Result<(), LoadError> {
@@ -32,17 +26,12 @@ pub(super) fn walk(
     let mut instances = 0;
     for root in roots(document, path)? {
         let mut stack: Vec<Frame> = Vec::new();
-        stack.extend(open(&nodes[root], pose, Transform::IDENTITY, model));
+        stack.extend(open(&nodes[root], poses, &World::IDENTITY, model));
         while let Some(mut frame) = stack.pop() {
             if let Some(child) = frame.children.pop() {
                 let world = frame.world;
                 stack.push(frame);
-                if stack.len() >= MAX_DEPTH {
-                    let (value, limit) = (stack.len() as u64 + 1, MAX_DEPTH as u64);
-                    let reason = Reason::TooLarge { what: "the depth of the tree", value, limit };
-                    return Err(reason.at(path, format!("nodes[{child}]")));
-                }
-                stack.extend(open(&nodes[child], pose, world, model));
+                stack.extend(open(&nodes[child], poses, &world, model));
                 continue;
             }
             let source = &nodes[frame.index];
@@ -51,7 +40,7 @@ pub(super) fn walk(
                 place(source, &mut frame.node, &parts, buffers, &mut instances, model)?;
             }
             place_camera(source, document, &frame.world, model);
-            place_light(source, document, &frame.world, model);
+            place_light(source, document, &frame.world.opens, model);
             match stack.last_mut() {
                 Some(parent) => parent.node.children.push(frame.node),
                 None => model.nodes.push(frame.node),
@@ -65,14 +54,32 @@ pub(super) fn walk(
 struct Frame {
     index: usize,
     node: Node,
-    world: Transform,
+    world: World,
     /// Still to be visited, last first.
     children: Vec<usize>,
 }
 
+/// Takes the space of a node to the world, when the shutter opens and when it closes.
+#[derive(Clone, Copy)]
+struct World {
+    opens: Transform,
+    closes: Transform,
+}
+
+impl World {
+    const IDENTITY: Self = Self { opens: Transform::IDENTITY, closes: Transform::IDENTITY };
+
+    fn then_first(&self, node: &Node) -> Self {
+        Self {
+            opens: self.opens.then_first(&node.parent_from_local),
+            closes: self.closes.then_first(&node.moves_to.unwrap_or(node.parent_from_local)),
+        }
+    }
+}
+
 /// Starts a node, unless its transform is unusable.
-fn open(source: &Source<'_>, pose: &Pose, parent: Transform, model: &mut Model) -> Option<Frame> {
-    let parent_from_local = match transform(pose.matrix(source.index())?) {
+fn open(source: &Source<'_>, poses: &Poses<'_>, parent: &World, model: &mut Model) -> Option<Frame> {
+    let parent_from_local = match transform(poses.opens.matrix(source.index())?) {
         Ok(transform) => transform,
         Err(error) => {
             warn(source, &format!("{error}; it is left out, with all below"), model);
@@ -81,8 +88,22 @@ fn open(source: &Source<'_>, pose: &Pose, parent: Transform, model: &mut Model) 
     };
     let mut children: Vec<usize> = source.children().map(|child| child.index()).collect();
     children.reverse();
-    let node = Node { parent_from_local, ..empty(source) };
-    Some(Frame { index: source.index(), node, world: parent.then_first(&parent_from_local), children })
+    let moves_to = moves_to(source, poses, &parent_from_local, model);
+    let node = Node { parent_from_local, moves_to, ..empty(source) };
+    Some(Frame { index: source.index(), world: parent.then_first(&node), node, children })
+}
+
+/// Where a node goes while the shutter is open, if it goes anywhere.
+fn moves_to(source: &Source<'_>, poses: &Poses<'_>, start: &Transform, model: &mut Model) -> Option<Transform> {
+    let end = transform(poses.closes?.matrix(source.index())?);
+    if end.is_ok_and(|end| end == *start) {
+        return None;
+    }
+    let end = end.ok().filter(|end| Motion::new(start, end).is_ok());
+    if end.is_none() {
+        warn(source, "what it moves to while the shutter is open is unusable; it stands still", model);
+    }
+    end
 }
 
 /// The nodes to start from: those of the chosen scene, or all that have no parent. Each node must have at most one
@@ -159,8 +180,9 @@ fn place(
         return Ok(());
     };
     *instances += placements.len() as u64;
-    if *instances > MAX_INSTANCES {
-        let reason = Reason::TooLarge { what: "the number of instances", value: *instances, limit: MAX_INSTANCES };
+    if *instances > limits::GLTF_INSTANCES {
+        let reason =
+            Reason::TooLarge { what: "the number of instances", value: *instances, limit: limits::GLTF_INSTANCES };
         return Err(reason.at(buffers.path(), format!("nodes[{}].extensions.{}", source.index(), instancing::NAME)));
     }
     if lost > 0 {
@@ -202,7 +224,7 @@ fn place_mesh(node: &mut Node, parts: &[Part]) {
     );
 }
 
-fn place_camera(source: &Source<'_>, document: &Document, world: &Transform, model: &mut Model) {
+fn place_camera(source: &Source<'_>, document: &Document, world: &World, model: &mut Model) {
     let Some(json) = source.camera().and_then(|camera| document.as_json().cameras.get(camera.index())) else { return };
     let projection = match (json.type_, &json.perspective, &json.orthographic) {
         (Checked::Valid(CameraType::Perspective), Some(camera), _) => {
@@ -217,9 +239,12 @@ fn place_camera(source: &Source<'_>, document: &Document, world: &Transform, mod
         _ => None,
     };
     // Cameras have a place and a direction, but no scale.
-    let eye = world.point(DVec3::ZERO);
-    let view = Transform::look_at(eye, eye + world.vector(DVec3::NEG_Z).normalize_or_zero(), world.vector(DVec3::Y));
-    let (Some(projection), Ok(world_from_camera)) = (projection, view) else {
+    let view = |world: &Transform| {
+        let eye = world.point(DVec3::ZERO);
+        Transform::look_at(eye, eye + world.vector(DVec3::NEG_Z).normalize_or_zero(), world.vector(DVec3::Y))
+    };
+    let views = view(&world.opens).and_then(|opens| Ok((opens, view(&world.closes)?)));
+    let (Some(projection), Ok((world_from_camera, closes))) = (projection, views) else {
         warn(source, "its camera has no usable field of view or direction; it is left out", model);
         return;
     };
@@ -231,7 +256,8 @@ fn place_camera(source: &Source<'_>, document: &Document, world: &Transform, mod
         warn(source, "its camera has the name of another one; it is left out", model);
         return;
     }
-    let settings = CameraSettings::new(world_from_camera, projection);
+    let moves_to = (world.closes != world.opens).then_some(closes);
+    let settings = CameraSettings { moves_to, ..CameraSettings::new(world_from_camera, projection) };
     model.cameras.push(NamedCamera { name, settings, medium: None });
 }
 

@@ -13,8 +13,8 @@ use rt_geometry::{Face, InsideRule, MeshData, MeshError, Polygon, PolygonError, 
 use rt_math::{DVec3, Vec3};
 
 use super::words::{Word, Words};
-use crate::Reason;
 use crate::flaw::Flaw;
+use crate::{Reason, limits};
 
 /// Most polygons of a fill that become shapes of their own.
 pub(super) const MOST_SHAPES: usize = 16;
@@ -129,7 +129,7 @@ fn corner_count(words: &mut Words<'_>) -> Result<usize, Flaw> {
         return Err(Flaw::new(line, count, "is no number of corners: a polygon has 3 or more"));
     }
     // Beyond the range of u64 the conversion gives its greatest number.
-    let (value, limit) = (count as u64, MeshData::MAX_CORNERS as u64);
+    let (value, limit) = (count as u64, limits::FACE_CORNERS as u64);
     if value > limit {
         return Err(Flaw {
             line,

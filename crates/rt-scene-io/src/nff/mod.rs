@@ -31,20 +31,34 @@ use self::view::View;
 use self::words::{Word, Words};
 use crate::files::read_file;
 use crate::flaw::Flaw;
+use crate::forecast::{self, Sample};
 use crate::format::{Background, Color};
 use crate::mesh_build::build_mesh;
 use crate::resolve::Report;
 use crate::{
-    Content, LightUnits, LoadError, Material, MaterialId, MeshId, Model, NamedMesh, Node, Place, Problem, Reason,
-    Warning,
+    Content, LightUnits, LoadError, LoadOptions, Material, MaterialId, MeshId, Model, NamedMesh, Node, Place, Problem,
+    Reason, Warning,
 };
 
 /// The statements of the format.
 const KEYWORDS: [&str; 8] = ["v", "b", "l", "f", "c", "s", "p", "pp"];
 
+/// Bytes of memory that loading takes at its peak: solids become nodes, fills materials, and corners of polygons meshes.
+fn peak_bytes(sample: &Sample) -> u64 {
+    let [solids, fills, corners] = sample.over_lines(|line| match line.trim_ascii_start().first() {
+        Some(b's' | b'c') => [1, 0, 0],
+        Some(b'f') => [0, 1, 0],
+        Some(b'-' | b'+' | b'.' | b'0'..=b'9') => [0, 0, 1],
+        _ => [0; 3],
+    });
+    sample.size + 1050 * solids + 1500 * fills + 72 * corners
+}
+
 /// Loads the file at `path`.
-pub(crate) fn load(path: &Path) -> Result<Model, LoadError> {
-    load_bytes(&read_file(path).map_err(|reason| reason.at(path, ""))?, path)
+pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
+    forecast::within(path, options, peak_bytes, || {
+        load_bytes(&read_file(path, options).map_err(|reason| reason.at(path, ""))?, path)
+    })
 }
 
 /// Loads the file that `bytes` hold; `path` is for messages.

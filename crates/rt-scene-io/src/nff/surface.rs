@@ -14,9 +14,7 @@ use rt_shading::{Coefficient, Highlight, Phong, Transmission};
 
 use super::words::Words;
 use crate::flaw::Flaw;
-
-/// Largest exponent of a highlight; it is narrower than a pixel by far.
-const MAX_EXPONENT: f64 = 1e7;
+use crate::limits;
 
 /// The numbers of an `f` statement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +69,7 @@ impl Fill {
             ambient: Coefficient::ZERO,
             diffuse: constant(Rgb::from(self.colour) * self.diffuse),
             specular: ks,
-            exponent: self.shine.min(MAX_EXPONENT),
+            exponent: self.shine.min(limits::HIGHLIGHT_EXPONENT),
             highlight: Highlight::Phong,
             emission: Coefficient::ZERO,
             mirror: ks,

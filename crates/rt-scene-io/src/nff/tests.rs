@@ -41,7 +41,7 @@ fn a_whole_file_becomes_a_model() {
 #[test]
 fn a_bare_file_keeps_its_lights_as_they_are() {
     let model = load_text(&format!("{HEAD}l 1 2 3\n{FILL}s 0 0 0 1")).expect("a model");
-    let (file, _) = scene_around(&model, "m.nff", &LoadOptions::default());
+    let (file, _) = scene_around(&model, &model, "m.nff", &LoadOptions::default());
     assert_eq!((file.film.exposure, file.film.tone), (0.0, format::Film::default().tone));
     assert_eq!(file.film.size, (32, 24));
     assert_eq!(file.background, model.background);

@@ -1,7 +1,7 @@
 //! The words of an NFF file, each with its line.
 
-use crate::error::MAX_NUMBER;
 use crate::flaw::Flaw;
+use crate::limits;
 
 /// A word and the number of its line, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +66,7 @@ impl<'a> Words<'a> {
         };
         self.advance();
         // A NaN fails the comparison.
-        if number.abs() <= MAX_NUMBER {
+        if number.abs() <= limits::NUMBER {
             Ok(number)
         } else {
             Err(Flaw::new(

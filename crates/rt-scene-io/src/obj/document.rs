@@ -5,7 +5,6 @@
 //! So the statements are sorted first: all vertices, then the faces of each [`Part`] as a group of its own, with
 //! absolute indices. Whatever cannot be read is refused here, where its line is known.
 
-use rt_geometry::MeshData;
 use std::{
     collections::{BTreeMap, HashMap},
     fmt::Write,
@@ -15,6 +14,7 @@ use super::{
     lines::{Line, lines},
     smoothing::Smoothing,
 };
+use crate::limits::FACE_CORNERS;
 
 /// Faces that become one mesh.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -48,9 +48,6 @@ pub(super) struct BadLine {
     pub(super) line: usize,
     pub(super) message: String,
 }
-
-/// More corners than any modeller makes.
-const MAX_CORNERS: usize = MeshData::MAX_CORNERS;
 
 /// Statements without effect on a picture made of triangles, or for other programs only.
 const HARMLESS: [&str; 7] = ["mg", "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"];
@@ -231,8 +228,8 @@ impl Reader {
                 self.skip("face with fewer than three corners", line.number);
                 return Ok(());
             }
-            3..=MAX_CORNERS => {}
-            n => return Err(format!("a face with {n} corners; at most {MAX_CORNERS} are accepted")),
+            3..=FACE_CORNERS => {}
+            n => return Err(format!("a face with {n} corners; at most {FACE_CORNERS} are accepted")),
         }
         let attributes = [1, 2].map(|kind| self.corners.iter().all(|corner| corner[kind].is_some()));
         let part = self.part(attributes);
@@ -404,7 +401,7 @@ mod tests {
     #[test]
     fn short_vertices_and_huge_faces_are_refused() {
         assert_eq!(refused("v 1 2"), "7: `v` needs 3 numbers, but has 2");
-        let huge = format!("f{}", " 1".repeat(MAX_CORNERS + 1));
+        let huge = format!("f{}", " 1".repeat(FACE_CORNERS + 1));
         assert_eq!(refused(&huge), "7: a face with 100001 corners; at most 100000 are accepted");
         let found = Document::find_bad_numbers("v 1 2 3\n\nv 1,5 2 3", "v");
         assert_eq!(found, [BadLine { line: 3, message: "`1,5` is not a number".to_owned() }]);

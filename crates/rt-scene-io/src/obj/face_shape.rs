@@ -5,11 +5,10 @@
 
 use rt_math::{DVec3, Frame, Vec3};
 
+use crate::limits;
+
 /// Corners may lie off the plane by this part of the face's diameter: coordinates are written with few digits.
 const FLATNESS: f64 = 1e-3;
-
-/// Most corners among which crossings are looked for, which takes time with their square.
-const MAX_CHECKED: usize = 512;
 
 /// Faces that are shown otherwise than they were meant, counted.
 #[derive(Debug, Default)]
@@ -39,7 +38,7 @@ impl FaceShapes {
             self.bent += 1;
             self.greatest = self.greatest.max(off);
         }
-        if local.len() <= MAX_CHECKED && crosses_itself(&local) {
+        if local.len() <= limits::CROSSING_CORNERS && crosses_itself(&local) {
             self.crossed += 1;
         }
     }

@@ -6,22 +6,26 @@ use std::{
     sync::Arc,
 };
 
-use rt_shading::{Material, Phong, Texture, TextureId, Wrap};
+use rt_shading::{Channel, Material, Phong, Relief, Texture, TextureId};
 
 use super::{
     lines,
     map::Map,
-    material::{Maps, phong, physical},
-    mtl, warning,
+    material::{Maps, coverage, is_glass, is_laid_along, phong, physical},
+    mtl,
+    textures::{Meaning, Textures, push},
+    warning,
 };
 use crate::{
     LoadError, LoadOptions, MaterialId, Model, Place, Reason, Warning,
-    files::{read_file, read_texture, resolve_path},
+    files::{read_beside, resolve_path},
 };
 
-/// Parameters of physical materials, and maps, that have no effect here: sheen, coat, brushed metal, relief.
-const UNUSED: [&str; 13] =
-    ["Ps", "Pc", "Pcr", "aniso", "anisor", "map_Pr", "map_Pm", "map_Ps", "map_Pc", "norm", "disp", "decal", "refl"];
+/// Maps that have no effect here.
+const UNUSED: [&str; 6] = ["map_Pcr", "map_aniso", "map_anisor", "disp", "decal", "refl"];
+
+/// The same of glass, which is the same everywhere.
+const UNUSED_BY_GLASS: [&str; 7] = ["map_Pr", "map_Pm", "map_Ps", "map_Pc", "Pc", "Ps", "aniso"];
 
 pub(super) struct Library<'a> {
     options: &'a LoadOptions,
@@ -33,15 +37,13 @@ pub(super) struct Library<'a> {
     incomplete: bool,
     /// By name, and whether the colours of vertices tint it.
     used: HashMap<(Option<String>, bool), MaterialId>,
-    /// By file, and whether it ends at its edge.
-    textures: HashMap<(PathBuf, bool), TextureId>,
+    textures: Textures<'a>,
 }
 
 /// The colours of vertices, times a texture if there is one.
 fn tinted(texture: Option<TextureId>, model: &mut Model) -> TextureId {
     let below = texture.and_then(|id| model.textures.get(id.0 as usize)).map(|texture| Arc::new(texture.clone()));
-    model.textures.push(Texture::VertexColor(below));
-    TextureId(model.textures.len() as u32 - 1)
+    push(Texture::VertexColor(below), model)
 }
 
 impl<'a> Library<'a> {
@@ -52,7 +54,7 @@ impl<'a> Library<'a> {
         options: &'a LoadOptions,
         model: &mut Model,
     ) -> Result<Self, LoadError> {
-        let (known, textures) = (HashMap::new(), HashMap::new());
+        let (known, textures) = (HashMap::new(), Textures::new(options));
         let mut library = Self { options, path, known, incomplete: false, used: HashMap::new(), textures };
         for (line, names) in statements {
             library.open_all(names, *line, model)?;
@@ -91,7 +93,7 @@ impl<'a> Library<'a> {
     }
 
     fn read(&mut self, file: &Path, model: &mut Model) -> Result<(), LoadError> {
-        let bytes = match read_file(file) {
+        let bytes = match read_beside(file, self.options) {
             Err(Reason::Empty) => Vec::new(),
             bytes => bytes.map_err(|reason| reason.at(file, ""))?,
         };
@@ -118,16 +120,17 @@ impl<'a> Library<'a> {
         }
         let material = match name.as_ref().and_then(|name| self.known.get(name)).cloned() {
             Some((mtl, file)) => {
-                let mut maps = Maps {
-                    diffuse: self.texture(mtl.diffuse_texture.as_deref(), &mtl, &file, model)?,
-                    specular: self.texture(mtl.specular_texture.as_deref(), &mtl, &file, model)?,
-                    emission: self.texture(mtl.unknown_param.get("map_Ke").map(String::as_str), &mtl, &file, model)?,
-                };
+                let mut maps = self.maps(&mtl, &file, model)?;
                 if has_colours {
                     maps.diffuse = Some(tinted(maps.diffuse, model));
                 }
                 Self::warn_about_unused(&mtl, &file, model);
-                Material { physical: physical(&mtl, maps), ..Material::new(mtl.name.clone(), phong(&mtl, maps)) }
+                Material {
+                    physical: physical(&mtl, maps),
+                    coverage: coverage(&mtl, maps),
+                    relief: maps.relief,
+                    ..Material::new(mtl.name.clone(), phong(&mtl, maps))
+                }
             }
             None => {
                 if let (Some(name), false) = (&name, self.incomplete) {
@@ -155,62 +158,57 @@ impl<'a> Library<'a> {
         Warning { place: self.path.display().to_string(), message }
     }
 
-    /// The texture of a statement. An image that is not there is a warning; a damaged one is an error.
-    fn texture(
-        &mut self,
-        statement: Option<&str>,
-        mtl: &tobj::Material,
-        file: &Path,
-        model: &mut Model,
-    ) -> Result<Option<TextureId>, LoadError> {
-        let Some(map) = statement.and_then(Map::parse) else { return Ok(None) };
-        let place = format!("material `{}`", mtl.name);
-        let mut warn = |message| {
-            let place = format!("{}: {place}", file.display());
-            model.warnings.push(Warning { place, message });
+    /// The textures of a material.
+    fn maps(&mut self, mtl: &tobj::Material, file: &Path, model: &mut Model) -> Result<Maps, LoadError> {
+        let other = |keyword: &str| mtl.unknown_param.get(keyword).map(String::as_str);
+        let colours = Meaning::Colours;
+        let texture = |statement: Option<&str>, textures: &mut Textures<'_>, meaning: Meaning, model: &mut Model| {
+            let Some(map) = statement.and_then(Map::parse) else { return Ok(None) };
+            textures.texture(&map, meaning, file, &mtl.name, model)
         };
-        for option in &map.ignored {
-            warn(format!("the texture option `{option}` of `{}` is not followed", map.file));
-        }
-        let image = match resolve_path(&map.file, file, self.options) {
-            Ok(image) => image,
-            Err(Reason::MissingReference { .. }) => {
-                warn(format!("the image `{}` is not there; the plain colour is used", map.file));
-                return Ok(None);
-            }
-            Err(reason) => return Err(reason.at(file, place)),
+        let number = |keyword: &str, textures: &mut Textures<'_>, model: &mut Model| {
+            let Some(map) = other(keyword).and_then(Map::parse) else { return Ok(None) };
+            let id = textures.texture(&map, Meaning::Numbers, file, &mtl.name, model)?;
+            Ok::<_, LoadError>(id.map(|id| (id, map.channel.unwrap_or(Channel::Red))))
         };
-        let id = self.image((image, map.clamp), model)?;
-        if map.has_own_coordinates() {
-            let Some(texture) = model.textures.get(id.0 as usize).cloned().map(Arc::new) else { return Ok(None) };
-            model.textures.push(Texture::Mapped { texture, map: map.coordinates() });
-            return Ok(Some(TextureId(model.textures.len() as u32 - 1)));
-        }
-        Ok(Some(id))
+        let textures = &mut self.textures;
+        let (metallic, roughness, coat) = match is_glass(mtl) {
+            true => (None, None, None),
+            false => (
+                number("map_Pm", textures, model)?,
+                number("map_Pr", textures, model)?,
+                number("map_Pc", textures, model)?,
+            ),
+        };
+        let cover = mtl.dissolve_texture.as_deref();
+        let channel = cover.and_then(Map::parse).and_then(|map| map.channel);
+        let relief = other("norm").or(mtl.normal_texture.as_deref());
+        let scale = relief.and_then(Map::parse).map_or(1.0, |map| map.bump);
+        let relief = texture(relief, textures, Meaning::Relief, model)?;
+        Ok(Maps {
+            diffuse: texture(mtl.diffuse_texture.as_deref(), textures, colours, model)?,
+            specular: texture(mtl.specular_texture.as_deref(), textures, colours, model)?,
+            emission: texture(other("map_Ke"), textures, colours, model)?,
+            metallic,
+            roughness,
+            coat,
+            sheen: if is_glass(mtl) { None } else { texture(other("map_Ps"), textures, colours, model)? },
+            cover: texture(cover, textures, Meaning::Cover(channel), model)?,
+            relief: relief.map(|texture| Relief { texture, scale }),
+        })
     }
 
-    /// The texture of an image file, which is read once.
-    fn image(&mut self, key: (PathBuf, bool), model: &mut Model) -> Result<TextureId, LoadError> {
-        if let Some(&id) = self.textures.get(&key) {
-            return Ok(id);
-        }
-        let bitmap = read_texture(&key.0).map_err(|reason| reason.at(&key.0, ""))?;
-        let id = TextureId(model.textures.len() as u32);
-        let wrap = [if key.1 { Wrap::Clamp } else { Wrap::Repeat }; 2];
-        model.textures.push(Texture::Image { bitmap: Arc::new(bitmap), wrap, smooth: true });
-        self.textures.insert(key, id);
-        Ok(id)
+    /// True if meshes of this material need tangents.
+    pub(super) fn is_laid_along(&self, name: Option<&str>) -> bool {
+        name.and_then(|name| self.known.get(name)).is_some_and(|(mtl, _)| is_laid_along(mtl))
     }
 
     /// Warns of what the material says and no surface here can show.
     fn warn_about_unused(mtl: &tobj::Material, file: &Path, model: &mut Model) {
-        let maps = [
-            ("map_d", mtl.dissolve_texture.is_some()),
-            ("map_Ns", mtl.shininess_texture.is_some()),
-            ("map_Bump", mtl.normal_texture.is_some()),
-        ];
-        let unknown = UNUSED.map(|keyword| (keyword, mtl.unknown_param.get(keyword).is_some_and(|text| text != "0")));
-        for (keyword, _) in maps.into_iter().chain(unknown).filter(|(_, present)| *present) {
+        let of_glass = if is_glass(mtl) { &UNUSED_BY_GLASS[..] } else { &[] };
+        let present = |keyword: &&str| mtl.unknown_param.get(*keyword).is_some_and(|text| text != "0");
+        let unknown = UNUSED.iter().chain(of_glass).copied().filter(present);
+        for keyword in mtl.shininess_texture.iter().map(|_| "map_Ns").chain(unknown) {
             let place = format!("{}: material `{}`", file.display(), mtl.name);
             model.warnings.push(Warning { place, message: format!("`{keyword}` is not followed") });
         }

@@ -1,6 +1,6 @@
 //! Texture statements of MTL files: options, then a file name that may contain spaces.
 
-use rt_shading::UvMap;
+use rt_shading::{Channel, UvMap};
 
 /// What follows `map_Kd` and its like.
 #[derive(Debug, PartialEq)]
@@ -12,16 +12,21 @@ pub(super) struct Map {
     /// What is added to the texture coordinates after they are multiplied by `scale`.
     offset: [f64; 2],
     scale: [f64; 2],
+    /// Factor of the slopes of a bump map.
+    pub(super) bump: f64,
+    /// The part of the image that counts, if the file says.
+    pub(super) channel: Option<Channel>,
     /// Options that would change the picture and are not followed.
     pub(super) ignored: Vec<String>,
 }
 
 /// Options, and whether they are a matter of taste (filtering, channels of scalar maps).
-const OPTIONS: [(&str, Arguments, bool); 13] = [
+const OPTIONS: [(&str, Arguments, bool); 14] = [
     ("-blendu", Arguments::Exactly(1), true),
     ("-blendv", Arguments::Exactly(1), true),
     ("-boost", Arguments::Exactly(1), true),
     ("-cc", Arguments::Exactly(1), true),
+    ("-colorspace", Arguments::Exactly(1), true),
     ("-texres", Arguments::Exactly(1), true),
     ("-bm", Arguments::Exactly(1), true),
     ("-imfchan", Arguments::Exactly(1), true),
@@ -40,41 +45,51 @@ enum Arguments {
 }
 
 impl Map {
-    /// `None` if no file name is left after the options.
+    /// `None` if no file name is left beside the options. Some programs write options after the name.
     pub(super) fn parse(statement: &str) -> Option<Self> {
-        let (mut rest, mut clamp, mut ignored) = (statement.trim(), false, Vec::new());
-        let (mut offset, mut scale) = ([0.0; 2], [1.0; 2]);
-        while let Some((name, arguments, harmless)) = OPTIONS.iter().find(|(name, ..)| first_word(rest).0 == *name) {
-            rest = first_word(rest).1;
-            let mut values = Vec::new();
-            for _ in 0..3 {
-                let (word, after) = first_word(rest);
-                let wanted = match arguments {
-                    Arguments::Exactly(count) => values.len() < *count && !word.is_empty(),
-                    Arguments::Numbers => word.parse::<f32>().is_ok(),
-                };
-                if !wanted {
-                    break;
-                }
-                values.push(word);
-                rest = after;
-            }
-            clamp |= *name == "-clamp" && values == ["on"];
-            let target = match *name {
-                "-o" => Some(&mut offset),
-                "-s" => Some(&mut scale),
-                _ => None,
-            };
-            // The third number is for textures in space.
-            if let Some(target) = target {
-                let numbers = values.iter().filter_map(|value| value.parse::<f64>().ok()).filter(|n| n.is_finite());
-                target.iter_mut().zip(numbers).for_each(|(part, number)| *part = number);
-            } else if !harmless && !is_identity(name, &values) {
-                ignored.push(format!("{name} {}", values.join(" ")));
-            }
+        let (offset, scale, ignored) = ([0.0; 2], [1.0; 2], Vec::new());
+        let mut map = Self { file: String::new(), clamp: false, offset, scale, bump: 1.0, channel: None, ignored };
+        let mut rest = statement.trim();
+        while let Some(after) = map.option(rest) {
+            rest = after;
         }
-        let file = rest.trim_matches('"').replace('\\', "/");
-        (!file.is_empty()).then_some(Self { file, clamp, offset, scale, ignored })
+        let (file, mut rest) = rest.split_at(end_of_name(rest));
+        while let Some(after) = map.option(rest.trim_start()) {
+            rest = after;
+        }
+        map.file = file.trim_end().trim_matches('"').replace('\\', "/");
+        (!map.file.is_empty()).then_some(map)
+    }
+
+    /// Follows the option that the text begins with; what comes after it, or `None` if it begins with something else.
+    fn option<'t>(&mut self, text: &'t str) -> Option<&'t str> {
+        let (word, mut rest) = first_word(text);
+        let (name, arguments, harmless) = OPTIONS.iter().find(|(name, ..)| word == *name)?;
+        let mut values = Vec::new();
+        for _ in 0..3 {
+            let (word, after) = first_word(rest);
+            let wanted = match arguments {
+                Arguments::Exactly(count) => values.len() < *count && !word.is_empty(),
+                Arguments::Numbers => word.parse::<f32>().is_ok(),
+            };
+            if !wanted {
+                break;
+            }
+            values.push(word);
+            rest = after;
+        }
+        // The third number is for textures in space.
+        let numbers = || values.iter().filter_map(|value| value.parse::<f64>().ok()).filter(|n| n.is_finite());
+        match *name {
+            "-o" => self.offset.iter_mut().zip(numbers()).for_each(|(part, number)| *part = number),
+            "-s" => self.scale.iter_mut().zip(numbers()).for_each(|(part, number)| *part = number),
+            "-bm" => self.bump = numbers().next().unwrap_or(1.0),
+            "-clamp" => self.clamp |= values == ["on"],
+            "-imfchan" => self.channel = values.first().and_then(|name| channel_of(name)),
+            _ if !harmless && !is_identity(name, &values) => self.ignored.push(format!("{name} {}", values.join(" "))),
+            _ => {}
+        }
+        Some(rest)
     }
 
     /// Whether the texture coordinates are not those of the mesh.
@@ -89,12 +104,32 @@ impl Map {
     }
 }
 
+/// Luminance (`l`) and depth (`z`) are what any part of a grey image says.
+fn channel_of(name: &str) -> Option<Channel> {
+    match name {
+        "r" => Some(Channel::Red),
+        "g" => Some(Channel::Green),
+        "b" => Some(Channel::Blue),
+        "m" => Some(Channel::Alpha),
+        _ => None,
+    }
+}
+
 fn is_identity(option: &str, values: &[&str]) -> bool {
     let expected = |i: usize| match (option, i) {
         ("-mm", 1) => 1.0,
         _ => 0.0,
     };
     values.iter().enumerate().all(|(i, value)| value.parse() == Ok(expected(i)))
+}
+
+/// Where the name of a file ends: at an option that follows a word with a dot, or at the end of the text.
+fn end_of_name(text: &str) -> usize {
+    let is_option = |word: &str| OPTIONS.iter().any(|(name, ..)| *name == word);
+    let mut places = text.match_indices(' ').map(|(place, _)| place);
+    places
+        .find(|&place| text[..place].contains('.') && is_option(first_word(&text[place + 1..]).0))
+        .unwrap_or(text.len())
 }
 
 fn first_word(text: &str) -> (&str, &str) {
@@ -126,11 +161,30 @@ mod tests {
     }
 
     #[test]
+    fn options_may_follow_the_name() {
+        let map = Map::parse("-imfchan r bump map.jpg -bm 1.5 -clamp on").expect("a file name");
+        assert_eq!(
+            (map.file.as_str(), map.bump, map.channel, map.clamp),
+            ("bump map.jpg", 1.5, Some(Channel::Red), true)
+        );
+        assert_eq!(parsed("-colorspace linear -bm 3 bumpmap.jpg").0, "bumpmap.jpg");
+        assert_eq!(parsed("left -s right.png").0, "left -s right.png", "no file is named before it");
+    }
+
+    #[test]
     fn offset_and_scale_move_the_coordinates() {
         let map = Map::parse("-s 2 3 1 -o 0.5 a.png").expect("a file name");
         assert!(map.has_own_coordinates() && map.ignored.is_empty());
         assert_eq!(map.coordinates().rows, [[2.0, 0.0, 0.5], [0.0, 3.0, 0.0]]);
         assert!(!Map::parse("-s 1 1 1 -o 0 a.png").expect("a file name").has_own_coordinates());
+    }
+
+    #[test]
+    fn the_height_of_bumps_and_the_channel_are_read() {
+        let map = Map::parse("-bm 0.3 -imfchan g bump.png").expect("a file name");
+        assert_eq!((map.bump, map.channel), (0.3, Some(Channel::Green)));
+        let map = Map::parse("-bm nan -imfchan l bump.png").expect("a file name");
+        assert_eq!((map.bump, map.channel), (1.0, None));
     }
 
     #[test]

@@ -10,11 +10,27 @@
 //!              = 1 − d    otherwise, without bending
 //! ```
 //!
-//! Materials with `Pr` or `Pm` are meant for physical integrators as well, which then see the metallic-roughness model of
-//! glTF with base colour `Kd · map_Kd`, metalness `Pm` and roughness `Pr`; models 6 and 7 make glass of them.
+//! Materials with one of the physical parameters are meant for physical integrators as well, which then see the
+//! metallic-roughness model of glTF; models 6 and 7 make glass of it.
+//!
+//! ```text
+//! base colour = Kd · map_Kd        metalness  = Pm · map_Pm       roughness = Pr · map_Pr
+//! coat        = Pc · map_Pc, roughness Pcr                        fibres    = Ps · map_Ps
+//! anisotropy  = aniso, turned by anisor of a whole turn
+//! ```
+//!
+//! Where there is a `map_d`, and on physical surfaces other than glass, what is not opaque is cut out: a ray meets the surface
+//! with the probability `d · map_d`, and passes it straight otherwise.
+
+use std::f64::consts::TAU;
 
 use rt_math::Rgb;
-use rt_shading::{Coefficient, Highlight, Phong, Physical, TextureId, Transmission};
+use rt_shading::{
+    Alpha, Channel, Coefficient, Coverage, Highlight, LayeredBase, LayeredSurface, Phong, Physical, Relief, Scalar,
+    TextureId, Transmission,
+};
+
+use crate::limits;
 
 /// The textures of a material, where they could be loaded.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,18 +38,26 @@ pub(super) struct Maps {
     pub(super) diffuse: Option<TextureId>,
     pub(super) specular: Option<TextureId>,
     pub(super) emission: Option<TextureId>,
+    pub(super) metallic: Option<(TextureId, Channel)>,
+    pub(super) roughness: Option<(TextureId, Channel)>,
+    pub(super) coat: Option<(TextureId, Channel)>,
+    pub(super) sheen: Option<TextureId>,
+    /// How much of the surface is there.
+    pub(super) cover: Option<TextureId>,
+    /// Normals, or heights that were made normals.
+    pub(super) relief: Option<Relief>,
 }
+
+/// Roughness where a file with physical parameters leaves it out: what programs with these parameters begin with.
+const ROUGHNESS: f64 = 0.5;
 
 /// Share of the diffuse coefficient that ambient light sees.
 const AMBIENT_SHARE: f64 = 0.1;
 
-/// Largest exponent of a highlight; it is narrower than a pixel by far.
-const MAX_EXPONENT: f64 = 1e7;
-
 /// The surface of an MTL material. All numbers of `mtl` must be finite and not negative.
 pub(super) fn phong(mtl: &tobj::Material, maps: Maps) -> Phong {
     let model = mtl.illumination_model.unwrap_or(2);
-    let opacity = opacity(mtl);
+    let opacity = if is_cut(mtl, maps) { 1.0 } else { opacity(mtl) };
     let default = Phong::default();
     let kd = base_colour(mtl, maps);
     let ks = mtl.specular.map_or(Rgb::BLACK, rgb);
@@ -51,7 +75,7 @@ pub(super) fn phong(mtl: &tobj::Material, maps: Maps) -> Phong {
         } else {
             Coefficient::ZERO
         },
-        exponent: mtl.shininess.map_or(default.exponent, |ns| f64::from(ns).min(MAX_EXPONENT)),
+        exponent: mtl.shininess.map_or(default.exponent, |ns| f64::from(ns).min(limits::HIGHLIGHT_EXPONENT)),
         highlight: Highlight::Blinn,
         emission: coefficient(maps.emission, ke),
         mirror: match model {
@@ -63,27 +87,81 @@ pub(super) fn phong(mtl: &tobj::Material, maps: Maps) -> Phong {
     }
 }
 
-/// The physical surface, of a material that says how rough or metallic it is.
+/// The physical surface, of a material that has physical parameters.
 pub(super) fn physical(mtl: &tobj::Material, maps: Maps) -> Option<Physical> {
-    let number = |name: &str| mtl.unknown_param.get(name).and_then(|text| text.parse::<f64>().ok());
-    let (roughness, metallic) = (number("Pr"), number("Pm"));
-    if roughness.is_none() && metallic.is_none() {
+    let number = |name: &str| number(mtl, name);
+    let has_maps = maps.metallic.or(maps.roughness).or(maps.coat).is_some() || maps.sheen.is_some();
+    let is_physical = has_maps
+        || number("Pr").or(number("Pm")).is_some()
+        || ["Ps", "Pc", "aniso"].iter().any(|name| number(name).is_some_and(|number| number > 0.0));
+    if !is_physical {
         return None;
     }
-    // What the file leaves out is what programs with these parameters begin with.
-    let (roughness, metallic) = (roughness.unwrap_or(0.5).min(1.0), metallic.unwrap_or(0.0).min(1.0));
-    if matches!(mtl.illumination_model, Some(6 | 7)) {
+    // A factor of a map that is missing or zero means the map alone, as with colours.
+    let scalar = |name: &str, map: Option<(TextureId, Channel)>, otherwise: f64| match (number(name), map) {
+        (factor, Some((id, channel))) => {
+            Scalar::Textured(id, channel, factor.filter(|factor| *factor > 0.0).unwrap_or(1.0).min(1.0))
+        }
+        (factor, None) => Scalar::Constant(factor.unwrap_or(otherwise).min(1.0)),
+    };
+    if is_glass(mtl) {
+        let roughness = number("Pr").unwrap_or(ROUGHNESS).min(1.0);
         return Some(Physical::Dielectric { roughness, transmittance: Coefficient::Constant(filter_colour(mtl)) });
     }
     let base_color = coefficient(maps.diffuse, base_colour(mtl, maps));
-    let surface = Physical::MetallicRoughness { base_color, metallic, roughness };
-    Some(match opacity(mtl) {
-        1.0 => surface,
-        opacity => {
-            let opening = Physical::Dielectric { roughness: 0.0, transmittance: Coefficient::Constant(Rgb::WHITE) };
-            Physical::Mix(vec![(opacity, surface), (1.0 - opacity, opening)])
+    let (metallic, roughness) = (scalar("Pm", maps.metallic, 0.0), scalar("Pr", maps.roughness, ROUGHNESS));
+    let fibres = match (number("Ps"), maps.sheen) {
+        (factor, Some(_)) => factor.filter(|factor| *factor > 0.0).unwrap_or(1.0),
+        (factor, None) => factor.unwrap_or(0.0),
+    };
+    let layers = LayeredSurface {
+        coat: scalar("Pc", maps.coat, 0.0),
+        coat_roughness: Scalar::Constant(number("Pcr").unwrap_or(0.0).min(1.0)),
+        sheen_color: coefficient(maps.sheen, Rgb::gray(fibres.min(1.0))),
+        sheen_roughness: Scalar::Constant(ROUGHNESS),
+        anisotropy: Scalar::Constant(number("aniso").unwrap_or(0.0).min(1.0)),
+        anisotropy_rotation: TAU * number("anisor").unwrap_or(0.0).min(1.0),
+        ..LayeredSurface::new(LayeredBase::MetallicRoughness { base_color, metallic, roughness })
+    };
+    let is_bare = layers.coat.is_zero() && layers.sheen_color.is_zero() && layers.anisotropy.is_zero();
+    Some(match (metallic, roughness) {
+        (Scalar::Constant(metallic), Scalar::Constant(roughness)) if is_bare => {
+            Physical::MetallicRoughness { base_color, metallic, roughness }
         }
+        _ => Physical::Layered(Box::new(layers)),
     })
+}
+
+/// What rays pass as if it were not there.
+pub(super) fn coverage(mtl: &tobj::Material, maps: Maps) -> Coverage {
+    // As with colours, a factor of zero means the map alone.
+    let factor = match (opacity(mtl), maps.cover) {
+        (0.0, Some(_)) => 1.0,
+        (opacity, _) => opacity,
+    };
+    let cut = Coverage { alpha: Alpha::Blend, factor, texture: maps.cover, has_front_only: false };
+    if is_cut(mtl, maps) { cut } else { Coverage::ALL }
+}
+
+/// True if rays pass what is not opaque, rather than that the surface lets light through.
+fn is_cut(mtl: &tobj::Material, maps: Maps) -> bool {
+    maps.cover.is_some() || (opacity(mtl) < 1.0 && !is_glass(mtl) && physical(mtl, maps).is_some())
+}
+
+/// True for the illumination models of glass.
+pub(super) const fn is_glass(mtl: &tobj::Material) -> bool {
+    matches!(mtl.illumination_model, Some(6 | 7))
+}
+
+/// True if the surface has a direction along which it is laid: its meshes need tangents.
+pub(super) fn is_laid_along(mtl: &tobj::Material) -> bool {
+    let bumps = mtl.normal_texture.is_some() || mtl.unknown_param.contains_key("norm");
+    bumps || number(mtl, "aniso").is_some_and(|aniso| aniso > 0.0)
+}
+
+/// A parameter that `tobj` does not know.
+fn number(mtl: &tobj::Material, name: &str) -> Option<f64> {
+    mtl.unknown_param.get(name)?.parse().ok()
 }
 
 /// The colour that the texture is multiplied by, or that takes its place.
@@ -101,7 +179,7 @@ fn base_colour(mtl: &tobj::Material, maps: Maps) -> Rgb {
 
 /// 1 for opaque materials. Where a file gives both `d` and `Tr`, they often disagree, and `d` is the older one.
 fn opacity(mtl: &tobj::Material) -> f64 {
-    let transparency = mtl.unknown_param.get("Tr").and_then(|tr| tr.parse::<f64>().ok());
+    let transparency = number(mtl, "Tr");
     match (mtl.dissolve, transparency) {
         (Some(d), _) => f64::from(d).min(1.0),
         (None, Some(tr)) => 1.0 - tr.min(1.0),
@@ -203,8 +281,39 @@ mod tests {
         let glass =
             Physical::Dielectric { roughness: 0.0, transmittance: Coefficient::Constant(Rgb::new(1.0, 0.5, 0.0)) };
         assert_eq!(of("Pr 0\nillum 7\nTf 1 0.5 0"), Some(glass));
-        let Some(Physical::Mix(parts)) = of("Kd 0.5\nPr 0\nd 0.75") else { panic!("a veil") };
-        assert_eq!(parts.iter().map(|(share, _)| *share).collect::<Vec<_>>(), [0.75, 0.25]);
+        let (veil, none) = (mtl("Kd 0.5\nPr 0\nd 0.75"), Maps::default());
+        assert_eq!(physical(&veil, none), Some(metal(0.0, 0.0)));
+        assert_eq!((coverage(&veil, none).alpha, coverage(&veil, none).factor), (Alpha::Blend, 0.75));
+        assert!(phong(&veil, none).transmission.is_none());
+    }
+
+    #[test]
+    fn maps_and_layers_make_a_layered_surface() {
+        let map = |id| Some((TextureId(id), Channel::Red));
+        let maps = Maps { metallic: map(1), roughness: map(2), ..Maps::default() };
+        let Some(Physical::Layered(layers)) = physical(&mtl("Kd 0.5\nPr 0.25\nPm 0"), maps) else { panic!("layers") };
+        let (metallic, roughness) =
+            (Scalar::Textured(TextureId(1), Channel::Red, 1.0), Scalar::Textured(TextureId(2), Channel::Red, 0.25));
+        assert_eq!(layers.base, LayeredBase::MetallicRoughness { base_color: gray(0.5), metallic, roughness });
+        assert!(layers.coat.is_zero() && layers.sheen_color.is_zero());
+
+        let text = "Kd 0.5\nPc 0.75\nPcr 0.1\nPs 0.5\naniso 0.25\nanisor 0.25";
+        let Some(Physical::Layered(layers)) = physical(&mtl(text), Maps::default()) else { panic!("layers") };
+        assert_eq!((layers.coat, layers.coat_roughness), (Scalar::Constant(0.75), Scalar::Constant(0.1)));
+        assert_eq!((layers.sheen_color, layers.anisotropy), (gray(0.5), Scalar::Constant(0.25)));
+        assert_eq!(layers.anisotropy_rotation, TAU / 4.0);
+        assert_eq!(physical(&mtl("Kd 0.5\nPs 0\nPc 0\naniso 0"), Maps::default()), None, "written by default");
+    }
+
+    #[test]
+    fn a_map_of_opacity_cuts_instead_of_a_veil() {
+        let (mtl, maps) = (mtl("Kd 0.5\nd 0.5\nPr 1"), Maps { cover: Some(TextureId(7)), ..Maps::default() });
+        let cut = coverage(&mtl, maps);
+        assert_eq!((cut.alpha, cut.factor, cut.texture), (Alpha::Blend, 0.5, Some(TextureId(7))));
+        assert!(phong(&mtl, maps).transmission.is_none() && phong(&mtl, maps).diffuse == gray(0.5));
+        assert_eq!(coverage(&self::mtl("d 0"), maps).factor, 1.0);
+        assert!(matches!(physical(&mtl, maps), Some(Physical::MetallicRoughness { .. })));
+        assert_eq!(coverage(&self::mtl("Kd 0.5\nd 0.5"), Maps::default()), Coverage::ALL);
     }
 
     #[test]

@@ -15,7 +15,9 @@ mod lines;
 mod map;
 mod material;
 mod mtl;
+mod relief;
 mod smoothing;
+mod textures;
 
 use std::{path::Path, sync::Arc};
 
@@ -29,13 +31,33 @@ use self::{
     library::Library,
 };
 use crate::{
-    Content, LoadError, LoadOptions, MeshId, Model, NamedMesh, Node, Place, Problem, Reason, Warning, files::read_file,
+    Content, LoadError, LoadOptions, MeshId, Model, NamedMesh, Node, Place, Problem, Reason, Warning,
+    files::read_file,
+    forecast::{self, Sample},
+    limits,
     mesh_build::build_mesh,
+    tangents,
 };
 
 /// Loads the model at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    load_bytes(&read_file(path).map_err(|reason| reason.at(path, ""))?, path, options)
+    forecast::within(path, options, peak_bytes, || {
+        load_bytes(&read_file(path, options).map_err(|reason| reason.at(path, ""))?, path, options)
+    })
+}
+
+/// Bytes of memory that loading takes at its peak.
+fn peak_bytes(sample: &Sample) -> u64 {
+    let [vertices, attributes, corners] = sample.over_lines(|line| match line {
+        [b'v', b' ' | b'\t', ..] => [1, 0, 0],
+        [b'v', b't' | b'n', ..] => [0, 1, 0],
+        [b'f', b' ' | b'\t', rest @ ..] => {
+            [0, 0, rest.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()).count() as u64]
+        }
+        _ => [0; 3],
+    });
+    // The text twice, as it is and sorted; vertices three times over, as arrays and in two tables that find them again.
+    2 * sample.size + 160 * vertices + 48 * attributes + 48 * corners
 }
 
 /// Loads the model that `bytes` hold; `path` is for messages and for references to other files.
@@ -69,7 +91,16 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         let data = mesh_data(&group.mesh, &mut shapes).map_err(|e| Reason::from(e).at(path, display_name(part)))?;
         let warnings = shapes.messages().map(|message| Warning { place: place.clone(), message });
         model.warnings.extend(warnings);
-        let data = smoothing::add_normals(data, part.smoothing);
+        let mut data = smoothing::add_normals(data, part.smoothing);
+        if library.is_laid_along(part.material.as_deref()) {
+            if data.uvs.is_empty() {
+                let message = "without texture coordinates there are no tangents: bumps and brushed metal are left out";
+                model.warnings.push(Warning { place: place.clone(), message: message.to_owned() });
+            } else {
+                let uvs = data.uvs.clone();
+                tangents::generate(&mut data, &uvs);
+            }
+        }
         let mesh =
             build_mesh(data, &place, &mut model.warnings).map_err(|e| Reason::from(e).at(path, display_name(part)))?;
         let Some(mesh) = mesh else { continue };
@@ -101,13 +132,10 @@ fn warning(path: &Path, line: usize, message: String) -> Warning {
     Warning { place: format!("{}:{line}", path.display()), message }
 }
 
-/// Most lines that are named; whoever has more mends these first.
-const MAX_NAMED: usize = 20;
-
 /// All of the lines as one error.
 fn refuse(mut lines: Vec<BadLine>, path: &Path) -> LoadError {
-    let more = lines.len().saturating_sub(MAX_NAMED);
-    lines.truncate(MAX_NAMED);
+    let more = lines.len().saturating_sub(limits::PROBLEMS);
+    lines.truncate(limits::PROBLEMS);
     let named = lines.into_iter().map(|BadLine { line, message }| (Place::Line(line), Reason::Syntax(message)));
     let rest = (more > 0).then_some((Place::File, Reason::More(more)));
     let problem = |(place, reason)| Problem { file: path.display().to_string(), place, reason };
@@ -165,7 +193,7 @@ fn faces(mesh: &tobj::Mesh) -> impl Iterator<Item = Face<'_>> {
 mod tests {
     use super::*;
     use rt_math::Rgb;
-    use rt_shading::{Coefficient, Texture, TextureId};
+    use rt_shading::{Channel, Coefficient, LayeredBase, Physical, Scalar, Texture, TextureId};
     use std::fs;
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -290,6 +318,37 @@ mod tests {
         assert_eq!(what[0], "the material library `none.mtl` is not there; its materials become plain grey");
         assert_eq!(what[1], "the image `missing.png` is not there; the plain colour is used");
         assert_eq!(what.len(), 2);
+    }
+
+    #[test]
+    fn maps_of_numbers_cuts_and_bumps_are_read() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = |name: &str| folder.path().join(name);
+        let mtl = "newmtl m\nKd 1\nPr 0.5\nmap_Pr -imfchan g n.png\nmap_d n.png\nmap_Bump -bm 2 h.png\n\
+                   newmtl glass\nillum 7\nPr 0\nmap_Pr n.png\nPc 1\ndisp n.png\n";
+        fs::write(place("m.mtl"), mtl).expect("written");
+        image::RgbImage::from_pixel(2, 1, image::Rgb([51, 102, 204])).save(place("n.png")).expect("written");
+        image::GrayImage::from_fn(3, 1, |x, _| image::Luma([100 * x as u8])).save(place("h.png")).expect("written");
+        let text = format!("mtllib m.mtl\n{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\n");
+        fs::write(place("m.obj"), text + "usemtl m\nf 1/1 2/2 3/3\nusemtl glass\nf 1 2 3\n").expect("written");
+
+        let model = crate::load_model(&place("m.obj"), &LoadOptions::default()).expect("a model");
+        let material = &model.materials[0];
+        let bitmap = |id: TextureId| model.textures[id.0 as usize].bitmap().expect("an image");
+        let Some(Physical::Layered(layers)) = &material.physical else { panic!("layers") };
+        let LayeredBase::MetallicRoughness { roughness: Scalar::Textured(id, Channel::Green, 0.5), .. } = layers.base
+        else {
+            panic!("the green of a texture: {layers:?}")
+        };
+        assert_eq!(bitmap(id).pixels[0], [0.2, 0.4, 0.8], "numbers, not sRGB");
+        assert_eq!(bitmap(material.coverage.texture.expect("a cut")).alpha, [0.2; 2]);
+        let relief = material.relief.expect("bumps");
+        assert_eq!(relief.scale, 2.0);
+        assert!(bitmap(relief.texture).pixels[1][0] < 0.5, "the slope rises to the right");
+        assert_eq!(model.meshes[0].mesh.data().tangents[0], [1.0, 0.0, 0.0, 1.0]);
+        assert!(model.meshes[1].mesh.data().tangents.is_empty());
+        let what: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
+        assert_eq!(what, ["`disp` is not followed", "`map_Pr` is not followed", "`Pc` is not followed"]);
     }
 
     #[test]

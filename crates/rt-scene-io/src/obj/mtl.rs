@@ -10,10 +10,10 @@ use super::lines::{Line, lines};
 pub(super) type Complaint = (usize, String);
 
 /// Keywords whose case exporters do not agree on, in the spelling that `tobj` knows.
-const KEYWORDS: [&str; 30] = [
+const KEYWORDS: [&str; 33] = [
     "newmtl", "Ka", "Kd", "Ks", "Ke", "Tf", "Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso",
     "anisor", "map_Ka", "map_Kd", "map_Ks", "map_Ke", "map_Ns", "map_d", "map_Bump", "bump", "map_Pr", "map_Pm",
-    "map_Ps", "norm",
+    "map_Ps", "map_Pc", "norm", "disp", "decal",
 ];
 
 /// The materials of a file, and what was left out of it.

@@ -5,6 +5,8 @@ use std::collections::HashMap;
 use rt_geometry::MeshData;
 use rt_math::{DVec3, Vec3};
 
+use crate::limits;
+
 /// What a file says about the smoothness of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Smoothing {
@@ -20,9 +22,6 @@ pub(super) enum Smoothing {
 /// Cosine of the largest angle between the normals of two faces whose common edge is smoothed when nothing is said:
 /// below the 45° of chamfers and octagonal prisms, above the 30° of a twelve-sided cylinder.
 const CREASE_COSINE: f64 = 0.75;
-
-/// Corners with more faces than this are not smoothed across creases, which would take the square of their number.
-const MAX_CREASED_FACES: usize = 256;
 
 /// Adds normals to a mesh without any; those that a file gives count.
 ///
@@ -117,7 +116,7 @@ impl Faces {
             None => self.sums[point],
             Some(cosine) => {
                 let around = &self.around[self.starts[point]..self.starts[point + 1]];
-                if around.len() > MAX_CREASED_FACES {
+                if around.len() > limits::CREASED_FACES {
                     return own;
                 }
                 let gentle = around.iter().map(|&i| self.normals[i as usize]).filter(|(n, _)| n.dot(own) >= cosine);

@@ -98,7 +98,7 @@ fn spot(parameters: &Parameters, position: DVec3, direction: DVec3) -> Result<Li
 fn mean_of_map(file: &str, files: Files<'_>) -> Result<Rgb, Reason> {
     let bad = |rule: String| Reason::BadReference { reference: file.to_owned(), rule };
     let path = resolve_path(file, files.root_file, files.options)?;
-    let bitmap = read_texture(&path).map_err(|reason| bad(reason.to_string()))?;
+    let bitmap = read_texture(&path, files.options).map_err(|reason| bad(reason.to_string()))?;
     if bitmap.width != bitmap.height {
         let rule = format!("has {} x {} pixels: maps all around must be square", bitmap.width, bitmap.height);
         return Err(bad(rule));

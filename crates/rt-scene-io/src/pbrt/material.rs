@@ -198,6 +198,9 @@ impl Reader<'_> {
             losses.push("a mix with glass or another mix is not supported: its first part alone is seen".to_owned());
             return Ok(Some(first));
         };
+        if first.relief.or(second.relief).is_some() {
+            losses.push("the normal maps of the parts of a mix are left out".to_owned());
+        }
         let parts = vec![(1.0 - amount, a), (amount, b)];
         let nearest = if amount > 0.5 { second.phong } else { first.phong };
         let name = format!("line {}", p.line);

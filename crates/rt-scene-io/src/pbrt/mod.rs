@@ -28,6 +28,7 @@ use std::path::Path;
 
 use self::reader::Reader;
 use crate::files::read_text;
+use crate::forecast::{self, Sample};
 use crate::{LoadError, LoadOptions, Model};
 
 /// Where references of a scene lead: they are relative to the first file, whichever they stand in.
@@ -37,9 +38,17 @@ struct Files<'a> {
     options: &'a LoadOptions,
 }
 
+/// Bytes of memory that loading takes at its peak: the text, its parameters as numbers, and a node for each shape.
+fn peak_bytes(sample: &Sample) -> u64 {
+    let [shapes] = sample.over_lines(|line| [u64::from(line.trim_ascii_start().starts_with(b"Shape"))]);
+    sample.size * 3 + 900 * shapes
+}
+
 /// Loads the file at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    load_text(&read_text(path).map_err(|reason| reason.at(path, ""))?, path, options)
+    forecast::within(path, options, peak_bytes, || {
+        load_text(&read_text(path, options).map_err(|reason| reason.at(path, ""))?, path, options)
+    })
 }
 
 /// Loads the scene that `text` holds; references are looked up beside `path`.

@@ -7,6 +7,7 @@ use rt_math::DVec3;
 
 use super::tokens::{Kind, Tokens, number, shown};
 use crate::flaw::Flaw;
+use crate::limits;
 
 /// The types that the format has, and how many numbers make one value; 0 for those of words.
 const TYPES: [(&str, usize); 16] = [
@@ -27,9 +28,6 @@ const TYPES: [(&str, usize); 16] = [
     ("texture", 0),
     ("bool", 0),
 ];
-
-/// Most parameters that hold for one directive.
-const MAX_PARAMETERS: usize = 256;
 
 /// The values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -271,10 +269,10 @@ impl Parameters {
 
 /// Checks that there are not so many parameters that looking for one among them takes long.
 fn check_count(line: usize, count: usize) -> Result<(), Flaw> {
-    if count <= MAX_PARAMETERS {
+    if count <= limits::PARAMETERS {
         return Ok(());
     }
-    let (what, value, limit) = ("the number of parameters", count as u64, MAX_PARAMETERS as u64);
+    let (what, value, limit) = ("the number of parameters", count as u64, limits::PARAMETERS as u64);
     Err(Flaw { line, reason: crate::Reason::TooLarge { what, value, limit } })
 }
 

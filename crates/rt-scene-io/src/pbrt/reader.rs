@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 use rt_math::{Rgb, Transform};
+use rt_shading::TextureId;
 
 use super::material::{Surface, unknown};
 use super::parameters::Parameters;
@@ -16,20 +17,9 @@ use super::world::empty;
 use super::{Files, material, state, view};
 use crate::flaw::Flaw;
 use crate::format::{Background, Color};
+use crate::limits::{INCLUDE_DEPTH, INCLUDES, PBRT_COMPLAINTS, SCOPES};
 use crate::resolve::Report;
 use crate::{LightUnits, LoadError, MaterialId, Model, Node, Place, Problem, Reason, Warning, read_text, resolve_path};
-
-/// Deepest files within files.
-const MAX_INCLUDE_DEPTH: usize = 16;
-
-/// Most files within files, however deep.
-const MAX_INCLUDES: usize = 1024;
-
-/// Most scopes within scopes.
-const MAX_SCOPES: usize = 1024;
-
-/// After so many complaints no more is read: a file of nothing but mistakes would take long.
-const MAX_COMPLAINTS: usize = 1000;
 
 /// Directives before the world that choose among what this program decides itself.
 const CHOICES: [&str; 5] = ["Integrator", "Sampler", "PixelFilter", "Accelerator", "ColorSpace"];
@@ -63,8 +53,8 @@ const WORLD: [&str; 22] = [
 /// Directives that are read and left out.
 const LEFT_OUT: [&str; 4] = ["MakeNamedMedium", "MediumInterface", "ActiveTransform", "TransformTimes"];
 
-/// A surface by its index, and the bits of what it emits from one side or both.
-type Shown = (usize, Option<([u64; 3], bool)>);
+/// A surface by its index, the bits of what it emits from one side or both, and how much of it is there.
+type Shown = (usize, Option<([u64; 3], bool)>, (u64, Option<TextureId>));
 
 /// What has been read so far.
 pub(super) struct Reader<'f> {
@@ -141,7 +131,7 @@ impl<'f> Reader<'f> {
     /// Reads all directives of a text; what is wrong is reported.
     pub(super) fn read(&mut self, text: &str) {
         let mut tokens = Tokens::of(text);
-        while self.complaints < MAX_COMPLAINTS {
+        while self.complaints < PBRT_COMPLAINTS {
             let read = match tokens.take() {
                 Ok(None) => return,
                 Ok(Some(Token { line, kind: Kind::Word(word) })) => self.directive(word, line, &mut tokens),
@@ -327,8 +317,8 @@ impl<'f> Reader<'f> {
     }
 
     pub(super) fn open_scope(&mut self, line: usize, is_object: bool) -> Result<(), Flaw> {
-        if self.saved.len() >= MAX_SCOPES {
-            let (what, value, limit) = ("the depth of scopes", MAX_SCOPES as u64 + 1, MAX_SCOPES as u64);
+        if self.saved.len() >= SCOPES {
+            let (what, value, limit) = ("the depth of scopes", SCOPES as u64 + 1, SCOPES as u64);
             return Err(Flaw { line, reason: Reason::TooLarge { what, value, limit } });
         }
         self.saved.push((self.state.clone(), line, is_object));
@@ -356,12 +346,13 @@ impl<'f> Reader<'f> {
             return Err(bad("includes itself: remove one of the directives".to_owned()));
         }
         self.includes += 1;
-        if self.open.len() > MAX_INCLUDE_DEPTH || self.includes > MAX_INCLUDES {
-            let rule =
-                format!("is one file too many: {MAX_INCLUDE_DEPTH} within each other and {MAX_INCLUDES} in all may be");
+        if self.open.len() > INCLUDE_DEPTH || self.includes > INCLUDES {
+            let rule = format!("is one file too many: {INCLUDE_DEPTH} within each other and {INCLUDES} in all may be");
             return Err(bad(rule));
         }
-        let text = read_text(&path).map_err(|reason| bad(reason.to_string()))?;
+        let text = read_text(&path, self.files.options).map_err(|reason| bad(reason.to_string()))?;
+        let room = self.files.options.memory.keep(format_args!("the file {}", path.display()), 3 * text.len() as u64);
+        room.map_err(|reason| bad(reason.to_string()))?;
         let (outer, state) = (std::mem::replace(&mut self.path, path), is_import.then(|| self.state.clone()));
         self.open.push(canonical);
         self.read(&text);

@@ -197,7 +197,7 @@ fn ply(p: &Parameters, reversed: bool, files: Files<'_>, losses: &mut Vec<String
         return Err(flaw(Reason::Unsupported(format!("`{file}`, which does not end in .ply,"))).into());
     }
     let path = resolve_path(file, files.root_file, files.options).map_err(flaw)?;
-    let model = crate::ply::load(&path).map_err(Trouble::There)?;
+    let model = crate::ply::load(&path, files.options).map_err(Trouble::There)?;
     losses.extend(model.warnings.into_iter().map(|warning| format!("{}: {}", warning.place, warning.message)));
     let Some(mesh) = model.meshes.into_iter().next() else { return Ok(Solid::Unsupported) };
     let mut data = Arc::unwrap_or_clone(mesh.mesh).data().clone();

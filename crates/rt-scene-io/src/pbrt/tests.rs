@@ -257,11 +257,11 @@ fn what_is_not_supported_is_listed_with_its_line() {
     for (directive, message) in [
         ("Shape \"curve\" \"point3 P\" [0 0 0 1 1 1 2 2 2 3 3 3]", "the shape \"curve\" is left out"),
         ("Shape \"sphere\" \"float zmin\" 0", "the sphere is whole, without regard"),
-        ("Shape \"sphere\" \"float alpha\" 0.5", "the parameter \"alpha\" of the shape \"sphere\" is not supported"),
+        ("Shape \"sphere\" \"float alpha\" 0.5", "\"alpha\" cuts meshes alone: the sphere is whole"),
         ("Material \"hair\"", "the material \"hair\" is not supported: grey is in its place"),
         (
-            "Material \"diffuse\" \"string normalmap\" \"n.png\"",
-            "the parameter \"normalmap\" of Material is not supported",
+            "Material \"diffuse\" \"texture displacement\" \"n\"",
+            "the parameter \"displacement\" of Material is not supported",
         ),
         ("Texture \"t\" \"float\" \"fbm\"", "the texture \"fbm\" is not supported"),
         (

@@ -1,24 +1,23 @@
-//! Textures: colours by name, most of which are a constant or an image.
+//! Textures: colours by name, most of which are a constant or an image; and what images say beside colours.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use rt_math::Rgb;
-use rt_shading::{Bitmap, Coefficient, Texture, TextureId, UvMap, Wrap};
+use rt_shading::{Alpha, Bitmap, Coefficient, Coverage, Relief, Texture, TextureId, UvMap, Wrap};
 
 use super::Files;
 use super::material::unknown;
 use super::parameters::Parameters;
 use super::spectrum::colour;
+use crate::files::read_texture_as;
 use crate::flaw::Flaw;
-use crate::{Reason, read_texture, resolve_path};
+use crate::texture::Pixels;
+use crate::{Reason, limits, resolve_path};
 
 /// Kinds of textures that only other programs have.
 const UNSUPPORTED: [&str; 7] = ["bilerp", "directionmix", "dots", "fbm", "marble", "mix", "ptex"];
-
-/// Most memory that all images of a file may take.
-const MAX_BYTES: usize = 1 << 32;
 
 /// The textures of a file.
 #[derive(Debug, Default)]
@@ -26,8 +25,10 @@ pub(super) struct Textures {
     pub(super) list: Vec<Texture>,
     /// In the order of their names, for messages.
     named: BTreeMap<String, Coefficient>,
-    images: HashMap<PathBuf, Arc<Bitmap>>,
-    bytes: usize,
+    images: HashMap<(PathBuf, Pixels), Arc<Bitmap>>,
+    /// The textures that say by alpha what others say by their colour.
+    covers: HashMap<TextureId, TextureId>,
+    bytes: u64,
 }
 
 impl Textures {
@@ -133,25 +134,10 @@ impl Textures {
         files: Files<'_>,
         losses: &mut Vec<String>,
     ) -> Result<Coefficient, Flaw> {
-        let flaw = |reason| Flaw { line: parameters.line, reason };
         let Some(file) = parameters.word("filename", "string")? else {
             return Err(Flaw::new(parameters.line, "an image", "has no \"string filename\": add it"));
         };
-        let path = resolve_path(file, files.root_file, files.options).map_err(flaw)?;
-        let bitmap = match self.images.get(&path) {
-            Some(bitmap) => Arc::clone(bitmap),
-            None => {
-                let bad = |rule: String| flaw(Reason::BadReference { reference: file.to_owned(), rule });
-                let bitmap = Arc::new(read_texture(&path).map_err(|reason| bad(reason.to_string()))?);
-                self.bytes += bitmap.memory();
-                if self.bytes > MAX_BYTES {
-                    let what = "the memory of all images in bytes";
-                    return Err(flaw(Reason::TooLarge { what, value: self.bytes as u64, limit: MAX_BYTES as u64 }));
-                }
-                self.images.insert(path, Arc::clone(&bitmap));
-                bitmap
-            }
-        };
+        let bitmap = self.bitmap(file, Pixels::Colours, parameters.line, files)?;
         let wrap = match parameters.word("wrap", "string")? {
             None | Some("repeat") => Wrap::Repeat,
             Some("clamp") => Wrap::Clamp,
@@ -172,6 +158,92 @@ impl Textures {
         Ok(times(textured, Rgb::gray(scale)))
     }
 
+    /// The image in a file, which is read once.
+    fn bitmap(&mut self, file: &str, pixels: Pixels, line: usize, files: Files<'_>) -> Result<Arc<Bitmap>, Flaw> {
+        let flaw = |reason| Flaw { line, reason };
+        let path = resolve_path(file, files.root_file, files.options).map_err(flaw)?;
+        let key = (path, pixels);
+        if let Some(bitmap) = self.images.get(&key) {
+            return Ok(Arc::clone(bitmap));
+        }
+        let bad = |rule: String| flaw(Reason::BadReference { reference: file.to_owned(), rule });
+        let bitmap = read_texture_as(&key.0, pixels, files.options).map_err(|reason| bad(reason.to_string()))?;
+        let bitmap = Arc::new(bitmap);
+        self.count(&bitmap, line)?;
+        self.images.insert(key, Arc::clone(&bitmap));
+        Ok(bitmap)
+    }
+
+    /// Adds a bitmap to the memory of all.
+    fn count(&mut self, bitmap: &Bitmap, line: usize) -> Result<(), Flaw> {
+        self.bytes += bitmap.memory() as u64;
+        if self.bytes > limits::MODEL_TEXTURE_BYTES {
+            let (what, value) = ("the memory of all images in bytes", self.bytes);
+            return Err(Flaw { line, reason: Reason::TooLarge { what, value, limit: limits::MODEL_TEXTURE_BYTES } });
+        }
+        Ok(())
+    }
+
+    /// The normal map of a material, if it has one.
+    pub(super) fn relief(&mut self, parameters: &Parameters, files: Files<'_>) -> Result<Option<Relief>, Flaw> {
+        let Some(file) = parameters.word("normalmap", "string")? else { return Ok(None) };
+        let bitmap = self.bitmap(file, Pixels::Numbers, parameters.line, files)?;
+        let texture = self.push(Texture::Image { bitmap, wrap: [Wrap::Repeat; 2], smooth: true });
+        Ok(Some(Relief { texture, scale: 1.0 }))
+    }
+
+    /// How much of a shape is there: rays meet it with the probability `alpha`, a number or a texture of numbers.
+    pub(super) fn cover(
+        &mut self,
+        parameters: &Parameters,
+        files: Files<'_>,
+        losses: &mut Vec<String>,
+    ) -> Result<Coverage, Flaw> {
+        let (texture, factor) = match self.coefficient(parameters, "alpha", Rgb::WHITE, losses)? {
+            Coefficient::Constant(rgb) if rgb == Rgb::WHITE => return Ok(Coverage::ALL),
+            Coefficient::Constant(rgb) => (None, rgb.g),
+            Coefficient::Textured(id, rgb) => match self.cover_of(id, parameters.line, files)? {
+                Some(cover) => (Some(cover), rgb.g),
+                None => {
+                    losses.push("its \"alpha\" is no image, and is not followed: the shape is whole".to_owned());
+                    return Ok(Coverage::ALL);
+                }
+            },
+        };
+        Ok(Coverage { alpha: Alpha::Blend, factor: factor.clamp(0.0, 1.0), texture, has_front_only: false })
+    }
+
+    /// The texture whose alpha is the mean of the colours of another; `None` if that shows no image.
+    fn cover_of(&mut self, id: TextureId, line: usize, files: Files<'_>) -> Result<Option<TextureId>, Flaw> {
+        if let Some(known) = self.covers.get(&id) {
+            return Ok(Some(*known));
+        }
+        let (image, map) = match self.list.get(id.0 as usize) {
+            Some(Texture::Mapped { texture, map }) => (Texture::clone(texture), Some(*map)),
+            Some(texture) => (texture.clone(), None),
+            None => return Ok(None),
+        };
+        let Texture::Image { bitmap, wrap, smooth } = image else { return Ok(None) };
+        let bytes = (bitmap.memory() + bitmap.pixels.len() * size_of::<f32>()) as u64;
+        let kept = files.options.memory.keep("the alpha of a shape", bytes);
+        kept.map_err(|reason| Flaw { line, reason })?;
+        let alpha = bitmap.pixels.iter().map(|pixel| (pixel.iter().sum::<f32>() / 3.0).clamp(0.0, 1.0)).collect();
+        let bitmap = Arc::new(Bitmap { alpha, ..Bitmap::clone(&bitmap) });
+        self.count(&bitmap, line)?;
+        let image = Texture::Image { bitmap, wrap, smooth };
+        let cover = self.push(match map {
+            Some(map) => Texture::Mapped { texture: Arc::new(image), map },
+            None => image,
+        });
+        self.covers.insert(id, cover);
+        Ok(Some(cover))
+    }
+
+    fn push(&mut self, texture: Texture) -> TextureId {
+        self.list.push(texture);
+        TextureId(self.list.len() as u32 - 1)
+    }
+
     /// Adds a texture at the coordinates that its parameters lead to.
     fn mapped(
         &mut self,
@@ -187,8 +259,7 @@ impl Textures {
         let map = UvMap { is_second: false, rows: [u, v] };
         let texture =
             if map == UvMap::IDENTITY { texture } else { Texture::Mapped { texture: Arc::new(texture), map } };
-        self.list.push(texture);
-        Ok(Coefficient::Textured(TextureId(self.list.len() as u32 - 1), Rgb::WHITE))
+        Ok(Coefficient::Textured(self.push(texture), Rgb::WHITE))
     }
 }
 
@@ -196,5 +267,70 @@ fn times(coefficient: Coefficient, factor: Rgb) -> Coefficient {
     match coefficient {
         Coefficient::Constant(rgb) => Coefficient::Constant(rgb * factor),
         Coefficient::Textured(id, rgb) => Coefficient::Textured(id, rgb * factor),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::pbrt::load_text;
+    use crate::{LoadOptions, Model};
+
+    /// The world with a checkered mask, a normal map and a square to lay them on.
+    fn square(before: &str, parameters: &str) -> Model {
+        let folder = tempfile::tempdir().expect("a folder");
+        let save = |name: &str, pixel: fn(u32, u32) -> [u8; 3]| {
+            let image = image::RgbImage::from_fn(2, 2, |x, y| image::Rgb(pixel(x, y)));
+            image.save(folder.path().join(name)).expect("saved");
+        };
+        save("mask.png", |x, _| [255 * x as u8; 3]);
+        save("normals.png", |_, _| [128, 51, 255]);
+        let text = format!(
+            "WorldBegin\nTexture \"mask\" \"float\" \"imagemap\" \"string filename\" \"mask.png\" \"float uscale\" 2\n\
+             Texture \"squares\" \"float\" \"checkerboard\"\n{before}\n\
+             Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] {parameters}\n"
+        );
+        let path: &Path = &folder.path().join("m.pbrt");
+        load_text(&text, path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    #[test]
+    fn shapes_are_cut_by_numbers_and_images() {
+        let model = square("", "\"texture alpha\" \"mask\"");
+        let Coverage { alpha: Alpha::Blend, factor: 1.0, texture: Some(TextureId(id)), .. } =
+            model.materials[0].coverage
+        else {
+            panic!("not cut: {:?}", model.materials[0].coverage)
+        };
+        let Texture::Mapped { texture, .. } = &model.textures[id as usize] else { panic!("not scaled") };
+        assert_eq!(texture.bitmap().expect("an image").alpha, [0.0, 1.0, 0.0, 1.0]);
+        let half = square("", "\"float alpha\" 0.5");
+        assert_eq!((half.materials[0].coverage.alpha, half.materials[0].coverage.factor), (Alpha::Blend, 0.5));
+        assert_eq!(square("", "\"float alpha\" 1").materials[0].coverage, Coverage::ALL);
+        let other = square("", "\"texture alpha\" \"squares\"");
+        assert_eq!(other.materials[0].coverage, Coverage::ALL);
+        assert!(other.warnings[0].message.contains("\"alpha\" is no image"), "{:?}", other.warnings);
+    }
+
+    #[test]
+    fn a_shape_that_is_cut_has_a_material_of_its_own() {
+        let model = square("Shape \"sphere\"", "\"float alpha\" 0.5");
+        assert_eq!(model.materials.len(), 2);
+        assert_eq!((&model.materials[0].coverage, model.materials[1].coverage.factor), (&Coverage::ALL, 0.5));
+    }
+
+    #[test]
+    fn normal_maps_are_numbers_along_tangents() {
+        let bumpy = "Material \"diffuse\" \"string normalmap\" \"normals.png\"";
+        let model = square(bumpy, "");
+        let relief = model.materials[0].relief.expect("a normal map");
+        let bitmap = model.textures[relief.texture.0 as usize].bitmap().expect("an image");
+        assert_eq!((bitmap.pixels[0][1], relief.scale), (0.2, 1.0), "not sRGB");
+        assert_eq!(model.meshes[0].mesh.data().tangents, [[1.0, 0.0, 0.0, 1.0]; 4]);
+        assert!(model.warnings.is_empty(), "{:?}", model.warnings);
+        let ball = square(&format!("{bumpy}\nShape \"sphere\""), "");
+        assert!(ball.warnings[0].message.contains("it has no tangents"), "{:?}", ball.warnings);
     }
 }

@@ -1,7 +1,7 @@
 //! The words of a scene file, each with its line.
 
-use crate::error::MAX_NUMBER;
 use crate::flaw::Flaw;
+use crate::limits;
 
 /// A piece of the text and the number of its line, counted from 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -188,7 +188,7 @@ pub(super) fn number(line: usize, kind: &Kind<'_>, what: &str) -> Result<f64, Fl
     };
     match parsed {
         // A NaN fails the comparison.
-        Some(number) if number.abs() <= MAX_NUMBER => Ok(number),
+        Some(number) if number.abs() <= limits::NUMBER => Ok(number),
         Some(_) => Err(Flaw::new(line, shown(kind), format!("as {what} is not a number of magnitude at most 1e60"))),
         None => Err(Flaw::new(line, shown(kind), format!("stands where {what} should: give a number"))),
     }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use rt_math::{Rgb, Transform};
-use rt_shading::Coefficient;
 use rt_shading::emitter::Sides;
+use rt_shading::{Coefficient, Coverage, Material};
 
 use super::light::Source;
 use super::material::unknown;
@@ -17,10 +17,8 @@ use super::view::View;
 use super::{light, material, shape, spectrum};
 use crate::flaw::Flaw;
 use crate::mesh_build::build_mesh;
-use crate::{Content, MaterialId, MeshId, NamedMesh, Node, Reason};
-
-/// Most nodes that instances may unfold to.
-const MAX_NODES: usize = 1 << 18;
+use crate::tangents;
+use crate::{Content, MaterialId, MeshId, NamedMesh, Node, Reason, limits};
 
 impl Reader<'_> {
     pub(super) fn object(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
@@ -57,9 +55,9 @@ impl Reader<'_> {
     /// Adds a node to the object that is described, or to the world.
     fn add(&mut self, node: Node, line: usize) -> Result<(), Flaw> {
         self.unfolded += 1 + node.children.len();
-        if self.unfolded > MAX_NODES {
+        if self.unfolded > limits::PBRT_NODES {
             let (what, value, limit) =
-                ("the number of shapes, instances unfolded,", self.unfolded as u64, MAX_NODES as u64);
+                ("the number of shapes, instances unfolded,", self.unfolded as u64, limits::PBRT_NODES as u64);
             return Err(Flaw { line, reason: Reason::TooLarge { what, value, limit } });
         }
         match &mut self.object {
@@ -98,7 +96,11 @@ impl Reader<'_> {
                     Some(&index) => Ok(surfaces.get(index).cloned().flatten()),
                     None => Err(unknown("material", part, line, named.keys().map(String::as_str))),
                 };
-                let surface = material::read(&kind, &parameters, &self.textures, find, &mut losses)?;
+                let mut surface = material::read(&kind, &parameters, &self.textures, find, &mut losses)?;
+                let relief = self.textures.relief(&parameters, self.files)?;
+                if let (Some(surface), Some(_)) = (&mut surface, relief) {
+                    surface.relief = relief;
+                }
                 self.surfaces.push(surface);
                 let index = self.surfaces.len() - 1;
                 if word == "Material" {
@@ -155,8 +157,16 @@ impl Reader<'_> {
         let kind = tokens.text("the kind of a shape")?;
         let parameters = self.parameters(tokens, line, "shape")?;
         let mut losses = Vec::new();
-        let solid = shape::read(&kind, &parameters, self.state.reversed, self.files, &mut losses)?;
+        let mut solid = shape::read(&kind, &parameters, self.state.reversed, self.files, &mut losses)?;
         let name = format!("line {line}");
+        let mut cover = self.textures.cover(&parameters, self.files, &mut losses)?;
+        if matches!(solid, Solid::Exact(..)) && cover != Coverage::ALL {
+            losses.push(format!("\"alpha\" cuts meshes alone: the {kind} is whole"));
+            cover = Coverage::ALL;
+        }
+        if self.surface().is_some_and(|surface| surface.relief.is_some()) && !lay_tangents(&mut solid) {
+            losses.push("without texture coordinates it has no tangents: its normal map is left out".to_owned());
+        }
         let (content, place) = match solid {
             Solid::Exact(shape, place) => (Content::Shape(shape), self.state.matrix.then_first(&place)),
             Solid::Mesh(data) => {
@@ -172,7 +182,7 @@ impl Reader<'_> {
             }
         };
         self.warn_all(&format!("the shape \"{kind}\""), &parameters, losses);
-        let Some(material) = self.material() else {
+        let Some(material) = self.material(cover) else {
             self.warn(line, "a shape of no material is not seen: it is left out".to_owned());
             return Ok(());
         };
@@ -180,12 +190,17 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The material in force, with the light that it gives; `None` if nothing is seen of it.
-    fn material(&mut self) -> Option<MaterialId> {
+    /// The surface in force.
+    fn surface(&self) -> Option<&Material> {
+        self.surfaces.get(self.state.surface)?.as_ref()
+    }
+
+    /// The material in force, with the light that it gives, as much as is there of it; `None` if nothing is seen of it.
+    fn material(&mut self, cover: Coverage) -> Option<MaterialId> {
         let emission = self.state.emission.filter(|emission| !emission.radiance.is_black());
-        let surface = self.surfaces.get(self.state.surface).cloned().flatten();
+        let surface = self.surface().cloned();
         let bits = emission.map(|light| (light.radiance.to_array().map(f64::to_bits), light.both_sides));
-        let key = (self.state.surface, bits);
+        let key = (self.state.surface, bits, (cover.factor.to_bits(), cover.texture));
         if let Some(known) = self.materials.get(&key) {
             return Some(*known);
         }
@@ -198,10 +213,24 @@ impl Reader<'_> {
             made.phong.emission = Coefficient::Constant(radiance);
             made.shines = if both_sides { Sides::Both } else { Sides::Front };
         }
+        made.coverage = cover;
         self.model.materials.push(made);
         let id = MaterialId(self.model.materials.len() as u32 - 1);
         self.materials.insert(key, id);
         Some(id)
+    }
+}
+
+/// Makes the tangents that normal maps are laid along; false if there are none.
+fn lay_tangents(solid: &mut Solid) -> bool {
+    match solid {
+        Solid::Mesh(data) if !data.uvs.is_empty() => {
+            let uvs = data.uvs.clone();
+            tangents::generate(data, &uvs);
+            true
+        }
+        Solid::Mesh(_) | Solid::Exact(..) => false,
+        Solid::Unsupported => true,
     }
 }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde_ply::{ElementDef, PlyFormat, PlyHeader, PropertyType, ScalarType};
 
-use super::rows::{COLOR, COLUMNS, CORNERS, POSITION, column};
+use super::rows::{COLOR, COLUMNS, CORNERS, POSITION, STRIPS, column};
 use crate::Reason;
 
 /// Checks that there are vertices with positions, and that the `available` bytes after the header can hold all rows.
@@ -82,7 +82,7 @@ pub(super) fn left_out(header: &PlyHeader) -> Vec<String> {
             "vertex" if has(header, COLOR) => |name| column(name.as_bytes()).is_some(),
             // A share without colours says nothing.
             "vertex" => |name| column(name.as_bytes()).is_some_and(|column| column < COLOR.start),
-            "face" => |name| CORNERS.contains(&name),
+            "face" | STRIPS => |name| CORNERS.contains(&name),
             _ => {
                 sentences.push(format!("the element `{name}` of {count} rows is left out"));
                 continue;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! header ── counts fit the bytes that follow? ──> vertices: x y z, nx ny nz, s t, red green blue alpha
-//!                                            └──> faces: lists of corners, cut into triangles
+//!                                            └──> faces: lists of corners, cut into triangles; triangle strips
 //! ```
 //!
 //! Colours of vertices colour the surface: whole numbers are shares of the greatest one, encoded as in sRGB, fractions are
@@ -19,14 +19,28 @@ use rt_math::{Rgb, Vec3};
 use rt_shading::{Coefficient, Texture, TextureId};
 use serde_ply::{DeserializeError, PlyFormat, PlyHeader, PlyReader};
 
-use self::rows::{Corners, Skipped, Vertices};
+use self::rows::{Corners, STRIPS, Skipped, Strips, Vertices};
 use crate::classical::AMBIENT;
 use crate::files::read_file;
-use crate::{LoadError, Material, Model, Place, Reason, Warning};
+use crate::forecast::{self, Sample};
+use crate::{LoadError, LoadOptions, Material, Model, Place, Reason, Warning};
 
 /// Loads the file at `path`.
-pub(crate) fn load(path: &Path) -> Result<Model, LoadError> {
-    load_bytes(read_file(path).map_err(|reason| reason.at(path, ""))?, path)
+pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
+    forecast::within(path, options, peak_bytes, || {
+        load_bytes(read_file(path, options).map_err(|reason| reason.at(path, ""))?, path)
+    })
+}
+
+/// Bytes of memory that loading takes at its peak.
+fn peak_bytes(sample: &Sample) -> u64 {
+    let count = |name: &str| {
+        let header = PlyReader::from_reader(&mut sample.head()).map(|reader| reader.header().clone()).ok();
+        header.and_then(|header| header.get_element(name).map(|element| element.count as u64)).unwrap_or(0)
+    };
+    // How long strips are is not known before they are read: at most all of the file, in numbers of four bytes.
+    let strips = if count(STRIPS) > 0 { 12 * sample.size } else { 0 };
+    sample.size + 56 * count("vertex") + 28 * count("face") + strips
 }
 
 /// Loads the file that `bytes` hold; `path` is for messages.
@@ -80,16 +94,18 @@ struct Content {
 
 fn read(bytes: &mut &[u8]) -> Result<Content, DeserializeError> {
     let mut reader = PlyReader::from_reader(bytes)?;
-    let mut content = Content::default();
+    let (mut content, mut strips) = (Content::default(), Strips::default());
     while let Some(element) = reader.current_element() {
         match element.name.as_str() {
             "vertex" => content.vertices = reader.next_element()?,
             "face" => content.corners = reader.next_element()?,
+            STRIPS => strips = reader.next_element()?,
             _ => {
                 reader.next_element::<Skipped>()?;
             }
         }
     }
+    strips.add_to(&mut content.corners);
     Ok(content)
 }
 

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
+use rt_geometry::strip;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
 /// Columns of a vertex, each by its names.
@@ -35,6 +36,9 @@ pub(super) const ALPHA: Range<usize> = 11..12;
 pub(super) fn column(name: &[u8]) -> Option<usize> {
     COLUMNS.iter().position(|names| names.iter().any(|known| known.as_bytes() == name))
 }
+
+/// The element of triangle strips.
+pub(super) const STRIPS: &str = "tristrips";
 
 /// Names of the list of corners of a face.
 pub(super) const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
@@ -72,6 +76,23 @@ impl Corners {
     pub(super) fn faces(&self) -> impl Iterator<Item = &[u32]> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         starts.zip(&self.ends).map(|(start, &end)| &self.indices[start..end])
+    }
+}
+
+/// Triangle strips: lists of corners, in which a negative number begins another strip.
+#[derive(Debug, Default)]
+pub(super) struct Strips(Vec<i64>);
+
+impl Strips {
+    /// Adds the triangles to those of faces. Where a strip names a vertex twice it is stitched, and there is none.
+    pub(super) fn add_to(&self, corners: &mut Corners) {
+        for order in self.0.split(|corner| *corner < 0) {
+            // A number beyond all vertices is refused with the others.
+            let order: Vec<u32> = order.iter().map(|corner| u32::try_from(*corner).unwrap_or(u32::MAX)).collect();
+            for triangle in strip(&order).filter(|[a, b, c]| a != b && b != c && c != a) {
+                corners.add(triangle.to_vec());
+            }
+        }
     }
 }
 
@@ -163,17 +184,28 @@ impl Row for Vertex {
     }
 }
 
-impl Row for Vec<u32> {
-    fn read<'de, A: MapAccess<'de>>(mut cells: A) -> Result<Self, A::Error> {
-        let mut corners = Self::new();
-        while let Some(Name(is_corners)) = cells.next_key::<Name<bool>>()? {
-            if is_corners {
-                corners = cells.next_value()?;
-            } else {
-                cells.next_value::<IgnoredAny>()?;
-            }
+/// The list of corners of a row.
+fn read_corners<'de, T: Deserialize<'de>, A: MapAccess<'de>>(mut cells: A) -> Result<Vec<T>, A::Error> {
+    let mut corners = Vec::new();
+    while let Some(Name(is_corners)) = cells.next_key::<Name<bool>>()? {
+        if is_corners {
+            corners = cells.next_value()?;
+        } else {
+            cells.next_value::<IgnoredAny>()?;
         }
-        Ok(corners)
+    }
+    Ok(corners)
+}
+
+impl Row for Vec<u32> {
+    fn read<'de, A: MapAccess<'de>>(cells: A) -> Result<Self, A::Error> {
+        read_corners(cells)
+    }
+}
+
+impl Row for Vec<i64> {
+    fn read<'de, A: MapAccess<'de>>(cells: A) -> Result<Self, A::Error> {
+        read_corners(cells)
     }
 }
 
@@ -210,6 +242,15 @@ impl Collects for Corners {
             self.indices.extend(row);
             self.ends.push(self.indices.len());
         }
+    }
+}
+
+impl Collects for Strips {
+    type Row = Vec<i64>;
+
+    fn add(&mut self, row: Vec<i64>) {
+        self.0.extend(row);
+        self.0.push(-1);
     }
 }
 
@@ -254,6 +295,12 @@ impl<'de> Deserialize<'de> for Vertices {
 }
 
 impl<'de> Deserialize<'de> for Corners {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        collect(deserializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Strips {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         collect(deserializer)
     }

@@ -124,6 +124,22 @@ fn every_bad_line_is_named() {
 }
 
 #[test]
+fn strips_are_triangles_as_well() {
+    let strips =
+        SQUARE.replace("element face 1\nproperty list uchar int", "element tristrips 1\nproperty list int int");
+    let text = strips.replace("4 0 1 2 3\n", "9 0 1 3 2 2 -1 1 2 3\n");
+    let model = load_text(&text).expect("a model");
+    assert_eq!(data(&model).triangles, [[0, 1, 3], [1, 2, 3], [1, 2, 3]]);
+    assert!(model.warnings.iter().all(|warning| !warning.message.contains("tristrips")), "{:?}", model.warnings);
+    assert!(refused(&strips.replace("4 0 1 2 3", "3 0 1 4")).contains("vertex 4"));
+    // Faces and strips may stand beside each other, in any order.
+    let both =
+        SQUARE.replace("element face", "element tristrips 1\nproperty list int int vertex_indices\nelement face");
+    let model = load_text(&both.replace("4 0 1 2 3\n", "3 0 1 2\n3 0 2 3\n")).expect("a model");
+    assert_eq!(data(&model).triangles.len(), 2);
+}
+
+#[test]
 fn faces_that_are_none_are_counted() {
     let text = SQUARE.replace("face 1", "face 3").replace("4 0 1 2 3\n", "4 0 1 2 3\n2 0 1\n0\n");
     let model = load_text(&text).expect("a model");

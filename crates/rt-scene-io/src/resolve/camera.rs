@@ -5,9 +5,11 @@ use std::collections::HashSet;
 use rt_camera::{Camera, CameraSettings, FilmSettings, FovAxis, Projection};
 use rt_math::{DVec2, DVec3, Transform, TransformError};
 
+use super::animation::posed_camera;
+use super::exposure::Exposure;
 use super::lens::lens;
 use super::report::Report;
-use super::transform::{motion, transform};
+use super::transform::transform;
 use super::value::{coordinate, positive, vector};
 use crate::format;
 use crate::{MaterialId, NamedCamera, Reason};
@@ -27,6 +29,7 @@ pub(super) fn cameras(
     file: &format::SceneFile,
     film: &FilmSettings,
     media: &[Option<MaterialId>],
+    exposure: &Exposure,
 ) -> Vec<NamedCamera> {
     let mut names = HashSet::new();
     let mut cameras = Vec::new();
@@ -39,7 +42,7 @@ pub(super) fn cameras(
             let duplicate = Reason::Duplicate { kind: "camera", name: name.clone() };
             report.check::<()>(format_args!("{path}.name"), Err(duplicate));
         }
-        if let Some(settings) = settings(report, &path, camera) {
+        if let Some(settings) = settings(report, &path, camera, exposure) {
             report.check(&path, Camera::new(&settings, film.width, film.height));
             cameras.push(NamedCamera { name, settings, medium: media.get(index).copied().flatten() });
         }
@@ -47,8 +50,9 @@ pub(super) fn cameras(
     cameras
 }
 
-fn settings(report: &mut Report, path: &str, camera: &format::Camera) -> Option<CameraSettings> {
-    let place = place(report, path, camera);
+fn settings(report: &mut Report, path: &str, camera: &format::Camera, exposure: &Exposure) -> Option<CameraSettings> {
+    let posed = posed_camera(report, path, camera, exposure);
+    let camera = posed.as_ref().map_or(camera, |posed| &posed.camera);
     let projection = match (camera.orthographic, camera.fov) {
         (Some(_), Some(fov)) => {
             let rule = "has no meaning beside `orthographic`: remove one of them";
@@ -68,28 +72,31 @@ fn settings(report: &mut Report, path: &str, camera: &format::Camera) -> Option<
     };
     let [x, y] = camera.lens_shift;
     report.check(format_args!("{path}.lens_shift"), coordinate(x).and(coordinate(y)))?;
-    let (world_from_camera, projection) = (place?, projection?);
+    let (posed, projection) = (posed.as_ref()?, projection?);
     let lens = match &camera.lens {
-        Some(given) => Some(lens(report, path, camera, given, &world_from_camera)?),
+        Some(given) => {
+            // A camera that is moved on as a whole stays as far away from what it looks at.
+            let place = if given.focus_at.is_some() { &posed.world_from_camera } else { &posed.rest };
+            Some(lens(report, path, camera, given, place)?)
+        }
         None => None,
     };
-    let moves_to = motion(report, path, &world_from_camera, &camera.motion)?;
     let (opens, closes) = camera.shutter.unwrap_or((0.0, 1.0));
     let rule = "must open at 0 at the earliest and close after that, at 1 at the latest";
     let is_sound = 0.0 <= opens && opens <= closes && closes <= 1.0;
     let refused = || Reason::invalid(format_args!("the shutter, open from {opens} to {closes},"), rule);
     report.check(format_args!("{path}.shutter"), is_sound.then_some(()).ok_or_else(refused))?;
     Some(CameraSettings {
-        moves_to,
-        shutter: [opens, closes],
+        moves_to: posed.moves_to,
+        shutter: exposure.shutter(camera.shutter),
         lens_shift: DVec2::new(x, y),
         lens,
-        ..CameraSettings::new(world_from_camera, projection)
+        ..CameraSettings::new(posed.world_from_camera, projection)
     })
 }
 
 /// An opening angle in radians.
-fn opening(degrees: f64) -> Result<f64, Reason> {
+pub(super) fn opening(degrees: f64) -> Result<f64, Reason> {
     if degrees > 0.0 && degrees < 180.0 {
         Ok(degrees.to_radians())
     } else {
@@ -97,7 +104,8 @@ fn opening(degrees: f64) -> Result<f64, Reason> {
     }
 }
 
-fn place(report: &mut Report, path: &str, camera: &format::Camera) -> Option<Transform> {
+/// Where a camera stands by itself.
+pub(super) fn place(report: &mut Report, path: &str, camera: &format::Camera) -> Option<Transform> {
     let looks = camera.look_from.is_some() || camera.look_at.is_some() || camera.up.is_some();
     if !camera.transform.is_empty() {
         if looks {
@@ -116,7 +124,8 @@ fn place(report: &mut Report, path: &str, camera: &format::Camera) -> Option<Tra
     report.check(path, look_at(eye?, target?, up?))
 }
 
-fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Result<Transform, Reason> {
+/// The place of an eye that looks at a target.
+pub(super) fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Result<Transform, Reason> {
     Transform::look_at(eye, target, up).map_err(|error| match error {
         TransformError::DegenerateDirection if eye == target => {
             Reason::invalid(format_args!("look_from and look_at are both {eye}:"), "move one of them")

@@ -1,25 +1,13 @@
 //! The image and the settings.
 
-use rt_camera::{Development, Encoding, Film, FilmSettings, Filter, SamplePattern, ToneCurve};
+use rt_camera::{Development, Encoding, FilmSettings, Filter, SamplePattern, ToneCurve};
 use rt_math::DVec2;
 use rt_shading::emitter::LightSampling;
 
 use super::report::Report;
 use super::value::{not_negative, positive, within};
 use crate::format;
-use crate::{Accel, Adaptive, Integrator, Reason, Settings};
-
-/// Most samples per pixel.
-const MAX_SPP: u64 = 1 << 31;
-
-/// Most passes.
-const MAX_PASSES: u64 = 1 << 16;
-
-/// Most bounces.
-const MAX_DEPTH: u64 = 10_000;
-
-/// Widest Gaussian filter in pixels.
-const MAX_SIGMA: f64 = 100.0;
+use crate::{Accel, Adaptive, Integrator, Reason, Settings, limits};
 
 /// The image. A field that is wrong keeps its default after it is reported.
 pub(super) fn film(report: &mut Report, film: &format::Film) -> FilmSettings {
@@ -32,7 +20,7 @@ pub(super) fn film(report: &mut Report, film: &format::Film) -> FilmSettings {
         format::Filter::Box => Filter::Box,
         format::Filter::Tent => Filter::Tent,
         format::Filter::Gaussian(sigma) => {
-            report.check("film.filter", positive(sigma).and(within(sigma, 0.0, MAX_SIGMA)));
+            report.check("film.filter", positive(sigma).and(within(sigma, 0.0, limits::FILTER_SIGMA)));
             Filter::Gaussian { sigma }
         }
         format::Filter::Mitchell => Filter::Mitchell,
@@ -58,7 +46,7 @@ fn size((width, height): (u64, u64)) -> Result<(u32, u32), Reason> {
     if width == 0 || height == 0 {
         return Err(Reason::invalid(shown(), "pixels: both sides must be at least 1"));
     }
-    if width.saturating_mul(height) > Film::MAX_PIXELS {
+    if width.saturating_mul(height) > limits::FILM_PIXELS {
         return Err(Reason::invalid(shown(), "pixels are more than 2^28: choose a smaller image"));
     }
     // Both fit, because their product does.
@@ -67,16 +55,16 @@ fn size((width, height): (u64, u64)) -> Result<(u32, u32), Reason> {
 
 /// The settings. A field that is wrong keeps its default after it is reported.
 pub(super) fn settings(report: &mut Report, settings: &format::Settings, default: Integrator) -> Settings {
-    let spp = report.check("settings.spp", within(settings.spp, 1, MAX_SPP)).unwrap_or(1);
-    let passes = settings.passes.and_then(|passes| report.check("settings.passes", within(passes, 1, MAX_PASSES)));
+    let spp = report.check("settings.spp", within(settings.spp, 1, limits::SAMPLES)).unwrap_or(1);
+    let passes = settings.passes.and_then(|passes| report.check("settings.passes", within(passes, 1, limits::PASSES)));
     let adaptive = settings.adaptive.map(|format::Adaptive::ObjectSpace { least }| {
-        let least = least.and_then(|least| report.check("settings.adaptive.least", within(least, 1, MAX_SPP)));
+        let least = least.and_then(|least| report.check("settings.adaptive.least", within(least, 1, limits::SAMPLES)));
         Adaptive::ObjectSpace { least: least.map(|least| least as u32) }
     });
-    let depth = report.check("settings.depth", within(settings.depth, 0, MAX_DEPTH)).unwrap_or(0);
+    let depth = report.check("settings.depth", within(settings.depth, 0, limits::RAY_DEPTH)).unwrap_or(0);
     report.check("settings.min_contribution", not_negative(settings.min_contribution));
     let roulette_from =
-        report.check("settings.roulette_from", within(settings.roulette_from, 0, MAX_DEPTH)).unwrap_or(0);
+        report.check("settings.roulette_from", within(settings.roulette_from, 0, limits::RAY_DEPTH)).unwrap_or(0);
     let occlusion_distance = settings
         .occlusion_distance
         .map_or(Some(f64::INFINITY), |distance| report.check("settings.occlusion_distance", positive(distance)));

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::node::Objects;
+use crate::forecast::tree_bytes;
 use crate::{Content, LoadError, MaterialId, MeshId, Model, Node, load_model, resolve_path};
 
 /// Model files by reference, each loaded once.
@@ -32,7 +33,10 @@ impl Objects<'_> {
             let tree = model.map(|model| self.merge(reference, model));
             self.models.trees.insert(reference.to_owned(), tree);
         }
-        let mut nodes = self.models.trees.get(reference)?.clone()?;
+        let tree = self.models.trees.get(reference)?.as_ref()?;
+        let room = self.options.memory.keep(format_args!("{reference} in all its places"), tree_bytes(tree));
+        self.report.check(format_args!("{path}.model"), room)?;
+        let mut nodes = tree.clone();
         if let Some(material) = own {
             for_each_node(&mut nodes, &mut |node| node.material = material);
         }
@@ -42,7 +46,7 @@ impl Objects<'_> {
     fn load(&mut self, path: &str, reference: &str) -> Option<Model> {
         let file = resolve_path(reference, self.source, self.options);
         let file = self.report.check(format_args!("{path}.model"), file)?;
-        match load_model(&file, self.options) {
+        match load_model(&file, &self.exposure.for_models(self.options)) {
             Ok(model) => Some(model),
             Err(error) => {
                 self.report.add(LoadError::into_problems(error));

@@ -89,7 +89,8 @@ pub(super) fn background(
 ) -> Background {
     if let Some(format::Background::Image { file, scale, rotate }) = background {
         let light = colour(scale).and_then(|scale| {
-            let light = read_environment(&textures.path(file)?, scale, coordinate(*rotate)?.to_radians());
+            let light =
+                read_environment(&textures.path(file)?, scale, coordinate(*rotate)?.to_radians(), textures.options);
             light.map_err(|reason| Reason::BadReference { reference: file.clone(), rule: reason.to_string() })
         });
         let black = Background::Constant(Rgb::BLACK);

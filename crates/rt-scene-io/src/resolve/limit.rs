@@ -1,12 +1,6 @@
 //! Limits on the size of the tree, measured before anyone unfolds it.
 
-use crate::{Content, Group, GroupId, Node, Reason};
-
-/// Deepest tree, instances unfolded.
-pub(super) const MAX_DEPTH: u64 = 1024;
-
-/// Most placed objects, instances unfolded.
-const MAX_OBJECTS: u64 = (1 << 31) - 1;
+use crate::{Content, Group, GroupId, Node, Reason, limits};
 
 /// Depth of a tree and number of objects in it, instances unfolded.
 #[derive(Clone, Copy, Default)]
@@ -22,11 +16,15 @@ pub(super) fn check(nodes: &[Node], groups: &[Group]) -> Result<(), Reason> {
         sizes.push(size(&group.nodes, &sizes));
     }
     let Size { depth, objects } = size(nodes, &sizes);
-    if depth > MAX_DEPTH {
-        Err(Reason::TooLarge { what: "the depth of the tree, instances unfolded,", value: depth, limit: MAX_DEPTH })
-    } else if objects > MAX_OBJECTS {
+    if depth > limits::NODE_DEPTH {
+        Err(Reason::TooLarge {
+            what: "the depth of the tree, instances unfolded,",
+            value: depth,
+            limit: limits::NODE_DEPTH,
+        })
+    } else if objects > limits::OBJECTS {
         let what = "the number of objects, instances unfolded,";
-        Err(Reason::TooLarge { what, value: objects, limit: MAX_OBJECTS })
+        Err(Reason::TooLarge { what, value: objects, limit: limits::OBJECTS })
     } else {
         Ok(())
     }

@@ -11,10 +11,7 @@ use super::report::Report;
 use super::texture::Textures;
 use super::value::{colour, positive, within};
 use crate::format;
-use crate::{Material, MaterialId, Reason};
-
-/// Largest exponent of a highlight.
-pub(super) const MAX_EXPONENT: f64 = 1e7;
+use crate::{Material, MaterialId, Reason, limits};
 
 /// Index of refraction of a transparent material that does not say: crown glass.
 const DEFAULT_IOR: f64 = 1.5;
@@ -158,7 +155,8 @@ fn changed_phong(
     let mirror = read("mirror", mirror, unsaid);
     let before = base.transmission;
     let passing = read("transmission", transmission, before.map_or(Coefficient::ZERO, |t| t.coefficient));
-    let exponent = report.check(at("exponent"), within(exponent.unwrap_or(base.exponent), 0.0, MAX_EXPONENT));
+    let exponent =
+        report.check(at("exponent"), within(exponent.unwrap_or(base.exponent), 0.0, limits::HIGHLIGHT_EXPONENT));
     let ior = ior.unwrap_or(before.map_or(DEFAULT_IOR, |t| t.ior));
     let ior = report.check(at("ior"), positive(ior));
     let absorption = match absorption {

@@ -1,8 +1,10 @@
 //! From the types of the file to the scene: names become ids, degrees radians, references files, and everything is
 //! checked.
 
+mod animation;
 mod area_light;
 mod camera;
+mod exposure;
 mod film;
 mod group;
 mod include;
@@ -21,11 +23,13 @@ mod value;
 
 use std::path::Path;
 
+use rt_math::Aabb;
 use rt_shading::Appearance;
 
 use crate::bounds::tree_bounds;
 use crate::format::SceneFile;
 use crate::{Integrator, LoadError, LoadOptions, Model, Scene, Truth, format};
+use exposure::is_animated;
 use include::Models;
 use node::Objects;
 #[cfg(any(feature = "nff", feature = "pbrt"))]
@@ -52,17 +56,31 @@ pub(crate) fn resolve_with(
     if let Some([width, height]) = options.size {
         file.film.size = (width.into(), height.into());
     }
+    if let Some([opens, closes]) = options.shutter {
+        if file.camera.is_none() && file.cameras.is_empty() {
+            file.camera = Some(format::Camera::default());
+        }
+        file.camera.iter_mut().chain(&mut file.cameras).for_each(|camera| camera.shutter = Some((opens, closes)));
+    }
     let given = file.clone();
     let models = Models::at_hand(model);
-    let Objects { mut report, mut materials, mut textures, meshes, groups, mut nodes, media, mut notes, .. } =
-        Objects::resolve(&given, source, &options, models);
+    let Objects {
+        mut report, mut materials, mut textures, meshes, groups, mut nodes, media, mut notes, exposure, ..
+    } = Objects::resolve(&given, source, &options, models);
     nodes.extend(area_light::nodes(&mut report, file.lights.as_deref().unwrap_or_default(), &mut materials));
-    notes.extend(studio::complete(file, &tree_bounds(&nodes, &groups, &meshes)));
+    let bounds = match options.at_time {
+        Some(_) if studio::is_asked(file) => bounds_at_rest(&given, source, &options),
+        _ => tree_bounds(&nodes, &groups, &meshes),
+    };
+    notes.extend(studio::complete(file, &bounds));
+    if options.at_time.is_none() && is_animated(file) {
+        notes.push("The scene is animated: it is shown as it is at 0 s.".to_owned());
+    }
 
     let (lights, ambient) = light::lights(&mut report, file.lights.as_deref().unwrap_or_default());
     let background = light::background(&mut report, file.background.as_ref(), &mut textures);
     let film = film::film(&mut report, &file.film);
-    let cameras = camera::cameras(&mut report, file, &film, &media);
+    let cameras = camera::cameras(&mut report, file, &film, &media, &exposure);
     let settings = film::settings(&mut report, &file.settings, default_integrator(file));
     if file.settings.integrator.is_none() && settings.integrator != Integrator::Whitted {
         notes.push(format!(
@@ -79,6 +97,14 @@ pub(crate) fn resolve_with(
     let warnings = report.finish()?;
     let appearance = Appearance { materials: materials.list, textures: textures.list, lights, ambient, background };
     Ok(Scene { name, cameras, film, settings, appearance, meshes, groups, nodes, truth, warnings, notes })
+}
+
+/// The box around a scene without a time. A camera that is put where it sees everything does not shake then, from one frame of
+/// an animation to the next.
+fn bounds_at_rest(file: &SceneFile, source: &Path, options: &LoadOptions) -> Aabb {
+    let options = LoadOptions { at_time: None, ..options.clone() };
+    let Objects { nodes, groups, meshes, .. } = Objects::resolve(file, source, &options, Models::default());
+    tree_bounds(&nodes, &groups, &meshes)
 }
 
 /// Path tracing for what the classical integrator has no light for: lights with extent, an image around the scene, physical

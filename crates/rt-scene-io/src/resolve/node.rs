@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use rt_math::Transform;
 
+use super::animation::node_places;
 use super::camera::listed;
+use super::exposure::Exposure;
 use super::group::order;
 use super::include::Models;
 use super::limit;
@@ -14,9 +16,8 @@ use super::material::Materials;
 use super::report::Report;
 use super::shape::{Solid, solid};
 use super::texture::Textures;
-use super::transform::{motion, transform};
 use crate::format::{self, SceneFile};
-use crate::{Content, Group, GroupId, LoadOptions, MaterialId, MeshId, NamedMesh, Node, Reason};
+use crate::{Content, Group, GroupId, LoadOptions, MaterialId, MeshId, NamedMesh, Node, Reason, limits};
 
 /// The objects of a scene as far as they are resolved, and what else they need.
 pub(super) struct Objects<'a> {
@@ -29,6 +30,7 @@ pub(super) struct Objects<'a> {
     pub(super) notes: Vec<String>,
     pub(super) source: &'a Path,
     pub(super) options: &'a LoadOptions,
+    pub(super) exposure: Exposure,
     group_ids: HashMap<&'a str, GroupId>,
     pub(super) groups: Vec<Group>,
     pub(super) nodes: Vec<Node>,
@@ -49,6 +51,7 @@ impl<'a> Objects<'a> {
             notes: Vec::new(),
             source,
             options,
+            exposure: Exposure::of(file, options),
             group_ids: HashMap::new(),
             groups: Vec::new(),
             nodes: Vec::new(),
@@ -70,8 +73,8 @@ impl<'a> Objects<'a> {
     }
 
     fn tree(&mut self, path: &str, nodes: &[format::Node], inherited: Option<&str>, depth: u64) -> Vec<Node> {
-        if depth > limit::MAX_DEPTH {
-            let reason = Reason::TooLarge { what: "the depth of the tree", value: depth, limit: limit::MAX_DEPTH };
+        if depth > limits::NODE_DEPTH {
+            let reason = Reason::TooLarge { what: "the depth of the tree", value: depth, limit: limits::NODE_DEPTH };
             self.report.check::<()>(path, Err(reason));
             return Vec::new();
         }
@@ -83,12 +86,12 @@ impl<'a> Objects<'a> {
     }
 
     fn node(&mut self, path: &str, node: &format::Node, inherited: Option<&str>, depth: u64) -> Option<Node> {
-        let place = transform(&mut self.report, path, &node.transform);
-        let moves_to = place.and_then(|place| motion(&mut self.report, path, &place, &node.motion)).flatten();
+        let places = node_places(&mut self.report, path, node, &self.exposure);
+        let (parent_from_local, moves_to) = places.unwrap_or((Transform::IDENTITY, None));
         let material = node.material.as_deref().or(inherited);
         let mut placed = Node {
             name: node.name.clone(),
-            parent_from_local: place.unwrap_or(Transform::IDENTITY),
+            parent_from_local,
             moves_to,
             content: None,
             material: MaterialId(0),

@@ -5,13 +5,12 @@ use rt_shading::bsdf::{ComplexIor, MAX_LOBES};
 use rt_shading::emitter::Sides;
 use rt_shading::{Coefficient, Phong, Physical, Transmission};
 
-use super::material::MAX_EXPONENT;
 use super::report::Report;
 use super::texture::Textures;
 use super::value::{colour, not_negative, positive, within};
 use crate::classical::{self, BARE, PANE_MIRROR, diffuse, scaled};
 use crate::format::{self, Metal};
-use crate::{Material, Reason};
+use crate::{Material, Reason, limits};
 
 /// Reads the physical materials of the file.
 pub(super) struct PhysicalReader<'r, 'a> {
@@ -52,8 +51,9 @@ impl PhysicalReader<'_, '_> {
             format::Material::Glossy { diffuse: base, specular, exponent } => {
                 let base = self.reflectance(path, "diffuse", base)?;
                 let specular = self.reflectance(path, "specular", specular)?;
-                let exponent =
-                    self.report.check(format_args!("{path}.exponent"), within(*exponent, 0.0, MAX_EXPONENT))?;
+                let exponent = self
+                    .report
+                    .check(format_args!("{path}.exponent"), within(*exponent, 0.0, limits::HIGHLIGHT_EXPONENT))?;
                 let phong = Phong { specular, exponent, ..diffuse(base) };
                 Some(both(phong, Physical::Glossy { diffuse: base, specular, exponent }))
             }

@@ -3,10 +3,7 @@
 use std::fmt::Display;
 use std::path::Path;
 
-use crate::{LoadError, Place, Problem, Reason, Warning};
-
-/// After this many problems the rest is counted.
-const MAX_PROBLEMS: usize = 20;
+use crate::{LoadError, Place, Problem, Reason, Warning, limits};
 
 /// The problems and warnings met while a file is resolved.
 pub(crate) struct Report {
@@ -36,7 +33,7 @@ impl Report {
     /// Notes problems that were found elsewhere, such as in an included file.
     pub(crate) fn add(&mut self, problems: impl IntoIterator<Item = Problem>) {
         for problem in problems {
-            if self.problems.len() < MAX_PROBLEMS {
+            if self.problems.len() < limits::PROBLEMS {
                 self.problems.push(problem);
             } else {
                 self.not_shown += 1;

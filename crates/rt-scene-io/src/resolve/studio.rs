@@ -3,7 +3,7 @@
 use rt_math::{Aabb, DVec3, transcendental::tan};
 
 use super::camera::DEFAULT_FOV_DEGREES;
-use crate::format::{Background, Camera, Color, FovAxis, Light, SceneFile};
+use crate::format::{Background, Camera, CameraAnimation, Color, FovAxis, Light, SceneFile};
 
 /// Where the camera stands, seen from the middle of the scene: slightly above and to the side.
 const VIEW: DVec3 = DVec3::new(0.5, 0.4, 1.0);
@@ -41,9 +41,14 @@ pub(super) fn complete(file: &mut SceneFile, bounds: &Aabb) -> Vec<String> {
     notes
 }
 
+/// True if there is a camera to be placed.
+pub(super) fn is_asked(file: &SceneFile) -> bool {
+    let mut cameras = file.camera.iter().chain(&file.cameras).peekable();
+    cameras.peek().is_none() || cameras.any(is_unplaced)
+}
+
 fn is_unplaced(camera: &Camera) -> bool {
-    let Camera { look_from, look_at, up, transform, .. } = camera;
-    look_from.is_none() && look_at.is_none() && up.is_none() && transform.is_empty()
+    camera.is_unplaced() && !camera.animation.as_ref().is_some_and(CameraAnimation::places)
 }
 
 /// A key light from the upper left, a weaker fill light from the right that casts no shadows, and ambient light.

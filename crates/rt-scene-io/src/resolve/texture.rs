@@ -14,7 +14,7 @@ use crate::{LoadOptions, Reason, read_texture, resolve_path};
 /// The textures of a scene, and where to look for more.
 pub(super) struct Textures<'a> {
     source: &'a Path,
-    options: &'a LoadOptions,
+    pub(super) options: &'a LoadOptions,
     pub(super) list: Vec<Texture>,
     images: HashMap<(PathBuf, format::Wrap, bool), TextureId>,
 }
@@ -53,7 +53,7 @@ impl<'a> Textures<'a> {
         if let Some(&id) = self.images.get(&key) {
             return Ok(id);
         }
-        let bitmap = read_texture(&key.0)
+        let bitmap = read_texture(&key.0, self.options)
             .map_err(|reason| Reason::BadReference { reference: reference.to_owned(), rule: reason.to_string() })?;
         let beyond = match wrap {
             format::Wrap::Repeat => Wrap::Repeat,

@@ -26,19 +26,23 @@ pub(super) fn motion(
     }
     let path = format!("{path}.motion");
     let end = product(report, &path, steps)?;
-    let refusal = |error| match error {
+    report.check(&path, Motion::new(start, &end).map_err(refused_motion)).map(|_| Some(end))
+}
+
+/// Why something cannot move as it should.
+pub(super) fn refused_motion(error: MotionError) -> Reason {
+    match error {
         MotionError::Mirrors => {
             Reason::invalid("the motion", "mirrors on its way, where all would be flat: mirror both ends")
         }
         MotionError::Decomposition => {
             Reason::invalid("the motion", "has numbers that are too large, too small or too different")
         }
-    };
-    report.check(&path, Motion::new(start, &end).map_err(refusal)).map(|_| Some(end))
+    }
 }
 
 /// The steps as one map; each is applied after those before it.
-fn product(report: &mut Report, path: impl Display, steps: &[Step]) -> Option<Transform> {
+pub(super) fn product(report: &mut Report, path: impl Display, steps: &[Step]) -> Option<Transform> {
     if steps.is_empty() {
         return Some(Transform::IDENTITY);
     }

@@ -6,13 +6,13 @@ use rt_camera::Encoding;
 use rt_math::{DVec3, Rgb};
 
 use crate::Reason;
-use crate::error::MAX_NUMBER;
 use crate::format::Color;
+use crate::limits;
 
 /// A coordinate or length: a number of magnitude at most 10⁶⁰.
 pub(super) fn coordinate(value: f64) -> Result<f64, Reason> {
     // A NaN fails the comparison.
-    if value.abs() <= MAX_NUMBER {
+    if value.abs() <= limits::NUMBER {
         Ok(value)
     } else {
         Err(Reason::invalid(format_args!("{value:e}"), "is not a number of magnitude at most 1e60"))

@@ -14,7 +14,8 @@ use rt_math::Vec3;
 
 use self::lines::Lines;
 use crate::files::read_file;
-use crate::{LoadError, Model, Place, Reason, Warning};
+use crate::forecast::{self, Sample};
+use crate::{LoadError, LoadOptions, Model, Place, Reason, Warning};
 
 /// Bytes before the facets of a binary file: a comment and the number of facets.
 const HEADER: usize = 84;
@@ -23,8 +24,20 @@ const COMMENT: usize = 80;
 const FACET: u64 = 50;
 
 /// Loads the file at `path`.
-pub(crate) fn load(path: &Path) -> Result<Model, LoadError> {
-    load_bytes(read_file(path).map_err(|reason| reason.at(path, ""))?, path)
+pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
+    forecast::within(path, options, peak_bytes, || {
+        load_bytes(read_file(path, options).map_err(|reason| reason.at(path, ""))?, path)
+    })
+}
+
+/// Bytes of memory that loading takes at its peak.
+fn peak_bytes(sample: &Sample) -> u64 {
+    let facets = match promised_size(sample.head()) {
+        Some(promised) if promised <= sample.size => (promised - HEADER as u64) / FACET,
+        _ => sample.over_lines(|line| [u64::from(line.trim_ascii_start().starts_with(b"facet"))])[0],
+    };
+    // Triangles, and half as many vertices with the table that finds them again, as in a closed surface.
+    sample.size + 48 * facets
 }
 
 /// Loads the file that `bytes` hold; `path` is for messages.

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::optics;
 use core::f64::consts::FRAC_1_PI;
-use rt_math::{DVec3, Rgb};
+use rt_math::{DVec3, Frame, Rgb};
 
 /// The metallic-roughness material under a coat of varnish and a sheen of fibres, as the extensions of glTF 2.0 lay them
 /// (KHR_materials_clearcoat, _sheen, _specular, _ior, _anisotropy, and _transmission of thin panes).
@@ -49,6 +49,8 @@ pub struct Layered {
     pub coat: f64,
     /// Roughness of the coat.
     pub coat_roughness: f64,
+    /// Unit normal of the coat in shading coordinates, which a normal map of the base or of the coat leans.
+    pub coat_normal: DVec3,
     /// The part of the surface that is glass, and its surface: light that comes through goes on in a body.
     pub glass: Option<(f64, Prism)>,
 }
@@ -71,6 +73,8 @@ struct Seen<'l> {
     wo: DVec3,
     facets: Option<Ggx>,
     coating: Option<Ggx>,
+    /// The coordinates of the coat, if they are others.
+    leaning: Option<Frame>,
     /// Part of the light that the coat leaves on one way.
     coat_leaves: f64,
     /// How often each way is chosen.
@@ -91,6 +95,7 @@ impl Layered {
         sheen: None,
         coat: 0.0,
         coat_roughness: 0.0,
+        coat_normal: DVec3::Z,
         glass: None,
     };
 
@@ -103,8 +108,9 @@ impl Layered {
     }
 
     fn eval_layers(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        let is_above = wo.z > 0.0;
         let Some((wo, wi)) = seen_from(self.turned(wo), self.turned(wi)) else { return Rgb::BLACK };
-        Seen::new(self, wo).value(wi)
+        Seen::new(self, wo, is_above).value(wi)
     }
 
     /// As [`super::Bsdf::pdf`].
@@ -116,8 +122,9 @@ impl Layered {
     }
 
     fn pdf_of_layers(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let is_above = wo.z > 0.0;
         let Some((wo, wi)) = seen_from(self.turned(wo), self.turned(wi)) else { return 0.0 };
-        Seen::new(self, wo).density(wi)
+        Seen::new(self, wo, is_above).density(wi)
     }
 
     /// As [`super::Bsdf::sample`].
@@ -139,8 +146,9 @@ impl Layered {
     }
 
     fn sample_layers(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+        let is_above = wo.z > 0.0;
         let (wo, side) = Side::of(self.turned(wo), u)?;
-        let sample = Seen::new(self, wo).sample(u)?;
+        let sample = Seen::new(self, wo, is_above).sample(u)?;
         BsdfSample { wi: self.turned_back(side.restore(sample.wi)), ..sample }.if_finite()
     }
 
@@ -210,10 +218,15 @@ impl Layered {
 }
 
 impl<'l> Seen<'l> {
-    fn new(surface: &'l Layered, wo: DVec3) -> Self {
+    fn new(surface: &'l Layered, wo: DVec3, is_above: bool) -> Self {
         let facets = Ggx::stretched_along_x(surface.roughness, surface.anisotropy);
         let coating = Ggx::from_roughness(surface.coat_roughness).filter(|_| surface.coat > 0.0);
-        let coat_leaves = surface.coat_leaves(wo.z);
+        let leaning = (surface.coat > 0.0 && surface.coat_normal != DVec3::Z).then(|| {
+            let normal = surface.turned(surface.coat_normal);
+            // From below, the back of the coat is seen in the mirror that turns the surface over.
+            Frame::from_z(if is_above { normal } else { mirrored(normal) })
+        });
+        let coat_leaves = surface.coat_leaves(to_coat(leaning.as_ref(), wo).z.abs());
         let layer = LayerOf::roughness(surface.roughness);
         let [along, grazing] = layer.reflects_split(wo.z);
         let enters = surface.enters(&layer, wo.z);
@@ -229,7 +242,7 @@ impl<'l> Seen<'l> {
         if sum > 0.0 {
             chances = chances.map(|chance| chance / sum);
         }
-        Self { surface, wo, facets, coating, coat_leaves, chances }
+        Self { surface, wo, facets, coating, leaning, coat_leaves, chances }
     }
 
     fn chance(&self, way: Way) -> f64 {
@@ -238,7 +251,7 @@ impl<'l> Seen<'l> {
 
     fn value(&self, wi: DVec3) -> Rgb {
         let (surface, wo) = (self.surface, self.wo);
-        let leaves = self.coat_leaves * surface.coat_leaves(wi.z.abs());
+        let leaves = self.coat_leaves * surface.coat_leaves(self.to_coat(wi).z.abs());
         let below = leaves * surface.sheen_leaves(wo, wi);
         if wi.z < 0.0 {
             let wi = across(wi);
@@ -261,9 +274,40 @@ impl<'l> Seen<'l> {
             value += sheen.value(wo, wi, m) * leaves;
         }
         if let Some(coating) = self.coating {
-            value += Rgb::gray(surface.coat * dielectric_fresnel(wo.dot(m)) * coating.reflection(wo, wi, m));
+            let fresnel = surface.coat * dielectric_fresnel(wo.dot(m));
+            let reflection = if self.leaning.is_none() {
+                coating.reflection(wo, wi, m)
+            } else {
+                let [out, into, facet] = [wo, wi, m].map(|w| self.to_coat(w));
+                // The angle to the coat counts, and not that to the base, by whose cosine callers multiply.
+                let is_seen = out.z > 0.0 && into.z > 0.0;
+                if is_seen { coating.reflection(out, into, facet) * (into.z / wi.z) } else { 0.0 }
+            };
+            value += Rgb::gray(fresnel * reflection);
         }
         value
+    }
+
+    fn to_coat(&self, w: DVec3) -> DVec3 {
+        to_coat(self.leaning.as_ref(), w)
+    }
+
+    /// Where the coat reflects to, and whether that is the only direction; `None` if its back is seen.
+    fn reflected_by_coat(&self, u: [f64; 2]) -> Option<(DVec3, bool)> {
+        let wo = self.to_coat(self.wo);
+        if !(wo.z > 0.0) {
+            return None;
+        }
+        let (wi, is_delta) = match self.coating {
+            Some(coating) => (optics::reflect(-wo, coating.sample(wo, u)), false),
+            None => (mirrored(wo), true),
+        };
+        Some((self.leaning.as_ref().map_or(wi, |frame| frame.from_local(wi)), is_delta))
+    }
+
+    fn density_of_coat(&self, m: DVec3) -> f64 {
+        let wo = self.to_coat(self.wo);
+        self.coating.filter(|_| wo.z > 0.0).map_or(0.0, |coating| coating.reflection_pdf(wo, self.to_coat(m)))
     }
 
     fn density(&self, wi: DVec3) -> f64 {
@@ -273,7 +317,7 @@ impl<'l> Seen<'l> {
             return self.chance(Way::Passing) * of_facets(self.facets, half(wo, across(wi)));
         }
         let m = half(wo, wi);
-        self.chance(Way::Coat) * of_facets(self.coating, m)
+        self.chance(Way::Coat) * self.density_of_coat(m)
             + self.chance(Way::Facets) * of_facets(self.facets, m)
             + (self.chance(Way::Sheen) + self.chance(Way::Base)) * cosine_pdf(wi)
     }
@@ -286,7 +330,7 @@ impl<'l> Seen<'l> {
             None => (mirrored(wo), true),
         };
         let (wi, is_delta) = match way {
-            Way::Coat => reflected(self.coating),
+            Way::Coat => self.reflected_by_coat([u[1], u[2]])?,
             Way::Facets | Way::Passing => reflected(self.facets),
             Way::Sheen | Way::Base => (cosine_hemisphere([u[1], u[2]]), false),
         };
@@ -297,8 +341,11 @@ impl<'l> Seen<'l> {
             Way::Passing => (across(wi), Scattering::Transmission),
             _ => (wi, Scattering::Reflection),
         };
-        let (value, pdf) =
-            if is_delta { (self.share(way) / wo.z, self.chance(way)) } else { (self.value(wi), self.density(wi)) };
+        let (value, pdf) = if is_delta {
+            (self.share(way) / wi.z.abs(), self.chance(way))
+        } else {
+            (self.value(wi), self.density(wi))
+        };
         let is_diffuse = matches!(way, Way::Sheen | Way::Base);
         Some(BsdfSample { wi, value, pdf, kind, is_delta, is_diffuse, eta: 1.0 })
     }
@@ -307,7 +354,7 @@ impl<'l> Seen<'l> {
     fn share(&self, way: Way) -> Rgb {
         let (surface, cos) = (self.surface, self.wo.z);
         if way == Way::Coat {
-            return Rgb::gray(surface.coat * dielectric_fresnel(cos));
+            return Rgb::gray(surface.coat * dielectric_fresnel(self.to_coat(self.wo).z));
         }
         let below = self.coat_leaves * self.coat_leaves * surface.sheen_leaves(self.wo, self.wo);
         let share =
@@ -327,6 +374,11 @@ impl<'l> Seen<'l> {
         }
         last
     }
+}
+
+/// A direction in the coordinates of a coat that leans.
+fn to_coat(leaning: Option<&Frame>, w: DVec3) -> DVec3 {
+    leaning.map_or(w, |frame| frame.to_local(w))
 }
 
 fn half(wo: DVec3, wi: DVec3) -> DVec3 {

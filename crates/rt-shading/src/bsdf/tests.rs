@@ -104,6 +104,13 @@ pub(super) fn disperses(bsdf: &Bsdf) -> bool {
     matches!(bsdf, Bsdf::Layered(Layered { glass: Some((_, glass)), .. }) if !glass.is_plain())
 }
 
+/// Varnish on a surface whose normal a map has turned, smooth and rough. It reflects by its own normal, so that it looks different
+/// from where light comes: no law holds light and eye against each other there.
+pub(super) fn leaning() -> [Surface; 2] {
+    let varnish = Layered { coat: 0.8, coat_normal: DVec3::new(0.48, -0.36, 0.8), ..brushed() };
+    [surface("leaning varnish", varnish), surface("leaning rough varnish", Layered { coat_roughness: 0.4, ..varnish })]
+}
+
 /// One of each model, and rough ones smooth to rough. White where that is possible: that is where energy shows.
 pub(super) fn surfaces() -> Vec<Surface> {
     let tinted = Dielectric {

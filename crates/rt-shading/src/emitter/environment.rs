@@ -67,6 +67,17 @@ impl EnvironmentLight {
         Ok(light)
     }
 
+    /// Bytes of memory that the image of a light takes with the sums that it is drawn by.
+    pub const fn memory_of(width: usize, height: usize) -> usize {
+        let sums = width.saturating_mul(height + 1).saturating_mul(size_of::<f64>());
+        width.saturating_mul(height).saturating_mul(size_of::<Rgb>()).saturating_add(sums)
+    }
+
+    /// Bytes of memory that it takes.
+    pub const fn memory(&self) -> usize {
+        Self::memory_of(self.width, self.height)
+    }
+
     /// The same radiance from everywhere.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 /// Work of shading, for statistics and to prove that what is left out is really absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ShadingCounts {
     /// Shadow rays that were not traced, because the light could not contribute: it stands behind the surface, or the
     /// surface reflects none of it.

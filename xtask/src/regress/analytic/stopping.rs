@@ -7,7 +7,7 @@ use std::{
 
 use rayon::prelude::*;
 use rt_camera::SamplePattern;
-use rt_render::{PlanOptions, RenderPlan, RunOptions, StopRule, Stopped, TargetError};
+use rt_render::{PlanOptions, Progress, RenderPlan, RunOptions, StopRule, Stopped, TargetError};
 use rt_scene_io::Integrator;
 
 use super::{Case, Conditions, Fallible, Found, Tally, coverage, enclosures::Room, picture::Picture};
@@ -40,7 +40,7 @@ fn half_a_second(conditions: &Conditions) -> Found {
     let rule = StopRule { time: Some(limit), ..StopRule::default() };
     let (start, mut began, mut longest) = (Instant::now(), Instant::now(), Duration::ZERO);
     let mut passes = 0;
-    let rendering = plan.render_until(&RunOptions::default(), &rule, |progress| {
+    let rendering = plan.render_until(&RunOptions::default(), &rule, |progress: Progress| {
         let finished = progress.pass.map_or(0, |pass| pass.finished);
         if finished > passes {
             longest = longest.max(began.elapsed());

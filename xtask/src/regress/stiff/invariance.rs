@@ -130,8 +130,10 @@ fn spreads_of(scene: &Scene, expected: &[Rgb]) -> Fallible<Vec<f64>> {
 fn with_few_digits(scene: &mut Scene) -> Fallible<()> {
     let rounded = |position: DVec3| (position * 256.0).round() / 256.0;
     for camera in &mut scene.cameras {
-        let place = &mut camera.settings.world_from_camera;
-        *place = Transform::from_linear(place.linear(), rounded(place.translation()))?;
+        let settings = &mut camera.settings;
+        for place in [&mut settings.world_from_camera].into_iter().chain(&mut settings.moves_to) {
+            *place = Transform::from_linear(place.linear(), rounded(place.translation()))?;
+        }
     }
     for light in &mut scene.appearance.lights {
         if let LightKind::Point { position, .. } | LightKind::Spot { position, .. } = &mut light.kind {

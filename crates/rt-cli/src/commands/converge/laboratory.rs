@@ -92,7 +92,7 @@ impl<'a> Laboratory<'a> {
         let (samples, rays, total_samples) = (self.samples, self.rays, self.total_samples);
         let progress = &mut self.progress;
         let started = ProcessTime::now();
-        let rendering = plan.render(&run, |so_far| {
+        let rendering = plan.render(&run, |so_far: Progress| {
             progress.update(Progress {
                 samples: samples + so_far.samples,
                 total_samples,

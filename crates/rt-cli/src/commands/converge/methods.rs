@@ -2,7 +2,7 @@
 
 use rt_camera::SamplePattern;
 use rt_render::{PlanOptions, RenderPlan};
-use rt_scene_io::Scene;
+use rt_scene_io::{LoadOptions, Scene};
 use serde::Serialize;
 
 use crate::args::{ConvergeArgs, Variation};
@@ -35,7 +35,7 @@ pub(super) struct MethodName {
 }
 
 /// All methods that the arguments ask for, each found fit to be rendered.
-pub(super) fn resolve(args: &ConvergeArgs, scene: &Scene) -> Result<Vec<Method>, Failure> {
+pub(super) fn resolve(args: &ConvergeArgs, loaded: &LoadOptions, scene: &Scene) -> Result<Vec<Method>, Failure> {
     let keys: Vec<&str> = args.vary.iter().map(|vary| vary.key.as_str()).collect();
     if let Some(twice) = keys.iter().enumerate().find(|(index, key)| keys[..*index].contains(key)) {
         let message = format!("--vary {} is there twice; list all values in one, as {0}=A,B,C", twice.1);
@@ -45,7 +45,7 @@ pub(super) fn resolve(args: &ConvergeArgs, scene: &Scene) -> Result<Vec<Method>,
     if count.is_none_or(|count| count > MOST_METHODS) {
         return Err(Failure::Usage(format!("--vary asks for more than {MOST_METHODS} combinations")));
     }
-    combinations(&args.vary).iter().map(|choices| Method::new(args, scene, choices)).collect()
+    combinations(&args.vary).iter().map(|choices| Method::new(args, loaded, scene, choices)).collect()
 }
 
 /// The cartesian product, the last key running fastest.
@@ -59,11 +59,16 @@ fn combinations(vary: &[Variation]) -> Vec<Vec<(&str, &str)>> {
 }
 
 impl Method {
-    fn new(args: &ConvergeArgs, scene: &Scene, choices: &[(&str, &str)]) -> Result<Self, Failure> {
+    fn new(
+        args: &ConvergeArgs,
+        loaded: &LoadOptions,
+        scene: &Scene,
+        choices: &[(&str, &str)],
+    ) -> Result<Self, Failure> {
         let picture = args.fixed.with(choices).map_err(|message| Failure::Usage(format!("--vary: {message}")))?;
         let mut scene = scene.clone();
-        let options = overrides::apply(&picture, &mut scene)?;
-        overrides::apply_development(&args.development, &mut scene.film);
+        let options = overrides::apply(&picture, loaded, &mut scene)?;
+        overrides::apply_development(&args.development, &mut scene.film.development);
         let settings = &mut scene.settings;
         settings.spp = args.spp.0[0];
         // The seeds tell the spread, so that there is no need of passes that cost some of what the pattern gains.

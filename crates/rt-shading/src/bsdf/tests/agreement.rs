@@ -9,7 +9,7 @@ fn difference(a: f64, b: f64) -> f64 {
 
 #[test]
 fn samples_carry_what_eval_and_pdf_give() {
-    for Surface { name, bsdf } in surfaces() {
+    for Surface { name, bsdf } in surfaces().into_iter().chain(leaning()) {
         let mut taken = 0;
         for (at, degrees) in ANGLES.into_iter().chain([120.0, 170.0]).enumerate() {
             let wo = at_angle(degrees, 0.7);
@@ -45,5 +45,23 @@ fn nothing_is_seen_of_single_directions() {
         let sample = bsdf.sample(wo, [0.99, 0.5, 0.5]).expect("scatters");
         assert!(sample.is_delta, "{name}");
         assert_eq!((bsdf.eval(wo, sample.wi), bsdf.pdf(wo, sample.wi)), (Rgb::BLACK, 0.0), "{name}");
+    }
+}
+
+#[test]
+fn a_leaning_coat_reflects_by_its_own_normal() {
+    let [Surface { bsdf, .. }, _] = leaning();
+    let normal = DVec3::new(0.48, -0.36, 0.8);
+    for (wo, normal) in [(at_angle(20.0, 0.3), normal), (-at_angle(20.0, 0.3), -normal)] {
+        let sample = bsdf.sample(wo, [0.0, 0.5, 0.5]).expect("scatters");
+        let expected = normal * (2.0 * wo.dot(normal)) - wo;
+        assert!(sample.is_delta && (sample.wi - expected).length() < 1e-12, "{} is not {expected}", sample.wi);
+    }
+    // What is seen of the back of the coat is nothing, and no number that is none.
+    let behind = DVec3::new(-0.9, 0.4, 0.05).normalize();
+    assert!(behind.dot(normal) < 0.0);
+    for index in 0..200 {
+        let Some(sample) = bsdf.sample(behind, numbers(3, index)) else { continue };
+        assert!(sample.value.is_finite() && sample.pdf > 0.0);
     }
 }

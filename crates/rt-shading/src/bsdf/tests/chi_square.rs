@@ -97,7 +97,8 @@ fn tails_of_the_normal_distribution() {
 
 #[test]
 fn samples_follow_their_density() {
-    let surfaces: Vec<Surface> = surfaces().into_iter().filter(|surface| !surface.bsdf.is_delta()).collect();
+    let all = surfaces().into_iter().chain(leaning());
+    let surfaces: Vec<Surface> = all.filter(|surface| !surface.bsdf.is_delta()).collect();
     let angles: Vec<f64> = ANGLES.into_iter().chain([89.9, 130.0, 175.0]).collect();
     let limit = threshold(surfaces.len() * angles.len());
     let mut failures = Vec::new();

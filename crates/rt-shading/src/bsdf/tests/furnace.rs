@@ -120,6 +120,16 @@ fn lobes_over_each_other_add_their_light() {
 }
 
 #[test]
+fn a_leaning_coat_makes_no_light() {
+    for Surface { name, bsdf } in leaning() {
+        for degrees in ANGLES {
+            let Brightness { mean, error, .. } = brightness(&bsdf, at_angle(degrees, 0.4), 7);
+            assert!(mean < 1.0 + 5.0 * error, "{name} at {degrees}°: {mean} ± {error}");
+        }
+    }
+}
+
+#[test]
 fn visible_normals_bound_the_weight() {
     for Surface { name, bsdf } in surfaces() {
         let is_bounded = matches!(bsdf, Bsdf::Single(Lobe::Conductor(_) | Lobe::Dielectric(_)))

@@ -11,7 +11,7 @@ const NONE: [f32; 4] = [0.0; 4];
 
 /// Gives each vertex the tangent along which u of `uvs` rises, and the side on which v does. A vertex whose triangles
 /// disagree is split. Without normals the triangles are flat.
-pub(super) fn generate(data: &mut MeshData, uvs: &[[f32; 2]]) {
+pub(crate) fn generate(data: &mut MeshData, uvs: &[[f32; 2]]) {
     let mut corners = Corners { data, uvs, tangents: vec![[NONE; 3]; data.triangles.len()] };
     // There is no way to fail: the error has no values.
     if generate_tangents(&mut corners).is_err() {

@@ -1,0 +1,104 @@
+//! Amounts of memory as users write them.
+
+/// How much memory a command may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Amount {
+    Bytes(u64),
+    /// A share of what there is.
+    Share(f64),
+}
+
+impl Default for Amount {
+    /// The rest is for the system, and for what predictions miss.
+    fn default() -> Self {
+        Self::Share(0.75)
+    }
+}
+
+impl Amount {
+    /// The same in bytes, of so many that there are; `None` for a share of what is not known.
+    pub(crate) fn of(self, available: Option<u64>) -> Option<u64> {
+        match self {
+            Self::Bytes(bytes) => Some(bytes),
+            Self::Share(share) => available.map(|bytes| (bytes as f64 * share) as u64),
+        }
+    }
+}
+
+/// `512M`, `4GiB`, `75%`.
+pub(super) fn amount(text: &str) -> Result<Amount, String> {
+    match text.strip_suffix('%') {
+        Some(percent) => {
+            let percent =
+                percent.trim_end().parse().ok().filter(|percent| (0.0..=100.0).contains(percent) && *percent > 0.0);
+            percent
+                .map(|percent: f64| Amount::Share(percent / 100.0))
+                .ok_or_else(|| "write a percentage up to 100%".to_owned())
+        }
+        None => bytes(text).map(Amount::Bytes),
+    }
+}
+
+/// `123456`, `512M`, `1.5GiB`.
+pub(super) fn bytes(text: &str) -> Result<u64, String> {
+    let rule = || "write a number of bytes with its unit, as 512M, 1.5GiB or 65536".to_owned();
+    let end = text.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(text.len());
+    let (number, unit) = text.split_at(end);
+    let number: f64 = number.parse().map_err(|_| rule())?;
+    let factor = factor(unit.trim_start()).ok_or_else(rule)?;
+    let bytes = number * factor;
+    if bytes >= 1.0 && bytes < u64::MAX as f64 { Ok(bytes as u64) } else { Err(rule()) }
+}
+
+/// `K`, `kB`, `Ki`, `KiB` and so on, in any case.
+fn factor(unit: &str) -> Option<f64> {
+    let unit = unit.to_ascii_lowercase();
+    let unit = unit.strip_suffix('b').unwrap_or(&unit);
+    let (letter, base) = match unit.strip_suffix('i') {
+        Some(letter) if !letter.is_empty() => (letter, 1024.0_f64),
+        Some(_) => return None,
+        None => (unit, 1000.0),
+    };
+    let power = ["", "k", "m", "g", "t"].iter().position(|known| *known == letter)?;
+    Some((0..power).map(|_| base).product())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amounts_have_units() {
+        for (text, expected) in [
+            ("65536", 65_536),
+            ("1B", 1),
+            ("512M", 512_000_000),
+            ("512MB", 512_000_000),
+            ("4GiB", 4 << 30),
+            ("1.5 gib", 3 << 29),
+            ("2Ki", 2048),
+            ("1T", 1_000_000_000_000),
+        ] {
+            assert_eq!(bytes(text), Ok(expected), "{text}");
+            assert_eq!(amount(text), Ok(Amount::Bytes(expected)), "{text}");
+        }
+        for bad in ["", "0", "-1M", "1X", "1i", "1iB", "M", "1e3", "nan", "inf", "1 2", "1..5M", "99999999999T", "0.5"]
+        {
+            assert!(bytes(bad).is_err() && amount(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn shares_are_of_what_there_is() {
+        let of = |text: &str, available| amount(text).expect(text).of(available);
+        assert_eq!(
+            (of("50%", Some(1000)), of("12.5 %", Some(1000)), of("100%", Some(7))),
+            (Some(500), Some(125), Some(7))
+        );
+        assert_eq!((of("50%", None), of("1K", None)), (None, Some(1000)));
+        assert_eq!(Amount::default().of(Some(1000)), Some(750));
+        for bad in ["0%", "101%", "-1%", "nan%", "%", "1%%"] {
+            assert!(amount(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! `--limits`: what is refused, and which option changes that.
+
+use comfy_table::{CellAlignment, Table, presets};
+use rt_camera::MAX_READ_PIXELS;
+use rt_scene_io::Size;
+use rt_scene_io::limits::{self, Amount};
+
+use crate::args;
+use crate::console::print;
+use crate::error::Failure;
+use crate::memory;
+
+pub(super) fn run() -> Result<(), Failure> {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header(["limit", "at most", "applies to", "changed by"]);
+    let memory = args::Amount::default().of(memory::available_bytes());
+    let memory = memory.map_or_else(|| "no limit".to_owned(), |bytes| Size(bytes).to_string());
+    table.add_row(["predicted memory", &memory, "render, explain, check, convert, converge", "--memory"]);
+    for limit in limits::ALL {
+        let flag = limit.flag.unwrap_or_default();
+        table.add_row([limit.what, &limit.most.to_string(), limit.applies_to, flag]);
+    }
+    let read = Amount::Count(MAX_READ_PIXELS).to_string();
+    table.add_row(["pixels of a picture that is read", &read, "compare, develop", ""]);
+    if let Some(column) = table.column_mut(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    print(format_args!("{table}\n"))
+}

@@ -1,0 +1,87 @@
+//! `merge`: the picture of all parts.
+
+use std::path::{Path, PathBuf};
+
+use indicatif::{HumanCount, HumanDuration};
+use rt_camera::write_image;
+use rt_render::{JoinError, Part, Rendering};
+
+use crate::aov_file::AovFile;
+use crate::args::MergeArgs;
+use crate::console::Console;
+use crate::error::Failure;
+use crate::kept_file::{self, KeptError, KeptKind, Label};
+use crate::output::{OutputFile, refuges, write_all};
+use crate::{overrides, picture_file};
+
+pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
+    let console = Console { quiet: args.quiet };
+    let format = picture_file::format_of(&args.output)?;
+    let output = OutputFile::prepare(&args.output, &args.parts)?;
+    let aovs = AovFile::prepare_all(&args.aov, &args.parts, &[&output])?;
+
+    let (label, parts) = read(&args.parts)?;
+    let count = parts.len();
+    let rendering = Part::join(parts).map_err(|error| named(&args.parts, error))?.into_rendering();
+    let Rendering { film, statistics, .. } = &rendering;
+    let size = [film.width(), film.height()];
+    picture_file::check(format, size, film.alpha().is_some())?;
+    for aov in &aovs {
+        aov.check(size, statistics.passes > 1)?;
+    }
+    let mut development = label.development();
+    overrides::apply_development(&args.development, &mut development);
+    let refuges = refuges(args.fallback.as_deref());
+    write_all(
+        core::iter::once(output.write_or_rescue(&refuges, |file| write_image(film, &development, format, file)))
+            .chain(aovs.iter().map(|aov| aov.write(&rendering, &refuges))),
+    )?;
+    console.say(format_args!(
+        "joined {count} parts: {} samples, {} rays, {} of rendering",
+        HumanCount(statistics.samples),
+        HumanCount(statistics.counters.total().rays),
+        HumanDuration(std::time::Duration::try_from_secs_f64(statistics.render_seconds).unwrap_or_default()),
+    ))?;
+    if let Some(error) = &rendering.error {
+        let [low, high] = error.interval;
+        console.say(format_args!("estimated RMSE {:.3e} (95 %: {low:.3e} to {high:.3e})", error.rmse))?;
+    }
+    console.say(format_args!("wrote {} ({}x{})", output.path().display(), size[0], size[1]))
+}
+
+/// All parts, and the label that they share.
+fn read(files: &[PathBuf]) -> Result<(Label, Vec<Part>), Failure> {
+    let mut label: Option<Label> = None;
+    let mut parts = Vec::with_capacity(files.len());
+    for file in files {
+        let (of_part, part) = kept_file::read::<Part>(file, KeptKind::Part)?;
+        match &label {
+            Some(label) if label.identity != of_part.identity => return Err(foreign(file, of_part.scene)),
+            Some(_) => {}
+            None => label = Some(of_part),
+        }
+        parts.push(part);
+    }
+    label.map(|label| (label, parts)).ok_or_else(|| named(files, JoinError::Nothing))
+}
+
+fn foreign(file: &Path, scene: String) -> Failure {
+    KeptError::Foreign { file: file.to_owned(), scene, advice: " as those of the parts before it" }.into()
+}
+
+/// Says of files what the library says of their places in the list.
+fn named(files: &[PathBuf], error: JoinError) -> Failure {
+    let name = |number: usize| files.get(number).map(|file| file.display().to_string()).unwrap_or_default();
+    Failure::Join(match error {
+        JoinError::Damaged(part) => format!("{}: what it holds contradicts itself", name(part)),
+        JoinError::Foreign(part) => {
+            format!("{}: is of a picture of another size, or was made with other options", name(part))
+        }
+        JoinError::Shares { part, count, expected } => {
+            format!("{}: is one of {count} parts, and {} is one of {expected}", name(part), name(0))
+        }
+        JoinError::Doubled(one, other) => format!("{} and {} are the same part", name(one), name(other)),
+        JoinError::Unfinished { part, missing } => format!("{}: lacks {missing} of its tiles", name(part)),
+        error => error.to_string(),
+    })
+}

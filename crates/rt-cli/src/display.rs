@@ -1,0 +1,198 @@
+//! A render shown by the image viewer tev while it goes on.
+//!
+//! Tiles are sent by a thread of their own: a viewer that is slow, stuck or gone costs the render nothing. What it has no
+//! time for is left out, and made up for by the whole picture at the end.
+
+use std::io;
+use std::net::{TcpStream, ToSocketAddrs};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::thread;
+use std::time::Duration;
+
+use rt_camera::Film;
+use rt_render::{Crop, SoFar};
+use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
+
+use crate::console::Console;
+use crate::error::Failure;
+
+/// Time for the viewer to answer, and to take some of what waits for it.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Tiles that wait at most; there is no time for more.
+const QUEUE: usize = 256;
+
+/// Rows of the whole picture that are sent at a time, in pixels.
+const STRIP: usize = 1 << 18;
+
+/// The channels of a picture that is not transparent are the first three.
+const CHANNELS: [&str; 4] = ["R", "G", "B", "A"];
+
+/// A connection to tev.
+#[derive(Debug)]
+pub(crate) struct Display {
+    address: String,
+    /// What is shown, in pixels of the whole image.
+    part: Crop,
+    console: Console,
+    /// `None` once the connection is lost.
+    link: Option<Link>,
+}
+
+/// The way to the thread that sends.
+#[derive(Debug)]
+struct Link {
+    updates: Sender<Update>,
+    /// Updates that are not sent yet.
+    waiting: Arc<AtomicUsize>,
+    /// Tells how the thread has ended.
+    ended: Receiver<io::Result<()>>,
+}
+
+/// A rectangle of the picture, from its upper left corner, with the values of its channels, pixel by pixel.
+#[derive(Debug)]
+struct Update {
+    part: Crop,
+    values: Vec<f32>,
+}
+
+impl Display {
+    /// Connects to a viewer and shows a black image: a part of the whole, with an alpha channel if it has `alpha`.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] if there is no viewer at this address.
+    pub(crate) fn connect(
+        address: &str,
+        name: &str,
+        part: Crop,
+        alpha: bool,
+        console: Console,
+    ) -> Result<Self, Failure> {
+        let refused = |error: io::Error| {
+            let advice = "start the viewer first, as `tev`, or leave --display-server out";
+            Failure::Usage(format!("--display-server {address}: {error}; {advice}"))
+        };
+        let mut client = open(address).map(TevClient::wrap).map_err(refused)?;
+        // The protocol ends names by a zero.
+        let name = name.replace('\0', " ");
+        let channels = &CHANNELS[..if alpha { 4 } else { 3 }];
+        client
+            .send(PacketCreateImage {
+                image_name: &name,
+                grab_focus: true,
+                width: part.width,
+                height: part.height,
+                channel_names: channels,
+            })
+            .map_err(refused)?;
+        let (updates, arriving) = mpsc::channel();
+        let (end, ended) = mpsc::channel();
+        let waiting = Arc::new(AtomicUsize::new(0));
+        let to_send = Arc::clone(&waiting);
+        thread::spawn(move || {
+            let sent = arriving.iter().try_for_each(|update| {
+                send(&mut client, &name, channels, &update)?;
+                to_send.fetch_sub(1, Ordering::Relaxed);
+                Ok(())
+            });
+            // Nobody may be left to be told.
+            let _ = end.send(sent);
+        });
+        Ok(Self { address: address.to_owned(), part, console, link: Some(Link { updates, waiting, ended }) })
+    }
+
+    /// Shows the tile that has just been done, if the viewer has time for it.
+    pub(crate) fn tile_done(&mut self, so_far: &SoFar<'_>) {
+        if self.link.as_ref().is_some_and(|link| link.waiting.load(Ordering::Relaxed) < QUEUE) {
+            let tile = so_far.tile();
+            let part = Crop { x: tile.x - self.part.x, y: tile.y - self.part.y, ..tile };
+            self.show(Update { part, values: interleaved(&so_far.pixels(), so_far.alpha().as_deref()) });
+        }
+    }
+
+    /// Shows the finished picture.
+    pub(crate) fn finish(mut self, film: &Film) {
+        let width = film.width() as usize;
+        let rows = (STRIP / width.max(1)).max(1);
+        for (index, pixels) in film.pixels().chunks(rows * width).enumerate() {
+            let first = index * rows * width;
+            let alpha = film.alpha().map(|alpha| &alpha[first..first + pixels.len()]);
+            let (y, height) = ((index * rows) as u32, (pixels.len() / width) as u32);
+            let part = Crop { x: 0, y, width: film.width(), height };
+            self.show(Update { part, values: interleaved(pixels, alpha) });
+        }
+        let Some(Link { updates, waiting, ended }) = self.link.take() else { return };
+        drop(updates);
+        loop {
+            let before = waiting.load(Ordering::Relaxed);
+            match ended.recv_timeout(PATIENCE) {
+                Ok(Ok(())) => return,
+                Ok(Err(error)) => return self.warn(&error.to_string()),
+                Err(RecvTimeoutError::Timeout) if waiting.load(Ordering::Relaxed) < before => {}
+                Err(_) => return self.warn("it does not take the picture"),
+            }
+        }
+    }
+
+    /// Hands an update over to be sent. If nobody sends any more, says why, and that is that.
+    fn show(&mut self, update: Update) {
+        let Some(link) = &self.link else { return };
+        link.waiting.fetch_add(1, Ordering::Relaxed);
+        if link.updates.send(update).is_ok() {
+            return;
+        }
+        let ended = self.link.take().and_then(|link| link.ended.recv().ok());
+        let reason = ended.and_then(Result::err).map_or_else(|| "it is gone".to_owned(), |error| error.to_string());
+        self.warn(&reason);
+    }
+
+    fn warn(&self, reason: &str) {
+        self.console.warn(format_args!("the display server at {} is lost: {reason}; the render goes on", self.address));
+    }
+}
+
+/// The first address of the host at which someone answers.
+fn open(address: &str) -> io::Result<TcpStream> {
+    let mut last = io::Error::new(io::ErrorKind::NotFound, "the host has no address");
+    for address in address.to_socket_addrs()? {
+        match TcpStream::connect_timeout(&address, PATIENCE) {
+            Ok(stream) => {
+                stream.set_write_timeout(Some(PATIENCE))?;
+                return Ok(stream);
+            }
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+fn interleaved(pixels: &[[f32; 3]], alpha: Option<&[f32]>) -> Vec<f32> {
+    match alpha {
+        None => pixels.as_flattened().to_vec(),
+        Some(alpha) => pixels.iter().zip(alpha).flat_map(|(&[r, g, b], &alpha)| [r, g, b, alpha]).collect(),
+    }
+}
+
+fn send(client: &mut TevClient, name: &str, channels: &[&str], update: &Update) -> io::Result<()> {
+    let count = channels.len() as u64;
+    let Crop { x, y, width, height } = update.part;
+    // The client panics unless the values end with the last channel of the last pixel. A tile that was lost has none.
+    if update.values.is_empty() || update.values.len() as u64 != count * u64::from(width) * u64::from(height) {
+        return Ok(());
+    }
+    let (offsets, strides): (Vec<u64>, Vec<u64>) = (0..count).map(|channel| (channel, count)).unzip();
+    client.send(PacketUpdateImage {
+        image_name: name,
+        grab_focus: false,
+        channel_names: channels,
+        channel_offsets: &offsets,
+        channel_strides: &strides,
+        x,
+        y,
+        width,
+        height,
+        data: &update.values,
+    })
+}

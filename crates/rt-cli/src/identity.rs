@@ -1,0 +1,142 @@
+//! What a picture is made of, as a number: two runs with the same one make the same picture.
+
+use std::fmt;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use rt_scene_io::Reason;
+use serde::{Deserialize, Serialize};
+
+use crate::args::{InputArgs, PictureArgs};
+use crate::error::Failure;
+
+/// Bytes that are hashed at a time, on all processors.
+const BLOCK: usize = 1 << 24;
+
+/// A hash of the version of the program, of all files that a scene is made of, and of the options that change its picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Identity([u8; 32]);
+
+impl Identity {
+    /// Of a picture that is made with these options of these files, one of which is the scene. Files are known by their place
+    /// beside the scene, so that each machine may have them in a folder of its own.
+    pub(crate) fn new(input: &InputArgs, picture: &PictureArgs, files: &[PathBuf]) -> Result<Self, Failure> {
+        let folder = input.scene.parent().and_then(|folder| folder.canonicalize().ok()).unwrap_or_default();
+        let named = files.iter().map(|file| Ok((name_in(&folder, file), hash_of(file)?)));
+        let mut named = named.collect::<Result<Vec<_>, Failure>>()?;
+        named.sort_unstable();
+        named.dedup();
+        let mut hasher = blake3::Hasher::new();
+        let mut add = |bytes: &[u8]| {
+            hasher.update(&(bytes.len() as u64).to_le_bytes());
+            hasher.update(bytes);
+        };
+        add(env!("CARGO_PKG_VERSION").as_bytes());
+        add(choices(input, picture).as_bytes());
+        for (name, hash) in &named {
+            add(name.as_bytes());
+            add(hash);
+        }
+        Ok(Self(*hasher.finalize().as_bytes()))
+    }
+}
+
+/// In hexadecimal digits.
+impl fmt::Display for Identity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+fn name_in(folder: &Path, file: &Path) -> String {
+    let file = file.canonicalize().unwrap_or_else(|_| file.to_owned());
+    file.strip_prefix(folder).unwrap_or(&file).to_string_lossy().into_owned()
+}
+
+fn hash_of(file: &Path) -> Result<[u8; 32], Failure> {
+    let failed = |error: std::io::Error| Failure::from(Reason::Io(error).at(file, ""));
+    let mut reader = File::open(file).map_err(failed)?;
+    let mut hasher = blake3::Hasher::new();
+    let mut block = Vec::new();
+    while reader.by_ref().take(BLOCK as u64).read_to_end(&mut block).map_err(failed)? > 0 {
+        hasher.update_rayon(&block);
+        block.clear();
+    }
+    Ok(*hasher.finalize().as_bytes())
+}
+
+/// The options that change a picture, in words. Every option is named here, so that a new one is thought of.
+fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
+    let InputArgs { scene: _, root: _, ground, at_time, pace, animation, variant, memory: _, max_file_size: _ } = input;
+    let PictureArgs {
+        size,
+        spp,
+        passes,
+        adaptive,
+        least,
+        depth,
+        seed,
+        integrator,
+        sampler,
+        light_sampling,
+        accel: _,
+        simd: _,
+        quality: _,
+        full_plan: _,
+        view,
+        crop,
+        background,
+        env: _,
+    } = picture;
+    let of_input = (ground, at_time, pace, animation, variant);
+    let how_much = (size, spp, passes, adaptive, least, depth, seed);
+    format!("{of_input:?} {how_much:?} {:?}", (integrator, sampler, light_sampling, view, crop, background))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use clap::Parser;
+
+    use super::*;
+    use crate::args::{Cli, Command};
+
+    fn identity(folder: &Path, options: &str) -> Identity {
+        let scene = folder.join("scene.ron");
+        let words = ["rt-cli", "render"].into_iter().chain(options.split_whitespace());
+        let scene_word = scene.to_str().expect("text");
+        let Some(Command::Render(args)) = Cli::parse_from(words.chain([scene_word])).command else {
+            panic!("a render")
+        };
+        let files = [scene, folder.join("model.obj")];
+        Identity::new(&args.input, &args.picture, &files).expect("readable")
+    }
+
+    #[test]
+    fn content_and_options_count_and_places_and_speed_do_not() {
+        let [one, other] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+        for folder in [&one, &other] {
+            fs::write(folder.path().join("scene.ron"), "a scene").expect("written");
+            fs::write(folder.path().join("model.obj"), vec![7; BLOCK + 1]).expect("written");
+        }
+        let plain = identity(one.path(), "");
+        assert_eq!(plain, identity(other.path(), "--accel bvh --quality high -o other.png --threads 3"));
+        let options = [
+            "--size 8x8",
+            "--seed 1",
+            "--spp 2",
+            "--look-from 1,2,3",
+            "--depth 3",
+            "--ground",
+            "--at-time 1",
+            "--fps 25",
+        ];
+        for option in options {
+            assert_ne!(plain, identity(one.path(), option), "{option}");
+        }
+        fs::write(other.path().join("model.obj"), vec![8; BLOCK + 1]).expect("written");
+        assert_ne!(plain, identity(other.path(), ""));
+    }
+}

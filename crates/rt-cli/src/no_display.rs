@@ -1,0 +1,27 @@
+//! In the place of `display.rs` in a program that is built without the feature `display`.
+
+use rt_camera::Film;
+use rt_render::{Crop, SoFar};
+
+use crate::console::Console;
+use crate::error::Failure;
+
+/// A connection that there cannot be.
+#[derive(Debug)]
+pub(crate) enum Display {}
+
+impl Display {
+    /// # Errors
+    /// Always.
+    pub(crate) fn connect(address: &str, _: &str, _: Crop, _: bool, _: Console) -> Result<Self, Failure> {
+        Err(Failure::Usage(format!("--display-server {address}: this program is built without the feature `display`")))
+    }
+
+    pub(crate) const fn tile_done(&mut self, _: &SoFar<'_>) {
+        match *self {}
+    }
+
+    pub(crate) const fn finish(self, _: &Film) {
+        match self {}
+    }
+}

@@ -1,0 +1,136 @@
+//! Sequences of pictures.
+
+use crate::program::Workplace;
+
+/// A ball that flies past a camera, which is itself on its way, with the shutter open for half a frame.
+const FLIGHT: &str = "(
+    camera: (look_at: (0, 0, 0), shutter: (0, 0.5), animation: (interpolation: smooth, keys: [
+        (time: 0, look_from: (0, 0, 6)), (time: 1, look_from: (1, 0.5, 6)),
+    ])),
+    film: (size: (24, 16)),
+    settings: (spp: 4),
+    nodes: [(shape: sphere(), animation: (keys: [(time: 0), (time: 1, transform: [translate(2, 1, 0)])]))],
+)";
+
+fn flight() -> Workplace {
+    let place = Workplace::new();
+    place.write("flight.ron", FLIGHT);
+    place
+}
+
+#[test]
+fn each_frame_is_the_picture_of_its_moment() {
+    let place = flight();
+    let run = place
+        .succeed("render flight.ron --frames 2..4 --fps 8 -o out-##.pfm --stats stats-##.json --aov samples=n##.pfm");
+    assert!(run.stdout.contains("frame 3 of 2..4, at 0.375 s\n"), "{run:?}");
+    let mut expected = vec!["flight.ron".to_owned(), "out-##.pfm.frames.json".to_owned()];
+    for name in ["n##.pfm", "out-##.pfm", "stats-##.json"] {
+        expected.extend(["02", "03", "04"].map(|number| name.replace("##", number)));
+    }
+    expected.sort();
+    assert_eq!(place.files(), expected);
+    for (frame, time) in [(2, 0.25), (3, 0.375), (4, 0.5)] {
+        place.succeed(&format!("render flight.ron --at-time {time} --fps 8 -o single.pfm"));
+        assert!(place.read("single.pfm") == place.read(&format!("out-0{frame}.pfm")), "frame {frame}");
+    }
+    assert!(place.read("out-02.pfm") != place.read("out-03.pfm"), "it moves");
+    place.succeed("render flight.ron --at-time 0.25 --fps 16 -o single.pfm");
+    assert!(place.read("single.pfm") != place.read("out-02.pfm"), "frames of half the time are half as blurred");
+    place.succeed("render flight.ron --at-time 0.25 --fps 16 --shutter 0,1 -o single.pfm");
+    assert!(place.read("single.pfm") == place.read("out-02.pfm"), "which an open shutter makes up for");
+}
+
+#[test]
+fn frames_go_to_numbered_files_beside_each_other() {
+    let place = flight();
+    place.succeed("render flight.ron --frames 9..10 --quiet");
+    assert_eq!(place.files(), ["flight-####.png.frames.json", "flight-0009.png", "flight-0010.png", "flight.ron"]);
+    place.succeed("render flight.ron --frames 24 -o one.png --quiet");
+    place.succeed("render flight.ron --at-time 1 -o other.png --quiet");
+    assert!(place.read("one.png") == place.read("other.png"), "24 frames make a second");
+}
+
+#[test]
+fn names_that_frames_would_share_are_refused() {
+    let place = flight();
+    for (options, name) in [
+        ("-o out.png", "out.png"),
+        ("-o out-#.png --stats stats.json", "stats.json"),
+        ("-o out-#.png --aov samples=n.pfm", "n.pfm"),
+    ] {
+        let run = place.run(&format!("render flight.ron --frames 0..1 {options}"));
+        let message = format!("all frames would be written to {name}: write #### where the number of the frame goes");
+        assert!(run.code == Some(2) && run.stderr.contains(&message), "{run:?}");
+    }
+    for options in
+        ["--frames 0..1 --at-time 1", "--frames 2..1", "--frames x", "--frames 1 --fps 0", "--animation walk"]
+    {
+        assert_eq!(place.run(&format!("render flight.ron {options}")).code, Some(2), "{options}");
+    }
+    assert_eq!(place.files(), ["flight.ron"]);
+}
+
+#[test]
+fn a_frame_that_fails_is_named_and_those_before_it_are_kept() {
+    let place = Workplace::new();
+    // It flies through what it looks at.
+    place.write("a.ron", FLIGHT.replace("(1, 0.5, 6)", "(0, 0, -6)").replace("interpolation: smooth,", ""));
+    let run = place.run("render a.ron --frames 0..3 --fps 4 -o #.png");
+    assert_eq!(run.code, Some(3), "{run:?}");
+    assert!(run.stderr.contains("error: frame 2: a.ron: camera.animation: look_from and look_at are both"), "{run:?}");
+    assert_eq!(place.files(), ["#.png.frames.json", "0.png", "1.png", "a.ron"]);
+}
+
+#[test]
+fn frames_that_are_done_are_not_rendered_again_and_never_mixed_with_others() {
+    let place = flight();
+    let render = |options: &str| place.run(&format!("render flight.ron -o out-#.pfm --fps 8 {options}"));
+    let done = |run: &crate::program::Run| -> Vec<bool> {
+        let frames = run.stdout.lines().filter(|line| line.starts_with("frame "));
+        frames.map(|line| line.ends_with("is there already")).collect()
+    };
+    assert_eq!(done(&render("--frames 1..2")), [false, false]);
+    let first = place.read("out-1.pfm");
+    assert_eq!(done(&render("--frames 0..3 --resume")), [false, true, true, false]);
+    // What is gone is made again, with the same bits.
+    std::fs::remove_file(place.path("out-1.pfm")).expect("removed");
+    assert_eq!(done(&render("--frames 0..3 --resume --threads 1")), [true, false, true, true]);
+    assert!(place.read("out-1.pfm") == first);
+    for other in ["--seed 7", "--shutter 0,1", "--size 8x8"] {
+        let run = render(&format!("--frames 0..3 --resume {other}"));
+        assert_eq!(run.code, Some(3), "{other}: {run:?}");
+        assert!(run.stderr.contains("out-#.pfm.frames.json: is of another picture"), "{run:?}");
+    }
+    assert!(place.read("out-1.pfm") == first, "nothing was touched");
+    assert_eq!(done(&render("--frames 0..3 --seed 7 --restart")), [false; 4]);
+    assert!(place.read("out-1.pfm") != first);
+    place.write("out-#.pfm.frames.json", "{");
+    assert_eq!(render("--frames 0..3 --resume").code, Some(3));
+}
+
+#[test]
+fn machines_share_frames_out() {
+    let place = flight();
+    place.succeed("render flight.ron -o all-#.pfm --frames 1..5 --quiet");
+    for shard in 1..=3 {
+        place.succeed(&format!("render flight.ron -o out-#.pfm --frames 1..5 --quiet --shard {shard}/3"));
+        if shard == 2 {
+            assert!(place.path("out-1.pfm").exists() && place.path("out-4.pfm").exists());
+            assert!(!place.path("out-2.pfm").exists() && !place.path("out-5.pfm").exists());
+        }
+    }
+    for frame in 1..=5 {
+        assert!(place.read(&format!("all-{frame}.pfm")) == place.read(&format!("out-{frame}.pfm")), "frame {frame}");
+    }
+    assert!(place.path("out-#.pfm.frames.2-of-3.json").exists());
+    let run = place.succeed("render flight.ron -o out-#.pfm --frames 1..5 --shard 2/3 --resume");
+    assert_eq!(run.stdout, "frame 1 of 1..5 is there already\nframe 4 of 1..5 is there already\n");
+    // Each frame is a whole picture, so that it can be one that stops by its error; a single frame is one machine's as well.
+    place.succeed("render flight.ron -o rule-#.pfm --frames 1..2 --quiet --shard 1/2 --target-error 50%");
+    assert!(place.path("rule-1.pfm").exists() != place.path("rule-2.pfm").exists());
+    for shard in 1..=2 {
+        place.succeed(&format!("render flight.ron -o single-{shard}.pfm --frames 3 --quiet --shard {shard}/2"));
+    }
+    assert!(place.path("single-1.pfm").exists() != place.path("single-2.pfm").exists());
+}

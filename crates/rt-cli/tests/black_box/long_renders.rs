@@ -1,0 +1,275 @@
+//! Renders that are interrupted, killed, and continued, and results that cannot be written where they should.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::program::{Run, Workplace};
+
+/// Some seconds of noise, in small tiles.
+const LONG: &str = "render scene.ron --integrator path --size 160x120 --spp 96 -o scene.exr";
+
+/// Far more than anybody waits for, in tiles that take long.
+const ENDLESS: &str = "render scene.ron --integrator path --spp 2000000 -o scene.exr";
+
+/// Sends a signal by its name.
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args(["-s", name, &child.id().to_string()]).status().expect("there is a kill");
+    assert!(sent.success(), "{name} could not be sent");
+}
+
+fn spawn(place: &Workplace, arguments: &str) -> Child {
+    place.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts")
+}
+
+/// Waits until it is true, for a generous time.
+fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
+    let started = Instant::now();
+    while !is_so() {
+        assert!(started.elapsed() < Duration::from_secs(120), "{what} did not happen");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn end(child: Child) -> Run {
+    let output = child.wait_with_output().expect("it ended");
+    let text = |bytes| String::from_utf8(bytes).expect("text");
+    Run { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+}
+
+/// Interrupts a long render once it has written a checkpoint.
+fn interrupted(place: &Workplace, options: &str) -> Run {
+    let child = spawn(place, &format!("{LONG} --checkpoint-every 1ms {options}"));
+    wait_until("a checkpoint", || place.path("scene.exr.checkpoint").exists());
+    signal(&child, "INT");
+    end(child)
+}
+
+#[test]
+#[cfg(unix)]
+fn the_first_signal_saves_what_there_is_and_resume_goes_on_to_the_same_bits() {
+    let whole = Workplace::with_scene();
+    whole.succeed(LONG);
+    for options in ["", "--passes 7", "--aov samples=samples.pfm --aov variance=variance.exr --passes 3"] {
+        let place = Workplace::with_scene();
+        let run = interrupted(&place, options);
+        assert_eq!(run.code, Some(130), "{run:?}");
+        assert!(run.stderr.contains("interrupted after"), "{run:?}");
+        assert!(
+            run.stderr.contains("the picture was written to scene.exr; --resume goes on from scene.exr.checkpoint")
+        );
+        assert_eq!(place.film("scene.exr").width(), 160);
+        let resumed = place.succeed(&format!("{LONG} --resume {options}"));
+        assert!(resumed.stdout.contains("note: goes on from scene.exr.checkpoint, with"), "{resumed:?}");
+        assert!(!place.path("scene.exr.checkpoint").exists());
+        let reference = Workplace::with_scene();
+        reference.succeed(&format!("{LONG} {options}"));
+        for file in reference.files() {
+            assert_eq!(place.read(&file), reference.read(&file), "{file} with {options}");
+        }
+        assert_eq!(place.files(), reference.files());
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn what_batch_systems_send_is_an_interruption_as_well() {
+    let place = Workplace::with_scene();
+    let child = spawn(&place, &format!("{LONG} --checkpoint-every 1ms --target-error 0.5%"));
+    wait_until("a checkpoint", || place.path("scene.exr.checkpoint").exists());
+    signal(&child, "TERM");
+    let run = end(child);
+    assert_eq!(run.code, Some(130), "{run:?}");
+    assert_eq!(place.files(), ["scene.exr", "scene.exr.checkpoint", "scene.ron"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn the_second_signal_stops_at_once() {
+    let place = Workplace::with_scene();
+    let mut child = spawn(&place, ENDLESS);
+    std::thread::sleep(Duration::from_millis(500));
+    signal(&child, "INT");
+    std::thread::sleep(Duration::from_millis(300));
+    assert!(child.try_wait().expect("it lives").is_none(), "tiles that are begun are finished first");
+    signal(&child, "INT");
+    assert_eq!(end(child).code, Some(130));
+    assert_eq!(place.files(), ["scene.ron"]);
+}
+
+#[test]
+fn kills_at_random_moments_change_no_bit() {
+    let whole = Workplace::with_scene();
+    whole.succeed(LONG);
+    let place = Workplace::with_scene();
+    let mut kills = 0;
+    for milliseconds in [150, 400, 90, 600, 260] {
+        let mut child = spawn(&place, &format!("{LONG} --resume --checkpoint-every 10ms"));
+        std::thread::sleep(Duration::from_millis(milliseconds));
+        if child.try_wait().expect("it can be asked").is_none() {
+            child.kill().expect("it runs");
+            kills += 1;
+        }
+        child.wait().expect("it ended");
+    }
+    assert!(kills > 0);
+    place.succeed(&format!("{LONG} --resume"));
+    assert_eq!(place.read("scene.exr"), whole.read("scene.exr"), "after {kills} kills");
+    assert_eq!(place.files(), ["scene.exr", "scene.ron"], "what a kill leaves half-written is cleared away");
+}
+
+#[test]
+fn a_checkpoint_that_a_kill_left_half_written_is_cleared_away() {
+    let place = Workplace::with_scene();
+    place.write("scene.exr.checkpoint.new", "half of it");
+    place.succeed(&format!("{LONG} --resume --checkpoint-every never"));
+    assert_eq!(place.files(), ["scene.exr", "scene.ron"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn checkpoints_of_another_picture_are_refused_and_none_is_overwritten_unasked() {
+    let place = Workplace::with_scene();
+    assert_eq!(interrupted(&place, "").code, Some(130));
+    let kept = place.read("scene.exr.checkpoint");
+    let plain = place.run(LONG);
+    assert_eq!(plain.code, Some(2));
+    assert!(plain.stderr.contains("go on with --resume, or begin anew with --restart"), "{plain:?}");
+    let other = place.run(&format!("{LONG} --resume --seed 7"));
+    assert_eq!(other.code, Some(3));
+    assert!(other.stderr.contains("scene.exr.checkpoint: is of another picture"), "{other:?}");
+    place.write("scene.ron", crate::program::SCENE.replace("0.7", "0.71"));
+    assert_eq!(place.run(&format!("{LONG} --resume")).code, Some(3));
+    assert_eq!(place.read("scene.exr.checkpoint"), kept);
+    place.succeed(&format!("{LONG} --restart"));
+    assert!(!place.path("scene.exr.checkpoint").exists());
+}
+
+#[test]
+#[cfg(unix)]
+fn any_flipped_bit_of_a_checkpoint_is_found() {
+    let place = Workplace::with_scene();
+    assert_eq!(interrupted(&place, "").code, Some(130));
+    let kept = place.read("scene.exr.checkpoint");
+    for step in 0..40 {
+        let mut damaged = kept.clone();
+        let at = step * (kept.len() - 1) / 39;
+        damaged[at] ^= 1 << (step % 8);
+        place.write("scene.exr.checkpoint", &damaged);
+        let run = place.run(&format!("{LONG} --resume"));
+        assert_eq!(run.code, Some(3), "byte {at}: {run:?}");
+        let is_told = run.stderr.contains("is damaged") || run.stderr.contains("is no checkpoint");
+        assert!(is_told && run.stderr.lines().count() == 1, "byte {at}: {run:?}");
+    }
+    for length in [0, 5, 20, kept.len() / 2, kept.len() - 1] {
+        place.write("scene.exr.checkpoint", &kept[..length]);
+        assert_eq!(place.run(&format!("{LONG} --resume")).code, Some(3), "{length} bytes");
+    }
+}
+
+#[test]
+fn resume_without_a_checkpoint_begins() {
+    let place = Workplace::with_scene();
+    place.succeed("render scene.ron --resume");
+    assert_eq!(place.files(), ["scene.png", "scene.ron"]);
+}
+
+/// Renders to a folder that is gone, or full, when the picture is there.
+fn after_the_folder_is_gone(place: &Workplace, options: &str, gone: impl FnOnce(&Path)) -> Run {
+    let folder = place.path("pictures");
+    fs::create_dir(&folder).expect("created");
+    let options = format!("{LONG} {options}").replace("-o scene.exr", "-o pictures/scene.exr");
+    let child = spawn(place, &format!("{options} --checkpoint-every 1ms --checkpoint kept"));
+    wait_until("a checkpoint", || place.path("kept").exists());
+    gone(&folder);
+    end(child)
+}
+
+#[test]
+fn a_picture_whose_folder_is_gone_goes_to_the_fallback() {
+    let place = Workplace::with_scene();
+    fs::create_dir(place.path("refuge")).expect("created");
+    let options = "--fallback refuge --aov samples=pictures/samples.exr --stats pictures/stats.json";
+    let run = after_the_folder_is_gone(&place, options, |folder| fs::remove_dir_all(folder).expect("removed"));
+    assert_eq!(run.code, Some(4), "{run:?}");
+    // The picture, the samples and the statistics: each is named, with where it is.
+    assert_eq!(
+        run.stderr.lines().filter(|line| line.contains("it was saved as `refuge/rt-cli-")).count(),
+        3,
+        "{run:?}"
+    );
+    let saved: Vec<_> =
+        fs::read_dir(place.path("refuge")).expect("there").map(|file| file.expect("a file").path()).collect();
+    assert_eq!(saved.len(), 3);
+    let picture = saved.iter().find(|file| file.to_string_lossy().ends_with("scene.exr")).expect("saved");
+    let whole = Workplace::with_scene();
+    whole.succeed(&format!("{LONG} --aov samples=samples.exr --stats stats.json"));
+    assert_eq!(fs::read(picture).expect("there"), whole.read("scene.exr"));
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_picture_for_a_full_disk_goes_to_the_fallback() {
+    spoil_the_disk(
+        "{ dd if=/dev/zero of=full/ballast bs=1k count=390 2>/dev/null || true; }",
+        "No space left on device",
+    );
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_picture_for_a_disk_that_became_read_only_goes_to_the_fallback() {
+    spoil_the_disk("mount -o remount,ro full", "Read-only file system");
+}
+
+/// Renders to a small file system of its own, where the system lets one be mounted, which a shell command spoils meanwhile. What the
+/// system says of that is told, and the picture is saved elsewhere.
+#[cfg(target_os = "linux")]
+#[allow(clippy::print_stdout, reason = "a skipped test says so")]
+fn spoil_the_disk(command: &str, reason: &str) {
+    let place = Workplace::with_scene();
+    for folder in ["full", "refuge"] {
+        fs::create_dir(place.path(folder)).expect("created");
+    }
+    place.write("full/scene.exr", "older");
+    let script = format!(
+        "mount -t tmpfs -o size=400k tmpfs full && echo older > full/scene.exr || exit 77
+        \"$0\" \"$@\" &
+        until [ -s kept ]; do sleep 0.01; done
+        {command} || exit 77
+        wait $!; code=$?
+        cat full/scene.exr; exit $code"
+    );
+    let options =
+        LONG.replace("-o scene.exr", "-o full/scene.exr --fallback refuge --checkpoint kept --checkpoint-every 1ms");
+    let mut command = Command::new("unshare");
+    command.current_dir(place.path("")).args(["--user", "--map-root-user", "--mount", "sh", "-c", &script]);
+    command.arg(env!("CARGO_BIN_EXE_rt-cli")).args(options.split_whitespace());
+    let Ok(output) = command.output() else {
+        return println!("skipped: there is no unshare");
+    };
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
+    if output.status.code() == Some(77) || stderr.contains("unshare failed") {
+        return println!("skipped: no file system can be mounted here: {stderr}");
+    }
+    assert_eq!(output.status.code(), Some(4), "{stdout} {stderr}");
+    assert!(stderr.contains(reason) && stderr.contains("it was saved as `refuge/rt-cli-"), "{stderr}");
+    assert!(stdout.ends_with("older\n"), "the older file survives: {stdout}");
+    let saved = fs::read_dir(place.path("refuge")).expect("there").next().expect("saved").expect("a file");
+    let whole = Workplace::with_scene();
+    whole.succeed(LONG);
+    assert_eq!(fs::read(saved.path()).expect("there"), whole.read("scene.exr"));
+}
+
+#[test]
+#[cfg(unix)]
+fn checkpoints_that_cannot_be_written_cost_a_warning_and_no_picture() {
+    let place = Workplace::with_scene();
+    let run = place.succeed(&format!("{LONG} --checkpoint-every 1ms --checkpoint nowhere/kept"));
+    let warnings =
+        run.stderr.lines().filter(|line| line.contains("no checkpoint can be written to nowhere/kept")).count();
+    assert_eq!(warnings, 1, "{run:?}");
+    assert_eq!(place.files(), ["scene.exr", "scene.ron"]);
+}

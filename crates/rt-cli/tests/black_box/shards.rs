@@ -1,0 +1,117 @@
+//! Pictures of which several machines render a part each.
+
+use crate::program::Workplace;
+
+const RENDER: &str = "render scene.ron --size 100x70 --integrator path --spp 16";
+
+fn with_parts(count: u32, options: &str) -> Workplace {
+    let place = Workplace::with_scene();
+    for part in 1..=count {
+        let run = place.succeed(&format!("{RENDER} {options} --shard {part}/{count}"));
+        assert!(run.stdout.contains(&format!("wrote scene.{part}-of-{count}.part (part {part} of {count}")), "{run:?}");
+    }
+    place
+}
+
+fn parts(order: &[u32], count: u32) -> String {
+    order.iter().map(|part| format!("scene.{part}-of-{count}.part ")).collect()
+}
+
+#[test]
+fn parts_in_any_order_make_the_picture_of_one_run() {
+    let place = with_parts(5, "");
+    let whole = Workplace::with_scene();
+    whole.succeed(&format!("{RENDER} -o scene.exr --aov samples=samples.exr --aov variance=variance.pfm"));
+    let aovs = "--aov samples=samples.exr --aov variance=variance.pfm";
+    let run = place.succeed(&format!("merge {} -o scene.exr {aovs}", parts(&[4, 1, 5, 3, 2], 5)));
+    assert!(run.stdout.starts_with("joined 5 parts: 112,000 samples"), "{run:?}");
+    for file in ["scene.exr", "samples.exr", "variance.pfm"] {
+        assert_eq!(place.read(file), whole.read(file), "{file}");
+    }
+}
+
+#[test]
+fn parts_are_developed_as_the_scene_says_or_as_merge_is_told() {
+    let place = Workplace::new();
+    place.write(
+        "scene.ron",
+        crate::program::SCENE.replace("size: (48, 32)", "size: (48, 32), exposure: 1.5, tone: reinhard"),
+    );
+    for part in [1, 2] {
+        place.succeed(&format!("render scene.ron --background transparent --shard {part}/2"));
+    }
+    place.succeed("render scene.ron --background transparent -o one.png");
+    place.succeed("merge scene.1-of-2.part scene.2-of-2.part -o joined.png");
+    assert_eq!(place.read("one.png"), place.read("joined.png"));
+    place.succeed("render scene.ron --background transparent --exposure -1 --tone aces -o one.png");
+    place.succeed("merge scene.1-of-2.part scene.2-of-2.part --exposure -1 --tone aces -o joined.png");
+    assert_eq!(place.read("one.png"), place.read("joined.png"));
+    let run = place.run("merge scene.1-of-2.part scene.2-of-2.part -o joined.hdr");
+    assert_eq!(run.code, Some(2), "transparent pictures do not fit there: {run:?}");
+}
+
+#[test]
+fn what_is_missing_doubled_or_foreign_is_named() {
+    let place = with_parts(3, "");
+    place.succeed(&format!("{RENDER} --seed 9 --shard 2/3 -o foreign.part"));
+    place.succeed(&format!("{RENDER} --shard 1/2 -o half.part"));
+    place.write("text.part", "no part");
+    let mut damaged = place.read("scene.2-of-3.part");
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 4;
+    place.write("damaged.part", damaged);
+    let all = parts(&[1, 2, 3], 3);
+    let two = parts(&[1, 3], 3);
+    for (files, message) in [
+        (two.clone(), "1 of 3 shares missing: 2/3".to_owned()),
+        (format!("{all} scene.2-of-3.part"), "scene.2-of-3.part and scene.2-of-3.part are the same part".to_owned()),
+        (format!("{two} foreign.part"), "foreign.part: is of another picture".to_owned()),
+        (format!("{two} half.part"), "half.part: is one of 2 parts, and scene.1-of-3.part is one of 3".to_owned()),
+        (format!("{two} text.part"), "text.part: is no part of a picture".to_owned()),
+        (format!("{two} damaged.part"), "damaged.part: is damaged".to_owned()),
+        (format!("{two} nowhere.part"), "nowhere.part: cannot be read".to_owned()),
+        (format!("{two} scene.ron"), "scene.ron: is no part of a picture".to_owned()),
+    ] {
+        let run = place.run(&format!("merge {files} -o scene.exr"));
+        assert_eq!(run.code, Some(3), "{files}: {run:?}");
+        assert!(run.stderr.contains(&message) && run.stderr.lines().count() == 1, "{files}: {run:?}");
+        assert!(!place.path("scene.exr").exists());
+    }
+    let over_itself = place.run(&format!("merge {all} -o scene.1-of-3.part"));
+    assert_eq!(over_itself.code, Some(2), "{over_itself:?}");
+}
+
+#[test]
+fn a_part_that_is_there_is_not_rendered_again() {
+    let place = with_parts(2, "");
+    let before = place.read("scene.1-of-2.part");
+    let run = place.succeed(&format!("{RENDER} --shard 1/2 --resume"));
+    assert!(run.stdout.contains("scene.1-of-2.part is there already, and finished"), "{run:?}");
+    assert_eq!(place.read("scene.1-of-2.part"), before);
+    let other = place.run(&format!("{RENDER} --shard 1/2 --resume --seed 3"));
+    assert_eq!(other.code, Some(3), "{other:?}");
+    assert!(other.stderr.contains("scene.1-of-2.part: is of another picture"), "{other:?}");
+}
+
+#[test]
+fn parts_that_make_no_sense_are_refused() {
+    let place = Workplace::with_scene();
+    for (options, message) in [
+        ("--shard 0/8", "write which part of how many, as 1/8 to 8/8"),
+        ("--shard 9/8", "write which part of how many"),
+        ("--shard 1/0", "write which part of how many"),
+        ("--shard one", "write which part of how many"),
+        ("--shard 1/8 -o scene.png", "is no .part file"),
+        ("-o scene.part", "say which with --shard I/N"),
+        ("--shard 1/2 --time 3s", "--time cannot be used with --shard"),
+        ("--shard 1/2 --target-error 1%", "--target-error cannot be used with --shard"),
+        ("--shard 1/2 --aov samples=s.exr", "give it to `merge`"),
+        ("--checkpoint-every soon", "or never"),
+        ("--resume --restart", "cannot be used with"),
+    ] {
+        let run = place.run(&format!("render scene.ron {options}"));
+        assert_eq!(run.code, Some(2), "{options}: {run:?}");
+        assert!(run.stderr.contains(message), "{options}: {run:?}");
+    }
+    assert_eq!(place.files(), ["scene.ron"]);
+}

@@ -1,0 +1,163 @@
+//! Memory is predicted before it is taken: what needs more than `--memory` allows is refused at once.
+//!
+//! A child begins with the peak of its parent's memory, so that nothing large is held here.
+
+#![cfg(target_os = "linux")]
+
+#[path = "../black_box/program.rs"]
+#[allow(dead_code, reason = "other tests need more of it")]
+mod program;
+
+use std::fmt::Write as _;
+use std::fs::{File, OpenOptions};
+use std::io::Write as _;
+use std::process::{Command, Stdio};
+
+use program::Workplace;
+use wait4::Wait4;
+
+/// Greatest processor time of a refusal in seconds; debug builds are slow.
+const MAX_SECONDS: f64 = 2.0;
+/// Greatest memory of a refusal.
+const MAX_BYTES: u64 = 64 << 20;
+
+/// What a command that was refused said.
+fn refused(place: &Workplace, arguments: &str) -> String {
+    let before = place.files();
+    let log = File::create(place.path("log.txt")).expect("a file");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rt-cli"));
+    command.args(arguments.split_whitespace()).current_dir(place.path(""));
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(log);
+    let used = command.spawn().and_then(|mut child| child.wait4()).expect("a run");
+    let said = String::from_utf8(place.read("log.txt")).expect("text");
+    std::fs::remove_file(place.path("log.txt")).expect("removed");
+    assert_eq!(used.status.code(), Some(3), "{arguments}: {said}");
+    assert_eq!(place.files(), before, "{arguments} leaves a file");
+    let seconds = (used.rusage.utime + used.rusage.stime).as_secs_f64();
+    assert!(seconds < MAX_SECONDS, "{arguments} takes {seconds} s: {said}");
+    assert!(used.rusage.maxrss < MAX_BYTES, "{arguments} takes {} bytes: {said}", used.rusage.maxrss);
+    assert_eq!(said.lines().filter(|line| line.starts_with("error: ")).count(), 1, "{said}");
+    assert!(said.contains(" of memory, which is more than the ") && said.contains("; most of it, "), "{said}");
+    said
+}
+
+/// A file of this size that begins with `head`; what follows takes no room on the disk.
+fn sparse(place: &Workplace, name: &str, head: &[u8], size: u64) {
+    place.write(name, head);
+    let file = OpenOptions::new().write(true).open(place.path(name)).expect("a file");
+    file.set_len(size).expect("room");
+}
+
+#[test]
+fn a_picture_that_needs_more_is_refused_before_it_is_begun() {
+    let place = Workplace::with_scene();
+    let said = refused(&place, "render scene.ron --size 8192x8192 --spp 1 --memory 512M -o a.png");
+    assert!(said.contains("for the picture of 8192 x 8192 pixels") && said.contains("488.3 MiB"), "{said}");
+    // The same size in passes needs more.
+    let fits = "render scene.ron --size 1024x1024 --crop 0,0,8,8 --spp 1 --memory 16MiB -o b.png";
+    place.succeed(fits);
+    let passes = "explain scene.ron --size 4000x4000 --memory 500M";
+    place.succeed(passes);
+    let said = refused(&place, "render scene.ron --size 4000x4000 --time 1s --memory 500M -o a.png");
+    assert!(said.contains("for the picture of 4000 x 4000 pixels"), "{said}");
+}
+
+#[test]
+fn models_of_ten_million_triangles_are_refused_by_their_size() {
+    let place = Workplace::new();
+    let mut obj = File::create(place.path("m.obj")).expect("a file");
+    for (line, times) in [("v 0.123456 0.654321 0.5\n", 5000), ("f 4000001 4000002 4000003\n", 10_000)] {
+        let thousand = line.repeat(1000);
+        (0..times).for_each(|_| obj.write_all(thousand.as_bytes()).expect("written"));
+    }
+    drop(obj);
+    // The beginning of a GLB file: 500 bytes of JSON, and then data.
+    let mut glb = b"glTF\x02\0\0\0\0\0\0\x14\xf4\x01\0\0JSON".to_vec();
+    glb.extend(b"{}".repeat(10));
+    sparse(&place, "m.glb", &glb, 320 << 20);
+    let mut stl = vec![0; 80];
+    stl.extend(10_000_000_u32.to_le_bytes());
+    sparse(&place, "m.stl", &stl, 84 + 50 * 10_000_000);
+    let ply = "ply\nformat binary_little_endian 1.0\nelement vertex 5000000\nproperty float x\nproperty float y\nproperty float z\n\
+               element face 10000000\nproperty list uchar int vertex_indices\nend_header\n";
+    sparse(&place, "m.ply", ply.as_bytes(), 190 << 20);
+    for (name, command) in
+        [("m.obj", "render"), ("m.glb", "explain"), ("m.stl", "check"), ("m.ply", "render"), ("m.obj", "explain")]
+    {
+        let said = refused(&place, &format!("{command} {name} --memory 100M"));
+        assert!(said.contains(&format!("for the model {name}")) && said.contains("95.4 MiB"), "{said}");
+    }
+    refused(&place, "convert m.obj --memory 100M -o m.ron");
+}
+
+#[test]
+fn textures_are_refused_by_their_header() {
+    let place = Workplace::new();
+    place.write("large.hdr", image_of(3000, 2000, 20_000));
+    place.write("small.hdr", image_of(100, 100, 4 * 100 * 100));
+    let scene = r#"(
+        camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), fov: 40),
+        lights: [ambient(gray(1))],
+        materials: {"m": phong(color: image(file: "FILE"))},
+        nodes: [(shape: sphere(), material: "m")],
+    )"#;
+    for size in ["large", "small"] {
+        place.write(&format!("{size}.ron"), scene.replace("FILE", &format!("{size}.hdr")));
+    }
+    place.write("plain.ron", program::SCENE);
+    let said = refused(&place, "render large.ron --memory 100M");
+    assert!(said.contains("for the texture ") && said.contains("large.hdr"), "{said}");
+    let said = refused(&place, "render plain.ron --env large.hdr --memory 100M");
+    assert!(said.contains("large.hdr"), "{said}");
+    place.succeed("render small.ron --size 8x8 --memory 100M");
+    place.succeed("render plain.ron --size 8x8 --env small.hdr --memory 100M");
+}
+
+/// A black Radiance picture that claims this size, with so many bytes of pixels.
+fn image_of(width: u32, height: u32, bytes: usize) -> Vec<u8> {
+    let mut image = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n").into_bytes();
+    image.resize(image.len() + bytes, 0);
+    image
+}
+
+#[test]
+fn instances_are_refused_by_their_number() {
+    let place = Workplace::new();
+    let ten = |what: &str| format!("(instance: \"{what}\"), ").repeat(10);
+    let mut groups = r#""g0": [(shape: sphere()), (shape: sphere(center: (3, 0, 0)))], "#.to_owned();
+    for i in 1..9 {
+        write!(groups, "\"g{i}\": [{}], ", ten(&format!("g{}", i - 1))).expect("memory");
+    }
+    place.write("many.ron", format!("(groups: {{{groups}}}, nodes: [{}])", ten("g8")));
+    for command in ["render", "explain", "check"] {
+        let said = refused(&place, &format!("{command} many.ron --memory 4GiB"));
+        assert!(said.contains("200000000 objects of the group `g8`"), "{said}");
+        assert!(said.contains("GiB of memory"), "{said}");
+    }
+}
+
+#[test]
+fn the_default_is_a_share_of_what_there_is() {
+    let place = Workplace::with_scene();
+    place.succeed("render scene.ron --size 8x8");
+    place.succeed("render scene.ron --size 8x8 --memory 90% -o b.png");
+    let wrong = place.run("render scene.ron --memory 12parsecs");
+    assert_eq!(wrong.code, Some(2), "{wrong:?}");
+    let table = place.succeed("--limits").stdout;
+    for row in ["predicted memory", "size of a file", "nesting of brackets", "pixels of a texture", "bounces of a ray"]
+    {
+        assert!(table.lines().any(|line| line.trim_start().starts_with(row)), "{row} in {table}");
+    }
+    let of = |row: &str| table.lines().find(|line| line.trim_start().starts_with(row)).unwrap_or_default().to_owned();
+    assert!(of("predicted memory").contains("--memory") && of("size of a file").contains("--max-file-size"), "{table}");
+    assert!(of("size of a file").contains("1.0 GiB"), "{table}");
+}
+
+#[test]
+fn the_largest_file_can_be_chosen() {
+    let place = Workplace::with_scene();
+    place.succeed("explain scene.ron --max-file-size 1MiB");
+    let run = place.run("explain scene.ron --max-file-size 1000");
+    assert_eq!(run.code, Some(3), "{run:?}");
+    assert!(run.stderr.contains("the limit is 1000"), "{run:?}");
+}

@@ -1,0 +1,210 @@
+//! How much memory a render takes, foreseen from counts before any of it is taken.
+//!
+//! ```text
+//!   peak = textures + geometry + structures + max(building, film)
+//! ```
+//!
+//! The scene stays all the while. Structures are built one after the other, each with lists that it gives back; the picture is
+//! held only after that. Factors are upper estimates (`docs/MEMORY.md` has them beside measured peaks); what the program takes
+//! without a scene is not among them.
+
+mod survey;
+
+use std::collections::HashMap;
+use std::fmt;
+use std::sync::Arc;
+
+use rt_scene_io::{Background, Integrator, Scene, Shortage, Size};
+use rt_shading::Texture;
+
+use crate::{
+    Crop, RenderError,
+    estimate::PixelEstimate,
+    splats::SplatImage,
+    structure::{Wanted, choose},
+};
+pub(crate) use survey::Survey;
+
+/// Bytes of memory that a render takes, as foreseen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MemoryPrediction {
+    /// The picture, and what is kept of each pixel while it is made and written.
+    pub film: u64,
+    /// Images of textures, and around the scene.
+    pub textures: u64,
+    /// Nodes, shapes, meshes and instances.
+    pub geometry: u64,
+    /// Acceleration structures.
+    pub structures: u64,
+    /// What the largest structure takes while it is built, and gives back.
+    pub building: u64,
+}
+
+/// What is kept of each pixel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PerPixel {
+    /// The part of the image that is rendered.
+    pub(crate) crop: Crop,
+    /// Whether there is an alpha channel.
+    pub(crate) transparent: bool,
+    /// Whether passes are folded into an estimate of each pixel.
+    pub(crate) progressive: bool,
+    /// Whether structures are built over what camera rays can meet.
+    pub(crate) culls: bool,
+}
+
+impl MemoryPrediction {
+    /// The most that is held at any moment.
+    pub const fn peak(&self) -> u64 {
+        let Self { film, textures, geometry, structures, building } = *self;
+        let passing = if film > building { film } else { building };
+        textures.saturating_add(geometry).saturating_add(structures).saturating_add(passing)
+    }
+
+    /// The parts by their names.
+    pub const fn parts(&self) -> [(&'static str, u64); 5] {
+        [
+            ("film", self.film),
+            ("textures", self.textures),
+            ("geometry", self.geometry),
+            ("structures", self.structures),
+            ("building", self.building),
+        ]
+    }
+
+    /// What looking at a scene will take, without a picture of it; it is refused if that is more than the budget.
+    ///
+    /// # Errors
+    /// [`RenderError::Memory`], or if the tree is nested too deeply or an index points nowhere.
+    pub fn of_scene(scene: &Scene, budget: Option<u64>) -> Result<Self, RenderError> {
+        let crop = Crop { x: 0, y: 0, width: 0, height: 0 };
+        let kept = PerPixel { crop, transparent: false, progressive: false, culls: false };
+        let (prediction, most) = Self::of(scene, Wanted::default(), &kept)?;
+        prediction.check(budget, most)?;
+        Ok(prediction)
+    }
+
+    /// What a scene will take.
+    pub(crate) fn of(scene: &Scene, wanted: Wanted, kept: &PerPixel) -> Result<(Self, Most), RenderError> {
+        let mut most = Most::default();
+        let survey = Survey::of(scene, wanted, kept.culls, &mut most)?;
+        let prediction = Self {
+            film: film(scene, kept),
+            textures: textures(scene),
+            geometry: survey.geometry,
+            structures: survey.structures,
+            building: survey.building,
+        };
+        let Crop { width, height, .. } = kept.crop;
+        most.offer(prediction.film, || format!("the picture of {width} x {height} pixels"));
+        most.offer(prediction.textures, || "textures".to_owned());
+        Ok((prediction, most))
+    }
+
+    /// Refuses what needs more than the budget.
+    pub(crate) fn check(&self, budget: Option<u64>, most: Most) -> Result<(), RenderError> {
+        match budget {
+            Some(budget) if self.peak() > budget => {
+                let Most { bytes, what } = most;
+                Err(Shortage { predicted: self.peak(), budget, largest: what, most: bytes }.into())
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for MemoryPrediction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { film, textures, geometry, structures, building } = *self;
+        let [film, textures, geometry, structures, building] =
+            [film, textures, geometry, structures, building].map(Size);
+        write!(f, "film {film}, textures {textures}, geometry {geometry}, structures {structures}, ")?;
+        write!(f, "building these {building}: at most {}", Size(self.peak()))
+    }
+}
+
+/// What needs most memory of all.
+#[derive(Debug, Default)]
+pub(crate) struct Most {
+    bytes: u64,
+    what: String,
+}
+
+impl Most {
+    pub(crate) fn offer(&mut self, bytes: u64, what: impl FnOnce() -> String) {
+        if bytes > self.bytes {
+            *self = Self { bytes, what: what() };
+        }
+    }
+}
+
+/// The film with its alpha channel, and once more as it is written; with passes, what is known of each pixel, maps of its error
+/// and samples, and the image of light paths.
+fn film(scene: &Scene, kept: &PerPixel) -> u64 {
+    let pixels = u64::from(kept.crop.width) * u64::from(kept.crop.height);
+    let picture = if kept.transparent { 16 } else { 12 };
+    let caustics = scene.settings.integrator == Integrator::Caustics;
+    let estimate = if kept.progressive || caustics { size_of::<PixelEstimate>() as u64 + 2 * 12 } else { 0 };
+    let splats = if caustics { SplatImage::memory(1, scene.film.filter) as u64 } else { 0 };
+    pixels.saturating_mul(2 * picture + estimate + splats)
+}
+
+/// Images, each once: several textures may share one.
+fn textures(scene: &Scene) -> u64 {
+    let images = scene.appearance.textures.iter().filter_map(Texture::bitmap);
+    let unique: HashMap<_, _> = images.map(|bitmap| (Arc::as_ptr(bitmap), bitmap.memory() as u64)).collect();
+    let around = match &scene.appearance.background {
+        Background::Environment(light) => light.memory() as u64,
+        _ => 0,
+    };
+    unique.values().sum::<u64>().saturating_add(around)
+}
+
+/// Bytes of a structure over so many primitives: what it keeps, and what it takes besides while it is built. Measured on meshes
+/// of half a million triangles, and rounded up.
+pub(crate) fn structure(wanted: Wanted, primitives: u64) -> [u64; 2] {
+    use rt_accel::StructureKind as Kind;
+    let count = usize::try_from(primitives).unwrap_or(usize::MAX);
+    let [kept, besides] = match choose(wanted.accel, count) {
+        Kind::Linear => [16, 0],
+        Kind::Wide => [46, 100],
+        Kind::Bvh => [40, 140],
+        Kind::Grid => [44, 56],
+        Kind::Spheres => [48, 72],
+        Kind::Cylinders => [72, 90],
+        Kind::Kd => [110, 260],
+        Kind::Bsp => [220, 360],
+        Kind::Bih => [20, 56],
+        Kind::BihLazy => [60, 26],
+    };
+    [primitives.saturating_mul(kept), primitives.saturating_mul(besides)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_picture_is_held_after_structures_are_built() {
+        let prediction = MemoryPrediction { film: 5, textures: 1, geometry: 2, structures: 3, building: 7 };
+        assert_eq!(prediction.peak(), 13);
+        assert_eq!(MemoryPrediction { film: 9, ..prediction }.peak(), 15);
+        assert_eq!(MemoryPrediction { film: u64::MAX, ..prediction }.peak(), u64::MAX);
+        let told = "film 5 B, textures 1 B, geometry 2 B, structures 3 B, building these 7 B: at most 13 B";
+        assert_eq!(prediction.to_string(), told);
+    }
+
+    #[test]
+    fn a_budget_refuses_what_is_more() {
+        let prediction = MemoryPrediction { film: 100, ..MemoryPrediction::default() };
+        let mut most = Most::default();
+        most.offer(60, || "a".to_owned());
+        most.offer(40, || "b".to_owned());
+        assert!(
+            prediction.check(None, Most::default()).is_ok() && prediction.check(Some(100), Most::default()).is_ok()
+        );
+        let error = prediction.check(Some(99), most).expect_err("one byte too many");
+        let RenderError::Memory(Shortage { predicted, budget, largest, most }) = error else { panic!("{error}") };
+        assert_eq!((predicted, budget, largest.as_str(), most), (100, 99, "a", 60));
+    }
+}

@@ -1,0 +1,210 @@
+//! A walk over the tree that counts what flattening will make of it.
+
+use std::collections::HashSet;
+
+use rt_geometry::Shape;
+use rt_math::Transform;
+use rt_scene_io::{Content, GroupId, MeshId, Node, Scene};
+
+use super::{Most, structure};
+use crate::{
+    RenderError,
+    flatten::{DISSOLVED, count_group_uses, group_of},
+    structure::Wanted,
+    world::{Moving, Part},
+};
+
+/// What the allocator adds to a piece of memory, and the counts of what is shared.
+const HEADER: u64 = 32;
+
+/// Bytes for each triangle of a mesh that shines: its share in the choice of a light.
+const EMITTER_BYTES: u64 = 64;
+
+/// What stands in a scene, in bytes.
+#[derive(Debug, Default)]
+pub(crate) struct Survey {
+    pub(crate) geometry: u64,
+    pub(crate) structures: u64,
+    /// Of the structure that takes most while it is built.
+    pub(crate) building: u64,
+}
+
+/// What a list of nodes becomes: parts of an assembly.
+#[derive(Clone, Copy, Debug, Default)]
+struct Holding {
+    parts: u64,
+    bytes: u64,
+}
+
+impl Holding {
+    const fn add(&mut self, parts: u64, each: u64) {
+        self.parts = self.parts.saturating_add(parts);
+        self.bytes = self.bytes.saturating_add(parts.saturating_mul(each));
+    }
+}
+
+struct Surveyor<'s, 'm> {
+    scene: &'s Scene,
+    wanted: Wanted,
+    survey: Survey,
+    most: &'m mut Most,
+    group_uses: Vec<u64>,
+    /// Which groups have a level of their own that is counted.
+    levels: Vec<bool>,
+    /// What each group becomes with all groups in it dissolved, where that is known.
+    dissolved: Vec<Option<Holding>>,
+    /// Meshes that have a level of their own that is counted, with the material that cuts holes into them.
+    meshes: HashSet<(u32, Option<u32>)>,
+}
+
+impl Survey {
+    /// Counts what flattening will find. With `culls`, there may be a second structure half as large as the first.
+    pub(crate) fn of(scene: &Scene, wanted: Wanted, culls: bool, most: &mut Most) -> Result<Self, RenderError> {
+        let count = scene.groups.len();
+        let mut surveyor = Surveyor {
+            scene,
+            wanted,
+            survey: Self::default(),
+            most,
+            group_uses: count_group_uses(scene)?,
+            levels: vec![false; count],
+            dissolved: vec![None; count],
+            meshes: HashSet::new(),
+        };
+        surveyor.scene_itself();
+        let top = surveyor.holding(&scene.nodes, false)?;
+        surveyor.assembly(top, "the scene");
+        if culls {
+            let [kept, _] = structure(wanted, top.parts / 2);
+            surveyor.survey.structures = surveyor.survey.structures.saturating_add(kept);
+        }
+        Ok(surveyor.survey)
+    }
+}
+
+impl<'s> Surveyor<'s, '_> {
+    /// The nodes as they are loaded, and all meshes.
+    fn scene_itself(&mut self) {
+        let mut open: Vec<&[Node]> = self.scene.groups.iter().map(|group| group.nodes.as_slice()).collect();
+        open.push(&self.scene.nodes);
+        let mut nodes = 0u64;
+        while let Some(list) = open.pop() {
+            nodes += list.len() as u64;
+            open.extend(list.iter().map(|node| node.children.as_slice()));
+        }
+        let bytes = nodes.saturating_mul(size_of::<Node>() as u64 + HEADER);
+        self.most.offer(bytes, || format!("{nodes} nodes"));
+        self.survey.geometry = bytes;
+        for named in &self.scene.meshes {
+            let (bytes, triangles) = (named.mesh.memory() as u64, named.mesh.data().triangles.len());
+            self.most.offer(bytes, || format!("the mesh `{}` of {triangles} triangles", named.name));
+            self.survey.geometry = self.survey.geometry.saturating_add(bytes);
+        }
+    }
+
+    /// Adds an assembly of such parts, and the structure over them.
+    fn assembly(&mut self, holding: Holding, name: &str) {
+        let Holding { parts, bytes } = holding;
+        self.most.offer(bytes, || format!("{parts} objects of {name}"));
+        self.survey.geometry = self.survey.geometry.saturating_add(bytes);
+        self.structure(parts, || format!("the structure over {parts} objects of {name}"));
+    }
+
+    fn structure(&mut self, primitives: u64, what: impl FnOnce() -> String) {
+        let [kept, besides] = structure(self.wanted, primitives);
+        self.most.offer(kept.saturating_add(besides), what);
+        self.survey.structures = self.survey.structures.saturating_add(kept);
+        self.survey.building = self.survey.building.max(besides);
+    }
+
+    /// What the nodes and those below become. Trees may be deep, so the walk keeps its own stack.
+    fn holding(&mut self, nodes: &'s [Node], within_group: bool) -> Result<Holding, RenderError> {
+        let mut sum = Holding::default();
+        // With each list, whether everything above it stands where it is.
+        let mut open = vec![(nodes, true)];
+        while let Some((nodes, unmoved)) = open.pop() {
+            for node in nodes {
+                let unmoved = unmoved && node.moves_to.is_none() && node.parent_from_local.is_identity();
+                open.push((&node.children, unmoved));
+                let part = part_bytes(node, unmoved);
+                match &node.content {
+                    None => {}
+                    Some(Content::Shape(shape)) => sum.add(1, part + shape_bytes(shape)),
+                    Some(Content::Mesh(id)) => sum.add(self.mesh(node, *id, unmoved), part),
+                    Some(Content::Instance(id)) => match (within_group, self.group_uses[id.0 as usize]) {
+                        (false, 1) => open.push((&group_of(self.scene, node, *id)?.nodes, unmoved)),
+                        (false, _) => {
+                            self.level(*id)?;
+                            sum.add(1, part);
+                        }
+                        (true, _) => {
+                            let Holding { parts, bytes } = self.dissolved(*id)?;
+                            sum.parts = sum.parts.saturating_add(parts);
+                            sum.bytes = sum.bytes.saturating_add(bytes);
+                        }
+                    },
+                }
+            }
+        }
+        Ok(sum)
+    }
+
+    /// The number of parts that a mesh becomes; its level is counted when it is met first.
+    fn mesh(&mut self, node: &Node, id: MeshId, unmoved: bool) -> u64 {
+        let Some(named) = self.scene.meshes.get(id.0 as usize) else { return 0 };
+        let triangles = named.mesh.data().triangles.len();
+        let material = self.scene.appearance.materials.get(node.material.0 as usize);
+        let is_plain = material.is_none_or(|m| m.relief.is_none() && m.coverage == rt_shading::Coverage::ALL);
+        if triangles <= DISSOLVED && unmoved && is_plain {
+            return triangles as u64;
+        }
+        let holes = material.filter(|m| m.coverage != rt_shading::Coverage::ALL).map(|_| node.material.0);
+        if self.meshes.insert((id.0, holes)) {
+            self.structure(triangles as u64, || {
+                let name =
+                    if named.name.is_empty() { "without a name".to_owned() } else { format!("`{}`", named.name) };
+                format!("the structure over the {triangles} triangles of the mesh {name}")
+            });
+            if material.is_some_and(|material| !material.phong.emission.is_zero()) {
+                self.survey.geometry = self.survey.geometry.saturating_add(EMITTER_BYTES * triangles as u64);
+            }
+        }
+        1
+    }
+
+    /// A group that is placed more than once has a level of its own, once.
+    fn level(&mut self, id: GroupId) -> Result<(), RenderError> {
+        let index = id.0 as usize;
+        if std::mem::replace(&mut self.levels[index], true) {
+            return Ok(());
+        }
+        let group = &self.scene.groups[index];
+        let holding = self.holding(&group.nodes, true)?;
+        self.assembly(holding, &format!("the group `{}`", group.name));
+        Ok(())
+    }
+
+    /// What a group within another becomes. One that contains itself ends here; flattening refuses it.
+    fn dissolved(&mut self, id: GroupId) -> Result<Holding, RenderError> {
+        let index = id.0 as usize;
+        if let Some(known) = self.dissolved[index] {
+            return Ok(known);
+        }
+        self.dissolved[index] = Some(Holding::default());
+        let holding = self.holding(&self.scene.groups[index].nodes, true)?;
+        self.dissolved[index] = Some(holding);
+        Ok(holding)
+    }
+}
+
+/// Bytes of a part, with the name and the transform that it has on the heap.
+fn part_bytes(node: &Node, unmoved: bool) -> u64 {
+    let transform = if unmoved { 0 } else { size_of::<Transform>() as u64 + HEADER };
+    let moving = if node.moves_to.is_some() { size_of::<Moving>() as u64 + HEADER } else { 0 };
+    size_of::<Part>() as u64 + node.name.len() as u64 + HEADER + transform + moving
+}
+
+/// Bytes that a shape has on the heap.
+fn shape_bytes(shape: &Shape) -> u64 {
+    if let Shape::Polygon(polygon) = shape { polygon.memory() as u64 } else { 0 }
+}

@@ -1,0 +1,350 @@
+//! Finished tiles: what a render makes, what is kept of it, and what machines share out among each other.
+//!
+//! ```text
+//!   share 1 of 3:  ▓░░▓░░▓░░      share 2 of 3:  ░▓░░▓░░▓░      join:  every tile once, or which is missing or doubled
+//! ```
+//!
+//! A tile is rendered whole by one machine, so that a picture of many parts has the bits of one.
+
+use std::collections::BTreeMap;
+
+use rt_camera::Film;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Crop, RenderPlan, Rendering, RunOptions, SampleRange, Statistics, Stopped,
+    error_estimate::ErrorSums,
+    render::rounded,
+    tile::Finished,
+    tiles::{Tile, tile, tile_count, tile_number},
+};
+
+/// A share of the tiles of a picture: one of `count` machines takes each tile whose number leaves `index` when divided by
+/// `count`. Neighbours go to different machines, so that all have about as much to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Share {
+    index: u32,
+    count: u32,
+}
+
+impl Share {
+    /// Everything.
+    pub const ALL: Self = Self { index: 0, count: 1 };
+
+    /// The greatest number of shares.
+    pub const MOST: u32 = 1 << 20;
+
+    /// Share number `index`, from 0 on, of `count`; `None` unless `index` is less and `count` at most [`MOST`](Self::MOST).
+    pub const fn new(index: u32, count: u32) -> Option<Self> {
+        if index < count && count <= Self::MOST { Some(Self { index, count }) } else { None }
+    }
+
+    /// Its number, from 0 on.
+    pub const fn index(self) -> u32 {
+        self.index
+    }
+
+    /// Shares in all.
+    pub const fn count(self) -> u32 {
+        self.count
+    }
+
+    /// How many of so many pieces belong to the share.
+    pub(crate) const fn pieces(self, all: usize) -> usize {
+        (all + self.count as usize - 1 - self.index as usize) / self.count as usize
+    }
+
+    /// True if piece number `piece` belongs to the share.
+    pub const fn holds(self, piece: usize) -> bool {
+        piece % self.count as usize == self.index as usize
+    }
+}
+
+impl Default for Share {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
+/// What all parts of a picture have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Frame {
+    pub(crate) crop: Crop,
+    pub(crate) transparent: bool,
+    /// Passes whose differences tell the error.
+    pub(crate) passes_differ: bool,
+    /// Standard errors are kept.
+    pub(crate) maps: bool,
+    /// Nodes and tests are counted.
+    pub(crate) count: bool,
+}
+
+impl Frame {
+    pub(crate) fn new(plan: &RenderPlan<'_>, options: &RunOptions<'_>) -> Self {
+        Self {
+            crop: plan.crop,
+            transparent: plan.transparent,
+            passes_differ: plan.passes_differ(),
+            maps: options.maps,
+            count: options.count,
+        }
+    }
+}
+
+/// What a tile shows, rounded to what films hold, row by row.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct TilePixels {
+    pub(crate) pixels: Vec<[f32; 3]>,
+    /// Empty unless the picture is transparent.
+    pub(crate) alpha: Vec<f32>,
+    /// Empty after a single pass, and unless they are asked for.
+    pub(crate) standard_errors: Vec<[f32; 3]>,
+    /// Samples of each pixel; empty if all have as many.
+    pub(crate) counts: Vec<u32>,
+    /// Samples of the pixel that has fewest, and of the one that has most.
+    pub(crate) range: [u32; 2],
+    /// Samples of all pixels.
+    pub(crate) samples: u64,
+    pub(crate) error: ErrorSums,
+}
+
+impl TilePixels {
+    /// Rounds a tile whose pixels, if nothing else is said, have `samples_per_pixel`.
+    pub(crate) fn new(finished: &Finished, samples_per_pixel: u32, maps: bool) -> Self {
+        let least = finished.counts.iter().copied().min().unwrap_or(samples_per_pixel);
+        let most = finished.counts.iter().copied().max().unwrap_or(samples_per_pixel);
+        let variances = if maps { &finished.variances[..] } else { &[] };
+        Self {
+            pixels: finished.pixels.iter().copied().map(rounded).collect(),
+            alpha: finished.alpha.iter().map(|coverage| coverage.clamp(0.0, 1.0) as f32).collect(),
+            standard_errors: variances.iter().map(|variance| rounded(variance.map(f64::sqrt))).collect(),
+            counts: if least == most { Vec::new() } else { finished.counts.clone() },
+            range: [least, most],
+            samples: finished.samples,
+            error: finished.error,
+        }
+    }
+
+    /// True if there is a value for each pixel where there should be.
+    fn fits(&self, tile: Tile, frame: &Frame) -> bool {
+        let area = tile.area() as usize;
+        let is_optional = |length: usize| length == 0 || length == area;
+        self.pixels.len() == area
+            && self.alpha.len() == if frame.transparent { area } else { 0 }
+            && is_optional(self.standard_errors.len())
+            && is_optional(self.counts.len())
+    }
+}
+
+/// Some tiles of a picture, or all of them, finished; to be kept, joined with others, and made a picture of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    pub(crate) frame: Frame,
+    pub(crate) share: Share,
+    /// Those that are finished, by number.
+    pub(crate) tiles: BTreeMap<u32, TilePixels>,
+    pub(crate) statistics: Statistics,
+    pub(crate) stopped: Stopped,
+    pub(crate) unconverged: Option<u64>,
+    /// Numbers of the tiles in which a worker failed.
+    pub(crate) lost: Vec<u32>,
+}
+
+/// Why parts do not make a picture.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum JoinError {
+    /// There are no parts.
+    #[error("there are no parts to join")]
+    Nothing,
+    /// What the part holds contradicts itself; with its place in the list, from 0 on.
+    #[error("part number {} is damaged", .0 + 1)]
+    Damaged(usize),
+    /// A part belongs to another picture; with its place in the list, from 0 on.
+    #[error("part number {} is of another size, or was made with other options", .0 + 1)]
+    Foreign(usize),
+    /// A part was made of another number of shares than the first; with its place in the list, from 0 on.
+    #[error("part number {} is one of {} shares, and the first is one of {}", .part + 1, .count, .expected)]
+    Shares {
+        /// Which.
+        part: usize,
+        /// Shares that it is one of.
+        count: u32,
+        /// Shares that the first is one of.
+        expected: u32,
+    },
+    /// Two parts are the same share; with their places in the list, from 0 on.
+    #[error("parts number {} and {} are the same share", .0 + 1, .1 + 1)]
+    Doubled(usize, usize),
+    /// The part lacks some of the tiles of its share: it was interrupted, or a worker failed.
+    #[error("part number {} lacks {} of its tiles; finish it with --resume, or render it again", .part + 1, .missing)]
+    Unfinished {
+        /// Which.
+        part: usize,
+        /// Tiles that it lacks.
+        missing: usize,
+    },
+    /// Shares are missing: their numbers, from 0 on.
+    #[error("{}", missing(.0, *.1))]
+    Missing(Vec<u32>, u32),
+}
+
+/// The shares that are missing, the first few by number.
+fn missing(shares: &[u32], count: u32) -> String {
+    const NAMED: usize = 20;
+    let named: Vec<_> = shares.iter().take(NAMED).map(|share| format!("{}/{count}", share + 1)).collect();
+    let more = shares.len().saturating_sub(NAMED);
+    let and = if more > 0 { format!(", and {more} more") } else { String::new() };
+    format!("{} of {count} shares missing: {}{and}", shares.len(), named.join(", "))
+}
+
+impl Part {
+    /// A part of which nothing is finished.
+    pub(crate) fn empty(frame: Frame, share: Share, statistics: Statistics) -> Self {
+        Self {
+            frame,
+            share,
+            tiles: BTreeMap::new(),
+            statistics,
+            stopped: Stopped::Interrupted,
+            unconverged: None,
+            lost: Vec::new(),
+        }
+    }
+
+    /// The share of the picture that this is.
+    pub const fn share(&self) -> Share {
+        self.share
+    }
+
+    /// What ended its render.
+    pub const fn stopped(&self) -> Stopped {
+        self.stopped
+    }
+
+    /// Tiles of its share that are not finished.
+    pub fn missing_tiles(&self) -> usize {
+        self.share.pieces(tile_count(self.frame.crop)).saturating_sub(self.tiles.len())
+    }
+
+    /// True unless what it holds contradicts itself, as that of a file may.
+    pub(crate) fn is_sound(&self) -> bool {
+        let Crop { x, y, width, height } = self.frame.crop;
+        let fits = |(number, pixels): (&u32, &TilePixels)| {
+            let number = *number as usize;
+            self.share.holds(number)
+                && number < tile_count(self.frame.crop)
+                && pixels.fits(tile(self.frame.crop, number), &self.frame)
+        };
+        width > 0
+            && height > 0
+            && x.checked_add(width).is_some()
+            && y.checked_add(height).is_some()
+            && self.lost.iter().all(|&number| (number as usize) < tile_count(self.frame.crop))
+            && Share::new(self.share.index, self.share.count).is_some()
+            && self.tiles.iter().all(fits)
+    }
+
+    /// Joins all shares of a picture, in any order.
+    ///
+    /// # Errors
+    /// [`JoinError`] says which part is missing, doubled, unfinished, or of another picture. Whether parts are of the same
+    /// scene is for the caller to know.
+    pub fn join(parts: Vec<Self>) -> Result<Self, JoinError> {
+        let (frame, count) = parts.first().map(|first| (first.frame, first.share.count)).ok_or(JoinError::Nothing)?;
+        let mut holder = BTreeMap::new();
+        for (number, part) in parts.iter().enumerate() {
+            if !part.is_sound() {
+                return Err(JoinError::Damaged(number));
+            }
+            if part.frame != frame {
+                return Err(JoinError::Foreign(number));
+            }
+            if part.share.count != count {
+                return Err(JoinError::Shares { part: number, count: part.share.count, expected: count });
+            }
+            if let Some(other) = holder.insert(part.share.index, number) {
+                return Err(JoinError::Doubled(other, number));
+            }
+            match part.missing_tiles() {
+                0 => {}
+                missing => return Err(JoinError::Unfinished { part: number, missing }),
+            }
+        }
+        if holder.len() < count as usize {
+            return Err(JoinError::Missing((0..count).filter(|share| !holder.contains_key(share)).collect(), count));
+        }
+        let mut parts = parts.into_iter();
+        let mut joined = parts.next().ok_or(JoinError::Nothing)?;
+        for part in parts {
+            joined.tiles.extend(part.tiles);
+            joined.statistics.join(&part.statistics);
+            joined.lost.extend(part.lost);
+        }
+        joined.share = Share::ALL;
+        Ok(joined)
+    }
+
+    /// The pixels of a tile, if it is finished.
+    pub(crate) fn tile(&self, tile: Tile) -> Option<&TilePixels> {
+        self.tiles.get(&(tile_number(self.frame.crop, tile) as u32))
+    }
+
+    /// The picture so far; black where no tile is finished.
+    pub(crate) fn film(&self) -> Film {
+        let Crop { width, height, .. } = self.frame.crop;
+        let mut film = Film::new(width, height, self.frame.transparent);
+        self.expose(film.pixels_mut(), |tile| tile.pixels.iter().copied());
+        if let Some(alpha) = film.alpha_mut() {
+            self.expose(alpha, |tile| tile.alpha.iter().copied());
+        }
+        film
+    }
+
+    /// The picture that the part makes, and what there is to say of it; black where no tile is finished.
+    pub fn into_rendering(self) -> Rendering {
+        let Crop { width, height, .. } = self.frame.crop;
+        let finished = || self.tiles.values();
+        let least = finished().map(|tile| tile.range[0]).min().unwrap_or(0);
+        let most = finished().map(|tile| tile.range[1]).max().unwrap_or(0);
+        let pixels = finished().map(|tile| tile.pixels.len()).sum::<usize>();
+        let mean = finished().map(|tile| tile.samples).sum::<u64>() as f64 / pixels.max(1) as f64;
+        let constant = |value: f32| {
+            let mut film = Film::new(width, height, false);
+            film.pixels_mut().fill([value; 3]);
+            film
+        };
+        let maps = self.frame.maps.then(|| {
+            let (mut errors, mut counts) = (constant(f32::INFINITY), constant(0.0));
+            self.expose(errors.pixels_mut(), |tile| tile.standard_errors.iter().copied());
+            self.expose(counts.pixels_mut(), |tile| {
+                let same = if tile.counts.is_empty() { tile.pixels.len() } else { 0 };
+                let counts = tile.counts.iter().copied().chain(core::iter::repeat_n(tile.range[0], same));
+                counts.map(|count| [count as f32; 3])
+            });
+            (errors, counts)
+        });
+        let (standard_error, sample_counts) = maps.unzip();
+        let error = ErrorSums::joined(finished().map(|tile| tile.error)).estimate();
+        Rendering {
+            film: self.film(),
+            statistics: self.statistics,
+            stopped: self.stopped,
+            error: error.filter(|_| self.frame.passes_differ),
+            samples_per_pixel: SampleRange { least, mean, most },
+            unconverged: self.unconverged,
+            standard_error,
+            sample_counts,
+            lost: self.lost.iter().map(|&number| tile(self.frame.crop, number as usize).into()).collect(),
+        }
+    }
+
+    /// Puts what is told of the pixels of finished tiles in its place of the image.
+    fn expose<'a, T, I: Iterator<Item = T>>(&'a self, image: &mut [T], of: impl Fn(&'a TilePixels) -> I) {
+        let crop = self.frame.crop;
+        for (&number, finished) in &self.tiles {
+            for ([x, y], value) in tile(crop, number as usize).pixels().zip(of(finished)) {
+                image[(y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize] = value;
+            }
+        }
+    }
+}

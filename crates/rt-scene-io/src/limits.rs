@@ -1,0 +1,169 @@
+//! Every limit that loading applies, in one place, and why it is there.
+//!
+//! A limit is far from what real files reach, and near enough that a damaged or hostile file costs neither minutes nor the
+//! machine's memory. Memory itself is bounded by [`MemoryBudget`](crate::MemoryBudget), which looks at all of them together.
+
+use std::fmt;
+
+use crate::Size;
+
+/// How much is allowed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Amount {
+    /// A number of things.
+    Count(u64),
+    /// Bytes.
+    Bytes(u64),
+    /// A quantity, in units that its limit names.
+    Quantity(f64),
+}
+
+/// A limit, for people.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// What is limited.
+    pub what: &'static str,
+    /// How much of it is allowed.
+    pub most: Amount,
+    /// Which files the limit is for.
+    pub applies_to: &'static str,
+    /// Why it is there: one or two sentences.
+    pub why: &'static str,
+    /// The option of the command line that changes it.
+    pub flag: Option<&'static str>,
+}
+
+/// Makes a constant of each limit, and the list of all, so that neither can be without the other.
+macro_rules! limits {
+    ($(
+        $(#[doc = $why:literal])+
+        $name:ident: $type:ty = $most:expr, $kind:ident $what:literal of $applies_to:literal $(changed by $flag:literal)?;
+    )*) => {
+        $(
+            $(#[doc = $why])+
+            pub const $name: $type = $most;
+        )*
+
+        /// All limits, in the order in which a file meets them.
+        pub const ALL: &[Limit] = &[$(Limit {
+            what: $what,
+            most: Amount::$kind($name as _),
+            applies_to: $applies_to,
+            why: concat!($($why),+),
+            flag: limits!(@flag $($flag)?),
+        }),*];
+    };
+    (@flag) => { None };
+    (@flag $flag:literal) => { Some($flag) };
+}
+
+limits! {
+    /// Offsets of 32 bits reach all of it, and it is read into memory as a whole.
+    FILE_BYTES: u64 = 1 << 30, Bytes "size of a file" of "every file" changed by "--max-file-size";
+    /// Parsers of nested text call themselves; the stack must hold them all. serde_json has the same limit.
+    NESTING: usize = 128, Count "nesting of brackets" of ".ron, .json, .gltf, .glb";
+    /// Squares and cubes of coordinates stay far from overflow.
+    NUMBER: f64 = 1e60, Quantity "magnitude of a number" of "every scene and model";
+    /// Files that include each other have an end.
+    INCLUDE_DEPTH: usize = 16, Count "files within files" of ".pbrt";
+    /// A short file that includes another many times, which does so as well, would take forever.
+    INCLUDES: usize = 1024, Count "files included in all" of ".pbrt";
+    /// Each scope keeps a copy of the graphics state.
+    SCOPES: usize = 1024, Count "scopes within scopes" of ".pbrt";
+    /// Real directives have a dozen, and each is compared with the others.
+    PARAMETERS: usize = 256, Count "parameters of a directive" of ".pbrt";
+    /// Each node inherits its transform from those above; no real tree comes near, and walks of it keep a stack.
+    NODE_DEPTH: u64 = 1024, Count "depth of the tree, instances unfolded" of "every scene and model";
+    /// Objects are numbered with 32 bits, of which one is kept for other uses.
+    OBJECTS: u64 = (1 << 31) - 1, Count "objects, instances unfolded" of ".ron, .json";
+    /// Instances of this format become nodes of their own.
+    PBRT_NODES: usize = 1 << 18, Count "shapes, instances unfolded" of ".pbrt";
+    /// Attributes of instances need no bytes in the file, and each instance becomes a node.
+    GLTF_INSTANCES: u64 = 1 << 21, Count "instances of EXT_mesh_gpu_instancing" of ".gltf, .glb";
+    /// An accessor without a buffer holds zeros, which cost nothing in the file.
+    GLTF_ZEROS: usize = 1 << 22, Count "elements of an accessor without a buffer" of ".gltf, .glb";
+    /// Compressed views expand, and several may share the same bytes.
+    GLTF_DECODED_BYTES: u64 = 1 << 32, Bytes "decoded views of a model" of ".gltf, .glb";
+    /// The header of a stream claims it before there is anything to show for it.
+    DRACO_BYTES: u64 = 1 << 31, Bytes "content of a Draco stream" of ".gltf, .glb";
+    /// The header of a stream claims it before there is anything to show for it.
+    DRACO_FACES: u64 = 1 << 27, Count "faces of a Draco stream" of ".gltf, .glb";
+    /// Many primitives may share accessors, and each becomes a mesh of its own.
+    GLTF_MESH_BYTES: u64 = 1 << 32, Bytes "all meshes of a model" of ".gltf, .glb";
+    /// Cutting a polygon into triangles takes time with the square of its corners.
+    FACE_CORNERS: usize = rt_geometry::MeshData::MAX_CORNERS, Count "corners of a face" of "every mesh";
+    /// Crossings of edges are looked for between all pairs of them; larger faces are taken as they are.
+    CROSSING_CORNERS: usize = 512, Count "corners among which crossings are looked for" of ".obj";
+    /// Smoothing across creases compares all pairs of faces around a corner; beyond, corners are smooth all around.
+    CREASED_FACES: usize = 256, Count "faces around a corner that creases are looked for between" of ".obj";
+    /// Textures are decoded to three numbers of 32 bits for each pixel.
+    TEXTURE_PIXELS: u64 = 1 << 28, Count "pixels of a texture" of "every texture";
+    /// A header of some bytes can claim more than any memory holds.
+    TEXTURE_BYTES: u64 = 1 << 30, Bytes "a texture, decoded" of "every texture";
+    /// Each image is within its limit, and there may be many.
+    MODEL_TEXTURE_BYTES: u64 = 1 << 32, Bytes "all textures of a model" of ".gltf, .glb, .obj, .pbrt";
+    /// A file that claims to expand further is damaged: the densest compression, that of PNG and ZIP, reaches 1032 : 1, and
+    /// 16-bit floats double when they are read. A few damaged bytes would cost gigabytes otherwise.
+    TEXTURE_EXPANSION: u64 = 4096, Count "pixel bytes for each byte of the file" of "every texture but .png";
+    /// The densest that the data of a PNG can be (Deutsch, RFC 1951: 258 bytes in two bits).
+    PNG_EXPANSION: u64 = 1032, Count "packed pixel bytes for each byte of the file" of ".png";
+    /// A film of so many takes four gigabytes with coverage, and no screen or printer shows more.
+    FILM_PIXELS: u64 = rt_camera::Film::MAX_PIXELS, Count "pixels of the picture" of "every scene and model";
+    /// Numbers of samples have 32 bits.
+    SAMPLES: u64 = 1 << 31, Count "samples per pixel" of ".ron, .json";
+    /// Each pass costs some work for itself, and more tell no more about the error.
+    PASSES: u64 = 1 << 16, Count "passes over the picture" of ".ron, .json";
+    /// What is left of the light after so many bounces is far below what a picture can hold.
+    RAY_DEPTH: u64 = 10_000, Count "bounces of a ray" of ".ron, .json";
+    /// The filter reaches three times as far around each pixel.
+    FILTER_SIGMA: f64 = 100.0, Quantity "width of a Gaussian filter in pixels" of ".ron, .json";
+    /// The highlight is narrower than a pixel by far.
+    HIGHLIGHT_EXPONENT: f64 = 1e7, Quantity "exponent of a highlight" of "every scene and model";
+    /// Whoever has more mends these first.
+    PROBLEMS: usize = 20, Count "problems that one run lists" of "every scene and model";
+    /// A file of nothing but mistakes would take long.
+    PBRT_COMPLAINTS: usize = 1000, Count "problems after which reading ends" of ".pbrt";
+}
+
+impl fmt::Display for Amount {
+    /// `1024`, `2^31 - 1`, `1 GiB`, `1e60`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Quantity(value) if value.abs() >= 1e6 => write!(f, "{value:e}"),
+            Self::Quantity(value) => write!(f, "{value}"),
+            Self::Count(count) if count <= 100_000 => write!(f, "{count}"),
+            Self::Count(count) if count.is_power_of_two() => write!(f, "2^{}", count.trailing_zeros()),
+            Self::Count(count) if count < u64::MAX && (count + 1).is_power_of_two() => {
+                write!(f, "2^{} - 1", (count + 1).trailing_zeros())
+            }
+            Self::Count(count) => write!(f, "{count}"),
+            Self::Bytes(bytes) => Size(bytes).fmt(f),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn each_limit_says_what_and_why() {
+        let names: HashSet<_> = ALL.iter().map(|limit| (limit.what, limit.applies_to)).collect();
+        assert_eq!(names.len(), ALL.len());
+        for Limit { what, why, most, .. } in ALL {
+            assert!(why.trim().ends_with('.'), "{what}: {why}");
+            assert!(!matches!(most, Amount::Count(0) | Amount::Bytes(0)), "{what}");
+        }
+    }
+
+    #[test]
+    fn amounts_are_told_as_people_write_them() {
+        let told = |amount: Amount| amount.to_string();
+        assert_eq!(told(Amount::Count(1024)), "1024");
+        assert_eq!(told(Amount::Count((1 << 31) - 1)), "2^31 - 1");
+        assert_eq!(told(Amount::Count(1 << 28)), "2^28");
+        assert_eq!(told(Amount::Bytes(1 << 30)), "1.0 GiB");
+        assert_eq!(told(Amount::Quantity(1e60)), "1e60");
+    }
+}

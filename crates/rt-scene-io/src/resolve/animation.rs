@@ -1,0 +1,201 @@
+//! Keys to places at a moment.
+
+use std::borrow::Cow;
+
+use rt_math::{DVec3, Timeline, TimelineError, Transform, TransformKeys, TransformKeysError};
+
+use super::camera::{DEFAULT_FOV_DEGREES, look_at, opening, place};
+use super::exposure::Exposure;
+use super::report::Report;
+use super::transform::{motion, product, refused_motion, transform};
+use super::value::vector;
+use crate::Reason;
+use crate::format::{Camera, CameraAnimation, CameraKey, Interpolation, Node, Step};
+
+/// Where a node is when the shutter opens and, if it moves, closes.
+pub(super) fn node_places(
+    report: &mut Report,
+    path: &str,
+    node: &Node,
+    exposure: &Exposure,
+) -> Option<(Transform, Option<Transform>)> {
+    let rest = transform(report, path, &node.transform);
+    let Some(animation) = &node.animation else {
+        let start = rest?;
+        let end = motion(report, path, &start, &node.motion)?;
+        return Some(exposure.cut(start, end));
+    };
+    refuse_motion(report, path, &node.motion)?;
+    let path = format!("{path}.animation");
+    let timeline = timeline(report, &path, animation.keys.iter().map(|key| key.time), animation.interpolation);
+    let keys = moves(report, &path, timeline, animation.keys.iter().map(|key| key.transform.as_slice()));
+    let (keys, rest) = (keys?, rest?);
+    exposure.places(report, path, |time| Ok(keys.at(time).then_first(&rest)))
+}
+
+/// A camera at the moment at which the shutter opens.
+pub(super) struct PosedCamera<'a> {
+    /// As the file might say it of a camera that is not animated.
+    pub(super) camera: Cow<'a, Camera>,
+    /// Where it would be if its keys did not move it on.
+    pub(super) rest: Transform,
+    pub(super) world_from_camera: Transform,
+    /// Where it is when the shutter closes, if it moves.
+    pub(super) moves_to: Option<Transform>,
+}
+
+/// The camera of a file, posed.
+pub(super) fn posed_camera<'a>(
+    report: &mut Report,
+    path: &str,
+    camera: &'a Camera,
+    exposure: &Exposure,
+) -> Option<PosedCamera<'a>> {
+    let Some(animation) = &camera.animation else {
+        let rest = place(report, path, camera)?;
+        let end = motion(report, path, &rest, &camera.motion)?;
+        let (world_from_camera, moves_to) = exposure.cut(rest, end);
+        return Some(PosedCamera { camera: Cow::Borrowed(camera), rest, world_from_camera, moves_to });
+    };
+    refuse_motion(report, path, &camera.motion)?;
+    let keys_path = format!("{path}.animation");
+    let times = animation.keys.iter().map(|key| key.time);
+    let timeline = timeline(report, &keys_path, times, animation.interpolation)?;
+    let mut posed = camera.clone();
+    if animation.keys.iter().any(|key| key.fov.is_some()) {
+        posed.fov = Some(field_of_view(report, &keys_path, camera, animation, &timeline, exposure.opens())?);
+    }
+    let looks = animation.keys.iter().any(CameraKey::looks);
+    let first_move = animation.keys.iter().position(|key| !key.transform.is_empty());
+    if let Some(index) = first_move.filter(|_| looks) {
+        let rule = "cannot stand beside `look_from`, `look_at` or `up` of this or another key: move by one of both";
+        let reason = Reason::invalid("the transform", rule);
+        return report.check(format_args!("{keys_path}.keys[{index}].transform"), Err(reason));
+    }
+    let (rest, (world_from_camera, moves_to)) = if looks {
+        let views = Views::read(report, &keys_path, camera, animation)?;
+        let places = exposure.places(report, &keys_path, |time| {
+            let [eye, target, up] = views.at(&timeline, time);
+            look_at(eye, target, up)
+        })?;
+        let [eye, target, up] = views.at(&timeline, exposure.opens()).map(|point| point.to_array());
+        (posed.look_from, posed.look_at, posed.up) = (Some(eye), Some(target), Some(up));
+        (places.0, places)
+    } else {
+        let rest = match first_move {
+            Some(_) if camera.is_unplaced() => Transform::IDENTITY,
+            _ => place(report, path, camera)?,
+        };
+        let steps = animation.keys.iter().map(|key| key.transform.as_slice());
+        let keys = moves(report, &keys_path, Some(timeline), steps)?;
+        (rest, exposure.places(report, &keys_path, |time| Ok(keys.at(time).then_first(&rest)))?)
+    };
+    Some(PosedCamera { camera: Cow::Owned(posed), rest, world_from_camera, moves_to })
+}
+
+/// A motion says the same as an animation, in another way.
+fn refuse_motion(report: &mut Report, path: &str, motion: &[Step]) -> Option<()> {
+    let rule = "cannot stand beside `animation`, which says how it moves: remove one of them";
+    let absent = if motion.is_empty() { Ok(()) } else { Err(Reason::invalid("the motion", rule)) };
+    report.check(format_args!("{path}.motion"), absent)
+}
+
+fn timeline(
+    report: &mut Report,
+    path: &str,
+    times: impl Iterator<Item = f64>,
+    interpolation: Interpolation,
+) -> Option<Timeline> {
+    let times: Vec<f64> = times.collect();
+    let interpolation = match interpolation {
+        Interpolation::Step => rt_math::Interpolation::Step,
+        Interpolation::Linear => rt_math::Interpolation::Linear,
+        Interpolation::Smooth => rt_math::Interpolation::Smooth,
+    };
+    match Timeline::new(times.clone(), interpolation) {
+        Ok(timeline) => Some(timeline),
+        Err(TimelineError::Empty) => {
+            let reason = Reason::invalid("the animation", "has no keys: give one, or remove the animation");
+            report.check(format_args!("{path}.keys"), Err(reason))
+        }
+        Err(TimelineError::Time(index)) => {
+            let reason = Reason::invalid(times[index], "is not a time in seconds of magnitude at most 1e60");
+            report.check(format_args!("{path}.keys[{index}].time"), Err(reason))
+        }
+        Err(TimelineError::Order(index)) => {
+            let rule =
+                format!("does not come after {}, the time of the key before: order keys by time", times[index - 1]);
+            report.check(format_args!("{path}.keys[{index}].time"), Err(Reason::invalid(times[index], rule)))
+        }
+    }
+}
+
+/// The moves of keys. All that is wrong with them is reported, also if there is no timeline.
+fn moves<'a>(
+    report: &mut Report,
+    path: &str,
+    timeline: Option<Timeline>,
+    keys: impl Iterator<Item = &'a [Step]>,
+) -> Option<TransformKeys> {
+    let places = keys.enumerate().map(|(i, steps)| product(report, format_args!("{path}.keys[{i}].transform"), steps));
+    let places: Option<Vec<Transform>> = places.collect::<Vec<_>>().into_iter().collect();
+    match TransformKeys::new(timeline?, places?) {
+        Ok(keys) => Some(keys),
+        Err(TransformKeysError::Motion(index, error)) => {
+            report.check(format_args!("{path}.keys[{index}].transform"), Err(refused_motion(error)))
+        }
+        Err(error @ TransformKeysError::Count(..)) => report.check(path, Err(Reason::Syntax(error.to_string()))),
+    }
+}
+
+/// The opening angle of a camera at a moment, in degrees.
+fn field_of_view(
+    report: &mut Report,
+    path: &str,
+    camera: &Camera,
+    animation: &CameraAnimation,
+    timeline: &Timeline,
+    time: f64,
+) -> Option<f64> {
+    let mut angles = Vec::with_capacity(animation.keys.len());
+    for (i, key) in animation.keys.iter().enumerate() {
+        let degrees = key.fov.or(camera.fov).unwrap_or(DEFAULT_FOV_DEGREES);
+        report.check(format_args!("{path}.keys[{i}].fov"), opening(degrees))?;
+        angles.push(degrees);
+    }
+    Some(timeline.number(&angles, time))
+}
+
+/// Where a camera looks from, at, and what is up, at each key.
+struct Views {
+    eyes: Vec<DVec3>,
+    targets: Vec<DVec3>,
+    ups: Vec<DVec3>,
+}
+
+impl Views {
+    fn read(report: &mut Report, path: &str, camera: &Camera, animation: &CameraAnimation) -> Option<Self> {
+        if !camera.transform.is_empty() {
+            let rule = "cannot stand beside `look_from`, `look_at` or `up` of its keys: remove one of them";
+            report.check(format_args!("{path}.keys"), Err(Reason::invalid("the transform of the camera", rule)))?;
+        }
+        let mut views = Self { eyes: Vec::new(), targets: Vec::new(), ups: Vec::new() };
+        for (i, key) in animation.keys.iter().enumerate() {
+            let path = format!("{path}.keys[{i}]");
+            let eye = key.look_from.or(camera.look_from).ok_or_else(|| {
+                Reason::invalid("`look_from`", "is needed here, as the camera itself does not say it either")
+            });
+            views.eyes.push(report.check(format_args!("{path}.look_from"), eye.and_then(vector))?);
+            let target = key.look_at.or(camera.look_at).unwrap_or_default();
+            views.targets.push(report.check(format_args!("{path}.look_at"), vector(target))?);
+            let up = key.up.or(camera.up).unwrap_or([0.0, 1.0, 0.0]);
+            views.ups.push(report.check(format_args!("{path}.up"), vector(up))?);
+            report.check(path, look_at(views.eyes[i], views.targets[i], views.ups[i]))?;
+        }
+        Some(views)
+    }
+
+    fn at(&self, timeline: &Timeline, time: f64) -> [DVec3; 3] {
+        [&self.eyes, &self.targets, &self.ups].map(|points| timeline.point(points, time))
+    }
+}

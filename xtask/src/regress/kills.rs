@@ -1,0 +1,159 @@
+//! Kills: a render that is killed at any moment goes on from its checkpoint to the bits of one that is not.
+
+use std::{
+    fs,
+    path::Path,
+    time::{Duration, Instant},
+};
+
+use rt_math::random::{hash, unit};
+
+use super::{Context, Findings, Trial, Unit};
+use crate::{
+    error::TaskError,
+    renderer::{Exit, Renderer},
+};
+
+/// A way to render, which keeps its own kind of checkpoint.
+struct Kills {
+    name: &'static str,
+    scene: &'static str,
+    options: &'static [&'static str],
+}
+
+/// Tile by tile, pass by pass with light paths before each, growing passes, and passes of some pixels.
+const ALL: [Kills; 5] = [
+    Kills {
+        name: "kills/path",
+        scene: "scenes/lecture/cornell-full.ron",
+        options: &["--size", "128x128", "--spp", "64"],
+    },
+    Kills {
+        name: "kills/whitted",
+        scene: "scenes/report/mound100.ron",
+        options: &["--size", "320x240", "--spp", "64", "--aov", "samples=samples.pfm"],
+    },
+    Kills {
+        name: "kills/caustics",
+        scene: "scenes/gallery/caustics.ron",
+        options: &["--size", "96x72", "--spp", "32", "--passes", "8"],
+    },
+    Kills {
+        name: "kills/target-error",
+        scene: "scenes/lecture/cornell-direct.ron",
+        options: &["--size", "96x96", "--target-error", "20%", "--spp", "1024", "--aov", "samples=samples.pfm"],
+    },
+    Kills {
+        name: "kills/two-stage",
+        scene: "scenes/lecture/cornell-direct.ron",
+        options: &["--size", "64x64", "--target-error", "20%", "--two-stage", "--spp", "1024"],
+    },
+];
+
+/// Kills of each, and at full size.
+const REDUCED: u64 = 3;
+const FULL: u64 = 20;
+
+/// Runs that one picture takes at most: each of them but the last is killed.
+const MOST_RUNS: u64 = 100;
+
+pub(super) fn units() -> impl Iterator<Item = Box<dyn Unit>> {
+    ALL.into_iter().map(|kills| Box::new(kills) as Box<dyn Unit>)
+}
+
+impl Unit for Kills {
+    fn name(&self) -> String {
+        self.name.to_owned()
+    }
+
+    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
+        let mut findings = Findings::default();
+        let scene = context.workspace.root.join(self.scene);
+        let started = Instant::now();
+        let whole = context.renderer.render(folder, &scene, "picture.pfm", self.options.iter().copied())?;
+        let seconds = started.elapsed().as_secs_f64();
+        if let Err(problem) = whole.succeeded() {
+            findings.problem(problem);
+            return Ok(findings);
+        }
+        let expected = files(folder)?;
+        let wanted = if context.full { FULL } else { REDUCED };
+        let (mut kills, mut different, mut picture) = (0, 0, 0);
+        while kills < wanted {
+            picture += 1;
+            clear(folder)?;
+            let killed = self.finish(&context.renderer, folder, &scene, seconds, picture)?;
+            kills += killed;
+            let found = files(folder)?;
+            if found != expected {
+                let names = |files: &[(String, Vec<u8>)], others: &[(String, Vec<u8>)]| {
+                    files.iter().filter(|file| !others.contains(file)).map(|(name, _)| name.clone()).collect::<Vec<_>>()
+                };
+                different += killed.max(1);
+                findings.problem(format!(
+                    "picture {picture}, killed {killed} times, is not that of one run: {:?} instead of {:?}",
+                    names(&found, &expected),
+                    names(&expected, &found)
+                ));
+            }
+        }
+        findings.trial = Some(Trial {
+            title: "killed at random moments, and continued",
+            expected: "the bits of one run",
+            tolerance: "none",
+            tried: kills,
+            failed: different,
+            worst: None,
+        });
+        Ok(findings)
+    }
+}
+
+impl Kills {
+    /// Renders one picture, killed again and again at random moments; tells how often.
+    fn finish(
+        &self,
+        renderer: &Renderer,
+        folder: &Path,
+        scene: &Path,
+        seconds: f64,
+        picture: u64,
+    ) -> Result<u64, TaskError> {
+        let scene = scene.to_string_lossy();
+        let mut args = vec!["render", &scene, "-o", "picture.pfm", "--quiet", "--resume", "--checkpoint-every", "5ms"];
+        args.extend(self.options);
+        for run in 0..MOST_RUNS {
+            let moment = seconds * unit(hash(&[picture, run]));
+            match renderer.run_at_most(folder, &args, Duration::from_secs_f64(moment))?.exit {
+                Exit::TimedOut(_) => {}
+                Exit::Code(0) => return Ok(run),
+                exit => return Err(TaskError::Other(format!("run {run} of picture {picture}: {exit}"))),
+            }
+        }
+        let last = renderer.run(folder, &args)?;
+        last.succeeded().map_err(TaskError::Other)?;
+        Ok(MOST_RUNS)
+    }
+}
+
+/// All files of a folder but the log, with their names.
+fn files(folder: &Path) -> Result<Vec<(String, Vec<u8>)>, TaskError> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).map_err(TaskError::file(folder))? {
+        let path = entry.map_err(TaskError::file(folder))?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if name != "log.txt" {
+            files.push((name, fs::read(&path).map_err(TaskError::file(&path))?));
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+fn clear(folder: &Path) -> Result<(), TaskError> {
+    for (name, _) in files(folder)? {
+        let path = folder.join(name);
+        fs::remove_file(&path).map_err(TaskError::file(&path))?;
+    }
+    Ok(())
+}
