@@ -10,7 +10,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use indicatif::HumanBytes;
+use bytesize::ByteSize;
 use tempfile::NamedTempFile;
 
 use crate::error::Failure;
@@ -61,7 +61,7 @@ pub(crate) enum OutputError {
     /// There is no room for the file.
     #[error(
         "cannot write `{}`: it may take {}, and {} has room for {}",
-        path.display(), HumanBytes(*bytes), folder.display(), HumanBytes(*available)
+        path.display(), ByteSize(*bytes), folder.display(), ByteSize(*available)
     )]
     NoSpace {
         /// The file.

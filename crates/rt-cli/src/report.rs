@@ -1,7 +1,8 @@
 //! What a render took, as text for people.
 
+use bytesize::ByteSize;
 use comfy_table::{CellAlignment, Table, presets};
-use indicatif::{HumanBytes, HumanCount};
+use indicatif::HumanCount;
 use rt_render::{
     ErrorEstimate, Explanation, RayKind, Rendering, SampleRange, ShadingCounts, Statistics, StopRule, Stopped, Tally,
 };
@@ -27,7 +28,7 @@ pub(crate) fn statistics(outcome: &Outcome<'_>, costs: bool) -> String {
         format!("{:.2} Mrays/s on {threads}", statistics.mega_rays_per_second()),
     ];
     if let Some(bytes) = memory::peak_bytes() {
-        lines.push(format!("peak memory {}", HumanBytes(bytes)));
+        lines.push(format!("peak memory {}", ByteSize(bytes)));
     }
     lines.extend(left_out(&outcome.plan.explain()));
     lines.extend(shared_out(outcome));

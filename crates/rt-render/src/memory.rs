@@ -14,7 +14,8 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
 
-use rt_scene_io::{Background, Integrator, Scene, Shortage, Size};
+use bytesize::ByteSize;
+use rt_scene_io::{Background, Integrator, Scene, Shortage};
 use rt_shading::Texture;
 
 use crate::{
@@ -117,9 +118,9 @@ impl fmt::Display for MemoryPrediction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { film, textures, geometry, structures, building } = *self;
         let [film, textures, geometry, structures, building] =
-            [film, textures, geometry, structures, building].map(Size);
+            [film, textures, geometry, structures, building].map(ByteSize);
         write!(f, "film {film}, textures {textures}, geometry {geometry}, structures {structures}, ")?;
-        write!(f, "building these {building}: at most {}", Size(self.peak()))
+        write!(f, "building these {building}: at most {}", ByteSize(self.peak()))
     }
 }
 

@@ -125,6 +125,13 @@ impl TilePixels {
         }
     }
 
+    /// Samples of each pixel, in all channels.
+    fn counts_of_pixels(&self) -> Vec<[f32; 3]> {
+        let same = if self.counts.is_empty() { self.pixels.len() } else { 0 };
+        let counts = self.counts.iter().copied().chain(core::iter::repeat_n(self.range[0], same));
+        counts.map(|count| [count as f32; 3]).collect()
+    }
+
     /// True if there is a value for each pixel where there should be.
     fn fits(&self, tile: Tile, frame: &Frame) -> bool {
         let area = tile.area() as usize;
@@ -293,40 +300,45 @@ impl Part {
     pub(crate) fn film(&self) -> Film {
         let Crop { width, height, .. } = self.frame.crop;
         let mut film = Film::new(width, height, self.frame.transparent);
-        self.expose(film.pixels_mut(), |tile| tile.pixels.iter().copied());
-        if let Some(alpha) = film.alpha_mut() {
-            self.expose(alpha, |tile| tile.alpha.iter().copied());
+        for (&number, finished) in &self.tiles {
+            self.place(number, &finished.pixels, film.pixels_mut());
+            if let Some(alpha) = film.alpha_mut() {
+                self.place(number, &finished.alpha, alpha);
+            }
         }
         film
     }
 
     /// The picture that the part makes, and what there is to say of it; black where no tile is finished.
-    pub fn into_rendering(self) -> Rendering {
+    pub fn into_rendering(mut self) -> Rendering {
         let Crop { width, height, .. } = self.frame.crop;
         let finished = || self.tiles.values();
         let least = finished().map(|tile| tile.range[0]).min().unwrap_or(0);
         let most = finished().map(|tile| tile.range[1]).max().unwrap_or(0);
         let pixels = finished().map(|tile| tile.pixels.len()).sum::<usize>();
         let mean = finished().map(|tile| tile.samples).sum::<u64>() as f64 / pixels.max(1) as f64;
+        let error = ErrorSums::joined(finished().map(|tile| tile.error)).estimate();
+        let mut film = Film::new(width, height, self.frame.transparent);
         let constant = |value: f32| {
             let mut film = Film::new(width, height, false);
             film.pixels_mut().fill([value; 3]);
             film
         };
-        let maps = self.frame.maps.then(|| {
-            let (mut errors, mut counts) = (constant(f32::INFINITY), constant(0.0));
-            self.expose(errors.pixels_mut(), |tile| tile.standard_errors.iter().copied());
-            self.expose(counts.pixels_mut(), |tile| {
-                let same = if tile.counts.is_empty() { tile.pixels.len() } else { 0 };
-                let counts = tile.counts.iter().copied().chain(core::iter::repeat_n(tile.range[0], same));
-                counts.map(|count| [count as f32; 3])
-            });
-            (errors, counts)
-        });
+        let mut maps = self.frame.maps.then(|| (constant(f32::INFINITY), constant(0.0)));
+        // From the last on, each tile gives its memory back when it is copied, so that the picture is not there twice.
+        while let Some((number, finished)) = self.tiles.pop_last() {
+            self.place(number, &finished.pixels, film.pixels_mut());
+            if let Some(alpha) = film.alpha_mut() {
+                self.place(number, &finished.alpha, alpha);
+            }
+            if let Some((errors, counts)) = &mut maps {
+                self.place(number, &finished.standard_errors, errors.pixels_mut());
+                self.place(number, &finished.counts_of_pixels(), counts.pixels_mut());
+            }
+        }
         let (standard_error, sample_counts) = maps.unzip();
-        let error = ErrorSums::joined(finished().map(|tile| tile.error)).estimate();
         Rendering {
-            film: self.film(),
+            film,
             statistics: self.statistics,
             stopped: self.stopped,
             error: error.filter(|_| self.frame.passes_differ),
@@ -338,13 +350,11 @@ impl Part {
         }
     }
 
-    /// Puts what is told of the pixels of finished tiles in its place of the image.
-    fn expose<'a, T, I: Iterator<Item = T>>(&'a self, image: &mut [T], of: impl Fn(&'a TilePixels) -> I) {
+    /// Puts what is told of the pixels of a tile, if it is, in its place of the image.
+    fn place<T: Copy>(&self, number: u32, values: &[T], image: &mut [T]) {
         let crop = self.frame.crop;
-        for (&number, finished) in &self.tiles {
-            for ([x, y], value) in tile(crop, number as usize).pixels().zip(of(finished)) {
-                image[(y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize] = value;
-            }
+        for ([x, y], &value) in tile(crop, number as usize).pixels().zip(values) {
+            image[(y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize] = value;
         }
     }
 }

@@ -123,6 +123,6 @@ pub use scene::{
     NamedMesh, Node, Scene, Settings, Truth, Warning,
 };
 pub use scene_bounds::{Extent, NodeBounds, SceneBounds, Tree};
-pub use shortage::{Shortage, Size};
+pub use shortage::Shortage;
 #[cfg(feature = "format")]
 pub use texture::{TextureError, decode_numbers, decode_texture};

@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use crate::Size;
+use bytesize::ByteSize;
 
 /// How much is allowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,7 +137,7 @@ impl fmt::Display for Amount {
                 write!(f, "2^{} - 1", (count + 1).trailing_zeros())
             }
             Self::Count(count) => write!(f, "{count}"),
-            Self::Bytes(bytes) => Size(bytes).fmt(f),
+            Self::Bytes(bytes) => ByteSize(bytes).fmt(f),
         }
     }
 }

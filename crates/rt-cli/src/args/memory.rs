@@ -1,5 +1,7 @@
 //! Amounts of memory as users write them.
 
+use bytesize::ByteSize;
+
 /// How much memory a command may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Amount {
@@ -41,26 +43,11 @@ pub(super) fn amount(text: &str) -> Result<Amount, String> {
 
 /// `123456`, `512M`, `1.5GiB`.
 pub(super) fn bytes(text: &str) -> Result<u64, String> {
-    let rule = || "write a number of bytes with its unit, as 512M, 1.5GiB or 65536".to_owned();
-    let end = text.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(text.len());
-    let (number, unit) = text.split_at(end);
-    let number: f64 = number.parse().map_err(|_| rule())?;
-    let factor = factor(unit.trim_start()).ok_or_else(rule)?;
-    let bytes = number * factor;
-    if bytes >= 1.0 && bytes < u64::MAX as f64 { Ok(bytes as u64) } else { Err(rule()) }
-}
-
-/// `K`, `kB`, `Ki`, `KiB` and so on, in any case.
-fn factor(unit: &str) -> Option<f64> {
-    let unit = unit.to_ascii_lowercase();
-    let unit = unit.strip_suffix('b').unwrap_or(&unit);
-    let (letter, base) = match unit.strip_suffix('i') {
-        Some(letter) if !letter.is_empty() => (letter, 1024.0_f64),
-        Some(_) => return None,
-        None => (unit, 1000.0),
-    };
-    let power = ["", "k", "m", "g", "t"].iter().position(|known| *known == letter)?;
-    Some((0..power).map(|_| base).product())
+    // What is too large for the type is read as its greatest value.
+    match text.parse() {
+        Ok(ByteSize(bytes)) if bytes > 0 && bytes < u64::MAX => Ok(bytes),
+        _ => Err("write a number of bytes with its unit, as 512M, 1.5GiB or 65536".to_owned()),
+    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! `--limits`: what is refused, and which option changes that.
 
+use bytesize::ByteSize;
 use comfy_table::{CellAlignment, Table, presets};
 use rt_camera::MAX_READ_PIXELS;
-use rt_scene_io::Size;
 use rt_scene_io::limits::{self, Amount};
 
 use crate::args;
@@ -15,7 +15,7 @@ pub(super) fn run() -> Result<(), Failure> {
     table.load_style(presets::NOTHING);
     table.set_header(["limit", "at most", "applies to", "changed by"]);
     let memory = args::Amount::default().of(memory::available_bytes());
-    let memory = memory.map_or_else(|| "no limit".to_owned(), |bytes| Size(bytes).to_string());
+    let memory = memory.map_or_else(|| "no limit".to_owned(), |bytes| ByteSize(bytes).to_string());
     table.add_row(["predicted memory", &memory, "render, explain, check, convert, converge", "--memory"]);
     for limit in limits::ALL {
         let flag = limit.flag.unwrap_or_default();

@@ -41,6 +41,16 @@ fn refused(place: &Workplace, arguments: &str) -> String {
     said
 }
 
+/// The most memory that a render which succeeds takes.
+fn peak(place: &Workplace, arguments: &str) -> u64 {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rt-cli"));
+    command.args(arguments.split_whitespace()).current_dir(place.path(""));
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let used = command.spawn().and_then(|mut child| child.wait4()).expect("a run");
+    assert!(used.status.success(), "{arguments}");
+    used.rusage.maxrss
+}
+
 /// A file of this size that begins with `head`; what follows takes no room on the disk.
 fn sparse(place: &Workplace, name: &str, head: &[u8], size: u64) {
     place.write(name, head);
@@ -60,6 +70,17 @@ fn a_picture_that_needs_more_is_refused_before_it_is_begun() {
     place.succeed(passes);
     let said = refused(&place, "render scene.ron --size 4000x4000 --time 1s --memory 500M -o a.png");
     assert!(said.contains("for the picture of 4000 x 4000 pixels"), "{said}");
+}
+
+#[test]
+fn the_picture_was_held_twice_when_its_tiles_were_joined() {
+    const PIXELS: u64 = 2000 * 1500;
+    let place = Workplace::with_scene();
+    let small = peak(&place, "render scene.ron --size 8x8 --spp 1 -o a.png");
+    let large = peak(&place, "render scene.ron --size 2000x1500 --spp 1 -o a.png");
+    // 12 bytes are the picture, and 3 the bytes of the file; twice the picture would be 24.
+    let each = large.saturating_sub(small) as f64 / PIXELS as f64;
+    assert!(each < 20.0, "{each} bytes for a pixel");
 }
 
 #[test]
