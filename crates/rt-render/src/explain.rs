@@ -82,6 +82,8 @@ struct Census {
     moving: usize,
     shadowless: usize,
     unbounded: usize,
+    /// Whose texture coordinates nobody asks for.
+    plain: usize,
 }
 
 impl Census {
@@ -89,7 +91,8 @@ impl Census {
         match world {
             World::Spheres(world, _) => {
                 let shadowless = world.casts_shadow.iter().filter(|casts| !**casts).count();
-                Self { spheres: world.materials.len(), shadowless, ..Self::default() }
+                let plain = world.textured.iter().filter(|textured| !**textured).count();
+                Self { spheres: world.materials.len(), shadowless, plain, ..Self::default() }
             }
             World::Parts(top, levels) => {
                 let mut census = Self { meshes: levels.meshes.len(), groups: levels.groups.len(), ..Self::default() };
@@ -104,6 +107,7 @@ impl Census {
 
     fn add(&mut self, part: &Part) {
         self.shadowless += usize::from(!part.casts_shadow);
+        self.plain += usize::from(!part.textured);
         self.unbounded += usize::from(part.bounds.is_none());
         self.moving += usize::from(matches!(part.geometry, PartGeometry::Moving(_)));
         match part.geometry.at_rest() {
@@ -381,6 +385,7 @@ impl RenderPlan<'_> {
         ];
         let surface = [
             (!n.textures && self.integrator != Integrator::Uv, "texture coordinates", "nothing looks at them"),
+            (n.textures && census.plain > 0, "texture coordinates of some surfaces", "there are no textures on these"),
             (!n.shading_normals, "interpolated normals", "no mesh has vertex normals"),
         ];
         let shading = [

@@ -434,6 +434,7 @@ impl<'s> Flattener<'s> {
         Ok(Part {
             geometry,
             relief,
+            textured: true,
             material: node.material.0,
             casts_shadow: here.casts_shadow && !is_air,
             bounds,

@@ -9,7 +9,8 @@ use rt_geometry::{Shape, Spheres};
 use rt_math::{DVec2, DVec3};
 use rt_scene_io::{Integrator, MaterialId, NamedCamera, Scene, Settings};
 use rt_shading::{
-    AmbientOcclusion, Appearance, FirstHitView, Follows, LightSources, Needs, PathSettings, emitter::EmitterSet,
+    AmbientOcclusion, Appearance, FirstHitView, Follows, LightSources, Material, Needs, PathSettings,
+    emitter::EmitterSet,
 };
 use serde::{Deserialize, Serialize};
 
@@ -198,6 +199,9 @@ impl<'s> RenderPlan<'s> {
         } else {
             EmitterSet::default()
         };
+        if !options.full && settings.integrator != Integrator::Uv {
+            spare_texture_coordinates(scene, &mut top, &mut levels);
+        }
         let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, shot.camera.medium) };
         let world = if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) };
         let stage = Stage { scene, options, wanted, origin, world: &world, refracts: needs.refraction };
@@ -298,6 +302,7 @@ impl World {
         match top.parts.iter().map(sphere).collect::<Option<Vec<_>>>() {
             Some(spheres) => {
                 let materials = top.parts.iter().map(|part| part.material).collect();
+                let textured = top.parts.iter().map(|part| part.textured).collect();
                 let some_cast_none = top.parts.iter().any(|part| !part.casts_shadow);
                 let switches = top.parts.iter().map(|part| part.casts_shadow);
                 let casts_shadow = if some_cast_none { switches.collect() } else { Vec::new() };
@@ -305,7 +310,7 @@ impl World {
                 let lights = top.parts.iter().map(|part| part.emitter);
                 let emitters = if some_shine { lights.collect() } else { Vec::new() };
                 let spheres = Spheres::new(spheres);
-                Self::Spheres(SphereWorld { spheres, materials, casts_shadow, emitters }, top.structure)
+                Self::Spheres(SphereWorld { spheres, materials, textured, casts_shadow, emitters }, top.structure)
             }
             None => Self::Parts(top, levels),
         }
@@ -371,6 +376,14 @@ fn raster_of(sample_offset: DVec2, filter: Filter, part: Crop) -> [DVec2; 2] {
     let last = first + DVec2::new(f64::from(part.width - 1), f64::from(part.height - 1));
     let reach = filter.radius() + ROUNDING;
     [first - reach, last + reach]
+}
+
+/// Notes which surfaces nobody asks for their texture coordinates: those whose material has the same coefficients everywhere.
+fn spare_texture_coordinates(scene: &Scene, top: &mut Assembly, levels: &mut Levels) {
+    for part in top.parts.iter_mut().chain(levels.groups.iter_mut().flat_map(|group| &mut group.parts)) {
+        let material = scene.appearance.materials.get(part.material as usize);
+        part.textured = part.geometry.group().is_some() || material.is_none_or(Material::is_textured);
+    }
 }
 
 /// What the materials of objects that are really there need, and of what is around the camera.

@@ -27,6 +27,8 @@ pub(crate) struct SphereWorld {
     pub(crate) spheres: Spheres,
     /// By sphere: its material.
     pub(crate) materials: Vec<u32>,
+    /// By sphere: whether something looks at its texture coordinates.
+    pub(crate) textured: Vec<bool>,
     /// By sphere: whether it casts a shadow; empty if all do.
     pub(crate) casts_shadow: Vec<bool>,
     /// By sphere: the light that it is; empty if none is.
@@ -66,8 +68,9 @@ impl Primitives for SphereWorld {
 impl Surfaces for SphereWorld {
     #[inline(always)]
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
-        let interaction = self.spheres.surface(ray, hit, needs)?;
         let material = *self.materials.get(hit.primitive as usize)?;
+        let uv = needs.uv && *self.textured.get(hit.primitive as usize)?;
+        let interaction = self.spheres.surface(ray, hit, SurfaceNeeds { uv, ..needs })?;
         let index = self.emitters.get(hit.primitive as usize).copied().flatten();
         let emitter = index.map(|index| EmitterRef { index, triangle: None });
         Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material, emitter })

@@ -27,6 +27,8 @@ pub(crate) struct Part {
     /// The number of the light that this is, if one can draw from it; of the first one in a group. A group's part counts from
     /// there.
     pub(crate) emitter: Option<u32>,
+    /// False if nothing looks at its texture coordinates.
+    pub(crate) textured: bool,
     /// The normal map of its material; `None` for a group.
     pub(crate) relief: Option<Relief>,
     /// For messages.
@@ -37,6 +39,12 @@ impl Part {
     /// True if it is elsewhere at another moment, in its assembly.
     pub(crate) const fn moves(&self) -> bool {
         matches!(self.geometry, PartGeometry::Moving(_))
+    }
+
+    /// What is needed of its surface.
+    #[inline]
+    fn needs(&self, needs: SurfaceNeeds) -> SurfaceNeeds {
+        SurfaceNeeds { uv: needs.uv && self.textured, ..needs }
     }
 
     /// The part's surface at `t`; `triangle` is the one that was hit, where the light is numbered as the mesh is.
@@ -168,7 +176,7 @@ impl Parts<'_> {
         let part = self.parts.get(self.place(hit) as usize)?;
         if let PartGeometry::Facet(mesh, triangle) = &part.geometry {
             // By itself, so that it is written where it is needed, and not moved about.
-            let surface = mesh.surface(ray, &Hit { primitive: *triangle, ..*hit }, needs)?;
+            let surface = mesh.surface(ray, &Hit { primitive: *triangle, ..*hit }, part.needs(needs))?;
             return Some(part.made(hit.t, surface, Some(*triangle)));
         }
         self.surface_of(part, &part.geometry, ray, hit, needs)
@@ -183,6 +191,7 @@ impl Parts<'_> {
         needs: SurfaceNeeds,
     ) -> Option<SurfaceHit> {
         let shape_hit = ShapeHit { t: hit.t, uv: hit.uv };
+        let needs = part.needs(needs);
         Some(match geometry {
             PartGeometry::Shape(shape) => part.made(hit.t, shape.surface(ray, &shape_hit, needs), None),
             PartGeometry::Placed(placed) => part.made(hit.t, placed.surface(ray, &shape_hit, needs), None),

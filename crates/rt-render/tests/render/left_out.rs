@@ -92,7 +92,8 @@ fn explanations_name_what_is_left_out() {
     }
     let scene = everything();
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-    assert_eq!(plan.explain().left_out.iter().map(|l| l.what).collect::<Vec<_>>(), ["alpha channel", "time", "lens"]);
+    let left_out: Vec<_> = plan.explain().left_out.iter().map(|left| left.what).collect();
+    assert_eq!(left_out, ["alpha channel", "time", "lens", "texture coordinates of some surfaces"]);
     let full = RenderPlan::compile(&scene, &PlanOptions { full: true, ..PlanOptions::default() });
     assert!(full.expect("the scene compiles").explain().left_out.is_empty());
 }
