@@ -143,6 +143,6 @@ mod tests {
              for the texture a.png"
         );
         assert!(refused(7 << 20).ends_with("most of it, 7.0 MiB, is for the model b.obj"));
-        assert!(refused(u64::MAX).contains("needs 16384.0 PiB"), "no overflow");
+        assert!(refused(u64::MAX).contains("needs 16.0 EiB"), "no overflow");
     }
 }
