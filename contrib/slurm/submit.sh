@@ -19,5 +19,5 @@ array=$(sbatch --parsable --array="1-$parts" --output="$folder/%a.log" ${SBATCH_
     "$here/part.sbatch" "$scene" "$folder" "$@")
 # shellcheck disable=SC2086
 merge=$(sbatch --parsable --dependency="afterok:${array%%;*}" --kill-on-invalid-dep=yes --output="$folder/merge.log" \
-    ${SBATCH_OPTIONS:-} "$here/merge.sbatch" "$folder" "$picture")
+    ${SBATCH_OPTIONS:-} "$here/merge.sbatch" "$folder" "$picture" "$parts")
 echo "parts: job ${array%%;*}, picture: job ${merge%%;*}"

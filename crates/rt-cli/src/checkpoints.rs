@@ -27,7 +27,7 @@ pub(crate) struct Checkpoints {
 impl Checkpoints {
     /// Those of a render whose result goes to `output`.
     pub(crate) fn new(args: &KeepArgs, output: &OutputFile, label: Label, console: Console) -> Self {
-        let file = args.checkpoint.clone().unwrap_or_else(|| beside(output.path()));
+        let file = place(args, output);
         let every = match args.checkpoint_every {
             Every::Time(time) => Some(time),
             Every::Never => None,
@@ -42,6 +42,9 @@ impl Checkpoints {
 
     /// The checkpoint of an earlier run, if it is to be continued and there is one.
     pub(crate) fn earlier(&self, args: &KeepArgs) -> Result<Option<Checkpoint>, Failure> {
+        if !kept_file::may_be_replaced(&self.file) {
+            return Err(KeptError::OtherKind { file: self.file.clone(), kind: KeptKind::Checkpoint }.into());
+        }
         if args.restart || !self.file.exists() {
             return Ok(None);
         }
@@ -95,9 +98,11 @@ impl Checkpoints {
     /// Writes the last one, if need be where there is room; tells where it is.
     pub(crate) fn write_last(&self, kept: &Kept<'_>, refuges: &[PathBuf]) -> Result<PathBuf, String> {
         let Err(reason) = self.write(kept) else { return Ok(self.file.clone()) };
-        let name = self.file.file_name().unwrap_or_default();
+        let name = self.file.file_name().unwrap_or_default().to_string_lossy();
+        // Renders of other folders may look for refuge in the same one.
+        let name = format!("rt-cli-{}-{name}", std::process::id());
         let elsewhere =
-            refuges.iter().map(|refuge| Self { file: refuge.join(name), label: self.label.clone(), ..*self });
+            refuges.iter().map(|refuge| Self { file: refuge.join(&name), label: self.label.clone(), ..*self });
         elsewhere.into_iter().find_map(|other| other.write(kept).ok().map(|()| other.file)).ok_or(reason)
     }
 
@@ -115,6 +120,11 @@ impl Checkpoints {
         let _ = fs::remove_file(&self.file);
         let _ = fs::remove_file(self.unfinished());
     }
+}
+
+/// Where the checkpoint of a render goes whose result goes to `output`.
+pub(crate) fn place(args: &KeepArgs, output: &OutputFile) -> PathBuf {
+    args.checkpoint.clone().unwrap_or_else(|| beside(output.path()))
 }
 
 /// The name of a result with `.checkpoint` behind it.

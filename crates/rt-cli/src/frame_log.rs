@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use rt_render::Share;
 use serde::{Deserialize, Serialize};
 
+use crate::args::Frames;
 use crate::error::Failure;
 use crate::identity::Identity;
 use crate::kept_file::KeptError;
@@ -23,6 +24,8 @@ use crate::output::OutputFile;
 #[derive(Debug)]
 pub(crate) struct FrameLog {
     output: OutputFile,
+    /// Those that this run renders.
+    own: Frames,
     done: Done,
 }
 
@@ -35,18 +38,16 @@ struct Done {
 }
 
 impl FrameLog {
-    /// The log of pictures whose names are made by this pattern. It is empty unless an earlier run is to be continued.
+    /// The log of pictures whose names are made by this pattern. Nothing is known of the frames of this run, unless an earlier one
+    /// is to be continued.
     ///
     /// # Errors
-    /// [`Failure`] if it could not be written, or is to be continued and is no such file.
-    pub(crate) fn open(pattern: &Path, shard: Option<Share>, resume: bool) -> Result<Self, Failure> {
-        let path = beside(pattern, shard);
-        let output = OutputFile::prepare(&path, &[])?;
-        let done = match fs::read(&path) {
-            Ok(bytes) if resume => serde_json::from_slice(&bytes).map_err(|_| KeptError::Damaged(path))?,
-            _ => Done::default(),
-        };
-        Ok(Self { output, done })
+    /// [`Failure`] if it could not be written, or is there and is no such file.
+    pub(crate) fn open(pattern: &Path, shard: Option<Share>, own: Frames, resume: bool) -> Result<Self, Failure> {
+        let output = OutputFile::prepare(&beside(pattern, shard), &[])?;
+        let mut done = read(output.path())?;
+        done.frames.retain(|frame, _| resume || !own.contains(*frame));
+        Ok(Self { output, own, done })
     }
 
     /// True if a frame is done already.
@@ -69,8 +70,17 @@ impl FrameLog {
     /// Adds a frame whose picture is written.
     pub(crate) fn add(&mut self, frame: u32, identity: &Identity) -> Result<(), Failure> {
         self.done.frames.insert(frame, identity.to_string());
+        // Other runs may have rendered other frames meanwhile.
+        let others = read(self.output.path())?.frames.into_iter().filter(|(frame, _)| !self.own.contains(*frame));
+        self.done.frames.extend(others);
         Ok(self.output.write(|file| serde_json::to_writer_pretty(file, &self.done))?)
     }
+}
+
+/// What is in the file; nothing if there is none.
+fn read(file: &Path) -> Result<Done, KeptError> {
+    let Ok(bytes) = fs::read(file) else { return Ok(Done::default()) };
+    serde_json::from_slice(&bytes).map_err(|_| KeptError::Log(file.to_owned()))
 }
 
 /// The name of a pattern with `.frames.json` behind it.

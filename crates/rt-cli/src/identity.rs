@@ -22,7 +22,8 @@ impl Identity {
     /// Of a picture that is made with these options of these files, one of which is the scene. Files are known by their place
     /// beside the scene, so that each machine may have them in a folder of its own.
     pub(crate) fn new(input: &InputArgs, picture: &PictureArgs, files: &[PathBuf]) -> Result<Self, Failure> {
-        let folder = input.scene.parent().and_then(|folder| folder.canonicalize().ok()).unwrap_or_default();
+        let folder = input.scene.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+        let folder = folder.canonicalize().unwrap_or_default();
         let named = files.iter().map(|file| Ok((name_in(&folder, file), hash_of(file)?)));
         let mut named = named.collect::<Result<Vec<_>, Failure>>()?;
         named.sort_unstable();
@@ -34,11 +35,20 @@ impl Identity {
         };
         add(env!("CARGO_PKG_VERSION").as_bytes());
         add(choices(input, picture).as_bytes());
+        // By itself: it may be a file of the scene as well.
+        add(&picture.env.as_deref().map_or(Ok(Vec::new()), |file| hash_of(file).map(Vec::from))?);
         for (name, hash) in &named {
             add(name.as_bytes());
             add(hash);
         }
         Ok(Self(*hasher.finalize().as_bytes()))
+    }
+
+    /// Of the same picture, made with these further options.
+    pub(crate) fn with(&self, options: &str) -> Self {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&self.0).update(options.as_bytes());
+        Self(*hasher.finalize().as_bytes())
     }
 }
 
@@ -123,7 +133,9 @@ mod tests {
         }
         let plain = identity(one.path(), "");
         assert_eq!(plain, identity(other.path(), "--accel bvh --quality high -o other.png --threads 3"));
+        let env = format!("--env {}", one.path().join("model.obj").display());
         let options = [
+            env.as_str(),
             "--size 8x8",
             "--seed 1",
             "--spp 2",

@@ -9,7 +9,7 @@ use rt_scene_io::Scene;
 
 use crate::aov_file::AovFile;
 use crate::args::KeepArgs;
-use crate::checkpoints::Checkpoints;
+use crate::checkpoints::{self, Checkpoints};
 use crate::console::Console;
 use crate::display::Display;
 use crate::error::Failure;
@@ -114,7 +114,13 @@ impl Job<'_> {
             let stats_file = StatsFile::new(&outcome);
             results.push(stats.write_or_rescue(&refuges, |file| serde_json::to_writer_pretty(file, &stats_file)));
         }
-        write_all(results)?;
+        let written_all = write_all(results);
+        if let (Err(_), Some(Ok(checkpoint))) = (&written_all, &kept) {
+            let checkpoint = checkpoint.display();
+            self.console
+                .warn(format_args!("the render is not finished; --resume goes on from the checkpoint {checkpoint}"));
+        }
+        written_all?;
         let picture = is_written.then(|| self.result.output().path().to_owned());
         if stopped == Stopped::Interrupted {
             let percent = self.percent(&plan, &rendering);
@@ -159,6 +165,10 @@ impl Job<'_> {
         }
         let (label, part) = kept_file::read::<Part>(output.path(), KeptKind::Part)?;
         if label.identity != *identity || Some(part.share()) != args.shard {
+            // An older part does not stand in the way of a newer render that was interrupted.
+            if checkpoints::place(args, output).exists() {
+                return Ok(false);
+            }
             let advice = "; begin anew with --restart";
             let file = output.path().to_owned();
             return Err(KeptError::Foreign { file, scene: label.scene, advice }.into());
@@ -269,7 +279,12 @@ impl Job<'_> {
         let mut watcher = Watcher::new(self.console.quiet, earlier.as_ref(), checkpoints, refuges.to_vec(), display);
         let part = plan.render_part(&run, self.rule.as_ref(), earlier, &mut watcher);
         let (checkpoints, kept, display) = watcher.finish();
-        let part = part.map_err(|error| Failure::plan(self.scene_file, error))?;
+        let part = part.map_err(|error| match (error, &checkpoints) {
+            (RenderError::Checkpoint, Some(checkpoints)) => {
+                KeptError::OtherOptions(checkpoints.file().to_owned()).into()
+            }
+            (error, _) => Failure::plan(self.scene_file, error),
+        })?;
         Ok(Rendered { part, checkpoints, kept, display })
     }
 

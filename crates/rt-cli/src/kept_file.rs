@@ -7,7 +7,7 @@
 //! Numbers are written by postcard. A file is only as good as its hash: a flipped bit is found before anything is read.
 
 use std::fs;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read as _, Write};
 use std::path::{Path, PathBuf};
 
 use rt_camera::{Development, Encoding};
@@ -67,6 +67,9 @@ pub(crate) enum KeptError {
     /// It is not what was written.
     #[error("{}: is damaged: its content does not have the hash at its end", .0.display())]
     Damaged(PathBuf),
+    /// A list of frames that is none.
+    #[error("{}: is no list of the frames that are done; remove it to begin anew", .0.display())]
+    Log(PathBuf),
     /// Its content makes no sense to this program.
     #[error("{}: was written by version {version} of this program, and this is version {}", file.display(), env!("CARGO_PKG_VERSION"))]
     Version {
@@ -75,6 +78,10 @@ pub(crate) enum KeptError {
         /// What wrote it.
         version: String,
     },
+    /// It is of the same picture, and something else was wanted of it.
+    #[error("{}: was made with other options: --stats, --aov, --time and --target-error must be given again, or not, as they were at \
+             first; begin anew with --restart", .0.display())]
+    OtherOptions(PathBuf),
     /// It is of another picture.
     #[error("{}: is of another picture: its scene ({scene}), a file of it, or an option is not the same{advice}", file.display())]
     Foreign {
@@ -122,6 +129,13 @@ impl Label {
             encoding: self.gamma.map_or(Encoding::Srgb, Encoding::Power),
         }
     }
+}
+
+/// False if there is a file which is not one of these, or the beginning of one.
+pub(crate) fn may_be_replaced(file: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = fs::File::open(file).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut head));
+    read.is_err() || MAGIC.starts_with(&head)
 }
 
 /// Writes a file.

@@ -6,7 +6,7 @@
 //!
 //! A tile is rendered whole by one machine, so that a picture of many parts has the bits of one.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rt_camera::Film;
 use serde::{Deserialize, Serialize};
@@ -228,9 +228,14 @@ impl Part {
         self.stopped
     }
 
-    /// Tiles of its share that are not finished.
+    /// Tiles of its share that are not finished: some of them if a worker failed or the render was interrupted, and all if that
+    /// happened between passes over all of them.
     pub fn missing_tiles(&self) -> usize {
-        self.share.pieces(tile_count(self.frame.crop)).saturating_sub(self.tiles.len())
+        let all = self.share.pieces(tile_count(self.frame.crop));
+        let lost: BTreeSet<_> = self.lost.iter().collect();
+        let finished = self.tiles.keys().filter(|number| !lost.contains(number)).count();
+        let is_between_passes = self.stopped == Stopped::Interrupted && finished == all;
+        if is_between_passes { all } else { all.saturating_sub(finished) }
     }
 
     /// True unless what it holds contradicts itself, as that of a file may.

@@ -36,6 +36,11 @@ impl Frames {
         self.first == self.last
     }
 
+    /// True if that is one of them.
+    pub(crate) fn contains(self, frame: u32) -> bool {
+        self.numbers().contains(&frame)
+    }
+
     /// Their numbers.
     pub(crate) const fn numbers(self) -> RangeInclusive<u32> {
         self.first..=self.last

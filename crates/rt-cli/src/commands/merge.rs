@@ -75,7 +75,10 @@ fn named(files: &[PathBuf], error: JoinError) -> Failure {
     Failure::Join(match error {
         JoinError::Damaged(part) => format!("{}: what it holds contradicts itself", name(part)),
         JoinError::Foreign(part) => {
-            format!("{}: is of a picture of another size, or was made with other options", name(part))
+            format!(
+                "{}: is of a picture of another size, or was made with other options (--stats must be given for all parts, or for none)",
+                name(part)
+            )
         }
         JoinError::Shares { part, count, expected } => {
             format!("{}: is one of {count} parts, and {} is one of {expected}", name(part), name(0))

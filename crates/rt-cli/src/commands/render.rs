@@ -9,14 +9,14 @@ use rt_camera::ImageFormat;
 use rt_render::Share;
 
 use crate::aov_file::AovFile;
-use crate::args::RenderArgs;
+use crate::args::{KeepArgs, RenderArgs};
 use crate::console::Console;
 use crate::error::Failure;
 use crate::identity::Identity;
 use crate::input::Input;
 use crate::job::{Job, JobResult, Keep};
-use crate::output::OutputFile;
-use crate::{input, overrides, picture_file};
+use crate::output::{OutputError, OutputFile};
+use crate::{checkpoints, input, overrides, picture_file};
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     match args.frames.frames {
@@ -49,7 +49,8 @@ fn picture(args: &RenderArgs) -> Result<(), Failure> {
     if stats.as_ref().is_some_and(|stats| stats.is_same_file(&output)) {
         return Err(Failure::Usage("the picture and the statistics cannot go to the same file".to_owned()));
     }
-    let others: Vec<_> = stats.iter().chain([&output]).collect();
+    let checkpoint = prepare_checkpoint(&args.keep, &output, stats.as_ref(), &files)?;
+    let others: Vec<_> = stats.iter().chain([&output]).chain(&checkpoint).collect();
     let aovs = AovFile::prepare_all(&args.aov, &files, &others)?;
     let identity = Identity::new(&args.input, &args.picture, &files)?;
     let job = Job {
@@ -70,6 +71,24 @@ fn picture(args: &RenderArgs) -> Result<(), Failure> {
         console,
     };
     job.run()
+}
+
+/// Refuses a checkpoint that would go to the file of something else, which would be removed with it. Where none can be written at
+/// all, the render does without.
+fn prepare_checkpoint(
+    args: &KeepArgs,
+    output: &OutputFile,
+    stats: Option<&OutputFile>,
+    inputs: &[PathBuf],
+) -> Result<Option<OutputFile>, Failure> {
+    match OutputFile::prepare(&checkpoints::place(args, output), inputs) {
+        Ok(checkpoint) if stats.into_iter().chain([output]).any(|other| other.is_same_file(&checkpoint)) => Err(
+            Failure::Usage(format!("the checkpoint and something else would go to {}", checkpoint.path().display())),
+        ),
+        Ok(checkpoint) => Ok(Some(checkpoint)),
+        Err(error @ OutputError::IsInput(_)) => Err(error.into()),
+        Err(_) => Ok(None),
+    }
 }
 
 /// Refuses options that need all of a picture, where a part of it is rendered.

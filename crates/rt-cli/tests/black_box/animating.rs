@@ -97,7 +97,7 @@ fn frames_that_are_done_are_not_rendered_again_and_never_mixed_with_others() {
     std::fs::remove_file(place.path("out-1.pfm")).expect("removed");
     assert_eq!(done(&render("--frames 0..3 --resume --threads 1")), [true, false, true, true]);
     assert!(place.read("out-1.pfm") == first);
-    for other in ["--seed 7", "--shutter 0,1", "--size 8x8"] {
+    for other in ["--seed 7", "--shutter 0,1", "--size 8x8", "--target-error 50%", "--exposure 1"] {
         let run = render(&format!("--frames 0..3 --resume {other}"));
         assert_eq!(run.code, Some(3), "{other}: {run:?}");
         assert!(run.stderr.contains("out-#.pfm.frames.json: is of another picture"), "{run:?}");
@@ -105,6 +105,11 @@ fn frames_that_are_done_are_not_rendered_again_and_never_mixed_with_others() {
     assert!(place.read("out-1.pfm") == first, "nothing was touched");
     assert_eq!(done(&render("--frames 0..3 --seed 7 --restart")), [false; 4]);
     assert!(place.read("out-1.pfm") != first);
+    // Files that were not asked for before are made now; frames of other runs stay known.
+    assert_eq!(done(&render("--frames 2..3 --seed 7 --resume --aov samples=n-#.pfm")), [false; 2]);
+    assert_eq!(done(&render("--frames 2..3 --seed 7 --resume --aov samples=n-#.pfm")), [true; 2]);
+    assert_eq!(done(&render("--frames 4..5 --seed 7")), [false; 2]);
+    assert_eq!(done(&render("--frames 0..5 --seed 7 --resume")), [true; 6]);
     place.write("out-#.pfm.frames.json", "{");
     assert_eq!(render("--frames 0..3 --resume").code, Some(3));
 }

@@ -169,6 +169,35 @@ fn any_flipped_bit_of_a_checkpoint_is_found() {
 }
 
 #[test]
+#[cfg(unix)]
+fn what_resume_must_be_given_again_is_named() {
+    let place = Workplace::with_scene();
+    assert_eq!(interrupted(&place, "").code, Some(130));
+    let run = place.run(&format!("{LONG} --resume --stats stats.json"));
+    assert_eq!(run.code, Some(3), "{run:?}");
+    assert!(run.stderr.contains("scene.exr.checkpoint: was made with other options: --stats"), "{run:?}");
+}
+
+#[test]
+fn a_checkpoint_took_the_place_of_the_scene_or_of_the_picture() {
+    let place = Workplace::with_scene();
+    place.write("notes.txt", "mine");
+    let files = place.files();
+    for (options, code, message) in [
+        ("--checkpoint scene.ron --restart", 4, "it is an input"),
+        ("--checkpoint scene.png", 2, "the checkpoint and something else would go to scene.png"),
+        ("--stats s.json --checkpoint s.json", 2, "the checkpoint and something else would go to s.json"),
+        ("--stats scene.png.checkpoint", 2, "the checkpoint and something else would go to scene.png.checkpoint"),
+        ("--aov samples=c.pfm --checkpoint c.pfm", 2, "something else goes to c.pfm already"),
+        ("--checkpoint notes.txt --restart", 3, "notes.txt: is no checkpoint"),
+    ] {
+        let run = place.run(&format!("render scene.ron {options}"));
+        assert!(run.code == Some(code) && run.stderr.contains(message), "{options}: {run:?}");
+        assert_eq!(place.files(), files, "{options}");
+    }
+}
+
+#[test]
 fn resume_without_a_checkpoint_begins() {
     let place = Workplace::with_scene();
     place.succeed("render scene.ron --resume");

@@ -82,6 +82,17 @@ fn what_is_missing_doubled_or_foreign_is_named() {
 }
 
 #[test]
+fn parts_of_a_scene_that_was_named_without_a_folder_belonged_to_that_folder() {
+    let [place, other] = [(); 2].map(|()| Workplace::with_scene());
+    place.succeed(&format!("{RENDER} --shard 1/2"));
+    other.succeed(&format!("{RENDER} --shard 2/2"));
+    place.write("scene.2-of-2.part", other.read("scene.2-of-2.part"));
+    place.succeed(&format!("merge {} -o scene.exr", parts(&[1, 2], 2)));
+    other.succeed(&format!("{RENDER} -o scene.exr"));
+    assert!(place.read("scene.exr") == other.read("scene.exr"));
+}
+
+#[test]
 fn a_part_that_is_there_is_not_rendered_again() {
     let place = with_parts(2, "");
     let before = place.read("scene.1-of-2.part");

@@ -201,6 +201,21 @@ fn parts_that_make_no_picture_are_named() {
 }
 
 #[test]
+fn an_interrupted_part_of_passes_was_taken_for_finished() {
+    let way = &ways()[2];
+    assert_eq!(way.name, "caustics");
+    let plan = RenderPlan::compile(&way.scene, &PlanOptions::default()).expect("compiles");
+    let interrupt = AtomicBool::new(true);
+    let parts = [0, 1].map(|index| {
+        let run = RunOptions { interrupt: Some(&interrupt), share: Share::new(index, 2).expect("a share"), ..RUN };
+        plan.render_part(&run, None, None, |_| {}).expect("renders")
+    });
+    let missing = parts[0].missing_tiles();
+    assert!(missing > 0);
+    assert_eq!(Part::join(parts.to_vec()), Err(JoinError::Unfinished { part: 0, missing }));
+}
+
+#[test]
 fn checkpoints_of_other_renders_are_refused() {
     let keep = |way: &Way, options: &PlanOptions, run: RunOptions<'_>| {
         let plan = RenderPlan::compile(&way.scene, options).expect("compiles");

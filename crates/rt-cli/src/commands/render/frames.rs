@@ -29,7 +29,7 @@ pub(super) fn each(
         });
     }
     refuse_shared_files(args)?;
-    let mut log = FrameLog::open(&output(args), args.keep.shard, args.keep.resume)?;
+    let mut log = FrameLog::open(&output(args), args.keep.shard, frames, args.keep.resume)?;
     let mut files = None;
     for frame in frames.numbers().filter(|frame| share.holds(*frame as usize)) {
         let args = of_frame(args, frame);
@@ -37,7 +37,9 @@ pub(super) fn each(
             files = Some(files_of(&args).map_err(|source| failed(frame, source))?);
         }
         let identity = Identity::new(&args.input, &args.picture, files.as_deref().unwrap_or_default())?;
-        if log.has(frame, &identity, &args.input.scene)? && args.output.as_deref().is_some_and(Path::exists) {
+        // A frame that is finished does not go on: what ends and develops it must be the same.
+        let identity = identity.with(&format!("{:?}", (&args.stop, &args.development)));
+        if log.has(frame, &identity, &args.input.scene)? && results(&args).all(Path::exists) {
             say(frame, " is there already".to_owned())?;
             continue;
         }
@@ -46,6 +48,12 @@ pub(super) fn each(
         log.add(frame, &identity)?;
     }
     Ok(())
+}
+
+/// All files that a frame is written to.
+fn results(args: &RenderArgs) -> impl Iterator<Item = &Path> {
+    let aovs = args.aov.iter().map(|aov| aov.file.as_path());
+    args.output.as_deref().into_iter().chain(args.run.stats.as_deref()).chain(aovs)
 }
 
 fn failed(frame: u32, source: Failure) -> Failure {
