@@ -63,7 +63,7 @@ impl Sample {
     /// The sum over all lines of the file, as far as the pieces tell.
     pub(crate) fn over_lines<const N: usize>(&self, mut count: impl FnMut(&[u8]) -> [u64; N]) -> [u64; N] {
         let mut sums = [0; N];
-        for line in self.pieces.iter().flat_map(|piece| piece.split(|&byte| byte == b'\n')) {
+        for line in self.pieces.iter().flat_map(|piece| piece.split(|&byte| matches!(byte, b'\n' | b'\r'))) {
             for (sum, value) in sums.iter_mut().zip(count(line)) {
                 *sum += value;
             }

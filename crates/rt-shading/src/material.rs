@@ -317,22 +317,54 @@ impl Material {
         self.coverage.texture.iter_mut().for_each(shift);
     }
 
-    /// True if any coefficient varies with the texture coordinates.
+    /// True if it looks at textures.
     pub fn is_textured(&self) -> bool {
-        let textured = |coefficient: &&Coefficient| matches!(coefficient, Coefficient::Textured(..));
-        let physical = self.physical.as_ref().map(Physical::coefficients).unwrap_or_default();
-        let scalars = self.physical.as_ref().map(Physical::scalars).unwrap_or_default();
-        let is_textured = |scalar: &&Scalar| matches!(scalar, Scalar::Textured(..));
-        self.relief.is_some()
-            || self.phong.is_textured()
-            || physical.iter().any(textured)
-            || scalars.iter().chain(&[&self.occlusion]).any(is_textured)
+        !self.textures().is_empty()
+    }
+
+    /// The textures that it looks at, in no particular order; not that of its coverage, which rays look at.
+    pub fn textures(&self) -> Vec<TextureId> {
+        let Phong { ambient, diffuse, specular, emission, mirror, ref transmission, .. } = self.phong;
+        let physical = self.physical.as_ref();
+        let coefficients = [ambient, diffuse, specular, emission, mirror]
+            .into_iter()
+            .chain(transmission.map(|transmission| transmission.coefficient))
+            .chain(physical.map(Physical::coefficients).unwrap_or_default().into_iter().copied());
+        let of_coefficients = coefficients.filter_map(|coefficient| match coefficient {
+            Coefficient::Textured(id, _) => Some(id),
+            Coefficient::Constant(_) => None,
+        });
+        let scalars = physical.map(Physical::scalars).unwrap_or_default().into_iter().chain([&self.occlusion]);
+        let of_scalars = scalars.filter_map(|scalar| match scalar {
+            Scalar::Textured(id, ..) => Some(*id),
+            Scalar::Constant(_) => None,
+        });
+        let (coat, direction) = match physical {
+            Some(Physical::Layered(layered)) => (layered.coat_relief, layered.anisotropy_direction),
+            _ => (None, None),
+        };
+        let reliefs = [self.relief, coat].into_iter().flatten().map(|relief| relief.texture);
+        of_coefficients.chain(of_scalars).chain(reliefs).chain(direction).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{LayeredBase, LayeredSurface};
+
+    #[test]
+    fn a_map_of_the_coat_alone_was_no_texture() {
+        let relief = Relief { texture: TextureId(3), scale: 1.0 };
+        let (base_color, metallic) = (Coefficient::Constant(Rgb::WHITE), Scalar::Constant(0.0));
+        let base = LayeredBase::MetallicRoughness { base_color, metallic, roughness: metallic };
+        let surface = LayeredSurface { coat_relief: Some(relief), ..LayeredSurface::new(base) };
+        let material = Material {
+            physical: Some(Physical::Layered(Box::new(surface))),
+            ..Material::new("coated".into(), Phong::default())
+        };
+        assert_eq!((material.textures(), material.is_textured()), (vec![TextureId(3)], true));
+    }
 
     #[test]
     fn whole_powers_agree_with_the_general_function() {

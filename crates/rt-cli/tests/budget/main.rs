@@ -73,6 +73,31 @@ fn a_picture_that_needs_more_is_refused_before_it_is_begun() {
 }
 
 #[test]
+fn each_scope_of_a_pbrt_file_had_a_copy_of_all_attributes() {
+    let place = Workplace::new();
+    let zeros = "0 ".repeat(200_000);
+    let (begin, end) =
+        ("AttributeBegin Attribute \"shape\" \"float a\" 1\n".repeat(1000), "AttributeEnd\n".repeat(1000));
+    let text = format!("WorldBegin\nAttribute \"shape\" \"float zzz\" [{zeros}]\n{begin}Shape \"sphere\"\n{end}");
+    place.write("scopes.pbrt", text.replace("\"float a\" 1", "\"float radius\" 1"));
+    assert!(peak(&place, "explain scopes.pbrt --memory 64MiB") < MAX_BYTES);
+}
+
+#[test]
+fn how_lines_are_laid_out_hid_what_they_hold() {
+    let place = Workplace::new();
+    let lines = "v 0.123456 0.654321 0.5\n".repeat(300_000) + &"f 1 2 3\n".repeat(100_000);
+    place.write("indented.obj", lines.replace('\n', "\n  "));
+    place.write("mac.obj", lines.replace('\n', "\r"));
+    place.write("one.nff", "s 0 0 0 1 ".repeat(200_000));
+    place.write("one.pbrt", format!("WorldBegin {}", "Shape \"sphere\" ".repeat(200_000)));
+    for file in ["indented.obj", "mac.obj", "one.nff", "one.pbrt"] {
+        let said = refused(&place, &format!("explain {file} --memory 32MiB"));
+        assert!(said.contains(&format!("for the model {file}")), "{said}");
+    }
+}
+
+#[test]
 fn the_picture_was_held_twice_when_its_tiles_were_joined() {
     const PIXELS: u64 = 2000 * 1500;
     let place = Workplace::with_scene();

@@ -30,7 +30,7 @@ mod welded;
 
 use rt_math::DVec3;
 use rt_scene_io::Scene;
-use rt_shading::Material;
+use rt_shading::{Material, Texture, TextureId};
 
 use crate::{flatten::flatten, rebase, structure::Wanted};
 use bodies::Bodies;
@@ -86,7 +86,7 @@ fn meshes(objects: &Objects<'_>, findings: &mut Findings) -> Vec<Topology> {
     for object in &objects.list {
         if let Geometry::Mesh(index, _) = object.geometry {
             glass[index] |= objects.is_glass(object);
-            textured[index] |= objects.material(object).is_some_and(Material::is_textured);
+            textured[index] |= objects.material(object).is_some_and(|material| looks_at_uv(scene, material));
         }
     }
     let mut topologies = Vec::with_capacity(scene.meshes.len());
@@ -99,6 +99,14 @@ fn meshes(objects: &Objects<'_>, findings: &mut Findings) -> Vec<Topology> {
         topologies.push(topology);
     }
     topologies
+}
+
+/// True if a texture of the material is laid along texture coordinates; colours of vertices are not.
+fn looks_at_uv(scene: &Scene, material: &Material) -> bool {
+    let is_laid = |TextureId(id): TextureId| {
+        !matches!(scene.appearance.textures.get(id as usize), Some(Texture::VertexColor(None)))
+    };
+    material.textures().into_iter().any(is_laid)
 }
 
 fn mended(warning: &rt_scene_io::Warning) -> Finding {

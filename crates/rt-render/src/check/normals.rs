@@ -76,6 +76,9 @@ fn uvs(named: &NamedMesh, findings: &mut Findings) {
 
 #[cfg(test)]
 mod tests {
+    use rt_math::Rgb;
+    use rt_shading::{Coefficient, Texture, TextureId};
+
     use super::super::fixture::*;
     use super::*;
 
@@ -100,6 +103,14 @@ mod tests {
         node.material = CHECKER;
         scene.nodes = vec![node];
         assert_eq!(only(&scene, Kind::MissingUvs).object, "cube");
+
+        // Colours of vertices are no such texture.
+        let colours = TextureId(scene.appearance.textures.len() as u32);
+        scene.appearance.textures.push(Texture::VertexColor(None));
+        let checker = scene.appearance.materials[CHECKER.0 as usize].phong.diffuse;
+        scene.appearance.materials[CHECKER.0 as usize].phong.diffuse = Coefficient::Textured(colours, Rgb::WHITE);
+        assert_eq!(of_kind(&scene, Kind::MissingUvs), []);
+        scene.appearance.materials[CHECKER.0 as usize].phong.diffuse = checker;
 
         let mut data = cube_data();
         // Seen along z, four faces of the cube are lines.

@@ -45,11 +45,12 @@ const KEYWORDS: [&str; 8] = ["v", "b", "l", "f", "c", "s", "p", "pp"];
 
 /// Bytes of memory that loading takes at its peak: solids become nodes, fills materials, and corners of polygons meshes.
 fn peak_bytes(sample: &Sample) -> u64 {
-    let [solids, fills, corners] = sample.over_lines(|line| match line.trim_ascii_start().first() {
-        Some(b's' | b'c') => [1, 0, 0],
-        Some(b'f') => [0, 1, 0],
-        Some(b'-' | b'+' | b'.' | b'0'..=b'9') => [0, 0, 1],
-        _ => [0; 3],
+    // Statements may share a line.
+    let [solids, fills, corners] = sample.over_lines(|line| {
+        let words = || line.split(u8::is_ascii_whitespace);
+        let count = |keywords: &[&[u8]]| words().filter(|word| keywords.contains(word)).count() as u64;
+        let begins_with_number = line.trim_ascii_start().first().is_some_and(|byte| b"-+.0123456789".contains(byte));
+        [count(&[b"s", b"c"]), count(&[b"f"]), u64::from(begins_with_number)]
     });
     sample.size + 1050 * solids + 1500 * fills + 72 * corners
 }

@@ -1,7 +1,7 @@
 //! The materials of an OBJ file: libraries are read at once, materials and their textures when first used.
 
 use std::{
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -101,7 +101,12 @@ impl<'a> Library<'a> {
         for (line, message) in complaints {
             model.warnings.push(warning(file, line, format!("{message}; the statement is left out")));
         }
+        let mut here = HashSet::new();
         for material in materials {
+            if !here.insert(material.name.clone()) {
+                let message = format!("the material `{}` is there more than once: the first counts", material.name);
+                model.warnings.push(Warning { place: file.display().to_string(), message });
+            }
             self.known.entry(material.name.clone()).or_insert_with(|| (material, file.to_owned()));
         }
         Ok(())

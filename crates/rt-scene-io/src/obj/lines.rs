@@ -43,7 +43,8 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
         loop {
             let (first, number) = physical.next()?;
             let mut text = Cow::Borrowed(first.trim());
-            while text.ends_with('\\') {
+            // A comment may end in the name of a folder.
+            while !text.starts_with('#') && text.ends_with('\\') {
                 let joined = text.to_mut();
                 joined.pop();
                 joined.push(' ');
@@ -66,6 +67,11 @@ mod tests {
     fn all(bytes: &[u8]) -> Vec<(usize, String)> {
         let (text, _) = decode(bytes);
         lines(&text).map(|l| (l.number, l.text.into_owned())).collect()
+    }
+
+    #[test]
+    fn a_comment_that_ends_in_a_folder_swallowed_the_next_line() {
+        assert_eq!(all(b"# C:\\models\\\nv 1 2 3"), [(2, "v 1 2 3".to_owned())]);
     }
 
     #[test]

@@ -31,7 +31,7 @@ const OPTIONS: [(&str, Arguments, bool); 14] = [
     ("-bm", Arguments::Exactly(1), true),
     ("-imfchan", Arguments::Exactly(1), true),
     ("-type", Arguments::Exactly(1), true),
-    ("-clamp", Arguments::Exactly(1), true),
+    ("-clamp", Arguments::Switch, true),
     ("-mm", Arguments::Exactly(2), false),
     ("-o", Arguments::Numbers, false),
     ("-s", Arguments::Numbers, false),
@@ -40,6 +40,8 @@ const OPTIONS: [(&str, Arguments, bool); 14] = [
 
 enum Arguments {
     Exactly(usize),
+    /// `on` or `off`.
+    Switch,
     /// One to three numbers.
     Numbers,
 }
@@ -70,6 +72,7 @@ impl Map {
             let (word, after) = first_word(rest);
             let wanted = match arguments {
                 Arguments::Exactly(count) => values.len() < *count && !word.is_empty(),
+                Arguments::Switch => values.is_empty() && matches!(word, "on" | "off"),
                 Arguments::Numbers => word.parse::<f32>().is_ok(),
             };
             if !wanted {
@@ -156,6 +159,7 @@ mod tests {
         assert_eq!(parsed("-t 0.1 a.png"), ("a.png".to_owned(), false, vec!["-t 0.1".to_owned()]));
         assert_eq!(parsed("-mm 0 2 -blendu off a.png").2, ["-mm 0 2"]);
         assert_eq!(parsed(r#""maps\wood 1.png""#).0, "maps/wood 1.png");
+        assert_eq!(parsed("-clamp a.png"), ("a.png".to_owned(), false, vec![]), "a name was taken for a value");
         // Not an option that anyone knows: part of the name.
         assert_eq!(parsed("-x.png").0, "-x.png");
     }

@@ -48,7 +48,7 @@ pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadErro
 
 /// Bytes of memory that loading takes at its peak.
 fn peak_bytes(sample: &Sample) -> u64 {
-    let [vertices, attributes, corners] = sample.over_lines(|line| match line {
+    let [vertices, attributes, corners] = sample.over_lines(|line| match line.trim_ascii_start() {
         [b'v', b' ' | b'\t', ..] => [1, 0, 0],
         [b'v', b't' | b'n', ..] => [0, 1, 0],
         [b'f', b' ' | b'\t', rest @ ..] => {

@@ -5,6 +5,7 @@
 //! rest of the file counts.
 
 use super::lines::{Line, lines};
+use super::map::Map;
 
 /// A statement that was left out: its line, and why.
 pub(super) type Complaint = (usize, String);
@@ -23,8 +24,15 @@ const KEYWORDS: [&str; 33] = [
 pub(super) fn parse(text: &str) -> (Vec<tobj::Material>, Vec<Complaint>) {
     let mut clean = String::new();
     let mut complaints = Vec::new();
+    let mut is_nobodys = false;
     for line in lines(text) {
-        match statement(&line) {
+        let statement = statement(&line);
+        if line.split().0.eq_ignore_ascii_case("newmtl") {
+            is_nobodys = statement.is_err();
+        } else if is_nobodys {
+            continue;
+        }
+        match statement {
             Ok(statement) => {
                 clean.push_str(&statement);
                 clean.push('\n');
@@ -66,9 +74,16 @@ fn statement(line: &Line<'_>) -> Result<String, String> {
                 _ => Err(format!("`{word}` is no illumination model (they are numbered from 0 to 10)")),
             }
         }
+        "newmtl" if rest.is_empty() => Err("`newmtl` needs a name, and so do the statements that follow it".to_owned()),
         _ if rest.is_empty() => Err(format!("`{word}` needs a name")),
+        _ if is_map(keyword) && Map::parse(rest).is_none() => Err(format!("`{word} {rest}` names no image")),
         _ => Ok(format!("{keyword} {rest}")),
     }
+}
+
+/// True for statements that name an image.
+fn is_map(keyword: &str) -> bool {
+    keyword.starts_with("map_") || matches!(keyword, "bump" | "norm" | "disp" | "decal")
 }
 
 fn number(word: &str) -> Result<f32, String> {
@@ -96,6 +111,23 @@ mod tests {
         assert_eq!(a.diffuse_texture.as_deref(), Some("-s 1 1 1 a b.png"));
         assert_eq!(a.unknown_param["Tf"], "1 1 1");
         assert_eq!(c.unknown_param["map_Ke"], "e.png");
+    }
+
+    #[test]
+    fn a_material_without_a_name_changed_the_one_before_it() {
+        let (materials, complaints) = parse("newmtl a\nKd 0 1 0\nnewmtl\nKd 1 0 0\nnewmtl b\nKd 0 0 1\n");
+        let colours: Vec<_> = materials.iter().map(|material| material.diffuse).collect();
+        assert_eq!(colours, [Some([0.0, 1.0, 0.0]), Some([0.0, 0.0, 1.0])]);
+        assert_eq!(complaints.len(), 1);
+        assert!(complaints[0].0 == 3 && complaints[0].1.contains("needs a name"), "{complaints:?}");
+    }
+
+    #[test]
+    fn maps_that_name_no_image_were_left_out_without_a_word() {
+        let (_, complaints) = parse("newmtl a\nmap_Kd -s 2 2\nbump -bm 1\n");
+        let expected =
+            [(2, "`map_Kd -s 2 2` names no image".to_owned()), (3, "`bump -bm 1` names no image".to_owned())];
+        assert_eq!(complaints, expected);
     }
 
     #[test]

@@ -40,8 +40,12 @@ struct Files<'a> {
 
 /// Bytes of memory that loading takes at its peak: the text, its parameters as numbers, and a node for each shape.
 fn peak_bytes(sample: &Sample) -> u64 {
-    let [shapes] = sample.over_lines(|line| [u64::from(line.trim_ascii_start().starts_with(b"Shape"))]);
-    sample.size * 3 + 900 * shapes
+    let [shapes, materials] = sample.over_lines(|line| {
+        let words = || line.split(u8::is_ascii_whitespace);
+        let count = |keywords: &[&[u8]]| words().filter(|word| keywords.contains(word)).count() as u64;
+        [count(&[b"Shape"]), count(&[b"Material", b"MakeNamedMaterial"])]
+    });
+    sample.size * 3 + 900 * shapes + 500 * materials
 }
 
 /// Loads the file at `path`.

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 use std::fmt::Display;
+use std::rc::Rc;
 
 use rt_math::DVec3;
 
@@ -29,11 +30,11 @@ const TYPES: [(&str, usize); 16] = [
     ("bool", 0),
 ];
 
-/// The values of a parameter.
+/// The values of a parameter. Each scope has a copy of the attributes that hold in it, which share their values.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Values {
-    Numbers(Vec<f64>),
-    Words(Vec<String>),
+    Numbers(Rc<[f64]>),
+    Words(Rc<[String]>),
 }
 
 /// A parameter, and whether anything has asked for it.
@@ -120,7 +121,7 @@ impl Parameter {
             }
             (line, kind) => add(line, kind)?,
         }
-        Ok(if words.is_empty() { Values::Numbers(numbers) } else { Values::Words(words) })
+        Ok(if words.is_empty() { Values::Numbers(numbers.into()) } else { Values::Words(words.into()) })
     }
 
     /// What is wrong with its value.

@@ -5,6 +5,14 @@ use std::io::{self, Read, Seek, SeekFrom};
 /// What a solid begins with, in the one form that the reader takes.
 const SOLID: &[u8] = b"solid \n";
 
+/// What a facet begins with whose normal is no number, as programs write it for slivers. Normals are not looked at.
+const FACET: &[u8] = b"facet normal 0 0 0\n";
+
+fn has_no_normal(line: &[u8]) -> bool {
+    let line = line.trim_ascii().to_ascii_lowercase();
+    line.starts_with(b"facet") && line.windows(3).any(|word| word == b"nan")
+}
+
 /// Whether a line begins a solid, in letters of either case.
 pub(super) fn begins_solid(line: &[u8]) -> bool {
     line.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
@@ -17,7 +25,7 @@ pub(super) struct Lines<'a> {
     next: usize,
     /// Where the lines of the solid begin.
     start: usize,
-    /// What is left of `SOLID`.
+    /// What is left of `SOLID` or `FACET`.
     head: &'static [u8],
 }
 
@@ -65,7 +73,12 @@ impl Read for Lines<'_> {
         if !self.head.is_empty() {
             return self.head.read(buffer);
         }
-        let count = self.next_line().read(buffer)?;
+        let mut line = self.next_line();
+        if has_no_normal(line) {
+            (self.next, self.head) = (self.next + line.len(), FACET);
+            return self.head.read(buffer);
+        }
+        let count = line.read(buffer)?;
         // The reader knows the words of the format in lower case alone.
         buffer[..count].make_ascii_lowercase();
         self.next += count;

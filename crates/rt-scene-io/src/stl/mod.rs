@@ -41,7 +41,10 @@ fn peak_bytes(sample: &Sample) -> u64 {
 }
 
 /// Loads the file that `bytes` hold; `path` is for messages.
-pub(crate) fn load_bytes(bytes: Vec<u8>, path: &Path) -> Result<Model, LoadError> {
+pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadError> {
+    if bytes.strip_prefix(b"\xEF\xBB\xBF").is_some_and(|text| lines::begins_solid(text.trim_ascii_start())) {
+        bytes.drain(..3);
+    }
     let mut mesh = Welded::default();
     let mut model = Model::default();
     let begins_as_text = lines::begins_solid(bytes.trim_ascii_start());

@@ -56,6 +56,23 @@ fn text_may_be_in_upper_case() {
 }
 
 #[test]
+fn facets_whose_normal_is_no_number_are_as_good_as_others() {
+    for normal in ["nan nan nan", "NaN 0 1", "-nan(ind) -nan(ind) -nan(ind)"] {
+        let model = load_all(text().replace("facet normal 0 0 1", &format!("facet normal {normal}")).as_bytes());
+        assert_eq!(model.expect("a square").meshes[0].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
+    }
+    let bad =
+        text().replacen("facet normal 0 0 1", "facet normal nan nan nan", 1).replacen("vertex 1 0 0", "vertex 1 0", 1);
+    assert!(refused(bad.as_bytes()).starts_with("m.stl:5: vertex f32 f32 f32"), "lines are counted on");
+}
+
+#[test]
+fn a_byte_order_mark_made_text_binary() {
+    let marked = ["\u{feff}", text().as_str()].concat();
+    assert_eq!(load_all(marked.as_bytes()).expect("a square").meshes[0].mesh.data().triangles.len(), 2);
+}
+
+#[test]
 fn every_bad_line_is_named() {
     let line = |from: &str, to: &str| refused(text().replacen(from, to, 1).as_bytes());
     assert!(line("facet normal 0 0 1", "facet norm 0 0 1").starts_with("m.stl:2: invalid facet header"));
