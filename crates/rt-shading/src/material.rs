@@ -165,15 +165,6 @@ pub struct Phong {
 }
 
 impl Phong {
-    /// True if any coefficient varies with the texture coordinates.
-    pub fn is_textured(&self) -> bool {
-        let textured = |coefficient: &Coefficient| matches!(coefficient, Coefficient::Textured(..));
-        [&self.ambient, &self.diffuse, &self.specular, &self.emission, &self.mirror].into_iter().any(textured)
-            || self.transmission.is_some_and(|transmission| textured(&transmission.coefficient))
-    }
-}
-
-impl Phong {
     /// True if nothing shows the surface but what its body's index of refraction does to light: where that is the same on
     /// both sides, the surface is not to be seen. Reflections and highlights are the work of that index where Fresnel's
     /// equations rule, and otherwise constants that stay.

@@ -9,8 +9,8 @@ const SOLID: &[u8] = b"solid \n";
 const FACET: &[u8] = b"facet normal 0 0 0\n";
 
 fn has_no_normal(line: &[u8]) -> bool {
-    let line = line.trim_ascii().to_ascii_lowercase();
-    line.starts_with(b"facet") && line.windows(3).any(|word| word == b"nan")
+    let begins = line.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"facet"));
+    begins && line.windows(3).any(|word| word.eq_ignore_ascii_case(b"nan"))
 }
 
 /// Whether a line begins a solid, in letters of either case.
