@@ -117,7 +117,7 @@ pub use region::{Ball, Frustum, FrustumError, Region};
 pub use region_query::{PointHit, RegionQuery};
 pub use rt_math::{
     Aabb, Accelerator, Counters, DVec3, Hit, Interval, LeafLayout, NearestPoint, NoProbe, Primitives, Probe, Ray,
-    RayCounts, RayKind, SlabRay,
+    RayCounts, RayKind, RoundSphere, SlabRay,
 };
 pub use stats::BuildStats;
 pub use structure::{Refit, Structure};

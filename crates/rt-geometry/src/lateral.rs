@@ -1,8 +1,7 @@
 //! The curved side that cylinders, cones and frusta share.
 
 use crate::SurfaceInteraction;
-use crate::rescaling::rescaling;
-use rt_math::float::{difference_of_products, gamma, two_product};
+use rt_math::float::{difference_of_products, gamma, rescaling, two_product};
 use rt_math::transcendental::atan2;
 use rt_math::{DVec3, Interval, Ray};
 use std::f64::consts::TAU;

@@ -69,7 +69,6 @@ mod placed;
 mod plane;
 mod polygon;
 mod rectangle;
-mod rescaling;
 mod shape;
 mod sphere;
 mod spheres;

@@ -42,10 +42,9 @@ impl Primitives for Spheres {
         Some(Hit { t, instance: 0, primitive: index, uv })
     }
 
+    #[inline]
     fn leaf_layout(&self, index: u32) -> LeafLayout {
-        self.0
-            .get(index as usize)
-            .map_or(LeafLayout::Opaque, |sphere| LeafLayout::Sphere(sphere.centre(), sphere.radius()))
+        self.0.get(index as usize).map_or(LeafLayout::Opaque, |sphere| LeafLayout::Round(sphere.round()))
     }
 }
 
@@ -67,7 +66,7 @@ mod tests {
         assert_eq!(set.surface(&ray, &hit, needs), Some(sphere(3.0).surface(&ray, &alone, needs)));
         assert_eq!(set.surface(&ray, &Hit { primitive: 2, ..hit }, needs), None);
         assert_eq!((set.len(), set.bounds(1)), (2, Some(sphere(3.0).bounds())));
-        assert_eq!(set.leaf_layout(1), LeafLayout::Sphere(DVec3::X * 3.0, 1.0));
+        assert_eq!(set.leaf_layout(1), LeafLayout::Round(sphere(3.0).round()));
         assert_eq!((set.bounds(2), set.intersect(2, &ray, Interval::FORWARD)), (None, None), "not there");
     }
 }

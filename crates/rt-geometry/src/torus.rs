@@ -3,9 +3,8 @@
 use crate::bracketed_root::bracketed_root;
 use crate::error::{ShapeError, check_radius};
 use crate::lateral::longitude;
-use crate::rescaling::rescaling;
 use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
-use rt_math::float::{UNIT_ROUNDOFF, cross, gamma};
+use rt_math::float::{UNIT_ROUNDOFF, cross, gamma, rescaling};
 use rt_math::transcendental::{atan2, cbrt};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 use std::f64::consts::TAU;

@@ -1,6 +1,6 @@
 //! The one function through which every hit is accepted.
 
-use crate::{Aabb, Hit, Interval, Primitives, Probe, ShearedRay, SlabRay, TriangleHit};
+use crate::{Aabb, Hit, Interval, Primitives, Probe, Ray, ShearedRay, SlabRay, TriangleHit};
 use glam::DVec3;
 
 /// The box that decides about hits on a primitive: its bounds, padded. `None` if it is unbounded.
@@ -28,20 +28,23 @@ pub fn decide<P: Primitives, S: Probe>(
     probe: &mut S,
 ) -> Option<Hit> {
     probe.test();
-    decide_offered(primitives, index, ray, span, probe)
+    let hit = primitives.intersect_probed(index, &ray.ray, span, probe)?;
+    let entry = own_box_entry(primitives, index, ray, span)?;
+    probe.hit();
+    Some(Hit { t: hit.t.max(entry), ..hit })
 }
 
-/// As [`decide`], of a primitive that the caller has counted as offered.
+/// As [`decide`], of a primitive that the caller has counted as offered, and a ray that is prepared only if it hits.
 #[inline(always)]
 pub fn decide_offered<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
-    ray: &SlabRay,
+    ray: &Ray,
     span: Interval,
     probe: &mut S,
 ) -> Option<Hit> {
-    let hit = primitives.intersect_probed(index, &ray.ray, span, probe)?;
-    let entry = own_box_entry(primitives, index, ray, span)?;
+    let hit = primitives.intersect_probed(index, ray, span, probe)?;
+    let entry = own_box_entry_unprepared(primitives, index, ray, span)?;
     probe.hit();
     Some(Hit { t: hit.t.max(entry), ..hit })
 }
@@ -72,20 +75,26 @@ pub fn decide_occluded<P: Primitives, S: Probe>(
     probe: &mut S,
 ) -> bool {
     probe.test();
-    decide_offered_occluded(primitives, index, ray, span, probe)
+    let blocked = primitives.occludes_probed(index, &ray.ray, span, probe)
+        && own_box_entry(primitives, index, ray, span).is_some();
+    if blocked {
+        probe.hit();
+    }
+    blocked
 }
 
-/// As [`decide_occluded`], of a primitive that the caller has counted as offered.
+/// As [`decide_occluded`], of a primitive that the caller has counted as offered, and a ray that is prepared only if it
+/// hits.
 #[inline(always)]
 pub fn decide_offered_occluded<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
-    ray: &SlabRay,
+    ray: &Ray,
     span: Interval,
     probe: &mut S,
 ) -> bool {
-    let blocked = primitives.occludes_probed(index, &ray.ray, span, probe)
-        && own_box_entry(primitives, index, ray, span).is_some();
+    let blocked = primitives.occludes_probed(index, ray, span, probe)
+        && own_box_entry_unprepared(primitives, index, ray, span).is_some();
     if blocked {
         probe.hit();
     }
@@ -97,7 +106,18 @@ pub fn decide_offered_occluded<P: Primitives, S: Probe>(
 /// Apart from the loops over offers, where it would be in the way of their misses.
 #[inline(never)]
 fn own_box_entry<P: Primitives>(primitives: &P, index: u32, ray: &SlabRay, span: Interval) -> Option<f64> {
-    match own_box(primitives, index) {
+    entry(own_box(primitives, index), ray, span)
+}
+
+/// As [`own_box_entry`], of a ray that is not prepared.
+#[inline(never)]
+fn own_box_entry_unprepared<P: Primitives>(primitives: &P, index: u32, ray: &Ray, span: Interval) -> Option<f64> {
+    entry(own_box(primitives, index), &SlabRay::new(ray), span)
+}
+
+#[inline(always)]
+fn entry(own: Option<Aabb>, ray: &SlabRay, span: Interval) -> Option<f64> {
+    match own {
         Some(own) => Some(own.clip(ray, span)?.min),
         None => Some(span.min),
     }
@@ -106,7 +126,7 @@ fn own_box_entry<P: Primitives>(primitives: &P, index: u32, ray: &SlabRay, span:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Counters, NoProbe, Ray};
+    use crate::{Counters, NoProbe};
 
     /// A kernel that reports a hit at a fixed `t`, whatever the ray.
     struct Fixed(f64, Option<Aabb>);

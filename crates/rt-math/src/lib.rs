@@ -11,7 +11,8 @@
 //! **Owns** [`Ray`], [`Interval`], [`Aabb`] and its slab test, [`Transform`] (an affine map kept in both
 //! directions), [`Motion`] and [`TransformKeys`] (such that change with time), [`Rgb`], [`Frame`], the statistics ([`Probe`], [`Counters`]), the hash that all random numbers come
 //! from ([`random`]), and the contracts [`Primitives`], [`NearestPoint`], [`Accelerator`] and
-//! [`Sampler`], and the one test of triangles ([`ShearedRay`]), which structures may run on copies of them.
+//! [`Sampler`], and the tests of triangles ([`ShearedRay`]) and spheres ([`RoundSphere`]), which structures may run on
+//! copies of them.
 //! **Does not own** any other shape, nor any structure, light or camera.
 //!
 //! Everything is `f64`. Functions whose last bit differs between platforms come from [`transcendental`].
@@ -47,6 +48,7 @@ mod probe;
 pub mod random;
 mod ray;
 mod rgb;
+mod round_sphere;
 mod sampler;
 mod sheared_ray;
 mod timeline;
@@ -67,6 +69,7 @@ pub use primitives::{LeafLayout, Primitives};
 pub use probe::{Counters, NoProbe, Probe, RayCounts, RayKind, Tally};
 pub use ray::Ray;
 pub use rgb::Rgb;
+pub use round_sphere::RoundSphere;
 pub use sampler::Sampler;
 pub use sheared_ray::{ShearedRay, TriangleHit};
 pub use timeline::{Interpolation, Timeline, TimelineError};

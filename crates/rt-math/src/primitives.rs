@@ -1,6 +1,6 @@
 //! The contract of anything that rays can be traced against.
 
-use crate::{Aabb, Hit, Interval, Probe, Ray};
+use crate::{Aabb, Hit, Interval, Probe, Ray, RoundSphere};
 use glam::{DVec3, Vec3};
 
 /// Plain numbers of a primitive that a wide leaf filter can pack, or nothing.
@@ -19,6 +19,10 @@ pub enum LeafLayout {
     Triangle([DVec3; 3]),
     /// Centre and radius.
     Sphere(DVec3, f64),
+    /// Exactly a sphere: `intersect` is [`RoundSphere::intersect`](crate::RoundSphere::intersect), and names the hit
+    /// (instance 0, primitive `index`, `uv` 0); `occludes` agrees with it; `bounds` contains the box of the centre plus and
+    /// minus the radius, as rounded. A structure may decide by these numbers.
+    Round(RoundSphere),
     /// An axis-aligned box.
     Box(Aabb),
 }

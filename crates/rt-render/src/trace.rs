@@ -46,6 +46,7 @@ impl Primitives for SphereWorld {
         self.spheres.len()
     }
 
+    #[inline]
     fn bounds(&self, index: u32) -> Option<rt_math::Aabb> {
         self.spheres.bounds(index)
     }
@@ -60,6 +61,7 @@ impl Primitives for SphereWorld {
         self.casts_shadow(index) && self.spheres.occludes(index, ray, span)
     }
 
+    #[inline]
     fn leaf_layout(&self, index: u32) -> LeafLayout {
         if self.casts_shadow(index) { self.spheres.leaf_layout(index) } else { LeafLayout::Opaque }
     }

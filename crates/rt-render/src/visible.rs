@@ -4,7 +4,7 @@ use core::ops::ControlFlow;
 
 use rt_accel::{AnyStructure, BuildError, Region, Structure as _, StructureKind};
 use rt_camera::ViewVolume;
-use rt_math::{Aabb, Accelerator, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, own_box};
+use rt_math::{Aabb, Accelerator, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RoundSphere, own_box};
 
 use crate::structure::{self, FEW, Wanted};
 
@@ -176,6 +176,7 @@ impl<P: Primitives> Primitives for Subset<'_, P> {
         match self.all.leaf_layout(self.indices[index as usize]) {
             // Hits are named as the whole set names them, which a structure that decides by itself would not know.
             LeafLayout::Watertight(vertices) => LeafLayout::Triangle(vertices.map(|vertex| vertex.as_dvec3())),
+            LeafLayout::Round(RoundSphere { centre, radius }) => LeafLayout::Sphere(centre, radius),
             layout => layout,
         }
     }

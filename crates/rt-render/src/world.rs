@@ -342,6 +342,7 @@ impl Primitives for Parts<'_> {
         let part = &self.parts[index as usize];
         match &part.geometry {
             _ if !part.casts_shadow => LeafLayout::Opaque,
+            PartGeometry::Shape(Shape::Sphere(sphere)) if self.is_flat => LeafLayout::Round(sphere.round()),
             PartGeometry::Shape(Shape::Sphere(sphere)) => LeafLayout::Sphere(sphere.centre(), sphere.radius()),
             PartGeometry::Shape(Shape::AxisBox(axis_box)) => LeafLayout::Box(axis_box.bounds()),
             PartGeometry::Shape(Shape::Triangle(triangle)) => LeafLayout::Triangle(triangle.vertices()),

@@ -1,7 +1,7 @@
 //! The planes that a primitive suggests.
 
 use glam::DVec3;
-use rt_math::{Aabb, LeafLayout};
+use rt_math::{Aabb, LeafLayout, RoundSphere};
 
 use super::plane::Plane;
 
@@ -24,7 +24,9 @@ pub(super) fn for_each(layout: LeafLayout, own: &Aabb, neighbour: DVec3, mut vis
             normal_of([a, b, c]).map(|normal| (normal, a))
         }
         LeafLayout::Triangle([a, b, c]) => normal_of([a, b, c]).map(|normal| (normal, a)),
-        LeafLayout::Sphere(centre, _) => unit(neighbour - centre).map(|normal| (normal, centre)),
+        LeafLayout::Sphere(centre, _) | LeafLayout::Round(RoundSphere { centre, .. }) => {
+            unit(neighbour - centre).map(|normal| (normal, centre))
+        }
         LeafLayout::Box(_) | LeafLayout::Opaque => None,
     };
     let Some((normal, point)) = facing else { return };

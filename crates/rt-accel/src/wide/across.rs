@@ -18,7 +18,7 @@ pub(super) struct Eight<S: Simd> {
 
 impl<S: Simd> Eight<S> {
     #[inline(always)]
-    fn new(simd: S, [a, b, c, d, e, f, g, h]: [f64; PACKET]) -> Self {
+    pub(super) fn new(simd: S, [a, b, c, d, e, f, g, h]: [f64; PACKET]) -> Self {
         Self { low: simd.doubles([a, b, c, d]), high: simd.doubles([e, f, g, h]) }
     }
 
@@ -53,13 +53,42 @@ impl<S: Simd> Eight<S> {
     }
 
     #[inline(always)]
-    fn abs(self, simd: S) -> Self {
+    pub(super) fn abs(self, simd: S) -> Self {
         Self { low: simd.abs_doubles(self.low), high: simd.abs_doubles(self.high) }
     }
 
     #[inline(always)]
-    fn max(self, simd: S, other: Self) -> Self {
+    pub(super) fn max(self, simd: S, other: Self) -> Self {
         Self { low: simd.max_doubles(self.low, other.low), high: simd.max_doubles(self.high, other.high) }
+    }
+
+    #[inline(always)]
+    pub(super) fn min(self, simd: S, other: Self) -> Self {
+        Self { low: simd.min_doubles(self.low, other.low), high: simd.min_doubles(self.high, other.high) }
+    }
+
+    /// The numbers, none of which is negative, with the signs of others.
+    #[inline(always)]
+    pub(super) fn with_sign_of(self, simd: S, by: Self) -> Self {
+        let nothing = simd.doubles([0.0; 4]);
+        Self {
+            low: simd.by_sign(by.low, self.low, simd.sub_doubles(nothing, self.low)),
+            high: simd.by_sign(by.high, self.high, simd.sub_doubles(nothing, self.high)),
+        }
+    }
+
+    /// A bit for each of the eight, set where the sign is negative.
+    #[inline(always)]
+    pub(super) fn signs(self, simd: S) -> u32 {
+        simd.signs(self.low) | simd.signs(self.high) << 4
+    }
+
+    /// The numbers by lane.
+    #[inline(always)]
+    pub(super) fn to_array(self, simd: S) -> [f64; PACKET] {
+        let [a, b, c, d] = simd.to_doubles(self.low);
+        let [e, f, g, h] = simd.to_doubles(self.high);
+        [a, b, c, d, e, f, g, h]
     }
 
     /// The least of the eight; may be any of them if one is NaN.
@@ -176,6 +205,7 @@ impl<S: Simd> Across<S> {
         let min = Eight::new(simd, by_ray!(|_, span| span.min));
         let max = Eight::new(simd, by_ray!(|_, span| span.max));
         let span = SpanLanes { min: [min.at_most(simd), min.at_least(simd)], max: max.at_most(simd) };
+        let limits = max.at_least(simd);
         let one = Eight::splat(simd, 1.0);
         let inverse = [one.div(simd, direction[0]), one.div(simd, direction[1]), one.div(simd, direction[2])];
         let q = relative(simd, origin, tree.centre);
@@ -198,7 +228,7 @@ impl<S: Simd> Across<S> {
         let near_row = [0, 1, 2].map(|axis| 2 * axis + usize::from(first.direction[axis].is_sign_negative()));
         let (axes, _) = ShearedRay::new(first).shear();
         let boxes = AcrossBoxes::new(simd, q, inverse, steepest, tree.size, near_row, span.min[0]);
-        Some(Self { origin, direction, inverse, axes, span, limits: max.at_least(simd), boxes })
+        Some(Self { origin, direction, inverse, axes, span, limits, boxes })
     }
 
     /// The greatest coordinate of each origin, or more.

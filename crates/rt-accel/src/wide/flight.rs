@@ -15,6 +15,7 @@ use super::goal::{Goal, Judge, Prepared};
 use super::leaf::{BoxFilter, Filter, LeafKind, SphereFilter, TriangleFilter};
 use super::node::Child;
 use super::packet::{Packet, PacketStack};
+use super::shaft::{Cut, Shaft, alike};
 use super::simd::{Kernel, Simd};
 use super::stack::Stack;
 use super::walk::{Work, descend};
@@ -23,6 +24,13 @@ use crate::Structure;
 
 /// Rays that are under way at a time: enough to outlast a wait, few enough to stay in the nearest cache.
 const CREW: usize = 16;
+
+/// Rays of which it is found out together what they may meet.
+const BUNDLE: usize = 64;
+
+/// In trees of fewer spheres there is nothing to find out: packets come to leaves as soon. Among triangles, most of which
+/// are missed by most rays of a bundle, it does not pay at all.
+const WORTH_A_LOOK: u32 = 256;
 
 /// Trees of more bytes than that are waited for: rays that do not agree go through them side by side. Through smaller ones
 /// each goes alone, which takes fewer instructions.
@@ -65,6 +73,8 @@ impl<G: Goal> Flight<'_, '_, G> {
             answers,
             n_boarded: 0,
             alone_until: 0,
+            bundled_until: 0,
+            cut: Cut::NONE,
             packet_stack: PacketStack::new(),
             stack: Stack::new(),
             is_far: S::WAITS && self.tree.memory() > FAR,
@@ -180,6 +190,9 @@ struct Crew<'r, 'q, S: Simd, F, G: Goal> {
     n_boarded: usize,
     /// Up to this ray they do not agree.
     alone_until: usize,
+    /// Up to this ray all may meet nothing but `cut`.
+    bundled_until: usize,
+    cut: Cut,
     packet_stack: PacketStack<S>,
     /// Of a ray that goes alone.
     stack: Stack,
@@ -246,6 +259,12 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
     fn go_together(&mut self) -> bool {
         let first = self.n_boarded;
         let Some(rays) = self.rays.get(first..).and_then(|rays| rays.first_chunk()) else { return false };
+        if !agree(rays) {
+            return false;
+        }
+        if first >= self.bundled_until {
+            self.look_ahead();
+        }
         let Some(answers) = self.answers.get_mut(first..).and_then(|answers| answers.first_chunk_mut()) else {
             return false;
         };
@@ -256,9 +275,27 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             work: &mut self.work,
             stack: &mut self.packet_stack,
             alone: &mut self.stack,
+            cut: (first < self.bundled_until).then_some(&self.cut),
             goal: PhantomData,
         };
-        agree(rays) && packet.go::<F>(rays, answers)
+        packet.go::<F>(rays, answers)
+    }
+
+    /// Finds out what several of the next packets may meet, if they go through the same sides of boxes.
+    #[inline(always)]
+    fn look_ahead(&mut self) {
+        if !F::ROUND || self.tree.bounded < WORTH_A_LOOK {
+            return;
+        }
+        let rays = self.rays.get(self.n_boarded..).unwrap_or(&[]);
+        let n_alike = alike(rays.get(..BUNDLE).unwrap_or(rays)) / PACKET * PACKET;
+        if n_alike < 2 * PACKET {
+            return;
+        }
+        if let Some(shaft) = rays.get(..n_alike).and_then(|rays| Shaft::around(self.simd, self.tree, rays)) {
+            self.work.nodes += self.cut.make::<S, F>(self.simd, self.tree, &shaft);
+            self.bundled_until = self.n_boarded + n_alike;
+        }
     }
 
     /// Takes down what a ray has found.

@@ -4,22 +4,26 @@ use core::marker::PhantomData;
 use core::mem::MaybeUninit;
 use core::ops::ControlFlow;
 
-use rt_math::{Hit, Interval, Ray, SlabRay};
+use rt_math::{DVec3, Hit, Interval, Ray, RoundSphere};
 
 use super::WideBvh;
+use super::across::{Across, PACKET};
 use super::flight::{Flight, Ground};
 use super::leaf::{ExactRay, Filter, LeafView};
 use super::node::Child;
 use super::ray::{FilterRay, at_least, at_most};
+use super::round::RoundSpheres;
 use super::simd::Simd;
 use super::walk::{Query, Walk};
 
 /// Decides about what the filters leave: the caller's primitives, behind one call.
 pub(super) trait Judge {
     /// The hit on a primitive within the span.
-    fn closest(&mut self, index: u32, ray: &SlabRay, span: Interval) -> Option<Hit>;
+    fn closest(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit>;
     /// True if the primitive blocks the ray within the span.
-    fn occluded(&mut self, index: u32, ray: &SlabRay, span: Interval) -> bool;
+    fn occluded(&mut self, index: u32, ray: &Ray, span: Interval) -> bool;
+    /// The primitive's numbers, if it is one about which a structure may decide by them.
+    fn round(&mut self, index: u32) -> Option<RoundSphere>;
     /// The first hit on primitives without bounds.
     fn closest_unbounded(&mut self, ray: &Ray, span: Interval) -> Option<Hit>;
     /// True if a primitive without bounds blocks the ray.
@@ -112,6 +116,20 @@ pub(super) trait Goal: Sized {
         judge: &mut dyn Judge,
         ray: &ExactRay<'_, S>,
     ) -> Self::Answer;
+
+    /// As [`finish`](Self::finish), for those of eight rays for which it takes no more than a sphere each: a bit for each
+    /// that is answered.
+    #[inline(always)]
+    fn finish_round<S: Simd, F: Filter>(
+        _: S,
+        _: &WideBvh,
+        _: &mut dyn Judge,
+        _: &Across<S>,
+        _: &[Self; PACKET],
+        _: &mut [Self::Answer; PACKET],
+    ) -> u32 {
+        0
+    }
 
     /// Hits that no judge has counted.
     fn uncounted_hits(&self) -> u64;
@@ -309,13 +327,14 @@ impl Goal for FirstHit {
         judge: &mut dyn Judge,
         ray: &ExactRay<'_, S>,
     ) -> Option<Hit> {
-        if F::DECIDES && self.n_candidates == 1 && !self.is_hit {
-            // The usual case: a hit that is certain and first. Nothing is asked, so that the next ray need not wait.
+        if self.n_candidates == 1 && !self.is_hit {
+            // The usual case: a hit that is certain and first. It is handed on as it is decided, and not kept first; where
+            // leaves decide, nothing is asked, so that the next ray need not wait.
             // SAFETY: the first has been written.
             let Candidate { leaf, lane, .. } = unsafe { self.candidates[0].assume_init() };
             let leaf = tree.leaves.view(leaf);
             let hit = F::hit::<S, true>(simd, leaf, lane, ray, self.span, judge);
-            self.uncounted_hits += u64::from(hit.is_some());
+            self.uncounted_hits += u64::from(F::DECIDES && hit.is_some());
             return hit;
         }
         for i in 0..self.n_candidates {
@@ -326,6 +345,45 @@ impl Goal for FirstHit {
             }
         }
         self.answer()
+    }
+
+    #[inline(always)]
+    fn finish_round<S: Simd, F: Filter>(
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        rays: &Across<S>,
+        goals: &[Self; PACKET],
+        answers: &mut [Option<Hit>; PACKET],
+    ) -> u32 {
+        let mut spheres = [RoundSphere { centre: DVec3::ZERO, radius: 1.0 }; PACKET];
+        let mut indices = [0; PACKET];
+        let mut who = 0;
+        for (lane, goal) in goals.iter().enumerate() {
+            if goal.n_candidates != 1 || goal.is_hit {
+                continue;
+            }
+            // SAFETY: the first has been written.
+            let candidate = unsafe { goal.candidates[0].assume_init() };
+            let index = F::index(tree.leaves.view(candidate.leaf), candidate.lane);
+            if let Some(sphere) = judge.round(index) {
+                (spheres[lane], indices[lane]) = (sphere, index);
+                who |= 1 << lane;
+            }
+        }
+        if who == 0 {
+            return 0;
+        }
+        let crossings = RoundSpheres::new(simd, &spheres).first_crossings(simd, rays);
+        for (lane, (goal, answer)) in goals.iter().zip(answers).enumerate() {
+            let t = crossings[lane];
+            if who >> lane & 1 != 0 && goal.span.contains(t) {
+                *answer = Some(Hit { t, instance: 0, primitive: indices[lane], uv: [0.0; 2] });
+            } else {
+                who &= !(1 << lane);
+            }
+        }
+        who
     }
 
     #[inline(always)]

@@ -6,7 +6,8 @@
 //! * `ray`, and the kinds of `leaf`: why what filters rule out is missed
 //! * `list`: spheres without a tree
 //! * `goal`: what a ray is sent for; `walk`: how it goes; `exact`: how it goes where filters cannot
-//! * `packet`, over `across`: how eight go that agree; `flight`: how many go side by side
+//! * `packet`, over `across`: how eight go that agree; `round`: how spheres are decided about for all of them; `shaft`: what many of them can meet; `flight`: how many go side by
+//!   side
 //!
 //! This is the only module with `unsafe`: for instructions that a processor may not have, for numbers that builders and
 //! loaders have checked, and for memory that is written before it is read.
@@ -27,6 +28,8 @@ mod packet;
 mod pages;
 mod ray;
 mod refit;
+mod round;
+mod shaft;
 mod simd;
 mod stack;
 mod walk;
@@ -35,7 +38,8 @@ use core::hint::select_unpredictable;
 use core::ops::ControlFlow;
 
 use rt_math::{
-    Aabb, Accelerator, DVec3, Hit, Interval, Primitives, Probe, Ray, SlabRay, decide_offered, decide_offered_occluded,
+    Aabb, Accelerator, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RoundSphere, decide_offered,
+    decide_offered_occluded,
 };
 
 use crate::bounded_depth::MAX_DEPTH;
@@ -199,12 +203,16 @@ struct Asked<'a, P, S> {
 }
 
 impl<P: Primitives, S: Probe> Judge for Asked<'_, P, S> {
-    fn closest(&mut self, index: u32, ray: &SlabRay, span: Interval) -> Option<Hit> {
+    fn closest(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
         decide_offered(self.primitives, index, ray, span, self.probe)
     }
 
-    fn occluded(&mut self, index: u32, ray: &SlabRay, span: Interval) -> bool {
+    fn occluded(&mut self, index: u32, ray: &Ray, span: Interval) -> bool {
         decide_offered_occluded(self.primitives, index, ray, span, self.probe)
+    }
+
+    fn round(&mut self, index: u32) -> Option<RoundSphere> {
+        if let LeafLayout::Round(sphere) = self.primitives.leaf_layout(index) { Some(sphere) } else { None }
     }
 
     fn closest_unbounded(&mut self, ray: &Ray, span: Interval) -> Option<Hit> {

@@ -10,10 +10,12 @@ use core::mem::MaybeUninit;
 
 use rt_math::{Interval, Ray};
 
-use super::across::{Across, AcrossBoxes, PACKET};
+use super::across::{Across, PACKET};
 use super::goal::{Goal, Judge, Prepared, take_lane};
 use super::leaf::{ExactRay, Filter};
 use super::node::Child;
+use super::round::RoundSpheres;
+use super::shaft::Cut;
 use super::simd::Simd;
 use super::stack::Stack;
 use super::walk::{Work, descend};
@@ -74,23 +76,38 @@ impl<S: Simd> PacketStack<S> {
     }
 }
 
-/// A ray of a packet that goes alone, `None` if the filters are not proven for it. `who` says which have been prepared.
-#[inline(always)]
-fn loner<'r, 'p, S: Simd, F: Filter>(
-    simd: S,
-    tree: &WideBvh,
-    rays: &'r [(Ray, Interval); PACKET],
-    lane: usize,
-    prepared: &'p mut [MaybeUninit<Prepared<'r, S, F>>; PACKET],
-    who: &mut u32,
-) -> Option<&'p Prepared<'r, S, F>> {
-    if *who >> lane & 1 == 0 {
-        let (ray, span) = &rays[lane];
-        prepared[lane].write(Prepared::new(simd, tree, ray, *span)?);
-        *who |= 1 << lane;
+/// Rays of a packet that go alone.
+struct Loners<'r, S: Simd, F> {
+    prepared: [MaybeUninit<Prepared<'r, S, F>>; PACKET],
+    /// Which have been prepared.
+    who: u32,
+}
+
+impl<'r, S: Simd, F: Filter> Loners<'r, S, F> {
+    /// `None` if the filters are not proven for the ray.
+    #[inline(always)]
+    fn get(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        rays: &'r [(Ray, Interval); PACKET],
+        lane: usize,
+    ) -> Option<&Prepared<'r, S, F>> {
+        if self.who >> lane & 1 == 0 {
+            let (ray, span) = &rays[lane];
+            self.prepared[lane].write(Prepared::new(simd, tree, ray, *span)?);
+            self.who |= 1 << lane;
+        }
+        // SAFETY: written now or before, as `who` says.
+        Some(unsafe { self.prepared[lane].assume_init_ref() })
     }
-    // SAFETY: written now or before, as `who` says.
-    Some(unsafe { prepared[lane].assume_init_ref() })
+}
+
+/// Eight rays that agree, as those who test boxes, primitives, and spheres see them.
+struct Eights<'r, 'p, S: Simd, F: Filter> {
+    rays: &'r [(Ray, Interval); PACKET],
+    across: &'p Across<S>,
+    filter: &'p F::Across<S>,
 }
 
 /// Eight rays on their way through a tree.
@@ -101,6 +118,8 @@ pub(super) struct Packet<'q, 'j, S: Simd, G: Goal> {
     pub(super) work: &'q mut Work,
     pub(super) stack: &'q mut PacketStack<S>,
     pub(super) alone: &'q mut Stack,
+    /// What the rays may meet, if that is known.
+    pub(super) cut: Option<&'q Cut>,
     pub(super) goal: PhantomData<G>,
 }
 
@@ -127,8 +146,18 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 limits = self.simd.replaced(limits, lane, goal.limit());
             }
         }
-        self.walk::<F>(rays, goals, &across.boxes, &filter, limits);
-        for (((ray, _), goal), answer) in rays.iter().zip(goals).zip(answers) {
+        let eights = Eights::<S, F> { rays, across: &across, filter: &filter };
+        self.walk(&eights, goals, limits);
+        let answered = if F::ROUND {
+            G::finish_round::<S, F>(self.simd, self.tree, self.judge, &across, goals, answers)
+        } else {
+            0
+        };
+        self.work.hits += u64::from(answered.count_ones());
+        for (lane, (((ray, _), goal), answer)) in rays.iter().zip(goals).zip(answers).enumerate() {
+            if answered >> lane & 1 != 0 {
+                continue;
+            }
             *answer = goal.finish::<S, F>(self.simd, self.tree, self.judge, &ExactRay::new(self.simd, ray));
             self.work.hits += goal.uncounted_hits();
         }
@@ -136,19 +165,47 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
     }
 
     #[inline(always)]
-    fn walk<F: Filter>(
-        &mut self,
-        rays: &[(Ray, Interval); PACKET],
-        goals: &mut [G; PACKET],
-        across: &AcrossBoxes<S>,
-        filter: &F::Across<S>,
-        mut limits: S::Lanes,
-    ) {
+    fn walk<F: Filter>(&mut self, eights: &Eights<'_, '_, S, F>, goals: &mut [G; PACKET], mut limits: S::Lanes) {
         let simd = self.simd;
-        let mut loners = [const { MaybeUninit::<Prepared<'_, S, F>>::uninit() }; PACKET];
-        let mut who = 0;
+        let mut loners = Loners { prepared: [const { MaybeUninit::uninit() }; PACKET], who: 0 };
         self.stack.len = 0;
-        self.stack.insert(0, Entry { child: self.tree.root, least: 0.0, enters: simd.splat(0.0) });
+        let Some(cut) = self.cut else {
+            self.stack.insert(0, Entry { child: self.tree.root, least: 0.0, enters: simd.splat(0.0) });
+            self.descend(eights, goals, limits, &mut loners);
+            return;
+        };
+        for subtree in cut.subtrees() {
+            if simd.le(simd.splat(subtree.enter), limits) == 0 {
+                return;
+            }
+            let Some(node) = self.tree.nodes.get(subtree.node as usize) else { return };
+            let [enter, leave] =
+                eights.across.boxes.cross(simd, |row| node.plane(simd, row, usize::from(subtree.lane)), limits);
+            let mask = simd.le(enter, leave);
+            if mask == 0 {
+                continue;
+            }
+            if subtree.child.is_node() {
+                let enters = simd.or_infinity(enter, leave);
+                self.stack.insert(0, Entry { child: subtree.child, least: 0.0, enters });
+                limits = self.descend(eights, goals, limits, &mut loners);
+            } else {
+                let lanes = u32::from(subtree.mask);
+                limits = self.visit(eights, goals, (subtree.child, lanes), mask, limits);
+            }
+        }
+    }
+
+    /// Goes through all that has been put off; returns the limits of the rays.
+    #[inline(always)]
+    fn descend<'r, F: Filter>(
+        &mut self,
+        eights: &Eights<'r, '_, S, F>,
+        goals: &mut [G; PACKET],
+        mut limits: S::Lanes,
+        loners: &mut Loners<'r, S, F>,
+    ) -> S::Lanes {
+        let simd = self.simd;
         while let Some(Entry { child, enters, .. }) = self.stack.pop() {
             let mut mask = simd.le(enters, limits);
             let n_rays = mask.count_ones();
@@ -156,21 +213,21 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 while mask != 0 {
                     let lane = take_lane(&mut mask);
                     let goal = &mut goals[lane];
-                    match loner(simd, self.tree, rays, lane, &mut loners, &mut who) {
+                    match loners.get(simd, self.tree, eights.rays, lane) {
                         Some(prepared) => {
                             descend(simd, self.tree, self.judge, prepared, goal, child, self.alone, self.work);
                         }
-                        None => goal.visit_unfiltered(self.judge, &rays[lane].0),
+                        None => goal.visit_unfiltered(self.judge, &eights.rays[lane].0),
                     }
                     limits = simd.replaced(limits, lane, goal.limit());
                 }
             } else if child.is_node() {
                 self.work.nodes += u64::from(n_rays);
-                let Some(node) = self.tree.nodes.get(child.number()) else { return };
+                let Some(node) = self.tree.nodes.get(child.number()) else { return limits };
                 let first = self.stack.len;
                 for lane in 0..8 {
                     let plane = |row: usize| node.plane(simd, row, lane);
-                    let [enter, leave] = across.cross(simd, plane, limits);
+                    let [enter, leave] = eights.across.boxes.cross(simd, plane, limits);
                     if simd.le(enter, leave) != 0 {
                         let enters = simd.or_infinity(enter, leave);
                         let entry = Entry { child: node.children[lane], least: simd.least(enters), enters };
@@ -178,37 +235,46 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                     }
                 }
             } else {
-                self.work.tests += u64::from(n_rays) * child.count() as u64;
-                limits = self.visit::<F>(rays, goals, filter, child, mask, limits);
+                let all = (1 << child.count()) - 1;
+                limits = self.visit(eights, goals, (child, all), mask, limits);
             }
         }
+        limits
     }
 
-    /// Tests each primitive of a leaf with all rays of the mask; returns their limits.
+    /// Tests some primitives of a leaf, a bit for each, with all rays of the mask; returns their limits.
     #[inline(always)]
     fn visit<F: Filter>(
         &mut self,
-        rays: &[(Ray, Interval); PACKET],
+        eights: &Eights<'_, '_, S, F>,
         goals: &mut [G; PACKET],
-        filter: &F::Across<S>,
-        leaf: Child,
+        (leaf, mut lanes): (Child, u32),
         mut mask: u32,
         mut limits: S::Lanes,
     ) -> S::Lanes {
         let simd = self.simd;
         let view = self.tree.leaves.view(leaf);
-        for lane in 0..leaf.count() {
-            let verdict = F::judge_across(simd, filter, view, lane, limits);
+        self.work.tests += u64::from(mask.count_ones()) * u64::from(lanes.count_ones());
+        while lanes != 0 {
+            let lane = take_lane(&mut lanes);
+            let verdict = F::judge_across(simd, eights.filter, view, lane, limits);
             let mut maybe = verdict.maybe & mask;
             if maybe == 0 {
                 continue;
+            }
+            if F::ROUND
+                && maybe & !verdict.sure != 0
+                && let Some(sphere) = self.judge.round(F::index(view, lane))
+            {
+                // Rays that start on a sphere are left to be decided about, and most of them lead away.
+                maybe &= verdict.sure | !RoundSpheres::all(simd, &sphere).missed(simd, eights.across);
             }
             let (near, far) = (simd.to_array(verdict.near), simd.to_array(verdict.far));
             while maybe != 0 {
                 let ray = take_lane(&mut maybe);
                 let sure = verdict.sure >> ray & 1 != 0;
                 let bounds = sure.then_some([near[ray], far[ray]]);
-                goals[ray].consider::<S, F>(simd, self.tree, self.judge, &rays[ray].0, leaf, lane, bounds);
+                goals[ray].consider::<S, F>(simd, self.tree, self.judge, &eights.rays[ray].0, leaf, lane, bounds);
                 let limit = goals[ray].limit();
                 limits = simd.replaced(limits, ray, limit);
                 mask &= !(u32::from(limit < 0.0) << ray);

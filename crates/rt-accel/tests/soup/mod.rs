@@ -9,7 +9,7 @@ pub(crate) mod draw;
 pub(crate) mod rays;
 pub(crate) mod structures;
 
-use rt_accel::{Aabb, DVec3, Hit, Interval, LeafLayout, NearestPoint, Primitives, Ray};
+use rt_accel::{Aabb, DVec3, Hit, Interval, LeafLayout, NearestPoint, Primitives, Ray, RoundSphere};
 use rt_math::{ShearedRay, SlabRay, Vec3};
 
 use draw::Draw;
@@ -20,6 +20,8 @@ pub(crate) enum Solid {
         centre: DVec3,
         radius: f64,
     },
+    /// A sphere about which structures may decide.
+    Round(RoundSphere),
     Box(Aabb),
     Triangle([DVec3; 3]),
     /// A triangle of a mesh, hit by the watertight test.
@@ -117,6 +119,15 @@ impl Soup {
         Self(Self::triangles(draw).0.into_iter().map(facet).collect())
     }
 
+    /// The same, where structures may decide about spheres.
+    pub(crate) fn rounded(self) -> Self {
+        let round = |solid| match solid {
+            Solid::Sphere { centre, radius } => Solid::Round(RoundSphere { centre, radius }),
+            other => other,
+        };
+        Self(self.0.into_iter().map(round).collect())
+    }
+
     /// The same with a few solids of all other kinds among them, the last of which cannot be hit.
     pub(crate) fn with_others(mut self, draw: &mut Draw) -> Self {
         let spacing = self.0.len() / 20;
@@ -144,6 +155,9 @@ impl Soup {
         for solid in &mut self.0 {
             *solid = match *solid {
                 Solid::Sphere { centre, radius } => Solid::Sphere { centre: point(centre), radius: radius * scale },
+                Solid::Round(RoundSphere { centre, radius }) => {
+                    Solid::Round(RoundSphere { centre: point(centre), radius: radius * scale })
+                }
                 Solid::Box(b) => Solid::Box(Aabb::new(point(b.min), point(b.max))),
                 Solid::Triangle(vertices) => Solid::Triangle(vertices.map(&point)),
                 Solid::Facet(vertices) => Solid::Facet(vertices.map(|vertex| point(vertex.as_dvec3()).as_vec3())),
@@ -171,7 +185,7 @@ pub(crate) fn sheet(n: usize, surface: impl Fn(f64, f64) -> DVec3) -> impl Itera
 impl Solid {
     pub(crate) fn bounds(&self) -> Option<Aabb> {
         match *self {
-            Self::Sphere { centre, radius } => {
+            Self::Sphere { centre, radius } | Self::Round(RoundSphere { centre, radius }) => {
                 Some(Aabb::new(centre - DVec3::splat(radius), centre + DVec3::splat(radius)))
             }
             Self::Box(aabb) | Self::Sloppy(aabb) | Self::Ghost(aabb) => Some(aabb),
@@ -184,6 +198,7 @@ impl Solid {
     fn intersect(&self, ray: &Ray, span: Interval) -> Option<f64> {
         match *self {
             Self::Sphere { centre, radius } => sphere(centre, radius, ray, span),
+            Self::Round(round) => round.intersect(ray, span),
             Self::Box(aabb) => {
                 let line = aabb.clip(&SlabRay::new(ray), Interval::new(f64::NEG_INFINITY, f64::INFINITY))?;
                 span.first(line.min, line.max)
@@ -255,6 +270,7 @@ impl Primitives for Soup {
     fn leaf_layout(&self, index: u32) -> LeafLayout {
         match self.0[index as usize] {
             Solid::Sphere { centre, radius } => LeafLayout::Sphere(centre, radius),
+            Solid::Round(round) => LeafLayout::Round(round),
             Solid::Box(aabb) => LeafLayout::Box(aabb),
             Solid::Triangle(vertices) => LeafLayout::Triangle(vertices),
             Solid::Facet(vertices) => LeafLayout::Watertight(vertices),
@@ -267,7 +283,7 @@ impl NearestPoint for Soup {
     /// Some point of the primitive or its box; a plane has one, and ghosts have none.
     fn nearest_point(&self, index: u32, point: DVec3) -> Option<DVec3> {
         match self.0[index as usize] {
-            Solid::Sphere { centre, radius } => {
+            Solid::Sphere { centre, radius } | Solid::Round(RoundSphere { centre, radius }) => {
                 Some(centre + (point - centre).normalize_or_zero() * radius.min((point - centre).length()))
             }
             Solid::Ground { height } => Some(DVec3::new(point.x, height, point.z)),

@@ -9,7 +9,7 @@ mod spheres;
 mod triangles;
 
 use glam::DVec3;
-use rt_math::{Hit, Interval, LeafLayout, Primitives, Ray, ShearedRay, SlabRay, own_box};
+use rt_math::{Hit, Interval, LeafLayout, Primitives, Ray, ShearedRay, own_box};
 
 pub(super) use boxes::BoxFilter;
 pub(super) use spheres::SphereFilter;
@@ -20,6 +20,7 @@ use super::across::{Across, SpanLanes};
 use super::goal::Judge;
 use super::node::Child;
 use super::ray::{FilterRay, LaneRay};
+use super::shaft::Shaft;
 use super::simd::Simd;
 use crate::bvh::NodeBox;
 use crate::wide::pages::room_for;
@@ -76,7 +77,7 @@ impl Layouts {
 
     #[inline(always)]
     pub(super) const fn of(layout: &LeafLayout) -> Self {
-        let n_spheres = matches!(layout, LeafLayout::Sphere(..)) as u64;
+        let n_spheres = matches!(layout, LeafLayout::Sphere(..) | LeafLayout::Round(_)) as u64;
         let n_watertight = matches!(layout, LeafLayout::Watertight(_)) as u64;
         let n_triangles = matches!(layout, LeafLayout::Triangle(_)) as u64 + n_watertight;
         Self { n_spheres, n_watertight, n_triangles, n_others: 1 - n_spheres - n_triangles }
@@ -388,13 +389,6 @@ impl<'r, S: Simd> ExactRay<'r, S> {
         let [x, y, z, _] = simd.to_doubles(lanes.inverse);
         Self { ray, lanes, sheared: ShearedRay::with_inverse(ray, DVec3::new(x, y, z)) }
     }
-
-    /// As those see it who decide about boxes.
-    #[inline(always)]
-    fn slab_ray(&self, simd: S) -> SlabRay {
-        let [x, y, z, _] = simd.to_doubles(self.lanes.inverse);
-        SlabRay { ray: *self.ray, inverse: DVec3::new(x, y, z) }
-    }
 }
 
 /// Rules primitives out, and sees to it that somebody decides about the others.
@@ -429,6 +423,15 @@ pub(super) trait Filter: Copy {
         limits: S::Lanes,
     ) -> Verdict<S>;
 
+    /// True if leaves hold spheres.
+    const ROUND: bool = false;
+
+    /// The primitives of a leaf that rays of a shaft may meet, a bit for each; all, unless a filter knows better.
+    #[inline(always)]
+    fn within<S: Simd>(_: S, _: &Shaft<S>, leaf: LeafView<'_>) -> u32 {
+        leaf.mask()
+    }
+
     /// The index of a primitive.
     fn index(leaf: LeafView<'_>, lane: usize) -> u32;
 
@@ -458,7 +461,7 @@ pub(super) trait Filter: Copy {
         if Self::decides(leaf, lane) {
             Self::copied_hit::<S, CERTAIN>(simd, leaf, lane, ray, span)
         } else {
-            judge.closest(Self::index(leaf, lane), &ray.slab_ray(simd), span)
+            judge.closest(Self::index(leaf, lane), ray.ray, span)
         }
     }
 
@@ -475,7 +478,7 @@ pub(super) trait Filter: Copy {
         if Self::decides(leaf, lane) {
             Self::copied_hit::<S, false>(simd, leaf, lane, ray, span).is_some()
         } else {
-            judge.occluded(Self::index(leaf, lane), &ray.slab_ray(simd), span)
+            judge.occluded(Self::index(leaf, lane), ray.ray, span)
         }
     }
 }

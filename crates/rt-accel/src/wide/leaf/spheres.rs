@@ -19,6 +19,7 @@ use super::{Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
 use crate::wide::WideBvh;
 use crate::wide::across::{Across, Eight, SpanLanes, relative};
 use crate::wide::ray::{FilterRay, at_least, at_most, greatest};
+use crate::wide::shaft::Shaft;
 use crate::wide::simd::Simd;
 
 /// The greatest coordinate that a sphere reaches.
@@ -35,6 +36,7 @@ pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices
     for (lane, &index) in indices.iter().enumerate() {
         let (position, radius) = match primitives.leaf_layout(index) {
             LeafLayout::Sphere(position, radius) => (position - centre, radius),
+            LeafLayout::Round(sphere) => (sphere.centre - centre, sphere.radius),
             _ => ball_around(primitives, index, centre),
         };
         greatest = greatest.max(position.abs().max_element() + radius.abs());
@@ -214,6 +216,20 @@ impl Filter for SphereFilter {
             greatest: leaf.number(0),
         };
         rays.judge(simd, &sphere, limits, 0xff)
+    }
+
+    const ROUND: bool = true;
+
+    #[inline(always)]
+    fn within<S: Simd>(simd: S, shaft: &Shaft<S>, leaf: LeafView<'_>) -> u32 {
+        let n = leaf.count;
+        let margin = simd.splat(shaft.margin(leaf.number(0)));
+        let radius = simd.add(simd.abs(leaf.lanes(simd, HEADER + 3 * n)), margin);
+        let (passed, _) = shaft.passes(simd, |row| {
+            let centre = leaf.lanes(simd, HEADER + row / 2 * n);
+            if row & 1 == 0 { simd.sub(centre, radius) } else { simd.add(centre, radius) }
+        });
+        passed & leaf.mask()
     }
 
     #[inline(always)]

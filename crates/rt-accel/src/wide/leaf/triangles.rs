@@ -95,13 +95,11 @@ pub(in crate::wide) struct TriangleFilter<const COPIES: bool> {
     span: FilterSpan,
 }
 
-impl<const COPIES: bool> TriangleFilter<COPIES> {
-    /// One coordinate of the three vertices of eight triangles.
-    #[inline(always)]
-    fn numbers<S: Simd>(&self, simd: S, leaf: LeafView<'_>, axis: usize) -> [S::Lanes; 3] {
-        let first = HEADER + axis * leaf.count;
-        [leaf.lanes(simd, first), leaf.lanes(simd, first + 3 * leaf.count), leaf.lanes(simd, first + 6 * leaf.count)]
-    }
+/// One coordinate of the three vertices of eight triangles.
+#[inline(always)]
+fn numbers<S: Simd>(simd: S, leaf: LeafView<'_>, axis: usize) -> [S::Lanes; 3] {
+    let first = HEADER + axis * leaf.count;
+    [leaf.lanes(simd, first), leaf.lanes(simd, first + 3 * leaf.count), leaf.lanes(simd, first + 6 * leaf.count)]
 }
 
 /// One coordinate of the three vertices of one triangle, eight times.
@@ -233,9 +231,9 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
     fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
         let [x, y, z] = self.axes;
         let triangles = TriangleLanes {
-            x: self.numbers(simd, leaf, x),
-            y: self.numbers(simd, leaf, y),
-            z: self.numbers(simd, leaf, z),
+            x: numbers(simd, leaf, x),
+            y: numbers(simd, leaf, y),
+            z: numbers(simd, leaf, z),
             extent_margin: leaf.number(0),
             greatest: leaf.number(1),
         };

@@ -3,7 +3,7 @@
 mod seen;
 
 use rt_math::{
-    DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, SlabRay, decide_offered, decide_offered_occluded,
+    DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RoundSphere, decide_offered, decide_offered_occluded,
 };
 
 use super::goal::take_lane;
@@ -81,12 +81,11 @@ pub(crate) struct SphereList {
 
 /// Centre and radius, `None` for anything but a sphere.
 fn sphere<P: Primitives>(primitives: &P, index: u32) -> Option<(DVec3, f64)> {
-    match primitives.leaf_layout(index) {
-        LeafLayout::Sphere(centre, radius) if centre.is_finite() && (0.0..f64::INFINITY).contains(&radius) => {
-            Some((centre, radius))
-        }
-        _ => None,
-    }
+    let (centre, radius) = match primitives.leaf_layout(index) {
+        LeafLayout::Sphere(centre, radius) | LeafLayout::Round(RoundSphere { centre, radius }) => (centre, radius),
+        _ => return None,
+    };
+    (centre.is_finite() && (0.0..f64::INFINITY).contains(&radius)).then_some((centre, radius))
 }
 
 impl SphereList {
@@ -205,9 +204,9 @@ impl SphereList {
 /// Decides about what the filter leaves: the caller's primitives, behind one call.
 trait Judge {
     /// The hit on a sphere within the span.
-    fn closest(&mut self, index: u32, ray: &SlabRay, span: Interval) -> Option<Hit>;
+    fn closest(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit>;
     /// True if the sphere blocks the ray within the span.
-    fn occluded(&mut self, index: u32, ray: &SlabRay, span: Interval) -> bool;
+    fn occluded(&mut self, index: u32, ray: &Ray, span: Interval) -> bool;
 }
 
 /// The primitives of a query, and who counts.
@@ -217,11 +216,11 @@ struct Asked<'a, P, S> {
 }
 
 impl<P: Primitives, S: Probe> Judge for Asked<'_, P, S> {
-    fn closest(&mut self, index: u32, ray: &SlabRay, span: Interval) -> Option<Hit> {
+    fn closest(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
         decide_offered(self.primitives, index, ray, span, self.probe)
     }
 
-    fn occluded(&mut self, index: u32, ray: &SlabRay, span: Interval) -> bool {
+    fn occluded(&mut self, index: u32, ray: &Ray, span: Interval) -> bool {
         decide_offered_occluded(self.primitives, index, ray, span, self.probe)
     }
 }
@@ -275,7 +274,7 @@ impl Kernel<&Ray, Interval> for FirstHit<'_, '_> {
                 let mut maybe = seen.met(simd, block, [begin, end]);
                 while maybe != 0 {
                     let index = ((group * GROUP + at) * LANES + take_lane(&mut maybe)) as u32;
-                    if let Some(hit) = query.judge.closest(index, &SlabRay::new(ray), span)
+                    if let Some(hit) = query.judge.closest(index, ray, span)
                         && best.is_none_or(|best| hit.precedes(&best))
                     {
                         span.max = hit.t;
@@ -313,7 +312,7 @@ impl Kernel<&Ray, Interval> for AnyHit<'_, '_> {
                     let lane = take_lane(&mut maybe);
                     let index = ((group * GROUP + at) * LANES + lane) as u32;
                     let is_sure = sure >> lane & 1 == 1;
-                    if is_sure || query.judge.occluded(index, &SlabRay::new(ray), span) {
+                    if is_sure || query.judge.occluded(index, ray, span) {
                         query.outcome = Some(Outcome { tests: index + 1, hits: u64::from(is_sure), answer: true });
                         return;
                     }
