@@ -67,3 +67,27 @@ impl RoundSphere {
         span.first(t0.min(t1) * scale, t0.max(t1) * scale)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UNIT: RoundSphere = RoundSphere { centre: DVec3::ZERO, radius: 1.0 };
+
+    #[test]
+    fn the_first_crossing_within_the_span_is_met() {
+        let ray = Ray::new(DVec3::new(0.0, 0.0, -3.0), DVec3::Z);
+        let within = |min, max| UNIT.intersect(&ray, Interval::new(min, max));
+        assert_eq!(within(0.0, f64::INFINITY), Some(2.0));
+        assert_eq!(within(2.5, 4.0), Some(4.0));
+        assert_eq!((within(0.0, 1.9), within(2.5, 3.9)), (None, None));
+    }
+
+    #[test]
+    fn a_distance_is_rejected_only_if_it_is_farther_than_rounding_may_have_put_it() {
+        let at = |x: f64| Ray::new(DVec3::new(x, 0.0, -5.0), DVec3::Z);
+        let is_missed = |x: f64| UNIT.is_missed(&at(x), Interval::FORWARD);
+        assert!(is_missed(1.0 + 1e-12) && !is_missed(1.0f64.next_up()) && !is_missed(1.0));
+        assert_eq!(UNIT.intersect(&at(1.0f64.next_up()), Interval::FORWARD), None, "by the closest approach");
+    }
+}
