@@ -110,6 +110,24 @@ fn batches_through_small_trees_equal_single_queries() {
     }
 }
 
+/// The answers would be the same without shafts, and so would be counts of more than a fifth.
+#[test]
+fn what_none_of_many_rays_meets_is_looked_at_once() {
+    let soup = Soup::spheres(2000, &mut Draw::new(7)).rounded();
+    let ray = |x: usize| Ray::new(DVec3::new(0.1, 0.2, 5.0), DVec3::new(1e-5 * (1 + x) as f64, -0.1, -1.0));
+    let rays: Vec<_> = (0..64).map(|x| (ray(x), Interval::FORWARD)).collect();
+    let wide = WideBvh::build(&soup).unwrap();
+    let nodes_of = |n_together: usize| {
+        let mut counters = Counters::default();
+        for rays in rays.chunks(n_together) {
+            wide.closest_batch(&soup, rays, &mut vec![None; rays.len()], &mut counters);
+        }
+        counters.total().nodes
+    };
+    let (apart, together) = (nodes_of(8), nodes_of(64));
+    assert!(5 * together < apart, "{together} nodes instead of {apart}");
+}
+
 /// Through trees of more than 8 MiB rays go side by side.
 #[test]
 fn batches_through_large_trees_equal_single_queries() {

@@ -28,13 +28,10 @@ pub fn decide<P: Primitives, S: Probe>(
     probe: &mut S,
 ) -> Option<Hit> {
     probe.test();
-    let hit = primitives.intersect_probed(index, &ray.ray, span, probe)?;
-    let entry = own_box_entry(primitives, index, ray, span)?;
-    probe.hit();
-    Some(Hit { t: hit.t.max(entry), ..hit })
+    decide_offered(primitives, index, &ray.ray, span, probe)
 }
 
-/// As [`decide`], of a primitive that the caller has counted as offered, and a ray that is prepared only if it hits.
+/// As [`decide`], of a primitive that the caller has counted as offered.
 #[inline(always)]
 pub fn decide_offered<P: Primitives, S: Probe>(
     primitives: &P,
@@ -44,7 +41,7 @@ pub fn decide_offered<P: Primitives, S: Probe>(
     probe: &mut S,
 ) -> Option<Hit> {
     let hit = primitives.intersect_probed(index, ray, span, probe)?;
-    let entry = own_box_entry_unprepared(primitives, index, ray, span)?;
+    let entry = own_box_entry(primitives, index, ray, span)?;
     probe.hit();
     Some(Hit { t: hit.t.max(entry), ..hit })
 }
@@ -75,16 +72,10 @@ pub fn decide_occluded<P: Primitives, S: Probe>(
     probe: &mut S,
 ) -> bool {
     probe.test();
-    let blocked = primitives.occludes_probed(index, &ray.ray, span, probe)
-        && own_box_entry(primitives, index, ray, span).is_some();
-    if blocked {
-        probe.hit();
-    }
-    blocked
+    decide_offered_occluded(primitives, index, &ray.ray, span, probe)
 }
 
-/// As [`decide_occluded`], of a primitive that the caller has counted as offered, and a ray that is prepared only if it
-/// hits.
+/// As [`decide_occluded`], of a primitive that the caller has counted as offered.
 #[inline(always)]
 pub fn decide_offered_occluded<P: Primitives, S: Probe>(
     primitives: &P,
@@ -93,8 +84,8 @@ pub fn decide_offered_occluded<P: Primitives, S: Probe>(
     span: Interval,
     probe: &mut S,
 ) -> bool {
-    let blocked = primitives.occludes_probed(index, ray, span, probe)
-        && own_box_entry_unprepared(primitives, index, ray, span).is_some();
+    let blocked =
+        primitives.occludes_probed(index, ray, span, probe) && own_box_entry(primitives, index, ray, span).is_some();
     if blocked {
         probe.hit();
     }
@@ -103,22 +94,12 @@ pub fn decide_offered_occluded<P: Primitives, S: Probe>(
 
 /// Where the ray enters the own box within `span`: at once if there is no box, `None` if it passes the box by.
 ///
-/// Apart from the loops over offers, where it would be in the way of their misses.
+/// Apart from the loops over offers, where it would be in the way of their misses. Reciprocals are taken here once more: a
+/// prepared ray would be copied for every offer, and few are hits.
 #[inline(never)]
-fn own_box_entry<P: Primitives>(primitives: &P, index: u32, ray: &SlabRay, span: Interval) -> Option<f64> {
-    entry(own_box(primitives, index), ray, span)
-}
-
-/// As [`own_box_entry`], of a ray that is not prepared.
-#[inline(never)]
-fn own_box_entry_unprepared<P: Primitives>(primitives: &P, index: u32, ray: &Ray, span: Interval) -> Option<f64> {
-    entry(own_box(primitives, index), &SlabRay::new(ray), span)
-}
-
-#[inline(always)]
-fn entry(own: Option<Aabb>, ray: &SlabRay, span: Interval) -> Option<f64> {
-    match own {
-        Some(own) => Some(own.clip(ray, span)?.min),
+fn own_box_entry<P: Primitives>(primitives: &P, index: u32, ray: &Ray, span: Interval) -> Option<f64> {
+    match own_box(primitives, index) {
+        Some(own) => Some(own.clip(&SlabRay::new(ray), span)?.min),
         None => Some(span.min),
     }
 }

@@ -170,14 +170,19 @@ pub(super) fn agree(rays: &[(Ray, Interval); PACKET]) -> bool {
     is_same
 }
 
+/// The signs of a direction: through which sides it passes boxes.
+#[inline(always)]
+pub(super) fn signs(d: DVec3) -> u32 {
+    ((d.x.to_bits() >> 63) | (d.y.to_bits() >> 63) << 1 | (d.z.to_bits() >> 63) << 2) as u32
+}
+
 /// The signs of a direction, and which of its components are greater than others.
 #[inline(always)]
 fn way(ray: &Ray) -> u32 {
     let d = ray.direction;
     let size = d.abs();
-    let signs = (d.x.to_bits() >> 63) | (d.y.to_bits() >> 63) << 1 | (d.z.to_bits() >> 63) << 2;
     let farther = [size.y > size.z, size.x > size.y, size.x > size.z];
-    signs as u32 | u32::from(farther[0]) << 3 | u32::from(farther[1]) << 4 | u32::from(farther[2]) << 5
+    signs(d) | u32::from(farther[0]) << 3 | u32::from(farther[1]) << 4 | u32::from(farther[2]) << 5
 }
 
 impl<S: Simd> Across<S> {

@@ -182,6 +182,13 @@ impl FirstHit {
         self.best.uv[1] = hit.uv[1];
     }
 
+    /// The usual case: one hit that is certain, before all others.
+    #[inline(always)]
+    fn only_candidate(&self) -> Option<Candidate> {
+        // SAFETY: the first has been written where there is one.
+        (self.n_candidates == 1 && !self.is_hit).then(|| unsafe { self.candidates[0].assume_init() })
+    }
+
     #[inline(always)]
     fn decide<S: Simd, F: Filter>(
         &mut self,
@@ -327,11 +334,9 @@ impl Goal for FirstHit {
         judge: &mut dyn Judge,
         ray: &ExactRay<'_, S>,
     ) -> Option<Hit> {
-        if self.n_candidates == 1 && !self.is_hit {
-            // The usual case: a hit that is certain and first. It is handed on as it is decided, and not kept first; where
-            // leaves decide, nothing is asked, so that the next ray need not wait.
-            // SAFETY: the first has been written.
-            let Candidate { leaf, lane, .. } = unsafe { self.candidates[0].assume_init() };
+        if let Some(Candidate { leaf, lane, .. }) = self.only_candidate() {
+            // It is handed on as it is decided, and not kept first; where leaves decide, nothing is asked, so that the next
+            // ray need not wait.
             let leaf = tree.leaves.view(leaf);
             let hit = F::hit::<S, true>(simd, leaf, lane, ray, self.span, judge);
             self.uncounted_hits += u64::from(F::DECIDES && hit.is_some());
@@ -360,11 +365,7 @@ impl Goal for FirstHit {
         let mut indices = [0; PACKET];
         let mut who = 0;
         for (lane, goal) in goals.iter().enumerate() {
-            if goal.n_candidates != 1 || goal.is_hit {
-                continue;
-            }
-            // SAFETY: the first has been written.
-            let candidate = unsafe { goal.candidates[0].assume_init() };
+            let Some(candidate) = goal.only_candidate() else { continue };
             let index = F::index(tree.leaves.view(candidate.leaf), candidate.lane);
             if let Some(sphere) = judge.round(index) {
                 (spheres[lane], indices[lane]) = (sphere, index);

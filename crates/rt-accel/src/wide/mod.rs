@@ -62,9 +62,8 @@ const STACK: usize = 7 * MAX_DEPTH as usize + 8;
 /// A tree of boxes with eight children to a node: the fastest to trace, whatever the primitives.
 ///
 /// Eight boxes are tested at a time in `f32`, and so are the triangles, spheres or boxes in a leaf
-/// ([`LeafLayout`]); what these filters leave is decided in `f64`, so that the answers are those of
-/// brute force to the last bit. They run on AVX-512, AVX2 or anything, as the processor has it ([`SimdLevel`]), with the
-/// same answers.
+/// ([`LeafLayout`]); what these filters leave is decided in `f64`, so that the answers are those of brute force to the
+/// last bit. They run on AVX-512, AVX2 or anything, as the processor has it ([`SimdLevel`]), with the same answers.
 ///
 /// Wald, Benthin and Boulos, "Getting Rid of Packets", 2008; Ernst and Greiner, "Multi Bounding Volume Hierarchies", 2008.
 #[derive(Clone, Debug, PartialEq)]

@@ -138,3 +138,74 @@ impl<S: Simd> RoundSpheres<S> {
 fn dot<S: Simd>(simd: S, a: [Eight<S>; 3], b: [Eight<S>; 3]) -> Eight<S> {
     a[0].mul(simd, b[0]).add(simd, a[1].mul(simd, b[1])).add(simd, a[2].mul(simd, b[2]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::simd::{Available, Kernel, SimdLevel};
+    use super::*;
+    use crate::WideBvh;
+    use rt_math::{Aabb, Hit, Interval, LeafLayout, Primitives, Ray};
+
+    /// One sphere.
+    struct Ball(RoundSphere);
+
+    impl Primitives for Ball {
+        fn len(&self) -> usize {
+            1
+        }
+        fn bounds(&self, _: u32) -> Option<Aabb> {
+            Some(Aabb::new(self.0.centre - self.0.radius, self.0.centre + self.0.radius))
+        }
+        fn intersect(&self, _: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+            let t = self.0.intersect(ray, span)?;
+            Some(Hit { t, instance: 0, primitive: 0, uv: [0.0; 2] })
+        }
+        fn leaf_layout(&self, _: u32) -> LeafLayout {
+            LeafLayout::Round(self.0)
+        }
+    }
+
+    struct Asked<'a>(&'a WideBvh, RoundSphere);
+
+    impl Kernel<&[(Ray, Interval); PACKET], &mut Option<(u32, [f64; PACKET])>> for Asked<'_> {
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval); PACKET], answer: &mut Option<(u32, [f64; PACKET])>) {
+            *answer = Across::new(simd, self.0, rays).map(|rays| {
+                let missed = RoundSpheres::all(simd, &self.1).missed(simd, &rays);
+                (missed, RoundSpheres::new(simd, &[self.1; PACKET]).first_crossings(simd, &rays))
+            });
+        }
+    }
+
+    /// If lanes left all to others, the answers of trees would still be right.
+    #[test]
+    fn lanes_settle_what_is_beyond_doubt_as_the_kernel_does() {
+        let ball = RoundSphere { centre: DVec3::new(0.3, -0.2, 0.1), radius: 0.75 };
+        let tree = WideBvh::build(&Ball(ball)).expect("a tree");
+        // From the axis through the centre to beyond the rim, and from the surface.
+        let outside = core::array::from_fn(|i| {
+            let origin = ball.centre + DVec3::new(0.01 + 0.13 * i as f64, 0.0, 5.0);
+            (Ray::new(origin, DVec3::new(1e-3, 1e-3, -1.0)), Interval::FORWARD)
+        });
+        let leaving = core::array::from_fn(|i| {
+            let normal = DVec3::new(0.1 * (i + 1) as f64, 0.5, 1.0).normalize();
+            (Ray::new(ball.centre + normal * (ball.radius * (1.0 + 1e-14)), normal), Interval::SPAWNED)
+        });
+        for level in SimdLevel::ALL {
+            let settled = |rays: &[(Ray, Interval); PACKET]| {
+                let mut answer = None;
+                Available::new(*level).dispatch(Asked(&tree, ball), rays, &mut answer);
+                answer.expect("rays in proportion")
+            };
+            let (missed, crossings) = settled(&outside);
+            for (lane, (ray, span)) in outside.iter().enumerate() {
+                let expected = ball.intersect(ray, *span);
+                assert_eq!(missed >> lane & 1 == 1, expected.is_none(), "{level:?}, lane {lane}");
+                let t = Some(crossings[lane]).filter(|t| !t.is_nan());
+                assert_eq!(t.map(f64::to_bits), expected.map(f64::to_bits), "{level:?}, lane {lane}");
+            }
+            assert_eq!((missed & 1, missed >> 7), (0, 1), "some hit and some miss");
+            assert_eq!(settled(&leaving).0, 0xff, "{level:?}: rays that lead away");
+        }
+    }
+}

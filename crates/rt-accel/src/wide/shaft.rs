@@ -12,14 +12,16 @@
 //! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", 2005, and Wald, Boulos and Shirley, "Ray Tracing
 //! Deformable Scenes using Dynamic Bounding Volume Hierarchies", 2007, find entry points and cull by intervals.
 
-use rt_math::{DVec3, Interval, Ray};
+use rt_math::{Aabb, DVec3, Interval, Ray};
 
 use super::WideBvh;
+use super::across::signs;
 use super::goal::take_lane;
 use super::leaf::Filter;
 use super::node::Child;
 use super::ray::{FARTHEST, RANGE, SLACK, STEEPEST, at_least, at_most};
 use super::simd::Simd;
+use crate::bvh::NodeBox;
 
 /// Own boxes are wider than primitives by less than this part of how far the centre of the tree is from the origin.
 const OF_OFFSET: f32 = 1.0 / (1u64 << 38) as f32;
@@ -38,19 +40,6 @@ pub(super) struct Shaft<S: Simd> {
     max: S::Lanes,
     /// Greatest coordinate of the centre of the tree, or more.
     offset: f32,
-}
-
-/// The number of single precision that is next to `x` and not below it.
-#[inline(always)]
-fn above(x: f64) -> f32 {
-    let nearest = x as f32;
-    if f64::from(nearest) < x { nearest.next_up() } else { nearest }
-}
-
-/// The signs of a direction: through which sides it passes boxes.
-#[inline(always)]
-fn signs(direction: DVec3) -> u64 {
-    (direction.x.to_bits() >> 63) | (direction.y.to_bits() >> 63) << 1 | (direction.z.to_bits() >> 63) << 2
 }
 
 impl<S: Simd> Shaft<S> {
@@ -82,7 +71,8 @@ impl<S: Simd> Shaft<S> {
         if !is_proven {
             return None;
         }
-        let pad = tree.size * SLACK;
+        let pad = DVec3::splat(tree.size * SLACK);
+        let outline = NodeBox::outward(&Aabb::new(low - pad, high + pad), DVec3::ZERO);
         let least = fastest.max(DVec3::splat(fastest.max_element() / STEEPEST)).recip() * (1.0 - SLACK);
         let greatest = slowest.max(DVec3::splat(slowest.max_element() / STEEPEST)).recip() * (1.0 + SLACK);
         let mut this = Self {
@@ -97,7 +87,7 @@ impl<S: Simd> Shaft<S> {
         };
         for axis in 0..3 {
             let is_negative = signs >> axis & 1 != 0;
-            let (low, high) = (-above(pad - low[axis]), above(high[axis] + pad));
+            let (low, high) = (outline.min[axis], outline.max[axis]);
             let (near, far, sign) = if is_negative { (low, high, -1.0) } else { (high, low, 1.0) };
             this.near_origin[axis] = simd.splat(near);
             this.far_origin[axis] = simd.splat(far);
@@ -180,7 +170,8 @@ impl Cut {
     #[inline(always)]
     pub(super) fn make<S: Simd, F: Filter>(&mut self, simd: S, tree: &WideBvh, shaft: &Shaft<S>) -> u64 {
         self.len = 0;
-        let mut n_nodes = u64::from(self.open::<S, F>(simd, tree, shaft, tree.root));
+        self.open::<S, F>(simd, tree, shaft, tree.root);
+        let mut n_nodes = 1;
         let mut at = 0;
         // From the nearest to the farthest level, so that what there is no room for is small.
         while let Some(&Subtree { child, .. }) = self.subtrees().get(at) {
@@ -190,7 +181,8 @@ impl Cut {
             }
             self.len -= 1;
             self.subtrees.copy_within(at + 1..=self.len, at);
-            n_nodes += u64::from(self.open::<S, F>(simd, tree, shaft, child));
+            self.open::<S, F>(simd, tree, shaft, child);
+            n_nodes += 1;
         }
         let len = self.len;
         if let Some(subtrees) = self.subtrees.get_mut(..len) {
@@ -199,10 +191,10 @@ impl Cut {
         n_nodes
     }
 
-    /// Adds what is behind the boxes of a node that the shaft meets; true if there is such a node.
+    /// Adds what is behind the boxes of a node that the shaft meets.
     #[inline(always)]
-    fn open<S: Simd, F: Filter>(&mut self, simd: S, tree: &WideBvh, shaft: &Shaft<S>, parent: Child) -> bool {
-        let Some(node) = tree.nodes.get(parent.number()) else { return false };
+    fn open<S: Simd, F: Filter>(&mut self, simd: S, tree: &WideBvh, shaft: &Shaft<S>, parent: Child) {
+        let Some(node) = tree.nodes.get(parent.number()) else { return };
         let (mut passed, enter) = shaft.passes(simd, |row| node.row(simd, row));
         let enters = simd.to_array(enter);
         while passed != 0 {
@@ -217,6 +209,5 @@ impl Cut {
                 self.len += 1;
             }
         }
-        true
     }
 }
