@@ -13,7 +13,7 @@
 //!
 //! | structure | build | bytes per primitive | ray, n primitives | choose it for |
 //! |---|---|---|---|---|
-//! | [`Linear`] | O(n), checks and copies | 16 for spheres, 0 for others | n tests, of spheres eight at once | up to about ten primitives |
+//! | [`Linear`] | O(n), checks and copies | 16 for spheres, 0 for others | n tests, of spheres eight at once; of few, for eight rays at once | up to about ten primitives |
 //! | [`UniformGrid`] | O(n), a tenth to a quarter of `Bvh` | 30 to 100 | O(∛n) cells | primitives of similar size, evenly spread; frequent rebuilds |
 //! | [`WideBvh`] | O(n log n), as `Bvh` or less | about 60 | O(log n) nodes, eight boxes each at once | rendering, and all else that asks for many rays |
 //! | [`Bvh`] | O(n log n) | 25 to 45 | O(log n) nodes | everything else, in half the memory |

@@ -5,13 +5,14 @@ use core::ops::ControlFlow;
 use rt_math::{Aabb, Accelerator, Hit, Interval, Primitives, Probe, Ray};
 
 use crate::own_boxes::{checked_own_box, count};
-use crate::wide::{SimdLevel, SphereList};
+use crate::wide::{Handful, SimdLevel, SphereList};
 use crate::{BuildError, BuildStats, RayQuery, Refit, RegionQuery, Structure, Violation, brute_force};
 
 /// Tests every primitive in turn. O(n) per ray; 16 bytes for each of more than a few spheres, and no memory otherwise.
 ///
-/// Where all are spheres, eight at a time are tested in `f32`, and in `f64` those that a ray may meet. Answers and
-/// [`Counters`](crate::Counters) are those of [`brute_force`], to the last bit and the last test.
+/// Where all are spheres, eight at a time are tested in `f32`, and in `f64` those that a ray may meet. Batches ask a
+/// [`Handful`] for eight rays at a time. Answers and [`Counters`](crate::Counters) are those of [`brute_force`], to the last
+/// bit and the last test.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct Linear {
@@ -19,6 +20,8 @@ pub struct Linear {
     unbounded: u32,
     /// All primitives once more, if that helps.
     spheres: Option<SphereList>,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    level: SimdLevel,
 }
 
 impl Linear {
@@ -28,7 +31,8 @@ impl Linear {
     ///
     /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
-        let mut linear = Self { primitives: count(primitives)?, unbounded: 0, spheres: None };
+        let mut linear =
+            Self { primitives: count(primitives)?, unbounded: 0, spheres: None, level: SimdLevel::default() };
         for index in 0..linear.primitives {
             if checked_own_box(primitives, index)?.is_none() {
                 linear.unbounded += 1;
@@ -43,14 +47,21 @@ impl Linear {
     #[must_use]
     pub fn with_level(mut self, level: SimdLevel) -> Self {
         self.spheres = self.spheres.map(|spheres| spheres.with_level(level));
+        self.level = level;
         self
+    }
+
+    /// All primitives, where they are few and no list of spheres.
+    fn handful(&self) -> Option<Handful> {
+        let are_few = self.spheres.is_none() && self.primitives as usize <= Handful::MOST;
+        are_few.then(|| Handful::new(0..self.primitives)).flatten().map(|few| few.with_level(self.level))
     }
 }
 
 #[cfg(feature = "serde")]
 impl Linear {
     fn check_shape(&self) -> Result<(), Violation> {
-        let Self { primitives: built, unbounded, ref spheres } = *self;
+        let Self { primitives: built, unbounded, ref spheres, .. } = *self;
         if unbounded > built {
             return Err(Violation::Count { built, given: unbounded as usize });
         }
@@ -83,6 +94,36 @@ impl Accelerator for Linear {
         match &self.spheres {
             Some(spheres) => spheres.occluded(primitives, ray, span, probe),
             None => brute_force::occluded(primitives, ray, span, probe),
+        }
+    }
+
+    fn closest_batch<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &[(Ray, Interval)],
+        hits: &mut [Option<Hit>],
+        probe: &mut S,
+    ) {
+        if let Some(handful) = self.handful() {
+            return handful.closest_batch(primitives, rays, hits, probe);
+        }
+        for ((ray, span), hit) in rays.iter().zip(hits) {
+            *hit = self.closest(primitives, ray, *span, probe);
+        }
+    }
+
+    fn occluded_batch<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &[(Ray, Interval)],
+        blocked: &mut [bool],
+        probe: &mut S,
+    ) {
+        if let Some(handful) = self.handful() {
+            return handful.occluded_batch(primitives, rays, blocked, probe);
+        }
+        for ((ray, span), blocked) in rays.iter().zip(blocked) {
+            *blocked = self.occluded(primitives, ray, *span, probe);
         }
     }
 }
@@ -141,11 +182,7 @@ impl Refit for Linear {
         if (fitted.primitives, fitted.unbounded) != (built, unbounded) {
             return Err(BuildError::Changed(Violation::Count { built, given: primitives.len() }));
         }
-        let level = self.spheres.as_ref().map(SphereList::level);
-        *self = match level {
-            Some(level) => fitted.with_level(level),
-            None => fitted,
-        };
+        *self = fitted.with_level(self.level);
         Ok(())
     }
 }

@@ -5,7 +5,14 @@
 
 mod soup;
 
-use rt_accel::{Aabb, Accelerator, Counters, DVec3, Hit, Interval, NoProbe, Ray, Structure, WideBvh, wide::SimdLevel};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rt_accel::wide::{Handful, SimdLevel};
+use rt_accel::{
+    Aabb, Accelerator, Counters, DVec3, Hit, Interval, LeafLayout, Linear, NoProbe, Primitives, Ray, RoundSphere,
+    Structure, WideBvh, brute_force,
+};
+use rt_math::Vec3;
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
 use soup::{Solid, Soup, sheet};
@@ -162,6 +169,161 @@ fn batches_through_large_trees_equal_single_queries() {
             compare(&format!("{} {name}", level.name()), &wide, &soup, 4000, &mut Draw::new(seed + 1));
         }
     }
+}
+
+/// Rays for which no lanes are made, among others.
+fn with_odd_ones(mut rays: Vec<(Ray, Interval)>, draw: &mut Draw) -> Vec<(Ray, Interval)> {
+    let odd = [
+        Ray::new(DVec3::splat(1e300), DVec3::NEG_ONE),
+        Ray::new(DVec3::ZERO, DVec3::ZERO),
+        Ray::new(DVec3::X * 3.0, DVec3::NEG_X * 1e-300),
+        Ray::new(DVec3::X * 3.0, DVec3::NEG_X * 1e200),
+        Ray::new(DVec3::splat(f64::NAN), DVec3::NEG_Y),
+        Ray::new(DVec3::X, DVec3::new(0.0, f64::NEG_INFINITY, 0.0)),
+    ];
+    let spans = [
+        Interval::FORWARD,
+        Interval::SEGMENT,
+        Interval::new(-1.0, 5.0),
+        Interval::new(2.0, 1.0),
+        Interval::new(f64::NAN, 1.0),
+    ];
+    for (ray, span) in &mut rays {
+        if draw.one_in(40) {
+            *ray = draw.pick(&odd);
+        }
+        if draw.one_in(10) {
+            *span = draw.pick(&spans);
+        }
+    }
+    rays
+}
+
+/// The last bit and the last test.
+#[test]
+fn handfuls_answer_and_count_as_brute_force() {
+    let seed = Draw::run_seed();
+    println!("batches: seed {seed}");
+    let draw = &mut Draw::new(seed);
+    let mut n_hits = 0;
+    for round in 0..60 {
+        let n = 1 + draw.below(Handful::MOST);
+        let mut soup = match round % 4 {
+            0 => Soup::mixed(draw),
+            1 => Soup::facets(draw),
+            _ => Soup::spheres(n as u64, draw),
+        };
+        soup.0.truncate(n);
+        soup = soup.rounded();
+        let scale = draw.pick(&[1.0, 1e-3, 1e12]);
+        let mut soup = soup.scaled(scale).moved(DVec3::new(1.0, -0.7, 0.3) * draw.pick(&[0.0, 1e4]));
+        // Two at one place, and something without an end.
+        if n > 2 {
+            soup.0[n - 1] = soup.0[0];
+            soup.0[1] = draw.pick(&[soup.0[1], Solid::Ground { height: -0.4 * scale }]);
+        }
+        let chosen: Vec<u32> = (0..n as u32).filter(|_| draw.one_in(2)).collect();
+        let smaller = Soup(chosen.iter().map(|&index| soup.0[index as usize]).collect());
+        let rays = with_odd_ones(bundles(&soup, 1000, draw), draw);
+        for level in levels() {
+            let all = Handful::new(0..n as u32).unwrap().with_level(level);
+            let some = Handful::new(chosen.iter().rev().copied()).unwrap().with_level(level);
+            let linear = Linear::build(&soup).unwrap().with_level(level);
+            let (mut counted, mut expected) = ([Counters::default(); 3], Counters::default());
+            let mut first = 0;
+            while first < rays.len() {
+                let len = draw.pick(&[1, 3, 5, 8, 13, 64, 300]).min(rays.len() - first);
+                let rays = &rays[first..first + len];
+                let [mut of_all, mut of_some, mut of_linear] = [const { Vec::new() }; 3].map(|mut hits: Vec<_>| {
+                    hits.resize(len, None);
+                    hits
+                });
+                let mut blocked = vec![false; len];
+                all.closest_batch(&soup, rays, &mut of_all, &mut counted[0]);
+                all.occluded_batch(&soup, rays, &mut blocked, &mut counted[0]);
+                linear.closest_batch(&soup, rays, &mut of_linear, &mut counted[1]);
+                linear.occluded_batch(&soup, rays, &mut vec![false; len], &mut counted[1]);
+                some.closest_batch(&soup, rays, &mut of_some, &mut counted[2]);
+                for (i, (ray, span)) in rays.iter().enumerate() {
+                    let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
+                    let hit = brute_force::closest(&soup, ray, *span, &mut expected);
+                    assert_eq!(key(of_all[i]), key(hit), "{name}");
+                    assert_eq!(key(of_linear[i]), key(hit), "{name}");
+                    assert_eq!(blocked[i], brute_force::occluded(&soup, ray, *span, &mut expected), "{name}");
+                    let hit_on_some = brute_force::closest(&smaller, ray, *span, &mut NoProbe);
+                    let renamed = hit_on_some.map(|hit| Hit { primitive: chosen[hit.primitive as usize], ..hit });
+                    assert_eq!(key(of_some[i]), key(renamed), "{name}");
+                    n_hits += usize::from(hit.is_some());
+                }
+                first += len;
+            }
+            assert_eq!([counted[0].total(), counted[1].total()], [expected.total(); 2], "round {round}");
+        }
+    }
+    assert!(n_hits > 10_000, "{n_hits} hits");
+    assert!(Handful::new(0..=Handful::MOST as u32).is_none());
+}
+
+/// Counts how often it is asked.
+struct Busy<'a>(&'a Soup, AtomicU32);
+
+impl Primitives for Busy<'_> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        self.0.bounds(index)
+    }
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.intersect(index, ray, span)
+    }
+    fn leaf_layout(&self, index: u32) -> LeafLayout {
+        self.0.leaf_layout(index)
+    }
+}
+
+/// The answers would be the same if lanes settled nothing.
+#[test]
+fn lanes_leave_little_to_be_decided_ray_by_ray() {
+    let draw = &mut Draw::new(11);
+    // A floor that is no coordinate plane, and two balls above it.
+    let corner = |x: f32, z: f32| Vec3::new(x, 0.1 * x - 0.05 * z, z);
+    let floor = [
+        [corner(-5.0, -5.0), corner(5.0, -5.0), corner(5.0, 5.0)],
+        [corner(-5.0, -5.0), corner(5.0, 5.0), corner(-5.0, 5.0)],
+    ];
+    let ball = |x: f64| RoundSphere { centre: DVec3::new(x, 1.5, 0.2), radius: 0.9 };
+    let (one, other) = (ball(-1.0), ball(1.0));
+    let soup = Soup(vec![Solid::Facet(floor[0]), Solid::Round(one), Solid::Facet(floor[1]), Solid::Round(other)]);
+    let up = DVec3::new(-0.1, 1.0, 0.05).normalize();
+    // From the eye, from the floor, from the balls, and from within them.
+    let mut rays: Vec<(Ray, Interval)> = Vec::new();
+    for _ in 0..400 {
+        let eye = DVec3::new(0.3, 4.0, 6.0);
+        rays.push((Ray::new(eye, DVec3::new(0.0, 0.5, 0.0) + draw.point() * 4.0 - eye), Interval::FORWARD));
+    }
+    for _ in 0..400 {
+        let (x, z) = (draw.between(-4.0, 4.0), draw.between(-4.0, 4.0));
+        let origin = DVec3::new(x, 0.1 * x - 0.05 * z, z) + up * 1e-6;
+        rays.push((Ray::new(origin, up + draw.point() * 0.5), Interval::SPAWNED));
+    }
+    for _ in 0..400 {
+        let normal = draw.point().normalize();
+        let origin = one.centre + normal * (one.radius * (1.0 + 1e-14));
+        rays.push((Ray::new(origin, normal + draw.point() * 0.5), Interval::SPAWNED));
+    }
+    for _ in 0..400 {
+        rays.push((Ray::new(other.centre + draw.point() * 0.4, draw.point()), Interval::SPAWNED));
+    }
+    let handful = Handful::new(0..4).unwrap();
+    let busy = Busy(&soup, AtomicU32::new(0));
+    let mut hits = vec![None; rays.len()];
+    handful.closest_batch(&busy, &rays, &mut hits, &mut NoProbe);
+    handful.occluded_batch(&busy, &rays, &mut vec![false; rays.len()], &mut NoProbe);
+    let n_hits = hits.iter().flatten().count();
+    let n_asked = busy.1.load(Ordering::Relaxed);
+    assert!(n_hits > 700 && n_asked < 16, "{n_hits} hits, {n_asked} of {} asked ray by ray", 8 * rays.len());
 }
 
 /// Rays that no filter is proven for, or that are not finite, among others.

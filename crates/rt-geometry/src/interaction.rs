@@ -112,7 +112,7 @@ impl SurfaceInteraction {
     /// the direction, by the error bound of the hit point, so that it cannot meet the same surface again by rounding.
     ///
     /// Pharr, Jakob, Humphreys, PBR 4th ed., section 6.8.6.
-    #[inline]
+    #[inline(always)]
     pub fn spawn_ray(&self, direction: DVec3, time: f64) -> Ray {
         Ray { origin: self.offset(self.point, direction.dot(self.geometric_normal)), direction, time }
     }
@@ -131,7 +131,7 @@ impl SurfaceInteraction {
 
     /// Where shadow rays to many lights start, most of which lie on the side of the shading normal, or all on the other
     /// one if it `is_seen_from_behind`.
-    #[inline]
+    #[inline(always)]
     pub fn shadow_rays(&self, is_seen_from_behind: bool) -> ShadowRays<'_> {
         let is_behind = is_seen_from_behind;
         ShadowRays { surface: self, is_behind, origin: self.shadow_origin(if is_behind { -1.0 } else { 1.0 }) }
@@ -139,14 +139,14 @@ impl SurfaceInteraction {
 
     /// The origin of shadow rays to one `side`, the back if that is negative. `shadow_point` is for that side only to which
     /// it is lifted.
-    #[inline]
+    #[inline(always)]
     fn shadow_origin(&self, side: f64) -> DVec3 {
         let lift = (self.shadow_point - self.point).dot(self.geometric_normal);
         self.offset(if lift * side < 0.0 { self.point } else { self.shadow_point }, side)
     }
 
     /// The point moved off the surface, to the back if `side` is negative.
-    #[inline]
+    #[inline(always)]
     fn offset(&self, point: DVec3, side: f64) -> DVec3 {
         let normal = self.geometric_normal;
         let outwards = if side < 0.0 { -normal } else { normal };
@@ -170,21 +170,21 @@ pub struct ShadowRays<'s> {
 
 impl ShadowRays<'_> {
     /// A shadow ray to `target`, which it reaches at `t = 1`.
-    #[inline]
+    #[inline(always)]
     pub fn to(&self, target: DVec3, time: f64) -> Ray {
         let origin = self.origin_towards(target - self.surface.point);
         Ray { origin, direction: target - origin, time }
     }
 
     /// A shadow ray in `direction`, to a light infinitely far away.
-    #[inline]
+    #[inline(always)]
     pub fn towards(&self, direction: DVec3, time: f64) -> Ray {
         Ray { origin: self.origin_towards(direction), direction, time }
     }
 
     /// The shading normal tells which side is lit: a light just below a facet still lights the smooth surface that the
     /// facet stands for.
-    #[inline]
+    #[inline(always)]
     fn origin_towards(&self, direction: DVec3) -> DVec3 {
         let side = direction.dot(self.surface.shading_normal);
         if (side < 0.0) == self.is_behind { self.origin } else { self.surface.shadow_origin(side) }

@@ -13,7 +13,7 @@ pub enum LeafLayout {
     Opaque,
     /// Exactly a triangle: `intersect` is [`ShearedRay::intersect`](crate::ShearedRay::intersect) of these vertices and
     /// names the hit (instance 0, primitive `index`), and `bounds` is the smallest box around them. A structure may
-    /// keep a copy and decide by it ([`decide_triangle`](crate::decide_triangle)).
+    /// keep a copy and decide by it ([`decide_triangle`](crate::decide_triangle)); `occludes` agrees with it.
     Watertight([Vec3; 3]),
     /// Three vertices in the order of the primitive.
     Triangle([DVec3; 3]),

@@ -12,7 +12,7 @@ use crate::{
     MemoryPrediction, RenderPlan,
     emitters::moving_lamp,
     plan::{View, World},
-    structure::{FEW, why},
+    structure::{FEW, FEW_SPHERES, why},
     surroundings::Surroundings,
     visible::Visible,
     world::{Assembly, Levels, Part, PartGeometry},
@@ -287,7 +287,7 @@ impl RenderPlan<'_> {
         }
         if self.narrows {
             let what = "asked in turn in tiles in whose part of the view no others lie";
-            lines.push(format!("  for camera rays: up to {FEW} objects {what}"));
+            lines.push(format!("  for camera rays: up to {FEW} objects, or {FEW_SPHERES} spheres, {what}"));
         }
         if self.origin != DVec3::ZERO {
             lines.push(format!(

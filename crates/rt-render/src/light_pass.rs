@@ -17,6 +17,7 @@ use crate::{
     surroundings::{holds, reach_of_transparent_bodies},
     tile::Countable,
     trace::{Surfaces, WorldTracer},
+    visible::InView,
     world::{Levels, Part, PartGeometry},
 };
 
@@ -103,7 +104,7 @@ impl RenderPlan<'_> {
             LitChunk { splats: Vec::new(), counters: Counters::default(), shading: ShadingCounts::default(), bad: 0 };
         let Some(sources) = &self.light_sources else { return lit };
         let lighting = Lighting { appearance: &self.appearance, emitters: &self.emitters };
-        let mut world = WorldTracer::new(world, structure, None, S::default());
+        let mut world = WorldTracer::new(world, structure, InView::All(structure), S::default());
         // Sobol' points whatever the pattern of the camera's samples: they need not be arranged in a pixel.
         let seed = hash(&[pass_seed(self.seed, pass.pass), LIGHT_PATHS]);
         let sampler = PixelSampler::new(SamplePattern::Sobol, 1, seed);

@@ -22,7 +22,7 @@ use crate::{
     Crop, RenderError,
     estimate::PixelEstimate,
     splats::SplatImage,
-    structure::{Wanted, choose},
+    structure::{FEW, Wanted, choose},
 };
 pub(crate) use survey::Survey;
 
@@ -165,8 +165,7 @@ fn textures(scene: &Scene) -> u64 {
 /// of half a million triangles, and rounded up.
 pub(crate) fn structure(wanted: Wanted, primitives: u64) -> [u64; 2] {
     use rt_accel::StructureKind as Kind;
-    let count = usize::try_from(primitives).unwrap_or(usize::MAX);
-    let [kept, besides] = match choose(wanted.accel, count) {
+    let [kept, besides] = match choose(wanted.accel, primitives <= FEW as u64) {
         Kind::Linear => [16, 0],
         Kind::Wide => [46, 100],
         Kind::Bvh => [40, 140],

@@ -1,12 +1,22 @@
 //! Which acceleration structure, and why.
 
-use rt_accel::wide::{Quality, SimdLevel};
+use rt_accel::wide::{Handful, Quality, SimdLevel};
 use rt_accel::{AnyStructure, BuildError, StructureKind};
-use rt_math::Primitives;
+use rt_math::{LeafLayout, Primitives};
 use rt_scene_io::Accel;
 
 /// Up to this many primitives, asking each is faster than walking a tree.
 pub(crate) const FEW: usize = 8;
+
+/// The same of primitives that are all spheres, which are asked for many rays at once.
+pub(crate) const FEW_SPHERES: usize = Handful::MOST;
+
+/// True for primitives of which asking each is faster than walking a tree.
+pub(crate) fn are_few<P: Primitives>(primitives: &P, indices: impl ExactSizeIterator<Item = u32>) -> bool {
+    let is_round = |index| matches!(primitives.leaf_layout(index), LeafLayout::Round(_));
+    let count = indices.len();
+    count <= FEW || count <= FEW_SPHERES && { indices }.all(is_round)
+}
 
 /// What structures are asked for.
 #[derive(Clone, Copy, Debug, Default)]
@@ -20,17 +30,18 @@ pub(crate) struct Wanted {
 
 /// Builds what is wanted, or for `Auto` what fits the primitives.
 pub(crate) fn build<P: Primitives>(wanted: Wanted, primitives: &P) -> Result<AnyStructure, BuildError> {
-    let structure = AnyStructure::build_with(choose(wanted.accel, primitives.len()), wanted.quality, primitives)?;
+    let are_few = are_few(primitives, 0..primitives.len() as u32);
+    let structure = AnyStructure::build_with(choose(wanted.accel, are_few), wanted.quality, primitives)?;
     Ok(match wanted.simd {
         Some(level) => structure.with_level(level),
         None => structure,
     })
 }
 
-/// What `accel` asks for; `Auto` is brute force for a few primitives and the wide tree of boxes otherwise.
-pub(crate) fn choose(accel: Accel, count: usize) -> StructureKind {
+/// What `accel` asks for; `Auto` is brute force for [few](are_few) primitives and the wide tree of boxes otherwise.
+pub(crate) const fn choose(accel: Accel, are_few: bool) -> StructureKind {
     match accel {
-        Accel::Auto if count <= FEW => StructureKind::Linear,
+        Accel::Auto if are_few => StructureKind::Linear,
         Accel::Auto | Accel::Wide => StructureKind::Wide,
         Accel::Bvh => StructureKind::Bvh,
         Accel::Linear => StructureKind::Linear,
@@ -46,9 +57,13 @@ pub(crate) fn choose(accel: Accel, count: usize) -> StructureKind {
 
 /// The rule by which [`build`] chooses, and the measures that it looks at, for people.
 pub(crate) fn why<P: Primitives>(wanted: Wanted, primitives: &P) -> String {
-    match (wanted.accel, primitives.len()) {
-        (Accel::Auto, 0..=FEW) => format!("up to {FEW}: asking each is faster than walking a tree"),
-        (Accel::Auto, _) => {
+    let count = primitives.len();
+    match wanted.accel {
+        Accel::Auto if count <= FEW => format!("up to {FEW}: asking each is faster than walking a tree"),
+        Accel::Auto if are_few(primitives, 0..count as u32) => {
+            format!("up to {FEW_SPHERES} spheres: asking each, for eight rays at a time, is faster than walking a tree")
+        }
+        Accel::Auto => {
             format!("more than {FEW}, {}: eight boxes at a time suit all sizes and places", spread(primitives))
         }
         _ => "as asked".to_owned(),
@@ -78,7 +93,7 @@ mod tests {
 
     #[test]
     fn every_structure_can_be_asked_for_by_its_name() {
-        let named = |accel: &Accel| choose(*accel, 0).name();
+        let named = |accel: &Accel| choose(*accel, true).name();
         for accel in Accel::ALL.iter().filter(|accel| **accel != Accel::Auto) {
             assert_eq!(named(accel), accel.name());
         }
@@ -94,7 +109,8 @@ mod tests {
         let auto = Wanted::default();
         let why = |radii: &[f64]| why(auto, &spheres(radii));
         assert_eq!(why(&[1.0; 8]), "up to 8: asking each is faster than walking a tree");
-        let of = |least: f64| why(&[least, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+        assert!(why(&[1.0; 16]).starts_with("up to 16 spheres"), "{}", why(&[1.0; 16]));
+        let of = |least: f64| why(&[[1.0; 16].as_slice(), &[least]].concat());
         assert_eq!(of(0.025), "more than 8, sizes spread 1:40: eight boxes at a time suit all sizes and places");
         assert!(of(0.9).contains("about one size") && of(0.4).contains("1:2.5"), "{}", of(0.4));
         assert!(of(1e-9).contains("sizes from 2.0e-9 to 2.0e0"), "{}", of(1e-9));

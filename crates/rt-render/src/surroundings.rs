@@ -8,6 +8,7 @@ use rt_shading::{Interior, Material};
 use crate::{
     plan::World,
     trace::WorldTracer,
+    visible::InView,
     world::{Levels, Part, PartGeometry},
 };
 
@@ -57,12 +58,20 @@ fn look_around(scene: &Scene, world: &World, ray: &Ray) -> Interior {
     let mut interior = Interior::default();
     match world {
         World::Spheres(world, structure) => {
-            interior.look_around(&mut WorldTracer::new(world, structure, None, NoProbe), materials, ray);
+            interior.look_around(
+                &mut WorldTracer::new(world, structure, InView::All(structure), NoProbe),
+                materials,
+                ray,
+            );
         }
         World::Parts(top, levels) => {
             let world = &top.set(levels);
             let structure = &top.structure;
-            interior.look_around(&mut WorldTracer::new(world, structure, None, NoProbe), materials, ray);
+            interior.look_around(
+                &mut WorldTracer::new(world, structure, InView::All(structure), NoProbe),
+                materials,
+                ray,
+            );
         }
     }
     interior

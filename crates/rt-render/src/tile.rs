@@ -1,6 +1,6 @@
 //! A tile of the image, from samples to pixels.
 
-use rt_accel::AnyStructure;
+use rt_accel::{AnyStructure, wide::Handful};
 use rt_camera::PixelSample;
 use rt_math::{Counters, Hit, NoProbe, Probe, Ray, RayCounts, Rgb};
 use rt_scene_io::Integrator;
@@ -17,7 +17,7 @@ use crate::{
     surroundings::Surroundings,
     tiles::Tile,
     trace::{Surfaces, WorldTracer},
-    visible::Visible,
+    visible::{self, InView},
     wave::CameraWave,
 };
 
@@ -175,15 +175,19 @@ impl RenderPlan<'_> {
         let simple = task.sweep.simple_spp.map(|_| self.simple_pixels(task.tile, world, structure));
         let task = &Task { simple: simple.as_ref(), ..*task };
         let few = self.few_in(task.tile, world, structure);
-        if few.as_ref().is_some_and(Visible::is_empty)
+        let in_view = match (&few, &self.visible) {
+            (Some(few), _) => InView::Few(few),
+            (None, Some(part)) => InView::Part(part),
+            (None, None) => InView::All(structure),
+        };
+        if in_view.is_empty()
             && let Some(finished) = self.empty_tile(task)
         {
             return finished;
         }
-        let visible = few.as_ref().or(self.visible.as_ref());
         let Worker { whitted, paths, occlusion, camera, hits } = worker;
         let lighting = Lighting { appearance: &self.appearance, emitters: &self.emitters };
-        let mut tracer = WorldTracer::new(world, structure, visible, S::default()).with_buffer(core::mem::take(hits));
+        let mut tracer = WorldTracer::new(world, structure, in_view, S::default()).with_buffer(core::mem::take(hits));
         let mut finished = match (&self.view, &self.surroundings) {
             (View::Light, Surroundings::Same(interior)) => {
                 whitted.set_surroundings(interior);
@@ -247,10 +251,14 @@ impl RenderPlan<'_> {
     }
 
     /// What the camera rays of the tile can meet, if that is little.
-    fn few_in<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyStructure) -> Option<Visible> {
+    fn few_in<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyStructure) -> Option<Handful> {
         let Tile { x, y, width, height } = tile;
         let volume = self.narrows.then(|| self.view_volume(Crop { x, y, width, height }))?;
-        Visible::few(world, structure, self.visible.as_ref(), &volume)
+        let few = visible::few(world, structure, self.visible.as_ref(), &volume)?;
+        Some(match self.wanted.simd {
+            Some(level) => few.with_level(level),
+            None => few,
+        })
     }
 
     /// A tile in whose part of the view there is nothing, if that can be told without a ray: where all samples see the

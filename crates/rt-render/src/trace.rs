@@ -5,7 +5,7 @@ use rt_geometry::{Spheres, SurfaceNeeds};
 use rt_math::{Accelerator, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RayCounts, RayKind};
 use rt_shading::{SurfaceHit, Tracer, emitter::EmitterRef};
 
-use crate::{pyramid::Outlines, visible::Visible, world::Parts};
+use crate::{pyramid::Outlines, visible::InView, world::Parts};
 
 /// Primitives that know what their surface is made of.
 pub(crate) trait Surfaces: Outlines {
@@ -84,8 +84,8 @@ impl Surfaces for SphereWorld {
 pub(crate) struct WorldTracer<'w, W, S> {
     pub(crate) world: &'w W,
     pub(crate) structure: &'w AnyStructure,
-    /// What camera rays are asked of instead, if that is less.
-    pub(crate) visible: Option<&'w Visible>,
+    /// What camera rays are asked of.
+    pub(crate) in_view: InView<'w>,
     /// Rays by kind.
     pub(crate) rays: RayCounts,
     /// Camera rays that were not traced, as there is nothing for them to meet.
@@ -97,8 +97,8 @@ pub(crate) struct WorldTracer<'w, W, S> {
 }
 
 impl<'w, W: Surfaces, S: Probe> WorldTracer<'w, W, S> {
-    pub(crate) fn new(world: &'w W, structure: &'w AnyStructure, visible: Option<&'w Visible>, probe: S) -> Self {
-        Self { world, structure, visible, rays: RayCounts::default(), spared: 0, probe, hits: Vec::new() }
+    pub(crate) fn new(world: &'w W, structure: &'w AnyStructure, in_view: InView<'w>, probe: S) -> Self {
+        Self { world, structure, in_view, rays: RayCounts::default(), spared: 0, probe, hits: Vec::new() }
     }
 
     /// Takes the memory for hits from one that is not used any more.
@@ -111,9 +111,14 @@ impl<'w, W: Surfaces, S: Probe> WorldTracer<'w, W, S> {
         self.hits
     }
 
+    /// What rays of this kind are asked of.
+    const fn asked(&self, kind: RayKind) -> InView<'w> {
+        if matches!(kind, RayKind::Primary) { self.in_view } else { InView::All(self.structure) }
+    }
+
     /// True for rays that need not be traced. Counts the others.
     fn spares(&mut self, kind: RayKind, rays: usize) -> bool {
-        let spares = kind == RayKind::Primary && self.visible.is_some_and(Visible::is_empty);
+        let spares = kind == RayKind::Primary && self.in_view.is_empty();
         if spares {
             self.spared += rays as u64;
         } else {
@@ -135,10 +140,7 @@ impl<W: Surfaces, S: Probe> Tracer for WorldTracer<'_, W, S> {
         if self.spares(kind, 1) {
             return None;
         }
-        let hit = match (kind, self.visible) {
-            (RayKind::Primary, Some(visible)) => visible.closest(self.world, ray, span, &mut self.probe),
-            _ => self.structure.closest(self.world, ray, span, &mut self.probe),
-        }?;
+        let hit = self.asked(kind).closest(self.world, ray, span, &mut self.probe)?;
         self.world.surface_at(ray, &hit, needs)
     }
 
@@ -160,12 +162,7 @@ impl<W: Surfaces, S: Probe> Tracer for WorldTracer<'_, W, S> {
         }
         self.hits.clear();
         self.hits.resize(rays.len(), None);
-        match (kind, self.visible) {
-            (RayKind::Primary, Some(visible)) => {
-                visible.closest_batch(self.world, rays, &mut self.hits, &mut self.probe);
-            }
-            _ => self.structure.closest_batch(self.world, rays, &mut self.hits, &mut self.probe),
-        }
+        self.asked(kind).closest_batch(self.world, rays, &mut self.hits, &mut self.probe);
         for (at, ((ray, _), hit)) in rays.iter().zip(&self.hits).enumerate() {
             match hit {
                 Some(hit) => met(at, self.world.surface_at(ray, hit, needs).as_mut()),

@@ -2,11 +2,11 @@
 
 use core::ops::ControlFlow;
 
-use rt_accel::{AnyStructure, BuildError, Region, Structure as _, StructureKind};
+use rt_accel::{AnyStructure, BuildError, Region, Structure as _, wide::Handful};
 use rt_camera::ViewVolume;
 use rt_math::{Aabb, Accelerator, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RoundSphere, own_box};
 
-use crate::structure::{self, FEW, Wanted};
+use crate::structure::{self, FEW_SPHERES, Wanted, are_few};
 
 /// The primitives of a set that camera rays can meet, and the structure over them.
 ///
@@ -31,7 +31,7 @@ impl Visible {
         volume: &ViewVolume,
     ) -> Result<Option<Self>, BuildError> {
         let of = primitives.len();
-        if of <= FEW {
+        if are_few(primitives, 0..of as u32) {
             return Ok(None);
         }
         let inside = |index: &u32| own_box(primitives, *index).is_none_or(|own| !volume.excludes(&own));
@@ -43,59 +43,11 @@ impl Visible {
         Ok(Some(Self { indices, structure, of }))
     }
 
-    /// What a narrower volume does not exclude, to be asked in turn; `None` if these are more than a [`FEW`]. Looks in the
-    /// `wider` part, if there is one, and otherwise in the structure over all primitives.
-    pub(crate) fn few<P: Primitives>(
-        primitives: &P,
-        structure: &AnyStructure,
-        wider: Option<&Self>,
-        volume: &ViewVolume,
-    ) -> Option<Self> {
-        let mut indices = Vec::with_capacity(FEW);
-        let mut are_few = true;
-        let mut note = |index: u32| {
-            are_few = indices.len() < FEW;
-            if !are_few {
-                return ControlFlow::Break(());
-            }
-            indices.push(index);
-            ControlFlow::Continue(())
-        };
-        let region = OwnBoxesIn(volume);
-        match wider {
-            None => structure.visit_overlapping(primitives, &region, note),
-            Some(wider) => {
-                let subset = Subset { all: primitives, indices: &wider.indices };
-                wider.structure.visit_overlapping(&subset, &region, |at| note(wider.indices[at as usize]));
-            }
-        }
-        if !are_few {
-            return None;
-        }
-        indices.sort_unstable();
-        let structure =
-            AnyStructure::build(StructureKind::Linear, &Subset { all: primitives, indices: &indices }).ok()?;
-        Some(Self { indices, structure, of: primitives.len() })
-    }
-
-    /// True if camera rays can meet nothing.
-    pub(crate) const fn is_empty(&self) -> bool {
-        self.indices.is_empty()
-    }
-
-    /// The first hit of a camera ray, named as in the whole set.
-    pub(crate) fn closest<P: Primitives, S: Probe>(
-        &self,
-        all: &P,
-        ray: &Ray,
-        span: Interval,
-        probe: &mut S,
-    ) -> Option<Hit> {
+    fn closest<P: Primitives, S: Probe>(&self, all: &P, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
         self.structure.closest(&Subset { all, indices: &self.indices }, ray, span, probe)
     }
 
-    /// As [`closest`](Self::closest), for many camera rays: `hits[i]` answers `rays[i]`. All are `None` beforehand.
-    pub(crate) fn closest_batch<P: Primitives, S: Probe>(
+    fn closest_batch<P: Primitives, S: Probe>(
         &self,
         all: &P,
         rays: &[(Ray, Interval)],
@@ -122,6 +74,89 @@ impl Visible {
     /// Number of primitives of the whole set.
     pub(crate) const fn of(&self) -> usize {
         self.of
+    }
+}
+
+/// What a narrower volume does not exclude, to be asked in turn; `None` if these are not [few](are_few). Looks in the
+/// `wider` part, if there is one, and otherwise in the structure over all primitives.
+pub(crate) fn few<P: Primitives>(
+    primitives: &P,
+    structure: &AnyStructure,
+    wider: Option<&Visible>,
+    volume: &ViewVolume,
+) -> Option<Handful> {
+    let mut indices = [0; FEW_SPHERES];
+    let mut len = 0;
+    let mut note = |index: u32| match indices.get_mut(len) {
+        Some(place) => {
+            *place = index;
+            len += 1;
+            ControlFlow::Continue(())
+        }
+        None => {
+            len = FEW_SPHERES + 1;
+            ControlFlow::Break(())
+        }
+    };
+    let region = OwnBoxesIn(volume);
+    match wider {
+        None => structure.visit_overlapping(primitives, &region, note),
+        Some(wider) => {
+            let subset = Subset { all: primitives, indices: &wider.indices };
+            wider.structure.visit_overlapping(&subset, &region, |at| note(wider.indices[at as usize]));
+        }
+    }
+    let indices = indices.get(..len)?.iter().copied();
+    if are_few(primitives, indices.clone()) { Handful::new(indices) } else { None }
+}
+
+/// What camera rays are asked of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum InView<'v> {
+    /// All there is.
+    All(&'v AnyStructure),
+    Part(&'v Visible),
+    Few(&'v Handful),
+}
+
+impl InView<'_> {
+    /// True if camera rays can meet nothing.
+    pub(crate) fn is_empty(&self) -> bool {
+        match self {
+            Self::All(_) => false,
+            Self::Part(visible) => visible.indices.is_empty(),
+            Self::Few(few) => few.indices().is_empty(),
+        }
+    }
+
+    /// The first hit of a camera ray, named as in the whole set.
+    pub(crate) fn closest<P: Primitives, S: Probe>(
+        &self,
+        all: &P,
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> Option<Hit> {
+        match self {
+            Self::All(structure) => structure.closest(all, ray, span, probe),
+            Self::Part(visible) => visible.closest(all, ray, span, probe),
+            Self::Few(few) => few.closest(all, ray, span, probe),
+        }
+    }
+
+    /// As [`closest`](Self::closest), for many camera rays: `hits[i]` answers `rays[i]`. All are `None` beforehand.
+    pub(crate) fn closest_batch<P: Primitives, S: Probe>(
+        &self,
+        all: &P,
+        rays: &[(Ray, Interval)],
+        hits: &mut [Option<Hit>],
+        probe: &mut S,
+    ) {
+        match self {
+            Self::All(structure) => structure.closest_batch(all, rays, hits, probe),
+            Self::Part(visible) => visible.closest_batch(all, rays, hits, probe),
+            Self::Few(few) => few.closest_batch(all, rays, hits, probe),
+        }
     }
 }
 

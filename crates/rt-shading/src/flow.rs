@@ -17,6 +17,7 @@ impl<P> Default for Queue<P> {
 }
 
 impl<P> Queue<P> {
+    #[inline(always)]
     pub(crate) fn push(&mut self, ray: Ray, span: Interval, path: P) {
         self.rays.push((ray, span));
         self.paths.push(path);

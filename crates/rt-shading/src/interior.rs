@@ -30,9 +30,20 @@ struct Body {
 /// A body that is left without having been entered (the ray started inside, or the surface has a hole) counts as having
 /// been around from the start. A body may be closed by several objects of one material: what was entered through one of
 /// them is left through any other.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Default, PartialEq, Eq)]
 pub struct Interior {
     bodies: Vec<Body>,
+}
+
+impl Clone for Interior {
+    fn clone(&self) -> Self {
+        Self { bodies: self.bodies.clone() }
+    }
+
+    /// Keeps its memory, as each camera ray begins with this.
+    fn clone_from(&mut self, other: &Self) {
+        self.bodies.clone_from(&other.bodies);
+    }
 }
 
 /// What a part of space is filled with.
@@ -151,7 +162,12 @@ impl Interior {
         } else {
             (self.bodies.len() < CAPACITY).then_some(Step::Enter(body))?
         };
-        let (before, after) = (self.top(materials), top(self.bodies_after(step), materials));
+        let (before, after) = match (self.bodies.as_slice(), step) {
+            // The usual cases: a body in air.
+            ([], Step::Enter(entered)) => (None, Some(entered.material)),
+            (&[left], Step::Leave(_)) => (Some(left.material), None),
+            _ => (self.top(materials), top(self.bodies_after(step), materials)),
+        };
         Some(Crossing {
             step,
             before: medium(before, materials),

@@ -75,7 +75,7 @@ pub struct Illumination {
 impl Light {
     /// The unshadowed light at `point` (world space). `None` where the light does not reach: outside the cone of a
     /// spot, or at the very place of the light.
-    #[inline]
+    #[inline(always)]
     pub fn illuminate(&self, point: DVec3) -> Option<Illumination> {
         let (position, falloff) = match self.kind {
             LightKind::Directional { direction } => {
@@ -113,7 +113,7 @@ impl Light {
     }
 
     /// The ray to ask for blockers between a surface and this light, and the part of it that counts.
-    #[inline]
+    #[inline(always)]
     pub fn shadow_ray(&self, from: &ShadowRays<'_>, light: &Illumination, time: f64) -> (Ray, Interval) {
         match self.kind {
             LightKind::Directional { .. } => (from.towards(light.direction, time), Interval::SPAWNED),

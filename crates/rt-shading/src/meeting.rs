@@ -57,6 +57,7 @@ impl<'m> Meeting<'m> {
 }
 
 impl Met {
+    #[inline(always)]
     fn transparent(
         interior: &mut Interior,
         materials: &[Material],

@@ -32,18 +32,21 @@ impl<'s> View<'s> {
     }
 
     /// The mirrored direction, on the viewer's side of the surface.
+    #[inline(always)]
     pub(crate) fn mirrored(&self) -> DVec3 {
         Self::kept_on_the_side_of(self.geometric_normal, optics::reflect(self.direction, self.normal))
     }
 
     /// The refracted direction, on the far side of the surface; `None` on total internal reflection. For `eta` see
     /// [`optics::refract`].
+    #[inline(always)]
     pub(crate) fn refracted(&self, eta: f64) -> Option<DVec3> {
         let refracted = optics::refract(self.direction, self.normal, eta)?;
         Some(Self::kept_on_the_side_of(-self.geometric_normal, refracted))
     }
 
     /// The direction, mirrored at the actual surface where an interpolated normal sends it through to the wrong side.
+    #[inline(always)]
     fn kept_on_the_side_of(normal: DVec3, direction: DVec3) -> DVec3 {
         if direction.dot(normal) < 0.0 { optics::reflect(direction, normal) } else { direction }
     }

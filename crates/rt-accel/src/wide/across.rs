@@ -1,6 +1,6 @@
 //! Eight rays side by side, a lane each.
 
-use rt_math::{DVec3, Interval, Ray, ShearedRay};
+use rt_math::{DVec3, Interval, OWN_BOX_PAD, Ray, ShearedRay};
 
 use super::WideBvh;
 use super::ray::{RANGE, SLACK, STEEPEST, Slabs, is_proven};
@@ -70,17 +70,25 @@ impl<S: Simd> Eight<S> {
     /// The numbers, none of which is negative, with the signs of others.
     #[inline(always)]
     pub(super) fn with_sign_of(self, simd: S, by: Self) -> Self {
-        let nothing = simd.doubles([0.0; 4]);
-        Self {
-            low: simd.by_sign(by.low, self.low, simd.sub_doubles(nothing, self.low)),
-            high: simd.by_sign(by.high, self.high, simd.sub_doubles(nothing, self.high)),
-        }
+        by.by_sign(simd, self, Self::splat(simd, 0.0).sub(simd, self))
     }
 
-    /// A bit for each of the eight, set where the sign is negative.
+    /// A bit for each of the eight, set where they are at most others; never where one is NaN.
     #[inline(always)]
-    pub(super) fn signs(self, simd: S) -> u32 {
-        simd.signs(self.low) | simd.signs(self.high) << 4
+    pub(super) fn le(self, simd: S, other: Self) -> u32 {
+        simd.le_doubles(self.low, other.low) | simd.le_doubles(self.high, other.high) << 4
+    }
+
+    /// A bit for each of the eight, set where they are less than others; never where one is NaN.
+    #[inline(always)]
+    pub(super) fn lt(self, simd: S, other: Self) -> u32 {
+        self.le(simd, other) & !other.le(simd, self)
+    }
+
+    /// `a` where the sign is positive, otherwise `b`.
+    #[inline(always)]
+    pub(super) fn by_sign(self, simd: S, a: Self, b: Self) -> Self {
+        Self { low: simd.by_sign(self.low, a.low, b.low), high: simd.by_sign(self.high, a.high, b.high) }
     }
 
     /// The numbers by lane.
@@ -146,11 +154,84 @@ pub(super) struct SpanLanes<S: Simd> {
     pub(super) max: S::Lanes,
 }
 
-/// Eight rays that go the same way: through the same sides of boxes, and farthest along the same axis.
-pub(super) struct Across<S: Simd> {
+/// By how much, relative to their greatest coordinates, boxes are widened that lie within own boxes.
+pub(super) const INNER_PAD: f64 = 0.5 * OWN_BOX_PAD;
+
+/// Eight rays, whichever way they go.
+#[derive(Clone, Copy)]
+pub(super) struct EightRays<S: Simd> {
     pub(super) origin: [Eight<S>; 3],
     pub(super) direction: [Eight<S>; 3],
+    /// As [`SlabRay`](rt_math::SlabRay) has it.
     pub(super) inverse: [Eight<S>; 3],
+    pub(super) min: Eight<S>,
+    pub(super) max: Eight<S>,
+}
+
+impl<S: Simd> EightRays<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, rays: &[(Ray, Interval); PACKET]) -> Self {
+        // One by one, as arrays that are cleared first take longer.
+        macro_rules! by_ray {
+            (|$ray:pat_param, $span:pat_param| $number:expr) => {{
+                let [a, b, c, d, e, f, g, h] = rays;
+                let number = |&($ray, $span): &(Ray, Interval)| $number;
+                Eight::new(
+                    simd,
+                    [number(a), number(b), number(c), number(d), number(e), number(f), number(g), number(h)],
+                )
+            }};
+        }
+        let direction =
+            [by_ray!(|ray, _| ray.direction.x), by_ray!(|ray, _| ray.direction.y), by_ray!(|ray, _| ray.direction.z)];
+        let one = Eight::splat(simd, 1.0);
+        Self {
+            origin: [by_ray!(|ray, _| ray.origin.x), by_ray!(|ray, _| ray.origin.y), by_ray!(|ray, _| ray.origin.z)],
+            direction,
+            inverse: [one.div(simd, direction[0]), one.div(simd, direction[1]), one.div(simd, direction[2])],
+            min: by_ray!(|_, span| span.min),
+            max: by_ray!(|_, span| span.max),
+        }
+    }
+
+    /// Where boxes, each side `pad` farther out, are entered and left.
+    #[inline(always)]
+    pub(super) fn cross_box(&self, simd: S, low: [Eight<S>; 3], high: [Eight<S>; 3], pad: Eight<S>) -> [Eight<S>; 2] {
+        let (mut enter, mut leave) = (Eight::splat(simd, f64::NEG_INFINITY), Eight::splat(simd, f64::INFINITY));
+        for axis in 0..3 {
+            let one = low[axis].sub(simd, pad).sub(simd, self.origin[axis]).mul(simd, self.inverse[axis]);
+            let other = high[axis].add(simd, pad).sub(simd, self.origin[axis]).mul(simd, self.inverse[axis]);
+            // In this order a NaN is no constraint.
+            enter = one.min(simd, other).max(simd, enter);
+            leave = one.max(simd, other).min(simd, leave);
+        }
+        [enter, leave]
+    }
+
+    /// By axis: a bit for each ray that is steepest along it, as [`ShearedRay`] has it.
+    #[inline(always)]
+    pub(super) fn by_steepest_axis(&self, simd: S) -> [u32; 3] {
+        let [x, y, z] = [self.direction[0].abs(simd), self.direction[1].abs(simd), self.direction[2].abs(simd)];
+        let along_x = y.lt(simd, x) & z.lt(simd, x);
+        let along_y = z.lt(simd, y) & !along_x;
+        [along_x, along_y, 0xff & !(along_x | along_y)]
+    }
+
+    /// A bit for each ray that begins at 0 or later, and whose direction is of a length whose square is nowhere near the
+    /// limits of what `f64` can hold.
+    #[inline(always)]
+    pub(super) fn plain(&self, simd: S) -> u32 {
+        let [x, y, z] = self.direction;
+        let squared = x.mul(simd, x).add(simd, y.mul(simd, y)).add(simd, z.mul(simd, z));
+        Eight::splat(simd, 0.0).le(simd, self.min)
+            & Eight::splat(simd, 1e-100).le(simd, squared)
+            & squared.le(simd, Eight::splat(simd, 1e100))
+    }
+}
+
+/// Eight rays that go the same way: through the same sides of boxes, and farthest along the same axis.
+pub(super) struct Across<S: Simd> {
+    pub(super) lanes: EightRays<S>,
     /// Axes in the order x, y, z of the rays' own space.
     pub(super) axes: [usize; 3],
     pub(super) span: SpanLanes<S>,
@@ -189,30 +270,10 @@ impl<S: Simd> Across<S> {
     /// Of rays that [`agree`]; `None` where the filters are not proven.
     #[inline(always)]
     pub(super) fn new(simd: S, tree: &WideBvh, rays: &[(Ray, Interval); PACKET]) -> Option<Self> {
-        // One by one, as arrays that are cleared first take longer.
-        macro_rules! by_ray {
-            (|$ray:pat_param, $span:pat_param| $number:expr) => {{
-                let [a, b, c, d, e, f, g, h] = rays;
-                let number = |&($ray, $span): &(Ray, Interval)| $number;
-                [number(a), number(b), number(c), number(d), number(e), number(f), number(g), number(h)]
-            }};
-        }
-        let origin = [
-            Eight::new(simd, by_ray!(|ray, _| ray.origin.x)),
-            Eight::new(simd, by_ray!(|ray, _| ray.origin.y)),
-            Eight::new(simd, by_ray!(|ray, _| ray.origin.z)),
-        ];
-        let direction = [
-            Eight::new(simd, by_ray!(|ray, _| ray.direction.x)),
-            Eight::new(simd, by_ray!(|ray, _| ray.direction.y)),
-            Eight::new(simd, by_ray!(|ray, _| ray.direction.z)),
-        ];
-        let min = Eight::new(simd, by_ray!(|_, span| span.min));
-        let max = Eight::new(simd, by_ray!(|_, span| span.max));
+        let lanes = EightRays::new(simd, rays);
+        let EightRays { origin, direction, inverse, min, max } = lanes;
         let span = SpanLanes { min: [min.at_most(simd), min.at_least(simd)], max: max.at_most(simd) };
         let limits = max.at_least(simd);
-        let one = Eight::splat(simd, 1.0);
-        let inverse = [one.div(simd, direction[0]), one.div(simd, direction[1]), one.div(simd, direction[2])];
         let q = relative(simd, origin, tree.centre);
         let fastest = greatest(simd, direction);
 
@@ -233,7 +294,7 @@ impl<S: Simd> Across<S> {
         let near_row = [0, 1, 2].map(|axis| 2 * axis + usize::from(first.direction[axis].is_sign_negative()));
         let (axes, _) = ShearedRay::new(first).shear();
         let boxes = AcrossBoxes::new(simd, q, inverse, steepest, tree.size, near_row, span.min[0]);
-        Some(Self { origin, direction, inverse, axes, span, limits, boxes })
+        Some(Self { lanes, axes, span, limits, boxes })
     }
 
     /// The greatest coordinate of each origin, or more.

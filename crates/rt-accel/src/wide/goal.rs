@@ -375,13 +375,12 @@ impl Goal for FirstHit {
         if who == 0 {
             return 0;
         }
-        let crossings = RoundSpheres::new(simd, &spheres).first_crossings(simd, rays);
-        for (lane, (goal, answer)) in goals.iter().zip(answers).enumerate() {
-            let t = crossings[lane];
-            if who >> lane & 1 != 0 && goal.span.contains(t) {
-                *answer = Some(Hit { t, instance: 0, primitive: indices[lane], uv: [0.0; 2] });
-            } else {
-                who &= !(1 << lane);
+        let meetings = RoundSpheres::new(simd, &spheres).meet(simd, &rays.lanes);
+        who &= meetings.hit;
+        let t = meetings.t.to_array(simd);
+        for (lane, answer) in answers.iter_mut().enumerate() {
+            if who >> lane & 1 != 0 {
+                *answer = Some(Hit { t: t[lane], instance: 0, primitive: indices[lane], uv: [0.0; 2] });
             }
         }
         who

@@ -4,10 +4,10 @@
 //! * `node`, `leaf`: what a tree is made of
 //! * `simd`: eight numbers at a time, on any processor
 //! * `ray`, and the kinds of `leaf`: why what filters rule out is missed
-//! * `list`: spheres without a tree
+//! * `list`: spheres without a tree; `handful`: few primitives without a tree
 //! * `goal`: what a ray is sent for; `walk`: how it goes; `exact`: how it goes where filters cannot
-//! * `packet`, over `across`: how eight go that agree; `round`: how spheres are decided about for all of them; `shaft`: what many of them can meet; `flight`: how many go side by
-//!   side
+//! * `packet`, over `across`: how eight go that agree; `round`, `facet`: how spheres and triangles are decided about for all of them; `shaft`: what
+//!   many of them can meet; `flight`: how many go side by side
 //!
 //! This is the only module with `unsafe`: for instructions that a processor may not have, for numbers that builders and
 //! loaders have checked, and for memory that is written before it is read.
@@ -19,8 +19,10 @@ mod check;
 mod copy;
 mod cost;
 mod exact;
+mod facet;
 mod flight;
 mod goal;
+mod handful;
 mod leaf;
 mod list;
 mod node;
@@ -49,6 +51,7 @@ use build::Census;
 pub use build::{BuildParams, Quality};
 use flight::Ground;
 use goal::{AnyHit, FirstHit, Goal, Judge};
+pub use handful::Handful;
 use leaf::{Filling, LeafKind, Leaves, Line};
 pub(crate) use list::SphereList;
 use node::{Child, Node};

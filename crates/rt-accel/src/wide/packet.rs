@@ -267,7 +267,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 && let Some(sphere) = self.judge.round(F::index(view, lane))
             {
                 // Rays that start on a sphere are left to be decided about, and most of them lead away.
-                maybe &= verdict.sure | !RoundSpheres::all(simd, &sphere).missed(simd, eights.across);
+                maybe &= verdict.sure | !RoundSpheres::all(simd, &sphere).missed(simd, &eights.across.lanes);
             }
             let (near, far) = (simd.to_array(verdict.near), simd.to_array(verdict.far));
             while maybe != 0 {

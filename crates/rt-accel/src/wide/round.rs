@@ -6,13 +6,22 @@
 //! A hit counts if the ray passes the own box, and its `t` is raised to where that is entered
 //! ([`decide`](rt_math::decide)). The slab test is monotone in the box. So where `t` lies between the times at which a
 //! smaller box within the own one is entered and left, the own box is passed as well, and is entered at `t` or before. The
-//! sphere's box widened by half of what own boxes are widened by is such a box; where the test fails, somebody else
-//! decides.
+//! smallest box widened by half of what own boxes are widened by ([`INNER_PAD`]) is such a box; where the test fails,
+//! somebody else decides.
 
-use rt_math::{DVec3, OWN_BOX_PAD, RoundSphere};
+use rt_math::{DVec3, RoundSphere};
 
-use super::across::{Across, Eight, PACKET};
+use super::across::{Eight, EightRays, INNER_PAD, PACKET};
 use super::simd::Simd;
+
+/// What becomes of eight rays.
+pub(super) struct Meetings<S: Simd> {
+    /// A bit for each ray that hits at `t`.
+    pub(super) hit: u32,
+    /// A bit for each ray that somebody else must decide about; the others miss.
+    pub(super) unsure: u32,
+    pub(super) t: Eight<S>,
+}
 
 /// A sphere for each of eight rays.
 pub(super) struct RoundSpheres<S: Simd> {
@@ -56,15 +65,14 @@ impl<S: Simd> RoundSpheres<S> {
 
     /// From the centres to the origins.
     #[inline(always)]
-    fn arms(&self, simd: S, rays: &Across<S>) -> [Eight<S>; 3] {
+    fn arms(&self, simd: S, rays: &EightRays<S>) -> [Eight<S>; 3] {
         let [x, y, z] = rays.origin;
         [x.sub(simd, self.centre[0]), y.sub(simd, self.centre[1]), z.sub(simd, self.centre[2])]
     }
 
-    /// A bit for each ray that misses beyond doubt. Rays are proven, so that they begin at 0 or later and that their
-    /// directions are of ordinary length.
+    /// A bit for each [plain](EightRays::plain) ray that misses beyond doubt.
     #[inline(always)]
-    pub(super) fn missed(&self, simd: S, rays: &Across<S>) -> u32 {
+    pub(super) fn missed(&self, simd: S, rays: &EightRays<S>) -> u32 {
         let f = self.arms(simd, rays);
         let d = rays.direction;
         let a = dot(simd, d, d);
@@ -73,16 +81,15 @@ impl<S: Simd> RoundSpheres<S> {
         let excess = dot(simd, f, f)
             .mul(simd, Eight::splat(simd, for_distance))
             .sub(simd, self.radius.mul(simd, self.radius).mul(simd, Eight::splat(simd, for_radius)));
-        let passes_by = along.mul(simd, along).sub(simd, a.mul(simd, excess)).signs(simd);
-        let nothing = Eight::splat(simd, 0.0);
-        let lies_behind = nothing.sub(simd, excess).signs(simd) & nothing.sub(simd, along).signs(simd);
+        let passes_by = along.mul(simd, along).lt(simd, a.mul(simd, excess));
+        let least = Eight::splat(simd, f64::MIN_POSITIVE);
+        let lies_behind = least.le(simd, excess) & least.le(simd, along);
         passes_by | lies_behind
     }
 
-    /// Where rays meet the spheres first, where that is beyond doubt: NaN elsewhere. Whether it is within their spans is for
-    /// the caller to see.
+    /// Where plain rays meet the spheres first within their spans.
     #[inline(always)]
-    pub(super) fn first_crossings(&self, simd: S, rays: &Across<S>) -> [f64; PACKET] {
+    pub(super) fn meet(&self, simd: S, rays: &EightRays<S>) -> Meetings<S> {
         let f = self.arms(simd, rays);
         let d = rays.direction;
         let r = self.radius;
@@ -100,36 +107,36 @@ impl<S: Simd> RoundSpheres<S> {
         let q = b.add(simd, root.with_sign_of(simd, b));
         let length = dot(simd, f, f).sqrt(simd);
         let c = length.sub(simd, r).mul(simd, length.add(simd, r));
-        let near = c.div(simd, q).min(simd, q.div(simd, a));
+        let (t0, t1) = (c.div(simd, q), q.div(simd, a));
+        let (near, far) = (t0.min(simd, t1), t0.max(simd, t1));
+        let t = near.sub(simd, rays.min).by_sign(simd, near, far);
 
         let [enter, leave] = self.inner_box(simd, rays);
-        let near = near.to_array(simd);
-        let (enter, leave) = (enter.to_array(simd), leave.to_array(simd));
-        let root = root.to_array(simd);
-        core::array::from_fn(|lane| {
-            let t = near[lane];
-            // None of these is true of a NaN.
-            let is_certain = (root[lane] > 0.0) & (enter[lane] <= t) & (t <= leave[lane]);
-            if is_certain { t } else { f64::NAN }
-        })
+        let crosses =
+            Eight::splat(simd, f64::MIN_POSITIVE).le(simd, root) & root.le(simd, Eight::splat(simd, f64::MAX));
+        let within = crosses & rays.min.le(simd, t) & t.le(simd, rays.max);
+        let touches = root.le(simd, Eight::splat(simd, 0.0));
+        let hit = within & enter.le(simd, t) & t.le(simd, leave);
+        Meetings { hit, unsure: within & !hit | touches, t }
     }
 
     /// Where boxes within the own boxes are entered and left.
     #[inline(always)]
-    fn inner_box(&self, simd: S, rays: &Across<S>) -> [Eight<S>; 2] {
+    fn inner_box(&self, simd: S, rays: &EightRays<S>) -> [Eight<S>; 2] {
         let reach = [self.centre[0].abs(simd), self.centre[1].abs(simd), self.centre[2].abs(simd)];
         let reach = reach[0].max(simd, reach[1]).max(simd, reach[2]).add(simd, self.radius);
-        let pad = reach.mul(simd, Eight::splat(simd, 0.5 * OWN_BOX_PAD));
-        let (mut enter, mut leave) = (Eight::splat(simd, f64::NEG_INFINITY), Eight::splat(simd, f64::INFINITY));
-        for axis in 0..3 {
-            let low = self.centre[axis].sub(simd, self.radius).sub(simd, pad);
-            let high = self.centre[axis].add(simd, self.radius).add(simd, pad);
-            let one = low.sub(simd, rays.origin[axis]).mul(simd, rays.inverse[axis]);
-            let other = high.sub(simd, rays.origin[axis]).mul(simd, rays.inverse[axis]);
-            enter = enter.max(simd, one.min(simd, other));
-            leave = leave.min(simd, one.max(simd, other));
-        }
-        [enter, leave]
+        let pad = reach.mul(simd, Eight::splat(simd, INNER_PAD));
+        let low = [
+            self.centre[0].sub(simd, self.radius),
+            self.centre[1].sub(simd, self.radius),
+            self.centre[2].sub(simd, self.radius),
+        ];
+        let high = [
+            self.centre[0].add(simd, self.radius),
+            self.centre[1].add(simd, self.radius),
+            self.centre[2].add(simd, self.radius),
+        ];
+        rays.cross_box(simd, low, high, pad)
     }
 }
 
@@ -143,69 +150,88 @@ fn dot<S: Simd>(simd: S, a: [Eight<S>; 3], b: [Eight<S>; 3]) -> Eight<S> {
 mod tests {
     use super::super::simd::{Available, Kernel, SimdLevel};
     use super::*;
-    use crate::WideBvh;
-    use rt_math::{Aabb, Hit, Interval, LeafLayout, Primitives, Ray};
+    use rt_math::{Interval, Ray};
 
-    /// One sphere.
-    struct Ball(RoundSphere);
+    const BALL: RoundSphere = RoundSphere { centre: DVec3::new(0.3, -0.2, 0.1), radius: 0.75 };
 
-    impl Primitives for Ball {
-        fn len(&self) -> usize {
-            1
-        }
-        fn bounds(&self, _: u32) -> Option<Aabb> {
-            Some(Aabb::new(self.0.centre - self.0.radius, self.0.centre + self.0.radius))
-        }
-        fn intersect(&self, _: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-            let t = self.0.intersect(ray, span)?;
-            Some(Hit { t, instance: 0, primitive: 0, uv: [0.0; 2] })
-        }
-        fn leaf_layout(&self, _: u32) -> LeafLayout {
-            LeafLayout::Round(self.0)
-        }
-    }
+    type Rays = [(Ray, Interval); PACKET];
 
-    struct Asked<'a>(&'a WideBvh, RoundSphere);
+    /// By ray: whether it is missed without more ado, whether it is left to others, and where it is hit.
+    type Settled = [(bool, bool, Option<u64>); PACKET];
 
-    impl Kernel<&[(Ray, Interval); PACKET], &mut Option<(u32, [f64; PACKET])>> for Asked<'_> {
+    struct Asked;
+
+    impl Kernel<&Rays, &mut Settled> for Asked {
         #[inline(always)]
-        fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval); PACKET], answer: &mut Option<(u32, [f64; PACKET])>) {
-            *answer = Across::new(simd, self.0, rays).map(|rays| {
-                let missed = RoundSpheres::all(simd, &self.1).missed(simd, &rays);
-                (missed, RoundSpheres::new(simd, &[self.1; PACKET]).first_crossings(simd, &rays))
+        fn run<S: Simd>(self, simd: S, rays: &Rays, settled: &mut Settled) {
+            let rays = EightRays::new(simd, rays);
+            assert_eq!(rays.plain(simd), 0xff);
+            let missed = RoundSpheres::all(simd, &BALL).missed(simd, &rays);
+            let Meetings { hit, unsure, t } = RoundSpheres::new(simd, &[BALL; PACKET]).meet(simd, &rays);
+            assert_eq!(missed & (hit | unsure), 0);
+            let t = t.to_array(simd);
+            let is_in = |bits: u32, lane: usize| bits >> lane & 1 != 0;
+            *settled = core::array::from_fn(|lane| {
+                (is_in(missed, lane), is_in(unsure, lane), is_in(hit, lane).then_some(t[lane].to_bits()))
             });
         }
     }
 
-    /// If lanes left all to others, the answers of trees would still be right.
+    fn settled(level: SimdLevel, rays: &Rays) -> Settled {
+        let mut settled = [(false, false, None); PACKET];
+        Available::new(level).dispatch(Asked, rays, &mut settled);
+        settled
+    }
+
+    /// If lanes left all to others, the answers of structures would still be right.
     #[test]
     fn lanes_settle_what_is_beyond_doubt_as_the_kernel_does() {
-        let ball = RoundSphere { centre: DVec3::new(0.3, -0.2, 0.1), radius: 0.75 };
-        let tree = WideBvh::build(&Ball(ball)).expect("a tree");
-        // From the axis through the centre to beyond the rim, and from the surface.
-        let outside = core::array::from_fn(|i| {
-            let origin = ball.centre + DVec3::new(0.01 + 0.13 * i as f64, 0.0, 5.0);
-            (Ray::new(origin, DVec3::new(1e-3, 1e-3, -1.0)), Interval::FORWARD)
-        });
+        // From the axis through the centre to beyond the rim, from within, behind the first crossing, and before it.
+        let passing = |i: usize| {
+            let origin = BALL.centre + DVec3::new(0.01 + 0.13 * i as f64, 0.0, 5.0);
+            Ray::new(origin, DVec3::new(1e-3, 1e-3, -1.0))
+        };
+        let within =
+            |i: usize| Ray::new(BALL.centre + DVec3::new(0.08 * i as f64, 0.1, 0.2), DVec3::new(0.3, -0.5, 0.7));
+        let cases: [Rays; 4] = [
+            core::array::from_fn(|i| (passing(i), Interval::FORWARD)),
+            core::array::from_fn(|i| (within(i), Interval::SPAWNED)),
+            core::array::from_fn(|i| (passing(i), Interval::new(5.0, 6.0))),
+            core::array::from_fn(|i| (passing(i), Interval::new(0.0, 4.5))),
+        ];
+        for level in SimdLevel::ALL {
+            let (mut n_hits, mut n_misses) = (0, 0);
+            for rays in &cases {
+                for ((ray, span), (missed, unsure, hit)) in rays.iter().zip(settled(*level, rays)) {
+                    let expected = BALL.intersect(ray, *span);
+                    assert_eq!((unsure, hit), (false, expected.map(f64::to_bits)), "{level:?}, {ray:?} {span:?}");
+                    n_hits += usize::from(hit.is_some());
+                    n_misses += usize::from(missed);
+                }
+            }
+            assert!(n_hits > 16 && n_misses > 4, "{n_hits} hits, {n_misses} misses");
+        }
+    }
+
+    #[test]
+    fn rays_that_lead_away_from_the_surface_are_missed_without_more_ado() {
         let leaving = core::array::from_fn(|i| {
             let normal = DVec3::new(0.1 * (i + 1) as f64, 0.5, 1.0).normalize();
-            (Ray::new(ball.centre + normal * (ball.radius * (1.0 + 1e-14)), normal), Interval::SPAWNED)
+            (Ray::new(BALL.centre + normal * (BALL.radius * (1.0 + 1e-14)), normal), Interval::SPAWNED)
         });
         for level in SimdLevel::ALL {
-            let settled = |rays: &[(Ray, Interval); PACKET]| {
-                let mut answer = None;
-                Available::new(*level).dispatch(Asked(&tree, ball), rays, &mut answer);
-                answer.expect("rays in proportion")
-            };
-            let (missed, crossings) = settled(&outside);
-            for (lane, (ray, span)) in outside.iter().enumerate() {
-                let expected = ball.intersect(ray, *span);
-                assert_eq!(missed >> lane & 1 == 1, expected.is_none(), "{level:?}, lane {lane}");
-                let t = Some(crossings[lane]).filter(|t| !t.is_nan());
-                assert_eq!(t.map(f64::to_bits), expected.map(f64::to_bits), "{level:?}, lane {lane}");
-            }
-            assert_eq!((missed & 1, missed >> 7), (0, 1), "some hit and some miss");
-            assert_eq!(settled(&leaving).0, 0xff, "{level:?}: rays that lead away");
+            assert_eq!(settled(*level, &leaving), [(true, false, None); PACKET], "{level:?}");
+        }
+    }
+
+    #[test]
+    fn tangents_are_left_to_others() {
+        let tangent = Ray::new(BALL.centre + DVec3::new(BALL.radius, 0.0, 5.0), DVec3::NEG_Z);
+        let arm = tangent.origin - BALL.centre;
+        assert_eq!(arm.x * arm.x, BALL.radius * BALL.radius, "a tangent to the bit");
+        for level in SimdLevel::ALL {
+            let settled = settled(*level, &[(tangent, Interval::FORWARD); PACKET]);
+            assert_eq!(settled, [(false, true, None); PACKET], "{level:?}");
         }
     }
 }

@@ -118,8 +118,12 @@ impl Whitted {
             let shadowed = self.needs.shadows && light.casts_shadows;
             match lit {
                 Some(lit) if !reflected.is_black() => {
-                    let shadow_ray = shadowed.then(|| light.shadow_ray(&shadow_rays, &lit, time));
-                    self.lights.push(number, reflected, shadow_ray);
+                    if shadowed {
+                        let (ray, span) = light.shadow_ray(&shadow_rays, &lit, time);
+                        self.lights.push_shadowed(number, reflected, ray, span);
+                    } else {
+                        self.lights.push(reflected);
+                    }
                 }
                 _ => self.counts.shadow_rays_spared += u64::from(shadowed),
             }

@@ -94,18 +94,21 @@ pub(super) struct Lights {
 }
 
 impl Lights {
-    /// Light that the surface at hand reflects, if nothing blocks the shadow ray.
+    /// Light that the surface at hand reflects, whatever is in the way.
     #[inline]
-    pub(super) fn push(&mut self, light: usize, reflected: Rgb, shadow_ray: Option<(Ray, Interval)>) {
-        let decided_by = shadow_ray.map(|ray| {
-            if self.shadows.len() <= light {
-                self.shadows.resize_with(light + 1, ToLight::default);
-            }
-            let rays = &mut self.shadows[light].rays;
-            rays.push(ray);
-            (light as u32, rays.len() as u32 - 1)
-        });
-        self.reflected.push((reflected, decided_by));
+    pub(super) fn push(&mut self, reflected: Rgb) {
+        self.reflected.push((reflected, None));
+    }
+
+    /// Light that the surface at hand reflects, if nothing blocks the shadow ray.
+    #[inline(always)]
+    pub(super) fn push_shadowed(&mut self, light: usize, reflected: Rgb, ray: Ray, span: Interval) {
+        if self.shadows.len() <= light {
+            self.shadows.resize_with(light + 1, ToLight::default);
+        }
+        let rays = &mut self.shadows[light].rays;
+        rays.push((ray, span));
+        self.reflected.push((reflected, Some((light as u32, rays.len() as u32 - 1))));
     }
 
     /// Ends the lights of a surface, which also shines by itself.

@@ -180,8 +180,8 @@ impl Filter for SphereFilter {
 
     #[inline(always)]
     fn across<S: Simd>(simd: S, rays: &Across<S>, tree: &WideBvh) -> RayLanes<S> {
-        let origin = relative(simd, rays.origin, tree.centre);
-        let [x, y, z] = rays.direction;
+        let origin = relative(simd, rays.lanes.origin, tree.centre);
+        let [x, y, z] = rays.lanes.direction;
         let length_squared = x.mul(simd, x).add(simd, y.mul(simd, y)).add(simd, z.mul(simd, z));
         let inverse_length = Eight::splat(simd, 1.0).div(simd, length_squared.sqrt(simd));
         RayLanes {

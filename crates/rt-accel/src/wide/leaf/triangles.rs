@@ -251,14 +251,14 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
 
     #[inline(always)]
     fn across<S: Simd>(simd: S, rays: &Across<S>, tree: &WideBvh) -> Self::Across<S> {
-        let origin = relative_to(simd, rays.origin, if COPIES { DVec3::ZERO } else { tree.centre });
+        let origin = relative_to(simd, rays.lanes.origin, if COPIES { DVec3::ZERO } else { tree.centre });
         let [x, y, z] = rays.axes.map(|axis| axis % 3);
-        let scale = rays.inverse[z];
+        let scale = rays.lanes.inverse[z];
         let lanes = RayLanes {
             origin: [origin[x].narrowed(simd), origin[y].narrowed(simd), origin[z].narrowed(simd)],
             shear: [
-                rays.direction[x].mul(simd, scale).narrowed(simd),
-                rays.direction[y].mul(simd, scale).narrowed(simd),
+                rays.lanes.direction[x].mul(simd, scale).narrowed(simd),
+                rays.lanes.direction[y].mul(simd, scale).narrowed(simd),
             ],
             scale: scale.narrowed(simd),
             reach: Across::reach(simd, origin),

@@ -7,13 +7,14 @@ use rt_math::{
 };
 
 use super::goal::take_lane;
+use super::handful::Handful;
 use super::ray::RANGE;
 use super::simd::{Available, Kernel, Simd, SimdLevel};
 use crate::{Violation, brute_force};
 use seen::{Seen, swollen};
 
-/// Fewer are asked at once sooner than a ray is prepared for the filter.
-const FEWEST: u32 = 12;
+/// Fewer are a [`Handful`].
+const FEWEST: u32 = Handful::MOST as u32 + 1;
 
 /// Spheres to a block.
 const LANES: usize = 8;
@@ -117,10 +118,6 @@ impl SphereList {
     pub(crate) fn with_level(mut self, level: SimdLevel) -> Self {
         self.level = Available::new(level);
         self
-    }
-
-    pub(crate) const fn level(&self) -> SimdLevel {
-        self.level.level()
     }
 
     /// Checks that it holds the primitives as they are.

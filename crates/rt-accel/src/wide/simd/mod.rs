@@ -104,6 +104,8 @@ pub(super) trait Simd: Copy {
     fn by_sign(self, by: Self::Doubles, positive: Self::Doubles, negative: Self::Doubles) -> Self::Doubles;
     /// A bit for each of the four, set where the sign is negative.
     fn signs(self, a: Self::Doubles) -> u32;
+    /// A bit for each of the four, set where `a ≤ b`; never where one is NaN.
+    fn le_doubles(self, a: Self::Doubles, b: Self::Doubles) -> u32;
     /// The first three in the order 1, 2, 0.
     fn turned_once(self, a: Self::Doubles) -> Self::Doubles;
     /// The first three in the order 2, 0, 1.

@@ -245,6 +245,11 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn le_doubles(self, a: [f64; 4], b: [f64; 4]) -> u32 {
+        (0..4).map(|i| u32::from(a[i] <= b[i]) << i).sum()
+    }
+
+    #[inline(always)]
     fn turned_once(self, [a, b, c, d]: [f64; 4]) -> [f64; 4] {
         [b, c, a, d]
     }

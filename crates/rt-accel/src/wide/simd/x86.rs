@@ -321,6 +321,12 @@ macro_rules! level {
             }
 
             #[inline(always)]
+            fn le_doubles(self, a: __m256d, b: __m256d) -> u32 {
+                // SAFETY: as `splat`.
+                unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(a, b)) as u32 }
+            }
+
+            #[inline(always)]
             fn turned_once(self, a: __m256d) -> __m256d {
                 // SAFETY: as `splat`.
                 unsafe { _mm256_permute4x64_pd::<0b11_00_10_01>(a) }

@@ -1,0 +1,169 @@
+//! Triangles decided about for eight rays at a time: the operations of [`ShearedRay::intersect`] in lanes of `f64`, and so
+//! its bits.
+//!
+//! What plain arithmetic does not settle is left to somebody else: signs of areas that rounding may have turned, rays that
+//! start next to the triangle's plane unless they certainly lead away from it, and hits of which it takes the own box to
+//! tell whether they count (see [`round`](super::round)).
+
+use rt_math::float::{SETTLED, UNIT_ROUNDOFF};
+use rt_math::{DVec3, ShearedRay};
+
+use super::across::{Eight, EightRays, INNER_PAD};
+use super::simd::Simd;
+
+/// A volume has the sign of its six rounded products if it is greater than this part of the sum of their sizes; more than
+/// the 7 roundings of Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
+const SETTLED_VOLUME: f64 = 16.0 * UNIT_ROUNDOFF;
+
+/// What becomes of eight rays.
+pub(super) struct FacetMeetings<S: Simd> {
+    /// A bit for each ray that hits at `t`.
+    pub(super) hit: u32,
+    /// A bit for each ray that somebody else must decide about; the others miss.
+    pub(super) unsure: u32,
+    pub(super) t: Eight<S>,
+    /// Barycentric weights of the second and third vertex.
+    pub(super) uv: [Eight<S>; 2],
+}
+
+/// One corner as the rays see it.
+#[derive(Clone, Copy)]
+struct Corner<S: Simd> {
+    x: Eight<S>,
+    y: Eight<S>,
+    depth: Eight<S>,
+}
+
+/// Which axes become x, y and z, and by what.
+struct Shear<S: Simd> {
+    axes: [usize; 3],
+    x: Eight<S>,
+    y: Eight<S>,
+    scale: Eight<S>,
+}
+
+impl<S: Simd> Shear<S> {
+    #[inline(always)]
+    fn see(&self, simd: S, rays: &EightRays<S>, corner: DVec3) -> Corner<S> {
+        let [x, y, z] = self.axes;
+        let x = Eight::splat(simd, corner[x]).sub(simd, rays.origin[x]);
+        let y = Eight::splat(simd, corner[y]).sub(simd, rays.origin[y]);
+        let z = Eight::splat(simd, corner[z]).sub(simd, rays.origin[z]);
+        Corner {
+            x: x.sub(simd, self.x.mul(simd, z)),
+            y: y.sub(simd, self.y.mul(simd, z)),
+            depth: z.mul(simd, self.scale),
+        }
+    }
+}
+
+/// Twice the area between the ray and an edge, and a bit for each ray for which its sign is certain.
+#[inline(always)]
+fn area<S: Simd>(simd: S, a: &Corner<S>, b: &Corner<S>) -> (Eight<S>, u32) {
+    let (minuend, subtrahend) = (a.x.mul(simd, b.y), a.y.mul(simd, b.x));
+    let area = minuend.sub(simd, subtrahend);
+    let size = minuend.abs(simd).add(simd, subtrahend.abs(simd));
+    (area, size.mul(simd, Eight::splat(simd, SETTLED)).lt(simd, area.abs(simd)))
+}
+
+/// Where plain rays that are steepest along `axis` meet a triangle within their spans. Says nothing of rays that are not
+/// `asked` about.
+#[inline(always)]
+pub(super) fn meet<S: Simd>(
+    simd: S,
+    vertices: &[DVec3; 3],
+    axis: usize,
+    rays: &EightRays<S>,
+    asked: u32,
+) -> Option<FacetMeetings<S>> {
+    let [x, y, z] = [(axis + 1) % 3, (axis + 2) % 3, axis % 3];
+    let scale = rays.inverse[z];
+    let shear =
+        Shear { axes: [x, y, z], x: rays.direction[x].mul(simd, scale), y: rays.direction[y].mul(simd, scale), scale };
+    let a = shear.see(simd, rays, vertices[0]);
+    let b = shear.see(simd, rays, vertices[1]);
+    let c = shear.see(simd, rays, vertices[2]);
+    let ((u, u_is_settled), (v, v_is_settled), (w, w_is_settled)) =
+        (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
+    let is_settled = u_is_settled & v_is_settled & w_is_settled;
+    let nothing = Eight::splat(simd, 0.0);
+    let has_negative = u.lt(simd, nothing) | v.lt(simd, nothing) | w.lt(simd, nothing);
+    let has_positive = nothing.lt(simd, u) | nothing.lt(simd, v) | nothing.lt(simd, w);
+    let maybe = asked & !(is_settled & has_negative & has_positive);
+    if maybe == 0 {
+        return None;
+    }
+    let determinant = u.add(simd, v).add(simd, w);
+    let weighted = u.mul(simd, a.depth).add(simd, v.mul(simd, b.depth)).add(simd, w.mul(simd, c.depth));
+    let t = weighted.div(simd, determinant);
+    let depths = a.depth.abs(simd).add(simd, b.depth.abs(simd)).add(simd, c.depth.abs(simd));
+    // A NaN is in doubt as well.
+    let is_certain = depths.mul(simd, Eight::splat(simd, ShearedRay::DOUBTFUL_START)).lt(simd, t.abs(simd));
+    let within = rays.min.le(simd, t) & t.le(simd, rays.max) & t.abs(simd).le(simd, Eight::splat(simd, f64::MAX));
+    let [enter, leave] = inner_box(simd, vertices, rays);
+    let in_box = enter.le(simd, t) & t.le(simd, leave);
+    let decided = maybe & is_settled & is_certain;
+    let mut unsure = maybe & !decided | decided & within & !in_box;
+    if unsure & is_settled & !is_certain != 0 {
+        unsure &= !(is_settled & lead_away(simd, vertices, rays, scale, determinant));
+    }
+    Some(FacetMeetings {
+        hit: decided & within & in_box,
+        unsure,
+        t,
+        uv: [v.div(simd, determinant), w.div(simd, determinant)],
+    })
+}
+
+/// Where a box within the own box is entered and left.
+#[inline(always)]
+fn inner_box<S: Simd>(simd: S, &[a, b, c]: &[DVec3; 3], rays: &EightRays<S>) -> [Eight<S>; 2] {
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let pad = low.abs().max(high.abs()).max_element() * INNER_PAD;
+    let low = [Eight::splat(simd, low.x), Eight::splat(simd, low.y), Eight::splat(simd, low.z)];
+    let high = [Eight::splat(simd, high.x), Eight::splat(simd, high.y), Eight::splat(simd, high.z)];
+    rays.cross_box(simd, low, high, Eight::splat(simd, pad))
+}
+
+/// A bit for each ray that passed the triangle's plane before it starts, beyond doubt: its `t` is negative.
+#[inline(always)]
+fn lead_away<S: Simd>(
+    simd: S,
+    vertices: &[DVec3; 3],
+    rays: &EightRays<S>,
+    scale: Eight<S>,
+    determinant: Eight<S>,
+) -> u32 {
+    let a = arm(simd, vertices[0], rays);
+    let b = arm(simd, vertices[1], rays);
+    let c = arm(simd, vertices[2], rays);
+    let (of_a, size_of_a) = product(simd, a[2], b, c);
+    let (of_b, size_of_b) = product(simd, b[2], c, a);
+    let (of_c, size_of_c) = product(simd, c[2], a, b);
+    let volume = of_a.add(simd, of_b).add(simd, of_c);
+    let size = size_of_a.add(simd, size_of_b).add(simd, size_of_c);
+    // Positive where volume, scale and determinant have an even number of minus signs.
+    let turned = scale.by_sign(simd, determinant, Eight::splat(simd, 0.0).sub(simd, determinant));
+    let turned = turned.by_sign(simd, volume, Eight::splat(simd, 0.0).sub(simd, volume));
+    // Where numbers leave their range, nothing is beyond doubt.
+    let is_ordinary = Eight::splat(simd, 1e-200).lt(simd, size) & size.lt(simd, Eight::splat(simd, 1e200));
+    is_ordinary & size.mul(simd, Eight::splat(simd, SETTLED_VOLUME)).lt(simd, turned)
+}
+
+/// From the origins to a corner.
+#[inline(always)]
+fn arm<S: Simd>(simd: S, corner: DVec3, rays: &EightRays<S>) -> [Eight<S>; 3] {
+    [
+        Eight::splat(simd, corner.x).sub(simd, rays.origin[0]),
+        Eight::splat(simd, corner.y).sub(simd, rays.origin[1]),
+        Eight::splat(simd, corner.z).sub(simd, rays.origin[2]),
+    ]
+}
+
+/// `z·(p × q)` of the first two coordinates, and the sum of the sizes of both products.
+#[inline(always)]
+fn product<S: Simd>(simd: S, z: Eight<S>, p: [Eight<S>; 3], q: [Eight<S>; 3]) -> (Eight<S>, Eight<S>) {
+    let (minuend, subtrahend) = (p[0].mul(simd, q[1]), q[0].mul(simd, p[1]));
+    let size = minuend.abs(simd).add(simd, subtrahend.abs(simd)).mul(simd, z.abs(simd));
+    (z.mul(simd, minuend.sub(simd, subtrahend)), size)
+}

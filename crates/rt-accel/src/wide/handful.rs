@@ -1,0 +1,383 @@
+//! A handful of primitives, without a tree: each is asked in turn, and spheres and triangles are asked for eight rays at a
+//! time.
+
+use core::array;
+
+use rt_math::{
+    Accelerator, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RoundSphere, decide_offered,
+    decide_offered_occluded,
+};
+
+use super::across::{EightRays, PACKET};
+use super::facet;
+use super::goal::take_lane;
+use super::round::RoundSpheres;
+use super::simd::{Available, Kernel, Simd, SimdLevel};
+use crate::RayQuery;
+use crate::ray_query::{Any, Closest};
+
+/// As many rays go alone.
+const FEW: usize = 3;
+
+/// A few primitives of a set, as a structure over the set: hits are those on these primitives, and named as in the set.
+///
+/// All are asked in turn, by rising index, with the answers and [`Counters`](crate::Counters) of
+/// [`brute_force`](crate::brute_force), to the last bit and the last test. In batches, those that are
+/// [`LeafLayout::Round`] or [`LeafLayout::Watertight`] are decided about for eight rays at a time.
+///
+/// ```
+/// use rt_accel::{Aabb, Accelerator, Boxes, DVec3, Interval, NoProbe, Ray, wide::Handful};
+///
+/// let boxes = [0.0, 2.0, 4.0].map(|x| Aabb::new(DVec3::splat(x), DVec3::splat(x + 1.0)));
+/// let all_but_the_first = Handful::new([2, 1]).expect("no more than there is room for");
+/// let ray = Ray::new(DVec3::splat(-1.0), DVec3::ONE);
+/// let hit = all_but_the_first.closest(&Boxes(&boxes), &ray, Interval::FORWARD, &mut NoProbe);
+/// assert_eq!(hit.map(|hit| hit.primitive), Some(1));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Handful {
+    /// Rising.
+    indices: [u32; Self::MOST],
+    len: usize,
+    level: Available,
+}
+
+impl Handful {
+    /// What there is room for.
+    pub const MOST: usize = 16;
+
+    /// The primitives of these indices, in any order. `None` if they are too many.
+    pub fn new(indices: impl IntoIterator<Item = u32>) -> Option<Self> {
+        let mut this = Self { indices: [0; Self::MOST], len: 0, level: Available::default() };
+        for index in indices {
+            *this.indices.get_mut(this.len)? = index;
+            this.len += 1;
+        }
+        this.indices.get_mut(..this.len)?.sort_unstable();
+        Some(this)
+    }
+
+    /// The same primitives, asked by other instructions: for tests and comparisons, as the best that the processor has are
+    /// chosen otherwise. What the processor does not have is replaced by the portable level.
+    #[must_use]
+    pub fn with_level(mut self, level: SimdLevel) -> Self {
+        self.level = Available::new(level);
+        self
+    }
+
+    /// The indices of the primitives, rising.
+    pub fn indices(&self) -> &[u32] {
+        self.indices.get(..self.len).unwrap_or(&[])
+    }
+
+    /// Asks for all rays of a batch. Single rays are asked for by `decider`.
+    fn ask<A: Answer, P: Primitives, D: Decider<A>>(
+        &self,
+        primitives: &P,
+        rays: &[(Ray, Interval)],
+        answers: &mut [A],
+        decider: &mut D,
+    ) -> Work {
+        let n = rays.len().min(answers.len());
+        let (rays, answers) = (rays.get(..n).unwrap_or(&[]), answers.get_mut(..n).unwrap_or(&mut []));
+        let mut members = [Member { index: 0, shape: Shape::Other }; Self::MOST];
+        let mut n_known = 0;
+        for (member, &index) in members.iter_mut().zip(self.indices()) {
+            let shape = match primitives.leaf_layout(index) {
+                LeafLayout::Round(sphere) => Shape::Round(sphere),
+                LeafLayout::Watertight(vertices) => Shape::Facet(vertices.map(|vertex| vertex.as_dvec3())),
+                _ => Shape::Other,
+            };
+            n_known += usize::from(!matches!(shape, Shape::Other));
+            *member = Member { index, shape };
+        }
+        let mut round =
+            Round { members: members.get(..self.len).unwrap_or(&[]), decider, work: Work { tests: 0, hits: 0 } };
+        if n_known == 0 {
+            round.ask_alone(rays, answers);
+        } else {
+            self.level.dispatch(&mut round, rays, answers);
+        }
+        round.work
+    }
+}
+
+/// What batches have done beside what deciders have counted.
+struct Work {
+    tests: u64,
+    hits: u64,
+}
+
+/// One of the handful.
+#[derive(Clone, Copy)]
+struct Member {
+    index: u32,
+    shape: Shape,
+}
+
+/// What is known of its shape.
+#[derive(Clone, Copy)]
+enum Shape {
+    Round(RoundSphere),
+    Facet([DVec3; 3]),
+    Other,
+}
+
+/// What has been found for a ray.
+trait Answer: Copy + Default {
+    /// False if there is always something else that may matter.
+    const CAN_BE_FINAL: bool;
+
+    /// True if nothing else matters.
+    fn is_final(&self) -> bool;
+
+    /// The end of what matters of a span.
+    fn end(&self, max: f64) -> f64;
+
+    /// Takes what one primitive has to say into account.
+    fn consider(&mut self, found: Self);
+
+    /// As [`consider`](Self::consider), of a hit within the whole span; true if it is within what matters.
+    fn consider_hit(&mut self, hit: Hit) -> bool;
+}
+
+impl Answer for Option<Hit> {
+    const CAN_BE_FINAL: bool = false;
+
+    #[inline(always)]
+    fn is_final(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn end(&self, max: f64) -> f64 {
+        self.map_or(max, |hit| hit.t)
+    }
+
+    #[inline(always)]
+    fn consider(&mut self, found: Self) {
+        if let Some(hit) = found
+            && self.is_none_or(|nearest| hit.precedes(&nearest))
+        {
+            *self = Some(hit);
+        }
+    }
+
+    #[inline(always)]
+    fn consider_hit(&mut self, hit: Hit) -> bool {
+        let matters = self.is_none_or(|nearest| hit.t <= nearest.t);
+        if matters {
+            self.consider(Some(hit));
+        }
+        matters
+    }
+}
+
+impl Answer for bool {
+    const CAN_BE_FINAL: bool = true;
+
+    #[inline(always)]
+    fn is_final(&self) -> bool {
+        *self
+    }
+
+    #[inline(always)]
+    fn end(&self, max: f64) -> f64 {
+        max
+    }
+
+    #[inline(always)]
+    fn consider(&mut self, found: Self) {
+        *self |= found;
+    }
+
+    #[inline(always)]
+    fn consider_hit(&mut self, _: Hit) -> bool {
+        *self = true;
+        true
+    }
+}
+
+/// Decides in the name of the primitives, and counts.
+trait Decider<A> {
+    /// About one of them, whose test has been counted.
+    fn decide(&mut self, index: u32, ray: &Ray, span: Interval) -> A;
+
+    /// About all of them.
+    fn decide_all(&mut self, ray: &Ray, span: Interval) -> A;
+}
+
+/// The primitives of a query.
+struct Members<'a, P, S> {
+    indices: &'a [u32],
+    primitives: &'a P,
+    probe: &'a mut S,
+}
+
+impl<P: Primitives, S: Probe> Decider<Option<Hit>> for Members<'_, P, S> {
+    fn decide(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        decide_offered(self.primitives, index, ray, span, self.probe)
+    }
+
+    fn decide_all(&mut self, ray: &Ray, span: Interval) -> Option<Hit> {
+        let mut query = Closest::new(ray, span);
+        let _ = query.offer_all(self.primitives, self.indices, self.probe);
+        query.hit
+    }
+}
+
+impl<P: Primitives, S: Probe> Decider<bool> for Members<'_, P, S> {
+    fn decide(&mut self, index: u32, ray: &Ray, span: Interval) -> bool {
+        decide_offered_occluded(self.primitives, index, ray, span, self.probe)
+    }
+
+    fn decide_all(&mut self, ray: &Ray, span: Interval) -> bool {
+        Any::new(ray, span).offer_all(self.primitives, self.indices, self.probe).is_break()
+    }
+}
+
+/// A batch that is asked for.
+struct Round<'a, A> {
+    members: &'a [Member],
+    decider: &'a mut dyn Decider<A>,
+    work: Work,
+}
+
+impl<A: Answer> Kernel<&[(Ray, Interval)], &mut [A]> for &mut Round<'_, A> {
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], answers: &mut [A]) {
+        for (rays, answers) in rays.chunks(PACKET).zip(answers.chunks_mut(PACKET)) {
+            if let Ok(rays) = rays.try_into() {
+                self.ask_eight(simd, rays, answers);
+            } else if rays.len() <= FEW {
+                self.ask_alone(rays, answers);
+            } else {
+                // Lanes without a ray repeat the first.
+                let rays = array::from_fn(|lane| *rays.get(lane).unwrap_or(&rays[0]));
+                self.ask_eight(simd, &rays, answers);
+            }
+        }
+    }
+}
+
+impl<A: Answer> Round<'_, A> {
+    /// Asks for each ray by itself.
+    fn ask_alone(&mut self, rays: &[(Ray, Interval)], answers: &mut [A]) {
+        for ((ray, span), answer) in rays.iter().zip(answers) {
+            *answer = self.decider.decide_all(ray, *span);
+        }
+    }
+
+    /// Asks for as many of eight rays as there are answers.
+    #[inline(always)]
+    fn ask_eight<S: Simd>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET], answers: &mut [A]) {
+        let lanes = EightRays::new(simd, rays);
+        let all = (1 << answers.len().min(PACKET)) - 1;
+        let plain = lanes.plain(simd) & all;
+        let mut asking = plain;
+        let by_axis = lanes.by_steepest_axis(simd);
+        let mut found = [A::default(); PACKET];
+        for Member { index, shape } in self.members {
+            if asking == 0 {
+                break;
+            }
+            self.work.tests += u64::from(asking.count_ones());
+            let unsure = match shape {
+                Shape::Round(sphere) => {
+                    let spheres = RoundSpheres::all(simd, sphere);
+                    let maybe = asking & !spheres.missed(simd, &lanes);
+                    if maybe == 0 {
+                        continue;
+                    }
+                    let meetings = spheres.meet(simd, &lanes);
+                    let t = meetings.t.to_array(simd);
+                    let mut hit = maybe & meetings.hit;
+                    while hit != 0 {
+                        let lane = take_lane(&mut hit);
+                        let hit = Hit { t: t[lane], instance: 0, primitive: *index, uv: [0.0; 2] };
+                        self.work.hits += u64::from(found[lane].consider_hit(hit));
+                    }
+                    maybe & meetings.unsure
+                }
+                Shape::Facet(vertices) => {
+                    let mut unsure = 0;
+                    for (axis, rays) in by_axis.iter().enumerate() {
+                        let asked = asking & rays;
+                        if asked == 0 {
+                            continue;
+                        }
+                        let Some(meetings) = facet::meet(simd, vertices, axis, &lanes, asked) else { continue };
+                        let (t, [v, w]) = (meetings.t.to_array(simd), meetings.uv);
+                        let (v, w) = (v.to_array(simd), w.to_array(simd));
+                        let mut hit = meetings.hit;
+                        while hit != 0 {
+                            let lane = take_lane(&mut hit);
+                            let hit = Hit { t: t[lane], instance: 0, primitive: *index, uv: [v[lane], w[lane]] };
+                            self.work.hits += u64::from(found[lane].consider_hit(hit));
+                        }
+                        unsure |= meetings.unsure;
+                    }
+                    unsure
+                }
+                Shape::Other => asking,
+            };
+            let mut left = unsure;
+            while left != 0 {
+                let lane = take_lane(&mut left);
+                let (ray, span) = &rays[lane];
+                let span = Interval { max: found[lane].end(span.max), ..*span };
+                found[lane].consider(self.decider.decide(*index, ray, span));
+            }
+            if A::CAN_BE_FINAL {
+                for (lane, found) in found.iter().enumerate() {
+                    asking &= !(u32::from(found.is_final()) << lane);
+                }
+            }
+        }
+        for (lane, answer) in answers.iter_mut().enumerate().take(PACKET) {
+            let (ray, span) = &rays[lane];
+            let is_plain = plain >> lane & 1 != 0;
+            *answer = if is_plain { found[lane] } else { self.decider.decide_all(ray, *span) };
+        }
+    }
+}
+
+impl Accelerator for Handful {
+    fn closest<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> Option<Hit> {
+        Members { indices: self.indices(), primitives, probe }.decide_all(ray, span)
+    }
+
+    fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        Members { indices: self.indices(), primitives, probe }.decide_all(ray, span)
+    }
+
+    fn closest_batch<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &[(Ray, Interval)],
+        hits: &mut [Option<Hit>],
+        probe: &mut S,
+    ) {
+        let Work { tests, hits } =
+            self.ask(primitives, rays, hits, &mut Members { indices: self.indices(), primitives, probe });
+        probe.work(0, tests, hits);
+    }
+
+    fn occluded_batch<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &[(Ray, Interval)],
+        blocked: &mut [bool],
+        probe: &mut S,
+    ) {
+        let Work { tests, hits } =
+            self.ask(primitives, rays, blocked, &mut Members { indices: self.indices(), primitives, probe });
+        probe.work(0, tests, hits);
+    }
+}
