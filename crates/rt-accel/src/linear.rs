@@ -10,9 +10,9 @@ use crate::{BuildError, BuildStats, RayQuery, Refit, RegionQuery, Structure, Vio
 
 /// Tests every primitive in turn. O(n) per ray; 16 bytes for each of more than a few spheres, and no memory otherwise.
 ///
-/// Where all are spheres, eight at a time are tested in `f32`, and in `f64` those that a ray may meet. Batches ask a
-/// [`Handful`] for eight rays at a time. Answers and [`Counters`](crate::Counters) are those of [`brute_force`], to the last
-/// bit and the last test.
+/// Where all of more than 16 are spheres, eight at a time are tested in `f32`, and in `f64` those that a ray may meet. Batches
+/// ask up to 16 as a [`Handful`], for eight rays at a time. Answers and [`Counters`](crate::Counters) are those of
+/// [`brute_force`], to the last bit and the last test.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct Linear {

@@ -181,19 +181,13 @@ fn with_odd_ones(mut rays: Vec<(Ray, Interval)>, draw: &mut Draw) -> Vec<(Ray, I
         Ray::new(DVec3::splat(f64::NAN), DVec3::NEG_Y),
         Ray::new(DVec3::X, DVec3::new(0.0, f64::NEG_INFINITY, 0.0)),
     ];
-    let spans = [
-        Interval::FORWARD,
-        Interval::SEGMENT,
-        Interval::new(-1.0, 5.0),
-        Interval::new(2.0, 1.0),
-        Interval::new(f64::NAN, 1.0),
-    ];
+    let numbers = [f64::NAN, f64::NEG_INFINITY, -1.0, -0.0, 0.0, f64::MIN_POSITIVE, 1.0, 5.0, f64::INFINITY];
     for (ray, span) in &mut rays {
         if draw.one_in(40) {
             *ray = draw.pick(&odd);
         }
         if draw.one_in(10) {
-            *span = draw.pick(&spans);
+            *span = Interval::new(draw.pick(&numbers), draw.pick(&numbers));
         }
     }
     rays
@@ -208,14 +202,14 @@ fn handfuls_answer_and_count_as_brute_force() {
     let mut n_hits = 0;
     for round in 0..60 {
         let n = 1 + draw.below(Handful::MOST);
-        let mut soup = match round % 4 {
-            0 => Soup::mixed(draw),
-            1 => Soup::facets(draw),
-            _ => Soup::spheres(n as u64, draw),
+        let pool = match round % 4 {
+            0 => Soup::mixed(draw).0.into_iter().chain(Soup::facets(draw).0).collect(),
+            1 => Soup::facets(draw).0,
+            2 => Soup::spheres(n as u64, draw).0,
+            _ => Soup::marbles(draw).0.into_iter().chain(Soup::facets(draw).0).collect(),
         };
-        soup.0.truncate(n);
-        soup = soup.rounded();
-        let scale = draw.pick(&[1.0, 1e-3, 1e12]);
+        let soup = Soup((0..n).map(|_| draw.pick(&pool)).collect()).rounded();
+        let scale = draw.pick(&[1.0, 1e-3, 1e12, 1e-30]);
         let mut soup = soup.scaled(scale).moved(DVec3::new(1.0, -0.7, 0.3) * draw.pick(&[0.0, 1e4]));
         // Two at one place, and something without an end.
         if n > 2 {
@@ -229,7 +223,8 @@ fn handfuls_answer_and_count_as_brute_force() {
             let all = Handful::new(0..n as u32).unwrap().with_level(level);
             let some = Handful::new(chosen.iter().rev().copied()).unwrap().with_level(level);
             let linear = Linear::build(&soup).unwrap().with_level(level);
-            let (mut counted, mut expected) = ([Counters::default(); 3], Counters::default());
+            let mut counted = [Counters::default(); 3];
+            let (mut expected, mut expected_of_some) = (Counters::default(), Counters::default());
             let mut first = 0;
             while first < rays.len() {
                 let len = draw.pick(&[1, 3, 5, 8, 13, 64, 300]).min(rays.len() - first);
@@ -242,26 +237,79 @@ fn handfuls_answer_and_count_as_brute_force() {
                 all.closest_batch(&soup, rays, &mut of_all, &mut counted[0]);
                 all.occluded_batch(&soup, rays, &mut blocked, &mut counted[0]);
                 linear.closest_batch(&soup, rays, &mut of_linear, &mut counted[1]);
-                linear.occluded_batch(&soup, rays, &mut vec![false; len], &mut counted[1]);
+                let mut blocked_by_linear = vec![false; len];
+                linear.occluded_batch(&soup, rays, &mut blocked_by_linear, &mut counted[1]);
                 some.closest_batch(&soup, rays, &mut of_some, &mut counted[2]);
+                let mut blocked_by_some = vec![false; len];
+                some.occluded_batch(&soup, rays, &mut blocked_by_some, &mut counted[2]);
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
                     let hit = brute_force::closest(&soup, ray, *span, &mut expected);
                     assert_eq!(key(of_all[i]), key(hit), "{name}");
                     assert_eq!(key(of_linear[i]), key(hit), "{name}");
-                    assert_eq!(blocked[i], brute_force::occluded(&soup, ray, *span, &mut expected), "{name}");
-                    let hit_on_some = brute_force::closest(&smaller, ray, *span, &mut NoProbe);
+                    let is_blocked = brute_force::occluded(&soup, ray, *span, &mut expected);
+                    assert_eq!((blocked[i], blocked_by_linear[i]), (is_blocked, is_blocked), "{name}");
+                    let hit_on_some = brute_force::closest(&smaller, ray, *span, &mut expected_of_some);
+                    let is_blocked_by_some = brute_force::occluded(&smaller, ray, *span, &mut expected_of_some);
+                    assert_eq!(blocked_by_some[i], is_blocked_by_some, "{name}");
                     let renamed = hit_on_some.map(|hit| Hit { primitive: chosen[hit.primitive as usize], ..hit });
                     assert_eq!(key(of_some[i]), key(renamed), "{name}");
                     n_hits += usize::from(hit.is_some());
                 }
                 first += len;
             }
-            assert_eq!([counted[0].total(), counted[1].total()], [expected.total(); 2], "round {round}");
+            let expected = [expected, expected, expected_of_some].map(|counters| counters.total());
+            assert_eq!(counted.map(|counters| counters.total()), expected, "round {round}");
         }
     }
     assert!(n_hits > 10_000, "{n_hits} hits");
     assert!(Handful::new(0..=Handful::MOST as u32).is_none());
+}
+
+#[test]
+fn rays_beyond_the_answers_are_left_alone() {
+    let soup = Soup::spheres(5, &mut Draw::new(3)).rounded();
+    let rays = bundles(&soup, 20, &mut Draw::new(4));
+    let handful = Handful::new(0..5).unwrap();
+    for n in 0..20 {
+        let mut hits = vec![None; n];
+        handful.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
+        let mut more = vec![None; 30];
+        handful.closest_batch(&soup, &rays[..n], &mut more, &mut NoProbe);
+        for (i, (ray, span)) in rays.iter().enumerate().take(n) {
+            let expected = key(handful.closest(&soup, ray, *span, &mut NoProbe));
+            assert_eq!((key(hits[i]), key(more[i])), (expected, expected));
+        }
+        assert!(more[n..].iter().all(Option::is_none));
+    }
+}
+
+/// The sliver is met far outside of its own box by plain arithmetic, and a neighbour starts next to its plane: whether the
+/// kernel has to look at the start of the first ray was once decided by the second.
+#[test]
+fn hits_on_a_sliver_do_not_depend_on_the_rays_beside() {
+    let vertices = [
+        [2.6940758228302, 3.7117247581481934, -0.0024276815820485353],
+        [2.6944515705108643, 3.994624376296997, -0.0027274370659142733],
+        [2.69555401802063, -1.656948447227478, -0.003933731932193041],
+    ];
+    let soup = Soup(vec![Solid::Facet(vertices.map(|vertex| DVec3::from(vertex).as_vec3()))]);
+    let sliver = Ray::new(
+        DVec3::new(2.694509517098264, 2.528108834411083, -0.0028498073984306017),
+        DVec3::new(2.2761795169135013e-5, 0.00013634008051077728, -1.901559655846305e-5),
+    );
+    let beside =
+        Ray::new(DVec3::new(2.694728059667251, 2.121473740525947, -0.0030527670320567414), DVec3::new(-0.5, 1.0, -0.6));
+    for level in levels() {
+        let handful = Handful::new([0]).unwrap().with_level(level);
+        let rays: Vec<_> = (0..8).map(|i| (if i == 3 { sliver } else { beside }, Interval::FORWARD)).collect();
+        let mut hits = vec![None; 8];
+        handful.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
+        for (i, (ray, span)) in rays.iter().enumerate() {
+            assert_eq!(key(hits[i]), key(brute_force::closest(&soup, ray, *span, &mut NoProbe)), "ray {i}");
+        }
+        assert!(hits[3].is_some());
+    }
 }
 
 /// Counts how often it is asked.
@@ -291,7 +339,8 @@ fn lanes_leave_little_to_be_decided_ray_by_ray() {
     let corner = |x: f32, z: f32| Vec3::new(x, 0.1 * x - 0.05 * z, z);
     let floor = [
         [corner(-5.0, -5.0), corner(5.0, -5.0), corner(5.0, 5.0)],
-        [corner(-5.0, -5.0), corner(5.0, 5.0), corner(-5.0, 5.0)],
+        // Turned the other way.
+        [corner(5.0, 5.0), corner(-5.0, -5.0), corner(-5.0, 5.0)],
     ];
     let ball = |x: f64| RoundSphere { centre: DVec3::new(x, 1.5, 0.2), radius: 0.9 };
     let (one, other) = (ball(-1.0), ball(1.0));
@@ -305,6 +354,7 @@ fn lanes_leave_little_to_be_decided_ray_by_ray() {
     }
     for _ in 0..400 {
         let (x, z) = (draw.between(-4.0, 4.0), draw.between(-4.0, 4.0));
+        let up = up * draw.pick(&[1.0, -1.0]);
         let origin = DVec3::new(x, 0.1 * x - 0.05 * z, z) + up * 1e-6;
         rays.push((Ray::new(origin, up + draw.point() * 0.5), Interval::SPAWNED));
     }
@@ -316,14 +366,19 @@ fn lanes_leave_little_to_be_decided_ray_by_ray() {
     for _ in 0..400 {
         rays.push((Ray::new(other.centre + draw.point() * 0.4, draw.point()), Interval::SPAWNED));
     }
-    let handful = Handful::new(0..4).unwrap();
-    let busy = Busy(&soup, AtomicU32::new(0));
-    let mut hits = vec![None; rays.len()];
-    handful.closest_batch(&busy, &rays, &mut hits, &mut NoProbe);
-    handful.occluded_batch(&busy, &rays, &mut vec![false; rays.len()], &mut NoProbe);
-    let n_hits = hits.iter().flatten().count();
-    let n_asked = busy.1.load(Ordering::Relaxed);
-    assert!(n_hits > 700 && n_asked < 16, "{n_hits} hits, {n_asked} of {} asked ray by ray", 8 * rays.len());
+    for level in levels() {
+        let handful = Handful::new(0..4).unwrap().with_level(level);
+        let busy = Busy(&soup, AtomicU32::new(0));
+        let mut hits = vec![None; rays.len()];
+        handful.closest_batch(&busy, &rays, &mut hits, &mut NoProbe);
+        handful.occluded_batch(&busy, &rays, &mut vec![false; rays.len()], &mut NoProbe);
+        for (hit, (ray, span)) in hits.iter().zip(&rays) {
+            assert_eq!(key(*hit), key(brute_force::closest(&soup, ray, *span, &mut NoProbe)), "{ray:?} {span:?}");
+        }
+        let n_hits = hits.iter().flatten().count();
+        let n_asked = busy.1.load(Ordering::Relaxed);
+        assert!(n_hits > 700 && n_asked < 16, "{n_hits} hits, {n_asked} of {} asked ray by ray", 8 * rays.len());
+    }
 }
 
 /// Rays that no filter is proven for, or that are not finite, among others.

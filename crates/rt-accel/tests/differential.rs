@@ -170,7 +170,7 @@ fn heaps(draw: &mut Draw) -> Vec<(&'static str, Soup)> {
     vec![
         ("one", Soup::spheres(1, draw)),
         ("three", Soup::spheres(3, draw)),
-        ("twelve", Soup::spheres(12, draw)),
+        ("sixteen", Soup::spheres(16, draw)),
         ("seventeen", Soup::spheres(17, draw)),
         ("many", Soup::spheres(600, draw)),
         ("uneven", uneven),

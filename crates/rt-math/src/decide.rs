@@ -43,7 +43,7 @@ pub fn decide_offered<P: Primitives, S: Probe>(
     let hit = primitives.intersect_probed(index, ray, span, probe)?;
     let entry = own_box_entry(primitives, index, ray, span)?;
     probe.hit();
-    Some(Hit { t: hit.t.max(entry), ..hit })
+    Some(Hit { t: raised(hit.t, entry), ..hit })
 }
 
 /// As [`decide_offered`], of a primitive whose layout is [`LeafLayout::Watertight`](crate::LeafLayout::Watertight),
@@ -58,7 +58,13 @@ pub fn decide_triangle(
 ) -> Option<Hit> {
     let TriangleHit { t, uv } = sheared.intersect(vertices, span)?;
     let entry = Aabb::from_points(vertices).padded().clip(ray, span)?.min;
-    Some(Hit { t: t.max(entry), instance: 0, primitive: index, uv })
+    Some(Hit { t: raised(t, entry), instance: 0, primitive: index, uv })
+}
+
+/// The later of a hit and the entry into its box; the hit where they are equal, as `f64::max` may return either zero.
+#[inline(always)]
+fn raised(t: f64, entry: f64) -> f64 {
+    if entry > t { entry } else { t }
 }
 
 /// True if primitive `index` blocks the ray within `span`: exactly when [`decide`] would find a hit on a primitive

@@ -12,10 +12,10 @@ pub(crate) const FEW: usize = 8;
 pub(crate) const FEW_SPHERES: usize = Handful::MOST;
 
 /// True for primitives of which asking each is faster than walking a tree.
-pub(crate) fn are_few<P: Primitives>(primitives: &P, indices: impl ExactSizeIterator<Item = u32>) -> bool {
+pub(crate) fn are_few<P: Primitives>(primitives: &P, mut indices: impl ExactSizeIterator<Item = u32>) -> bool {
     let is_round = |index| matches!(primitives.leaf_layout(index), LeafLayout::Round(_));
     let count = indices.len();
-    count <= FEW || count <= FEW_SPHERES && { indices }.all(is_round)
+    count <= FEW || count <= FEW_SPHERES && indices.all(is_round)
 }
 
 /// What structures are asked for.

@@ -115,7 +115,9 @@ pub(crate) fn few<P: Primitives>(
 pub(crate) enum InView<'v> {
     /// All there is.
     All(&'v AnyStructure),
+    /// What the picture shows of it.
     Part(&'v Visible),
+    /// What a tile shows of it.
     Few(&'v Handful),
 }
 

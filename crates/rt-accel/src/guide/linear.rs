@@ -23,7 +23,7 @@
 //! enlarged by a thousandth, which is more than rounding can do to all this unless a sphere is much smaller than the list;
 //! then a margin for the ray takes care of it. What is left is decided in `f64` by rising index, so that answers, tests and
 //! hits are those of brute force. Of shadow rays some hits are beyond doubt, and not decided at all. What is no sphere,
-//! and rays and lists out of all proportion are tested one by one.
+//! up to 16 spheres, and rays and lists out of all proportion are tested one by one.
 //!
 //! # Eight rays at a time
 //!
@@ -53,7 +53,7 @@
 //! **Cost**: n tests, no nodes, O(n) for each ray. A test takes a few nanoseconds, and of spheres about a quarter of one; 16
 //! bytes for each sphere.
 //!
-//! **Choose it** for up to about ten primitives, or sixteen spheres asked in batches, for which nothing is faster. The truth in tests is
-//! [`brute_force`](crate::brute_force).
+//! **Choose it** for up to about ten primitives, or sixteen spheres asked in batches, for which nothing is faster. The truth
+//! in tests is [`brute_force`](crate::brute_force).
 //!
 //! **Paper**: Appel, "Some techniques for shading machine renderings of solids", 1968, cast rays in this manner.

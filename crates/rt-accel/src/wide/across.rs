@@ -201,7 +201,7 @@ impl<S: Simd> EightRays<S> {
         for axis in 0..3 {
             let one = low[axis].sub(simd, pad).sub(simd, self.origin[axis]).mul(simd, self.inverse[axis]);
             let other = high[axis].add(simd, pad).sub(simd, self.origin[axis]).mul(simd, self.inverse[axis]);
-            // In this order a NaN is no constraint.
+            // In this order two NaNs are no constraint. After one the box may seem to be missed, and somebody else decides.
             enter = one.min(simd, other).max(simd, enter);
             leave = one.max(simd, other).min(simd, leave);
         }
@@ -225,7 +225,7 @@ impl<S: Simd> EightRays<S> {
         let squared = x.mul(simd, x).add(simd, y.mul(simd, y)).add(simd, z.mul(simd, z));
         Eight::splat(simd, 0.0).le(simd, self.min)
             & Eight::splat(simd, 1e-100).le(simd, squared)
-            & squared.le(simd, Eight::splat(simd, 1e100))
+            & squared.lt(simd, Eight::splat(simd, 1e100))
     }
 }
 

@@ -104,8 +104,9 @@ pub(super) fn meet<S: Simd>(
     let in_box = enter.le(simd, t) & t.le(simd, leave);
     let decided = maybe & is_settled & is_certain;
     let mut unsure = maybe & !decided | decided & within & !in_box;
-    if unsure & is_settled & !is_certain != 0 {
-        unsure &= !(is_settled & lead_away(simd, vertices, rays, scale, determinant));
+    let next_to_the_plane = is_settled & !is_certain;
+    if unsure & next_to_the_plane != 0 {
+        unsure &= !(next_to_the_plane & lead_away(simd, vertices, rays, scale, determinant));
     }
     Some(FacetMeetings {
         hit: decided & within & in_box,
@@ -125,7 +126,8 @@ fn inner_box<S: Simd>(simd: S, &[a, b, c]: &[DVec3; 3], rays: &EightRays<S>) -> 
     rays.cross_box(simd, low, high, Eight::splat(simd, pad))
 }
 
-/// A bit for each ray that passed the triangle's plane before it starts, beyond doubt: its `t` is negative.
+/// A bit for each ray that passed the triangle's plane before it starts, beyond doubt. To be asked only of rays of whose `t`
+/// it is in doubt on which side they start: otherwise the kernel goes by `t`, which in slivers may say something else.
 #[inline(always)]
 fn lead_away<S: Simd>(
     simd: S,
@@ -145,7 +147,7 @@ fn lead_away<S: Simd>(
     // Positive where volume, scale and determinant have an even number of minus signs.
     let turned = scale.by_sign(simd, determinant, Eight::splat(simd, 0.0).sub(simd, determinant));
     let turned = turned.by_sign(simd, volume, Eight::splat(simd, 0.0).sub(simd, volume));
-    // Where numbers leave their range, nothing is beyond doubt.
+    // Where numbers may leave their range, somebody else decides.
     let is_ordinary = Eight::splat(simd, 1e-200).lt(simd, size) & size.lt(simd, Eight::splat(simd, 1e200));
     is_ordinary & size.mul(simd, Eight::splat(simd, SETTLED_VOLUME)).lt(simd, turned)
 }

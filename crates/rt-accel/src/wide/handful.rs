@@ -16,7 +16,7 @@ use super::simd::{Available, Kernel, Simd, SimdLevel};
 use crate::RayQuery;
 use crate::ray_query::{Any, Closest};
 
-/// As many rays go alone.
+/// Up to as many rays go alone.
 const FEW: usize = 3;
 
 /// A few primitives of a set, as a structure over the set: hits are those on these primitives, and named as in the set.
@@ -46,7 +46,7 @@ impl Handful {
     /// What there is room for.
     pub const MOST: usize = 16;
 
-    /// The primitives of these indices, in any order. `None` if they are too many.
+    /// The primitives of these indices, in any order; one that is named twice is asked twice. `None` if they are too many.
     pub fn new(indices: impl IntoIterator<Item = u32>) -> Option<Self> {
         let mut this = Self { indices: [0; Self::MOST], len: 0, level: Available::default() };
         for index in indices {
@@ -91,14 +91,14 @@ impl Handful {
             n_known += usize::from(!matches!(shape, Shape::Other));
             *member = Member { index, shape };
         }
-        let mut round =
-            Round { members: members.get(..self.len).unwrap_or(&[]), decider, work: Work { tests: 0, hits: 0 } };
+        let mut batch =
+            Batch { members: members.get(..self.len).unwrap_or(&[]), decider, work: Work { tests: 0, hits: 0 } };
         if n_known == 0 {
-            round.ask_alone(rays, answers);
+            batch.ask_alone(rays, answers);
         } else {
-            self.level.dispatch(&mut round, rays, answers);
+            self.level.dispatch(&mut batch, rays, answers);
         }
-        round.work
+        batch.work
     }
 }
 
@@ -237,13 +237,13 @@ impl<P: Primitives, S: Probe> Decider<bool> for Members<'_, P, S> {
 }
 
 /// A batch that is asked for.
-struct Round<'a, A> {
+struct Batch<'a, A> {
     members: &'a [Member],
     decider: &'a mut dyn Decider<A>,
     work: Work,
 }
 
-impl<A: Answer> Kernel<&[(Ray, Interval)], &mut [A]> for &mut Round<'_, A> {
+impl<A: Answer> Kernel<&[(Ray, Interval)], &mut [A]> for &mut Batch<'_, A> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], answers: &mut [A]) {
         for (rays, answers) in rays.chunks(PACKET).zip(answers.chunks_mut(PACKET)) {
@@ -260,7 +260,7 @@ impl<A: Answer> Kernel<&[(Ray, Interval)], &mut [A]> for &mut Round<'_, A> {
     }
 }
 
-impl<A: Answer> Round<'_, A> {
+impl<A: Answer> Batch<'_, A> {
     /// Asks for each ray by itself.
     fn ask_alone(&mut self, rays: &[(Ray, Interval)], answers: &mut [A]) {
         for ((ray, span), answer) in rays.iter().zip(answers) {

@@ -6,8 +6,8 @@
 //! * `ray`, and the kinds of `leaf`: why what filters rule out is missed
 //! * `list`: spheres without a tree; `handful`: few primitives without a tree
 //! * `goal`: what a ray is sent for; `walk`: how it goes; `exact`: how it goes where filters cannot
-//! * `packet`, over `across`: how eight go that agree; `round`, `facet`: how spheres and triangles are decided about for all of them; `shaft`: what
-//!   many of them can meet; `flight`: how many go side by side
+//! * `packet`, over `across`: how eight go that agree; `round`, `facet`: how spheres and triangles are decided about for all of
+//!   them; `shaft`: what many of them can meet; `flight`: how many go side by side
 //!
 //! This is the only module with `unsafe`: for instructions that a processor may not have, for numbers that builders and
 //! loaders have checked, and for memory that is written before it is read.

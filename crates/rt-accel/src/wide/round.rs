@@ -82,7 +82,7 @@ impl<S: Simd> RoundSpheres<S> {
             .mul(simd, Eight::splat(simd, for_distance))
             .sub(simd, self.radius.mul(simd, self.radius).mul(simd, Eight::splat(simd, for_radius)));
         let passes_by = along.mul(simd, along).lt(simd, a.mul(simd, excess));
-        let least = Eight::splat(simd, f64::MIN_POSITIVE);
+        let least = Eight::splat(simd, f64::from_bits(1));
         let lies_behind = least.le(simd, excess) & least.le(simd, along);
         passes_by | lies_behind
     }
@@ -109,13 +109,15 @@ impl<S: Simd> RoundSpheres<S> {
         let c = length.sub(simd, r).mul(simd, length.add(simd, r));
         let (t0, t1) = (c.div(simd, q), q.div(simd, a));
         let (near, far) = (t0.min(simd, t1), t0.max(simd, t1));
-        let t = near.sub(simd, rays.min).by_sign(simd, near, far);
+        // The sum turns −0 into 0.
+        let nothing = Eight::splat(simd, 0.0);
+        let t = near.sub(simd, rays.min).add(simd, nothing).by_sign(simd, near, far);
 
         let [enter, leave] = self.inner_box(simd, rays);
         let crosses =
             Eight::splat(simd, f64::MIN_POSITIVE).le(simd, root) & root.le(simd, Eight::splat(simd, f64::MAX));
         let within = crosses & rays.min.le(simd, t) & t.le(simd, rays.max);
-        let touches = root.le(simd, Eight::splat(simd, 0.0));
+        let touches = root.le(simd, nothing);
         let hit = within & enter.le(simd, t) & t.le(simd, leave);
         Meetings { hit, unsure: within & !hit | touches, t }
     }
