@@ -229,6 +229,17 @@ impl<S: Simd> EightRays<S> {
     }
 }
 
+/// What becomes of eight rays where they may meet a primitive, the same or each another.
+pub(super) struct Meetings<S: Simd> {
+    /// A bit for each ray that hits at `t`.
+    pub(super) hit: u32,
+    /// A bit for each ray that somebody else must decide about; the others miss.
+    pub(super) unsure: u32,
+    pub(super) t: Eight<S>,
+    /// As a [`Hit`](rt_math::Hit) has them.
+    pub(super) uv: [Eight<S>; 2],
+}
+
 /// Eight rays that go the same way: through the same sides of boxes, and farthest along the same axis.
 pub(super) struct Across<S: Simd> {
     pub(super) lanes: EightRays<S>,

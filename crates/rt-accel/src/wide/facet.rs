@@ -8,23 +8,12 @@
 use rt_math::float::{SETTLED, UNIT_ROUNDOFF};
 use rt_math::{DVec3, ShearedRay};
 
-use super::across::{Eight, EightRays, INNER_PAD};
+use super::across::{Eight, EightRays, INNER_PAD, Meetings};
 use super::simd::Simd;
 
 /// A volume has the sign of its six rounded products if it is greater than this part of the sum of their sizes; more than
 /// the 7 roundings of Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
 const SETTLED_VOLUME: f64 = 16.0 * UNIT_ROUNDOFF;
-
-/// What becomes of eight rays.
-pub(super) struct FacetMeetings<S: Simd> {
-    /// A bit for each ray that hits at `t`.
-    pub(super) hit: u32,
-    /// A bit for each ray that somebody else must decide about; the others miss.
-    pub(super) unsure: u32,
-    pub(super) t: Eight<S>,
-    /// Barycentric weights of the second and third vertex.
-    pub(super) uv: [Eight<S>; 2],
-}
 
 /// One corner as the rays see it.
 #[derive(Clone, Copy)]
@@ -75,7 +64,7 @@ pub(super) fn meet<S: Simd>(
     axis: usize,
     rays: &EightRays<S>,
     asked: u32,
-) -> Option<FacetMeetings<S>> {
+) -> Option<Meetings<S>> {
     let [x, y, z] = [(axis + 1) % 3, (axis + 2) % 3, axis % 3];
     let scale = rays.inverse[z];
     let shear =
@@ -108,7 +97,7 @@ pub(super) fn meet<S: Simd>(
     if unsure & next_to_the_plane != 0 {
         unsure &= !(next_to_the_plane & lead_away(simd, vertices, rays, scale, determinant));
     }
-    Some(FacetMeetings {
+    Some(Meetings {
         hit: decided & within & in_box,
         unsure,
         t,

@@ -8,11 +8,12 @@ use rt_math::{
     decide_offered_occluded,
 };
 
-use super::across::{EightRays, PACKET};
+use super::across::{EightRays, Meetings, PACKET};
 use super::facet;
 use super::goal::take_lane;
 use super::round::RoundSpheres;
 use super::simd::{Available, Kernel, Simd, SimdLevel};
+use super::walk::Work;
 use crate::RayQuery;
 use crate::ray_query::{Any, Closest};
 
@@ -91,8 +92,7 @@ impl Handful {
             n_known += usize::from(!matches!(shape, Shape::Other));
             *member = Member { index, shape };
         }
-        let mut batch =
-            Batch { members: members.get(..self.len).unwrap_or(&[]), decider, work: Work { tests: 0, hits: 0 } };
+        let mut batch = Batch { members: members.get(..self.len).unwrap_or(&[]), decider, work: Work::default() };
         if n_known == 0 {
             batch.ask_alone(rays, answers);
         } else {
@@ -100,12 +100,6 @@ impl Handful {
         }
         batch.work
     }
-}
-
-/// What batches have done beside what deciders have counted.
-struct Work {
-    tests: u64,
-    hits: u64,
 }
 
 /// One of the handful.
@@ -125,9 +119,6 @@ enum Shape {
 
 /// What has been found for a ray.
 trait Answer: Copy + Default {
-    /// False if there is always something else that may matter.
-    const CAN_BE_FINAL: bool;
-
     /// True if nothing else matters.
     fn is_final(&self) -> bool;
 
@@ -142,8 +133,6 @@ trait Answer: Copy + Default {
 }
 
 impl Answer for Option<Hit> {
-    const CAN_BE_FINAL: bool = false;
-
     #[inline(always)]
     fn is_final(&self) -> bool {
         false
@@ -174,8 +163,6 @@ impl Answer for Option<Hit> {
 }
 
 impl Answer for bool {
-    const CAN_BE_FINAL: bool = true;
-
     #[inline(always)]
     fn is_final(&self) -> bool {
         *self
@@ -240,6 +227,7 @@ impl<P: Primitives, S: Probe> Decider<bool> for Members<'_, P, S> {
 struct Batch<'a, A> {
     members: &'a [Member],
     decider: &'a mut dyn Decider<A>,
+    /// Beside what the decider has counted.
     work: Work,
 }
 
@@ -268,6 +256,19 @@ impl<A: Answer> Batch<'_, A> {
         }
     }
 
+    /// Takes the certain hits of some rays on a member into account.
+    #[inline(always)]
+    fn take_hits<S: Simd>(&mut self, simd: S, index: u32, asked: u32, meetings: &Meetings<S>, found: &mut [A; PACKET]) {
+        let [v, w] = meetings.uv;
+        let (t, v, w) = (meetings.t.to_array(simd), v.to_array(simd), w.to_array(simd));
+        let mut hit = asked & meetings.hit;
+        while hit != 0 {
+            let lane = take_lane(&mut hit);
+            let hit = Hit { t: t[lane], instance: 0, primitive: index, uv: [v[lane], w[lane]] };
+            self.work.hits += u64::from(found[lane].consider_hit(hit));
+        }
+    }
+
     /// Asks for as many of eight rays as there are answers.
     #[inline(always)]
     fn ask_eight<S: Simd>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET], answers: &mut [A]) {
@@ -290,13 +291,7 @@ impl<A: Answer> Batch<'_, A> {
                         continue;
                     }
                     let meetings = spheres.meet(simd, &lanes);
-                    let t = meetings.t.to_array(simd);
-                    let mut hit = maybe & meetings.hit;
-                    while hit != 0 {
-                        let lane = take_lane(&mut hit);
-                        let hit = Hit { t: t[lane], instance: 0, primitive: *index, uv: [0.0; 2] };
-                        self.work.hits += u64::from(found[lane].consider_hit(hit));
-                    }
+                    self.take_hits(simd, *index, maybe, &meetings, &mut found);
                     maybe & meetings.unsure
                 }
                 Shape::Facet(vertices) => {
@@ -307,14 +302,7 @@ impl<A: Answer> Batch<'_, A> {
                             continue;
                         }
                         let Some(meetings) = facet::meet(simd, vertices, axis, &lanes, asked) else { continue };
-                        let (t, [v, w]) = (meetings.t.to_array(simd), meetings.uv);
-                        let (v, w) = (v.to_array(simd), w.to_array(simd));
-                        let mut hit = meetings.hit;
-                        while hit != 0 {
-                            let lane = take_lane(&mut hit);
-                            let hit = Hit { t: t[lane], instance: 0, primitive: *index, uv: [v[lane], w[lane]] };
-                            self.work.hits += u64::from(found[lane].consider_hit(hit));
-                        }
+                        self.take_hits(simd, *index, asked, &meetings, &mut found);
                         unsure |= meetings.unsure;
                     }
                     unsure
@@ -328,10 +316,8 @@ impl<A: Answer> Batch<'_, A> {
                 let span = Interval { max: found[lane].end(span.max), ..*span };
                 found[lane].consider(self.decider.decide(*index, ray, span));
             }
-            if A::CAN_BE_FINAL {
-                for (lane, found) in found.iter().enumerate() {
-                    asking &= !(u32::from(found.is_final()) << lane);
-                }
+            for (lane, found) in found.iter().enumerate() {
+                asking &= !(u32::from(found.is_final()) << lane);
             }
         }
         for (lane, answer) in answers.iter_mut().enumerate().take(PACKET) {
@@ -364,9 +350,9 @@ impl Accelerator for Handful {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        let Work { tests, hits } =
+        let Work { nodes, tests, hits } =
             self.ask(primitives, rays, hits, &mut Members { indices: self.indices(), primitives, probe });
-        probe.work(0, tests, hits);
+        probe.work(nodes, tests, hits);
     }
 
     fn occluded_batch<P: Primitives, S: Probe>(
@@ -376,8 +362,8 @@ impl Accelerator for Handful {
         blocked: &mut [bool],
         probe: &mut S,
     ) {
-        let Work { tests, hits } =
+        let Work { nodes, tests, hits } =
             self.ask(primitives, rays, blocked, &mut Members { indices: self.indices(), primitives, probe });
-        probe.work(0, tests, hits);
+        probe.work(nodes, tests, hits);
     }
 }

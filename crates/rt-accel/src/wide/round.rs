@@ -11,17 +11,8 @@
 
 use rt_math::{DVec3, RoundSphere};
 
-use super::across::{Eight, EightRays, INNER_PAD, PACKET};
+use super::across::{Eight, EightRays, INNER_PAD, Meetings, PACKET};
 use super::simd::Simd;
-
-/// What becomes of eight rays.
-pub(super) struct Meetings<S: Simd> {
-    /// A bit for each ray that hits at `t`.
-    pub(super) hit: u32,
-    /// A bit for each ray that somebody else must decide about; the others miss.
-    pub(super) unsure: u32,
-    pub(super) t: Eight<S>,
-}
 
 /// A sphere for each of eight rays.
 pub(super) struct RoundSpheres<S: Simd> {
@@ -119,7 +110,7 @@ impl<S: Simd> RoundSpheres<S> {
         let within = crosses & rays.min.le(simd, t) & t.le(simd, rays.max);
         let touches = root.le(simd, nothing);
         let hit = within & enter.le(simd, t) & t.le(simd, leave);
-        Meetings { hit, unsure: within & !hit | touches, t }
+        Meetings { hit, unsure: within & !hit | touches, t, uv: [nothing; 2] }
     }
 
     /// Where boxes within the own boxes are entered and left.
@@ -169,7 +160,7 @@ mod tests {
             let rays = EightRays::new(simd, rays);
             assert_eq!(rays.plain(simd), 0xff);
             let missed = RoundSpheres::all(simd, &BALL).missed(simd, &rays);
-            let Meetings { hit, unsure, t } = RoundSpheres::new(simd, &[BALL; PACKET]).meet(simd, &rays);
+            let Meetings { hit, unsure, t, .. } = RoundSpheres::new(simd, &[BALL; PACKET]).meet(simd, &rays);
             assert_eq!(missed & (hit | unsure), 0);
             let t = t.to_array(simd);
             let is_in = |bits: u32, lane: usize| bits >> lane & 1 != 0;
