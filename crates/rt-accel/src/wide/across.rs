@@ -328,9 +328,8 @@ pub(super) fn relative<S: Simd>(simd: S, [x, y, z]: [Eight<S>; 3], centre: DVec3
 /// Eight rays as the filter of boxes sees them.
 #[derive(Clone, Copy)]
 pub(super) struct AcrossBoxes<S: Simd> {
-    near_scale: [S::Lanes; 3],
+    scale: [S::Lanes; 3],
     near_shift: [S::Lanes; 3],
-    far_scale: [S::Lanes; 3],
     far_shift: [S::Lanes; 3],
     near_row: [usize; 3],
     min: S::Lanes,
@@ -348,20 +347,12 @@ impl<S: Simd> AcrossBoxes<S> {
         min: S::Lanes,
     ) -> Self {
         let nothing = simd.splat(0.0);
-        let mut this = Self {
-            near_scale: [nothing; 3],
-            near_shift: [nothing; 3],
-            far_scale: [nothing; 3],
-            far_shift: [nothing; 3],
-            near_row,
-            min,
-        };
+        let mut this = Self { scale: [nothing; 3], near_shift: [nothing; 3], far_shift: [nothing; 3], near_row, min };
         for axis in 0..3 {
             let low = Slabs::new(simd, q[axis].low, inverse[axis].low, steepest.low, size);
             let high = Slabs::new(simd, q[axis].high, inverse[axis].high, steepest.high, size);
-            this.near_scale[axis] = simd.joined(low.near_scale, high.near_scale);
+            this.scale[axis] = simd.joined(low.scale, high.scale);
             this.near_shift[axis] = simd.joined(low.near_shift, high.near_shift);
-            this.far_scale[axis] = simd.joined(low.far_scale, high.far_scale);
             this.far_shift[axis] = simd.joined(low.far_shift, high.far_shift);
         }
         this
@@ -372,12 +363,12 @@ impl<S: Simd> AcrossBoxes<S> {
     #[inline(always)]
     pub(super) fn cross(&self, simd: S, plane: impl Fn(usize) -> S::Lanes, limits: S::Lanes) -> [S::Lanes; 2] {
         let [x, y, z] = self.near_row;
-        let enter_x = simd.mul_add(plane(x), self.near_scale[0], self.near_shift[0]);
-        let enter_y = simd.mul_add(plane(y), self.near_scale[1], self.near_shift[1]);
-        let enter_z = simd.mul_add(plane(z), self.near_scale[2], self.near_shift[2]);
-        let leave_x = simd.mul_add(plane(x ^ 1), self.far_scale[0], self.far_shift[0]);
-        let leave_y = simd.mul_add(plane(y ^ 1), self.far_scale[1], self.far_shift[1]);
-        let leave_z = simd.mul_add(plane(z ^ 1), self.far_scale[2], self.far_shift[2]);
+        let enter_x = simd.mul_add(plane(x), self.scale[0], self.near_shift[0]);
+        let enter_y = simd.mul_add(plane(y), self.scale[1], self.near_shift[1]);
+        let enter_z = simd.mul_add(plane(z), self.scale[2], self.near_shift[2]);
+        let leave_x = simd.mul_add(plane(x ^ 1), self.scale[0], self.far_shift[0]);
+        let leave_y = simd.mul_add(plane(y ^ 1), self.scale[1], self.far_shift[1]);
+        let leave_z = simd.mul_add(plane(z ^ 1), self.scale[2], self.far_shift[2]);
         let enter = simd.max(simd.max(enter_x, enter_y), simd.max(enter_z, self.min));
         let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, limits));
         [enter, leave]

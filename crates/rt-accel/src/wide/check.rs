@@ -78,6 +78,10 @@ impl WideBvh {
             let Some(node) = self.nodes.get(number).filter(|_| n_visited <= self.nodes.len()) else {
                 return Err(bad);
             };
+            // Filters must not be able to pass what nobody has checked.
+            if !node.is_empty_elsewhere() {
+                return Err(bad);
+            }
             for (inner, child) in node.children() {
                 let is_ahead = !child.is_node() || child.number() > number;
                 let is_within_size = inner.max_abs() <= self.size;
@@ -88,5 +92,43 @@ impl WideBvh {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rt_math::{Aabb, DVec3, Hit, Interval, Primitives, Ray};
+
+    use super::*;
+
+    /// Unit boxes in a row.
+    struct Row(u32);
+
+    impl Primitives for Row {
+        fn len(&self) -> usize {
+            self.0 as usize
+        }
+
+        fn bounds(&self, index: u32) -> Option<Aabb> {
+            let low = DVec3::X * (3.0 * f64::from(index));
+            Some(Aabb::new(low, low + DVec3::ONE))
+        }
+
+        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
+            None
+        }
+    }
+
+    #[test]
+    fn lanes_that_nobody_has_checked_cannot_be_passed() {
+        let tree = WideBvh::build_with(&Row(3), &super::super::BuildParams { max_leaf: 1, ..Default::default() });
+        let tree = tree.expect("three boxes");
+        assert_eq!(tree.check_shape(), Ok(()));
+        let lane = (0..8).find(|&lane| tree.nodes[0].child_box(lane).is_none()).expect("three of eight lanes");
+        for [low, high] in [[f32::NAN, f32::NAN], [0.0, f32::NAN], [1.0, 0.999_999_9]] {
+            let mut damaged = tree.clone();
+            (damaged.nodes[0].planes[0][lane], damaged.nodes[0].planes[1][lane]) = (low, high);
+            assert_eq!(damaged.check_shape(), Err(Violation::Node { node: 0 }), "{low} to {high}");
+        }
     }
 }

@@ -35,8 +35,9 @@ impl Copied<'_> {
         exact: &ExactRay<'_, S>,
         span: Interval,
     ) -> Option<Hit> {
-        let seen = self.see(simd, &exact.lanes, &exact.sheared);
-        if !seen.is_settled {
+        let seen = self.see(simd, exact);
+        // Areas of a hit that is certain are far from 0.
+        if !CERTAIN && !seen.is_settled {
             return self.decide(exact.ray, span);
         }
         let [u, v, w] = seen.areas;
@@ -72,15 +73,16 @@ impl Copied<'_> {
     }
 
     #[inline(always)]
-    fn see<S: Simd>(self, simd: S, ray: &LaneRay<S>, sheared: &ShearedRay) -> Seen {
-        let ([x_axis, y_axis, z_axis], [shear_x, shear_y, scale]) = sheared.shear();
-        let origin = simd.to_doubles(ray.origin);
+    fn see<S: Simd>(self, simd: S, exact: &ExactRay<'_, S>) -> Seen {
+        let [x_axis, y_axis, z_axis] = exact.axes();
+        let ([shear_x, shear_y, ..], scale) = (simd.to_doubles(exact.shear), exact.scale);
+        let [origin_x, origin_y, origin_z, _] = simd.to_doubles(simd.turned_last(exact.lanes.origin, exact.axis));
         let x = widened(simd, coordinates(self.leaf, self.lane, x_axis));
         let y = widened(simd, coordinates(self.leaf, self.lane, y_axis));
         let z = widened(simd, coordinates(self.leaf, self.lane, z_axis));
-        let x = simd.sub_doubles(x, all(simd, origin[x_axis & 3]));
-        let y = simd.sub_doubles(y, all(simd, origin[y_axis & 3]));
-        let z = simd.sub_doubles(z, all(simd, origin[z_axis & 3]));
+        let x = simd.sub_doubles(x, all(simd, origin_x));
+        let y = simd.sub_doubles(y, all(simd, origin_y));
+        let z = simd.sub_doubles(z, all(simd, origin_z));
         let x = simd.sub_doubles(x, simd.mul_doubles(all(simd, shear_x), z));
         let y = simd.sub_doubles(y, simd.mul_doubles(all(simd, shear_y), z));
         let depths = simd.mul_doubles(z, all(simd, scale));

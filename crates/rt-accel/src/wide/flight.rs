@@ -17,7 +17,7 @@ use super::node::Child;
 use super::packet::{Packet, PacketStack};
 use super::shaft::{Cut, Shaft, alike};
 use super::simd::{Kernel, Simd};
-use super::stack::Stack;
+use super::stack::StackRoom;
 use super::walk::{Work, descend};
 use super::{STACK, WideBvh};
 use crate::Structure;
@@ -76,7 +76,7 @@ impl<G: Goal> Flight<'_, '_, G> {
             bundled_until: 0,
             cut: Cut::NONE,
             packet_stack: PacketStack::new(),
-            stack: Stack::new(),
+            stack: StackRoom::new(),
             is_far: S::WAITS && self.tree.memory() > FAR,
             seats: [const { MaybeUninit::uninit() }; CREW],
             routes: [const { MaybeUninit::uninit() }; CREW],
@@ -195,7 +195,7 @@ struct Crew<'r, 'q, S: Simd, F, G: Goal> {
     cut: Cut,
     packet_stack: PacketStack<S>,
     /// Of a ray that goes alone.
-    stack: Stack,
+    stack: StackRoom,
     /// True if it takes long to fetch what is not in the nearest caches.
     is_far: bool,
     /// Written where a roster but `home` lists them.
@@ -301,9 +301,9 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
     /// Takes down what a ray has found.
     #[inline(always)]
     fn arrive(&mut self, prepared: &Prepared<'_, S, F>, goal: &mut G, number: usize) {
-        let answer = goal.finish::<S, F>(self.simd, self.tree, self.judge, &prepared.ray);
+        let Some(place) = self.answers.get_mut(number) else { return };
+        goal.finish::<S, F>(self.simd, self.tree, self.judge, &prepared.ray, place);
         self.work.hits += goal.uncounted_hits();
-        self.answer(number, answer);
     }
 
     #[inline(always)]
@@ -336,7 +336,7 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             let (seat, child) = self.at_nodes.get(i);
             // SAFETY: has been written, as who is at a node.
             let Traveller { prepared, goal, .. } = unsafe { self.seats[seat].assume_init_ref() };
-            let Some(node) = self.tree.nodes.get(child.number()) else { return };
+            let node = self.tree.node(child);
             let [enter, leave] = prepared.boxes.cross(self.simd, node, prepared.min, goal.limit());
             // SAFETY: as above.
             let route = unsafe { self.routes[seat].assume_init_mut() };
@@ -372,11 +372,9 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             let (seat, _) = self.home.get(i);
             // SAFETY: has been written, as who has come home.
             let Traveller { prepared, goal, number } = unsafe { self.seats[seat].assume_init_mut() };
-            let answer = goal.finish::<S, F>(self.simd, self.tree, self.judge, &prepared.ray);
+            let Some(place) = self.answers.get_mut(*number) else { return };
+            goal.finish::<S, F>(self.simd, self.tree, self.judge, &prepared.ray, place);
             self.work.hits += goal.uncounted_hits();
-            if let Some(place) = self.answers.get_mut(*number) {
-                *place = answer;
-            }
         }
     }
 }

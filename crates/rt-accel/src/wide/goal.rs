@@ -108,14 +108,16 @@ pub(super) trait Goal: Sized {
         sure: Option<[f32; 2]>,
     );
 
-    /// Decides about what has been put off, and returns what has been found.
+    /// Decides about what has been put off, and writes what has been found where it is wanted: an answer that is moved on as a
+    /// whole would wait until all its numbers are in memory.
     fn finish<S: Simd, F: Filter>(
         &mut self,
         simd: S,
         tree: &WideBvh,
         judge: &mut dyn Judge,
         ray: &ExactRay<'_, S>,
-    ) -> Self::Answer;
+        answer: &mut Self::Answer,
+    );
 
     /// As [`finish`](Self::finish), for those of eight rays for which it takes no more than a sphere each: a bit for each
     /// that is answered.
@@ -333,14 +335,18 @@ impl Goal for FirstHit {
         tree: &WideBvh,
         judge: &mut dyn Judge,
         ray: &ExactRay<'_, S>,
-    ) -> Option<Hit> {
+        answer: &mut Option<Hit>,
+    ) {
         if let Some(Candidate { leaf, lane, .. }) = self.only_candidate() {
-            // It is handed on as it is decided, and not kept first; where leaves decide, nothing is asked, so that the next
-            // ray need not wait.
+            // Where leaves decide, nothing is asked, so that the next ray need not wait.
             let leaf = tree.leaves.view(leaf);
-            let hit = F::hit::<S, true>(simd, leaf, lane, ray, self.span, judge);
-            self.uncounted_hits += u64::from(F::DECIDES && hit.is_some());
-            return hit;
+            if F::decides(leaf, lane) {
+                *answer = F::copied_hit::<S, true>(simd, leaf, lane, ray, self.span);
+                self.uncounted_hits += u64::from(answer.is_some());
+            } else {
+                *answer = judge.closest(F::index(leaf, lane), ray.ray, self.span);
+            }
+            return;
         }
         for i in 0..self.n_candidates {
             // SAFETY: the first `n_candidates` have been written.
@@ -349,7 +355,7 @@ impl Goal for FirstHit {
                 self.decide::<S, F>(simd, judge, ray, tree.leaves.view(leaf), lane);
             }
         }
-        self.answer()
+        *answer = self.answer();
     }
 
     #[inline(always)]
@@ -500,8 +506,15 @@ impl Goal for AnyHit {
     }
 
     #[inline(always)]
-    fn finish<S: Simd, F: Filter>(&mut self, _: S, _: &WideBvh, _: &mut dyn Judge, _: &ExactRay<'_, S>) -> bool {
-        self.is_blocked
+    fn finish<S: Simd, F: Filter>(
+        &mut self,
+        _: S,
+        _: &WideBvh,
+        _: &mut dyn Judge,
+        _: &ExactRay<'_, S>,
+        answer: &mut bool,
+    ) {
+        *answer = self.is_blocked;
     }
 
     #[inline(always)]

@@ -149,9 +149,10 @@ impl WideBvh {
         probe: &mut S,
     ) -> G::Answer {
         let mut judge = Asked { tree: self, primitives, probe };
-        let mut query = Query { judge: &mut judge, work: Work::default(), answer: G::Answer::default() };
+        let mut answer = G::Answer::default();
+        let mut query = Query { judge: &mut judge, work: Work::default(), answer: &mut answer };
         G::walk(self, &mut query, ray, span);
-        let Query { work: Work { nodes, tests, hits }, answer, .. } = query;
+        let Work { nodes, tests, hits } = query.work;
         probe.work(nodes, tests, hits);
         answer
     }
@@ -187,6 +188,14 @@ impl WideBvh {
             query.offer_all(primitives, self.leaves.indices(leaf), probe)?;
         }
         ControlFlow::Continue(())
+    }
+
+    /// The node that a child is.
+    #[inline(always)]
+    fn node(&self, child: Child) -> &Node {
+        debug_assert!(child.is_node() && child.number() < self.nodes.len(), "checked when it is made or loaded");
+        // SAFETY: nodes have no other children than those that builders have made and loaders have checked.
+        unsafe { self.nodes.get_unchecked(child.number()) }
     }
 
     /// Where a child lies in memory.

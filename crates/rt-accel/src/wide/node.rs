@@ -64,6 +64,9 @@ pub(super) struct Node {
     pub(super) children: [Child; 8],
 }
 
+/// Bytes of a row of planes.
+pub(super) const ROW: usize = size_of::<[f32; 8]>();
+
 impl Node {
     pub(super) const EMPTY: Self = {
         // Finite, as some formats of files know no other numbers.
@@ -77,6 +80,14 @@ impl Node {
         debug_assert!(row < 6);
         // SAFETY: callers take rows from a ray, which has made them of axes and sides.
         simd.load(unsafe { self.planes.get_unchecked(row) })
+    }
+
+    /// As [`row`](Self::row), of the row that begins at a multiple of [`ROW`], in bytes.
+    #[inline(always)]
+    pub(super) fn row_at<S: Simd>(&self, simd: S, at: usize) -> S::Lanes {
+        debug_assert!(at < size_of_val(&self.planes) && at.is_multiple_of(ROW));
+        // SAFETY: as in `row`.
+        simd.load(unsafe { &*self.planes.as_ptr().byte_add(at) })
     }
 
     /// One plane of a row, eight times.
@@ -116,6 +127,15 @@ impl Node {
         let side = |side: usize| [0, 1, 2].map(|axis| self.planes[2 * axis + side][lane]).into();
         let (min, max): (glam::Vec3A, glam::Vec3A) = (side(0), side(1));
         min.cmple(max).all().then_some(NodeBox { min, max })
+    }
+
+    /// True if lanes without a child are those of an empty node: numbers that are inverted by little, or are no numbers, might
+    /// be passed.
+    pub(super) fn is_empty_elsewhere(&self) -> bool {
+        (0..8).all(|lane| {
+            self.child_box(lane).is_some()
+                || self.planes.iter().zip(&Self::EMPTY.planes).all(|(row, empty)| row[lane] == empty[lane])
+        })
     }
 
     /// The children that exist, by lane.

@@ -17,7 +17,7 @@ use super::node::Child;
 use super::round::RoundSpheres;
 use super::shaft::Cut;
 use super::simd::Simd;
-use super::stack::Stack;
+use super::stack::StackRoom;
 use super::walk::{Work, descend};
 use super::{STACK, WideBvh};
 
@@ -117,7 +117,7 @@ pub(super) struct Packet<'q, 'j, S: Simd, G: Goal> {
     pub(super) judge: &'q mut (dyn Judge + 'j),
     pub(super) work: &'q mut Work,
     pub(super) stack: &'q mut PacketStack<S>,
-    pub(super) alone: &'q mut Stack,
+    pub(super) alone: &'q mut StackRoom,
     /// What the rays may meet, if that is known.
     pub(super) cut: Option<&'q Cut>,
     pub(super) goal: PhantomData<G>,
@@ -158,7 +158,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
             if answered >> lane & 1 != 0 {
                 continue;
             }
-            *answer = goal.finish::<S, F>(self.simd, self.tree, self.judge, &ExactRay::new(self.simd, ray));
+            goal.finish::<S, F>(self.simd, self.tree, self.judge, &ExactRay::new(self.simd, ray), answer);
             self.work.hits += goal.uncounted_hits();
         }
         true
@@ -223,7 +223,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 }
             } else if child.is_node() {
                 self.work.nodes += u64::from(n_rays);
-                let Some(node) = self.tree.nodes.get(child.number()) else { return limits };
+                let node = self.tree.node(child);
                 let first = self.stack.len;
                 for lane in 0..8 {
                     let plane = |row: usize| node.plane(simd, row, lane);

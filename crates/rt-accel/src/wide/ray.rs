@@ -8,30 +8,29 @@
 //! [`NodeBox`](crate::bvh::NodeBox) promises that it lies at or before `b − c` where it is the near one, and at or behind
 //! it where it is the far one. Take `v > 0` and let `q = o − c`; for `v < 0` all signs turn around.
 //!
-//! The filter computes `fl32(p·n + s)` for near planes, with the `f32` numbers `n` = `v` made smaller by 2⁻²² and rounded,
-//! and `s ≤ −q·n − pad`, where `pad` = 2⁻⁴⁰·(size of the tree)·`v`. So before the last rounding it is at most
-//! `(p − q)·n − pad`.
+//! The filter computes `fl32(p·n + s)`, with the `f32` number `n` = `fl32(v)` for both planes, and for near planes
+//! `s = fl32(−q·n − w)`, where `w` = 2⁻²²·(`|q|` + size of the tree)·`|n|`. As neither plane nor origin is farther from
+//! the centre than these, `w` is four times what each of three roundings may do: that of `v`, which is multiplied by
+//! `p − q`, that of `s`, and that of the result. So:
 //!
-//! * If `p − q ≤ 0` it is at most 0, and spans begin at 0 or later.
-//! * Otherwise it is at most `τ·(1 − 2⁻²² + 2⁻²⁴)`, and rounding adds 2⁻²⁴: at most `τ·(1 − 2⁻²³)`, less than what the own
-//!   box computes.
+//! * If `p − q ≤ 0` the result is at most 0, and spans begin at 0 or later.
+//! * Otherwise it is at most `τ − w/4`, less than what the own box computes: 3.1u of `τ` are far less than `w/4`.
 //!
-//! Far planes are the mirror image, with `v` made greater: what is in front of the ray is left no earlier, and what is
-//! behind it was left by the own box as well. Rounding of `q`, of `s` and of small numbers is covered by `pad` and by the
-//! 2⁻²³ of `|q·n|` that `s` is moved outward by. Without a fused multiply-add `p·n` is rounded by itself, and `pad` has
-//! 2⁻²² in place of 2⁻⁴⁰.
+//! Far planes are the mirror image, with `s = fl32(−q·n + w)`: what is in front of the ray is left no earlier, and what is
+//! behind it was left by the own box as well. Rounding of `q` and of `w` is 2⁻²⁹ of `w`. Without a fused multiply-add `p·n`
+//! is rounded by itself, and `w` has 2⁻²¹ in place of 2⁻²².
 //!
-//! **Directions that are nearly zero on an axis.** `|v|` is limited to 2⁶⁰ over the greatest component `D` of the direction.
-//! Entering later than the truth is impossible by that, as times in front of the ray become smaller. Leaving is: but
-//! `pad` makes every time of leaving at least 2²⁰·size/D, and as `|q| ≤ 2¹⁹·size`, the own box is left on the axis of `D`
-//! before that.
+//! **Directions that are nearly zero on an axis.** `|v|` is limited to 2⁶⁰ times the least of the three, which is one over
+//! the greatest component `D` of the direction. Entering later than the truth is impossible by that, as times in front of
+//! the ray become smaller. Leaving is: but half of `w`, which is left of it, makes every time of leaving at least
+//! 2³⁷·size/D, and as `|q| ≤ 2¹⁹·size`, the own box is left on the axis of `D` before that.
 //!
 //! **Range.** All this needs numbers that neither over- nor underflow. [`FilterRay::new`] refuses rays and trees out of
 //! proportion, which are walked in `f64`.
 
 use rt_math::{DVec3, Interval, Ray};
 
-use super::node::Node;
+use super::node::{Node, ROW};
 use super::simd::Simd;
 
 /// By how much reciprocals are moved.
@@ -46,12 +45,11 @@ pub(super) const FARTHEST: f64 = (1 << 19) as f64;
 /// A ray prepared for boxes of `f32`: planes are passed at `plane·scale + shift`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FilterRay {
-    near_scale: [f32; 4],
+    scale: [f32; 4],
     near_shift: [f32; 4],
-    far_scale: [f32; 4],
     far_shift: [f32; 4],
-    /// By axis: which row of a node, or number of a leaf, are the near planes; the far ones are its neighbour.
-    pub(super) near_row: [usize; 3],
+    /// By axis: where in a node the near planes begin, in bytes; the far ones are `^ ROW` of it.
+    near: [usize; 3],
 }
 
 /// Least and greatest number of a tree or direction for which nothing over- or underflows.
@@ -69,39 +67,45 @@ pub(super) struct LaneRay<S: Simd> {
 impl<S: Simd> LaneRay<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &Ray) -> Self {
-        let Ray { origin: o, direction: d, .. } = *ray;
-        let direction = simd.doubles([d.x, d.y, d.z, 1.0]);
+        let (o, d) = (&ray.origin, &ray.direction);
+        let direction = simd.doubles([alone(&d.x), alone(&d.y), alone(&d.z), 1.0]);
         let inverse = simd.div_doubles(simd.doubles([1.0; 4]), direction);
-        Self { origin: simd.doubles([o.x, o.y, o.z, 0.0]), direction, inverse }
+        Self { origin: simd.doubles([alone(&o.x), alone(&o.y), alone(&o.z), 0.0]), direction, inverse }
     }
+}
+
+/// A number that is loaded by itself: compilers would make one load of several, which waits until all that callers have
+/// just stored in other pieces is in memory.
+#[inline(always)]
+fn alone(number: &f64) -> f64 {
+    // SAFETY: a reference may be read.
+    unsafe { core::ptr::from_ref(number).read_volatile() }
 }
 
 /// By what planes are multiplied, and what is added then: for the axes of one ray, or for one axis of four.
 pub(super) struct Slabs<S: Simd> {
-    pub(super) near_scale: S::Doubles,
+    pub(super) scale: S::Doubles,
     pub(super) near_shift: S::Doubles,
-    pub(super) far_scale: S::Doubles,
     pub(super) far_shift: S::Doubles,
 }
 
 impl<S: Simd> Slabs<S> {
-    /// Of the origin relative to the centre of a tree and the reciprocal of the direction, which is limited. What it
-    /// holds is to be rounded to `f32`.
+    /// Of the origin relative to the centre of a tree of this size, and the reciprocal of the direction, which is limited
+    /// to `steepest`. What it holds is to be rounded to `f32`.
     #[inline(always)]
     pub(super) fn new(simd: S, q: S::Doubles, inverse: S::Doubles, steepest: S::Doubles, size: f64) -> Self {
-        let pad_of = size / if S::FUSED { (1u64 << 40) as f64 } else { (1u64 << 22) as f64 };
-        let gentlest = simd.sub_doubles(simd.doubles([0.0; 4]), steepest);
-        let inverse = simd.max_doubles(simd.min_doubles(inverse, steepest), gentlest);
-        let near_scale = simd.rounded(simd.mul_doubles(inverse, simd.doubles([1.0 - SLACK; 4])));
-        let far_scale = simd.rounded(simd.mul_doubles(inverse, simd.doubles([1.0 + SLACK; 4])));
-        let pad = simd.mul_doubles(simd.doubles([pad_of; 4]), simd.abs_doubles(inverse));
-        let near_q = simd.mul_doubles(q, near_scale);
-        let far_q = simd.mul_doubles(q, far_scale);
-        let slack = simd.doubles([SLACK / 2.0; 4]);
-        let near_slack = simd.add_doubles(simd.mul_doubles(simd.abs_doubles(near_q), slack), pad);
-        let far_slack = simd.add_doubles(simd.mul_doubles(simd.abs_doubles(far_q), slack), pad);
-        let near_shift = simd.sub_doubles(simd.sub_doubles(simd.doubles([0.0; 4]), near_q), near_slack);
-        Self { near_scale, near_shift, far_scale, far_shift: simd.sub_doubles(far_slack, far_q) }
+        let slack = if S::FUSED { SLACK } else { 2.0 * SLACK };
+        let zero = simd.doubles([0.0; 4]);
+        let limited = simd.min_doubles(inverse, steepest);
+        let scale = simd.rounded(simd.max_doubles(limited, simd.sub_doubles(zero, steepest)));
+        let farthest = simd.add_doubles(simd.abs_doubles(q), simd.doubles([size; 4]));
+        let widening = simd.mul_doubles(simd.mul_doubles(farthest, simd.doubles([slack; 4])), simd.abs_doubles(scale));
+        let shift = simd.mul_doubles(q, scale);
+        Self {
+            scale,
+            near_shift: simd.sub_doubles(zero, simd.add_doubles(shift, widening)),
+            far_shift: simd.sub_doubles(widening, shift),
+        }
     }
 }
 
@@ -114,6 +118,14 @@ pub(super) fn is_proven(fastest: f64, farthest: f64, nothing: f64, span: Interva
         & (farthest <= FARTHEST * size)
         & (span.min >= 0.0)
         & (nothing == 0.0)
+}
+
+/// The least of the first three, which are no NaNs.
+#[inline(always)]
+fn least<S: Simd>(simd: S, a: S::Doubles) -> f64 {
+    let turned = simd.min_doubles(simd.turned_once(a), simd.turned_twice(a));
+    let [least, ..] = simd.to_doubles(simd.min_doubles(a, turned));
+    least
 }
 
 /// The greatest of the first three.
@@ -130,49 +142,57 @@ impl FilterRay {
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, ray: &LaneRay<S>, span: Interval, centre: DVec3, size: f64) -> Option<Self> {
         let q = simd.sub_doubles(ray.origin, simd.doubles([centre.x, centre.y, centre.z, 0.0]));
-        let fastest = greatest(simd, simd.abs_doubles(ray.direction));
-        let farthest = greatest(simd, simd.abs_doubles(q));
-        // What is not finite makes a NaN of this.
-        let nothing = simd.mul_doubles(simd.add_doubles(q, ray.direction), simd.doubles([0.0; 4]));
-        let [x, y, z, _] = simd.to_doubles(nothing);
-        if !is_proven(fastest, farthest, x + y + z, span, size) {
+        // Not where something is no number.
+        let is_slow = simd.le_doubles(simd.abs_doubles(ray.direction), simd.doubles([*RANGE.end(); 4]));
+        let is_near = simd.le_doubles(simd.abs_doubles(q), simd.doubles([FARTHEST * size; 4]));
+        let least = least(simd, simd.abs_doubles(ray.inverse));
+        let is_proven = (is_slow & is_near == 0b1111)
+            & (least <= *RANGE.end())
+            & (size >= *RANGE.start())
+            & (size <= *RANGE.end())
+            & (span.min >= 0.0);
+        if !is_proven {
             return None;
         }
-        let steepest = simd.doubles([STEEPEST / fastest; 4]);
-        let slabs = Slabs::new(simd, q, ray.inverse, steepest, size);
+        let slabs = Slabs::new(simd, q, ray.inverse, simd.doubles([STEEPEST * least; 4]), size);
         let signs = simd.signs(ray.inverse) as usize;
         Some(Self {
-            near_scale: simd.narrowed(slabs.near_scale),
+            scale: simd.narrowed(slabs.scale),
             near_shift: simd.narrowed(slabs.near_shift),
-            far_scale: simd.narrowed(slabs.far_scale),
             far_shift: simd.narrowed(slabs.far_shift),
-            near_row: [signs & 1, 2 | signs >> 1 & 1, 4 | signs >> 2 & 1],
+            near: [(signs & 1) * ROW, 2 * ROW + (signs >> 1 & 1) * ROW, 4 * ROW + (signs >> 2 & 1) * ROW],
         })
     }
 
     /// Where near planes are passed, or before.
     #[inline(always)]
     pub(super) fn near<S: Simd>(&self, simd: S, axis: usize, planes: S::Lanes) -> S::Lanes {
-        simd.mul_add(planes, simd.splat(self.near_scale[axis]), simd.splat(self.near_shift[axis]))
+        simd.mul_add(planes, simd.splat(self.scale[axis]), simd.splat(self.near_shift[axis]))
     }
 
     /// Where far planes are passed, or after.
     #[inline(always)]
     pub(super) fn far<S: Simd>(&self, simd: S, axis: usize, planes: S::Lanes) -> S::Lanes {
-        simd.mul_add(planes, simd.splat(self.far_scale[axis]), simd.splat(self.far_shift[axis]))
+        simd.mul_add(planes, simd.splat(self.scale[axis]), simd.splat(self.far_shift[axis]))
+    }
+
+    /// Of a leaf with a number for each plane as nodes have them: which number the near planes of an axis are.
+    #[inline(always)]
+    pub(super) const fn near_number(&self, axis: usize) -> usize {
+        self.near[axis] / ROW
     }
 
     /// Where the boxes of a node are entered, at `min` or later, and left, at `max` or before. Those that are left
     /// before they are entered are not passed.
     #[inline(always)]
     pub(super) fn cross<S: Simd>(&self, simd: S, node: &Node, min: f32, max: f32) -> [S::Lanes; 2] {
-        let [x, y, z] = self.near_row;
-        let enter_x = self.near(simd, 0, node.row(simd, x));
-        let enter_y = self.near(simd, 1, node.row(simd, y));
-        let enter_z = self.near(simd, 2, node.row(simd, z));
-        let leave_x = self.far(simd, 0, node.row(simd, x ^ 1));
-        let leave_y = self.far(simd, 1, node.row(simd, y ^ 1));
-        let leave_z = self.far(simd, 2, node.row(simd, z ^ 1));
+        let [x, y, z] = self.near;
+        let enter_x = self.near(simd, 0, node.row_at(simd, x));
+        let enter_y = self.near(simd, 1, node.row_at(simd, y));
+        let enter_z = self.near(simd, 2, node.row_at(simd, z));
+        let leave_x = self.far(simd, 0, node.row_at(simd, x ^ ROW));
+        let leave_y = self.far(simd, 1, node.row_at(simd, y ^ ROW));
+        let leave_z = self.far(simd, 2, node.row_at(simd, z ^ ROW));
         let enter = simd.max(simd.max(enter_x, enter_y), simd.max(enter_z, simd.splat(min)));
         let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, simd.splat(max)));
         [enter, leave]
@@ -182,12 +202,102 @@ impl FilterRay {
 /// An `f32` that is not above `t`, which is not negative.
 #[inline(always)]
 pub(super) fn at_most(t: f64) -> f32 {
-    let below = (t * (1.0 - SLACK)) as f32;
-    if below < f32::MIN_POSITIVE { 0.0 } else { below }
+    // Without a branch; what is taken off is more than rounding adds where numbers lose digits.
+    ((t * (1.0 - SLACK) - f64::from(f32::MIN_POSITIVE)) as f32).max(0.0)
 }
 
 /// An `f32` that is not below `t`, which is not negative.
 #[inline(always)]
 pub(super) fn at_least(t: f64) -> f32 {
     ((t * (1.0 + SLACK)) as f32).max(f32::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use rt_math::{Aabb, SlabRay};
+
+    use super::super::node::Child;
+    use super::super::simd::{Available, Kernel, SimdLevel};
+    use super::*;
+    use crate::bvh::NodeBox;
+
+    /// A fixed sequence of numbers in [−1, 1).
+    struct Draw(u64);
+
+    impl Draw {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+
+        /// Of sizes that differ by many powers of two, or 0.
+        fn stiff(&mut self) -> f64 {
+            match (self.next() * 8.0) as i32 {
+                -7 => 0.0,
+                -6 => -0.0,
+                power => self.next() * 2f64.powi(-9 * power.abs()),
+            }
+        }
+
+        fn vector(&mut self, mut number: impl FnMut(&mut Self) -> f64) -> DVec3 {
+            DVec3::new(number(self), number(self), number(self))
+        }
+    }
+
+    /// Where the filter enters and leaves the box in the first lane of a node; `None` where it is not proven.
+    struct Cross<'a> {
+        node: &'a Node,
+        centre: DVec3,
+        size: f64,
+        result: &'a mut Option<[f32; 2]>,
+    }
+
+    impl Kernel<&Ray, Interval> for Cross<'_> {
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S, ray: &Ray, span: Interval) {
+            if let Some(filter) = FilterRay::new(simd, &LaneRay::new(simd, ray), span, self.centre, self.size) {
+                let [enter, leave] = filter.cross(simd, self.node, at_most(span.min), at_least(span.max));
+                *self.result = Some([simd.to_array(enter)[0], simd.to_array(leave)[0]]);
+            }
+        }
+    }
+
+    #[test]
+    fn boxes_are_entered_no_later_and_left_no_earlier_than_own_boxes() {
+        const SEED: u64 = 7;
+        let mut draw = Draw(SEED);
+        for &level in SimdLevel::ALL {
+            let level = Available::new(level);
+            let (mut n_passed, mut n_proven) = (0, 0);
+            for case in 0..20_000 {
+                let centre = draw.vector(Draw::next) * 2f64.powi((draw.next() * 40.0) as i32);
+                let size = 2f64.powi((draw.next() * 20.0) as i32);
+                let corners =
+                    [0, 1].map(|_| centre + draw.vector(Draw::next).clamp(DVec3::NEG_ONE, DVec3::ONE) * size * 0.5);
+                let own = Aabb::from_points(corners).padded();
+                let inner = NodeBox::outward(&own, centre);
+                let size = size.max(inner.max_abs());
+                let mut node = Node::EMPTY;
+                node.set(0, &inner, Child::node(0));
+                let origin = centre + draw.vector(Draw::stiff) * size * 2f64.powi((draw.next() * 19.0) as i32);
+                let direction = if case % 2 == 0 {
+                    draw.vector(Draw::stiff)
+                } else {
+                    // Towards the box, where it matters.
+                    own.centre() + own.extent() * draw.vector(Draw::next) * 0.5 - origin
+                };
+                let ray = Ray::new(origin, direction);
+                let mut result = None;
+                level.dispatch(Cross { node: &node, centre, size, result: &mut result }, &ray, Interval::FORWARD);
+                let Some([enter, leave]) = result else { continue };
+                n_proven += 1;
+                if let Some(clipped) = own.clip(&SlabRay::new(&ray), Interval::FORWARD) {
+                    n_passed += 1;
+                    assert!(enter <= leave, "seed {SEED}, case {case}: {ray:?} passes {own:?} but not the filter");
+                    assert!(f64::from(enter) <= clipped.min, "seed {SEED}, case {case}: {enter} after {}", clipped.min);
+                }
+            }
+            assert!(n_passed > 5_000 && n_proven > 15_000, "{n_passed} of {n_proven}");
+        }
+    }
 }

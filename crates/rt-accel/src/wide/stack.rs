@@ -5,16 +5,27 @@ use core::mem::MaybeUninit;
 use super::STACK;
 use super::node::Child;
 
-/// Children that were put off, with the `t` at which their boxes are entered.
-pub(super) struct Stack {
-    entries: [MaybeUninit<u64>; STACK],
+/// Memory of a stack, to be used again from ray to ray.
+pub(super) struct StackRoom([MaybeUninit<u64>; STACK]);
+
+impl StackRoom {
+    #[inline(always)]
+    pub(super) const fn new() -> Self {
+        Self([const { MaybeUninit::uninit() }; STACK])
+    }
+}
+
+/// Children that were put off, with the `t` at which their boxes are entered. Apart from its memory, so that its length
+/// stays in a register.
+pub(super) struct Stack<'r> {
+    entries: &'r mut [MaybeUninit<u64>; STACK],
     pub(super) len: usize,
 }
 
-impl Stack {
+impl<'r> Stack<'r> {
     #[inline(always)]
-    pub(super) const fn new() -> Self {
-        Self { entries: [const { MaybeUninit::uninit() }; STACK], len: 0 }
+    pub(super) const fn new(room: &'r mut StackRoom) -> Self {
+        Self { entries: &mut room.0, len: 0 }
     }
 
     /// The sort key of a child: numbers that are not negative compare as their bits do.
@@ -43,9 +54,16 @@ impl Stack {
         self.len += 1;
     }
 
+    /// The child put off last.
+    #[inline(always)]
+    pub(super) fn pop(&mut self) -> Option<Child> {
+        self.len = self.len.checked_sub(1)?;
+        Some(Child::from_bits(self.get(self.len) as u32))
+    }
+
     /// The child put off last that is entered at or before `limit`.
     #[inline(always)]
-    pub(super) fn pop(&mut self, limit: f32) -> Option<Child> {
+    pub(super) fn pop_before(&mut self, limit: f32) -> Option<Child> {
         while self.len > 0 {
             self.len -= 1;
             let key = self.get(self.len);

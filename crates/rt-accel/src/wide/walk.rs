@@ -9,7 +9,7 @@ use super::goal::{Goal, Judge, Prepared, take_lane};
 use super::leaf::{BoxFilter, Filter, LeafKind, SphereFilter, TriangleFilter};
 use super::node::{Child, Node};
 use super::simd::{Kernel, Simd};
-use super::stack::Stack;
+use super::stack::{Stack, StackRoom};
 
 /// Work that nobody has counted yet.
 #[derive(Default)]
@@ -23,7 +23,7 @@ pub(super) struct Work {
 pub(super) struct Query<'q, A> {
     pub(super) judge: &'q mut dyn Judge,
     pub(super) work: Work,
-    pub(super) answer: A,
+    pub(super) answer: &'q mut A,
 }
 
 /// Sends one ray through a tree.
@@ -52,18 +52,18 @@ impl<G: Goal> Walk<'_, '_, G> {
         let judge = &mut *query.judge;
         let mut goal = G::new(span);
         if !tree.unbounded.is_empty() && goal.visit_unbounded(judge, ray).is_break() {
-            query.answer = goal.answer();
+            *query.answer = goal.answer();
             return;
         }
         // Made here, where it stays in registers: what a caller has just stored cannot be loaded in other pieces at once.
         let Some(prepared) = Prepared::<S, F>::new(simd, tree, ray, span) else {
             goal.visit_unfiltered(judge, ray);
-            query.answer = goal.answer();
+            *query.answer = goal.answer();
             return;
         };
-        let mut stack = Stack::new();
-        descend(simd, tree, judge, &prepared, &mut goal, tree.root, &mut stack, &mut query.work);
-        query.answer = goal.finish::<S, F>(simd, tree, judge, &prepared.ray);
+        let mut room = StackRoom::new();
+        descend(simd, tree, judge, &prepared, &mut goal, tree.root, &mut room, &mut query.work);
+        goal.finish::<S, F>(simd, tree, judge, &prepared.ray, query.answer);
         query.work.hits = goal.uncounted_hits();
     }
 }
@@ -78,19 +78,19 @@ pub(super) fn descend<S: Simd, F: Filter, G: Goal>(
     prepared: &Prepared<'_, S, F>,
     goal: &mut G,
     mut child: Child,
-    stack: &mut Stack,
+    room: &mut StackRoom,
     work: &mut Work,
 ) {
-    stack.len = 0;
+    let mut stack = Stack::new(room);
     let (mut nodes, mut tests) = (0, 0);
     'walk: loop {
         while child.is_node() {
             nodes += 1;
-            let Some(node) = tree.nodes.get(child.number()) else { break 'walk };
+            let node = tree.node(child);
             let [enter, leave] = prepared.boxes.cross(simd, node, prepared.min, goal.limit());
             let mut passed = simd.le(enter, leave);
             if passed == 0 {
-                let Some(next) = pop(stack, goal) else { break 'walk };
+                let Some(next) = pop(&mut stack, goal) else { break 'walk };
                 child = next;
                 continue;
             }
@@ -98,7 +98,7 @@ pub(super) fn descend<S: Simd, F: Filter, G: Goal>(
             child = if passed == 0 {
                 node.children[lane]
             } else if G::ORDERED {
-                put_off(simd, tree, node, &simd.to_array(enter), lane, passed, stack)
+                put_off(simd, tree, node, &simd.to_array(enter), lane, passed, &mut stack)
             } else {
                 while passed != 0 {
                     let other = node.children[take_lane(&mut passed)];
@@ -112,7 +112,7 @@ pub(super) fn descend<S: Simd, F: Filter, G: Goal>(
         if goal.visit::<S, F>(simd, tree, judge, prepared, child).is_break() {
             break;
         }
-        let Some(next) = pop(stack, goal) else { break };
+        let Some(next) = pop(&mut stack, goal) else { break };
         child = next;
     }
     work.nodes += nodes;
@@ -121,9 +121,9 @@ pub(super) fn descend<S: Simd, F: Filter, G: Goal>(
 
 /// What was put off last and still matters.
 #[inline(always)]
-fn pop<G: Goal>(stack: &mut Stack, goal: &G) -> Option<Child> {
+fn pop<G: Goal>(stack: &mut Stack<'_>, goal: &G) -> Option<Child> {
     // Where nothing is ordered nothing is said of where it is entered.
-    stack.pop(if G::ORDERED { goal.limit() } else { f32::INFINITY })
+    if G::ORDERED { stack.pop_before(goal.limit()) } else { stack.pop() }
 }
 
 /// Returns the nearest of the children `lane` and `others`, and pushes the rest, the nearest of them last.
@@ -135,7 +135,7 @@ fn put_off<S: Simd>(
     enter: &[f32; 8],
     lane: usize,
     mut others: u32,
-    stack: &mut Stack,
+    stack: &mut Stack<'_>,
 ) -> Child {
     let second = take_lane(&mut others);
     simd.prefetch(tree.line(node.children[lane]));

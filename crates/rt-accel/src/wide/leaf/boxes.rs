@@ -39,7 +39,7 @@ impl Filter for BoxFilter {
     fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
         let (mut enter, mut leave) = (simd.splat(self.min), simd.splat(limit));
         for axis in 0..3 {
-            let row = self.ray.near_row[axis];
+            let row = self.ray.near_number(axis);
             let near = leaf.lanes(simd, row * leaf.count);
             let far = leaf.lanes(simd, (row ^ 1) * leaf.count);
             enter = simd.max(self.ray.near(simd, axis, near), enter);

@@ -9,7 +9,7 @@ mod spheres;
 mod triangles;
 
 use glam::DVec3;
-use rt_math::{Hit, Interval, LeafLayout, Primitives, Ray, ShearedRay, own_box};
+use rt_math::{Hit, Interval, LeafLayout, Primitives, Ray, own_box};
 
 pub(super) use boxes::BoxFilter;
 pub(super) use spheres::SphereFilter;
@@ -19,7 +19,7 @@ use super::WideBvh;
 use super::across::{Across, SpanLanes};
 use super::goal::Judge;
 use super::node::Child;
-use super::ray::{FilterRay, LaneRay};
+use super::ray::{FilterRay, LaneRay, SLACK};
 use super::shaft::Shaft;
 use super::simd::Simd;
 use crate::bvh::NodeBox;
@@ -361,17 +361,28 @@ pub(super) struct Verdict<S: Simd> {
 /// The span of a query, as filters see it.
 #[derive(Clone, Copy)]
 pub(super) struct FilterSpan {
-    /// Between these a number is neither certainly before nor certainly after the begin.
-    pub(super) min: [f32; 2],
-    /// What is not after this is within the whole span.
-    pub(super) max: f32,
+    /// Between the first two a number is neither certainly before nor certainly after the begin; what is not after the third
+    /// is within the whole span.
+    numbers: [f32; 4],
 }
 
 impl FilterSpan {
+    /// Of a span that does not begin before 0: as [`at_most`](super::ray::at_most) and
+    /// [`at_least`](super::ray::at_least) have it, side by side.
+    #[inline(always)]
+    fn new<S: Simd>(simd: S, span: Interval) -> Self {
+        let Interval { min, max } = span;
+        let (below, above, tiny) = (1.0 - SLACK, 1.0 + SLACK, f64::from(f32::MIN_POSITIVE));
+        let numbers = simd.mul_doubles(simd.doubles([min, min, max, max]), simd.doubles([below, above, below, below]));
+        let numbers = simd.sub_doubles(numbers, simd.doubles([tiny, -tiny, tiny, tiny]));
+        Self { numbers: simd.narrowed(simd.max_doubles(numbers, simd.doubles([0.0; 4]))) }
+    }
+
     /// The same eight times.
     #[inline(always)]
     fn splat<S: Simd>(&self, simd: S) -> SpanLanes<S> {
-        SpanLanes { min: [simd.splat(self.min[0]), simd.splat(self.min[1])], max: simd.splat(self.max) }
+        let [at_most_min, at_least_min, at_most_max, _] = self.numbers;
+        SpanLanes { min: [simd.splat(at_most_min), simd.splat(at_least_min)], max: simd.splat(at_most_max) }
     }
 }
 
@@ -379,23 +390,36 @@ impl FilterSpan {
 pub(super) struct ExactRay<'r, S: Simd> {
     pub(super) ray: &'r Ray,
     pub(super) lanes: LaneRay<S>,
-    pub(super) sheared: ShearedRay,
+    /// Along which the ray is steepest.
+    pub(super) axis: usize,
+    /// The first two: as [`ShearedRay`](rt_math::ShearedRay) has them.
+    pub(super) shear: S::Doubles,
+    /// As [`ShearedRay`](rt_math::ShearedRay) has it.
+    pub(super) scale: f64,
 }
 
 impl<'r, S: Simd> ExactRay<'r, S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &'r Ray) -> Self {
         let lanes = LaneRay::new(simd, ray);
-        let [x, y, z, _] = simd.to_doubles(lanes.inverse);
-        Self { ray, lanes, sheared: ShearedRay::with_inverse(ray, DVec3::new(x, y, z)) }
+        let axis = simd.greatest_axis(simd.abs_doubles(lanes.direction));
+        let [_, _, scale, _] = simd.to_doubles(simd.turned_last(lanes.inverse, axis));
+        let shear = simd.mul_doubles(simd.turned_last(lanes.direction, axis), simd.doubles([scale; 4]));
+        Self { ray, lanes, axis, shear, scale }
+    }
+
+    /// The axes in the order x, y, z of the ray's own space.
+    #[inline(always)]
+    pub(super) fn axes(&self) -> [usize; 3] {
+        AXES[self.axis % 3]
     }
 }
 
+/// Axes by the last of them, in cyclic order.
+const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+
 /// Rules primitives out, and sees to it that somebody decides about the others.
 pub(super) trait Filter: Copy {
-    /// True if leaves hold all that it takes to decide about what is hit for sure.
-    const DECIDES: bool = false;
-
     /// True if the leaf holds all that it takes to decide about this primitive, so that nobody else is asked, or counts the hits.
     #[inline(always)]
     fn decides(_: LeafView<'_>, _: usize) -> bool {

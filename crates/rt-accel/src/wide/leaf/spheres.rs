@@ -18,7 +18,7 @@ use rt_math::{Interval, LeafLayout, Primitives, own_box};
 use super::{Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
 use crate::wide::WideBvh;
 use crate::wide::across::{Across, Eight, SpanLanes, relative};
-use crate::wide::ray::{FilterRay, at_least, at_most, greatest};
+use crate::wide::ray::{FilterRay, at_least, greatest};
 use crate::wide::shaft::Shaft;
 use crate::wide::simd::Simd;
 
@@ -152,7 +152,7 @@ impl Filter for SphereFilter {
             direction: simd.narrowed(unit),
             inverse_length: inverse_length as f32,
             reach: at_least(greatest(simd, simd.abs_doubles(origin))),
-            span: FilterSpan { min: [at_most(span.min), at_least(span.min)], max: at_most(span.max) },
+            span: FilterSpan::new(simd, span),
         }
     }
 

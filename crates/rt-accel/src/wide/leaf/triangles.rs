@@ -7,14 +7,18 @@
 //! to within `ε = 8v·X`: origin, vertex, difference, shear and sum are each rounded, and shears are at most 1. Edges are
 //! seen no longer than `2e`.
 //!
-//! **Misses.** If the ray hits the triangle, the vertices are seen within `2e` of it, so each edge function is computed to
-//! within `4·2e·ε + 2ε² + 2v·(2e)² ≤ m`, where `m = X·(2⁻¹⁷·e + 2⁻³⁹·X)`: all three are at least `−m`, or all at most `m`.
+//! **Near the ray.** Let the vertices be seen within `2¼e` of the ray. Then each edge function is computed to within
+//! `4·2¼e·ε + 2ε² + 3v·(2¼e)² ≤ m`, where `m = X·(27/32·2⁻¹⁷·e + 2⁻⁴⁰·X)`, with a twentieth of `m` to spare; `e` is at most
+//! `2X`.
 //!
-//! **Hits.** Let all three be at least `2m` or at most `−2m`, and the vertices be seen within `4e`. Then the functions
-//! are computed to within twice the above, so that their true signs agree, and so do the exact signs of the `f64` kernel,
-//! whose vertices are much closer to the truth than `ε`. The weights are computed to within `4.1·2m/|det|`, of which
-//! follows how far off `t` may be; the own box holds the true hit, and its slab test is off by some 2⁻⁵³ of `t`, which is
-//! far less.
+//! **Misses.** If the ray hits the triangle, the vertices are seen within `2e` of it: all three functions are at least
+//! `−m`, or all at most `m`.
+//!
+//! **Hits.** If the vertices are seen within `2¼e` and all three functions are at least `m` or at most `−m`, these are their
+//! true signs, and so are the exact signs of the `f64` kernel, whose vertices are much closer to the truth than `ε`. There
+//! no sign is in doubt: the functions are at least `m/20`, and rounding does less than `2⁻⁴⁶·e²` to them. As the true weights
+//! are between 0 and 1, they are computed to within `4.1m/|det|`, of which follows how far off `t` may be; the own box holds
+//! the true hit, and its slab test is off by some 2⁻⁵³ of `t`, which is far less.
 //!
 //! **The others.** What is no triangle has vertices that are no numbers: it is neither missed nor hit for sure.
 
@@ -25,7 +29,7 @@ use super::{Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
 use crate::wide::WideBvh;
 use crate::wide::across::{Across, SpanLanes, relative as relative_to};
 use crate::wide::copy::Copied;
-use crate::wide::ray::{FilterRay, at_least, at_most, greatest};
+use crate::wide::ray::{FilterRay, at_least, greatest};
 use crate::wide::simd::Simd;
 
 /// Greatest extent of a triangle as the factor of the margin, and greatest coordinate.
@@ -35,8 +39,8 @@ pub(super) const HEADER: usize = 2;
 pub(super) const NUMBERS: usize = 9;
 
 /// The margin is `X·(e·MARGIN + X·ROUNDING)`.
-const MARGIN: f32 = 1.0 / (1 << 17) as f32;
-const ROUNDING: f32 = 1.0 / (1u64 << 39) as f32;
+const MARGIN: f32 = 27.0 / (1 << 22) as f32;
+const ROUNDING: f32 = 1.0 / (1u64 << 40) as f32;
 
 /// Stand for vertices of what is no triangle: a filter knows nothing of it.
 const UNKNOWN: [Vec3; 3] = [Vec3::NAN; 3];
@@ -84,11 +88,11 @@ pub(in crate::wide) fn corner(leaf: LeafView<'_>, lane: usize, vertex: usize) ->
 /// The watertight test with three answers. Where leaves hold exact `COPIES` it decides about them as well.
 #[derive(Clone, Copy)]
 pub(in crate::wide) struct TriangleFilter<const COPIES: bool> {
+    /// In the order x, y, z of the ray's own space.
     origin: [f32; 4],
-    /// Axes in the order x, y, z of the ray's own space.
     axes: [usize; 3],
     /// Of x and y.
-    shear: [f32; 2],
+    shear: [f32; 4],
     scale: f32,
     /// Greatest coordinate of the origin.
     reach: f32,
@@ -143,18 +147,16 @@ impl<S: Simd> RayLanes<S> {
         let least = simd.min(simd.min(u, v), w);
         let greatest = simd.max(simd.max(u, v), w);
         let negative = simd.sub(simd.splat(0.0), margin);
-        let is_unknown = !simd.le(u, u);
-        let maybe = (simd.le(negative, least) | simd.le(greatest, margin) | is_unknown) & mask;
+        // Not where they are no numbers.
+        let is_missed = simd.lt(least, negative) & simd.lt(margin, greatest);
+        let maybe = !is_missed & mask;
         if maybe == 0 {
             return Verdict { maybe, sure: 0, near: u, far: u };
         }
 
-        // The extent of the vertices as the ray sees them.
         let extent = triangles.extent_margin * (1.0 / MARGIN);
-        let is_close = simd.le(simd.max(farthest(simd, x), farthest(simd, y)), simd.splat(4.0 * extent));
-        let inside = is_close
-            & (simd.le(simd.add(margin, margin), least) | simd.le(greatest, simd.add(negative, negative)))
-            & maybe;
+        let is_close = simd.le(simd.max(farthest(simd, x), farthest(simd, y)), simd.splat(2.25 * extent));
+        let inside = is_close & (simd.le(margin, least) | simd.le(greatest, negative)) & maybe;
 
         let determinant = simd.add(simd.add(u, v), w);
         let inverse = simd.div(simd.splat(1.0), determinant);
@@ -162,7 +164,7 @@ impl<S: Simd> RayLanes<S> {
         let t = simd.mul(simd.mul_add(weighted, inverse, z[0]), self.scale);
         let size = simd.abs(self.scale);
         let farthest = simd.mul_add(reach, simd.splat(1.0 / (1 << 21) as f32), simd.splat(extent));
-        let of_weights = simd.mul(simd.mul(simd.mul(simd.splat(17.0), margin), farthest), size);
+        let of_weights = simd.mul(simd.mul(simd.mul(simd.splat(8.5), margin), farthest), size);
         let of_rounding = simd.mul(simd.mul(simd.splat(1.5e-6), reach), size);
         let error = simd.mul_add(simd.abs(inverse), of_weights, of_rounding);
         let (near, far) = (simd.sub(t, error), simd.add(t, error));
@@ -205,8 +207,6 @@ fn farthest<S: Simd>(simd: S, p: [S::Lanes; 3]) -> S::Lanes {
 }
 
 impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
-    const DECIDES: bool = COPIES;
-
     #[inline(always)]
     fn decides(leaf: LeafView<'_>, lane: usize) -> bool {
         COPIES && !leaf.number(HEADER + lane).is_nan()
@@ -216,14 +216,13 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
     fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, _: &FilterRay, span: Interval, tree: &WideBvh) -> Self {
         let centre = if COPIES { DVec3::ZERO } else { tree.centre };
         let origin = simd.sub_doubles(ray.lanes.origin, simd.doubles([centre.x, centre.y, centre.z, 0.0]));
-        let (axes, [shear_x, shear_y, scale]) = ray.sheared.shear();
         Self {
-            origin: simd.narrowed(origin),
-            axes,
-            shear: [shear_x as f32, shear_y as f32],
-            scale: scale as f32,
+            origin: simd.narrowed(simd.turned_last(origin, ray.axis)),
+            axes: ray.axes(),
+            shear: simd.narrowed(ray.shear),
+            scale: ray.scale as f32,
             reach: at_least(greatest(simd, simd.abs_doubles(origin))),
-            span: FilterSpan { min: [at_most(span.min), at_least(span.min)], max: at_most(span.max) },
+            span: FilterSpan::new(simd, span),
         }
     }
 
@@ -238,7 +237,7 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
             greatest: leaf.number(1),
         };
         let ray = RayLanes {
-            origin: [simd.splat(self.origin[x & 3]), simd.splat(self.origin[y & 3]), simd.splat(self.origin[z & 3])],
+            origin: [simd.splat(self.origin[0]), simd.splat(self.origin[1]), simd.splat(self.origin[2])],
             shear: [simd.splat(self.shear[0]), simd.splat(self.shear[1])],
             scale: simd.splat(self.scale),
             reach: simd.splat(self.reach),

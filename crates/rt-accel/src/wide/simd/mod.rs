@@ -54,6 +54,8 @@ pub(super) trait Simd: Copy {
     fn neg_mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes;
     /// A bit for each lane, set where `a ≤ b`; never where one is NaN.
     fn le(self, a: Self::Lanes, b: Self::Lanes) -> u32;
+    /// A bit for each lane, set where `a < b`; never where one is NaN.
+    fn lt(self, a: Self::Lanes, b: Self::Lanes) -> u32;
     /// `enter` where it is at most `leave`, otherwise infinity.
     fn or_infinity(self, enter: Self::Lanes, leave: Self::Lanes) -> Self::Lanes;
     /// The least of the eight.
@@ -110,6 +112,10 @@ pub(super) trait Simd: Copy {
     fn turned_once(self, a: Self::Doubles) -> Self::Doubles;
     /// The first three in the order 2, 0, 1.
     fn turned_twice(self, a: Self::Doubles) -> Self::Doubles;
+    /// The axis of the greatest of the first three, as [`ShearedRay`](rt_math::ShearedRay) chooses among equals.
+    fn greatest_axis(self, a: Self::Doubles) -> usize;
+    /// The first three in the cyclic order in which this axis comes last.
+    fn turned_last(self, a: Self::Doubles, axis: usize) -> Self::Doubles;
     /// Asks for the cache line at this address to be fetched; any address will do.
     fn prefetch<T>(self, line: *const T);
 }

@@ -119,6 +119,11 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn lt(self, a: Self::Lanes, b: Self::Lanes) -> u32 {
+        a[0].cmplt(b[0]).bitmask() | a[1].cmplt(b[1]).bitmask() << 4
+    }
+
+    #[inline(always)]
     fn prefetch<T>(self, _line: *const T) {}
 
     #[inline(always)]
@@ -257,5 +262,20 @@ impl Simd for Portable {
     #[inline(always)]
     fn turned_twice(self, [a, b, c, d]: [f64; 4]) -> [f64; 4] {
         [c, a, b, d]
+    }
+
+    #[inline(always)]
+    fn greatest_axis(self, [x, y, z, _]: [f64; 4]) -> usize {
+        let axis = if y > z { 1 } else { 2 };
+        if (x > y) & (x > z) { 0 } else { axis }
+    }
+
+    #[inline(always)]
+    fn turned_last(self, [x, y, z, spare]: [f64; 4], axis: usize) -> [f64; 4] {
+        match axis {
+            0 => [y, z, x, spare],
+            1 => [z, x, y, spare],
+            _ => [x, y, z, spare],
+        }
     }
 }

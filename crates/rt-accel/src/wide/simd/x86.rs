@@ -33,9 +33,17 @@ unsafe fn descending(a: __m256) -> __m256 {
     }
 }
 
-/// Makes a level of which all operations but the comparison are those of AVX2.
+/// The axis of the greatest of three: by whether the first is at most the second (1), the first at most the third (2), and
+/// the second at most the third (4).
+const GREATEST: [u8; 8] = [0, 1, 1, 1, 0, 2, 2, 2];
+
+/// Which words come where if an axis is to be the last of three, each of which is two words. The last is spare.
+static LAST: [[u32; 8]; 4] =
+    [[2, 3, 4, 5, 0, 1, 6, 7], [4, 5, 0, 1, 2, 3, 6, 7], [0, 1, 2, 3, 4, 5, 6, 7], [0, 1, 2, 3, 4, 5, 6, 7]];
+
+/// Makes a level of which all operations but comparisons are those of AVX2.
 macro_rules! level {
-    ($name:ident, $doc:literal, $features:literal, [$($feature:tt),+], |$a:ident, $b:ident| $le:expr) => {
+    ($name:ident, $doc:literal, $features:literal, [$($feature:tt),+], |$a:ident, $b:ident| [$le:expr, $lt:expr]) => {
         #[doc = $doc]
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(in crate::wide) struct $name(());
@@ -165,6 +173,12 @@ macro_rules! level {
             fn le(self, $a: __m256, $b: __m256) -> u32 {
                 // SAFETY: as `splat`, and AVX-512 where this is its level.
                 unsafe { $le }
+            }
+
+            #[inline(always)]
+            fn lt(self, $a: __m256, $b: __m256) -> u32 {
+                // SAFETY: as `le`.
+                unsafe { $lt }
             }
 
             #[inline(always)]
@@ -337,6 +351,26 @@ macro_rules! level {
                 // SAFETY: as `splat`.
                 unsafe { _mm256_permute4x64_pd::<0b11_01_00_10>(a) }
             }
+
+            #[inline(always)]
+            fn greatest_axis(self, a: __m256d) -> usize {
+                // SAFETY: as `splat`.
+                let at_most = unsafe {
+                    let (x_x_y, y_z_z) =
+                        (_mm256_permute4x64_pd::<0b11_01_00_00>(a), _mm256_permute4x64_pd::<0b11_10_10_01>(a));
+                    _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(x_x_y, y_z_z))
+                };
+                GREATEST[at_most as usize & 7] as usize
+            }
+
+            #[inline(always)]
+            fn turned_last(self, a: __m256d, axis: usize) -> __m256d {
+                // SAFETY: as `splat`; reads the eight words of an array.
+                unsafe {
+                    let order = _mm256_loadu_si256(LAST[axis & 3].as_ptr().cast());
+                    _mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(a), order))
+                }
+            }
         }
     };
 }
@@ -346,12 +380,15 @@ level!(
     "AVX2 and FMA are there.",
     "avx2,fma,bmi1,bmi2,lzcnt,popcnt",
     ["avx2", "fma", "bmi1", "bmi2", "lzcnt", "popcnt"],
-    |a, b| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32
+    |a, b| [
+        _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32,
+        _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32
+    ]
 );
 level!(
     Avx512,
     "AVX-512 with vectors of any length is there.",
     "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt",
     ["avx512f", "avx512vl", "avx512dq", "avx512bw", "avx2", "fma", "bmi1", "bmi2", "lzcnt", "popcnt"],
-    |a, b| u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b))
+    |a, b| [u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b)), u32::from(_mm256_cmp_ps_mask::<_CMP_LT_OQ>(a, b))]
 );
