@@ -221,6 +221,11 @@ mod tests {
     use super::*;
     use crate::bvh::NodeBox;
 
+    /// 2ⁿ, for n from −1022 to 1023.
+    fn power_of_two(n: i32) -> f64 {
+        f64::from_bits(((1023 + n) as u64) << 52)
+    }
+
     /// A fixed sequence of numbers in [−1, 1).
     struct Draw(u64);
 
@@ -235,7 +240,7 @@ mod tests {
             match (self.next() * 8.0) as i32 {
                 -7 => 0.0,
                 -6 => -0.0,
-                power => self.next() * 2f64.powi(-9 * power.abs()),
+                power => self.next() * power_of_two(-9 * power.abs()),
             }
         }
 
@@ -270,8 +275,8 @@ mod tests {
             let level = Available::new(level);
             let (mut n_passed, mut n_proven) = (0, 0);
             for case in 0..20_000 {
-                let centre = draw.vector(Draw::next) * 2f64.powi((draw.next() * 40.0) as i32);
-                let size = 2f64.powi((draw.next() * 20.0) as i32);
+                let centre = draw.vector(Draw::next) * power_of_two((draw.next() * 40.0) as i32);
+                let size = power_of_two((draw.next() * 20.0) as i32);
                 let corners =
                     [0, 1].map(|_| centre + draw.vector(Draw::next).clamp(DVec3::NEG_ONE, DVec3::ONE) * size * 0.5);
                 let own = Aabb::from_points(corners).padded();
@@ -279,7 +284,7 @@ mod tests {
                 let size = size.max(inner.max_abs());
                 let mut node = Node::EMPTY;
                 node.set(0, &inner, Child::node(0));
-                let origin = centre + draw.vector(Draw::stiff) * size * 2f64.powi((draw.next() * 19.0) as i32);
+                let origin = centre + draw.vector(Draw::stiff) * size * power_of_two((draw.next() * 19.0) as i32);
                 let direction = if case % 2 == 0 {
                     draw.vector(Draw::stiff)
                 } else {

@@ -75,7 +75,8 @@ mod tests {
             let (mut room, mut order) = (references.clone(), vec![Run::default(); references.len()]);
             let extent = Extent::of(&references);
             assert_eq!(Extent::of_many(&references), extent);
-            let rules = Rules { unit: AreaUnit::new(&extent.bounds), axes, haste: Haste::LITTLE, max_leaf: 8 };
+            let rules =
+                Rules { unit: AreaUnit::new(&extent.bounds), axes, haste: Haste::LITTLE, pairs: true, max_leaf: 8 };
             let set =
                 Set { references: &mut references, room: &mut room, order: &mut order, first: 0, extent, depth: 0 };
             let sides = if in_chunks { split(set, &rules) } else { set.split(&rules, &mut Bins::new()) };

@@ -1,7 +1,7 @@
 //! Primitives that are better in one leaf than in two, found before the tree grows and while it does.
 //!
 //! Neighbours in a list are mostly neighbours in space, as in the halves of quadrilaterals. Joining them first leaves the
-//! builder with little more than half of the references, and the tree that it grows is as good.
+//! builder with little more than half of the references, and the tree that it grows is about as good.
 
 use super::collapse::{Costs, leaf_cost};
 use super::grow::Rules;
@@ -28,7 +28,8 @@ impl Rules {
     /// than one.
     #[inline(always)]
     pub(super) fn push(&self, references: &mut Vec<Reference>, next: Reference) {
-        match references.last_mut().and_then(|last| Some((self.try_pair(last, &next)?, last))) {
+        let last = references.last_mut().filter(|_| self.pairs);
+        match last.and_then(|last| Some((self.try_pair(last, &next)?, last))) {
             Some((pair, last)) => *last = pair,
             None => references.push(next),
         }
@@ -76,7 +77,7 @@ mod tests {
 
     fn paired(references: Vec<Reference>, max_leaf: usize) -> Vec<Run> {
         let unit = AreaUnit::new(&NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(10.0) });
-        let rules = Rules { unit, axes: Axes::All, haste: Haste::LITTLE, max_leaf };
+        let rules = Rules { unit, axes: Axes::All, haste: Haste::LITTLE, pairs: true, max_leaf };
         let mut list = Vec::new();
         references.into_iter().for_each(|reference| rules.push(&mut list, reference));
         list.iter().map(Reference::run).collect()

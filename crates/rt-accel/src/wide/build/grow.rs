@@ -17,6 +17,8 @@ pub(super) struct Rules {
     pub(super) unit: AreaUnit,
     pub(super) axes: Axes,
     pub(super) haste: Haste,
+    /// True if neighbours in the list are joined before the tree grows.
+    pub(super) pairs: bool,
     pub(super) max_leaf: usize,
 }
 
@@ -27,7 +29,8 @@ impl Rules {
             Quality::Low => (Axes::Widest, Haste::GREAT),
             Quality::Medium | Quality::High => (Axes::All, Haste::LITTLE),
         };
-        Self { unit: AreaUnit::new(extent), axes, haste, max_leaf: params.leaf_limit() }
+        let pairs = params.quality != Quality::High;
+        Self { unit: AreaUnit::new(extent), axes, haste, pairs, max_leaf: params.leaf_limit() }
     }
 }
 

@@ -270,6 +270,7 @@ mod tests {
             unit,
             axes: crate::wide::build::binning::Axes::All,
             haste: crate::wide::build::cluster::Haste::LITTLE,
+            pairs: true,
             max_leaf: 1,
         };
         let mut tree = BinaryTree::default();
