@@ -102,13 +102,16 @@ impl PixelSampler {
         let pixel_key = self.pixel_key(pixel);
         let (mut round, mut index) = self.round_of(first);
         let mut arrangement = Arrangement::new(self, round_key(pixel_key, round), 0);
-        for position in positions {
-            if index == self.spp {
-                (round, index) = (round.wrapping_add(1), 0);
-                arrangement = Arrangement::new(self, round_key(pixel_key, round), 0);
+        let mut rest = positions;
+        loop {
+            let (positions, others) = rest.split_at_mut(rest.len().min((self.spp - index) as usize));
+            arrangement.pairs(index, positions);
+            if others.is_empty() {
+                return;
             }
-            *position = arrangement.pair(index);
-            index += 1;
+            rest = others;
+            (round, index) = (round.wrapping_add(1), 0);
+            arrangement = Arrangement::new(self, round_key(pixel_key, round), 0);
         }
     }
 
@@ -220,31 +223,57 @@ impl Arrangement {
     /// The coordinates of a sample.
     #[inline]
     fn pair(&self, index: u32) -> [f64; 2] {
+        self.pair_in(if self.has_cells() { self.cells.position(index) } else { 0 }, index)
+    }
+
+    /// The coordinates of the samples from one on, all of the same round.
+    #[inline]
+    fn pairs(&self, first: u32, pairs: &mut [[f64; 2]]) {
+        const SIDE_BY_SIDE: usize = 16;
+        let mut index = first;
+        for pairs in pairs.chunks_mut(SIDE_BY_SIDE) {
+            let mut cells = [0; SIDE_BY_SIDE];
+            if self.has_cells() {
+                self.cells.positions(index, &mut cells[..pairs.len()]);
+            }
+            for (pair, cell) in pairs.iter_mut().zip(cells) {
+                *pair = self.pair_in(cell, index);
+                index += 1;
+            }
+        }
+    }
+
+    /// True if each sample has a cell of its own.
+    const fn has_cells(&self) -> bool {
+        !matches!(self.pattern, SamplePattern::Centre | SamplePattern::Random)
+    }
+
+    /// The coordinates of a sample in its cell.
+    #[inline(always)]
+    fn pair_in(&self, cell: u32, index: u32) -> [f64; 2] {
         let bits = noise(self.key, index);
         let jitter = [unit(bits), unit(mix(bits))];
         match (self.pattern, self.is_position) {
             (SamplePattern::Centre, true) => [0.5; 2],
             (SamplePattern::Centre | SamplePattern::Random, _) => jitter,
-            (SamplePattern::Grid, true) => self.in_cell(index, [0.5; 2]),
-            (SamplePattern::HalfJittered, true) => self.in_cell(index, jitter.map(|xi| 0.25 + 0.5 * xi)),
-            (SamplePattern::MultiJittered, _) => self.multi_jittered(index, jitter),
-            _ => self.in_cell(index, jitter),
+            (SamplePattern::Grid, true) => self.in_cell(cell, [0.5; 2]),
+            (SamplePattern::HalfJittered, true) => self.in_cell(cell, jitter.map(|xi| 0.25 + 0.5 * xi)),
+            (SamplePattern::MultiJittered, _) => self.multi_jittered(cell, jitter),
+            _ => self.in_cell(cell, jitter),
         }
     }
 
-    /// A place in the sample's cell of the square grid, given by its coordinates within the cell.
+    /// A place in a cell of the square grid, given by its coordinates within the cell.
     #[inline]
-    fn in_cell(&self, index: u32, within: [f64; 2]) -> [f64; 2] {
-        let cell = self.cells.position(index);
+    fn in_cell(&self, cell: u32, within: [f64; 2]) -> [f64; 2] {
         [in_stratum(cell % self.side, self.side, within[0]), in_stratum(cell / self.side, self.side, within[1])]
     }
 
     /// Multi-jittering (Chiu, Shirley, Wang 1994): a point in each cell, and in each column and row of a grid that is
     /// finer by another factor of n. One permutation for all columns of cells, and one for all rows (Kensler 2013),
     /// would be cheaper, but the error of a smooth integrand then falls as N^-0.8 instead of 1/N (measured).
-    fn multi_jittered(&self, index: u32, jitter: [f64; 2]) -> [f64; 2] {
+    fn multi_jittered(&self, cell: u32, jitter: [f64; 2]) -> [f64; 2] {
         let Self { side, spp, key, .. } = *self;
-        let cell = self.cells.position(index);
         let (column, row) = (cell % side, cell / side);
         let sub_column = permute(row, side, key ^ mix(u64::from(column) + 1));
         let sub_row = permute(column, side, !key ^ mix(u64::from(row) + 1));

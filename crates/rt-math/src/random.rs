@@ -57,25 +57,60 @@ impl Permutation {
     /// Where `index` comes to; 0 in an empty range. Indices beyond the range start again from its beginning.
     #[inline]
     pub fn position(&self, index: u32) -> u32 {
-        let length = self.length;
-        if length <= 1 {
+        if self.length <= 1 {
             return 0;
         }
-        let mut value = if index < length { index } else { index % length };
-        loop {
-            // Xor, odd multiplication and xor-shift are bijections. Multiplication carries changes to higher bits and
-            // the shift to lower ones; the shortest ranges need all eight rounds.
-            for round in 0..8u32 {
-                let key = self.key.rotate_left(8 * round);
-                value ^= key as u32 & self.mask;
-                value = value.wrapping_mul((key >> 32) as u32 | 1) & self.mask;
-                value ^= value >> if round % 2 == 0 { self.half } else { 1 };
+        let mut value = [if index < self.length { index } else { index % self.length }];
+        self.scramble(&mut value);
+        self.settled(value[0])
+    }
+
+    /// Where the indices from `first` on come to, side by side: each [`position`](Self::position).
+    #[inline]
+    pub fn positions(&self, first: u32, positions: &mut [u32]) {
+        const SIDE_BY_SIDE: usize = 16;
+        if self.length <= 1 {
+            return positions.fill(0);
+        }
+        let mut index = first % self.length;
+        for positions in positions.chunks_mut(SIDE_BY_SIDE) {
+            let mut values = [0; SIDE_BY_SIDE];
+            for value in &mut values[..positions.len()] {
+                *value = index;
+                index = if index + 1 < self.length { index + 1 } else { 0 };
             }
-            if value < length {
-                let to_the_end = length - self.rotation;
-                return if value < to_the_end { value + self.rotation } else { value - to_the_end };
+            self.scramble(&mut values);
+            for (position, value) in positions.iter_mut().zip(values) {
+                *position = self.settled(value);
             }
         }
+    }
+
+    /// Takes numbers below the next power of two to others of them.
+    #[inline(always)]
+    fn scramble<const N: usize>(&self, values: &mut [u32; N]) {
+        // Xor, odd multiplication and xor-shift are bijections. Multiplication carries changes to higher bits and
+        // the shift to lower ones; the shortest ranges need all eight rounds.
+        for round in 0..8u32 {
+            let key = self.key.rotate_left(8 * round);
+            let shift = if round % 2 == 0 { self.half } else { 1 };
+            for value in values.iter_mut() {
+                *value ^= key as u32 & self.mask;
+                *value = value.wrapping_mul((key >> 32) as u32 | 1) & self.mask;
+                *value ^= *value >> shift;
+            }
+        }
+    }
+
+    /// The place in the range of a number that has been scrambled, once more and again if it is not in the range.
+    #[inline(always)]
+    fn settled(&self, value: u32) -> u32 {
+        let mut value = [value];
+        while value[0] >= self.length {
+            self.scramble(&mut value);
+        }
+        let to_the_end = self.length - self.rotation;
+        if value[0] < to_the_end { value[0] + self.rotation } else { value[0] - to_the_end }
     }
 }
 
@@ -109,6 +144,19 @@ mod tests {
     fn unit_never_reaches_one() {
         assert!(unit(u64::MAX) < 1.0);
         assert_eq!(unit(0), 0.0);
+    }
+
+    #[test]
+    fn positions_side_by_side_are_those_one_by_one() {
+        for length in [0, 1, 2, 3, 7, 16, 100, 257] {
+            for first in [0, 1, 5, length, length + 3] {
+                let permutation = Permutation::new(length, u64::from(length) * 31 + 1);
+                let mut positions = [0; 40];
+                permutation.positions(first, &mut positions);
+                let one_by_one: Vec<_> = (first..first + 40).map(|index| permutation.position(index)).collect();
+                assert_eq!(positions[..], one_by_one[..], "length {length} from {first}");
+            }
+        }
     }
 
     #[test]

@@ -11,6 +11,7 @@ pub fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
 /// refraction on the side of the normal divided by that behind it. Unit result; `None` on total internal reflection.
 ///
 /// Snell's law. The sine comes from the cross product: near the normal, `√(1 − cos²)` would lose half its digits.
+#[inline(always)]
 pub fn refract(direction: DVec3, normal: DVec3, eta: f64) -> Option<DVec3> {
     let cos_i = -direction.dot(normal);
     let sin_t = eta * cross(direction, normal).length();
