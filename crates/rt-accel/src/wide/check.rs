@@ -59,6 +59,10 @@ impl WideBvh {
     /// Visits the leaves with their boxes, and checks the nodes on the way.
     fn for_each_leaf(&self, mut visit: impl FnMut(Child, &NodeBox) -> Result<(), Violation>) -> Result<(), Violation> {
         let everything = NodeBox { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
+        // A root that is something else would leave nodes behind that nobody has checked.
+        if self.root != Child::node(0) {
+            return Err(Violation::Node { node: 0 });
+        }
         let mut pending = vec![(self.root, everything, 0)];
         let mut n_visited = 0;
         while let Some((child, bounds, depth)) = pending.pop() {

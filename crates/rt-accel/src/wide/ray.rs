@@ -33,7 +33,7 @@ use rt_math::{DVec3, Interval, Ray};
 use super::node::{Node, ROW};
 use super::simd::Simd;
 
-/// By how much reciprocals are moved.
+/// By how much numbers are moved outward, relative to what they are made of.
 pub(super) const SLACK: f64 = 1.0 / (1 << 22) as f64;
 
 /// Greatest reciprocal, relative to that of the greatest component.

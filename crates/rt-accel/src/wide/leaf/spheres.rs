@@ -31,6 +31,9 @@ pub(super) const NUMBERS: usize = 4;
 /// `δ/X`
 const MARGIN: f32 = 64.0 / (1 << 24) as f32;
 
+/// Where `δ` is less, squares may vanish, and nothing but a miss by the outer square is certain.
+const LEAST: f32 = 1.0 / (1u64 << 50) as f32;
+
 pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices: &[u32], centre: DVec3) {
     let mut greatest = 0.0f64;
     for (lane, &index) in indices.iter().enumerate() {
@@ -118,7 +121,9 @@ impl<S: Simd> RayLanes<S> {
         }
 
         let inner = simd.sub(spheres.radius, margin);
-        let inside = simd.le(distance_squared, simd.mul(inner, simd.sub(inner, margin))) & simd.le(margin, inner);
+        let is_tiny = simd.lt(margin, simd.splat(LEAST));
+        let inside =
+            simd.le(distance_squared, simd.mul(inner, simd.sub(inner, margin))) & simd.le(margin, inner) & !is_tiny;
         let half_chord_squared = simd.mul_sub(radius, radius, distance_squared);
         let slack = simd.mul(outer, simd.mul(simd.splat(4.25), margin));
         let longest = simd.add(root(simd, simd.add(half_chord_squared, slack)), margin);
@@ -134,7 +139,7 @@ impl<S: Simd> RayLanes<S> {
         let is_not_after = simd.le(near, limit);
         let is_in_front = simd.le(self.span.min[1], near);
         let is_in_time = simd.le(far, self.span.max);
-        let maybe = maybe & is_not_behind & is_not_after;
+        let maybe = maybe & (is_tiny | (is_not_behind & is_not_after));
         Verdict { maybe, sure: inside & maybe & is_in_front & is_in_time, near, far }
     }
 }

@@ -8,8 +8,8 @@
 //! seen no longer than `2e`.
 //!
 //! **Near the ray.** Let the vertices be seen within `2¼e` of the ray. Then each edge function is computed to within
-//! `4·2¼e·ε + 2ε² + 3v·(2¼e)² ≤ m`, where `m = X·(27/32·2⁻¹⁷·e + 2⁻⁴⁰·X)`, with a twentieth of `m` to spare; `e` is at most
-//! `2X`.
+//! `4·2¼e·ε + 2ε² + 4v·(2¼e)² ≤ m`, where `m = X·(27/32·2⁻¹⁷·e + 2⁻⁴⁰·X)`, with a twentieth of `m` to spare: neither `e` nor
+//! what is seen of a vertex is more than `2X`.
 //!
 //! **Misses.** If the ray hits the triangle, the vertices are seen within `2e` of it: all three functions are at least
 //! `−m`, or all at most `m`.
@@ -19,6 +19,9 @@
 //! no sign is in doubt: the functions are at least `m/20`, and rounding does less than `2⁻⁴⁶·e²` to them. As the true weights
 //! are between 0 and 1, they are computed to within `4.1m/|det|`, of which follows how far off `t` may be; the own box holds
 //! the true hit, and its slab test is off by some 2⁻⁵³ of `t`, which is far less.
+//!
+//! **Tiny triangles.** Products of edges may lose digits where they are below 2⁻¹²⁶, as where a triangle of 10⁻¹⁵ lies at the
+//! origin of its coordinates and the ray starts beside it. `m` has 2⁻⁸⁰ more, next to which that is nothing.
 //!
 //! **The others.** What is no triangle has vertices that are no numbers: it is neither missed nor hit for sure.
 
@@ -41,6 +44,9 @@ pub(super) const NUMBERS: usize = 9;
 /// The margin is `X·(e·MARGIN + X·ROUNDING)`.
 const MARGIN: f32 = 27.0 / (1 << 22) as f32;
 const ROUNDING: f32 = 1.0 / (1u64 << 40) as f32;
+
+/// Added to the margin: of triangles so small that products of their edges lose digits, or vanish, nothing is certain.
+const LEAST: f32 = 1.0 / (1u128 << 80) as f32;
 
 /// Stand for vertices of what is no triangle: a filter knows nothing of it.
 const UNKNOWN: [Vec3; 3] = [Vec3::NAN; 3];
@@ -136,7 +142,7 @@ impl<S: Simd> RayLanes<S> {
     fn judge(&self, simd: S, triangles: &TriangleLanes<S>, limit: S::Lanes, mask: u32) -> Verdict<S> {
         let reach = simd.add(self.reach, simd.splat(triangles.greatest));
         let extent_margin = simd.splat(triangles.extent_margin);
-        let margin = simd.mul(reach, simd.mul_add(reach, simd.splat(ROUNDING), extent_margin));
+        let margin = simd.mul_add(reach, simd.mul_add(reach, simd.splat(ROUNDING), extent_margin), simd.splat(LEAST));
 
         let z = relative(simd, triangles.z, self.origin[2]);
         let x = sheared(simd, relative(simd, triangles.x, self.origin[0]), z, self.shear[0]);
@@ -164,9 +170,9 @@ impl<S: Simd> RayLanes<S> {
         let t = simd.mul(simd.mul_add(weighted, inverse, z[0]), self.scale);
         let size = simd.abs(self.scale);
         let farthest = simd.mul_add(reach, simd.splat(1.0 / (1 << 21) as f32), simd.splat(extent));
-        let of_weights = simd.mul(simd.mul(simd.mul(simd.splat(8.5), margin), farthest), size);
+        let of_weights = simd.mul(simd.mul(simd.splat(8.5), margin), simd.abs(inverse));
         let of_rounding = simd.mul(simd.mul(simd.splat(1.5e-6), reach), size);
-        let error = simd.mul_add(simd.abs(inverse), of_weights, of_rounding);
+        let error = simd.mul_add(of_weights, simd.mul(farthest, size), of_rounding);
         let (near, far) = (simd.sub(t, error), simd.add(t, error));
 
         let is_in_front = simd.le(self.span.min[1], near);
@@ -298,5 +304,60 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
         span: Interval,
     ) -> Option<Hit> {
         Copied { leaf, lane, index: Self::index(leaf, lane) }.hit::<S, CERTAIN>(simd, ray, span)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rt_math::{Aabb, Accelerator, NoProbe, Ray, ShearedRay};
+
+    use super::*;
+    use crate::brute_force;
+    use crate::wide::{BuildParams, SimdLevel};
+
+    struct Facets(Vec<[Vec3; 3]>);
+
+    impl Primitives for Facets {
+        fn len(&self) -> usize {
+            self.0.len()
+        }
+
+        fn bounds(&self, index: u32) -> Option<Aabb> {
+            Some(Aabb::from_points(self.0[index as usize].map(|v| v.as_dvec3())))
+        }
+
+        fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+            let hit = ShearedRay::new(ray).intersect(self.0[index as usize].map(|v| v.as_dvec3()), span)?;
+            Some(Hit { t: hit.t, instance: 0, primitive: index, uv: hit.uv })
+        }
+
+        fn leaf_layout(&self, index: u32) -> LeafLayout {
+            LeafLayout::Watertight(self.0[index as usize])
+        }
+    }
+
+    #[test]
+    fn triangles_whose_products_vanish_are_hit_and_where_they_are() {
+        let far = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|v| v + Vec3::splat(50.0));
+        let skew = [[7.4e-16, 1.45e-15, 1.77e-15], [2.65e-15, 1.44e-15, 2.53e-15], [-2.83e-15, -2.1e-16, 2.66e-15]];
+        for scale in [1.0, 1e-8, 1e-11, 1e-12, 1e-14, 1e-20, 1e-24] {
+            let small = [[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, 2.0, 0.0]].map(|v| Vec3::from(v) * scale);
+            for (facet, origin, direction) in [
+                (small, DVec3::NEG_Z * 100.0 * f64::from(scale), DVec3::Z),
+                (small, DVec3::new(0.3, 0.2, -7.0) * f64::from(scale), DVec3::new(-0.1, 0.05, 1.0)),
+                (skew.map(Vec3::from), DVec3::NEG_Z * 1e-14, DVec3::new(-0.009, 0.063, 1.0)),
+            ] {
+                let facets = Facets(vec![facet, far]);
+                let ray = Ray::new(origin, direction);
+                let expected = brute_force::closest(&facets, &ray, Interval::FORWARD, &mut NoProbe);
+                assert!(expected.is_some());
+                for &level in SimdLevel::ALL {
+                    let params = BuildParams { max_leaf: 1, ..BuildParams::default() };
+                    let tree = WideBvh::build_with(&facets, &params).expect("two triangles").with_level(level);
+                    let found = tree.closest(&facets, &ray, Interval::FORWARD, &mut NoProbe);
+                    assert_eq!(found, expected, "{facet:?} at {scale}");
+                }
+            }
+        }
     }
 }
