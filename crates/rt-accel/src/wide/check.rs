@@ -124,6 +124,14 @@ mod tests {
     }
 
     #[test]
+    fn a_root_that_is_a_leaf_is_refused() {
+        let mut tree = WideBvh::build(&Row(3)).expect("three boxes");
+        let leaf = tree.leaves().next().expect("a leaf");
+        tree.root = leaf;
+        assert_eq!(tree.check_shape(), Err(Violation::Node { node: 0 }));
+    }
+
+    #[test]
     fn lanes_that_nobody_has_checked_cannot_be_passed() {
         let tree = WideBvh::build_with(&Row(3), &super::super::BuildParams { max_leaf: 1, ..Default::default() });
         let tree = tree.expect("three boxes");

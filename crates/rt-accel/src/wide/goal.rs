@@ -200,7 +200,7 @@ impl FirstHit {
         leaf: LeafView<'_>,
         lane: usize,
     ) {
-        let hit = F::hit::<S, false>(simd, leaf, lane, ray, self.span, judge);
+        let hit = F::hit(simd, leaf, lane, ray, self.span, judge);
         self.uncounted_hits += u64::from(hit.is_some() && F::decides(leaf, lane));
         if let Some(hit) = hit
             && (!self.is_hit | hit.precedes(&self.best))

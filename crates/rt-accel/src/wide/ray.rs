@@ -277,8 +277,7 @@ mod tests {
             for case in 0..20_000 {
                 let centre = draw.vector(Draw::next) * power_of_two((draw.next() * 40.0) as i32);
                 let size = power_of_two((draw.next() * 20.0) as i32);
-                let corners =
-                    [0, 1].map(|_| centre + draw.vector(Draw::next).clamp(DVec3::NEG_ONE, DVec3::ONE) * size * 0.5);
+                let corners = [0, 1].map(|_| centre + draw.vector(Draw::next) * size * 0.5);
                 let own = Aabb::from_points(corners).padded();
                 let inner = NodeBox::outward(&own, centre);
                 let size = size.max(inner.max_abs());
@@ -300,6 +299,11 @@ mod tests {
                     n_passed += 1;
                     assert!(enter <= leave, "seed {SEED}, case {case}: {ray:?} passes {own:?} but not the filter");
                     assert!(f64::from(enter) <= clipped.min, "seed {SEED}, case {case}: {enter} after {}", clipped.min);
+                    assert!(
+                        f64::from(leave) >= clipped.max,
+                        "seed {SEED}, case {case}: {leave} before {}",
+                        clipped.max
+                    );
                 }
             }
             assert!(n_passed > 5_000 && n_proven > 15_000, "{n_passed} of {n_proven}");

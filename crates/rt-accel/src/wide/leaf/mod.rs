@@ -474,7 +474,7 @@ pub(super) trait Filter: Copy {
 
     /// Decides where a primitive is hit within the span, as [`copied_hit`](Self::copied_hit) does or by asking for it.
     #[inline(always)]
-    fn hit<S: Simd, const CERTAIN: bool>(
+    fn hit<S: Simd>(
         simd: S,
         leaf: LeafView<'_>,
         lane: usize,
@@ -483,7 +483,7 @@ pub(super) trait Filter: Copy {
         judge: &mut dyn Judge,
     ) -> Option<Hit> {
         if Self::decides(leaf, lane) {
-            Self::copied_hit::<S, CERTAIN>(simd, leaf, lane, ray, span)
+            Self::copied_hit::<S, false>(simd, leaf, lane, ray, span)
         } else {
             judge.closest(Self::index(leaf, lane), ray.ray, span)
         }
