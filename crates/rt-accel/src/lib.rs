@@ -116,8 +116,8 @@ pub use ray_query::RayQuery;
 pub use region::{Ball, Frustum, FrustumError, Region};
 pub use region_query::{PointHit, RegionQuery};
 pub use rt_math::{
-    Aabb, Accelerator, Counters, DVec3, Hit, Interval, LeafLayout, NearestPoint, NoProbe, Primitives, Probe, Ray,
-    RayCounts, RayKind, RoundSphere, SlabRay,
+    Aabb, Accelerator, BatchKernel, Counters, DVec3, Hit, Interval, LeafLayout, NearestPoint, NoProbe, Primitives,
+    Probe, Ray, RayCounts, RayKind, RoundSphere, SlabRay,
 };
 pub use stats::BuildStats;
 pub use structure::{Refit, Structure};

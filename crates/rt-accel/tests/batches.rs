@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::{Handful, SimdLevel};
 use rt_accel::{
-    Aabb, Accelerator, Counters, DVec3, Hit, Interval, LeafLayout, Linear, NoProbe, Primitives, Ray, RoundSphere,
-    Structure, WideBvh, brute_force,
+    Aabb, Accelerator, BatchKernel, Bvh, Counters, DVec3, Hit, Interval, LeafLayout, Linear, NoProbe, Primitives,
+    Probe, Ray, RoundSphere, Structure, WideBvh, brute_force,
 };
 use rt_math::Vec3;
 use soup::draw::Draw;
@@ -264,6 +264,130 @@ fn handfuls_answer_and_count_as_brute_force() {
     }
     assert!(n_hits > 10_000, "{n_hits} hits");
     assert!(Handful::new(0..=Handful::MOST as u32).is_none());
+}
+
+/// A set of which some are structures themselves, some block nothing, and hits are named by instances.
+struct Yard<'t, T>(Vec<Thing<'t, T>>);
+
+struct Thing<'t, T> {
+    soup: &'t Soup,
+    /// The structure over the soup; without one the thing is the soup's only solid.
+    structure: Option<&'t T>,
+    blocks: bool,
+}
+
+impl<T: Structure> Primitives for Yard<'_, T> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        let bounds = self.0[index as usize].soup.0.iter().map(Solid::bounds);
+        bounds.reduce(|all, one| Some(all?.union(one?))).flatten()
+    }
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.intersect_probed(index, ray, span, &mut NoProbe)
+    }
+    fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
+        self.occludes_probed(index, ray, span, &mut NoProbe)
+    }
+    fn intersect_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
+        let Thing { soup, structure, .. } = self.0[index as usize];
+        let hit = match structure {
+            Some(structure) => structure.closest(soup, ray, span, probe),
+            None => soup.intersect(0, ray, span),
+        };
+        hit.map(|hit| Hit { instance: index, ..hit })
+    }
+    fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        let Thing { soup, structure, blocks } = self.0[index as usize];
+        blocks
+            && match structure {
+                Some(structure) => structure.occluded(soup, ray, span, probe),
+                None => soup.occludes(0, ray, span),
+            }
+    }
+    fn batch_kernel(&self, index: u32) -> BatchKernel {
+        let Thing { soup, structure, .. } = self.0[index as usize];
+        if structure.is_some() { BatchKernel::Structure } else { soup.batch_kernel(0) }
+    }
+    fn hit_name(&self, index: u32) -> [u32; 2] {
+        [index, 0]
+    }
+    fn blocks(&self, index: u32) -> bool {
+        self.0[index as usize].blocks
+    }
+    fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
+        let Thing { soup, structure, .. } = self.0[index as usize];
+        structure.unwrap().closest_batch(soup, rays, hits, probe);
+        hits.iter_mut().flatten().for_each(|hit| hit.instance = index);
+    }
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
+        let Thing { soup, structure, blocks } = self.0[index as usize];
+        if blocks {
+            structure.unwrap().occluded_batch(soup, rays, blocked, probe);
+        } else {
+            blocked.fill(false);
+        }
+    }
+}
+
+/// As [`handfuls_answer_and_count_as_brute_force`], with structures among the members.
+fn compare_yards<T: Structure>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
+    let draw = &mut Draw::new(seed);
+    let mut n_hits = 0;
+    for round in 0..40 {
+        let scale = draw.pick(&[1.0, 1e-3, 1e12]);
+        let offset = DVec3::new(1.0, -0.7, 0.3) * draw.pick(&[0.0, 1e4]);
+        let pool = Soup::mixed(draw).0.into_iter().chain(Soup::facets(draw).0).collect::<Vec<_>>();
+        let soups: Vec<Soup> = (0..1 + draw.below(8))
+            .map(|_| {
+                let n = draw.pick(&[1, 1, 30]);
+                Soup((0..n).map(|_| draw.pick(&pool)).collect()).rounded().scaled(scale).moved(offset)
+            })
+            .collect();
+        let structures: Vec<T> = soups.iter().map(build).collect();
+        let yard = Yard(
+            soups
+                .iter()
+                .zip(&structures)
+                .map(|(soup, structure)| Thing {
+                    soup,
+                    structure: (soup.0.len() > 1 || draw.one_in(8)).then_some(structure),
+                    blocks: !draw.one_in(4),
+                })
+                .collect(),
+        );
+        let everything = Soup(soups.iter().flat_map(|soup| soup.0.clone()).collect());
+        let rays = with_odd_ones(bundles(&everything, 600, draw), draw);
+        for level in levels() {
+            let handful = Handful::new(0..yard.len() as u32).unwrap().with_level(level);
+            let [mut counted, mut expected] = [Counters::default(); 2];
+            for rays in rays.chunks(draw.pick(&[1, 5, 13, 64, 300])) {
+                let mut hits = vec![None; rays.len()];
+                let mut blocked = vec![false; rays.len()];
+                handful.closest_batch(&yard, rays, &mut hits, &mut counted);
+                handful.occluded_batch(&yard, rays, &mut blocked, &mut counted);
+                for (i, (ray, span)) in rays.iter().enumerate() {
+                    let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
+                    let hit = brute_force::closest(&yard, ray, *span, &mut expected);
+                    assert_eq!(key(hits[i]), key(hit), "{name}");
+                    assert_eq!(blocked[i], brute_force::occluded(&yard, ray, *span, &mut expected), "{name}");
+                    n_hits += usize::from(hit.is_some());
+                }
+            }
+            assert!(!counts || counted.total() == expected.total(), "round {round}: {counted:?} {expected:?}");
+        }
+    }
+    assert!(n_hits > 5000, "{n_hits} hits");
+}
+
+/// The last bit; where a structure does the same for batches as for rays, the last test as well.
+#[test]
+fn structures_among_a_handful_are_asked_for_batches_with_the_answers_of_single_queries() {
+    let seed = Draw::run_seed();
+    println!("batches: seed {seed}");
+    compare_yards(seed, |soup| Bvh::build(soup).unwrap(), true);
+    compare_yards(seed, |soup| WideBvh::build(soup).unwrap(), false);
 }
 
 #[test]

@@ -98,6 +98,45 @@ pub fn decide_offered_occluded<P: Primitives, S: Probe>(
     blocked
 }
 
+/// As [`decide_offered`] for many rays, with the same results: `hits[i]` answers `rays[i]`. Rays beyond the shorter slice are
+/// left alone.
+pub fn decide_offered_batch<P: Primitives, S: Probe>(
+    primitives: &P,
+    index: u32,
+    rays: &[(Ray, Interval)],
+    hits: &mut [Option<Hit>],
+    probe: &mut S,
+) {
+    primitives.intersect_batch(index, rays, hits, probe);
+    for ((ray, span), answer) in rays.iter().zip(hits) {
+        let Some(hit) = answer else { continue };
+        match own_box_entry(primitives, index, ray, *span) {
+            Some(entry) => {
+                probe.hit();
+                hit.t = raised(hit.t, entry);
+            }
+            None => *answer = None,
+        }
+    }
+}
+
+/// As [`decide_offered_occluded`] for many rays, with the same results.
+pub fn decide_offered_occluded_batch<P: Primitives, S: Probe>(
+    primitives: &P,
+    index: u32,
+    rays: &[(Ray, Interval)],
+    blocked: &mut [bool],
+    probe: &mut S,
+) {
+    primitives.occludes_batch(index, rays, blocked, probe);
+    for ((ray, span), blocked) in rays.iter().zip(blocked) {
+        *blocked = *blocked && own_box_entry(primitives, index, ray, *span).is_some();
+        if *blocked {
+            probe.hit();
+        }
+    }
+}
+
 /// Where the ray enters the own box within `span`: at once if there is no box, `None` if it passes the box by.
 ///
 /// Apart from the loops over offers, where it would be in the way of their misses. Reciprocals are taken here once more: a

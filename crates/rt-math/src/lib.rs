@@ -58,14 +58,17 @@ mod transform_keys;
 
 pub use aabb::{Aabb, FAR_FACTOR, OWN_BOX_PAD, SlabRay};
 pub use accelerator::Accelerator;
-pub use decide::{decide, decide_occluded, decide_offered, decide_offered_occluded, decide_triangle, own_box};
+pub use decide::{
+    decide, decide_occluded, decide_offered, decide_offered_batch, decide_offered_occluded,
+    decide_offered_occluded_batch, decide_triangle, own_box,
+};
 pub use frame::Frame;
 pub use hit::Hit;
 pub use interval::Interval;
 pub use motion::{Motion, MotionError};
 pub use motion_chain::MotionChain;
 pub use nearest_point::NearestPoint;
-pub use primitives::{LeafLayout, Primitives};
+pub use primitives::{BatchKernel, LeafLayout, Primitives};
 pub use probe::{Counters, NoProbe, Probe, RayCounts, RayKind, Tally};
 pub use ray::Ray;
 pub use rgb::Rgb;

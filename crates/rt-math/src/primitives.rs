@@ -27,6 +27,22 @@ pub enum LeafLayout {
     Box(Aabb),
 }
 
+/// What decides about a primitive that is asked for many rays at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BatchKernel {
+    /// [`ShearedRay::intersect`](crate::ShearedRay::intersect) of these vertices. The primitive's `bounds` are the smallest box
+    /// around them.
+    Triangle([Vec3; 3]),
+    /// [`RoundSphere::intersect`](crate::RoundSphere::intersect), with `uv` 0. `bounds` contains the box of the centre plus and minus the
+    /// radius, as rounded.
+    Sphere(RoundSphere),
+    /// The primitive is a structure, which answers many rays faster together than one by one:
+    /// [`Primitives::intersect_batch`].
+    Structure,
+    /// [`Primitives::intersect`] alone, ray by ray.
+    Single,
+}
+
 /// An indexed set of primitives. Shapes of this project implement it, and so can anyone:
 /// [`bounds`](Self::bounds) and [`intersect`](Self::intersect) are all that a structure needs.
 ///
@@ -70,6 +86,45 @@ pub trait Primitives: Sync {
     #[inline(always)]
     fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, _probe: &mut S) -> bool {
         self.occludes(index, ray, span)
+    }
+
+    /// What decides about primitive `index`, for structures that ask it for many rays at a time; by default what
+    /// [`leaf_layout`](Self::leaf_layout) promises.
+    #[inline]
+    fn batch_kernel(&self, index: u32) -> BatchKernel {
+        match self.leaf_layout(index) {
+            LeafLayout::Watertight(vertices) => BatchKernel::Triangle(vertices),
+            LeafLayout::Round(sphere) => BatchKernel::Sphere(sphere),
+            _ => BatchKernel::Single,
+        }
+    }
+
+    /// Instance and primitive of hits on primitive `index`, if its [`batch_kernel`](Self::batch_kernel) is a triangle or a sphere.
+    #[inline]
+    fn hit_name(&self, index: u32) -> [u32; 2] {
+        [0, index]
+    }
+
+    /// False if primitive `index` blocks no ray, whatever it is: [`occludes`](Self::occludes) is never true. Otherwise `occludes`
+    /// agrees with the [`batch_kernel`](Self::batch_kernel), if that is a triangle or a sphere.
+    #[inline]
+    fn blocks(&self, _index: u32) -> bool {
+        true
+    }
+
+    /// As [`intersect_probed`](Self::intersect_probed) for many rays, with the same results: `hits[i]` answers `rays[i]`. Rays
+    /// beyond the shorter slice are left alone.
+    fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
+        for ((ray, span), hit) in rays.iter().zip(hits) {
+            *hit = self.intersect_probed(index, ray, *span, probe);
+        }
+    }
+
+    /// As [`occludes_probed`](Self::occludes_probed) for many rays, with the same results.
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
+        for ((ray, span), blocked) in rays.iter().zip(blocked) {
+            *blocked = self.occludes_probed(index, ray, *span, probe);
+        }
     }
 
     /// The numbers of primitive `index`, if it is of a kind that wide filters know.

@@ -177,9 +177,7 @@ impl<'s> Flattener<'s> {
         if within_group {
             self.number(&mut parts)?;
         }
-        let is_single =
-            |part: &Part| !matches!(part.geometry.at_rest(), PartGeometry::Mesh(..) | PartGeometry::Group(..));
-        let is_flat = self.may_be_flat && !within_group && parts.iter().all(is_single);
+        let is_flat = self.may_be_flat && !within_group && !parts.iter().any(|part| part.geometry.is_structure());
         let set = Parts { parts: &parts, levels: &self.levels, is_flat };
         let structure = structure::build(self.wanted, &set).map_err(|source| {
             let object = match source {

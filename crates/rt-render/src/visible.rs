@@ -4,7 +4,9 @@ use core::ops::ControlFlow;
 
 use rt_accel::{AnyStructure, BuildError, Region, Structure as _, wide::Handful};
 use rt_camera::ViewVolume;
-use rt_math::{Aabb, Accelerator, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RoundSphere, own_box};
+use rt_math::{
+    Aabb, Accelerator, BatchKernel, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RoundSphere, own_box,
+};
 
 use crate::structure::{self, FEW_SPHERES, Wanted, are_few};
 
@@ -207,6 +209,26 @@ impl<P: Primitives> Primitives for Subset<'_, P> {
 
     fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         self.all.occludes_probed(self.indices[index as usize], ray, span, probe)
+    }
+
+    fn batch_kernel(&self, index: u32) -> BatchKernel {
+        self.all.batch_kernel(self.indices[index as usize])
+    }
+
+    fn hit_name(&self, index: u32) -> [u32; 2] {
+        self.all.hit_name(self.indices[index as usize])
+    }
+
+    fn blocks(&self, index: u32) -> bool {
+        self.all.blocks(self.indices[index as usize])
+    }
+
+    fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
+        self.all.intersect_batch(self.indices[index as usize], rays, hits, probe);
+    }
+
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
+        self.all.occludes_batch(self.indices[index as usize], rays, blocked, probe);
     }
 
     fn leaf_layout(&self, index: u32) -> LeafLayout {

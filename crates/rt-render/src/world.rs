@@ -3,11 +3,13 @@
 //! The upper level holds parts in world space. A part is a shape, a mesh under a transform, or a group: an assembly of
 //! parts in a space of its own, shared by all its instances. Groups hold no groups; flattening saw to that.
 
-use std::sync::Arc;
+use std::{borrow::Cow, sync::Arc};
 
 use rt_accel::AnyStructure;
 use rt_geometry::{Placed, Shape, ShapeHit, SurfaceInteraction, SurfaceNeeds, TriangleMesh};
-use rt_math::{Aabb, Accelerator, Hit, Interval, LeafLayout, MotionChain, Primitives, Probe, Ray, Transform};
+use rt_math::{
+    Aabb, Accelerator, BatchKernel, Hit, Interval, LeafLayout, MotionChain, Primitives, Probe, Ray, Transform,
+};
 use rt_shading::{Relief, SurfaceHit, Texture, emitter::EmitterRef};
 
 use crate::porous::{Holes, PorousMesh};
@@ -75,6 +77,11 @@ impl PartGeometry {
         if let Self::Moving(moving) = self { &moving.geometry } else { self }
     }
 
+    /// True if it is a structure over many primitives.
+    pub(crate) fn is_structure(&self) -> bool {
+        matches!(self.at_rest(), Self::Mesh(..) | Self::Group(..))
+    }
+
     /// Index of the [`Assembly`] that it places.
     pub(crate) fn group(&self) -> Option<u32> {
         if let Self::Group(level, _) = self.at_rest() { Some(*level) } else { None }
@@ -112,6 +119,38 @@ impl MeshLevel {
             Some(holes) => self.structure.occluded(&PorousMesh { mesh: &self.mesh, holes, textures }, ray, span, probe),
         }
     }
+
+    fn closest_batch<S: Probe>(
+        &self,
+        textures: &[Texture],
+        rays: &[(Ray, Interval)],
+        hits: &mut [Option<Hit>],
+        probe: &mut S,
+    ) {
+        match &self.holes {
+            None => self.structure.closest_batch(&*self.mesh, rays, hits, probe),
+            Some(holes) => {
+                let porous = PorousMesh { mesh: &self.mesh, holes, textures };
+                self.structure.closest_batch(&porous, rays, hits, probe);
+            }
+        }
+    }
+
+    fn occluded_batch<S: Probe>(
+        &self,
+        textures: &[Texture],
+        rays: &[(Ray, Interval)],
+        blocked: &mut [bool],
+        probe: &mut S,
+    ) {
+        match &self.holes {
+            None => self.structure.occluded_batch(&*self.mesh, rays, blocked, probe),
+            Some(holes) => {
+                let porous = PorousMesh { mesh: &self.mesh, holes, textures };
+                self.structure.occluded_batch(&porous, rays, blocked, probe);
+            }
+        }
+    }
 }
 
 /// A list of parts with the structure over them.
@@ -128,6 +167,12 @@ impl Assembly {
     /// The parts as a set of primitives.
     pub(crate) fn set<'w>(&'w self, levels: &'w Levels) -> Parts<'w> {
         Parts { parts: &self.parts, levels, is_flat: self.is_flat }
+    }
+
+    /// A hit on a part of a group as one on the instance: its primitives are numbered in a row.
+    fn renamed(&self, hit: Hit, instance: u32) -> Hit {
+        let first = self.parts[hit.instance as usize].first_primitive;
+        Hit { instance, primitive: first + hit.primitive, ..hit }
     }
 
     /// The parts with those of all groups, each of which is told once.
@@ -158,15 +203,34 @@ fn localise(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
     parent_from_local.map_or(*ray, |transform| transform.inverse_ray(ray))
 }
 
+/// As [`localise`], of many rays.
+fn localise_all<'r>(rays: &'r [(Ray, Interval)], parent_from_local: Option<&Transform>) -> Cow<'r, [(Ray, Interval)]> {
+    parent_from_local.map_or(Cow::Borrowed(rays), |transform| {
+        rays.iter().map(|(ray, span)| (transform.inverse_ray(ray), *span)).collect()
+    })
+}
+
+/// The rays in the space of something that moves, each at its own moment.
+fn localise_at_their_moments(rays: &[(Ray, Interval)], moving: &Moving) -> Vec<(Ray, Interval)> {
+    let local = |ray: &Ray| moving.assembly_from_local.at(ray.time).inverse_ray(ray);
+    rays.iter().map(|(ray, span)| (local(ray), *span)).collect()
+}
+
 impl Parts<'_> {
     /// The place of the part that a hit is on.
     pub(crate) fn place(&self, hit: &Hit) -> u32 {
         if self.is_flat { hit.primitive } else { hit.instance }
     }
 
-    /// A hit of a part that is one primitive. Places rise with names either way, so that ties go to the same part.
-    fn name(&self, index: u32, t: f64, uv: [f64; 2]) -> Hit {
-        let (instance, primitive) = if self.is_flat { (0, index) } else { (index, 0) };
+    /// Instance and primitive of a part that is one primitive. Places rise with names either way, so that ties go to the same
+    /// part.
+    fn name(&self, index: u32) -> [u32; 2] {
+        if self.is_flat { [0, index] } else { [index, 0] }
+    }
+
+    /// A hit of a part that is one primitive.
+    fn single(&self, index: u32, t: f64, uv: [f64; 2]) -> Hit {
+        let [instance, primitive] = self.name(index);
         Hit { t, instance, primitive, uv }
     }
 
@@ -243,7 +307,7 @@ impl Parts<'_> {
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
-        let single = |hit: ShapeHit| self.name(index, hit.t, hit.uv);
+        let single = |hit: ShapeHit| self.single(index, hit.t, hit.uv);
         match geometry {
             PartGeometry::Shape(shape) => shape.intersect(ray, span).map(single),
             PartGeometry::Placed(placed) => placed.intersect(ray, span).map(single),
@@ -255,15 +319,14 @@ impl Parts<'_> {
             }
             PartGeometry::Facet(mesh, triangle) => {
                 let hit = mesh.intersect(*triangle, ray, span)?;
-                Some(self.name(index, hit.t, hit.uv))
+                Some(self.single(index, hit.t, hit.uv))
             }
             PartGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
                 let ray = localise(ray, transform.as_deref());
                 let hit = group.structure.closest(&inner, &ray, span, probe)?;
-                let first = group.parts[hit.instance as usize].first_primitive;
-                Some(Hit { instance: index, primitive: first + hit.primitive, ..hit })
+                Some(group.renamed(hit, index))
             }
             PartGeometry::Moving(moving) => self.closest_on_moving((index, moving), ray, span, probe),
         }
@@ -298,6 +361,68 @@ impl Parts<'_> {
                 group.structure.occluded(&inner, &localise(ray, transform.as_deref()), span, probe)
             }
             PartGeometry::Moving(moving) => self.occluded_by_moving(moving, ray, span, probe),
+        }
+    }
+
+    /// As [`closest_on`](Self::closest_on) for many rays.
+    fn closest_on_for_all<S: Probe>(
+        &self,
+        (index, geometry): (u32, &PartGeometry),
+        rays: &[(Ray, Interval)],
+        hits: &mut [Option<Hit>],
+        probe: &mut S,
+    ) {
+        match geometry {
+            PartGeometry::Mesh(level, transform) => {
+                let rays = localise_all(rays, transform.as_deref());
+                self.levels.meshes[*level as usize].closest_batch(&self.levels.textures, &rays, hits, probe);
+                hits.iter_mut().flatten().for_each(|hit| hit.instance = index);
+            }
+            PartGeometry::Group(level, transform) => {
+                let group = &self.levels.groups[*level as usize];
+                let rays = localise_all(rays, transform.as_deref());
+                group.structure.closest_batch(&group.set(self.levels), &rays, hits, probe);
+                hits.iter_mut().flatten().for_each(|hit| *hit = group.renamed(*hit, index));
+            }
+            PartGeometry::Moving(moving) => {
+                let rays = localise_at_their_moments(rays, moving);
+                self.closest_on_for_all((index, &moving.geometry), &rays, hits, probe);
+            }
+            PartGeometry::Shape(_) | PartGeometry::Placed(_) | PartGeometry::Facet(..) => {
+                for ((ray, span), hit) in rays.iter().zip(hits) {
+                    *hit = self.closest_on((index, geometry), ray, *span, probe);
+                }
+            }
+        }
+    }
+
+    /// As [`occluded_by`](Self::occluded_by) for many rays.
+    fn occluded_by_for_all<S: Probe>(
+        &self,
+        geometry: &PartGeometry,
+        rays: &[(Ray, Interval)],
+        blocked: &mut [bool],
+        probe: &mut S,
+    ) {
+        match geometry {
+            PartGeometry::Mesh(level, transform) => {
+                let rays = localise_all(rays, transform.as_deref());
+                self.levels.meshes[*level as usize].occluded_batch(&self.levels.textures, &rays, blocked, probe);
+            }
+            PartGeometry::Group(level, transform) => {
+                let group = &self.levels.groups[*level as usize];
+                let rays = localise_all(rays, transform.as_deref());
+                group.structure.occluded_batch(&group.set(self.levels), &rays, blocked, probe);
+            }
+            PartGeometry::Moving(moving) => {
+                let rays = localise_at_their_moments(rays, moving);
+                self.occluded_by_for_all(&moving.geometry, &rays, blocked, probe);
+            }
+            PartGeometry::Shape(_) | PartGeometry::Placed(_) | PartGeometry::Facet(..) => {
+                for ((ray, span), blocked) in rays.iter().zip(blocked) {
+                    *blocked = self.occluded_by(geometry, ray, *span, probe);
+                }
+            }
         }
     }
 
@@ -336,6 +461,38 @@ impl Primitives for Parts<'_> {
     fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         let part = &self.parts[index as usize];
         part.casts_shadow && self.occluded_by(&part.geometry, ray, span, probe)
+    }
+
+    fn batch_kernel(&self, index: u32) -> BatchKernel {
+        match &self.parts[index as usize].geometry {
+            PartGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.round()),
+            PartGeometry::Facet(mesh, triangle) => mesh.batch_kernel(*triangle),
+            geometry if geometry.is_structure() => BatchKernel::Structure,
+            _ => BatchKernel::Single,
+        }
+    }
+
+    fn hit_name(&self, index: u32) -> [u32; 2] {
+        self.name(index)
+    }
+
+    fn blocks(&self, index: u32) -> bool {
+        self.parts[index as usize].casts_shadow
+    }
+
+    fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
+        let n = rays.len().min(hits.len());
+        let part = &self.parts[index as usize];
+        self.closest_on_for_all((index, &part.geometry), &rays[..n], &mut hits[..n], probe);
+    }
+
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
+        let part = &self.parts[index as usize];
+        if part.casts_shadow {
+            self.occluded_by_for_all(&part.geometry, rays, blocked, probe);
+        } else {
+            blocked.fill(false);
+        }
     }
 
     fn leaf_layout(&self, index: u32) -> LeafLayout {

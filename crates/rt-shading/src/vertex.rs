@@ -88,17 +88,19 @@ impl<'a> Vertex<'a> {
     #[inline]
     pub(crate) fn scattered_and_weighted(&self, wi: DVec3, pdf: f64) -> Rgb {
         let Some(local) = self.local(wi) else { return Rgb::BLACK };
-        let all = self.bsdf.eval(self.wo, local);
+        let (all, other) = match self.part {
+            Part::All => self.bsdf.eval_with_pdf(self.wo, local),
+            _ => (self.bsdf.eval(self.wo, local), 0.0),
+        };
         if all.is_black() {
             return all;
         }
         let weighted = match self.part {
-            Part::All => all * power_heuristic(pdf, self.bsdf.pdf(self.wo, local)),
+            Part::All => all * power_heuristic(pdf, other),
             Part::Nothing => all,
             Part::Some(part) => {
-                let followed = part.eval(self.wo, local);
-                let weight = power_heuristic(pdf, part.pdf(self.wo, local));
-                all - followed * (1.0 - weight)
+                let (followed, other) = part.eval_with_pdf(self.wo, local);
+                all - followed * (1.0 - power_heuristic(pdf, other))
             }
         };
         weighted * local.z.abs()

@@ -29,8 +29,8 @@
 //!
 //! Up to 16 primitives are a [`Handful`](crate::wide::Handful): batches ask each of them for eight rays at a time, in lanes of
 //! `f64` with the operations of the one kernel, so that there is nothing to prepare and, but for rays that graze, nothing left
-//! to decide. This goes for spheres that are [`LeafLayout::Round`](crate::LeafLayout::Round) and triangles that are
-//! [`LeafLayout::Watertight`](crate::LeafLayout::Watertight); others are asked ray by ray.
+//! to decide. This goes for spheres and triangles that say so ([`BatchKernel`](crate::BatchKernel)); others are asked ray by ray, but
+//! for structures, of which a whole batch is asked at once.
 //!
 //! # What "the same answer" means
 //!

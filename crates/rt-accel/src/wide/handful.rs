@@ -1,11 +1,11 @@
-//! A handful of primitives, without a tree: each is asked in turn, and spheres and triangles are asked for eight rays at a
-//! time.
+//! A handful of primitives, without a tree: each is asked in turn, spheres and triangles for eight rays at a time, and what is
+//! a structure itself for all rays of a batch.
 
 use core::array;
 
 use rt_math::{
-    Accelerator, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RoundSphere, decide_offered,
-    decide_offered_occluded,
+    Accelerator, BatchKernel, DVec3, Hit, Interval, Primitives, Probe, Ray, RoundSphere, decide_offered,
+    decide_offered_batch, decide_offered_occluded, decide_offered_occluded_batch,
 };
 
 use super::across::{EightRays, Meetings, PACKET};
@@ -24,7 +24,8 @@ const FEW: usize = 3;
 ///
 /// All are asked in turn, by rising index, with the answers and [`Counters`](crate::Counters) of
 /// [`brute_force`](crate::brute_force), to the last bit and the last test. In batches, those that are
-/// [`LeafLayout::Round`] or [`LeafLayout::Watertight`] are decided about for eight rays at a time.
+/// [`BatchKernel::Sphere`] or [`BatchKernel::Triangle`] are decided about for eight rays at a time, and [`BatchKernel::Structure`]s
+/// are asked for all rays of the batch at once.
 ///
 /// ```
 /// use rt_accel::{Aabb, Accelerator, Boxes, DVec3, Interval, NoProbe, Ray, wide::Handful};
@@ -81,22 +82,21 @@ impl Handful {
     ) -> Work {
         let n = rays.len().min(answers.len());
         let (rays, answers) = (rays.get(..n).unwrap_or(&[]), answers.get_mut(..n).unwrap_or(&mut []));
-        let mut members = [Member { index: 0, shape: Shape::Other }; Self::MOST];
-        let mut n_known = 0;
+        let mut members = [Member::NONE; Self::MOST];
         for (member, &index) in members.iter_mut().zip(self.indices()) {
-            let shape = match primitives.leaf_layout(index) {
-                LeafLayout::Round(sphere) => Shape::Round(sphere),
-                LeafLayout::Watertight(vertices) => Shape::Facet(vertices.map(|vertex| vertex.as_dvec3())),
-                _ => Shape::Other,
-            };
-            n_known += usize::from(!matches!(shape, Shape::Other));
-            *member = Member { index, shape };
+            *member = Member::of(primitives, index);
         }
-        let mut batch = Batch { members: members.get(..self.len).unwrap_or(&[]), decider, work: Work::default() };
-        if n_known == 0 {
-            batch.ask_alone(rays, answers);
-        } else {
-            self.level.dispatch(&mut batch, rays, answers);
+        let members = members.get(..self.len).unwrap_or(&[]);
+        answers.fill(A::default());
+        let mut batch = Batch { members, is_first: true, decider, work: Work::default() };
+        for members in members.chunk_by(|a, b| !a.is_structure() && !b.is_structure()) {
+            batch.members = members;
+            match members {
+                [member] if member.is_structure() => batch.ask_structure(member.index, rays, answers),
+                _ if members.iter().any(Member::is_known) => self.level.dispatch(&mut batch, rays, answers),
+                _ => batch.ask_alone(rays, answers),
+            }
+            batch.is_first = false;
         }
         batch.work
     }
@@ -106,19 +106,49 @@ impl Handful {
 #[derive(Clone, Copy)]
 struct Member {
     index: u32,
-    shape: Shape,
+    /// Instance and primitive of its hits.
+    name: [u32; 2],
+    blocks: bool,
+    kernel: Kind,
 }
 
-/// What is known of its shape.
+/// What decides about it, as [`BatchKernel`] has it.
 #[derive(Clone, Copy)]
-enum Shape {
-    Round(RoundSphere),
-    Facet([DVec3; 3]),
-    Other,
+enum Kind {
+    Sphere(RoundSphere),
+    Triangle([DVec3; 3]),
+    Structure,
+    Single,
+}
+
+impl Member {
+    const NONE: Self = Self { index: 0, name: [0; 2], blocks: false, kernel: Kind::Single };
+
+    fn of<P: Primitives>(primitives: &P, index: u32) -> Self {
+        let kernel = match primitives.batch_kernel(index) {
+            BatchKernel::Sphere(sphere) => Kind::Sphere(sphere),
+            BatchKernel::Triangle(vertices) => Kind::Triangle(vertices.map(|vertex| vertex.as_dvec3())),
+            BatchKernel::Structure => Kind::Structure,
+            BatchKernel::Single => Kind::Single,
+        };
+        Self { index, name: primitives.hit_name(index), blocks: primitives.blocks(index), kernel }
+    }
+
+    const fn is_structure(&self) -> bool {
+        matches!(self.kernel, Kind::Structure)
+    }
+
+    /// True if it is decided about in lanes.
+    const fn is_known(&self) -> bool {
+        matches!(self.kernel, Kind::Sphere(_) | Kind::Triangle(_))
+    }
 }
 
 /// What has been found for a ray.
 trait Answer: Copy + Default {
+    /// True if what blocks no ray matters.
+    const SEES_ALL: bool;
+
     /// True if nothing else matters.
     fn is_final(&self) -> bool;
 
@@ -133,6 +163,8 @@ trait Answer: Copy + Default {
 }
 
 impl Answer for Option<Hit> {
+    const SEES_ALL: bool = true;
+
     #[inline(always)]
     fn is_final(&self) -> bool {
         false
@@ -163,6 +195,8 @@ impl Answer for Option<Hit> {
 }
 
 impl Answer for bool {
+    const SEES_ALL: bool = false;
+
     #[inline(always)]
     fn is_final(&self) -> bool {
         *self
@@ -190,13 +224,12 @@ trait Decider<A> {
     /// About one of them, whose test has been counted.
     fn decide(&mut self, index: u32, ray: &Ray, span: Interval) -> A;
 
-    /// About all of them.
-    fn decide_all(&mut self, ray: &Ray, span: Interval) -> A;
+    /// About one of them, for many rays whose tests have been counted: `answers[i]` is for `rays[i]`.
+    fn decide_for_all(&mut self, index: u32, rays: &[(Ray, Interval)], answers: &mut [A]);
 }
 
 /// The primitives of a query.
 struct Members<'a, P, S> {
-    indices: &'a [u32],
     primitives: &'a P,
     probe: &'a mut S,
 }
@@ -206,10 +239,8 @@ impl<P: Primitives, S: Probe> Decider<Option<Hit>> for Members<'_, P, S> {
         decide_offered(self.primitives, index, ray, span, self.probe)
     }
 
-    fn decide_all(&mut self, ray: &Ray, span: Interval) -> Option<Hit> {
-        let mut query = Closest::new(ray, span);
-        let _ = query.offer_all(self.primitives, self.indices, self.probe);
-        query.hit
+    fn decide_for_all(&mut self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>]) {
+        decide_offered_batch(self.primitives, index, rays, hits, self.probe);
     }
 }
 
@@ -218,14 +249,17 @@ impl<P: Primitives, S: Probe> Decider<bool> for Members<'_, P, S> {
         decide_offered_occluded(self.primitives, index, ray, span, self.probe)
     }
 
-    fn decide_all(&mut self, ray: &Ray, span: Interval) -> bool {
-        Any::new(ray, span).offer_all(self.primitives, self.indices, self.probe).is_break()
+    fn decide_for_all(&mut self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
+        decide_offered_occluded_batch(self.primitives, index, rays, blocked, self.probe);
     }
 }
 
 /// A batch that is asked for.
 struct Batch<'a, A> {
+    /// Those who are asked now.
     members: &'a [Member],
+    /// True if nobody has been asked before them.
+    is_first: bool,
     decider: &'a mut dyn Decider<A>,
     /// Beside what the decider has counted.
     work: Work,
@@ -252,19 +286,63 @@ impl<A: Answer> Batch<'_, A> {
     /// Asks for each ray by itself.
     fn ask_alone(&mut self, rays: &[(Ray, Interval)], answers: &mut [A]) {
         for ((ray, span), answer) in rays.iter().zip(answers) {
-            *answer = self.decider.decide_all(ray, *span);
+            self.ask_for(ray, *span, answer);
+        }
+    }
+
+    /// Asks for one ray.
+    fn ask_for(&mut self, ray: &Ray, span: Interval, answer: &mut A) {
+        for member in self.members {
+            if answer.is_final() {
+                return;
+            }
+            self.work.tests += 1;
+            let span = Interval { max: answer.end(span.max), ..span };
+            answer.consider(self.decider.decide(member.index, ray, span));
+        }
+    }
+
+    /// Asks a structure for all rays for which something else may still matter.
+    fn ask_structure(&mut self, index: u32, rays: &[(Ray, Interval)], answers: &mut [A]) {
+        if self.is_first {
+            self.work.tests += rays.len() as u64;
+            return self.decider.decide_for_all(index, rays, answers);
+        }
+        // One allocation or two for a batch, and not for a ray.
+        let mut who = Vec::with_capacity(rays.len());
+        let mut asking = Vec::with_capacity(rays.len());
+        for (at, ((ray, span), answer)) in rays.iter().zip(&*answers).enumerate() {
+            if !answer.is_final() {
+                who.push(at);
+                asking.push((*ray, Interval { max: answer.end(span.max), ..*span }));
+            }
+        }
+        self.work.tests += asking.len() as u64;
+        let mut found = vec![A::default(); asking.len()];
+        self.decider.decide_for_all(index, &asking, &mut found);
+        for (at, found) in who.into_iter().zip(found) {
+            if let Some(answer) = answers.get_mut(at) {
+                answer.consider(found);
+            }
         }
     }
 
     /// Takes the certain hits of some rays on a member into account.
     #[inline(always)]
-    fn take_hits<S: Simd>(&mut self, simd: S, index: u32, asked: u32, meetings: &Meetings<S>, found: &mut [A; PACKET]) {
+    fn take_hits<S: Simd>(
+        &mut self,
+        simd: S,
+        [instance, primitive]: [u32; 2],
+        asked: u32,
+        meetings: &Meetings<S>,
+        found: &mut [A; PACKET],
+    ) {
         let [v, w] = meetings.uv;
         let (t, v, w) = (meetings.t.to_array(simd), v.to_array(simd), w.to_array(simd));
         let mut hit = asked & meetings.hit;
         while hit != 0 {
             let lane = take_lane(&mut hit);
-            let hit = Hit { t: t[lane], instance: 0, primitive: index, uv: [v[lane], w[lane]] };
+            let hit = Hit { t: t[lane], instance, primitive, uv: [v[lane], w[lane]] };
             self.work.hits += u64::from(found[lane].consider_hit(hit));
         }
     }
@@ -278,23 +356,32 @@ impl<A: Answer> Batch<'_, A> {
         let mut asking = plain;
         let by_axis = lanes.by_steepest_axis(simd);
         let mut found = [A::default(); PACKET];
-        for Member { index, shape } in self.members {
+        if !self.is_first {
+            for (lane, (found, answer)) in found.iter_mut().zip(&*answers).enumerate() {
+                *found = *answer;
+                asking &= !(u32::from(found.is_final()) << lane);
+            }
+        }
+        for Member { index, name, blocks, kernel } in self.members {
             if asking == 0 {
                 break;
             }
             self.work.tests += u64::from(asking.count_ones());
-            let unsure = match shape {
-                Shape::Round(sphere) => {
+            if !(A::SEES_ALL || *blocks) {
+                continue;
+            }
+            let unsure = match kernel {
+                Kind::Sphere(sphere) => {
                     let spheres = RoundSpheres::all(simd, sphere);
                     let maybe = asking & !spheres.missed(simd, &lanes);
                     if maybe == 0 {
                         continue;
                     }
                     let meetings = spheres.meet(simd, &lanes);
-                    self.take_hits(simd, *index, maybe, &meetings, &mut found);
+                    self.take_hits(simd, *name, maybe, &meetings, &mut found);
                     maybe & meetings.unsure
                 }
-                Shape::Facet(vertices) => {
+                Kind::Triangle(vertices) => {
                     let mut unsure = 0;
                     for (axis, rays) in by_axis.iter().enumerate() {
                         let asked = asking & rays;
@@ -302,12 +389,12 @@ impl<A: Answer> Batch<'_, A> {
                             continue;
                         }
                         let Some(meetings) = facet::meet(simd, vertices, axis, &lanes, asked) else { continue };
-                        self.take_hits(simd, *index, asked, &meetings, &mut found);
+                        self.take_hits(simd, *name, asked, &meetings, &mut found);
                         unsure |= meetings.unsure;
                     }
                     unsure
                 }
-                Shape::Other => asking,
+                Kind::Structure | Kind::Single => asking,
             };
             let mut left = unsure;
             while left != 0 {
@@ -321,9 +408,12 @@ impl<A: Answer> Batch<'_, A> {
             }
         }
         for (lane, answer) in answers.iter_mut().enumerate().take(PACKET) {
-            let (ray, span) = &rays[lane];
-            let is_plain = plain >> lane & 1 != 0;
-            *answer = if is_plain { found[lane] } else { self.decider.decide_all(ray, *span) };
+            if plain >> lane & 1 != 0 {
+                *answer = found[lane];
+            } else {
+                let (ray, span) = &rays[lane];
+                self.ask_for(ray, *span, answer);
+            }
         }
     }
 }
@@ -336,11 +426,13 @@ impl Accelerator for Handful {
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
-        Members { indices: self.indices(), primitives, probe }.decide_all(ray, span)
+        let mut query = Closest::new(ray, span);
+        let _ = query.offer_all(primitives, self.indices(), probe);
+        query.hit
     }
 
     fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        Members { indices: self.indices(), primitives, probe }.decide_all(ray, span)
+        Any::new(ray, span).offer_all(primitives, self.indices(), probe).is_break()
     }
 
     fn closest_batch<P: Primitives, S: Probe>(
@@ -350,8 +442,7 @@ impl Accelerator for Handful {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        let Work { nodes, tests, hits } =
-            self.ask(primitives, rays, hits, &mut Members { indices: self.indices(), primitives, probe });
+        let Work { nodes, tests, hits } = self.ask(primitives, rays, hits, &mut Members { primitives, probe });
         probe.work(nodes, tests, hits);
     }
 
@@ -362,8 +453,7 @@ impl Accelerator for Handful {
         blocked: &mut [bool],
         probe: &mut S,
     ) {
-        let Work { nodes, tests, hits } =
-            self.ask(primitives, rays, blocked, &mut Members { indices: self.indices(), primitives, probe });
+        let Work { nodes, tests, hits } = self.ask(primitives, rays, blocked, &mut Members { primitives, probe });
         probe.work(nodes, tests, hits);
     }
 }

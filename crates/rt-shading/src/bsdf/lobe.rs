@@ -70,6 +70,15 @@ lobes! {
 }
 
 impl Lobe {
+    /// As [`super::Bsdf::eval_with_pdf`].
+    #[inline]
+    pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
+        match self {
+            Self::Phong(phong) => phong.eval_with_pdf(wo, wi),
+            lobe => (lobe.eval(wo, wi), lobe.pdf(wo, wi)),
+        }
+    }
+
     /// True if all light goes into single directions.
     pub fn is_delta(&self) -> bool {
         match self {

@@ -81,6 +81,14 @@ impl Mix {
         self.lobes().iter().zip(self.chances).map(|((_, lobe), chance)| chance * lobe.pdf(wo, wi)).sum()
     }
 
+    /// As [`super::Bsdf::eval_with_pdf`].
+    pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
+        self.lobes().iter().zip(self.chances).fold((Rgb::BLACK, 0.0), |(value, pdf), ((weight, lobe), chance)| {
+            let (lobe_value, lobe_pdf) = lobe.eval_with_pdf(wo, wi);
+            (value + lobe_value * *weight, pdf + chance * lobe_pdf)
+        })
+    }
+
     /// As [`super::Bsdf::sample`].
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         Side::of(wo, u)?;
@@ -90,7 +98,7 @@ impl Mix {
         let (value, pdf) = if sample.is_delta {
             (sample.value * weight, sample.pdf * chance)
         } else {
-            (self.eval(wo, sample.wi), self.pdf(wo, sample.wi))
+            self.eval_with_pdf(wo, sample.wi)
         };
         BsdfSample { value, pdf, ..sample }.if_finite()
     }

@@ -191,6 +191,16 @@ impl Bsdf {
         }
     }
 
+    /// [`eval`](Self::eval) and [`pdf`](Self::pdf), which have much in common, at once.
+    #[inline]
+    pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
+        match self {
+            Self::Single(lobe) => lobe.eval_with_pdf(wo, wi),
+            Self::Mix(mix) => mix.eval_with_pdf(wo, wi),
+            Self::Layered(layered) => (layered.eval(wo, wi), layered.pdf(wo, wi)),
+        }
+    }
+
     /// A direction about in proportion to f · |cos θ|, from three numbers in \[0, 1\]; `None` if the light is absorbed.
     #[inline]
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {

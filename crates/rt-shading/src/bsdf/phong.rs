@@ -26,12 +26,17 @@ const SHARPEST: f64 = 1e12;
 impl PhongLobe {
     /// As [`super::Bsdf::eval`].
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        same_side(wo, wi).map_or(Rgb::BLACK, |(wo, wi)| self.value(mirrored(wo).dot(wi)))
+        self.eval_with_pdf(wo, wi).0
     }
 
     /// As [`super::Bsdf::pdf`]: (n + 1)/2π · cosⁿ α. It lacks what is below the surface.
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        same_side(wo, wi).map_or(0.0, |(wo, wi)| self.density(mirrored(wo).dot(wi)))
+        self.eval_with_pdf(wo, wi).1
+    }
+
+    /// As [`super::Bsdf::eval_with_pdf`].
+    pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
+        same_side(wo, wi).map_or((Rgb::BLACK, 0.0), |(wo, wi)| self.value_with_density(mirrored(wo).dot(wi)))
     }
 
     /// As [`super::Bsdf::sample`]; `None` for directions below the surface.
@@ -44,11 +49,11 @@ impl PhongLobe {
         if !(wi.z > 0.0) {
             return None;
         }
-        let cos = mirrored(wo).dot(wi);
+        let (value, pdf) = self.value_with_density(mirrored(wo).dot(wi));
         BsdfSample {
             wi: side.restore(wi),
-            value: self.value(cos),
-            pdf: self.density(cos),
+            value,
+            pdf,
             kind: Scattering::Reflection,
             is_delta: false,
             is_diffuse: false,
@@ -61,12 +66,9 @@ impl PhongLobe {
         if self.exponent > 0.0 { self.exponent.min(SHARPEST) } else { 0.0 }
     }
 
-    fn value(&self, cos: f64) -> Rgb {
-        self.reflectance * ((self.exponent() + 2.0) / TAU * self.power(cos))
-    }
-
-    fn density(&self, cos: f64) -> f64 {
-        (self.exponent() + 1.0) / TAU * self.power(cos)
+    fn value_with_density(&self, cos: f64) -> (Rgb, f64) {
+        let (n, power) = (self.exponent(), self.power(cos));
+        (self.reflectance * ((n + 2.0) / TAU * power), (n + 1.0) / TAU * power)
     }
 
     /// cosⁿ, 0 behind the lobe.
