@@ -267,7 +267,11 @@ fn handfuls_answer_and_count_as_brute_force() {
 }
 
 /// A set of which some are structures themselves, some block nothing, and hits are named by instances.
-struct Yard<'t, T>(Vec<Thing<'t, T>>);
+struct Yard<'t, T> {
+    things: Vec<Thing<'t, T>>,
+    /// How often a structure was asked for one ray.
+    n_asked: AtomicU32,
+}
 
 struct Thing<'t, T> {
     soup: &'t Soup,
@@ -278,10 +282,10 @@ struct Thing<'t, T> {
 
 impl<T: Structure> Primitives for Yard<'_, T> {
     fn len(&self) -> usize {
-        self.0.len()
+        self.things.len()
     }
     fn bounds(&self, index: u32) -> Option<Aabb> {
-        let bounds = self.0[index as usize].soup.0.iter().map(Solid::bounds);
+        let bounds = self.things[index as usize].soup.0.iter().map(Solid::bounds);
         bounds.reduce(|all, one| Some(all?.union(one?))).flatten()
     }
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
@@ -291,38 +295,44 @@ impl<T: Structure> Primitives for Yard<'_, T> {
         self.occludes_probed(index, ray, span, &mut NoProbe)
     }
     fn intersect_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        let Thing { soup, structure, .. } = self.0[index as usize];
+        let Thing { soup, structure, .. } = self.things[index as usize];
         let hit = match structure {
-            Some(structure) => structure.closest(soup, ray, span, probe),
+            Some(structure) => {
+                self.n_asked.fetch_add(1, Ordering::Relaxed);
+                structure.closest(soup, ray, span, probe)
+            }
             None => soup.intersect(0, ray, span),
         };
         hit.map(|hit| Hit { instance: index, ..hit })
     }
     fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        let Thing { soup, structure, blocks } = self.0[index as usize];
+        let Thing { soup, structure, blocks } = self.things[index as usize];
         blocks
             && match structure {
-                Some(structure) => structure.occluded(soup, ray, span, probe),
+                Some(structure) => {
+                    self.n_asked.fetch_add(1, Ordering::Relaxed);
+                    structure.occluded(soup, ray, span, probe)
+                }
                 None => soup.occludes(0, ray, span),
             }
     }
     fn batch_kernel(&self, index: u32) -> BatchKernel {
-        let Thing { soup, structure, .. } = self.0[index as usize];
+        let Thing { soup, structure, .. } = self.things[index as usize];
         if structure.is_some() { BatchKernel::Structure } else { soup.batch_kernel(0) }
     }
     fn hit_name(&self, index: u32) -> [u32; 2] {
         [index, 0]
     }
     fn blocks(&self, index: u32) -> bool {
-        self.0[index as usize].blocks
+        self.things[index as usize].blocks
     }
     fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
-        let Thing { soup, structure, .. } = self.0[index as usize];
+        let Thing { soup, structure, .. } = self.things[index as usize];
         structure.unwrap().closest_batch(soup, rays, hits, probe);
         hits.iter_mut().flatten().for_each(|hit| hit.instance = index);
     }
     fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
-        let Thing { soup, structure, blocks } = self.0[index as usize];
+        let Thing { soup, structure, blocks } = self.things[index as usize];
         if blocks {
             structure.unwrap().occluded_batch(soup, rays, blocked, probe);
         } else {
@@ -331,7 +341,7 @@ impl<T: Structure> Primitives for Yard<'_, T> {
     }
 }
 
-/// As [`handfuls_answer_and_count_as_brute_force`], with structures among the members.
+/// As [`handfuls_answer_and_count_as_brute_force`], with structures among the members; trees over them answer alike.
 fn compare_yards<T: Structure>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
     let draw = &mut Draw::new(seed);
     let mut n_hits = 0;
@@ -339,39 +349,44 @@ fn compare_yards<T: Structure>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
         let scale = draw.pick(&[1.0, 1e-3, 1e12]);
         let offset = DVec3::new(1.0, -0.7, 0.3) * draw.pick(&[0.0, 1e4]);
         let pool = Soup::mixed(draw).0.into_iter().chain(Soup::facets(draw).0).collect::<Vec<_>>();
-        let soups: Vec<Soup> = (0..1 + draw.below(8))
+        let soups: Vec<Soup> = (0..1 + draw.below(Handful::MOST))
             .map(|_| {
                 let n = draw.pick(&[1, 1, 30]);
                 Soup((0..n).map(|_| draw.pick(&pool)).collect()).rounded().scaled(scale).moved(offset)
             })
             .collect();
         let structures: Vec<T> = soups.iter().map(build).collect();
-        let yard = Yard(
-            soups
-                .iter()
-                .zip(&structures)
-                .map(|(soup, structure)| Thing {
-                    soup,
-                    structure: (soup.0.len() > 1 || draw.one_in(8)).then_some(structure),
-                    blocks: !draw.one_in(4),
-                })
-                .collect(),
-        );
+        let things = soups
+            .iter()
+            .zip(&structures)
+            .map(|(soup, structure)| Thing {
+                soup,
+                structure: (soup.0.len() > 1 || draw.one_in(8)).then_some(structure),
+                blocks: !draw.one_in(4),
+            })
+            .collect();
+        let yard = Yard { things, n_asked: AtomicU32::new(0) };
         let everything = Soup(soups.iter().flat_map(|soup| soup.0.clone()).collect());
         let rays = with_odd_ones(bundles(&everything, 600, draw), draw);
         for level in levels() {
             let handful = Handful::new(0..yard.len() as u32).unwrap().with_level(level);
+            let wide = WideBvh::build(&yard).unwrap().with_level(level);
             let [mut counted, mut expected] = [Counters::default(); 2];
             for rays in rays.chunks(draw.pick(&[1, 5, 13, 64, 300])) {
                 let mut hits = vec![None; rays.len()];
                 let mut blocked = vec![false; rays.len()];
                 handful.closest_batch(&yard, rays, &mut hits, &mut counted);
                 handful.occluded_batch(&yard, rays, &mut blocked, &mut counted);
+                let mut wide_hits = vec![None; rays.len()];
+                let mut wide_blocked = vec![false; rays.len()];
+                wide.closest_batch(&yard, rays, &mut wide_hits, &mut NoProbe);
+                wide.occluded_batch(&yard, rays, &mut wide_blocked, &mut NoProbe);
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
                     let hit = brute_force::closest(&yard, ray, *span, &mut expected);
-                    assert_eq!(key(hits[i]), key(hit), "{name}");
-                    assert_eq!(blocked[i], brute_force::occluded(&yard, ray, *span, &mut expected), "{name}");
+                    assert_eq!([key(hits[i]), key(wide_hits[i])], [key(hit); 2], "{name}");
+                    let is_blocked = brute_force::occluded(&yard, ray, *span, &mut expected);
+                    assert_eq!([blocked[i], wide_blocked[i]], [is_blocked; 2], "{name}");
                     n_hits += usize::from(hit.is_some());
                 }
             }
@@ -383,11 +398,53 @@ fn compare_yards<T: Structure>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
 
 /// The last bit; where a structure does the same for batches as for rays, the last test as well.
 #[test]
-fn structures_among_a_handful_are_asked_for_batches_with_the_answers_of_single_queries() {
+fn structures_among_primitives_are_asked_for_batches_with_the_answers_of_single_queries() {
     let seed = Draw::run_seed();
     println!("batches: seed {seed}");
     compare_yards(seed, |soup| Bvh::build(soup).unwrap(), true);
     compare_yards(seed, |soup| WideBvh::build(soup).unwrap(), false);
+}
+
+/// The answers would be the same if rays were passed on one by one.
+#[test]
+fn packets_go_into_structures_together() {
+    let draw = &mut Draw::new(3);
+    let place = |i: usize| DVec3::new((i % 4) as f64, 0.0, (i / 4) as f64) * 2.5;
+    let soups: Vec<Soup> = (0..12).map(|i| Soup::facets(draw).moved(place(i))).collect();
+    let structures: Vec<WideBvh> = soups.iter().map(|soup| WideBvh::build(soup).unwrap()).collect();
+    let thing = |(soup, structure)| Thing { soup, structure: Some(structure), blocks: true };
+    let yard = Yard { things: soups.iter().zip(&structures).map(thing).collect(), n_asked: AtomicU32::new(0) };
+    // Sixteen rays at a time that run beside each other, as those of a pixel do, and five more at the end.
+    let eye = DVec3::new(3.7, 9.0, -6.0);
+    let rays: Vec<_> = (0..16 * 400 + 5)
+        .map(|i: u64| {
+            let at = |k: u64| rt_math::random::unit(rt_math::random::hash(&[5, i / 16, k]));
+            let beside = DVec3::new((i % 4) as f64, 0.0, (i / 4 % 4) as f64) * 1e-3;
+            (Ray::new(eye, DVec3::new(8.0 * at(0), 0.0, 6.0 * at(1)) + beside - eye), Interval::FORWARD)
+        })
+        .collect();
+    for level in levels() {
+        for wide in [true, false] {
+            yard.n_asked.store(0, Ordering::Relaxed);
+            let (mut hits, mut blocked) = (vec![None; rays.len()], vec![false; rays.len()]);
+            if wide {
+                let tree = WideBvh::build(&yard).unwrap().with_level(level);
+                tree.closest_batch(&yard, &rays, &mut hits, &mut NoProbe);
+                tree.occluded_batch(&yard, &rays, &mut blocked, &mut NoProbe);
+            } else {
+                let handful = Handful::new(0..12).unwrap().with_level(level);
+                handful.closest_batch(&yard, &rays, &mut hits, &mut NoProbe);
+                handful.occluded_batch(&yard, &rays, &mut blocked, &mut NoProbe);
+            }
+            let n_asked = yard.n_asked.load(Ordering::Relaxed);
+            for (i, (ray, span)) in rays.iter().enumerate() {
+                let hit = brute_force::closest(&yard, ray, *span, &mut NoProbe);
+                assert_eq!((key(hits[i]), blocked[i]), (key(hit), hit.is_some()));
+            }
+            let n_hits = hits.iter().flatten().count();
+            assert!(n_hits > 2000 && (n_asked as usize) < rays.len() / 4, "{n_hits} hits, {n_asked} asked alone");
+        }
+    }
 }
 
 #[test]

@@ -59,7 +59,7 @@ pub(crate) fn is_sign_settled(difference: f64, minuend: f64, subtrahend: f64) ->
 }
 
 /// `a × b` with [`difference_of_products`] in each component.
-#[inline]
+#[inline(always)]
 pub fn cross(a: DVec3, b: DVec3) -> DVec3 {
     DVec3::new(
         difference_of_products(a.y, b.z, a.z, b.y),

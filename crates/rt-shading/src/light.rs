@@ -7,6 +7,9 @@ use rt_math::{DVec3, Interval, Ray, Rgb};
 /// to the light ends this part of the distance earlier.
 const LAMP_MARGIN: f64 = 1.0 / (1u64 << 40) as f64;
 
+/// A sum of three products has the sign of the rounded one if it is greater than this part of the sum of their sizes.
+const CERTAIN: f64 = 1.0 / (1u64 << 40) as f64;
+
 /// How light weakens with the distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Falloff {
@@ -99,6 +102,20 @@ impl Light {
         (beam > 0.0).then(|| Illumination { direction, strength: self.intensity * weakened, distance })
     }
 
+    /// True if the light certainly stands behind a surface with this normal: the cosine that [`illuminate`](Self::illuminate)
+    /// leads to would not be positive. Half of all lights do, and need no distance.
+    #[inline(always)]
+    pub(crate) fn is_behind(&self, point: DVec3, normal: DVec3) -> bool {
+        match self.kind {
+            LightKind::Directional { .. } => false,
+            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
+                let way = position - point;
+                // Far more than rounding may do to the cosine.
+                normal.dot(way) < -CERTAIN * normal.abs().dot(way.abs())
+            }
+        }
+    }
+
     /// Strength, 0 to 1, of the light that leaves along `away` (unit).
     #[inline]
     pub(crate) fn beam(&self, away: DVec3) -> f64 {
@@ -164,6 +181,29 @@ mod tests {
         let ramp = spot.illuminate(below(0.8)).expect("ramp").strength.r;
         assert!((ramp - 8.0 * 0.25).abs() < 1e-12, "{ramp}");
         assert_eq!(spot.illuminate(below(0.69)), None);
+    }
+
+    #[test]
+    fn lights_behind_a_surface_are_known_without_their_distance() {
+        let at = |position: DVec3| light(LightKind::Point { position, falloff: Falloff::None, lamp_radius: 0.0 });
+        let (point, normal) = (DVec3::new(0.3, -1.7, 2.9), DVec3::new(0.48, -0.6, 0.64));
+        let mut n_behind = 0;
+        for i in 0..10_000u32 {
+            let number = |k: u64| rt_math::random::unit(rt_math::random::hash(&[3, u64::from(i), k])) - 0.5;
+            let aside = DVec3::new(number(0), number(1), number(2));
+            // Some next to the plane of the surface, to the last bit.
+            let aside = if i % 2 == 0 { aside } else { aside - normal * normal.dot(aside) };
+            let light = at(point + aside * 8.0);
+            let cosine = light.illuminate(point).map(|lit| normal.dot(lit.direction));
+            if light.is_behind(point, normal) {
+                assert!(cosine < Some(0.0), "{cosine:?}");
+                n_behind += 1;
+            } else {
+                assert!(cosine > Some(-1e-11), "{cosine:?}");
+            }
+        }
+        assert!(n_behind > 2000, "{n_behind}");
+        assert!(!at(point).is_behind(point, normal));
     }
 
     #[test]

@@ -150,8 +150,9 @@ impl Texture {
             _ if !(point.uv[0].is_finite() && point.uv[1].is_finite()) => Rgb::BLACK,
             Self::Checker { even, odd, size } => {
                 let [u, v] = point.uv;
-                let parity = ((u / size).floor() + (v / size).floor()).rem_euclid(2.0);
-                if parity == 0.0 { *even } else { *odd }
+                let half = 0.5 * ((u / size).floor() + (v / size).floor());
+                // Never for infinities, of which nobody can tell.
+                if half - half.floor() == 0.0 { *even } else { *odd }
             }
             Self::Image { bitmap, wrap, smooth } => {
                 let Some(Taps { pixels, right, down }) = Taps::at(bitmap, *wrap, *smooth, point.uv) else {

@@ -14,7 +14,7 @@ use super::across::{PACKET, agree};
 use super::goal::{Goal, Judge, Prepared};
 use super::leaf::{BoxFilter, Filter, LeafKind, SphereFilter, TriangleFilter};
 use super::node::Child;
-use super::packet::{Packet, PacketStack};
+use super::packet::{FEW, Packet, PacketStack};
 use super::shaft::{Cut, Shaft, alike};
 use super::simd::{Kernel, Simd};
 use super::stack::StackRoom;
@@ -215,7 +215,7 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             if self.n_boarded == self.alone_until {
                 self.alone_until += PACKET;
                 if self.go_together() {
-                    self.n_boarded = self.alone_until;
+                    self.n_boarded = self.alone_until.min(self.rays.len());
                     continue;
                 }
             }
@@ -254,19 +254,36 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
         }
     }
 
-    /// Sends the next rays as a packet, if they agree.
+    /// Sends the next rays as a packet, if they agree. Lanes without a ray repeat the first.
     #[inline(always)]
     fn go_together(&mut self) -> bool {
         let first = self.n_boarded;
-        let Some(rays) = self.rays.get(first..).and_then(|rays| rays.first_chunk()) else { return false };
+        let rest = self.rays.get(first..).unwrap_or(&[]);
+        let n = rest.len().min(PACKET);
+        if n <= FEW as usize {
+            return false;
+        }
+        let mut repeated;
+        let rays = if let Some(rays) = rest.first_chunk() {
+            rays
+        } else {
+            repeated = [rest[0]; PACKET];
+            repeated[..n].copy_from_slice(rest);
+            &repeated
+        };
         if !agree(rays) {
             return false;
         }
         if first >= self.bundled_until {
             self.look_ahead();
         }
-        let Some(answers) = self.answers.get_mut(first..).and_then(|answers| answers.first_chunk_mut()) else {
-            return false;
+        let Some(places) = self.answers.get_mut(first..first + n) else { return false };
+        let mut spare;
+        let answers = if let Some(answers) = places.first_chunk_mut() {
+            answers
+        } else {
+            spare = [G::Answer::default(); PACKET];
+            &mut spare
         };
         let mut packet = Packet::<S, G> {
             simd: self.simd,
@@ -278,7 +295,12 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             cut: (first < self.bundled_until).then_some(&self.cut),
             goal: PhantomData,
         };
-        packet.go::<F>(rays, answers)
+        let has_gone = packet.go::<F>(n, rays, answers);
+        if has_gone && n < PACKET {
+            let answers = *answers;
+            self.answers[first..first + n].copy_from_slice(&answers[..n]);
+        }
+        has_gone
     }
 
     /// Finds out what several of the next packets may meet, if they go through the same sides of boxes.

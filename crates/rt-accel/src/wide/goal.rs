@@ -24,6 +24,12 @@ pub(super) trait Judge {
     fn occluded(&mut self, index: u32, ray: &Ray, span: Interval) -> bool;
     /// The primitive's numbers, if it is one about which a structure may decide by them.
     fn round(&mut self, index: u32) -> Option<RoundSphere>;
+    /// True if the primitive is a structure, which answers several rays faster together.
+    fn is_structure(&mut self, index: u32) -> bool;
+    /// As [`closest`](Self::closest), for several rays: `hits[i]` answers `rays[i]`.
+    fn closest_together(&mut self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>]);
+    /// As [`occluded`](Self::occluded), for several rays: `blocked[i]` answers `rays[i]`.
+    fn occluded_together(&mut self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool]);
     /// The first hit on primitives without bounds.
     fn closest_unbounded(&mut self, ray: &Ray, span: Interval) -> Option<Hit>;
     /// True if a primitive without bounds blocks the ray.
@@ -65,7 +71,7 @@ pub(super) trait Goal: Sized {
     /// True if what is nearer should be visited first.
     const ORDERED: bool;
     /// What is found in the end.
-    type Answer: Default;
+    type Answer: Copy + Default;
 
     /// Sends one ray. Not generic where it is implemented, so that it is compiled once and not by all who ask.
     fn walk(tree: &WideBvh, query: &mut Query<'_, Self::Answer>, ray: &Ray, span: Interval);
@@ -107,6 +113,15 @@ pub(super) trait Goal: Sized {
         lane: usize,
         sure: Option<[f32; 2]>,
     );
+
+    /// The span within which something may still matter.
+    fn span(&self) -> Interval;
+
+    /// Asks a structure for several rays.
+    fn ask_together(judge: &mut dyn Judge, index: u32, rays: &[(Ray, Interval)], answers: &mut [Self::Answer]);
+
+    /// Considers what somebody else has found within the span.
+    fn take(&mut self, found: Self::Answer);
 
     /// Decides about what has been put off, and writes what has been found where it is wanted: an answer that is moved on as a
     /// whole would wait until all its numbers are in memory.
@@ -202,11 +217,7 @@ impl FirstHit {
     ) {
         let hit = F::hit(simd, leaf, lane, ray, self.span, judge);
         self.uncounted_hits += u64::from(hit.is_some() && F::decides(leaf, lane));
-        if let Some(hit) = hit
-            && (!self.is_hit | hit.precedes(&self.best))
-        {
-            self.accept(&hit);
-        }
+        self.take(hit);
     }
 
     /// A hit is certain: nothing behind its far bound can be first. False if there is no room to remember it.
@@ -269,11 +280,8 @@ impl Goal for FirstHit {
     }
 
     fn visit_unfiltered(&mut self, judge: &mut dyn Judge, ray: &Ray) {
-        if let Some(hit) = judge.closest_unfiltered(ray, self.span)
-            && (!self.is_hit || hit.precedes(&self.best))
-        {
-            self.accept(&hit);
-        }
+        let found = judge.closest_unfiltered(ray, self.span);
+        self.take(found);
     }
 
     #[inline(always)]
@@ -325,6 +333,24 @@ impl Goal for FirstHit {
     ) {
         if sure.is_none_or(|bounds| !self.remember(leaf, lane, bounds)) {
             self.decide::<S, F>(simd, judge, &ExactRay::new(simd, ray), tree.leaves.view(leaf), lane);
+        }
+    }
+
+    #[inline(always)]
+    fn span(&self) -> Interval {
+        self.span
+    }
+
+    fn ask_together(judge: &mut dyn Judge, index: u32, rays: &[(Ray, Interval)], answers: &mut [Self::Answer]) {
+        judge.closest_together(index, rays, answers);
+    }
+
+    #[inline(always)]
+    fn take(&mut self, found: Option<Hit>) {
+        if let Some(hit) = found
+            && (!self.is_hit | hit.precedes(&self.best))
+        {
+            self.accept(&hit);
         }
     }
 
@@ -501,6 +527,22 @@ impl Goal for AnyHit {
             self.block();
         } else if F::blocks(simd, leaf, lane, &ExactRay::new(simd, ray), self.span, judge) {
             self.uncounted_hits += u64::from(F::decides(leaf, lane));
+            self.block();
+        }
+    }
+
+    #[inline(always)]
+    fn span(&self) -> Interval {
+        self.span
+    }
+
+    fn ask_together(judge: &mut dyn Judge, index: u32, rays: &[(Ray, Interval)], answers: &mut [Self::Answer]) {
+        judge.occluded_together(index, rays, answers);
+    }
+
+    #[inline(always)]
+    fn take(&mut self, found: bool) {
+        if found {
             self.block();
         }
     }

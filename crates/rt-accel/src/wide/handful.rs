@@ -87,10 +87,14 @@ impl Handful {
             *member = Member::of(primitives, index);
         }
         let members = members.get(..self.len).unwrap_or(&[]);
-        answers.fill(A::default());
-        let mut batch = Batch { members, is_first: true, decider, work: Work::default() };
+        if members.is_empty() {
+            answers.fill(A::default());
+        }
+        let mut batch = Batch { members, indices: &[], is_first: true, decider, work: Work::default() };
+        let mut indices = self.indices();
         for members in members.chunk_by(|a, b| !a.is_structure() && !b.is_structure()) {
             batch.members = members;
+            (batch.indices, indices) = indices.split_at(members.len());
             match members {
                 [member] if member.is_structure() => batch.ask_structure(member.index, rays, answers),
                 _ if members.iter().any(Member::is_known) => self.level.dispatch(&mut batch, rays, answers),
@@ -224,6 +228,9 @@ trait Decider<A> {
     /// About one of them, whose test has been counted.
     fn decide(&mut self, index: u32, ray: &Ray, span: Interval) -> A;
 
+    /// About some of them, whose tests have not been counted.
+    fn decide_all(&mut self, indices: &[u32], ray: &Ray, span: Interval) -> A;
+
     /// About one of them, for many rays whose tests have been counted: `answers[i]` is for `rays[i]`.
     fn decide_for_all(&mut self, index: u32, rays: &[(Ray, Interval)], answers: &mut [A]);
 }
@@ -239,6 +246,12 @@ impl<P: Primitives, S: Probe> Decider<Option<Hit>> for Members<'_, P, S> {
         decide_offered(self.primitives, index, ray, span, self.probe)
     }
 
+    fn decide_all(&mut self, indices: &[u32], ray: &Ray, span: Interval) -> Option<Hit> {
+        let mut query = Closest::new(ray, span);
+        let _ = query.offer_all(self.primitives, indices, self.probe);
+        query.hit
+    }
+
     fn decide_for_all(&mut self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>]) {
         decide_offered_batch(self.primitives, index, rays, hits, self.probe);
     }
@@ -247,6 +260,10 @@ impl<P: Primitives, S: Probe> Decider<Option<Hit>> for Members<'_, P, S> {
 impl<P: Primitives, S: Probe> Decider<bool> for Members<'_, P, S> {
     fn decide(&mut self, index: u32, ray: &Ray, span: Interval) -> bool {
         decide_offered_occluded(self.primitives, index, ray, span, self.probe)
+    }
+
+    fn decide_all(&mut self, indices: &[u32], ray: &Ray, span: Interval) -> bool {
+        Any::new(ray, span).offer_all(self.primitives, indices, self.probe).is_break()
     }
 
     fn decide_for_all(&mut self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
@@ -258,6 +275,7 @@ impl<P: Primitives, S: Probe> Decider<bool> for Members<'_, P, S> {
 struct Batch<'a, A> {
     /// Those who are asked now.
     members: &'a [Member],
+    indices: &'a [u32],
     /// True if nobody has been asked before them.
     is_first: bool,
     decider: &'a mut dyn Decider<A>,
@@ -292,6 +310,10 @@ impl<A: Answer> Batch<'_, A> {
 
     /// Asks for one ray.
     fn ask_for(&mut self, ray: &Ray, span: Interval, answer: &mut A) {
+        if self.is_first {
+            *answer = self.decider.decide_all(self.indices, ray, span);
+            return;
+        }
         for member in self.members {
             if answer.is_final() {
                 return;
@@ -426,13 +448,11 @@ impl Accelerator for Handful {
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
-        let mut query = Closest::new(ray, span);
-        let _ = query.offer_all(primitives, self.indices(), probe);
-        query.hit
+        Members { primitives, probe }.decide_all(self.indices(), ray, span)
     }
 
     fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        Any::new(ray, span).offer_all(primitives, self.indices(), probe).is_break()
+        Members { primitives, probe }.decide_all(self.indices(), ray, span)
     }
 
     fn closest_batch<P: Primitives, S: Probe>(

@@ -40,8 +40,8 @@ use core::hint::select_unpredictable;
 use core::ops::ControlFlow;
 
 use rt_math::{
-    Aabb, Accelerator, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RoundSphere, decide_offered,
-    decide_offered_occluded,
+    Aabb, Accelerator, BatchKernel, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RoundSphere,
+    decide_offered, decide_offered_batch, decide_offered_occluded, decide_offered_occluded_batch,
 };
 
 use crate::bounded_depth::MAX_DEPTH;
@@ -224,6 +224,18 @@ impl<P: Primitives, S: Probe> Judge for Asked<'_, P, S> {
 
     fn round(&mut self, index: u32) -> Option<RoundSphere> {
         if let LeafLayout::Round(sphere) = self.primitives.leaf_layout(index) { Some(sphere) } else { None }
+    }
+
+    fn is_structure(&mut self, index: u32) -> bool {
+        matches!(self.primitives.batch_kernel(index), BatchKernel::Structure)
+    }
+
+    fn closest_together(&mut self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>]) {
+        decide_offered_batch(self.primitives, index, rays, hits, self.probe);
+    }
+
+    fn occluded_together(&mut self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
+        decide_offered_occluded_batch(self.primitives, index, rays, blocked, self.probe);
     }
 
     fn closest_unbounded(&mut self, ray: &Ray, span: Interval) -> Option<Hit> {

@@ -22,7 +22,7 @@ use super::walk::{Work, descend};
 use super::{STACK, WideBvh};
 
 /// As many rays go on alone.
-const FEW: u32 = 3;
+pub(super) const FEW: u32 = 3;
 
 /// What a packet has put off.
 #[derive(Clone, Copy)]
@@ -124,10 +124,11 @@ pub(super) struct Packet<'q, 'j, S: Simd, G: Goal> {
 }
 
 impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
-    /// Sends eight rays through the tree; false if they do not agree in all that they must.
+    /// Sends the first `n` of eight rays through the tree; false if all eight do not agree in all that they must.
     #[inline(always)]
     pub(super) fn go<F: Filter>(
         &mut self,
+        n: usize,
         rays: &[(Ray, Interval); PACKET],
         answers: &mut [G::Answer; PACKET],
     ) -> bool {
@@ -141,10 +142,13 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         let goals: &mut [G; PACKET] = unsafe { &mut *goals.as_mut_ptr().cast() };
         let mut limits = across.limits;
         if !self.tree.unbounded.is_empty() {
-            for (lane, ((ray, _), goal)) in rays.iter().zip(goals.iter_mut()).enumerate() {
+            for (lane, ((ray, _), goal)) in rays.iter().zip(goals.iter_mut()).enumerate().take(n) {
                 let _ = goal.visit_unbounded(self.judge, ray);
                 limits = self.simd.replaced(limits, lane, goal.limit());
             }
+        }
+        for lane in n..PACKET {
+            limits = self.simd.replaced(limits, lane, -1.0);
         }
         let eights = Eights::<S, F> { rays, across: &across, filter: &filter };
         self.walk(&eights, goals, limits);
@@ -154,7 +158,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
             0
         };
         self.work.hits += u64::from(answered.count_ones());
-        for (lane, (((ray, _), goal), answer)) in rays.iter().zip(goals).zip(answers).enumerate() {
+        for (lane, (((ray, _), goal), answer)) in rays.iter().zip(goals).zip(answers).enumerate().take(n) {
             if answered >> lane & 1 != 0 {
                 continue;
             }
@@ -262,12 +266,17 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
             if maybe == 0 {
                 continue;
             }
-            if F::ROUND
-                && maybe & !verdict.sure != 0
-                && let Some(sphere) = self.judge.round(F::index(view, lane))
-            {
-                // Rays that start on a sphere are left to be decided about, and most of them lead away.
-                maybe &= verdict.sure | !RoundSpheres::all(simd, &sphere).missed(simd, &eights.across.lanes);
+            let unsure = maybe & !verdict.sure;
+            if F::VARIOUS && unsure != 0 {
+                let index = F::index(view, lane);
+                if let Some(sphere) = if F::ROUND { self.judge.round(index) } else { None } {
+                    // Rays that start on a sphere are left to be decided about, and most of them lead away.
+                    maybe &= verdict.sure | !RoundSpheres::all(simd, &sphere).missed(simd, &eights.across.lanes);
+                } else if unsure.count_ones() > FEW && self.judge.is_structure(index) {
+                    maybe &= verdict.sure;
+                    limits = self.ask_together(index, eights.rays, unsure, goals, limits);
+                    mask &= simd.le(simd.splat(0.0), limits);
+                }
             }
             let (near, far) = (simd.to_array(verdict.near), simd.to_array(verdict.far));
             while maybe != 0 {
@@ -279,6 +288,31 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 limits = simd.replaced(limits, ray, limit);
                 mask &= !(u32::from(limit < 0.0) << ray);
             }
+        }
+        limits
+    }
+
+    /// Asks a structure for all rays of a mask; returns the limits of the rays.
+    #[inline(always)]
+    fn ask_together(
+        &mut self,
+        index: u32,
+        rays: &[(Ray, Interval); PACKET],
+        mut mask: u32,
+        goals: &mut [G; PACKET],
+        mut limits: S::Lanes,
+    ) -> S::Lanes {
+        let n = mask.count_ones() as usize;
+        let (mut asked, mut lanes, mut found) = (*rays, [0; PACKET], [G::Answer::default(); PACKET]);
+        for place in 0..n {
+            let lane = take_lane(&mut mask);
+            lanes[place] = lane;
+            asked[place] = (rays[lane].0, goals[lane].span());
+        }
+        G::ask_together(self.judge, index, &asked[..n], &mut found[..n]);
+        for (lane, found) in lanes.into_iter().zip(found).take(n) {
+            goals[lane].take(found);
+            limits = self.simd.replaced(limits, lane, goals[lane].limit());
         }
         limits
     }

@@ -104,6 +104,11 @@ impl Whitted {
         let specular = if self.needs.highlights { phong.specular.at(textures, surface) } else { Rgb::BLACK };
         let shadow_rays = surface.shadow_rays(view.is_inside);
         for (number, light) in appearance.lights.iter().enumerate() {
+            let shadowed = self.needs.shadows && light.casts_shadows;
+            if light.is_behind(surface.point, view.normal) {
+                self.counts.shadow_rays_spared += u64::from(shadowed);
+                continue;
+            }
             let lit = light.illuminate(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
             let reflected = lit.map_or(Rgb::BLACK, |lit| {
                 let mut reflectance = diffuse * view.normal.dot(lit.direction);
@@ -115,7 +120,6 @@ impl Whitted {
                 }
                 reflectance * lit.strength
             });
-            let shadowed = self.needs.shadows && light.casts_shadows;
             match lit {
                 Some(lit) if !reflected.is_black() => {
                     if shadowed {
