@@ -12,7 +12,7 @@ use crate::{BuildError, BuildStats, RayQuery, Refit, RegionQuery, Structure, Vio
 ///
 /// Where all of more than 16 are spheres, eight at a time are tested in `f32`, and in `f64` those that a ray may meet. Batches
 /// ask up to 16 as a [`Handful`], for eight rays at a time. Answers and [`Counters`](crate::Counters) are those of
-/// [`brute_force`], to the last bit and the last test.
+/// [`brute_force`], to the last bit and the last test; what structures among the primitives count by themselves is less in batches.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct Linear {

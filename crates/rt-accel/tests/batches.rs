@@ -56,7 +56,7 @@ fn compare<A: Structure>(name: &str, structure: &A, soup: &Soup, n_rays: usize, 
     let (mut n_hits, mut first) = (0, 0);
     let (mut single, mut batched) = (Counters::default(), Counters::default());
     while first < rays.len() {
-        let n = draw.pick(&[0, 1, 7, 8, 9, 64, 1000]).min(rays.len() - first);
+        let n = draw.pick(&[0, 1, 4, 5, 6, 7, 8, 9, 12, 64, 1000]).min(rays.len() - first);
         let rays = &rays[first..first + n];
         let mut hits = vec![None; n];
         let mut blocked = vec![false; n];
@@ -424,17 +424,21 @@ fn packets_go_into_structures_together() {
         })
         .collect();
     for level in levels() {
-        for wide in [true, false] {
+        let tree = WideBvh::build(&yard).unwrap().with_level(level);
+        let handful = Handful::new(0..12).unwrap().with_level(level);
+        // A batch of four is a packet of four.
+        for (wide, together) in [(true, rays.len()), (true, 4), (false, rays.len())] {
             yard.n_asked.store(0, Ordering::Relaxed);
             let (mut hits, mut blocked) = (vec![None; rays.len()], vec![false; rays.len()]);
-            if wide {
-                let tree = WideBvh::build(&yard).unwrap().with_level(level);
-                tree.closest_batch(&yard, &rays, &mut hits, &mut NoProbe);
-                tree.occluded_batch(&yard, &rays, &mut blocked, &mut NoProbe);
-            } else {
-                let handful = Handful::new(0..12).unwrap().with_level(level);
-                handful.closest_batch(&yard, &rays, &mut hits, &mut NoProbe);
-                handful.occluded_batch(&yard, &rays, &mut blocked, &mut NoProbe);
+            let answers = hits.chunks_mut(together).zip(blocked.chunks_mut(together));
+            for (rays, (hits, blocked)) in rays.chunks(together).zip(answers) {
+                if wide {
+                    tree.closest_batch(&yard, rays, hits, &mut NoProbe);
+                    tree.occluded_batch(&yard, rays, blocked, &mut NoProbe);
+                } else {
+                    handful.closest_batch(&yard, rays, hits, &mut NoProbe);
+                    handful.occluded_batch(&yard, rays, blocked, &mut NoProbe);
+                }
             }
             let n_asked = yard.n_asked.load(Ordering::Relaxed);
             for (i, (ray, span)) in rays.iter().enumerate() {
@@ -443,6 +447,36 @@ fn packets_go_into_structures_together() {
             }
             let n_hits = hits.iter().flatten().count();
             assert!(n_hits > 2000 && (n_asked as usize) < rays.len() / 4, "{n_hits} hits, {n_asked} asked alone");
+        }
+    }
+}
+
+/// Lanes without a ray would be counted if they went on.
+#[test]
+fn lanes_without_a_ray_do_nothing() {
+    let soups = [Soup::facets(&mut Draw::new(4)), Soup::spheres(300, &mut Draw::new(4)).rounded()];
+    for soup in soups {
+        for level in levels() {
+            let tree = WideBvh::build(&soup).unwrap().with_level(level);
+            let (mut single, mut together, mut n_hits) = (Counters::default(), Counters::default(), 0);
+            for i in 0..500 {
+                let at = |k: u64| rt_math::random::unit(rt_math::random::hash(&[6, i, k])) - 0.5;
+                let eye = DVec3::new(0.4, 2.0, 3.0);
+                let ray = |k: u64| Ray::new(eye, DVec3::new(at(0) + 1e-6 * k as f64, at(1), at(2)) - eye);
+                let rays = [0, 1, 2, 3].map(|k| (ray(k), Interval::FORWARD));
+                let mut hits = [None; 4];
+                tree.closest_batch(&soup, &rays, &mut hits, &mut together);
+                for ((ray, span), hit) in rays.iter().zip(hits) {
+                    assert_eq!(key(hit), key(tree.closest(&soup, ray, *span, &mut single)));
+                    n_hits += usize::from(hit.is_some());
+                }
+            }
+            let (single, together) = (single.total(), together.total());
+            assert!(n_hits > 200, "{n_hits} hits");
+            assert!(
+                4 * together.tests < 5 * single.tests && 4 * together.nodes < 5 * single.nodes,
+                "{single:?} {together:?}"
+            );
         }
     }
 }

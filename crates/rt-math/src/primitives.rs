@@ -37,7 +37,7 @@ pub enum BatchKernel {
     /// radius, as rounded.
     Sphere(RoundSphere),
     /// The primitive is a structure, which answers many rays faster together than one by one:
-    /// [`Primitives::intersect_batch`].
+    /// [`Primitives::intersect_batch`]. Each level of wide trees within each other takes some 100 KiB of the stack in batches.
     Structure,
     /// [`Primitives::intersect`] alone, ray by ray.
     Single,
@@ -112,15 +112,15 @@ pub trait Primitives: Sync {
         true
     }
 
-    /// As [`intersect_probed`](Self::intersect_probed) for many rays, with the same results: `hits[i]` answers `rays[i]`. Rays
-    /// beyond the shorter slice are left alone.
+    /// As [`intersect_probed`](Self::intersect_probed) for many rays, with the same hits: `hits[i]` answers `rays[i]`, whatever it was
+    /// before. Rays beyond the shorter slice are left alone. Inner work may be less, and is counted as it is.
     fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
         for ((ray, span), hit) in rays.iter().zip(hits) {
             *hit = self.intersect_probed(index, ray, *span, probe);
         }
     }
 
-    /// As [`occludes_probed`](Self::occludes_probed) for many rays, with the same results.
+    /// As [`occludes_probed`](Self::occludes_probed) for many rays, with the same results; `blocked[i]` answers `rays[i]`.
     fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
         for ((ray, span), blocked) in rays.iter().zip(blocked) {
             *blocked = self.occludes_probed(index, ray, *span, probe);

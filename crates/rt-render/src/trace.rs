@@ -2,7 +2,7 @@
 
 use rt_accel::AnyStructure;
 use rt_geometry::{Spheres, SurfaceNeeds};
-use rt_math::{Accelerator, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RayCounts, RayKind};
+use rt_math::{Accelerator, BatchKernel, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RayCounts, RayKind};
 use rt_shading::{SurfaceHit, Tracer, emitter::EmitterRef};
 
 use crate::{pyramid::Outlines, visible::InView, world::Parts};
@@ -59,6 +59,16 @@ impl Primitives for SphereWorld {
     #[inline(always)]
     fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
         self.casts_shadow(index) && self.spheres.occludes(index, ray, span)
+    }
+
+    #[inline]
+    fn batch_kernel(&self, index: u32) -> BatchKernel {
+        self.spheres.batch_kernel(index)
+    }
+
+    #[inline]
+    fn blocks(&self, index: u32) -> bool {
+        self.casts_shadow(index)
     }
 
     #[inline]

@@ -491,7 +491,8 @@ impl Primitives for Parts<'_> {
         if part.casts_shadow {
             self.occluded_by_for_all(&part.geometry, rays, blocked, probe);
         } else {
-            blocked.fill(false);
+            let n = rays.len().min(blocked.len());
+            blocked[..n].fill(false);
         }
     }
 

@@ -25,8 +25,9 @@
 //! what none of them can meet, none of their packets is asked about. Whether and where a packet meets spheres that are
 //! [`LeafLayout::Round`](crate::LeafLayout::Round) is decided for all its rays side by side as well. Rays that do not agree
 //! go side by side through trees of more than 8 MiB: sixteen are under way, and while one waits for its next node, others go
-//! on. A primitive that is a structure itself ([`BatchKernel::Structure`](crate::BatchKernel::Structure)), an instance, is asked for all
-//! rays of a packet together. Put rays that go the same way next to each other.
+//! on. Four to seven rays at the end of a batch share a packet as well. A primitive that is a structure itself
+//! ([`BatchKernel::Structure`](crate::BatchKernel::Structure)), an instance, is asked for all rays of a packet together that may meet it, if
+//! these are more than three. Put rays that go the same way next to each other.
 //!
 //! **Why it equals brute force**: the `f32` arithmetic errs outwards. A box is entered no later and left no earlier than
 //! any own box in it, and tests of triangles and spheres have margins for all that can be rounded; the proofs stand atop

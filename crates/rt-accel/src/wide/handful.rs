@@ -20,12 +20,15 @@ use crate::ray_query::{Any, Closest};
 /// Up to as many rays go alone.
 const FEW: usize = 3;
 
+/// Rays that a structure is asked for at a time, so that what is copied of them does not grow with batches.
+const AT_ONCE: usize = 1024;
+
 /// A few primitives of a set, as a structure over the set: hits are those on these primitives, and named as in the set.
 ///
 /// All are asked in turn, by rising index, with the answers and [`Counters`](crate::Counters) of
 /// [`brute_force`](crate::brute_force), to the last bit and the last test. In batches, those that are
 /// [`BatchKernel::Sphere`] or [`BatchKernel::Triangle`] are decided about for eight rays at a time, and [`BatchKernel::Structure`]s
-/// are asked for all rays of the batch at once.
+/// are asked for many rays of the batch together, whose own work is then that of batches.
 ///
 /// ```
 /// use rt_accel::{Aabb, Accelerator, Boxes, DVec3, Interval, NoProbe, Ray, wide::Handful};
@@ -326,11 +329,20 @@ impl<A: Answer> Batch<'_, A> {
 
     /// Asks a structure for all rays for which something else may still matter.
     fn ask_structure(&mut self, index: u32, rays: &[(Ray, Interval)], answers: &mut [A]) {
-        if self.is_first {
-            self.work.tests += rays.len() as u64;
-            return self.decider.decide_for_all(index, rays, answers);
+        for (rays, answers) in rays.chunks(AT_ONCE).zip(answers.chunks_mut(AT_ONCE)) {
+            if self.is_first {
+                answers.fill(A::default());
+                self.work.tests += rays.len() as u64;
+                self.decider.decide_for_all(index, rays, answers);
+            } else {
+                self.ask_structure_on(index, rays, answers);
+            }
         }
-        // One allocation or two for a batch, and not for a ray.
+    }
+
+    /// As [`ask_structure`](Self::ask_structure), where others have been asked before.
+    fn ask_structure_on(&mut self, index: u32, rays: &[(Ray, Interval)], answers: &mut [A]) {
+        // Memory for some hundred rays together, and not for each.
         let mut who = Vec::with_capacity(rays.len());
         let mut asking = Vec::with_capacity(rays.len());
         for (at, ((ray, span), answer)) in rays.iter().zip(&*answers).enumerate() {

@@ -124,7 +124,7 @@ pub(super) struct Packet<'q, 'j, S: Simd, G: Goal> {
 }
 
 impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
-    /// Sends the first `n` of eight rays through the tree; false if all eight do not agree in all that they must.
+    /// Sends the first `n` of eight rays through the tree; false unless all eight agree in all that they must.
     #[inline(always)]
     pub(super) fn go<F: Filter>(
         &mut self,
@@ -267,7 +267,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 continue;
             }
             let unsure = maybe & !verdict.sure;
-            if F::VARIOUS && unsure != 0 {
+            if unsure != 0 && !F::decides(view, lane) {
                 let index = F::index(view, lane);
                 if let Some(sphere) = if F::ROUND { self.judge.round(index) } else { None } {
                     // Rays that start on a sphere are left to be decided about, and most of them lead away.

@@ -48,8 +48,6 @@ impl Filter for BoxFilter {
         Verdict { maybe: simd.le(enter, leave) & leaf.mask(), sure: 0, near: enter, far: leave }
     }
 
-    const VARIOUS: bool = true;
-
     type Across<S: Simd> = AcrossBoxes<S>;
 
     #[inline(always)]

@@ -450,9 +450,6 @@ pub(super) trait Filter: Copy {
     /// True if leaves hold spheres.
     const ROUND: bool = false;
 
-    /// True if what leaves hold may be structures.
-    const VARIOUS: bool = Self::ROUND;
-
     /// The primitives of a leaf that rays of a shaft may meet, a bit for each; all, unless a filter knows better.
     #[inline(always)]
     fn within<S: Simd>(_: S, _: &Shaft<S>, leaf: LeafView<'_>) -> u32 {

@@ -32,6 +32,7 @@ fn samples_carry_what_eval_and_pdf_give() {
                 for (a, b) in value.to_array().into_iter().zip(sample.value.to_array()) {
                     assert!(difference(a, b) < 1e-9, "{name} at {degrees}°: {a} {b}");
                 }
+                assert_eq!(bsdf.eval_with_pdf(wo, sample.wi), (value, pdf), "{name} at {degrees}°");
             }
         }
         assert!(taken > 1000, "{name}: {taken}");
