@@ -222,15 +222,9 @@ impl Parts<'_> {
         if self.is_flat { hit.primitive } else { hit.instance }
     }
 
-    /// Instance and primitive of a part that is one primitive. Places rise with names either way, so that ties go to the same
-    /// part.
-    fn name(&self, index: u32) -> [u32; 2] {
-        if self.is_flat { [0, index] } else { [index, 0] }
-    }
-
     /// A hit of a part that is one primitive.
     fn single(&self, index: u32, t: f64, uv: [f64; 2]) -> Hit {
-        let [instance, primitive] = self.name(index);
+        let [instance, primitive] = self.hit_name(index);
         Hit { t, instance, primitive, uv }
     }
 
@@ -472,8 +466,9 @@ impl Primitives for Parts<'_> {
         }
     }
 
+    /// Places rise with names either way, so that ties go to the same part.
     fn hit_name(&self, index: u32) -> [u32; 2] {
-        self.name(index)
+        if self.is_flat { [0, index] } else { [index, 0] }
     }
 
     fn blocks(&self, index: u32) -> bool {

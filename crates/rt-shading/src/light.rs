@@ -103,7 +103,7 @@ impl Light {
     }
 
     /// True if the light certainly stands behind a surface with this normal: the cosine that [`illuminate`](Self::illuminate)
-    /// leads to would not be positive. Half of all lights do, and need no distance.
+    /// leads to would not be positive. It takes no distance to know.
     #[inline(always)]
     pub(crate) fn is_behind(&self, point: DVec3, normal: DVec3) -> bool {
         match self.kind {

@@ -151,7 +151,7 @@ impl Texture {
             Self::Checker { even, odd, size } => {
                 let [u, v] = point.uv;
                 let half = 0.5 * ((u / size).floor() + (v / size).floor());
-                // Never for infinities, of which nobody can tell.
+                // Not for infinities, which are neither even nor odd: their difference is no number.
                 if half - half.floor() == 0.0 { *even } else { *odd }
             }
             Self::Image { bitmap, wrap, smooth } => {

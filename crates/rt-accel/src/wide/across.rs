@@ -251,6 +251,16 @@ pub(super) struct Across<S: Simd> {
     pub(super) boxes: AcrossBoxes<S>,
 }
 
+/// Some rays, eight at most and one at least, a lane each; lanes without a ray repeat the first.
+#[inline(always)]
+pub(super) fn repeated(rays: &[(Ray, Interval)]) -> [(Ray, Interval); PACKET] {
+    let mut lanes = [rays[0]; PACKET];
+    for (lane, ray) in lanes.iter_mut().zip(rays) {
+        *lane = *ray;
+    }
+    lanes
+}
+
 /// True if rays go the same way.
 #[inline(always)]
 pub(super) fn agree(rays: &[(Ray, Interval); PACKET]) -> bool {

@@ -10,7 +10,7 @@ use core::mem::MaybeUninit;
 
 use rt_math::{Interval, Ray};
 
-use super::across::{PACKET, agree};
+use super::across::{PACKET, agree, repeated};
 use super::goal::{Goal, Judge, Prepared};
 use super::leaf::{BoxFilter, Filter, LeafKind, SphereFilter, TriangleFilter};
 use super::node::Child;
@@ -254,7 +254,7 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
         }
     }
 
-    /// Sends the next rays as a packet, if they agree. Lanes without a ray repeat the first.
+    /// Sends the next rays as a packet, if they agree.
     #[inline(always)]
     fn go_together(&mut self) -> bool {
         let first = self.n_boarded;
@@ -263,13 +263,12 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
         if n <= FEW as usize {
             return false;
         }
-        let mut repeated;
+        let filled;
         let rays = if let Some(rays) = rest.first_chunk() {
             rays
         } else {
-            repeated = [rest[0]; PACKET];
-            repeated[..n].copy_from_slice(rest);
-            &repeated
+            filled = repeated(rest);
+            &filled
         };
         if !agree(rays) {
             return false;

@@ -1,24 +1,20 @@
 //! A handful of primitives, without a tree: each is asked in turn, spheres and triangles for eight rays at a time, and what is
 //! a structure itself for all rays of a batch.
 
-use core::array;
-
 use rt_math::{
-    Accelerator, BatchKernel, DVec3, Hit, Interval, Primitives, Probe, Ray, RoundSphere, decide_offered,
-    decide_offered_batch, decide_offered_occluded, decide_offered_occluded_batch,
+    Accelerator, BatchKernel, Hit, Interval, Primitives, Probe, Ray, decide_offered, decide_offered_batch,
+    decide_offered_occluded, decide_offered_occluded_batch,
 };
 
-use super::across::{EightRays, Meetings, PACKET};
+use super::across::{EightRays, Meetings, PACKET, repeated};
 use super::facet;
 use super::goal::take_lane;
+use super::packet::FEW;
 use super::round::RoundSpheres;
 use super::simd::{Available, Kernel, Simd, SimdLevel};
 use super::walk::Work;
 use crate::RayQuery;
 use crate::ray_query::{Any, Closest};
-
-/// Up to as many rays go alone.
-const FEW: usize = 3;
 
 /// Rays that a structure is asked for at a time, so that what is copied of them does not grow with batches.
 const AT_ONCE: usize = 1024;
@@ -116,38 +112,28 @@ struct Member {
     /// Instance and primitive of its hits.
     name: [u32; 2],
     blocks: bool,
-    kernel: Kind,
-}
-
-/// What decides about it, as [`BatchKernel`] has it.
-#[derive(Clone, Copy)]
-enum Kind {
-    Sphere(RoundSphere),
-    Triangle([DVec3; 3]),
-    Structure,
-    Single,
+    kernel: BatchKernel,
 }
 
 impl Member {
-    const NONE: Self = Self { index: 0, name: [0; 2], blocks: false, kernel: Kind::Single };
+    const NONE: Self = Self { index: 0, name: [0; 2], blocks: false, kernel: BatchKernel::Single };
 
     fn of<P: Primitives>(primitives: &P, index: u32) -> Self {
-        let kernel = match primitives.batch_kernel(index) {
-            BatchKernel::Sphere(sphere) => Kind::Sphere(sphere),
-            BatchKernel::Triangle(vertices) => Kind::Triangle(vertices.map(|vertex| vertex.as_dvec3())),
-            BatchKernel::Structure => Kind::Structure,
-            BatchKernel::Single => Kind::Single,
-        };
-        Self { index, name: primitives.hit_name(index), blocks: primitives.blocks(index), kernel }
+        Self {
+            index,
+            name: primitives.hit_name(index),
+            blocks: primitives.blocks(index),
+            kernel: primitives.batch_kernel(index),
+        }
     }
 
     const fn is_structure(&self) -> bool {
-        matches!(self.kernel, Kind::Structure)
+        matches!(self.kernel, BatchKernel::Structure)
     }
 
     /// True if it is decided about in lanes.
     const fn is_known(&self) -> bool {
-        matches!(self.kernel, Kind::Sphere(_) | Kind::Triangle(_))
+        matches!(self.kernel, BatchKernel::Sphere(_) | BatchKernel::Triangle(_))
     }
 }
 
@@ -292,12 +278,10 @@ impl<A: Answer> Kernel<&[(Ray, Interval)], &mut [A]> for &mut Batch<'_, A> {
         for (rays, answers) in rays.chunks(PACKET).zip(answers.chunks_mut(PACKET)) {
             if let Ok(rays) = rays.try_into() {
                 self.ask_eight(simd, rays, answers);
-            } else if rays.len() <= FEW {
+            } else if rays.len() <= FEW as usize {
                 self.ask_alone(rays, answers);
             } else {
-                // Lanes without a ray repeat the first.
-                let rays = array::from_fn(|lane| *rays.get(lane).unwrap_or(&rays[0]));
-                self.ask_eight(simd, &rays, answers);
+                self.ask_eight(simd, &repeated(rays), answers);
             }
         }
     }
@@ -405,7 +389,7 @@ impl<A: Answer> Batch<'_, A> {
                 continue;
             }
             let unsure = match kernel {
-                Kind::Sphere(sphere) => {
+                BatchKernel::Sphere(sphere) => {
                     let spheres = RoundSpheres::all(simd, sphere);
                     let maybe = asking & !spheres.missed(simd, &lanes);
                     if maybe == 0 {
@@ -415,20 +399,21 @@ impl<A: Answer> Batch<'_, A> {
                     self.take_hits(simd, *name, maybe, &meetings, &mut found);
                     maybe & meetings.unsure
                 }
-                Kind::Triangle(vertices) => {
+                BatchKernel::Triangle([a, b, c]) => {
+                    let vertices = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
                     let mut unsure = 0;
                     for (axis, rays) in by_axis.iter().enumerate() {
                         let asked = asking & rays;
                         if asked == 0 {
                             continue;
                         }
-                        let Some(meetings) = facet::meet(simd, vertices, axis, &lanes, asked) else { continue };
+                        let Some(meetings) = facet::meet(simd, &vertices, axis, &lanes, asked) else { continue };
                         self.take_hits(simd, *name, asked, &meetings, &mut found);
                         unsure |= meetings.unsure;
                     }
                     unsure
                 }
-                Kind::Structure | Kind::Single => asking,
+                BatchKernel::Structure | BatchKernel::Single => asking,
             };
             let mut left = unsure;
             while left != 0 {
