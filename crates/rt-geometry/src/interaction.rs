@@ -150,12 +150,7 @@ impl SurfaceInteraction {
     fn offset(&self, point: DVec3, side: f64) -> DVec3 {
         let normal = self.geometric_normal;
         let outwards = if side < 0.0 { -normal } else { normal };
-        let moved = point + outwards * normal.abs().dot(self.point_error);
-        DVec3::new(
-            rounded_towards(moved.x, outwards.x),
-            rounded_towards(moved.y, outwards.y),
-            rounded_towards(moved.z, outwards.z),
-        )
+        rounded_towards(point + outwards * normal.abs().dot(self.point_error), outwards)
     }
 }
 
@@ -191,24 +186,25 @@ impl ShadowRays<'_> {
     }
 }
 
-/// The next number in the direction of `side`; `x` itself where that is 0. Makes up for the rounding of a sum.
+/// The next numbers in the direction of `side`, and a number itself where that is 0. Makes up for the rounding of a sum.
 ///
-/// Neighbours in magnitude are neighbours in bits. Signs are as good as random here, so that nothing is decided by them.
-#[inline]
-fn rounded_towards(x: f64, side: f64) -> f64 {
-    if x == 0.0 || !x.is_finite() {
-        return if side > 0.0 {
-            x.next_up()
-        } else if side < 0.0 {
-            x.next_down()
-        } else {
-            x
-        };
+/// What is added to a number is a little more than half the distance to its greater neighbour, so that the sum is rounded
+/// there, and down to the lesser neighbour where that is nearer by a power of two: Rump, Zimmermann, Boldo and Melquiond,
+/// "Computing Predecessor and Successor in Rounding to Nearest", BIT 49, 2009, algorithm 1.
+#[inline(always)]
+fn rounded_towards(point: DVec3, side: DVec3) -> DVec3 {
+    /// Steps of numbers below this one may underflow.
+    const LEAST: f64 = 1e-280;
+    const STEP: f64 = f64::EPSILON / 2.0 * (1.0 + f64::EPSILON);
+    let sizes = point.abs();
+    if sizes.cmpge(DVec3::splat(LEAST)).all() && sizes.is_finite() {
+        let steps = DVec3::select(side.cmpeq(DVec3::ZERO), DVec3::ZERO, sizes * STEP);
+        point + steps.copysign(side)
+    } else {
+        let next = |x: f64, side: f64| if side > 0.0 { x.next_up() } else { x.next_down() };
+        let next = DVec3::new(next(point.x, side.x), next(point.y, side.y), next(point.z, side.z));
+        DVec3::select(side.cmpeq(DVec3::ZERO), point, next)
     }
-    let bits = x.to_bits().cast_signed();
-    let upwards = i64::from(side > 0.0) - i64::from(side < 0.0);
-    let away_from_zero = 1 | (bits >> 63);
-    f64::from_bits((bits + upwards * away_from_zero).cast_unsigned())
 }
 
 /// How far from where it was a point is when it is mapped back to the source, as a length in the target space. The
@@ -250,12 +246,23 @@ mod tests {
 
     #[test]
     fn sums_are_rounded_to_the_neighbouring_number() {
-        for x in [0.0, -0.0, 5e-324, -5e-324, 1.0, -1.0, f64::MAX, f64::MIN, f64::INFINITY, f64::NEG_INFINITY] {
-            assert_eq!(rounded_towards(x, 0.3), x.next_up(), "{x:e}");
-            assert_eq!(rounded_towards(x, -0.3), x.next_down(), "{x:e}");
-            assert_eq!(rounded_towards(x, 0.0).to_bits(), x.to_bits(), "{x:e}");
+        let rounded = |x: f64, side: f64| {
+            let all = rounded_towards(DVec3::splat(x), DVec3::splat(side));
+            let beside_others = rounded_towards(DVec3::new(2.0, x, -0.3), DVec3::new(0.0, side, 0.0));
+            assert_eq!(beside_others, DVec3::new(2.0, all.y, -0.3), "{x:e}");
+            assert_eq!([all.x, all.y].map(f64::to_bits), [all.z; 2].map(f64::to_bits), "{x:e}");
+            all.x
+        };
+        let powers = (-1073..1024).map(|power| f64::powi(2.0, power));
+        let odd = (0..4096).map(|i| f64::from_bits(rt_math::random::hash(&[7, i]) >> 1)).filter(|x| x.is_finite());
+        let sizes = [0.0, 5e-324, 1e-280, 1.0, 1.0 / 3.0, f64::MAX, f64::INFINITY].into_iter().chain(powers).chain(odd);
+        for x in sizes.flat_map(|x| [x, x.next_up(), x.next_down(), -x]) {
+            assert_eq!(rounded(x, 0.3), x.next_up(), "{x:e}");
+            assert_eq!(rounded(x, -0.3), x.next_down(), "{x:e}");
+            assert_eq!(rounded(x, 0.0).to_bits(), x.to_bits(), "{x:e}");
+            assert_eq!(rounded(x, -0.0).to_bits(), x.to_bits(), "{x:e}");
         }
-        assert!(rounded_towards(f64::NAN, 1.0).is_nan());
+        assert!(rounded_towards(DVec3::NAN, DVec3::ONE).is_nan());
     }
 
     #[test]
