@@ -214,6 +214,7 @@ pub(super) fn at_least(t: f64) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use rt_math::random::{hash, unit};
     use rt_math::{Aabb, SlabRay};
 
     use super::super::node::Child;
@@ -226,13 +227,16 @@ mod tests {
         f64::from_bits(((1023 + n) as u64) << 52)
     }
 
-    /// A fixed sequence of numbers in [−1, 1).
-    struct Draw(u64);
+    /// The numbers in [−1, 1) that belong to a seed.
+    struct Draw {
+        seed: u64,
+        count: u64,
+    }
 
     impl Draw {
         fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
-            (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+            self.count += 1;
+            2.0 * unit(hash(&[self.seed, self.count])) - 1.0
         }
 
         /// Of sizes that differ by many powers of two, or 0.
@@ -270,7 +274,7 @@ mod tests {
     #[test]
     fn boxes_are_entered_no_later_and_left_no_earlier_than_own_boxes() {
         const SEED: u64 = 7;
-        let mut draw = Draw(SEED);
+        let mut draw = Draw { seed: SEED, count: 0 };
         for &level in SimdLevel::ALL {
             let level = Available::new(level);
             let (mut n_passed, mut n_proven) = (0, 0);

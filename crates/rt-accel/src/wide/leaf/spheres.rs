@@ -242,3 +242,58 @@ impl Filter for SphereFilter {
         leaf.word(HEADER + NUMBERS * leaf.count + lane)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rt_math::{Aabb, Accelerator, Hit, NoProbe, Ray, RoundSphere};
+
+    use super::*;
+    use crate::brute_force;
+    use crate::wide::{BuildParams, SimdLevel};
+
+    struct Balls(Vec<RoundSphere>);
+
+    impl Primitives for Balls {
+        fn len(&self) -> usize {
+            self.0.len()
+        }
+
+        fn bounds(&self, index: u32) -> Option<Aabb> {
+            let RoundSphere { centre, radius } = self.0[index as usize];
+            Some(Aabb::from_points([centre - radius, centre + radius]))
+        }
+
+        fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+            let t = self.0[index as usize].intersect(ray, span)?;
+            Some(Hit { t, instance: 0, primitive: index, uv: [0.0; 2] })
+        }
+
+        fn leaf_layout(&self, index: u32) -> LeafLayout {
+            LeafLayout::Round(self.0[index as usize])
+        }
+    }
+
+    /// Rays that pass at one and a half radii, whose squares are nothing in `f32`, and such that do hit.
+    #[test]
+    fn spheres_whose_squares_vanish_are_hit_and_missed_as_they_are() {
+        let ball = |centre: DVec3, radius: f64| RoundSphere { centre, radius };
+        for scale in [1.0, 1e-8, 1e-12, 1e-16, 1e-20, 1e-24, 1e-30] {
+            // The centre of the tree is that of the little sphere.
+            let balls =
+                Balls(vec![ball(DVec3::ZERO, scale), ball(DVec3::X * 50.0, 1.0), ball(DVec3::NEG_X * 50.0, 1.0)]);
+            for (aside, is_hit) in [(0.0, true), (0.5, true), (0.99, true), (1.01, false), (1.5, false)] {
+                let ray = Ray::new(DVec3::new(0.0, aside, -7.0) * scale, DVec3::Z);
+                let expected = brute_force::closest(&balls, &ray, Interval::FORWARD, &mut NoProbe);
+                assert_eq!(expected.is_some(), is_hit, "{aside} of {scale}");
+                for &level in SimdLevel::ALL {
+                    let params = BuildParams { max_leaf: 1, ..BuildParams::default() };
+                    let tree = WideBvh::build_with(&balls, &params).expect("three spheres").with_level(level);
+                    let found = tree.closest(&balls, &ray, Interval::FORWARD, &mut NoProbe);
+                    assert_eq!(found, expected, "{aside} of {scale}");
+                    let blocked = tree.occluded(&balls, &ray, Interval::FORWARD, &mut NoProbe);
+                    assert_eq!(blocked, is_hit, "{aside} of {scale}");
+                }
+            }
+        }
+    }
+}
