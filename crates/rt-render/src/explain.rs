@@ -417,6 +417,11 @@ impl RenderPlan<'_> {
             let why = format!("{} of {} lie outside the view", visible.left_out(), visible.of());
             left_out.push(LeftOut { what: "objects, for camera rays", why });
         }
+        if self.bsdfs.count() > 0 {
+            let materials = count(self.appearance.materials.len(), "material", "materials");
+            let why = format!("{} of {materials} scatter light alike at every point", self.bsdfs.count());
+            left_out.push(LeftOut { what: "BSDFs made at each hit", why });
+        }
         left_out.extend(self.light_paths_left_out());
         if !self.integrator.follows_light() {
             left_out.push(LeftOut {

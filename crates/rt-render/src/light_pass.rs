@@ -103,7 +103,7 @@ impl RenderPlan<'_> {
         let mut lit =
             LitChunk { splats: Vec::new(), counters: Counters::default(), shading: ShadingCounts::default(), bad: 0 };
         let Some(sources) = &self.light_sources else { return lit };
-        let lighting = Lighting { appearance: &self.appearance, emitters: &self.emitters };
+        let lighting = Lighting { appearance: &self.appearance, emitters: &self.emitters, bsdfs: &self.bsdfs };
         let mut world = WorldTracer::new(world, structure, InView::All(structure), S::default());
         // Sobol' points whatever the pattern of the camera's samples: they need not be arranged in a pixel.
         let seed = hash(&[pass_seed(self.seed, pass.pass), LIGHT_PATHS]);

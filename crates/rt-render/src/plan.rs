@@ -9,7 +9,7 @@ use rt_geometry::{Shape, Spheres};
 use rt_math::{DVec2, DVec3};
 use rt_scene_io::{Integrator, MaterialId, NamedCamera, Scene, Settings};
 use rt_shading::{
-    AmbientOcclusion, Appearance, FirstHitView, Follows, LightSources, Material, Needs, PathSettings,
+    AmbientOcclusion, Appearance, ConstantBsdfs, FirstHitView, Follows, LightSources, Material, Needs, PathSettings,
     emitter::EmitterSet,
 };
 use serde::{Deserialize, Serialize};
@@ -128,6 +128,8 @@ pub struct RenderPlan<'s> {
     pub(crate) appearance: Cow<'s, Appearance>,
     /// Lights with extent, if the integrator draws from them.
     pub(crate) emitters: EmitterSet,
+    /// BSDFs that are the same everywhere, if the integrator draws lights.
+    pub(crate) bsdfs: ConstantBsdfs,
     /// Lights that paths begin at, if the integrator follows any.
     pub(crate) light_sources: Option<LightSources>,
     pub(crate) world: World,
@@ -209,6 +211,10 @@ impl<'s> RenderPlan<'s> {
         let Outlook { camera, size, crop, visible, narrows, view, surroundings, .. } = outlook;
         let Outlook { moves, passes, pass_spp, simple_pass_spp, .. } = outlook;
         let appearance = rebase::appearance(&scene.appearance, origin);
+        let bsdfs = match &view {
+            View::Paths(paths) if !options.full => ConstantBsdfs::new(&appearance, paths.follows),
+            _ => ConstantBsdfs::default(),
+        };
         let follows_light_paths = settings.integrator == Integrator::Caustics;
         let light_sources = if follows_light_paths { light_sources(&appearance, &emitters, &world) } else { None };
         Ok(Self {
@@ -228,6 +234,7 @@ impl<'s> RenderPlan<'s> {
             integrator: settings.integrator,
             view,
             emitters,
+            bsdfs,
             depth: settings.depth,
             min_contribution: settings.min_contribution,
             needs,

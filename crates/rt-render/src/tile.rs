@@ -186,7 +186,7 @@ impl RenderPlan<'_> {
             return finished;
         }
         let Worker { whitted, paths, occlusion, camera, hits } = worker;
-        let lighting = Lighting { appearance: &self.appearance, emitters: &self.emitters };
+        let lighting = Lighting { appearance: &self.appearance, emitters: &self.emitters, bsdfs: &self.bsdfs };
         let mut tracer = WorldTracer::new(world, structure, in_view, S::default()).with_buffer(core::mem::take(hits));
         let mut finished = match (&self.view, &self.surroundings) {
             (View::Light, Surroundings::Same(interior)) => {

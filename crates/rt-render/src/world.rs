@@ -232,12 +232,18 @@ impl Parts<'_> {
     #[inline]
     pub(crate) fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
         let part = self.parts.get(self.place(hit) as usize)?;
-        if let PartGeometry::Facet(mesh, triangle) = &part.geometry {
-            // By itself, so that it is written where it is needed, and not moved about.
-            let surface = mesh.surface(ray, &Hit { primitive: *triangle, ..*hit }, part.needs(needs))?;
-            return Some(part.made(hit.t, surface, Some(*triangle)));
+        // The usual kinds by themselves, so that they are written where they are needed, and not moved about.
+        match &part.geometry {
+            PartGeometry::Facet(mesh, triangle) => {
+                let surface = mesh.surface(ray, &Hit { primitive: *triangle, ..*hit }, part.needs(needs))?;
+                Some(part.made(hit.t, surface, Some(*triangle)))
+            }
+            PartGeometry::Shape(shape) => {
+                let surface = shape.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, part.needs(needs));
+                Some(part.made(hit.t, surface, None))
+            }
+            geometry => self.surface_of(part, geometry, ray, hit, needs),
         }
-        self.surface_of(part, &part.geometry, ray, hit, needs)
     }
 
     fn surface_of(

@@ -29,10 +29,9 @@ impl<P> Queue<P> {
     }
 }
 
-/// The rays of all paths, each of which has one, by kind: rays of a kind run alike, and are counted as such.
+/// The rays that paths go on with, each of which has one, by kind: rays of a kind run alike, and are counted as such.
 #[derive(Clone, Debug)]
 pub(crate) struct Flow<P> {
-    pub(crate) primary: Queue<P>,
     pub(crate) reflected: Queue<P>,
     pub(crate) refracted: Queue<P>,
     diffuse: Queue<P>,
@@ -40,19 +39,13 @@ pub(crate) struct Flow<P> {
 
 impl<P> Default for Flow<P> {
     fn default() -> Self {
-        Self {
-            primary: Queue::default(),
-            reflected: Queue::default(),
-            refracted: Queue::default(),
-            diffuse: Queue::default(),
-        }
+        Self { reflected: Queue::default(), refracted: Queue::default(), diffuse: Queue::default() }
     }
 }
 
 impl<P> Flow<P> {
-    pub(crate) fn queues(&self) -> [(RayKind, &Queue<P>); 4] {
+    pub(crate) fn queues(&self) -> [(RayKind, &Queue<P>); 3] {
         [
-            (RayKind::Primary, &self.primary),
             (RayKind::Reflection, &self.reflected),
             (RayKind::Refraction, &self.refracted),
             (RayKind::Diffuse, &self.diffuse),
@@ -74,7 +67,7 @@ impl<P> Flow<P> {
     }
 
     pub(crate) fn clear(&mut self) {
-        for queue in [&mut self.primary, &mut self.reflected, &mut self.refracted, &mut self.diffuse] {
+        for queue in [&mut self.reflected, &mut self.refracted, &mut self.diffuse] {
             queue.clear();
         }
     }

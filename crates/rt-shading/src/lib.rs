@@ -52,6 +52,7 @@
 mod ambient_occlusion;
 mod appearance;
 pub mod bsdf;
+mod constant_bsdfs;
 mod course;
 mod coverage;
 pub mod emitter;
@@ -77,6 +78,7 @@ mod whitted;
 
 pub use ambient_occlusion::{AmbientOcclusion, OcclusionWave};
 pub use appearance::{Appearance, Background};
+pub use constant_bsdfs::ConstantBsdfs;
 pub use coverage::{Alpha, Coverage};
 pub use first_hit::FirstHitView;
 pub use interior::Interior;

@@ -3,8 +3,8 @@
 mod scatter;
 mod wave;
 
-use crate::{Appearance, Interior, Needs, Seen, ShadingCounts, Tracer, emitter::EmitterSet, flow::Flow};
-use rt_math::{Interval, Ray, Sampler};
+use crate::{Appearance, ConstantBsdfs, Interior, Needs, Seen, ShadingCounts, Tracer, emitter::EmitterSet, flow::Flow};
+use rt_math::{Interval, Ray, RayKind, Sampler};
 use wave::{Path, Shadows};
 
 /// Which light is followed beyond the first surface.
@@ -72,6 +72,8 @@ pub struct Lighting<'a> {
     pub appearance: &'a Appearance,
     /// Lights with extent.
     pub emitters: &'a EmitterSet,
+    /// What need not be found out about materials at each hit.
+    pub bsdfs: &'a ConstantBsdfs,
 }
 
 impl<S: Sampler + Clone> PathTracer<S> {
@@ -114,29 +116,50 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let seen = &mut seen[..count];
         seen.fill(Seen::NOTHING);
         self.finds_light = self.needs.emission || !lighting.appearance.background.is_black();
-        self.start(&rays[..count], samplers);
+        self.start(&samplers[..count]);
+        self.trace(world, lighting, RayKind::Primary, &rays[..count], |at| at as u32, seen);
+        self.end_wave(world, seen);
         while !self.flow.is_empty() {
             let flow = core::mem::take(&mut self.flow);
             for (kind, queue) in flow.queues() {
-                world.closest_batch(&queue.rays, kind, self.needs.surface(), |at, hit| {
-                    let (id, ray) = (queue.paths[at], &queue.rays[at].0);
-                    self.meet(lighting, id, ray, hit, &mut seen[id as usize]);
-                });
+                self.trace(world, lighting, kind, &queue.rays, |at| queue.paths[at], seen);
             }
             self.flow = flow;
-            self.shadows.gather(|rays, blocked| world.occluded_batch(rays, blocked), seen);
-            self.flow.clear();
-            core::mem::swap(&mut self.flow, &mut self.next);
+            self.end_wave(world, seen);
         }
     }
 
-    fn start(&mut self, rays: &[(Ray, Interval)], samplers: &[S]) {
+    /// Traces rays of one kind, each for the path whose number belongs to its place.
+    fn trace(
+        &mut self,
+        world: &mut impl Tracer,
+        lighting: Lighting<'_>,
+        kind: RayKind,
+        rays: &[(Ray, Interval)],
+        path: impl Fn(usize) -> u32,
+        seen: &mut [Seen],
+    ) {
+        world.closest_batch(rays, kind, self.needs.surface(), |at, hit| {
+            let id = path(at);
+            self.meet(lighting, id, &rays[at].0, hit, &mut seen[id as usize]);
+        });
+    }
+
+    /// Traces the shadow rays of a wave, and makes the next one that which is traced.
+    fn end_wave(&mut self, world: &mut impl Tracer, seen: &mut [Seen]) {
+        self.shadows.gather(|rays, blocked| world.occluded_batch(rays, blocked), seen);
+        self.flow.clear();
+        core::mem::swap(&mut self.flow, &mut self.next);
+    }
+
+    /// Begins a path for each sampler.
+    fn start(&mut self, samplers: &[S]) {
         // Lists of bodies keep their memory from wave to wave.
-        self.paths.truncate(rays.len());
+        self.paths.truncate(samplers.len());
         for (path, sampler) in self.paths.iter_mut().zip(samplers) {
             path.restart(sampler.clone());
         }
-        for sampler in &samplers[self.paths.len()..rays.len()] {
+        for sampler in &samplers[self.paths.len()..] {
             self.paths.push(Path::new(sampler.clone()));
         }
         if self.needs.refraction {
@@ -144,8 +167,6 @@ impl<S: Sampler + Clone> PathTracer<S> {
                 path.course.interior.clone_from(&self.surroundings);
             }
         }
-        self.flow.primary.rays.extend_from_slice(rays);
-        self.flow.primary.paths.extend(0..rays.len() as u32);
     }
 }
 

@@ -6,7 +6,7 @@ mod wave;
 
 use crate::{Appearance, Interior, Needs, Seen, Tracer, flow::Flow};
 pub use counts::ShadingCounts;
-use rt_math::{Interval, Ray, Rgb};
+use rt_math::{Interval, Ray, RayKind, Rgb};
 use wave::{Lights, Path, Sample};
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
@@ -27,7 +27,7 @@ pub struct Whitted {
     needs: Needs,
     /// What camera rays start inside of.
     surroundings: Interior,
-    /// What is traced now, while the wave after it grows.
+    /// What is traced after the camera rays, while the wave after it grows.
     wave: Flow<Path>,
     next: Flow<Path>,
     samples: Vec<Sample>,
@@ -89,38 +89,52 @@ impl Whitted {
         let count = rays.len().min(seen.len());
         let (rays, seen) = (&rays[..count], &mut seen[..count]);
         seen.fill(Seen::NOTHING);
-        self.start(rays);
+        self.start(count);
+        let camera_path = |at| Path { sample: at as u32, depth: 0, passages: 0, weight: Rgb::WHITE, start: 0.0 };
+        self.intersect_and_shade(world, appearance, RayKind::Primary, rays, camera_path, seen);
+        self.end_wave(world, seen);
         while !self.wave.is_empty() {
-            self.intersect_and_shade(world, appearance, seen);
-            self.lights.gather(|rays, blocked| world.occluded_batch(rays, blocked), seen);
-            self.go_on();
+            let wave = core::mem::take(&mut self.wave);
+            for (kind, queue) in wave.queues() {
+                self.intersect_and_shade(world, appearance, kind, &queue.rays, |at| queue.paths[at], seen);
+            }
+            self.wave = wave;
+            self.end_wave(world, seen);
         }
     }
 
-    /// The first wave: the camera rays.
-    fn start(&mut self, rays: &[(Ray, Interval)]) {
-        if self.samples.len() < rays.len() {
-            self.samples.resize_with(rays.len(), Sample::default);
+    /// Makes room for the samples of so many camera rays.
+    fn start(&mut self, count: usize) {
+        if self.samples.len() < count {
+            self.samples.resize_with(count, Sample::default);
         }
-        self.wave.primary.rays.extend_from_slice(rays);
-        let path = |sample| Path { sample, depth: 0, passages: 0, weight: Rgb::WHITE, start: 0.0 };
-        self.wave.primary.paths.extend((0..rays.len() as u32).map(path));
         if self.needs.refraction {
-            for sample in &mut self.samples[..rays.len()] {
+            for sample in &mut self.samples[..count] {
                 sample.interior.clone_from(&self.surroundings);
             }
         }
     }
 
-    fn intersect_and_shade(&mut self, world: &mut impl Tracer, appearance: &Appearance, seen: &mut [Seen]) {
-        let wave = core::mem::take(&mut self.wave);
-        for (kind, queue) in wave.queues() {
-            world.closest_batch(&queue.rays, kind, self.needs.surface(), |at, hit| {
-                let (path, ray) = (&queue.paths[at], &queue.rays[at].0);
-                self.shade(appearance, *path, ray, hit, &mut seen[path.sample as usize]);
-            });
-        }
-        self.wave = wave;
+    /// Traces rays of one kind, each for the path of its place.
+    fn intersect_and_shade(
+        &mut self,
+        world: &mut impl Tracer,
+        appearance: &Appearance,
+        kind: RayKind,
+        rays: &[(Ray, Interval)],
+        path: impl Fn(usize) -> Path,
+        seen: &mut [Seen],
+    ) {
+        world.closest_batch(rays, kind, self.needs.surface(), |at, hit| {
+            let path = path(at);
+            self.shade(appearance, path, &rays[at].0, hit, &mut seen[path.sample as usize]);
+        });
+    }
+
+    /// Traces the shadow rays of a wave, and fills the next one.
+    fn end_wave(&mut self, world: &mut impl Tracer, seen: &mut [Seen]) {
+        self.lights.gather(|rays, blocked| world.occluded_batch(rays, blocked), seen);
+        self.go_on();
     }
 
     /// Fills the next wave with what the samples go on with.

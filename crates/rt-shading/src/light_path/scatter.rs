@@ -66,9 +66,17 @@ impl<S: Sampler> LightTracer<S> {
             *way += hit.t * length;
         }
         let surface = hit.interaction;
+        let material_index = hit.material;
         let view = View::new(direction, is_inside, &mut hit.interaction);
-        let bsdf = bsdf_at(lighting.appearance, material, &view, crossing.as_ref());
-        let arrival = Arrival { vertex: Vertex::new(view, &bsdf, ray.time), surface, crossing };
+        let made;
+        let bsdf = match lighting.bsdfs.get(material_index) {
+            Some(constant) => &constant.bsdf,
+            None => {
+                made = bsdf_at(lighting.appearance, material, &view, crossing.as_ref());
+                &made
+            }
+        };
+        let arrival = Arrival { vertex: Vertex::new(view, bsdf, ray.time), surface, crossing };
         if photon.bounces > 0 && !arrival.vertex.bsdf.is_delta() {
             if let Some(way) = photon.unweakened_way.take() {
                 photon.power = photon.power * (way * way);

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::{
     Seen, SurfaceHit,
+    constant_bsdfs::Scatterer,
     interior::Crossing,
     meeting::{Meeting, Met},
     roulette::survives,
@@ -57,12 +58,21 @@ impl<S: Sampler + Clone> PathTracer<S> {
         if path.is_last {
             return;
         }
+        let material_index = hit.material;
         let view = View::new(direction, is_inside, &mut hit.interaction);
-        let bsdf = bsdf_at(lighting.appearance, material, &view, crossing.as_ref());
-        let part = (follows == Follows::Reflections).then(|| bsdf.without_diffuse());
-        let vertex = Vertex::new(view, &bsdf, ray.time);
-        let vertex = if let Some(part) = &part { vertex.following(part.as_ref()) } else { vertex };
-        if follows == Follows::Reflections && self.needs.ambient {
+        let made;
+        let Scatterer { bsdf, without_diffuse } = match lighting.bsdfs.get(material_index) {
+            Some(constant) => constant,
+            None => {
+                let bsdf = bsdf_at(lighting.appearance, material, &view, crossing.as_ref());
+                made = Scatterer::new(bsdf, follows);
+                &made
+            }
+        };
+        let vertex = Vertex::new(view, bsdf, ray.time);
+        let only_reflects = follows == Follows::Reflections;
+        let vertex = if only_reflects { vertex.following(without_diffuse.as_ref()) } else { vertex };
+        if only_reflects && self.needs.ambient {
             let ambient = material.ambient(&lighting.appearance.textures, vertex.view.surface);
             seen.radiance += path.weight * ambient * lighting.appearance.ambient;
         }

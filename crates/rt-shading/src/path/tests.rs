@@ -1,6 +1,7 @@
 use super::*;
 use crate::{
-    Background, Coefficient, Falloff, Light, LightKind, Material, Phong, Physical, SurfaceHit, Transmission,
+    Background, Coefficient, ConstantBsdfs, Falloff, Light, LightKind, Material, Phong, Physical, SurfaceHit,
+    Transmission,
     emitter::{DiskLight, Emission, Emitter, EmitterRef, EnvironmentLight, LightSampling, QuadLight, Sides},
 };
 use core::f64::consts::PI;
@@ -83,7 +84,8 @@ impl Scene {
         let samplers: Vec<_> = (0..paths).map(|key| Independent { key: u64::from(key), dimension: 0 }).collect();
         let rays = vec![(ray, Interval::FORWARD); paths as usize];
         let mut seen = vec![Seen::NOTHING; paths as usize];
-        let lighting = Lighting { appearance: &self.appearance, emitters: &self.emitters };
+        let lighting =
+            Lighting { appearance: &self.appearance, emitters: &self.emitters, bsdfs: &ConstantBsdfs::default() };
         tracer.radiance_of(&mut self.shapes, lighting, &rays, &samplers, &mut seen);
         let n = f64::from(paths);
         let mean = seen.iter().map(|seen| seen.radiance.g).sum::<f64>() / n;
@@ -260,7 +262,8 @@ fn what_is_seen_does_not_depend_on_the_wave() {
         |i: u32| (Ray::new(DVec3::new(3.0, 1.0, 0.1 * f64::from(i)), DVec3::new(-3.0, -1.0, 0.0)), Interval::FORWARD);
     let rays: Vec<_> = (0..20).map(ray).collect();
     let samplers: Vec<_> = (0..20).map(|key| Independent { key, dimension: 0 }).collect();
-    let lighting = Lighting { appearance: &scene.appearance, emitters: &scene.emitters };
+    let lighting =
+        Lighting { appearance: &scene.appearance, emitters: &scene.emitters, bsdfs: &ConstantBsdfs::default() };
     let mut together = vec![Seen::NOTHING; 20];
     PathTracer::new(paths(6), needs).radiance_of(&mut scene.shapes, lighting, &rays, &samplers, &mut together);
     let mut one_by_one = vec![Seen::NOTHING; 20];
