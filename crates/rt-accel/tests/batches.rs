@@ -135,6 +135,48 @@ fn what_none_of_many_rays_meets_is_looked_at_once() {
     assert!(5 * together < apart, "{together} nodes instead of {apart}");
 }
 
+/// The answers would be the same without memory, and counts of nodes ten times as high: all rays start below a roof, or next
+/// to it, whether they agree or not.
+#[test]
+fn what_blocks_a_ray_is_asked_about_the_next() {
+    let corners = [DVec3::new(-9.0, 2.0, -9.0), DVec3::new(9.0, 2.0, -9.0), DVec3::new(0.0, 2.0, 9.0)];
+    let mut soups = [
+        Soup(sheet(20, |x, z| DVec3::new(x, 0.1 * x * z, z)).collect()),
+        Soup::spheres(500, &mut Draw::new(5)).rounded(),
+    ];
+    soups[0].0.push(Solid::Facet(corners.map(|corner| corner.as_vec3())));
+    soups[1].0.push(Solid::Round(RoundSphere { centre: DVec3::Y * 20.0, radius: 18.0 }));
+    for (soup, level) in soups.iter().flat_map(|soup| levels().map(move |level| (soup, level))) {
+        let tree = WideBvh::build(soup).unwrap().with_level(level);
+        for turned in [1.0, -1.0] {
+            let ray = |i: usize, aside: f64| {
+                let x = 1e-3 * (i % 60) as f64;
+                let direction = DVec3::new(if i % 2 == 0 { 1e-3 } else { 1e-3 * turned }, 1.0, -2e-3);
+                (Ray::new(DVec3::new(x + aside, 1.5, 0.3), direction), Interval::FORWARD)
+            };
+            let blocked: Vec<_> = (0..512).map(|i| ray(i, 0.0)).collect();
+            let nodes_of = |n_together: usize| {
+                let mut counters = Counters::default();
+                for rays in blocked.chunks(n_together) {
+                    let mut answers = vec![false; rays.len()];
+                    tree.occluded_batch(soup, rays, &mut answers, &mut counters);
+                    assert!(answers.iter().all(|blocked| *blocked));
+                }
+                counters.total().nodes
+            };
+            let (apart, together) = (nodes_of(8), nodes_of(512));
+            assert!(10 * together < apart, "{} {turned}: {together} nodes instead of {apart}", level.name());
+
+            let mixed: Vec<_> = (0..512).map(|i| ray(i, if i / 20 % 2 == 0 { 0.0 } else { 40.0 })).collect();
+            let mut answers = vec![false; mixed.len()];
+            tree.occluded_batch(soup, &mixed, &mut answers, &mut NoProbe);
+            for (i, ((ray, span), blocked)) in mixed.iter().zip(answers).enumerate() {
+                assert_eq!(blocked, brute_force::occluded(soup, ray, *span, &mut NoProbe), "ray {i}");
+            }
+        }
+    }
+}
+
 /// Through trees of more than 8 MiB rays go side by side.
 #[test]
 fn batches_through_large_trees_equal_single_queries() {

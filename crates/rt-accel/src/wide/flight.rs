@@ -11,7 +11,7 @@ use core::mem::MaybeUninit;
 use rt_math::{Interval, Ray};
 
 use super::across::{PACKET, agree, repeated};
-use super::goal::{Goal, Judge, Prepared};
+use super::goal::{Goal, Judge, Place, Prepared};
 use super::leaf::{BoxFilter, Filter, LeafKind, SphereFilter, TriangleFilter};
 use super::node::Child;
 use super::packet::{FEW, Packet, PacketStack};
@@ -75,6 +75,7 @@ impl<G: Goal> Flight<'_, '_, G> {
             alone_until: 0,
             bundled_until: 0,
             cut: Cut::NONE,
+            blocker: None,
             packet_stack: PacketStack::new(),
             stack: StackRoom::new(),
             is_far: S::WAITS && self.tree.memory() > FAR,
@@ -193,6 +194,8 @@ struct Crew<'r, 'q, S: Simd, F, G: Goal> {
     /// Up to this ray all may meet nothing but `cut`.
     bundled_until: usize,
     cut: Cut,
+    /// What blocked the last ray or packet, and may block the next.
+    blocker: Option<Place>,
     packet_stack: PacketStack<S>,
     /// Of a ray that goes alone.
     stack: StackRoom,
@@ -232,6 +235,10 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
                 self.answer(number, goal.answer());
                 continue;
             };
+            if self.ask_again(&prepared, &mut goal) {
+                self.arrive(&prepared, &mut goal, number);
+                continue;
+            }
             if !self.is_far {
                 descend(
                     self.simd,
@@ -292,6 +299,7 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             stack: &mut self.packet_stack,
             alone: &mut self.stack,
             cut: (first < self.bundled_until).then_some(&self.cut),
+            blocker: &mut self.blocker,
             goal: PhantomData,
         };
         let has_gone = packet.go::<F>(n, rays, answers);
@@ -319,12 +327,28 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
         }
     }
 
+    /// Asks what blocked a ray before, and its neighbours in the leaf; true if that certainly blocks this one.
+    #[inline(always)]
+    fn ask_again(&mut self, prepared: &Prepared<'_, S, F>, goal: &mut G) -> bool {
+        let Some(Place { leaf, .. }) = self.blocker.take() else { return false };
+        let view = self.tree.leaves.view(leaf);
+        self.work.tests += view.count as u64;
+        let verdict = prepared.filter.judge(self.simd, view, goal.limit());
+        if verdict.sure == 0 {
+            return false;
+        }
+        let lane = verdict.sure.trailing_zeros() as usize;
+        goal.consider::<S, F>(self.simd, self.tree, self.judge, prepared.ray.ray, leaf, lane, Some([0.0; 2]));
+        true
+    }
+
     /// Takes down what a ray has found.
     #[inline(always)]
     fn arrive(&mut self, prepared: &Prepared<'_, S, F>, goal: &mut G, number: usize) {
         let Some(place) = self.answers.get_mut(number) else { return };
         goal.finish::<S, F>(self.simd, self.tree, self.judge, &prepared.ray, place);
         self.work.hits += goal.uncounted_hits();
+        self.blocker = goal.blocker();
     }
 
     #[inline(always)]

@@ -151,8 +151,21 @@ pub(super) trait Goal: Sized {
     /// Hits that no judge has counted.
     fn uncounted_hits(&self) -> u64;
 
+    /// What blocks the ray, if that is all that it was sent to find out, and it was found in a leaf.
+    #[inline(always)]
+    fn blocker(&self) -> Option<Place> {
+        None
+    }
+
     /// What has been found so far.
     fn answer(&self) -> Self::Answer;
+}
+
+/// A primitive, by where it is in a tree.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub(super) leaf: Child,
+    pub(super) lane: usize,
 }
 
 /// A primitive that is hit for sure, to be decided about at the end.
@@ -434,6 +447,7 @@ pub(super) struct AnyHit {
     span: Interval,
     uncounted_hits: u64,
     is_blocked: bool,
+    blocker: Option<Place>,
     limit: f32,
 }
 
@@ -443,6 +457,13 @@ impl AnyHit {
     fn block(&mut self) {
         self.is_blocked = true;
         self.limit = -1.0;
+    }
+
+    /// A primitive in a leaf blocks the ray.
+    #[inline(always)]
+    fn block_by(&mut self, leaf: Child, lane: usize) {
+        self.block();
+        self.blocker = Some(Place { leaf, lane });
     }
 }
 
@@ -462,7 +483,7 @@ impl Goal for AnyHit {
 
     #[inline(always)]
     fn new(span: Interval) -> Self {
-        Self { span, uncounted_hits: 0, is_blocked: false, limit: at_least(span.max) }
+        Self { span, uncounted_hits: 0, is_blocked: false, blocker: None, limit: at_least(span.max) }
     }
 
     fn visit_unbounded(&mut self, judge: &mut dyn Judge, ray: &Ray) -> ControlFlow<()> {
@@ -495,7 +516,7 @@ impl Goal for AnyHit {
         let verdict = prepared.filter.judge(simd, view, self.limit);
         if verdict.sure != 0 {
             self.uncounted_hits += 1;
-            self.block();
+            self.block_by(leaf, verdict.sure.trailing_zeros() as usize);
             return ControlFlow::Break(());
         }
         let mut unsure = verdict.maybe;
@@ -503,7 +524,7 @@ impl Goal for AnyHit {
             let lane = take_lane(&mut unsure);
             if F::blocks(simd, view, lane, &prepared.ray, self.span, judge) {
                 self.uncounted_hits += u64::from(F::decides(view, lane));
-                self.block();
+                self.block_by(leaf, lane);
                 return ControlFlow::Break(());
             }
         }
@@ -521,13 +542,13 @@ impl Goal for AnyHit {
         lane: usize,
         sure: Option<[f32; 2]>,
     ) {
-        let leaf = tree.leaves.view(leaf);
+        let view = tree.leaves.view(leaf);
         if sure.is_some() {
             self.uncounted_hits += 1;
-            self.block();
-        } else if F::blocks(simd, leaf, lane, &ExactRay::new(simd, ray), self.span, judge) {
-            self.uncounted_hits += u64::from(F::decides(leaf, lane));
-            self.block();
+            self.block_by(leaf, lane);
+        } else if F::blocks(simd, view, lane, &ExactRay::new(simd, ray), self.span, judge) {
+            self.uncounted_hits += u64::from(F::decides(view, lane));
+            self.block_by(leaf, lane);
         }
     }
 
@@ -562,6 +583,11 @@ impl Goal for AnyHit {
     #[inline(always)]
     fn uncounted_hits(&self) -> u64 {
         self.uncounted_hits
+    }
+
+    #[inline(always)]
+    fn blocker(&self) -> Option<Place> {
+        self.blocker
     }
 
     #[inline(always)]

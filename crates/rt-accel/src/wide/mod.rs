@@ -7,7 +7,7 @@
 //! * `list`: spheres without a tree; `handful`: few primitives without a tree
 //! * `goal`: what a ray is sent for; `walk`: how it goes; `exact`: how it goes where filters cannot
 //! * `packet`, over `across`: how eight go that agree; `round`, `facet`: how spheres and triangles are decided about for all of
-//!   them; `shaft`: what many of them can meet; `flight`: how many go side by side
+//!   them; `shaft`: what many of them can meet; `flight`: how many go side by side, and remember what blocked them
 //!
 //! This is the only module with `unsafe`: for instructions that a processor may not have, for numbers that builders and
 //! loaders have checked, and for memory that is written before it is read.

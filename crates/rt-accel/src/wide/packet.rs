@@ -11,7 +11,7 @@ use core::mem::MaybeUninit;
 use rt_math::{Interval, Ray};
 
 use super::across::{Across, PACKET};
-use super::goal::{Goal, Judge, Prepared, take_lane};
+use super::goal::{Goal, Judge, Place, Prepared, take_lane};
 use super::leaf::{ExactRay, Filter};
 use super::node::Child;
 use super::round::RoundSpheres;
@@ -120,6 +120,8 @@ pub(super) struct Packet<'q, 'j, S: Simd, G: Goal> {
     pub(super) alone: &'q mut StackRoom,
     /// What the rays may meet, if that is known.
     pub(super) cut: Option<&'q Cut>,
+    /// What blocked a ray of the packets before, and at least one of the last.
+    pub(super) blocker: &'q mut Option<Place>,
     pub(super) goal: PhantomData<G>,
 }
 
@@ -151,7 +153,11 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
             limits = self.simd.replaced(limits, lane, -1.0);
         }
         let eights = Eights::<S, F> { rays, across: &across, filter: &filter };
+        if let Some(place) = self.blocker.take() {
+            limits = self.ask_again(&eights, goals, place, limits);
+        }
         self.walk(&eights, goals, limits);
+        *self.blocker = goals.iter().rev().find_map(Goal::blocker);
         let answered = if F::ROUND {
             G::finish_round::<S, F>(self.simd, self.tree, self.judge, &across, goals, answers)
         } else {
@@ -166,6 +172,30 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
             self.work.hits += goal.uncounted_hits();
         }
         true
+    }
+
+    /// Asks what blocked rays before whether it certainly blocks these; returns their limits.
+    #[inline(always)]
+    fn ask_again<F: Filter>(
+        &mut self,
+        eights: &Eights<'_, '_, S, F>,
+        goals: &mut [G; PACKET],
+        Place { leaf, lane }: Place,
+        mut limits: S::Lanes,
+    ) -> S::Lanes {
+        let simd = self.simd;
+        let asked = simd.le(simd.splat(0.0), limits);
+        self.work.tests += u64::from(asked.count_ones());
+        let verdict = F::judge_across(simd, eights.filter, self.tree.leaves.view(leaf), lane, limits);
+        let mut sure = verdict.sure & asked;
+        while sure != 0 {
+            let ray = take_lane(&mut sure);
+            // What is certain is not asked, so that bounds do not matter.
+            let bounds = Some([0.0; 2]);
+            goals[ray].consider::<S, F>(simd, self.tree, self.judge, &eights.rays[ray].0, leaf, lane, bounds);
+            limits = simd.replaced(limits, ray, goals[ray].limit());
+        }
+        limits
     }
 
     #[inline(always)]

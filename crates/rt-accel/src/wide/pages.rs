@@ -17,12 +17,11 @@ pub(super) fn room_for<T>(count: usize) -> Vec<T> {
 #[cfg(all(target_os = "linux", feature = "large-pages"))]
 fn advise<T>(memory: &mut [core::mem::MaybeUninit<T>]) {
     const PAGE: usize = 2 << 20;
-    /// Less than this many bytes would leave too much of the last page empty.
-    const LARGE: usize = 2 * PAGE;
     let range = memory.as_mut_ptr_range();
     let offset = range.start.addr().next_multiple_of(PAGE) - range.start.addr();
+    // Whole pages alone: what is before and behind them would not be large.
     let length = size_of_val(memory).saturating_sub(offset) / PAGE * PAGE;
-    if size_of_val(memory) >= LARGE && length > 0 {
+    if length > 0 {
         let first = range.start.wrapping_byte_add(offset);
         // SAFETY: these pages lie within the memory, which is borrowed, and the advice changes nothing that is in them.
         let _ = unsafe { rustix::mm::madvise(first.cast(), length, rustix::mm::Advice::LinuxHugepage) };

@@ -273,7 +273,8 @@ mod tests {
         }
     }
 
-    /// Rays that pass at one and a half radii, whose squares are nothing in `f32`, and such that do hit.
+    /// Rays that pass beside the centre, or beside the sphere, also where the squares of such ways are nothing in `f32`; first
+    /// with the whole ray, then with a span that ends between both crossings, and with one that begins there.
     #[test]
     fn spheres_whose_squares_vanish_are_hit_and_missed_as_they_are() {
         let ball = |centre: DVec3, radius: f64| RoundSphere { centre, radius };
@@ -281,16 +282,19 @@ mod tests {
             // The centre of the tree is that of the little sphere.
             let balls =
                 Balls(vec![ball(DVec3::ZERO, scale), ball(DVec3::X * 50.0, 1.0), ball(DVec3::NEG_X * 50.0, 1.0)]);
-            for (aside, is_hit) in [(0.0, true), (0.5, true), (0.99, true), (1.01, false), (1.5, false)] {
+            let spans =
+                [Interval::FORWARD, Interval::new(0.0, 6.99 * scale), Interval::new(7.01 * scale, f64::INFINITY)];
+            let asides = [(0.0, true), (0.5, true), (0.99, true), (1.01, false), (1.5, false)];
+            for (span, (aside, is_hit)) in spans.into_iter().flat_map(|span| asides.map(|aside| (span, aside))) {
                 let ray = Ray::new(DVec3::new(0.0, aside, -7.0) * scale, DVec3::Z);
-                let expected = brute_force::closest(&balls, &ray, Interval::FORWARD, &mut NoProbe);
+                let expected = brute_force::closest(&balls, &ray, span, &mut NoProbe);
                 assert_eq!(expected.is_some(), is_hit, "{aside} of {scale}");
                 for &level in SimdLevel::ALL {
                     let params = BuildParams { max_leaf: 1, ..BuildParams::default() };
                     let tree = WideBvh::build_with(&balls, &params).expect("three spheres").with_level(level);
-                    let found = tree.closest(&balls, &ray, Interval::FORWARD, &mut NoProbe);
+                    let found = tree.closest(&balls, &ray, span, &mut NoProbe);
                     assert_eq!(found, expected, "{aside} of {scale}");
-                    let blocked = tree.occluded(&balls, &ray, Interval::FORWARD, &mut NoProbe);
+                    let blocked = tree.occluded(&balls, &ray, span, &mut NoProbe);
                     assert_eq!(blocked, is_hit, "{aside} of {scale}");
                 }
             }
