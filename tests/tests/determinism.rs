@@ -47,7 +47,11 @@ fn scene() -> Scene {
 
 /// The bits of the film and of what it is unsure of.
 fn bits(scene: &Scene, threads: usize) -> Vec<u32> {
-    let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("a scene that can be rendered");
+    bits_by(PlanOptions::default(), scene, threads)
+}
+
+fn bits_by(options: PlanOptions, scene: &Scene, threads: usize) -> Vec<u32> {
+    let plan = RenderPlan::compile(scene, &options).expect("a scene that can be rendered");
     let rendering = plan.render(&RunOptions { threads, maps: true, ..RunOptions::default() }, |_| {}).expect("threads");
     assert_eq!(rendering.statistics.bad_samples, 0);
     let errors = rendering.standard_error.expect("maps are asked for");
@@ -79,6 +83,16 @@ fn threads_and_structures_change_no_bit_of_any_integrator_with_any_pattern() {
                 assert!(bits(&scene, threads) == expected, "{what}");
             }
         }
+    }
+}
+
+#[test]
+fn the_full_plan_changes_no_bit_of_any_integrator() {
+    let mut scene = scene();
+    for integrator in INTEGRATORS {
+        scene.settings.integrator = integrator;
+        let full = bits_by(PlanOptions { full: true, ..PlanOptions::default() }, &scene, 1);
+        assert!(bits(&scene, 1) == full, "{}", integrator.name());
     }
 }
 

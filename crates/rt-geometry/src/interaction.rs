@@ -188,8 +188,8 @@ impl ShadowRays<'_> {
 
 /// The next numbers in the direction of `side`, and a number itself where that is 0. Makes up for the rounding of a sum.
 ///
-/// What is added to a number is a little more than half the distance to its greater neighbour, so that the sum is rounded
-/// there, and down to the lesser neighbour where that is nearer by a power of two: Rump, Zimmermann, Boldo and Melquiond,
+/// What is added to a number is more than half the distance to its greater neighbour, and hardly more than all of it, so that
+/// the sum is rounded there; and taken off, to the lesser neighbour, also where that is nearer by a power of two: Rump, Zimmermann, Boldo and Melquiond,
 /// "Computing Predecessor and Successor in Rounding to Nearest", BIT 49, 2009, algorithm 1.
 #[inline(always)]
 fn rounded_towards(point: DVec3, side: DVec3) -> DVec3 {

@@ -289,6 +289,9 @@ impl RenderPlan<'_> {
             let what = "asked in turn in tiles in whose part of the view no others lie";
             lines.push(format!("  for camera rays: up to {FEW} objects, or {FEW_SPHERES} spheres, {what}"));
         }
+        if self.needs.shadows && self.has_wide_tree() {
+            lines.push("  for shadow rays: what blocked a ray is asked first about the next".to_owned());
+        }
         if self.origin != DVec3::ZERO {
             lines.push(format!(
                 "coordinates relative to {}, as the scene is small and far from the origin",
@@ -296,6 +299,18 @@ impl RenderPlan<'_> {
             ));
         }
         lines
+    }
+
+    fn has_wide_tree(&self) -> bool {
+        let is_wide = |structure: &AnyStructure| matches!(structure, AnyStructure::Wide(_));
+        match &self.world {
+            World::Spheres(_, structure) => is_wide(structure),
+            World::Parts(top, levels) => {
+                is_wide(&top.structure)
+                    || levels.groups.iter().any(|group| is_wide(&group.structure))
+                    || levels.meshes.iter().any(|mesh| is_wide(&mesh.structure))
+            }
+        }
     }
 
     fn light(&self) -> Vec<String> {
@@ -417,10 +432,13 @@ impl RenderPlan<'_> {
             let why = format!("{} of {} lie outside the view", visible.left_out(), visible.of());
             left_out.push(LeftOut { what: "objects, for camera rays", why });
         }
-        if self.bsdfs.count() > 0 {
-            let materials = count(self.appearance.materials.len(), "material", "materials");
-            let why = format!("{} of {materials} scatter light alike at every point", self.bsdfs.count());
-            left_out.push(LeftOut { what: "BSDFs made at each hit", why });
+        let (alike, used) = self.bsdfs.count();
+        if alike > 0 {
+            let materials = count(used, "material", "materials");
+            let why = format!("{alike} of {materials} scatter light alike at every point");
+            let what =
+                if alike == used { "BSDFs made at each hit" } else { "BSDFs made at each hit, of some surfaces" };
+            left_out.push(LeftOut { what, why });
         }
         left_out.extend(self.light_paths_left_out());
         if !self.integrator.follows_light() {

@@ -128,7 +128,7 @@ pub struct RenderPlan<'s> {
     pub(crate) appearance: Cow<'s, Appearance>,
     /// Lights with extent, if the integrator draws from them.
     pub(crate) emitters: EmitterSet,
-    /// BSDFs that are the same everywhere, if the integrator draws lights.
+    /// BSDFs that are the same everywhere, if the integrator asks for BSDFs; none in a full plan.
     pub(crate) bsdfs: ConstantBsdfs,
     /// Lights that paths begin at, if the integrator follows any.
     pub(crate) light_sources: Option<LightSources>,
@@ -204,7 +204,8 @@ impl<'s> RenderPlan<'s> {
         if !options.full && settings.integrator != Integrator::Uv {
             spare_texture_coordinates(scene, &mut top, &mut levels);
         }
-        let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, shot.camera.medium) };
+        let used = used_materials(scene, &top, &levels, shot.camera.medium);
+        let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, &used) };
         let world = if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) };
         let stage = Stage { scene, options, wanted, origin, world: &world, refracts: needs.refraction };
         let outlook = Outlook::of(&stage, shot)?;
@@ -212,7 +213,7 @@ impl<'s> RenderPlan<'s> {
         let Outlook { moves, passes, pass_spp, simple_pass_spp, .. } = outlook;
         let appearance = rebase::appearance(&scene.appearance, origin);
         let bsdfs = match &view {
-            View::Paths(paths) if !options.full => ConstantBsdfs::new(&appearance, paths.follows),
+            View::Paths(_) if !options.full => ConstantBsdfs::new(&appearance, |material| used[material]),
             _ => ConstantBsdfs::default(),
         };
         let follows_light_paths = settings.integrator == Integrator::Caustics;
@@ -393,28 +394,32 @@ fn spare_texture_coordinates(scene: &Scene, top: &mut Assembly, levels: &mut Lev
     }
 }
 
-/// What the materials of objects that are really there need, and of what is around the camera.
-fn needs(scene: &Scene, top: &Assembly, levels: &Levels, medium: Option<MaterialId>) -> Needs {
+/// Whether each material is worn by something that is really there, or fills what is around the camera.
+fn used_materials(scene: &Scene, top: &Assembly, levels: &Levels, medium: Option<MaterialId>) -> Vec<bool> {
     let mut used = vec![false; scene.appearance.materials.len()];
     if let Some(MaterialId(material)) = medium {
         used[material as usize] = true;
     }
+    for part in top.all_parts(levels) {
+        if !matches!(part.geometry.at_rest(), PartGeometry::Group(..)) {
+            used[part.material as usize] = true;
+        }
+    }
+    used
+}
+
+/// What must be computed so that nothing is missed of what is really there.
+fn needs(scene: &Scene, top: &Assembly, levels: &Levels, used: &[bool]) -> Needs {
     let mut casts_shadow = false;
     let mut shading_normals = false;
     for part in top.all_parts(levels) {
         casts_shadow |= part.casts_shadow;
-        match part.geometry.at_rest() {
-            PartGeometry::Group(..) => {}
-            PartGeometry::Mesh(level, _) => {
-                used[part.material as usize] = true;
-                shading_normals |= !levels.meshes[*level as usize].mesh.data().normals.is_empty();
-            }
-            PartGeometry::Facet(mesh, _) => {
-                used[part.material as usize] = true;
-                shading_normals |= !mesh.data().normals.is_empty();
-            }
-            _ => used[part.material as usize] = true,
-        }
+        let mesh = match part.geometry.at_rest() {
+            PartGeometry::Mesh(level, _) => &levels.meshes[*level as usize].mesh,
+            PartGeometry::Facet(mesh, _) => mesh,
+            _ => continue,
+        };
+        shading_normals |= !mesh.data().normals.is_empty();
     }
     let needs = Needs::of(&scene.appearance, |material| used[material]);
     Needs { shadows: needs.shadows && casts_shadow, shading_normals, ..needs }

@@ -55,6 +55,26 @@ impl Part {
         let emitter = self.emitter.map(|index| EmitterRef { index, triangle });
         SurfaceHit { t, interaction, object: self.object, material: self.material, emitter }
     }
+
+    /// The surface of a triangle of a mesh.
+    #[inline]
+    fn facet(
+        &self,
+        mesh: &TriangleMesh,
+        triangle: u32,
+        ray: &Ray,
+        hit: &Hit,
+        needs: SurfaceNeeds,
+    ) -> Option<SurfaceHit> {
+        let surface = mesh.surface(ray, &Hit { primitive: triangle, ..*hit }, self.needs(needs))?;
+        Some(self.made(hit.t, surface, Some(triangle)))
+    }
+
+    /// The surface of a shape.
+    #[inline]
+    fn shape(&self, shape: &Shape, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> SurfaceHit {
+        self.made(hit.t, shape.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, self.needs(needs)), None)
+    }
 }
 
 /// What a part is.
@@ -234,14 +254,8 @@ impl Parts<'_> {
         let part = self.parts.get(self.place(hit) as usize)?;
         // The usual kinds by themselves, so that they are written where they are needed, and not moved about.
         match &part.geometry {
-            PartGeometry::Facet(mesh, triangle) => {
-                let surface = mesh.surface(ray, &Hit { primitive: *triangle, ..*hit }, part.needs(needs))?;
-                Some(part.made(hit.t, surface, Some(*triangle)))
-            }
-            PartGeometry::Shape(shape) => {
-                let surface = shape.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, part.needs(needs));
-                Some(part.made(hit.t, surface, None))
-            }
+            PartGeometry::Facet(mesh, triangle) => part.facet(mesh, *triangle, ray, hit, needs),
+            PartGeometry::Shape(shape) => Some(part.shape(shape, ray, hit, needs)),
             geometry => self.surface_of(part, geometry, ray, hit, needs),
         }
     }
@@ -257,7 +271,7 @@ impl Parts<'_> {
         let shape_hit = ShapeHit { t: hit.t, uv: hit.uv };
         let needs = part.needs(needs);
         Some(match geometry {
-            PartGeometry::Shape(shape) => part.made(hit.t, shape.surface(ray, &shape_hit, needs), None),
+            PartGeometry::Shape(shape) => part.shape(shape, ray, hit, needs),
             PartGeometry::Placed(placed) => part.made(hit.t, placed.surface(ray, &shape_hit, needs), None),
             PartGeometry::Mesh(level, transform) => {
                 let mut surface = self.levels.meshes[*level as usize].mesh.surface(
@@ -270,10 +284,7 @@ impl Parts<'_> {
                 }
                 part.made(hit.t, lift(surface, transform.as_deref()), Some(hit.primitive))
             }
-            PartGeometry::Facet(mesh, triangle) => {
-                let surface = mesh.surface(ray, &Hit { primitive: *triangle, ..*hit }, needs)?;
-                part.made(hit.t, surface, Some(*triangle))
-            }
+            PartGeometry::Facet(mesh, triangle) => part.facet(mesh, *triangle, ray, hit, needs)?,
             PartGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);

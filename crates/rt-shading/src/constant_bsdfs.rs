@@ -1,28 +1,28 @@
 //! What materials do to light, where that is the same at every point.
 
-use crate::{Appearance, Material, PhysicalPoint, bsdf::Bsdf, path::Follows};
+use crate::{Appearance, PhysicalPoint, bsdf::Bsdf, path::Follows};
 use rt_geometry::SurfaceInteraction;
 use rt_math::DVec3;
 
-/// The BSDFs of the materials that have no textures: made once, and not at every hit.
-///
-/// A transparent body is not among them, as it depends on what is on both sides of its surface.
+/// The BSDFs of the materials that [scatter alike everywhere](crate::Material::scatters_alike_everywhere): made once, and
+/// not at every hit. By `default()` there are none, and all are made at the hit.
 #[derive(Clone, Debug, Default)]
 pub struct ConstantBsdfs {
     /// By material.
-    of: Vec<Option<Scatterer>>,
+    of: Vec<Option<Box<Scatterer>>>,
+    n_used: usize,
 }
 
-/// A surface that scatters light.
+/// What a surface does to light, and the part of it that some paths follow.
 #[derive(Clone, Debug)]
 pub(crate) struct Scatterer {
     pub(crate) bsdf: Bsdf,
-    /// As [`Bsdf::without_diffuse`] has it; `None` also where it is not asked for.
+    /// As [`Bsdf::without_diffuse`] has it; `None` also where nobody asks for it.
     pub(crate) without_diffuse: Option<Bsdf>,
 }
 
 impl Scatterer {
-    /// A surface with all that is followed of it.
+    /// With all that is followed of it.
     pub(crate) fn new(bsdf: Bsdf, follows: Follows) -> Self {
         let without_diffuse = if follows == Follows::Reflections { bsdf.without_diffuse() } else { None };
         Self { bsdf, without_diffuse }
@@ -30,31 +30,35 @@ impl Scatterer {
 }
 
 impl ConstantBsdfs {
-    /// Those of an appearance, for integrators that follow this light.
-    pub fn new(appearance: &Appearance, follows: Follows) -> Self {
+    /// Those of an appearance, of materials that are `used`.
+    pub fn new(appearance: &Appearance, used: impl Fn(usize) -> bool) -> Self {
         let anywhere = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
         let point = PhysicalPoint { textures: &appearance.textures, surface: &anywhere, ior: 1.0 };
-        let is_constant = |material: &&Material| material.phong.transmission.is_none() && !material.needs_detail();
-        let made = |material: &Material| Scatterer::new(material.bsdf(&point), follows);
-        Self { of: appearance.materials.iter().map(|material| Some(material).filter(is_constant).map(made)).collect() }
+        let materials = || appearance.materials.iter().enumerate().map(|(index, material)| (used(index), material));
+        let of = materials().map(|(is_used, material)| {
+            let is_made = is_used && material.scatters_alike_everywhere();
+            is_made.then(|| Box::new(Scatterer::new(material.bsdf(&point), Follows::Reflections)))
+        });
+        Self { of: of.collect(), n_used: materials().filter(|(is_used, _)| *is_used).count() }
     }
 
-    /// The number of materials that have one.
-    pub fn count(&self) -> usize {
-        self.of.iter().flatten().count()
+    /// The number of materials that have one, and of those that are used.
+    pub fn count(&self) -> (usize, usize) {
+        (self.of.iter().flatten().count(), self.n_used)
     }
 
     /// That of a material; `None` if it must be made at the hit.
     pub(crate) fn get(&self, material: u32) -> Option<&Scatterer> {
-        self.of.get(material as usize)?.as_ref()
+        self.of.get(material as usize)?.as_deref()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Coefficient, Phong, Physical, TextureId, Transmission};
-    use rt_math::Rgb;
+    use crate::{Coefficient, LayeredBase, LayeredSurface, Material, Phong, Physical, Scalar, TextureId, Transmission};
+    use rt_geometry::SurfaceDetail;
+    use rt_math::{Rgb, Vec3};
 
     #[test]
     fn only_what_is_the_same_everywhere_is_made_once() {
@@ -63,28 +67,46 @@ mod tests {
         let glass = Transmission { coefficient: grey, ior: 1.5, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
         let phong = |phong| Material::new(String::new(), phong);
         let physical = |physical| Material { physical: Some(physical), ..phong(Phong::default()) };
-        let materials = vec![
+        let base = LayeredBase::MetallicRoughness {
+            base_color: grey,
+            metallic: Scalar::Constant(0.2),
+            roughness: Scalar::Constant(0.3),
+        };
+        let layered = |changed: fn(&mut LayeredSurface)| {
+            let mut surface = LayeredSurface::new(base.clone());
+            changed(&mut surface);
+            physical(Physical::Layered(Box::new(surface)))
+        };
+        let pane = Physical::ThinGlass { ior: 1.5, transmittance: grey };
+        let alike = [
             phong(Phong { specular: grey, ..Phong::default() }),
+            physical(Physical::Diffuse { albedo: grey, roughness: 0.3 }),
+            layered(|surface| surface.coat = Scalar::Constant(0.5)),
+            Material { physical: Some(pane), ..phong(Phong { transmission: Some(glass), ..Phong::default() }) },
+        ];
+        let varying = [
             phong(Phong { diffuse: textured, ..Phong::default() }),
             phong(Phong { transmission: Some(glass), ..Phong::default() }),
-            physical(Physical::Diffuse { albedo: grey, roughness: 0.3 }),
             physical(Physical::Mix(vec![(1.0, Physical::Diffuse { albedo: textured, roughness: 0.0 })])),
+            layered(|surface| surface.anisotropy = Scalar::Constant(0.9)),
+            layered(|surface| surface.coat_roughness = Scalar::Textured(TextureId(0), crate::Channel::Red, 1.0)),
         ];
+        let n_alike = alike.len();
+        let materials: Vec<_> = alike.into_iter().chain(varying).collect();
         let appearance = Appearance { materials, ..Appearance::default() };
-        for follows in [Follows::Everything, Follows::Reflections] {
-            let constant = ConstantBsdfs::new(&appearance, follows);
-            assert_eq!(constant.count(), 2);
-            for (index, material) in appearance.materials.iter().enumerate() {
-                let surface = SurfaceInteraction::flat(DVec3::ONE, DVec3::ZERO, DVec3::X, [0.3, 0.7]);
+        let constant = ConstantBsdfs::new(&appearance, |_| true);
+        assert_eq!(constant.count(), (n_alike, appearance.materials.len()));
+        let mut surface = SurfaceInteraction::flat(DVec3::ONE, DVec3::ZERO, DVec3::X, [0.3, 0.7]);
+        surface.detail = SurfaceDetail { tangent: Vec3::Y, color: [0.1, 0.2, 0.3], ..SurfaceDetail::NONE };
+        for (index, material) in appearance.materials.iter().enumerate() {
+            let made = constant.get(index as u32);
+            assert_eq!(made.is_some(), index < n_alike, "{index}");
+            if let Some(made) = made {
                 let at_a_hit = material.bsdf(&PhysicalPoint { textures: &[], surface: &surface, ior: 1.0 });
-                if let Some(made) = constant.get(index as u32) {
-                    assert!([0, 3].contains(&index));
-                    assert_eq!(made.bsdf, at_a_hit);
-                    let reflects = follows == Follows::Reflections;
-                    assert_eq!(made.without_diffuse, at_a_hit.without_diffuse().filter(|_| reflects));
-                }
+                assert_eq!((made.bsdf, made.without_diffuse), (at_a_hit, at_a_hit.without_diffuse()), "{index}");
             }
-            assert!(constant.get(5).is_none());
         }
+        assert!(constant.get(100).is_none());
+        assert_eq!(ConstantBsdfs::new(&appearance, |material| material == 1).count(), (1, 1));
     }
 }

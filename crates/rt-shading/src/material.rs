@@ -277,6 +277,12 @@ impl Material {
         matches!(&self.physical, Some(Physical::Layered(layered)) if layered.needs_tangents()) || self.is_textured()
     }
 
+    /// True if its BSDF is the same at every point: no texture and no tangent has a part in it, and it is not the surface of
+    /// a body, where it would matter what is on the other side.
+    pub fn scatters_alike_everywhere(&self) -> bool {
+        self.body().is_none() && !self.needs_detail()
+    }
+
     /// Numbers the textures that it refers to from `first` on.
     pub fn count_textures_from(&mut self, first: u32) {
         let phong = &mut self.phong;

@@ -56,7 +56,7 @@ pub struct PathTracer<S> {
     /// What camera rays start inside of.
     surroundings: Interior,
     paths: Vec<Path<S>>,
-    /// What is traced now, while the flow after it grows.
+    /// What is traced after the camera rays, while the flow after it grows.
     flow: Flow<u32>,
     next: Flow<u32>,
     shadows: Shadows,
@@ -72,7 +72,7 @@ pub struct Lighting<'a> {
     pub appearance: &'a Appearance,
     /// Lights with extent.
     pub emitters: &'a EmitterSet,
-    /// What need not be found out about materials at each hit.
+    /// What need not be made at each hit: of this very appearance, or `default()`.
     pub bsdfs: &'a ConstantBsdfs,
 }
 

@@ -11,7 +11,7 @@ use rt_geometry::SurfaceInteraction;
 use rt_math::Rgb;
 
 /// A physical surface, of which colours may vary with the texture coordinates. Integrators that follow light from surface
-/// to surface ask it for a [`Bsdf`] at each hit.
+/// to surface ask it for a [`Bsdf`]: once where that is the same everywhere, otherwise at each hit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Physical {
     /// Scatters nothing: the surface of a lamp.
@@ -86,6 +86,24 @@ macro_rules! list_coefficients {
             Self::Glossy { diffuse, specular, .. } => vec![diffuse, specular],
             Self::Layered(layered) => layered.$coefficients(),
             Self::Mix(parts) => parts.$iter().flat_map(|(_, part)| part.$coefficients()).collect(),
+        }
+    };
+}
+
+/// Lists the numbers of a surface that may have textures, borrowed as the surface is.
+macro_rules! list_scalars {
+    ($surface:expr, $scalars:ident) => {
+        match $surface {
+            Self::Layered(layered) => layered.$scalars(),
+            Self::Black
+            | Self::Diffuse { .. }
+            | Self::Glossy { .. }
+            | Self::Mirror { .. }
+            | Self::Dielectric { .. }
+            | Self::Conductor { .. }
+            | Self::MetallicRoughness { .. }
+            | Self::ThinGlass { .. }
+            | Self::Mix(_) => vec![],
         }
     };
 }
@@ -234,12 +252,12 @@ impl Physical {
 
     /// The numbers that may have textures.
     pub fn scalars(&self) -> Vec<&Scalar> {
-        if let Self::Layered(layered) = self { layered.scalars() } else { vec![] }
+        list_scalars!(self, scalars)
     }
 
     /// The numbers that may have textures, to change these.
     pub fn scalars_mut(&mut self) -> Vec<&mut Scalar> {
-        if let Self::Layered(layered) = self { layered.scalars_mut() } else { vec![] }
+        list_scalars!(self, scalars_mut)
     }
 }
 

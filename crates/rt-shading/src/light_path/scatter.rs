@@ -66,16 +66,11 @@ impl<S: Sampler> LightTracer<S> {
             *way += hit.t * length;
         }
         let surface = hit.interaction;
-        let material_index = hit.material;
         let view = View::new(direction, is_inside, &mut hit.interaction);
-        let made;
-        let bsdf = match lighting.bsdfs.get(material_index) {
-            Some(constant) => &constant.bsdf,
-            None => {
-                made = bsdf_at(lighting.appearance, material, &view, crossing.as_ref());
-                &made
-            }
-        };
+        let mut made = None;
+        let constant = lighting.bsdfs.get(hit.material).map(|constant| &constant.bsdf);
+        let bsdf =
+            constant.unwrap_or_else(|| made.insert(bsdf_at(lighting.appearance, material, &view, crossing.as_ref())));
         let arrival = Arrival { vertex: Vertex::new(view, bsdf, ray.time), surface, crossing };
         if photon.bounces > 0 && !arrival.vertex.bsdf.is_delta() {
             if let Some(way) = photon.unweakened_way.take() {

@@ -58,17 +58,12 @@ impl<S: Sampler + Clone> PathTracer<S> {
         if path.is_last {
             return;
         }
-        let material_index = hit.material;
         let view = View::new(direction, is_inside, &mut hit.interaction);
-        let made;
-        let Scatterer { bsdf, without_diffuse } = match lighting.bsdfs.get(material_index) {
-            Some(constant) => constant,
-            None => {
-                let bsdf = bsdf_at(lighting.appearance, material, &view, crossing.as_ref());
-                made = Scatterer::new(bsdf, follows);
-                &made
-            }
-        };
+        let mut made = None;
+        let Scatterer { bsdf, without_diffuse } = lighting.bsdfs.get(hit.material).unwrap_or_else(|| {
+            let bsdf = bsdf_at(lighting.appearance, material, &view, crossing.as_ref());
+            made.insert(Scatterer::new(bsdf, follows))
+        });
         let vertex = Vertex::new(view, bsdf, ray.time);
         let only_reflects = follows == Follows::Reflections;
         let vertex = if only_reflects { vertex.following(without_diffuse.as_ref()) } else { vertex };

@@ -119,7 +119,7 @@ fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::PixelSample) 
     let appearance = appearance();
     let emitters = EmitterSet::new(vec![lamp().emitter()?], LightSampling::Tree, 1.0);
     let settings = PathSettings { max_depth: 2, roulette_from: 3, follows: Follows::Everything };
-    let bsdfs = ConstantBsdfs::new(&appearance, settings.follows);
+    let bsdfs = ConstantBsdfs::new(&appearance, |_| true);
     let lighting = Lighting { appearance: &appearance, emitters: &emitters, bsdfs: &bsdfs };
     let mut paths = PathTracer::new(settings, Needs::of(&appearance, |_| true));
     let sampler = PixelSampler::new(PATTERN, SPP, seed);
