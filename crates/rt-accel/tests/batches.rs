@@ -151,7 +151,7 @@ fn what_blocks_a_ray_is_asked_about_the_next() {
         for turned in [1.0, -1.0] {
             let ray = |i: usize, aside: f64| {
                 let x = 1e-3 * (i % 60) as f64;
-                let direction = DVec3::new(if i % 2 == 0 { 1e-3 } else { 1e-3 * turned }, 1.0, -2e-3);
+                let direction = DVec3::new(if i.is_multiple_of(2) { 1e-3 } else { 1e-3 * turned }, 1.0, -2e-3);
                 (Ray::new(DVec3::new(x + aside, 1.5, 0.3), direction), Interval::FORWARD)
             };
             let blocked: Vec<_> = (0..512).map(|i| ray(i, 0.0)).collect();
