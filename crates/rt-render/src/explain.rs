@@ -289,7 +289,7 @@ impl RenderPlan<'_> {
             let what = "asked in turn in tiles in whose part of the view no others lie";
             lines.push(format!("  for camera rays: up to {FEW} objects, or {FEW_SPHERES} spheres, {what}"));
         }
-        if self.needs.shadows && self.has_wide_tree() {
+        if (self.needs.shadows || !self.emitters.is_empty()) && self.has_wide_tree() {
             lines.push("  for shadow rays: what blocked a ray is asked first about the next".to_owned());
         }
         if self.origin != DVec3::ZERO {
