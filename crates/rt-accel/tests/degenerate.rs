@@ -6,8 +6,9 @@ mod soup;
 
 use rt_accel::{
     Aabb, Accelerator, AnyStructure, Bih, BspTree, BuildError, CylinderTree, DVec3, Hit, Interval, KdTree, LazyBih,
-    Linear, NoProbe, Primitives, Ray, SphereTree, Structure, StructureKind, UniformGrid, Violation, WideBvh,
-    brute_force, wide::SimdLevel,
+    Linear, NoProbe, Primitives, Ray, RoundSphere, SphereTree, Structure, StructureKind, UniformGrid, Violation,
+    WideBvh, brute_force,
+    wide::{BuildParams, SimdLevel},
 };
 use soup::draw::Draw;
 use soup::structures::{Structures, tests_per_ray};
@@ -483,5 +484,31 @@ fn a_ray_through_the_rounded_centre_of_a_tiny_sphere_misses_it() {
         let hit = wide.closest(&soup, &ray, FORWARD, &mut NoProbe).map(|hit| hit.primitive);
         assert_eq!(hit, Some(3), "{level:?}");
         assert!(!wide.occluded(&soup, &ray, Interval::new(0.0, 3.5), &mut NoProbe), "{level:?}");
+    }
+}
+
+/// Rays that pass beside the centre, or beside the sphere, also where the squares of such ways are nothing in `f32`; first
+/// with the whole ray, then with a span that ends between both crossings, and with one that begins there.
+#[test]
+fn spheres_whose_squares_vanish_are_hit_and_missed_as_they_are() {
+    let ball = |centre: DVec3, radius: f64| Solid::Round(RoundSphere { centre, radius });
+    for scale in [1.0, 1e-8, 1e-12, 1e-16, 1e-20, 1e-24, 1e-30] {
+        // The centre of the tree is that of the little sphere.
+        let soup = Soup(vec![ball(DVec3::ZERO, scale), ball(DVec3::X * 50.0, 1.0), ball(DVec3::NEG_X * 50.0, 1.0)]);
+        let spans = [Interval::FORWARD, Interval::new(0.0, 6.99 * scale), Interval::new(7.01 * scale, f64::INFINITY)];
+        let asides = [(0.0, true), (0.5, true), (0.99, true), (1.01, false), (1.5, false)];
+        for (span, (aside, is_hit)) in spans.into_iter().flat_map(|span| asides.map(|aside| (span, aside))) {
+            let ray = Ray::new(DVec3::new(0.0, aside, -7.0) * scale, DVec3::Z);
+            let expected = brute_force::closest(&soup, &ray, span, &mut NoProbe);
+            assert_eq!(expected.is_some(), is_hit, "{aside} of {scale}");
+            for &level in SimdLevel::ALL {
+                let params = BuildParams { max_leaf: 1, ..BuildParams::default() };
+                let tree = WideBvh::build_with(&soup, &params).expect("three spheres").with_level(level);
+                let found = tree.closest(&soup, &ray, span, &mut NoProbe);
+                assert_eq!(found, expected, "{aside} of {scale}");
+                let blocked = tree.occluded(&soup, &ray, span, &mut NoProbe);
+                assert_eq!(blocked, is_hit, "{aside} of {scale}");
+            }
+        }
     }
 }

@@ -194,7 +194,8 @@ struct Crew<'r, 'q, S: Simd, F, G: Goal> {
     /// Up to this ray all may meet nothing but `cut`.
     bundled_until: usize,
     cut: Cut,
-    /// What blocked the last ray or packet, and may block the next.
+    /// What blocked the last packet, or the last ray that went alone, and may block the next. Rays side by side ask it as
+    /// well, but what blocks them is not noted.
     blocker: Option<Place>,
     packet_stack: PacketStack<S>,
     /// Of a ray that goes alone.
