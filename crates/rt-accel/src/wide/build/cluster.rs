@@ -19,8 +19,10 @@ pub(super) struct Haste {
 impl Haste {
     /// Trees are as good as if all sets were cut.
     pub(super) const LITTLE: Self = Self { few: 4, limit: 0.75 };
-    /// Up to a quarter less time, and costs up to a hundredth higher.
-    pub(super) const GREAT: Self = Self { few: 8, limit: 1.3 };
+    /// A sixth less time, and costs up to a fiftieth higher; rays meet fewer nodes and more primitives, at the same speed.
+    pub(super) const GREAT: Self = Self { few: 8, limit: 1.5 };
+    /// What fits into a leaf becomes one.
+    pub(super) const GREATEST: Self = Self { few: 8, limit: f32::INFINITY };
 }
 
 impl Rules {

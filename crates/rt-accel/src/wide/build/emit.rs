@@ -8,7 +8,7 @@ use super::reference::Run;
 use super::{WideTree, in_order};
 use crate::wide::leaf::{LeafKind, Listing};
 use crate::wide::node::{Child, Node};
-use crate::wide::pages::room_for;
+use crate::wide::pages::filled;
 
 /// Nodes down to this depth, up to 73, are made before those below, which are up to 512 parts.
 const TOP: u32 = 3;
@@ -159,15 +159,21 @@ fn join(mut top: Part, below: Vec<Part>) -> Option<WideTree> {
     if first_node.max(n_lines) > Child::LIMIT {
         return None;
     }
-    let mut tree = WideTree { nodes: room_for(first_node), listings: vec![top.listing], depth: top.depth };
-    tree.nodes.extend(top.nodes);
-    let mut first_line = tree.listings[0].n_lines;
-    for Part { nodes, listing, depth, .. } in below {
-        let first_node = tree.nodes.len();
-        tree.nodes.extend(nodes.into_iter().map(|node| node.moved(first_node, first_line)));
-        tree.depth = tree.depth.max(depth);
-        first_line += listing.n_lines;
-        tree.listings.push(listing);
+    let mut nodes = vec![(top.nodes.len(), (top.nodes, 0, 0))];
+    let mut listings = vec![top.listing];
+    let (mut first_node, mut first_line, mut depth) = (nodes[0].0, listings[0].n_lines, top.depth);
+    for part in below {
+        let count = part.nodes.len();
+        nodes.push((count, (part.nodes, first_node, first_line)));
+        first_node += count;
+        first_line += part.listing.n_lines;
+        depth = depth.max(part.depth);
+        listings.push(part.listing);
     }
-    Some(tree)
+    let nodes = filled(nodes, Node::EMPTY, |(nodes, first_node, first_line), room| {
+        for (place, node) in room.iter_mut().zip(nodes) {
+            *place = node.moved(first_node, first_line);
+        }
+    });
+    Some(WideTree { nodes, listings, depth })
 }

@@ -12,7 +12,7 @@ use crate::BuildError;
 use crate::bvh::NodeBox;
 use crate::own_boxes::{checked_own_box, count};
 use crate::wide::leaf::Layouts;
-use crate::wide::pages::room_for;
+use crate::wide::pages::filled;
 
 /// Primitives that one thread handles at a time.
 const RUN: u32 = 16384;
@@ -81,26 +81,34 @@ impl Census {
     }
 }
 
-/// References to all bounded primitives, to pairs of them where that is no worse.
-pub(super) fn references<P: Primitives>(primitives: &P, centre: DVec3, rules: &Rules) -> Vec<Reference> {
-    let parts = in_runs(primitives.len() as u32, |run| {
+/// References to all bounded primitives, to pairs of them where that is no worse, and room for as many.
+pub(super) fn references<P: Primitives>(primitives: &P, centre: DVec3, rules: &Rules) -> [Vec<Reference>; 2] {
+    let runs: Vec<_> = runs(primitives.len() as u32).collect();
+    let mut counts = vec![0; runs.len()];
+    // Each run first where it would be if no primitives were joined.
+    let parts = runs.into_iter().zip(&mut counts).map(|(run, count)| (run.len(), (run, count))).collect();
+    let mut room = filled(parts, Reference::NONE, |(run, count), room| {
         let mut references = Vec::with_capacity(run.len());
         for index in run {
             if let Some(own) = own_box(primitives, index) {
                 rules.push(&mut references, Reference::new(NodeBox::outward(&own, centre), index));
             }
         }
-        references
+        room[..references.len()].copy_from_slice(&references);
+        *count = references.len();
     });
-    let mut all = room_for(parts.iter().map(Vec::len).sum());
-    parts.iter().for_each(|part| all.extend_from_slice(part));
-    all
+    let parts = room.chunks(RUN as usize).zip(counts).map(|(run, count)| (count, &run[..count])).collect();
+    let references = filled(parts, Reference::NONE, |from, to| to.copy_from_slice(from));
+    room.truncate(references.len());
+    [references, room]
+}
+
+fn runs(count: u32) -> impl Iterator<Item = Range<u32>> {
+    (0..count).step_by(RUN as usize).map(move |first| first..first.saturating_add(RUN).min(count))
 }
 
 /// Does the same for all runs of primitives, in order.
 fn in_runs<T: Send>(count: u32, each: impl Fn(Range<u32>) -> T + Sync + Send) -> Vec<T> {
-    in_order(count.div_ceil(RUN) as usize, |run| {
-        let first = run as u32 * RUN;
-        each(first..first.saturating_add(RUN).min(count))
-    })
+    let runs: Vec<_> = runs(count).collect();
+    in_order(runs.len(), |run| each(runs[run].clone()))
 }

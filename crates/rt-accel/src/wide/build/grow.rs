@@ -26,8 +26,9 @@ impl Rules {
     /// For primitives within this box.
     pub(super) fn new(extent: &NodeBox, params: &BuildParams) -> Self {
         let (axes, haste) = match params.quality {
-            Quality::Low => (Axes::Widest, Haste::GREAT),
-            Quality::Medium | Quality::High => (Axes::All, Haste::LITTLE),
+            Quality::Low => (Axes::Widest, Haste::GREATEST),
+            Quality::Medium => (Axes::All, Haste::GREAT),
+            Quality::High => (Axes::All, Haste::LITTLE),
         };
         let pairs = params.quality != Quality::High;
         Self { unit: AreaUnit::new(extent), axes, haste, pairs, max_leaf: params.leaf_limit() }

@@ -50,17 +50,22 @@ pub(super) fn build<P: Primitives>(
     params: &BuildParams,
 ) -> Option<WideTree> {
     let rules = Rules::new(&census.extent(), params);
-    over(gather::references(primitives, census.centre(), &rules), &rules, kind, params.quality)
+    let [references, room] = gather::references(primitives, census.centre(), &rules);
+    over(references, room, &rules, kind, params.quality)
 }
 
-/// Builds the tree over references.
-fn over(mut references: Vec<Reference>, rules: &Rules, kind: LeafKind, quality: Quality) -> Option<WideTree> {
+/// Builds the tree over references, with room for as many.
+fn over(
+    mut references: Vec<Reference>,
+    mut room: Vec<Reference>,
+    rules: &Rules,
+    kind: LeafKind,
+    quality: Quality,
+) -> Option<WideTree> {
     if references.is_empty() {
         return Some(WideTree { nodes: vec![Node::EMPTY], listings: Vec::new(), depth: 0 });
     }
     let extent = extent(&references);
-    let mut room = room_for(references.len());
-    room.extend_from_slice(&references);
     let mut order = room_for(references.len());
     order.resize(references.len(), Run::default());
     let set = Set { references: &mut references, room: &mut room, order: &mut order, first: 0, extent, depth: 0 };

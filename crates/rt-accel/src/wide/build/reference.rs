@@ -29,6 +29,9 @@ const ONE: u32 = 1.0f32.to_bits();
 const PAIR: u32 = 1 << 16;
 
 impl Reference {
+    /// Stands where there is none.
+    pub(super) const NONE: Self = Self { min: [0.0; 4], max: [0.0; 4] };
+
     /// The box must not be empty. Zeros lose their sign, so that the least of several is the same in any order.
     #[inline(always)]
     pub(super) fn new(bounds: NodeBox, index: u32) -> Self {

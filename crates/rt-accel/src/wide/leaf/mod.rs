@@ -23,7 +23,7 @@ use super::ray::{FilterRay, LaneRay, SLACK};
 use super::shaft::Shaft;
 use super::simd::Simd;
 use crate::bvh::NodeBox;
-use crate::wide::pages::room_for;
+use crate::wide::pages::filled;
 
 /// Most primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 8;
@@ -135,9 +135,22 @@ pub(super) struct Leaves {
     lines: Vec<Line>,
 }
 
+impl Line {
+    #[inline(always)]
+    fn words(lines: &[Self]) -> &[u32] {
+        // SAFETY: a line is sixteen words and nothing else.
+        unsafe { core::slice::from_raw_parts(lines.as_ptr().cast(), lines.len() * LINE) }
+    }
+
+    fn words_mut(lines: &mut [Self]) -> &mut [u32] {
+        // SAFETY: a line is sixteen words and nothing else, and may hold any.
+        unsafe { core::slice::from_raw_parts_mut(lines.as_mut_ptr().cast(), lines.len() * LINE) }
+    }
+}
+
 /// A leaf to be filled.
 struct Block<'a> {
-    words: &'a mut [u32; MAX_LINES * LINE],
+    words: &'a mut [u32],
     count: usize,
     header: usize,
 }
@@ -198,23 +211,21 @@ impl<P: Primitives> Filling<'_, P> {
         own_box(self.primitives, index).map_or(NodeBox::EMPTY, |own| NodeBox::outward(&own, self.centre))
     }
 
-    /// The words of a leaf of 1 to 8 primitives, and how many cache lines it takes.
-    fn leaf(&self, indices: &[u32]) -> ([Line; MAX_LINES], usize) {
+    /// Fills the first of these lines, which are empty, with a leaf of 1 to 8 primitives; returns how many it takes.
+    fn fill(&self, indices: &[u32], lines: &mut [Line]) -> usize {
         let (header, numbers) = self.kind.shape();
         let count = indices.len();
-        let mut words = [0; MAX_LINES * LINE];
-        let mut block = Block { words: &mut words, count, header };
+        let n_lines = self.kind.lines(count);
+        let words = Line::words_mut(&mut lines[..n_lines]);
+        words[header + numbers * count..][..count].copy_from_slice(indices);
+        let mut block = Block { words, count, header };
         match self.kind {
             LeafKind::Watertight => triangles::fill(&mut block, self.primitives, indices, None),
             LeafKind::Triangles => triangles::fill(&mut block, self.primitives, indices, Some(self.centre)),
             LeafKind::Spheres => spheres::fill(&mut block, self.primitives, indices, self.centre),
             LeafKind::Boxes => boxes::fill(&mut block, indices, |index| self.own(index)),
         }
-        words[header + numbers * count..][..count].copy_from_slice(indices);
-        (
-            core::array::from_fn(|line| Line(core::array::from_fn(|word| words[line * LINE + word]))),
-            self.kind.lines(count),
-        )
+        n_lines
     }
 }
 
@@ -223,40 +234,29 @@ impl Leaves {
     pub(super) fn new<P: Primitives>(filling: &Filling<'_, P>, listings: &[Listing]) -> Self {
         // Filters read eight numbers at the end of the last leaf as well.
         const SPARE: usize = MAX_LEAF.div_ceil(LINE);
-        let n_lines = listings.iter().map(|listing| listing.n_lines).sum::<usize>();
-        let mut lines = room_for(n_lines + SPARE);
-        let mut rest = lines.spare_capacity_mut();
-        let mut parts = Vec::with_capacity(listings.len());
-        for listing in listings {
-            let (part, others) = rest.split_at_mut(listing.n_lines);
-            rest = others;
-            parts.push((listing, part));
-        }
-        for_each(parts, |(listing, mut room)| {
+        let nothing = Listing::default();
+        let mut parts: Vec<_> = listings.iter().map(|listing| (listing.n_lines, listing)).collect();
+        parts.push((SPARE, &nothing));
+        let lines = filled(parts, Line::default(), |listing, mut lines| {
             for indices in listing.leaves() {
-                let (leaf, n_lines) = filling.leaf(indices);
-                let (place, others) = room.split_at_mut(n_lines);
-                room = others;
-                for (place, line) in place.iter_mut().zip(leaf) {
-                    place.write(line);
-                }
+                let n_lines = filling.fill(indices, lines);
+                lines = &mut lines[n_lines..];
             }
         });
-        // SAFETY: listings count the lines of their leaves, all of which have been written.
-        unsafe { lines.set_len(n_lines) };
-        lines.resize(n_lines + SPARE, Line::default());
         Self { kind: filling.kind, lines }
     }
 
     /// True if the leaf holds the numbers of the primitives that it lists.
     pub(super) fn fits<P: Primitives>(&self, leaf: Child, filling: &Filling<'_, P>) -> bool {
-        let (anew, n_lines) = filling.leaf(self.indices(leaf));
+        let mut anew = [Line::default(); MAX_LINES];
+        let n_lines = filling.fill(self.indices(leaf), &mut anew);
         self.lines[leaf.number()..].starts_with(&anew[..n_lines])
     }
 
     /// Fills a leaf with the numbers of its primitives as they are now.
     pub(super) fn refill<P: Primitives>(&mut self, leaf: Child, filling: &Filling<'_, P>) {
-        let (anew, n_lines) = filling.leaf(self.indices(leaf));
+        let mut anew = [Line::default(); MAX_LINES];
+        let n_lines = filling.fill(self.indices(leaf), &mut anew);
         self.lines[leaf.number()..][..n_lines].copy_from_slice(&anew[..n_lines]);
     }
 
@@ -281,8 +281,7 @@ impl Leaves {
 
     #[inline(always)]
     fn words(&self) -> &[u32] {
-        // SAFETY: a line is sixteen words and nothing else.
-        unsafe { core::slice::from_raw_parts(self.lines.as_ptr().cast(), self.lines.len() * LINE) }
+        Line::words(&self.lines)
     }
 
     /// Where a leaf begins.
@@ -296,17 +295,6 @@ impl Leaves {
         debug_assert!(self.contain(leaf), "leaves are checked when they are made and when they are loaded");
         LeafView { words: self.words(), first: leaf.number() * LINE, count: leaf.count() }
     }
-}
-
-#[cfg(feature = "parallel")]
-fn for_each<T: Send>(all: Vec<T>, each: impl Fn(T) + Sync + Send) {
-    use rayon::prelude::*;
-    all.into_par_iter().for_each(each);
-}
-
-#[cfg(not(feature = "parallel"))]
-fn for_each<T: Send>(all: Vec<T>, each: impl Fn(T)) {
-    all.into_iter().for_each(each);
 }
 
 /// A leaf to be read.
