@@ -9,9 +9,9 @@ use rt_math::{DVec3, Hit, Interval, Ray, RoundSphere};
 use super::WideBvh;
 use super::across::{Across, PACKET};
 use super::flight::{Flight, Ground};
-use super::leaf::{ExactRay, Filter, LeafView};
+use super::leaf::{ExactRay, Filter, FilterSpan, LeafView};
 use super::node::Child;
-use super::ray::{FilterRay, at_least, at_most};
+use super::ray::{FilterRay, at_least};
 use super::round::RoundSpheres;
 use super::simd::Simd;
 use super::walk::{Query, Walk};
@@ -54,7 +54,8 @@ impl<'r, S: Simd, F: Filter> Prepared<'r, S, F> {
     pub(super) fn new(simd: S, tree: &WideBvh, ray: &'r Ray, span: Interval) -> Option<Self> {
         let ray = ExactRay::new(simd, ray);
         let boxes = FilterRay::new(simd, &ray.lanes, span, tree.centre, tree.size)?;
-        Some(Self { min: at_most(span.min), filter: F::new(simd, &ray, &boxes, span, tree), ray, boxes })
+        let span = FilterSpan::new(simd, span);
+        Some(Self { min: span.min(), filter: F::new(simd, &ray, &boxes, span, tree), ray, boxes })
     }
 }
 

@@ -1,5 +1,6 @@
 //! The walk of a single ray.
 
+use core::hint::black_box;
 use core::marker::PhantomData;
 
 use rt_math::{Interval, Ray};
@@ -109,7 +110,9 @@ pub(super) fn descend<S: Simd, F: Filter, G: Goal>(
             };
         }
         tests += child.count() as u64;
-        if goal.visit::<S, F>(simd, tree, judge, prepared, child).is_break() {
+        // Out of memory, where a number is repeated eight times as it is read. Compilers would else repeat all of them before the
+        // ray sets out, and keep them on the stack; most rays come to one leaf or two.
+        if goal.visit(simd, tree, judge, black_box(prepared), child).is_break() {
             break;
         }
         let Some(next) = pop(&mut stack, goal) else { break };

@@ -1,12 +1,10 @@
 //! Leaves of boxes, for primitives of any kind: the filter is that of nodes.
 
-use rt_math::Interval;
-
-use super::{Block, ExactRay, Filter, LeafView, Verdict};
+use super::{Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
 use crate::bvh::NodeBox;
 use crate::wide::WideBvh;
 use crate::wide::across::{Across, AcrossBoxes};
-use crate::wide::ray::{FilterRay, at_most};
+use crate::wide::ray::FilterRay;
 use crate::wide::simd::Simd;
 
 /// Lower and upper plane of each axis.
@@ -31,8 +29,8 @@ pub(in crate::wide) struct BoxFilter {
 
 impl Filter for BoxFilter {
     #[inline(always)]
-    fn new<S: Simd>(_: S, _: &ExactRay<'_, S>, boxes: &FilterRay, span: Interval, _: &WideBvh) -> Self {
-        Self { ray: *boxes, min: at_most(span.min) }
+    fn new<S: Simd>(_: S, _: &ExactRay<'_, S>, boxes: &FilterRay, span: FilterSpan, _: &WideBvh) -> Self {
+        Self { ray: *boxes, min: span.min() }
     }
 
     #[inline(always)]

@@ -358,12 +358,18 @@ impl FilterSpan {
     /// Of a span that does not begin before 0: as [`at_most`](super::ray::at_most) and
     /// [`at_least`](super::ray::at_least) have it, side by side.
     #[inline(always)]
-    fn new<S: Simd>(simd: S, span: Interval) -> Self {
+    pub(super) fn new<S: Simd>(simd: S, span: Interval) -> Self {
         let Interval { min, max } = span;
         let (below, above, tiny) = (1.0 - SLACK, 1.0 + SLACK, f64::from(f32::MIN_POSITIVE));
         let numbers = simd.mul_doubles(simd.doubles([min, min, max, max]), simd.doubles([below, above, below, below]));
         let numbers = simd.sub_doubles(numbers, simd.doubles([tiny, -tiny, tiny, tiny]));
         Self { numbers: simd.narrowed(simd.max_doubles(numbers, simd.doubles([0.0; 4]))) }
+    }
+
+    /// Not after the begin.
+    #[inline(always)]
+    pub(super) const fn min(&self) -> f32 {
+        self.numbers[0]
     }
 
     /// The same eight times.
@@ -399,12 +405,12 @@ impl<'r, S: Simd> ExactRay<'r, S> {
     /// The axes in the order x, y, z of the ray's own space.
     #[inline(always)]
     pub(super) fn axes(&self) -> [usize; 3] {
-        AXES[self.axis % 3]
+        AXES[self.axis & 3]
     }
 }
 
-/// Axes by the last of them, in cyclic order.
-const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+/// Axes by the last of them, in cyclic order; the fourth is spare, so that two bits are a number of the list.
+const AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 
 /// Rules primitives out, and sees to it that somebody decides about the others.
 pub(super) trait Filter: Copy {
@@ -415,7 +421,7 @@ pub(super) trait Filter: Copy {
     }
 
     /// Prepares a ray, of which it is handed what others have prepared.
-    fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, boxes: &FilterRay, span: Interval, tree: &WideBvh) -> Self;
+    fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, boxes: &FilterRay, span: FilterSpan, tree: &WideBvh) -> Self;
 
     /// Judges the primitives of a leaf; what is hit after `limit` is missed.
     fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S>;

@@ -13,7 +13,7 @@
 //! the span; of nothing else can be said that it is hit.
 
 use glam::DVec3;
-use rt_math::{Interval, LeafLayout, Primitives, own_box};
+use rt_math::{LeafLayout, Primitives, own_box};
 
 use super::{Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
 use crate::wide::WideBvh;
@@ -146,7 +146,7 @@ impl<S: Simd> RayLanes<S> {
 
 impl Filter for SphereFilter {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, _: &FilterRay, span: Interval, tree: &WideBvh) -> Self {
+    fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, _: &FilterRay, span: FilterSpan, tree: &WideBvh) -> Self {
         let centre = simd.doubles([tree.centre.x, tree.centre.y, tree.centre.z, 0.0]);
         let origin = simd.sub_doubles(ray.lanes.origin, centre);
         let [x, y, z, _] = simd.to_doubles(simd.mul_doubles(ray.lanes.direction, ray.lanes.direction));
@@ -157,7 +157,7 @@ impl Filter for SphereFilter {
             direction: simd.narrowed(unit),
             inverse_length: inverse_length as f32,
             reach: at_least(greatest(simd, simd.abs_doubles(origin))),
-            span: FilterSpan::new(simd, span),
+            span,
         }
     }
 

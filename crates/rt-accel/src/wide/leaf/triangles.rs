@@ -28,7 +28,7 @@
 use glam::{DVec3, Vec3};
 use rt_math::{Hit, Interval, LeafLayout, Primitives};
 
-use super::{Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
+use super::{AXES, Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
 use crate::wide::WideBvh;
 use crate::wide::across::{Across, SpanLanes, relative as relative_to};
 use crate::wide::copy::Copied;
@@ -96,7 +96,8 @@ pub(in crate::wide) fn corner(leaf: LeafView<'_>, lane: usize, vertex: usize) ->
 pub(in crate::wide) struct TriangleFilter<const COPIES: bool> {
     /// In the order x, y, z of the ray's own space.
     origin: [f32; 4],
-    axes: [usize; 3],
+    /// The last of these.
+    axis: usize,
     /// Of x and y.
     shear: [f32; 4],
     scale: f32,
@@ -219,22 +220,22 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
     }
 
     #[inline(always)]
-    fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, _: &FilterRay, span: Interval, tree: &WideBvh) -> Self {
+    fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, _: &FilterRay, span: FilterSpan, tree: &WideBvh) -> Self {
         let centre = if COPIES { DVec3::ZERO } else { tree.centre };
         let origin = simd.sub_doubles(ray.lanes.origin, simd.doubles([centre.x, centre.y, centre.z, 0.0]));
         Self {
             origin: simd.narrowed(simd.turned_last(origin, ray.axis)),
-            axes: ray.axes(),
+            axis: ray.axis,
             shear: simd.narrowed(ray.shear),
             scale: ray.scale as f32,
             reach: at_least(greatest(simd, simd.abs_doubles(origin))),
-            span: FilterSpan::new(simd, span),
+            span,
         }
     }
 
     #[inline(always)]
     fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
-        let [x, y, z] = self.axes;
+        let [x, y, z] = AXES[self.axis & 3];
         let triangles = TriangleLanes {
             x: numbers(simd, leaf, x),
             y: numbers(simd, leaf, y),
