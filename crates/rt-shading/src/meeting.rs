@@ -20,60 +20,55 @@ pub(crate) struct Meeting<'m> {
     pub(crate) length: f64,
     /// True if the ray comes from behind the surface.
     pub(crate) is_inside: bool,
-    pub(crate) met: Met,
+    behind: Behind,
 }
 
-/// What the surface is to the ray.
-pub(crate) enum Met {
-    /// Light that is scattered stays on its side.
+/// What is behind a surface.
+#[derive(Clone, Copy, PartialEq)]
+enum Behind {
+    /// Nothing that light comes to.
     Opaque,
-    /// There is another medium behind it, or it is visible for another reason.
-    Transparent(Crossing),
-    /// Nothing, but something to note if there is a crossing; otherwise the list of bodies is full.
-    Nothing(Option<Crossing>),
+    /// The same as before it.
+    Pane,
+    Body,
 }
 
 impl<'m> Meeting<'m> {
-    /// The meeting of a ray that has come through the interior so far; `None` if the surface has no material.
+    /// The meeting of a ray; `None` if the surface has no material.
     #[inline]
-    pub(crate) fn new(
-        interior: &mut Interior,
-        needs: &Needs,
-        materials: &'m [Material],
-        ray: &Ray,
-        hit: &SurfaceHit,
-    ) -> Option<Self> {
+    pub(crate) fn new(needs: &Needs, materials: &'m [Material], ray: &Ray, hit: &SurfaceHit) -> Option<Self> {
         let material = materials.get(hit.material as usize)?;
         let length = ray.direction.length();
         let direction = ray.direction / length;
         let is_inside = is_inside(direction, &hit.interaction);
-        let met = if needs.refraction && material.phong.transmission.is_some() {
-            Met::transparent(interior, materials, material, hit, is_inside)
-        } else {
-            Met::Opaque
+        let behind = match material.body() {
+            _ if !needs.refraction || material.phong.transmission.is_none() => Behind::Opaque,
+            None => Behind::Pane,
+            Some(_) => Behind::Body,
         };
-        Some(Self { material, direction, length, is_inside, met })
+        Some(Self { material, direction, length, is_inside, behind })
     }
-}
 
-impl Met {
-    #[inline(always)]
-    fn transparent(
+    /// The way through the surface for a ray that has come through the interior so far. `None` where light that is scattered
+    /// stays on its side, and of a body if the list of bodies is full.
+    #[inline]
+    pub(crate) fn crossing(
+        &self,
         interior: &mut Interior,
         materials: &[Material],
-        material: &Material,
         hit: &SurfaceHit,
-        is_inside: bool,
-    ) -> Self {
-        if material.body().is_none() {
-            return Self::Transparent(interior.crossing_of_pane(materials));
+    ) -> Option<Crossing> {
+        match self.behind {
+            Behind::Opaque => None,
+            Behind::Pane => Some(interior.crossing_of_pane(materials)),
+            Behind::Body => interior.crossing(materials, hit, self.is_inside),
         }
-        match interior.crossing(materials, hit, is_inside) {
-            None => Self::Nothing(None),
-            Some(crossing) if crossing.is_boundary && !(crossing.is_null() && material.phong.is_clear()) => {
-                Self::Transparent(crossing)
-            }
-            unseen => Self::Nothing(unseen),
-        }
+    }
+
+    /// False if the surface does nothing to the ray: all there is to do is to note the crossing.
+    #[inline]
+    pub(crate) fn is_noticed(&self, crossing: Option<&Crossing>) -> bool {
+        let is_clear = |crossing: &Crossing| crossing.is_null() && self.material.phong.is_clear();
+        self.behind != Behind::Body || crossing.is_some_and(|crossing| crossing.is_boundary && !is_clear(crossing))
     }
 }

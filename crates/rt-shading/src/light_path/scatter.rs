@@ -10,7 +10,7 @@ use crate::{
     bsdf::{BsdfSample, Scattering},
     course::Course,
     interior::Crossing,
-    meeting::{Meeting, Met},
+    meeting::Meeting,
     roulette::survives,
     vertex::{Vertex, bsdf_at},
     view::{View, is_inside},
@@ -52,13 +52,13 @@ impl<S: Sampler> LightTracer<S> {
     ) {
         let Some(photon) = self.photons.get_mut(id as usize) else { return };
         let materials = &lighting.appearance.materials;
-        let Some(meeting) = Meeting::new(&mut photon.course.interior, &self.needs, materials, ray, hit) else { return };
-        let Meeting { material, direction, length, is_inside, met } = meeting;
-        let crossing = match met {
-            Met::Nothing(crossing) => return self.pass(hit, ray, length, crossing.as_ref(), id),
-            Met::Transparent(crossing) => Some(crossing),
-            Met::Opaque => None,
-        };
+        let Some(meeting) = Meeting::new(&self.needs, materials, ray, hit) else { return };
+        let crossing = meeting.crossing(&mut photon.course.interior, materials, hit);
+        let is_noticed = meeting.is_noticed(crossing.as_ref());
+        let Meeting { material, direction, length, is_inside, .. } = meeting;
+        if !is_noticed {
+            return self.pass(hit, ray, length, crossing.as_ref(), id);
+        }
         if self.needs.absorption {
             photon.course.absorb(materials, crossing.as_ref(), hit.t, length, &mut photon.weight);
         }

@@ -1,10 +1,6 @@
 //! What light paths keep between their surfaces and on the way to the camera.
 
-use crate::{
-    Lighting, Needs, ShadingCounts, SurfaceHit,
-    course::Course,
-    meeting::{Meeting, Met},
-};
+use crate::{Lighting, Needs, ShadingCounts, SurfaceHit, course::Course, meeting::Meeting};
 use rt_math::{DVec2, Ray, Rgb};
 
 /// A path on its way from a light.
@@ -51,14 +47,13 @@ impl Connection {
         counts: &mut ShadingCounts,
     ) -> Option<f64> {
         let materials = &lighting.appearance.materials;
-        let meeting = Meeting::new(&mut self.course.interior, needs, materials, ray, hit)?;
-        match meeting.met {
-            Met::Nothing(crossing) => {
-                self.course.pass(crossing.as_ref(), hit, meeting.length, &mut self.light, counts);
-                // The camera would have lost the path here as well.
-                (!self.course.is_tired()).then(|| hit.beyond(ray).min)
-            }
-            _ => None,
+        let meeting = Meeting::new(needs, materials, ray, hit)?;
+        let crossing = meeting.crossing(&mut self.course.interior, materials, hit);
+        if meeting.is_noticed(crossing.as_ref()) {
+            return None;
         }
+        self.course.pass(crossing.as_ref(), hit, meeting.length, &mut self.light, counts);
+        // The camera would have lost the path here as well.
+        (!self.course.is_tired()).then(|| hit.beyond(ray).min)
     }
 }

@@ -8,7 +8,7 @@ use crate::{
     Seen, SurfaceHit,
     constant_bsdfs::Scatterer,
     interior::Crossing,
-    meeting::{Meeting, Met},
+    meeting::Meeting,
     roulette::survives,
     vertex::{Vertex, bsdf_at, power_heuristic},
     view::View,
@@ -34,19 +34,20 @@ impl<S: Sampler + Clone> PathTracer<S> {
             return;
         };
         let materials = &lighting.appearance.materials;
-        let Some(meeting) = Meeting::new(&mut path.course.interior, &self.needs, materials, ray, hit) else {
+        let Some(meeting) = Meeting::new(&self.needs, materials, ray, hit) else {
             seen.hit = true;
             return;
         };
-        let Meeting { material, direction, length, is_inside, met } = meeting;
-        let crossing = match met {
-            Met::Nothing(crossing) => return self.pass(hit, ray, length, crossing.as_ref(), id, seen),
-            Met::Transparent(crossing) => Some(crossing),
-            Met::Opaque => None,
-        };
+        let crossing = meeting.crossing(&mut path.course.interior, materials, hit);
+        let crossing = crossing.as_ref();
+        let is_noticed = meeting.is_noticed(crossing);
+        let Meeting { material, direction, length, is_inside, .. } = meeting;
+        if !is_noticed {
+            return self.pass(hit, ray, length, crossing, id, seen);
+        }
         seen.hit = true;
         if self.needs.absorption {
-            path.course.absorb(materials, crossing.as_ref(), hit.t, length, &mut path.weight);
+            path.course.absorb(materials, crossing, hit.t, length, &mut path.weight);
         }
         if self.needs.emission {
             let emitted = material.emission(&lighting.appearance.textures, &hit.interaction, is_inside);
@@ -61,7 +62,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let view = View::new(direction, is_inside, &mut hit.interaction);
         let mut made = None;
         let Scatterer { bsdf, without_diffuse } = lighting.bsdfs.get(hit.material).unwrap_or_else(|| {
-            let bsdf = bsdf_at(lighting.appearance, material, &view, crossing.as_ref());
+            let bsdf = bsdf_at(lighting.appearance, material, &view, crossing);
             made.insert(Scatterer::new(bsdf, follows))
         });
         let vertex = Vertex::new(view, bsdf, ray.time);
@@ -72,7 +73,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             seen.radiance += path.weight * ambient * lighting.appearance.ambient;
         }
         self.draw_lights(lighting, id, &vertex, seen);
-        self.scatter(id, &vertex, crossing.as_ref());
+        self.scatter(id, &vertex, crossing);
     }
 
     /// Goes on along the same ray, through a surface that does nothing to it.

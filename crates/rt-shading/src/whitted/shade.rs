@@ -4,7 +4,7 @@ use super::{Whitted, wave::Path};
 use crate::{
     Appearance, Material, Phong, Seen, SurfaceHit,
     interior::Crossing,
-    meeting::{FREE_PASSAGES, Meeting, Met},
+    meeting::{FREE_PASSAGES, Meeting},
     optics,
     view::View,
 };
@@ -27,22 +27,23 @@ impl Whitted {
             return self.ended.push(path.sample);
         };
         let interior = &mut self.samples[path.sample as usize].interior;
-        let Some(meeting) = Meeting::new(interior, &self.needs, &appearance.materials, ray, hit) else {
+        let Some(meeting) = Meeting::new(&self.needs, &appearance.materials, ray, hit) else {
             seen.hit = true;
             return self.ended.push(path.sample);
         };
-        let Meeting { material, direction, length, is_inside, met } = meeting;
-        let way = (hit.t - path.start) * length;
-        if let Met::Nothing(crossing) = met {
-            return self.pass(hit, ray, crossing.as_ref(), way, path, seen);
+        let crossing = meeting.crossing(interior, &appearance.materials, hit);
+        let crossing = crossing.as_ref();
+        let way = (hit.t - path.start) * meeting.length;
+        if !meeting.is_noticed(crossing) {
+            return self.pass(hit, ray, crossing, way, path, seen);
         }
         seen.hit = true;
-        let crossing = if let Met::Transparent(crossing) = &met { Some(crossing) } else { None };
         if self.needs.absorption {
             let interior = &self.samples[path.sample as usize].interior;
             let medium = crossing.map_or_else(|| interior.medium(&appearance.materials), |c| c.before);
             self.absorb(&mut path.weight, medium.absorption, way);
         }
+        let Meeting { material, direction, is_inside, .. } = meeting;
         let view = View::new(direction, is_inside, &mut hit.interaction);
         self.light(appearance, material, &view, &path, ray.time);
         self.send_on(appearance, &material.phong, &view, crossing, &path, ray.time);
