@@ -53,6 +53,7 @@ impl<P> Flow<P> {
     }
 
     /// Puts in a ray that a light sends out, or a surface as the sample says.
+    #[inline(always)]
     pub(crate) fn push(&mut self, sample: Option<&BsdfSample>, ray: Ray, span: Interval, path: P) {
         let queue = match sample {
             Some(BsdfSample { kind: Scattering::Transmission, .. }) => &mut self.refracted,

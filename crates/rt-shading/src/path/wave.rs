@@ -71,6 +71,7 @@ pub(super) struct Shadows {
 }
 
 impl Shadows {
+    #[inline(always)]
     pub(super) fn push(&mut self, ray: (Ray, Interval), path: u32, radiance: Rgb) {
         self.rays.push(ray);
         self.drawn.push((path, radiance));

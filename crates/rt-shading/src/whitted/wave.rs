@@ -51,6 +51,7 @@ pub(super) struct Sample {
 
 impl Sample {
     /// Has a ray wait that goes on through the surface of a crossing.
+    #[inline(always)]
     pub(super) fn wait(&mut self, ray: Ray, path: &Path, crossing: &Crossing) {
         let bodies = self.interiors.push(&self.interior, crossing);
         self.waiting.push(Waiting { ray, path: *path, bodies });
