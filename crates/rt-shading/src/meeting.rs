@@ -26,7 +26,7 @@ pub(crate) struct Meeting<'m> {
 /// What is behind a surface.
 #[derive(Clone, Copy, PartialEq)]
 enum Behind {
-    /// Nothing that light comes to.
+    /// Nothing that light comes to, or nobody asks.
     Opaque,
     /// The same as before it.
     Pane,
@@ -41,16 +41,19 @@ impl<'m> Meeting<'m> {
         let length = ray.direction.length();
         let direction = ray.direction / length;
         let is_inside = is_inside(direction, &hit.interaction);
-        let behind = match material.body() {
-            _ if !needs.refraction || material.phong.transmission.is_none() => Behind::Opaque,
-            None => Behind::Pane,
-            Some(_) => Behind::Body,
+        let behind = if !needs.refraction || material.phong.transmission.is_none() {
+            Behind::Opaque
+        } else if material.body().is_none() {
+            Behind::Pane
+        } else {
+            Behind::Body
         };
         Some(Self { material, direction, length, is_inside, behind })
     }
 
     /// The way through the surface for a ray that has come through the interior so far. `None` where light that is scattered
-    /// stays on its side, and of a body if the list of bodies is full.
+    /// stays on its side, and of a body if the list of bodies is full. To be asked for once: a body that nobody saw being
+    /// entered is noted.
     #[inline]
     pub(crate) fn crossing(
         &self,
@@ -65,7 +68,7 @@ impl<'m> Meeting<'m> {
         }
     }
 
-    /// False if the surface does nothing to the ray: all there is to do is to note the crossing.
+    /// False if the surface does nothing to the ray: all there is to do is to note this [`crossing`](Self::crossing).
     #[inline]
     pub(crate) fn is_noticed(&self, crossing: Option<&Crossing>) -> bool {
         let is_clear = |crossing: &Crossing| crossing.is_null() && self.material.phong.is_clear();

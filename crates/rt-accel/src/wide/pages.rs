@@ -32,7 +32,7 @@ where
         rooms.push((part, room));
     }
     for_each(rooms, |(part, room)| fill(part, emptied(room, &empty)));
-    // SAFETY: the parts are so many items together, all of which have been written.
+    // SAFETY: the parts are so many items together, or the room would not have sufficed for them, and all have been written.
     unsafe { all.set_len(count) };
     all
 }

@@ -199,7 +199,8 @@ impl FilterRay {
     }
 }
 
-/// An `f32` that is not above `t`, which is not negative.
+/// An `f32` that is not above `t`, which is not negative; infinite beyond the numbers of `f32`, where a ray that is proven meets
+/// nothing.
 #[inline(always)]
 pub(super) fn at_most(t: f64) -> f32 {
     // Without a branch; what is taken off is more than rounding adds where numbers lose digits.

@@ -56,7 +56,7 @@ impl<G: Goal> Walk<'_, '_, G> {
             *query.answer = goal.answer();
             return;
         }
-        // Made here, where it stays in registers: what a caller has just stored cannot be loaded in other pieces at once.
+        // Made here and not by the caller: what has just been stored cannot be loaded in other pieces at once.
         let Some(prepared) = Prepared::<S, F>::new(simd, tree, ray, span) else {
             goal.visit_unfiltered(judge, ray);
             *query.answer = goal.answer();
@@ -111,7 +111,7 @@ pub(super) fn descend<S: Simd, F: Filter, G: Goal>(
         }
         tests += child.count() as u64;
         // Out of memory, where a number is repeated eight times as it is read. Compilers would else repeat all of them before the
-        // ray sets out, and keep them on the stack; most rays come to one leaf or two.
+        // ray sets out, and keep them on the stack; most rays come to one leaf or two. Nothing but speed depends on it.
         if goal.visit(simd, tree, judge, black_box(prepared), child).is_break() {
             break;
         }

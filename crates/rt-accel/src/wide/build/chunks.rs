@@ -72,7 +72,8 @@ mod tests {
     fn chunks_are_cut_as_the_whole_is() {
         let cut = |in_chunks: bool, axes| {
             let mut references = soup(LARGE as u32 + 12_345, 9, 1.0);
-            let (mut room, mut order) = (references.clone(), vec![Run::default(); references.len()]);
+            let (mut room, mut order) =
+                (vec![Reference::NONE; references.len()], vec![Run::default(); references.len()]);
             let extent = Extent::of(&references);
             assert_eq!(Extent::of_many(&references), extent);
             let rules =

@@ -12,7 +12,7 @@ use super::reference::Reference;
 pub(super) struct Haste {
     /// Most references in the set.
     few: usize,
-    /// The leaf may cost this part of what a leaf of each reference would.
+    /// The leaf may cost so many times what a leaf of each reference would.
     limit: f32,
 }
 
@@ -21,8 +21,8 @@ impl Haste {
     pub(super) const LITTLE: Self = Self { few: 4, limit: 0.75 };
     /// A sixth less time, and costs up to a fiftieth higher; rays meet fewer nodes and more primitives, at the same speed.
     pub(super) const GREAT: Self = Self { few: 8, limit: 1.5 };
-    /// What fits into a leaf becomes one.
-    pub(super) const GREATEST: Self = Self { few: 8, limit: f32::INFINITY };
+    /// Three references or more that fit into a leaf become one. A greater number would be none where areas are 0.
+    pub(super) const GREATEST: Self = Self { few: 8, limit: f32::MAX };
 }
 
 impl Rules {
@@ -93,6 +93,37 @@ mod tests {
         let runs = paired(references, 8);
         let expected = [(0, 2), (2, 1), (3, 1), (5, 1), (6, 1)];
         assert_eq!(runs, expected.map(|(first, count)| Run { first, count }));
+    }
+
+    #[test]
+    fn sets_become_leaves_as_hastily_as_they_may() {
+        let unit = AreaUnit::new(&NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(10.0) });
+        let is_leaf = |haste, set: &[Reference]| {
+            let rules = Rules { unit, axes: Axes::All, haste, pairs: false, max_leaf: 8 };
+            let extent = crate::wide::build::grow::Extent::of(set);
+            rules.leaf(set, unit.area(&extent.bounds)).is_some()
+        };
+        let row = |count: u32, step: f32| -> Vec<_> { (0..count).map(|i| at(step * i as f32, i)).collect() };
+        let hastes = [Haste::LITTLE, Haste::GREAT, Haste::GREATEST];
+        // A leaf of n squares that cover l of them costs l · (0.6 + 0.1n), and n leaves of one 0.7n.
+        for (set, expected) in [
+            (row(1, 0.0), [true; 3]),
+            (row(2, 0.0), [true; 3]),
+            (row(2, 1.0), [false; 3]),
+            (row(3, 0.0), [true; 3]),
+            // 2.7 of 2.1.
+            (row(3, 1.0), [false, true, true]),
+            // 4.5 of 2.1.
+            (row(3, 2.0), [false, false, true]),
+            // 1.1 of 3.5, but five are not few to all.
+            (row(5, 0.0), [false, true, true]),
+            (row(9, 0.0), [false; 3]),
+        ] {
+            assert_eq!(hastes.map(|haste| is_leaf(haste, &set)), expected, "{set:?}");
+        }
+        let point = |index| Reference::new(NodeBox { min: Vec3A::ONE, max: Vec3A::ONE }, index);
+        let points: Vec<_> = (0..4).map(point).collect();
+        assert_eq!(hastes.map(|haste| is_leaf(haste, &points)), [true; 3], "without area");
     }
 
     #[test]

@@ -149,28 +149,24 @@ impl Emission<'_> {
 
 /// Numbers the parts one after the other, and hangs them below the nodes that were made first.
 fn join(mut top: Part, below: Vec<Part>) -> Option<WideTree> {
-    let mut first_node = top.nodes.len();
-    for (put_off, part) in top.put_off.iter().zip(&below) {
+    let (mut first_node, mut first_line, mut depth) = (top.nodes.len(), top.listing.n_lines, top.depth);
+    let mut listings = vec![top.listing];
+    let mut parts = Vec::with_capacity(below.len() + 1);
+    for (put_off, part) in top.put_off.iter().zip(below) {
         let (above, lane) = put_off.parent;
         top.nodes[above].children[lane] = Child::node(first_node as u32);
-        first_node += part.nodes.len();
-    }
-    let n_lines = top.listing.n_lines + below.iter().map(|part| part.listing.n_lines).sum::<usize>();
-    if first_node.max(n_lines) > Child::LIMIT {
-        return None;
-    }
-    let mut nodes = vec![(top.nodes.len(), (top.nodes, 0, 0))];
-    let mut listings = vec![top.listing];
-    let (mut first_node, mut first_line, mut depth) = (nodes[0].0, listings[0].n_lines, top.depth);
-    for part in below {
         let count = part.nodes.len();
-        nodes.push((count, (part.nodes, first_node, first_line)));
+        parts.push((count, (part.nodes, first_node, first_line)));
         first_node += count;
         first_line += part.listing.n_lines;
         depth = depth.max(part.depth);
         listings.push(part.listing);
     }
-    let nodes = filled(nodes, Node::EMPTY, |(nodes, first_node, first_line), room| {
+    if first_node.max(first_line) > Child::LIMIT {
+        return None;
+    }
+    parts.insert(0, (top.nodes.len(), (top.nodes, 0, 0)));
+    let nodes = filled(parts, Node::EMPTY, |(nodes, first_node, first_line), room| {
         for (place, node) in room.iter_mut().zip(nodes) {
             *place = node.moved(first_node, first_line);
         }

@@ -81,12 +81,20 @@ impl Census {
     }
 }
 
-/// References to all bounded primitives, to pairs of them where that is no worse, and room for as many.
-pub(super) fn references<P: Primitives>(primitives: &P, centre: DVec3, rules: &Rules) -> [Vec<Reference>; 2] {
-    let runs: Vec<_> = runs(primitives.len() as u32).collect();
-    let mut counts = vec![0; runs.len()];
+/// What a tree grows over.
+pub(super) struct Gathered {
+    pub(super) references: Vec<Reference>,
+    /// Room for as many. What is in it means nothing.
+    pub(super) room: Vec<Reference>,
+}
+
+/// References to all bounded primitives, to pairs of them where that is no worse.
+pub(super) fn references<P: Primitives>(primitives: &P, centre: DVec3, rules: &Rules) -> Gathered {
+    let count = primitives.len() as u32;
+    let mut counts = vec![0; count.div_ceil(RUN) as usize];
     // Each run first where it would be if no primitives were joined.
-    let parts = runs.into_iter().zip(&mut counts).map(|(run, count)| (run.len(), (run, count))).collect();
+    let runs = counts.iter_mut().enumerate().map(|(at, n)| (run(at, count), n));
+    let parts = runs.map(|(run, n)| (run.len(), (run, n))).collect();
     let mut room = filled(parts, Reference::NONE, |(run, count), room| {
         let mut references = Vec::with_capacity(run.len());
         for index in run {
@@ -100,15 +108,63 @@ pub(super) fn references<P: Primitives>(primitives: &P, centre: DVec3, rules: &R
     let parts = room.chunks(RUN as usize).zip(counts).map(|(run, count)| (count, &run[..count])).collect();
     let references = filled(parts, Reference::NONE, |from, to| to.copy_from_slice(from));
     room.truncate(references.len());
-    [references, room]
+    room.shrink_to_fit();
+    Gathered { references, room }
 }
 
-fn runs(count: u32) -> impl Iterator<Item = Range<u32>> {
-    (0..count).step_by(RUN as usize).map(move |first| first..first.saturating_add(RUN).min(count))
+/// The primitives of a run, of so many.
+fn run(at: usize, count: u32) -> Range<u32> {
+    let first = at as u32 * RUN;
+    first..first.saturating_add(RUN).min(count)
 }
 
 /// Does the same for all runs of primitives, in order.
 fn in_runs<T: Send>(count: u32, each: impl Fn(Range<u32>) -> T + Sync + Send) -> Vec<T> {
-    let runs: Vec<_> = runs(count).collect();
-    in_order(runs.len(), |run| each(runs[run].clone()))
+    in_order(count.div_ceil(RUN) as usize, |at| each(run(at, count)))
+}
+
+#[cfg(test)]
+mod tests {
+    use rt_math::{Hit, Interval, Ray};
+
+    use super::*;
+    use crate::wide::BuildParams;
+    use crate::wide::build::reference::Run;
+
+    /// Unit cubes in a row, two of each but for the last; every seventh has no bounds, and none of the second run has.
+    struct Cubes(u32);
+
+    impl Primitives for Cubes {
+        fn len(&self) -> usize {
+            self.0 as usize
+        }
+
+        fn bounds(&self, index: u32) -> Option<Aabb> {
+            let is_bounded = index % 7 != 3 && index / RUN != 1;
+            let corner = DVec3::X * f64::from(index / 2) * 2.0;
+            is_bounded.then(|| Aabb::new(corner, corner + DVec3::ONE))
+        }
+
+        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
+            None
+        }
+    }
+
+    #[test]
+    fn all_bounded_primitives_are_gathered_in_order_and_neighbours_in_pairs() {
+        for count in [0, 1, RUN - 1, RUN, 3 * RUN + 5] {
+            let cubes = Cubes(count);
+            let rules = Rules::new(&Census::of(&cubes).expect("few cubes").extent(), &BuildParams::default());
+            let Gathered { references, room } = references(&cubes, DVec3::ZERO, &rules);
+            let mut expected: Vec<Run> = Vec::new();
+            for first in (0..count).filter(|&index| cubes.bounds(index).is_some()) {
+                match expected.last_mut() {
+                    Some(last) if first % 2 == 1 && *last == (Run { first: first - 1, count: 1 }) => last.count = 2,
+                    _ => expected.push(Run { first, count: 1 }),
+                }
+            }
+            assert!(references.iter().map(Reference::run).eq(expected));
+            assert_eq!(room.len(), references.len());
+        }
+    }
 }

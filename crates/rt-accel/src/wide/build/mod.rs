@@ -25,6 +25,7 @@ pub(super) use collapse::{LEAF, NODE, PRIMITIVE};
 use emit::Emission;
 use forest::Forest;
 pub(super) use gather::Census;
+use gather::Gathered;
 use grow::{Extent, Rules, Set};
 pub use params::{BuildParams, Quality};
 use reference::{Reference, Run};
@@ -50,18 +51,12 @@ pub(super) fn build<P: Primitives>(
     params: &BuildParams,
 ) -> Option<WideTree> {
     let rules = Rules::new(&census.extent(), params);
-    let [references, room] = gather::references(primitives, census.centre(), &rules);
-    over(references, room, &rules, kind, params.quality)
+    over(gather::references(primitives, census.centre(), &rules), &rules, kind, params.quality)
 }
 
-/// Builds the tree over references, with room for as many.
-fn over(
-    mut references: Vec<Reference>,
-    mut room: Vec<Reference>,
-    rules: &Rules,
-    kind: LeafKind,
-    quality: Quality,
-) -> Option<WideTree> {
+/// Builds the tree over references.
+fn over(gathered: Gathered, rules: &Rules, kind: LeafKind, quality: Quality) -> Option<WideTree> {
+    let Gathered { mut references, mut room } = gathered;
     if references.is_empty() {
         return Some(WideTree { nodes: vec![Node::EMPTY], listings: Vec::new(), depth: 0 });
     }

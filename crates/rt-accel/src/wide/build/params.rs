@@ -4,16 +4,16 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Quality {
-    /// Binned splits of the widest axis alone, and a leaf of all that fits into one: a tenth to a fifth less time than medium,
-    /// for scenes that change before many rays have been traced.
+    /// Binned splits of the widest axis alone, and a leaf of most sets that fit into one: a tenth to a fifth less time than
+    /// medium, for scenes that change before many rays have been traced.
     Low,
     /// Binned splits of all axes (Wald 2007), after which the thousand largest subtrees are moved to where they cost least
     /// (Bittner, Hapala and Havran 2013): 0.2 to 0.3 µs per triangle on one thread.
     #[default]
     Medium,
-    /// As medium, but no primitives are joined before the tree grows, sets are cut until it no longer pays, and subtrees of all
-    /// sizes are moved, three times: three to six times as slow to build. Pays where large primitives lie among small ones:
-    /// there rays meet a quarter fewer nodes.
+    /// As medium, but no primitives are joined before the tree grows, small sets are cut more readily, and subtrees of all sizes
+    /// are moved, three times: three to six times as slow to build. Pays where large primitives lie among small ones: there
+    /// rays meet an eighth to a quarter fewer nodes.
     High,
 }
 

@@ -12,7 +12,8 @@ fn build(references: &[Reference], params: &BuildParams) -> WideTree {
     let rules = Rules::new(&extent(references).bounds, params);
     let mut list = Vec::new();
     references.iter().for_each(|&reference| rules.push(&mut list, reference));
-    over(list.clone(), list, &rules, LeafKind::Boxes, params.quality).expect("few nodes")
+    let room = vec![Reference::NONE; list.len()];
+    over(Gathered { references: list, room }, &rules, LeafKind::Boxes, params.quality).expect("few nodes")
 }
 
 /// Boxes of all sizes, some of them flat, some with the same centre.

@@ -500,3 +500,33 @@ pub(super) trait Filter: Copy {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wide::ray::{at_least, at_most};
+    use crate::wide::simd::{Available, Kernel, SimdLevel};
+
+    struct Make<'a>(&'a mut [f32; 4]);
+
+    impl Kernel<Interval, ()> for Make<'_> {
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S, span: Interval, (): ()) {
+            *self.0 = FilterSpan::new(simd, span).numbers;
+        }
+    }
+
+    #[test]
+    fn spans_are_rounded_to_the_safe_side() {
+        for t in [0.0, 5e-324, 1e-45, 1e-40, 1.2e-38, 1e-20, 0.1, 1.0 / 3.0, 1.0, 16_777_217.0, 3e38, f64::INFINITY] {
+            for &level in SimdLevel::ALL {
+                let mut numbers = [0.0; 4];
+                Available::new(level).dispatch(Make(&mut numbers), Interval::new(t, t), ());
+                let [at_most_min, at_least_min, at_most_max, _] = numbers;
+                assert_eq!([at_most_min, at_most_max], [at_most(t); 2], "{t}");
+                assert!(f64::from(at_most_min) <= t && t <= f64::from(at_least_min), "{t}: {numbers:?}");
+                assert!(f64::from(at_most(t)) <= t && t <= f64::from(at_least(t)), "{t}");
+            }
+        }
+    }
+}
