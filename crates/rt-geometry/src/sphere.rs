@@ -57,7 +57,7 @@ impl Sphere {
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).
-    #[inline]
+    #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
         let f = (ray.origin - self.0.centre) + ray.direction * hit.t;
         // From so far away that rounding puts the hit on the centre, the best guess is the side of the viewer.

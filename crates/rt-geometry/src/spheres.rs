@@ -19,7 +19,8 @@ impl Spheres {
     }
 
     /// The surface at a hit of this set with this ray; `None` for a hit on a primitive that it does not have.
-    #[inline]
+    // Always, as a surface that is returned by memory is copied from there before it has all arrived.
+    #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceInteraction> {
         let sphere = self.0.get(hit.primitive as usize)?;
         Some(sphere.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, needs))
