@@ -6,7 +6,7 @@
 //! tell whether they count (see [`round`](super::round)).
 
 use rt_math::float::{SETTLED, UNIT_ROUNDOFF};
-use rt_math::{DVec3, ShearedRay};
+use rt_math::{DVec3, OWN_BOX_PAD, ShearedRay};
 
 use super::across::{Eight, EightRays, INNER_PAD, Meetings};
 use super::simd::Simd;
@@ -32,6 +32,12 @@ struct Shear<S: Simd> {
 }
 
 impl<S: Simd> Shear<S> {
+    #[inline(always)]
+    fn new(simd: S, [x, y, z]: [usize; 3], rays: &EightRays<S>) -> Self {
+        let scale = rays.inverse[z];
+        Self { axes: [x, y, z], x: rays.direction[x].mul(simd, scale), y: rays.direction[y].mul(simd, scale), scale }
+    }
+
     #[inline(always)]
     fn see(&self, simd: S, rays: &EightRays<S>, corner: DVec3) -> Corner<S> {
         let [x, y, z] = self.axes;
@@ -66,9 +72,8 @@ pub(super) fn meet<S: Simd>(
     asked: u32,
 ) -> Option<Meetings<S>> {
     let [x, y, z] = [(axis + 1) % 3, (axis + 2) % 3, axis % 3];
-    let scale = rays.inverse[z];
-    let shear =
-        Shear { axes: [x, y, z], x: rays.direction[x].mul(simd, scale), y: rays.direction[y].mul(simd, scale), scale };
+    let shear = Shear::new(simd, [x, y, z], rays);
+    let scale = shear.scale;
     let a = shear.see(simd, rays, vertices[0]);
     let b = shear.see(simd, rays, vertices[1]);
     let c = shear.see(simd, rays, vertices[2]);
@@ -103,6 +108,37 @@ pub(super) fn meet<S: Simd>(
         t,
         uv: [v.div(simd, determinant), w.div(simd, determinant)],
     })
+}
+
+/// Where plain rays that go the same way, along these axes, meet a triangle that they certainly hit: `t`, and as much of the
+/// second and third vertex. The decision of [`decide_triangle`](rt_math::decide_triangle) without what could rule it out.
+#[inline(always)]
+pub(super) fn certain_hits<S: Simd>(
+    simd: S,
+    vertices: &[DVec3; 3],
+    axes: [usize; 3],
+    rays: &EightRays<S>,
+) -> [Eight<S>; 3] {
+    let [x, y, z] = axes.map(|axis| axis % 3);
+    let shear = Shear::new(simd, [x, y, z], rays);
+    let a = shear.see(simd, rays, vertices[0]);
+    let b = shear.see(simd, rays, vertices[1]);
+    let c = shear.see(simd, rays, vertices[2]);
+    let ((u, _), (v, _), (w, _)) = (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
+    let determinant = u.add(simd, v).add(simd, w);
+    let weighted = u.mul(simd, a.depth).add(simd, v.mul(simd, b.depth)).add(simd, w.mul(simd, c.depth));
+    let mut t = weighted.div(simd, determinant);
+    // No hit precedes where the own box is entered.
+    let [a, b, c] = vertices;
+    let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
+    let pad = low.abs().max(high.abs()).max_element() * OWN_BOX_PAD;
+    let (low, high) = (low - pad, high + pad);
+    for axis in 0..3 {
+        let inverse = rays.inverse[axis];
+        let near = inverse.by_sign(simd, Eight::splat(simd, low[axis]), Eight::splat(simd, high[axis]));
+        t = near.sub(simd, rays.origin[axis]).mul(simd, inverse).max(simd, t);
+    }
+    [t, v.div(simd, determinant), w.div(simd, determinant)]
 }
 
 /// Where a box within the own box is entered and left.
@@ -157,4 +193,67 @@ fn product<S: Simd>(simd: S, z: Eight<S>, p: [Eight<S>; 3], q: [Eight<S>; 3]) ->
     let (minuend, subtrahend) = (p[0].mul(simd, q[1]), q[0].mul(simd, p[1]));
     let size = minuend.abs(simd).add(simd, subtrahend.abs(simd)).mul(simd, z.abs(simd));
     (z.mul(simd, minuend.sub(simd, subtrahend)), size)
+}
+
+#[cfg(test)]
+mod tests {
+    use rt_math::random::{hash, unit};
+    use rt_math::{Hit, Interval, Ray, SlabRay, decide_triangle};
+
+    use super::super::across::PACKET;
+    use super::super::simd::{Available, Kernel, SimdLevel};
+    use super::*;
+
+    type Rays = [(Ray, Interval); PACKET];
+    type Certain = [[u64; 3]; PACKET];
+
+    struct Asked<'a>(&'a [DVec3; 3], &'a mut Certain);
+
+    impl Kernel<&Rays, ()> for Asked<'_> {
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S, rays: &Rays, (): ()) {
+            let (axes, _) = ShearedRay::new(&rays[0].0).shear();
+            let [t, v, w] = certain_hits(simd, self.0, axes, &EightRays::new(simd, rays));
+            let (t, v, w) = (t.to_array(simd), v.to_array(simd), w.to_array(simd));
+            *self.1 = core::array::from_fn(|lane| [t[lane], v[lane], w[lane]].map(f64::to_bits));
+        }
+    }
+
+    /// Rays to the inside of a triangle, from so far in front of it.
+    fn rays_to([a, b, c]: &[DVec3; 3], distance: f64, seed: u64) -> Rays {
+        let at = |lane: usize, k: u64| unit(hash(&[seed, lane as u64, k]));
+        core::array::from_fn(|lane| {
+            let target = *a + (*b - *a) * (0.1 + 0.4 * at(lane, 0)) + (*c - *a) * (0.1 + 0.4 * at(lane, 1));
+            let out = distance * DVec3::new(-0.5 - at(lane, 2), -0.5 - at(lane, 3), 2.0 + at(lane, 4));
+            (Ray::new(target + out, -out), Interval::FORWARD)
+        })
+    }
+
+    #[test]
+    fn certain_hits_are_those_of_the_kernel_to_the_last_bit() {
+        for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
+            let (mut n_hits, mut n_raised) = (0, 0);
+            for i in 0..4000 {
+                let at = |k: u64| unit(hash(&[i, k]));
+                let corner = |k: u64| DVec3::new(at(k), at(k + 1), at(k + 2));
+                let triangle =
+                    [corner(0), corner(0) + DVec3::X + 0.5 * corner(3), corner(0) + DVec3::Y + 0.5 * corner(6)];
+                // From so far away, rounding puts hits on what is flat and small before the own box.
+                let (size, distance) = if i % 2 == 0 { (DVec3::ONE, 1.0) } else { (DVec3::new(1.0, 1.0, 0.0), 1e5) };
+                let triangle = triangle.map(|vertex| (vertex * size).as_vec3().as_dvec3());
+                let rays = rays_to(&triangle, distance, i);
+                let mut certain = [[0; 3]; PACKET];
+                Available::new(level).dispatch(Asked(&triangle, &mut certain), &rays, ());
+                for ((ray, span), bits) in rays.iter().zip(certain) {
+                    let sheared = ShearedRay::new(ray);
+                    let decided = decide_triangle(triangle, 0, &SlabRay::new(ray), &sheared, *span);
+                    let Some(Hit { t, uv: [v, w], .. }) = decided else { continue };
+                    assert_eq!(bits, [t, v, w].map(f64::to_bits), "{level:?}: {ray:?}, {triangle:?}");
+                    n_hits += 1;
+                    n_raised += usize::from(sheared.intersect(triangle, *span).is_some_and(|hit| hit.t < t));
+                }
+            }
+            assert!(n_hits > 10_000 && n_raised > 10, "{n_hits} hits, {n_raised} raised");
+        }
+    }
 }

@@ -3,6 +3,9 @@
 //! Rays agree if they pass all boxes through the same sides. Where no more than [`FEW`] of them are left, each goes on
 //! alone: there it is better to test eight boxes at a time.
 //!
+//! What they certainly hit stays in lanes as well, and those that hit the same triangle are decided about together: in a
+//! coherent packet nothing is done ray by ray but to write the answers.
+//!
 //! Wald, Slusallek, Benthin and Wagner, "Interactive Rendering with Coherent Ray Tracing", 2001.
 
 use core::marker::PhantomData;
@@ -22,7 +25,7 @@ use super::walk::{Work, descend};
 use super::{STACK, WideBvh};
 
 /// As many rays go on alone.
-pub(super) const FEW: u32 = 3;
+pub(super) const FEW: u32 = 2;
 
 /// What a packet has put off.
 #[derive(Clone, Copy)]
@@ -103,6 +106,41 @@ impl<'r, S: Simd, F: Filter> Loners<'r, S, F> {
     }
 }
 
+/// What rays of a packet have found: side by side, and each by itself.
+struct Finds<S: Simd, G: Goal> {
+    together: G::Found<S>,
+    goals: [MaybeUninit<G>; PACKET],
+    /// Which have a goal of their own.
+    who: u32,
+}
+
+impl<S: Simd, G: Goal> Finds<S, G> {
+    /// Nothing yet.
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        Self { together: G::nothing(simd), goals: [const { MaybeUninit::uninit() }; PACKET], who: 0 }
+    }
+
+    /// What a ray has found by itself.
+    #[inline(always)]
+    fn goal(&mut self, lane: usize, span: Interval) -> &mut G {
+        if self.who >> lane & 1 == 0 {
+            self.goals[lane].write(G::new(span));
+            self.who |= 1 << lane;
+        }
+        // SAFETY: written now or before, as `who` says.
+        unsafe { self.goals[lane].assume_init_mut() }
+    }
+
+    /// As [`goal`](Self::goal), of a ray for which nothing matters after `limit`.
+    #[inline(always)]
+    fn goal_until(&mut self, lane: usize, span: Interval, limit: f32) -> &mut G {
+        let goal = self.goal(lane, span);
+        goal.lower(limit);
+        goal
+    }
+}
+
 /// Eight rays that agree, as those who test boxes, primitives, and spheres see them.
 struct Eights<'r, 'p, S: Simd, F: Filter> {
     rays: &'r [(Ray, Interval); PACKET],
@@ -136,76 +174,67 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
     ) -> bool {
         let Some(across) = Across::new(self.simd, self.tree, rays) else { return false };
         let filter = F::across(self.simd, &across, self.tree);
-        let mut goals = [const { MaybeUninit::<G>::uninit() }; PACKET];
-        for ((_, span), goal) in rays.iter().zip(&mut goals) {
-            goal.write(G::new(*span));
-        }
-        // SAFETY: all have just been written.
-        let goals: &mut [G; PACKET] = unsafe { &mut *goals.as_mut_ptr().cast() };
         let mut limits = across.limits;
+        for lane in n..PACKET {
+            limits = self.simd.replaced(limits, lane, -1.0);
+        }
+        let mut finds = Finds::<S, G>::new(self.simd);
         if !self.tree.unbounded.is_empty() {
-            for (lane, ((ray, _), goal)) in rays.iter().zip(goals.iter_mut()).enumerate().take(n) {
+            for (lane, (ray, span)) in rays.iter().enumerate().take(n) {
+                let goal = finds.goal(lane, *span);
                 let _ = goal.visit_unbounded(self.judge, ray);
                 limits = self.simd.replaced(limits, lane, goal.limit());
             }
         }
-        for lane in n..PACKET {
-            limits = self.simd.replaced(limits, lane, -1.0);
-        }
         let eights = Eights::<S, F> { rays, across: &across, filter: &filter };
         if let Some(place) = self.blocker.take() {
-            limits = self.ask_again(&eights, goals, place, limits);
+            self.ask_again(&eights, &mut finds, place, &mut limits);
         }
-        self.walk(&eights, goals, limits);
-        *self.blocker = goals.iter().rev().find_map(Goal::blocker);
-        let answered = if F::ROUND {
-            G::finish_round::<S, F>(self.simd, self.tree, self.judge, &across, goals, answers)
-        } else {
-            0
-        };
-        self.work.hits += u64::from(answered.count_ones());
-        for (lane, (((ray, _), goal), answer)) in rays.iter().zip(goals).zip(answers).enumerate().take(n) {
-            if answered >> lane & 1 != 0 {
-                continue;
+        self.walk(&eights, &mut finds, limits);
+        *self.blocker = G::found_blocker(&finds.together);
+        self.work.hits += G::settle::<S, F>(&finds.together, self.simd, self.tree, self.judge, &across, rays, answers);
+        let mut alone = finds.who;
+        while alone != 0 {
+            let lane = take_lane(&mut alone);
+            let (ray, span) = &rays[lane];
+            let goal = finds.goal(lane, *span);
+            goal.take(answers[lane]);
+            if self.blocker.is_none() {
+                *self.blocker = goal.blocker();
             }
-            goal.finish::<S, F>(self.simd, self.tree, self.judge, &ExactRay::new(self.simd, ray), answer);
+            goal.finish::<S, F>(self.simd, self.tree, self.judge, &ExactRay::new(self.simd, ray), &mut answers[lane]);
             self.work.hits += goal.uncounted_hits();
         }
         true
     }
 
-    /// Asks what blocked rays before whether it certainly blocks these; returns their limits.
+    /// Asks what blocked rays before whether it certainly blocks these.
     #[inline(always)]
     fn ask_again<F: Filter>(
         &mut self,
         eights: &Eights<'_, '_, S, F>,
-        goals: &mut [G; PACKET],
-        Place { leaf, lane }: Place,
-        mut limits: S::Lanes,
-    ) -> S::Lanes {
+        finds: &mut Finds<S, G>,
+        place: Place,
+        limits: &mut S::Lanes,
+    ) {
         let simd = self.simd;
-        let asked = simd.le(simd.splat(0.0), limits);
+        let asked = simd.le(simd.splat(0.0), *limits);
         self.work.tests += u64::from(asked.count_ones());
-        let verdict = F::judge_across(simd, eights.filter, self.tree.leaves.view(leaf), lane, limits);
-        let mut sure = verdict.sure & asked;
-        while sure != 0 {
-            let ray = take_lane(&mut sure);
-            // What is certain is not asked, so that bounds do not matter.
-            let bounds = Some([0.0; 2]);
-            goals[ray].consider::<S, F>(simd, self.tree, self.judge, &eights.rays[ray].0, leaf, lane, bounds);
-            limits = simd.replaced(limits, ray, goals[ray].limit());
+        let verdict = F::judge_across(simd, eights.filter, self.tree.leaves.view(place.leaf), place.lane, *limits);
+        let sure = verdict.sure & asked;
+        if sure != 0 {
+            G::find(&mut finds.together, simd, place, sure, [verdict.near, verdict.far], limits);
         }
-        limits
     }
 
     #[inline(always)]
-    fn walk<F: Filter>(&mut self, eights: &Eights<'_, '_, S, F>, goals: &mut [G; PACKET], mut limits: S::Lanes) {
+    fn walk<F: Filter>(&mut self, eights: &Eights<'_, '_, S, F>, finds: &mut Finds<S, G>, mut limits: S::Lanes) {
         let simd = self.simd;
         let mut loners = Loners { prepared: [const { MaybeUninit::uninit() }; PACKET], who: 0 };
         self.stack.len = 0;
         let Some(cut) = self.cut else {
             self.stack.insert(0, Entry { child: self.tree.root, least: 0.0, enters: simd.splat(0.0) });
-            self.descend(eights, goals, limits, &mut loners);
+            self.descend(eights, finds, limits, &mut loners);
             return;
         };
         for subtree in cut.subtrees() {
@@ -222,10 +251,10 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
             if subtree.child.is_node() {
                 let enters = simd.or_infinity(enter, leave);
                 self.stack.insert(0, Entry { child: subtree.child, least: 0.0, enters });
-                limits = self.descend(eights, goals, limits, &mut loners);
+                limits = self.descend(eights, finds, limits, &mut loners);
             } else {
                 let lanes = u32::from(subtree.mask);
-                limits = self.visit(eights, goals, (subtree.child, lanes), mask, limits);
+                limits = self.visit(eights, finds, (subtree.child, lanes), mask, limits);
             }
         }
     }
@@ -235,7 +264,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
     fn descend<'r, F: Filter>(
         &mut self,
         eights: &Eights<'r, '_, S, F>,
-        goals: &mut [G; PACKET],
+        finds: &mut Finds<S, G>,
         mut limits: S::Lanes,
         loners: &mut Loners<'r, S, F>,
     ) -> S::Lanes {
@@ -244,9 +273,10 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
             let mut mask = simd.le(enters, limits);
             let n_rays = mask.count_ones();
             if n_rays <= FEW {
+                let ends = simd.to_array(limits);
                 while mask != 0 {
                     let lane = take_lane(&mut mask);
-                    let goal = &mut goals[lane];
+                    let goal = finds.goal_until(lane, eights.rays[lane].1, ends[lane]);
                     match loners.get(simd, self.tree, eights.rays, lane) {
                         Some(prepared) => {
                             descend(simd, self.tree, self.judge, prepared, goal, child, self.alone, self.work);
@@ -259,18 +289,23 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 self.work.nodes += u64::from(n_rays);
                 let node = self.tree.node(child);
                 let first = self.stack.len;
-                for lane in 0..8 {
-                    let plane = |row: usize| node.plane(simd, row, lane);
-                    let [enter, leave] = eights.across.boxes.cross(simd, plane, limits);
-                    if simd.le(enter, leave) != 0 {
-                        let enters = simd.or_infinity(enter, leave);
-                        let entry = Entry { child: node.children[lane], least: simd.least(enters), enters };
-                        self.stack.insert(first, entry);
-                    }
+                // All boxes, and then those that are passed: which these are cannot be predicted.
+                let mut enters = [simd.splat(0.0); 8];
+                let mut passed = 0;
+                for (lane, enters) in enters.iter_mut().enumerate() {
+                    let [enter, leave] = eights.across.boxes.cross(simd, |row| node.plane(simd, row, lane), limits);
+                    *enters = simd.or_infinity(enter, leave);
+                    passed |= u32::from(simd.le(enter, leave) != 0) << lane;
+                }
+                while passed != 0 {
+                    let lane = take_lane(&mut passed);
+                    let enters = enters[lane];
+                    let entry = Entry { child: node.children[lane], least: simd.least(enters), enters };
+                    self.stack.insert(first, entry);
                 }
             } else {
                 let all = (1 << child.count()) - 1;
-                limits = self.visit(eights, goals, (child, all), mask, limits);
+                limits = self.visit(eights, finds, (child, all), mask, limits);
             }
         }
         limits
@@ -281,7 +316,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
     fn visit<F: Filter>(
         &mut self,
         eights: &Eights<'_, '_, S, F>,
-        goals: &mut [G; PACKET],
+        finds: &mut Finds<S, G>,
         (leaf, mut lanes): (Child, u32),
         mut mask: u32,
         mut limits: S::Lanes,
@@ -296,6 +331,16 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
             if maybe == 0 {
                 continue;
             }
+            let sure = verdict.sure & maybe;
+            if sure != 0 {
+                let place = Place { leaf, lane };
+                let left = G::find(&mut finds.together, simd, place, sure, [verdict.near, verdict.far], &mut limits);
+                maybe &= !sure | left;
+                mask &= simd.le(simd.splat(0.0), limits);
+                if maybe == 0 {
+                    continue;
+                }
+            }
             let unsure = maybe & !verdict.sure;
             if unsure != 0 && !F::decides(view, lane) {
                 let index = F::index(view, lane);
@@ -304,17 +349,19 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                     maybe &= verdict.sure | !RoundSpheres::all(simd, &sphere).missed(simd, &eights.across.lanes);
                 } else if unsure.count_ones() > FEW && self.judge.is_structure(index) {
                     maybe &= verdict.sure;
-                    limits = self.ask_together(index, eights.rays, unsure, goals, limits);
+                    limits = self.ask_together(index, eights.rays, unsure, finds, limits);
                     mask &= simd.le(simd.splat(0.0), limits);
                 }
             }
-            let (near, far) = (simd.to_array(verdict.near), simd.to_array(verdict.far));
+            let (near, far, ends) = (simd.to_array(verdict.near), simd.to_array(verdict.far), simd.to_array(limits));
             while maybe != 0 {
                 let ray = take_lane(&mut maybe);
                 let sure = verdict.sure >> ray & 1 != 0;
                 let bounds = sure.then_some([near[ray], far[ray]]);
-                goals[ray].consider::<S, F>(simd, self.tree, self.judge, &eights.rays[ray].0, leaf, lane, bounds);
-                let limit = goals[ray].limit();
+                let (asked, span) = &eights.rays[ray];
+                let goal = finds.goal_until(ray, *span, ends[ray]);
+                goal.consider::<S, F>(simd, self.tree, self.judge, asked, leaf, lane, bounds);
+                let limit = goal.limit();
                 limits = simd.replaced(limits, ray, limit);
                 mask &= !(u32::from(limit < 0.0) << ray);
             }
@@ -329,7 +376,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         index: u32,
         rays: &[(Ray, Interval); PACKET],
         mut mask: u32,
-        goals: &mut [G; PACKET],
+        finds: &mut Finds<S, G>,
         mut limits: S::Lanes,
     ) -> S::Lanes {
         let n = mask.count_ones() as usize;
@@ -337,12 +384,14 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         for place in 0..n {
             let lane = take_lane(&mut mask);
             lanes[place] = lane;
-            asked[place] = (rays[lane].0, goals[lane].span());
+            asked[place] = (rays[lane].0, finds.goal(lane, rays[lane].1).span());
         }
         G::ask_together(self.judge, index, &asked[..n], &mut found[..n]);
+        let ends = self.simd.to_array(limits);
         for (lane, found) in lanes.into_iter().zip(found).take(n) {
-            goals[lane].take(found);
-            limits = self.simd.replaced(limits, lane, goals[lane].limit());
+            let goal = finds.goal_until(lane, rays[lane].1, ends[lane]);
+            goal.take(found);
+            limits = self.simd.replaced(limits, lane, goal.limit());
         }
         limits
     }

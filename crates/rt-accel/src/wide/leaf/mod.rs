@@ -16,7 +16,7 @@ pub(super) use spheres::SphereFilter;
 pub(super) use triangles::{TriangleFilter, coordinates, corner};
 
 use super::WideBvh;
-use super::across::{Across, SpanLanes};
+use super::across::{Across, Eight, SpanLanes};
 use super::goal::Judge;
 use super::node::Child;
 use super::ray::{FilterRay, LaneRay, SLACK};
@@ -464,6 +464,13 @@ pub(super) trait Filter: Copy {
         _: Interval,
     ) -> Option<Hit> {
         None
+    }
+
+    /// As [`copied_hit`](Self::copied_hit) for rays that go the same way, of those for which the hit is certain: `t`, and as much
+    /// of the second and third vertex. Meaningless for the others.
+    #[inline(always)]
+    fn certain_hits<S: Simd>(simd: S, _: LeafView<'_>, _: usize, _: &Across<S>) -> [Eight<S>; 3] {
+        [Eight::splat(simd, 0.0); 3]
     }
 
     /// Decides where a primitive is hit within the span, as [`copied_hit`](Self::copied_hit) does or by asking for it.

@@ -30,8 +30,9 @@ use rt_math::{Hit, Interval, LeafLayout, Primitives};
 
 use super::{AXES, Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
 use crate::wide::WideBvh;
-use crate::wide::across::{Across, SpanLanes, relative as relative_to};
+use crate::wide::across::{Across, Eight, SpanLanes, relative as relative_to};
 use crate::wide::copy::Copied;
+use crate::wide::facet;
 use crate::wide::ray::{FilterRay, at_least, greatest};
 use crate::wide::simd::Simd;
 
@@ -305,6 +306,12 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
         span: Interval,
     ) -> Option<Hit> {
         Copied { leaf, lane, index: Self::index(leaf, lane) }.hit::<S, CERTAIN>(simd, ray, span)
+    }
+
+    #[inline(always)]
+    fn certain_hits<S: Simd>(simd: S, leaf: LeafView<'_>, lane: usize, rays: &Across<S>) -> [Eight<S>; 3] {
+        let vertices = [0, 1, 2].map(|vertex| corner(leaf, lane, vertex).map(f64::from).into());
+        facet::certain_hits(simd, &vertices, rays.axes, &rays.lanes)
     }
 }
 

@@ -56,6 +56,10 @@ pub(super) trait Simd: Copy {
     fn le(self, a: Self::Lanes, b: Self::Lanes) -> u32;
     /// A bit for each lane, set where `a < b`; never where one is NaN.
     fn lt(self, a: Self::Lanes, b: Self::Lanes) -> u32;
+    /// A bit for each lane whose bits are the same.
+    fn same(self, a: Self::Lanes, b: Self::Lanes) -> u32;
+    /// `a` where the mask has a bit, otherwise `b`.
+    fn chosen(self, mask: u32, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
     /// `enter` where it is at most `leave`, otherwise infinity.
     fn or_infinity(self, enter: Self::Lanes, leave: Self::Lanes) -> Self::Lanes;
     /// The least of the eight.

@@ -127,6 +127,25 @@ impl Simd for Portable {
     fn prefetch<T>(self, _line: *const T) {}
 
     #[inline(always)]
+    fn same(self, a: Self::Lanes, b: Self::Lanes) -> u32 {
+        let (a, b) = (self.to_array(a), self.to_array(b));
+        let mut same = 0;
+        for lane in 0..8 {
+            same |= u32::from(a[lane].to_bits() == b[lane].to_bits()) << lane;
+        }
+        same
+    }
+
+    #[inline(always)]
+    fn chosen(self, mask: u32, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        let (a, mut chosen) = (self.to_array(a), self.to_array(b));
+        for lane in 0..8 {
+            chosen[lane] = if mask >> lane & 1 != 0 { a[lane] } else { chosen[lane] };
+        }
+        self.load(&chosen)
+    }
+
+    #[inline(always)]
     fn or_infinity(self, [a, b]: Self::Lanes, [c, d]: Self::Lanes) -> Self::Lanes {
         [Vec4::select(a.cmple(c), a, Vec4::INFINITY), Vec4::select(b.cmple(d), b, Vec4::INFINITY)]
     }

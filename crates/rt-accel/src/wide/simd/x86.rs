@@ -41,9 +41,9 @@ const GREATEST: [u8; 8] = [0, 1, 1, 1, 0, 2, 2, 2];
 static LAST: [[u32; 8]; 4] =
     [[2, 3, 4, 5, 0, 1, 6, 7], [4, 5, 0, 1, 2, 3, 6, 7], [0, 1, 2, 3, 4, 5, 6, 7], [0, 1, 2, 3, 4, 5, 6, 7]];
 
-/// Makes a level of which all operations but comparisons are those of AVX2.
+/// Makes a level of which all operations but comparisons and choices are those of AVX2.
 macro_rules! level {
-    ($name:ident, $doc:literal, $features:literal, [$($feature:tt),+], |$a:ident, $b:ident| [$le:expr, $lt:expr]) => {
+    ($name:ident, $doc:literal, $features:literal, [$($feature:tt),+], |$a:ident, $b:ident, $mask:ident| [$le:expr, $lt:expr, $chosen:expr]) => {
         #[doc = $doc]
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(in crate::wide) struct $name(());
@@ -179,6 +179,21 @@ macro_rules! level {
             fn lt(self, $a: __m256, $b: __m256) -> u32 {
                 // SAFETY: as `le`.
                 unsafe { $lt }
+            }
+
+            #[inline(always)]
+            fn same(self, a: __m256, b: __m256) -> u32 {
+                // SAFETY: AVX2 is there, as `self` exists.
+                unsafe {
+                    let same = _mm256_cmpeq_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b));
+                    _mm256_movemask_ps(_mm256_castsi256_ps(same)) as u32
+                }
+            }
+
+            #[inline(always)]
+            fn chosen(self, $mask: u32, $a: __m256, $b: __m256) -> __m256 {
+                // SAFETY: AVX2 is there, as `self` exists, and AVX-512 where this is its level.
+                unsafe { $chosen }
             }
 
             #[inline(always)]
@@ -380,9 +395,14 @@ level!(
     "AVX2 and FMA are there.",
     "avx2,fma,bmi1,bmi2,lzcnt,popcnt",
     ["avx2", "fma", "bmi1", "bmi2", "lzcnt", "popcnt"],
-    |a, b| [
+    |a, b, mask| [
         _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32,
-        _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32
+        _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32,
+        {
+            let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let set = _mm256_and_si256(_mm256_set1_epi32(mask as i32), bits);
+            _mm256_blendv_ps(b, a, _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bits)))
+        }
     ]
 );
 level!(
@@ -390,5 +410,9 @@ level!(
     "AVX-512 with vectors of any length is there.",
     "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt",
     ["avx512f", "avx512vl", "avx512dq", "avx512bw", "avx2", "fma", "bmi1", "bmi2", "lzcnt", "popcnt"],
-    |a, b| [u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b)), u32::from(_mm256_cmp_ps_mask::<_CMP_LT_OQ>(a, b))]
+    |a, b, mask| [
+        u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b)),
+        u32::from(_mm256_cmp_ps_mask::<_CMP_LT_OQ>(a, b)),
+        _mm256_mask_blend_ps(mask as u8, b, a)
+    ]
 );

@@ -1,0 +1,224 @@
+//! Whether anything blocks a ray.
+
+use core::marker::PhantomData;
+use core::ops::ControlFlow;
+
+use rt_math::{Interval, Ray};
+
+use super::{Goal, Judge, Place, Prepared, take_lane};
+use crate::wide::WideBvh;
+use crate::wide::across::{Across, PACKET};
+use crate::wide::flight::{Flight, Ground};
+use crate::wide::leaf::{ExactRay, Filter};
+use crate::wide::node::Child;
+use crate::wide::ray::at_least;
+use crate::wide::simd::Simd;
+use crate::wide::walk::{Query, Walk};
+
+/// Whether anything blocks the ray.
+pub(in crate::wide) struct AnyHit {
+    span: Interval,
+    uncounted_hits: u64,
+    is_blocked: bool,
+    blocker: Option<Place>,
+    limit: f32,
+}
+
+impl AnyHit {
+    /// Something blocks the ray: nothing else matters.
+    #[inline(always)]
+    fn block(&mut self) {
+        self.is_blocked = true;
+        self.limit = -1.0;
+    }
+
+    /// A primitive in a leaf blocks the ray.
+    #[inline(always)]
+    fn block_by(&mut self, leaf: Child, lane: usize) {
+        self.block();
+        self.blocker = Some(Place { leaf, lane });
+    }
+}
+
+/// Which of eight rays are blocked, and by what the last of them is.
+pub(in crate::wide) struct FoundBlocked {
+    who: u32,
+    last: Option<Place>,
+}
+
+impl Goal for AnyHit {
+    const ORDERED: bool = false;
+    type Answer = bool;
+
+    #[inline(never)]
+    fn walk(tree: &WideBvh, query: &mut Query<'_, Self::Answer>, ray: &Ray, span: Interval) {
+        tree.level.dispatch(Walk::<Self> { tree, query, goal: PhantomData }, ray, span);
+    }
+
+    #[inline(never)]
+    fn fly(tree: &WideBvh, ground: &mut Ground<'_>, rays: &[(Ray, Interval)], answers: &mut [Self::Answer]) {
+        tree.level.dispatch(Flight::<Self> { tree, ground, goal: PhantomData }, rays, answers);
+    }
+
+    #[inline(always)]
+    fn new(span: Interval) -> Self {
+        Self { span, uncounted_hits: 0, is_blocked: false, blocker: None, limit: at_least(span.max) }
+    }
+
+    fn visit_unbounded(&mut self, judge: &mut dyn Judge, ray: &Ray) -> ControlFlow<()> {
+        if judge.occluded_unbounded(ray, self.span) {
+            self.block();
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn visit_unfiltered(&mut self, judge: &mut dyn Judge, ray: &Ray) {
+        self.is_blocked = judge.occluded_unfiltered(ray, self.span);
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+
+    #[inline(always)]
+    fn visit<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        prepared: &Prepared<'_, S, F>,
+        leaf: Child,
+    ) -> ControlFlow<()> {
+        let view = tree.leaves.view(leaf);
+        let verdict = prepared.filter.judge(simd, view, self.limit);
+        if verdict.sure != 0 {
+            self.uncounted_hits += 1;
+            self.block_by(leaf, verdict.sure.trailing_zeros() as usize);
+            return ControlFlow::Break(());
+        }
+        let mut unsure = verdict.maybe;
+        while unsure != 0 {
+            let lane = take_lane(&mut unsure);
+            if F::blocks(simd, view, lane, &prepared.ray, self.span, judge) {
+                self.uncounted_hits += u64::from(F::decides(view, lane));
+                self.block_by(leaf, lane);
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn consider<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        ray: &Ray,
+        leaf: Child,
+        lane: usize,
+        sure: Option<[f32; 2]>,
+    ) {
+        let view = tree.leaves.view(leaf);
+        if sure.is_some() {
+            self.uncounted_hits += 1;
+            self.block_by(leaf, lane);
+        } else if F::blocks(simd, view, lane, &ExactRay::new(simd, ray), self.span, judge) {
+            self.uncounted_hits += u64::from(F::decides(view, lane));
+            self.block_by(leaf, lane);
+        }
+    }
+
+    #[inline(always)]
+    fn span(&self) -> Interval {
+        self.span
+    }
+
+    fn ask_together(judge: &mut dyn Judge, index: u32, rays: &[(Ray, Interval)], answers: &mut [Self::Answer]) {
+        judge.occluded_together(index, rays, answers);
+    }
+
+    #[inline(always)]
+    fn take(&mut self, found: bool) {
+        if found {
+            self.block();
+        }
+    }
+
+    #[inline(always)]
+    fn finish<S: Simd, F: Filter>(
+        &mut self,
+        _: S,
+        _: &WideBvh,
+        _: &mut dyn Judge,
+        _: &ExactRay<'_, S>,
+        answer: &mut bool,
+    ) {
+        *answer = self.is_blocked;
+    }
+
+    type Found<S: Simd> = FoundBlocked;
+
+    #[inline(always)]
+    fn nothing<S: Simd>(_: S) -> FoundBlocked {
+        FoundBlocked { who: 0, last: None }
+    }
+
+    #[inline(always)]
+    fn find<S: Simd>(
+        found: &mut FoundBlocked,
+        simd: S,
+        place: Place,
+        sure: u32,
+        _: [S::Lanes; 2],
+        limits: &mut S::Lanes,
+    ) -> u32 {
+        found.who |= sure;
+        found.last = Some(place);
+        *limits = simd.chosen(sure, simd.splat(-1.0), *limits);
+        0
+    }
+
+    #[inline(always)]
+    fn settle<S: Simd, F: Filter>(
+        found: &FoundBlocked,
+        _: S,
+        _: &WideBvh,
+        _: &mut dyn Judge,
+        _: &Across<S>,
+        _: &[(Ray, Interval); PACKET],
+        answers: &mut [bool; PACKET],
+    ) -> u64 {
+        for (lane, answer) in answers.iter_mut().enumerate() {
+            *answer = found.who >> lane & 1 != 0;
+        }
+        u64::from(found.who.count_ones())
+    }
+
+    #[inline(always)]
+    fn found_blocker<S: Simd>(found: &FoundBlocked) -> Option<Place> {
+        found.last
+    }
+
+    #[inline(always)]
+    fn lower(&mut self, limit: f32) {
+        self.limit = self.limit.min(limit);
+    }
+
+    #[inline(always)]
+    fn uncounted_hits(&self) -> u64 {
+        self.uncounted_hits
+    }
+
+    #[inline(always)]
+    fn blocker(&self) -> Option<Place> {
+        self.blocker
+    }
+
+    #[inline(always)]
+    fn answer(&self) -> bool {
+        self.is_blocked
+    }
+}

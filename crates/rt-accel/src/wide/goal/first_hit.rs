@@ -1,0 +1,410 @@
+//! The first hit of a ray.
+
+use core::marker::PhantomData;
+use core::mem::MaybeUninit;
+use core::ops::ControlFlow;
+
+use rt_math::{DVec3, Hit, Interval, Ray, RoundSphere};
+
+use super::{Goal, Judge, Place, Prepared, take_lane};
+use crate::wide::WideBvh;
+use crate::wide::across::{Across, PACKET};
+use crate::wide::flight::{Flight, Ground};
+use crate::wide::leaf::{ExactRay, Filter, LeafView};
+use crate::wide::node::Child;
+use crate::wide::ray::at_least;
+use crate::wide::round::RoundSpheres;
+use crate::wide::simd::Simd;
+use crate::wide::walk::{Query, Walk};
+
+/// A primitive that is hit for sure, to be decided about at the end.
+#[derive(Clone, Copy)]
+struct Candidate {
+    near: f32,
+    leaf: Child,
+    lane: usize,
+}
+
+/// Candidates that may be undecided at a time.
+const MAX_CANDIDATES: usize = 8;
+
+const NO_HIT: Hit = Hit { t: f64::INFINITY, instance: 0, primitive: 0, uv: [0.0; 2] };
+
+/// The nearest hit so far, and who may still be nearer.
+pub(in crate::wide) struct FirstHit {
+    uncounted_hits: u64,
+    /// Ends at the nearest hit.
+    span: Interval,
+    is_hit: bool,
+    /// The nearest hit, if there is one.
+    best: Hit,
+    /// What is entered or hit after this cannot be first.
+    limit: f32,
+    candidates: [MaybeUninit<Candidate>; MAX_CANDIDATES],
+    n_candidates: usize,
+    /// Of all candidates.
+    least_near: f32,
+}
+
+impl FirstHit {
+    /// A hit that precedes all before it.
+    #[inline(always)]
+    fn accept(&mut self, hit: &Hit) {
+        self.span.max = hit.t;
+        self.limit = self.limit.min(at_least(hit.t));
+        self.is_hit = true;
+        // One number after the other: all at once would have to wait until they are in memory.
+        self.best.t = hit.t;
+        self.best.instance = hit.instance;
+        self.best.primitive = hit.primitive;
+        self.best.uv[0] = hit.uv[0];
+        self.best.uv[1] = hit.uv[1];
+    }
+
+    /// The usual case: one hit that is certain, before all others.
+    #[inline(always)]
+    fn only_candidate(&self) -> Option<Candidate> {
+        // SAFETY: the first has been written where there is one.
+        (self.n_candidates == 1 && !self.is_hit).then(|| unsafe { self.candidates[0].assume_init() })
+    }
+
+    #[inline(always)]
+    fn decide<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        judge: &mut dyn Judge,
+        ray: &ExactRay<'_, S>,
+        leaf: LeafView<'_>,
+        lane: usize,
+    ) {
+        let hit = F::hit(simd, leaf, lane, ray, self.span, judge);
+        self.uncounted_hits += u64::from(hit.is_some() && F::decides(leaf, lane));
+        self.take(hit);
+    }
+
+    /// A hit is certain: nothing behind its far bound can be first. False if there is no room to remember it.
+    #[inline(always)]
+    fn remember(&mut self, leaf: Child, lane: usize, [near, far]: [f32; 2]) -> bool {
+        if near > self.limit {
+            return true;
+        }
+        if far < self.least_near {
+            // The usual case: nearer than all others for sure.
+            self.n_candidates = 0;
+            self.least_near = near;
+        } else {
+            self.least_near = self.least_near.min(near);
+        }
+        self.limit = self.limit.min(far);
+        let has_room = self.n_candidates < MAX_CANDIDATES;
+        if has_room {
+            self.candidates[self.n_candidates % MAX_CANDIDATES].write(Candidate { near, leaf, lane });
+            self.n_candidates += 1;
+        }
+        has_room
+    }
+}
+
+/// What eight rays certainly hit, each nothing or one primitive.
+pub(in crate::wide) struct FoundFirst<S: Simd> {
+    /// A bit for each ray that hits something.
+    who: u32,
+    /// Where it is hit at the earliest, and where in the tree it is, as bits.
+    near: S::Lanes,
+    leaf: S::Lanes,
+    lane: S::Lanes,
+}
+
+impl<S: Simd> FoundFirst<S> {
+    /// By ray; meaningless where it hits nothing.
+    #[inline(always)]
+    fn places(&self, simd: S) -> [Place; PACKET] {
+        let (leaf, lane) = (simd.to_array(self.leaf), simd.to_array(self.lane));
+        let mut places = [Place { leaf: Child::HOME, lane: 0 }; PACKET];
+        for (i, place) in places.iter_mut().enumerate() {
+            *place = Place { leaf: Child::from_bits(leaf[i].to_bits()), lane: (lane[i].to_bits() & 7) as usize };
+        }
+        places
+    }
+
+    /// A bit for each ray that hits what is at this place.
+    #[inline(always)]
+    fn at(&self, simd: S, Place { leaf, lane }: Place) -> u32 {
+        simd.same(self.leaf, simd.splat(f32::from_bits(leaf.to_bits())))
+            & simd.same(self.lane, simd.splat(f32::from_bits(lane as u32)))
+    }
+}
+
+/// Decides about some rays of eight at once, where each hits a sphere of its own; returns those that are answered.
+#[inline(always)]
+fn settle_round<S: Simd, F: Filter>(
+    simd: S,
+    tree: &WideBvh,
+    judge: &mut dyn Judge,
+    across: &Across<S>,
+    places: &[Place; PACKET],
+    asked: u32,
+    answers: &mut [Option<Hit>; PACKET],
+) -> u32 {
+    let mut spheres = [RoundSphere { centre: DVec3::ZERO, radius: 1.0 }; PACKET];
+    let mut indices = [0; PACKET];
+    let (mut left, mut who) = (asked, 0);
+    while left != 0 {
+        let lane = take_lane(&mut left);
+        let index = F::index(tree.leaves.view(places[lane].leaf), places[lane].lane);
+        if let Some(sphere) = judge.round(index) {
+            (spheres[lane], indices[lane]) = (sphere, index);
+            who |= 1 << lane;
+        }
+    }
+    if who == 0 {
+        return 0;
+    }
+    let meetings = RoundSpheres::new(simd, &spheres).meet(simd, &across.lanes);
+    who &= meetings.hit;
+    let t = meetings.t.to_array(simd);
+    for (lane, answer) in answers.iter_mut().enumerate() {
+        if who >> lane & 1 != 0 {
+            *answer = Some(Hit { t: t[lane], instance: 0, primitive: indices[lane], uv: [0.0; 2] });
+        }
+    }
+    who
+}
+
+impl Goal for FirstHit {
+    const ORDERED: bool = true;
+    type Answer = Option<Hit>;
+
+    #[inline(never)]
+    fn walk(tree: &WideBvh, query: &mut Query<'_, Self::Answer>, ray: &Ray, span: Interval) {
+        tree.level.dispatch(Walk::<Self> { tree, query, goal: PhantomData }, ray, span);
+    }
+
+    #[inline(never)]
+    fn fly(tree: &WideBvh, ground: &mut Ground<'_>, rays: &[(Ray, Interval)], answers: &mut [Self::Answer]) {
+        tree.level.dispatch(Flight::<Self> { tree, ground, goal: PhantomData }, rays, answers);
+    }
+
+    #[inline(always)]
+    fn new(span: Interval) -> Self {
+        Self {
+            uncounted_hits: 0,
+            span,
+            is_hit: false,
+            best: NO_HIT,
+            limit: at_least(span.max),
+            candidates: [const { MaybeUninit::uninit() }; MAX_CANDIDATES],
+            n_candidates: 0,
+            least_near: f32::INFINITY,
+        }
+    }
+
+    fn visit_unbounded(&mut self, judge: &mut dyn Judge, ray: &Ray) -> ControlFlow<()> {
+        // What is equally near, but of lower index, must still be found.
+        if let Some(hit) = judge.closest_unbounded(ray, self.span) {
+            self.accept(&hit);
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn visit_unfiltered(&mut self, judge: &mut dyn Judge, ray: &Ray) {
+        let found = judge.closest_unfiltered(ray, self.span);
+        self.take(found);
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+
+    #[inline(always)]
+    fn visit<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        prepared: &Prepared<'_, S, F>,
+        leaf: Child,
+    ) -> ControlFlow<()> {
+        let view = tree.leaves.view(leaf);
+        let verdict = prepared.filter.judge(simd, view, self.limit);
+        if verdict.maybe == 0 {
+            return ControlFlow::Continue(());
+        }
+        let (mut sure, mut unsure) = (verdict.sure, verdict.maybe & !verdict.sure);
+        if sure != 0 {
+            let (near, far) = (simd.to_array(verdict.near), simd.to_array(verdict.far));
+            while sure != 0 {
+                let lane = take_lane(&mut sure);
+                if !self.remember(leaf, lane, [near[lane], far[lane]]) {
+                    unsure |= 1 << lane;
+                }
+            }
+        }
+        while unsure != 0 {
+            let lane = take_lane(&mut unsure);
+            self.decide::<S, F>(simd, judge, &prepared.ray, view, lane);
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn consider<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        ray: &Ray,
+        leaf: Child,
+        lane: usize,
+        sure: Option<[f32; 2]>,
+    ) {
+        if sure.is_none_or(|bounds| !self.remember(leaf, lane, bounds)) {
+            self.decide::<S, F>(simd, judge, &ExactRay::new(simd, ray), tree.leaves.view(leaf), lane);
+        }
+    }
+
+    #[inline(always)]
+    fn span(&self) -> Interval {
+        self.span
+    }
+
+    fn ask_together(judge: &mut dyn Judge, index: u32, rays: &[(Ray, Interval)], answers: &mut [Self::Answer]) {
+        judge.closest_together(index, rays, answers);
+    }
+
+    #[inline(always)]
+    fn take(&mut self, found: Option<Hit>) {
+        if let Some(hit) = found
+            && (!self.is_hit | hit.precedes(&self.best))
+        {
+            self.accept(&hit);
+        }
+    }
+
+    #[inline(always)]
+    fn finish<S: Simd, F: Filter>(
+        &mut self,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        ray: &ExactRay<'_, S>,
+        answer: &mut Option<Hit>,
+    ) {
+        if let Some(Candidate { leaf, lane, .. }) = self.only_candidate() {
+            // Where leaves decide, nothing is asked, so that the next ray need not wait.
+            let leaf = tree.leaves.view(leaf);
+            if F::decides(leaf, lane) {
+                *answer = F::copied_hit::<S, true>(simd, leaf, lane, ray, self.span);
+                self.uncounted_hits += u64::from(answer.is_some());
+            } else {
+                *answer = judge.closest(F::index(leaf, lane), ray.ray, self.span);
+            }
+            return;
+        }
+        for i in 0..self.n_candidates {
+            // SAFETY: the first `n_candidates` have been written.
+            let Candidate { near, leaf, lane } = unsafe { self.candidates[i % MAX_CANDIDATES].assume_init() };
+            if near <= self.limit {
+                self.decide::<S, F>(simd, judge, ray, tree.leaves.view(leaf), lane);
+            }
+        }
+        *answer = self.answer();
+    }
+
+    type Found<S: Simd> = FoundFirst<S>;
+
+    #[inline(always)]
+    fn nothing<S: Simd>(simd: S) -> FoundFirst<S> {
+        FoundFirst { who: 0, near: simd.splat(f32::INFINITY), leaf: simd.splat(0.0), lane: simd.splat(0.0) }
+    }
+
+    #[inline(always)]
+    fn find<S: Simd>(
+        found: &mut FoundFirst<S>,
+        simd: S,
+        Place { leaf, lane }: Place,
+        sure: u32,
+        [near, far]: [S::Lanes; 2],
+        limits: &mut S::Lanes,
+    ) -> u32 {
+        // The usual case: nearer for sure than what has been found before.
+        let is_nearest = sure & simd.lt(far, found.near);
+        found.who |= is_nearest;
+        found.near = simd.chosen(is_nearest, near, found.near);
+        found.leaf = simd.chosen(is_nearest, simd.splat(f32::from_bits(leaf.to_bits())), found.leaf);
+        found.lane = simd.chosen(is_nearest, simd.splat(f32::from_bits(lane as u32)), found.lane);
+        *limits = simd.chosen(sure, simd.min(*limits, far), *limits);
+        sure & !is_nearest
+    }
+
+    #[inline(always)]
+    fn settle<S: Simd, F: Filter>(
+        found: &FoundFirst<S>,
+        simd: S,
+        tree: &WideBvh,
+        judge: &mut dyn Judge,
+        across: &Across<S>,
+        rays: &[(Ray, Interval); PACKET],
+        answers: &mut [Option<Hit>; PACKET],
+    ) -> u64 {
+        for answer in answers.iter_mut() {
+            *answer = None;
+        }
+        if found.who == 0 {
+            return 0;
+        }
+        let places = found.places(simd);
+        let mut left = found.who;
+        let mut uncounted_hits = 0;
+        if F::ROUND {
+            let settled = settle_round::<S, F>(simd, tree, judge, across, &places, left, answers);
+            uncounted_hits += u64::from(settled.count_ones());
+            left &= !settled;
+        }
+        while left != 0 {
+            let first = left.trailing_zeros() as usize & 7;
+            let place = places[first];
+            let mut alike = left & found.at(simd, place);
+            left &= !alike;
+            let leaf = tree.leaves.view(place.leaf);
+            if !F::decides(leaf, place.lane) {
+                while alike != 0 {
+                    let lane = take_lane(&mut alike);
+                    let (ray, span) = &rays[lane];
+                    answers[lane] = judge.closest(F::index(leaf, place.lane), ray, *span);
+                }
+                continue;
+            }
+            uncounted_hits += u64::from(alike.count_ones());
+            if alike & (alike - 1) == 0 {
+                let (ray, span) = &rays[first];
+                answers[first] = F::copied_hit::<S, true>(simd, leaf, place.lane, &ExactRay::new(simd, ray), *span);
+                continue;
+            }
+            let [t, v, w] = F::certain_hits(simd, leaf, place.lane, across);
+            let (t, v, w) = (t.to_array(simd), v.to_array(simd), w.to_array(simd));
+            let primitive = F::index(leaf, place.lane);
+            while alike != 0 {
+                let lane = take_lane(&mut alike);
+                answers[lane] = Some(Hit { t: t[lane], instance: 0, primitive, uv: [v[lane], w[lane]] });
+            }
+        }
+        uncounted_hits
+    }
+
+    #[inline(always)]
+    fn lower(&mut self, limit: f32) {
+        self.limit = self.limit.min(limit);
+    }
+
+    #[inline(always)]
+    fn uncounted_hits(&self) -> u64 {
+        self.uncounted_hits
+    }
+
+    #[inline(always)]
+    fn answer(&self) -> Option<Hit> {
+        self.is_hit.then_some(self.best)
+    }
+}
