@@ -11,6 +11,7 @@ const SLIVER: f64 = 1e-3;
 /// if the vertices are exactly collinear (while nothing over- or underflows).
 ///
 /// The two shorter edges are multiplied; slivers are computed without rounding.
+#[inline]
 pub(crate) fn area_vector(vertices: [DVec3; 3]) -> DVec3 {
     let [a, b, c] = vertices;
     let (ab, bc, ca) = (b - a, c - b, a - c);
@@ -47,6 +48,7 @@ pub(crate) fn polygon_area_vector(vertices: &[DVec3]) -> Option<DVec3> {
 }
 
 /// The unit normal of a triangle; any unit vector for one without area.
+#[inline]
 pub(crate) fn unit_normal(vertices: [DVec3; 3]) -> DVec3 {
     let area = area_vector(vertices);
     // Scaled first: the square of a small area underflows.
@@ -54,6 +56,7 @@ pub(crate) fn unit_normal(vertices: [DVec3; 3]) -> DVec3 {
 }
 
 /// a×b + b×c + c×a, each component summed without rounding and rounded once.
+#[cold]
 fn exact_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
     let component = |i: usize, j: usize| {
         let pairs = [(a, b), (b, c), (c, a)];

@@ -15,6 +15,15 @@ pub struct TriangleMesh {
     bounds: Aabb,
 }
 
+/// What the normals of the vertices say about a point of a triangle.
+struct Smooth {
+    /// Unit, on the same side as the geometric one.
+    normal: DVec3,
+    shadow_point: DVec3,
+    /// True if it has been turned to get there.
+    is_turned: bool,
+}
+
 impl TriangleMesh {
     /// Validates the arrays and mends what can be mended. Triangles keep their order; the index of a primitive counts
     /// those that were kept.
@@ -59,54 +68,54 @@ impl TriangleMesh {
     }
 
     /// The surface at a hit of this mesh with this ray; `None` for a hit on a primitive that it does not have.
-    #[inline]
+    #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceInteraction> {
         let triangle = *self.data.triangles.get(hit.primitive as usize)?;
         let corners = self.corners(triangle);
         let weights = weights(hit.uv);
         let (point, point_error) = point_at(corners, weights);
         let uv = if needs.uv { interpolated(&self.data.uvs, triangle, weights).unwrap_or_default() } else { [0.0; 2] };
-        let mut flat = SurfaceInteraction::flat(point, point_error, unit_normal(corners), uv);
-        if needs.detail {
-            flat.detail = self.detail(triangle, weights);
+        let geometric_normal = unit_normal(corners);
+        let mut detail = if needs.detail { self.detail(triangle, weights) } else { SurfaceDetail::NONE };
+        let (mut shading_normal, mut shadow_point) = (geometric_normal, point);
+        if needs.shading_normal
+            && !self.data.normals.is_empty()
+            && let Some(smooth) = self.smooth(point, geometric_normal, triangle, corners, weights, ray.direction)
+        {
+            (shading_normal, shadow_point) = (smooth.normal, smooth.shadow_point);
+            // The cross product turns with the normal.
+            detail.is_mirrored ^= smooth.is_turned;
         }
-        Some(if needs.shading_normal && !self.data.normals.is_empty() {
-            self.smoothed(flat, triangle, corners, weights, ray.direction)
-        } else {
-            flat
-        })
+        // Once all is known, so that it is written where it is needed, and not moved there.
+        Some(SurfaceInteraction { point, point_error, shadow_point, geometric_normal, shading_normal, uv, detail })
     }
 
-    /// Adds the interpolated normal and the point that it suggests: the mean of the projections of the hit point on
-    /// the tangent planes of the vertices, as far as they lie on the side that the ray came from (Hanika, "Hacking the
-    /// Shadow Terminator", Ray Tracing Gems II, 2021).
-    fn smoothed(
+    /// The interpolated normal and the point that it suggests: the mean of the projections of the hit point on the tangent planes
+    /// of the vertices, as far as they lie on the side that the ray came from (Hanika, "Hacking the Shadow Terminator", Ray
+    /// Tracing Gems II, 2021). `None` if the normals of the vertices cancel out.
+    #[inline(always)]
+    fn smooth(
         &self,
-        flat: SurfaceInteraction,
+        point: DVec3,
+        geometric_normal: DVec3,
         triangle: [u32; 3],
         corners: [DVec3; 3],
         weights: [f64; 3],
         direction: DVec3,
-    ) -> SurfaceInteraction {
+    ) -> Option<Smooth> {
         let normals = triangle.map(|i| self.data.normals[i as usize].as_dvec3());
         let sum = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
-        let Some(normal) = sum.try_normalize() else { return flat };
+        let normal = sum.try_normalize()?;
         // Vertex normals of a file may point to the back.
-        let front = if normal.dot(flat.geometric_normal) < 0.0 { -1.0 } else { 1.0 };
-        let viewer = if direction.dot(flat.geometric_normal) > 0.0 { -front } else { front };
+        let is_turned = normal.dot(geometric_normal) < 0.0;
+        let front = if is_turned { -1.0 } else { 1.0 };
+        let viewer = if direction.dot(geometric_normal) > 0.0 { -front } else { front };
         let lift = |i: usize| {
             let normal = normals[i] * viewer;
-            normal * (weights[i] * (corners[i] - flat.point).dot(normal).max(0.0))
+            normal * (weights[i] * (corners[i] - point).dot(normal).max(0.0))
         };
-        let mut detail = flat.detail;
-        // The cross product turns with the normal.
-        detail.is_mirrored ^= front < 0.0;
-        SurfaceInteraction {
-            shading_normal: normal * front,
-            shadow_point: flat.point + (lift(0) + lift(1) + lift(2)),
-            detail,
-            ..flat
-        }
+        let shadow_point = point + (lift(0) + lift(1) + lift(2));
+        Some(Smooth { normal: normal * front, shadow_point, is_turned })
     }
 
     #[inline(never)]

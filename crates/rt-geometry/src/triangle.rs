@@ -59,6 +59,7 @@ pub(crate) fn weights([v, w]: [f64; 2]) -> [f64; 3] {
 ///
 /// The first part bounds the rounding of the sum (PBR 4th ed., section 6.8.5). The second is for the test that a ray
 /// spawned there undergoes: its shear mixes the axes, so its error is governed by the largest extent.
+#[inline]
 pub(crate) fn point_at(vertices: [DVec3; 3], weights: [f64; 3]) -> (DVec3, DVec3) {
     let [a, b, c] = [0, 1, 2].map(|i| vertices[i] * weights[i]);
     let extent = Aabb::from_points(vertices).extent().max_element();

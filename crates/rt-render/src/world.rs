@@ -255,6 +255,9 @@ impl Parts<'_> {
         // The usual kinds by themselves, so that they are written where they are needed, and not moved about.
         match &part.geometry {
             PartGeometry::Facet(mesh, triangle) => part.facet(mesh, *triangle, ray, hit, needs),
+            PartGeometry::Mesh(level, None) if part.relief.is_none() => {
+                part.facet(&self.levels.meshes[*level as usize].mesh, hit.primitive, ray, hit, needs)
+            }
             PartGeometry::Shape(shape) => Some(part.shape(shape, ray, hit, needs)),
             geometry => self.surface_of(part, geometry, ray, hit, needs),
         }
