@@ -20,14 +20,15 @@
 //! of all primitives are something else, leaves are of spheres, with balls around the others.
 //!
 //! **Batches**: `closest_batch` sends eight rays as a packet where they pass boxes through the same sides and are steepest on
-//! the same axis: each box, and each triangle or sphere, is then tested with all eight. Where three or fewer are left, each goes
+//! the same axis: each box, and each triangle or sphere, is then tested with all eight. Where one or two are left, each goes
 //! on alone. In trees of 256 spheres and more up to 64 rays that pass boxes through the same sides are looked at together first:
 //! what none of them can meet, none of their packets is asked about. Whether and where a packet meets spheres that are
-//! [`LeafLayout::Round`](crate::LeafLayout::Round) is decided for all its rays side by side as well. Rays that do not agree
+//! [`LeafLayout::Round`](crate::LeafLayout::Round) is decided for all its rays side by side as well, and where
+//! triangles are hit for certain, for those that hit the same one. Rays that do not agree
 //! go side by side through trees of more than 8 MiB: sixteen are under way, and while one waits for its next node, others go
-//! on. Four to seven rays at the end of a batch share a packet as well. A primitive that is a structure itself
+//! on. Three to seven rays at the end of a batch share a packet as well. A primitive that is a structure itself
 //! ([`BatchKernel::Structure`](crate::BatchKernel::Structure)), an instance, is asked for all rays of a packet together that may meet it, if
-//! these are more than three. Put rays that go the same way next to each other.
+//! these are more than two. Put rays that go the same way next to each other.
 //!
 //! **Why it equals brute force**: the `f32` arithmetic errs outwards. A box is entered no later and left no earlier than
 //! any own box in it, and tests of triangles and spheres have margins for all that can be rounded; the proofs stand atop

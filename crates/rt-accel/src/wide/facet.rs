@@ -3,7 +3,8 @@
 //!
 //! What plain arithmetic does not settle is left to somebody else: signs of areas that rounding may have turned, rays that
 //! start next to the triangle's plane unless they certainly lead away from it, and hits of which it takes the own box to
-//! tell whether they count (see [`round`](super::round)).
+//! tell whether they count (see [`round`](super::round)). [`certain_hits`] is for hits of which a filter is sure
+//! ([`triangles`](super::leaf)): there no sign is in doubt, and the own box itself is entered.
 
 use rt_math::float::{SETTLED, UNIT_ROUNDOFF};
 use rt_math::{DVec3, OWN_BOX_PAD, ShearedRay};
@@ -61,6 +62,14 @@ fn area<S: Simd>(simd: S, a: &Corner<S>, b: &Corner<S>) -> (Eight<S>, u32) {
     (area, size.mul(simd, Eight::splat(simd, SETTLED)).lt(simd, area.abs(simd)))
 }
 
+/// Where the rays cross the plane of three corners, by the areas opposite of them, and the sum of these.
+#[inline(always)]
+fn crossing<S: Simd>(simd: S, [a, b, c]: [&Corner<S>; 3], [u, v, w]: [Eight<S>; 3]) -> [Eight<S>; 2] {
+    let determinant = u.add(simd, v).add(simd, w);
+    let weighted = u.mul(simd, a.depth).add(simd, v.mul(simd, b.depth)).add(simd, w.mul(simd, c.depth));
+    [weighted.div(simd, determinant), determinant]
+}
+
 /// Where plain rays that are steepest along `axis` meet a triangle within their spans. Says nothing of rays that are not
 /// `asked` about.
 #[inline(always)]
@@ -87,9 +96,7 @@ pub(super) fn meet<S: Simd>(
     if maybe == 0 {
         return None;
     }
-    let determinant = u.add(simd, v).add(simd, w);
-    let weighted = u.mul(simd, a.depth).add(simd, v.mul(simd, b.depth)).add(simd, w.mul(simd, c.depth));
-    let t = weighted.div(simd, determinant);
+    let [t, determinant] = crossing(simd, [&a, &b, &c], [u, v, w]);
     let depths = a.depth.abs(simd).add(simd, b.depth.abs(simd)).add(simd, c.depth.abs(simd));
     // A NaN is in doubt as well.
     let is_certain = depths.mul(simd, Eight::splat(simd, ShearedRay::DOUBTFUL_START)).lt(simd, t.abs(simd));
@@ -125,9 +132,7 @@ pub(super) fn certain_hits<S: Simd>(
     let b = shear.see(simd, rays, vertices[1]);
     let c = shear.see(simd, rays, vertices[2]);
     let ((u, _), (v, _), (w, _)) = (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
-    let determinant = u.add(simd, v).add(simd, w);
-    let weighted = u.mul(simd, a.depth).add(simd, v.mul(simd, b.depth)).add(simd, w.mul(simd, c.depth));
-    let mut t = weighted.div(simd, determinant);
+    let [mut t, determinant] = crossing(simd, [&a, &b, &c], [u, v, w]);
     // No hit precedes where the own box is entered.
     let [a, b, c] = vertices;
     let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
@@ -219,12 +224,20 @@ mod tests {
         }
     }
 
-    /// Rays to the inside of a triangle, from so far in front of it.
+    /// One of the 24 ways to exchange and turn round the axes.
+    fn turned(p: DVec3, way: u64) -> DVec3 {
+        let signs = [1, 2, 4].map(|bit| if (way / 3) & bit == 0 { 1.0 } else { -1.0 });
+        let [x, y, z] = [0, 1, 2].map(|axis| p[(axis + way as usize) % 3]);
+        DVec3::new(x, y, z) * DVec3::from(signs)
+    }
+
+    /// Rays to the inside of a triangle, from so far in front of it; some along a plane of two axes.
     fn rays_to([a, b, c]: &[DVec3; 3], distance: f64, seed: u64) -> Rays {
         let at = |lane: usize, k: u64| unit(hash(&[seed, lane as u64, k]));
         core::array::from_fn(|lane| {
             let target = *a + (*b - *a) * (0.1 + 0.4 * at(lane, 0)) + (*c - *a) * (0.1 + 0.4 * at(lane, 1));
-            let out = distance * DVec3::new(-0.5 - at(lane, 2), -0.5 - at(lane, 3), 2.0 + at(lane, 4));
+            let aside = if seed.is_multiple_of(5) { 0.0 } else { -0.5 - at(lane, 2) };
+            let out = distance * DVec3::new(aside, -0.5 - at(lane, 3), 2.0 + at(lane, 4));
             (Ray::new(target + out, -out), Interval::FORWARD)
         })
     }
@@ -241,7 +254,10 @@ mod tests {
                 // From so far away, rounding puts hits on what is flat and small before the own box.
                 let (size, distance) = if i % 2 == 0 { (DVec3::ONE, 1.0) } else { (DVec3::new(1.0, 1.0, 0.0), 1e5) };
                 let triangle = triangle.map(|vertex| (vertex * size).as_vec3().as_dvec3());
-                let rays = rays_to(&triangle, distance, i);
+                let way = i / 2 % 24;
+                let rays = rays_to(&triangle, distance, i)
+                    .map(|(ray, span)| (Ray::new(turned(ray.origin, way), turned(ray.direction, way)), span));
+                let triangle = triangle.map(|vertex| turned(vertex, way));
                 let mut certain = [[0; 3]; PACKET];
                 Available::new(level).dispatch(Asked(&triangle, &mut certain), &rays, ());
                 for ((ray, span), bits) in rays.iter().zip(certain) {

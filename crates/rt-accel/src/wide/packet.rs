@@ -3,8 +3,8 @@
 //! Rays agree if they pass all boxes through the same sides. Where no more than [`FEW`] of them are left, each goes on
 //! alone: there it is better to test eight boxes at a time.
 //!
-//! What they certainly hit stays in lanes as well, and those that hit the same triangle are decided about together: in a
-//! coherent packet nothing is done ray by ray but to write the answers.
+//! What they certainly hit stays in lanes as well, and those that hit the same triangle are decided about together: where
+//! leaves hold triangles as they are, nothing is done ray by ray in a coherent packet but to write the answers.
 //!
 //! Wald, Slusallek, Benthin and Wagner, "Interactive Rendering with Coherent Ray Tracing", 2001.
 
@@ -190,7 +190,8 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         if let Some(place) = self.blocker.take() {
             self.ask_again(&eights, &mut finds, place, &mut limits);
         }
-        self.walk(&eights, &mut finds, limits);
+        let limits = self.walk(&eights, &mut finds, limits);
+        G::forget(&mut finds.together, self.simd, limits);
         *self.blocker = G::found_blocker(&finds.together);
         self.work.hits += G::settle::<S, F>(&finds.together, self.simd, self.tree, self.judge, &across, rays, answers);
         let mut alone = finds.who;
@@ -223,25 +224,31 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         let verdict = F::judge_across(simd, eights.filter, self.tree.leaves.view(place.leaf), place.lane, *limits);
         let sure = verdict.sure & asked;
         if sure != 0 {
-            G::find(&mut finds.together, simd, place, sure, [verdict.near, verdict.far], limits);
+            let left = G::find(&mut finds.together, simd, place, sure, [verdict.near, verdict.far], limits);
+            debug_assert_eq!(left, 0, "goals that know a blocker want no more than one");
         }
     }
 
+    /// Walks through all that the rays may meet; returns their limits.
     #[inline(always)]
-    fn walk<F: Filter>(&mut self, eights: &Eights<'_, '_, S, F>, finds: &mut Finds<S, G>, mut limits: S::Lanes) {
+    fn walk<F: Filter>(
+        &mut self,
+        eights: &Eights<'_, '_, S, F>,
+        finds: &mut Finds<S, G>,
+        mut limits: S::Lanes,
+    ) -> S::Lanes {
         let simd = self.simd;
         let mut loners = Loners { prepared: [const { MaybeUninit::uninit() }; PACKET], who: 0 };
         self.stack.len = 0;
         let Some(cut) = self.cut else {
             self.stack.insert(0, Entry { child: self.tree.root, least: 0.0, enters: simd.splat(0.0) });
-            self.descend(eights, finds, limits, &mut loners);
-            return;
+            return self.descend(eights, finds, limits, &mut loners);
         };
         for subtree in cut.subtrees() {
             if simd.le(simd.splat(subtree.enter), limits) == 0 {
-                return;
+                break;
             }
-            let Some(node) = self.tree.nodes.get(subtree.node as usize) else { return };
+            let Some(node) = self.tree.nodes.get(subtree.node as usize) else { break };
             let [enter, leave] =
                 eights.across.boxes.cross(simd, |row| node.plane(simd, row, usize::from(subtree.lane)), limits);
             let mask = simd.le(enter, leave);
@@ -257,6 +264,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 limits = self.visit(eights, finds, (subtree.child, lanes), mask, limits);
             }
         }
+        limits
     }
 
     /// Goes through all that has been put off; returns the limits of the rays.

@@ -109,7 +109,8 @@ impl FirstHit {
 pub(in crate::wide) struct FoundFirst<S: Simd> {
     /// A bit for each ray that hits something.
     who: u32,
-    /// Where it is hit at the earliest, and where in the tree it is, as bits.
+    /// Where it is hit at the earliest, and where in the tree it is: as bits that are moved and compared as such, as they may be no
+    /// numbers.
     near: S::Lanes,
     leaf: S::Lanes,
     lane: S::Lanes,
@@ -336,6 +337,11 @@ impl Goal for FirstHit {
         found.lane = simd.chosen(is_nearest, simd.splat(f32::from_bits(lane as u32)), found.lane);
         *limits = simd.chosen(sure, simd.min(*limits, far), *limits);
         sure & !is_nearest
+    }
+
+    #[inline(always)]
+    fn forget<S: Simd>(found: &mut FoundFirst<S>, simd: S, limits: S::Lanes) {
+        found.who &= simd.le(found.near, limits);
     }
 
     #[inline(always)]

@@ -155,6 +155,10 @@ pub(super) trait Goal: Sized {
         limits: &mut S::Lanes,
     ) -> u32;
 
+    /// Forgets what others have beaten: what is hit after the limits for sure.
+    #[inline(always)]
+    fn forget<S: Simd>(_: &mut Self::Found<S>, _: S, _: S::Lanes) {}
+
     /// Decides about what eight rays have found side by side, and writes an answer for each; returns the hits that no judge has
     /// counted.
     fn settle<S: Simd, F: Filter>(
