@@ -182,6 +182,25 @@ fn what_blocks_a_ray_is_asked_about_the_next() {
     }
 }
 
+/// The answers would be the same otherwise: triangles are put off that are hit for sure, and the sphere before them is not.
+#[test]
+fn what_others_have_beaten_is_not_decided_about() {
+    let facet = |z: f32| Solid::Facet([Vec3::new(-2.0, -2.0, z), Vec3::new(2.0, -2.0, z), Vec3::new(0.0, 3.0, z)]);
+    let ray = |i: usize| Ray::new(DVec3::new(0.01 * i as f64, 0.0, 5.0), DVec3::new(1e-3, 1e-3, -1.0));
+    let rays: Vec<_> = (0..8).map(|i| (ray(i), Interval::FORWARD)).collect();
+    for place in 0..8 {
+        let mut soup = Soup((1..8).map(|i| facet(-i as f32)).collect());
+        soup.0.insert(place, Solid::Sphere { centre: DVec3::ZERO, radius: 0.5 });
+        for level in levels() {
+            let wide = WideBvh::build(&soup).unwrap().with_level(level);
+            let (mut hits, mut counters) = ([None; 8], Counters::default());
+            wide.closest_batch(&soup, &rays, &mut hits, &mut counters);
+            assert!(hits.iter().all(|hit| hit.is_some_and(|hit| hit.primitive == place as u32)), "{hits:?}");
+            assert_eq!(counters.total().hits, 8, "{}, sphere {place} of 8", level.name());
+        }
+    }
+}
+
 /// Through trees of more than 8 MiB rays go side by side.
 #[test]
 fn batches_through_large_trees_equal_single_queries() {
