@@ -34,11 +34,13 @@ fn bundles(soup: &Soup, n_rays: usize, draw: &mut Draw) -> Vec<(Ray, Interval)> 
             }
         };
         let spread = draw.pick(&[0.0, 1e-9, 1e-3, 0.05]);
+        // In proportion to each component, or to the greatest, so that signs change.
+        let around = if draw.one_in(2) { ray.direction } else { DVec3::splat(ray.direction.abs().max_element()) };
         let width = if draw.one_in(2) { size * draw.pick(&[0.0, 1e-9, 0.01]) } else { 0.0 };
         let n = if draw.one_in(8) { 100 + draw.below(200) } else { 1 + draw.below(20) };
         for _ in 0..n {
             let jitter = draw.point() * spread;
-            let (origin, direction) = (ray.origin + draw.point() * width, ray.direction * (1.0 + jitter));
+            let (origin, direction) = (ray.origin + draw.point() * width, ray.direction + around * jitter);
             rays.push((Ray { origin, direction, ..ray }, span));
         }
     }

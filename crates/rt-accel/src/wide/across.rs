@@ -85,6 +85,12 @@ impl<S: Simd> Eight<S> {
         self.le(simd, other) & !other.le(simd, self)
     }
 
+    /// A bit for each of the eight, set where the sign is negative.
+    #[inline(always)]
+    fn signs(self, simd: S) -> u32 {
+        simd.signs(self.low) | simd.signs(self.high) << 4
+    }
+
     /// `a` where the sign is positive, otherwise `b`.
     #[inline(always)]
     pub(super) fn by_sign(self, simd: S, a: Self, b: Self) -> Self {
@@ -240,11 +246,13 @@ pub(super) struct Meetings<S: Simd> {
     pub(super) uv: [Eight<S>; 2],
 }
 
-/// Eight rays that go the same way: through the same sides of boxes, and farthest along the same axis.
+/// Eight rays that go about the same way.
 pub(super) struct Across<S: Simd> {
     pub(super) lanes: EightRays<S>,
-    /// Axes in the order x, y, z of the rays' own space.
+    /// Axes in the order x, y, z of the first ray's own space.
     pub(super) axes: [usize; 3],
+    /// A bit for each ray whose own space it is.
+    pub(super) is_own: u32,
     pub(super) span: SpanLanes<S>,
     /// What is entered after these does not matter, as [`Goal::limit`](super::goal::Goal::limit) has it at first.
     pub(super) limits: S::Lanes,
@@ -261,30 +269,43 @@ pub(super) fn repeated(rays: &[(Ray, Interval)]) -> [(Ray, Interval); PACKET] {
     lanes
 }
 
-/// True if rays go the same way.
+/// How far directions that go about the same way may be apart, on each of the two axes across the steepest of one of them,
+/// where both are one along it.
+const SPREAD: f64 = 0.125;
+
+/// Greatest component of a direction across the steepest axis of one with which it [`agree`]s, relative to that along it.
+pub(super) const GREATEST_SHEAR: f64 = 1.0 + SPREAD;
+
+/// True if rays go about the same way. Signs of their directions are not asked for: of rays that go along an axis, hardly two
+/// have the same.
 #[inline(always)]
 pub(super) fn agree(rays: &[(Ray, Interval); PACKET]) -> bool {
-    let first = way(&rays[0].0);
-    let mut is_same = true;
-    for (ray, _) in &rays[1..] {
-        is_same &= way(ray) == first;
+    let size = rays[0].0.direction.abs();
+    if size.x > size.y && size.x > size.z {
+        go_along(rays, |d| [d.y, d.z, d.x])
+    } else if size.y > size.z {
+        go_along(rays, |d| [d.z, d.x, d.y])
+    } else {
+        go_along(rays, |d| [d.x, d.y, d.z])
     }
-    is_same
+}
+
+/// True if rays go about the same way along the axis that `turned` puts last.
+#[inline(always)]
+fn go_along(rays: &[(Ray, Interval); PACKET], turned: impl Fn(DVec3) -> [f64; 3]) -> bool {
+    let [x, y, z] = turned(rays[0].0.direction);
+    rays[1..].iter().all(|(ray, _)| {
+        let [other_x, other_y, other_z] = turned(ray.direction);
+        // Not where one is no number.
+        let most = SPREAD * (z * other_z);
+        ((other_x * z - x * other_z).abs() <= most) & ((other_y * z - y * other_z).abs() <= most)
+    })
 }
 
 /// The signs of a direction: through which sides it passes boxes.
 #[inline(always)]
 pub(super) fn signs(d: DVec3) -> u32 {
     ((d.x.to_bits() >> 63) | (d.y.to_bits() >> 63) << 1 | (d.z.to_bits() >> 63) << 2) as u32
-}
-
-/// The signs of a direction, and which of its components are greater than others.
-#[inline(always)]
-fn way(ray: &Ray) -> u32 {
-    let d = ray.direction;
-    let size = d.abs();
-    let farther = [size.y > size.z, size.x > size.y, size.x > size.z];
-    signs(d) | u32::from(farther[0]) << 3 | u32::from(farther[1]) << 4 | u32::from(farther[2]) << 5
 }
 
 impl<S: Simd> Across<S> {
@@ -312,10 +333,11 @@ impl<S: Simd> Across<S> {
 
         let (first, _) = &rays[0];
         let steepest = Eight::splat(simd, STEEPEST).div(simd, fastest);
-        let near_row = [0, 1, 2].map(|axis| 2 * axis + usize::from(first.direction[axis].is_sign_negative()));
         let (axes, _) = ShearedRay::new(first).shear();
-        let boxes = AcrossBoxes::new(simd, q, inverse, steepest, tree.size, near_row, span.min[0]);
-        Some(Self { lanes, axes, span, limits, boxes })
+        let sides = Sides::of(simd, direction);
+        let boxes = AcrossBoxes::new(simd, q, inverse, steepest, tree.size, sides, span.min[0]);
+        let is_own = lanes.by_steepest_axis(simd)[axes[2] % 3];
+        Some(Self { lanes, axes, is_own, span, limits, boxes })
     }
 
     /// The greatest coordinate of each origin, or more.
@@ -335,13 +357,39 @@ pub(super) fn relative<S: Simd>(simd: S, [x, y, z]: [Eight<S>; 3], centre: DVec3
     ]
 }
 
+/// Through which sides eight rays pass boxes.
+#[derive(Clone, Copy)]
+struct Sides {
+    /// By axis: the row of the planes that are near for the first ray.
+    near_row: [usize; 3],
+    /// By axis: a bit for each ray for which these are the far ones.
+    turned: [u32; 3],
+}
+
+impl Sides {
+    #[inline(always)]
+    fn of<S: Simd>(simd: S, direction: [Eight<S>; 3]) -> Self {
+        let (x, y, z) = (direction[0].signs(simd), direction[1].signs(simd), direction[2].signs(simd));
+        Self {
+            near_row: [(x & 1) as usize, 2 + (y & 1) as usize, 4 + (z & 1) as usize],
+            turned: [unlike_first(x), unlike_first(y), unlike_first(z)],
+        }
+    }
+}
+
+/// The lanes whose bit is not that of the first.
+#[inline(always)]
+const fn unlike_first(bits: u32) -> u32 {
+    if bits & 1 == 0 { bits } else { 0xff & !bits }
+}
+
 /// Eight rays as the filter of boxes sees them.
 #[derive(Clone, Copy)]
 pub(super) struct AcrossBoxes<S: Simd> {
     scale: [S::Lanes; 3],
     near_shift: [S::Lanes; 3],
     far_shift: [S::Lanes; 3],
-    near_row: [usize; 3],
+    sides: Sides,
     min: S::Lanes,
 }
 
@@ -353,11 +401,11 @@ impl<S: Simd> AcrossBoxes<S> {
         inverse: [Eight<S>; 3],
         steepest: Eight<S>,
         size: f64,
-        near_row: [usize; 3],
+        sides: Sides,
         min: S::Lanes,
     ) -> Self {
         let nothing = simd.splat(0.0);
-        let mut this = Self { scale: [nothing; 3], near_shift: [nothing; 3], far_shift: [nothing; 3], near_row, min };
+        let mut this = Self { scale: [nothing; 3], near_shift: [nothing; 3], far_shift: [nothing; 3], sides, min };
         for axis in 0..3 {
             let low = Slabs::new(simd, q[axis].low, inverse[axis].low, steepest.low, size);
             let high = Slabs::new(simd, q[axis].high, inverse[axis].high, steepest.high, size);
@@ -368,19 +416,143 @@ impl<S: Simd> AcrossBoxes<S> {
         this
     }
 
-    /// Where the rays enter and leave one box, of which `plane` returns a row, as
-    /// [`FilterRay::cross`](super::ray::FilterRay::cross) has it.
+    /// True if all rays pass boxes through the same sides.
     #[inline(always)]
-    pub(super) fn cross(&self, simd: S, plane: impl Fn(usize) -> S::Lanes, limits: S::Lanes) -> [S::Lanes; 2] {
-        let [x, y, z] = self.near_row;
-        let enter_x = simd.mul_add(plane(x), self.scale[0], self.near_shift[0]);
-        let enter_y = simd.mul_add(plane(y), self.scale[1], self.near_shift[1]);
-        let enter_z = simd.mul_add(plane(z), self.scale[2], self.near_shift[2]);
-        let leave_x = simd.mul_add(plane(x ^ 1), self.scale[0], self.far_shift[0]);
-        let leave_y = simd.mul_add(plane(y ^ 1), self.scale[1], self.far_shift[1]);
-        let leave_z = simd.mul_add(plane(z ^ 1), self.scale[2], self.far_shift[2]);
+    pub(super) fn is_straight(&self) -> bool {
+        let [x, y, z] = self.sides.turned;
+        x | y | z == 0
+    }
+
+    /// Where the rays enter and leave one box, of which `plane` returns a row, as
+    /// [`FilterRay::cross`](super::ray::FilterRay::cross) has it. `STRAIGHT` takes fewer instructions, and is right only where
+    /// rays are.
+    #[inline(always)]
+    pub(super) fn cross<const STRAIGHT: bool>(
+        &self,
+        simd: S,
+        plane: impl Fn(usize) -> S::Lanes,
+        limits: S::Lanes,
+    ) -> [S::Lanes; 2] {
+        let [x, y, z] = self.sides.near_row;
+        let mut near = [plane(x), plane(y), plane(z)];
+        let mut far = [plane(x ^ 1), plane(y ^ 1), plane(z ^ 1)];
+        if !STRAIGHT {
+            for axis in 0..3 {
+                let (one, other) = (near[axis], far[axis]);
+                near[axis] = simd.chosen(self.sides.turned[axis], other, one);
+                far[axis] = simd.chosen(self.sides.turned[axis], one, other);
+            }
+        }
+        let enter_x = simd.mul_add(near[0], self.scale[0], self.near_shift[0]);
+        let enter_y = simd.mul_add(near[1], self.scale[1], self.near_shift[1]);
+        let enter_z = simd.mul_add(near[2], self.scale[2], self.near_shift[2]);
+        let leave_x = simd.mul_add(far[0], self.scale[0], self.far_shift[0]);
+        let leave_y = simd.mul_add(far[1], self.scale[1], self.far_shift[1]);
+        let leave_z = simd.mul_add(far[2], self.scale[2], self.far_shift[2]);
         let enter = simd.max(simd.max(enter_x, enter_y), simd.max(enter_z, self.min));
         let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, limits));
         [enter, leave]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rt_math::random::{hash, unit};
+    use rt_math::{Aabb, Hit, Primitives};
+
+    use super::super::ray::{FilterRay, LaneRay};
+    use super::super::simd::{Available, Kernel, SimdLevel};
+    use super::*;
+
+    /// Boxes that nothing hits.
+    struct Ghosts(Vec<Aabb>);
+
+    impl Primitives for Ghosts {
+        fn len(&self) -> usize {
+            self.0.len()
+        }
+
+        fn bounds(&self, index: u32) -> Option<Aabb> {
+            self.0.get(index as usize).copied()
+        }
+
+        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
+            None
+        }
+    }
+
+    fn number(seed: u64, k: u64) -> f64 {
+        2.0 * unit(hash(&[seed, k])) - 1.0
+    }
+
+    fn vector(seed: u64, k: u64) -> DVec3 {
+        DVec3::new(number(seed, k), number(seed, k + 1), number(seed, k + 2))
+    }
+
+    /// Rays about along an axis or a diagonal.
+    fn rays(seed: u64) -> [(Ray, Interval); PACKET] {
+        let signs = DVec3::new(number(seed, 0), number(seed, 1), number(seed, 2)).signum();
+        let along = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE, DVec3::new(1.0, 1.0, 0.0)][seed as usize % 5] * signs;
+        core::array::from_fn(|lane| {
+            let k = 10 * lane as u64;
+            let jitter = vector(seed, k + 3) * [0.0, 1e-9, 0.06][seed as usize % 3];
+            let direction = (along + jitter) * (1.5 + number(seed, k + 6));
+            (Ray::new(vector(seed, k + 7) * 2.0, direction), Interval::FORWARD)
+        })
+    }
+
+    struct Compared<'a>(&'a WideBvh, &'a mut [u32; 2]);
+
+    impl Kernel<&[(Ray, Interval); PACKET], ()> for Compared<'_> {
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval); PACKET], (): ()) {
+            let Self(tree, counts) = self;
+            let Some(across) = Across::new(simd, tree, rays).filter(|_| agree(rays)) else { return };
+            let node = tree.node(tree.root);
+            let is_straight = across.boxes.is_straight();
+            counts[usize::from(is_straight)] += 1;
+            for lane in 0..8 {
+                let plane = |row| node.plane(simd, row, lane);
+                let mut crossed = across.boxes.cross::<false>(simd, plane, across.limits);
+                if is_straight {
+                    crossed = across.boxes.cross::<true>(simd, plane, across.limits);
+                }
+                let [enters, leaves] = [simd.to_array(crossed[0]), simd.to_array(crossed[1])];
+                for (i, (ray, span)) in rays.iter().enumerate() {
+                    let alone = FilterRay::new(simd, &LaneRay::new(simd, ray), *span, tree.centre, tree.size);
+                    let alone = alone.expect("proven with the others");
+                    let [min, max] = [simd.to_array(across.span.min[0])[i], simd.to_array(across.limits)[i]];
+                    let [enter, leave] = alone.cross(simd, node, min, max);
+                    let expected = [simd.to_array(enter)[lane], simd.to_array(leave)[lane]];
+                    assert_eq!([enters[i], leaves[i]].map(f32::to_bits), expected.map(f32::to_bits), "{ray:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rays_of_any_signs_cross_boxes_as_each_by_itself() {
+        let boxes = (0..8).map(|i| Aabb::from_points([vector(i, 90), vector(i, 95)])).collect();
+        let tree = WideBvh::build(&Ghosts(boxes)).expect("eight boxes");
+        for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
+            let mut counts = [0; 2];
+            for seed in 0..2000 {
+                Available::new(level).dispatch(Compared(&tree, &mut counts), &rays(seed), ());
+            }
+            assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
+        }
+    }
+
+    #[test]
+    fn rays_agree_wherever_signs_change_and_not_where_they_part() {
+        let with = |other: DVec3| {
+            let mut rays = [(Ray::new(DVec3::ZERO, DVec3::new(0.01, -0.02, -3.0)), Interval::FORWARD); PACKET];
+            rays[5].0.direction = other;
+            agree(&rays)
+        };
+        assert!(with(DVec3::new(-0.01, 0.02, -1.0)) && with(DVec3::new(0.1, -0.1, -1.0)));
+        assert!(!with(DVec3::new(0.01, -0.02, 3.0)) && !with(DVec3::new(0.2, 0.0, -1.0)));
+        assert!(!with(DVec3::new(f64::NAN, 0.0, -1.0)) && !with(DVec3::new(0.0, 0.0, f64::NAN)));
+        assert!(!with(DVec3::X) && !with(DVec3::new(0.0, f64::INFINITY, -1.0)));
     }
 }

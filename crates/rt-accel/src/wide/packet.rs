@@ -1,7 +1,7 @@
-//! Eight rays that go the same way, side by side: each box is tested with all of them, and so is each primitive.
+//! Eight rays that go about the same way, side by side: each box is tested with all of them, and so is each primitive.
 //!
-//! Rays agree if they pass all boxes through the same sides. Where no more than [`FEW`] of them are left, each goes on
-//! alone: there it is better to test eight boxes at a time.
+//! Rays that [`agree`](super::across::agree) may pass boxes through different sides, as those along an axis do. Where no more
+//! than [`FEW`] of them are left, each goes on alone: there it is better to test eight boxes at a time.
 //!
 //! What they certainly hit stays in lanes as well, and those that hit the same triangle are decided about together: where
 //! leaves hold triangles as they are, nothing is done ray by ray in a coherent packet but to write the answers.
@@ -13,10 +13,10 @@ use core::mem::MaybeUninit;
 
 use rt_math::{Interval, Ray};
 
-use super::across::{Across, PACKET};
+use super::across::{Across, AcrossBoxes, PACKET};
 use super::goal::{Goal, Judge, Place, Prepared, take_lane};
 use super::leaf::{ExactRay, Filter};
-use super::node::Child;
+use super::node::{Child, Node};
 use super::round::RoundSpheres;
 use super::shaft::Cut;
 use super::simd::Simd;
@@ -141,6 +141,25 @@ impl<S: Simd, G: Goal> Finds<S, G> {
     }
 }
 
+/// Where rays enter the boxes of a node, infinite for those that do not, and a bit for each box that some enter. All boxes are
+/// tested before anything is asked: which are passed cannot be predicted.
+#[inline(always)]
+fn enter<S: Simd, const STRAIGHT: bool>(
+    simd: S,
+    boxes: &AcrossBoxes<S>,
+    node: &Node,
+    limits: S::Lanes,
+) -> ([S::Lanes; 8], u32) {
+    let mut enters = [simd.splat(0.0); 8];
+    let mut passed = 0;
+    for (lane, enters) in enters.iter_mut().enumerate() {
+        let [enter, leave] = boxes.cross::<STRAIGHT>(simd, |row| node.plane(simd, row, lane), limits);
+        *enters = simd.or_infinity(enter, leave);
+        passed |= u32::from(simd.le(enter, leave) != 0) << lane;
+    }
+    (enters, passed)
+}
+
 /// Eight rays that agree, as those who test boxes, primitives, and spheres see them.
 struct Eights<'r, 'p, S: Simd, F: Filter> {
     rays: &'r [(Ray, Interval); PACKET],
@@ -249,8 +268,11 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 break;
             }
             let Some(node) = self.tree.nodes.get(subtree.node as usize) else { break };
-            let [enter, leave] =
-                eights.across.boxes.cross(simd, |row| node.plane(simd, row, usize::from(subtree.lane)), limits);
+            let [enter, leave] = eights.across.boxes.cross::<false>(
+                simd,
+                |row| node.plane(simd, row, usize::from(subtree.lane)),
+                limits,
+            );
             let mask = simd.le(enter, leave);
             if mask == 0 {
                 continue;
@@ -277,6 +299,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         loners: &mut Loners<'r, S, F>,
     ) -> S::Lanes {
         let simd = self.simd;
+        let is_straight = eights.across.boxes.is_straight();
         while let Some(Entry { child, enters, .. }) = self.stack.pop() {
             let mut mask = simd.le(enters, limits);
             let n_rays = mask.count_ones();
@@ -297,14 +320,11 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 self.work.nodes += u64::from(n_rays);
                 let node = self.tree.node(child);
                 let first = self.stack.len;
-                // All boxes, and then those that are passed: which these are cannot be predicted.
-                let mut enters = [simd.splat(0.0); 8];
-                let mut passed = 0;
-                for (lane, enters) in enters.iter_mut().enumerate() {
-                    let [enter, leave] = eights.across.boxes.cross(simd, |row| node.plane(simd, row, lane), limits);
-                    *enters = simd.or_infinity(enter, leave);
-                    passed |= u32::from(simd.le(enter, leave) != 0) << lane;
-                }
+                let (enters, mut passed) = if is_straight {
+                    enter::<S, true>(simd, &eights.across.boxes, node, limits)
+                } else {
+                    enter::<S, false>(simd, &eights.across.boxes, node, limits)
+                };
                 while passed != 0 {
                     let lane = take_lane(&mut passed);
                     let enters = enters[lane];

@@ -383,16 +383,24 @@ impl Goal for FirstHit {
                 continue;
             }
             uncounted_hits += u64::from(alike.count_ones());
-            if alike & (alike - 1) == 0 {
-                let (ray, span) = &rays[first];
-                answers[first] = F::copied_hit::<S, true>(simd, leaf, place.lane, &ExactRay::new(simd, ray), *span);
+            let mut together = alike & across.is_own;
+            if together.count_ones() < 2 {
+                together = 0;
+            }
+            let mut alone = alike & !together;
+            while alone != 0 {
+                let lane = take_lane(&mut alone);
+                let (ray, span) = &rays[lane];
+                answers[lane] = F::copied_hit::<S, true>(simd, leaf, place.lane, &ExactRay::new(simd, ray), *span);
+            }
+            if together == 0 {
                 continue;
             }
             let [t, v, w] = F::certain_hits(simd, leaf, place.lane, across);
             let (t, v, w) = (t.to_array(simd), v.to_array(simd), w.to_array(simd));
             let primitive = F::index(leaf, place.lane);
-            while alike != 0 {
-                let lane = take_lane(&mut alike);
+            while together != 0 {
+                let lane = take_lane(&mut together);
                 answers[lane] = Some(Hit { t: t[lane], instance: 0, primitive, uv: [v[lane], w[lane]] });
             }
         }

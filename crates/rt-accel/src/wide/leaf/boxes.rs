@@ -62,7 +62,7 @@ impl Filter for BoxFilter {
         limits: S::Lanes,
     ) -> Verdict<S> {
         let plane = |row: usize| simd.splat(leaf.number(row * leaf.count + lane));
-        let [enter, leave] = rays.cross(simd, plane, limits);
+        let [enter, leave] = rays.cross::<false>(simd, plane, limits);
         Verdict { maybe: simd.le(enter, leave), sure: 0, near: enter, far: leave }
     }
 

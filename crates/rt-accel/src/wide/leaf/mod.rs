@@ -466,8 +466,8 @@ pub(super) trait Filter: Copy {
         None
     }
 
-    /// As [`copied_hit`](Self::copied_hit) for rays that go the same way, of those for which the hit is certain: `t`, and as much
-    /// of the second and third vertex. Meaningless for the others.
+    /// As [`copied_hit`](Self::copied_hit) for rays of a packet, of those whose own space it is and for which the hit is certain:
+    /// `t`, and as much of the second and third vertex. Meaningless for the others.
     #[inline(always)]
     fn certain_hits<S: Simd>(simd: S, _: LeafView<'_>, _: usize, _: &Across<S>) -> [Eight<S>; 3] {
         [Eight::splat(simd, 0.0); 3]

@@ -2,23 +2,44 @@
 //!
 //! # Why the filter is right
 //!
-//! Let `X` be the sum of the greatest coordinates of the origin and of the leaf, `e` the greatest extent of a triangle
-//! of the leaf along an axis, and `v = 2⁻²⁴`. Seen along the ray ([`ShearedRay`](rt_math::ShearedRay)), a vertex is computed
-//! to within `ε = 8v·X`: origin, vertex, difference, shear and sum are each rounded, and shears are at most 1. Edges are
-//! seen no longer than `2e`.
+//! Let `A` be the greatest coordinate of the origin, `e` the greatest extent of a triangle of the leaf along an axis, `Z` the
+//! depth of the first vertex along the packet's axis, from the origin, and `v = 2⁻²⁴`. Seen along the ray
+//! ([`ShearedRay`](rt_math::ShearedRay)) edges are no longer than `(1 + s)e = 2⅛e`, as shears are at most `s = 9/8`: in a
+//! packet the axis is the steepest of one ray only ([`GREATEST_SHEAR`]).
 //!
-//! **Near the ray.** Let the vertices be seen within `2¼e` of the ray. Then each edge function is computed to within
-//! `4·2¼e·ε + 2ε² + 4v·(2¼e)² ≤ m`, where `m = X·(27/32·2⁻¹⁷·e + 2⁻⁴⁰·X)`, with a twentieth of `m` to spare: neither `e` nor
-//! what is seen of a vertex is more than `2X`.
+//! **Two kinds of errors.** Rounding the origin and the shear shifts what is seen of all three vertices alike, by
+//! `σ ≤ (1 + s)v·A + s·v·|Z|`. All else is independent: differences, products and sums are each rounded, and are no greater
+//! than what is seen and `s·(|Z| + e)`; the shear is off by `s·v·e` more from vertex to vertex. Where the vertices are seen
+//! within `r = 2⅜e` of the ray, all this together is at most `ε = v(3s|Z| + (4s + 2·2⅜)e) = v(3⅜|Z| + 9¼e)`.
 //!
-//! **Misses.** If the ray hits the triangle, the vertices are seen within `2e` of it: all three functions are at least
+//! **Near the ray.** A shift changes an edge function by no more than `2σ·2⅛e`, as it is the product of the shift and the edge. The
+//! independent errors and the rounding of the function itself change it by no more than `i = 4r·ε + 2ε² + 4v·r²`. Both are at
+//! most
+//!
+//! ```text
+//!   9.1 v·e·A + 37 v·e·|Z| + 111 v·e² + 2ε²   <   m = 10 v·e·A + 44 v·e·|Z| + 120 v·e² + (64 |Z|² + 32 A|Z|)v² + 64 v³·A²
+//! ```
+//!
+//! with a twentieth of `m` to spare. Of a triangle so small that `σ` is greater than `e`, the vertices are seen within
+//! `2⅛e + σ`: the last three numbers are what `4σ·ε`, `2ε²` and the rounding of products of `σ` add up to.
+//!
+//! **Misses.** If the ray hits the triangle, the vertices are seen within `2⅛e` of it: all three functions are at least
 //! `−m`, or all at most `m`.
 //!
-//! **Hits.** If the vertices are seen within `2¼e` and all three functions are at least `m` or at most `−m`, these are their
-//! true signs, and so are the exact signs of the `f64` kernel, whose vertices are much closer to the truth than `ε`. There
-//! no sign is in doubt: the functions are at least `m/20`, and rounding does less than `2⁻⁴⁶·e²` to them. As the true weights
-//! are between 0 and 1, they are computed to within `4.1m/|det|`, of which follows how far off `t` may be; the own box holds
-//! the true hit, and its slab test is off by some 2⁻⁵³ of `t`, which is far less.
+//! **Hits.** If the vertices are seen within `2⅜e` and all three functions are at least `m` or at most `−m`, these are their
+//! true signs, and so are the exact signs of the `f64` kernel, whose vertices are much closer to the truth. There no sign is in
+//! doubt: the functions are at least `m/20`, or eight ninths of that along the kernel's own axis, and rounding does less than
+//! `2⁻⁴⁶·e²` to them.
+//!
+//! **Where they are hit.** True weights are between 0 and 1, so that errors of the functions by `i` change the depth by at most
+//! `5i·e/|det|`, with the determinant as it was computed. The shift of the ray changes it by the product of the shift and the
+//! triangle's normal, whose components are at most `e²`, over the true determinant: by at most `3v·e²(A + s|Z| + s·e)/|det|`, where
+//! `|det|` is less than the computed one by a factor of `(m − i)/m` at most, and `m − i` is at least `v·e(10A + 11|Z| + 9½e)`. So it is at most
+//! `⅜m·e/|det|` of the computed one. Rounding the weighted mean adds less than `v(8|Z| + 16e)`. The own box holds the true hit, and
+//! its slab test is off by some 2⁻⁵³ of `t`, which is far less.
+//!
+//! **Rounded vertices**, relative to a centre, are off by `v·G` each, independently, where `G` is their greatest coordinate: no
+//! more than if `|Z|` were greater by `G`.
 //!
 //! **Tiny triangles.** Products of edges may lose digits where they are below 2⁻¹²⁶, as where a triangle of 10⁻¹⁵ lies at the
 //! origin of its coordinates and the ray starts beside it. `m` has 2⁻⁸⁰ more, next to which that is nothing.
@@ -30,21 +51,31 @@ use rt_math::{Hit, Interval, LeafLayout, Primitives};
 
 use super::{AXES, Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
 use crate::wide::WideBvh;
-use crate::wide::across::{Across, Eight, SpanLanes, relative as relative_to};
+use crate::wide::across::{Across, Eight, GREATEST_SHEAR, SpanLanes, relative as relative_to};
 use crate::wide::copy::Copied;
 use crate::wide::facet;
 use crate::wide::ray::{FilterRay, at_least, greatest};
 use crate::wide::simd::Simd;
 
-/// Greatest extent of a triangle as the factor of the margin, and greatest coordinate.
+/// Greatest extent of a triangle along an axis, and greatest coordinate.
 pub(super) const HEADER: usize = 2;
 
 /// Three coordinates of three vertices.
 pub(super) const NUMBERS: usize = 9;
 
-/// The margin is `X·(e·MARGIN + X·ROUNDING)`.
-const MARGIN: f32 = 27.0 / (1 << 22) as f32;
-const ROUNDING: f32 = 1.0 / (1u64 << 40) as f32;
+/// The error of one rounding, relative to the number.
+const V: f32 = 1.0 / (1 << 24) as f32;
+
+/// Farthest from the ray, in greatest extents, where a vertex may be seen for anything to be sure.
+const CLOSE: f32 = 1.25 + GREATEST_SHEAR as f32;
+
+/// The parts of the margin: of `e·A`, `e·|Z|`, `e²`, `A·|Z|`, `Z²` and `A²`.
+const OF_REACH: f32 = 10.0 * V;
+const OF_DEPTH: f32 = 44.0 * V;
+const OF_EXTENT: f32 = 120.0 * V;
+const OF_REACH_AND_DEPTH: f32 = 32.0 * V * V;
+const OF_DEPTH_SQUARED: f32 = 64.0 * V * V;
+const OF_REACH_SQUARED: f32 = 64.0 * V * V * V;
 
 /// Added to the margin: of triangles so small that products of their edges lose digits, or vanish, nothing is certain.
 const LEAST: f32 = 1.0 / (1u128 << 80) as f32;
@@ -74,7 +105,7 @@ pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices
             }
         }
     }
-    block.set_header(0, extent.max_element().next_up() * MARGIN);
+    block.set_header(0, extent.max_element().next_up());
     block.set_header(1, greatest.max_element());
 }
 
@@ -126,11 +157,13 @@ struct TriangleLanes<S: Simd> {
     x: [S::Lanes; 3],
     y: [S::Lanes; 3],
     z: [S::Lanes; 3],
-    extent_margin: f32,
-    greatest: f32,
+    /// Greatest extent of one of them along an axis.
+    extent: f32,
+    /// Greatest coordinate if they are rounded, otherwise 0.
+    rounded: f32,
 }
 
-/// One ray eight times, or eight rays of the same axes.
+/// One ray eight times, or eight rays that go about the same way.
 pub(in crate::wide) struct RayLanes<S: Simd> {
     origin: [S::Lanes; 3],
     shear: [S::Lanes; 2],
@@ -142,13 +175,18 @@ pub(in crate::wide) struct RayLanes<S: Simd> {
 impl<S: Simd> RayLanes<S> {
     #[inline(always)]
     fn judge(&self, simd: S, triangles: &TriangleLanes<S>, limit: S::Lanes, mask: u32) -> Verdict<S> {
-        let reach = simd.add(self.reach, simd.splat(triangles.greatest));
-        let extent_margin = simd.splat(triangles.extent_margin);
-        let margin = simd.mul_add(reach, simd.mul_add(reach, simd.splat(ROUNDING), extent_margin), simd.splat(LEAST));
-
         let z = relative(simd, triangles.z, self.origin[2]);
         let x = sheared(simd, relative(simd, triangles.x, self.origin[0]), z, self.shear[0]);
         let y = sheared(simd, relative(simd, triangles.y, self.origin[1]), z, self.shear[1]);
+
+        let extent = triangles.extent;
+        let depth = simd.add(simd.abs(z[0]), simd.splat(triangles.rounded));
+        let of_depth = simd.mul_add(self.reach, simd.splat(OF_REACH_AND_DEPTH), simd.splat(OF_DEPTH * extent));
+        let of_depth = simd.mul_add(depth, simd.splat(OF_DEPTH_SQUARED), of_depth);
+        let independent = simd.mul_add(depth, of_depth, simd.splat(OF_EXTENT * extent * extent + LEAST));
+        let of_reach = simd.mul_add(self.reach, simd.splat(OF_REACH_SQUARED), simd.splat(OF_REACH * extent));
+        let margin = simd.mul_add(self.reach, of_reach, independent);
+
         let u = edge_function(simd, [x[2], y[2]], [x[1], y[1]]);
         let v = edge_function(simd, [x[0], y[0]], [x[2], y[2]]);
         let w = edge_function(simd, [x[1], y[1]], [x[0], y[0]]);
@@ -162,8 +200,7 @@ impl<S: Simd> RayLanes<S> {
             return Verdict { maybe, sure: 0, near: u, far: u };
         }
 
-        let extent = triangles.extent_margin * (1.0 / MARGIN);
-        let is_close = simd.le(simd.max(farthest(simd, x), farthest(simd, y)), simd.splat(2.25 * extent));
+        let is_close = simd.le(simd.max(farthest(simd, x), farthest(simd, y)), simd.splat(CLOSE * extent));
         let inside = is_close & (simd.le(margin, least) | simd.le(greatest, negative)) & maybe;
 
         let determinant = simd.add(simd.add(u, v), w);
@@ -171,9 +208,10 @@ impl<S: Simd> RayLanes<S> {
         let weighted = simd.mul_add(v, simd.sub(z[1], z[0]), simd.mul(w, simd.sub(z[2], z[0])));
         let t = simd.mul(simd.mul_add(weighted, inverse, z[0]), self.scale);
         let size = simd.abs(self.scale);
-        let farthest = simd.mul_add(reach, simd.splat(1.0 / (1 << 21) as f32), simd.splat(extent));
-        let of_weights = simd.mul(simd.mul(simd.splat(8.5), margin), simd.abs(inverse));
-        let of_rounding = simd.mul(simd.mul(simd.splat(1.5e-6), reach), size);
+        let farthest = simd.mul_add(depth, simd.splat(8.0 * V), simd.splat(extent));
+        let of_functions = simd.mul_add(independent, simd.splat(5.0), simd.mul(margin, simd.splat(0.375)));
+        let of_weights = simd.mul(of_functions, simd.abs(inverse));
+        let of_rounding = simd.mul(simd.mul_add(depth, simd.splat(8.0 * V), simd.splat(16.0 * V * extent)), size);
         let error = simd.mul_add(of_weights, simd.mul(farthest, size), of_rounding);
         let (near, far) = (simd.sub(t, error), simd.add(t, error));
 
@@ -241,8 +279,8 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
             x: numbers(simd, leaf, x),
             y: numbers(simd, leaf, y),
             z: numbers(simd, leaf, z),
-            extent_margin: leaf.number(0),
-            greatest: leaf.number(1),
+            extent: leaf.number(0),
+            rounded: if COPIES { 0.0 } else { leaf.number(1) },
         };
         let ray = RayLanes {
             origin: [simd.splat(self.origin[0]), simd.splat(self.origin[1]), simd.splat(self.origin[2])],
@@ -286,8 +324,8 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
             x: repeated(simd, leaf, lane, axes[0]),
             y: repeated(simd, leaf, lane, axes[1]),
             z: repeated(simd, leaf, lane, axes[2]),
-            extent_margin: leaf.number(0),
-            greatest: leaf.number(1),
+            extent: leaf.number(0),
+            rounded: if COPIES { 0.0 } else { leaf.number(1) },
         };
         rays.judge(simd, &triangle, limits, 0xff)
     }
@@ -317,10 +355,15 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
 
 #[cfg(test)]
 mod tests {
+    use rt_math::random::{hash, unit};
     use rt_math::{Aabb, Accelerator, NoProbe, Ray, ShearedRay};
 
     use super::*;
     use crate::brute_force;
+    use crate::wide::across::{PACKET, agree};
+    use crate::wide::goal::Prepared;
+    use crate::wide::leaf::LeafKind;
+    use crate::wide::simd::{Available, Kernel};
     use crate::wide::{BuildParams, SimdLevel};
 
     struct Facets(Vec<[Vec3; 3]>);
@@ -366,6 +409,87 @@ mod tests {
                     assert_eq!(found, expected, "{facet:?} at {scale}");
                 }
             }
+        }
+    }
+
+    /// How often filters were sure, ruled something out, and left it to others.
+    type Counts = [u32; 3];
+
+    struct Bracketed<'a>(&'a WideBvh, &'a Facets, &'a mut Counts);
+
+    impl Bracketed<'_> {
+        fn check(&mut self, ray: &Ray, span: Interval, maybe: bool, sure: bool, near: f32, far: f32) {
+            let hit = brute_force::closest(self.1, ray, span, &mut NoProbe);
+            self.2[if sure { 0 } else { 1 + usize::from(maybe) }] += 1;
+            assert!(maybe || hit.is_none(), "missed: {hit:?}, {ray:?}, {:?}", self.1.0);
+            if sure {
+                let t = hit.map_or(f64::NAN, |hit| hit.t);
+                assert!(f64::from(near) <= t && t <= f64::from(far), "{near}, {t}, {far}: {ray:?}, {:?}", self.1.0);
+            }
+        }
+
+        #[inline(always)]
+        fn compare<S: Simd, const COPIES: bool>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET]) {
+            let tree = self.0;
+            let Some(across) = Across::new(simd, tree, rays).filter(|_| agree(rays)) else { return };
+            let leaf = tree.leaves.view(tree.node(tree.root).children[0]);
+            let filter = TriangleFilter::<COPIES>::across(simd, &across, tree);
+            let together = TriangleFilter::<COPIES>::judge_across(simd, &filter, leaf, 0, across.limits);
+            let (near, far) = (simd.to_array(together.near), simd.to_array(together.far));
+            for (i, (ray, span)) in rays.iter().enumerate() {
+                let (maybe, sure) = (together.maybe >> i & 1 != 0, together.sure >> i & 1 != 0);
+                self.check(ray, *span, maybe, sure, near[i], far[i]);
+                let prepared = Prepared::<S, TriangleFilter<COPIES>>::new(simd, tree, ray, *span);
+                let alone = prepared.expect("proven with the others").filter.judge(simd, leaf, at_least(span.max));
+                let (near, far) = (simd.to_array(alone.near)[0], simd.to_array(alone.far)[0]);
+                self.check(ray, *span, alone.maybe & 1 != 0, alone.sure & 1 != 0, near, far);
+            }
+        }
+    }
+
+    impl Kernel<&[(Ray, Interval); PACKET], ()> for Bracketed<'_> {
+        #[inline(always)]
+        fn run<S: Simd>(mut self, simd: S, rays: &[(Ray, Interval); PACKET], (): ()) {
+            match self.0.leaves.kind {
+                LeafKind::Watertight => self.compare::<S, true>(simd, rays),
+                _ => self.compare::<S, false>(simd, rays),
+            }
+        }
+    }
+
+    /// Triangles of all sizes at all distances, and rays to their insides and next to their edges and corners, in packets that
+    /// are not along the axis of each.
+    #[test]
+    fn filters_rule_out_what_is_missed_and_bracket_what_is_hit() {
+        for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
+            let mut counts = Counts::default();
+            for case in 0..6000 {
+                let at = |k: u64| 2.0 * unit(hash(&[case, k])) - 1.0;
+                let point = |k: u64| DVec3::new(at(k), at(k + 1), at(k + 2));
+                let pick = |k: u64, from: &[f64]| from[(hash(&[case, k]) % from.len() as u64) as usize];
+                let size = pick(1, &[1.0, 1e-2, 1e-4, 1e-6]);
+                let flat = DVec3::new(1.0, 1.0, pick(2, &[1.0, 1e-3, 0.0]));
+                let corner = point(3) * pick(4, &[0.0, 1.0, 10.0, 1e4]);
+                let facet = [0, 3, 6].map(|k| (corner + point(10 + k) * flat * size).as_vec3());
+                let facets = Facets(vec![facet]);
+                let Ok(tree) = WideBvh::build(&facets) else { continue };
+                let way =
+                    [DVec3::X, DVec3::Z, DVec3::new(1.0, 1.0, 0.1), DVec3::ONE][case as usize % 4] + point(30) * 0.1;
+                let distance = pick(5, &[1e-6, 1e-3, 1.0, 100.0]) * pick(6, &[1.0, size]);
+                let spread = pick(7, &[0.0, 1e-3, 0.04]);
+                let rays = core::array::from_fn(|lane| {
+                    let k = 40 + 20 * lane as u64;
+                    // On the triangle, or on one of its edges, or next to it.
+                    let v = pick(k, &[0.0, 1e-6, 0.3, 0.5, 0.999_999, -1e-6]);
+                    let w = pick(k + 1, &[0.0, 1e-6, 0.3, 0.4]);
+                    let [a, b, c] = facet.map(|vertex| vertex.as_dvec3());
+                    let target = a + (b - a) * v + (c - a) * w;
+                    let direction = (way + point(k + 2) * spread) * pick(k + 5, &[1.0, 0.3]);
+                    (Ray::new(target - direction * distance * (1.0 + at(k + 6)), direction), Interval::FORWARD)
+                });
+                Available::new(level).dispatch(Bracketed(&tree, &facets, &mut counts), &rays, ());
+            }
+            assert!(counts.iter().all(|count| *count > 4000), "{}: {counts:?}", level.name());
         }
     }
 }
