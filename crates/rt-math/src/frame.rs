@@ -14,11 +14,16 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame whose `z` is the unit vector `z`, without a branch on its direction.
+    /// Next to what rounding makes of a 0, even far from the origin, and next to nothing else.
+    const TURN: f64 = 1.0 / (1 << 20) as f64;
+
+    /// A frame whose `z` is the unit vector `z`, without a branch on its direction. Wherever `z` points, a small change of it
+    /// changes the tangents little, but where `z.z` is −2⁻²⁰: at 0, where walls that stand upright are, rounding must not turn
+    /// them round.
     ///
-    /// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
+    /// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017, who have them turn at 0.
     pub fn from_z(z: DVec3) -> Self {
-        let sign = 1.0f64.copysign(z.z);
+        let sign = 1.0f64.copysign(z.z + Self::TURN);
         let a = -1.0 / (sign + z.z);
         let b = z.x * z.y * a;
         Self {
@@ -55,6 +60,17 @@ mod tests {
             }
             prop_assert!((f.x.cross(f.y) - f.z).length() < 1e-14);
             prop_assert!((f.from_local(f.to_local(v)) - v).length() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn frames_of_upright_walls_do_not_hang_on_the_sign_of_zero() {
+        for z in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::new(0.6, -0.8, 0.0)] {
+            let f = Frame::from_z(z);
+            for off in [-0.0, 1e-17, -1e-17, 1e-10, -1e-10] {
+                let g = Frame::from_z(DVec3 { z: off, ..z });
+                assert!((f.x - g.x).length() < 1e-9 && (f.y - g.y).length() < 1e-9, "{z:?}, {off}");
+            }
         }
     }
 
