@@ -14,7 +14,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Next to what rounding makes of a 0, even far from the origin, and next to nothing else.
+    /// More than rounding makes of a component that is 0, even far from the origin, and less than what shapes are made with.
     const TURN: f64 = 1.0 / (1 << 20) as f64;
 
     /// A frame whose `z` is the unit vector `z`, without a branch on its direction. Wherever `z` points, a small change of it

@@ -21,8 +21,8 @@
 //!
 //! **Batches**: `closest_batch` sends eight rays as a packet where they go about the same way, each within an eighth of the
 //! steepest component of the first one: each box, and each triangle or sphere, is then tested with all eight. Where one or
-//! two are left, each goes on alone. In trees of 256 spheres and more up to 64 rays that pass boxes through the same sides are looked at together first:
-//! what none of them can meet, none of their packets is asked about. Whether and where a packet meets spheres that are
+//! two are left, each goes on alone. In trees of 256 spheres and more up to 64 rays that pass boxes through the same sides
+//! are looked at together first: what none of them can meet, none of their packets is asked about. Whether and where a packet meets spheres that are
 //! [`LeafLayout::Round`](crate::LeafLayout::Round) is decided for all its rays side by side as well, and where
 //! triangles are hit for certain, for those that hit the same one. Rays that do not agree
 //! go side by side through trees of more than 8 MiB: sixteen are under way, and while one waits for its next node, others go

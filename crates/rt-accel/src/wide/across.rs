@@ -457,29 +457,13 @@ impl<S: Simd> AcrossBoxes<S> {
 
 #[cfg(test)]
 mod tests {
+    use rt_math::Aabb;
     use rt_math::random::{hash, unit};
-    use rt_math::{Aabb, Hit, Primitives};
 
     use super::super::ray::{FilterRay, LaneRay};
     use super::super::simd::{Available, Kernel, SimdLevel};
     use super::*;
-
-    /// Boxes that nothing hits.
-    struct Ghosts(Vec<Aabb>);
-
-    impl Primitives for Ghosts {
-        fn len(&self) -> usize {
-            self.0.len()
-        }
-
-        fn bounds(&self, index: u32) -> Option<Aabb> {
-            self.0.get(index as usize).copied()
-        }
-
-        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
-            None
-        }
-    }
+    use crate::Boxes;
 
     fn number(seed: u64, k: u64) -> f64 {
         2.0 * unit(hash(&[seed, k])) - 1.0
@@ -513,11 +497,12 @@ mod tests {
             counts[usize::from(is_straight)] += 1;
             for lane in 0..8 {
                 let plane = |row| node.plane(simd, row, lane);
-                let mut crossed = across.boxes.cross::<false>(simd, plane, across.limits);
-                if is_straight {
-                    crossed = across.boxes.cross::<true>(simd, plane, across.limits);
-                }
+                let crossed = across.boxes.cross::<false>(simd, plane, across.limits);
                 let [enters, leaves] = [simd.to_array(crossed[0]), simd.to_array(crossed[1])];
+                if is_straight {
+                    let crossed = across.boxes.cross::<true>(simd, plane, across.limits);
+                    assert_eq!([simd.to_array(crossed[0]), simd.to_array(crossed[1])], [enters, leaves]);
+                }
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let alone = FilterRay::new(simd, &LaneRay::new(simd, ray), *span, tree.centre, tree.size);
                     let alone = alone.expect("proven with the others");
@@ -532,8 +517,8 @@ mod tests {
 
     #[test]
     fn rays_of_any_signs_cross_boxes_as_each_by_itself() {
-        let boxes = (0..8).map(|i| Aabb::from_points([vector(i, 90), vector(i, 95)])).collect();
-        let tree = WideBvh::build(&Ghosts(boxes)).expect("eight boxes");
+        let boxes: Vec<_> = (0..8).map(|i| Aabb::from_points([vector(i, 90), vector(i, 95)])).collect();
+        let tree = WideBvh::build(&Boxes(&boxes)).expect("eight boxes");
         for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
             let mut counts = [0; 2];
             for seed in 0..2000 {
