@@ -277,7 +277,7 @@ const SPREAD: f64 = 0.125;
 pub(super) const GREATEST_SHEAR: f64 = 1.0 + SPREAD;
 
 /// True if rays go about the same way. Signs of their directions are not asked for: of rays that go along an axis, hardly two
-/// have the same.
+/// have the same. Where products leave their range it may be true of others; [`Across::new`] refuses those.
 #[inline(always)]
 pub(super) fn agree(rays: &[(Ray, Interval); PACKET]) -> bool {
     let size = rays[0].0.direction.abs();
@@ -481,6 +481,8 @@ mod tests {
             let k = 10 * lane as u64;
             let jitter = vector(seed, k + 3) * [0.0, 1e-9, 0.06][seed as usize % 3];
             let direction = (along + jitter) * (1.5 + number(seed, k + 6));
+            let of_any_sign = DVec3::ZERO.copysign(vector(seed, k + 3));
+            let direction = DVec3::select(direction.cmpeq(DVec3::ZERO), of_any_sign, direction);
             (Ray::new(vector(seed, k + 7) * 2.0, direction), Interval::FORWARD)
         })
     }
@@ -525,6 +527,40 @@ mod tests {
                 Available::new(level).dispatch(Compared(&tree, &mut counts), &rays(seed), ());
             }
             assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
+        }
+    }
+
+    struct Refused<'a>(&'a WideBvh, &'a mut bool);
+
+    impl Kernel<&[(Ray, Interval); PACKET], ()> for Refused<'_> {
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval); PACKET], (): ()) {
+            *self.1 = Across::new(simd, self.0, rays).is_none();
+        }
+    }
+
+    /// Their products say that they agree.
+    #[test]
+    fn directions_out_of_all_range_make_no_packet() {
+        let tree = WideBvh::build(&Boxes(&[Aabb::from_points([DVec3::ZERO, DVec3::ONE])])).expect("one box");
+        let level = Available::default();
+        let refused = |first: DVec3, other: DVec3| {
+            let mut rays = [(Ray::new(DVec3::NEG_ONE, first), Interval::FORWARD); PACKET];
+            rays[3].0.direction = other;
+            let mut refused = false;
+            level.dispatch(Refused(&tree, &mut refused), &rays, ());
+            assert!(agree(&rays), "{first}, {other}");
+            refused
+        };
+        let plain = DVec3::new(0.01, -0.02, -3.0);
+        assert!(!refused(plain, plain));
+        for (first, other) in [
+            (plain, DVec3::new(0.0, 0.0, f64::NEG_INFINITY)),
+            (DVec3::ZERO, DVec3::X),
+            (DVec3::Z * 1e-200, DVec3::X * 1e-200),
+            (DVec3::Z * 1e200, DVec3::new(1.0, 0.0, 1.0) * 1e200),
+        ] {
+            assert!(refused(first, other), "{first}, {other}");
         }
     }
 

@@ -9,22 +9,24 @@
 //!
 //! **Two kinds of errors.** Rounding the origin and the shear shifts what is seen of all three vertices alike, by
 //! `σ ≤ (1 + s)v·A + s·v·|Z|`. All else is independent: differences, products and sums are each rounded, and are no greater
-//! than what is seen and `s·(|Z| + e)`; the shear is off by `s·v·e` more from vertex to vertex. Where the vertices are seen
-//! within `r = 2⅜e` of the ray, all this together is at most `ε = v(3s|Z| + (4s + 2·2⅜)e) = v(3⅜|Z| + 9¼e)`.
+//! than what is seen and `s·(|Z| + e)`; the shear is off by `s·v·e` more from vertex to vertex. Of vertices that are seen
+//! within `r` of the ray, all this together is at most `ε = v(3s|Z| + 4s·e + 2r) = v(3⅜|Z| + 4½e + 2r)`.
 //!
-//! **Near the ray.** A shift changes an edge function by no more than `2σ·2⅛e`, as it is the product of the shift and the edge. The
-//! independent errors and the rounding of the function itself change it by no more than `i = 4r·ε + 2ε² + 4v·r²`. Both are at
-//! most
+//! **What they do to an edge function.** The shift changes it by no more than `2σ·2⅛e`, as it is the product of the shift and
+//! the edge. The independent errors and the rounding of the function itself change it by no more than
+//! `i = 4r·ε + 2ε² + 4v·r²`. If the ray hits the triangle, the vertices are seen within `r = 2⅛e + σ` of it, shifted; `CLOSE`
+//! makes it `r = 2⅜e`, as they were computed. With either, and as the computed `|Z|` is itself off by `v·A`, all changes are
+//! at most
 //!
 //! ```text
-//!   9.1 v·e·A + 37 v·e·|Z| + 111 v·e² + 2ε²   <   m = 10 v·e·A + 44 v·e·|Z| + 120 v·e² + (64 |Z|² + 32 A|Z|)v² + 64 v³·A²
+//!   9.1 v·e·A + 37 v·e·|Z| + 111 v·e² + (38 |Z|² + 29 A|Z|)v² + 83 v³·A²
+//!     <   m = 10 v·e·A + 44 v·e·|Z| + 120 v·e² + (64 |Z|² + 32 A|Z|)v² + 96 v³·A²
 //! ```
 //!
-//! with a twentieth of `m` to spare. Of a triangle so small that `σ` is greater than `e`, the vertices are seen within
-//! `2⅛e + σ`: the last three numbers are what `4σ·ε`, `2ε²` and the rounding of products of `σ` add up to.
+//! with a twentieth of `m` to spare. The last three numbers matter where triangles are so small that `σ` is greater than `e`.
 //!
-//! **Misses.** If the ray hits the triangle, the vertices are seen within `2⅛e` of it: all three functions are at least
-//! `−m`, or all at most `m`.
+//! **Misses.** If the ray hits the triangle, the exact functions are all at least 0 or all at most 0: those that were computed
+//! are all at least `−m`, or all at most `m`.
 //!
 //! **Hits.** If the vertices are seen within `2⅜e` and all three functions are at least `m` or at most `−m`, these are their
 //! true signs, and so are the exact signs of the `f64` kernel, whose vertices are much closer to the truth. There no sign is in
@@ -38,11 +40,16 @@
 //! `⅜m·e/|det|` of the computed one. Rounding the weighted mean adds less than `v(8|Z| + 16e)`. The own box holds the true hit, and
 //! its slab test is off by some 2⁻⁵³ of `t`, which is far less.
 //!
-//! **Rounded vertices**, relative to a centre, are off by `v·G` each, independently, where `G` is their greatest coordinate: no
-//! more than if `|Z|` were greater by `G`.
+//! **Rounded vertices**, relative to a centre, are off by `v·G` each, where `G` is their greatest coordinate, and are seen by
+//! `δ ≤ 2⅛v·G` aside, independently. `e` is the extent of the rounded triangle, of which all of the above is true. The exact
+//! functions differ from its functions by at most `4(2⅜e + δ + σ + ε)δ + 2δ²`, which is less than what `m` grows by where `|Z| + G`
+//! stands for `|Z|`.
 //!
 //! **Tiny triangles.** Products of edges may lose digits where they are below 2⁻¹²⁶, as where a triangle of 10⁻¹⁵ lies at the
 //! origin of its coordinates and the ray starts beside it. `m` has 2⁻⁸⁰ more, next to which that is nothing.
+//!
+//! **Huge ones.** Nothing leaves the range of `f32`: rays and trees for which it might are not asked of filters
+//! ([`RANGE`](crate::wide::ray::RANGE), [`FARTHEST`](crate::wide::ray::FARTHEST)).
 //!
 //! **The others.** What is no triangle has vertices that are no numbers: it is neither missed nor hit for sure.
 
@@ -75,7 +82,7 @@ const OF_DEPTH: f32 = 44.0 * V;
 const OF_EXTENT: f32 = 120.0 * V;
 const OF_REACH_AND_DEPTH: f32 = 32.0 * V * V;
 const OF_DEPTH_SQUARED: f32 = 64.0 * V * V;
-const OF_REACH_SQUARED: f32 = 64.0 * V * V * V;
+const OF_REACH_SQUARED: f32 = 96.0 * V * V * V;
 
 /// Added to the margin: of triangles so small that products of their edges lose digits, or vanish, nothing is certain.
 const LEAST: f32 = 1.0 / (1u128 << 80) as f32;
