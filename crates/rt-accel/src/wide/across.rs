@@ -543,24 +543,25 @@ mod tests {
     #[test]
     fn directions_out_of_all_range_make_no_packet() {
         let tree = WideBvh::build(&Boxes(&[Aabb::from_points([DVec3::ZERO, DVec3::ONE])])).expect("one box");
-        let level = Available::default();
-        let refused = |first: DVec3, other: DVec3| {
+        let refused = |level: SimdLevel, first: DVec3, other: DVec3| {
             let mut rays = [(Ray::new(DVec3::NEG_ONE, first), Interval::FORWARD); PACKET];
             rays[3].0.direction = other;
             let mut refused = false;
-            level.dispatch(Refused(&tree, &mut refused), &rays, ());
+            Available::new(level).dispatch(Refused(&tree, &mut refused), &rays, ());
             assert!(agree(&rays), "{first}, {other}");
             refused
         };
         let plain = DVec3::new(0.01, -0.02, -3.0);
-        assert!(!refused(plain, plain));
-        for (first, other) in [
-            (plain, DVec3::new(0.0, 0.0, f64::NEG_INFINITY)),
-            (DVec3::ZERO, DVec3::X),
-            (DVec3::Z * 1e-200, DVec3::X * 1e-200),
-            (DVec3::Z * 1e200, DVec3::new(1.0, 0.0, 1.0) * 1e200),
-        ] {
-            assert!(refused(first, other), "{first}, {other}");
+        for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
+            assert!(!refused(level, plain, plain));
+            for (first, other) in [
+                (plain, DVec3::new(0.0, 0.0, f64::NEG_INFINITY)),
+                (DVec3::ZERO, DVec3::X),
+                (DVec3::Z * 1e-200, DVec3::X * 1e-200),
+                (DVec3::Z * 1e200, DVec3::new(1.0, 0.0, 1.0) * 1e200),
+            ] {
+                assert!(refused(level, first, other), "{level:?}: {first}, {other}");
+            }
         }
     }
 

@@ -42,8 +42,8 @@
 //!
 //! **Rounded vertices**, relative to a centre, are off by `v·G` each, where `G` is their greatest coordinate, and are seen by
 //! `δ ≤ 2⅛v·G` aside, independently. `e` is the extent of the rounded triangle, of which all of the above is true. The exact
-//! functions differ from its functions by at most `4(2⅜e + δ + σ + ε)δ + 2δ²`, which is less than what `m` grows by where `|Z| + G`
-//! stands for `|Z|`.
+//! functions differ from its functions by at most `4(2⅜e + δ + σ + ε)δ + 2δ²`, and where the ray hits the exact triangle, `r` is
+//! greater by `δ`, which adds hardly more than `4ε·δ`. Together that is less than what `m` grows by where `|Z| + G` stands for `|Z|`.
 //!
 //! **Tiny triangles.** Products of edges may lose digits where they are below 2⁻¹²⁶, as where a triangle of 10⁻¹⁵ lies at the
 //! origin of its coordinates and the ray starts beside it. `m` has 2⁻⁸⁰ more, next to which that is nothing.
