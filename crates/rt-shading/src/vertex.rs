@@ -1,6 +1,11 @@
 //! A surface where a path gathers and scatters light.
 
-use crate::{Appearance, Material, PhysicalPoint, bsdf::Bsdf, interior::Crossing, view::View};
+use crate::{
+    Appearance, Material, PhysicalPoint,
+    bsdf::{Bsdf, BsdfSample},
+    interior::Crossing,
+    view::View,
+};
 use rt_math::{DVec3, Frame, Rgb};
 
 /// The power heuristic with exponent 2, of a direction drawn with density `drawn` that could have been drawn with `other`.
@@ -50,8 +55,7 @@ impl<'a> Vertex<'a> {
     /// A surface of which all light is followed.
     #[inline]
     pub(crate) fn new(view: View<'a>, bsdf: &'a Bsdf, time: f64) -> Self {
-        let frame = Frame::from_z(view.surface.shading_normal);
-        let wo = frame.to_local(-view.direction);
+        let (frame, wo) = view.shading_coordinates();
         let normal = (!bsdf.transmits()).then_some(view.normal);
         Self { view, bsdf, part: Part::All, frame, wo, normal, time }
     }
@@ -68,6 +72,12 @@ impl<'a> Vertex<'a> {
             Part::Some(part) => Some(part),
             Part::Nothing => None,
         }
+    }
+
+    /// The direction, in world space, in which a camera path goes on with this sample; `None` if it ends.
+    #[inline]
+    pub(crate) fn continued(&self, sample: &BsdfSample) -> Option<DVec3> {
+        self.view.continued(sample, self.frame.from_local(sample.wi))
     }
 
     /// The direction in the frame; `None` where the interpolated normal and the actual one disagree about its side.

@@ -1,9 +1,17 @@
 //! A surface from the side of its viewer.
 
+use crate::{
+    bsdf::{BsdfSample, Scattering},
+    optics,
+};
 use rt_geometry::SurfaceInteraction;
-use rt_math::DVec3;
+use rt_math::{DVec3, Frame};
 
-use crate::optics;
+/// Least cosine between the viewer and the shading normal that a BSDF gets.
+///
+/// A bent normal is perpendicular to the view up to rounding, of which the sign is noise. The square of this cosine is below
+/// the rounding of 1, so that the direction with the raised cosine is still a unit vector.
+const LEAST_COSINE: f64 = 1e-8;
 
 /// A surface as the ray that met it sees it.
 pub(crate) struct View<'s> {
@@ -43,6 +51,48 @@ impl<'s> View<'s> {
     pub(crate) fn refracted(&self, eta: f64) -> Option<DVec3> {
         let refracted = optics::refract(self.direction, self.normal, eta)?;
         Some(Self::kept_on_the_side_of(-self.geometric_normal, refracted))
+    }
+
+    /// Shading coordinates, of which z is the shading normal on the outside, and the unit direction to the viewer in them.
+    ///
+    /// The geometric normal decides about the side of the viewer: the sign of the cosine follows [`is_inside`](Self::is_inside).
+    /// From this sign, BSDFs derive reflection, transmission, and the relative index of refraction.
+    #[inline]
+    pub(crate) fn shading_coordinates(&self) -> (Frame, DVec3) {
+        let frame = Frame::from_z(self.surface.shading_normal);
+        let mut wo = frame.to_local(-self.direction);
+        let side = if self.is_inside { -1.0 } else { 1.0 };
+        if wo.z * side < LEAST_COSINE {
+            wo.z = LEAST_COSINE * side;
+        }
+        (frame, wo)
+    }
+
+    /// True if the direction leads to the side of the actual surface that light of this kind goes to.
+    #[inline]
+    pub(crate) fn is_on_side_of(&self, kind: Scattering, wi: DVec3) -> bool {
+        wi.dot(self.side_of(kind)) > 0.0
+    }
+
+    /// The direction in which a camera path goes on, where a BSDF has sampled `wi` (world space).
+    ///
+    /// `None` if an interpolated normal has sent it to the wrong side of the actual surface. A single direction is kept on its
+    /// side, as [`mirrored`](Self::mirrored) and [`refracted`](Self::refracted) keep it.
+    #[inline]
+    pub(crate) fn continued(&self, sample: &BsdfSample, wi: DVec3) -> Option<DVec3> {
+        if self.is_on_side_of(sample.kind, wi) {
+            return Some(wi);
+        }
+        sample.is_delta.then(|| Self::kept_on_the_side_of(self.side_of(sample.kind), wi))
+    }
+
+    /// Unit geometric normal of the side that light of this kind goes to.
+    #[inline(always)]
+    fn side_of(&self, kind: Scattering) -> DVec3 {
+        match kind {
+            Scattering::Reflection => self.geometric_normal,
+            Scattering::Transmission => -self.geometric_normal,
+        }
     }
 
     /// The direction, mirrored at the actual surface where an interpolated normal sends it through to the wrong side.

@@ -1,6 +1,7 @@
 //! What all models promise, tested on the same list of surfaces.
 
 mod agreement;
+mod bent_normals;
 mod chi_square;
 mod degenerate;
 mod furnace;

@@ -137,8 +137,7 @@ impl<S: Sampler> LightTracer<S> {
         }
         let wi = vertex.frame.from_local(sample.wi);
         let surface = vertex.view.surface;
-        let normal = surface.geometric_normal;
-        if (sample.wi.z > 0.0) != (wi.dot(normal) > 0.0) {
+        if !vertex.view.is_on_side_of(sample.kind, wi) {
             return;
         }
         photon.weight *= sample.weight() * correction(vertex, &sample, wi);

@@ -146,11 +146,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let [u, v] = path.sampler.next_2d();
         let lobe = if bsdf.chooses() { path.sampler.next_1d() } else { 0.0 };
         let Some(sample) = bsdf.sample(vertex.wo, [lobe, u, v]) else { return };
-        let wi = vertex.frame.from_local(sample.wi);
+        let Some(wi) = vertex.continued(&sample) else { return };
         let surface = vertex.view.surface;
-        if (sample.wi.z > 0.0) != (wi.dot(surface.geometric_normal) > 0.0) {
-            return;
-        }
         let ends = path.bounces >= self.settings.max_depth
             || (self.settings.follows == Follows::Reflections && sample.is_diffuse);
         if ends && !self.finds_light {

@@ -1,3 +1,5 @@
+mod bent_normals;
+
 use super::*;
 use crate::{
     Background, Coefficient, ConstantBsdfs, Falloff, Light, LightKind, Material, Phong, Physical, SurfaceHit,

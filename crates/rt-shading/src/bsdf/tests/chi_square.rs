@@ -10,15 +10,15 @@ const SAMPLES: u64 = 40_000;
 const LEAST_EXPECTED: f64 = 5.0;
 
 /// The statistic of one test, as a number of standard deviations of a normal variable (Wilson, Hilferty 1931).
-struct Outcome {
-    z: f64,
+pub(super) struct Outcome {
+    pub(super) z: f64,
     /// The integral of the density.
-    total: f64,
+    pub(super) total: f64,
 }
 
 /// Counts the samples of `sample` in cells against the integrals of `pdf`. Samples that fail, and those of single directions,
 /// are a cell of their own: what the density lacks of 1.
-fn chi_square(
+pub(super) fn chi_square(
     sphere: &Sphere,
     seed: u64,
     pdf: impl Fn(DVec3) -> f64,
@@ -63,7 +63,7 @@ fn deviation(groups: &[(f64, f64)]) -> f64 {
 }
 
 /// How far a normal variable must be above its mean for one of `tests` to come there by chance with 1 % (Šidák 1967).
-fn threshold(tests: usize) -> f64 {
+pub(super) fn threshold(tests: usize) -> f64 {
     let level = 1.0 - transcendental::pow(0.99, 1.0 / tests as f64);
     let (mut low, mut high) = (2.0, 10.0);
     for _ in 0..60 {
@@ -80,7 +80,7 @@ fn upper_tail(z: f64) -> f64 {
 }
 
 /// Index of refraction to put cells around.
-fn ior(bsdf: &Bsdf) -> f64 {
+pub(super) fn ior(bsdf: &Bsdf) -> f64 {
     match bsdf {
         Bsdf::Single(Lobe::Dielectric(dielectric)) => dielectric.ior,
         _ => 1.5,

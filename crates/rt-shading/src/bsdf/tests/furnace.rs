@@ -14,7 +14,7 @@ struct Brightness {
 }
 
 /// The green channel, of light whose radiance was divided by n².
-fn energy(sample: &BsdfSample) -> f64 {
+pub(super) fn energy(sample: &BsdfSample) -> f64 {
     sample.weight().g * sample.eta * sample.eta
 }
 
@@ -34,7 +34,7 @@ fn brightness(bsdf: &Bsdf, wo: DVec3, seed: u64) -> Brightness {
 }
 
 /// The diffuse part of glTF's plastic keeps more than what is left: see below.
-fn breaks_conservation(bsdf: &Bsdf) -> bool {
+pub(super) fn breaks_conservation(bsdf: &Bsdf) -> bool {
     matches!(bsdf, Bsdf::Single(Lobe::MetallicRoughness(gltf)) if gltf.metallic < 1.0 && gltf.coupling == Coupling::FresnelMix)
 }
 
