@@ -74,10 +74,11 @@ impl<'a> Vertex<'a> {
         }
     }
 
-    /// The direction, in world space, in which a camera path goes on with this sample; `None` if it ends.
+    /// The direction, in world space, in which a camera path goes on with this sample; `None` if it ends. See
+    /// [`View::continued`].
     #[inline]
-    pub(crate) fn continued(&self, sample: &BsdfSample) -> Option<DVec3> {
-        self.view.continued(sample, self.frame.from_local(sample.wi))
+    pub(crate) fn continued(&self, sample: &BsdfSample, keeps_single: bool) -> Option<DVec3> {
+        self.view.continued(sample, self.frame.from_local(sample.wi), keeps_single)
     }
 
     /// The direction in the frame; `None` where the interpolated normal and the actual one disagree about its side.

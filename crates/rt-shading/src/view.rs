@@ -76,14 +76,14 @@ impl<'s> View<'s> {
 
     /// The direction in which a camera path goes on, where a BSDF has sampled `wi` (world space).
     ///
-    /// `None` if an interpolated normal has sent it to the wrong side of the actual surface. A single direction is kept on its
-    /// side, as [`mirrored`](Self::mirrored) and [`refracted`](Self::refracted) keep it.
+    /// `None` if an interpolated normal has sent it to the wrong side of the actual surface. With `keeps_single`, a single
+    /// direction is kept on its side, as [`mirrored`](Self::mirrored) and [`refracted`](Self::refracted) keep it.
     #[inline]
-    pub(crate) fn continued(&self, sample: &BsdfSample, wi: DVec3) -> Option<DVec3> {
+    pub(crate) fn continued(&self, sample: &BsdfSample, wi: DVec3, keeps_single: bool) -> Option<DVec3> {
         if self.is_on_side_of(sample.kind, wi) {
             return Some(wi);
         }
-        sample.is_delta.then(|| Self::kept_on_the_side_of(self.side_of(sample.kind), wi))
+        (sample.is_delta && keeps_single).then(|| Self::kept_on_the_side_of(self.side_of(sample.kind), wi))
     }
 
     /// Unit geometric normal of the side that light of this kind goes to.

@@ -146,7 +146,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let [u, v] = path.sampler.next_2d();
         let lobe = if bsdf.chooses() { path.sampler.next_1d() } else { 0.0 };
         let Some(sample) = bsdf.sample(vertex.wo, [lobe, u, v]) else { return };
-        let Some(wi) = vertex.continued(&sample) else { return };
+        // Light paths do not find the reverse of a direction that was kept on its side. So only what the camera sees by mirrors
+        // and glass alone takes it: `AllButCaustics` and the light tracer must add up to all light.
+        let Some(wi) = vertex.continued(&sample, !path.began_spread) else { return };
         let surface = vertex.view.surface;
         let ends = path.bounces >= self.settings.max_depth
             || (self.settings.follows == Follows::Reflections && sample.is_diffuse);

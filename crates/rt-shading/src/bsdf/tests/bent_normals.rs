@@ -71,7 +71,7 @@ fn no_surface_with_a_bent_normal_is_brighter_than_the_furnace() {
             let (mut sum, mut squares) = (0.0, 0.0);
             for index in 0..SAMPLES {
                 let sample = bsdf.sample(vertex.wo, numbers((at * 100 + view) as u64, index));
-                let kept = sample.and_then(|sample| Some((vertex.continued(&sample)?, sample)));
+                let kept = sample.and_then(|sample| Some((vertex.continued(&sample, true)?, sample)));
                 let Some((wi, sample)) = kept else { continue };
                 // Light stays on its side of the actual surface, or passes to the other.
                 let stays = (wi.y > 0.0) == (bent.wo.y > 0.0);
