@@ -84,7 +84,7 @@ fn add_ground(file: &mut SceneFile, bounds: &Aabb, model: &Model) {
     file.nodes.push(Node {
         name: GROUND.to_owned(),
         shape: Some(Shape::Plane { point, normal: [0.0, 1.0, 0.0] }),
-        material: Some(name.clone()),
+        material: Some(name.clone().into()),
         ..Node::default()
     });
     let matte = Phong { diffuse: Coefficient::Constant(Rgb::gray(0.5)), ..Phong::default() };

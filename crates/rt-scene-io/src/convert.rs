@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
 
 use crate::bare::material;
-use crate::format::{Background, Coefficient, Material, Node, SceneFile};
+use crate::format::{Background, Coefficient, Material, Node, NodeMaterial, SceneFile};
 use crate::load::{ending, load_bare, read_scene_file};
 use crate::options::folder_of;
 use crate::{LoadError, LoadOptions, Reason, Scene, Warning, resolve, resolve_path};
@@ -111,6 +111,9 @@ fn references(file: &mut SceneFile) -> Vec<&mut String> {
     let mut open: Vec<&mut Node> = file.groups.values_mut().flatten().chain(&mut file.nodes).collect();
     while let Some(node) = open.pop() {
         found.extend(&mut node.model);
+        if let Some(NodeMaterial::Inline(material)) = &mut node.material {
+            found.extend(files_of(material));
+        }
         open.extend(&mut node.children);
     }
     found

@@ -9,10 +9,12 @@ use rt_geometry::{MeshError, PolygonError, ShapeError};
 use rt_math::TransformError;
 
 use crate::Shortage;
+use crate::excerpt::Excerpt;
 use crate::one_line::OneLine;
 use crate::texture::TextureError;
 
-/// Everything that is wrong with a scene or model: at least one [`Problem`], printed one a line.
+/// Everything that is wrong with a scene or model: at least one [`Problem`]. Each is printed on a line of its own, with the
+/// line of the file below it where that is known.
 #[derive(Debug)]
 pub struct LoadError {
     problems: Vec<Problem>,
@@ -20,7 +22,7 @@ pub struct LoadError {
 
 /// One thing that is wrong, and where.
 #[derive(Debug, thiserror::Error)]
-#[error("{}", OneLine(format_args!("{file}{place}: {reason}")))]
+#[error("{}{}", OneLine(format_args!("{file}{place}: {reason}")), excerpt.as_ref().map_or_else(String::new, |excerpt| format!("\n{excerpt}")))]
 pub struct Problem {
     /// The file, as the user named it.
     pub file: String,
@@ -29,6 +31,8 @@ pub struct Problem {
     /// What is wrong and what to do about it.
     #[source]
     pub reason: Reason,
+    /// The line of the file, if its text is at hand.
+    pub excerpt: Option<Excerpt>,
 }
 
 /// A place in a file.
@@ -71,6 +75,9 @@ pub enum Reason {
     /// More memory than the budget allows; predicted before it is taken.
     #[error(transparent)]
     Memory(#[from] Shortage),
+    /// Text in another encoding, told by its byte order mark.
+    #[error("is text in {0}: save it as UTF-8")]
+    OtherEncoding(&'static str),
     /// Bytes that are not text.
     #[error("is not UTF-8 text: the byte at offset {0} is invalid")]
     NotUtf8(usize),
@@ -100,7 +107,7 @@ pub enum Reason {
     #[error("{0}")]
     Syntax(String),
     /// A field or variant that does not exist.
-    #[error("unknown {kind} `{found}`{}", suggestion(found, known))]
+    #[error("unknown {kind} `{found}`{}", suggestion(nearest(found, known), known))]
     UnknownWord {
         /// "field", "material", ...
         kind: &'static str,
@@ -162,7 +169,7 @@ impl Reason {
 
     /// This reason at a place in a file.
     pub fn at(self, file: &Path, place: impl Into<Place>) -> LoadError {
-        let problem = Problem { file: file.display().to_string(), place: place.into(), reason: self };
+        let problem = Problem { file: file.display().to_string(), place: place.into(), reason: self, excerpt: None };
         LoadError { problems: vec![problem] }
     }
 }
@@ -181,6 +188,12 @@ impl LoadError {
     /// The problems, to add to others.
     pub fn into_problems(self) -> Vec<Problem> {
         self.problems
+    }
+}
+
+impl From<Problem> for LoadError {
+    fn from(problem: Problem) -> Self {
+        Self { problems: vec![problem] }
     }
 }
 
@@ -222,8 +235,8 @@ impl From<&str> for Place {
 /// Longest list of known words that a message prints in full.
 const MAX_LISTED: usize = 24;
 
-/// "; did you mean ...?" with the nearest known word, and the list of all.
-fn suggestion(found: &str, known: &[String]) -> String {
+/// "; did you mean ...?" with the word that is probably meant, and the list of all.
+pub(crate) fn suggestion(meant: Option<&str>, known: &[String]) -> String {
     if known.is_empty() {
         return "; there are none".to_owned();
     }
@@ -231,11 +244,17 @@ fn suggestion(found: &str, known: &[String]) -> String {
     if known.len() > MAX_LISTED {
         listed.push_str(", ...");
     }
-    let similarity = |word: &&String| strsim::jaro_winkler(found, word);
-    match known.iter().filter(|word| similarity(word) > 0.75).max_by(|a, b| similarity(a).total_cmp(&similarity(b))) {
-        Some(nearest) => format!("; did you mean `{nearest}`? Known are {listed}"),
+    match meant {
+        Some(meant) => format!("; did you mean `{meant}`? Known are {listed}"),
         None => format!("; known are {listed}"),
     }
+}
+
+/// The known word that is most like another, if it is like it at all.
+pub(crate) fn nearest<'k>(found: &str, known: &'k [String]) -> Option<&'k str> {
+    let similarity = |word: &&String| strsim::jaro_winkler(found, word);
+    let alike = known.iter().filter(|word| similarity(word) > 0.75);
+    alike.max_by(|a, b| similarity(a).total_cmp(&similarity(b))).map(String::as_str)
 }
 
 #[cfg(test)]

@@ -38,13 +38,26 @@ pub(crate) fn read_beside(path: &Path, options: &LoadOptions) -> Result<Vec<u8>,
     read_file(path, options)
 }
 
+/// Refuses text in UTF-16, which a byte order mark tells. Loaders ask before they read text.
+///
+/// # Errors
+/// If the bytes are such text.
+pub(crate) fn refuse_utf16(bytes: &[u8]) -> Result<(), Reason> {
+    match bytes {
+        [0xFF, 0xFE, ..] => Err(Reason::OtherEncoding("UTF-16 (little-endian)")),
+        [0xFE, 0xFF, ..] => Err(Reason::OtherEncoding("UTF-16 (big-endian)")),
+        _ => Ok(()),
+    }
+}
+
 /// Reads a text file in UTF-8, without its byte order mark.
 ///
 /// # Errors
 /// As [`read_file`], or if the bytes are not UTF-8.
 pub fn read_text(path: &Path, options: &LoadOptions) -> Result<String, Reason> {
-    let text =
-        String::from_utf8(read_file(path, options)?).map_err(|e| Reason::NotUtf8(e.utf8_error().valid_up_to()))?;
+    let bytes = read_file(path, options)?;
+    refuse_utf16(&bytes)?;
+    let text = String::from_utf8(bytes).map_err(|e| Reason::NotUtf8(e.utf8_error().valid_up_to()))?;
     match text.strip_prefix('\u{feff}') {
         Some("") => Err(Reason::Empty),
         Some(rest) => Ok(rest.to_owned()),
@@ -68,6 +81,11 @@ pub(crate) fn read_texture_as(path: &Path, pixels: Pixels, options: &LoadOptions
     decode_within(&bytes, pixels, what, &options.memory)
 }
 
+/// True for a path from the root of a file system, of any system. Slashes are `/`.
+pub(crate) fn is_absolute(reference: &str) -> bool {
+    reference.starts_with('/') || reference.as_bytes().get(1) == Some(&b':')
+}
+
 /// The file that `reference` names, as written in the file `referrer`.
 ///
 /// References are relative to the folder of the referrer. The file must exist and lie below `options.root` (by
@@ -85,7 +103,7 @@ pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> 
     if relative.contains("://") || relative.starts_with("file:") {
         return Err(bad("is a URL: only files can be read"));
     }
-    if relative.starts_with('/') || relative.as_bytes().get(1) == Some(&b':') {
+    if is_absolute(&relative) {
         return Err(bad("is absolute: write it relative to the folder of the file that refers to it"));
     }
     if relative.contains('\0') {

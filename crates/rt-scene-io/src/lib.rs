@@ -21,10 +21,10 @@
 //!
 //! let text = r##"(
 //!     camera: (look_from: (0, 1, 5), look_at: (0, 0.5, 0), fov: 40),
-//!     lights: [point(position: (-3, 5, 4), intensity: gray(0.9)), ambient(gray(1))],
+//!     lights: [point(position: (-3, 5, 4), intensity: 0.9), ambient(1)],
 //!     materials: {
-//!         "floor": phong(color: checker(even: gray(1), odd: hex("#c03020"))),
-//!         "steel": phong(diffuse: gray(0.2), specular: gray(0.5), exponent: 80, mirror: gray(0.6)),
+//!         "floor": phong(color: checker(even: 1, odd: "#c03020")),
+//!         "steel": phong(diffuse: 0.2, specular: 0.5, exponent: 80, mirror: 0.6),
 //!     },
 //!     nodes: [
 //!         (shape: plane(), material: "floor"),
@@ -37,7 +37,7 @@
 //! assert!(scene.bounds().encloses(&rt_math::Aabb::new([-0.5, 0.0, -0.5].into(), [0.5, 1.0, 0.5].into())));
 //!
 //! let error = parse_ron("(nodes: [(shape: sphere(raduis: 1))])", path).unwrap_err();
-//! assert!(error.to_string().starts_with("scenes/steel.ron:1:25: unknown field `raduis`; did you mean `radius`?"));
+//! assert!(error.to_string().starts_with("scenes/steel.ron:1:25: unknown field `raduis` in sphere; did you mean `radius`?"));
 //! # Ok::<(), rt_scene_io::LoadError>(())
 //! ```
 //!
@@ -58,6 +58,8 @@ mod convert;
 mod environment;
 #[cfg(feature = "format")]
 mod error;
+#[cfg(feature = "format")]
+mod excerpt;
 #[cfg(feature = "format")]
 mod files;
 #[cfg(any(feature = "nff", feature = "pbrt"))]
@@ -107,6 +109,8 @@ pub use convert::{Converted, convert};
 pub use environment::read_environment;
 #[cfg(feature = "format")]
 pub use error::{LoadError, Place, Problem, Reason};
+#[cfg(feature = "format")]
+pub use excerpt::Excerpt;
 #[cfg(feature = "format")]
 pub use files::{read_file, read_text, read_texture, resolve_path};
 #[cfg(feature = "format")]

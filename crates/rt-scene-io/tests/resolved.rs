@@ -7,7 +7,7 @@ use std::path::Path;
 
 use rt_camera::CameraSettings;
 use rt_math::{DVec3, Rgb};
-use rt_scene_io::format::{SceneFile, json_schema, parse_json, parse_ron};
+use rt_scene_io::format::{SceneFile, json_schema, parse_json, parse_ron, reference_page};
 use rt_scene_io::{Content, LoadOptions, Node, Scene, resolve};
 use rt_shading::{Coefficient, LightKind, Texture};
 
@@ -196,11 +196,21 @@ fn ron_and_json_hold_the_same_model() {
     insta::assert_snapshot!(file.to_ron());
 }
 
-#[test]
-fn the_schema_in_the_repository_is_up_to_date() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/scene.schema.json");
-    if std::fs::read_to_string(&path).ok().as_deref() != Some(&json_schema()) {
-        std::fs::write(&path, json_schema()).unwrap();
+/// Fails if a file of the repository is out of date, after it has been rewritten.
+fn is_up_to_date(file: &str, text: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
+    if std::fs::read_to_string(&path).ok().as_deref() != Some(text) {
+        std::fs::write(&path, text).unwrap();
         panic!("{} was out of date; it has been rewritten: commit it", path.display());
     }
+}
+
+#[test]
+fn the_schema_in_the_repository_is_up_to_date() {
+    is_up_to_date("scenes/scene.schema.json", &json_schema());
+}
+
+#[test]
+fn the_reference_page_in_the_repository_is_up_to_date() {
+    is_up_to_date("docs/SCENE-FORMAT.md", &reference_page());
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Step;
 
-/// What happens between two keys. Before the first key, that one holds, and after the last, the last.
+/// Interpolation between two keys. The first key holds before its time, the last key after its time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Interpolation {
@@ -18,60 +18,84 @@ pub enum Interpolation {
     Smooth,
 }
 
-/// How a node moves.
+/// Motion of a node by keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NodeAnimation {
-    /// What happens between two keys.
+    /// Interpolation between two keys.
+    ///
+    /// Default: `linear`.
     #[serde(default, skip_serializing_if = "is_linear")]
     pub interpolation: Interpolation,
-    /// Where it is at some moments: at least one, the earliest first.
+    /// Keys in the order of their times: at least one.
+    ///
+    /// Example: `keys: [(time: 0), (time: 1, transform: [translate(0, 2, 0)])]`.
     pub keys: Vec<NodeKey>,
 }
 
-/// Where a node is at a moment.
+/// Place of a node at a moment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NodeKey {
     /// The moment in seconds.
+    ///
+    /// Unit: seconds. Example: `time: 2.5`.
     pub time: f64,
     /// Steps that follow those of the node's own `transform`. From one key to the next it turns by at most half a turn.
+    ///
+    /// Example: `transform: [translate(0, 2, 0)]`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub transform: Vec<Step>,
 }
 
-/// How a camera moves.
+/// Motion of a camera by keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraAnimation {
-    /// What happens between two keys.
+    /// Interpolation between two keys.
+    ///
+    /// Default: `linear`.
     #[serde(default, skip_serializing_if = "is_linear")]
     pub interpolation: Interpolation,
-    /// Where it is at some moments, and how much it sees: at least one, the earliest first. Keys place it by `look_from`,
+    /// Keys in the order of their times: at least one. They place it by `look_from`,
     /// `look_at` and `up`, or by `transform`, but not some by these and some by that.
+    ///
+    /// Example: `keys: [(time: 0), (time: 4, transform: [rotate_y(90)])]`.
     pub keys: Vec<CameraKey>,
 }
 
-/// Where a camera is at a moment. What is left out of it is as the camera itself says.
+/// Place of a camera at a moment. Fields that are left out are those of the camera itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraKey {
     /// The moment in seconds.
+    ///
+    /// Unit: seconds. Example: `time: 2.5`.
     pub time: f64,
-    /// Where the camera stands.
+    /// Position of the camera.
+    ///
+    /// Unit: units of the scene. Default: that of the camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub look_from: Option<[f64; 3]>,
     /// The point that it looks at.
+    ///
+    /// Unit: units of the scene. Default: that of the camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub look_at: Option<[f64; 3]>,
     /// The direction that is up in the image.
+    ///
+    /// Unit: none. Default: that of the camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
     /// Instead of these: steps that take the camera on from where it stands by itself. `[rotate_y(90)]` takes it around the y
     /// axis by a quarter. From one key to the next it turns by at most half a turn.
+    ///
+    /// Example: `transform: [rotate_y(90)]`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub transform: Vec<Step>,
-    /// Full opening angle in degrees, above 0 and below 180.
+    /// Full opening angle, above 0 and below 180.
+    ///
+    /// Unit: degrees. Default: that of the camera. Example: `fov: 25`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fov: Option<f64>,
 }

@@ -10,49 +10,77 @@ use super::{CameraAnimation, Step};
 #[serde(deny_unknown_fields, default)]
 pub struct Camera {
     /// Name to choose it by.
+    ///
+    /// Default: none. Example: `name: "side"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Where the camera stands.
+    /// Position of the camera.
+    ///
+    /// Unit: units of the scene. Default: where it sees everything. Example: `look_from: (0, 1, 5)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look_from: Option<[f64; 3]>,
-    /// The point that it looks at; the origin by default. Needs `look_from`.
+    /// The point that it looks at. Needs `look_from`.
+    ///
+    /// Unit: units of the scene. Default: `(0, 0, 0)`. Example: `look_at: (0, 0.5, 0)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look_at: Option<[f64; 3]>,
-    /// The direction that is up in the image; +y by default. Needs `look_from`.
+    /// The direction that is up in the image. Needs `look_from`.
+    ///
+    /// Unit: none. Default: `(0, 1, 0)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
     /// Instead of `look_from`: steps that place a camera which stands at the origin and looks along −z.
+    ///
+    /// Example: `transform: [translate(0, 1, 5)]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub transform: Vec<Step>,
-    /// Where the camera is at time 1, as steps like those of `transform`; at time 0 it is where `look_from` or `transform` says.
+    /// Place of the camera at time 1, as steps like those of `transform`. At time 0 it is where `look_from` or `transform` says.
+    ///
+    /// Example: `motion: [translate(0.5, 1, 5)]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub motion: Vec<Step>,
     /// Instead of `motion`: where the camera is at moments of an animation.
+    ///
+    /// Default: at rest. Example: `animation: (keys: [(time: 0), (time: 4, transform: [rotate_y(90)])])`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub animation: Option<CameraAnimation>,
-    /// When the shutter opens and closes, from 0 to 1. What moves is blurred, unless both are the same. Motions take all of the
-    /// time from 0 to 1, which is the default for them. An animation is seen at the moment of a frame, which is 0, and 1 is the
+    /// Times at which the shutter opens and closes, from 0 to 1. Moving objects are blurred, unless both are the same. Motions
+    /// take all of the time from 0 to 1, which is the default for them. An animation is seen at the moment of a frame, which is 0, and 1 is the
     /// moment of the next frame: `(0, 0.5)` blurs half of the way between two frames, and without `shutter` animations are
     /// sharp.
+    ///
+    /// Unit: shares of the time of a frame. Default: `(0, 1)` for motions, `(0, 0)` for animations. Example: `shutter: (0, 0.5)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shutter: Option<(f64, f64)>,
-    /// Full opening angle in degrees, above 0 and below 180; 40 by default.
+    /// Full opening angle, above 0 and below 180.
+    ///
+    /// Unit: degrees. Default: `40`. Example: `fov: 35`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fov: Option<f64>,
     /// The side of the image that `fov` spans.
+    ///
+    /// Default: `vertical`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fov_axis: Option<FovAxis>,
     /// Instead of `fov`: parallel projection that shows this height of the world.
+    ///
+    /// Unit: units of the scene. Default: perspective. Example: `orthographic: 4`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orthographic: Option<f64>,
     /// Shift of the image as a part of its width and height: (0.5, 0) shows what lies half an image to the right.
+    ///
+    /// Unit: width and height of the image. Default: `(0, 0)`. Example: `lens_shift: (0.5, 0)`.
     #[serde(skip_serializing_if = "is_centred")]
     pub lens_shift: [f64; 2],
     /// The lens, for what is out of focus to be blurred; all is sharp without.
+    ///
+    /// Default: a pinhole. Example: `lens: (radius: 0.05)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lens: Option<Lens>,
     /// Name of the transparent material that the camera stands inside of. Without it, that is seen from the closed bodies
     /// around it.
+    ///
+    /// Default: told by the bodies around it. Example: `medium: "water"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub medium: Option<String>,
 }
@@ -70,26 +98,40 @@ impl Camera {
 #[serde(deny_unknown_fields, default)]
 pub struct Lens {
     /// Radius of the aperture, or of the circle around its corners. 0 is a pinhole.
+    ///
+    /// Unit: units of the scene. Default: `0`. Example: `radius: 0.05`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub radius: Option<f64>,
     /// Instead of `radius`: the f-number, `focal_length / (2·radius)`.
+    ///
+    /// Unit: none. Default: given by `radius`. Example: `f_stop: 2.8`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub f_stop: Option<f64>,
     /// Focal length, for `f_stop`: 0.05 for 50 mm in a scene in metres. What the image shows is said by `fov`.
+    ///
+    /// Unit: units of the scene. Default: none; needed by `f_stop`. Example: `focal_length: 0.05`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub focal_length: Option<f64>,
     /// Depth of the plane in which all is sharp, along the view axis. Without it and `focus_at`, the plane goes through the
     /// point that the camera looks at.
+    ///
+    /// Unit: units of the scene. Default: distance of `look_at`. Example: `focus: 4.5`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub focus: Option<f64>,
     /// Instead of `focus`: a point of that plane.
+    ///
+    /// Unit: units of the scene. Default: `look_at`. Example: `focus_at: (0, 1, 0)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub focus_at: Option<[f64; 3]>,
     /// Number of corners of the aperture, at least 3; it is round without.
+    ///
+    /// Unit: corners. Default: round. Example: `blades: 6`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blades: Option<u32>,
     /// Degrees by which the aperture is turned counter-clockwise, seen from behind the camera. Its first corner points up
     /// otherwise.
+    ///
+    /// Unit: degrees. Default: `0`. Example: `rotate: 15`.
     #[serde(skip_serializing_if = "is_zero")]
     pub rotate: f64,
 }

@@ -8,16 +8,28 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields, default)]
 pub struct Film {
     /// Width and height in pixels.
+    ///
+    /// Unit: pixels.
     pub size: (u64, u64),
-    /// Where in the pixel samples are centred: (0.5, 0.5) is its middle, (0, 0) its upper left corner.
+    /// Point of the pixel on which samples are centred: (0.5, 0.5) is its middle, (0, 0) its upper left corner.
+    ///
+    /// Unit: pixels.
     pub sample_offset: [f64; 2],
-    /// How a pixel weighs the light around its centre.
+    /// Reconstruction filter of the samples around a pixel.
+    ///
+    /// Example: `filter: mitchell`.
     pub filter: Filter,
     /// Exposure in stops: 1 doubles the brightness.
+    ///
+    /// Unit: stops. Example: `exposure: 1`.
     pub exposure: f64,
-    /// How bright light is brought into the range of the display.
+    /// Tone curve that brings bright light into the range of the display.
+    ///
+    /// Example: `tone: aces`.
     pub tone: Tone,
-    /// How the light is encoded in the bytes of the picture.
+    /// Encoding of light in the bytes of the picture.
+    ///
+    /// Example: `encoding: gamma(2.2)`.
     pub encoding: Encoding,
 }
 

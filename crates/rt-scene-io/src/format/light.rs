@@ -14,18 +14,26 @@ pub enum Light {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
-        /// Where it stands.
+        /// Position of the light.
+        ///
+        /// Unit: units of the scene. Example: `position: (-3, 5, 4)`.
         position: [f64; 3],
         /// Strength; with inverse-square falloff, at distance 1.
+        ///
+        /// Unit: radiance of a white surface that faces the light.
         #[serde(default = "white", alias = "color", alias = "colour")]
         intensity: Color,
-        /// How it weakens with the distance.
+        /// Falloff with the distance.
         #[serde(default)]
         falloff: Falloff,
         /// Surfaces nearer to the light than this do not shadow it: the lamp that it stands in.
+        ///
+        /// Unit: units of the scene. Default: `0`. Example: `lamp_radius: 0.1`.
         #[serde(default, skip_serializing_if = "is_zero")]
         lamp_radius: f64,
-        /// Whether objects cast shadows in it.
+        /// True if objects cast shadows in its light.
+        ///
+        /// Default: `true`. Example: `casts_shadows: false`.
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
         casts_shadows: bool,
     },
@@ -35,11 +43,17 @@ pub enum Light {
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
         /// The direction in which the light travels; any length but 0.
+        ///
+        /// Unit: none. Example: `direction: (-1, -2, -1)`.
         direction: [f64; 3],
         /// Strength.
+        ///
+        /// Unit: radiance of a white surface that faces the light.
         #[serde(default = "white", alias = "color", alias = "colour")]
         intensity: Color,
-        /// Whether objects cast shadows in it.
+        /// True if objects cast shadows in its light.
+        ///
+        /// Default: `true`. Example: `casts_shadows: false`.
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
         casts_shadows: bool,
     },
@@ -48,23 +62,35 @@ pub enum Light {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
-        /// Where it stands.
+        /// Position of the light.
+        ///
+        /// Unit: units of the scene. Example: `position: (0, 4, 0)`.
         position: [f64; 3],
         /// The direction in which it shines; any length but 0.
+        ///
+        /// Unit: none. Example: `direction: (0, -1, 0)`.
         direction: [f64; 3],
         /// Angle in degrees from the axis up to which it has full strength.
+        ///
+        /// Unit: degrees.
         #[serde(default = "inner")]
         inner: f64,
         /// Angle in degrees from the axis beyond which there is no light; at least `inner`, at most 90.
+        ///
+        /// Unit: degrees.
         #[serde(default = "outer")]
         outer: f64,
         /// Strength; with inverse-square falloff, at distance 1.
+        ///
+        /// Unit: radiance of a white surface that faces the light.
         #[serde(default = "white", alias = "color", alias = "colour")]
         intensity: Color,
-        /// How it weakens with the distance.
+        /// Falloff with the distance.
         #[serde(default)]
         falloff: Falloff,
-        /// Whether objects cast shadows in it.
+        /// True if objects cast shadows in its light.
+        ///
+        /// Default: `true`. Example: `casts_shadows: false`.
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
         casts_shadows: bool,
     },
@@ -74,13 +100,19 @@ pub enum Light {
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
         /// A corner.
+        ///
+        /// Unit: units of the scene. Example: `corner: (-1, 3, -1)`.
         corner: [f64; 3],
         /// The two edges from there. It shines to the side from which the second is reached from the first counter-clockwise.
+        ///
+        /// Unit: units of the scene. Example: `edges: ((2, 0, 0), (0, 0, 2))`.
         edges: ([f64; 3], [f64; 3]),
         /// Radiance.
+        ///
+        /// Unit: radiance.
         #[serde(default = "white", alias = "color", alias = "colour")]
         radiance: Color,
-        /// Which sides shine.
+        /// Sides that emit.
         #[serde(default)]
         shines: Sides,
     },
@@ -90,16 +122,24 @@ pub enum Light {
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
         /// Its centre.
+        ///
+        /// Unit: units of the scene. Example: `center: (0, 3, 0)`.
         #[serde(alias = "centre")]
         center: [f64; 3],
         /// The direction that it faces; any length but 0.
+        ///
+        /// Unit: none. Example: `normal: (0, -1, 0)`.
         normal: [f64; 3],
         /// Its radius.
+        ///
+        /// Unit: units of the scene.
         radius: f64,
         /// Radiance.
+        ///
+        /// Unit: radiance.
         #[serde(default = "white", alias = "color", alias = "colour")]
         radiance: Color,
-        /// Which sides shine.
+        /// Sides that emit.
         #[serde(default)]
         shines: Sides,
     },
@@ -109,11 +149,17 @@ pub enum Light {
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
         /// Its centre.
+        ///
+        /// Unit: units of the scene.
         #[serde(alias = "centre")]
         center: [f64; 3],
         /// Its radius.
+        ///
+        /// Unit: units of the scene.
         radius: f64,
         /// Radiance.
+        ///
+        /// Unit: radiance.
         #[serde(default = "white", alias = "color", alias = "colour")]
         radiance: Color,
     },
@@ -123,15 +169,25 @@ pub enum Light {
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
         /// The middle of one end.
+        ///
+        /// Unit: units of the scene. Example: `base: (-1, 3, 0)`.
         base: [f64; 3],
         /// The middle of the other end.
+        ///
+        /// Unit: units of the scene.
         top: [f64; 3],
         /// Its radius.
+        ///
+        /// Unit: units of the scene.
         radius: f64,
         /// Radiance.
+        ///
+        /// Unit: radiance.
         #[serde(default = "white", alias = "color", alias = "colour")]
         radiance: Color,
-        /// Whether its ends are closed, and shine as well.
+        /// True if its ends are closed, and emit as well.
+        ///
+        /// Default: `true`. Example: `caps: false`.
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
         caps: bool,
     },
@@ -139,7 +195,7 @@ pub enum Light {
     Ambient(Color),
 }
 
-/// How light weakens with the distance.
+/// Falloff of light with the distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Falloff {
@@ -150,7 +206,7 @@ pub enum Falloff {
     InverseSquare,
 }
 
-/// What rays see that hit nothing.
+/// Light from the directions in which rays hit nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Background {
@@ -159,19 +215,29 @@ pub enum Background {
     /// From one colour straight down to another straight up.
     Gradient {
         /// Straight down.
+        ///
+        /// Unit: radiance.
         bottom: Color,
         /// Straight up.
+        ///
+        /// Unit: radiance.
         top: Color,
     },
     /// An equirectangular image all around, which lights the scene as well: its middle is seen along −z, its upper edge is
     /// straight up.
     Image {
         /// Path of a PNG, JPEG, HDR or EXR file, relative to the folder of the scene file.
+        ///
+        /// Example: `file: "wood.png"`.
         file: String,
         /// Factor for its radiance.
+        ///
+        /// Unit: factor. Example: `scale: 0.5`.
         #[serde(default = "white")]
         scale: Color,
         /// Turns it to the left, seen from inside, by so many degrees around the y axis.
+        ///
+        /// Unit: degrees. Default: `0`. Example: `rotate: 90`.
         #[serde(default, skip_serializing_if = "is_zero")]
         rotate: f64,
     },

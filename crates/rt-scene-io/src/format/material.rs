@@ -1,8 +1,9 @@
 //! Materials in the file.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
+use super::spelling::{self, Spelled};
 use super::{Coefficient, Color};
 
 /// A surface.
@@ -12,151 +13,273 @@ use super::{Coefficient, Color};
 pub enum Material {
     /// The classical surface of Phong and Whitted. Coefficients that are left out keep their defaults.
     Phong {
-        /// Colour of the surface: a factor for `ambient` and `diffuse`. White by default.
+        /// Colour of the surface: a factor for `ambient` and `diffuse`.
+        ///
+        /// Unit: factor. Default: `1`. Example: `color: checker(even: 1, odd: 0.2)`.
         #[serde(default, skip_serializing_if = "Option::is_none", alias = "colour")]
         color: Option<Coefficient>,
-        /// Share of the ambient light; `gray(0.07)` by default.
+        /// Share of the ambient light.
+        ///
+        /// Unit: share of light. Default: `0.07`. Example: `ambient: 0.1`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         ambient: Option<Coefficient>,
-        /// Diffuse coefficient; `gray(0.7)` by default.
+        /// Diffuse coefficient.
+        ///
+        /// Unit: share of light. Default: `0.7`. Example: `diffuse: "#c03020"`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         diffuse: Option<Coefficient>,
-        /// Strength of the highlight; none by default.
+        /// Strength of the highlight.
+        ///
+        /// Unit: share of light. Default: `0`. Example: `specular: 0.5`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         specular: Option<Coefficient>,
-        /// Exponent of the highlight, from 0 to 10⁷; 32 by default.
+        /// Exponent of the highlight, from 0 to 10⁷.
+        ///
+        /// Unit: none. Default: `32`. Example: `exponent: 80`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         exponent: Option<f64>,
         /// Shape of the highlight.
+        ///
+        /// Default: `phong`. Example: `highlight: blinn`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         highlight: Option<Highlight>,
-        /// Light of its own; none by default.
+        /// Light of its own.
+        ///
+        /// Unit: radiance. Default: `0`. Example: `emission: (2, 1.5, 1)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         emission: Option<Coefficient>,
-        /// Share of mirrored light; none by default, all of it with `fresnel`.
+        /// Share of mirrored light.
+        ///
+        /// Unit: share of light. Default: `0`; `1` with `fresnel` and `transmission`. Example: `mirror: 0.6`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         mirror: Option<Coefficient>,
-        /// Share of light that passes through the surface, refracted; none by default.
+        /// Share of light that passes through the surface, refracted.
+        ///
+        /// Unit: share of light. Default: `0`. Example: `transmission: 1`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         transmission: Option<Coefficient>,
-        /// Index of refraction of the inside, where that of air is 1; 1.5 by default. Used with `transmission`.
+        /// Index of refraction of the inside, where that of air is 1. Used with `transmission`.
+        ///
+        /// Unit: none. Default: `1.5`. Example: `ior: 1.33`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         ior: Option<f64>,
         /// Share the light between `mirror` and `transmission` by Fresnel's equations; by default both are constant, as in
         /// Whitted's model.
+        ///
+        /// Default: `false`. Example: `fresnel: true`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         fresnel: Option<bool>,
-        /// Absorption inside per unit of way: light falls by exp(−absorption · length). None by default.
+        /// Absorption inside per unit of way: light falls by exp(−absorption · length).
+        ///
+        /// Unit: per unit of length. Default: `0`. Example: `absorption: (0.2, 0.05, 0.1)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         absorption: Option<Color>,
-        /// Where transparent bodies overlap, the one of the greatest number is there, among equals the one that light
-        /// entered last; 0 by default. Bodies that touch, such as a glass and the water in it, must overlap. Used with
+        /// Rank where transparent bodies overlap: the body of the greatest number is there, among equals the one that light
+        /// entered last. Bodies that touch, such as a glass and the water in it, must overlap. Used with
         /// `transmission`.
+        ///
+        /// Unit: none. Default: `0`. Example: `priority: 1`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         priority: Option<i32>,
-        /// Which sides shine, if it has `emission`; both by default.
+        /// Sides that emit, if it has `emission`.
+        ///
+        /// Default: `both`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         shines: Option<Sides>,
     },
     /// A diffuse surface.
     Diffuse {
-        /// Part of the light that is reflected; `gray(0.5)` by default.
+        /// Part of the light that is reflected.
+        ///
+        /// Unit: share of light. Example: `albedo: (0.8, 0.1, 0.1)`.
         #[serde(default = "half", alias = "color", alias = "colour")]
         albedo: Coefficient,
         /// 0 for paper, 1 for dust (Oren, Nayar 1994).
+        ///
+        /// Unit: none. Default: `0`. Example: `roughness: 0.5`.
         #[serde(default, skip_serializing_if = "is_zero")]
         roughness: f64,
-        /// Radiance of its own; none by default.
+        /// Radiance of its own.
+        ///
+        /// Unit: radiance. Default: `0`. Example: `emission: (2, 1.5, 1)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         emission: Option<Coefficient>,
     },
     /// A diffuse surface under a highlight of Phong's shape, energy-normalised.
     Glossy {
-        /// Part of the light that is reflected diffusely; none by default.
+        /// Part of the light that is reflected diffusely.
+        ///
+        /// Unit: share of light.
         #[serde(default = "black")]
         diffuse: Coefficient,
         /// Part of the light along the normal that the highlight reflects.
+        ///
+        /// Unit: share of light.
         #[serde(default = "half")]
         specular: Coefficient,
         /// Exponent of the highlight, from 0 to 10⁷.
+        ///
+        /// Unit: none.
         #[serde(default = "exponent")]
         exponent: f64,
     },
     /// A perfect mirror.
     Mirror {
-        /// Part of the light that is reflected; all of it by default.
+        /// Part of the light that is reflected.
+        ///
+        /// Unit: share of light.
         #[serde(default = "white", alias = "color", alias = "colour")]
         reflectance: Coefficient,
     },
     /// A body of glass, water or anything clear.
     Glass {
         /// Index of refraction of the inside, where that of air is 1.
+        ///
+        /// Unit: none.
         #[serde(default = "crown_glass")]
         ior: f64,
         /// Roughness of the surface, from 0 to 1.
+        ///
+        /// Unit: none. Default: `0`. Example: `roughness: 0.1`.
         #[serde(default, skip_serializing_if = "is_zero")]
         roughness: f64,
-        /// What is left of light that passes through the surface; all of it by default.
+        /// Share of light that is left after it passes through the surface.
+        ///
+        /// Unit: share of light.
         #[serde(default = "white")]
         transmittance: Coefficient,
         /// Absorption inside per unit of way: light falls by exp(−absorption · length).
+        ///
+        /// Unit: per unit of length. Default: `0`. Example: `absorption: (0.2, 0.05, 0.1)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         absorption: Option<Color>,
-        /// As for `phong`.
+        /// Rank where transparent bodies overlap, as for `phong`.
+        ///
+        /// Unit: none.
         #[serde(default)]
         priority: i32,
     },
     /// Metal.
     Metal {
         /// A metal with measured constants.
+        ///
+        /// Default: none; needed unless `n` and `k` are given. Example: `metal: gold`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         metal: Option<Metal>,
         /// Real part of the index of refraction, instead of `metal`.
+        ///
+        /// Unit: none. Default: that of `metal`. Example: `n: (0.14, 0.38, 1.44)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         n: Option<Color>,
         /// Imaginary part of the index of refraction.
+        ///
+        /// Unit: none. Default: that of `metal`. Example: `k: (3.98, 2.38, 1.6)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         k: Option<Color>,
         /// Roughness of the surface, from 0 to 1.
+        ///
+        /// Unit: none. Default: `0`. Example: `roughness: 0.2`.
         #[serde(default, skip_serializing_if = "is_zero")]
         roughness: f64,
     },
     /// The material of glTF.
     MetallicRoughness {
-        /// Colour of the diffuse part, or of the metal; white by default.
+        /// Colour of the diffuse part, or of the metal.
+        ///
+        /// Unit: share of light. Example: `base_color: image(file: "wood.png")`.
         #[serde(default = "white", alias = "color", alias = "colour")]
         base_color: Coefficient,
         /// 0 for plastic, 1 for metal.
+        ///
+        /// Unit: none.
         #[serde(default = "one")]
         metallic: f64,
         /// Roughness of the surface, from 0 to 1.
+        ///
+        /// Unit: none.
         #[serde(default = "one")]
         roughness: f64,
-        /// Radiance of its own; none by default.
+        /// Radiance of its own.
+        ///
+        /// Unit: radiance. Default: `0`. Example: `emission: (2, 1.5, 1)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         emission: Option<Coefficient>,
     },
     /// A pane of glass without thickness.
     ThinGlass {
         /// Index of refraction.
+        ///
+        /// Unit: none.
         #[serde(default = "crown_glass")]
         ior: f64,
-        /// What is left of light that crosses it once along the normal; all of it by default.
+        /// Share of light that is left after it crosses the pane once along the normal.
+        ///
+        /// Unit: share of light.
         #[serde(default = "white")]
         transmittance: Coefficient,
     },
     /// A lamp: it shines and reflects nothing.
     Light {
         /// Radiance.
+        ///
+        /// Unit: radiance. Example: `radiance: (10, 8, 6)`.
         #[serde(default = "white", alias = "color", alias = "colour", alias = "emission")]
         radiance: Coefficient,
-        /// Which sides shine.
+        /// Sides that emit.
         #[serde(default)]
         shines: Sides,
     },
     /// Several materials at once, each with its weight. Weights of sum 1 blend them; weights of 1 lay them over each other. Glass
     /// cannot be part of it.
+    ///
+    /// Example: `mix([(0.7, diffuse(albedo: 0.8)), (0.3, mirror())])`.
     Mix(Vec<(f64, Self)>),
+}
+
+/// The material of a node.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum NodeMaterial {
+    /// Name of one of the scene's `materials`.
+    Name(String),
+    /// A material that stands here: `diffuse(albedo: 0.8)`.
+    Inline(Box<Material>),
+}
+
+impl<'de> Deserialize<'de> for NodeMaterial {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        spelling::read(from)
+    }
+}
+
+impl Spelled for NodeMaterial {
+    fn choice<'de, D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        Box::deserialize(from).map(Self::Inline)
+    }
+
+    fn from_number(_: f64) -> Option<Self> {
+        None
+    }
+
+    fn from_numbers(_: [f64; 3]) -> Option<Self> {
+        None
+    }
+
+    fn from_text(text: &str) -> Option<Self> {
+        Some(Self::Name(text.to_owned()))
+    }
+}
+
+impl From<String> for NodeMaterial {
+    fn from(name: String) -> Self {
+        Self::Name(name)
+    }
+}
+
+impl From<Material> for NodeMaterial {
+    fn from(material: Material) -> Self {
+        Self::Inline(Box::new(material))
+    }
 }
 
 impl Material {
@@ -177,7 +300,7 @@ impl Material {
     }
 }
 
-/// Which sides of a surface shine.
+/// Sides of a surface that emit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Sides {

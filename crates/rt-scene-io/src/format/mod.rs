@@ -7,12 +7,18 @@
 mod animation;
 mod camera;
 mod colour;
+mod expected;
+mod explain;
 mod film;
 mod light;
 mod material;
 mod node;
+mod page;
 mod parse;
 mod settings;
+mod spelling;
+mod spot;
+mod synonyms;
 mod transform;
 mod write;
 
@@ -25,8 +31,9 @@ pub use camera::{Camera, FovAxis, Lens};
 pub use colour::{Coefficient, Color, Wrap};
 pub use film::{Encoding, Film, Filter, Tone};
 pub use light::{Background, Falloff, Light};
-pub use material::{Highlight, Material, Metal, Sides};
+pub use material::{Highlight, Material, Metal, NodeMaterial, Sides};
 pub use node::{InsideRule, Node, Shape};
+pub use page::reference_page;
 pub use parse::{parse_json, parse_ron};
 pub use settings::{Accel, Adaptive, Integrator, LightSampling, Sampler, Settings};
 pub use transform::Step;
@@ -35,38 +42,65 @@ pub use transform::Step;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub struct SceneFile {
-    /// Name of the scene; by default the stem of the file.
+    /// Path or address of the JSON Schema, by which editors complete and check `.json` files. It has no effect here.
+    ///
+    /// Example: `"$schema": "scene.schema.json"`.
+    #[serde(default, rename = "$schema", skip_serializing)]
+    pub schema: Option<String>,
+    /// Name of the scene.
+    ///
+    /// Default: stem of the file name. Example: `name: "still life"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// The camera. Without one, or without a place, the camera is put where it sees everything.
+    ///
+    /// Default: put where it sees everything. Example: `camera: (look_from: (0, 1, 5))`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
     /// More cameras to choose from by name. Without `camera`, the first of these is the default.
+    ///
+    /// Example: `cameras: [(name: "side", look_from: (5, 1, 0))]`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cameras: Vec<Camera>,
     /// The image: size, filter, exposure.
+    ///
+    /// Example: `film: (size: (1280, 720))`.
     #[serde(default)]
     pub film: Film,
-    /// How to render.
+    /// Method, samples and other settings of the render.
+    ///
+    /// Example: `settings: (integrator: path, spp: 64)`.
     #[serde(default)]
     pub settings: Settings,
-    /// What rays see that hit nothing; black by default.
+    /// Light from the directions in which rays hit nothing.
+    ///
+    /// Default: black. Example: `background: gradient(bottom: 1, top: "#80b0ff")`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub background: Option<Background>,
     /// The lights. Without this field the scene gets a key light, a fill light and some ambient light; an empty list
     /// means no light at all.
+    ///
+    /// Default: a key light, a fill light and some ambient light. Example: `lights: [point(position: (-3, 5, 4)), ambient(0.2)]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lights: Option<Vec<Light>>,
     /// Materials by name. One that is named like a material of a model changes that material: fields that are given
     /// replace the model's.
+    ///
+    /// Default: none. Example: `materials: {"red": diffuse(albedo: (0.8, 0.1, 0.1))}`.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty", deserialize_with = "unique_names")]
     pub materials: IndexMap<String, Material>,
     /// Subtrees by name, to be placed any number of times with `instance`.
+    ///
+    /// Default: none. Example: `groups: {"pair": [(shape: sphere()), (shape: box(min: (1, 0, 0), max: (2, 1, 1)))]}`.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty", deserialize_with = "unique_names")]
     pub groups: IndexMap<String, Vec<Node>>,
     /// The objects.
+    ///
+    /// Example: `nodes: [(shape: sphere(), material: "red")]`.
     pub nodes: Vec<Node>,
-    /// What the picture should be, if it is known exactly.
+    /// Exact mean of the picture, if it is known.
+    ///
+    /// Default: unknown. Example: `truth: (mean: 0.5)`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<Truth>,
 }
@@ -76,16 +110,27 @@ pub struct SceneFile {
 #[serde(deny_unknown_fields)]
 pub struct Truth {
     /// Mean radiance over all pixels.
+    ///
+    /// Unit: radiance.
     pub mean: Color,
-    /// Where the value comes from.
+    /// Source of the value.
+    ///
+    /// Example: `note: "closed form"`.
     #[serde(default)]
     pub note: String,
 }
 
 impl SceneFile {
+    /// All materials: those with a name, and those that stand at nodes.
+    pub(crate) fn materials(&self) -> impl Iterator<Item = &Material> {
+        let nodes = self.groups.values().flatten().chain(&self.nodes);
+        self.materials.values().chain(nodes.flat_map(Node::materials))
+    }
+
     /// A scene of these nodes, with everything else left open.
     pub fn of_nodes(nodes: Vec<Node>) -> Self {
         Self {
+            schema: None,
             name: None,
             camera: None,
             cameras: Vec::new(),

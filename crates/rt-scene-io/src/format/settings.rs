@@ -3,38 +3,55 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How to render. The command line overrides it.
+/// Method, samples and other settings of the render. The command line overrides them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
-    /// How the light is computed. By default `whitted`, and `path` for scenes that have lights with extent, an image around
+    /// Method by which light is computed. By default `whitted`, and `path` for scenes that have lights with extent, an image around
     /// them, or physical materials.
+    ///
+    /// Default: `whitted` or `path`, as the scene needs. Example: `integrator: path`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub integrator: Option<Integrator>,
-    /// Where in the pixel the samples fall.
+    /// Pattern of the samples in a pixel.
     pub sampler: Sampler,
     /// Samples per pixel; some samplers round it up.
+    ///
+    /// Unit: samples.
     pub spp: u64,
-    /// Independent passes that the samples are split into, by which the error is estimated; left out, it depends on the
-    /// integrator.
+    /// Independent passes that the samples are split into, by which the error is estimated.
+    ///
+    /// Unit: passes. Default: chosen by the integrator. Example: `passes: 4`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub passes: Option<u64>,
-    /// How samples are shared out among pixels; evenly by default.
+    /// Distribution of samples among pixels.
+    ///
+    /// Default: the same for all pixels. Example: `adaptive: object_space(least: 4)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adaptive: Option<Adaptive>,
     /// Bounces after the first hit: 0 for direct light alone.
+    ///
+    /// Unit: bounces.
     pub depth: u64,
     /// Rays that contribute less than this to the pixel are not followed.
+    ///
+    /// Unit: share of the pixel.
     pub min_contribution: f64,
     /// Acceleration structure.
     pub accel: Accel,
     /// Seed of all random numbers.
+    ///
+    /// Unit: none.
     pub seed: u64,
-    /// How one of many lights with extent is chosen.
+    /// Choice of one of many lights with extent.
     pub light_sampling: LightSampling,
     /// Bounces before Russian roulette may end a path.
+    ///
+    /// Unit: bounces.
     pub roulette_from: u64,
-    /// How far away surfaces still take light from a point, for `ambient_occlusion`; all of them by default.
+    /// Distance up to which surfaces occlude a point, for `ambient_occlusion`.
+    ///
+    /// Unit: units of the scene. Default: all distances. Example: `occlusion_distance: 2.5`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub occlusion_distance: Option<f64>,
 }
@@ -58,7 +75,7 @@ impl Default for Settings {
     }
 }
 
-/// How the light is computed.
+/// Method by which light is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Integrator {
@@ -72,7 +89,7 @@ pub enum Integrator {
     Caustics,
     /// Emission and direct light.
     Direct,
-    /// How much of the sky each point would see.
+    /// Share of the sky that each point sees.
     #[serde(alias = "ao")]
     AmbientOcclusion,
     /// Shading normals as colours.
@@ -85,19 +102,21 @@ pub enum Integrator {
     Cost,
 }
 
-/// How samples are shared out among pixels.
+/// Distribution of samples among pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Adaptive {
     /// Few samples where no edge of an object or of a shadow can be in the pixel, and all of them elsewhere; for `whitted`.
     ObjectSpace {
-        /// Samples of a pixel without edges; a quarter of all by default.
+        /// Samples of a pixel without edges.
+        ///
+        /// Unit: samples. Default: a quarter of `spp`. Example: `least: 4`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         least: Option<u64>,
     },
 }
 
-/// How one of many lights with extent is chosen.
+/// Choice of one of many lights with extent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LightSampling {

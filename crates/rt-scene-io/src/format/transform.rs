@@ -8,58 +8,98 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Step {
     /// Moves by x, y, z.
+    ///
+    /// Example: `translate(1, 0, -2)`.
     Translate(f64, f64, f64),
     /// Turns about an axis, counter-clockwise seen from its tip.
     Rotate {
         /// The axis, of any length but 0.
+        ///
+        /// Unit: none.
         axis: [f64; 3],
         /// The angle in degrees.
+        ///
+        /// Unit: degrees. Example: `degrees: 30`.
         degrees: f64,
     },
     /// Turns about the x axis by degrees.
+    ///
+    /// Example: `rotate_x(90)`.
     RotateX(f64),
     /// Turns about the y axis by degrees.
+    ///
+    /// Example: `rotate_y(45)`.
     RotateY(f64),
     /// Turns about the z axis by degrees.
+    ///
+    /// Example: `rotate_z(30)`.
     RotateZ(f64),
     /// Turns about the x axis, then y, then z (which stay fixed), by degrees.
+    ///
+    /// Example: `euler(30, 45, 0)`.
     Euler(f64, f64, f64),
     /// Turns by the quaternion x, y, z, w.
+    ///
+    /// Example: `quaternion(0, 0, 0, 1)`.
     Quaternion(f64, f64, f64, f64),
     /// Scales in all directions alike.
+    ///
+    /// Example: `scale(2)`.
     Scale(f64),
     /// Scales along x, y and z; negative factors mirror.
+    ///
+    /// Example: `stretch(1, 2, 1)`.
     Stretch(f64, f64, f64),
     /// Shears: x gains `xy`·y + `xz`·z, and so on.
     Shear {
-        /// What x gains of y.
+        /// Factor of y that is added to x.
+        ///
+        /// Unit: none. Example: `xy: 0.5`.
         #[serde(default)]
         xy: f64,
-        /// What x gains of z.
+        /// Factor of z that is added to x.
+        ///
+        /// Unit: none.
         #[serde(default)]
         xz: f64,
-        /// What y gains of x.
+        /// Factor of x that is added to y.
+        ///
+        /// Unit: none.
         #[serde(default)]
         yx: f64,
-        /// What y gains of z.
+        /// Factor of z that is added to y.
+        ///
+        /// Unit: none.
         #[serde(default)]
         yz: f64,
-        /// What z gains of x.
+        /// Factor of x that is added to z.
+        ///
+        /// Unit: none.
         #[serde(default)]
         zx: f64,
-        /// What z gains of y.
+        /// Factor of y that is added to z.
+        ///
+        /// Unit: none.
         #[serde(default)]
         zy: f64,
     },
     /// Any affine map: the four rows of a matrix that multiplies column vectors; the last is (0, 0, 0, 1).
+    ///
+    /// Example: `matrix((1, 0, 0, 2), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))`.
     Matrix([f64; 4], [f64; 4], [f64; 4], [f64; 4]),
     /// Puts an object that looks along −z at `from` and turns it towards `at`.
     LookAt {
-        /// Where it stands.
+        /// Position of the object.
+        ///
+        /// Unit: units of the scene. Example: `from: (0, 1, 5)`.
         from: [f64; 3],
-        /// What it looks at.
+        /// Point that the object looks at.
+        ///
+        /// Unit: units of the scene. Example: `at: (0, 0.5, 0)`.
         at: [f64; 3],
-        /// The direction that its +y turns to as nearly as possible; +y by default.
+        /// The direction that its +y turns to as nearly as possible.
+        ///
+        /// Unit: none.
         #[serde(default = "up")]
         up: [f64; 3],
     },

@@ -50,6 +50,7 @@ pub(super) struct Parsed {
 pub(super) fn parse(json: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Parsed, LoadError> {
     let mut value: Value = serde_json::from_slice(json).map_err(|error| syntax(&error, path))?;
     mend_integers(&mut value);
+    add_lists_of_nodes(&mut value);
     check_version(&value).map_err(|reason| reason.at(path, "asset.version"))?;
     check_extensions(&value, path, warnings)?;
     check_primitives(&value, path, warnings)?;
@@ -89,6 +90,14 @@ fn mend_integers(value: &mut Value) {
             }
         }
         Value::Null | Value::Bool(_) | Value::String(_) => {}
+    }
+}
+
+/// Gives scenes without nodes an empty list of them, which the format leaves out and the parser asks for.
+fn add_lists_of_nodes(value: &mut Value) {
+    let scenes = value.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten();
+    for scene in scenes.filter_map(Value::as_object_mut) {
+        scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
     }
 }
 
@@ -230,7 +239,7 @@ fn shortened(text: &str) -> String {
 }
 
 fn problem(place: String, reason: Reason, path: &Path) -> Problem {
-    Problem { file: path.display().to_string(), place: place.into(), reason }
+    Problem { file: path.display().to_string(), place: place.into(), reason, excerpt: None }
 }
 
 fn refuse(mut problems: Vec<Problem>) -> Result<(), LoadError> {

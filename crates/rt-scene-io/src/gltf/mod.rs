@@ -46,7 +46,7 @@ use self::{
 use crate::{
     LoadError, LoadOptions, MaterialId, MeshId, Model, NamedMesh, Reason, Warning,
     budget::Reservation,
-    files::read_file,
+    files::{read_file, refuse_utf16},
     forecast::{self, Sample},
     limits,
     mesh_build::build_mesh,
@@ -68,6 +68,7 @@ type Part = (MeshId, MaterialId);
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     forecast::within(path, options, peak_bytes, || {
         let bytes = read_file(path, options).map_err(|reason| reason.at(path, ""))?;
+        refuse_utf16(&bytes).map_err(|reason| reason.at(path, ""))?;
         // The last net, below the checks: the `gltf` crate may panic on documents that nobody thought of.
         catch_unwind(AssertUnwindSafe(|| load_bytes(&bytes, path, options))).unwrap_or_else(|_| {
             let message = "the document contradicts itself in a way that is not understood";

@@ -29,7 +29,7 @@ use self::round::Solid;
 use self::surface::Fill;
 use self::view::View;
 use self::words::{Word, Words};
-use crate::files::read_file;
+use crate::files::{read_file, refuse_utf16};
 use crate::flaw::Flaw;
 use crate::forecast::{self, Sample};
 use crate::format::{Background, Color};
@@ -64,6 +64,7 @@ pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadErro
 
 /// Loads the file that `bytes` hold; `path` is for messages.
 pub(crate) fn load_bytes(bytes: &[u8], path: &Path) -> Result<Model, LoadError> {
+    refuse_utf16(bytes).map_err(|reason| reason.at(path, ""))?;
     // Comments may be in any encoding; elsewhere what is not ASCII is no number and no keyword.
     let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes));
     // Line ends of old Macintosh systems, from which some of these files come.
@@ -131,7 +132,7 @@ impl<'p> Reader<'p> {
 
     fn report(&mut self, Flaw { line, reason }: Flaw) {
         let file = self.path.display().to_string();
-        self.report.add([Problem { file, place: Place::Line(line), reason }]);
+        self.report.add([Problem { file, place: Place::Line(line), reason, excerpt: None }]);
     }
 
     fn warn(&mut self, line: usize, message: String) {

@@ -18,11 +18,11 @@ use super::{
 };
 use crate::{
     LoadError, LoadOptions, MaterialId, Model, Place, Reason, Warning,
-    files::{read_beside, resolve_path},
+    files::{read_beside, refuse_utf16, resolve_path},
 };
 
 /// Maps that have no effect here.
-const UNUSED: [&str; 6] = ["map_Pcr", "map_aniso", "map_anisor", "disp", "decal", "refl"];
+pub(super) const UNUSED: [&str; 6] = ["map_Pcr", "map_aniso", "map_anisor", "disp", "decal", "refl"];
 
 /// The same of glass, which is the same everywhere.
 const UNUSED_BY_GLASS: [&str; 7] = ["map_Pr", "map_Pm", "map_Ps", "map_Pc", "Pc", "Ps", "aniso"];
@@ -97,7 +97,13 @@ impl<'a> Library<'a> {
             Err(Reason::Empty) => Vec::new(),
             bytes => bytes.map_err(|reason| reason.at(file, ""))?,
         };
-        let (materials, complaints) = mtl::parse(&lines::decode(&bytes).0);
+        refuse_utf16(&bytes).map_err(|reason| reason.at(file, ""))?;
+        let mtl::Library { materials, complaints, unknown } = mtl::parse(&lines::decode(&bytes).0);
+        for mtl::Unknown { line, keyword, count } in unknown {
+            let times = if count > 1 { format!(" ({count} times, this is the first)") } else { String::new() };
+            let message = format!("the statement `{keyword}` is not known; it is left out{times}");
+            model.warnings.push(warning(file, line, message));
+        }
         for (line, message) in complaints {
             model.warnings.push(warning(file, line, format!("{message}; the statement is left out")));
         }

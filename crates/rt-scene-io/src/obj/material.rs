@@ -224,7 +224,8 @@ mod tests {
     use super::*;
 
     fn mtl(text: &str) -> tobj::Material {
-        let (materials, complaints) = super::super::mtl::parse(&format!("newmtl m\n{text}"));
+        let super::super::mtl::Library { materials, complaints, .. } =
+            super::super::mtl::parse(&format!("newmtl m\n{text}"));
         assert_eq!(complaints, []);
         materials.into_iter().next().expect("one material")
     }

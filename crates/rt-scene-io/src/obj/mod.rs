@@ -32,7 +32,7 @@ use self::{
 };
 use crate::{
     Content, LoadError, LoadOptions, MeshId, Model, NamedMesh, Node, Place, Problem, Reason, Warning,
-    files::read_file,
+    files::{read_file, refuse_utf16},
     forecast::{self, Sample},
     limits,
     mesh_build::build_mesh,
@@ -63,6 +63,7 @@ fn peak_bytes(sample: &Sample) -> u64 {
 /// Loads the model that `bytes` hold; `path` is for messages and for references to other files.
 pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     let bad = |lines: Vec<BadLine>| refuse(lines, path);
+    refuse_utf16(bytes).map_err(|reason| reason.at(path, ""))?;
     let (source, not_utf8) = lines::decode(bytes);
     let document = Document::parse(&source).map_err(bad)?;
 
@@ -138,7 +139,7 @@ fn refuse(mut lines: Vec<BadLine>, path: &Path) -> LoadError {
     lines.truncate(limits::PROBLEMS);
     let named = lines.into_iter().map(|BadLine { line, message }| (Place::Line(line), Reason::Syntax(message)));
     let rest = (more > 0).then_some((Place::File, Reason::More(more)));
-    let problem = |(place, reason)| Problem { file: path.display().to_string(), place, reason };
+    let problem = |(place, reason)| Problem { file: path.display().to_string(), place, reason, excerpt: None };
     let problems = named.chain(rest).map(problem).collect();
     LoadError::from_problems(problems).unwrap_or_else(|| Reason::Empty.at(path, ""))
 }

@@ -4,11 +4,37 @@
 //! where it is. Materials matter less than geometry, so a bad statement is left out here, with a warning, and the
 //! rest of the file counts.
 
+use super::library::UNUSED;
 use super::lines::{Line, lines};
 use super::map::Map;
 
 /// A statement that was left out: its line, and why.
 pub(super) type Complaint = (usize, String);
+
+/// A statement that the format does not have, or that has no meaning here.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Unknown {
+    /// Where it stands first.
+    pub(super) line: usize,
+    pub(super) keyword: String,
+    /// How often it stands in the file.
+    pub(super) count: usize,
+}
+
+/// The content of a file.
+#[derive(Debug, Default)]
+pub(super) struct Library {
+    /// All numbers are finite and not negative. Tf, Tr, map_Ke and the physical parameters (Pr, Pm, ...) are among the unknown
+    /// parameters.
+    pub(super) materials: Vec<tobj::Material>,
+    /// What was left out because it is wrong.
+    pub(super) complaints: Vec<Complaint>,
+    /// What was left out because it is unknown: each keyword once.
+    pub(super) unknown: Vec<Unknown>,
+}
+
+/// Most keywords that are told of.
+const MAX_UNKNOWN: usize = 100;
 
 /// Keywords whose case exporters do not agree on, in the spelling that `tobj` knows.
 const KEYWORDS: [&str; 33] = [
@@ -18,18 +44,26 @@ const KEYWORDS: [&str; 33] = [
 ];
 
 /// The materials of a file, and what was left out of it.
-///
-/// All numbers of the result are finite and not negative. Tf, Tr, map_Ke and the physical parameters (Pr, Pm, ...) are among
-/// the unknown parameters.
-pub(super) fn parse(text: &str) -> (Vec<tobj::Material>, Vec<Complaint>) {
+pub(super) fn parse(text: &str) -> Library {
     let mut clean = String::new();
     let mut complaints = Vec::new();
+    let mut unknown: Vec<Unknown> = Vec::new();
     let mut is_nobodys = false;
     for line in lines(text) {
         let statement = statement(&line);
         if line.split().0.eq_ignore_ascii_case("newmtl") {
             is_nobodys = statement.is_err();
         } else if is_nobodys {
+            continue;
+        }
+        let word = line.split().0;
+        if !is_known(word) {
+            let known = unknown.iter().position(|unknown| unknown.keyword == word);
+            if let Some(unknown) = known.and_then(|index| unknown.get_mut(index)) {
+                unknown.count += 1;
+            } else if unknown.len() < MAX_UNKNOWN {
+                unknown.push(Unknown { line: line.number, keyword: word.to_owned(), count: 1 });
+            }
             continue;
         }
         match statement {
@@ -41,10 +75,10 @@ pub(super) fn parse(text: &str) -> (Vec<tobj::Material>, Vec<Complaint>) {
         }
     }
     match tobj::load_mtl_buf(&mut clean.as_bytes()) {
-        Ok((materials, _)) => (materials, complaints),
+        Ok((materials, _)) => Library { materials, complaints, unknown },
         Err(error) => {
             complaints.push((1, format!("no material can be read: {error}")));
-            (Vec::new(), complaints)
+            Library { materials: Vec::new(), complaints, unknown }
         }
     }
 }
@@ -81,6 +115,11 @@ fn statement(line: &Line<'_>) -> Result<String, String> {
     }
 }
 
+/// True for keywords that mean something, here or in other programs that read the format.
+fn is_known(word: &str) -> bool {
+    KEYWORDS.iter().chain(&UNUSED).any(|known| known.eq_ignore_ascii_case(word))
+}
+
 /// True for statements that name an image.
 fn is_map(keyword: &str) -> bool {
     keyword.starts_with("map_") || matches!(keyword, "bump" | "norm" | "disp" | "decal")
@@ -102,7 +141,7 @@ mod tests {
     fn good_statements_reach_the_material() {
         let text = "newmtl a b\nKd .5 0.25 1e-1 # red\nks 0.5\nNS 12\nd -halo 0.25\nillum 7\nmap_kd -s 1 1 1 a b.png\n\
                     Tf 1 1 1\nnewmtl c\nmap_Ke e.png\nPr 0.5";
-        let (materials, complaints) = parse(text);
+        let Library { materials, complaints, .. } = parse(text);
         assert_eq!(complaints, []);
         let [a, c] = &materials[..] else { panic!("two materials") };
         assert_eq!((a.name.as_str(), c.name.as_str()), ("a b", "c"));
@@ -115,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_material_without_a_name_changed_the_one_before_it() {
-        let (materials, complaints) = parse("newmtl a\nKd 0 1 0\nnewmtl\nKd 1 0 0\nnewmtl b\nKd 0 0 1\n");
+        let Library { materials, complaints, .. } = parse("newmtl a\nKd 0 1 0\nnewmtl\nKd 1 0 0\nnewmtl b\nKd 0 0 1\n");
         let colours: Vec<_> = materials.iter().map(|material| material.diffuse).collect();
         assert_eq!(colours, [Some([0.0, 1.0, 0.0]), Some([0.0, 0.0, 1.0])]);
         assert_eq!(complaints.len(), 1);
@@ -124,7 +163,7 @@ mod tests {
 
     #[test]
     fn maps_that_name_no_image_were_left_out_without_a_word() {
-        let (_, complaints) = parse("newmtl a\nmap_Kd -s 2 2\nbump -bm 1\n");
+        let Library { complaints, .. } = parse("newmtl a\nmap_Kd -s 2 2\nbump -bm 1\n");
         let expected =
             [(2, "`map_Kd -s 2 2` names no image".to_owned()), (3, "`bump -bm 1` names no image".to_owned())];
         assert_eq!(complaints, expected);
@@ -133,7 +172,7 @@ mod tests {
     #[test]
     fn bad_statements_are_left_out_with_their_line() {
         let text = "newmtl a\nKd 1 2\nKs x 1 1\nKa\nNs -1\nNi nan\nillum 11\nmap_Kd\nKe 1 1 1e99\nKd 1 1 1\nnewmtl\n";
-        let (materials, complaints) = parse(text);
+        let Library { materials, complaints, .. } = parse(text);
         assert_eq!(materials.len(), 1);
         assert_eq!((materials[0].diffuse, materials[0].specular), (Some([1.0; 3]), None));
         let lines: Vec<usize> = complaints.iter().map(|(line, _)| *line).collect();

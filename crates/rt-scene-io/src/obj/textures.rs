@@ -11,7 +11,7 @@ use rt_shading::{Bitmap, Channel, Texture, TextureId, Wrap};
 use super::{map::Map, relief};
 use crate::{
     LoadError, LoadOptions, Model, Reason, Warning,
-    files::{read_texture_as, resolve_path},
+    files::{is_absolute, read_texture_as, resolve_path},
     limits,
     texture::Pixels,
 };
@@ -58,15 +58,20 @@ impl<'a> Textures<'a> {
         for option in &map.ignored {
             warn(format!("the texture option `{option}` of `{}` is not followed", map.file));
         }
+        let instead = match meaning {
+            Meaning::Colours => "the plain colour is used",
+            Meaning::Numbers => "the plain number is used",
+            Meaning::Cover(_) => "the surface is whole",
+            Meaning::Relief => "the surface is smooth",
+        };
+        // It was there on the machine of whoever made the model.
+        if is_absolute(&map.file) {
+            warn(format!("the image `{}` is not looked for, as its path is absolute; {instead}", map.file));
+            return Ok(None);
+        }
         let image = match resolve_path(&map.file, file, self.options) {
             Ok(image) => image,
             Err(Reason::MissingReference { .. }) => {
-                let instead = match meaning {
-                    Meaning::Colours => "the plain colour is used",
-                    Meaning::Numbers => "the plain number is used",
-                    Meaning::Cover(_) => "the surface is whole",
-                    Meaning::Relief => "the surface is smooth",
-                };
                 warn(format!("the image `{}` is not there; {instead}", map.file));
                 return Ok(None);
             }

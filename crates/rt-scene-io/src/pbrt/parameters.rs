@@ -44,7 +44,10 @@ pub(super) struct Parameter {
     pub(super) kind: &'static str,
     pub(super) name: String,
     pub(super) values: Values,
-    used: Cell<bool>,
+    /// Shared by the copies of an attribute: it is enough that one of them is of use.
+    used: Rc<Cell<bool>>,
+    /// Whether it comes from the attributes of a scope.
+    is_attribute: bool,
 }
 
 /// The parameters of one directive.
@@ -56,6 +59,11 @@ pub(super) struct Parameters {
 }
 
 impl Parameter {
+    /// True if something has asked for it, or for a copy of it.
+    pub(super) fn is_used(&self) -> bool {
+        self.used.get()
+    }
+
     fn read(tokens: &mut Tokens<'_>) -> Result<Self, Flaw> {
         let line = tokens.line();
         let declared = tokens.text("the type and name of a parameter")?;
@@ -83,7 +91,7 @@ impl Parameter {
             };
             return Err(Flaw::new(line, format_args!("the parameter \"{name}\""), rule));
         }
-        Ok(Self { line, kind, name: name.to_owned(), values, used: Cell::new(false) })
+        Ok(Self { line, kind, name: name.to_owned(), values, used: Rc::default(), is_attribute: false })
     }
 
     fn values(tokens: &mut Tokens<'_>, name: &str) -> Result<Values, Flaw> {
@@ -150,8 +158,7 @@ impl Parameters {
     pub(super) fn or(mut self, defaults: &Self) -> Self {
         for default in &defaults.list {
             if self.list.iter().all(|given| given.name != default.name) {
-                // Not every shape has a use for what is meant for all of them.
-                self.list.push(Parameter { used: Cell::new(true), ..default.clone() });
+                self.list.push(default.clone());
             }
         }
         self
@@ -178,9 +185,19 @@ impl Parameters {
         }
     }
 
-    /// Names of the parameters that nothing has asked for.
+    /// Names of the parameters that nothing has asked for. Not every shape has a use for attributes that are meant for all.
     pub(super) fn unused(&self) -> Vec<(usize, &str)> {
-        self.list.iter().filter(|p| !p.used.get()).map(|p| (p.line, p.name.as_str())).collect()
+        let unused = self.list.iter().filter(|p| !p.used.get() && !p.is_attribute);
+        unused.map(|p| (p.line, p.name.as_str())).collect()
+    }
+
+    /// These parameters as attributes, and each of them to see later whether it was of use.
+    pub(super) fn into_attributes(mut self) -> (Self, Vec<Parameter>) {
+        for parameter in &mut self.list {
+            parameter.is_attribute = true;
+        }
+        let list = self.list.clone();
+        (self, list)
     }
 
     /// All numbers of a parameter of one of the types; empty if it is not there.

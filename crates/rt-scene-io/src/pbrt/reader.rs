@@ -7,7 +7,7 @@ use rt_math::{Rgb, Transform};
 use rt_shading::TextureId;
 
 use super::material::{Surface, unknown};
-use super::parameters::Parameters;
+use super::parameters::{Parameter, Parameters};
 use super::shape::Trouble;
 use super::state::{State, TRANSFORMS};
 use super::texture::Textures;
@@ -53,6 +53,9 @@ const WORLD: [&str; 22] = [
 /// Directives that are read and left out.
 const LEFT_OUT: [&str; 4] = ["MakeNamedMedium", "MediumInterface", "ActiveTransform", "TransformTimes"];
 
+/// What attributes may be for.
+const TARGETS: [&str; 5] = ["shape", "light", "material", "medium", "texture"];
+
 /// A surface by its index, the bits of what it emits from one side or both, and how much of it is there.
 type Shown = (usize, Option<([u64; 3], bool)>, (u64, Option<TextureId>));
 
@@ -72,6 +75,8 @@ pub(super) struct Reader<'f> {
     pub(super) state: State,
     /// What `AttributeBegin` and `ObjectBegin` saved, and their lines.
     pub(super) saved: Vec<(State, usize, bool)>,
+    /// All attributes: the file, what they are for, and the parameter.
+    pub(super) attributes: Vec<(PathBuf, String, Parameter)>,
     /// Whether the matrix that changes is one of motion, which is not followed.
     pub(super) at_end_time: bool,
     pub(super) in_world: bool,
@@ -110,6 +115,7 @@ impl<'f> Reader<'f> {
             warned: HashMap::new(),
             state: State::default(),
             saved: Vec::new(),
+            attributes: Vec::new(),
             at_end_time: false,
             in_world: false,
             view: None,
@@ -157,7 +163,7 @@ impl<'f> Reader<'f> {
     pub(super) fn complain(&mut self, Flaw { line, reason }: Flaw) {
         self.complaints += 1;
         let file = self.path.display().to_string();
-        self.report.add([Problem { file, place: Place::Line(line), reason }]);
+        self.report.add([Problem { file, place: Place::Line(line), reason, excerpt: None }]);
     }
 
     /// Warns once of what comes many times.
@@ -211,7 +217,15 @@ impl<'f> Reader<'f> {
             "Include" | "Import" => self.include(word == "Import", line, tokens)?,
             "Attribute" => {
                 let target = tokens.text("what attributes are for")?;
-                let parameters = Parameters::read(tokens, line)?;
+                if !TARGETS.contains(&target.as_str()) {
+                    let known = "give shape, light, material, medium or texture";
+                    self.warn(line, format!("`Attribute \"{target}\"` is for nothing that is known: {known}"));
+                    Parameters::read(tokens, line)?;
+                    return Ok(());
+                }
+                let (parameters, list) = Parameters::read(tokens, line)?.into_attributes();
+                let path = &self.path;
+                self.attributes.extend(list.into_iter().map(|parameter| (path.clone(), target.clone(), parameter)));
                 self.state.attributes.entry(target).or_default().replace_by(parameters)?;
             }
             "Texture" | "Material" | "MakeNamedMaterial" | "NamedMaterial" => self.appearance(word, line, tokens)?,
@@ -374,6 +388,11 @@ impl<'f> Reader<'f> {
         }
         let path: &Path = self.files.root_file;
         self.report.finish()?;
+        for (path, target, attribute) in self.attributes.iter().filter(|(.., attribute)| !attribute.is_used()) {
+            let place = format!("{}:{}", path.display(), attribute.line);
+            let message = format!("the attribute \"{}\" for \"{target}\" is used by nothing", attribute.name);
+            self.model.warnings.push(Warning { place, message });
+        }
         if self.nodes.is_empty() {
             return Err(Reason::Syntax("has no shapes that can be seen".to_owned()).at(path, ""));
         }

@@ -21,14 +21,16 @@ use serde_ply::{DeserializeError, PlyFormat, PlyHeader, PlyReader};
 
 use self::rows::{Corners, STRIPS, Skipped, Strips, Vertices};
 use crate::classical::AMBIENT;
-use crate::files::read_file;
+use crate::files::{read_file, refuse_utf16};
 use crate::forecast::{self, Sample};
 use crate::{LoadError, LoadOptions, Material, Model, Place, Reason, Warning};
 
 /// Loads the file at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     forecast::within(path, options, peak_bytes, || {
-        load_bytes(read_file(path, options).map_err(|reason| reason.at(path, ""))?, path)
+        let bytes = read_file(path, options).map_err(|reason| reason.at(path, ""))?;
+        refuse_utf16(&bytes).map_err(|reason| reason.at(path, ""))?;
+        load_bytes(bytes, path)
     })
 }
 
@@ -53,6 +55,7 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
     header::check(&header, rest.len() as u64).map_err(|reason| reason.at(path, ""))?;
     let mut rest = bytes.as_slice();
     let content = read(&mut rest).map_err(|error| explain(&error, &bytes, rest, Some(header.format), path))?;
+    let surplus = surplus(&bytes, rest, header.format);
     let Content { vertices, corners } = content;
     if corners.is_empty() {
         let what = "is a cloud of points, without faces, which";
@@ -63,6 +66,7 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
     for left_out in header::left_out(&header) {
         warn(left_out);
     }
+    surplus.into_iter().for_each(&mut warn);
     if corners.short > 0 {
         warn(format!("{} faces with fewer than three corners were left out", corners.short));
     }
@@ -107,6 +111,31 @@ fn read(bytes: &mut &[u8]) -> Result<Content, DeserializeError> {
     }
     strips.add_to(&mut content.corners);
     Ok(content)
+}
+
+/// A sentence about what follows the rows that the header promises, if anything does. `rest` is what has not been read.
+fn surplus(bytes: &[u8], rest: &[u8], format: PlyFormat) -> Option<String> {
+    // The last byte is not the file's.
+    let rest = &rest[..rest.len().saturating_sub(1)];
+    if format != PlyFormat::Ascii {
+        let unit = if rest.len() == 1 { "byte" } else { "bytes" };
+        let sentence = format!("{} {unit} beyond the rows that the header promises are left out", rest.len());
+        return (!rest.is_empty()).then_some(sentence);
+    }
+    let line = bytes.len() - 1 - rest.len();
+    let mut line = 1 + bytes[..line].iter().filter(|byte| **byte == b'\n').count();
+    let (mut first, mut count) = (None, 0_usize);
+    for text in rest.split(|byte| *byte == b'\n') {
+        if !text.trim_ascii().is_empty() {
+            first = first.or(Some(line));
+            count += 1;
+        }
+        line += 1;
+    }
+    let (first, unit) = (first?, if count == 1 { "line" } else { "lines" });
+    let place = if count == 1 { format!("(line {first})") } else { format!("the first of them line {first}") };
+    let comma = if count == 1 { " " } else { ", " };
+    Some(format!("{count} {unit} beyond the rows that the header promises are left out{comma}{place}"))
 }
 
 /// The problem at the place up to which the file was read: a line of text, or a byte.

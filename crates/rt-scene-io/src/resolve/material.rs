@@ -19,16 +19,48 @@ const DEFAULT_IOR: f64 = 1.5;
 /// Name of the material of shapes that have none.
 const DEFAULT_NAME: &str = "default";
 
+/// A material of a node, and its path in the document.
+pub(super) struct Assigned<'a> {
+    pub(super) path: String,
+    pub(super) material: &'a format::NodeMaterial,
+}
+
 pub(super) struct Materials<'a> {
     definitions: &'a IndexMap<String, format::Material>,
     pub(super) list: Vec<Material>,
     ids: HashMap<&'a str, MaterialId>,
+    /// Those that stand at nodes, by their path in the document.
+    at_nodes: HashMap<String, MaterialId>,
     default: Option<MaterialId>,
 }
 
 impl<'a> Materials<'a> {
     pub(super) fn new(definitions: &'a IndexMap<String, format::Material>) -> Self {
-        Self { definitions, list: Vec::new(), ids: HashMap::new(), default: None }
+        Self { definitions, list: Vec::new(), ids: HashMap::new(), at_nodes: HashMap::new(), default: None }
+    }
+
+    /// The material of a node, as [`id`](Self::id) gives it. One that stands at the node is made once for all below.
+    pub(super) fn of(
+        &mut self,
+        assigned: Option<&Assigned<'a>>,
+        textures: &mut Textures<'_>,
+        report: &mut Report,
+    ) -> Result<MaterialId, Reason> {
+        let (path, definition) = match assigned {
+            None => return Ok(self.default_id()),
+            Some(Assigned { material: format::NodeMaterial::Name(name), .. }) => {
+                return self.id(Some(name), textures, report);
+            }
+            Some(Assigned { path, material: format::NodeMaterial::Inline(definition) }) => (path, definition),
+        };
+        if let Some(&id) = self.at_nodes.get(path) {
+            return Ok(id);
+        }
+        let plain = Material::new(path.clone(), Phong::default());
+        let material = changed(path, definition, plain.clone(), textures, report).unwrap_or(plain);
+        let id = self.add(material);
+        self.at_nodes.insert(path.clone(), id);
+        Ok(id)
     }
 
     /// The material of this name, or the default for no name. A name that is unknown is an error; a material that is
@@ -50,7 +82,7 @@ impl<'a> Materials<'a> {
             return Ok(id);
         }
         let plain = Material::new(name.clone(), Phong::default());
-        let material = changed(definition, plain.clone(), textures, report).unwrap_or(plain);
+        let material = changed(&place_of(name), definition, plain.clone(), textures, report).unwrap_or(plain);
         let id = self.add(material);
         self.ids.insert(name, id);
         Ok(id)
@@ -80,7 +112,8 @@ impl<'a> Materials<'a> {
         report: &mut Report,
     ) -> MaterialId {
         let changes = self.definitions.get(&material.name);
-        let changed = changes.and_then(|definition| changed(definition, material.clone(), textures, report));
+        let place = place_of(&material.name);
+        let changed = changes.and_then(|definition| changed(&place, definition, material.clone(), textures, report));
         self.add(changed.unwrap_or(material))
     }
 
@@ -88,24 +121,31 @@ impl<'a> Materials<'a> {
     pub(super) fn check_unused(&self, mut scratch: Textures<'_>, report: &mut Report) {
         let used: HashSet<&str> = self.list.iter().map(|material| material.name.as_str()).collect();
         for (name, definition) in self.definitions.iter().filter(|(name, _)| !used.contains(name.as_str())) {
-            changed(definition, Material::new(name.clone(), Phong::default()), &mut scratch, report);
+            let plain = Material::new(name.clone(), Phong::default());
+            changed(&place_of(name), definition, plain, &mut scratch, report);
         }
     }
+}
+
+/// The path of a material with a name.
+fn place_of(name: &str) -> String {
+    format!("materials[\"{name}\"]")
 }
 
 /// The material that a definition makes of `base`: a classical one changes what it names, a physical one takes its place.
 /// `None` if something in it is wrong.
 fn changed(
+    path: &str,
     definition: &format::Material,
     base: Material,
     textures: &mut Textures<'_>,
     report: &mut Report,
 ) -> Option<Material> {
     let format::Material::Phong { shines, .. } = definition else {
-        return PhysicalReader { textures, report }.material(&base.name, definition);
+        return PhysicalReader { textures, report }.material(path, &base.name, definition);
     };
     let shines = shines.map_or(base.shines, sides);
-    let phong = changed_phong(&base.name, definition, base.phong, textures, report)?;
+    let phong = changed_phong(path, definition, base.phong, textures, report)?;
     // A change of the classical surface is meant for all integrators.
     let physical = if phong == base.phong { base.physical } else { None };
     Some(Material { phong, physical, shines, ..base })
@@ -113,7 +153,7 @@ fn changed(
 
 /// `base` with the fields replaced that the definition gives.
 fn changed_phong(
-    name: &str,
+    path: &str,
     definition: &format::Material,
     base: Phong,
     textures: &mut Textures<'_>,
@@ -138,7 +178,7 @@ fn changed_phong(
     else {
         return None;
     };
-    let at = |field: &str| format!("materials[\"{name}\"].{field}");
+    let at = |field: &str| format!("{path}.{field}");
     let mut read = |field: &str, given: &Option<format::Coefficient>, base: Coefficient| {
         given.as_ref().map_or(Some(base), |value| report.check(at(field), textures.coefficient(value)))
     };

@@ -113,6 +113,6 @@ fn default_integrator(file: &SceneFile) -> Integrator {
     let lights = file.lights.as_deref().unwrap_or_default();
     let is_physical = lights.iter().any(area_light::has_extent)
         || matches!(file.background, Some(format::Background::Image { .. }))
-        || file.materials.values().any(|material| !matches!(material, format::Material::Phong { .. }));
+        || file.materials().any(|material| !matches!(material, format::Material::Phong { .. }));
     if is_physical { Integrator::Path } else { Integrator::Whitted }
 }

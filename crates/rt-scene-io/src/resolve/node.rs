@@ -12,7 +12,7 @@ use super::exposure::Exposure;
 use super::group::order;
 use super::include::Models;
 use super::limit;
-use super::material::Materials;
+use super::material::{Assigned, Materials};
 use super::report::Report;
 use super::shape::{Solid, solid};
 use super::texture::Textures;
@@ -72,7 +72,13 @@ impl<'a> Objects<'a> {
         objects
     }
 
-    fn tree(&mut self, path: &str, nodes: &[format::Node], inherited: Option<&str>, depth: u64) -> Vec<Node> {
+    fn tree(
+        &mut self,
+        path: &str,
+        nodes: &'a [format::Node],
+        inherited: Option<&Assigned<'a>>,
+        depth: u64,
+    ) -> Vec<Node> {
         if depth > limits::NODE_DEPTH {
             let reason = Reason::TooLarge { what: "the depth of the tree", value: depth, limit: limits::NODE_DEPTH };
             self.report.check::<()>(path, Err(reason));
@@ -85,10 +91,17 @@ impl<'a> Objects<'a> {
             .collect()
     }
 
-    fn node(&mut self, path: &str, node: &format::Node, inherited: Option<&str>, depth: u64) -> Option<Node> {
+    fn node(
+        &mut self,
+        path: &str,
+        node: &'a format::Node,
+        inherited: Option<&Assigned<'a>>,
+        depth: u64,
+    ) -> Option<Node> {
         let places = node_places(&mut self.report, path, node, &self.exposure);
         let (parent_from_local, moves_to) = places.unwrap_or((Transform::IDENTITY, None));
-        let material = node.material.as_deref().or(inherited);
+        let own = node.material.as_ref().map(|material| Assigned { path: format!("{path}.material"), material });
+        let material = own.as_ref().or(inherited);
         let mut placed = Node {
             name: node.name.clone(),
             parent_from_local,
@@ -99,14 +112,14 @@ impl<'a> Objects<'a> {
             children: Vec::new(),
         };
         match (&node.shape, &node.model, &node.instance) {
-            (None, None, None) => self.check_material(path, node),
+            (None, None, None) => self.check_material(path, own.as_ref()),
             (Some(shape), None, None) => {
                 placed.material = self.material(path, material)?;
                 placed.content = self.shape(path, &node.name, shape);
             }
             (None, Some(model), None) => {
-                let own = match node.material.as_deref() {
-                    Some(name) => Some(self.material(path, Some(name))?),
+                let own = match own.as_ref() {
+                    Some(own) => Some(self.material(path, Some(own))?),
                     None => None,
                 };
                 placed.children = self.include(path, model, own)?;
@@ -121,15 +134,19 @@ impl<'a> Objects<'a> {
         Some(placed)
     }
 
-    fn material(&mut self, path: &str, name: Option<&str>) -> Option<MaterialId> {
-        let id = self.materials.id(name, &mut self.textures, &mut self.report);
+    fn material(&mut self, path: &str, assigned: Option<&Assigned<'a>>) -> Option<MaterialId> {
+        let id = self.materials.of(assigned, &mut self.textures, &mut self.report);
         self.report.check(format_args!("{path}.material"), id)
     }
 
-    /// Checks the name of a material that only children may use.
-    fn check_material(&mut self, path: &str, node: &format::Node) {
-        if let Some(name) = node.material.as_deref().filter(|name| !self.file.materials.contains_key(*name)) {
-            self.material(path, Some(name));
+    /// Checks a material that only children may use.
+    fn check_material(&mut self, path: &str, assigned: Option<&Assigned<'a>>) {
+        let is_sound = |assigned: &&Assigned<'_>| match assigned.material {
+            format::NodeMaterial::Name(name) => self.file.materials.contains_key(name),
+            format::NodeMaterial::Inline(_) => false,
+        };
+        if let Some(assigned) = assigned.filter(|assigned| !is_sound(assigned)) {
+            self.material(path, Some(assigned));
         }
     }
 

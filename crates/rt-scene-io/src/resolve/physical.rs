@@ -26,9 +26,9 @@ struct Surface {
 }
 
 impl PhysicalReader<'_, '_> {
-    /// The material of this name; `None` if something in it is wrong, which is reported.
-    pub(super) fn material(&mut self, name: &str, definition: &format::Material) -> Option<Material> {
-        let Surface { phong, physical, shines } = self.surface(&format!("materials[\"{name}\"]"), definition)?;
+    /// The material at a path of the document, under a name; `None` if something in it is wrong, which is reported.
+    pub(super) fn material(&mut self, path: &str, name: &str, definition: &format::Material) -> Option<Material> {
+        let Surface { phong, physical, shines } = self.surface(path, definition)?;
         Some(Material { physical: Some(physical), shines, ..Material::new(name.to_owned(), phong) })
     }
 

@@ -24,7 +24,7 @@ impl Report {
             Ok(value) => Some(value),
             Err(reason) => {
                 let place = Place::from(path.to_string());
-                self.add([Problem { file: self.file.clone(), place, reason: reason.into() }]);
+                self.add([Problem { file: self.file.clone(), place, reason: reason.into(), excerpt: None }]);
                 None
             }
         }
@@ -45,7 +45,7 @@ impl Report {
     pub(crate) fn finish(mut self) -> Result<Vec<Warning>, LoadError> {
         if self.not_shown > 0 {
             let reason = Reason::More(self.not_shown);
-            self.problems.push(Problem { file: self.file, place: Place::File, reason });
+            self.problems.push(Problem { file: self.file, place: Place::File, reason, excerpt: None });
         }
         match LoadError::from_problems(self.problems) {
             Some(error) => Err(error),

@@ -67,15 +67,26 @@ pub(super) fn colour(value: &Color) -> Result<Rgb, Reason> {
     Ok(components.into())
 }
 
-/// Linear components of `#rrggbb`.
+/// Linear components of `#rrggbb`, or of `#rgb` for short.
 fn hex(text: &str) -> Result<[f64; 3], Reason> {
     let bad = || {
-        Reason::invalid(format_args!("\"{text}\""), "is not a colour: write six hexadecimal digits as in \"#ff8000\"")
+        let rule = "is not a colour: write six hexadecimal digits as in \"#ff8000\", or three as in \"#f80\"";
+        Reason::invalid(format_args!("\"{text}\""), rule)
     };
     let digits = text.strip_prefix('#').unwrap_or(text);
-    if digits.len() != 6 || !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+    if !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
         return Err(bad());
     }
+    let digits = match digits.len() {
+        3 => digits.chars().flat_map(|digit| [digit; 2]).collect(),
+        6 => digits.to_owned(),
+        4 | 8 => {
+            let rule = "has digits for alpha, which a colour has none of: leave them out, as in \"#ff8000\"";
+            return Err(Reason::invalid(format_args!("\"{text}\""), rule));
+        }
+        _ => return Err(bad()),
+    };
+    let digits = digits.as_str();
     let [_, r, g, b] = u32::from_str_radix(digits, 16).map_err(|_| bad())?.to_be_bytes();
     Ok([r, g, b].map(|byte| Encoding::Srgb.decode_signal(f64::from(byte) / 255.0)))
 }
@@ -103,7 +114,8 @@ mod tests {
         assert_eq!(colour(&Color::Hex("#ff0000".to_owned())).unwrap(), Rgb::new(1.0, 0.0, 0.0));
         let middle = colour(&Color::Hex("808080".to_owned())).unwrap().g;
         assert!((middle - 0.215_860_5).abs() < 1e-7, "{middle}");
-        for bad in ["", "#fff", "#gg0000", "#ff00000", "#+f0000", "#é000"] {
+        assert_eq!(colour(&Color::Hex("#f80".to_owned())).unwrap(), colour(&Color::Hex("#ff8800".to_owned())).unwrap());
+        for bad in ["", "#ffff", "#ff0000ff", "#gg0000", "#ff00000", "#+f0000", "#é000"] {
             assert!(colour(&Color::Hex(bad.to_owned())).is_err(), "{bad}");
         }
     }

@@ -13,7 +13,7 @@ use rt_geometry::MeshData;
 use rt_math::Vec3;
 
 use self::lines::Lines;
-use crate::files::read_file;
+use crate::files::{read_file, refuse_utf16};
 use crate::forecast::{self, Sample};
 use crate::{LoadError, LoadOptions, Model, Place, Reason, Warning};
 
@@ -48,6 +48,10 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
     let mut mesh = Welded::default();
     let mut model = Model::default();
     let begins_as_text = lines::begins_solid(bytes.trim_ascii_start());
+    // The comment of a binary file may begin with any bytes.
+    if promised_size(&bytes) != Some(bytes.len() as u64) {
+        refuse_utf16(&bytes).map_err(|reason| reason.at(path, ""))?;
+    }
     match promised_size(&bytes) {
         Some(promised) if promised == bytes.len() as u64 || !begins_as_text => {
             let after = (bytes.len() as u64).checked_sub(promised).ok_or_else(|| {

@@ -129,7 +129,7 @@ fn node(object: neutral::Object, has_checker: bool) -> Node {
             Shape::Mesh { positions, triangles, faces: Vec::new(), normals, uvs: Vec::new() }
         }
     };
-    Node { shape: Some(shape), material: Some(object.mat), casts_shadow: !object.no_shadow, ..Node::default() }
+    Node { shape: Some(shape), material: Some(object.mat.into()), casts_shadow: !object.no_shadow, ..Node::default() }
 }
 
 /// Texture coordinates that are the two coordinates of the world along which the points extend most.

@@ -1,0 +1,200 @@
+//! What may stand at a place of a scene file, in words for people.
+//!
+//! The JSON Schema knows it for every place. It is made when something is wrong, and not before.
+
+use serde_json::Value;
+
+use super::SceneFile;
+use super::spot::Key;
+
+/// How values are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Notation {
+    Ron,
+    Json,
+}
+
+/// The schema of scene files.
+pub(super) struct Schema(Value);
+
+/// What may stand at a place: one of several.
+#[derive(Clone, Debug)]
+pub(super) struct Slot<'s> {
+    alternatives: Vec<&'s Value>,
+    /// The type or the choice that the fields here belong to.
+    pub(super) context: &'s str,
+    /// The type, if it has a name.
+    pub(super) definition: Option<&'s str>,
+}
+
+impl Schema {
+    pub(super) fn new() -> Self {
+        Self(schemars::schema_for!(SceneFile).to_value())
+    }
+
+    /// What may stand at the end of a path; `None` if the path leaves the format.
+    pub(super) fn slot(&self, path: &[Key<'_>]) -> Option<Slot<'_>> {
+        let mut slot = self.expand(vec![&self.0], "Scene");
+        slot.definition = Some("Scene");
+        for key in path {
+            slot = self.step(&slot, *key)?;
+        }
+        Some(slot)
+    }
+
+    fn step<'s>(&'s self, slot: &Slot<'s>, key: Key<'_>) -> Option<Slot<'s>> {
+        let of = |name: &str| slot.alternatives.iter().filter_map(|any| any.get(name)).collect::<Vec<_>>();
+        let inner = match key {
+            Key::Name(name) => {
+                let known = of("properties").into_iter().find_map(|fields| fields.as_object()?.get_key_value(name));
+                match known {
+                    Some((name, field)) => return Some(self.expand(vec![field], name)),
+                    None => of("additionalProperties").into_iter().filter(|any| any.is_object()).collect(),
+                }
+            }
+            Key::Index(index) | Key::Argument(index) => {
+                let list = of("prefixItems").into_iter().filter_map(Value::as_array);
+                let fixed: Vec<&Value> = list.filter_map(|list| list.get(index)).collect();
+                // A choice around one value is written with parentheses around that value.
+                let is_argument = matches!(key, Key::Argument(_));
+                if is_argument && (slot.definition.is_some() || fixed.is_empty()) {
+                    return Some(slot.clone());
+                }
+                if fixed.is_empty() { of("items") } else { fixed }
+            }
+        };
+        (!inner.is_empty()).then(|| self.expand(inner, slot.context))
+    }
+
+    /// Follows references and choices between schemas.
+    fn expand<'s>(&'s self, schemas: Vec<&'s Value>, context: &'s str) -> Slot<'s> {
+        let mut slot = Slot { alternatives: Vec::new(), context, definition: None };
+        let mut waiting = schemas;
+        waiting.reverse();
+        while let Some(schema) = waiting.pop() {
+            if let Some(name) = schema.get("$ref").and_then(Value::as_str).and_then(|path| path.rsplit('/').next()) {
+                if let Some((name, definition)) =
+                    self.0.get("$defs").and_then(Value::as_object).and_then(|all| all.get_key_value(name))
+                {
+                    if slot.definition.is_none() {
+                        (slot.definition, slot.context) = (Some(name.as_str()), name);
+                    }
+                    waiting.push(definition);
+                }
+                continue;
+            }
+            let choices = ["anyOf", "oneOf"].into_iter().filter_map(|key| schema.get(key)?.as_array()).flatten();
+            let choices: Vec<&Value> = choices.collect();
+            if choices.is_empty() {
+                if schema.get("type").and_then(Value::as_str) != Some("null") {
+                    slot.alternatives.push(schema);
+                }
+            } else {
+                waiting.extend(choices.into_iter().rev());
+            }
+        }
+        slot
+    }
+}
+
+impl<'s> Slot<'s> {
+    /// The names of the choices here, and whether each has fields or values of its own.
+    pub(super) fn choices(&self) -> Vec<(&'s str, bool)> {
+        let name = |any: &'s Value| -> Option<(&'s str, bool)> {
+            if let Some(name) = any.get("const").and_then(Value::as_str) {
+                return Some((name, false));
+            }
+            let required = any.get("required")?.as_array()?;
+            let fields = any.get("properties")?.as_object()?;
+            // A choice is an object of one field.
+            let [one] = &required[..] else { return None };
+            (fields.len() == 1).then(|| fields.keys().next())??;
+            Some((fields.get_key_value(one.as_str()?)?.0, true))
+        };
+        let named =
+            self.alternatives.iter().copied().filter_map(|any| match any.get("enum").and_then(Value::as_array) {
+                Some(names) => Some(names.iter().filter_map(|name| Some((name.as_str()?, false))).collect()),
+                None => name(any).map(|one| vec![one]),
+            });
+        if self.definition.is_none() { Vec::new() } else { named.flatten().collect() }
+    }
+
+    /// True for names and their values.
+    pub(super) fn is_map(&self) -> bool {
+        self.alternatives.iter().any(|any| any.get("additionalProperties").is_some_and(Value::is_object))
+    }
+
+    /// Elements of a list of fixed length.
+    pub(super) fn fixed_length(&self) -> Option<usize> {
+        let length = |any: &&Value| any.get("maxItems").and_then(Value::as_u64);
+        self.alternatives.iter().find_map(length).and_then(|length| usize::try_from(length).ok())
+    }
+
+    /// What is expected here.
+    pub(super) fn words(&self, notation: Notation) -> String {
+        let is_ron = notation == Notation::Ron;
+        match (self.definition, is_ron) {
+            (Some("Scene"), true) => return "a scene, which begins with `(`: (nodes: [...])".to_owned(),
+            (Some("Scene"), false) => return "a scene, which begins with `{`: {\"nodes\": [...]}".to_owned(),
+            (Some("Color"), true) => return "a colour: a number, (r, g, b) or \"#rrggbb\"".to_owned(),
+            (Some("Color"), false) => return "a colour: a number, [r, g, b] or \"#rrggbb\"".to_owned(),
+            (Some("Coefficient"), true) => {
+                return "a colour: a number, (r, g, b), \"#rrggbb\", checker(...) or image(...)".to_owned();
+            }
+            (Some("Coefficient"), false) => {
+                let texture = "{\"checker\": {...}} or {\"image\": {...}}";
+                return format!("a colour: a number, [r, g, b], \"#rrggbb\", {texture}");
+            }
+            (Some("NodeMaterial"), true) => {
+                return "a material: its name in quotes, or one such as diffuse(albedo: 0.8)".to_owned();
+            }
+            (Some("NodeMaterial"), false) => {
+                return "a material: its name, or one such as {\"diffuse\": {\"albedo\": 0.8}}".to_owned();
+            }
+            _ => {}
+        }
+        let choices = self.choices();
+        if !choices.is_empty() {
+            let mut listed: Vec<String> = choices.iter().take(12).map(|(name, _)| format!("`{name}`")).collect();
+            if choices.len() > listed.len() {
+                listed.push("...".to_owned());
+            }
+            return if listed.len() == 1 { listed.concat() } else { format!("one of {}", listed.join(", ")) };
+        }
+        self.alternatives.first().map_or_else(|| "another value".to_owned(), |schema| self.words_of(schema, notation))
+    }
+
+    fn words_of(&self, schema: &Value, notation: Notation) -> String {
+        let is_ron = notation == Notation::Ron;
+        let kind = match schema.get("type") {
+            Some(Value::Array(kinds)) => kinds.first().and_then(Value::as_str),
+            kind => kind.and_then(Value::as_str),
+        };
+        match kind.unwrap_or_default() {
+            "number" => "a number".to_owned(),
+            "integer" if schema.get("minimum").and_then(Value::as_f64) == Some(0.0) => {
+                "a whole number from 0 up".to_owned()
+            }
+            "integer" => "a whole number".to_owned(),
+            "string" => "text in double quotes".to_owned(),
+            "boolean" => "true or false".to_owned(),
+            "array" => match (self.fixed_length(), is_ron) {
+                (Some(2), true) => "two values: (a, b)".to_owned(),
+                (Some(2), false) => "two values: [a, b]".to_owned(),
+                (Some(3), true) => "(x, y, z)".to_owned(),
+                (Some(3), false) => "[x, y, z]".to_owned(),
+                (Some(length), true) => format!("{length} values in parentheses"),
+                (Some(length), false) => format!("{length} values in brackets"),
+                (None, _) if is_list_of_steps(schema) => "a list of steps in brackets".to_owned(),
+                (None, _) => "a list in brackets".to_owned(),
+            },
+            _ if self.is_map() => "names and values in braces: {\"name\": ...}".to_owned(),
+            _ if is_ron => "fields in parentheses: (name: value, ...)".to_owned(),
+            _ => "fields in braces: {\"name\": value, ...}".to_owned(),
+        }
+    }
+}
+
+fn is_list_of_steps(schema: &Value) -> bool {
+    schema.pointer("/items/$ref").and_then(Value::as_str) == Some("#/$defs/Step")
+}
