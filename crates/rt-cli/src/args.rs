@@ -74,8 +74,12 @@ pub(crate) enum Command {
     /// Measure the error of methods against their run time: table, plot, page
     #[command(long_about = converge::CONVERGE_HELP)]
     Converge(ConvergeArgs),
-    /// Print the JSON Schema of scene files, for editors
-    Schema,
+    /// Print the JSON Schema of scene files, for editors, or their reference page
+    Schema {
+        /// Print the reference page in Markdown
+        #[arg(long)]
+        markdown: bool,
+    },
     /// Print completions for a shell
     Completions {
         /// The shell

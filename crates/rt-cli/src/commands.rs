@@ -34,7 +34,7 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Some(Command::Merge(args)) => merge::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Converge(args)) => converge::run(&args),
-        Some(Command::Schema) => schema::run(),
+        Some(Command::Schema { markdown }) => schema::run(markdown),
         Some(Command::Completions { shell }) => completions::run(shell),
         Some(Command::Man { output }) => man::run(output.as_deref()),
     }

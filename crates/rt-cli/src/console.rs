@@ -46,7 +46,9 @@ pub(crate) fn print(text: impl Display) -> Result<(), Failure> {
 /// Says why the command failed: one line for each problem.
 pub(crate) fn complain(failure: &Failure) {
     for line in failure.to_string().lines() {
-        to_stderr(format_args!("error: {line}\n"));
+        // The line of a file below a message is indented.
+        let head = if line.starts_with(' ') { "" } else { "error: " };
+        to_stderr(format_args!("{head}{line}\n"));
     }
 }
 

@@ -136,3 +136,8 @@ pub(crate) fn unknown_required_extension() -> Vec<Input> {
 pub(crate) fn version_9() -> Vec<Input> {
     vec![Input::file("m.gltf", r#"{"asset": {"version": "9.0"}}"#).refused(&["m.gltf: asset", "9.0"])]
 }
+
+pub(crate) fn scene_without_nodes() -> Vec<Input> {
+    let scene = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"name": "empty"}]}"#;
+    vec![Input::file("m.gltf", scene).shown(&["m.gltf: scene: there are no triangles in the scene"])]
+}

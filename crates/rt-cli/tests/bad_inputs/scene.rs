@@ -67,15 +67,19 @@ pub(crate) fn duplicate_names() -> Vec<Input> {
 pub(crate) fn unknown_field() -> Vec<Input> {
     vec![
         Input::node("shape: sphere(raduis: 1)")
-            .refused(&["scene.ron:1:", "unknown field `raduis`; did you mean `radius`?"]),
+            .refused(&["scene.ron:1:", "unknown field `raduis` in sphere; did you mean `radius`?"]),
         Input::node("shape: sphare()").refused(&["scene.ron:1:", "did you mean `sphere`?"]),
     ]
 }
 
 pub(crate) fn wrong_type() -> Vec<Input> {
     vec![
-        Input::node("shape: sphere(radius: \"one\")").refused(&["scene.ron:1:"]),
-        Input::scene("(nodes: 3)").refused(&["scene.ron:1:"]),
+        Input::node("shape: sphere(radius: \"one\")").refused(&[
+            "scene.ron:1:33: expected a number for `radius`, found \"one\"\n",
+            "\n      |",
+            "^\n",
+        ]),
+        Input::scene("(nodes: 3)").refused(&["scene.ron:1:9: expected a list in brackets for `nodes`, found 3"]),
         Input::file("scene.json", "[]").refused(&["scene.json:1:"]),
     ]
 }
@@ -249,4 +253,47 @@ pub(crate) fn billion_instances() -> Vec<Input> {
 
 pub(crate) fn no_camera_and_no_lights() -> Vec<Input> {
     vec![Input::node("shape: sphere()").shown(&["note: The camera has no place", "note: There are no lights"])]
+}
+
+/// What people write who come from other programs, or from another notation. All of them: `rt-scene-io/tests/friendly.rs`.
+pub(crate) fn first_mistakes() -> Vec<Input> {
+    let camera = |fields: &str| with(&format!("camera: ({fields})"));
+    let json = |text: &str| Input::file("scene.json", text);
+    vec![
+        camera("position: (0, 1, 5)")
+            .refused(&["scene.ron:1:11: unknown field `position` in camera; did you mean `look_from`?"]),
+        camera("look_from: (0, 1, 5), target: (0, 0, 0)").refused(&["did you mean `look_at`?"]),
+        camera("look_from: [0, 1, 5]").refused(&["expected (x, y, z) for `look_from`, found [0, 1, 5]"]),
+        camera("look_from: (0, 1)").refused(&["expected (x, y, z) for `look_from`, found (0, 1)"]),
+        camera("fov: \"40\"").refused(&["expected a number for `fov`, found \"40\""]),
+        Input::node("shape: cube(size: 1)").refused(&["unknown choice `cube` for `shape`; did you mean `box`?"]),
+        Input::node("shape: \"sphere\"").refused(&["write `sphere` without quotes"]),
+        Input::node("shape: sphere").refused(&["needs parentheses: `sphere()`"]),
+        Input::node("shape: sphere(), translate: (0, 1, 0)").refused(&["write `transform: [translate(x, y, z)]`"]),
+        Input::node("shape: sphere(), color: (1, 0, 0)").refused(&["write `material: diffuse(albedo: ...)`"]),
+        Input::node("shape: sphere(), material: red").refused(&["put it into quotes: \"red\""]),
+        with("materials: {red: diffuse(albedo: 1)}").refused(&["put the name into quotes: \"red\""]),
+        with("materials: {\"m\": lambert(color: 1)}").refused(&["did you mean `diffuse`?"]),
+        with("materials: {\"m\": diffuse(emissive: 1)}").refused(&["did you mean `emission`?"]),
+        with("lights: [point(intensity: 1)]").refused(&["`point` needs the field `position`"]),
+        with("film: (width: 640, height: 480)").refused(&["write `size: (width, height)`"]),
+        camera("look_from: (0, 1, 5) look_at: (0, 0, 0)").refused(&["a comma is missing before this"]),
+        Input::scene("(nodes: [(shape: sphere())]").refused(&["`)` is missing for `(` of line 1"]),
+        Input::scene("{nodes: []}").refused(&["expected a scene, which begins with `(`"]),
+        json(r#"{"nodes": [{"shape": "sphere"}]}"#).refused(&["write {\"sphere\": {}}"]),
+        json(r#"{"camera": {"look_from": [0, 1]}, "nodes": []}"#)
+            .refused(&["expected [x, y, z] for `look_from`, found [0, 1]"]),
+        json(r#"{"nodes": [{"shape": {"sphere": {}}, "material": 3}]}"#).refused(&["expected a material"]),
+    ]
+}
+
+pub(crate) fn colour_with_alpha() -> Vec<Input> {
+    vec![
+        with("materials: {\"m\": diffuse(albedo: \"#ff000080\")}")
+            .refused(&["scene.ron: materials[\"m\"].albedo: \"#ff000080\" has digits for alpha"]),
+        with("materials: {\"m\": diffuse(albedo: \"#f008\")}").refused(&["has digits for alpha"]),
+        with("materials: {\"m\": diffuse(albedo: \"red\")}").refused(&["scene.ron:1:", "expected a colour"]),
+        with("materials: {\"m\": diffuse(albedo: \"#ggg\")}").refused(&["is not a colour"]),
+        with("materials: {\"m\": diffuse(albedo: (1, 0))}").refused(&["scene.ron:1:", "(r, g, b)"]),
+    ]
 }

@@ -127,3 +127,31 @@ fn every_scene_has_a_report() {
         assert_eq!(report["errors"], json!(0), "{}: {report}", file.display());
     }
 }
+
+/// A triangle, and an animation that moves it.
+const ANIMATED: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "buffers": [{"byteLength": 68, "uri": "animated.bin"}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+        {"buffer": 0, "byteOffset": 44, "byteLength": 24}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+        {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+        {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}],
+    "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+        "samplers": [{"input": 1, "output": 2}]}]}"#;
+
+#[test]
+fn an_animated_gltf_file_without_a_time_is_refused_by_strict_commands() {
+    let place = Workplace::new();
+    let numbers: [f32; 17] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+    let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+    place.write("animated.bin", bytes);
+    place.write("animated.gltf", ANIMATED);
+    for command in ["render animated.gltf --size 8x6", "explain animated.gltf", "check animated.gltf"] {
+        place.succeed(command);
+        let strict = place.run(&format!("{command} --strict"));
+        assert_eq!(strict.code, Some(3), "{command}: {strict:?}");
+        assert!(strict.stderr.contains("animated.gltf: 1 warning"), "{command}: {strict:?}");
+    }
+    place.succeed("render animated.gltf --size 8x6 --at-time 0.5 --strict");
+}
