@@ -75,7 +75,8 @@ impl Renderer {
         Ok(Run { exit, log: String::from_utf8_lossy(&log).into_owned() })
     }
 
-    /// Renders `scene` to `output` in `folder`, without a word.
+    /// Renders `scene` to `output` in `folder`, without a word. Colours are rounded to the nearest byte unless `args` say
+    /// otherwise, so that pictures can be compared byte by byte.
     pub(crate) fn render<'a>(
         &self,
         folder: &Path,
@@ -85,7 +86,11 @@ impl Renderer {
     ) -> Result<Run, TaskError> {
         let mut all: Vec<&OsStr> = vec!["render".as_ref(), scene.as_ref(), "-o".as_ref(), output.as_ref()];
         all.push("--quiet".as_ref());
-        all.extend(args.into_iter().map(OsStr::new));
+        let args: Vec<&OsStr> = args.into_iter().map(OsStr::new).collect();
+        if !args.contains(&OsStr::new("--dither")) {
+            all.extend(["--dither", "none"].map(OsStr::new));
+        }
+        all.extend(args);
         self.run(folder, all)
     }
 }

@@ -1,6 +1,6 @@
 //! From linear radiance to bytes.
 
-use crate::Film;
+use crate::{Dither, Film};
 use rt_math::transcendental::{exp2, pow};
 
 /// The curve that brings radiance into the displayable range.
@@ -65,7 +65,7 @@ impl Encoding {
     }
 }
 
-/// Exposure, tone curve and encoding.
+/// Exposure, tone curve, encoding and dithering.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Development {
     /// Exposure in stops: radiance is multiplied by 2^exposure.
@@ -74,11 +74,15 @@ pub struct Development {
     pub tone: ToneCurve,
     /// Encoding.
     pub encoding: Encoding,
+    /// Thresholds that colours are rounded to bytes by; without them, to the nearest. Coverage is always rounded to the
+    /// nearest.
+    pub dither: Option<Dither>,
 }
 
 impl Default for Development {
+    /// Linear light in [0, 1] to sRGB, rounded to the nearest byte.
     fn default() -> Self {
-        Self { exposure: 0.0, tone: ToneCurve::Clamp, encoding: Encoding::Srgb }
+        Self { exposure: 0.0, tone: ToneCurve::Clamp, encoding: Encoding::Srgb, dither: None }
     }
 }
 
@@ -153,7 +157,7 @@ impl Development {
         self.encoding.encode(self.light(radiance))
     }
 
-    /// The byte of one component: the [`signal`](Self::signal) times 255, rounded.
+    /// The byte of one component without dithering: the [`signal`](Self::signal) times 255, rounded.
     pub fn byte(&self, radiance: f32) -> u8 {
         // The conversion saturates, and takes NaN to 0.
         (255.0 * self.signal(radiance)).round() as u8
@@ -163,13 +167,13 @@ impl Development {
     /// coverage before they are developed; where nothing is covered they are black.
     pub fn develop(&self, film: &Film) -> Bitmap8 {
         let Some(alpha) = film.alpha() else { return self.develop_over_black(film) };
-        let curve = ByteCurve::new(self);
+        let curve = Curve::new(self);
         let mut bytes = Vec::with_capacity(4 * alpha.len());
-        for (radiance, &alpha) in film.pixels().iter().zip(alpha) {
+        for ((pixel, radiance), &alpha) in pixels_of(film).zip(film.pixels()).zip(alpha) {
             // Filters with negative lobes overshoot. A NaN compares as not covered, and becomes the byte 0.
             let coverage = alpha.clamp(0.0, 1.0);
             let straight = radiance.map(|value| if coverage > 0.0 { value / coverage } else { 0.0 });
-            bytes.extend(straight.map(|value| curve.byte(value)));
+            bytes.extend(curve.bytes(straight, pixel));
             bytes.push((255.0 * coverage).round() as u8);
         }
         Bitmap8 { width: film.width(), height: film.height(), channels: 4, bytes }
@@ -178,9 +182,42 @@ impl Development {
     /// Develops a film to three channels, as it looks in front of black: radiance is premultiplied, so that coverage
     /// is simply left out.
     pub fn develop_over_black(&self, film: &Film) -> Bitmap8 {
-        let curve = ByteCurve::new(self);
-        let bytes = film.pixels().as_flattened().iter().map(|&value| curve.byte(value)).collect();
+        let curve = Curve::new(self);
+        let mut bytes = Vec::with_capacity(3 * film.pixels().len());
+        for (pixel, &radiance) in pixels_of(film).zip(film.pixels()) {
+            bytes.extend(curve.bytes(radiance, pixel));
+        }
         Bitmap8 { width: film.width(), height: film.height(), channels: 3, bytes }
+    }
+}
+
+/// Positions of the pixels of a film, row by row from the top.
+fn pixels_of(film: &Film) -> impl Iterator<Item = [u32; 2]> {
+    let (width, height) = (film.width(), film.height());
+    (0..height).flat_map(move |y| (0..width).map(move |x| [x, y]))
+}
+
+/// Radiance to bytes, by tables.
+enum Curve {
+    Rounded(Box<ByteCurve>),
+    Dithered(Box<LevelCurve>, Dither),
+}
+
+impl Curve {
+    fn new(development: &Development) -> Self {
+        match development.dither {
+            None => Self::Rounded(Box::new(ByteCurve::new(development))),
+            Some(dither) => Self::Dithered(Box::new(LevelCurve::new(development)), dither),
+        }
+    }
+
+    fn bytes(&self, radiance: [f32; 3], pixel: [u32; 2]) -> [u8; 3] {
+        match self {
+            Self::Rounded(curve) => radiance.map(|value| curve.byte(value)),
+            Self::Dithered(curve, dither) => {
+                core::array::from_fn(|channel| dither.level(curve.level(radiance[channel]), pixel, channel as u32))
+            }
+        }
     }
 }
 
@@ -194,7 +231,11 @@ struct ByteCurve {
 
 impl ByteCurve {
     fn new(development: &Development) -> Self {
-        Self { thresholds: core::array::from_fn(|index| smallest_radiance(development, index as u8 + 1)) }
+        Self {
+            thresholds: core::array::from_fn(|index| {
+                smallest_radiance(|radiance| development.byte(radiance) > index as u8)
+            }),
+        }
     }
 
     fn byte(&self, radiance: f32) -> u8 {
@@ -203,10 +244,43 @@ impl ByteCurve {
     }
 }
 
-/// The smallest radiance that develops to at least `byte`; NaN if none does.
-fn smallest_radiance(development: &Development, byte: u8) -> f32 {
+/// Parts that [`LevelCurve`] cuts a level into.
+const PARTS: usize = 8;
+
+/// 255 times [`Development::signal`] as a table: exact at eighths of levels, linear between. The encodings bend so little
+/// there that sRGB is met to 10⁻³ of a level.
+struct LevelCurve {
+    /// The smallest radiance that reaches one part, two, and so on; NaN where none does.
+    thresholds: [f32; 255 * PARTS],
+}
+
+impl LevelCurve {
+    fn new(development: &Development) -> Self {
+        let parts = (255 * PARTS) as f64;
+        let reaches = |part: usize| move |radiance| parts * development.signal(radiance) >= part as f64 - ROUNDING;
+        Self { thresholds: core::array::from_fn(|index| smallest_radiance(reaches(index + 1))) }
+    }
+
+    /// The value in levels, from 0 to 255; of NaN 0.
+    fn level(&self, radiance: f32) -> f64 {
+        let reached = self.thresholds.partition_point(|&threshold| threshold <= radiance);
+        let from = reached.checked_sub(1).map_or(0.0, |below| f64::from(self.thresholds[below]));
+        let share = match self.thresholds.get(reached) {
+            Some(&to) => (f64::from(radiance) - from) / (f64::from(to) - from),
+            None => 0.0,
+        };
+        // The maximum of NaN and 0 is 0.
+        (reached as f64 + share.max(0.0).min(1.0)) / PARTS as f64
+    }
+}
+
+/// Parts of a level that the rounding of radiance to `f32` may cost.
+const ROUNDING: f64 = 1e-5;
+
+/// The smallest radiance for which a condition holds that never ceases to hold as radiance grows; NaN if it holds for none.
+fn smallest_radiance(holds: impl Fn(f32) -> bool) -> f32 {
     // Non-negative numbers are ordered as their bits are.
-    let reaches = |bits: u32| development.byte(f32::from_bits(bits)) >= byte;
+    let reaches = |bits: u32| holds(f32::from_bits(bits));
     let (mut below, mut reached) = (0, f32::MAX.to_bits());
     if !reaches(reached) {
         return f32::NAN;
@@ -228,7 +302,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn linear(tone: ToneCurve) -> Development {
-        Development { tone, encoding: Encoding::Power(1.0), exposure: 0.0 }
+        Development { tone, encoding: Encoding::Power(1.0), ..Development::default() }
     }
 
     #[test]
@@ -345,10 +419,90 @@ mod tests {
         assert!(Development { encoding: Encoding::Power(f64::NAN), ..sound }.validate().is_err());
     }
 
+    fn dithered(development: Development, origin: [u32; 2]) -> Development {
+        Development { dither: Some(Dither { origin }), ..development }
+    }
+
+    /// A film whose value depends on the column alone.
+    fn columns(width: u32, height: u32, value: impl Fn(u32) -> f32) -> Film {
+        let mut film = Film::new(width, height, false);
+        for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
+            *pixel = [value(index as u32 % width); 3];
+        }
+        film
+    }
+
+    #[test]
+    fn a_dithered_gradient_has_the_local_means_of_its_values() {
+        // Four levels in steps of a thousandth, each 16 pixels wide.
+        let step = 16;
+        for development in [Development::default(), linear(ToneCurve::Clamp)] {
+            let level_of = |x: u32| 60.0 + f64::from(x / step) * 0.001;
+            let radiance = |x| development.encoding.decode_signal(level_of(x) / 255.0) as f32;
+            let (width, height) = (4000 * step, 16);
+            let bytes = dithered(development, [0; 2]).develop(&columns(width, height, radiance)).bytes;
+            for block in 0..width / step {
+                for channel in 0..3 {
+                    let inside = (0..height).flat_map(|y| (0..step).map(move |x| (y * width + block * step + x) * 3));
+                    let sum: f64 = inside.map(|index| f64::from(bytes[(index + channel) as usize])).sum();
+                    let (mean, level) = (sum / f64::from(step * height), level_of(block * step));
+                    assert!((mean - level).abs() < 0.03, "{level}: {mean}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bytes_that_are_exact_are_not_dithered() {
+        for encoding in [Encoding::Srgb, Encoding::Power(2.2), Encoding::Power(1.0)] {
+            let development = dithered(Development { encoding, ..Development::default() }, [3, 1]);
+            let bytes = development.develop(&columns(256, 70, |x| encoding.decode(x as u8))).bytes;
+            assert!(
+                bytes.iter().enumerate().all(|(index, &byte)| usize::from(byte) == index / 3 % 256),
+                "{encoding:?}"
+            );
+        }
+        for radiance in [0.0, -1.0, f32::NAN, f32::NEG_INFINITY] {
+            let bytes = dithered(Development::default(), [0; 2]).develop(&columns(64, 64, |_| radiance)).bytes;
+            assert!(bytes.iter().all(|&byte| byte == 0), "{radiance}");
+        }
+        for radiance in [1.0, 7.0, f32::INFINITY] {
+            let bytes = dithered(Development::default(), [0; 2]).develop(&columns(64, 64, |_| radiance)).bytes;
+            assert!(bytes.iter().all(|&byte| byte == 255), "{radiance}");
+        }
+    }
+
+    #[test]
+    fn a_dithered_crop_is_a_part_of_the_dithered_whole() {
+        let radiance = |x: u32| x as f32 * 0.001;
+        let whole = dithered(Development::default(), [0; 2]).develop(&columns(60, 40, radiance));
+        let crop = dithered(Development::default(), [13, 9]).develop(&columns(20, 10, |x| radiance(x + 13)));
+        for y in 0..10 {
+            let row = &whole.bytes[((y + 9) * 60 + 13) * 3..][..60];
+            assert_eq!(&crop.bytes[y * 60..][..60], row, "row {y}");
+        }
+    }
+
+    #[test]
+    fn coverage_is_not_dithered_and_the_colour_below_it_is() {
+        let mut film = Film::new(64, 64, true);
+        film.pixels_mut().fill([0.1; 3]);
+        film.alpha_mut().expect("asked for").fill(0.4);
+        let bytes = dithered(linear(ToneCurve::Clamp), [0; 2]).develop(&film).bytes;
+        assert!(bytes.chunks_exact(4).all(|pixel| pixel[3] == 102));
+        let red: Vec<u8> = bytes.chunks_exact(4).map(|pixel| pixel[0]).collect();
+        assert!(red.contains(&63) && red.contains(&64), "0.25 is between two levels");
+    }
+
     fn any_development() -> impl Strategy<Value = Development> {
         let tone = prop_oneof![Just(ToneCurve::Clamp), Just(ToneCurve::Reinhard), Just(ToneCurve::Aces)];
         let encoding = prop_oneof![Just(Encoding::Srgb), (0.5..4.0f64).prop_map(Encoding::Power)];
-        (-10.0..10.0f64, tone, encoding).prop_map(|(exposure, tone, encoding)| Development { exposure, tone, encoding })
+        (-10.0..10.0f64, tone, encoding).prop_map(|(exposure, tone, encoding)| Development {
+            exposure,
+            tone,
+            encoding,
+            dither: None,
+        })
     }
 
     proptest! {
@@ -360,6 +514,16 @@ mod tests {
                 prop_assert_eq!(curve.byte(value), development.byte(value), "{}", value);
                 let displayable = value.abs().fract() / 2f32.powf(development.exposure as f32);
                 prop_assert_eq!(curve.byte(displayable), development.byte(displayable), "{}", displayable);
+            }
+        }
+
+        #[test]
+        fn the_table_of_levels_follows_the_formula(development in any_development(), values in proptest::collection::vec(0.0..1.0f32, 256)) {
+            let curve = LevelCurve::new(&development);
+            for value in values {
+                let radiance = value / 2f32.powf(development.exposure as f32);
+                let (level, exact) = (curve.level(radiance), 255.0 * development.signal(radiance));
+                prop_assert!((level - exact).abs() < if exact < 1.0 { 0.05 } else { 0.005 }, "{}: {} {}", radiance, level, exact);
             }
         }
     }

@@ -12,7 +12,7 @@
 //!            z    view along −z      └─────────┴─────────┘      direction = (s·(r.x − c.x), −s·(r.y − c.y), −1)
 //!                             height
 //!
-//!      byte = round(255 · encode(tone(2^exposure · mean of weight · radiance)))
+//!      byte = round(255 · encode(tone(2^exposure · mean of weight · radiance)))      or dithered: ⌊255 · ... + threshold⌋
 //! ```
 //!
 //! | step | type |
@@ -24,7 +24,7 @@
 //! | when it is cast, and where the camera is then | [`Camera::moment`], [`CameraSettings::moves_to`] |
 //! | boxes that none of these rays meets | [`ViewVolume`] |
 //! | linear radiance of every pixel | [`Film`] |
-//! | bytes | [`Development`] |
+//! | bytes | [`Development`]; thresholds that keep gradients smooth: [`Dither`] |
 //! | files (feature `files`, on by default) | `write_image`, `read_image` |
 //! | how much one image differs from another | [`metrics`] |
 //!
@@ -68,6 +68,7 @@
 mod blue_noise;
 mod camera;
 mod develop;
+mod dither;
 mod film;
 mod filter;
 mod halton;
@@ -89,6 +90,7 @@ mod write_image;
 
 pub use camera::{Camera, CameraError, CameraSettings, FovAxis, Projection, Sight};
 pub use develop::{Bitmap8, Development, DevelopmentError, Encoding, ToneCurve};
+pub use dither::Dither;
 pub use film::{Film, FilmError, FilmSettings};
 pub use filter::Filter;
 #[cfg(feature = "files")]
@@ -97,7 +99,7 @@ pub use lens::Lens;
 pub use pattern::SamplePattern;
 pub use pixel_sampler::{PixelSample, PixelSampler};
 #[cfg(feature = "files")]
-pub use read_image::{MAX_READ_PIXELS, image_format, read_image};
+pub use read_image::{MAX_READ_PIXELS, decode_image, format_of_bytes, image_format, read_image};
 pub use view_volume::ViewVolume;
 #[cfg(feature = "files")]
 pub use write_image::write_image;

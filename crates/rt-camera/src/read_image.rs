@@ -2,7 +2,7 @@
 
 use std::{
     fs::File,
-    io::{BufRead, BufReader, Seek},
+    io::{BufRead, BufReader, Cursor, Seek},
     path::Path,
 };
 
@@ -37,13 +37,33 @@ pub fn read_image(path: &Path) -> Result<Film, ImageFileError> {
     read_stream(path, reader, length)
 }
 
+/// The image of a file whose content is in memory, as [`read_image`] reads it; `name` is for messages.
+///
+/// # Errors
+/// [`ImageFileError`] with the name, as of [`read_image`].
+pub fn decode_image(bytes: &[u8], name: &Path) -> Result<Film, ImageFileError> {
+    read_stream(name, Cursor::new(bytes), bytes.len() as u64)
+}
+
 /// The format of an image file, told by its first bytes as [`read_image`] tells it, and not by its name: whether it holds
 /// linear light, or bytes for display.
 ///
 /// # Errors
 /// [`ImageFileError`] with the path, for a file that is missing, not a regular file, or in no known format.
 pub fn image_format(path: &Path) -> Result<ImageFormat, ImageFileError> {
-    let (mut reader, _) = open(path)?;
+    format_of_stream(path, open(path)?.0)
+}
+
+/// The format of an image file whose content is in memory, as [`image_format`] tells it; `name` is for messages.
+///
+/// # Errors
+/// [`ImageFileError::UnknownFormat`] with the name.
+pub fn format_of_bytes(bytes: &[u8], name: &Path) -> Result<ImageFormat, ImageFileError> {
+    format_of_stream(name, Cursor::new(bytes))
+}
+
+/// The format of what a reader begins with.
+fn format_of_stream(path: &Path, mut reader: impl BufRead + Seek) -> Result<ImageFormat, ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
     if matches!(reader.fill_buf().map_err(unreadable)?, [b'P', b'F' | b'f', ..]) {
         return Ok(ImageFormat::Pfm);
@@ -161,7 +181,6 @@ mod tests {
     use super::*;
     use crate::{Development, write_image};
     use proptest::prelude::*;
-    use std::io::Cursor;
 
     fn read_bytes(bytes: &[u8]) -> Result<Film, ImageFileError> {
         read_stream(Path::new("test"), Cursor::new(bytes), bytes.len() as u64)

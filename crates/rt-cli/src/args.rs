@@ -7,6 +7,7 @@ mod keep;
 mod memory;
 mod merge;
 mod picture;
+mod startup;
 mod stop;
 mod typed;
 mod values;
@@ -14,15 +15,17 @@ mod values;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
-use rt_scene_io::Reason;
+use rt_camera::ImageFormat;
+use rt_scene_io::{InMemoryFile, Reason};
 
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
 pub(crate) use converge::{Against, ConvergeArgs, Variation};
-pub(crate) use frames::{Frames, FramesArgs, PaceArgs};
+pub(crate) use frames::{FrameChoice, Frames, FramesArgs, PaceArgs};
 pub(crate) use keep::{Every, KeepArgs};
 pub(crate) use memory::Amount;
 pub(crate) use merge::MergeArgs;
 pub(crate) use picture::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
+pub(crate) use startup::with_default_command;
 pub(crate) use stop::{Aov, AovArg, StopArgs};
 pub(crate) use values::{tone_name, tone_of_name};
 
@@ -34,7 +37,10 @@ pub(crate) use values::{tone_name, tone_of_name};
     version,
     about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to pictures",
     long_about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to pictures.\n\n\
-                  Without a command, it renders a built-in showcase to showcase.png.",
+                  `rt-cli SCENE` is short for `rt-cli render SCENE`, with the same options. Without any argument, it renders a built-in \
+                  showcase to showcase.png.\n\n\
+                  The name `-` stands for standard input where a scene or an image is read, and for standard output where a file is \
+                  written; reports then go to standard error.",
     after_help = "Exit codes: 0 done, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output could not be written, 5 finished but damaged, 130 interrupted (the picture so far is saved).",
     disable_help_subcommand = true,
     args_conflicts_with_subcommands = true
@@ -99,12 +105,17 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
 
-    /// Picture to write: .png, .jpg, .exr, .hdr or .pfm; with --shard, a .part file
+    /// Picture to write: .png, .jpg, .exr, .hdr or .pfm, or - for standard output; with --shard, a .part file
     ///
     /// By default the scene's name with .png, or .I-of-N.part, in the current folder. An older file is replaced when the new one is
-    /// complete, and survives any failure.
+    /// complete, and survives any failure. Standard output gets a .png unless --output-format says otherwise, and no checkpoint is
+    /// kept of it unless --checkpoint says where.
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: Option<PathBuf>,
+
+    /// Format of the picture, whatever its name says; by default told by the ending of the name, and png for `-`
+    #[arg(long, value_name = "NAME", value_parser = values::image_format())]
+    pub(crate) output_format: Option<ImageFormat>,
 
     #[command(flatten)]
     pub(crate) frames: FramesArgs,
@@ -197,9 +208,13 @@ pub(crate) struct ConvertArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
 
-    /// Scene file to write: .ron or .json
+    /// Scene file to write: .ron or .json, or - for standard output
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: PathBuf,
+
+    /// Format of the scene file, whatever its name says; by default told by the ending of the name, and ron for `-`
+    #[arg(long, value_name = "NAME", value_parser = ["ron", "json"])]
+    pub(crate) output_format: Option<String>,
 
     /// Take warnings for errors (exit code 3), and write no file
     #[arg(long)]
@@ -209,13 +224,17 @@ pub(crate) struct ConvertArgs {
 /// Arguments of `develop`.
 #[derive(Debug, Args)]
 pub(crate) struct DevelopArgs {
-    /// Image of linear light: .exr, .hdr or .pfm
+    /// Image of linear light: .exr, .hdr or .pfm, or - for standard input
     #[arg(value_hint = ValueHint::FilePath)]
     pub(crate) image: PathBuf,
 
-    /// Picture to write: .png or .jpg
+    /// Picture to write: .png or .jpg, or - for standard output
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: PathBuf,
+
+    /// Format of the picture, whatever its name says; by default told by the ending of the name, and png for `-`
+    #[arg(long, value_name = "NAME", value_parser = values::image_format())]
+    pub(crate) output_format: Option<ImageFormat>,
 
     #[command(flatten)]
     pub(crate) development: DevelopmentArgs,
@@ -228,9 +247,19 @@ pub(crate) struct DevelopArgs {
 /// What is read.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct InputArgs {
-    /// Scene (.ron, .json) or model (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl)
+    /// Scene (.ron, .json) or model (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl), or - for standard input
+    ///
+    /// What comes from standard input refers to files in the current folder, and goes by the name of `stdin`.
     #[arg(value_hint = ValueHint::FilePath)]
     pub(crate) scene: PathBuf,
+
+    /// Format of what `-` reads; by default told by the content of .ron, .json, .gltf, .glb and .ply
+    #[arg(long, value_name = "NAME", value_parser = crate::stdin::FORMATS)]
+    pub(crate) input_format: Option<String>,
+
+    /// What came from standard input.
+    #[arg(skip)]
+    pub(crate) piped: Option<InMemoryFile>,
 
     /// Folder that all files must lie below which the scene refers to; by default that of the scene
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
@@ -278,7 +307,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 
-    /// Write statistics to a JSON file, and count what each ray costs
+    /// Write statistics to a JSON file, or to standard output (-), and count what each ray costs
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, long_help = STATS_HELP)]
     pub(crate) stats: Option<PathBuf>,
 
@@ -309,10 +338,10 @@ impl RunArgs {
 }
 
 const STATS_HELP: &str = "\
-Write statistics to a JSON file, and count what each ray costs
+Write statistics to a JSON file, or to standard output (-), and count what each ray costs
 
 `rays` has an entry for each kind of ray and for their `total`: how many were traced (`rays`), and how many nodes, \
-primitive tests and hits that took. `primary_rays_spared` are camera rays that were \
+primitive tests and hits that took. `camera_hits` are samples that met a surface. `primary_rays_spared` are camera rays that were \
 not traced, as there is nothing in their part of the view; `pixel_samples` are the samples that pixels are made of, \
 `simple_pixels` took fewer as they show no edge (--adaptive), \
 `stopped` is what ended the render (samples, time, target-error), `unconverged_pixels` have not reached --target-error, and \

@@ -24,16 +24,34 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         None if cli.limits => limits::run(),
         None => showcase::run(),
-        Some(Command::Render(args)) => render::run(&args),
+        Some(Command::Render(mut args)) => {
+            args.input.take_stdin()?;
+            render::run(&args)
+        }
         #[cfg(feature = "view")]
-        Some(Command::View(args)) => view::run(&args),
-        Some(Command::Explain(args)) => explain::run(&args),
-        Some(Command::Check(args)) => check::run(&args),
-        Some(Command::Convert(args)) => convert::run(&args),
+        Some(Command::View(mut args)) => {
+            args.input.take_stdin()?;
+            view::run(&args)
+        }
+        Some(Command::Explain(mut args)) => {
+            args.input.take_stdin()?;
+            explain::run(&args)
+        }
+        Some(Command::Check(mut args)) => {
+            args.input.take_stdin()?;
+            check::run(&args)
+        }
+        Some(Command::Convert(mut args)) => {
+            args.input.take_stdin()?;
+            convert::run(&args)
+        }
         Some(Command::Develop(args)) => develop::run(&args),
         Some(Command::Merge(args)) => merge::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
-        Some(Command::Converge(args)) => converge::run(&args),
+        Some(Command::Converge(mut args)) => {
+            args.input.take_stdin()?;
+            converge::run(&args)
+        }
         Some(Command::Schema { markdown }) => schema::run(markdown),
         Some(Command::Completions { shell }) => completions::run(shell),
         Some(Command::Man { output }) => man::run(output.as_deref()),

@@ -3,8 +3,17 @@
 use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::Failure;
+
+/// A result goes to standard output, which is to hold nothing else.
+static STDOUT_IS_RESERVED: AtomicBool = AtomicBool::new(false);
+
+/// From here on, reports go to standard error: standard output is for a result.
+pub(crate) fn reserve_stdout() {
+    STDOUT_IS_RESERVED.store(true, Ordering::Relaxed);
+}
 
 /// Where a command talks to its user.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +23,7 @@ pub(crate) struct Console {
 }
 
 impl Console {
-    /// Reports on standard output, with a line break.
+    /// Reports with a line break: on standard output, unless a result goes there.
     pub(crate) fn say(self, text: impl Display) -> Result<(), Failure> {
         if self.quiet { Ok(()) } else { show(format_args!("{text}\n")) }
     }
@@ -27,8 +36,12 @@ impl Console {
     }
 }
 
-/// Writes text for people to standard output.
+/// Writes text for people to standard output, or to standard error if a result goes to the former.
 pub(crate) fn show(text: impl Display) -> Result<(), Failure> {
+    if STDOUT_IS_RESERVED.load(Ordering::Relaxed) {
+        to_stderr(text);
+        return Ok(());
+    }
     print(visible(&text.to_string()))
 }
 

@@ -117,6 +117,14 @@ pub(crate) enum Failure {
     /// Standard output could not be written.
     #[error("standard output cannot be written: {0}")]
     Stdout(io::Error),
+    /// The picture is complete, but shows nothing, and the user is strict.
+    #[error("{warning}; the picture was written to {}", file.display())]
+    Empty {
+        /// What is odd about it, and why.
+        warning: String,
+        /// The picture.
+        file: PathBuf,
+    },
     /// The picture is complete, but some of it is not to be trusted, and the user is strict.
     #[error(
         "{bad_samples} of {samples} samples were NaN, infinite or negative and count as black; \
@@ -170,7 +178,7 @@ impl Failure {
             Self::Output(_) | Self::Outputs(_) | Self::Stdout(_) => 4,
             #[cfg(feature = "view")]
             Self::Window(_) => 4,
-            Self::Damaged { .. } | Self::Lost { .. } => 5,
+            Self::Damaged { .. } | Self::Empty { .. } | Self::Lost { .. } => 5,
             Self::Interrupted { .. } => interruption::EXIT_CODE,
         })
     }

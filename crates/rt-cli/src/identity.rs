@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::args::{InputArgs, PictureArgs};
 use crate::error::Failure;
+use crate::stdin::{self, is_dash};
 
 /// Bytes that are hashed at a time, on all processors.
 const BLOCK: usize = 1 << 24;
@@ -36,6 +37,7 @@ impl Identity {
         add(env!("CARGO_PKG_VERSION").as_bytes());
         add(choices(input, picture).as_bytes());
         // By itself: it may be a file of the scene as well.
+        add(input.piped.as_ref().map_or(&[][..], |piped| &piped.bytes));
         add(&picture.env.as_deref().map_or(Ok(Vec::new()), |file| hash_of(file).map(Vec::from))?);
         for (name, hash) in &named {
             add(name.as_bytes());
@@ -66,8 +68,11 @@ fn name_in(folder: &Path, file: &Path) -> String {
 
 fn hash_of(file: &Path) -> Result<[u8; 32], Failure> {
     let failed = |error: std::io::Error| Failure::from(Reason::Io(error).at(file, ""));
-    let mut reader = File::open(file).map_err(failed)?;
     let mut hasher = blake3::Hasher::new();
+    if is_dash(file) {
+        return Ok(*hasher.update_rayon(&stdin::content(None)?).finalize().as_bytes());
+    }
+    let mut reader = File::open(file).map_err(failed)?;
     let mut block = Vec::new();
     while reader.by_ref().take(BLOCK as u64).read_to_end(&mut block).map_err(failed)? > 0 {
         hasher.update_rayon(&block);
@@ -78,7 +83,19 @@ fn hash_of(file: &Path) -> Result<[u8; 32], Failure> {
 
 /// The options that change a picture, in words. Every option is named here, so that a new one is thought of.
 fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
-    let InputArgs { scene: _, root: _, ground, at_time, pace, animation, variant, memory: _, max_file_size: _ } = input;
+    let InputArgs {
+        scene: _,
+        input_format: _,
+        piped: _,
+        root: _,
+        ground,
+        at_time,
+        pace,
+        animation,
+        variant,
+        memory: _,
+        max_file_size: _,
+    } = input;
     let PictureArgs {
         size,
         spp,

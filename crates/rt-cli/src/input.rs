@@ -8,6 +8,7 @@ use crate::args::InputArgs;
 use crate::console::Console;
 use crate::error::Failure;
 use crate::memory;
+use crate::stdin::{self, is_dash};
 
 /// Warnings that are printed one by one; the rest is counted.
 const MAX_PRINTED: usize = 20;
@@ -27,8 +28,28 @@ pub(crate) fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console) -
     let scene = load(&args.scene, &options)?;
     warn(&scene.warnings, console);
     let mut files = options.referenced.paths();
-    files.push(args.scene.clone());
+    if args.piped.is_none() {
+        files.push(args.scene.clone());
+    }
     Ok(Input { scene, files, options })
+}
+
+impl InputArgs {
+    /// Reads the scene from standard input if that is asked for. It goes by a name that tells its format from then on.
+    pub(crate) fn take_stdin(&mut self) -> Result<(), Failure> {
+        if is_dash(&self.scene) {
+            let file = stdin::scene(self.input_format.as_deref(), self.max_file_size)?;
+            self.scene.clone_from(&file.path);
+            self.piped = Some(file);
+            return Ok(());
+        }
+        match &self.input_format {
+            Some(_) => Err(Failure::Usage(
+                "--input-format is for standard input (-): the name of a file tells its format".to_owned(),
+            )),
+            None => Ok(()),
+        }
+    }
 }
 
 /// Passes on what the loader warns of.
@@ -57,6 +78,7 @@ pub(crate) fn load_options(args: &InputArgs) -> Result<LoadOptions, Failure> {
             animation: args.animation.clone(),
             variant: args.variant.clone(),
             max_file_bytes: args.max_file_size,
+            in_memory: args.piped.clone(),
             memory: memory_limit(args).map_or_else(MemoryBudget::default, MemoryBudget::of),
             ..LoadOptions::default()
         }),

@@ -1,5 +1,6 @@
 //! A render from a loaded scene to a finished file and its report.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -18,7 +19,7 @@ use crate::kept_file::{self, KeptError, KeptKind, Label};
 use crate::output::{OutputError, OutputFile, refuges, write_all};
 use crate::stats::{Outcome, StatsFile};
 use crate::watcher::Watcher;
-use crate::{input, interruption, picture_file, report};
+use crate::{empty_picture, input, interruption, picture_file, report};
 
 /// All that a render needs.
 #[derive(Debug)]
@@ -89,6 +90,12 @@ impl Job<'_> {
         let plan = self.compile()?;
         let display = self.display_server.map(|server| self.connect(server)).transpose()?;
         self.say_notes(&plan)?;
+        if let Some(warning) = empty_picture::unlit(self.scene, &plan) {
+            self.console.warn(&warning);
+            if self.strict {
+                return Err(Failure::Warnings { file: self.scene_file.to_owned(), count: 1 });
+            }
+        }
         let refuges = refuges(self.keep.as_ref().and_then(|keep| keep.args.fallback.as_deref()));
         let Rendered { part, checkpoints, kept, display } = self.render(&plan, &refuges, display)?;
         let written = Instant::now();
@@ -112,7 +119,10 @@ impl Job<'_> {
         };
         if let Some(stats) = &self.stats {
             let stats_file = StatsFile::new(&outcome);
-            results.push(stats.write_or_rescue(&refuges, |file| serde_json::to_writer_pretty(file, &stats_file)));
+            results.push(stats.write_or_rescue(&refuges, |file| -> std::io::Result<()> {
+                serde_json::to_writer_pretty(&mut *file, &stats_file)?;
+                file.write_all(b"\n")
+            }));
         }
         let written_all = write_all(results);
         if let (Err(_), Some(Ok(checkpoint))) = (&written_all, &kept) {
@@ -134,7 +144,25 @@ impl Job<'_> {
         if let Some(checkpoints) = checkpoints {
             checkpoints.remove();
         }
-        self.judge(rendering.statistics.bad_samples, rendering.statistics.samples)
+        self.judge(rendering.statistics.bad_samples, rendering.statistics.samples)?;
+        self.judge_content(&plan, &rendering)
+    }
+
+    /// A whole picture that shows nothing is probably not what was meant.
+    fn judge_content(&self, plan: &RenderPlan<'_>, rendering: &Rendering) -> Result<(), Failure> {
+        let JobResult::Picture { format, output, .. } = &self.result else { return Ok(()) };
+        if self.options.crop.is_some() {
+            return Ok(());
+        }
+        let (hits, is_developed) = (rendering.statistics.camera_hits, picture_file::is_developed(*format));
+        match empty_picture::empty(self.scene, plan, &rendering.film, hits, is_developed) {
+            Some(warning) if self.strict => Err(Failure::Empty { warning, file: output.path().to_owned() }),
+            Some(warning) => {
+                self.console.warn(warning);
+                Ok(())
+            }
+            None => Ok(()),
+        }
     }
 
     /// Writes the part, if that is what is wanted, and it is finished.
@@ -259,7 +287,10 @@ impl Job<'_> {
         let label = self.label(KeptKind::Checkpoint);
         let mut earlier = None;
         let mut checkpoints = None;
-        if let (Some(keep), Some(label)) = (&self.keep, label) {
+        // Of what goes to standard output, checkpoints are kept only where they are told to go.
+        let output = self.result.output();
+        let keep = self.keep.as_ref().filter(|keep| !output.is_stdout() || keep.args.checkpoint.is_some());
+        if let (Some(keep), Some(label)) = (keep, label) {
             let of_job = Checkpoints::new(keep.args, self.result.output(), label, self.console);
             earlier = of_job.earlier(keep.args)?;
             if let Some(earlier) = &earlier {

@@ -10,7 +10,7 @@ use std::fs;
 use std::io::{self, BufWriter, Read as _, Write};
 use std::path::{Path, PathBuf};
 
-use rt_camera::{Development, Encoding};
+use rt_camera::{Development, Dither, Encoding};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +34,8 @@ pub(crate) struct Label {
     exposure: f64,
     tone: String,
     gamma: Option<f64>,
+    /// Where the upper left pixel lies in the full image, if colours are dithered.
+    dither_origin: Option<[u32; 2]>,
 }
 
 /// What is kept in a file.
@@ -117,6 +119,7 @@ impl Label {
                 Encoding::Srgb => None,
                 Encoding::Power(gamma) => Some(gamma),
             },
+            dither_origin: development.dither.map(|dither| dither.origin),
         }
     }
 
@@ -127,6 +130,7 @@ impl Label {
             exposure: self.exposure,
             tone: tone_of_name(&self.tone).unwrap_or(standard.tone),
             encoding: self.gamma.map_or(Encoding::Srgb, Encoding::Power),
+            dither: self.dither_origin.map(|origin| Dither { origin }),
         }
     }
 }

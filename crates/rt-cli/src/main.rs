@@ -8,6 +8,7 @@
 //!
 //! ```text
 //! rt-cli                                  renders a built-in scene to showcase.png
+//! rt-cli scene.ron                        the same as rt-cli render scene.ron
 //! rt-cli render scene.ron -o picture.exr  also .json, .gltf, .glb, .obj, .nff, .pbrt, .ply, .stl; and .png, .jpg, .hdr, .pfm
 //! rt-cli view scene.ron                   a window to move around in
 //! rt-cli explain scene.ron                what a render uses, what it leaves out, and why
@@ -30,6 +31,7 @@ mod commands;
 mod console;
 #[cfg_attr(not(feature = "display"), path = "no_display.rs")]
 mod display;
+mod empty_picture;
 mod error;
 mod frame_log;
 mod identity;
@@ -44,6 +46,7 @@ mod picture_file;
 mod progress;
 mod report;
 mod stats;
+mod stdin;
 mod watcher;
 
 use std::process::ExitCode;
@@ -51,7 +54,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 fn main() -> ExitCode {
-    match commands::run(args::Cli::parse()) {
+    match commands::run(args::Cli::parse_from(args::with_default_command(std::env::args_os()))) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             console::complain(&failure);

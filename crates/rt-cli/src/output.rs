@@ -7,13 +7,15 @@ use std::env;
 use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, ErrorKind, IsTerminal, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use bytesize::ByteSize;
 use tempfile::NamedTempFile;
 
+use crate::console::reserve_stdout;
 use crate::error::Failure;
+use crate::stdin::is_dash;
 
 /// A place that was found fit to write a file to.
 #[derive(Debug)]
@@ -23,7 +25,12 @@ pub(crate) struct OutputFile {
     /// Where it really goes: symbolic links followed.
     target: PathBuf,
     folder: PathBuf,
+    /// It is no file, but standard output.
+    is_stdout: bool,
 }
+
+/// The name of standard output in messages.
+const STDOUT: &str = "standard output";
 
 /// Why a file cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -93,8 +100,14 @@ pub(crate) enum OutputError {
 
 impl OutputFile {
     /// Checks that a file can be written to `path`, before work is spent on its content: the folder takes files, and
-    /// nothing is there but perhaps an older file that is not one of `inputs`.
+    /// nothing is there but perhaps an older file that is not one of `inputs`. The path `-` is standard output, which reports
+    /// keep clear of from then on.
     pub(crate) fn prepare(path: &Path, inputs: &[PathBuf]) -> Result<Self, OutputError> {
+        if is_dash(path) {
+            reserve_stdout();
+            let (path, folder) = (PathBuf::from(STDOUT), env::temp_dir());
+            return Ok(Self { target: path.clone(), path, folder, is_stdout: true });
+        }
         // A link is written through: the file that it leads to is replaced, not the link.
         let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let folder = match target.parent() {
@@ -120,7 +133,7 @@ impl OutputFile {
         match tempfile::tempfile_in(folder) {
             Ok(_) => {
                 clear_away(folder, &target);
-                Ok(Self { path: path.to_owned(), folder: folder.to_owned(), target })
+                Ok(Self { path: path.to_owned(), folder: folder.to_owned(), target, is_stdout: false })
             }
             Err(source) => Err(OutputError::Folder { path: path.to_owned(), folder: folder.to_owned(), source }),
         }
@@ -131,8 +144,16 @@ impl OutputFile {
         &self.path
     }
 
+    /// True for standard output.
+    pub(crate) const fn is_stdout(&self) -> bool {
+        self.is_stdout
+    }
+
     /// True if `other` is written to the same file.
     pub(crate) fn is_same_file(&self, other: &Self) -> bool {
+        if self.is_stdout || other.is_stdout {
+            return self.is_stdout && other.is_stdout;
+        }
         let place = |file: &Self| Some((file.folder.canonicalize().ok()?, file.target.file_name()?.to_owned()));
         place(self) == place(other)
     }
@@ -142,8 +163,12 @@ impl OutputFile {
         &self,
         content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
     ) -> Result<(), OutputError> {
-        write_atomically(&self.target, &self.folder, content)
-            .map_err(|reason| OutputError::Write { path: self.path.clone(), reason })
+        let written = if self.is_stdout {
+            write_to_stdout(content)
+        } else {
+            write_atomically(&self.target, &self.folder, content)
+        };
+        written.map_err(|reason| OutputError::Write { path: self.path.clone(), reason })
     }
 
     /// Writes the file; if that fails, writes it under a new name in the first of the folders `refuges` that takes it, so that
@@ -165,6 +190,9 @@ impl OutputFile {
 
     /// Refuses to begin what will not fit on the disk: the new file lies beside an older one until it is whole.
     pub(crate) fn check_space(&self, bytes: u64) -> Result<(), OutputError> {
+        if self.is_stdout {
+            return Ok(());
+        }
         match fs4::available_space(&self.folder) {
             Ok(available) if available < bytes => {
                 Err(OutputError::NoSpace { path: self.path.clone(), folder: self.folder.clone(), available, bytes })
@@ -184,6 +212,30 @@ pub(crate) fn refuges(fallback: Option<&Path>) -> Vec<PathBuf> {
 pub(crate) fn write_all(results: impl IntoIterator<Item = Result<(), OutputError>>) -> Result<(), Failure> {
     let failed: Vec<_> = results.into_iter().filter_map(Result::err).collect();
     if failed.is_empty() { Ok(()) } else { Err(Failure::Outputs(failed)) }
+}
+
+/// Refuses to write what is no text to a terminal.
+pub(crate) fn refuse_terminal(path: &Path) -> Result<(), Failure> {
+    if is_dash(path) && io::stdout().is_terminal() {
+        let message = "standard output is a terminal, which shows no such file: redirect it, or name a file";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    Ok(())
+}
+
+/// Writes what is complete to standard output. A reader that has left has seen enough: that is no failure.
+fn write_to_stdout<E: Display>(content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>) -> Result<(), String> {
+    let mut file = tempfile::tempfile().map_err(|error| error.to_string())?;
+    let mut writer = BufWriter::new(&mut file);
+    content(&mut writer).map_err(|error| error.to_string())?;
+    writer.flush().map_err(|error| error.to_string())?;
+    drop(writer);
+    let mut stdout = io::stdout().lock();
+    let copied = file.rewind().and_then(|()| io::copy(&mut file, &mut stdout)).and_then(|_| stdout.flush());
+    match copied {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.to_string()),
+        _ => Ok(()),
+    }
 }
 
 fn write_atomically<E: Display>(

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use rt_camera::{CameraSettings, Development, Projection};
 use rt_math::{DVec3, Rgb, Transform};
 use rt_render::PlanOptions;
-use rt_scene_io::{Adaptive, Background, Integrator, LoadOptions, Reason, Scene, read_environment};
+use rt_scene_io::{Adaptive, Background, InMemoryFile, Integrator, LoadOptions, Reason, Scene, read_environment};
 
 use crate::args::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 use crate::error::Failure;
+use crate::stdin::{self, is_dash};
 
 /// Applies the options to the scene, which was loaded with others; those that are no part of a scene are returned.
 pub(crate) fn apply(args: &PictureArgs, loaded: &LoadOptions, scene: &mut Scene) -> Result<PlanOptions, Failure> {
@@ -29,11 +30,22 @@ pub(crate) fn apply(args: &PictureArgs, loaded: &LoadOptions, scene: &mut Scene)
         let Development { encoding, .. } = film.development;
         film.development = Development { encoding, ..Development::default() };
     }
-    if let Some(BackgroundChoice::Colour(colour)) = args.background {
+    let colour = match args.background {
+        Some(BackgroundChoice::Colour(colour)) => Some(colour),
+        _ => None,
+    };
+    if let (Some(colour), None) = (colour, &args.env) {
         scene.appearance.background = Background::Constant(colour);
     }
     if let Some(file) = &args.env {
-        let light = read_environment(file, Rgb::WHITE, 0.0, loaded);
+        if is_dash(file) && loaded.in_memory.is_some() {
+            return Err(Failure::Usage(
+                "standard input is one file: the scene and --env cannot both come from it".to_owned(),
+            ));
+        }
+        let piped = if is_dash(file) { Some(stdin::content(loaded.max_file_bytes)?) } else { None };
+        let in_memory = piped.map(|bytes| InMemoryFile { path: file.clone(), bytes });
+        let light = read_environment(file, Rgb::WHITE, 0.0, &LoadOptions { in_memory, ..loaded.clone() });
         let light = light.map_err(|reason| Failure::from(reason.at(file, "")))?;
         scene.appearance.background = Background::Environment(Arc::new(light));
         if args.integrator.is_none() && scene.settings.integrator == Integrator::Whitted {
@@ -48,6 +60,7 @@ pub(crate) fn apply(args: &PictureArgs, loaded: &LoadOptions, scene: &mut Scene)
         camera,
         crop: args.crop,
         transparent: args.background == Some(BackgroundChoice::Transparent),
+        backdrop: colour.filter(|_| args.env.is_some()),
         full: args.full_plan,
         simd: args.simd,
         quality: args.quality.unwrap_or_default(),
@@ -76,6 +89,9 @@ fn adaptive(args: &PictureArgs, of_scene: Option<Adaptive>) -> Result<Option<Ada
 pub(crate) fn apply_development(args: &DevelopmentArgs, development: &mut Development) {
     replace(&mut development.exposure, args.exposure);
     replace(&mut development.tone, args.tone);
+    if let Some(dithers) = args.dither {
+        development.dither = dithers.then(|| development.dither.unwrap_or_default());
+    }
 }
 
 fn replace<T>(value: &mut T, other: Option<T>) {

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use rt_camera::ImageFormat;
+use rt_camera::{Film, ImageFormat, decode_image, format_of_bytes, image_format, read_image};
 
 use crate::error::Failure;
+use crate::output::refuse_terminal;
+use crate::stdin::{self, is_dash};
 
 /// Longest side of a JPEG in pixels: its header has 16 bits for it.
 const MAX_JPEG_SIDE: u32 = u16::MAX as u32;
@@ -12,6 +14,34 @@ const MAX_JPEG_SIDE: u32 = u16::MAX as u32;
 /// The format that the ending of the name asks for.
 pub(crate) fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
     ImageFormat::from_path(path).map_err(|error| Failure::Usage(error.to_string()))
+}
+
+/// The format of a picture: the one that is given, or else the one of the name; PNG for standard output.
+pub(crate) fn chosen_format(path: &Path, given: Option<ImageFormat>) -> Result<ImageFormat, Failure> {
+    refuse_terminal(path)?;
+    match given {
+        Some(format) => Ok(format),
+        None if is_dash(path) => Ok(ImageFormat::Png),
+        None => format_of(path),
+    }
+}
+
+/// The image in a file, or from standard input.
+pub(crate) fn read(path: &Path) -> Result<Film, Failure> {
+    if is_dash(path) {
+        Ok(decode_image(&stdin::content(None)?, Path::new("standard input"))?)
+    } else {
+        Ok(read_image(path)?)
+    }
+}
+
+/// The format of an image in a file, or from standard input, by its content.
+pub(crate) fn format_by_content(path: &Path) -> Result<ImageFormat, Failure> {
+    if is_dash(path) {
+        Ok(format_of_bytes(&stdin::content(None)?, Path::new("standard input"))?)
+    } else {
+        Ok(image_format(path)?)
+    }
 }
 
 /// Refuses pictures that the format cannot hold, before they are rendered.

@@ -35,6 +35,8 @@ pub(crate) struct StatsFile<'a> {
     settings: SettingsStats<'a>,
     plan: PlanStats,
     samples: u64,
+    /// Camera samples that met a surface.
+    camera_hits: u64,
     /// Those that pixels are made of.
     pixel_samples: PixelSamples,
     /// Pixels that show no edge and took the least samples.
@@ -159,6 +161,7 @@ impl<'a> StatsFile<'a> {
             settings: SettingsStats::new(outcome),
             plan: PlanStats::from(outcome.plan.explain()),
             samples: statistics.samples,
+            camera_hits: statistics.camera_hits,
             pixel_samples: PixelSamples { least, mean, most },
             simple_pixels: statistics.simple_pixels,
             passes: statistics.passes,

@@ -203,6 +203,9 @@ impl RenderPlan<'_> {
         if self.moves {
             used.extend(self.motion(census));
         }
+        if self.backdrop.is_some() {
+            used.push("a backdrop: camera rays that leave the scene see it in place of the background".to_owned());
+        }
         if self.camera.has_lens() {
             used.push("a lens: camera rays start all over the aperture".to_owned());
         }

@@ -6,7 +6,7 @@ use rt_accel::AnyStructure;
 use rt_accel::wide::{Quality, SimdLevel};
 use rt_camera::{Camera, Filter, SamplePattern, ViewVolume};
 use rt_geometry::{Shape, Spheres};
-use rt_math::{DVec2, DVec3};
+use rt_math::{DVec2, DVec3, Rgb};
 use rt_scene_io::{Integrator, MaterialId, NamedCamera, Scene, Settings};
 use rt_shading::{
     AmbientOcclusion, Appearance, ConstantBsdfs, FirstHitView, Follows, LightSources, Material, Needs, PathSettings,
@@ -43,7 +43,7 @@ pub struct Crop {
 }
 
 /// Choices that a plan takes beside the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanOptions {
     /// Which camera of the scene to use.
     pub camera: usize,
@@ -51,6 +51,9 @@ pub struct PlanOptions {
     pub crop: Option<Crop>,
     /// Leave the background out and record coverage in an alpha channel.
     pub transparent: bool,
+    /// Radiance shown to camera rays that leave the scene, in place of its background, which goes on lighting the scene.
+    /// Views of geometry or cost do without.
+    pub backdrop: Option<Rgb>,
     /// Leave nothing out. The picture is the same to the bit; this is how tests prove it.
     pub full: bool,
     /// The instructions that structures use; `None` for the best that the processor has. What it does not have is
@@ -114,6 +117,8 @@ pub struct RenderPlan<'s> {
     pub(crate) size: [u32; 2],
     pub(crate) crop: Crop,
     pub(crate) transparent: bool,
+    /// Shown to camera rays in place of the background.
+    pub(crate) backdrop: Option<Rgb>,
     /// Independent passes of a render of a fixed number of samples.
     pub(crate) passes: u32,
     /// Samples per pixel of each of them.
@@ -229,6 +234,7 @@ impl<'s> RenderPlan<'s> {
             size,
             crop,
             transparent: options.transparent,
+            backdrop: options.backdrop.filter(|_| settings.integrator.follows_light()),
             passes,
             pass_spp,
             simple_pass_spp,
@@ -254,6 +260,12 @@ impl<'s> RenderPlan<'s> {
             memory,
             build_seconds: started.elapsed().as_secs_f64(),
         })
+    }
+
+    /// False if nothing in the scene gives light: it has no light, no surface that emits, and a black background.
+    pub fn has_light(&self) -> bool {
+        let Appearance { lights, ambient, background, .. } = &self.scene.appearance;
+        !lights.is_empty() || !ambient.is_black() || !background.is_black() || self.needs.emission
     }
 
     /// Samples per pixel that [`render`](Self::render) will take: those asked for, split into passes and rounded up to what

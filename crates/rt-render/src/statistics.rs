@@ -11,6 +11,8 @@ use crate::{RenderPlan, crew::Crew, light_pass::LitChunk, tile::Finished};
 pub struct Statistics {
     /// Camera samples taken.
     pub samples: u64,
+    /// Camera samples that met a surface; none if the picture shows nothing but the background.
+    pub camera_hits: u64,
     /// Pixels that took few samples, as they show no edge; none unless pixels are told apart in object space.
     pub simple_pixels: u64,
     /// Rays by kind, and with [`RunOptions::count`](crate::RunOptions) also nodes, primitive tests and hits.
@@ -36,6 +38,7 @@ impl Statistics {
     pub(crate) fn new(crew: &Crew<'_>, plan: &RenderPlan<'_>) -> Self {
         Self {
             samples: 0,
+            camera_hits: 0,
             simple_pixels: 0,
             counters: Counters::default(),
             primary_rays_spared: 0,
@@ -51,6 +54,7 @@ impl Statistics {
     /// Adds what a tile took.
     pub(crate) fn add(&mut self, tile: &Finished) {
         self.samples += tile.samples;
+        self.camera_hits += tile.camera_hits;
         self.simple_pixels += tile.simple_pixels;
         self.counters += tile.counters;
         self.primary_rays_spared += tile.primary_rays_spared;
@@ -73,6 +77,7 @@ impl Statistics {
     /// Adds what another part of the same picture took.
     pub(crate) fn join(&mut self, other: &Self) {
         self.samples += other.samples;
+        self.camera_hits += other.camera_hits;
         self.simple_pixels += other.simple_pixels;
         self.counters += other.counters;
         self.primary_rays_spared += other.primary_rays_spared;

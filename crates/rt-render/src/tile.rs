@@ -83,6 +83,8 @@ pub(crate) struct Finished {
     pub(crate) simple_pixels: u64,
     pub(crate) error: ErrorSums,
     pub(crate) counters: Counters,
+    /// Samples that met a surface.
+    pub(crate) camera_hits: u64,
     pub(crate) primary_rays_spared: u64,
     pub(crate) shading: ShadingCounts,
     pub(crate) bad_samples: u64,
@@ -106,6 +108,7 @@ impl Finished {
             simple_pixels: task.simple.map_or(0, |simple| simple.count() as u64),
             error: ErrorSums::default(),
             counters: Counters::default(),
+            camera_hits: 0,
             primary_rays_spared: 0,
             shading: ShadingCounts::default(),
             bad_samples: 0,
@@ -276,7 +279,7 @@ impl RenderPlan<'_> {
         let pixel_of = |spp: u32| {
             let mut pass = Pixel::new(self.transparent);
             for _ in 0..spp {
-                pass.add(&Seen { radiance: *radiance, hit: false }, 1.0);
+                pass.add(&Seen { radiance: self.backdrop.unwrap_or(*radiance), hit: false }, 1.0);
             }
             let mut pixel = PixelEstimate::default();
             for _ in 0..sweep.count {

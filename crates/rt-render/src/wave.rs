@@ -1,7 +1,7 @@
 //! Waves of camera rays: the samples of some pixels, traced together.
 
 use rt_camera::{PixelSample, PixelSampler};
-use rt_math::{DVec2, Interval, Ray, Sampler};
+use rt_math::{DVec2, Interval, Ray, Rgb, Sampler};
 use rt_shading::Seen;
 
 use crate::{
@@ -105,12 +105,12 @@ impl RenderPlan<'_> {
                     self.generate(&sampler, pixel, first, count, wave);
                     first += count as u32;
                     if wave.room() == 0 {
-                        trace(wave, &mut sums, &mut radiance);
+                        trace(wave, &mut sums, self.backdrop, &mut radiance);
                     }
                 }
             }
         }
-        trace(wave, &mut sums, &mut radiance);
+        trace(wave, &mut sums, self.backdrop, &mut radiance);
         sums.finished
     }
 
@@ -150,15 +150,21 @@ impl RenderPlan<'_> {
     }
 }
 
-/// Traces a wave and empties it into the pixels.
+/// Traces a wave and empties it into the pixels. Rays that leave the scene see the backdrop, if there is one.
 fn trace<N: Iterator<Item = u32>>(
     wave: &mut CameraWave,
     sums: &mut Sums<N>,
+    backdrop: Option<Rgb>,
     radiance: &mut impl FnMut(&CameraRays<'_>, &mut [Seen]),
 ) {
     wave.seen.resize(wave.rays.len(), Seen::NOTHING);
     radiance(&CameraRays { rays: &wave.rays, samplers: &wave.samplers }, &mut wave.seen);
-    for (seen, weight) in wave.seen.iter().zip(&wave.weights) {
+    for (seen, weight) in wave.seen.iter_mut().zip(&wave.weights) {
+        match backdrop {
+            Some(backdrop) if !seen.hit => seen.radiance = backdrop,
+            _ => {}
+        }
+        sums.finished.camera_hits += u64::from(seen.hit);
         sums.add(seen, *weight);
     }
     wave.rays.clear();

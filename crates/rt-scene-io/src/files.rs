@@ -10,20 +10,28 @@ use crate::options::folder_of;
 use crate::texture::{Pixels, decode_within};
 use crate::{LoadOptions, Reason, limits};
 
-/// Reads a regular file. Whoever asks for it has foreseen the memory that it takes.
+/// Reads a regular file, or the one of `options` that is in memory. Whoever asks for it has foreseen the memory that it takes.
 ///
 /// # Errors
 /// If there is no such file, it is empty, a folder, a pipe or a device, larger than `options` allow, or cannot be read.
 pub fn read_file(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, Reason> {
+    let limit = options.max_file_bytes.unwrap_or(limits::FILE_BYTES);
+    let too_large = |value| Reason::TooLarge { what: "the size in bytes", value, limit };
+    if let Some(bytes) = options.content_of(path) {
+        return match bytes.len() as u64 {
+            0 => Err(Reason::Empty),
+            size if size > limit => Err(too_large(size)),
+            _ => Ok(bytes.to_vec()),
+        };
+    }
     // The kind is checked before opening: opening a pipe would wait for its writer.
     if !fs::metadata(path)?.is_file() {
         return Err(Reason::NotAFile);
     }
     let file = File::open(path)?;
     let size = file.metadata()?.len();
-    let limit = options.max_file_bytes.unwrap_or(limits::FILE_BYTES);
     if size > limit {
-        return Err(Reason::TooLarge { what: "the size in bytes", value: size, limit });
+        return Err(too_large(size));
     }
     let mut bytes = Vec::with_capacity(usize::try_from(size).unwrap_or(0));
     // The limit holds even if the file grows meanwhile.
@@ -33,7 +41,10 @@ pub fn read_file(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, Reason> 
 
 /// Reads a file that another refers to, if the budget has room for it.
 pub(crate) fn read_beside(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, Reason> {
-    let size = fs::metadata(path).map_or(0, |metadata| metadata.len());
+    let size = match options.content_of(path) {
+        Some(bytes) => bytes.len() as u64,
+        None => fs::metadata(path).map_or(0, |metadata| metadata.len()),
+    };
     options.memory.check(format_args!("the file {}", path.display()), size)?;
     read_file(path, options)
 }

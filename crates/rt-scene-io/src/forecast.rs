@@ -8,7 +8,7 @@
 //! measured peaks.
 
 use std::fs::{self, File};
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::budget::Reservation;
@@ -36,10 +36,16 @@ pub(crate) struct Sample {
 
 impl Sample {
     /// `None` for what is no regular file or cannot be read; whoever loads it says why.
-    fn of(path: &Path) -> Option<Self> {
+    fn of(path: &Path, options: &LoadOptions) -> Option<Self> {
+        if let Some(bytes) = options.content_of(path) {
+            return Self::read(Cursor::new(bytes), bytes.len() as u64);
+        }
         // Opening a pipe would wait for its writer.
         let metadata = fs::metadata(path).ok().filter(fs::Metadata::is_file)?;
-        let (mut file, size) = (File::open(path).ok()?, metadata.len());
+        Self::read(File::open(path).ok()?, metadata.len())
+    }
+
+    fn read(mut file: impl Read + Seek, size: u64) -> Option<Self> {
         let stride = size.div_ceil(PIECES).max(PIECE_BYTES);
         let mut pieces = Vec::new();
         for start in (0..size).step_by(usize::try_from(stride).ok()?) {
@@ -76,7 +82,7 @@ impl Sample {
 
 /// Sets aside what a scene file takes at its peak: the text, and its nodes as they are written and as they are resolved.
 pub(crate) fn reserve_scene(path: &Path, options: &LoadOptions) -> Result<Reservation, Reason> {
-    let bytes = options.memory.limit().and_then(|_| Sample::of(path)).map_or(0, |sample| {
+    let bytes = options.memory.limit().and_then(|_| Sample::of(path, options)).map_or(0, |sample| {
         let [nodes, lists] = sample.over_lines(elements);
         sample.size * 27 / 10 + NODE_BYTES * nodes + LIST_BYTES * lists
     });
@@ -108,7 +114,7 @@ pub(crate) fn within(
     peak: impl FnOnce(&Sample) -> u64,
     load: impl FnOnce() -> Result<Model, LoadError>,
 ) -> Result<Model, LoadError> {
-    let Some(sample) = options.memory.limit().and_then(|_| Sample::of(path)) else { return load() };
+    let Some(sample) = options.memory.limit().and_then(|_| Sample::of(path, options)) else { return load() };
     let what = format!("the model {}", path.display());
     let peak = peak(&sample);
     drop(sample);
@@ -145,7 +151,7 @@ mod tests {
     fn sample(content: &str) -> Sample {
         let file = tempfile::NamedTempFile::new().expect("a file");
         fs::write(file.path(), content).expect("written");
-        Sample::of(file.path()).expect("a regular file")
+        Sample::of(file.path(), &LoadOptions::default()).expect("a regular file")
     }
 
     #[test]
@@ -183,7 +189,8 @@ mod tests {
 
     #[test]
     fn what_is_no_file_has_no_sample() {
-        assert!(Sample::of(Path::new("/nonexistent")).is_none() && Sample::of(Path::new("/")).is_none());
+        let of = |path: &str| Sample::of(Path::new(path), &LoadOptions::default());
+        assert!(of("/nonexistent").is_none() && of("/").is_none());
         assert_eq!(sample("").over_lines(|_| [1]), [0]);
     }
 }

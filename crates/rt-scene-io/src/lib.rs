@@ -118,7 +118,7 @@ pub use load::load;
 #[cfg(feature = "format")]
 pub use model::{LightUnits, Model, load_model};
 #[cfg(feature = "format")]
-pub use options::{LoadOptions, ReferencedFiles};
+pub use options::{AnimationEnd, InMemoryFile, LoadOptions, ReferencedFiles};
 #[cfg(feature = "format")]
 pub use resolve::resolve;
 pub use rt_shading::emitter::LightSampling;

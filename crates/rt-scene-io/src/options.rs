@@ -33,8 +33,40 @@ pub struct LoadOptions {
     pub max_file_bytes: Option<u64>,
     /// How much memory loading may take; by default, as much as it wants.
     pub memory: MemoryBudget,
+    /// A file that is not on the disk, such as the scene itself if it came through a pipe.
+    pub in_memory: Option<InMemoryFile>,
+    /// Receives the time of the last key of all animations that loading meets.
+    pub animation_end: AnimationEnd,
     /// Receives the files that loading meets beside the one that it is given.
     pub referenced: ReferencedFiles,
+}
+
+/// The content of a file that is not on the disk. What it refers to is looked for beside its path.
+#[derive(Clone, Debug)]
+pub struct InMemoryFile {
+    /// The path that it is loaded by, whose ending tells the format.
+    pub path: PathBuf,
+    /// Its content.
+    pub bytes: Arc<[u8]>,
+}
+
+/// The time of the last key of animations, in seconds. Clones share it.
+///
+/// Scene files have it at any time; models have it where [`LoadOptions::at_time`] poses them.
+#[derive(Clone, Debug, Default)]
+pub struct AnimationEnd(Arc<Mutex<Option<f64>>>);
+
+impl AnimationEnd {
+    /// The time; `None` if nothing was animated.
+    pub fn seconds(&self) -> Option<f64> {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Extends it to the time of a key.
+    pub(crate) fn extend(&self, time: f64) {
+        let mut end = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        *end = Some(end.map_or(time, |end| end.max(time)));
+    }
 }
 
 /// Files that other files refer to: textures, models, their material libraries and buffers. Clones share one list.
@@ -65,6 +97,11 @@ impl LoadOptions {
         let frame_time = self.frame_time.unwrap_or(1.0 / Self::DEFAULT_FPS);
         let shutter = self.shutter.unwrap_or([0.0; 2]);
         self.at_time.map(|time| shutter.map(|part| time + part * frame_time))
+    }
+
+    /// The content of a file that is not on the disk.
+    pub(crate) fn content_of(&self, path: &Path) -> Option<&[u8]> {
+        self.in_memory.as_ref().filter(|file| file.path == path).map(|file| &*file.bytes)
     }
 
     /// These options with the root settled: as given, or else the folder of `file`.

@@ -10,11 +10,11 @@ use super::values::{self, choice};
 /// Arguments of `compare`.
 #[derive(Debug, Args)]
 pub(crate) struct CompareArgs {
-    /// Image under test: .png, .jpg, .exr, .hdr or .pfm
+    /// Image under test: .png, .jpg, .exr, .hdr or .pfm, or - for standard input
     #[arg(value_name = "A", value_hint = ValueHint::FilePath)]
     pub(crate) test: PathBuf,
 
-    /// Reference that it is compared with: .png, .jpg, .exr, .hdr or .pfm
+    /// Reference that it is compared with: .png, .jpg, .exr, .hdr or .pfm, or - for standard input
     #[arg(value_name = "B", value_hint = ValueHint::FilePath)]
     pub(crate) reference: PathBuf,
 
@@ -49,7 +49,7 @@ pub(crate) struct CompareArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Heat map")]
 pub(crate) struct HeatMapArgs {
-    /// Picture of the differences to write: .png or .jpg. Its colours are explained in the report
+    /// Picture of the differences to write: .png or .jpg, or - for standard output. Its colours are explained in the report
     #[arg(long = "heat-map", value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) file: Option<PathBuf>,
 
@@ -165,7 +165,8 @@ FLIP (Andersson et al. 2020), from 0 to 1, what a viewer sees who alternates bet
 HDR-FLIP (Andersson et al. 2021) tries the exposures that fit the reference.
 
 PNG and JPEG are taken to be encoded in sRGB and are turned into linear light. Beside such an image, one of linear \
-radiance is first developed to bytes as `develop` does, so that a picture and its .exr are found equal.
+radiance is first developed to bytes as `develop` does, dithered unless --dither is none, so that a picture and its .exr are \
+found equal.
 
 The exit code is 1 if --metric is worse than --threshold: above it, or below it for psnr and ssim.";
 

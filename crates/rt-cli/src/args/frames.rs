@@ -11,17 +11,27 @@ use super::values;
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "What")]
 pub(crate) struct FramesArgs {
-    /// Render these frames of an animation, from A to B, both included; or the single frame N
-    #[arg(long, value_name = "A..B|N", value_parser = frames, conflicts_with = "at_time", long_help = FRAMES_HELP)]
-    pub(crate) frames: Option<Frames>,
+    /// Render these frames of an animation, from A to B, both included; or the single frame N; or all
+    #[arg(long, value_name = "A..B|N|all", value_parser = choice, conflicts_with = "at_time", long_help = FRAMES_HELP)]
+    pub(crate) frames: Option<FrameChoice>,
+}
+
+/// The frames that are asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FrameChoice {
+    /// Those of the animation.
+    All,
+    /// These.
+    Some(Frames),
 }
 
 const FRAMES_HELP: &str = "\
-Render these frames of an animation, from A to B, both included; or the single frame N
+Render these frames of an animation, from A to B, both included; or the single frame N; or all
 
 Frame N shows the moment N / FPS, as --at-time does with the same --fps, and is a render of its own. In the names of all files \
 that are written, the last run of # stands for the number of the frame, with zeros before it: frame 7 of -o out-####.png goes \
-to out-0007.png. By default, that is the scene's name with -####.png, in the current folder.";
+to out-0007.png. `all` are the frames whose moments lie before the last key of all animations: 48 of one that takes 2 s, at 24 \
+frames a second. By default, that is the scene's name with -####.png, in the current folder.";
 
 /// Frames in a row, by their numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,10 +64,24 @@ impl fmt::Display for Frames {
     }
 }
 
+impl Frames {
+    /// All frames of an animation that takes so many seconds, at least one; `None` if there are too many to be numbered.
+    pub(crate) fn of_animation(seconds: f64, fps: f64) -> Option<Self> {
+        // The product may be off a whole number by rounding.
+        let count = (seconds * fps * (1.0 - 1e-9)).ceil().max(1.0);
+        (count <= f64::from(u32::MAX)).then(|| Self { first: 0, last: count as u32 - 1 })
+    }
+}
+
+/// `A..B`, `N` or `all`.
+fn choice(text: &str) -> Result<FrameChoice, String> {
+    if text == "all" { Ok(FrameChoice::All) } else { frames(text).map(FrameChoice::Some) }
+}
+
 /// `A..B` or `N`.
 fn frames(text: &str) -> Result<Frames, String> {
     let (first, last) = text.split_once("..").unwrap_or((text, text));
-    let rule = "write the first and the last frame as 0..47, or the number of a single one, up to 4294967295";
+    let rule = "write the first and the last frame as 0..47, or the number of a single one, up to 4294967295, or all";
     let number = |text: &str| text.parse().ok().filter(|_| !text.starts_with('+')).ok_or_else(|| rule.to_owned());
     let frames = Frames { first: number(first)?, last: number(last)? };
     if frames.first > frames.last {
@@ -106,6 +130,20 @@ mod tests {
         for bad in ["", "..", "1..", "..2", "5..3", "-1..2", "1..+2", "1..2..3", "a", "1.5", "1-3", "0..4294967296"] {
             assert!(frames(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn all_frames_lie_before_the_end() {
+        let count = |seconds, fps| Frames::of_animation(seconds, fps).map(|frames| frames.numbers().count());
+        for (seconds, fps, expected) in
+            [(2.0, 24.0, 48), (0.5, 8.0, 4), (0.55, 10.0, 6), (0.1, 30.0, 3), (0.0, 24.0, 1), (-3.0, 24.0, 1)]
+        {
+            assert_eq!(count(seconds, fps), Some(expected), "{seconds} s, {fps}");
+        }
+        // Thirds of a second are no binary fractions.
+        assert_eq!(count(f64::from(10.0f32 / 3.0), 30.0), Some(100));
+        assert_eq!(count(1e60, 24.0), None);
+        assert_eq!((choice("all"), choice("3").is_ok()), (Ok(FrameChoice::All), true));
     }
 
     #[test]

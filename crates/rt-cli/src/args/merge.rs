@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
+use rt_camera::ImageFormat;
 
 use super::{AovArg, DevelopmentArgs, values};
 
@@ -13,9 +14,13 @@ pub(crate) struct MergeArgs {
     #[arg(required = true, value_hint = ValueHint::FilePath)]
     pub(crate) parts: Vec<PathBuf>,
 
-    /// Picture to write: .png, .jpg, .exr, .hdr or .pfm
+    /// Picture to write: .png, .jpg, .exr, .hdr or .pfm, or - for standard output
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: PathBuf,
+
+    /// Format of the picture, whatever its name says; by default told by the ending of the name, and png for `-`
+    #[arg(long, value_name = "NAME", value_parser = values::image_format())]
+    pub(crate) output_format: Option<ImageFormat>,
 
     #[command(flatten)]
     pub(crate) development: DevelopmentArgs,

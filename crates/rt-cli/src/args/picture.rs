@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueHint};
 use rt_camera::{SamplePattern, ToneCurve};
 use rt_math::{DVec3, Rgb};
 use rt_render::{Crop, Quality, SimdLevel};
@@ -76,12 +76,14 @@ pub(crate) struct PictureArgs {
     #[arg(long, value_name = "X,Y,W,H", value_parser = values::crop, help_heading = "What")]
     pub(crate) crop: Option<Crop>,
 
-    /// What lies behind everything: #RRGGBB, linear R,G,B, black, white, or transparent
+    /// What lies behind everything: #RRGGBB, linear R,G,B, black, white, or transparent; with --env, what is seen in place of its image
     #[arg(long, value_name = "COLOUR", value_parser = values::background, help_heading = "What")]
     pub(crate) background: Option<BackgroundChoice>,
 
-    /// An image around the scene (.exr, .hdr, .png, .jpg), which lights it: by `path`, unless another integrator is given
-    #[arg(long, value_name = "FILE", conflicts_with = "background", help_heading = "What")]
+    /// An image around the scene (.exr, .hdr, .png, .jpg, or - for standard input), which lights it: by `path`, unless another integrator is given
+    ///
+    /// With --background, camera rays that leave the scene see that in its place; mirrors and glass still show the image.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "What")]
     pub(crate) env: Option<PathBuf>,
 }
 
@@ -121,6 +123,10 @@ pub(crate) struct DevelopmentArgs {
     /// Curve that brings bright light into the range of the display
     #[arg(long, value_name = "NAME", value_parser = choice(values::TONE_CURVES, values::tone_name))]
     pub(crate) tone: Option<ToneCurve>,
+
+    /// Dither the colours of .png and .jpg, so that gradients show no bands; `none` rounds to the nearest byte [default: on, or as the scene says]
+    #[arg(long, value_name = "NAME", value_parser = values::dither())]
+    pub(crate) dither: Option<bool>,
 }
 
 /// How samples are shared out among pixels.

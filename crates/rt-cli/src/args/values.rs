@@ -1,10 +1,11 @@
 //! Values as users write them. Each parser refuses with the rule that was broken.
 
+use std::path::Path;
 use std::time::Duration;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rt_camera::metrics::Flip;
-use rt_camera::{Development, Encoding, FilmSettings, ToneCurve};
+use rt_camera::{Development, Encoding, FilmSettings, ImageFormat, ToneCurve};
 use rt_math::{DVec3, Rgb};
 use rt_render::{Crop, Quality, Share, SimdLevel};
 
@@ -49,6 +50,22 @@ pub(super) fn simd() -> impl TypedValueParser<Value = SimdLevel> {
 pub(super) fn quality() -> impl TypedValueParser<Value = Quality> {
     let names = PossibleValuesParser::new(Quality::ALL.iter().map(|quality| quality.name()));
     names.try_map(|typed| Quality::ALL.iter().copied().find(|quality| quality.name() == typed).ok_or("no such quality"))
+}
+
+/// True to dither.
+pub(super) fn dither() -> impl TypedValueParser<Value = bool> {
+    PossibleValuesParser::new([PossibleValue::new("on"), PossibleValue::new("none").alias("off")])
+        .map(|typed| typed == "on")
+}
+
+/// The format of a picture, by the ending of its name.
+pub(super) fn image_format() -> impl TypedValueParser<Value = ImageFormat> {
+    let names = ImageFormat::ALL.into_iter().map(|format| {
+        let [usual, others @ ..] = format.extensions() else { return PossibleValue::new("") };
+        PossibleValue::new(*usual).aliases(others.iter().copied())
+    });
+    PossibleValuesParser::new(names)
+        .try_map(|typed| ImageFormat::from_path(Path::new(&format!("a.{typed}"))).map_err(|error| error.to_string()))
 }
 
 /// `WxH`.

@@ -15,6 +15,7 @@ use crate::console::{print, show};
 use crate::error::Failure;
 use crate::output::OutputFile;
 use crate::picture_file;
+use crate::stdin::is_dash;
 
 /// The part of all errors that the colours of a heat map tell apart by default. The few that are greater would make the
 /// others look alike.
@@ -22,7 +23,10 @@ const SHOWN_ERRORS: f64 = 0.999;
 
 pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
     let output = args.heat_map.file.as_ref().map(|file| {
-        if !picture_file::is_developed(picture_file::format_of(file)?) {
+        if is_dash(file) && args.json {
+            return Err(Failure::Usage("the heat map and the report cannot both go to standard output".to_owned()));
+        }
+        if !picture_file::is_developed(picture_file::chosen_format(file, None)?) {
             return Err(Failure::Usage(format!("a heat map is a picture: {} must be .png or .jpg", file.display())));
         }
         Ok(OutputFile::prepare(file, &[args.test.clone(), args.reference.clone()])?)
@@ -96,7 +100,7 @@ fn draw(args: &CompareArgs, measures: &Measures, output: &OutputFile) -> Result<
     };
     let limit = args.heat_map.scale.unwrap_or(limit);
     if let Some(map) = map {
-        let format = picture_file::format_of(output.path())?;
+        let format = picture_file::chosen_format(args.heat_map.file.as_deref().unwrap_or(output.path()), None)?;
         let picture = heat_map(map, scale, limit);
         picture_file::check(format, [picture.width(), picture.height()], false)?;
         output.write(|file| write_image(&picture, &Development::default(), format, file))?;

@@ -1,7 +1,7 @@
 //! `convert`: a scene file to edit.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::slice;
 
 use rt_scene_io::{Converted, convert};
@@ -11,14 +11,25 @@ use crate::console::Console;
 use crate::error::Failure;
 use crate::input;
 use crate::output::OutputFile;
+use crate::stdin::is_dash;
 
 pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
-    if !is_scene_file(&args.output) {
+    // The ending of this name tells the format, and its folder where references are relative to.
+    let name = match (&args.output_format, is_dash(&args.output)) {
+        (Some(format), _) => args.output.with_file_name(format!("scene.{format}")),
+        (None, true) => PathBuf::from("scene.ron"),
+        (None, false) => args.output.clone(),
+    };
+    if !is_scene_file(&name) {
         let message = format!("cannot tell the format of `{}`: use .ron or .json", args.output.display());
         return Err(Failure::Usage(message));
     }
+    if args.input.piped.is_some() && !is_scene_file(&args.input.scene) {
+        let message = "a scene refers to its model by name: write the model to a file, and convert that";
+        return Err(Failure::Usage(message.to_owned()));
+    }
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.input.scene))?;
-    let Converted { text, warnings } = convert(&args.input.scene, &args.output, &input::load_options(&args.input)?)?;
+    let Converted { text, warnings } = convert(&args.input.scene, &name, &input::load_options(&args.input)?)?;
     input::warn(&warnings, Console { quiet: false });
     if args.strict {
         input::refuse_warnings(&args.input.scene, &warnings)?;

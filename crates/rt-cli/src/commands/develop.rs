@@ -2,7 +2,7 @@
 
 use std::slice;
 
-use rt_camera::{Development, Encoding, ImageFormat, read_image, write_image};
+use rt_camera::{Development, Dither, Encoding, ImageFormat, write_image};
 
 use crate::args::DevelopArgs;
 use crate::error::Failure;
@@ -10,7 +10,7 @@ use crate::output::OutputFile;
 use crate::picture_file;
 
 pub(super) fn run(args: &DevelopArgs) -> Result<(), Failure> {
-    let format = picture_file::format_of(&args.output)?;
+    let format = picture_file::chosen_format(&args.output, args.output_format)?;
     if !picture_file::is_developed(format) {
         let message = format!("{} would hold linear light; develop to .png or .jpg", args.output.display());
         return Err(Failure::Usage(message));
@@ -20,8 +20,9 @@ pub(super) fn run(args: &DevelopArgs) -> Result<(), Failure> {
         exposure: args.development.exposure.unwrap_or(standard.exposure),
         tone: args.development.tone.unwrap_or(standard.tone),
         encoding: args.gamma.map_or(standard.encoding, Encoding::Power),
+        dither: args.development.dither.unwrap_or(true).then(Dither::default),
     };
-    let film = read_image(&args.image)?;
+    let film = picture_file::read(&args.image)?;
     let transparent = film.alpha().is_some() && format != ImageFormat::Jpeg;
     picture_file::check(format, [film.width(), film.height()], transparent)?;
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.image))?;

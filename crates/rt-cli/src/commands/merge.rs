@@ -16,7 +16,7 @@ use crate::{overrides, picture_file};
 
 pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     let console = Console { quiet: args.quiet };
-    let format = picture_file::format_of(&args.output)?;
+    let format = picture_file::chosen_format(&args.output, args.output_format)?;
     let output = OutputFile::prepare(&args.output, &args.parts)?;
     let aovs = AovFile::prepare_all(&args.aov, &args.parts, &[&output])?;
 

@@ -9,18 +9,24 @@ use rt_camera::ImageFormat;
 use rt_render::Share;
 
 use crate::aov_file::AovFile;
-use crate::args::{KeepArgs, RenderArgs};
-use crate::console::Console;
+use crate::args::{FrameChoice, KeepArgs, RenderArgs};
+use crate::console::{Console, reserve_stdout};
 use crate::error::Failure;
 use crate::identity::Identity;
 use crate::input::Input;
 use crate::job::{Job, JobResult, Keep};
-use crate::output::{OutputError, OutputFile};
+use crate::output::{OutputError, OutputFile, refuse_terminal};
+use crate::stdin::is_dash;
 use crate::{checkpoints, input, overrides, picture_file};
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    if args.output.iter().chain(&args.run.stats).any(|path| is_dash(path)) {
+        // Before anything is said.
+        reserve_stdout();
+    }
     match args.frames.frames {
-        Some(frames) => frames::each(args, frames, picture),
+        Some(FrameChoice::Some(frames)) => frames::each(args, frames, picture),
+        Some(FrameChoice::All) => frames::each(args, frames::all(args)?, picture),
         None => picture(args),
     }
 }
@@ -31,7 +37,11 @@ fn picture(args: &RenderArgs) -> Result<(), Failure> {
     let console = Console { quiet: args.run.quiet };
     let scene_file = args.input.scene.as_path();
     let picture = args.output.clone().unwrap_or_else(|| default_output(scene_file, args.keep.shard));
-    let ending = Ending::of(&picture, args.keep.shard)?;
+    let ending = Ending::of(&picture, args.keep.shard, args.output_format)?;
+    if is_dash(&picture) && args.keep.resume && args.keep.checkpoint.is_none() {
+        let message = "--resume needs --checkpoint FILE where the picture goes to standard output";
+        return Err(Failure::Usage(message.to_owned()));
+    }
 
     let started = Instant::now();
     let Input { mut scene, mut files, options: loaded } = input::read(&args.input, args.picture.size, console)?;
@@ -42,6 +52,9 @@ fn picture(args: &RenderArgs) -> Result<(), Failure> {
     let mut options = overrides::apply(&args.picture, &loaded, &mut scene)?;
     options.progressive = args.stop.rule(args.picture.spp).is_some() || !args.aov.is_empty();
     overrides::apply_development(&args.development, &mut scene.film.development);
+    if let (Some(dither), Some(crop)) = (&mut scene.film.development.dither, options.crop) {
+        dither.origin = [crop.x, crop.y];
+    }
     files.extend(args.picture.env.clone());
 
     let output = OutputFile::prepare(&picture, &files)?;
@@ -81,6 +94,9 @@ fn prepare_checkpoint(
     stats: Option<&OutputFile>,
     inputs: &[PathBuf],
 ) -> Result<Option<OutputFile>, Failure> {
+    if output.is_stdout() && args.checkpoint.is_none() {
+        return Ok(None);
+    }
     match OutputFile::prepare(&checkpoints::place(args, output), inputs) {
         Ok(checkpoint) if stats.into_iter().chain([output]).any(|other| other.is_same_file(&checkpoint)) => Err(
             Failure::Usage(format!("the checkpoint and something else would go to {}", checkpoint.path().display())),
@@ -114,11 +130,11 @@ enum Ending {
 }
 
 impl Ending {
-    fn of(path: &Path, shard: Option<Share>) -> Result<Self, Failure> {
-        let is_part = path.extension().is_some_and(|extension| extension == PART);
+    fn of(path: &Path, shard: Option<Share>, format: Option<ImageFormat>) -> Result<Self, Failure> {
+        let is_part = path.extension().is_some_and(|extension| extension == PART) || (shard.is_some() && is_dash(path));
         match (shard, is_part) {
-            (Some(_), true) => Ok(Self::Part),
-            (None, false) => Ok(Self::Picture(picture_file::format_of(path)?)),
+            (Some(_), true) => refuse_terminal(path).map(|()| Self::Part),
+            (None, false) => Ok(Self::Picture(picture_file::chosen_format(path, format)?)),
             (Some(_), false) => Err(Failure::Usage(format!(
                 "{} is no .part file, which --shard writes; `merge` makes the picture of all parts",
                 path.display()

@@ -52,6 +52,45 @@ fn frames_go_to_numbered_files_beside_each_other() {
 }
 
 #[test]
+fn all_frames_of_an_animation_are_rendered() {
+    let place = flight();
+    place.succeed("render flight.ron --frames all --fps 4 -o out-#.pfm --spp 1 --quiet");
+    let expected = ["flight.ron", "out-#.pfm.frames.json", "out-0.pfm", "out-1.pfm", "out-2.pfm", "out-3.pfm"];
+    assert_eq!(place.files(), expected);
+    place.write("still.ron", "(nodes: [(shape: sphere())])");
+    let run = place.run("render still.ron --frames all");
+    assert!(run.code == Some(2) && run.stderr.contains("nothing in still.ron is animated"), "{run:?}");
+}
+
+/// The length of a model's animation is in its file.
+#[test]
+fn all_frames_of_a_model_are_rendered() {
+    let place = Workplace::new();
+    // Three points, and a way that takes 0.5 s.
+    let numbers: [f32; 17] = [0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0.5, 0., 0., 0., 1., 0., 0.];
+    place.write("m.bin", numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<_>>());
+    let model = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "animations": [{"samplers": [{"input": 1, "output": 2}],
+            "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+            {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [0.5]},
+            {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+            {"buffer": 0, "byteOffset": 44, "byteLength": 24}],
+        "buffers": [{"uri": "m.bin", "byteLength": 68}]}"#;
+    place.write("m.gltf", model);
+    place.succeed("render m.gltf --frames all --fps 6 --size 8x8 --spp 1 -o #.png --quiet");
+    assert_eq!(place.files(), ["#.png.frames.json", "0.png", "1.png", "2.png", "m.bin", "m.gltf"]);
+    let piped = place.pipe(model.as_bytes(), "render - --frames all --fps 2 --size 8x8 --spp 1 -o piped-#.png --quiet");
+    assert!(
+        piped.status.success() && place.path("piped-0.png").exists() && !place.path("piped-1.png").exists(),
+        "{piped:?}"
+    );
+}
+
+#[test]
 fn names_that_frames_would_share_are_refused() {
     let place = flight();
     for (options, name) in [

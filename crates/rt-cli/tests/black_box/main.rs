@@ -1,15 +1,20 @@
 //! The program as its users meet it: the real binary, run in a folder of its own.
 
 mod animating;
+mod backdrops;
 mod bad_input;
 mod checking;
 mod comparing;
+mod completing;
 mod converging;
 mod converting;
 mod determinism;
+mod dithering;
 mod documentation;
+mod empty_pictures;
 mod interruption;
 mod long_renders;
+mod piping;
 mod program;
 mod rendering;
 mod shards;

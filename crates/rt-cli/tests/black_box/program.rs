@@ -1,8 +1,9 @@
 //! Runs the binary and looks at what it leaves.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use rt_camera::{Film, read_image};
 use tempfile::TempDir;
@@ -98,6 +99,19 @@ impl Workplace {
         let run = Run { code: status.code(), stdout: text(stdout), stderr: text(stderr) };
         assert!(!run.stderr.contains("panicked"), "{arguments}: {run:?}");
         run
+    }
+
+    /// Runs the program with this as its standard input, and returns what it leaves as it is.
+    pub(crate) fn pipe(&self, input: &[u8], arguments: &str) -> Output {
+        let mut command = self.command(arguments);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().expect("it starts");
+        let (mut stdin, input) = (child.stdin.take().expect("a pipe"), input.to_vec());
+        // It may end without reading, or write before it has read all.
+        let writer = std::thread::spawn(move || drop(stdin.write_all(&input)));
+        let output = child.wait_with_output().expect("it ends");
+        writer.join().expect("written");
+        output
     }
 
     /// Runs the program, which succeeds.

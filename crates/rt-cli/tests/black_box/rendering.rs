@@ -85,6 +85,20 @@ fn a_camera_is_chosen_by_name() {
 }
 
 #[test]
+fn a_scene_without_a_command_is_rendered() {
+    let place = Workplace::with_scene();
+    place.succeed("render scene.ron --spp 4 -o x.png");
+    for (arguments, file) in [("scene.ron --spp 4 -o y.png", "y.png"), ("--spp 4 scene.ron", "scene.png")] {
+        place.succeed(arguments);
+        assert!(place.read(file) == place.read("x.png"), "{arguments}");
+    }
+    let run = place.run("missing.ron");
+    assert!(run.code == Some(3) && run.stderr.contains("missing.ron: cannot be read"), "{run:?}");
+    let run = place.run("rendr scene.ron");
+    assert!(run.code == Some(2) && run.stderr.contains("'render'"), "{run:?}");
+}
+
+#[test]
 fn rounded_samples_are_announced() {
     let place = Workplace::with_scene();
     let run = place.succeed("render scene.ron --sampler jittered --spp 10");

@@ -31,6 +31,8 @@ pub struct Film {
     ///
     /// Example: `encoding: gamma(2.2)`.
     pub encoding: Encoding,
+    /// Dither colours where they become bytes, so that gradients show no bands.
+    pub dither: bool,
 }
 
 impl Default for Film {
@@ -42,6 +44,7 @@ impl Default for Film {
             exposure: 0.0,
             tone: Tone::Clamp,
             encoding: Encoding::Srgb,
+            dither: true,
         }
     }
 }

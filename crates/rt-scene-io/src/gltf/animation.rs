@@ -104,6 +104,7 @@ fn animate(
                 Reason::invalid(channel.sampler, rule).at(buffers.path(), format!("{place}.sampler"))
             })?;
             let curve = Curve::read(sampler, property, buffers, &place)?;
+            curve.times.last().into_iter().for_each(|end| options.animation_end.extend(f64::from(*end)));
             pose.set(node, property, &curve.at(time)).map_err(|r| r.at(buffers.path(), format!("{place}.target")))?;
         }
     }

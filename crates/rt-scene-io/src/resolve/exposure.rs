@@ -99,12 +99,19 @@ impl Exposure {
 
 /// True if the file says of anything where it is at some moment.
 pub(super) fn is_animated(file: &SceneFile) -> bool {
+    key_times(file).next().is_some()
+}
+
+/// The times of all keys of a file, in seconds, in no order.
+pub(super) fn key_times(file: &SceneFile) -> impl Iterator<Item = f64> {
     let mut open: Vec<&Node> = file.groups.values().flatten().chain(&file.nodes).collect();
-    while let Some(node) = open.pop() {
-        if node.animation.is_some() {
-            return true;
-        }
+    let nodes = core::iter::from_fn(move || {
+        let node = open.pop()?;
         open.extend(&node.children);
-    }
-    listed(file).any(|(_, camera)| camera.animation.is_some())
+        Some(node)
+    });
+    let of_nodes = nodes.filter_map(|node| node.animation.as_ref()).flat_map(|animation| &animation.keys);
+    let of_cameras =
+        listed(file).filter_map(|(_, camera)| camera.animation.as_ref()).flat_map(|animation| &animation.keys);
+    of_nodes.map(|key| key.time).chain(of_cameras.map(|key| key.time))
 }

@@ -1,6 +1,6 @@
 //! The image and the settings.
 
-use rt_camera::{Development, Encoding, FilmSettings, Filter, SamplePattern, ToneCurve};
+use rt_camera::{Development, Dither, Encoding, FilmSettings, Filter, SamplePattern, ToneCurve};
 use rt_math::DVec2;
 use rt_shading::emitter::LightSampling;
 
@@ -37,7 +37,8 @@ pub(super) fn film(report: &mut Report, film: &format::Film) -> FilmSettings {
             Encoding::Power(gamma)
         }
     };
-    let development = Development { exposure: film.exposure, tone, encoding };
+    let development =
+        Development { exposure: film.exposure, tone, encoding, dither: film.dither.then(Dither::default) };
     FilmSettings { width, height, sample_offset: DVec2::new(x, y), filter, development }
 }
 

@@ -29,7 +29,7 @@ use rt_shading::Appearance;
 use crate::bounds::tree_bounds;
 use crate::format::SceneFile;
 use crate::{Integrator, LoadError, LoadOptions, Model, Scene, Truth, format};
-use exposure::is_animated;
+use exposure::{is_animated, key_times};
 use include::Models;
 use node::Objects;
 #[cfg(any(feature = "nff", feature = "pbrt"))]
@@ -73,6 +73,7 @@ pub(crate) fn resolve_with(
         _ => tree_bounds(&nodes, &groups, &meshes),
     };
     notes.extend(studio::complete(file, &bounds));
+    key_times(file).for_each(|time| options.animation_end.extend(time));
     if options.at_time.is_none() && is_animated(file) {
         notes.push("The scene is animated: it is shown as it is at 0 s.".to_owned());
     }

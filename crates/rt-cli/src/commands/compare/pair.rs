@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use rt_camera::metrics::ImagePair;
-use rt_camera::{Development, Encoding, Film, ImageFormat, image_format, read_image};
+use rt_camera::{Development, Dither, Encoding, Film, ImageFormat};
 
 use crate::args::CompareArgs;
 use crate::error::Failure;
 use crate::picture_file;
+use crate::stdin::is_dash;
 
 /// An image that was read.
 #[derive(Debug)]
@@ -30,10 +31,14 @@ pub(super) struct Images {
 impl Images {
     /// Reads both images. Where one holds bytes and the other one radiance, the latter is developed to bytes as well.
     pub(super) fn read(args: &CompareArgs) -> Result<Self, Failure> {
+        if is_dash(&args.test) && is_dash(&args.reference) {
+            return Err(Failure::Usage("standard input is one image, and two are compared: name the other".to_owned()));
+        }
         let standard = Development::default();
         let development = Development {
             exposure: args.development.exposure.unwrap_or(standard.exposure),
             tone: args.development.tone.unwrap_or(standard.tone),
+            dither: args.development.dither.unwrap_or(true).then(Dither::default),
             ..standard
         };
         let [mut test, mut reference] = [Image::read(&args.test)?, Image::read(&args.reference)?];
@@ -66,7 +71,7 @@ impl Images {
 
 impl Image {
     fn read(path: &Path) -> Result<Self, Failure> {
-        Ok(Self { film: read_image(path)?, format: image_format(path)?, developed: false })
+        Ok(Self { film: picture_file::read(path)?, format: picture_file::format_by_content(path)?, developed: false })
     }
 
     const fn holds_bytes(&self) -> bool {

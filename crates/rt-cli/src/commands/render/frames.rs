@@ -50,6 +50,23 @@ pub(super) fn each(
     Ok(())
 }
 
+/// All frames of what is animated in the scene or its models.
+pub(super) fn all(args: &RenderArgs) -> Result<Frames, Failure> {
+    let input = InputArgs { at_time: Some(0.0), ..args.input.clone() };
+    let loaded = input::read(&input, args.picture.size, Console { quiet: true })?;
+    let (scene, fps) = (args.input.scene.display(), args.input.pace.fps);
+    let Some(end) = loaded.options.animation_end.seconds() else {
+        return Err(Failure::Usage(format!(
+            "--frames all: nothing in {scene} is animated; leave it out for a single picture"
+        )));
+    };
+    Frames::of_animation(end, fps).ok_or_else(|| {
+        Failure::Usage(format!(
+            "--frames all: {end} s at {fps} frames a second are too many; give the first and the last as 0..47"
+        ))
+    })
+}
+
 /// All files that a frame is written to.
 fn results(args: &RenderArgs) -> impl Iterator<Item = &Path> {
     let aovs = args.aov.iter().map(|aov| aov.file.as_path());

@@ -1,0 +1,72 @@
+//! A scene without a command is rendered: `rt-cli scene.ron` is `rt-cli render scene.ron`.
+
+use std::ffi::{OsStr, OsString};
+use std::path::Path;
+
+use clap::CommandFactory;
+
+use super::Cli;
+use crate::stdin::{FORMATS, is_dash};
+
+/// Options of the program itself, which need no command.
+const OWN: [&str; 5] = ["-h", "--help", "-V", "--version", "--limits"];
+
+/// The arguments, beginning with the program's name, with `render` before them where a file stands in place of a command.
+///
+/// A word that may be a mistyped command is left for the parser, which suggests the nearest one.
+pub(crate) fn with_default_command(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut arguments: Vec<OsString> = arguments.collect();
+    let [_, first, rest @ ..] = arguments.as_slice() else { return arguments };
+    let is_option = |word: &OsStr| word.as_encoded_bytes().starts_with(b"-") && !is_dash(Path::new(word));
+    let renders = if is_option(first) {
+        // Options of `render` may come before the scene.
+        let is_own = OWN.iter().any(|own| first == own);
+        let command = Cli::command();
+        let is_command = |word: &OsString| command.get_subcommands().any(|command| word == command.get_name());
+        !is_own && !rest.iter().any(is_command) && rest.iter().any(|word| is_file(word))
+    } else {
+        is_file(first)
+    };
+    if renders {
+        arguments.insert(1, OsString::from("render"));
+    }
+    arguments
+}
+
+/// True for standard input, for what is named as a file that can be read or lies in a folder, and for any file that is there.
+fn is_file(word: &OsStr) -> bool {
+    let path = Path::new(word);
+    let has_known_ending =
+        path.extension().is_some_and(|ending| FORMATS.iter().any(|known| ending.eq_ignore_ascii_case(known)));
+    is_dash(path) || has_known_ending || path.components().nth(1).is_some() || path.is_file()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_in_place_of_a_command_is_rendered() {
+        let line = |line: &str| {
+            let words = with_default_command(line.split(' ').map(OsString::from));
+            words.join(OsStr::new(" ")).into_string().expect("text")
+        };
+        for rendered in ["scene.ron", "a.GLB --spp 4", "a/b", "-", "--spp 4 scene.ron", "-q -o x.png missing.json"] {
+            assert_eq!(line(&format!("rt-cli {rendered}")), format!("rt-cli render {rendered}"));
+        }
+        for left in [
+            "render scene.ron",
+            "rendr scene.ron",
+            "rendr",
+            "--help",
+            "-V",
+            "--limits",
+            "--version a.ron",
+            "-x render a.ron",
+            "--spp 4",
+        ] {
+            assert_eq!(line(&format!("rt-cli {left}")), format!("rt-cli {left}"));
+        }
+        assert_eq!(line("rt-cli"), "rt-cli");
+    }
+}

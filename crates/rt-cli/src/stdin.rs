@@ -1,0 +1,124 @@
+//! Standard input as a file: read once, and known by the name `-`.
+
+use std::ffi::OsStr;
+use std::io::{self, IsTerminal, Read};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+use rt_scene_io::{InMemoryFile, Reason, limits};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use crate::error::Failure;
+
+/// The name of a scene that comes from standard input, but for its ending.
+const STEM: &str = "stdin";
+
+/// Endings of the formats that `--input-format` names.
+pub(crate) const FORMATS: [&str; 9] = ["ron", "json", "gltf", "glb", "obj", "nff", "pbrt", "ply", "stl"];
+
+/// True for the name that stands for standard input and output.
+pub(crate) fn is_dash(path: &Path) -> bool {
+    path.as_os_str() == OsStr::new("-")
+}
+
+/// All of standard input: at most as many bytes as a file may have, by default or by `--max-file-size`.
+pub(crate) fn content(most: Option<u64>) -> Result<Arc<[u8]>, Failure> {
+    static CONTENT: OnceLock<Arc<[u8]>> = OnceLock::new();
+    if let Some(content) = CONTENT.get() {
+        return Ok(content.clone());
+    }
+    if io::stdin().is_terminal() {
+        return Err(Failure::Usage("standard input is a terminal: pipe a file into it, or name one".to_owned()));
+    }
+    let failed = |reason: Reason| Failure::from(reason.at(Path::new("standard input"), ""));
+    let limit = most.unwrap_or(limits::FILE_BYTES);
+    let mut bytes = Vec::new();
+    let read = io::stdin().lock().take(limit.saturating_add(1)).read_to_end(&mut bytes);
+    read.map_err(|error| failed(error.into()))?;
+    let value = bytes.len() as u64;
+    if value == 0 {
+        return Err(failed(Reason::Empty));
+    }
+    if value > limit {
+        return Err(failed(Reason::TooLarge { what: "the size in bytes", value, limit }));
+    }
+    Ok(CONTENT.get_or_init(|| bytes.into()).clone())
+}
+
+/// The scene or model that comes from standard input, under a name in the current folder that tells its format.
+pub(crate) fn scene(format: Option<&str>, most: Option<u64>) -> Result<InMemoryFile, Failure> {
+    let bytes = content(most)?;
+    let format = format.or_else(|| format_of(&bytes)).ok_or_else(|| {
+        let known = FORMATS.join(", ");
+        Failure::Usage(format!("the format of standard input cannot be told: add --input-format with one of {known}"))
+    })?;
+    Ok(InMemoryFile { path: PathBuf::from(format!("{STEM}.{format}")), bytes })
+}
+
+/// The format of a file by its content, where that leaves no doubt.
+fn format_of(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.starts_with(b"glTF") {
+        return Some("glb");
+    }
+    if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+        return Some("ply");
+    }
+    match *beginning(bytes)? {
+        [b'{', ..] => Some(if is_gltf(bytes) { "gltf" } else { "json" }),
+        [b'(', ..] | [b'#', b'!', b'[', ..] => Some("ron"),
+        _ => None,
+    }
+}
+
+/// The content from its first character on that is no white space and in no comment of RON.
+fn beginning(bytes: &[u8]) -> Option<&[u8]> {
+    let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    loop {
+        rest = rest.trim_ascii_start();
+        let (end, is_comment) = match rest {
+            [b'/', b'/', ..] => (rest.iter().position(|&byte| byte == b'\n'), true),
+            [b'/', b'*', ..] => (rest.windows(2).position(|pair| pair == b"*/").map(|at| at + 2), true),
+            _ => (None, false),
+        };
+        if !is_comment {
+            return Some(rest);
+        }
+        rest = rest.get(end?..)?;
+    }
+}
+
+/// True for JSON with the field that every glTF file has, and no scene.
+fn is_gltf(bytes: &[u8]) -> bool {
+    #[derive(Deserialize)]
+    struct Head {
+        asset: Option<IgnoredAny>,
+    }
+    serde_json::from_slice::<Head>(bytes).is_ok_and(|head| head.asset.is_some())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_are_told_by_the_content_where_that_leaves_no_doubt() {
+        for (content, format) in [
+            ("(nodes: [])", Some("ron")),
+            ("\u{feff}// a scene\n/* of\n nothing */ (nodes: [])", Some("ron")),
+            ("#![enable(implicit_some)]\n()", Some("ron")),
+            (" {\"nodes\": []}", Some("json")),
+            ("{\"nodes\": [", Some("json")),
+            ("{\"asset\": {\"version\": \"2.0\"}}", Some("gltf")),
+            ("glTF\u{2}", Some("glb")),
+            ("ply\nformat ascii 1.0\n", Some("ply")),
+            ("v 0 0 0\n", None),
+            ("solid cube\n", None),
+            ("// nothing but a comment", None),
+            ("/* that does not end", None),
+            ("", None),
+        ] {
+            assert_eq!(format_of(content.as_bytes()), format, "{content}");
+        }
+    }
+}

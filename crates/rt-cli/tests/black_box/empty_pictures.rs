@@ -1,0 +1,82 @@
+//! Pictures that show nothing.
+
+use crate::program::{Run, Workplace};
+
+fn render(scene: &str, options: &str) -> Run {
+    let place = Workplace::new();
+    place.write("a.ron", scene);
+    let run = place.run(&format!("render a.ron -o a.png --size 16x12 {options}"));
+    assert!(place.path("a.png").exists() || run.code != Some(0), "{run:?}");
+    run
+}
+
+fn warnings(run: &Run) -> Vec<&str> {
+    run.stderr.lines().filter(|line| line.starts_with("warning: ")).collect()
+}
+
+const BALL: &str = "nodes: [(shape: sphere())]";
+
+#[test]
+fn a_camera_that_looks_away_is_told() {
+    let away = format!("(camera: (look_from: (0, 0, 5), look_at: (0, 0, 9)), {BALL})");
+    for options in ["", "--integrator path", "--integrator normals", "--env", "--background transparent"] {
+        let options = if options == "--env" { "--background white" } else { options };
+        let run = render(&away, options);
+        let [warning] = warnings(&run)[..] else { panic!("{options}: {run:?}") };
+        assert!(
+            warning.contains("no camera ray meets an object") && warning.contains("--look-at 0.0000,0.0000,0.0000"),
+            "{run:?}"
+        );
+        assert_eq!(run.code, Some(0));
+        let strict = render(&away, &format!("{options} --strict"));
+        assert!(strict.code == Some(5) && strict.stderr.contains("the picture was written to a.png"), "{strict:?}");
+    }
+    // A part of an image may well show nothing, and the cost of nothing is worth a picture.
+    for options in ["--crop 0,0,2,2", "--integrator cost"] {
+        assert!(warnings(&render(&away, options)).is_empty(), "{options}");
+    }
+}
+
+#[test]
+fn a_scene_without_objects_is_told() {
+    let run = render("(nodes: [])", "");
+    let [warning] = warnings(&run)[..] else { panic!("{run:?}") };
+    assert!(warning.contains("the scene has none"), "{run:?}");
+}
+
+#[test]
+fn a_scene_without_light_is_told_before_it_is_rendered() {
+    let dark = format!("(camera: (look_from: (0, 0, 5)), lights: [], background: constant(gray(0)), {BALL})");
+    for integrator in ["whitted", "path", "direct"] {
+        let run = render(&dark, &format!("--integrator {integrator}"));
+        let [warning] = warnings(&run)[..] else { panic!("{integrator}: {run:?}") };
+        assert!(warning.contains("nothing in the scene gives light"), "{run:?}");
+        assert_eq!(run.code, Some(0));
+        assert_eq!(render(&dark, &format!("--integrator {integrator} --strict")).code, Some(3));
+    }
+    for options in [
+        "--integrator normals",
+        "--integrator depth",
+        "--integrator ambient-occlusion",
+        "--background white --integrator path",
+    ] {
+        assert!(warnings(&render(&dark, options)).is_empty(), "{options}: {:?}", render(&dark, options));
+    }
+}
+
+#[test]
+fn a_black_picture_of_a_lit_scene_is_told() {
+    let behind = format!(
+        "(camera: (look_from: (0, 0, 5), fov: 10), background: constant(gray(0)), \
+          lights: [point(position: (0, 0, -5), intensity: gray(1))], {BALL})"
+    );
+    let run = render(&behind, "");
+    let [warning] = warnings(&run)[..] else { panic!("{run:?}") };
+    assert!(warning.contains("the picture is black: no light reaches what the camera sees"), "{run:?}");
+    let lit = behind.replace("(0, 0, -5)", "(0, 0, 5)");
+    assert!(warnings(&render(&lit, "")).is_empty());
+    let run = render(&lit, "--exposure -30");
+    let [warning] = warnings(&run)[..] else { panic!("{run:?}") };
+    assert!(warning.contains("raise --exposure"), "{run:?}");
+    assert!(warnings(&render(&behind, "--quiet")).is_empty());
+}

@@ -1,0 +1,167 @@
+//! Standard input and output in place of files, by the name `-`.
+
+use std::io::{Write as _, stdout};
+use std::process::{Command, Output, Stdio};
+
+use crate::program::{SCENE, Workplace};
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn succeed(place: &Workplace, input: &[u8], arguments: &str) -> Output {
+    let output = place.pipe(input, arguments);
+    assert_eq!(output.status.code(), Some(0), "{arguments}: {}", stderr(&output));
+    output
+}
+
+#[test]
+fn a_scene_comes_from_standard_input() {
+    let place = Workplace::with_scene();
+    place.succeed("render scene.ron -o file.pfm");
+    let json = place.pipe(SCENE.as_bytes(), "convert - -o - --output-format json");
+    for (input, options) in [(SCENE.as_bytes(), ""), (SCENE.as_bytes(), "--input-format ron"), (&json.stdout, "")] {
+        succeed(&place, input, &format!("render - -o piped.pfm {options}"));
+        assert!(place.read("piped.pfm") == place.read("file.pfm"), "{options}");
+    }
+    // Without a name for the picture, it goes by that of its scene.
+    succeed(&place, SCENE.as_bytes(), "render - --spp 1");
+    assert_eq!(place.files(), ["file.pfm", "piped.pfm", "scene.ron", "stdin.png"]);
+    let explained = succeed(&place, SCENE.as_bytes(), "explain -").stdout;
+    assert!(String::from_utf8_lossy(&explained).contains("plan for 'stdin'"));
+    assert!(
+        succeed(&place, SCENE.as_bytes(), "check -").stdout == place.succeed("check scene.ron").stdout.into_bytes()
+    );
+}
+
+#[test]
+fn what_comes_from_standard_input_refers_to_the_current_folder() {
+    let place = Workplace::new();
+    let obj = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nusemtl red\nf 1 2 3\n";
+    place.write("m.obj", obj);
+    place.write("m.mtl", "newmtl red\nKd 0.8 0.1 0.1\n");
+    place.succeed("render m.obj --size 24x16 -o file.pfm");
+    succeed(&place, obj.as_bytes(), "render - --input-format obj --size 24x16 -o piped.pfm");
+    assert!(place.read("piped.pfm") == place.read("file.pfm"));
+    let scene = "(nodes: [(model: \"m.obj\")], film: (size: (24, 16)))";
+    succeed(&place, scene.as_bytes(), "render - -o scene.pfm");
+    // All frames are of the same input.
+    succeed(&place, scene.as_bytes(), "render - -o frame-#.pfm --frames 0..1");
+    assert!(place.read("frame-1.pfm") == place.read("scene.pfm"));
+}
+
+#[test]
+fn standard_input_that_is_no_scene_is_refused_with_advice() {
+    let place = Workplace::with_scene();
+    for (input, arguments, code, message) in [
+        ("v 0 0 0\n", "render -", 2, "cannot be told: add --input-format with one of ron, json"),
+        ("", "render -", 3, "standard input: is empty"),
+        ("(nodes: [(shape: spere())])", "render -", 3, "stdin.ron:1:18: unknown"),
+        (SCENE, "render - --max-file-size 10", 3, "standard input: the size in bytes is 11, the limit is 10"),
+        (SCENE, "render scene.ron --input-format ron", 2, "--input-format is for standard input"),
+        (SCENE, "render - --env -", 2, "cannot both come from it"),
+        ("v 0 0 0\n", "convert - --input-format obj -o -", 2, "write the model to a file, and convert that"),
+        ("", "compare - -", 2, "standard input is one image"),
+        (SCENE, "render scene.ron -o - --stats -", 2, "cannot go to the same file"),
+        (SCENE, "render scene.ron -o - --frames 0..1", 2, "all frames would be written to -"),
+        (SCENE, "render scene.ron -o - --resume", 2, "--resume needs --checkpoint FILE"),
+    ] {
+        let output = place.pipe(input.as_bytes(), arguments);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{arguments}: {said}");
+        assert!(said.contains(message), "{arguments}: {said}");
+        assert!(output.stdout.is_empty(), "{arguments}");
+    }
+    assert_eq!(place.files(), ["scene.ron"]);
+}
+
+#[test]
+fn a_picture_goes_to_standard_output_and_reports_keep_clear_of_it() {
+    let place = Workplace::with_scene();
+    for (format, options) in
+        [("png", ""), ("png", "--output-format png"), ("exr", "--output-format exr"), ("jpg", "--output-format jpeg")]
+    {
+        place.succeed(&format!("render scene.ron -o file.{format}"));
+        let piped = succeed(&place, b"", &format!("render scene.ron -o - {options}"));
+        assert!(piped.stdout == place.read(&format!("file.{format}")), "{options}");
+        assert!(stderr(&piped).contains("wrote standard output (48x32)"), "{}", stderr(&piped));
+    }
+    assert_eq!(place.files(), ["file.exr", "file.jpg", "file.png", "scene.ron"]);
+    // A name with another ending holds the format that is asked for.
+    place.succeed("render scene.ron -o odd.name --output-format exr");
+    assert!(place.read("odd.name") == place.read("file.exr"));
+}
+
+#[test]
+fn statistics_go_to_standard_output() {
+    let place = Workplace::with_scene();
+    let piped = succeed(&place, b"", "render scene.ron --stats -");
+    let stats: serde_json::Value = serde_json::from_slice(&piped.stdout).expect("JSON and nothing else");
+    assert_eq!(stats["settings"]["width"], 48);
+    assert!(stats["camera_hits"].as_u64() > Some(0), "{stats}");
+    assert!(stderr(&piped).contains("wrote scene.png"), "{}", stderr(&piped));
+    assert_eq!(place.files(), ["scene.png", "scene.ron"], "there is no file of the name -");
+}
+
+#[test]
+fn pictures_are_developed_compared_merged_and_converted_through_pipes() {
+    let place = Workplace::with_scene();
+    place.succeed("render scene.ron -o linear.exr");
+    place.succeed("render scene.ron -o direct.png");
+    let linear = place.read("linear.exr");
+    let developed = succeed(&place, &linear, "develop - -o -").stdout;
+    assert!(developed == place.read("direct.png"));
+    succeed(&place, &developed, "compare - direct.png");
+    succeed(&place, &developed, "compare direct.png -");
+    let other = place.pipe(&developed, "compare linear.exr - --exposure 1");
+    assert_eq!(other.status.code(), Some(1), "{}", stderr(&other));
+    place.run("compare linear.exr direct.png --exposure 1 --heat-map heat.png");
+    let heat = place.pipe(b"", "compare linear.exr direct.png --exposure 1 --heat-map -");
+    assert!(heat.stdout == place.read("heat.png") && stderr(&heat).contains("RMSE"), "{}", stderr(&heat));
+    let both = place.pipe(b"", "compare linear.exr direct.png --json --heat-map -");
+    assert_eq!(both.status.code(), Some(2), "{}", stderr(&both));
+
+    let part = succeed(&place, b"", "render scene.ron --shard 1/2 -o -").stdout;
+    place.write("1.part", part);
+    place.succeed("render scene.ron --shard 2/2 -o 2.part");
+    assert!(succeed(&place, b"", "merge 1.part 2.part -o -").stdout == place.read("direct.png"));
+
+    place.succeed("convert scene.ron -o file.json");
+    let converted = succeed(&place, b"", "convert scene.ron -o - --output-format json").stdout;
+    assert!(converted == place.read("file.json"));
+    let ron = succeed(&place, &converted, "convert - -o -").stdout;
+    assert!(ron.starts_with(b"("), "RON by default");
+
+    place.succeed("render scene.ron --env linear.exr --spp 1 -o file.pfm");
+    succeed(&place, &linear, "render scene.ron --env - --spp 1 -o piped.pfm");
+    assert!(place.read("piped.pfm") == place.read("file.pfm"));
+    assert!(!place.path("-").exists());
+}
+
+/// `rt-cli ... | head -c 10` ends quietly.
+#[test]
+fn a_reader_that_has_left_is_no_failure() {
+    let place = Workplace::with_scene();
+    for arguments in ["render scene.ron -o - --quiet", "render scene.ron --stats - --quiet", "convert scene.ron -o -"] {
+        let mut command = place.command(arguments);
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+        drop(child.stdout.take());
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!((output.status.code(), stderr(&output).as_str()), (Some(0), ""), "{arguments}");
+    }
+}
+
+#[test]
+#[allow(clippy::print_stdout, reason = "a skipped test says so")]
+fn pictures_are_not_written_to_a_terminal() {
+    let place = Workplace::with_scene();
+    let program = env!("CARGO_BIN_EXE_rt-cli");
+    let script = format!("{program} render scene.ron -o -");
+    let run = Command::new("script").args(["-qec", &script, "/dev/null"]).current_dir(place.path("")).output();
+    let Ok(run) = run else {
+        let _ = writeln!(stdout(), "skipped: there is no `script` to make a terminal with");
+        return;
+    };
+    assert_eq!(run.status.code(), Some(2), "{run:?}");
+    assert!(String::from_utf8_lossy(&run.stdout).contains("standard output is a terminal"), "{run:?}");
+}
