@@ -28,10 +28,10 @@ pub(crate) enum FrameChoice {
 const FRAMES_HELP: &str = "\
 Render these frames of an animation, from A to B, both included; or the single frame N; or all
 
-Frame N shows the moment N / FPS, as --at-time does with the same --fps, and is a render of its own. In the names of all files \
+Frame N shows the moment N / FPS, as --at-time does with the same --fps, and is a render of its own. `all` are the frames whose moments \
+lie before the last key of all animations: 48 of one that takes 2 s, at 24 frames a second. In the names of all files \
 that are written, the last run of # stands for the number of the frame, with zeros before it: frame 7 of -o out-####.png goes \
-to out-0007.png. `all` are the frames whose moments lie before the last key of all animations: 48 of one that takes 2 s, at 24 \
-frames a second. By default, that is the scene's name with -####.png, in the current folder.";
+to out-0007.png. By default, that is the scene's name with -####.png, in the current folder.";
 
 /// Frames in a row, by their numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
