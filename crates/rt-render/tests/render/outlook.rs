@@ -10,6 +10,7 @@ const PLAIN: PlanOptions = PlanOptions {
     camera: 0,
     crop: None,
     transparent: false,
+    backdrop: None,
     full: false,
     simd: None,
     quality: rt_render::Quality::Medium,
