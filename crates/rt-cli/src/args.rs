@@ -80,9 +80,9 @@ pub(crate) enum Command {
     /// Measure the error of methods against their run time: table, plot, page
     #[command(long_about = converge::CONVERGE_HELP)]
     Converge(ConvergeArgs),
-    /// Print the JSON Schema of scene files, for editors, or their reference page
+    /// Print the JSON Schema of scene files, for editors
     Schema {
-        /// Print the reference page in Markdown
+        /// Print the reference page of scene files, in Markdown, instead
         #[arg(long)]
         markdown: bool,
     },
