@@ -99,7 +99,9 @@ pub use lens::Lens;
 pub use pattern::SamplePattern;
 pub use pixel_sampler::{PixelSample, PixelSampler};
 #[cfg(feature = "files")]
-pub use read_image::{MAX_READ_PIXELS, decode_image, format_of_bytes, image_format, read_image};
+pub use read_image::{
+    ImageHeader, MAX_READ_PIXELS, decode_image, format_of_bytes, image_format, image_header, read_image,
+};
 pub use view_volume::ViewVolume;
 #[cfg(feature = "files")]
 pub use write_image::write_image;

@@ -39,12 +39,22 @@ pub(crate) fn write(film: &Film, mut writer: impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Reads a map from a file of `length` bytes in all.
-pub(crate) fn read(mut reader: impl BufRead, length: u64) -> Result<Film, PfmError> {
-    let mut header_length = 0;
+/// Header of a map.
+pub(crate) struct PfmHeader {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    channels: u64,
+    scale: f32,
+    /// Bytes up to the first sample.
+    length: u64,
+}
+
+/// Reads the header of a map, and checks that its pixels are not too many.
+pub(crate) fn read_header(mut reader: impl BufRead) -> Result<PfmHeader, PfmError> {
+    let mut length = 0;
     let mut word = || -> Result<String, PfmError> {
         let (word, consumed) = read_word(&mut reader)?;
-        header_length += consumed;
+        length += consumed;
         Ok(word)
     };
     let channels: u64 = match word()?.as_str() {
@@ -58,10 +68,16 @@ pub(crate) fn read(mut reader: impl BufRead, length: u64) -> Result<Film, PfmErr
     if width == 0 || height == 0 || !scale.is_finite() || scale == 0.0 {
         return Err(PfmError::Header);
     }
-    let count = u64::from(width) * u64::from(height);
-    if count > MAX_READ_PIXELS {
+    if u64::from(width) * u64::from(height) > MAX_READ_PIXELS {
         return Err(PfmError::TooLarge(width, height));
     }
+    Ok(PfmHeader { width, height, channels, scale, length })
+}
+
+/// Reads a map from a file of `length` bytes in all.
+pub(crate) fn read(mut reader: impl BufRead, length: u64) -> Result<Film, PfmError> {
+    let PfmHeader { width, height, channels, scale, length: header_length } = read_header(&mut reader)?;
+    let count = u64::from(width) * u64::from(height);
     // Checked before the film is allocated: a short file must not cost much memory.
     let (expected, found) = (4 * channels * count, length.saturating_sub(header_length));
     if found < expected {

@@ -10,7 +10,7 @@ use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
 
 use crate::{
     Encoding, Film, ImageFileError, ImageFormat,
-    pfm::{self, PfmError},
+    pfm::{self, PfmError, PfmHeader},
 };
 
 /// Pixels of the largest image that [`read_image`] reads: 2²⁷, such as an environment map of 16,384 by 8,192.
@@ -45,6 +45,45 @@ pub fn decode_image(bytes: &[u8], name: &Path) -> Result<Film, ImageFileError> {
     read_stream(name, Cursor::new(bytes), bytes.len() as u64)
 }
 
+/// Size of an image, and the memory that it takes, as its header tells them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ImageHeader {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Bytes of the film that [`read_image`] returns.
+    pub film_bytes: u64,
+    /// Bytes of the decoded pixels that [`read_image`] holds beside the film until it returns.
+    pub decoded_bytes: u64,
+}
+
+impl ImageHeader {
+    /// Number of pixels.
+    pub const fn pixels(&self) -> u64 {
+        self.width as u64 * self.height as u64
+    }
+}
+
+/// Reads the header of an image, to know what [`read_image`] would take before it does.
+///
+/// # Errors
+/// Those of [`read_image`], as far as the header tells them.
+pub fn image_header(path: &Path) -> Result<ImageHeader, ImageFileError> {
+    let (mut reader, length) = open(path)?;
+    let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
+    if is_pfm(&mut reader).map_err(unreadable)? {
+        let PfmHeader { width, height, .. } = pfm::read_header(reader).map_err(|error| pfm_error(path, error))?;
+        let film_bytes = 12 * u64::from(width) * u64::from(height);
+        return Ok(ImageHeader { width, height, film_bytes, decoded_bytes: 0 });
+    }
+    let decoder = decoder(path, reader, length)?;
+    let (width, height) = decoder.dimensions();
+    let bytes_per_pixel = if decoder.color_type().has_alpha() { 16 } else { 12 };
+    let film_bytes = bytes_per_pixel * u64::from(width) * u64::from(height);
+    Ok(ImageHeader { width, height, film_bytes, decoded_bytes: decoder.total_bytes() })
+}
+
 /// The format of an image file, told by its first bytes as [`read_image`] tells it, and not by its name: whether it holds
 /// linear light, or bytes for display.
 ///
@@ -65,7 +104,7 @@ pub fn format_of_bytes(bytes: &[u8], name: &Path) -> Result<ImageFormat, ImageFi
 /// The format of what a reader begins with.
 fn format_of_stream(path: &Path, mut reader: impl BufRead + Seek) -> Result<ImageFormat, ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
-    if matches!(reader.fill_buf().map_err(unreadable)?, [b'P', b'F' | b'f', ..]) {
+    if is_pfm(&mut reader).map_err(unreadable)? {
         return Ok(ImageFormat::Pfm);
     }
     let reader = ImageReader::new(reader).with_guessed_format().map_err(unreadable)?;
@@ -93,23 +132,41 @@ fn open(path: &Path) -> Result<(BufReader<File>, u64), ImageFileError> {
 /// Reads an image of `length` bytes; the path is for messages.
 fn read_stream(path: &Path, mut reader: impl BufRead + Seek, length: u64) -> Result<Film, ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
-    if matches!(reader.fill_buf().map_err(unreadable)?, [b'P', b'F' | b'f', ..]) {
-        return pfm::read(reader, length).map_err(|error| match error {
-            PfmError::Io(source) => unreadable(source),
-            PfmError::TooLarge(width, height) => ImageFileError::TooLarge { path: path.to_owned(), width, height },
-            damaged => ImageFileError::Decode { path: path.to_owned(), reason: damaged.to_string() },
-        });
+    if is_pfm(&mut reader).map_err(unreadable)? {
+        return pfm::read(reader, length).map_err(|error| pfm_error(path, error));
     }
-    decode(path, reader, length).map(|image| film_of(&image))
+    let image = DynamicImage::from_decoder(decoder(path, reader, length)?).map_err(|error| undecodable(path, error))?;
+    Ok(film_of(&image))
 }
 
-/// Decodes a file of `length` bytes in a format of the `image` crate, within the limits.
-fn decode(path: &Path, reader: impl BufRead + Seek, length: u64) -> Result<DynamicImage, ImageFileError> {
-    let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
-    let undecodable = |error: ImageError| match error {
-        ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => unreadable(source),
+fn is_pfm(reader: &mut impl BufRead) -> std::io::Result<bool> {
+    Ok(matches!(reader.fill_buf()?, [b'P', b'F' | b'f', ..]))
+}
+
+fn pfm_error(path: &Path, error: PfmError) -> ImageFileError {
+    match error {
+        PfmError::Io(source) => ImageFileError::Read { path: path.to_owned(), source },
+        PfmError::TooLarge(width, height) => ImageFileError::TooLarge { path: path.to_owned(), width, height },
+        damaged => ImageFileError::Decode { path: path.to_owned(), reason: damaged.to_string() },
+    }
+}
+
+fn undecodable(path: &Path, error: ImageError) -> ImageFileError {
+    match error {
+        ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => {
+            ImageFileError::Read { path: path.to_owned(), source }
+        }
         other => ImageFileError::Decode { path: path.to_owned(), reason: other.to_string() },
-    };
+    }
+}
+
+/// Decoder of a file of `length` bytes in a format of the `image` crate, whose image is within the limits.
+fn decoder<'r>(
+    path: &Path,
+    reader: impl BufRead + Seek + 'r,
+    length: u64,
+) -> Result<impl ImageDecoder + 'r, ImageFileError> {
+    let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
     let mut reader = ImageReader::new(reader).with_guessed_format().map_err(unreadable)?;
     if reader.format().is_none_or(|format| !format.reading_enabled()) {
         return Err(ImageFileError::UnknownFormat(path.to_owned()));
@@ -117,7 +174,7 @@ fn decode(path: &Path, reader: impl BufRead + Seek, length: u64) -> Result<Dynam
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_DECODER_BYTES);
     reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(undecodable)?;
+    let decoder = reader.into_decoder().map_err(|error| undecodable(path, error))?;
     let (width, height) = decoder.dimensions();
     if u64::from(width) * u64::from(height) > MAX_READ_PIXELS {
         return Err(ImageFileError::TooLarge { path: path.to_owned(), width, height });
@@ -126,7 +183,7 @@ fn decode(path: &Path, reader: impl BufRead + Seek, length: u64) -> Result<Dynam
         let reason = format!("{width} by {height} pixels cannot come from {length} bytes");
         return Err(ImageFileError::Decode { path: path.to_owned(), reason });
     }
-    DynamicImage::from_decoder(decoder).map_err(undecodable)
+    Ok(decoder)
 }
 
 /// Linear radiance and coverage of a decoded image.
