@@ -110,7 +110,8 @@ impl UniformGrid {
         let cells = self.axes.iter().try_fold(1u64, |product, axis| product.checked_mul(u64::from(axis.cells)));
         let is_divided = self.axes.iter().all(Axis::is_sound);
         let ends = [self.starts.first(), self.starts.last()].map(|end| end.map(|&end| end as usize));
-        let is_listed = cells.is_some_and(|cells| cells > 0 && self.starts.len() as u64 == cells + 1)
+        let n_starts = cells.filter(|&cells| cells > 0).and_then(|cells| cells.checked_add(1));
+        let is_listed = n_starts == Some(self.starts.len() as u64)
             && self.starts.is_sorted()
             && ends == [Some(0), Some(self.indices.len())];
         if !(is_divided && is_listed) {

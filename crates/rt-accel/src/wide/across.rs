@@ -3,6 +3,7 @@
 use rt_math::{DVec3, Interval, OWN_BOX_PAD, Ray, ShearedRay};
 
 use super::WideBvh;
+use super::node::Row;
 use super::ray::{RANGE, SLACK, STEEPEST, Slabs, is_proven};
 use super::simd::Simd;
 
@@ -361,7 +362,7 @@ pub(super) fn relative<S: Simd>(simd: S, [x, y, z]: [Eight<S>; 3], centre: DVec3
 #[derive(Clone, Copy)]
 struct Sides {
     /// By axis: the row of the planes that are near for the first ray.
-    near_row: [usize; 3],
+    near_row: [Row; 3],
     /// By axis: a bit for each ray for which these are the far ones.
     turned: [u32; 3],
 }
@@ -371,7 +372,7 @@ impl Sides {
     fn of<S: Simd>(simd: S, direction: [Eight<S>; 3]) -> Self {
         let (x, y, z) = (direction[0].signs(simd), direction[1].signs(simd), direction[2].signs(simd));
         Self {
-            near_row: [(x & 1) as usize, 2 + (y & 1) as usize, 4 + (z & 1) as usize],
+            near_row: Row::near([x as usize, y as usize, z as usize]),
             turned: [unlike_first(x), unlike_first(y), unlike_first(z)],
         }
     }
@@ -430,12 +431,12 @@ impl<S: Simd> AcrossBoxes<S> {
     pub(super) fn cross<const STRAIGHT: bool>(
         &self,
         simd: S,
-        plane: impl Fn(usize) -> S::Lanes,
+        plane: impl Fn(Row) -> S::Lanes,
         limits: S::Lanes,
     ) -> [S::Lanes; 2] {
         let [x, y, z] = self.sides.near_row;
         let mut near = [plane(x), plane(y), plane(z)];
-        let mut far = [plane(x ^ 1), plane(y ^ 1), plane(z ^ 1)];
+        let mut far = [plane(x.opposite()), plane(y.opposite()), plane(z.opposite())];
         if !STRAIGHT {
             for axis in 0..3 {
                 let (one, other) = (near[axis], far[axis]);
@@ -494,7 +495,8 @@ mod tests {
         fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval); PACKET], (): ()) {
             let Self(tree, counts) = self;
             let Some(across) = Across::new(simd, tree, rays).filter(|_| agree(rays)) else { return };
-            let node = tree.node(tree.root);
+            // SAFETY: the root of a tree is one of its nodes.
+            let node = unsafe { tree.node(tree.root) };
             let is_straight = across.boxes.is_straight();
             counts[usize::from(is_straight)] += 1;
             for lane in 0..8 {

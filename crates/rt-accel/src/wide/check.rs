@@ -16,7 +16,14 @@ impl WideBvh {
     /// is too deep for the stack of a walk, boxes contain those below, leaves lie where they can be read, and lists name
     /// primitives, each once.
     pub(super) fn check_shape(&self) -> Result<(), Violation> {
+        // Before anything is allocated or added up, as a saved tree may state any number.
+        if u64::from(self.bounded) > self.leaves.most_primitives() {
+            return Err(Violation::Count { built: self.bounded, given: self.unbounded.len() });
+        }
         let count = u64::from(self.bounded) + self.unbounded.len() as u64;
+        if count > u64::from(u32::MAX) {
+            return Err(Violation::Count { built: self.bounded, given: self.unbounded.len() });
+        }
         let mut is_listed = vec![false; self.bounded as usize + self.unbounded.len()];
         let mut list = |primitive: u32| match is_listed.get_mut(primitive as usize) {
             Some(listed) if !*listed => {
@@ -27,9 +34,6 @@ impl WideBvh {
         };
         self.unbounded.iter().try_for_each(|&primitive| list(primitive))?;
         self.for_each_leaf(|leaf, _| self.leaves.indices(leaf).iter().try_for_each(|&primitive| list(primitive)))?;
-        if count > u64::from(u32::MAX) {
-            return Err(Violation::Count { built: self.bounded, given: self.unbounded.len() });
-        }
         match is_listed.iter().position(|listed| !listed) {
             Some(primitive) => Err(Violation::Misplaced { primitive: primitive as u32 }),
             None => Ok(()),
@@ -129,6 +133,15 @@ mod tests {
         let leaf = tree.leaves().next().expect("a leaf");
         tree.root = leaf;
         assert_eq!(tree.check_shape(), Err(Violation::Node { node: 0 }));
+    }
+
+    /// The list of what is named would take 4 GiB, and on 32 bits its length wraps.
+    #[test]
+    fn more_primitives_than_leaves_have_room_for_are_refused() {
+        let mut tree = WideBvh::build(&Row(3)).expect("three boxes");
+        tree.bounded = u32::MAX;
+        tree.unbounded = vec![0];
+        assert_eq!(tree.check_shape(), Err(Violation::Count { built: u32::MAX, given: 1 }));
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use rt_math::float::SETTLED;
 use rt_math::{FAR_FACTOR, Hit, Interval, OWN_BOX_PAD, Ray, ShearedRay, SlabRay, decide_triangle};
 
-use super::leaf::{ExactRay, LeafView, coordinates, corner};
+use super::leaf::{ExactRay, Lane, LeafView, coordinates, corner};
 use super::ray::{LaneRay, greatest};
 use super::simd::Simd;
 
@@ -21,12 +21,30 @@ fn widened<S: Simd>(simd: S, [x, y, z]: [f32; 3]) -> S::Doubles {
 /// A triangle of a leaf, and its index.
 #[derive(Clone, Copy)]
 pub(super) struct Copied<'a> {
-    pub(super) leaf: LeafView<'a>,
-    pub(super) lane: usize,
-    pub(super) index: u32,
+    leaf: LeafView<'a>,
+    lane: Lane,
+    index: u32,
 }
 
-impl Copied<'_> {
+impl<'a> Copied<'a> {
+    /// Reads nothing yet.
+    ///
+    /// # Safety
+    ///
+    /// The leaf must be one of triangles.
+    #[inline(always)]
+    pub(super) const unsafe fn new(leaf: LeafView<'a>, lane: Lane, index: u32) -> Self {
+        Self { leaf, lane, index }
+    }
+
+    /// One corner of the triangle.
+    #[inline(always)]
+    fn corner<const VERTEX: usize>(self) -> [f32; 3] {
+        const { assert!(VERTEX < 3) };
+        // SAFETY: the leaf is one of triangles, as whoever made this has promised.
+        unsafe { corner(self.leaf, self.lane, VERTEX) }
+    }
+
     /// The hit within the span. What would rule it out is not looked at where it is `CERTAIN`.
     #[inline(always)]
     pub(super) fn hit<S: Simd, const CERTAIN: bool>(
@@ -67,7 +85,8 @@ impl Copied<'_> {
     #[cold]
     #[inline(never)]
     fn decide(self, ray: &Ray, span: Interval) -> Option<Hit> {
-        let vertices = [0, 1, 2].map(|vertex| corner(self.leaf, self.lane, vertex).map(f64::from).into());
+        let vertices =
+            [self.corner::<0>(), self.corner::<1>(), self.corner::<2>()].map(|corner| corner.map(f64::from).into());
         let slab_ray = SlabRay::new(ray);
         decide_triangle(vertices, self.index, &slab_ray, &ShearedRay::with_inverse(ray, slab_ray.inverse), span)
     }
@@ -77,9 +96,15 @@ impl Copied<'_> {
         let [x_axis, y_axis, z_axis] = exact.axes();
         let ([shear_x, shear_y, ..], scale) = (simd.to_doubles(exact.shear), exact.scale);
         let [origin_x, origin_y, origin_z, _] = simd.to_doubles(simd.turned_last(exact.lanes.origin, exact.axis));
-        let x = widened(simd, coordinates(self.leaf, self.lane, x_axis));
-        let y = widened(simd, coordinates(self.leaf, self.lane, y_axis));
-        let z = widened(simd, coordinates(self.leaf, self.lane, z_axis));
+        // SAFETY: the leaf is one of triangles, as whoever made this has promised, and `axes` are each less than 3.
+        let [x, y, z] = unsafe {
+            [
+                coordinates(self.leaf, self.lane, x_axis),
+                coordinates(self.leaf, self.lane, y_axis),
+                coordinates(self.leaf, self.lane, z_axis),
+            ]
+        };
+        let (x, y, z) = (widened(simd, x), widened(simd, y), widened(simd, z));
         let x = simd.sub_doubles(x, all(simd, origin_x));
         let y = simd.sub_doubles(y, all(simd, origin_y));
         let z = simd.sub_doubles(z, all(simd, origin_z));
@@ -106,9 +131,9 @@ impl Copied<'_> {
     /// The part of the span inside the own box; empty if it is passed by.
     #[inline(always)]
     fn clip<S: Simd>(self, simd: S, ray: &LaneRay<S>, span: Interval) -> Interval {
-        let a = widened(simd, corner(self.leaf, self.lane, 0));
-        let b = widened(simd, corner(self.leaf, self.lane, 1));
-        let c = widened(simd, corner(self.leaf, self.lane, 2));
+        let a = widened(simd, self.corner::<0>());
+        let b = widened(simd, self.corner::<1>());
+        let c = widened(simd, self.corner::<2>());
         let least = simd.min_doubles(simd.min_doubles(a, b), c);
         let most = simd.max_doubles(simd.max_doubles(a, b), c);
         let size = greatest(simd, simd.max_doubles(simd.abs_doubles(least), simd.abs_doubles(most)));

@@ -12,7 +12,7 @@ use rt_math::{Interval, Ray};
 
 use super::across::{PACKET, agree, repeated};
 use super::goal::{Goal, Judge, Place, Prepared};
-use super::leaf::{BoxFilter, Filter, LeafKind, SphereFilter, TriangleFilter};
+use super::leaf::{BoxFilter, Filter, Lane, LeafKind, SphereFilter, TriangleFilter};
 use super::node::Child;
 use super::packet::{FEW, Packet, PacketStack};
 use super::shaft::{Cut, Shaft, alike};
@@ -117,7 +117,7 @@ struct Route {
 }
 
 impl Route {
-    /// Begins a route: nowhere but home.
+    /// Begins a route: nowhere but home. All but the first entry may stay unwritten.
     #[inline(always)]
     fn begin(place: &mut MaybeUninit<Self>) {
         // SAFETY: within the place; all but `len` may stay unwritten.
@@ -130,22 +130,30 @@ impl Route {
     }
 
     /// Room for eight more.
+    ///
+    /// # Safety
+    ///
+    /// There must be fewer than [`STACK`] on the route: so it is while each node of a walk puts off seven children at most, as no
+    /// tree is deeper than a seventh of the stack.
     #[inline(always)]
-    fn rest(&mut self) -> (&mut [MaybeUninit<f32>; 8], &mut [MaybeUninit<u32>; 8]) {
+    unsafe fn rest(&mut self) -> (&mut [MaybeUninit<f32>; 8], &mut [MaybeUninit<u32>; 8]) {
         debug_assert!(self.len < STACK, "the tree is deeper than its builder promises");
-        // SAFETY: nodes put off seven children at most, no tree is deeper than a seventh of the stack, and there are
-        // eight places more.
+        // SAFETY: as the caller promises, and there are eight places more.
         unsafe {
             (&mut *self.enters.as_mut_ptr().add(self.len).cast(), &mut *self.children.as_mut_ptr().add(self.len).cast())
         }
     }
 
     /// What comes next and is entered at or before `limit`; home is at 0.
+    ///
+    /// # Safety
+    ///
+    /// Home must not have been popped since the route [began](Self::begin), and all below `len` must have been written.
     #[inline(always)]
-    fn pop(&mut self, limit: f32) -> Child {
+    unsafe fn pop(&mut self, limit: f32) -> Child {
         loop {
             self.len -= 1;
-            // SAFETY: home is never popped twice, so there was something to pop, and all below `len` has been written.
+            // SAFETY: there was something to pop, and all below `len` has been written, as the caller promises.
             let (enter, child) = unsafe {
                 (self.enters.get_unchecked(self.len).assume_init(), self.children.get_unchecked(self.len).assume_init())
             };
@@ -241,16 +249,19 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
                 continue;
             }
             if !self.is_far {
-                descend(
-                    self.simd,
-                    self.tree,
-                    self.judge,
-                    &prepared,
-                    &mut goal,
-                    self.tree.root,
-                    &mut self.stack,
-                    &mut self.work,
-                );
+                // SAFETY: the root, and the filter that suits the leaves.
+                unsafe {
+                    descend(
+                        self.simd,
+                        self.tree,
+                        self.judge,
+                        &prepared,
+                        &mut goal,
+                        self.tree.root,
+                        &mut self.stack,
+                        &mut self.work,
+                    );
+                }
                 self.arrive(&prepared, &mut goal, number);
                 continue;
             }
@@ -331,15 +342,19 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
     /// Asks what blocked a ray before, and its neighbours in the leaf; true if that certainly blocks this one.
     #[inline(always)]
     fn ask_again(&mut self, prepared: &Prepared<'_, S, F>, goal: &mut G) -> bool {
-        let Some(Place { leaf, .. }) = self.blocker.take() else { return false };
-        let view = self.tree.leaves.view(leaf);
+        let Some(leaf) = self.blocker.take().map(Place::leaf) else { return false };
+        // SAFETY: places are leaves of the tree with which they are used.
+        let view = unsafe { self.tree.leaves.view(leaf) };
         self.work.tests += view.count as u64;
         let verdict = prepared.filter.judge(self.simd, view, goal.limit());
         if verdict.sure == 0 {
             return false;
         }
-        let lane = verdict.sure.trailing_zeros() as usize;
-        goal.consider::<S, F>(self.simd, self.tree, self.judge, prepared.ray.ray, leaf, lane, Some([0.0; 2]));
+        let lane = Lane::new(verdict.sure.trailing_zeros() as usize);
+        // SAFETY: as above.
+        unsafe {
+            goal.consider::<S, F>(self.simd, self.tree, self.judge, prepared.ray.ray, leaf, lane, Some([0.0; 2]))
+        };
         true
     }
 
@@ -382,13 +397,16 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             let (seat, child) = self.at_nodes.get(i);
             // SAFETY: has been written, as who is at a node.
             let Traveller { prepared, goal, .. } = unsafe { self.seats[seat].assume_init_ref() };
-            let node = self.tree.node(child);
+            // SAFETY: who is at a node has been sent there, to the root or to a child of a node.
+            let node = unsafe { self.tree.node(child) };
             let [enter, leave] = prepared.boxes.cross(self.simd, node, prepared.min, goal.limit());
             // SAFETY: as above.
             let route = unsafe { self.routes[seat].assume_init_mut() };
-            let (enters, children) = route.rest();
+            // SAFETY: one node of each level puts off seven children at most.
+            let (enters, children) = unsafe { route.rest() };
             route.len += self.simd.put_passed(enter, leave, node.child_bits(), enters, children);
-            let next = route.pop(goal.limit());
+            // SAFETY: who is at a node has not come home; what was put has been written.
+            let next = unsafe { route.pop(goal.limit()) };
             self.send(seat, next);
         }
     }
@@ -402,11 +420,12 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             // SAFETY: has been written, as who is at a leaf.
             let Traveller { prepared, goal, .. } = unsafe { self.seats[seat].assume_init_mut() };
             self.work.tests += leaf.count() as u64;
-            if goal.visit::<S, F>(self.simd, self.tree, self.judge, prepared, leaf).is_break() {
+            // SAFETY: who is at a leaf has been sent there, to a child of a node.
+            if unsafe { goal.visit::<S, F>(self.simd, self.tree, self.judge, prepared, leaf) }.is_break() {
                 Route::begin(&mut self.routes[seat]);
             }
-            // SAFETY: as above.
-            let next = unsafe { self.routes[seat].assume_init_mut() }.pop(goal.limit());
+            // SAFETY: as above, and who is at a leaf has not come home.
+            let next = unsafe { self.routes[seat].assume_init_mut().pop(goal.limit()) };
             self.send(seat, next);
         }
     }

@@ -191,10 +191,14 @@ impl WideBvh {
     }
 
     /// The node that a child is.
+    ///
+    /// # Safety
+    ///
+    /// The child must be a node, and the root or a child of a node of this tree.
     #[inline(always)]
-    fn node(&self, child: Child) -> &Node {
+    unsafe fn node(&self, child: Child) -> &Node {
         debug_assert!(child.is_node() && child.number() < self.nodes.len(), "checked when it is made or loaded");
-        // SAFETY: nodes have no other children than those that builders have made and loaders have checked.
+        // SAFETY: as the caller promises; nodes have no other children than builders have made and loaders have checked.
         unsafe { self.nodes.get_unchecked(child.number()) }
     }
 

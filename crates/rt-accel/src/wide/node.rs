@@ -65,7 +65,56 @@ pub(super) struct Node {
 }
 
 /// Bytes of a row of planes.
-pub(super) const ROW: usize = size_of::<[f32; 8]>();
+const ROW: usize = size_of::<[f32; 8]>();
+
+/// Row of the planes of a [`Node`]: twice the axis, plus 1 for upper planes. Less than 6, as only [`near`](Self::near) makes
+/// rows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row(usize);
+
+impl Row {
+    /// Rows of the near planes by axis, for a direction whose components have these sign bits.
+    #[inline(always)]
+    pub(super) const fn near([x, y, z]: [usize; 3]) -> [Self; 3] {
+        [Self(x & 1), Self(2 + (y & 1)), Self(4 + (z & 1))]
+    }
+
+    /// Row of the planes on the other side, of the same axis.
+    #[inline(always)]
+    pub(super) const fn opposite(self) -> Self {
+        Self(self.0 ^ 1)
+    }
+
+    /// Number of the row.
+    #[inline(always)]
+    pub(super) const fn index(self) -> usize {
+        self.0
+    }
+}
+
+/// A [`Row`] as the offset in bytes at which it begins in a [`Node`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowOffset(usize);
+
+impl RowOffset {
+    /// Offsets of the rows of [`Row::near`].
+    #[inline(always)]
+    pub(super) const fn near([x, y, z]: [usize; 3]) -> [Self; 3] {
+        [Self((x & 1) * ROW), Self(2 * ROW + (y & 1) * ROW), Self(4 * ROW + (z & 1) * ROW)]
+    }
+
+    /// As [`Row::opposite`].
+    #[inline(always)]
+    pub(super) const fn opposite(self) -> Self {
+        Self(self.0 ^ ROW)
+    }
+
+    /// The row that begins there.
+    #[inline(always)]
+    pub(super) const fn row(self) -> Row {
+        Row(self.0 / ROW)
+    }
+}
 
 impl Node {
     pub(super) const EMPTY: Self = {
@@ -74,28 +123,28 @@ impl Node {
         Self { planes: [low, high, low, high, low, high], children: [Child::node(0); 8] }
     };
 
-    /// A row of planes: twice the axis, and one more for the upper ones.
+    /// Eight planes.
     #[inline(always)]
-    pub(super) fn row<S: Simd>(&self, simd: S, row: usize) -> S::Lanes {
-        debug_assert!(row < 6);
-        // SAFETY: callers take rows from a ray, which has made them of axes and sides.
-        simd.load(unsafe { self.planes.get_unchecked(row) })
+    pub(super) fn row<S: Simd>(&self, simd: S, row: Row) -> S::Lanes {
+        debug_assert!(row.0 < 6);
+        // SAFETY: a `Row` is less than 6.
+        simd.load(unsafe { self.planes.get_unchecked(row.0) })
     }
 
-    /// As [`row`](Self::row), of the row that begins at a multiple of [`ROW`], in bytes.
+    /// As [`row`](Self::row), of the row that begins at an offset.
     #[inline(always)]
-    pub(super) fn row_at<S: Simd>(&self, simd: S, at: usize) -> S::Lanes {
-        debug_assert!(at < size_of_val(&self.planes) && at.is_multiple_of(ROW));
-        // SAFETY: as in `row`.
-        simd.load(unsafe { &*self.planes.as_ptr().byte_add(at) })
+    pub(super) fn row_at<S: Simd>(&self, simd: S, at: RowOffset) -> S::Lanes {
+        debug_assert!(at.0 < size_of_val(&self.planes) && at.0.is_multiple_of(ROW));
+        // SAFETY: a `RowOffset` is where one of the six rows begins.
+        simd.load(unsafe { &*self.planes.as_ptr().byte_add(at.0) })
     }
 
     /// One plane of a row, eight times.
     #[inline(always)]
-    pub(super) fn plane<S: Simd>(&self, simd: S, row: usize, lane: usize) -> S::Lanes {
-        debug_assert!(row < 6);
-        // SAFETY: as in `row`.
-        simd.splat(unsafe { self.planes.get_unchecked(row) }[lane & 7])
+    pub(super) fn plane<S: Simd>(&self, simd: S, row: Row, lane: usize) -> S::Lanes {
+        debug_assert!(row.0 < 6);
+        // SAFETY: a `Row` is less than 6.
+        simd.splat(unsafe { self.planes.get_unchecked(row.0) }[lane & 7])
     }
 
     pub(super) fn set(&mut self, lane: usize, bounds: &NodeBox, child: Child) {

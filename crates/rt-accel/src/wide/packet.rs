@@ -15,7 +15,7 @@ use rt_math::{Interval, Ray};
 
 use super::across::{Across, AcrossBoxes, PACKET};
 use super::goal::{Goal, Judge, Place, Prepared, take_lane};
-use super::leaf::{ExactRay, Filter};
+use super::leaf::{ExactRay, Filter, Lane};
 use super::node::{Child, Node};
 use super::round::RoundSpheres;
 use super::shaft::Cut;
@@ -51,8 +51,13 @@ impl<S: Simd> PacketStack<S> {
     }
 
     /// Inserts an entry into those since `first`, so that the nearest is popped first.
+    ///
+    /// # Safety
+    ///
+    /// There must be fewer entries than [`STACK`]: so it is while each node of a walk puts off eight children at most, of which
+    /// one is popped before the next, as no tree is deeper than a seventh of the stack.
     #[inline(always)]
-    fn insert(&mut self, first: usize, entry: Entry<S>) {
+    unsafe fn insert(&mut self, first: usize, entry: Entry<S>) {
         debug_assert!(self.len < STACK, "the tree is deeper than its builder promises");
         let mut place = self.len;
         self.len += 1;
@@ -62,8 +67,7 @@ impl<S: Simd> PacketStack<S> {
             if before.least >= entry.least {
                 break;
             }
-            // SAFETY: nodes put off eight children at most, of which one is popped before the next, and no tree is deeper
-            // than a seventh of the stack.
+            // SAFETY: as the caller promises, as `place` is at most what `len` was.
             unsafe { self.entries.get_unchecked_mut(place).write(before) };
             place -= 1;
         }
@@ -240,7 +244,9 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         let simd = self.simd;
         let asked = simd.le(simd.splat(0.0), *limits);
         self.work.tests += u64::from(asked.count_ones());
-        let verdict = F::judge_across(simd, eights.filter, self.tree.leaves.view(place.leaf), place.lane, *limits);
+        // SAFETY: places are leaves of the tree with which they are used.
+        let leaf = unsafe { self.tree.leaves.view(place.leaf()) };
+        let verdict = F::judge_across(simd, eights.filter, leaf, place.lane(), *limits);
         let sure = verdict.sure & asked;
         if sure != 0 {
             let left = G::find(&mut finds.together, simd, place, sure, [verdict.near, verdict.far], limits);
@@ -260,7 +266,8 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         let mut loners = Loners { prepared: [const { MaybeUninit::uninit() }; PACKET], who: 0 };
         self.stack.len = 0;
         let Some(cut) = self.cut else {
-            self.stack.insert(0, Entry { child: self.tree.root, least: 0.0, enters: simd.splat(0.0) });
+            // SAFETY: the stack is empty.
+            unsafe { self.stack.insert(0, Entry { child: self.tree.root, least: 0.0, enters: simd.splat(0.0) }) };
             return self.descend(eights, finds, limits, &mut loners);
         };
         for subtree in cut.subtrees() {
@@ -279,11 +286,13 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
             }
             if subtree.child.is_node() {
                 let enters = simd.or_infinity(enter, leave);
-                self.stack.insert(0, Entry { child: subtree.child, least: 0.0, enters });
+                // SAFETY: the stack is empty, as all that was on it has been gone through.
+                unsafe { self.stack.insert(0, Entry { child: subtree.child, least: 0.0, enters }) };
                 limits = self.descend(eights, finds, limits, &mut loners);
             } else {
                 let lanes = u32::from(subtree.mask);
-                limits = self.visit(eights, finds, (subtree.child, lanes), mask, limits);
+                // SAFETY: subtrees of a cut are children of nodes of the tree, and this is no node.
+                limits = unsafe { self.visit(eights, finds, (subtree.child, lanes), mask, limits) };
             }
         }
         limits
@@ -310,7 +319,10 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                     let goal = finds.goal_until(lane, eights.rays[lane].1, ends[lane]);
                     match loners.get(simd, self.tree, eights.rays, lane) {
                         Some(prepared) => {
-                            descend(simd, self.tree, self.judge, prepared, goal, child, self.alone, self.work);
+                            // SAFETY: entries are the root of the tree, subtrees of it, or children of its nodes.
+                            unsafe {
+                                descend(simd, self.tree, self.judge, prepared, goal, child, self.alone, self.work);
+                            }
                         }
                         None => goal.visit_unfiltered(self.judge, &eights.rays[lane].0),
                     }
@@ -318,7 +330,8 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 }
             } else if child.is_node() {
                 self.work.nodes += u64::from(n_rays);
-                let node = self.tree.node(child);
+                // SAFETY: entries are the root of the tree, subtrees of it, or children of its nodes.
+                let node = unsafe { self.tree.node(child) };
                 let first = self.stack.len;
                 let (enters, mut passed) = if is_straight {
                     enter::<S, true>(simd, &eights.across.boxes, node, limits)
@@ -329,19 +342,25 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                     let lane = take_lane(&mut passed);
                     let enters = enters[lane];
                     let entry = Entry { child: node.children[lane], least: simd.least(enters), enters };
-                    self.stack.insert(first, entry);
+                    // SAFETY: eight at most of each level, of which one is popped before the next.
+                    unsafe { self.stack.insert(first, entry) };
                 }
             } else {
                 let all = (1 << child.count()) - 1;
-                limits = self.visit(eights, finds, (child, all), mask, limits);
+                // SAFETY: a child of a node, and none itself.
+                limits = unsafe { self.visit(eights, finds, (child, all), mask, limits) };
             }
         }
         limits
     }
 
     /// Tests some primitives of a leaf, a bit for each, with all rays of the mask; returns their limits.
+    ///
+    /// # Safety
+    ///
+    /// The leaf must be one of the tree.
     #[inline(always)]
-    fn visit<F: Filter>(
+    unsafe fn visit<F: Filter>(
         &mut self,
         eights: &Eights<'_, '_, S, F>,
         finds: &mut Finds<S, G>,
@@ -350,10 +369,11 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         mut limits: S::Lanes,
     ) -> S::Lanes {
         let simd = self.simd;
-        let view = self.tree.leaves.view(leaf);
+        // SAFETY: as the caller promises.
+        let view = unsafe { self.tree.leaves.view(leaf) };
         self.work.tests += u64::from(mask.count_ones()) * u64::from(lanes.count_ones());
         while lanes != 0 {
-            let lane = take_lane(&mut lanes);
+            let lane = Lane::new(take_lane(&mut lanes));
             let verdict = F::judge_across(simd, eights.filter, view, lane, limits);
             let mut maybe = verdict.maybe & mask;
             if maybe == 0 {
@@ -361,7 +381,8 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
             }
             let sure = verdict.sure & maybe;
             if sure != 0 {
-                let place = Place { leaf, lane };
+                // SAFETY: as the caller promises.
+                let place = unsafe { Place::new(leaf, lane) };
                 let left = G::find(&mut finds.together, simd, place, sure, [verdict.near, verdict.far], &mut limits);
                 maybe &= !sure | left;
                 mask &= simd.le(simd.splat(0.0), limits);
@@ -388,7 +409,8 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 let bounds = sure.then_some([near[ray], far[ray]]);
                 let (asked, span) = &eights.rays[ray];
                 let goal = finds.goal_until(ray, *span, ends[ray]);
-                goal.consider::<S, F>(simd, self.tree, self.judge, asked, leaf, lane, bounds);
+                // SAFETY: as the caller promises.
+                unsafe { goal.consider::<S, F>(simd, self.tree, self.judge, asked, leaf, lane, bounds) };
                 let limit = goal.limit();
                 limits = simd.replaced(limits, ray, limit);
                 mask &= !(u32::from(limit < 0.0) << ray);

@@ -30,7 +30,7 @@
 
 use rt_math::{DVec3, Interval, Ray};
 
-use super::node::{Node, ROW};
+use super::node::{Node, Row, RowOffset};
 use super::simd::Simd;
 
 /// By how much numbers are moved outward, relative to what they are made of.
@@ -48,8 +48,8 @@ pub(super) struct FilterRay {
     scale: [f32; 4],
     near_shift: [f32; 4],
     far_shift: [f32; 4],
-    /// By axis: where in a node the near planes begin, in bytes; the far ones are `^ ROW` of it.
-    near: [usize; 3],
+    /// By axis: offset of the near planes in a node.
+    near: [RowOffset; 3],
 }
 
 /// Least and greatest number of a tree or direction for which nothing over- or underflows.
@@ -160,7 +160,7 @@ impl FilterRay {
             scale: simd.narrowed(slabs.scale),
             near_shift: simd.narrowed(slabs.near_shift),
             far_shift: simd.narrowed(slabs.far_shift),
-            near: [(signs & 1) * ROW, 2 * ROW + (signs >> 1 & 1) * ROW, 4 * ROW + (signs >> 2 & 1) * ROW],
+            near: RowOffset::near([signs, signs >> 1, signs >> 2]),
         })
     }
 
@@ -176,10 +176,10 @@ impl FilterRay {
         simd.mul_add(planes, simd.splat(self.scale[axis]), simd.splat(self.far_shift[axis]))
     }
 
-    /// Of a leaf with a number for each plane as nodes have them: which number the near planes of an axis are.
+    /// Row of the near planes of an axis.
     #[inline(always)]
-    pub(super) const fn near_number(&self, axis: usize) -> usize {
-        self.near[axis] / ROW
+    pub(super) const fn near_row(&self, axis: usize) -> Row {
+        self.near[axis].row()
     }
 
     /// Where the boxes of a node are entered, at `min` or later, and left, at `max` or before. Those that are left
@@ -190,9 +190,9 @@ impl FilterRay {
         let enter_x = self.near(simd, 0, node.row_at(simd, x));
         let enter_y = self.near(simd, 1, node.row_at(simd, y));
         let enter_z = self.near(simd, 2, node.row_at(simd, z));
-        let leave_x = self.far(simd, 0, node.row_at(simd, x ^ ROW));
-        let leave_y = self.far(simd, 1, node.row_at(simd, y ^ ROW));
-        let leave_z = self.far(simd, 2, node.row_at(simd, z ^ ROW));
+        let leave_x = self.far(simd, 0, node.row_at(simd, x.opposite()));
+        let leave_y = self.far(simd, 1, node.row_at(simd, y.opposite()));
+        let leave_z = self.far(simd, 2, node.row_at(simd, z.opposite()));
         let enter = simd.max(simd.max(enter_x, enter_y), simd.max(enter_z, simd.splat(min)));
         let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, simd.splat(max)));
         [enter, leave]

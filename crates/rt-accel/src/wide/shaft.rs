@@ -18,7 +18,7 @@ use super::WideBvh;
 use super::across::signs;
 use super::goal::take_lane;
 use super::leaf::Filter;
-use super::node::Child;
+use super::node::{Child, Row};
 use super::ray::{FARTHEST, RANGE, SLACK, STEEPEST, at_least, at_most};
 use super::simd::Simd;
 use crate::bvh::NodeBox;
@@ -35,7 +35,7 @@ pub(super) struct Shaft<S: Simd> {
     near_scale: [S::Lanes; 3],
     far_origin: [S::Lanes; 3],
     far_scale: [S::Lanes; 3],
-    near_row: [usize; 3],
+    near_row: [Row; 3],
     min: S::Lanes,
     max: S::Lanes,
     /// Greatest coordinate of the centre of the tree, or more.
@@ -80,7 +80,7 @@ impl<S: Simd> Shaft<S> {
             near_scale: [simd.splat(0.0); 3],
             far_origin: [simd.splat(0.0); 3],
             far_scale: [simd.splat(0.0); 3],
-            near_row: [0; 3],
+            near_row: Row::near([0, 1, 2].map(|axis| (signs >> axis & 1) as usize)),
             min: simd.splat(at_most(begin)),
             max: simd.splat(at_least(end)),
             offset: at_least(tree.centre.abs().max_element()),
@@ -93,7 +93,6 @@ impl<S: Simd> Shaft<S> {
             this.far_origin[axis] = simd.splat(far);
             this.near_scale[axis] = simd.splat((sign * least[axis]) as f32);
             this.far_scale[axis] = simd.splat((sign * greatest[axis]) as f32);
-            this.near_row[axis] = 2 * axis + usize::from(is_negative);
         }
         Some(this)
     }
@@ -117,11 +116,11 @@ impl<S: Simd> Shaft<S> {
 
     /// A bit for each of eight boxes that rays may pass, and where they enter these first; `planes` returns a row.
     #[inline(always)]
-    pub(super) fn passes(&self, simd: S, planes: impl Fn(usize) -> S::Lanes) -> (u32, S::Lanes) {
+    pub(super) fn passes(&self, simd: S, planes: impl Fn(Row) -> S::Lanes) -> (u32, S::Lanes) {
         let [x, y, z] = self.near_row;
-        let (enter_x, leave_x) = (self.near(simd, 0, planes(x)), self.far(simd, 0, planes(x ^ 1)));
-        let (enter_y, leave_y) = (self.near(simd, 1, planes(y)), self.far(simd, 1, planes(y ^ 1)));
-        let (enter_z, leave_z) = (self.near(simd, 2, planes(z)), self.far(simd, 2, planes(z ^ 1)));
+        let (enter_x, leave_x) = (self.near(simd, 0, planes(x)), self.far(simd, 0, planes(x.opposite())));
+        let (enter_y, leave_y) = (self.near(simd, 1, planes(y)), self.far(simd, 1, planes(y.opposite())));
+        let (enter_z, leave_z) = (self.near(simd, 2, planes(z)), self.far(simd, 2, planes(z.opposite())));
         let enter = simd.max(simd.max(enter_x, enter_y), simd.max(enter_z, self.min));
         let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, self.max));
         (simd.le(enter, leave), enter)
@@ -200,7 +199,14 @@ impl Cut {
         while passed != 0 {
             let lane = take_lane(&mut passed);
             let child = node.children[lane];
-            let mask = if child.is_node() { 0 } else { F::within(simd, shaft, tree.leaves.view(child)) };
+            let mask = if child.is_node() {
+                0
+            } else {
+                {
+                    // SAFETY: a child of a node of the tree, and no node.
+                    F::within(simd, shaft, unsafe { tree.leaves.view(child) })
+                }
+            };
             if (child.is_node() || mask != 0)
                 && let Some(place) = self.subtrees.get_mut(self.len)
             {

@@ -19,7 +19,8 @@ impl StackRoom {
 /// stays in a register.
 pub(super) struct Stack<'r> {
     entries: &'r mut [MaybeUninit<u64>; STACK],
-    pub(super) len: usize,
+    /// Entries below it have been written.
+    len: usize,
 }
 
 impl<'r> Stack<'r> {
@@ -34,23 +35,56 @@ impl<'r> Stack<'r> {
         u64::from(enter.to_bits()) << 32 | u64::from(child.to_bits())
     }
 
+    /// Number of entries.
     #[inline(always)]
-    pub(super) fn put(&mut self, at: usize, key: u64) {
+    pub(super) const fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Changes the number of entries.
+    ///
+    /// # Safety
+    ///
+    /// All entries below `len` must have been written.
+    #[inline(always)]
+    pub(super) const unsafe fn set_len(&mut self, len: usize) {
+        self.len = len;
+    }
+
+    /// Writes an entry.
+    ///
+    /// # Safety
+    ///
+    /// `at` must be less than [`STACK`]: so it is while each node of a walk puts off seven children at most, as no tree is
+    /// deeper than a seventh of the stack.
+    #[inline(always)]
+    pub(super) unsafe fn put(&mut self, at: usize, key: u64) {
         debug_assert!(at < STACK, "the tree is deeper than its builder promises");
-        // SAFETY: nodes put off seven children at most, and no tree is deeper than a seventh of the stack.
+        // SAFETY: as the caller promises.
         unsafe { self.entries.get_unchecked_mut(at).write(key) };
     }
 
+    /// Reads an entry.
+    ///
+    /// # Safety
+    ///
+    /// `at` must be less than the number of entries, or that of the entry popped last.
     #[inline(always)]
-    pub(super) fn get(&self, at: usize) -> u64 {
+    pub(super) unsafe fn get(&self, at: usize) -> u64 {
         debug_assert!(at <= self.len);
         // SAFETY: entries below `len` have been written, and so has the one that was popped last.
         unsafe { self.entries.get_unchecked(at).assume_init() }
     }
 
+    /// Appends an entry.
+    ///
+    /// # Safety
+    ///
+    /// There must be fewer entries than [`STACK`], as for [`put`](Self::put).
     #[inline(always)]
-    pub(super) fn push(&mut self, key: u64) {
-        self.put(self.len, key);
+    pub(super) unsafe fn push(&mut self, key: u64) {
+        // SAFETY: as the caller promises.
+        unsafe { self.put(self.len, key) };
         self.len += 1;
     }
 
@@ -58,7 +92,8 @@ impl<'r> Stack<'r> {
     #[inline(always)]
     pub(super) fn pop(&mut self) -> Option<Child> {
         self.len = self.len.checked_sub(1)?;
-        Some(Child::from_bits(self.get(self.len) as u32))
+        // SAFETY: the entry popped just now.
+        Some(Child::from_bits(unsafe { self.get(self.len) } as u32))
     }
 
     /// The child put off last that is entered at or before `limit`.
@@ -66,7 +101,8 @@ impl<'r> Stack<'r> {
     pub(super) fn pop_before(&mut self, limit: f32) -> Option<Child> {
         while self.len > 0 {
             self.len -= 1;
-            let key = self.get(self.len);
+            // SAFETY: the entry popped just now.
+            let key = unsafe { self.get(self.len) };
             if f32::from_bits((key >> 32) as u32) <= limit {
                 return Some(Child::from_bits(key as u32));
             }
@@ -75,15 +111,22 @@ impl<'r> Stack<'r> {
     }
 
     /// Inserts a key into those since `first`, which fall towards the end, so that the nearest is popped first.
+    ///
+    /// # Safety
+    ///
+    /// As [`push`](Self::push).
     #[inline(always)]
-    pub(super) fn insert(&mut self, first: usize, key: u64) {
+    pub(super) unsafe fn insert(&mut self, first: usize, key: u64) {
         let mut place = self.len;
-        self.push(key);
-        while place > first && self.get(place - 1) < key {
-            let moved = self.get(place - 1);
-            self.put(place, moved);
-            place -= 1;
+        // SAFETY: there is room, as the caller promises; all places are less than `len`.
+        unsafe {
+            self.push(key);
+            while place > first && self.get(place - 1) < key {
+                let moved = self.get(place - 1);
+                self.put(place, moved);
+                place -= 1;
+            }
+            self.put(place, key);
         }
-        self.put(place, key);
     }
 }

@@ -63,16 +63,21 @@ impl<G: Goal> Walk<'_, '_, G> {
             return;
         };
         let mut room = StackRoom::new();
-        descend(simd, tree, judge, &prepared, &mut goal, tree.root, &mut room, &mut query.work);
+        // SAFETY: the root, and the filter that suits the leaves.
+        unsafe { descend(simd, tree, judge, &prepared, &mut goal, tree.root, &mut room, &mut query.work) };
         goal.finish::<S, F>(simd, tree, judge, &prepared.ray, query.answer);
         query.work.hits = goal.uncounted_hits();
     }
 }
 
 /// Walks all below a child.
+///
+/// # Safety
+///
+/// The child must be the root of the tree or one of a node of it, and the filter that of the kind of its leaves.
 #[expect(clippy::too_many_arguments, reason = "one function of the state of a ray, which others keep elsewhere")]
 #[inline(always)]
-pub(super) fn descend<S: Simd, F: Filter, G: Goal>(
+pub(super) unsafe fn descend<S: Simd, F: Filter, G: Goal>(
     simd: S,
     tree: &WideBvh,
     judge: &mut dyn Judge,
@@ -87,7 +92,8 @@ pub(super) fn descend<S: Simd, F: Filter, G: Goal>(
     'walk: loop {
         while child.is_node() {
             nodes += 1;
-            let node = tree.node(child);
+            // SAFETY: the caller's child, or one of a node that came before.
+            let node = unsafe { tree.node(child) };
             let [enter, leave] = prepared.boxes.cross(simd, node, prepared.min, goal.limit());
             let mut passed = simd.le(enter, leave);
             if passed == 0 {
@@ -99,12 +105,14 @@ pub(super) fn descend<S: Simd, F: Filter, G: Goal>(
             child = if passed == 0 {
                 node.children[lane]
             } else if G::ORDERED {
-                put_off(simd, tree, node, &simd.to_array(enter), lane, passed, &mut stack)
+                // SAFETY: one node of each level puts off seven children at most.
+                unsafe { put_off(simd, tree, node, &simd.to_array(enter), lane, passed, &mut stack) }
             } else {
                 while passed != 0 {
                     let other = node.children[take_lane(&mut passed)];
                     simd.prefetch(tree.line(other));
-                    stack.push(u64::from(other.to_bits()));
+                    // SAFETY: one node of each level puts off seven children at most.
+                    unsafe { stack.push(u64::from(other.to_bits())) };
                 }
                 node.children[lane]
             };
@@ -112,7 +120,8 @@ pub(super) fn descend<S: Simd, F: Filter, G: Goal>(
         tests += child.count() as u64;
         // Out of memory, where a number is repeated eight times as it is read. Compilers would else repeat all of them before the
         // ray sets out, and keep them on the stack; most rays come to one leaf or two. Nothing but speed depends on it.
-        if goal.visit(simd, tree, judge, black_box(prepared), child).is_break() {
+        // SAFETY: as for nodes, and this is none.
+        if unsafe { goal.visit(simd, tree, judge, black_box(prepared), child) }.is_break() {
             break;
         }
         let Some(next) = pop(&mut stack, goal) else { break };
@@ -130,8 +139,12 @@ fn pop<G: Goal>(stack: &mut Stack<'_>, goal: &G) -> Option<Child> {
 }
 
 /// Returns the nearest of the children `lane` and `others`, and pushes the rest, the nearest of them last.
+///
+/// # Safety
+///
+/// There must be one other at least, and room for seven entries more.
 #[inline(always)]
-fn put_off<S: Simd>(
+unsafe fn put_off<S: Simd>(
     simd: S,
     tree: &WideBvh,
     node: &Node,
@@ -147,7 +160,8 @@ fn put_off<S: Simd>(
     let b = Stack::key(enter[second], node.children[second]);
     let (nearest, farther) = (a.min(b), a.max(b));
     if others == 0 {
-        stack.push(farther);
+        // SAFETY: there is room.
+        unsafe { stack.push(farther) };
         return Child::from_bits(nearest as u32);
     }
     // A network for four, of which the last may be missing: what is nearer cannot be predicted, so nothing is asked.
@@ -162,20 +176,29 @@ fn put_off<S: Simd>(
     let (nearest, b) = (nearest.min(c), nearest.max(c));
     let (c, farthest) = (farther.min(d), farther.max(d));
     let (b, c) = (b.min(c), b.max(c));
-    let start = stack.len;
-    stack.put(start, farthest);
-    stack.put(start + usize::from(is_fourth), c);
-    stack.put(start + usize::from(is_fourth) + 1, b);
-    stack.len += 2 + usize::from(is_fourth);
+    let start = stack.len();
+    // SAFETY: there is room, and all entries below the new end have been written.
+    unsafe {
+        stack.put(start, farthest);
+        stack.put(start + usize::from(is_fourth), c);
+        stack.put(start + usize::from(is_fourth) + 1, b);
+        stack.set_len(start + 2 + usize::from(is_fourth));
+    }
     if others == 0 {
         return Child::from_bits(nearest as u32);
     }
-    stack.push(nearest);
+    // SAFETY: there is room for seven, and an eighth that is popped at once is what stacks have to spare.
+    unsafe { stack.push(nearest) };
     while others != 0 {
         let lane = take_lane(&mut others);
         simd.prefetch(tree.line(node.children[lane]));
-        stack.insert(start, Stack::key(enter[lane], node.children[lane]));
+        // SAFETY: as above.
+        unsafe { stack.insert(start, Stack::key(enter[lane], node.children[lane])) };
     }
-    stack.len -= 1;
-    Child::from_bits(stack.get(stack.len) as u32)
+    let last = stack.len() - 1;
+    // SAFETY: one was pushed above; all below have been written.
+    unsafe {
+        stack.set_len(last);
+        Child::from_bits(stack.get(last) as u32)
+    }
 }

@@ -9,7 +9,7 @@ use super::{Goal, Judge, Place, Prepared, take_lane};
 use crate::wide::WideBvh;
 use crate::wide::across::{Across, PACKET};
 use crate::wide::flight::{Flight, Ground};
-use crate::wide::leaf::{ExactRay, Filter};
+use crate::wide::leaf::{ExactRay, Filter, Lane};
 use crate::wide::node::Child;
 use crate::wide::ray::at_least;
 use crate::wide::simd::Simd;
@@ -32,11 +32,11 @@ impl AnyHit {
         self.limit = -1.0;
     }
 
-    /// A primitive in a leaf blocks the ray.
+    /// A primitive blocks the ray.
     #[inline(always)]
-    fn block_by(&mut self, leaf: Child, lane: usize) {
+    fn block_by(&mut self, place: Place) {
         self.block();
-        self.blocker = Some(Place { leaf, lane });
+        self.blocker = Some(place);
     }
 }
 
@@ -83,7 +83,7 @@ impl Goal for AnyHit {
     }
 
     #[inline(always)]
-    fn visit<S: Simd, F: Filter>(
+    unsafe fn visit<S: Simd, F: Filter>(
         &mut self,
         simd: S,
         tree: &WideBvh,
@@ -91,19 +91,22 @@ impl Goal for AnyHit {
         prepared: &Prepared<'_, S, F>,
         leaf: Child,
     ) -> ControlFlow<()> {
-        let view = tree.leaves.view(leaf);
+        // SAFETY: as the caller promises.
+        let view = unsafe { tree.leaves.view(leaf) };
         let verdict = prepared.filter.judge(simd, view, self.limit);
         if verdict.sure != 0 {
             self.uncounted_hits += 1;
-            self.block_by(leaf, verdict.sure.trailing_zeros() as usize);
+            // SAFETY: as the caller promises.
+            self.block_by(unsafe { Place::new(leaf, Lane::new(verdict.sure.trailing_zeros() as usize)) });
             return ControlFlow::Break(());
         }
         let mut unsure = verdict.maybe;
         while unsure != 0 {
-            let lane = take_lane(&mut unsure);
+            let lane = Lane::new(take_lane(&mut unsure));
             if F::blocks(simd, view, lane, &prepared.ray, self.span, judge) {
                 self.uncounted_hits += u64::from(F::decides(view, lane));
-                self.block_by(leaf, lane);
+                // SAFETY: as the caller promises.
+                self.block_by(unsafe { Place::new(leaf, lane) });
                 return ControlFlow::Break(());
             }
         }
@@ -111,23 +114,24 @@ impl Goal for AnyHit {
     }
 
     #[inline(always)]
-    fn consider<S: Simd, F: Filter>(
+    unsafe fn consider<S: Simd, F: Filter>(
         &mut self,
         simd: S,
         tree: &WideBvh,
         judge: &mut dyn Judge,
         ray: &Ray,
         leaf: Child,
-        lane: usize,
+        lane: Lane,
         sure: Option<[f32; 2]>,
     ) {
-        let view = tree.leaves.view(leaf);
+        // SAFETY: as the caller promises.
+        let (view, place) = unsafe { (tree.leaves.view(leaf), Place::new(leaf, lane)) };
         if sure.is_some() {
             self.uncounted_hits += 1;
-            self.block_by(leaf, lane);
+            self.block_by(place);
         } else if F::blocks(simd, view, lane, &ExactRay::new(simd, ray), self.span, judge) {
             self.uncounted_hits += u64::from(F::decides(view, lane));
-            self.block_by(leaf, lane);
+            self.block_by(place);
         }
     }
 

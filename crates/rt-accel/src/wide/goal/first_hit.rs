@@ -10,7 +10,7 @@ use super::{Goal, Judge, Place, Prepared, take_lane};
 use crate::wide::WideBvh;
 use crate::wide::across::{Across, PACKET};
 use crate::wide::flight::{Flight, Ground};
-use crate::wide::leaf::{ExactRay, Filter, LeafView};
+use crate::wide::leaf::{ExactRay, Filter, Lane, LeafView};
 use crate::wide::node::Child;
 use crate::wide::ray::at_least;
 use crate::wide::round::RoundSpheres;
@@ -21,8 +21,7 @@ use crate::wide::walk::{Query, Walk};
 #[derive(Clone, Copy)]
 struct Candidate {
     near: f32,
-    leaf: Child,
-    lane: usize,
+    place: Place,
 }
 
 /// Candidates that may be undecided at a time.
@@ -75,7 +74,7 @@ impl FirstHit {
         judge: &mut dyn Judge,
         ray: &ExactRay<'_, S>,
         leaf: LeafView<'_>,
-        lane: usize,
+        lane: Lane,
     ) {
         let hit = F::hit(simd, leaf, lane, ray, self.span, judge);
         self.uncounted_hits += u64::from(hit.is_some() && F::decides(leaf, lane));
@@ -84,7 +83,7 @@ impl FirstHit {
 
     /// A hit is certain: nothing behind its far bound can be first. False if there is no room to remember it.
     #[inline(always)]
-    fn remember(&mut self, leaf: Child, lane: usize, [near, far]: [f32; 2]) -> bool {
+    fn remember(&mut self, place: Place, [near, far]: [f32; 2]) -> bool {
         if near > self.limit {
             return true;
         }
@@ -98,7 +97,7 @@ impl FirstHit {
         self.limit = self.limit.min(far);
         let has_room = self.n_candidates < MAX_CANDIDATES;
         if has_room {
-            self.candidates[self.n_candidates % MAX_CANDIDATES].write(Candidate { near, leaf, lane });
+            self.candidates[self.n_candidates % MAX_CANDIDATES].write(Candidate { near, place });
             self.n_candidates += 1;
         }
         has_room
@@ -117,33 +116,37 @@ pub(in crate::wide) struct FoundFirst<S: Simd> {
 }
 
 impl<S: Simd> FoundFirst<S> {
-    /// By ray; meaningless where it hits nothing.
+    /// By ray: the leaf and the lane of what it hits; meaningless where it hits nothing.
     #[inline(always)]
-    fn places(&self, simd: S) -> [Place; PACKET] {
+    fn places(&self, simd: S) -> [(Child, Lane); PACKET] {
         let (leaf, lane) = (simd.to_array(self.leaf), simd.to_array(self.lane));
-        let mut places = [Place { leaf: Child::HOME, lane: 0 }; PACKET];
+        let mut places = [(Child::HOME, Lane::new(0)); PACKET];
         for (i, place) in places.iter_mut().enumerate() {
-            *place = Place { leaf: Child::from_bits(leaf[i].to_bits()), lane: (lane[i].to_bits() & 7) as usize };
+            *place = (Child::from_bits(leaf[i].to_bits()), Lane::new(lane[i].to_bits() as usize));
         }
         places
     }
 
     /// A bit for each ray that hits what is at this place.
     #[inline(always)]
-    fn at(&self, simd: S, Place { leaf, lane }: Place) -> u32 {
+    fn at(&self, simd: S, (leaf, lane): (Child, Lane)) -> u32 {
         simd.same(self.leaf, simd.splat(f32::from_bits(leaf.to_bits())))
-            & simd.same(self.lane, simd.splat(f32::from_bits(lane as u32)))
+            & simd.same(self.lane, simd.splat(f32::from_bits(lane.index() as u32)))
     }
 }
 
 /// Decides about some rays of eight at once, where each hits a sphere of its own; returns those that are answered.
+///
+/// # Safety
+///
+/// The places of the rays `asked` about must be leaves of the tree, and the filter that of their kind.
 #[inline(always)]
-fn settle_round<S: Simd, F: Filter>(
+unsafe fn settle_round<S: Simd, F: Filter>(
     simd: S,
     tree: &WideBvh,
     judge: &mut dyn Judge,
     across: &Across<S>,
-    places: &[Place; PACKET],
+    places: &[(Child, Lane); PACKET],
     asked: u32,
     answers: &mut [Option<Hit>; PACKET],
 ) -> u32 {
@@ -152,7 +155,9 @@ fn settle_round<S: Simd, F: Filter>(
     let (mut left, mut who) = (asked, 0);
     while left != 0 {
         let lane = take_lane(&mut left);
-        let index = F::index(tree.leaves.view(places[lane].leaf), places[lane].lane);
+        let (leaf, of_leaf) = places[lane];
+        // SAFETY: as the caller promises.
+        let index = F::index(unsafe { tree.leaves.view(leaf) }, of_leaf);
         if let Some(sphere) = judge.round(index) {
             (spheres[lane], indices[lane]) = (sphere, index);
             who |= 1 << lane;
@@ -219,7 +224,7 @@ impl Goal for FirstHit {
     }
 
     #[inline(always)]
-    fn visit<S: Simd, F: Filter>(
+    unsafe fn visit<S: Simd, F: Filter>(
         &mut self,
         simd: S,
         tree: &WideBvh,
@@ -227,7 +232,8 @@ impl Goal for FirstHit {
         prepared: &Prepared<'_, S, F>,
         leaf: Child,
     ) -> ControlFlow<()> {
-        let view = tree.leaves.view(leaf);
+        // SAFETY: as the caller promises.
+        let view = unsafe { tree.leaves.view(leaf) };
         let verdict = prepared.filter.judge(simd, view, self.limit);
         if verdict.maybe == 0 {
             return ControlFlow::Continue(());
@@ -237,31 +243,35 @@ impl Goal for FirstHit {
             let (near, far) = (simd.to_array(verdict.near), simd.to_array(verdict.far));
             while sure != 0 {
                 let lane = take_lane(&mut sure);
-                if !self.remember(leaf, lane, [near[lane], far[lane]]) {
+                // SAFETY: as the caller promises.
+                let place = unsafe { Place::new(leaf, Lane::new(lane)) };
+                if !self.remember(place, [near[lane], far[lane]]) {
                     unsure |= 1 << lane;
                 }
             }
         }
         while unsure != 0 {
-            let lane = take_lane(&mut unsure);
+            let lane = Lane::new(take_lane(&mut unsure));
             self.decide::<S, F>(simd, judge, &prepared.ray, view, lane);
         }
         ControlFlow::Continue(())
     }
 
     #[inline(always)]
-    fn consider<S: Simd, F: Filter>(
+    unsafe fn consider<S: Simd, F: Filter>(
         &mut self,
         simd: S,
         tree: &WideBvh,
         judge: &mut dyn Judge,
         ray: &Ray,
         leaf: Child,
-        lane: usize,
+        lane: Lane,
         sure: Option<[f32; 2]>,
     ) {
-        if sure.is_none_or(|bounds| !self.remember(leaf, lane, bounds)) {
-            self.decide::<S, F>(simd, judge, &ExactRay::new(simd, ray), tree.leaves.view(leaf), lane);
+        // SAFETY: as the caller promises.
+        let (view, place) = unsafe { (tree.leaves.view(leaf), Place::new(leaf, lane)) };
+        if sure.is_none_or(|bounds| !self.remember(place, bounds)) {
+            self.decide::<S, F>(simd, judge, &ExactRay::new(simd, ray), view, lane);
         }
     }
 
@@ -292,9 +302,10 @@ impl Goal for FirstHit {
         ray: &ExactRay<'_, S>,
         answer: &mut Option<Hit>,
     ) {
-        if let Some(Candidate { leaf, lane, .. }) = self.only_candidate() {
+        if let Some(Candidate { place, .. }) = self.only_candidate() {
             // Where leaves decide, nothing is asked, so that the next ray need not wait.
-            let leaf = tree.leaves.view(leaf);
+            // SAFETY: places are leaves of the tree with which they are used.
+            let (leaf, lane) = (unsafe { tree.leaves.view(place.leaf()) }, place.lane());
             if F::decides(leaf, lane) {
                 *answer = F::copied_hit::<S, true>(simd, leaf, lane, ray, self.span);
                 self.uncounted_hits += u64::from(answer.is_some());
@@ -305,9 +316,11 @@ impl Goal for FirstHit {
         }
         for i in 0..self.n_candidates {
             // SAFETY: the first `n_candidates` have been written.
-            let Candidate { near, leaf, lane } = unsafe { self.candidates[i % MAX_CANDIDATES].assume_init() };
+            let Candidate { near, place } = unsafe { self.candidates[i % MAX_CANDIDATES].assume_init() };
             if near <= self.limit {
-                self.decide::<S, F>(simd, judge, ray, tree.leaves.view(leaf), lane);
+                // SAFETY: places are leaves of the tree with which they are used.
+                let leaf = unsafe { tree.leaves.view(place.leaf()) };
+                self.decide::<S, F>(simd, judge, ray, leaf, place.lane());
             }
         }
         *answer = self.answer();
@@ -324,7 +337,7 @@ impl Goal for FirstHit {
     fn find<S: Simd>(
         found: &mut FoundFirst<S>,
         simd: S,
-        Place { leaf, lane }: Place,
+        place: Place,
         sure: u32,
         [near, far]: [S::Lanes; 2],
         limits: &mut S::Lanes,
@@ -333,8 +346,8 @@ impl Goal for FirstHit {
         let is_nearest = sure & simd.lt(far, found.near);
         found.who |= is_nearest;
         found.near = simd.chosen(is_nearest, near, found.near);
-        found.leaf = simd.chosen(is_nearest, simd.splat(f32::from_bits(leaf.to_bits())), found.leaf);
-        found.lane = simd.chosen(is_nearest, simd.splat(f32::from_bits(lane as u32)), found.lane);
+        found.leaf = simd.chosen(is_nearest, simd.splat(f32::from_bits(place.leaf().to_bits())), found.leaf);
+        found.lane = simd.chosen(is_nearest, simd.splat(f32::from_bits(place.lane().index() as u32)), found.lane);
         *limits = simd.chosen(sure, simd.min(*limits, far), *limits);
         sure & !is_nearest
     }
@@ -364,7 +377,8 @@ impl Goal for FirstHit {
         let mut left = found.who;
         let mut uncounted_hits = 0;
         if F::ROUND {
-            let settled = settle_round::<S, F>(simd, tree, judge, across, &places, left, answers);
+            // SAFETY: these rays have found places in the tree.
+            let settled = unsafe { settle_round::<S, F>(simd, tree, judge, across, &places, left, answers) };
             uncounted_hits += u64::from(settled.count_ones());
             left &= !settled;
         }
@@ -373,12 +387,13 @@ impl Goal for FirstHit {
             let place = places[first];
             let mut alike = left & found.at(simd, place);
             left &= !alike;
-            let leaf = tree.leaves.view(place.leaf);
-            if !F::decides(leaf, place.lane) {
+            // SAFETY: this ray has found a place in the tree.
+            let (leaf, of_leaf) = (unsafe { tree.leaves.view(place.0) }, place.1);
+            if !F::decides(leaf, of_leaf) {
                 while alike != 0 {
                     let lane = take_lane(&mut alike);
                     let (ray, span) = &rays[lane];
-                    answers[lane] = judge.closest(F::index(leaf, place.lane), ray, *span);
+                    answers[lane] = judge.closest(F::index(leaf, of_leaf), ray, *span);
                 }
                 continue;
             }
@@ -391,14 +406,14 @@ impl Goal for FirstHit {
             while alone != 0 {
                 let lane = take_lane(&mut alone);
                 let (ray, span) = &rays[lane];
-                answers[lane] = F::copied_hit::<S, true>(simd, leaf, place.lane, &ExactRay::new(simd, ray), *span);
+                answers[lane] = F::copied_hit::<S, true>(simd, leaf, of_leaf, &ExactRay::new(simd, ray), *span);
             }
             if together == 0 {
                 continue;
             }
-            let [t, v, w] = F::certain_hits(simd, leaf, place.lane, across);
+            let [t, v, w] = F::certain_hits(simd, leaf, of_leaf, across);
             let (t, v, w) = (t.to_array(simd), v.to_array(simd), w.to_array(simd));
-            let primitive = F::index(leaf, place.lane);
+            let primitive = F::index(leaf, of_leaf);
             while together != 0 {
                 let lane = take_lane(&mut together);
                 answers[lane] = Some(Hit { t: t[lane], instance: 0, primitive, uv: [v[lane], w[lane]] });

@@ -13,7 +13,7 @@ pub(super) use first_hit::FirstHit;
 use super::WideBvh;
 use super::across::{Across, PACKET};
 use super::flight::Ground;
-use super::leaf::{ExactRay, Filter, FilterSpan};
+use super::leaf::{ExactRay, Filter, FilterSpan, Lane};
 use super::node::Child;
 use super::ray::FilterRay;
 use super::simd::Simd;
@@ -96,7 +96,11 @@ pub(super) trait Goal: Sized {
     fn limit(&self) -> f32;
 
     /// Visits a leaf; breaks if nothing else matters.
-    fn visit<S: Simd, F: Filter>(
+    ///
+    /// # Safety
+    ///
+    /// The leaf must be one of the tree, and the filter that of the kind of its leaves.
+    unsafe fn visit<S: Simd, F: Filter>(
         &mut self,
         simd: S,
         tree: &WideBvh,
@@ -106,15 +110,19 @@ pub(super) trait Goal: Sized {
     ) -> ControlFlow<()>;
 
     /// Considers one primitive that the filter has not ruled out, and between what it is hit if that is sure.
+    ///
+    /// # Safety
+    ///
+    /// As [`visit`](Self::visit).
     #[expect(clippy::too_many_arguments, reason = "as `visit`, for one primitive")]
-    fn consider<S: Simd, F: Filter>(
+    unsafe fn consider<S: Simd, F: Filter>(
         &mut self,
         simd: S,
         tree: &WideBvh,
         judge: &mut dyn Judge,
         ray: &Ray,
         leaf: Child,
-        lane: usize,
+        lane: Lane,
         sure: Option<[f32; 2]>,
     );
 
@@ -193,9 +201,33 @@ pub(super) trait Goal: Sized {
     fn answer(&self) -> Self::Answer;
 }
 
-/// A primitive, by where it is in a tree.
+/// A primitive, by where it is in the tree that a query is about.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
-    pub(super) leaf: Child,
-    pub(super) lane: usize,
+    leaf: Child,
+    lane: Lane,
+}
+
+impl Place {
+    /// Reads nothing yet.
+    ///
+    /// # Safety
+    ///
+    /// The child must be a leaf of the tree with which the place is used.
+    #[inline(always)]
+    pub(super) const unsafe fn new(leaf: Child, lane: Lane) -> Self {
+        Self { leaf, lane }
+    }
+
+    /// A leaf of the tree.
+    #[inline(always)]
+    pub(super) const fn leaf(self) -> Child {
+        self.leaf
+    }
+
+    /// Lane of the primitive in the leaf.
+    #[inline(always)]
+    pub(super) const fn lane(self) -> Lane {
+        self.lane
+    }
 }

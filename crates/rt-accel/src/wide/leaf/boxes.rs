@@ -1,9 +1,10 @@
 //! Leaves of boxes, for primitives of any kind: the filter is that of nodes.
 
-use super::{Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
+use super::{Block, ExactRay, Filter, FilterSpan, Lane, LeafView, Verdict};
 use crate::bvh::NodeBox;
 use crate::wide::WideBvh;
 use crate::wide::across::{Across, AcrossBoxes};
+use crate::wide::node::Row;
 use crate::wide::ray::FilterRay;
 use crate::wide::simd::Simd;
 
@@ -37,9 +38,11 @@ impl Filter for BoxFilter {
     fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
         let (mut enter, mut leave) = (simd.splat(self.min), simd.splat(limit));
         for axis in 0..3 {
-            let row = self.ray.near_number(axis);
-            let near = leaf.lanes(simd, row * leaf.count);
-            let far = leaf.lanes(simd, (row ^ 1) * leaf.count);
+            let row = self.ray.near_row(axis);
+            // SAFETY: both rows are less than `NUMBERS`.
+            let [near, far] = unsafe {
+                [leaf.lanes(simd, row.index() * leaf.count), leaf.lanes(simd, row.opposite().index() * leaf.count)]
+            };
             enter = simd.max(self.ray.near(simd, axis, near), enter);
             leave = simd.min(self.ray.far(simd, axis, far), leave);
         }
@@ -58,16 +61,18 @@ impl Filter for BoxFilter {
         simd: S,
         rays: &AcrossBoxes<S>,
         leaf: LeafView<'_>,
-        lane: usize,
+        lane: Lane,
         limits: S::Lanes,
     ) -> Verdict<S> {
-        let plane = |row: usize| simd.splat(leaf.number(row * leaf.count + lane));
+        // SAFETY: the row is less than `NUMBERS`, and the lane less than 8.
+        let plane = |row: Row| simd.splat(unsafe { leaf.number(row.index() * leaf.count + lane.index()) });
         let [enter, leave] = rays.cross::<false>(simd, plane, limits);
         Verdict { maybe: simd.le(enter, leave), sure: 0, near: enter, far: leave }
     }
 
     #[inline(always)]
-    fn index(leaf: LeafView<'_>, lane: usize) -> u32 {
-        leaf.word(NUMBERS * leaf.count + lane)
+    fn index(leaf: LeafView<'_>, lane: Lane) -> u32 {
+        // SAFETY: indices follow the numbers, and the lane is less than 8.
+        unsafe { leaf.word(NUMBERS * leaf.count + lane.index()) }
     }
 }

@@ -34,6 +34,24 @@ const LINE: usize = 16;
 /// Cache lines of the greatest leaf.
 const MAX_LINES: usize = 6;
 
+/// Lane of a primitive in its leaf, or of a ray in its packet: less than 8.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Lane(usize);
+
+impl Lane {
+    /// The last three bits of a number.
+    #[inline(always)]
+    pub(super) const fn new(number: usize) -> Self {
+        Self(number & 7)
+    }
+
+    /// The number.
+    #[inline(always)]
+    pub(super) const fn index(self) -> usize {
+        self.0
+    }
+}
+
 /// A cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -274,9 +292,12 @@ impl Leaves {
 
     /// True if all that filters may read of this leaf is there.
     pub(super) fn contain(&self, leaf: Child) -> bool {
-        let (header, numbers) = self.kind.shape();
-        let end = leaf.number() * LINE + header + numbers * leaf.count() + MAX_LEAF;
-        (1..=MAX_LEAF).contains(&leaf.count()) && end <= self.lines.len() * LINE
+        lines_contain(self.lines.len(), self.kind, leaf)
+    }
+
+    /// Most primitives that leaves in these lines can list.
+    pub(super) const fn most_primitives(&self) -> u64 {
+        self.lines.len() as u64 * LINE as u64
     }
 
     #[inline(always)]
@@ -290,14 +311,29 @@ impl Leaves {
         self.lines.as_ptr().wrapping_add(leaf.number())
     }
 
+    /// Words of a leaf, for filters of the kind of these leaves.
+    ///
+    /// # Safety
+    ///
+    /// [`contain`](Self::contain) must be true of the leaf, as it is of all that builders have made and loaders have checked.
     #[inline(always)]
-    pub(super) fn view(&self, leaf: Child) -> LeafView<'_> {
+    pub(super) unsafe fn view(&self, leaf: Child) -> LeafView<'_> {
         debug_assert!(self.contain(leaf), "leaves are checked when they are made and when they are loaded");
         LeafView { words: self.words(), first: leaf.number() * LINE, count: leaf.count() }
     }
 }
 
-/// A leaf to be read.
+/// True if lines of this number contain all that filters may read of a leaf: eight words from any number on.
+///
+/// The end is computed with 64 bits. It would wrap with 32, as the number of a line has 28 bits and a line has 16 words.
+fn lines_contain(n_lines: usize, kind: LeafKind, leaf: Child) -> bool {
+    let (header, numbers) = kind.shape();
+    let words = header + numbers * leaf.count() + MAX_LEAF;
+    let end = leaf.number() as u64 * LINE as u64 + words as u64;
+    (1..=MAX_LEAF).contains(&leaf.count()) && end <= n_lines as u64 * LINE as u64
+}
+
+/// A leaf to be read. Made only of leaves that [`Leaves::contain`].
 #[derive(Clone, Copy)]
 pub(super) struct LeafView<'a> {
     words: &'a [u32],
@@ -307,23 +343,37 @@ pub(super) struct LeafView<'a> {
 
 impl LeafView<'_> {
     /// Word `at` of the leaf.
+    ///
+    /// # Safety
+    ///
+    /// With the header and the numbers of the leaf's kind, `at` must be less than `header + numbers·count + 8`.
     #[inline(always)]
-    fn word(&self, at: usize) -> u32 {
+    unsafe fn word(&self, at: usize) -> u32 {
         debug_assert!(self.first + at < self.words.len());
-        // SAFETY: callers read words of a leaf that `Leaves::contain`.
+        // SAFETY: the leaf is one that `Leaves::contain`, and the caller keeps to it.
         unsafe { *self.words.get_unchecked(self.first + at) }
     }
 
+    /// Word `at` of the leaf as a number.
+    ///
+    /// # Safety
+    ///
+    /// As [`word`](Self::word).
     #[inline(always)]
-    fn number(&self, at: usize) -> f32 {
-        f32::from_bits(self.word(at))
+    unsafe fn number(&self, at: usize) -> f32 {
+        // SAFETY: as the caller promises.
+        f32::from_bits(unsafe { self.word(at) })
     }
 
     /// Eight numbers from word `at` of the leaf on, of which the first `count` are those asked for.
+    ///
+    /// # Safety
+    ///
+    /// With the header and the numbers of the leaf's kind, `at` must be at most `header + numbers·count`.
     #[inline(always)]
-    fn lanes<S: Simd>(&self, simd: S, at: usize) -> S::Lanes {
+    unsafe fn lanes<S: Simd>(&self, simd: S, at: usize) -> S::Lanes {
         debug_assert!(self.first + at + 8 <= self.words.len());
-        // SAFETY: as `word`; eight words from any number of the leaf on are there, and any word is an `f32`.
+        // SAFETY: as in `word`; eight words follow, and any word is an `f32`.
         simd.load(unsafe { &*self.words.as_ptr().add(self.first + at).cast() })
     }
 
@@ -416,7 +466,7 @@ const AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 pub(super) trait Filter: Copy {
     /// True if the leaf holds all that it takes to decide about this primitive, so that nobody else is asked, or counts the hits.
     #[inline(always)]
-    fn decides(_: LeafView<'_>, _: usize) -> bool {
+    fn decides(_: LeafView<'_>, _: Lane) -> bool {
         false
     }
 
@@ -437,7 +487,7 @@ pub(super) trait Filter: Copy {
         simd: S,
         filters: &Self::Across<S>,
         leaf: LeafView<'_>,
-        lane: usize,
+        lane: Lane,
         limits: S::Lanes,
     ) -> Verdict<S>;
 
@@ -451,7 +501,7 @@ pub(super) trait Filter: Copy {
     }
 
     /// The index of a primitive.
-    fn index(leaf: LeafView<'_>, lane: usize) -> u32;
+    fn index(leaf: LeafView<'_>, lane: Lane) -> u32;
 
     /// Decides where a primitive is hit within the span, where leaves hold all that it takes. What would rule it out need
     /// not be looked at where the hit is `CERTAIN`.
@@ -459,7 +509,7 @@ pub(super) trait Filter: Copy {
     fn copied_hit<S: Simd, const CERTAIN: bool>(
         _: S,
         _: LeafView<'_>,
-        _: usize,
+        _: Lane,
         _: &ExactRay<'_, S>,
         _: Interval,
     ) -> Option<Hit> {
@@ -469,7 +519,7 @@ pub(super) trait Filter: Copy {
     /// As [`copied_hit`](Self::copied_hit) for rays of a packet, of those whose own space it is and for which the hit is certain:
     /// `t`, and as much of the second and third vertex. Meaningless for the others.
     #[inline(always)]
-    fn certain_hits<S: Simd>(simd: S, _: LeafView<'_>, _: usize, _: &Across<S>) -> [Eight<S>; 3] {
+    fn certain_hits<S: Simd>(simd: S, _: LeafView<'_>, _: Lane, _: &Across<S>) -> [Eight<S>; 3] {
         [Eight::splat(simd, 0.0); 3]
     }
 
@@ -478,7 +528,7 @@ pub(super) trait Filter: Copy {
     fn hit<S: Simd>(
         simd: S,
         leaf: LeafView<'_>,
-        lane: usize,
+        lane: Lane,
         ray: &ExactRay<'_, S>,
         span: Interval,
         judge: &mut dyn Judge,
@@ -495,7 +545,7 @@ pub(super) trait Filter: Copy {
     fn blocks<S: Simd>(
         simd: S,
         leaf: LeafView<'_>,
-        lane: usize,
+        lane: Lane,
         ray: &ExactRay<'_, S>,
         span: Interval,
         judge: &mut dyn Judge,
@@ -513,6 +563,24 @@ mod tests {
     use super::*;
     use crate::wide::ray::{at_least, at_most};
     use crate::wide::simd::{Available, Kernel, SimdLevel};
+
+    /// On 32 bits the end of such a leaf wrapped, so that a saved tree with it passed the check and was read out of bounds.
+    #[test]
+    fn a_leaf_whose_end_wraps_at_32_bits_is_not_contained() {
+        for kind in [LeafKind::Watertight, LeafKind::Triangles, LeafKind::Spheres, LeafKind::Boxes] {
+            for count in 1..=MAX_LEAF {
+                let (header, numbers) = kind.shape();
+                // The first word past the lines of the last leaf that 28 bits number, modulo 2³².
+                let last = Child::leaf(Child::LIMIT as u32 - 1, count as u32);
+                let words = (header + numbers * count + MAX_LEAF) as u32;
+                let wrapped = (last.number() as u32).wrapping_mul(LINE as u32).wrapping_add(words);
+                assert!(wrapped < 1000, "{kind:?} of {count}: {wrapped} does not wrap");
+                assert!(!lines_contain(wrapped as usize, kind, last), "{kind:?} of {count}");
+                assert!(!lines_contain(1000, kind, last), "{kind:?} of {count}");
+                assert!(lines_contain(Child::LIMIT + MAX_LINES, kind, last), "{kind:?} of {count}: it is there");
+            }
+        }
+    }
 
     struct Make<'a>(&'a mut [f32; 4]);
 

@@ -15,7 +15,7 @@
 use glam::DVec3;
 use rt_math::{LeafLayout, Primitives, own_box};
 
-use super::{Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
+use super::{Block, ExactRay, Filter, FilterSpan, Lane, LeafView, Verdict};
 use crate::wide::WideBvh;
 use crate::wide::across::{Across, Eight, SpanLanes, relative};
 use crate::wide::ray::{FilterRay, at_least, greatest};
@@ -164,10 +164,13 @@ impl Filter for SphereFilter {
     #[inline(always)]
     fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
         let n = leaf.count;
-        let spheres = SphereLanes {
-            centre: [leaf.lanes(simd, HEADER), leaf.lanes(simd, HEADER + n), leaf.lanes(simd, HEADER + 2 * n)],
-            radius: leaf.lanes(simd, HEADER + 3 * n),
-            greatest: leaf.number(0),
+        // SAFETY: these are the header and the four numbers of spheres.
+        let spheres = unsafe {
+            SphereLanes {
+                centre: [leaf.lanes(simd, HEADER), leaf.lanes(simd, HEADER + n), leaf.lanes(simd, HEADER + 2 * n)],
+                radius: leaf.lanes(simd, HEADER + 3 * n),
+                greatest: leaf.number(0),
+            }
         };
         let [x, y, z, _] = self.origin;
         let [dx, dy, dz, _] = self.direction;
@@ -207,18 +210,21 @@ impl Filter for SphereFilter {
         simd: S,
         rays: &RayLanes<S>,
         leaf: LeafView<'_>,
-        lane: usize,
+        lane: Lane,
         limits: S::Lanes,
     ) -> Verdict<S> {
-        let n = leaf.count;
-        let sphere = SphereLanes {
-            centre: [
-                simd.splat(leaf.number(HEADER + lane)),
-                simd.splat(leaf.number(HEADER + n + lane)),
-                simd.splat(leaf.number(HEADER + 2 * n + lane)),
-            ],
-            radius: simd.splat(leaf.number(HEADER + 3 * n + lane)),
-            greatest: leaf.number(0),
+        let (n, first) = (leaf.count, HEADER + lane.index());
+        // SAFETY: these are the header and the four numbers of a sphere, whose lane is less than 8.
+        let sphere = unsafe {
+            SphereLanes {
+                centre: [
+                    simd.splat(leaf.number(first)),
+                    simd.splat(leaf.number(first + n)),
+                    simd.splat(leaf.number(first + 2 * n)),
+                ],
+                radius: simd.splat(leaf.number(first + 3 * n)),
+                greatest: leaf.number(0),
+            }
         };
         rays.judge(simd, &sphere, limits, 0xff)
     }
@@ -228,17 +234,22 @@ impl Filter for SphereFilter {
     #[inline(always)]
     fn within<S: Simd>(simd: S, shaft: &Shaft<S>, leaf: LeafView<'_>) -> u32 {
         let n = leaf.count;
-        let margin = simd.splat(shaft.margin(leaf.number(0)));
-        let radius = simd.add(simd.abs(leaf.lanes(simd, HEADER + 3 * n)), margin);
+        // SAFETY: the header, and the last of four numbers.
+        let (greatest, radius) = unsafe { (leaf.number(0), leaf.lanes(simd, HEADER + 3 * n)) };
+        let margin = simd.splat(shaft.margin(greatest));
+        let radius = simd.add(simd.abs(radius), margin);
         let (passed, _) = shaft.passes(simd, |row| {
-            let centre = leaf.lanes(simd, HEADER + row / 2 * n);
+            let row = row.index();
+            // SAFETY: half a row is an axis, and the numbers of the three axes come first.
+            let centre = unsafe { leaf.lanes(simd, HEADER + row / 2 * n) };
             if row & 1 == 0 { simd.sub(centre, radius) } else { simd.add(centre, radius) }
         });
         passed & leaf.mask()
     }
 
     #[inline(always)]
-    fn index(leaf: LeafView<'_>, lane: usize) -> u32 {
-        leaf.word(HEADER + NUMBERS * leaf.count + lane)
+    fn index(leaf: LeafView<'_>, lane: Lane) -> u32 {
+        // SAFETY: indices follow the numbers, and the lane is less than 8.
+        unsafe { leaf.word(HEADER + NUMBERS * leaf.count + lane.index()) }
     }
 }

@@ -56,7 +56,7 @@
 use glam::{DVec3, Vec3};
 use rt_math::{Hit, Interval, LeafLayout, Primitives};
 
-use super::{AXES, Block, ExactRay, Filter, FilterSpan, LeafView, Verdict};
+use super::{AXES, Block, ExactRay, Filter, FilterSpan, Lane, LeafView, Verdict};
 use crate::wide::WideBvh;
 use crate::wide::across::{Across, Eight, GREATEST_SHEAR, SpanLanes, relative as relative_to};
 use crate::wide::copy::Copied;
@@ -117,17 +117,29 @@ pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices
 }
 
 /// One coordinate of the three corners of a triangle.
+///
+/// # Safety
+///
+/// The leaf must be one of triangles, and the axis less than 3.
 #[inline(always)]
-pub(in crate::wide) fn coordinates(leaf: LeafView<'_>, lane: usize, axis: usize) -> [f32; 3] {
-    let at = HEADER + axis * leaf.count + lane;
-    [leaf.number(at), leaf.number(at + 3 * leaf.count), leaf.number(at + 6 * leaf.count)]
+pub(in crate::wide) unsafe fn coordinates(leaf: LeafView<'_>, lane: Lane, axis: usize) -> [f32; 3] {
+    debug_assert!(axis < 3);
+    let at = HEADER + axis * leaf.count + lane.index();
+    // SAFETY: as the caller promises, these are numbers 0 to 8 of nine.
+    unsafe { [leaf.number(at), leaf.number(at + 3 * leaf.count), leaf.number(at + 6 * leaf.count)] }
 }
 
 /// One corner of a triangle, exact where the leaves are [`LeafKind::Watertight`].
+///
+/// # Safety
+///
+/// The leaf must be one of triangles, and the vertex less than 3.
 #[inline(always)]
-pub(in crate::wide) fn corner(leaf: LeafView<'_>, lane: usize, vertex: usize) -> [f32; 3] {
-    let at = HEADER + 3 * vertex * leaf.count + lane;
-    [leaf.number(at), leaf.number(at + leaf.count), leaf.number(at + 2 * leaf.count)]
+pub(in crate::wide) unsafe fn corner(leaf: LeafView<'_>, lane: Lane, vertex: usize) -> [f32; 3] {
+    debug_assert!(vertex < 3);
+    let at = HEADER + 3 * vertex * leaf.count + lane.index();
+    // SAFETY: as the caller promises, these are numbers 0 to 8 of nine.
+    unsafe { [leaf.number(at), leaf.number(at + leaf.count), leaf.number(at + 2 * leaf.count)] }
 }
 
 /// The watertight test with three answers. Where leaves hold exact `COPIES` it decides about them as well.
@@ -146,16 +158,29 @@ pub(in crate::wide) struct TriangleFilter<const COPIES: bool> {
 }
 
 /// One coordinate of the three vertices of eight triangles.
+///
+/// # Safety
+///
+/// The leaf must be one of triangles, and the axis less than 3.
 #[inline(always)]
-fn numbers<S: Simd>(simd: S, leaf: LeafView<'_>, axis: usize) -> [S::Lanes; 3] {
+unsafe fn numbers<S: Simd>(simd: S, leaf: LeafView<'_>, axis: usize) -> [S::Lanes; 3] {
+    debug_assert!(axis < 3);
     let first = HEADER + axis * leaf.count;
-    [leaf.lanes(simd, first), leaf.lanes(simd, first + 3 * leaf.count), leaf.lanes(simd, first + 6 * leaf.count)]
+    // SAFETY: as the caller promises, these are numbers 0 to 8 of nine.
+    unsafe {
+        [leaf.lanes(simd, first), leaf.lanes(simd, first + 3 * leaf.count), leaf.lanes(simd, first + 6 * leaf.count)]
+    }
 }
 
 /// One coordinate of the three vertices of one triangle, eight times.
+///
+/// # Safety
+///
+/// As [`coordinates`].
 #[inline(always)]
-fn repeated<S: Simd>(simd: S, leaf: LeafView<'_>, lane: usize, axis: usize) -> [S::Lanes; 3] {
-    let [a, b, c] = coordinates(leaf, lane, axis);
+unsafe fn repeated<S: Simd>(simd: S, leaf: LeafView<'_>, lane: Lane, axis: usize) -> [S::Lanes; 3] {
+    // SAFETY: as the caller promises.
+    let [a, b, c] = unsafe { coordinates(leaf, lane, axis) };
     [simd.splat(a), simd.splat(b), simd.splat(c)]
 }
 
@@ -261,8 +286,9 @@ fn farthest<S: Simd>(simd: S, p: [S::Lanes; 3]) -> S::Lanes {
 
 impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
     #[inline(always)]
-    fn decides(leaf: LeafView<'_>, lane: usize) -> bool {
-        COPIES && !leaf.number(HEADER + lane).is_nan()
+    fn decides(leaf: LeafView<'_>, lane: Lane) -> bool {
+        // SAFETY: the first number, and the lane is less than 8.
+        COPIES && !unsafe { leaf.number(HEADER + lane.index()) }.is_nan()
     }
 
     #[inline(always)]
@@ -282,12 +308,15 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
     #[inline(always)]
     fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
         let [x, y, z] = AXES[self.axis & 3];
-        let triangles = TriangleLanes {
-            x: numbers(simd, leaf, x),
-            y: numbers(simd, leaf, y),
-            z: numbers(simd, leaf, z),
-            extent: leaf.number(0),
-            rounded: if COPIES { 0.0 } else { leaf.number(1) },
+        // SAFETY: leaves that this filter is for are of triangles, with two words before the numbers; axes are of the list.
+        let triangles = unsafe {
+            TriangleLanes {
+                x: numbers(simd, leaf, x),
+                y: numbers(simd, leaf, y),
+                z: numbers(simd, leaf, z),
+                extent: leaf.number(0),
+                rounded: if COPIES { 0.0 } else { leaf.number(1) },
+            }
         };
         let ray = RayLanes {
             origin: [simd.splat(self.origin[0]), simd.splat(self.origin[1]), simd.splat(self.origin[2])],
@@ -324,38 +353,44 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
         simd: S,
         (axes, rays): &Self::Across<S>,
         leaf: LeafView<'_>,
-        lane: usize,
+        lane: Lane,
         limits: S::Lanes,
     ) -> Verdict<S> {
-        let triangle = TriangleLanes {
-            x: repeated(simd, leaf, lane, axes[0]),
-            y: repeated(simd, leaf, lane, axes[1]),
-            z: repeated(simd, leaf, lane, axes[2]),
-            extent: leaf.number(0),
-            rounded: if COPIES { 0.0 } else { leaf.number(1) },
+        // SAFETY: as in `judge`; `across` has made the axes modulo 3.
+        let triangle = unsafe {
+            TriangleLanes {
+                x: repeated(simd, leaf, lane, axes[0]),
+                y: repeated(simd, leaf, lane, axes[1]),
+                z: repeated(simd, leaf, lane, axes[2]),
+                extent: leaf.number(0),
+                rounded: if COPIES { 0.0 } else { leaf.number(1) },
+            }
         };
         rays.judge(simd, &triangle, limits, 0xff)
     }
 
     #[inline(always)]
-    fn index(leaf: LeafView<'_>, lane: usize) -> u32 {
-        leaf.word(HEADER + NUMBERS * leaf.count + lane)
+    fn index(leaf: LeafView<'_>, lane: Lane) -> u32 {
+        // SAFETY: indices follow the numbers, and the lane is less than 8.
+        unsafe { leaf.word(HEADER + NUMBERS * leaf.count + lane.index()) }
     }
 
     #[inline(always)]
     fn copied_hit<S: Simd, const CERTAIN: bool>(
         simd: S,
         leaf: LeafView<'_>,
-        lane: usize,
+        lane: Lane,
         ray: &ExactRay<'_, S>,
         span: Interval,
     ) -> Option<Hit> {
-        Copied { leaf, lane, index: Self::index(leaf, lane) }.hit::<S, CERTAIN>(simd, ray, span)
+        // SAFETY: leaves that this filter is for are of triangles.
+        unsafe { Copied::new(leaf, lane, Self::index(leaf, lane)) }.hit::<S, CERTAIN>(simd, ray, span)
     }
 
     #[inline(always)]
-    fn certain_hits<S: Simd>(simd: S, leaf: LeafView<'_>, lane: usize, rays: &Across<S>) -> [Eight<S>; 3] {
-        let vertices = [0, 1, 2].map(|vertex| corner(leaf, lane, vertex).map(f64::from).into());
+    fn certain_hits<S: Simd>(simd: S, leaf: LeafView<'_>, lane: Lane, rays: &Across<S>) -> [Eight<S>; 3] {
+        // SAFETY: leaves that this filter is for are of triangles.
+        let vertices = [0, 1, 2].map(|vertex| unsafe { corner(leaf, lane, vertex) }.map(f64::from).into());
         facet::certain_hits(simd, &vertices, rays.axes, &rays.lanes)
     }
 }
@@ -439,9 +474,10 @@ mod tests {
         fn compare<S: Simd, const COPIES: bool>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET]) {
             let tree = self.0;
             let Some(across) = Across::new(simd, tree, rays).filter(|_| agree(rays)) else { return };
-            let leaf = tree.leaves.view(tree.node(tree.root).children[0]);
+            // SAFETY: the root of a tree is one of its nodes, and the first child of this one is its only leaf.
+            let leaf = unsafe { tree.leaves.view(tree.node(tree.root).children[0]) };
             let filter = TriangleFilter::<COPIES>::across(simd, &across, tree);
-            let together = TriangleFilter::<COPIES>::judge_across(simd, &filter, leaf, 0, across.limits);
+            let together = TriangleFilter::<COPIES>::judge_across(simd, &filter, leaf, Lane::new(0), across.limits);
             let (near, far) = (simd.to_array(together.near), simd.to_array(together.far));
             for (i, (ray, span)) in rays.iter().enumerate() {
                 let (maybe, sure) = (together.maybe >> i & 1 != 0, together.sure >> i & 1 != 0);
