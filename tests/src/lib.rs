@@ -6,8 +6,8 @@
 //!   xtask ────────┘
 //! ```
 //!
-//! **Owns** generators of shapes, meshes, scenes and rays that more than one crate's tests or tasks need; the tests of the whole
-//! workspace live beside it in the `tests` folder. **Does not own** any expectation: those stand in the tests.
+//! **Owns** generators of shapes, meshes, scenes and rays that more than one crate's tests or tasks need, and the reports of tests
+//! that cannot run; the tests of the whole workspace live beside it in the `tests` folder. **Does not own** any expectation: those stand in the tests.
 //!
 //! ```
 //! use rt_tests::{Draw, icosphere};
@@ -24,6 +24,7 @@ mod icosphere;
 mod moved;
 mod seams;
 mod shape_set;
+mod skip;
 mod spawned;
 
 pub use draw::Draw;
@@ -31,4 +32,7 @@ pub use icosphere::icosphere;
 pub use moved::moved;
 pub use seams::{Seams, span_at};
 pub use shape_set::{ShapeKind, ShapeSet};
+pub use skip::{
+    REQUIRE_ALL, SHARED, SKIPPED, report_skipped, requires_all, shared, shared_or_skip, skip, skipped_file,
+};
 pub use spawned::{SPAWN_SETUPS, SpawnSetup, Spawned};

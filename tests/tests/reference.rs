@@ -1,24 +1,16 @@
 //! Pictures made by another renderer, with their own noise estimate.
 //!
-//! The reference images are not part of this repository: where they are missing, the tests say so and pass.
+//! The reference images are not part of this repository: where they are missing, the tests are reported as skipped.
 
-#![allow(clippy::print_stdout, reason = "tests say what they skip")]
+#![allow(clippy::print_stdout, reason = "tests say what they found")]
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rt_camera::{Film, read_image};
 use rt_math::transcendental::pow;
 use rt_render::{PlanOptions, RenderPlan, RunOptions, student_t};
 use rt_scene_io::LoadOptions;
-
-fn reference(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/reference").join(name);
-    if path.is_file() {
-        return Some(path);
-    }
-    println!("skipped: the reference image {name} is not here");
-    None
-}
+use rt_tests::shared_or_skip;
 
 /// Renders a scene of the repository with these samples per pixel and seed.
 fn render(scene: &str, spp: u32, seed: u64) -> Film {
@@ -41,7 +33,8 @@ struct Estimate {
 impl Estimate {
     /// Theirs, with the standard errors that they state.
     fn of_reference(name: &str) -> Option<Self> {
-        let (mean, stderr) = (reference(&format!("{name}.exr"))?, reference(&format!("{name}.stderr.exr"))?);
+        let reference = |ending: &str| shared_or_skip(format!("reference/{name}.{ending}"));
+        let (mean, stderr) = (reference("exr")?, reference("stderr.exr")?);
         let mean = read_image(&mean).expect("a readable reference");
         let stderr = read_image(&stderr).expect("readable standard errors");
         let numbers = |film: &Film| film.pixels().iter().flatten().map(|c| f64::from(*c)).collect::<Vec<_>>();

@@ -40,7 +40,7 @@ struct Row {
 
 /// Renders, prints the table, and writes it if asked to.
 pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
-    let renderer = Renderer::new(workspace.build_renderer()?, TIMEOUT);
+    let renderer = Renderer::new(workspace.build_release_renderer()?, TIMEOUT);
     let folder = workspace.fresh_folder("table1")?;
     let mut rows = Vec::new();
     for report in &REPORT {

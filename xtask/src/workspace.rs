@@ -89,21 +89,43 @@ impl Workspace {
         Ok(folder)
     }
 
-    /// Builds the renderer as users get it and returns the program.
-    pub(crate) fn build_renderer(&self) -> Result<PathBuf, TaskError> {
+    /// Builds the renderer as users get it, for measurements, and returns the program.
+    pub(crate) fn build_release_renderer(&self) -> Result<PathBuf, TaskError> {
         self.build_program("release", "release")
     }
 
-    /// Builds the renderer as developers have it, which takes less time and gives the same pictures.
-    pub(crate) fn build_dev_renderer(&self) -> Result<PathBuf, TaskError> {
-        self.build_program("dev", "debug")
+    /// Builds the renderer by the profile of this task and returns the program. It gives the pictures of any other profile, and all
+    /// crates that the task has as well are there.
+    pub(crate) fn build_renderer(&self) -> Result<PathBuf, TaskError> {
+        let (profile, folder) = if cfg!(debug_assertions) { ("dev", "debug") } else { ("release", "release") };
+        self.build_program(profile, folder)
     }
 
     fn build_program(&self, profile: &str, folder: &str) -> Result<PathBuf, TaskError> {
         let mut command = cargo();
-        command.args(["build", "--profile", profile, "--package", "rt-cli"]).current_dir(&self.root);
+        // With this task, so that features of shared crates are those that it was built with, and none is compiled again.
+        command.args(["build", "--profile", profile, "--package", "rt-cli", "--package", "xtask"]);
+        command.current_dir(&self.root);
         output_of(&mut command)?;
         Ok(self.target.join(folder).join(format!("rt-cli{}", std::env::consts::EXE_SUFFIX)))
+    }
+
+    /// Processor, number of its threads and commit, for pages of measured figures.
+    pub(crate) fn provenance(&self) -> String {
+        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        format!("one {} with {threads} threads, at commit {}", rt_render::processor(), self.commit())
+    }
+
+    /// Short hash of the commit, marked if files differ from it; "unknown" without git.
+    pub(crate) fn commit(&self) -> String {
+        let output = Command::new("git")
+            .args(["describe", "--always", "--dirty", "--exclude", "*"])
+            .current_dir(&self.root)
+            .stderr(Stdio::null())
+            .output();
+        let hash = output.ok().filter(|output| output.status.success()).map(|output| output.stdout);
+        let hash = hash.and_then(|hash| String::from_utf8(hash).ok());
+        hash.map_or_else(|| "unknown".to_owned(), |hash| hash.trim().to_owned())
     }
 
     /// `path` as it reads from the root; unchanged if it lies elsewhere.

@@ -3,7 +3,7 @@
 //! `MUTATIONS=100 cargo test -p rt-scene-io --test damaged_files` tries a hundred times as much.
 
 #![cfg(all(feature = "gltf", feature = "nff", feature = "obj", feature = "pbrt", feature = "ply", feature = "stl"))]
-#![allow(clippy::print_stdout, clippy::unwrap_used, reason = "all of this file is tests, which say what they skip")]
+#![allow(clippy::print_stdout, clippy::unwrap_used, reason = "all of this file is tests, which say what they tried")]
 
 use std::{
     fs,
@@ -16,9 +16,9 @@ use rt_math::random::hash;
 use rt_scene_io::{LoadOptions, decode_numbers, decode_texture, load};
 use tempfile::TempDir;
 
-/// Where good files are, relative to this crate: of the project, the first inputs of its fuzz targets, and test data that not
-/// everybody has.
-const FOLDERS: [&str; 4] = ["../../scenes", "../../tests/golden", "../../fuzz/seeds", "../../../shared/data"];
+/// Folders of good files, relative to this crate: of the project, and the first inputs of its fuzz targets. Test data that not
+/// everybody has comes on top.
+const FOLDERS: [&str; 3] = ["../../scenes", "../../tests/golden", "../../fuzz/seeds"];
 
 /// Longer files teach little and take long.
 const LONGEST: u64 = 200_000;
@@ -70,16 +70,11 @@ fn damage_all(endings: &[&str]) {
 }
 
 /// All files with these endings that are neither empty nor long.
+#[track_caller]
 fn good_files(endings: &[&str]) -> Vec<PathBuf> {
     let mut found = Vec::new();
-    let mut folders: Vec<PathBuf> = Vec::new();
-    for folder in FOLDERS.map(|folder| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)) {
-        if folder.is_dir() {
-            folders.push(folder);
-        } else {
-            println!("skipped: there is no {}", folder.display());
-        }
-    }
+    let mut folders = Vec::from(FOLDERS.map(|folder| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)));
+    folders.extend(rt_tests::shared_or_skip("data"));
     while let Some(folder) = folders.pop() {
         for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
             if path.is_dir() {

@@ -60,7 +60,7 @@ struct Seconds {
 
 /// Measures and prints.
 pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
-    let program = workspace.build_renderer()?;
+    let program = workspace.build_release_renderer()?;
     let folder = workspace.fresh_folder("bench-load")?;
     let keep = options.keep.clone().unwrap_or_else(|| folder.clone());
     fs::create_dir_all(&keep).map_err(TaskError::file(&keep))?;

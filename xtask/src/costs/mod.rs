@@ -137,7 +137,7 @@ pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
     print!("{}", page::terminal(&costs));
     if options.write {
         let path = workspace.root.join("docs/COSTS.md");
-        fs::write(&path, page::markdown(&costs, options.full, workspace.relative(model)))
+        fs::write(&path, page::markdown(&costs, options.full, workspace.relative(model), &workspace.provenance()))
             .map_err(TaskError::file(&path))?;
     }
     Ok(())

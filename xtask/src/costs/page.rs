@@ -12,11 +12,11 @@ pub(super) fn terminal(costs: &Costs) -> String {
 }
 
 /// The whole page `docs/COSTS.md`.
-pub(super) fn markdown(costs: &Costs, full: bool, model: impl Display) -> String {
+pub(super) fn markdown(costs: &Costs, full: bool, model: impl Display, provenance: &str) -> String {
     let command = if full { "cargo xtask costs --full --write" } else { "cargo xtask costs --write" };
     let mut text = format!(
         "# What each structure costs\n\n\
-         Written by `{command}` on one {}. Nodes, tests and bytes are the same in every run and on every machine. Times \
+         Written by `{command}` on {provenance}. Nodes, tests and bytes are the same in every run and on every machine. Times \
          vary with the machine and its load: only their ratios say anything about structures. Rays are traced on one \
          thread, trees are built on all. All structures gave the same answers, to the last bit, on every ray that is \
          counted here; where a ray costs very much, fewer of them are.\n\n\
@@ -28,8 +28,7 @@ pub(super) fn markdown(costs: &Costs, full: bool, model: impl Display) -> String
          * `model`: a mesh that somebody made, `{model}`.\n\n\
          `bih-lazy` is measured after its rays have been traced once, but for its build, which is only the beginning of \
          one. Shadow rays ask whether anything is hit, the others for the first hit; diffuse rays are incoherent.\n\n\
-         ## Claims\n\n",
-        rt_render::processor()
+         ## Claims\n\n"
     );
     text.extend(claims::of(costs).into_iter().map(|claim| format!("* {claim}\n")));
     for matrix in matrices(costs) {

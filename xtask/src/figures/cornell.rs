@@ -13,7 +13,7 @@ const OPTIONS: &str = "--vary sampler=random,jittered,halton,sobol --spp 1..64 -
 
 /// Lets the release build compare samplers, and keeps the plot.
 pub(super) fn run(workspace: &Workspace) -> Result<(), TaskError> {
-    let renderer = Renderer::new(workspace.build_renderer()?, TIMEOUT);
+    let renderer = Renderer::new(workspace.build_release_renderer()?, TIMEOUT);
     let folder = workspace.fresh_folder("figures-cornell")?;
     let scene = workspace.root.join(SCENE);
     let scene = scene.to_string_lossy();

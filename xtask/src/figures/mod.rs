@@ -47,7 +47,7 @@ pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
 }
 
 fn guide(workspace: &Workspace) -> Result<(), TaskError> {
-    let renderer = Renderer::new(workspace.build_dev_renderer()?, TIMEOUT);
+    let renderer = Renderer::new(workspace.build_renderer()?, TIMEOUT);
     let folder = workspace.fresh_folder("figures")?;
     let balls = scenes::balls(BALLS)?;
     let costly = folder.join("balls.ron");

@@ -148,14 +148,14 @@ fn mean(pixels: &[[f32; 3]]) -> [f64; 3] {
 
 /// Turns the verdict round: what is known to fail must fail.
 fn known_failure(findings: Findings, reason: &str) -> Findings {
-    let Findings { problems, mut notes, picture, trial } = findings;
+    let Findings { problems, mut notes, picture, trial, skipped } = findings;
     if problems.is_empty() {
         let problem = format!("passes, although it is known to fail ({reason}): remove `known_failure`");
-        return Findings { problems: vec![problem], notes, picture, trial };
+        return Findings { problems: vec![problem], notes, picture, trial, skipped };
     }
     notes.push(format!("known failure: {reason}"));
     notes.extend(problems);
-    Findings { problems: Vec::new(), notes, picture, trial }
+    Findings { problems: Vec::new(), notes, picture, trial, skipped }
 }
 
 pub(super) fn open(path: &Path) -> Result<RgbaImage, TaskError> {

@@ -7,8 +7,8 @@ use image::RgbaImage;
 use super::{Context, Findings, Unit, compare::Difference, compare::greatest, golden::open, golden::save, panels};
 use crate::error::TaskError;
 
-/// Beside the workspace, as it is no part of it.
-const REFERENCE: &str = "../shared/reference/minray-512.png";
+/// In the folder of shared test data, as it is no part of the workspace.
+const REFERENCE: &str = "reference/minray-512.png";
 const SCENE: &str = "scenes/lecture/minray.ron";
 const MAX_RMSE: f64 = 1.0 / 255.0;
 /// A pixel that differs by more than this many steps of 255 is off.
@@ -24,13 +24,11 @@ impl Unit for Minray {
 
     fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
         let mut findings = Findings::default();
-        let root = &context.workspace.root;
-        let reference = root.join(REFERENCE);
-        if !reference.exists() {
-            findings.note(format!("skipped: there is no {REFERENCE}"));
+        let Some(reference) = rt_tests::shared(REFERENCE) else {
+            findings.skip(format!("there is no shared/{REFERENCE}"));
             return Ok(findings);
-        }
-        let scene = root.join(SCENE);
+        };
+        let scene = context.workspace.root.join(SCENE);
         let run = context.renderer.render(folder, &scene, "actual.png", ["--size", "512x512"])?;
         if let Err(problem) = run.succeeded() {
             findings.problem(problem);

@@ -45,7 +45,7 @@ pub(crate) struct Options {
     /// Run checks at full size: hours instead of minutes.
     #[arg(long)]
     full: bool,
-    /// The program under test, instead of a release build of what is here.
+    /// The program under test, instead of a build of what is here by the profile of this task.
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
     /// Renders at the same time; by default one per processor.
@@ -88,6 +88,8 @@ struct Findings {
     picture: Option<PathBuf>,
     /// How often something was tried, for the table at the end.
     trial: Option<Trial>,
+    /// Reason for which the unit could not run, or not all of it.
+    skipped: Option<String>,
 }
 
 /// Something that was tried many times.
@@ -108,8 +110,25 @@ impl Findings {
         self.problems.push(problem.into());
     }
 
+    /// All that is worth a line, problems first.
+    fn lines(&self) -> impl Iterator<Item = &str> {
+        self.problems.iter().chain(&self.skipped).chain(&self.notes).map(String::as_str)
+    }
+
     fn note(&mut self, note: impl Into<String>) {
         self.notes.push(note.into());
+    }
+
+    /// States that the unit cannot run here, and why: something that not everybody has is not there.
+    fn skip(&mut self, reason: impl Into<String>) {
+        self.skipped = Some(reason.into());
+    }
+
+    /// Makes a problem of a skip where everything must run, which is for `RT_REQUIRE_ALL=1` to say.
+    fn require(&mut self, all: bool) {
+        if all && let Some(reason) = self.skipped.take() {
+            self.problem(format!("must not be skipped, as {} is 1: {reason}", rt_tests::REQUIRE_ALL));
+        }
     }
 }
 
@@ -122,12 +141,48 @@ struct Outcome {
 }
 
 impl Outcome {
-    fn passed(&self) -> bool {
-        self.findings.problems.is_empty()
+    fn verdict(&self) -> Verdict {
+        match &self.findings {
+            findings if !findings.problems.is_empty() => Verdict::Failed,
+            findings if findings.skipped.is_some() => Verdict::Skipped,
+            _ => Verdict::Passed,
+        }
     }
 }
 
-/// Runs everything that matches the filter. True if all of it passed.
+/// What became of a unit, the worst first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Verdict {
+    Failed,
+    Skipped,
+    Passed,
+}
+
+impl Verdict {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Failed => "failed",
+            Self::Skipped => "skipped",
+            Self::Passed => "passed",
+        }
+    }
+}
+
+/// Number of units with this verdict.
+fn count(outcomes: &[Outcome], verdict: Verdict) -> usize {
+    outcomes.iter().filter(|outcome| outcome.verdict() == verdict).count()
+}
+
+/// Units that passed, and those that were skipped if there are any.
+fn summary(outcomes: &[Outcome]) -> String {
+    let passed = format!("{} of {} passed", count(outcomes, Verdict::Passed), outcomes.len());
+    match count(outcomes, Verdict::Skipped) {
+        0 => passed,
+        skipped => format!("{passed}, {skipped} skipped"),
+    }
+}
+
+/// Runs everything that matches the filter. True if none of it failed.
 pub(crate) fn run(workspace: Workspace, options: &Options) -> Result<bool, TaskError> {
     let mut units = units(&workspace)?;
     if let Some(filter) = &options.filter {
@@ -158,9 +213,8 @@ pub(crate) fn run(workspace: Workspace, options: &Options) -> Result<bool, TaskE
         let path = folder.join("trials.md");
         fs::write(&path, table).map_err(TaskError::file(&path))?;
     }
-    let failed = outcomes.iter().filter(|outcome| !outcome.passed()).count();
-    println!("{} of {} passed; see {}", outcomes.len() - failed, outcomes.len(), context.workspace.relative(&page));
-    Ok(failed == 0)
+    println!("{}; see {}", summary(&outcomes), context.workspace.relative(&page));
+    Ok(count(&outcomes, Verdict::Failed) == 0)
 }
 
 fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
@@ -183,18 +237,53 @@ fn run_unit(unit: &dyn Unit, context: &Context, folder: &Path) -> Outcome {
     let name = unit.name();
     let folder = folder.join(&name);
     let found = fs::create_dir_all(&folder).map_err(TaskError::file(&folder)).and_then(|()| unit.run(context, &folder));
-    let findings = found.unwrap_or_else(|error| Findings { problems: vec![error.to_string()], ..Findings::default() });
+    let mut findings =
+        found.unwrap_or_else(|error| Findings { problems: vec![error.to_string()], ..Findings::default() });
+    if let Some(reason) = &findings.skipped {
+        rt_tests::report_skipped(format_args!("regress::{name}"), reason);
+    }
+    findings.require(rt_tests::requires_all());
     let outcome = Outcome { name, findings, seconds: started.elapsed().as_secs_f64() };
     print(&outcome);
     outcome
 }
 
 fn print(outcome: &Outcome) {
-    let verdict = if outcome.passed() { "ok    " } else { "FAILED" };
+    let verdict = match outcome.verdict() {
+        Verdict::Passed => "ok     ",
+        Verdict::Skipped => "skipped",
+        Verdict::Failed => "FAILED ",
+    };
     let mut lines = format!("{verdict} {} ({:.1} s)", outcome.name, outcome.seconds);
-    for line in outcome.findings.problems.iter().chain(&outcome.findings.notes) {
+    for line in outcome.findings.lines() {
         lines.push_str("\n       ");
         lines.push_str(&line.replace('\n', "\n       "));
     }
     println!("{lines}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn outcome(findings: Findings) -> Outcome {
+        Outcome { name: "unit".to_owned(), findings, seconds: 0.0 }
+    }
+
+    /// Such a unit passed, and nobody could tell it from one that had run.
+    #[test]
+    fn a_unit_that_cannot_run_is_skipped_and_fails_where_all_must_run() {
+        let mut findings = Findings::default();
+        findings.skip("there is no moon");
+        let outcomes = [outcome(Findings::default()), outcome(findings)];
+        assert_eq!(outcomes.each_ref().map(Outcome::verdict), [Verdict::Passed, Verdict::Skipped]);
+        assert_eq!(summary(&outcomes), "1 of 2 passed, 1 skipped");
+        assert_eq!(summary(&outcomes[..1]), "1 of 1 passed");
+        let [_, Outcome { mut findings, .. }] = outcomes;
+        findings.require(false);
+        assert!(findings.problems.is_empty());
+        findings.require(true);
+        assert_eq!(findings.problems, ["must not be skipped, as RT_REQUIRE_ALL is 1: there is no moon"]);
+        assert_eq!(outcome(findings).verdict(), Verdict::Failed);
+    }
 }

@@ -1,40 +1,41 @@
-//! One picture: neither thread count, nor structure, nor what the plan leaves out changes a bit of the image.
+//! One picture: nothing about how it is computed changes a bit of the image.
+//!
+//! Each scene file is rendered by its own integrator with other thread counts, accelerators, instruction sets, build qualities,
+//! orders of tiles (those of two shards), and with the full plan; then by other integrators with two ways to compute it each.
+//! Without `--full` a scene takes three of the other integrators, in turn, so that each is tried on a third of all scenes.
 
 use std::{
     fs,
     path::{Path, PathBuf},
 };
 
-use rt_accel::StructureKind;
+use rt_accel::{
+    StructureKind,
+    wide::{Quality, SimdLevel},
+};
 
 use super::{Context, Findings, Unit};
 use crate::{error::TaskError, workspace::Workspace};
 
-/// What must not matter beside the structure. The first is what the others are compared with.
-const VARIANTS: [&[&str]; 5] = [
-    &["--threads", "1"],
-    &["--threads", "2"],
-    &["--threads", "3"],
-    &["--threads", "8"],
-    &["--threads", "2", "--full-plan"],
-];
-
-/// Brute force apart: at full quality it would take hours.
-const BRUTE_FORCE: [&[&str]; 2] = [&["--threads", "2"], &["--threads", "2", "--accel", "linear"]];
-
-/// All variants but brute force.
-fn variants() -> Vec<Vec<&'static str>> {
-    let structures = StructureKind::ALL.iter().filter(|kind| **kind != StructureKind::Linear);
-    let structures = structures.map(|kind| vec!["--threads", "2", "--accel", kind.name()]);
-    VARIANTS.iter().map(|variant| variant.to_vec()).chain(structures).collect()
-}
+/// Integrators and views whose image does not depend on how it is computed: all but that of the cost.
+const INTEGRATORS: [&str; 9] =
+    ["whitted", "distributed", "path", "caustics", "direct", "ambient-occlusion", "normals", "depth", "uv"];
+/// Of these, a scene takes so many without `--full`.
+const INTEGRATORS_AT_A_TIME: usize = 3;
 
 /// Enough for several tiles, and for every kind of ray that the scene has.
 const REDUCED: &[&str] = &["--size", "48x36", "--spp", "4"];
+/// The same for integrators that the scene did not ask for.
+const REDUCED_OTHERS: &[&str] = &["--size", "32x24", "--spp", "2"];
+
+/// Options of a render.
+type Variant = Vec<&'static str>;
 
 struct OnePicture {
     scene: PathBuf,
     name: String,
+    /// Number of the scene: by it, scenes take turns.
+    turn: usize,
 }
 
 /// One unit per scene file that comes along, and per golden image.
@@ -45,11 +46,66 @@ pub(super) fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskErr
     scenes.extend(workspace.files("tests/golden", ".ron")?);
     Ok(scenes
         .into_iter()
-        .map(|scene| {
+        .enumerate()
+        .map(|(turn, scene)| {
             let name = format!("one-picture/{}", workspace.relative(&scene.with_extension("")));
-            Box::new(OnePicture { scene, name }) as Box<dyn Unit>
+            Box::new(OnePicture { scene, name, turn }) as Box<dyn Unit>
         })
         .collect())
+}
+
+/// The level at this place of the list of those that the processor has, over and over.
+fn level(turn: usize) -> &'static str {
+    let levels: Vec<SimdLevel> = SimdLevel::ALL.iter().copied().filter(|level| level.is_available()).collect();
+    levels[turn % levels.len()].name()
+}
+
+fn quality(turn: usize) -> &'static str {
+    Quality::ALL[turn % Quality::ALL.len()].name()
+}
+
+/// All variants but brute force. The first is what the others are compared with.
+fn variants() -> Vec<Variant> {
+    let mut variants = vec![
+        vec!["--threads", "1"],
+        vec!["--threads", "2", "--simd", level(0), "--quality", quality(0)],
+        vec!["--threads", "3", "--simd", level(1), "--quality", quality(1)],
+        vec!["--threads", "8", "--simd", level(2), "--quality", quality(2)],
+        vec!["--threads", "2", "--full-plan"],
+    ];
+    for kind in StructureKind::ALL {
+        let with_accel = ["--threads", "2", "--accel", kind.name()];
+        match kind {
+            StructureKind::Linear => {}
+            // Two more turns of each, so that no level goes with one quality alone.
+            StructureKind::Wide => variants.extend([(0, 2), (1, 0), (2, 1)].map(|(simd, build)| {
+                [&with_accel[..], &["--simd", level(simd), "--quality", quality(build)]].concat()
+            })),
+            _ => variants.push(with_accel.to_vec()),
+        }
+    }
+    variants
+}
+
+/// Brute force apart: at full quality it would take hours.
+fn brute_force() -> Vec<Variant> {
+    let linear = |turn| vec!["--threads", "2", "--accel", "linear", "--simd", level(turn)];
+    vec![vec!["--threads", "2"], linear(0), linear(2)]
+}
+
+/// Two ways to compute the image of an integrator, which differ in everything. Which ones is a matter of turns.
+fn integrator_variants(integrator: &'static str, turn: usize) -> Vec<Variant> {
+    let kinds: Vec<_> = StructureKind::ALL.iter().filter(|kind| **kind != StructureKind::Linear).collect();
+    let accel = kinds[turn % kinds.len()].name();
+    let own = vec!["--integrator", integrator, "--threads", "1"];
+    let other = ["--threads", "3", "--accel", accel, "--simd", level(turn), "--quality", quality(turn), "--full-plan"];
+    vec![own, [&["--integrator", integrator], &other[..]].concat()]
+}
+
+/// Integrators that a scene takes, by its turn.
+fn integrators(turn: usize, full: bool) -> impl Iterator<Item = &'static str> {
+    let count = if full { INTEGRATORS.len() } else { INTEGRATORS_AT_A_TIME };
+    (0..count).map(move |index| INTEGRATORS[(turn * count + index) % INTEGRATORS.len()])
 }
 
 impl Unit for OnePicture {
@@ -59,27 +115,34 @@ impl Unit for OnePicture {
 
     fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
         let mut findings = Findings::default();
-        let (quality, brute_force_quality): (&[&str], &[&str]) =
-            if context.full { (&[], &["--spp", "1"]) } else { (REDUCED, REDUCED) };
-        self.compare(context, folder, quality, &variants(), &mut findings)?;
-        self.compare(context, folder, brute_force_quality, &BRUTE_FORCE, &mut findings)?;
+        let [quality, brute_force_quality, others_quality]: [&[&str]; 3] =
+            if context.full { [&[], &["--spp", "1"], &["--spp", "4"]] } else { [REDUCED, REDUCED, REDUCED_OTHERS] };
+        let first = self.compare(context, folder, quality, &variants(), &mut findings)?;
+        if let Some(first) = first {
+            self.compare_shards(context, folder, quality, &first, &mut findings)?;
+        }
+        self.compare(context, folder, brute_force_quality, &brute_force(), &mut findings)?;
+        for (index, integrator) in integrators(self.turn, context.full).enumerate() {
+            // Neighbours in the list of scenes, which are alike, get other accelerators.
+            let variants = integrator_variants(integrator, self.turn * INTEGRATORS_AT_A_TIME + index);
+            self.compare(context, folder, others_quality, &variants, &mut findings)?;
+        }
         Ok(findings)
     }
 }
 
 impl OnePicture {
-    /// Renders all variants and compares the bytes with those of the first.
+    /// Renders all variants and compares the bytes with those of the first, which are returned.
     fn compare(
         &self,
         context: &Context,
         folder: &Path,
         quality: &[&str],
-        variants: &[impl AsRef<[&'static str]>],
+        variants: &[Variant],
         findings: &mut Findings,
-    ) -> Result<(), TaskError> {
+    ) -> Result<Option<Vec<u8>>, TaskError> {
         let mut first: Option<Vec<u8>> = None;
         for variant in variants {
-            let variant = variant.as_ref();
             let args = quality.iter().chain(variant).copied();
             let run = context.renderer.render(folder, &self.scene, "linear.pfm", args)?;
             let variant = variant.join(" ");
@@ -87,19 +150,51 @@ impl OnePicture {
                 findings.problem(format!("{variant}: {problem}"));
                 continue;
             }
-            let path = folder.join("linear.pfm");
-            let bytes = fs::read(&path).map_err(TaskError::file(&path))?;
+            let bytes = read(&folder.join("linear.pfm"))?;
             match &first {
                 None => first = Some(bytes),
-                Some(first) if *first == bytes => {}
-                Some(first) => findings.problem(format!("{variant}: {}", difference(first, &bytes))),
+                Some(first) => judge(first, &bytes, &variant, findings),
             }
+        }
+        Ok(first)
+    }
+
+    /// Renders two shards, each with every other tile, joins them, and compares the bytes.
+    fn compare_shards(
+        &self,
+        context: &Context,
+        folder: &Path,
+        quality: &[&str],
+        first: &[u8],
+        findings: &mut Findings,
+    ) -> Result<(), TaskError> {
+        for (shard, part) in [("2/2", "2.part"), ("1/2", "1.part")] {
+            let args = quality.iter().copied().chain(["--shard", shard, "--threads", "2"]);
+            if let Err(problem) = context.renderer.render(folder, &self.scene, part, args)?.succeeded() {
+                findings.problem(format!("--shard {shard}: {problem}"));
+                return Ok(());
+            }
+        }
+        let merged = context.renderer.run(folder, ["merge", "1.part", "2.part", "-o", "linear.pfm"])?;
+        match merged.succeeded() {
+            Ok(()) => judge(first, &read(&folder.join("linear.pfm"))?, "two shards", findings),
+            Err(problem) => findings.problem(format!("merge: {problem}")),
         }
         Ok(())
     }
 }
 
-/// How two files of linear 32-bit values differ.
+fn read(path: &Path) -> Result<Vec<u8>, TaskError> {
+    fs::read(path).map_err(TaskError::file(path))
+}
+
+fn judge(expected: &[u8], actual: &[u8], variant: &str, findings: &mut Findings) {
+    if expected != actual {
+        findings.problem(format!("{variant}: {}", difference(expected, actual)));
+    }
+}
+
+/// Difference of two files of linear 32-bit values, in words.
 fn difference(expected: &[u8], actual: &[u8]) -> String {
     if expected.len() != actual.len() {
         return format!("{} bytes instead of {}", actual.len(), expected.len());
@@ -110,11 +205,38 @@ fn difference(expected: &[u8], actual: &[u8]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     #[test]
     fn differing_bytes_are_counted() {
         assert_eq!(difference(&[1, 2, 3, 4], &[1, 9, 3, 9]), "2 of 4 bytes differ from the first variant");
         assert_eq!(difference(&[1, 2], &[1]), "1 bytes instead of 2");
+        let mut findings = Findings::default();
+        judge(&[1, 2], &[1, 2], "same", &mut findings);
+        judge(&[1, 2], &[1, 3], "other", &mut findings);
+        assert_eq!(findings.problems, ["other: 1 of 2 bytes differ from the first variant"]);
+    }
+
+    /// Instructions, qualities and integrators were not varied, though the guide said that nothing mattered.
+    #[test]
+    fn everything_that_must_not_matter_is_varied() {
+        let all = [variants(), brute_force()].concat();
+        let has =
+            |option: &str, value: &str| all.iter().any(|variant| variant.windows(2).any(|w| w == [option, value]));
+        for kind in StructureKind::ALL {
+            assert!(has("--accel", kind.name()), "{}", kind.name());
+        }
+        for quality in Quality::ALL {
+            assert!(has("--quality", quality.name()), "{}", quality.name());
+        }
+        for level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
+            assert!(has("--simd", level.name()), "{}", level.name());
+        }
+        let taken = |turns: usize, full| (0..turns).flat_map(|turn| integrators(turn, full)).collect::<BTreeSet<_>>();
+        assert_eq!((taken(3, false), taken(1, true)), (INTEGRATORS.into(), INTEGRATORS.into()));
+        let accelerators: BTreeSet<&str> = (0..9).map(|turn| integrator_variants("path", turn)[1][5]).collect();
+        assert_eq!(accelerators.len(), StructureKind::ALL.len() - 1, "{accelerators:?}");
     }
 }

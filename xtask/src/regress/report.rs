@@ -4,7 +4,7 @@ use std::fs;
 
 use base64::{Engine, prelude::BASE64_STANDARD};
 
-use super::{Outcome, trials};
+use super::{Outcome, Verdict, count, summary, trials};
 use crate::error::TaskError;
 
 const HEAD: &str = "<!DOCTYPE html>
@@ -15,6 +15,7 @@ const HEAD: &str = "<!DOCTYPE html>
   body { font: 15px sans-serif; margin: 2em; }
   section { border-left: 6px solid #3a3; padding-left: 1em; margin: 1.5em 0; }
   section.failed { border-color: #c22; }
+  section.skipped { border-color: #ca2; }
   h2 { font-size: 1.1em; margin: 0; }
   pre { white-space: pre-wrap; margin: .3em 0; }
   table { border-collapse: collapse; }
@@ -25,11 +26,11 @@ const HEAD: &str = "<!DOCTYPE html>
 
 /// The page for these outcomes.
 pub(super) fn html(outcomes: &[Outcome]) -> Result<String, TaskError> {
-    let failed = outcomes.iter().filter(|outcome| !outcome.passed()).count();
-    let mut page =
-        format!("{HEAD}<h1>{failed} of {} failed</h1>\n<p>expected | difference | actual</p>\n", outcomes.len());
+    let failed = count(outcomes, Verdict::Failed);
+    let summary = summary(outcomes);
+    let mut page = format!("{HEAD}<h1>{failed} failed, {summary}</h1>\n<p>expected | difference | actual</p>\n");
     let mut in_order: Vec<&Outcome> = outcomes.iter().collect();
-    in_order.sort_by_key(|outcome| outcome.passed());
+    in_order.sort_by_key(|outcome| outcome.verdict());
     for outcome in in_order {
         page.push_str(&section(outcome)?);
     }
@@ -51,9 +52,8 @@ fn trial_table(outcomes: &[Outcome]) -> String {
 }
 
 fn section(outcome: &Outcome) -> Result<String, TaskError> {
-    let class = if outcome.passed() { "passed" } else { "failed" };
-    let lines: Vec<&str> =
-        outcome.findings.problems.iter().chain(&outcome.findings.notes).map(String::as_str).collect();
+    let class = outcome.verdict().name();
+    let lines: Vec<&str> = outcome.findings.lines().collect();
     let picture = match &outcome.findings.picture {
         Some(path) => {
             let bytes = fs::read(path).map_err(TaskError::file(path))?;
@@ -86,8 +86,17 @@ mod tests {
     #[test]
     fn failures_come_first_and_text_is_escaped() {
         let page = html(&[outcome("good", &[]), outcome("bad", &["1 < 2"])]).unwrap();
-        assert!(page.contains("1 of 2 failed") && page.contains("1 &lt; 2"));
+        assert!(page.contains("1 failed, 1 of 2 passed") && page.contains("1 &lt; 2"));
         assert!(page.find("bad (failed").unwrap() < page.find("good (passed").unwrap());
+    }
+
+    #[test]
+    fn what_was_skipped_is_told_apart_from_what_passed() {
+        let mut skipped = outcome("absent", &[]);
+        skipped.findings.skip("no reference");
+        let page = html(&[outcome("good", &[]), skipped]).unwrap();
+        assert!(page.contains("0 failed, 1 of 2 passed, 1 skipped"), "{page}");
+        assert!(page.contains("<section class=\"skipped\">\n<h2>absent (skipped, 0.0 s)</h2>\n<pre>no reference<"));
     }
 
     #[test]

@@ -161,11 +161,7 @@ mod tests {
 
     #[test]
     fn databases_are_those_of_the_original_generators() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/nff-spd");
-        if !folder.is_dir() {
-            println!("skipped: there is no {}", folder.display());
-            return;
-        }
+        let Some(folder) = rt_tests::shared_or_skip("data/nff-spd") else { return };
         let cases = [
             (Database::Balls, 1),
             (Database::Balls, 2),

@@ -39,7 +39,7 @@ pub(crate) struct Options {
 
 /// Measures more tiles, prints the table, and writes the page if asked to.
 pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
-    let path = workspace.build_renderer()?;
+    let path = workspace.build_release_renderer()?;
     let scene = workspace.root.join(SCENE);
     let conditions = Conditions::here(&path, &scene)?;
     let processor = conditions.processor.clone();
@@ -53,7 +53,7 @@ pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
     print!("{}", page::table(&whole));
     if options.write {
         let path = workspace.root.join("docs/TERARAYS.md");
-        fs::write(&path, page::markdown(&whole, &processor)).map_err(TaskError::file(&path))?;
+        fs::write(&path, page::markdown(&whole, &processor, &workspace.commit())).map_err(TaskError::file(&path))?;
     }
     Ok(())
 }

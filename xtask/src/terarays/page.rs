@@ -45,13 +45,13 @@ pub(super) fn table(whole: &Whole) -> String {
 }
 
 /// The whole page `docs/TERARAYS.md`.
-pub(super) fn markdown(whole: &Whole, processor: &str) -> String {
+pub(super) fn markdown(whole: &Whole, processor: &str, commit: &str) -> String {
     format!(
         "# The trillion rays of the Cornell box\n\n\
          The lecture shows a Cornell box of {SIZE}×{SIZE} pixels with {STRATA}×{STRATA} jittered primary rays in each, a \
          trillion rays in all, that took two years of processor time. Those are {} primary rays. This is how long they take \
          here, extrapolated from a part of the image.\n\n\
-         Written by `cargo xtask terarays --write` on one {processor}, with one thread. The command works for as long as \
+         Written by `cargo xtask terarays --write` on one {processor}, with one thread, at commit {commit}. The command works for as long as \
          `--budget` says and goes on where it stopped: `cargo xtask terarays --budget 8h --write` makes the intervals \
          narrower.\n\n{}\n\
          The scene is `scenes/lecture/cornell.ron`: the published geometry, reflectances and lamp, paths with a shadow ray at \
@@ -139,6 +139,6 @@ mod tests {
         assert!(text.contains("image** | 12.1 days | "), "{text}");
         assert!(text.contains("| two years : that | 60.2 | "), "{text}");
         assert!(text.contains("RMSE of the whole image | 3.15 · 10⁻³ | 3.15 · 10⁻³ to 3.15 · 10⁻³ |"), "{text}");
-        assert!(markdown(&whole, "processor").contains(&text));
+        assert!(markdown(&whole, "processor", "commit").contains(&text));
     }
 }

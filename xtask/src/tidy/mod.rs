@@ -7,6 +7,7 @@ use crate::{error::TaskError, workspace::Workspace};
 mod crate_graph;
 mod front_pages;
 mod generated_pages;
+mod shared_features;
 mod source_files;
 mod tracked_text;
 mod unsafe_code;
@@ -15,10 +16,11 @@ mod whole;
 /// Rules by name.
 type Rule = fn(&Workspace) -> Result<Report, TaskError>;
 
-const RULES: [(&str, Rule); 7] = [
+const RULES: [(&str, Rule); 8] = [
     ("crate graph", crate_graph::check),
     ("front pages", front_pages::check),
     ("generated pages", generated_pages::check),
+    ("shared features", shared_features::check),
     ("source files", source_files::check),
     ("unsafe code", unsafe_code::check),
     ("text", tracked_text::check),

@@ -103,11 +103,8 @@ fn every_scene_has_a_report() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut files = files_below(&root.join("scenes"), &["ron"]);
     assert!(files.len() >= 13, "{files:?}");
-    let models = root.join("../shared/data");
-    if models.is_dir() {
+    if let Some(models) = rt_tests::shared_or_skip("data") {
         files.extend(files_below(&models, &["obj", "gltf", "glb"]));
-    } else {
-        println!("skipped: there are no models in {}", models.display());
     }
     let place = Workplace::new();
     for file in files {

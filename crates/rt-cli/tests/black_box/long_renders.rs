@@ -255,7 +255,6 @@ fn a_picture_for_a_disk_that_became_read_only_goes_to_the_fallback() {
 /// Renders to a small file system of its own, where the system lets one be mounted, which a shell command spoils meanwhile. What the
 /// system says of that is told, and the picture is saved elsewhere.
 #[cfg(target_os = "linux")]
-#[allow(clippy::print_stdout, reason = "a skipped test says so")]
 fn spoil_the_disk(command: &str, reason: &str) {
     let place = Workplace::with_scene();
     for folder in ["full", "refuge"] {
@@ -276,12 +275,12 @@ fn spoil_the_disk(command: &str, reason: &str) {
     command.current_dir(place.path("")).args(["--user", "--map-root-user", "--mount", "sh", "-c", &script]);
     command.arg(env!("CARGO_BIN_EXE_rt-cli")).args(options.split_whitespace());
     let Ok(output) = command.output() else {
-        return println!("skipped: there is no unshare");
+        return rt_tests::skip("there is no unshare");
     };
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
     if output.status.code() == Some(77) || stderr.contains("unshare failed") {
-        return println!("skipped: no file system can be mounted here: {stderr}");
+        return rt_tests::skip(format_args!("no file system can be mounted here: {stderr}"));
     }
     assert_eq!(output.status.code(), Some(4), "{stdout} {stderr}");
     assert!(stderr.contains(reason) && stderr.contains("it was saved as `refuge/rt-cli-"), "{stderr}");

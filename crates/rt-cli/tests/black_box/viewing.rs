@@ -1,6 +1,6 @@
-//! The window, on a screen that nobody sees. Where there is no Xvfb, these tests say so and end.
+//! The window, on a screen that nobody sees. Where there is no Xvfb, these tests are skipped.
 
-use std::io::{BufRead, BufReader, Write as _};
+use std::io::{BufRead, BufReader};
 use std::process::{Child, Stdio};
 use std::sync::mpsc::{self, Receiver};
 use std::thread;
@@ -62,8 +62,7 @@ impl Viewer {
     /// Looks at a scene until it is refined; `None` where there is no screen.
     fn open(scene: &str, options: &str) -> Option<Self> {
         let Some(screen) = Screen::start() else {
-            // Past the capture of the test runner, for everyone to see.
-            let _ = writeln!(std::io::stdout(), "skipped: there is no Xvfb to open a window on");
+            rt_tests::skip("there is no Xvfb to open a window on");
             return None;
         };
         let place = Workplace::new();

@@ -51,7 +51,7 @@ fn render_alone(cluster: &Cluster, scene: &Path) -> Vec<u8> {
 fn eight_parts_on_slurm_one_of_them_killed_have_the_bits_of_one_run() {
     let cluster = match Cluster::start() {
         Ok(cluster) => cluster,
-        Err(reason) => return println!("skipped: no Slurm cluster can be started here: {reason}"),
+        Err(reason) => return rt_tests::skip(format_args!("no Slurm cluster can be started here: {reason}")),
     };
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the project");
     let scene = root.join("scenes/lecture/cornell-direct.ron");
@@ -82,7 +82,7 @@ fn eight_parts_on_slurm_one_of_them_killed_have_the_bits_of_one_run() {
 fn a_job_that_runs_out_of_time_saves_and_queues_itself_again() {
     let cluster = match Cluster::start() {
         Ok(cluster) => cluster,
-        Err(reason) => return println!("skipped: no Slurm cluster can be started here: {reason}"),
+        Err(reason) => return rt_tests::skip(format_args!("no Slurm cluster can be started here: {reason}")),
     };
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the project");
     let scene = root.join("scenes/lecture/cornell-direct.ron");

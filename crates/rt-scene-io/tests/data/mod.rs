@@ -1,20 +1,14 @@
 //! The folder of test data.
 
-#![allow(clippy::print_stdout, reason = "a skipped test says so")]
-
 use std::{
     fs,
     path::{Path, PathBuf},
 };
 
-/// The folder of test data; prints a line where it is missing.
+/// Folder of test data; skips the test where it is missing.
+#[track_caller]
 pub(crate) fn data() -> Option<PathBuf> {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data"));
-    if !folder.is_dir() {
-        println!("skipped: there is no {}", folder.display());
-        return None;
-    }
-    Some(folder.to_owned())
+    rt_tests::shared_or_skip("data")
 }
 
 #[allow(dead_code, reason = "not every test looks for files")]

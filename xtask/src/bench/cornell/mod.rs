@@ -74,7 +74,7 @@ struct Figures {
 /// Measures and prints.
 pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
     let yardstick = Yardstick::new(read(&options.reference)?, options.noise);
-    let path = workspace.build_renderer()?;
+    let path = workspace.build_release_renderer()?;
     let program = Program { path, folder: workspace.fresh_folder("bench-cornell")? };
     let scene = workspace.root.join(SCENE);
     let mut figures = Vec::new();

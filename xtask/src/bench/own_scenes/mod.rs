@@ -73,7 +73,8 @@ pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
     print(&figures, &tables)?;
     if options.write {
         let path = workspace.root.join("docs/BENCHMARKS.md");
-        std::fs::write(&path, table::page(&tables, options)).map_err(TaskError::file(&path))?;
+        std::fs::write(&path, table::page(&tables, options, &workspace.provenance()))
+            .map_err(TaskError::file(&path))?;
     }
     Ok(())
 }

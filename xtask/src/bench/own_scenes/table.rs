@@ -6,11 +6,11 @@ use super::{Figures, Options, TraceFigure};
 use crate::{matrix::Matrix, number::three_digits};
 
 /// The page `docs/BENCHMARKS.md` around the tables.
-pub(super) fn page(tables: &str, options: &Options) -> String {
+pub(super) fn page(tables: &str, options: &Options, provenance: &str) -> String {
     let Options { rays, reps, .. } = options;
     format!(
         "# How fast each structure is\n\n\
-         Written by `cargo xtask bench --write --rays {rays} --reps {reps}` on one {}. Times vary with the machine and \
+         Written by `cargo xtask bench --write --rays {rays} --reps {reps}` on {provenance}. Times vary with the machine and \
          its load: only the ratios, which stand in brackets, say anything about structures. Rays are traced on one \
          thread, by the clock of its processor, and structures take turns; trees are built on all threads, by the clock \
          on the wall. The least of all measurements is shown. All structures hit as often as brute force \
@@ -19,8 +19,7 @@ pub(super) fn page(tables: &str, options: &Options) -> String {
          * `balls`: spheres on spheres, after Haines, \"A Proposal for Standard Graphics Environments\", 1987.\n\
          * `rock`: a closed mesh of small triangles.\n\n\
          Shadow rays ask whether anything is hit, the others for the first hit; diffuse and random rays are incoherent.\n\n\
-         {tables}",
-        rt_render::processor()
+         {tables}"
     )
 }
 

@@ -79,7 +79,7 @@ struct Figures {
 
 /// Measures and prints.
 pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
-    let program = workspace.build_renderer()?;
+    let program = workspace.build_release_renderer()?;
     let folder = workspace.fresh_folder("bench-render")?;
     let program = Program { path: program, folder };
     let least_bytes = program.empty()?.bytes;

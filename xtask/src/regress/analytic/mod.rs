@@ -27,7 +27,7 @@ mod lamps;
 mod lens;
 mod occlusion;
 mod picture;
-mod quadrature;
+mod reflectance;
 mod shadows;
 mod slopes;
 mod stopping;
