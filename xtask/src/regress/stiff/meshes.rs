@@ -231,7 +231,7 @@ impl Junction {
         let slipped = AtomicU64::new(0);
         let mut tally = Tally::of_all(rays, |index, tally| {
             let ray = self.ray(index);
-            if (0..4).any(|i| self.mesh.intersect(i, &ray, Interval::FORWARD).is_some()) {
+            if (0..self.mesh.len() as u32).any(|i| self.mesh.intersect(i, &ray, Interval::FORWARD).is_some()) {
                 return tally.check(true, String::new);
             }
             slipped.fetch_add(1, Ordering::Relaxed);
