@@ -325,6 +325,10 @@ pub(crate) struct RunArgs {
     /// Print nothing but errors
     #[arg(short, long)]
     pub(crate) quiet: bool,
+
+    /// Print all statistics: rays by kind, times, memory, what was left out
+    #[arg(short, long, conflicts_with = "quiet")]
+    pub(crate) verbose: bool,
 }
 
 impl RunArgs {
@@ -344,7 +348,8 @@ Write statistics to a JSON file, or to standard output (-), and count what each 
 primitive tests and hits that took. `camera_hits` are samples that met a surface. `primary_rays_spared` are camera rays that were \
 not traced, as there is nothing in their part of the view; `pixel_samples` are the samples that pixels are made of, \
 `simple_pixels` took fewer as they show no edge (--adaptive), \
-`stopped` is what ended the render (samples, time, target-error), `unconverged_pixels` have not reached --target-error, and \
+`stopped` is what ended the render (samples, time, target-error), `unconverged_pixels` have not reached --target-error (null without \
+--target-error-pixels), `clamping` is what --clamp has taken away (null without it), and \
 `estimated_error` is null where there was but one pass; `shading` counts the work of materials, `seconds` are wall-clock times. Counts \
 are the same in every run; `seconds`, `mega_rays_per_second` and `peak_memory_bytes` (null where the system does not \
 say) are not.";

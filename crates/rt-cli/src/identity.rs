@@ -104,6 +104,7 @@ fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
         least,
         depth,
         seed,
+        clamp,
         integrator,
         sampler,
         light_sampling,
@@ -117,7 +118,7 @@ fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
         env: _,
     } = picture;
     let of_input = (ground, at_time, pace, animation, variant);
-    let how_much = (size, spp, passes, adaptive, least, depth, seed);
+    let how_much = (size, spp, passes, adaptive, least, depth, seed, clamp);
     format!("{of_input:?} {how_much:?} {:?}", (integrator, sampler, light_sampling, view, crop, background))
 }
 

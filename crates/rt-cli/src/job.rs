@@ -38,6 +38,8 @@ pub(crate) struct Job<'a> {
     /// 0 for one for each processor.
     pub(crate) threads: usize,
     pub(crate) strict: bool,
+    /// Print all statistics rather than two lines.
+    pub(crate) verbose: bool,
     /// Where the viewer is that shows the picture as it grows.
     pub(crate) display_server: Option<&'a str>,
     pub(crate) console: Console,
@@ -136,11 +138,13 @@ impl Job<'_> {
             let percent = self.percent(&plan, &rendering);
             return Err(Failure::Interrupted { percent, picture, checkpoint: kept });
         }
-        self.console.say(report::statistics(&outcome, self.stats.is_some()))?;
+        if self.verbose {
+            self.console.say(report::statistics(&outcome, self.stats.is_some()))?;
+        }
         if !rendering.lost.is_empty() {
             return Err(Failure::Lost { tiles: rendering.lost.len(), picture, checkpoint: kept });
         }
-        self.say_written(&rendering)?;
+        self.say_written(&outcome)?;
         if let Some(checkpoints) = checkpoints {
             checkpoints.remove();
         }
@@ -220,19 +224,27 @@ impl Job<'_> {
         self.keep.as_ref().and_then(|keep| keep.args.shard).unwrap_or_default()
     }
 
-    fn say_written(&self, rendering: &Rendering) -> Result<(), Failure> {
+    /// Says in two lines where the result is, what it took, and how far from the truth it is.
+    fn say_written(&self, outcome: &Outcome<'_>) -> Result<(), Failure> {
         let path = self.result.output().path().display();
-        match &self.result {
+        let rendering = outcome.rendering;
+        let what = match &self.result {
             JobResult::Picture { .. } => {
-                let (width, height) = (rendering.film.width(), rendering.film.height());
-                self.console.say(format_args!("wrote {path} ({width}x{height})"))
+                format!(
+                    "{path} ({}x{}, {})",
+                    rendering.film.width(),
+                    rendering.film.height(),
+                    report::samples(rendering)
+                )
             }
             JobResult::Part(_) => {
                 let share = self.share();
                 let (number, count) = (share.index() + 1, share.count());
-                self.console.say(format_args!("wrote {path} (part {number} of {count}; `merge` joins them)"))
+                format!("{path} (part {number} of {count}; `merge` joins them)")
             }
-        }
+        };
+        self.console.say(format_args!("wrote {what} {}", report::effort(outcome)))?;
+        self.console.say(report::ending_and_error(outcome))
     }
 
     fn compile(&self) -> Result<RenderPlan<'_>, Failure> {
@@ -260,8 +272,15 @@ impl Job<'_> {
     /// Says what was chosen or changed.
     fn say_notes(&self, plan: &RenderPlan<'_>) -> Result<(), Failure> {
         input::say_notes(self.scene, self.console)?;
-        if let Some(rule) = self.rule {
-            return self.console.say(format_args!("note: at most {} samples per pixel", rule.max_spp));
+        if self.scene.settings.clamp.is_some() && plan.clamp().is_none() {
+            let integrator = self.scene.settings.integrator.name();
+            let which = if self.scene.settings.integrator.follows_light() { integrator } else { "this view" };
+            self.console.say(format_args!(
+                "note: clamp does nothing: it bounds indirect light of random paths, of which {which} has none"
+            ))?;
+        }
+        if self.rule.is_some() {
+            return Ok(());
         }
         let (asked, taken) = (self.scene.settings.spp, plan.samples_per_pixel());
         if asked == taken {

@@ -21,6 +21,7 @@ pub(crate) fn apply(args: &PictureArgs, loaded: &LoadOptions, scene: &mut Scene)
     settings.adaptive = adaptive(args, settings.adaptive)?;
     replace(&mut settings.depth, args.depth);
     replace(&mut settings.seed, args.seed);
+    settings.clamp = args.clamp.or(settings.clamp);
     replace(&mut settings.integrator, args.integrator);
     replace(&mut settings.pattern, args.sampler);
     replace(&mut settings.accel, args.accel);

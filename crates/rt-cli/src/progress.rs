@@ -4,7 +4,9 @@ use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
-use rt_render::{PassProgress, Progress};
+use rt_render::{PassProgress, Progress, Towards};
+
+use crate::report::shown_percent;
 
 /// Time between two lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
@@ -84,8 +86,17 @@ fn status(progress: Progress, (earlier_samples, earlier_rays): (u64, u64), elaps
     let left = elapsed.as_secs_f64() * (total_samples.saturating_sub(samples) as f64 / done.max(1) as f64);
     let left = HumanDuration(Duration::from_secs_f64(left.min(LONGEST)));
     let pass = match pass {
-        Some(PassProgress { finished, spp, rmse: Some(rmse) }) => {
-            format!("pass {}, {spp} spp, RMSE {rmse:.3e}, ", finished + 1)
+        Some(PassProgress { finished, spp, rmse: Some(rmse), towards }) => {
+            let error = match towards {
+                None => format!("RMSE {rmse:.3e}"),
+                Some(Towards::Image { error, target }) => {
+                    format!("error {:.2} % of {} %", 100.0 * error, shown_percent(target))
+                }
+                Some(Towards::Pixels { share, target }) => {
+                    format!("{:.1} % of the pixels done of {} %", 100.0 * share, shown_percent(target))
+                }
+            };
+            format!("pass {}, {spp} spp, {error}, ", finished + 1)
         }
         Some(PassProgress { finished, .. }) => format!("pass {}, ", finished + 1),
         None => String::new(),
@@ -107,12 +118,21 @@ mod tests {
 
     #[test]
     fn passes_tell_the_error_so_far() {
-        let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.001_234) });
+        let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.001_234), towards: None });
         let progress = Progress { samples: 500, total_samples: 1000, rays: 1_000_000, pass };
         let expected = "pass 7, 32 spp, RMSE 1.234e-3, 1.00 Mrays/s, 1 second left";
         assert_eq!(status(progress, (0, 0), Duration::from_secs(1)), expected);
-        let first = Progress { pass: Some(PassProgress { finished: 0, spp: 0, rmse: None }), ..progress };
+        let first =
+            Progress { pass: Some(PassProgress { finished: 0, spp: 0, rmse: None, towards: None }), ..progress };
         assert!(status(first, (0, 0), Duration::from_secs(1)).starts_with("pass 1, 1.00 Mrays/s"));
+        let towards = |towards| {
+            let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.1), towards: Some(towards) });
+            status(Progress { pass, ..progress }, (0, 0), Duration::from_secs(1))
+        };
+        let image = towards(Towards::Image { error: 0.071, target: 0.05 });
+        assert!(image.starts_with("pass 7, 32 spp, error 7.10 % of 5 %, "), "{image}");
+        let pixels = towards(Towards::Pixels { share: 0.931, target: 0.99 });
+        assert!(pixels.starts_with("pass 7, 32 spp, 93.1 % of the pixels done of 99 %, "), "{pixels}");
     }
 
     #[test]

@@ -4,7 +4,8 @@ use bytesize::ByteSize;
 use comfy_table::{CellAlignment, Table, presets};
 use indicatif::HumanCount;
 use rt_render::{
-    ErrorEstimate, Explanation, RayKind, Rendering, SampleRange, ShadingCounts, Statistics, StopRule, Stopped, Tally,
+    Clamping, ErrorEstimate, Explanation, RayKind, Rendering, SampleRange, ShadingCounts, Statistics, StopRule,
+    Stopped, Tally,
 };
 
 use crate::memory;
@@ -32,9 +33,34 @@ pub(crate) fn statistics(outcome: &Outcome<'_>, costs: bool) -> String {
     }
     lines.extend(left_out(&outcome.plan.explain()));
     lines.extend(shared_out(outcome));
-    lines.extend(outcome.rule.map(|rule| ending(outcome.rendering, &rule)));
     lines.push(error(outcome));
     lines.join("\n")
+}
+
+/// Samples of each pixel of a picture.
+pub(crate) fn samples(rendering: &Rendering) -> String {
+    let SampleRange { least, mean, most } = rendering.samples_per_pixel;
+    if least == most { format!("{most} spp") } else { format!("{least} to {most} spp, {mean:.1} on average") }
+}
+
+/// Time that a render took, and rays.
+pub(crate) fn effort(outcome: &Outcome<'_>) -> String {
+    let statistics = &outcome.rendering.statistics;
+    let rays = HumanCount(statistics.counters.total().rays);
+    format!("in {:.3} s: {rays} rays, {:.2} Mrays/s", statistics.render_seconds, statistics.mega_rays_per_second())
+}
+
+/// The cause of the end where time or the error decides, the estimated error, and the effect of clamping, in one line.
+pub(crate) fn ending_and_error(outcome: &Outcome<'_>) -> String {
+    let ending = outcome.rule.map(|rule| ending(outcome, &rule));
+    let clamped = outcome.plan.clamping(outcome.rendering).map(|clamping| clamped(&clamping));
+    ending.into_iter().chain([short_error(outcome)]).chain(clamped).collect::<Vec<_>>().join("; ")
+}
+
+fn clamped(clamping: &Clamping) -> String {
+    let Clamping { bound, contributions, lost_share } = *clamping;
+    let (contributions, percent) = (HumanCount(contributions), 100.0 * lost_share);
+    format!("biased: clamping to {bound} reduced {contributions} contributions and took {percent:.2} % of the light")
 }
 
 /// How many pixels took few samples.
@@ -45,49 +71,79 @@ fn shared_out(outcome: &Outcome<'_>) -> Option<String> {
     Some(format!("{share:.1} % of the pixels show no edge and took {least} samples: {mean:.1} on average"))
 }
 
-/// What ended the render.
-fn ending(rendering: &Rendering, rule: &StopRule) -> String {
-    let SampleRange { least, mean, most } = rendering.samples_per_pixel;
-    let samples = if least == most {
-        format!("{most} samples per pixel")
-    } else {
-        format!("{least} to {most} samples per pixel, {mean:.1} on average,")
-    };
+/// The cause of the end where time or the error decides.
+fn ending(outcome: &Outcome<'_>, rule: &StopRule) -> String {
+    let rendering = outcome.rendering;
     let option = match rendering.stopped {
         Stopped::Samples => "--spp",
         Stopped::Time => "--time",
         Stopped::Target => "--target-error",
         Stopped::Interrupted => "an interruption",
     };
-    let ending = format!("stopped by {option} after {samples} in {} passes", rendering.statistics.passes);
-    match (rule.target, rendering.unconverged) {
-        (Some(target), Some(missing)) if missing > 0 => {
-            let (percent, pixels) = (100.0 * target.relative, rendering.film.pixels().len());
-            format!("{ending}: {percent} % is not reached in {missing} of {pixels} pixels")
+    let Some(target) = rule.target else { return format!("stopped by {option}") };
+    let percent = shown_percent(target.relative);
+    if rendering.stopped == Stopped::Target {
+        return format!("stopped by {option} {percent} %");
+    }
+    // The cap is no word of the user's.
+    let option = match rendering.stopped {
+        Stopped::Samples => format!("the cap of {} samples per pixel (--spp)", rule.max_spp),
+        _ => option.to_owned(),
+    };
+    match rendering.unconverged {
+        Some(missing) => {
+            let pixels = rendering.film.pixels().len();
+            format!("stopped by {option}: {percent} % is not reached in {missing} of {pixels} pixels")
         }
-        _ => ending,
+        // Fewer passes than a test takes may have ended with less.
+        None if rendering.error.is_some_and(|error| error.relative_rmse() <= target.relative) => {
+            format!("stopped by {option}")
+        }
+        None => format!("stopped by {option}: {percent} % is not reached"),
     }
 }
 
-/// How far the picture is from the truth, or why nobody knows.
+/// A share in percent, without the digits that binary fractions add.
+pub(crate) fn shown_percent(share: f64) -> f64 {
+    (share * 1e8).round() / 1e6
+}
+
+/// The estimated error relative to the mean, or the reason why there is none.
+fn short_error(outcome: &Outcome<'_>) -> String {
+    match &outcome.rendering.error {
+        Some(error) => {
+            let [low, high] = error.relative_interval().map(|share| 100.0 * share);
+            let percent = 100.0 * error.relative_rmse();
+            format!("relative RMSE {percent:.2} % (95 %: {low:.2} to {high:.2} %){}", bias(outcome))
+        }
+        None => no_error(outcome),
+    }
+}
+
+/// The estimated error in all units, or the reason why there is none.
 fn error(outcome: &Outcome<'_>) -> String {
-    let pattern = outcome.scene.settings.pattern;
     match outcome.rendering.error {
-        Some(ErrorEstimate { rmse, interval: [low, high], relative, .. }) => {
-            let bias = if pattern.is_biased() {
-                format!("; the bias of {} samples adds to it", pattern.name())
-            } else {
-                String::new()
-            };
-            let percent = 100.0 * relative;
-            format!("estimated RMSE {rmse:.3e} (95 %: {low:.3e} to {high:.3e}), relative {percent:.2} %{bias}")
+        Some(ErrorEstimate { rmse, interval: [low, high], relative, mean, .. }) => {
+            format!(
+                "estimated RMSE {rmse:.3e} (95 %: {low:.3e} to {high:.3e}), mean {mean:.3e}, square root of relMSE {:.2} %{}",
+                100.0 * relative,
+                bias(outcome)
+            )
         }
-        None if !outcome.plan.passes_differ() => {
-            format!("error not estimated: {} samples are the same in every pass", pattern.name())
-        }
-        None => {
-            "error not estimated: one pass has nothing to be compared with (--passes 4 splits the samples)".to_owned()
-        }
+        None => no_error(outcome),
+    }
+}
+
+fn bias(outcome: &Outcome<'_>) -> String {
+    let pattern = outcome.scene.settings.pattern;
+    if pattern.is_biased() { format!("; the bias of {} samples adds to it", pattern.name()) } else { String::new() }
+}
+
+fn no_error(outcome: &Outcome<'_>) -> String {
+    if outcome.plan.passes_differ() {
+        "error not estimated: one pass has nothing to be compared with (--passes 4 splits the samples)".to_owned()
+    } else {
+        format!("error not estimated: {} samples are the same in every pass", outcome.scene.settings.pattern.name())
     }
 }
 

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use indexmap::IndexMap;
 use rt_render::{
-    ErrorEstimate, Explanation, PlanOptions, RayKind, RenderPlan, Rendering, SampleRange, ShadingCounts, StopRule,
-    Stopped, Tally,
+    Clamping, Criterion, ErrorEstimate, Explanation, PlanOptions, RayKind, RenderPlan, Rendering, SampleRange,
+    ShadingCounts, StopRule, Stopped, Tally,
 };
 use rt_scene_io::Scene;
 use serde::Serialize;
@@ -47,6 +47,8 @@ pub(crate) struct StatsFile<'a> {
     unconverged_pixels: Option<u64>,
     /// `null` if there is nothing to tell it by.
     estimated_error: Option<ErrorStats>,
+    /// `null` unless indirect light is bounded.
+    clamping: Option<ClampingStats>,
     /// NaN, infinite or negative; they count as black.
     bad_samples: u64,
     /// Not traced, because there is nothing in their part of the view.
@@ -74,6 +76,20 @@ struct ErrorStats {
     rmse_interval: [f64; 2],
     relative: f64,
     largest: f64,
+    /// Mean radiance of the picture.
+    mean: f64,
+    /// `rmse / mean`; `null` if it is infinite.
+    relative_rmse: f64,
+    /// With a confidence of 95 %.
+    relative_rmse_interval: [f64; 2],
+}
+
+/// Effect of a bound on indirect light.
+#[derive(Debug, Serialize)]
+struct ClampingStats {
+    bound: f64,
+    contributions: u64,
+    lost_share: f64,
 }
 
 /// All that the picture depends on beside the scene; and the number of threads, which changes no bit.
@@ -92,7 +108,11 @@ struct SettingsStats<'a> {
     least_samples_per_pixel: Option<u32>,
     seconds: Option<f64>,
     target_error: Option<f64>,
+    /// `null` where the error of the image decides.
+    target_error_pixels: Option<f64>,
     two_stage: bool,
+    /// `null` for none.
+    clamp: Option<f64>,
     depth: u32,
     min_contribution: f64,
     accel: &'static str,
@@ -168,6 +188,7 @@ impl<'a> StatsFile<'a> {
             stopped: stopped_by(rendering.stopped),
             unconverged_pixels: rendering.unconverged,
             estimated_error: rendering.error.map(ErrorStats::from),
+            clamping: outcome.plan.clamping(rendering).map(ClampingStats::from),
             bad_samples: statistics.bad_samples,
             primary_rays_spared: statistics.primary_rays_spared,
             rays: by_kind.into_iter().chain([("total", counters.total().into())]).collect(),
@@ -194,8 +215,23 @@ const fn stopped_by(stopped: Stopped) -> &'static str {
 }
 
 impl From<ErrorEstimate> for ErrorStats {
-    fn from(ErrorEstimate { rmse, interval, relative, largest }: ErrorEstimate) -> Self {
-        Self { rmse, rmse_interval: interval, relative, largest }
+    fn from(estimate: ErrorEstimate) -> Self {
+        let ErrorEstimate { rmse, interval, mean, relative, largest } = estimate;
+        Self {
+            rmse,
+            rmse_interval: interval,
+            relative,
+            largest,
+            mean,
+            relative_rmse: estimate.relative_rmse(),
+            relative_rmse_interval: estimate.relative_interval(),
+        }
+    }
+}
+
+impl From<Clamping> for ClampingStats {
+    fn from(Clamping { bound, contributions, lost_share }: Clamping) -> Self {
+        Self { bound, contributions, lost_share }
     }
 }
 
@@ -215,7 +251,12 @@ impl<'a> SettingsStats<'a> {
             least_samples_per_pixel: outcome.plan.least_samples_per_pixel(),
             seconds: outcome.rule.and_then(|rule| rule.time).map(|time| time.as_secs_f64()),
             target_error: target.map(|target| target.relative),
+            target_error_pixels: target.and_then(|target| match target.criterion {
+                Criterion::Image => None,
+                Criterion::Pixels { share } => Some(share),
+            }),
             two_stage: target.is_some_and(|target| target.two_stage),
+            clamp: settings.clamp,
             depth: settings.depth,
             min_contribution: settings.min_contribution,
             accel: settings.accel.name(),
@@ -255,6 +296,8 @@ impl From<ShadingCounts> for ShadingStats {
             passages,
             depth_limited,
             interior_overflows,
+            clamped: _,
+            clamped_units: _,
         } = counts;
         Self {
             shadow_rays_spared,

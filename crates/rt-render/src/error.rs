@@ -97,9 +97,15 @@ pub enum RenderError {
     /// Passes must be at least 1.
     #[error("at least 1 pass over the image is needed")]
     NoPasses,
+    /// The bound of indirect light is not a positive number.
+    #[error("the bound of indirect light (clamp) is {0}; it must be a finite number above 0")]
+    Clamp(f64),
     /// The error to reach is not a positive number.
     #[error("the error to reach is {0}; it must be a finite number above 0")]
     TargetError(f64),
+    /// A share of pixels that is not above 0 and at most 1.
+    #[error("a share of pixels of {0} is not above 0 and at most 1")]
+    TargetShare(f64),
     /// An error is to be reached, but every pass would be the same.
     #[error(
         "the error of a picture cannot be told where all passes are the same, as with the samples of this pattern: {0}"

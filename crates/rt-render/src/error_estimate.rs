@@ -28,10 +28,33 @@ pub struct ErrorEstimate {
     pub rmse: f64,
     /// Between these two it lies with a confidence of 95 %.
     pub interval: [f64; 2],
+    /// Mean radiance over pixels and channels.
+    pub mean: f64,
     /// Root mean square of the error divided by √(r² + 0.01), where r is the radiance of the pixel.
     pub relative: f64,
     /// The largest standard error of a pixel in a channel.
     pub largest: f64,
+}
+
+impl ErrorEstimate {
+    /// Root mean square error over mean radiance; 0 for a picture without error, and infinite for one without light.
+    pub fn relative_rmse(&self) -> f64 {
+        relative(self.rmse, self.mean)
+    }
+
+    /// Interval of the relative root mean square error, with a confidence of 95 %. The mean over the image is taken as exact: its
+    /// own error is smaller by the square root of the number of pixels.
+    pub fn relative_interval(&self) -> [f64; 2] {
+        self.interval.map(|rmse| relative(rmse, self.mean))
+    }
+}
+
+fn relative(rmse: f64, mean: f64) -> f64 {
+    match rmse {
+        0.0 => 0.0,
+        _ if mean > 0.0 => rmse / mean,
+        _ => f64::INFINITY,
+    }
 }
 
 /// What the estimate needs of a number of pixels.
@@ -46,6 +69,8 @@ pub(crate) struct ErrorSums {
     spread_of_error: f64,
     relative: f64,
     largest: f64,
+    /// Sum of the radiance of pixels, mean of channels.
+    radiance: f64,
 }
 
 impl ErrorSums {
@@ -61,6 +86,7 @@ impl ErrorSums {
         self.spread_of_error += square * square;
         self.relative += mean_of_channels(variance * weights);
         self.largest = self.largest.max(variance.max_component().sqrt());
+        self.radiance += mean_of_channels(pixel.mean());
     }
 
     /// The pixels of all parts of the image. Sums depend on the order of parts in their last digits.
@@ -72,12 +98,18 @@ impl ErrorSums {
             spread_of_error: all.spread_of_error + part.spread_of_error,
             relative: all.relative + part.relative,
             largest: all.largest.max(part.largest),
+            radiance: all.radiance + part.radiance,
         })
     }
 
     /// Root mean square error over all pixels that were added; `None` without any.
     pub(crate) fn rmse(&self) -> Option<f64> {
         (self.pixels > 0).then(|| (self.squares / self.pixels as f64).sqrt())
+    }
+
+    /// Root mean square error over mean radiance of all pixels that were added; `None` without any.
+    pub(crate) fn relative_rmse(&self) -> Option<f64> {
+        Some(relative(self.rmse()?, self.radiance / self.pixels as f64))
     }
 
     /// The estimate over all pixels that were added; `None` without any.
@@ -91,7 +123,8 @@ impl ErrorSums {
             [rmse; 2]
         };
         let relative = (self.relative / self.pixels as f64).sqrt();
-        Some(ErrorEstimate { rmse, interval, relative, largest: self.largest })
+        let mean = self.radiance / self.pixels as f64;
+        Some(ErrorEstimate { rmse, interval, mean, relative, largest: self.largest })
     }
 }
 
@@ -152,8 +185,26 @@ mod tests {
         (0..3).for_each(|_| pixel.add(Rgb::WHITE, 1.0, 4));
         let mut sums = ErrorSums::default();
         sums.add(&pixel);
-        let none = ErrorEstimate { rmse: 0.0, interval: [0.0; 2], relative: 0.0, largest: 0.0 };
+        let none = ErrorEstimate { rmse: 0.0, interval: [0.0; 2], mean: 1.0, relative: 0.0, largest: 0.0 };
         assert_eq!(sums.estimate(), Some(none));
+    }
+
+    #[test]
+    fn the_relative_error_does_not_depend_on_the_unit_of_light() {
+        let of = |unit: f64| {
+            let mut pixel = PixelEstimate::default();
+            [1.0, 2.0, 6.0].into_iter().for_each(|mean| pixel.add(Rgb::gray(mean * unit), 1.0, 4));
+            let mut sums = ErrorSums::default();
+            sums.add(&pixel);
+            let estimate = sums.estimate().expect("three passes");
+            assert_eq!(sums.relative_rmse(), Some(estimate.relative_rmse()));
+            estimate
+        };
+        // m = 3 and s² = (4 + 1 + 9) · 4 / 2, over 12 samples.
+        assert!((of(1.0).relative_rmse() - (28.0f64 / 12.0).sqrt() / 3.0).abs() < 1e-15);
+        assert_eq!(of(1.0).relative_rmse(), of(1.0 / 1024.0).relative_rmse());
+        assert_eq!(of(1.0).relative_interval(), of(1.0 / 1024.0).relative_interval());
+        assert_eq!((of(0.0).relative_rmse(), of(-1.0).relative_rmse()), (0.0, f64::INFINITY));
     }
 
     #[test]

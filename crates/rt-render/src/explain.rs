@@ -354,11 +354,16 @@ impl RenderPlan<'_> {
             Follows::Everything | Follows::AllButCaustics => "paths",
             Follows::Reflections => "reflected and refracted paths",
         };
-        if settings.max_depth > settings.roulette_from {
-            format!("{what} of up to {bounces} after the first hit, roulette after {}", settings.roulette_from)
+        let roulette = if settings.max_depth > settings.roulette_from {
+            format!(", roulette after {}", settings.roulette_from)
         } else {
-            format!("{what} of up to {bounces} after the first hit")
-        }
+            String::new()
+        };
+        let clamp = match self.clamp() {
+            Some(clamp) => format!(", indirect light clamped to {clamp} (biased)"),
+            None => String::new(),
+        };
+        format!("{what} of up to {bounces} after the first hit{roulette}{clamp}")
     }
 
     /// Which transparent body is where several overlap, and what the camera stands in; `None` of panes without thickness.

@@ -9,13 +9,13 @@ use rt_geometry::{Shape, Spheres};
 use rt_math::{DVec2, DVec3, Rgb};
 use rt_scene_io::{Integrator, MaterialId, NamedCamera, Scene, Settings};
 use rt_shading::{
-    AmbientOcclusion, Appearance, ConstantBsdfs, FirstHitView, Follows, LightSources, Material, Needs, PathSettings,
-    emitter::EmitterSet,
+    AmbientOcclusion, Appearance, Clamp, ConstantBsdfs, FirstHitView, Follows, LightSources, Material, Needs,
+    PathSettings, emitter::EmitterSet,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    RenderError,
+    RenderError, Rendering, Statistics,
     emitters::{emitters, moving_lamp},
     flatten::flatten,
     light_pass::light_sources,
@@ -69,6 +69,17 @@ pub struct PlanOptions {
     pub progressive: bool,
 }
 
+/// Effect of a bound on contributions of indirect light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clamping {
+    /// The bound, in units of radiance.
+    pub bound: f64,
+    /// Contributions that were scaled down to it.
+    pub contributions: u64,
+    /// Share of the light of the image that they lost; by this much, the picture is too dark on average.
+    pub lost_share: f64,
+}
+
 /// What camera rays are asked for.
 #[derive(Debug)]
 pub(crate) enum View {
@@ -89,7 +100,7 @@ impl View {
     pub(crate) const fn path_settings(&self) -> PathSettings {
         match self {
             Self::Paths(settings) => *settings,
-            _ => PathSettings { max_depth: 0, roulette_from: 0, follows: Follows::Everything },
+            _ => PathSettings { max_depth: 0, roulette_from: 0, follows: Follows::Everything, clamp: Clamp::NONE },
         }
     }
 }
@@ -184,6 +195,9 @@ impl<'s> RenderPlan<'s> {
         }
         if settings.passes == Some(0) {
             return Err(RenderError::NoPasses);
+        }
+        if let Some(clamp) = settings.clamp.filter(|&clamp| Clamp::new(clamp).is_none()) {
+            return Err(RenderError::Clamp(clamp));
         }
         let origin = rebase::origin(scene, &shot.camera.settings);
         check_shot(scene, options, shot, origin)?;
@@ -282,6 +296,26 @@ impl<'s> RenderPlan<'s> {
     /// Independent passes that [`render`](Self::render) will take; with one, it cannot estimate its error.
     pub const fn passes(&self) -> u32 {
         self.passes
+    }
+
+    /// Bound on contributions of indirect light, if the integrator follows any and the scene sets a bound.
+    pub fn clamp(&self) -> Option<f64> {
+        match &self.view {
+            View::Paths(PathSettings { max_depth: 1.., clamp, .. }) => clamp.bound(),
+            _ => None,
+        }
+    }
+
+    /// Effect of the bound on indirect light, if there is one.
+    pub fn clamping(&self, rendering: &Rendering) -> Option<Clamping> {
+        let bound = self.clamp()?;
+        let Statistics { shading, samples, .. } = &rendering.statistics;
+        let lost = Clamp::new(bound)?.lost(shading) / (*samples).max(1) as f64;
+        let pixels = rendering.film.pixels();
+        let sum: f64 = pixels.iter().flatten().map(|&value| f64::from(value)).sum();
+        let mean = sum / (3.0 * pixels.len().max(1) as f64);
+        let lost_share = if lost > 0.0 { lost / (lost + mean.max(0.0)) } else { 0.0 };
+        Some(Clamping { bound, contributions: shading.clamped, lost_share })
     }
 
     /// False if every pass would be the same: fixed patterns, where nothing else is left to chance. Their error cannot be

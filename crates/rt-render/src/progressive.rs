@@ -8,15 +8,17 @@
 use core::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use rt_camera::Film;
+use rt_camera::{Film, SamplePattern};
 use rt_math::Rgb;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Crop, Observer, Part, PassProgress, Progress, RenderPlan, Share, SoFar, Statistics, StopRule, Stopped, TargetError,
+    Criterion, Crop, Observer, Part, PassProgress, Progress, RenderPlan, Share, SoFar, Statistics, StopRule, Stopped,
+    TargetError, Towards,
     crew::Crew,
     error_estimate::ErrorSums,
     estimate::PixelEstimate,
+    forecast::Forecast,
     observer::{Kept, State},
     part::{Frame, TilePixels},
     passes::{PixelMask, Sweep},
@@ -47,7 +49,8 @@ impl RenderPlan<'_> {
             spent: Duration::try_from_secs_f64(state.statistics.render_seconds).unwrap_or_default(),
             of_share: (0..crew.tiles().len()).filter(|number| share.holds(*number)).collect(),
             state,
-            expected_samples: None,
+            forecast: Forecast::default(),
+            converged: None,
             observer,
         };
         let (stopped, unconverged) = match rule {
@@ -55,7 +58,7 @@ impl RenderPlan<'_> {
             Some(StopRule { target: None, .. }) => (render.pass_after_pass(), None),
             Some(StopRule { target: Some(target), .. }) => {
                 let (stopped, unconverged) = render.refine(*target);
-                (stopped, Some(unconverged))
+                (stopped, unconverged.filter(|_| target.criterion != Criterion::Image))
             }
         };
         if stopped == Stopped::Interrupted {
@@ -77,7 +80,8 @@ pub(crate) struct PassState {
     pub(crate) place: Place,
     /// Wall-clock seconds that the last pass took for a sample.
     seconds_per_sample: f64,
-    rmse: Option<f64>,
+    /// Error of the picture after the last pass.
+    error: ErrorSums,
     /// Numbers of the tiles in which a worker failed.
     lost: Vec<u32>,
 }
@@ -89,7 +93,7 @@ enum Way {
     Fixed,
     /// They grow until there is enough.
     Growing,
-    /// They grow until each pixel is sure of itself, or has so many samples.
+    /// They grow until the error is reached, or a pixel has so many samples.
     Target(TargetError, u32),
 }
 
@@ -117,7 +121,7 @@ impl PassState {
             statistics,
             place: Place::default(),
             seconds_per_sample: 0.0,
-            rmse: None,
+            error: ErrorSums::default(),
             lost: Vec::new(),
         }
     }
@@ -193,8 +197,10 @@ pub(crate) struct Progressive<'p, O> {
     /// Numbers of the tiles to render.
     of_share: Vec<usize>,
     pub(crate) state: PassState,
-    /// Samples that pixels are expected to need in all, if more is known than what time allows.
-    pub(crate) expected_samples: Option<u64>,
+    /// Samples that are expected in all, where the error decides.
+    pub(crate) forecast: Forecast,
+    /// Share of the pixels that have reached their error, where each has to.
+    pub(crate) converged: Option<f64>,
     observer: O,
 }
 
@@ -228,6 +234,11 @@ impl<O: Observer> Progressive<'_, O> {
         self.rule.pass_spp(self.plan.pattern, pass, taken)
     }
 
+    /// Sample pattern of the plan.
+    pub(crate) const fn pattern(&self) -> SamplePattern {
+        self.plan.pattern
+    }
+
     /// True if so many samples of so many pixels can be expected to be there by then. The first pass is always taken, and one
     /// that was begun is always finished.
     pub(crate) fn is_in_time(&self, spp: u32, pixels: usize, limit: Option<Duration>) -> bool {
@@ -246,12 +257,13 @@ impl<O: Observer> Progressive<'_, O> {
         let pass = self.state.place.stage.seed_of(self.state.place.pass);
         let light = self.trace_light(pass, spp)?;
         let sweep = Sweep { first: pass, count: 1, spp, simple_spp: None, pixels: mask };
-        let Self { plan, crew, started, spent, of_share, state, observer, rule, expected_samples, .. } = self;
+        let towards = self.towards();
+        let Self { plan, crew, started, spent, of_share, state, observer, rule, forecast, .. } = self;
         state.place.begun.resize(crew.tiles().len(), false);
         let left: Vec<_> = of_share.iter().copied().filter(|&number| !state.place.begun[number]).collect();
         let samples_before = state.statistics.samples;
         let most = state.pixels.iter().map(PixelEstimate::samples).max().unwrap_or(0);
-        let here = PassProgress { finished: state.statistics.passes, spp: most, rmse: state.rmse };
+        let here = PassProgress { finished: state.statistics.passes, spp: most, rmse: state.error.rmse(), towards };
         let pixels: u64 = of_share.iter().map(|&number| crew.tiles()[number].area()).sum();
         let outcome = crew.sweep(&sweep, &left, |number, tile| {
             fold(plan.crop, &mut state.pixels, &tile, light.as_ref(), &sweep);
@@ -261,9 +273,10 @@ impl<O: Observer> Progressive<'_, O> {
             statistics.add(&tile);
             statistics.render_seconds = elapsed.as_secs_f64();
             let samples = statistics.samples;
-            let total_samples = match (*expected_samples, rule.time) {
-                (Some(expected), _) => expected.max(samples),
-                (None, Some(time)) => in_all(samples, elapsed, time),
+            let in_time = rule.time.map(|time| in_all(samples, elapsed, time));
+            let total_samples = match (forecast.total(samples), in_time) {
+                (Some(expected), Some(in_time)) => expected.min(in_time),
+                (Some(total), None) | (None, Some(total)) => total,
                 (None, None) => pixels.saturating_mul(rule.max_spp.into()),
             };
             let rays = statistics.counters.total().rays;
@@ -275,7 +288,7 @@ impl<O: Observer> Progressive<'_, O> {
             return ControlFlow::Break(());
         }
         state.statistics.passes += 1;
-        state.rmse = error_of(&state.pixels).rmse();
+        state.error = error_of(&state.pixels);
         let samples = state.statistics.samples - samples_before;
         if samples > 0 {
             state.seconds_per_sample = began.elapsed().as_secs_f64() / samples as f64;
@@ -284,6 +297,20 @@ impl<O: Observer> Progressive<'_, O> {
         state.place.taken = state.place.taken.saturating_add(spp);
         state.place.begun.clear();
         ControlFlow::Continue(())
+    }
+
+    /// Relative root mean square error of the image, from two passes on.
+    pub(crate) fn relative_rmse(&self) -> Option<f64> {
+        self.state.error.relative_rmse()
+    }
+
+    /// Distance from the target, if it is known.
+    fn towards(&self) -> Option<Towards> {
+        let TargetError { relative, criterion, .. } = self.rule.target?;
+        match criterion {
+            Criterion::Image => self.relative_rmse().map(|error| Towards::Image { error, target: relative }),
+            Criterion::Pixels { share: target } => self.converged.map(|share| Towards::Pixels { share, target }),
+        }
     }
 
     /// The light paths of a pass, if the plan follows any. They belong to the pass as a whole: a run that goes on in the midst of

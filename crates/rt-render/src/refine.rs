@@ -1,16 +1,17 @@
-//! Adaptive sampling in image space: passes over the pixels that are not yet sure of what they show.
+//! Passes until the error is reached: over the whole image, or over the pixels that have not reached it (adaptive sampling in
+//! image space).
 
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Observer, Stopped, TargetError,
+    Criterion, Observer, Stopped, TargetError,
     estimate::PixelEstimate,
     passes::PixelMask,
     progressive::{Place, Progressive},
     quantile::student_t,
-    stop::PASSES_BETWEEN_TESTS,
+    stop::{FIRST_TEST_OF_IMAGE, PASSES_BETWEEN_TESTS},
     tiles::Tile,
 };
 
@@ -64,23 +65,57 @@ impl Stage {
 }
 
 impl<O: Observer> Progressive<'_, O> {
-    /// Takes passes until all pixels have reached the error, or there is no more time, or no pixel may have more samples. The
-    /// second result is how many have not reached it.
-    pub(crate) fn refine(&mut self, target: TargetError) -> (Stopped, u64) {
+    /// Takes passes until the error is reached, or there is no more time, or no pixel may have more samples. The second result is
+    /// the number of pixels that have not reached it; `None` where the error of the image decides.
+    pub(crate) fn refine(&mut self, target: TargetError) -> (Stopped, Option<u64>) {
         let time = self.rule.time;
-        if !target.two_stage {
-            return self.decide(target, time);
+        if !target.takes_new_samples(self.state.pixels.len()) {
+            return self.decide(target, time, 1.0);
         }
         if !matches!(self.state.place.stage, Stage::Repeat(..)) {
-            let end = self.decide(target, time.map(|time| time / 2));
+            let end = self.decide(target, time.map(|time| time / 2), 2.0);
             if end.0 == Stopped::Interrupted {
                 return end;
             }
             let decided = self.state.pixels.iter().map(PixelEstimate::passes).collect();
             self.state.pixels.fill(PixelEstimate::default());
-            self.state.place = Place { stage: Stage::Repeat(decided, end.0, end.1), ..Place::default() };
+            self.state.place = Place { stage: Stage::Repeat(decided, end.0, end.1.unwrap_or(0)), ..Place::default() };
         }
-        self.repeat(time)
+        let (stopped, unconverged) = self.repeat(time);
+        (stopped, Some(unconverged))
+    }
+
+    /// Takes passes that decide how many samples there are. The render has as many samples as these, times `stages`.
+    fn decide(&mut self, target: TargetError, time: Option<Duration>, stages: f64) -> (Stopped, Option<u64>) {
+        match target.criterion {
+            Criterion::Image => (self.decide_together(target.relative, time, stages), None),
+            Criterion::Pixels { share } => {
+                let (stopped, unconverged) = self.decide_by_pixel(target, share, time, stages);
+                (stopped, Some(unconverged))
+            }
+        }
+    }
+
+    /// Samples all pixels until the error of the image is reached.
+    fn decide_together(&mut self, relative: f64, time: Option<Duration>, stages: f64) -> Stopped {
+        let pixels = self.state.pixels.len();
+        let most = stages * pixels as f64 * f64::from(self.rule.max_spp);
+        while let Some(spp) = self.pass_spp() {
+            if !self.is_in_time(spp, pixels, time) {
+                return Stopped::Time;
+            }
+            if self.take_pass(spp, None).is_break() {
+                return Stopped::Interrupted;
+            }
+            if let Some(error) = self.relative_rmse().filter(|_| self.state.place.pass >= FIRST_TEST_OF_IMAGE) {
+                if error <= relative {
+                    return Stopped::Target;
+                }
+                let samples = self.samples() as f64;
+                self.forecast.observe([samples, stages], error, relative, most);
+            }
+        }
+        Stopped::Samples
     }
 
     /// The pixels that are not yet sure, as far as is known.
@@ -91,8 +126,16 @@ impl<O: Observer> Progressive<'_, O> {
         }
     }
 
-    /// Samples all pixels until they have converged.
-    fn decide(&mut self, target: TargetError, time: Option<Duration>) -> (Stopped, u64) {
+    /// Samples pixels until this share of them has converged.
+    fn decide_by_pixel(
+        &mut self,
+        target: TargetError,
+        share: f64,
+        time: Option<Duration>,
+        stages: f64,
+    ) -> (Stopped, u64) {
+        // A share of all but a hair must not lose a pixel to rounding.
+        let allowed = ((1.0 - share) * self.state.pixels.len() as f64 + 1e-6) as usize;
         let mut cause = Stopped::Samples;
         let mut active = self.active();
         let mut wanted = count(&active);
@@ -106,24 +149,25 @@ impl<O: Observer> Progressive<'_, O> {
                 return (Stopped::Interrupted, wanted as u64);
             }
             if self.state.place.pass.is_multiple_of(PASSES_BETWEEN_TESTS) {
-                let unconverged = self.unconverged(target, &active);
+                let unconverged = self.unconverged(target, &active, stages);
+                let missing = count(&unconverged);
+                if missing <= allowed {
+                    return (Stopped::Target, missing as u64);
+                }
                 active = neighbourhood(&unconverged, &active, self.part());
                 wanted = count(&active);
-                if wanted == 0 {
-                    return (Stopped::Target, 0);
-                }
                 mask = Some(PixelMask::new(self.part(), active.clone()));
                 self.state.place.stage = Stage::Decide(active.clone());
             }
         }
-        match count(&self.unconverged(target, &active)) {
-            0 => (Stopped::Target, 0),
+        match count(&self.unconverged(target, &active, stages)) {
+            missing if missing <= allowed => (Stopped::Target, missing as u64),
             missing => (cause, missing as u64),
         }
     }
 
     /// The active pixels that have not reached the error, all of which have taken all passes so far.
-    fn unconverged(&mut self, target: TargetError, active: &[bool]) -> Vec<bool> {
+    fn unconverged(&mut self, target: TargetError, active: &[bool], stages: f64) -> Vec<bool> {
         let passes = self.state.place.pass;
         let student =
             if passes > 1 { student_t(TargetError::CONFIDENCE, f64::from(passes - 1)) } else { f64::INFINITY };
@@ -137,8 +181,9 @@ impl<O: Observer> Progressive<'_, O> {
             }
             excess > 1.0
         };
-        let unconverged = self.state.pixels.iter().zip(active).map(of).collect();
-        self.expected_samples = Some(needed as u64);
+        let unconverged: Vec<bool> = self.state.pixels.iter().zip(active).map(of).collect();
+        self.forecast.expect(stages * needed);
+        self.converged = Some(1.0 - count(&unconverged) as f64 / unconverged.len().max(1) as f64);
         unconverged
     }
 
@@ -148,6 +193,7 @@ impl<O: Observer> Progressive<'_, O> {
             return (Stopped::Samples, 0);
         };
         let last = decided.iter().copied().max().unwrap_or(0);
+        self.forecast.know(self.samples_with_new_ones(&decided, last) as f64);
         while self.state.place.pass < last {
             let pass = self.state.place.pass;
             let active: Vec<_> = decided.iter().map(|&passes| passes > pass).collect();
@@ -161,6 +207,21 @@ impl<O: Observer> Progressive<'_, O> {
             }
         }
         (stopped, unconverged)
+    }
+}
+
+impl<O: Observer> Progressive<'_, O> {
+    /// Samples that the render has in all when each pixel has taken so many passes of the second stage.
+    fn samples_with_new_ones(&self, decided: &[u32], last: u32) -> u64 {
+        let (mut taken, mut after) = (0, vec![0u64]);
+        for pass in 0..last {
+            let Some(spp) = self.rule.pass_spp(self.pattern(), pass, taken) else { break };
+            taken = taken.saturating_add(spp);
+            after.push(taken.into());
+        }
+        let new: u64 = decided.iter().filter_map(|&passes| after.get(passes as usize)).sum();
+        let there: u64 = self.state.pixels.iter().map(|pixel| u64::from(pixel.samples())).sum();
+        self.samples() - there.min(self.samples()) + new
     }
 }
 

@@ -6,7 +6,7 @@ use std::time::Instant;
 use rt_camera::Film;
 use rt_math::Rgb;
 use rt_scene_io::{Integrator, Settings};
-use rt_shading::{AmbientOcclusion, FirstHitView, Follows, LightTracer, PathSettings};
+use rt_shading::{AmbientOcclusion, Clamp, FirstHitView, Follows, LightTracer, PathSettings};
 
 use crate::{
     Crop, ErrorEstimate, RenderError, RenderPlan, Statistics, StopRule, Stopped,
@@ -58,6 +58,27 @@ pub struct PassProgress {
     pub spp: u32,
     /// Estimated root mean square error of the picture so far, from two passes on.
     pub rmse: Option<f64>,
+    /// Distance from the target error, if there is one and an estimate is known.
+    pub towards: Option<Towards>,
+}
+
+/// Estimated and wanted error of a render that ends by its error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Towards {
+    /// Relative root mean square error of the image.
+    Image {
+        /// Current estimate.
+        error: f64,
+        /// Error at which the render ends.
+        target: f64,
+    },
+    /// Share of the pixels that have reached their error.
+    Pixels {
+        /// Current share.
+        share: f64,
+        /// Share at which the render ends.
+        target: f64,
+    },
 }
 
 /// A finished render.
@@ -73,7 +94,7 @@ pub struct Rendering {
     pub error: Option<ErrorEstimate>,
     /// Samples that the pixels of the picture are made of.
     pub samples_per_pixel: SampleRange,
-    /// Pixels that have not reached the error that was asked for, if one was.
+    /// Pixels that have not reached the error, where each has to ([`Criterion::Pixels`](crate::Criterion)).
     pub unconverged: Option<u64>,
     /// With [`RunOptions::maps`], the standard error of each pixel, by channel; infinite after one pass.
     pub standard_error: Option<Film>,
@@ -234,7 +255,8 @@ impl View {
     /// What the integrator of the settings looks at.
     pub(crate) fn new(settings: &Settings, near: f64, far: f64) -> Self {
         let paths = |max_depth, follows| {
-            Self::Paths(PathSettings { max_depth, roulette_from: settings.roulette_from, follows })
+            let clamp = settings.clamp.and_then(Clamp::new).unwrap_or_default();
+            Self::Paths(PathSettings { max_depth, roulette_from: settings.roulette_from, follows, clamp })
         };
         match settings.integrator {
             Integrator::Whitted => Self::Light,

@@ -12,7 +12,7 @@ use crate::RenderError;
 pub struct StopRule {
     /// Wall-clock time to render. A pass begins only if it will be over in time, judged by the pass before.
     pub time: Option<Duration>,
-    /// The error to reach in every pixel. With one, pixels that have reached it take no more samples.
+    /// The error to reach.
     pub target: Option<TargetError>,
     /// Most samples of a pixel, at least 1.
     pub max_spp: u32,
@@ -21,6 +21,9 @@ pub struct StopRule {
 impl StopRule {
     /// Most samples of a pixel unless something else is said.
     pub const DEFAULT_MAX_SPP: u32 = 1 << 20;
+
+    /// The same for a render that ends by its error: what is not reached by then takes many times as long.
+    pub const DEFAULT_MAX_SPP_OF_TARGET: u32 = 4096;
 }
 
 impl Default for StopRule {
@@ -30,20 +33,61 @@ impl Default for StopRule {
     }
 }
 
-/// How sure a pixel has to be of its radiance m, in each channel: with a confidence of 95 %, the truth lies within
-/// ± `relative` · (m + 0.01).
-///
-/// Whether it does is tested when 64, 128, 256, … samples have been taken, by Student's t. A pixel goes on as long as one of
-/// its eight neighbours does: what it has missed, they may have seen.
+/// Error at which a render ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TargetError {
     /// The error, as a share of radiance; finite and above 0.
     pub relative: f64,
-    /// Samples that decide when to stop are no impartial witnesses: they are too sure of themselves where they happen to agree
-    /// (Kirk and Arvo 1991). If set, they only decide how many samples each pixel takes, and the picture is made of as many
-    /// new ones (Stein 1945); what time there is, is shared.
+    /// Definition of the error.
+    pub criterion: Criterion,
+    /// Samples that decide when to stop depend on that decision, which biases their mean (Kirk and Arvo 1991). If set, they only
+    /// fix the number of samples, and the picture is made of as many new ones (Stein 1945); the time limit covers both.
+    ///
+    /// [`Criterion::Image`] always does this for images of fewer than 1024 pixels; see there.
     pub two_stage: bool,
 }
+
+/// Error of a picture that is compared with the target.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Criterion {
+    /// Relative root mean square error of the image: √(mean of vᵢ over pixels and channels) / (mean of mᵢ over pixels and
+    /// channels), where mᵢ is the radiance of a pixel and vᵢ the variance of its mean. Scaling all lights changes nothing.
+    ///
+    /// All pixels take the same number of samples. The estimate is tested after each pass, from 4 passes and 16 samples on.
+    /// Many pixels share one decision, so that none of them has much influence on it, and the bias is far below the error. An
+    /// image of fewer than 1024 pixels lacks this protection and is made of new samples.
+    Image,
+    /// Confidence interval of each pixel: with a confidence of 95 %, the truth lies within ± `relative` · (m + 0.01) in each
+    /// channel.
+    ///
+    /// Pixels are tested when they have 64, 128, 256, … samples, by Student's t. A pixel goes on as long as one of its eight
+    /// neighbours does, which may have seen what it has missed. Pixels that have reached the error take no more samples, which
+    /// biases them; see [`TargetError::two_stage`].
+    Pixels {
+        /// Share of the pixels that must reach it, in (0, 1].
+        share: f64,
+    },
+}
+
+impl TargetError {
+    /// Relative root mean square error of the image.
+    pub const fn of_image(relative: f64) -> Self {
+        Self { relative, criterion: Criterion::Image, two_stage: false }
+    }
+
+    /// Error of each pixel, of all of them.
+    pub const fn of_pixels(relative: f64) -> Self {
+        Self { relative, criterion: Criterion::Pixels { share: 1.0 }, two_stage: false }
+    }
+
+    /// True if the samples that decide are no part of a picture of so many pixels.
+    pub(crate) fn takes_new_samples(&self, pixels: usize) -> bool {
+        self.two_stage || (self.criterion == Criterion::Image && pixels < LEAST_PIXELS_OF_ONE_STAGE)
+    }
+}
+
+/// Pixels of an image that decide together without a bias that could be measured.
+const LEAST_PIXELS_OF_ONE_STAGE: usize = 1024;
 
 /// What ended a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -52,7 +96,7 @@ pub enum Stopped {
     Samples,
     /// Another pass would not have been over in time.
     Time,
-    /// All pixels have reached the error that was asked for.
+    /// The error has reached the target.
     Target,
     /// [`RunOptions::interrupt`](crate::RunOptions) was set.
     Interrupted,
@@ -62,11 +106,14 @@ impl StopRule {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// [`RenderError::TargetError`] and [`RenderError::NoSamples`].
+    /// [`RenderError::TargetError`], [`RenderError::TargetShare`] and [`RenderError::NoSamples`].
     pub(crate) fn validate(&self) -> Result<(), RenderError> {
         match self.target {
             Some(TargetError { relative, .. }) if !(relative.is_finite() && relative > 0.0) => {
                 Err(RenderError::TargetError(relative))
+            }
+            Some(TargetError { criterion: Criterion::Pixels { share }, .. }) if !(share > 0.0 && share <= 1.0) => {
+                Err(RenderError::TargetShare(share))
             }
             _ if self.max_spp == 0 => Err(RenderError::NoSamples),
             _ => Ok(()),
@@ -76,16 +123,18 @@ impl StopRule {
     /// Samples of pass number `pass`, if each pixel has `taken` so many; `None` if it has all that it may.
     pub(crate) fn pass_spp(&self, pattern: SamplePattern, pass: u32, taken: u32) -> Option<u32> {
         let left = self.max_spp.saturating_sub(taken);
-        let wanted = if self.target.is_some() { self.testable_spp(pass) } else { growing_spp(pass) };
+        let wanted = match self.target.map(|target| target.criterion) {
+            None => growing_spp(pass),
+            Some(Criterion::Image) => self.doubling_spp(pass, FIRST_PASSES_OF_IMAGE),
+            Some(Criterion::Pixels { .. }) => self.doubling_spp(pass, FIRST_TEST / PASSES_BETWEEN_TESTS),
+        };
         let spp = pattern.round_up(wanted.min(left.max(1)));
         (pass == 0 || spp <= left).then_some(spp)
     }
 
-    /// Eight passes between tests, after each of which the number of samples has doubled. Fewer passes would leave
-    /// the error uncertain, and with sixteen samples to begin with, instead of 64, a part of a tenth of the pixel would go
-    /// unnoticed one time in five.
-    fn testable_spp(&self, pass: u32) -> u32 {
-        let first = (self.max_spp / PASSES_BETWEEN_TESTS).clamp(1, FIRST_TEST / PASSES_BETWEEN_TESTS);
+    /// Eight passes, after each of which the number of samples has doubled. With fewer, the error of a pixel would be uncertain.
+    fn doubling_spp(&self, pass: u32, first: u32) -> u32 {
+        let first = (self.max_spp / PASSES_BETWEEN_TESTS).clamp(1, first);
         let doublings = (pass / PASSES_BETWEEN_TESTS).saturating_sub(1);
         first.checked_shl(doublings).filter(|spp| spp >> doublings == first).unwrap_or(u32::MAX)
     }
@@ -94,8 +143,15 @@ impl StopRule {
 /// Passes from one test of convergence to the next.
 pub(crate) const PASSES_BETWEEN_TESTS: u32 = 8;
 
-/// Samples of a pixel when it is tested for the first time.
+/// Samples of a pixel when it is tested for the first time. With 16 instead, a part of a tenth of the pixel would go unnoticed one
+/// time in five.
 const FIRST_TEST: u32 = 64;
+
+/// Samples of the first passes where the error of the image decides.
+const FIRST_PASSES_OF_IMAGE: u32 = 4;
+
+/// Passes after which the error of the image is tested for the first time.
+pub(crate) const FIRST_TEST_OF_IMAGE: u32 = 4;
 
 /// 1, 1, 2, 4, 8, and then always 16: a first picture soon, and then passes that patterns are good for.
 const fn growing_spp(pass: u32) -> u32 {
@@ -130,7 +186,7 @@ mod tests {
 
     #[test]
     fn samples_double_between_tests() {
-        let target = Some(TargetError { relative: 0.01, two_stage: false });
+        let target = Some(TargetError::of_pixels(0.01));
         let of = |max_spp, pattern| sizes(&StopRule { max_spp, target, time: None }, pattern);
         let sobol = of(1024, SamplePattern::Sobol);
         let at_tests: Vec<u32> = (1..=5).map(|test| sobol[..8 * test].iter().sum()).collect();
@@ -141,10 +197,37 @@ mod tests {
     }
 
     #[test]
+    fn the_image_is_tested_when_its_samples_have_grown_by_a_quarter_at_most() {
+        let rule = StopRule { target: Some(TargetError::of_image(0.05)), max_spp: 4096, time: None };
+        let sizes = sizes(&rule, SamplePattern::Sobol);
+        assert_eq!((sizes[..20].iter().sum::<u32>(), sizes.iter().sum::<u32>()), (4 * 16 + 8 * 4, 4096));
+        let mut taken: u32 = sizes[..FIRST_TEST_OF_IMAGE as usize].iter().sum();
+        assert_eq!(taken, 16);
+        for spp in &sizes[FIRST_TEST_OF_IMAGE as usize..] {
+            assert!(4 * spp <= taken, "{spp} after {taken}");
+            taken += spp;
+        }
+    }
+
+    #[test]
+    fn small_images_are_made_of_new_samples() {
+        let of_image = TargetError::of_image(0.05);
+        assert!(of_image.takes_new_samples(1023) && !of_image.takes_new_samples(1024));
+        assert!(!TargetError::of_pixels(0.05).takes_new_samples(1));
+        assert!(TargetError { two_stage: true, ..of_image }.takes_new_samples(1 << 20));
+    }
+
+    #[test]
     fn numbers_that_are_no_errors_are_refused() {
         for relative in [0.0, -0.01, f64::NAN, f64::INFINITY] {
-            let rule = StopRule { target: Some(TargetError { relative, two_stage: false }), ..StopRule::default() };
+            let rule = StopRule { target: Some(TargetError::of_image(relative)), ..StopRule::default() };
             assert!(matches!(rule.validate(), Err(RenderError::TargetError(_))), "{relative}");
+        }
+        for share in [0.0, -0.5, 1.01, f64::NAN] {
+            let criterion = Criterion::Pixels { share };
+            let target = Some(TargetError { relative: 0.1, criterion, two_stage: false });
+            let rule = StopRule { target, ..StopRule::default() };
+            assert!(matches!(rule.validate(), Err(RenderError::TargetShare(_))), "{share}");
         }
         assert!(matches!(StopRule { max_spp: 0, ..StopRule::default() }.validate(), Err(RenderError::NoSamples)));
         assert!(StopRule::default().validate().is_ok());

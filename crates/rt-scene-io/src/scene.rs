@@ -208,6 +208,8 @@ pub struct Settings {
     pub light_sampling: LightSampling,
     /// Bounces before Russian roulette may end a path.
     pub roulette_from: u32,
+    /// Largest component of a contribution of indirect light, in units of radiance; unbounded and without bias if `None`.
+    pub clamp: Option<f64>,
     /// How far away surfaces still take light from a point, in world units, for ambient occlusion; infinite for all.
     pub occlusion_distance: f64,
 }
@@ -226,6 +228,7 @@ impl Default for Settings {
             seed: 0,
             light_sampling: LightSampling::default(),
             roulette_from: 3,
+            clamp: None,
             occlusion_distance: f64::INFINITY,
         }
     }

@@ -87,7 +87,7 @@ pub use light::{Falloff, Illumination, Light, LightKind};
 pub use light_path::{Ball, LightScene, LightSources, LightTracer, Sight, Targets};
 pub use material::{Channel, Coefficient, Highlight, Material, Phong, Scalar, Transmission};
 pub use needs::Needs;
-pub use path::{Follows, Lighting, PathSettings, PathTracer};
+pub use path::{Clamp, Follows, Lighting, PathSettings, PathTracer};
 pub use physical::{Physical, PhysicalPoint};
 pub use relief::Relief;
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};

@@ -1,9 +1,11 @@
 //! Light transport along camera paths, by random choice, in waves.
 
+mod clamp;
 mod scatter;
 mod wave;
 
 use crate::{Appearance, ConstantBsdfs, Interior, Needs, Seen, ShadingCounts, Tracer, emitter::EmitterSet, flow::Flow};
+pub use clamp::Clamp;
 use rt_math::{Interval, Ray, RayKind, Sampler};
 use wave::{Path, Shadows};
 
@@ -21,7 +23,7 @@ pub enum Follows {
 }
 
 /// How paths are followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathSettings {
     /// Bounces after the first surface: 0 for emission and direct light.
     pub max_depth: u32,
@@ -29,6 +31,8 @@ pub struct PathSettings {
     pub roulette_from: u32,
     /// Which light is followed.
     pub follows: Follows,
+    /// Bound of what a path adds to its pixel where indirect light arrives; none by default.
+    pub clamp: Clamp,
 }
 
 /// Unidirectional path tracing with next-event estimation (Kajiya 1986; Veach 1997, 10.2).
@@ -147,7 +151,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
 
     /// Traces the shadow rays of a wave, and makes the next one that which is traced.
     fn end_wave(&mut self, world: &mut impl Tracer, seen: &mut [Seen]) {
-        self.shadows.gather(|rays, blocked| world.occluded_batch(rays, blocked), seen);
+        let (clamp, counts) = (self.settings.clamp, &mut self.counts);
+        let bounded = |radiance| clamp.bounded(radiance, counts);
+        self.shadows.gather(|rays, blocked| world.occluded_batch(rays, blocked), bounded, seen);
         self.flow.clear();
         core::mem::swap(&mut self.flow, &mut self.next);
     }

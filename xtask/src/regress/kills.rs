@@ -22,7 +22,7 @@ struct Kills {
 }
 
 /// Tile by tile, pass by pass with light paths before each, growing passes, and passes of some pixels.
-const ALL: [Kills; 5] = [
+const ALL: [Kills; 6] = [
     Kills {
         name: "kills/path",
         scene: "scenes/lecture/cornell-full.ron",
@@ -41,12 +41,38 @@ const ALL: [Kills; 5] = [
     Kills {
         name: "kills/target-error",
         scene: "scenes/lecture/cornell-direct.ron",
-        options: &["--size", "96x96", "--target-error", "20%", "--spp", "1024", "--aov", "samples=samples.pfm"],
+        options: &["--size", "96x96", "--target-error", "2%", "--aov", "samples=samples.pfm"],
+    },
+    Kills {
+        name: "kills/target-error-pixels",
+        scene: "scenes/lecture/cornell-direct.ron",
+        options: &[
+            "--size",
+            "96x96",
+            "--target-error",
+            "20%",
+            "--target-error-pixels",
+            "100%",
+            "--spp",
+            "1024",
+            "--aov",
+            "samples=samples.pfm",
+        ],
     },
     Kills {
         name: "kills/two-stage",
         scene: "scenes/lecture/cornell-direct.ron",
-        options: &["--size", "64x64", "--target-error", "20%", "--two-stage", "--spp", "1024"],
+        options: &[
+            "--size",
+            "64x64",
+            "--target-error",
+            "20%",
+            "--target-error-pixels",
+            "100%",
+            "--two-stage",
+            "--spp",
+            "1024",
+        ],
     },
 ];
 

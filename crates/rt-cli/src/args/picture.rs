@@ -17,7 +17,7 @@ pub(crate) struct PictureArgs {
     #[arg(long, value_name = "WxH", value_parser = values::size, help_heading = "How much")]
     pub(crate) size: Option<[u32; 2]>,
 
-    /// Samples per pixel, rounded up to what the sampler needs; with --time or --target-error, the most that a pixel takes
+    /// Samples per pixel, rounded up to what the sampler needs; with --time or --target-error, the most that a pixel takes (4096 by default with --target-error)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 31), help_heading = "How much")]
     pub(crate) spp: Option<u32>,
 
@@ -40,6 +40,14 @@ pub(crate) struct PictureArgs {
     /// Seed of all random numbers
     #[arg(long, value_name = "N", help_heading = "How much")]
     pub(crate) seed: Option<u64>,
+
+    /// Bound contributions of indirect light to a sample, in units of radiance: fewer fireflies, and a biased picture [default: none]
+    ///
+    /// Light is indirect if two or more surfaces have scattered it on its way to the camera. A contribution whose largest component
+    /// exceeds N is scaled down so that it equals N. Direct light, and light paths of `caustics`, are not bounded. The picture
+    /// is too dark by what is lost, which the statistics tell.
+    #[arg(long, value_name = "N", value_parser = values::positive, allow_negative_numbers = true, help_heading = "How much")]
+    pub(crate) clamp: Option<f64>,
 
     /// How light is computed: by classical ray tracing, with soft shadows, along all its paths; or a view of geometry or cost
     #[arg(long, value_name = "NAME", value_parser = choice(Integrator::ALL, Integrator::name), help_heading = "How")]

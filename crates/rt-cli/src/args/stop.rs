@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use rt_render::{StopRule, TargetError};
+use rt_render::{Criterion, StopRule, TargetError};
 
 use super::values;
 
@@ -18,16 +18,29 @@ pub(crate) struct StopArgs {
     #[arg(long, value_name = "TIME", value_parser = values::time, conflicts_with = "passes", allow_hyphen_values = true)]
     pub(crate) time: Option<Duration>,
 
-    /// Render until each pixel is within this share of its radiance, such as 1%, with a confidence of 95 %
+    /// Render until the relative error of the image is at most this, such as 1%, or at 4096 samples per pixel (--spp)
     ///
-    /// Pixels that have reached it take no more samples. It is tested by the spread of eight or more independent passes, when
-    /// a pixel and its neighbours have 64, 128, 256, ... samples; 0.01 is added to radiance, for the sake of black pixels.
+    /// The error is the relative root mean square error, estimated from the differences of independent passes:
+    ///
+    ///   sqrt(mean of v) / (mean of m)
+    ///
+    /// m is the radiance of a pixel in a channel, v the variance of its mean, and both means are over all pixels and channels. All
+    /// pixels take the same number of samples, and the error is tested after each pass, from 16 samples on. The result has a 95 %
+    /// interval. Images of fewer than 1024 pixels are made of new samples, as with --two-stage.
     #[arg(long, value_name = "PERCENT", value_parser = values::percentage, conflicts_with = "passes", allow_hyphen_values = true)]
     pub(crate) target_error: Option<f64>,
 
+    /// Require --target-error of this share of the pixels, such as 99%, each by itself, rather than of the image
+    ///
+    /// A pixel has to be within the error of its radiance plus 0.01 with a confidence of 95 %, in each channel, and is tested at
+    /// 64, 128, 256, ... samples. Pixels that have reached it take no more samples, which biases them by about a thousandth of
+    /// their radiance; --two-stage removes the bias.
+    #[arg(long, value_name = "PERCENT", value_parser = values::share_of_pixels, requires = "target_error", allow_hyphen_values = true)]
+    pub(crate) target_error_pixels: Option<f64>,
+
     /// Make the picture of new samples, as many as --target-error needed
     ///
-    /// Samples that decide when there is enough are biased by it, if little. This takes twice the time and is not.
+    /// Samples that decide when there is enough are biased by the decision, if little. This takes twice the time and is not.
     #[arg(long, requires = "target_error")]
     pub(crate) two_stage: bool,
 }
@@ -35,8 +48,11 @@ pub(crate) struct StopArgs {
 impl StopArgs {
     /// The rule, if there is one, with the most samples of a pixel.
     pub(crate) fn rule(&self, spp: Option<u32>) -> Option<StopRule> {
-        let target = self.target_error.map(|relative| TargetError { relative, two_stage: self.two_stage });
-        let max_spp = spp.unwrap_or(StopRule::DEFAULT_MAX_SPP);
+        let criterion = self.target_error_pixels.map_or(Criterion::Image, |share| Criterion::Pixels { share });
+        let two_stage = self.two_stage;
+        let target = self.target_error.map(|relative| TargetError { relative, criterion, two_stage });
+        let cap = if target.is_some() { StopRule::DEFAULT_MAX_SPP_OF_TARGET } else { StopRule::DEFAULT_MAX_SPP };
+        let max_spp = spp.unwrap_or(cap);
         (self.time.is_some() || target.is_some()).then_some(StopRule { time: self.time, target, max_spp })
     }
 }

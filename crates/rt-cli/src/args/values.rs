@@ -147,6 +147,14 @@ pub(super) fn percentage(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "write a percentage above 0, as 1%".to_owned())
 }
 
+/// A percentage above zero and up to a hundred, as a share.
+pub(super) fn share_of_pixels(text: &str) -> Result<f64, String> {
+    percentage(text)
+        .ok()
+        .filter(|share| *share <= 1.0)
+        .ok_or_else(|| "write a percentage above 0 and up to 100, as 99%".to_owned())
+}
+
 /// `NAME=FILE`.
 pub(super) fn aov(text: &str) -> Result<AovArg, String> {
     let parts = text.split_once('=').filter(|(_, file)| !file.is_empty());

@@ -80,6 +80,7 @@ fn picture(args: &RenderArgs) -> Result<(), Failure> {
         keep: Some(Keep { args: &args.keep, identity }),
         threads: args.run.threads.unwrap_or(0).into(),
         strict: args.run.strict,
+        verbose: args.run.verbose,
         display_server: args.run.display_server(),
         console,
     };

@@ -37,6 +37,7 @@ pub(super) fn run() -> Result<(), Failure> {
         keep: None,
         threads: 0,
         strict: false,
+        verbose: false,
         display_server: None,
         console,
     };

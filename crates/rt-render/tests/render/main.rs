@@ -1,6 +1,7 @@
 //! Tests of whole renders.
 
 mod caustics;
+mod clamping;
 mod culling;
 mod invariance;
 mod left_out;

@@ -48,8 +48,8 @@ fn ways() -> Vec<Way> {
         Way { name, scene, rule }
     };
     let growing = StopRule { max_spp: 11, ..StopRule::default() };
-    let target =
-        |two_stage| StopRule { target: Some(TargetError { relative: 0.3, two_stage }), max_spp: 256, time: None };
+    let target = |target| StopRule { target: Some(target), max_spp: 256, time: None };
+    let of_pixels = |two_stage| TargetError { two_stage, ..TargetError::of_pixels(0.3) };
     let path = |scene: &mut Scene| scene.settings.integrator = Integrator::Path;
     let caustics = |scene: &mut Scene| scene.settings.integrator = Integrator::Caustics;
     let adaptive = |scene: &mut Scene| scene.settings.adaptive = Some(Adaptive::ObjectSpace { least: Some(4) });
@@ -60,8 +60,15 @@ fn ways() -> Vec<Way> {
         set("caustics", &everything, &caustics, None),
         set("object space", &spheres, &adaptive, None),
         set("growing", &everything, &path, Some(growing)),
-        set("target", &spheres, &random, Some(target(false))),
-        set("two stages", &spheres, &random, Some(target(true))),
+        set("target", &spheres, &random, Some(target(of_pixels(false)))),
+        set("two stages", &spheres, &random, Some(target(of_pixels(true)))),
+        set("image", &spheres, &random, Some(target(TargetError::of_image(0.1)))),
+        set(
+            "image in two stages",
+            &spheres,
+            &random,
+            Some(target(TargetError { two_stage: true, ..TargetError::of_image(0.2) })),
+        ),
     ]
 }
 

@@ -6,8 +6,8 @@ use rt_camera::{CameraSettings, FilmSettings, Projection, SamplePattern};
 use rt_geometry::{Shape, Triangle};
 use rt_math::{DVec3, Transform};
 use rt_render::{
-    ErrorEstimate, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, StopRule, Stopped,
-    TargetError,
+    Criterion, ErrorEstimate, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, StopRule,
+    Stopped, TargetError,
 };
 use rt_scene_io::{Content, Integrator, MaterialId, NamedCamera, Node, Scene, Settings};
 use rt_shading::{Appearance, Material, Phong};
@@ -54,7 +54,12 @@ fn until(scene: &Scene, rule: StopRule, run: RunOptions) -> Rendering {
 }
 
 fn to_error(relative: f64, two_stage: bool, max_spp: u32) -> StopRule {
-    StopRule { target: Some(TargetError { relative, two_stage }), max_spp, time: None }
+    let target = TargetError { two_stage, ..TargetError::of_pixels(relative) };
+    StopRule { target: Some(target), max_spp, time: None }
+}
+
+fn to_image_error(relative: f64, max_spp: u32) -> StopRule {
+    StopRule { target: Some(TargetError::of_image(relative)), max_spp, time: None }
 }
 
 #[test]
@@ -62,11 +67,12 @@ fn threads_do_not_change_passes() {
     let run = |threads| RunOptions { threads, maps: true, ..RunOptions::default() };
     let mut scene = spheres();
     scene.settings.passes = Some(3);
-    let renders: [&dyn Fn(usize) -> Rendering; 4] = [
+    let renders: [&dyn Fn(usize) -> Rendering; 5] = [
         &|threads| fixed(&scene, run(threads)),
         &|threads| until(&scene, StopRule { max_spp: 20, ..StopRule::default() }, run(threads)),
         &|threads| until(&scene, to_error(0.2, false, 256), run(threads)),
         &|threads| until(&scene, to_error(0.2, true, 128), run(threads)),
+        &|threads| until(&scene, to_image_error(0.05, 512), run(threads)),
     ];
     for (number, render) in renders.iter().enumerate() {
         let one = render(1);
@@ -241,4 +247,47 @@ fn time_ends_a_render_between_passes() {
     let none = StopRule { time: Some(Duration::ZERO), ..StopRule::default() };
     let rendering = until(&half_plane(64, 0.3, 0.2), none, RunOptions::default());
     assert_eq!((rendering.stopped, rendering.statistics.samples), (Stopped::Time, 64 * 64));
+}
+
+#[test]
+fn the_worst_pixel_does_not_decide_by_default() {
+    let scene = half_plane(40, 0.3, 0.2);
+    let rendering = until(&scene, to_image_error(0.02, 4096), RunOptions::default());
+    let SampleRange { least, most, .. } = rendering.samples_per_pixel;
+    assert_eq!((rendering.stopped, rendering.unconverged, least), (Stopped::Target, None, most));
+    let error = rendering.error.expect("several passes");
+    // The last pass has added a quarter of the samples at most, and patterns gain more than noise does.
+    assert!((0.01..=0.02).contains(&error.relative_rmse()), "{error:?}");
+    let [low, high] = error.relative_interval();
+    assert!(low < error.relative_rmse() && error.relative_rmse() < high);
+    let every_pixel = until(&scene, to_error(0.02, false, 4096), RunOptions::default());
+    assert!(every_pixel.statistics.samples > 4 * rendering.statistics.samples, "{:?}", every_pixel.statistics.samples);
+}
+
+#[test]
+fn an_image_that_does_not_reach_its_error_ends_at_its_samples() {
+    let rendering = until(&half_plane(40, 0.3, 0.2), to_image_error(1e-6, 64), RunOptions::default());
+    assert_eq!((rendering.stopped, rendering.samples_per_pixel.most), (Stopped::Samples, 64));
+    assert!(rendering.error.is_some_and(|error| error.relative_rmse() > 1e-6));
+}
+
+#[test]
+fn small_images_do_not_see_the_samples_that_decided() {
+    let rendering = until(&half_plane(8, 0.3, 0.2), to_image_error(0.05, 4096), RunOptions::default());
+    let pixels = u64::from(rendering.samples_per_pixel.most) * 64;
+    assert_eq!((rendering.statistics.samples, rendering.stopped), (2 * pixels, Stopped::Target));
+}
+
+#[test]
+fn a_share_of_the_pixels_may_miss_the_error() {
+    let of = |share| {
+        let target = TargetError { criterion: Criterion::Pixels { share }, ..TargetError::of_pixels(0.02) };
+        let rule = StopRule { target: Some(target), max_spp: 512, time: None };
+        until(&half_plane(32, 0.3, 0.2), rule, RunOptions::default())
+    };
+    // 32 pixels or a few more are cut by the edge: 4 % of 1024.
+    let most = of(0.95);
+    assert_eq!((most.stopped, most.samples_per_pixel.most), (Stopped::Target, 64));
+    assert!(most.unconverged.is_some_and(|pixels| (1..=51).contains(&pixels)), "{:?}", most.unconverged);
+    assert_eq!(of(1.0).stopped, Stopped::Samples);
 }

@@ -49,6 +49,12 @@ pub struct Settings {
     ///
     /// Unit: bounces.
     pub roulette_from: u64,
+    /// Bound on each contribution of indirect light to a sample; brighter ones are scaled down to it.
+    ///
+    /// It takes away fireflies and some light: the image is biased. For `path`, `distributed` and `caustics`.
+    /// Unit: radiance. Default: no bound. Example: `clamp: 10`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clamp: Option<f64>,
     /// Distance up to which surfaces occlude a point, for `ambient_occlusion`.
     ///
     /// Unit: units of the scene. Default: all distances. Example: `occlusion_distance: 2.5`.
@@ -70,6 +76,7 @@ impl Default for Settings {
             seed: 0,
             light_sampling: LightSampling::Tree,
             roulette_from: 3,
+            clamp: None,
             occlusion_distance: None,
         }
     }

@@ -66,6 +66,7 @@ pub(super) fn settings(report: &mut Report, settings: &format::Settings, default
     report.check("settings.min_contribution", not_negative(settings.min_contribution));
     let roulette_from =
         report.check("settings.roulette_from", within(settings.roulette_from, 0, limits::RAY_DEPTH)).unwrap_or(0);
+    let clamp = settings.clamp.and_then(|clamp| report.check("settings.clamp", positive(clamp)));
     let occlusion_distance = settings
         .occlusion_distance
         .map_or(Some(f64::INFINITY), |distance| report.check("settings.occlusion_distance", positive(distance)));
@@ -81,6 +82,7 @@ pub(super) fn settings(report: &mut Report, settings: &format::Settings, default
         seed: settings.seed,
         light_sampling: light_sampling(settings.light_sampling),
         roulette_from: roulette_from as u32,
+        clamp,
         occlusion_distance: occlusion_distance.unwrap_or(f64::INFINITY),
     }
 }

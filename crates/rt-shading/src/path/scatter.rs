@@ -1,11 +1,11 @@
 //! What happens where a path meets a surface.
 
 use super::{
-    Follows, Lighting, PathTracer,
+    Clamp, Follows, Lighting, PathSettings, PathTracer,
     wave::{Origin, Path},
 };
 use crate::{
-    Seen, SurfaceHit,
+    Seen, ShadingCounts, SurfaceHit,
     constant_bsdfs::Scatterer,
     interior::Crossing,
     meeting::Meeting,
@@ -14,7 +14,7 @@ use crate::{
     view::View,
 };
 use core::f64::consts::PI;
-use rt_math::{DVec3, Interval, Ray, Sampler};
+use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 
 impl<S: Sampler + Clone> PathTracer<S> {
     /// Adds the light of what the ray has met to what the path sees, draws light there, and sends the path on.
@@ -26,11 +26,12 @@ impl<S: Sampler + Clone> PathTracer<S> {
         hit: Option<&mut SurfaceHit>,
         seen: &mut Seen,
     ) {
-        let follows = self.settings.follows;
+        let PathSettings { follows, clamp, .. } = self.settings;
         let path = &mut self.paths[id as usize];
         let Some(hit) = hit else {
             let weight = path.weight * environment_weight(lighting, path, ray.direction);
-            seen.radiance += weight * lighting.appearance.background.radiance(ray.direction);
+            let radiance = weight * lighting.appearance.background.radiance(ray.direction);
+            seen.radiance += within(clamp, path.bounces, radiance, &mut self.counts);
             return;
         };
         let materials = &lighting.appearance.materials;
@@ -53,7 +54,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
             let emitted = material.emission(&lighting.appearance.textures, &hit.interaction, is_inside);
             let is_left_out = follows == Follows::AllButCaustics && path.is_caustic_of(hit);
             if !emitted.is_black() && !is_left_out {
-                seen.radiance += path.weight * emitted * emitter_weight(lighting, path, hit);
+                let radiance = path.weight * emitted * emitter_weight(lighting, path, hit);
+                seen.radiance += within(clamp, path.bounces, radiance, &mut self.counts);
             }
         }
         if path.is_last {
@@ -70,7 +72,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let vertex = if only_reflects { vertex.following(without_diffuse.as_ref()) } else { vertex };
         if only_reflects && self.needs.ambient {
             let ambient = material.ambient(&lighting.appearance.textures, vertex.view.surface);
-            seen.radiance += path.weight * ambient * lighting.appearance.ambient;
+            let radiance = path.weight * ambient * lighting.appearance.ambient;
+            seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
         self.draw_lights(lighting, id, &vertex, seen);
         self.scatter(id, &vertex, crossing);
@@ -98,7 +101,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
 
     /// Asks all lights without extent and one of those with, and leaves it to shadow rays whether they count.
     fn draw_lights(&mut self, lighting: Lighting<'_>, id: u32, vertex: &Vertex<'_>, seen: &mut Seen) {
+        let clamp = self.settings.clamp;
         let path = &mut self.paths[id as usize];
+        let is_bounded = clamp.holds_after(path.bounces + 1);
         let surface = vertex.view.surface;
         let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
         if vertex.bsdf.is_delta() {
@@ -112,9 +117,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
             if radiance.is_black() {
                 self.counts.shadow_rays_spared += u64::from(light.casts_shadows);
             } else if light.casts_shadows {
-                self.shadows.push(light.shadow_ray(&shadow_rays, &lit, vertex.time), id, radiance);
+                self.shadows.push(light.shadow_ray(&shadow_rays, &lit, vertex.time), id, radiance, is_bounded);
             } else {
-                seen.radiance += radiance;
+                seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
             }
         }
         if lighting.emitters.is_empty() {
@@ -136,7 +141,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             Some(target) => (shadow_rays.to(target, vertex.time), Interval::SEGMENT),
             None => (shadow_rays.towards(light.sample.direction, vertex.time), Interval::SPAWNED),
         };
-        self.shadows.push(ray, id, radiance);
+        self.shadows.push(ray, id, radiance, is_bounded);
     }
 
     /// Chooses the direction in which the path goes on, if it does.
@@ -174,6 +179,12 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let ray = surface.spawn_ray(wi, vertex.time);
         self.next.push(Some(&sample), ray, Interval::SPAWNED, id);
     }
+}
+
+/// Light that so many surfaces have scattered, within the bound if it is indirect.
+#[inline(always)]
+fn within(clamp: Clamp, scattered: u32, radiance: Rgb, counts: &mut ShadingCounts) -> Rgb {
+    if clamp.holds_after(scattered) { clamp.bounded(radiance, counts) } else { radiance }
 }
 
 /// By how much the light of a surface counts that a path has met, as it might have been drawn.

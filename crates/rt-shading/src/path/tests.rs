@@ -103,10 +103,11 @@ impl Scene {
 }
 
 const fn paths(max_depth: u32) -> PathSettings {
-    PathSettings { max_depth, roulette_from: 2, follows: Follows::Everything }
+    PathSettings { max_depth, roulette_from: 2, follows: Follows::Everything, clamp: Clamp::NONE }
 }
 
-const DISTRIBUTED: PathSettings = PathSettings { max_depth: 4, roulette_from: 9, follows: Follows::Reflections };
+const DISTRIBUTED: PathSettings =
+    PathSettings { max_depth: 4, roulette_from: 9, follows: Follows::Reflections, clamp: Clamp::NONE };
 
 fn floor() -> Shape {
     Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane"))

@@ -67,24 +67,41 @@ pub(super) struct Shadows {
     rays: Vec<(Ray, Interval)>,
     /// The path of each ray, and what its pixel gets if nothing is in the way.
     drawn: Vec<(u32, Rgb)>,
+    /// Places in `drawn` of indirect light that is bounded, in order; empty without a bound.
+    indirect: Vec<u32>,
     blocked: Vec<bool>,
 }
 
 impl Shadows {
     #[inline(always)]
-    pub(super) fn push(&mut self, ray: (Ray, Interval), path: u32, radiance: Rgb) {
+    pub(super) fn push(&mut self, ray: (Ray, Interval), path: u32, radiance: Rgb, is_bounded: bool) {
+        if is_bounded {
+            self.indirect.push(self.drawn.len() as u32);
+        }
         self.rays.push(ray);
         self.drawn.push((path, radiance));
     }
 
-    /// Traces the rays and adds the light that is not blocked to what the paths see.
-    pub(super) fn gather(&mut self, mut occluded: impl FnMut(&[(Ray, Interval)], &mut [bool]), seen: &mut [Seen]) {
+    /// Traces the rays and adds the light that is not blocked to what the paths see, within bounds where it is indirect.
+    pub(super) fn gather(
+        &mut self,
+        mut occluded: impl FnMut(&[(Ray, Interval)], &mut [bool]),
+        mut bounded: impl FnMut(Rgb) -> Rgb,
+        seen: &mut [Seen],
+    ) {
         if self.rays.is_empty() {
             return;
         }
         self.blocked.clear();
         self.blocked.resize(self.rays.len(), false);
         occluded(&self.rays, &mut self.blocked);
+        for &at in &self.indirect {
+            if !self.blocked[at as usize] {
+                let radiance = &mut self.drawn[at as usize].1;
+                *radiance = bounded(*radiance);
+            }
+        }
+        self.indirect.clear();
         for ((path, radiance), is_blocked) in self.drawn.iter().zip(&self.blocked) {
             if !is_blocked {
                 seen[*path as usize].radiance += *radiance;

@@ -23,6 +23,10 @@ pub struct ShadingCounts {
     pub depth_limited: u64,
     /// Surfaces of transparent bodies that were ignored, because the ray was inside of too many others.
     pub interior_overflows: u64,
+    /// Contributions of indirect light that a [`Clamp`](crate::Clamp) has reduced.
+    pub clamped: u64,
+    /// Light that they have lost, in parts of the bound; [`Clamp::lost`](crate::Clamp::lost) has it in radiance.
+    pub clamped_units: u64,
 }
 
 impl core::ops::AddAssign for ShadingCounts {
@@ -36,5 +40,7 @@ impl core::ops::AddAssign for ShadingCounts {
         self.passages += o.passages;
         self.depth_limited += o.depth_limited;
         self.interior_overflows += o.interior_overflows;
+        self.clamped += o.clamped;
+        self.clamped_units = self.clamped_units.saturating_add(o.clamped_units);
     }
 }

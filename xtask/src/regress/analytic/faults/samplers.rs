@@ -6,8 +6,8 @@ use rt_camera::PixelSampler;
 use rt_geometry::{InsideRule, Plane, Polygon, Shape, SurfaceNeeds};
 use rt_math::{DVec3, Interval, Ray, RayKind, Rgb, Sampler};
 use rt_shading::{
-    Appearance, Coefficient, ConstantBsdfs, Follows, Lighting, Material, Needs, PathSettings, PathTracer, Phong, Seen,
-    SurfaceHit, Tracer,
+    Appearance, Clamp, Coefficient, ConstantBsdfs, Follows, Lighting, Material, Needs, PathSettings, PathTracer, Phong,
+    Seen, SurfaceHit, Tracer,
     emitter::{EmitterRef, EmitterSet, LightSampling, Sides},
 };
 
@@ -118,7 +118,7 @@ fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::PixelSample) 
     let mut world = World::new()?;
     let appearance = appearance();
     let emitters = EmitterSet::new(vec![lamp().emitter()?], LightSampling::Tree, 1.0);
-    let settings = PathSettings { max_depth: 2, roulette_from: 3, follows: Follows::Everything };
+    let settings = PathSettings { max_depth: 2, roulette_from: 3, follows: Follows::Everything, clamp: Clamp::NONE };
     let bsdfs = ConstantBsdfs::new(&appearance, |_| true);
     let lighting = Lighting { appearance: &appearance, emitters: &emitters, bsdfs: &bsdfs };
     let mut paths = PathTracer::new(settings, Needs::of(&appearance, |_| true));

@@ -1,0 +1,100 @@
+//! Bound on indirect light: less noise, at the price of a bias.
+
+use crate::ShadingCounts;
+use rt_math::Rgb;
+
+/// Bound on what a path adds to its pixel where indirect light arrives.
+///
+/// Light is *indirect* if two or more surfaces have scattered it on its way to the camera; the ways of sampling direct light,
+/// by a light and by the BSDF, are both exempt. A contribution whose largest component exceeds the bound is scaled so that
+/// this component equals it, which keeps the hue. Rare bright paths (fireflies) lose most; the mean of a pixel loses light, and
+/// the picture is biased.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clamp {
+    /// Largest component of a contribution, in units of radiance; infinite for none.
+    most: f64,
+}
+
+impl Clamp {
+    /// No bound.
+    pub const NONE: Self = Self { most: f64::INFINITY };
+
+    /// A bound in units of radiance; `None` unless it is finite and above 0.
+    pub fn new(most: f64) -> Option<Self> {
+        (most.is_finite() && most > 0.0).then_some(Self { most })
+    }
+
+    /// The bound in units of radiance; `None` if there is none.
+    pub fn bound(self) -> Option<f64> {
+        self.is_set().then_some(self.most)
+    }
+
+    /// True if contributions of paths that this many surfaces have scattered are bounded.
+    #[inline(always)]
+    pub(super) fn holds_after(self, scattered: u32) -> bool {
+        self.is_set() && scattered >= 2
+    }
+
+    #[inline(always)]
+    fn is_set(self) -> bool {
+        self.most < f64::INFINITY
+    }
+
+    /// The contribution within the bound. What is no radiance is left to the caller of the integrator.
+    #[inline(never)]
+    pub(super) fn bounded(self, contribution: Rgb, counts: &mut ShadingCounts) -> Rgb {
+        let largest = contribution.max_component();
+        if !(largest > self.most && largest < f64::INFINITY) {
+            return contribution;
+        }
+        counts.clamped += 1;
+        let bounded = contribution * (self.most / largest);
+        let lost = contribution - bounded;
+        let in_units = (lost.r + lost.g + lost.b) / 3.0 / self.most * Self::UNITS;
+        counts.clamped_units = counts.clamped_units.saturating_add(in_units as u64);
+        bounded
+    }
+
+    /// Units that the bound is divided into where lost light is summed: integers add up to the same in any order.
+    const UNITS: f64 = 65536.0;
+
+    /// Radiance, mean of channels, that the contributions in the counts have lost in sum.
+    pub fn lost(self, counts: &ShadingCounts) -> f64 {
+        if self.is_set() { counts.clamped_units as f64 / Self::UNITS * self.most } else { 0.0 }
+    }
+}
+
+impl Default for Clamp {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_component_is_bounded_and_the_hue_kept() {
+        let mut counts = ShadingCounts::default();
+        let clamp = Clamp::new(2.0).expect("positive");
+        assert_eq!(clamp.bounded(Rgb::new(8.0, 4.0, 0.0), &mut counts), Rgb::new(2.0, 1.0, 0.0));
+        assert_eq!(clamp.bounded(Rgb::new(2.0, 1.0, 0.5), &mut counts), Rgb::new(2.0, 1.0, 0.5));
+        assert_eq!((counts.clamped, clamp.lost(&counts)), (1, 3.0));
+        assert!(clamp.bounded(Rgb::gray(f64::INFINITY), &mut counts).r.is_infinite(), "bad samples are told elsewhere");
+        assert_eq!(counts.clamped, 1);
+    }
+
+    #[test]
+    fn only_light_of_two_surfaces_or_more_is_indirect() {
+        let clamp = Clamp::new(1.0).expect("positive");
+        assert_eq!([0, 1, 2, 9].map(|scattered| clamp.holds_after(scattered)), [false, false, true, true]);
+        assert_eq!([0, 1, 2, 9].map(|scattered| Clamp::NONE.holds_after(scattered)), [false; 4]);
+    }
+
+    #[test]
+    fn bounds_are_positive_numbers() {
+        assert_eq!([0.0, -1.0, f64::NAN, f64::INFINITY].map(Clamp::new), [None; 4]);
+        assert_eq!((Clamp::NONE.bound(), Clamp::new(3.0).and_then(Clamp::bound)), (None, Some(3.0)));
+    }
+}
