@@ -3,7 +3,7 @@
 //! ```text
 //!   fixed      |  N/M  |  N/M  |  N/M  |  N/M  |                     M passes, one pixel after the other
 //!   --time     |1|1| 2 |  4  |    8    |    16    |    16    | …     over the whole image, until time is up
-//!   --target-error   8 × 4 | 8 × 4 | 8 × 8  | 8 × 16 | …             tested after each pass, from 16 samples on
+//!   --target-error   4 × 4 | 2 × 8 | 2 × 16 | 2 × 32 | …             tested after each pass, from 16 samples on
 //!   ... of pixels    8 × 8 | 8 × 8 | 8 × 16 | 8 × 32 | …             tested where the count has doubled
 //! ```
 //!

@@ -125,19 +125,32 @@ impl StopRule {
         let left = self.max_spp.saturating_sub(taken);
         let wanted = match self.target.map(|target| target.criterion) {
             None => growing_spp(pass),
-            Some(Criterion::Image) => self.doubling_spp(pass, FIRST_PASSES_OF_IMAGE),
-            Some(Criterion::Pixels { .. }) => self.doubling_spp(pass, FIRST_TEST / PASSES_BETWEEN_TESTS),
+            Some(Criterion::Image) => self.spp_of_image(pass),
+            Some(Criterion::Pixels { .. }) => self.doubling_spp(pass),
         };
         let spp = pattern.round_up(wanted.min(left.max(1)));
         (pass == 0 || spp <= left).then_some(spp)
     }
 
     /// Eight passes, after each of which the number of samples has doubled. With fewer, the error of a pixel would be uncertain.
-    fn doubling_spp(&self, pass: u32, first: u32) -> u32 {
-        let first = (self.max_spp / PASSES_BETWEEN_TESTS).clamp(1, first);
+    fn doubling_spp(&self, pass: u32) -> u32 {
+        let first = (self.max_spp / PASSES_BETWEEN_TESTS).clamp(1, FIRST_TEST / PASSES_BETWEEN_TESTS);
         let doublings = (pass / PASSES_BETWEEN_TESTS).saturating_sub(1);
-        first.checked_shl(doublings).filter(|spp| spp >> doublings == first).unwrap_or(u32::MAX)
+        shifted(first, doublings)
     }
+
+    /// Four passes, and then two for each doubling. Patterns are better in large passes, and the pixels of an image are many
+    /// enough to know its error from few.
+    fn spp_of_image(&self, pass: u32) -> u32 {
+        let first = (self.max_spp / FIRST_TEST_OF_IMAGE).clamp(1, FIRST_PASSES_OF_IMAGE);
+        let doublings = pass.checked_sub(FIRST_TEST_OF_IMAGE).map_or(0, |later| 1 + later / 2);
+        shifted(first, doublings)
+    }
+}
+
+/// The number times a power of two, if it fits.
+fn shifted(first: u32, doublings: u32) -> u32 {
+    first.checked_shl(doublings).filter(|spp| spp >> doublings == first).unwrap_or(u32::MAX)
 }
 
 /// Passes from one test of convergence to the next.
@@ -197,14 +210,15 @@ mod tests {
     }
 
     #[test]
-    fn the_image_is_tested_when_its_samples_have_grown_by_a_quarter_at_most() {
+    fn the_image_is_tested_when_its_samples_have_grown_by_half_at_most() {
         let rule = StopRule { target: Some(TargetError::of_image(0.05)), max_spp: 4096, time: None };
         let sizes = sizes(&rule, SamplePattern::Sobol);
-        assert_eq!((sizes[..20].iter().sum::<u32>(), sizes.iter().sum::<u32>()), (4 * 16 + 8 * 4, 4096));
+        assert_eq!(sizes[..8], [4, 4, 4, 4, 8, 8, 16, 16]);
+        assert_eq!((sizes.len(), sizes.iter().sum::<u32>()), (20, 4096));
         let mut taken: u32 = sizes[..FIRST_TEST_OF_IMAGE as usize].iter().sum();
         assert_eq!(taken, 16);
         for spp in &sizes[FIRST_TEST_OF_IMAGE as usize..] {
-            assert!(4 * spp <= taken, "{spp} after {taken}");
+            assert!(2 * spp <= taken, "{spp} after {taken}");
             taken += spp;
         }
     }

@@ -7,7 +7,7 @@ fn three_lines_are_a_scene() {
     let place = Workplace::new();
     place.write("ball.ron", "(nodes: [\n    (shape: sphere()),\n])");
     let run = place.succeed("render ball.ron");
-    assert!(run.stdout.contains("wrote ball.png (640x480)"), "{run:?}");
+    assert!(run.stdout.contains("wrote ball.png (640x480, "), "{run:?}");
     assert_eq!(place.files(), ["ball.png", "ball.ron"]);
     let film = place.film("ball.png");
     let brightness = |x, y| film.pixel(x, y).expect("inside").luminance();

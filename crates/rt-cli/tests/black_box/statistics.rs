@@ -72,7 +72,7 @@ fn totals_are_sums_and_counts_are_the_same_in_every_run() {
 #[test]
 fn the_table_lists_the_rays_of_the_file() {
     let place = Workplace::with_scene();
-    let run = place.succeed("render scene.ron --stats stats.json");
+    let run = place.succeed("render scene.ron --stats stats.json -v");
     let stats: Value = serde_json::from_slice(&place.read("stats.json")).expect("JSON");
     let row = |kind: &str| {
         let line = run.stdout.lines().find(|line| line.trim_start().starts_with(kind)).expect("a row");
@@ -82,6 +82,6 @@ fn the_table_lists_the_rays_of_the_file() {
         assert_eq!(json!(row(kind)), stats["rays"][kind]["rays"], "{kind}");
     }
     assert!(run.stdout.contains("tests/ray"));
-    assert!(!place.succeed("render scene.ron").stdout.contains("tests/ray"), "uncounted costs are not shown");
+    assert!(!place.succeed("render scene.ron -v").stdout.contains("tests/ray"), "uncounted costs are not shown");
     assert!(run.stdout.contains("left out: "), "{run:?}");
 }

@@ -60,7 +60,7 @@ fn a_target_has_a_cap_that_is_named() {
 fn the_worst_pixel_of_the_cornell_box_does_not_decide() {
     let place = Workplace::with_scene();
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/lecture/cornell.ron");
-    let run = place.succeed(&format!("render {scene} --size 128x128 --target-error 5% --stats stats.json"));
+    let run = place.succeed(&format!("render {scene} --size 64x64 --target-error 5% --stats stats.json"));
     let stats = stats(&place);
     let reached = stats["estimated_error"]["relative_rmse"].as_f64().expect("a number");
     assert!((0.03..=0.05).contains(&reached), "{reached}: {run:?}");
@@ -94,17 +94,17 @@ fn statistics_are_two_lines_unless_more_is_asked_for() {
 fn clamping_is_said_to_be_biased_and_counted() {
     let place = Workplace::new();
     place.write("room.ron", ROOM);
-    let run = place.succeed("render room.ron --clamp 0.5 --stats stats.json");
-    assert!(run.stdout.contains("; biased: clamping to 0.5 reduced "), "{run:?}");
+    let run = place.succeed("render room.ron --clamp 0.02 --stats stats.json");
+    assert!(run.stdout.contains("; biased: clamping to 0.02 reduced "), "{run:?}");
     let clamping = &stats(&place)["clamping"];
     assert!(clamping["contributions"].as_u64().is_some_and(|count| count > 0), "{clamping}");
     assert!(clamping["lost_share"].as_f64().is_some_and(|share| share > 0.0 && share < 1.0), "{clamping}");
-    let run = place.succeed("explain room.ron --clamp 0.5");
-    assert!(run.stdout.contains("indirect light clamped to 0.5 (biased)"), "{run:?}");
+    let run = place.succeed("explain room.ron --clamp 0.02");
+    assert!(run.stdout.contains("indirect light clamped to 0.02 (biased)"), "{run:?}");
     let run = place.succeed("render room.ron --stats stats.json");
     assert!(!run.stdout.contains("biased"), "{run:?}");
     assert_eq!(stats(&place)["clamping"], Value::Null);
-    let run = place.succeed("render room.ron --integrator direct --clamp 0.5");
+    let run = place.succeed("render room.ron --integrator direct --clamp 0.02");
     assert!(run.stdout.contains("note: clamp does nothing: "), "{run:?}");
 }
 
