@@ -68,8 +68,6 @@ impl Method {
         let picture = args.fixed.with(choices).map_err(|message| Failure::Usage(format!("--vary: {message}")))?;
         let mut scene = scene.clone();
         let options = overrides::apply(&picture, loaded, &mut scene)?;
-        // Errors are measured of the light itself.
-        scene.film.development.dither = None;
         overrides::apply_development(&args.development, &mut scene.film.development);
         let settings = &mut scene.settings;
         settings.spp = args.spp.0[0];
