@@ -269,8 +269,9 @@ impl LevelCurve {
             Some(&to) => (f64::from(radiance) - from) / (f64::from(to) - from),
             None => 0.0,
         };
-        // The maximum of NaN and 0 is 0.
-        (reached as f64 + share.max(0.0).min(1.0)) / PARTS as f64
+        // NaN is no share: it comes of a radiance that is none, or of a next threshold that is never reached.
+        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
+        (reached as f64 + share) / PARTS as f64
     }
 }
 
