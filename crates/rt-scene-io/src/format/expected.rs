@@ -2,6 +2,8 @@
 //!
 //! The JSON Schema knows it for every place. It is made when something is wrong, and not before.
 
+use std::sync::LazyLock;
+
 use serde_json::Value;
 
 use super::SceneFile;
@@ -15,7 +17,10 @@ pub(super) enum Notation {
 }
 
 /// The schema of scene files.
-pub(super) struct Schema(Value);
+pub(super) struct Schema(&'static Value);
+
+/// Made when the first mistake is explained, once for all.
+static SCHEMA: LazyLock<Value> = LazyLock::new(|| schemars::schema_for!(SceneFile).to_value());
 
 /// What may stand at a place: one of several.
 #[derive(Clone, Debug)]
@@ -29,12 +34,12 @@ pub(super) struct Slot<'s> {
 
 impl Schema {
     pub(super) fn new() -> Self {
-        Self(schemars::schema_for!(SceneFile).to_value())
+        Self(&SCHEMA)
     }
 
     /// What may stand at the end of a path; `None` if the path leaves the format.
     pub(super) fn slot(&self, path: &[Key<'_>]) -> Option<Slot<'_>> {
-        let mut slot = self.expand(vec![&self.0], "Scene");
+        let mut slot = self.expand(vec![self.0], "Scene");
         slot.definition = Some("Scene");
         for key in path {
             slot = self.step(&slot, *key)?;
