@@ -28,7 +28,7 @@ fn bent(index: u64) -> Option<Bent> {
     };
     let (wo, normal) = (unit(0), unit(2));
     // From the inside as well: a point mirrored in the floor.
-    let wo = if index % 2 == 0 { wo } else { DVec3 { y: -wo.y, ..wo } };
+    let wo = if index.is_multiple_of(2) { wo } else { DVec3 { y: -wo.y, ..wo } };
     let side = wo.y.signum();
     let surface = SurfaceInteraction {
         shading_normal: normal,
