@@ -27,6 +27,7 @@ mod bench;
 mod costs;
 mod error;
 mod figures;
+mod marked_block;
 mod matrix;
 mod number;
 mod process;

@@ -11,14 +11,13 @@ use std::{
 
 use crate::{
     error::TaskError,
+    marked_block,
     number::grouped,
     renderer::Renderer,
     statistics::{REPORT, REPORT_PRIMARY, ReportRow, Statistics, measure},
     workspace::Workspace,
 };
 
-const START: &str = "<!-- table1 -->\n";
-const END: &str = "<!-- /table1 -->\n";
 const TIMEOUT: Duration = Duration::from_secs(3600);
 
 /// What the command line asks for.
@@ -55,7 +54,8 @@ pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
     if options.write {
         let path = workspace.root.join("README.md");
         let readme = fs::read_to_string(&path).map_err(TaskError::file(&path))?;
-        let replaced = replace_block(&readme, &table).map_err(TaskError::Other)?;
+        let replaced = marked_block::replace(&readme, "table1", &table)
+            .map_err(|problem| TaskError::Other(format!("README.md {problem}")))?;
         fs::write(&path, replaced).map_err(TaskError::file(&path))?;
     }
     Ok(())
@@ -98,24 +98,4 @@ fn markdown(rows: &[Row]) -> String {
         );
     }
     table
-}
-
-/// The text with everything between the two markers replaced by the table.
-fn replace_block(text: &str, table: &str) -> Result<String, String> {
-    let parts = text.split_once(START).and_then(|(before, rest)| Some((before, rest.split_once(END)?.1)));
-    let (before, after) = parts.ok_or_else(|| format!("README.md has no lines {START} and {END}"))?;
-    Ok(format!("{before}{START}{table}{END}{after}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_the_block_is_replaced() {
-        let text = "a\n<!-- table1 -->\nold\n<!-- /table1 -->\nb\n";
-        assert_eq!(replace_block(text, "new\n").unwrap(), "a\n<!-- table1 -->\nnew\n<!-- /table1 -->\nb\n");
-        assert!(replace_block("no markers", "new").is_err());
-        assert!(replace_block("<!-- table1 -->\n", "new").is_err());
-    }
 }

@@ -22,6 +22,7 @@ mod kills;
 mod minray;
 mod one_picture;
 mod panels;
+mod physics;
 mod report;
 mod stiff;
 mod suite;
@@ -45,6 +46,12 @@ pub(crate) struct Options {
     /// Run checks at full size: hours instead of minutes.
     #[arg(long)]
     full: bool,
+    /// Folder of further pairs for `physics` [default: ../shared/reference/physics/pairs, if it exists].
+    #[arg(long, value_name = "FOLDER")]
+    pairs: Option<PathBuf>,
+    /// Write the table of all pairs of `physics` into docs/PHYSICS.md.
+    #[arg(long, requires = "full")]
+    write: bool,
     /// The program under test, instead of a build of what is here by the profile of this task.
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
@@ -90,6 +97,8 @@ struct Findings {
     trial: Option<Trial>,
     /// Reason for which the unit could not run, or not all of it.
     skipped: Option<String>,
+    /// Comparison of an image with an independent reference, for the table of pairs.
+    pair: Option<physics::Row>,
 }
 
 /// Something that was tried many times.
@@ -184,8 +193,11 @@ fn summary(outcomes: &[Outcome]) -> String {
 
 /// Runs everything that matches the filter. True if none of it failed.
 pub(crate) fn run(workspace: Workspace, options: &Options) -> Result<bool, TaskError> {
-    let mut units = units(&workspace)?;
+    let mut units = units(&workspace, options)?;
     if let Some(filter) = &options.filter {
+        if options.write && filter != "physics" {
+            return Err(TaskError::Other("--write needs all pairs: `regress physics --full --write`".to_owned()));
+        }
         units.retain(|unit| unit.name().contains(filter.as_str()));
     }
     if units.is_empty() {
@@ -213,11 +225,12 @@ pub(crate) fn run(workspace: Workspace, options: &Options) -> Result<bool, TaskE
         let path = folder.join("trials.md");
         fs::write(&path, table).map_err(TaskError::file(&path))?;
     }
+    physics::finish(&context.workspace, &outcomes, &folder, options.full, options.write)?;
     println!("{}; see {}", summary(&outcomes), context.workspace.relative(&page));
     Ok(count(&outcomes, Verdict::Failed) == 0)
 }
 
-fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
+fn units(workspace: &Workspace, options: &Options) -> Result<Vec<Box<dyn Unit>>, TaskError> {
     let mut units: Vec<Box<dyn Unit>> = Vec::new();
     // The long ones come first, so that they do not run alone at the end.
     units.push(Box::new(minray::Minray));
@@ -225,6 +238,7 @@ fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
     units.extend(one_picture::units(workspace)?);
     units.extend(kills::units());
     units.extend(bad_inputs::units());
+    units.extend(physics::units(workspace, options.pairs.as_deref())?);
     units.extend(golden::units(workspace)?);
     units.extend(stiff::units());
     units.extend(analytic::units());

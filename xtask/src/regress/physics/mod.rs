@@ -1,0 +1,318 @@
+//! Physics: our images beside independent references, block by block.
+//!
+//! A pair is a folder with a scene, `pair.json` and `ref.json`. Pairs lie in `tests/physics/pairs`, and more of them beside
+//! the project. The guide is docs/PHYSICS.md; `--write` renews its table.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use serde::Deserialize;
+
+use super::{Context, Findings, Outcome, Unit};
+use crate::{error::TaskError, workspace::Workspace};
+
+mod blocks;
+mod comparison;
+mod pair;
+mod score;
+mod table;
+
+use blocks::Blocks;
+use comparison::{Comparison, MEAN_LIMIT};
+use pair::{Effort, Expect, Pair, Reference, Series, read_json};
+use score::{Score, Tolerance};
+pub(super) use table::Row;
+
+/// Pairs of the project.
+const OWN: &str = "tests/physics/pairs";
+/// Pairs beside the project.
+const BESIDE: &str = "../shared/reference/physics/pairs";
+/// Ratios of the pairs that differ by convention.
+const CONVENTIONS: &str = "tests/physics/conventions.json";
+
+/// Work per pair without `--full`.
+const REDUCED: Effort = Effort::Reduced { seeds: 8, divisor: 4 };
+
+/// One unit per pair, and one that plants faults. Pairs of the project win over others of the same name.
+pub(super) fn units(workspace: &Workspace, more: Option<&Path>) -> Result<Vec<Box<dyn Unit>>, TaskError> {
+    let beside = more.map_or_else(|| workspace.root.join(BESIDE), Path::to_path_buf);
+    if more.is_some() && !beside.is_dir() {
+        return Err(TaskError::Other(format!("{}: there is no such folder of pairs", beside.display())));
+    }
+    let mut pairs = BTreeMap::new();
+    for (parent, is_own) in [(beside.clone(), false), (workspace.root.join(OWN), true)] {
+        for folder in folders(&parent)? {
+            let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            pairs.insert(name, PairUnit { folder, is_own });
+        }
+    }
+    let mut units: Vec<Box<dyn Unit>> = vec![Box::new(PlantedFault)];
+    units.extend(pairs.into_values().map(|pair| Box::new(pair) as Box<dyn Unit>));
+    if !beside.is_dir() {
+        units.push(Box::new(NoneBeside));
+    }
+    Ok(units)
+}
+
+/// Writes the table of the pairs among the outcomes into `folder`, and into the guide if asked to.
+pub(super) fn finish(
+    workspace: &Workspace,
+    outcomes: &[Outcome],
+    folder: &Path,
+    full: bool,
+    write: bool,
+) -> Result<(), TaskError> {
+    table::finish(workspace, outcomes, folder, effort(full), write)
+}
+
+fn effort(full: bool) -> Effort {
+    if full { Effort::Full } else { REDUCED }
+}
+
+/// Folders of pairs in `parent`, which may be missing.
+fn folders(parent: &Path) -> Result<Vec<PathBuf>, TaskError> {
+    if !parent.is_dir() {
+        return Ok(Vec::new());
+    }
+    let entries = crate::workspace::sorted_entries(parent)?;
+    Ok(entries.into_iter().filter(|folder| folder.join("pair.json").is_file()).collect())
+}
+
+/// A pair.
+struct PairUnit {
+    folder: PathBuf,
+    is_own: bool,
+}
+
+impl PairUnit {
+    fn pair_name(&self) -> String {
+        self.folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+}
+
+impl Unit for PairUnit {
+    fn name(&self) -> String {
+        format!("physics/{}", self.pair_name())
+    }
+
+    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
+        let mut findings = Findings::default();
+        let pair = Pair::load(&self.folder)?;
+        let (ours, reference) = match both(context, folder, &self.folder, &pair)? {
+            Ok(both) => both,
+            Err(problem) => {
+                findings.problem(problem);
+                return Ok(findings);
+            }
+        };
+        let comparison = Comparison::of(&ours, &reference, pair.tolerance());
+        let differs = !comparison.problems.is_empty();
+        match pair.expect {
+            Expect::Agree => findings.problems.clone_from(&comparison.problems),
+            Expect::Convention => {
+                let conventions: BTreeMap<String, Convention> = read_json(&context.workspace.root.join(CONVENTIONS))?;
+                match conventions.get(&self.pair_name()) {
+                    _ if !differs => findings.problem("agrees, although a convention makes it differ"),
+                    Some(convention) => findings.problems.extend(convention.broken_by(&ours, &reference)),
+                    None => findings.note(format!("differs by convention; {CONVENTIONS} does not say by how much")),
+                }
+            }
+            Expect::Known if differs => findings.note("differs, as is known"),
+            Expect::Known => findings.note("agrees by now, although it was known to differ"),
+        }
+        findings.notes.extend(comparison.notes.iter().cloned());
+        let passed = findings.problems.is_empty();
+        let verdict = match (pair.expect, differs) {
+            _ if !passed => "FAILS",
+            (Expect::Convention, _) => "differs by convention",
+            (Expect::Known, true) => "differs, known",
+            (Expect::Agree | Expect::Known, _) => "agrees",
+        };
+        let Pair { note, kind, .. } = pair;
+        let (name, is_own) = (self.pair_name(), self.is_own);
+        let row = Row { name, is_own, kind, note, comparison, verdict };
+        findings.note(row.line());
+        findings.pair = Some(row);
+        Ok(findings)
+    }
+}
+
+/// Says that pairs are not there.
+struct NoneBeside;
+
+impl Unit for NoneBeside {
+    fn name(&self) -> String {
+        "physics/beside-the-project".to_owned()
+    }
+
+    fn run(&self, _: &Context, _: &Path) -> Result<Findings, TaskError> {
+        let mut findings = Findings::default();
+        findings.note(format!("skipped: {BESIDE} is not here"));
+        Ok(findings)
+    }
+}
+
+/// Compares with references that are wrong by a hundredth.
+struct PlantedFault;
+
+/// One pair of each kind.
+const SOUND: [&str; 3] = ["sky-gold-r0.3", "depth-1", "drawn-or-found-glossy"];
+const FAULT: f64 = 1.01;
+
+impl Unit for PlantedFault {
+    fn name(&self) -> String {
+        "physics/planted-fault".to_owned()
+    }
+
+    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
+        let mut findings = Findings::default();
+        for name in SOUND {
+            let pair_folder = context.workspace.root.join(OWN).join(name);
+            let pair = Pair::load(&pair_folder)?;
+            let (ours, reference) = match both(context, folder, &pair_folder, &pair)? {
+                Ok(both) => both,
+                Err(problem) => {
+                    findings.problem(format!("{name}: {problem}"));
+                    continue;
+                }
+            };
+            for (factor, is_sound) in [(1.0, true), (FAULT, false), (1.0 / FAULT, false)] {
+                let problems = Comparison::of(&ours, &reference.scaled([factor; 3]), pair.tolerance()).problems;
+                if problems.is_empty() != is_sound {
+                    let verdict = if is_sound { "refused" } else { "accepted" };
+                    findings.problem(format!("{name}: a reference times {factor:.4} is {verdict}"));
+                }
+            }
+        }
+        Ok(findings)
+    }
+}
+
+/// Recorded difference of a pair that differs by convention.
+#[derive(Debug, Deserialize)]
+struct Convention {
+    /// Our image mean divided by that of the reference, by channel.
+    ratio: [f64; 3],
+    /// Relative tolerance of the ratio, as a standard deviation.
+    within: f64,
+}
+
+impl Convention {
+    /// Channels whose ratio is no longer the recorded one.
+    fn broken_by(&self, ours: &Reference, reference: &Reference) -> Vec<String> {
+        let expected = reference.scaled(self.ratio);
+        let tolerance = Tolerance { relative: self.within, absolute: 0.0 };
+        let mut broken = Vec::new();
+        for channel in 0..3 {
+            let z = Score::of(ours.image[channel], expected.image[channel], tolerance).z;
+            // Written so that a score that is not a number breaks it.
+            if !(z.abs() <= MEAN_LIMIT) {
+                let ratio = ours.image[channel].mean / reference.image[channel].mean;
+                broken.push(format!(
+                    "channel {channel}: differs by a factor of {ratio:.5} instead of {:.5}, score {z:+.1}; {CONVENTIONS}",
+                    self.ratio[channel]
+                ));
+            }
+        }
+        broken
+    }
+}
+
+/// Our means and those of the reference; the text of the inner result says why there are none.
+fn both(
+    context: &Context,
+    folder: &Path,
+    pair_folder: &Path,
+    pair: &Pair,
+) -> Result<Result<(Reference, Reference), String>, TaskError> {
+    let effort = effort(context.full);
+    let ours = match render(context, folder, &pair.series(pair_folder, effort), pair.block)? {
+        Ok(renders) => renders,
+        Err(problem) => return Ok(Err(problem)),
+    };
+    let shape = |renders: &[Blocks]| renders.first().map_or([0; 2], |render| [render.rows, render.columns]);
+    let (reference, expected) = if pair.is_of_ours_alone() {
+        match render(context, folder, &pair.reference_series(pair_folder, effort), pair.block)? {
+            Ok(renders) => (Reference::of_seeds(&renders), shape(&renders)),
+            Err(problem) => return Ok(Err(format!("the reference: {problem}"))),
+        }
+    } else {
+        Reference::load(pair_folder)?
+    };
+    let [rows, columns] = shape(&ours);
+    if [rows, columns] != expected {
+        let [expected_rows, expected_columns] = expected;
+        return Ok(Err(format!("{columns}×{rows} blocks instead of {expected_columns}×{expected_rows}")));
+    }
+    Ok(Ok((Reference::of_seeds(&ours), reference)))
+}
+
+/// Renders a series in `folder`; the text of the inner result says why a render failed.
+fn render(
+    context: &Context,
+    folder: &Path,
+    series: &Series,
+    block: usize,
+) -> Result<Result<Vec<Blocks>, String>, TaskError> {
+    const OUTPUT: &str = "image.pfm";
+    if series.seeds == 0 || block == 0 {
+        return Ok(Err("seeds and block must be 1 or more".to_owned()));
+    }
+    let output = folder.join(OUTPUT);
+    let mut renders: Vec<Blocks> = Vec::new();
+    for seed in (series.first_seed..).take(series.seeds as usize) {
+        // Pairs run side by side, so that each has one thread.
+        let mut args = vec!["--threads".to_owned(), "1".to_owned(), "--seed".to_owned(), seed.to_string()];
+        if let Some(spp) = series.spp {
+            args.extend(["--spp".to_owned(), spp.to_string()]);
+        }
+        args.extend(series.args.iter().cloned());
+        let run = context.renderer.render(folder, &series.scene, OUTPUT, args.iter().map(String::as_str))?;
+        if let Err(problem) = run.succeeded() {
+            return Ok(Err(format!("seed {seed}: {problem}")));
+        }
+        let film = rt_camera::read_image(&output).map_err(|error| TaskError::Other(error.to_string()))?;
+        renders.push(Blocks::of_film(&film, block));
+    }
+    fs::remove_file(&output).map_err(TaskError::file(&output))?;
+    Ok(Ok(renders))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{score::Estimate, *};
+
+    #[test]
+    fn a_convention_that_changes_is_found() {
+        let with_mean = |mean: f64| {
+            let estimate = Estimate { mean, variance: 1e-8, freedom: 15.0 };
+            Reference { blocks: vec![estimate; 3], image: [estimate; 3] }
+        };
+        let convention = Convention { ratio: [1.02; 3], within: 0.001 };
+        assert_eq!(convention.broken_by(&with_mean(1.02), &with_mean(1.0)), Vec::<String>::new());
+        assert_eq!(convention.broken_by(&with_mean(1.03), &with_mean(1.0)).len(), 3);
+        assert_eq!(convention.broken_by(&with_mean(1.0), &with_mean(1.0)).len(), 3);
+        assert_eq!(convention.broken_by(&with_mean(f64::NAN), &with_mean(1.0)).len(), 3);
+    }
+
+    #[test]
+    fn all_pairs_of_the_project_can_be_read() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let conventions: BTreeMap<String, Convention> = read_json(&root.join(CONVENTIONS)).unwrap();
+        let folders = folders(&root.join(OWN)).unwrap();
+        assert!(folders.len() >= 40, "{}", folders.len());
+        for folder in folders {
+            let pair = Pair::load(&folder).unwrap_or_else(|error| panic!("{error}"));
+            let name = folder.file_name().unwrap().to_string_lossy().into_owned();
+            assert!(pair.series(&folder, Effort::Full).scene.is_file(), "{name}: no scene");
+            if !pair.is_of_ours_alone() {
+                let (reference, _) = Reference::load(&folder).unwrap_or_else(|error| panic!("{error}"));
+                assert!(reference.image.iter().all(|channel| channel.mean.is_finite()), "{name}");
+            }
+            assert!(pair.expect != Expect::Convention || conventions.contains_key(&name), "{name}: no ratio");
+        }
+    }
+}

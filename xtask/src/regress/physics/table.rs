@@ -1,0 +1,183 @@
+//! The table of all pairs, for the terminal and for the guide.
+
+use std::{fs, path::Path, process::Command};
+
+use super::{super::Outcome, OWN, comparison::Comparison, pair::Effort};
+use crate::{error::TaskError, marked_block, workspace::Workspace};
+
+const PAGE: &str = "docs/PHYSICS.md";
+const MARKER: &str = "physics";
+
+/// A pair that was compared.
+#[derive(Debug)]
+pub(in super::super) struct Row {
+    pub(super) name: String,
+    /// True if the pair is part of the project.
+    pub(super) is_own: bool,
+    pub(super) kind: String,
+    pub(super) note: String,
+    pub(super) comparison: Comparison,
+    pub(super) verdict: &'static str,
+}
+
+impl Row {
+    /// One line for the terminal.
+    pub(super) fn line(&self) -> String {
+        let Comparison { rms, worst, far, blocks, .. } = &self.comparison;
+        format!(
+            "{}; ratio {}; z {}; blocks: RMS {rms:.2}, worst {worst:.1}, {far} of {blocks} beyond 3; notices {}",
+            self.verdict,
+            self.ratios(),
+            self.scores(),
+            self.notices(),
+        )
+    }
+
+    fn markdown(&self) -> String {
+        let Comparison { rms, worst, far, blocks, .. } = &self.comparison;
+        format!(
+            "| {}{} | {} | {} | {} | {} | {rms:.2} | {worst:.1} | {far} of {blocks} | {} | {} |\n",
+            if self.is_own { "" } else { "° " },
+            self.name,
+            self.kind,
+            self.note.replace('|', "\\|"),
+            self.ratios(),
+            self.scores(),
+            self.notices(),
+            self.verdict,
+        )
+    }
+
+    /// Ratios of the image means with the greatest of their standard errors; one if all are the same.
+    fn ratios(&self) -> String {
+        let Comparison { ratio, ratio_error, .. } = &self.comparison;
+        let error = ratio_error.iter().copied().filter(|error| error.is_finite()).fold(0.0, f64::max);
+        let one = |ratio: &f64| if ratio.is_finite() { format!("{ratio:.4}") } else { "black".to_owned() };
+        format!("{} ± {error:.4}", merged(ratio.iter().map(one)))
+    }
+
+    fn scores(&self) -> String {
+        merged(self.comparison.mean_scores.iter().map(|z| format!("{z:+.1}")))
+    }
+
+    fn notices(&self) -> String {
+        let percent = 100.0 * self.comparison.notices;
+        if percent.is_finite() { format!("{percent:.2} %") } else { "blocks".to_owned() }
+    }
+}
+
+/// Numbers of the three channels; one number if all read the same.
+fn merged(channels: impl Iterator<Item = String>) -> String {
+    let mut texts: Vec<String> = channels.collect();
+    texts.dedup();
+    texts.join(" / ")
+}
+
+/// Writes the table of the pairs among the outcomes beside the page of pictures, and into the guide if asked to.
+pub(in super::super) fn finish(
+    workspace: &Workspace,
+    outcomes: &[Outcome],
+    folder: &Path,
+    effort: Effort,
+    write: bool,
+) -> Result<(), TaskError> {
+    let mut rows: Vec<&Row> = outcomes.iter().filter_map(|outcome| outcome.findings.pair.as_ref()).collect();
+    rows.sort_by(|a, b| a.name.cmp(&b.name));
+    if rows.is_empty() {
+        return Ok(());
+    }
+    let table = markdown(&rows);
+    let path = folder.join("physics.md");
+    fs::write(&path, &table).map_err(TaskError::file(&path))?;
+    println!("{} (see {})", summary(&rows, effort), workspace.relative(&path));
+    if write {
+        let origin = format!(
+            "\nWritten by `cargo xtask regress physics --full --write` on one {}, at commit {}. {}\n\n",
+            rt_render::processor(),
+            commit(workspace),
+            summary(&rows, effort),
+        );
+        let path = workspace.root.join(PAGE);
+        let page = fs::read_to_string(&path).map_err(TaskError::file(&path))?;
+        let page = marked_block::replace(&page, MARKER, &format!("{origin}{table}\n"))
+            .map_err(|problem| TaskError::Other(format!("{PAGE} {problem}")))?;
+        fs::write(&path, page).map_err(TaskError::file(&path))?;
+    }
+    Ok(())
+}
+
+fn markdown(rows: &[&Row]) -> String {
+    let head = "| pair | reference | idea | ratio of image means | z | RMS | worst | beyond 3 | notices | verdict |\n\
+                |:--|:--|:--|--:|--:|--:|--:|--:|--:|:--|\n";
+    head.chars().chain(rows.iter().flat_map(|row| row.markdown().chars().collect::<Vec<_>>())).collect()
+}
+
+fn summary(rows: &[&Row], effort: Effort) -> String {
+    let count = |verdict: &str| rows.iter().filter(|row| row.verdict == verdict).count();
+    let own = rows.iter().filter(|row| row.is_own).count();
+    let mut text = format!("{} pairs, {own} of them in {OWN}, with {effort}: {} agree", rows.len(), count("agrees"));
+    for (verdict, words) in [
+        ("differs by convention", "differ by convention"),
+        ("differs, known", "are known to differ"),
+        ("FAILS", "fail"),
+    ] {
+        text.push_str(&match count(verdict) {
+            0 => String::new(),
+            n => format!(", {n} {words}"),
+        });
+    }
+    text.push('.');
+    text
+}
+
+/// Abbreviated hash of the commit that is checked out.
+fn commit(workspace: &Workspace) -> String {
+    let output = Command::new("git").args(["rev-parse", "--short", "HEAD"]).current_dir(&workspace.root).output();
+    match output {
+        Ok(output) if output.status.success() => String::from_utf8_lossy(&output.stdout).trim().to_owned(),
+        _ => "unknown".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(name: &str, is_own: bool, ratio: [f64; 3]) -> Row {
+        let comparison = Comparison {
+            ratio,
+            ratio_error: [0.001, 0.002, f64::NAN],
+            mean_scores: [0.5, 0.5, 0.5],
+            rms: 1.0,
+            worst: 2.5,
+            far: 0,
+            blocks: 192,
+            notices: 0.0123,
+            problems: Vec::new(),
+            notes: Vec::new(),
+        };
+        let (name, kind, note) = (name.to_owned(), "numeric".to_owned(), "a | b".to_owned());
+        Row { name, is_own, kind, note, comparison, verdict: "agrees" }
+    }
+
+    #[test]
+    fn rows_show_ratios_scores_and_verdict() {
+        let rows = [row("a", true, [1.0, 1.0, f64::NAN]), row("b", false, [1.0; 3])];
+        let table = markdown(&rows.iter().collect::<Vec<_>>());
+        let lines: Vec<&str> = table.lines().collect();
+        assert_eq!(
+            lines[2],
+            "| a | numeric | a \\| b | 1.0000 / black ± 0.0020 | +0.5 | 1.00 | 2.5 | 0 of 192 | 1.23 % | agrees |"
+        );
+        assert!(lines[3].starts_with("| ° b | numeric | a \\| b | 1.0000 ± 0.0020 | +0.5 |"), "{}", lines[3]);
+    }
+
+    #[test]
+    fn the_summary_counts_verdicts() {
+        let mut failing = row("c", false, [1.0; 3]);
+        failing.verdict = "FAILS";
+        let rows = [row("a", true, [1.0; 3]), failing];
+        let text = summary(&rows.iter().collect::<Vec<_>>(), Effort::Full);
+        assert_eq!(text, "2 pairs, 1 of them in tests/physics/pairs, with all seeds and samples: 1 agree, 1 fail.");
+    }
+}
