@@ -3,7 +3,7 @@
 use crate::{
     Interior, Material, ShadingCounts, SurfaceHit,
     bsdf::Scattering,
-    interior::{Crossing, absorb},
+    interior::{Crossing, Medium, absorb},
     meeting::FREE_PASSAGES,
 };
 use rt_math::Rgb;
@@ -41,6 +41,12 @@ impl Course {
     ) {
         let medium = crossing.map_or_else(|| self.interior.medium(materials), |c| c.before);
         absorb(light, medium.absorption, (t - self.medium_start) * length);
+    }
+
+    /// Media on the near and on the far side of a surface.
+    pub(crate) fn media(&self, materials: &[Material], crossing: Option<&Crossing>) -> [Medium; 2] {
+        let around = || [self.interior.medium(materials); 2];
+        crossing.map_or_else(around, |crossing| [crossing.before, crossing.after])
     }
 
     /// Goes through a surface that does nothing to the ray, and takes off what the medium before it has absorbed if the next one

@@ -57,6 +57,12 @@ pub(crate) struct Medium {
 
 impl Medium {
     const AIR: Self = Self { ior: 1.0, absorption: Rgb::BLACK };
+
+    /// Part of the light that a way in world units, possibly infinite, leaves (Beer's law).
+    pub(crate) fn transmittance(&self, way: f64) -> Rgb {
+        // 0 · ∞ is not a number.
+        self.absorption.map(|per_unit| if per_unit == 0.0 { 1.0 } else { exp(-per_unit * way) })
+    }
 }
 
 /// Beer's law along a way in world units; whether it took anything.

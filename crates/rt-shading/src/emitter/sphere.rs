@@ -159,8 +159,22 @@ impl SphereLight {
         Some(EmitterSample { direction, ..sample })
     }
 
+    /// True for a direction that leaves the sphere from a point of its surface. Rounding puts half of all points of the
+    /// surface within, where each direction meets the sphere: those that leave it at the point itself.
+    fn leaves(&self, point: DVec3, direction: DVec3) -> bool {
+        /// Error of a hit point, in units of the largest number that it is computed from.
+        const ROUNDING: f64 = 64.0 * f64::EPSILON;
+        let (outwards, radius) = (point - self.sphere.centre(), self.sphere.radius());
+        let error = ROUNDING * (self.sphere.centre().length() + radius);
+        outwards.length() >= radius - error && outwards.dot(direction) >= 0.0
+    }
+
     fn sample_within(&self, point: DVec3, u: [f64; 2]) -> Option<EmitterSample> {
-        let at = self.intersect(point, uniform_sphere(u))?;
+        let direction = uniform_sphere(u);
+        if self.leaves(point, direction) {
+            return None;
+        }
+        let at = self.intersect(point, direction)?;
         let radiance = self.emission.radiance();
         EmitterSample::of_surface(point, &at, self.sphere.radius(), radiance, 0.25 * FRAC_1_PI)
     }
@@ -182,6 +196,24 @@ mod tests {
         let away = DVec3::new(0.48, -0.6, 0.64);
         let (sin, cos) = sincos(theta);
         [away * distance, Frame::from_z(-away).from_local(DVec3::new(sin, 0.0, cos))]
+    }
+
+    #[test]
+    fn a_two_sided_sphere_does_not_light_its_own_outside() {
+        let centre = DVec3::new(0.3, 1.0, -0.7);
+        let light = SphereLight::new(centre, 0.5, white(Sides::Both)).expect("a light");
+        for i in 0..64_u8 {
+            let normal = uniform_sphere([f64::from(i) / 64.0, f64::from(i) * 0.618 % 1.0]);
+            // A hit point as rounding may leave it: on, above or below the surface.
+            let point = centre + normal * (0.5 * (1.0 + 2e-16 * (f64::from(i % 5) - 2.0)));
+            for j in 0..64_u8 {
+                let u = [f64::from(j) / 64.0, f64::from(j) * 0.618 % 1.0];
+                if let Some(sample) = light.sample(point, u) {
+                    let cos = sample.direction.dot(normal);
+                    assert!(cos < 1e-6, "light from {cos} above the surface at {point:?}");
+                }
+            }
+        }
     }
 
     #[test]

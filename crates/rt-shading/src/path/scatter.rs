@@ -75,7 +75,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             let radiance = path.weight * ambient * lighting.appearance.ambient;
             seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
-        self.draw_lights(lighting, id, &vertex, seen);
+        self.draw_lights(lighting, id, &vertex, crossing, seen);
         self.scatter(id, &vertex, crossing);
     }
 
@@ -100,11 +100,27 @@ impl<S: Sampler + Clone> PathTracer<S> {
     }
 
     /// Asks all lights without extent and one of those with, and leaves it to shadow rays whether they count.
-    fn draw_lights(&mut self, lighting: Lighting<'_>, id: u32, vertex: &Vertex<'_>, seen: &mut Seen) {
+    fn draw_lights(
+        &mut self,
+        lighting: Lighting<'_>,
+        id: u32,
+        vertex: &Vertex<'_>,
+        crossing: Option<&Crossing>,
+        seen: &mut Seen,
+    ) {
         let clamp = self.settings.clamp;
         let path = &mut self.paths[id as usize];
         let is_bounded = clamp.holds_after(path.bounces + 1);
         let surface = vertex.view.surface;
+        let media = self.needs.absorption.then(|| path.course.media(&lighting.appearance.materials, crossing));
+        // Shadow rays end at any surface, so that one medium fills all of their way.
+        let dimmed = |radiance: Rgb, direction: DVec3, distance: f64| match media {
+            Some([near, far]) => {
+                let is_near = vertex.view.is_on_side_of(Scattering::Reflection, direction);
+                radiance * (if is_near { near } else { far }).transmittance(distance)
+            }
+            None => radiance,
+        };
         let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
         if vertex.bsdf.is_delta() {
             return;
@@ -117,8 +133,10 @@ impl<S: Sampler + Clone> PathTracer<S> {
             if radiance.is_black() {
                 self.counts.shadow_rays_spared += u64::from(light.casts_shadows);
             } else if light.casts_shadows {
+                let radiance = dimmed(radiance, lit.direction, lit.distance);
                 self.shadows.push(light.shadow_ray(&shadow_rays, &lit, vertex.time), id, radiance, is_bounded);
             } else {
+                let radiance = dimmed(radiance, lit.direction, lit.distance);
                 seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
             }
         }
@@ -141,7 +159,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
             Some(target) => (shadow_rays.to(target, vertex.time), Interval::SEGMENT),
             None => (shadow_rays.towards(light.sample.direction, vertex.time), Interval::SPAWNED),
         };
-        self.shadows.push(ray, id, radiance, is_bounded);
+        let distance = light.sample.point.map_or(f64::INFINITY, |point| (point - surface.point).length());
+        self.shadows.push(ray, id, dimmed(radiance, light.sample.direction, distance), is_bounded);
     }
 
     /// Chooses the direction in which the path goes on, if it does.
