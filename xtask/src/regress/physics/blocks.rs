@@ -9,6 +9,8 @@ pub(super) struct Blocks {
     pub columns: usize,
     /// By row, column and channel.
     pub means: Vec<f64>,
+    /// Brightest channel of a pixel.
+    pub brightest: f64,
 }
 
 impl Blocks {
@@ -26,7 +28,8 @@ impl Blocks {
             }
         }
         let means = sums.iter().zip(&counts).flat_map(|(sum, count)| sum.map(|sum| sum / f64::from(*count)));
-        Self { rows: height_in_blocks, columns: width_in_blocks, means: means.collect() }
+        let brightest = pixels.iter().flatten().fold(0.0, |most: f64, value| most.max(f64::from(*value)));
+        Self { rows: height_in_blocks, columns: width_in_blocks, means: means.collect(), brightest }
     }
 
     pub(super) fn of_film(film: &Film, side: usize) -> Self {
@@ -47,7 +50,7 @@ mod tests {
     fn blocks_go_by_rows_and_the_rest_is_smaller() {
         let pixels: Vec<[f32; 3]> = (0_u8..15).map(|i| [f32::from(i), 1.0, 0.0]).collect();
         let blocks = Blocks::of(&pixels, 5, 2);
-        assert_eq!((blocks.rows, blocks.columns), (2, 3));
+        assert_eq!((blocks.rows, blocks.columns, blocks.brightest), (2, 3, 14.0));
         let red: Vec<f64> = blocks.means.iter().step_by(3).copied().collect();
         assert_eq!(red, [3.0, 5.0, 6.5, 10.5, 12.5, 14.0]);
         assert_eq!([0, 1, 2].map(|channel| blocks.image_mean(channel)), [51.5 / 6.0, 1.0, 0.0]);

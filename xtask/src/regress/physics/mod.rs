@@ -229,7 +229,8 @@ fn both(
     pair: &Pair,
 ) -> Result<Result<(Reference, Reference), String>, TaskError> {
     let effort = effort(context.full);
-    let ours = match render(context, folder, &pair.series(pair_folder, effort), pair.block)? {
+    let series = pair.series(pair_folder, effort);
+    let ours = match render(context, folder, &series, pair.block)? {
         Ok(renders) => renders,
         Err(problem) => return Ok(Err(problem)),
     };
@@ -247,7 +248,10 @@ fn both(
         let [expected_rows, expected_columns] = expected;
         return Ok(Err(format!("{columns}×{rows} blocks instead of {expected_columns}×{expected_rows}")));
     }
-    Ok(Ok((Reference::of_seeds(&ours), reference)))
+    // The mean of a block that one sample has lit as brightly as the brightest pixel.
+    let samples = f64::from(series.spp.unwrap_or(1)) * f64::from(series.seeds) * (pair.block * pair.block) as f64;
+    let event = ours.iter().fold(0.0, |most: f64, render| most.max(render.brightest)) / samples;
+    Ok(Ok((Reference::of_seeds(&ours).with_rare_events(&reference, event), reference)))
 }
 
 /// Renders a series in `folder`; the text of the inner result says why a render failed.
