@@ -6,6 +6,7 @@ use super::{
 };
 use crate::{
     Seen, ShadingCounts, SurfaceHit,
+    bsdf::Scattering,
     constant_bsdfs::Scatterer,
     interior::Crossing,
     meeting::Meeting,
