@@ -94,8 +94,7 @@ pub fn reference_page() -> String {
     for (name, heading) in TYPES {
         format.describe(name, heading, &mut page);
     }
-    let text = page.trim_end().to_owned() + "\n";
-    text
+    page.trim_end().to_owned() + "\n"
 }
 
 struct Format<'s> {

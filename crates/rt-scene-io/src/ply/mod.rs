@@ -122,15 +122,14 @@ fn surplus(bytes: &[u8], rest: &[u8], format: PlyFormat) -> Option<String> {
         let sentence = format!("{} {unit} beyond the rows that the header promises are left out", rest.len());
         return (!rest.is_empty()).then_some(sentence);
     }
-    let line = bytes.len() - 1 - rest.len();
-    let mut line = 1 + bytes[..line].iter().filter(|byte| **byte == b'\n').count();
+    let read = bytes.len() - 1 - rest.len();
+    let lines = 1 + bytes[..read].iter().filter(|byte| **byte == b'\n').count()..;
     let (mut first, mut count) = (None, 0_usize);
-    for text in rest.split(|byte| *byte == b'\n') {
+    for (line, text) in lines.zip(rest.split(|byte| *byte == b'\n')) {
         if !text.trim_ascii().is_empty() {
             first = first.or(Some(line));
             count += 1;
         }
-        line += 1;
     }
     let (first, unit) = (first?, if count == 1 { "line" } else { "lines" });
     let place = if count == 1 { format!("(line {first})") } else { format!("the first of them line {first}") };
