@@ -16,7 +16,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use rt_camera::ImageFormat;
-use rt_scene_io::{InMemoryFile, Reason};
+use rt_scene_io::{InMemoryFile, Reason, StudioLights};
 
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
 pub(crate) use converge::{Against, ConvergeArgs, Variation};
@@ -268,6 +268,13 @@ pub(crate) struct InputArgs {
     /// Put a ground under a bare model
     #[arg(long)]
     pub(crate) ground: bool,
+
+    /// Add studio lights: `auto` to scenes without a light of any kind, `none` never, `studio` always [default: auto]
+    ///
+    /// Studio lights are a key light, a fill light, ambient light and a backdrop. Lights of any kind are lights of the file,
+    /// emissive materials, an image around the scene and, where it lights the scene, a background that is not black.
+    #[arg(long, value_name = "NAME", value_parser = values::choice(StudioLights::ALL, StudioLights::name))]
+    pub(crate) lights: Option<StudioLights>,
 
     /// Pose the scene and its models (.gltf, .glb) as their animations have them at this moment, in seconds
     ///

@@ -89,6 +89,7 @@ fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
         piped: _,
         root: _,
         ground,
+        lights,
         at_time,
         pace,
         animation,
@@ -117,7 +118,7 @@ fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
         background,
         env: _,
     } = picture;
-    let of_input = (ground, at_time, pace, animation, variant);
+    let of_input = (ground, lights.unwrap_or_default(), at_time, pace, animation, variant);
     let how_much = (size, spp, passes, adaptive, least, depth, seed, clamp);
     format!("{of_input:?} {how_much:?} {:?}", (integrator, sampler, light_sampling, view, crop, background))
 }

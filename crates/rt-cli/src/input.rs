@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use rt_scene_io::{LoadOptions, MemoryBudget, Scene, Warning, load};
 
-use crate::args::InputArgs;
+use crate::args::{BackgroundChoice, InputArgs, PictureArgs};
 use crate::console::Console;
 use crate::error::Failure;
 use crate::memory;
@@ -22,9 +22,19 @@ pub(crate) struct Input {
     pub(crate) options: LoadOptions,
 }
 
-/// Reads a scene for an image of the given size, by default its own, and passes on what the loader warns of.
-pub(crate) fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console) -> Result<Input, Failure> {
-    let options = LoadOptions { size, ..load_options(args)? };
+/// Reads a scene for a picture, by default its own, and passes on what the loader warns of.
+pub(crate) fn read(args: &InputArgs, picture: Option<&PictureArgs>, console: Console) -> Result<Input, Failure> {
+    let options = load_options(args)?;
+    let options = picture.map_or(options.clone(), |picture| LoadOptions {
+        size: picture.size,
+        integrator: picture.integrator,
+        background: match picture.background {
+            Some(BackgroundChoice::Colour(colour)) => Some(colour),
+            Some(BackgroundChoice::Transparent) | None => None,
+        },
+        has_environment: picture.env.is_some(),
+        ..options
+    });
     let scene = load(&args.scene, &options)?;
     warn(&scene.warnings, console);
     let mut files = options.referenced.paths();
@@ -72,6 +82,7 @@ pub(crate) fn load_options(args: &InputArgs) -> Result<LoadOptions, Failure> {
         root => Ok(LoadOptions {
             root: root.clone(),
             ground: args.ground,
+            studio_lights: args.lights.unwrap_or_default(),
             at_time: args.at_time,
             frame_time: Some(1.0 / args.pace.fps),
             shutter: args.pace.shutter,

@@ -53,6 +53,10 @@ pub(crate) fn apply(args: &PictureArgs, loaded: &LoadOptions, scene: &mut Scene)
             scene.settings.integrator = Integrator::Path;
         }
     }
+    if args.integrator.is_some() {
+        let simplification = simplification(scene);
+        scene.notes.extend(simplification);
+    }
     let camera = find_camera(args.view.camera.as_deref(), scene)?;
     if let Some(camera) = scene.cameras.get_mut(camera) {
         move_camera(&args.view, &mut camera.settings)?;
@@ -68,6 +72,29 @@ pub(crate) fn apply(args: &PictureArgs, loaded: &LoadOptions, scene: &mut Scene)
         memory: loaded.memory.limit(),
         progressive: false,
     })
+}
+
+/// What the integrator leaves out of physically based materials, as a note.
+fn simplification(scene: &Scene) -> Option<String> {
+    let left_out = match scene.settings.integrator {
+        Integrator::Whitted => {
+            "shows physically based materials as Phong surfaces: highlights for rough reflections, no coat, sheen or rough \
+             glass, and the mean of roughness and metalness textures"
+        }
+        Integrator::Distributed => {
+            "follows the reflections and refractions of physically based materials, and no light from one diffuse surface to \
+             another"
+        }
+        Integrator::Direct => {
+            "shows physically based materials in the light of lamps and the background alone: no surface is seen in \
+             another, and nothing through glass"
+        }
+        _ => return None,
+    };
+    let is_physical = |material: &rt_scene_io::Material| material.has_physical_surface();
+    let integrator = scene.settings.integrator.name();
+    let is_simplified = scene.appearance.materials.iter().any(is_physical);
+    is_simplified.then(|| format!("`{integrator}` {left_out}; `path` shows them in full."))
 }
 
 /// What the options make of the scene's adaptive sampling.

@@ -10,7 +10,7 @@ use rt_geometry::{Plane, Shape, Sphere};
 use rt_math::{DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{Content, MaterialId, NamedCamera, Node, Scene};
-use rt_shading::{Appearance, Background, Coefficient, Falloff, Light, LightKind, Material, Phong};
+use rt_shading::{Appearance, Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or_else(|| "scene_in_code.png".to_owned());
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         film: FilmSettings { width: 480, height: 320, ..FilmSettings::default() },
         appearance: Appearance {
             materials: vec![Material::new("clay".into(), clay), Material::new("chrome".into(), chrome)],
-            lights: vec![Light { name: "lamp".into(), kind: lamp, intensity: Rgb::WHITE, casts_shadows: true }],
+            lights: vec![Light { name: "lamp".into(), kind: lamp, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }],
             ambient: Rgb::WHITE,
             background: Background::Gradient { bottom: Rgb::gray(0.9), top: Rgb::new(0.3, 0.5, 0.9) },
             ..Appearance::default()

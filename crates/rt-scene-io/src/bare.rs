@@ -1,16 +1,23 @@
 //! A scene around a model that comes without one.
 
 use rt_camera::Projection;
+use core::f64::consts::PI;
+
 use rt_math::{Aabb, DVec3, Rgb, Transform, transcendental};
-use rt_shading::{Coefficient, Falloff, Highlight, Light, LightKind, Phong};
+use rt_shading::emitter::Sides;
+use rt_shading::{Coefficient, Falloff, Highlight, Light, LightKind, LightUnits, Phong, Physical};
 
 use crate::bounds::tree_bounds;
 use crate::format::{self, CameraAnimation, CameraKey, Color, Interpolation, Material, Node, SceneFile, Shape, Step};
-use crate::resolve::{backdrop, rounded};
-use crate::{LightUnits, LoadOptions, Model, NamedCamera};
+use crate::resolve::rounded;
+use crate::scene::{is_emissive, used_materials};
+use crate::{LoadOptions, Material as SceneMaterial, Model, NamedCamera, StudioLights};
 
 /// Name of the plane that `ground` asks for.
 const GROUND: &str = "ground";
+
+/// Samples per pixel of a bare model under an integrator that samples directions.
+const STOCHASTIC_SPP: u64 = 64;
 
 /// A scene file that shows a model by its own cameras and lights, and the choices that were made for it. What the
 /// model does not bring is left open.
@@ -37,38 +44,59 @@ pub(crate) fn scene_around(
         file.film.size = (width.into(), height.into());
     }
     notes.extend(model.notes.iter().cloned());
-    if model.lights.is_empty() && model.light_units != LightUnits::Radiometric {
-        return (file, notes);
+    let used = used_materials([&*model.nodes]);
+    let used: Vec<&SceneMaterial> = used.iter().filter_map(|id| model.materials.get(*id as usize)).collect();
+    let has_emissive = used.iter().any(|material| is_emissive(material));
+    let is_lit_by_objects =
+        has_emissive && model.lights.is_empty() && options.studio_lights != StudioLights::Studio;
+    let reason = if used.iter().any(|material| material.physical.is_some()) {
+        Some("materials are physically based")
+    } else {
+        is_lit_by_objects.then_some("surfaces are its only lights")
+    };
+    if let (Some(reason), None) = (reason, options.integrator) {
+        file.settings.integrator = Some(format::Integrator::Path);
+        notes.push(format!("The integrator is `path`, as the model's {reason}."));
     }
-    match model.light_units {
-        LightUnits::Radiometric => {
-            file.lights = Some(model.lights.iter().map(light).collect());
-            file.settings.integrator = Some(format::Integrator::Path);
+    let is_sampled = match options.integrator {
+        Some(integrator) => reason.is_some() && integrator.follows_light() && integrator.is_stochastic(),
+        None => reason.is_some() || options.has_environment,
+    };
+    if is_sampled {
+        file.settings.spp = STOCHASTIC_SPP;
+    }
+    if !model.lights.is_empty() {
+        file.lights = Some(model.lights.iter().map(light).collect());
+        if model.is_photometric {
+            let has_radiance =
+                has_emissive || options.has_environment || options.background.is_some_and(|color| !color.is_black());
+            notes.push(expose(&mut file, typical_illuminance(&at_rest.lights, &bounds), has_radiance));
         }
-        LightUnits::Classical => file.lights = Some(model.lights.iter().map(light).collect()),
-        LightUnits::Photometric => notes.push(expose(&mut file, model, typical_illuminance(&at_rest.lights, &bounds))),
     }
     (file, notes)
 }
 
 /// True if the box around a model matters to what is chosen for it.
 pub(crate) const fn asks_for_bounds(model: &Model, options: &LoadOptions) -> bool {
-    options.ground || (matches!(model.light_units, LightUnits::Photometric) && !model.lights.is_empty())
+    options.ground || (model.is_photometric && !model.lights.is_empty())
 }
 
-/// Takes over lights in candela and lux, with a film that suits those that shine with this level; the sentence says how.
-fn expose(file: &mut SceneFile, model: &Model, level: f64) -> String {
+/// Exposes the film for lights in candela and lux of this illuminance: a white surface that they light becomes white. Returns a
+/// note.
+///
+/// Emissive materials and images around the scene have a radiance of which 1 is white. Where there are such sources as well,
+/// 1 is added to the radiance of the white surface, so that neither is overexposed.
+fn expose(file: &mut SceneFile, illuminance: f64, has_radiance: bool) -> String {
     // Lights that reach nothing, or are out of range, give no hint.
-    let level = if level > 0.0 && level.is_finite() { rounded(level, level) } else { 1.0 };
-    file.film.exposure = rounded(-transcendental::log2(level), 10.0);
+    let is_usable = illuminance > 0.0 && illuminance.is_finite();
+    let radiance = if is_usable { illuminance / PI } else { f64::from(u8::from(!has_radiance)) };
+    let white = radiance + f64::from(u8::from(has_radiance));
+    file.film.exposure = rounded(-transcendental::log2(white), 10.0);
     // What is nearer to a lamp than most is many times as bright: the curve keeps its shape visible.
     file.film.tone = format::Tone::Aces;
-    // Shadows would be pitch black, and a sky of the usual brightness invisible beside lights in lux.
-    file.lights = Some(model.lights.iter().map(light).chain([format::Light::Ambient(Color::Gray(level))]).collect());
-    file.background.get_or_insert_with(|| backdrop(level));
+    let illuminance = rounded(illuminance, illuminance.max(1.0));
     format!(
-        "The model's lights shine with about {level}; exposure {} and a filmic tone curve make that bright. Ambient \
-         light and a background of that level were added.",
+        "The model's lights give about {illuminance} lx; exposure {} and a filmic tone curve make that bright.",
         file.film.exposure
     )
 }
@@ -159,6 +187,10 @@ fn light(light: &Light) -> format::Light {
     let name = light.name.clone();
     let intensity = Color::from_rgb(light.intensity.to_array());
     let casts_shadows = light.casts_shadows;
+    let units = match light.units {
+        LightUnits::Classical => format::LightUnits::Classical,
+        LightUnits::Physical => format::LightUnits::Physical,
+    };
     let falloff = |falloff| match falloff {
         Falloff::None => format::Falloff::None,
         Falloff::InverseSquare => format::Falloff::InverseSquare,
@@ -168,12 +200,13 @@ fn light(light: &Light) -> format::Light {
             name,
             position: position.to_array(),
             intensity,
+            units,
             falloff: falloff(f),
             lamp_radius,
             casts_shadows,
         },
         LightKind::Directional { direction } => {
-            format::Light::Directional { name, direction: direction.to_array(), intensity, casts_shadows }
+            format::Light::Directional { name, direction: direction.to_array(), intensity, units, casts_shadows }
         }
         LightKind::Spot { position, direction, cos_inner, cos_outer, falloff: f } => format::Light::Spot {
             name,
@@ -182,10 +215,71 @@ fn light(light: &Light) -> format::Light {
             inner: transcendental::acos(cos_inner).to_degrees(),
             outer: transcendental::acos(cos_outer).to_degrees().min(90.0),
             intensity,
+            units,
             falloff: falloff(f),
             casts_shadows,
         },
     }
+}
+
+/// A physical surface as scene files describe it; `None` for one that they cannot describe.
+pub(crate) fn physical_material(material: &SceneMaterial) -> Option<Material> {
+    let SceneMaterial { phong, physical, shines, .. } = material;
+    let constant = |coefficient: &Coefficient| match coefficient {
+        Coefficient::Constant(rgb) if rgb.max_component() <= 1.0 => Some(Color::from_rgb(rgb.to_array()).into()),
+        _ => None,
+    };
+    let emission = match phong.emission {
+        Coefficient::Constant(rgb) if rgb.is_black() => None,
+        Coefficient::Constant(rgb) => Some(Color::from_rgb(rgb.to_array()).into()),
+        Coefficient::Textured(..) => return None,
+    };
+    let sides = match shines {
+        Sides::Front => format::Sides::Front,
+        Sides::Both => format::Sides::Both,
+    };
+    let is_dark = emission.is_none();
+    let written = match physical.as_ref()? {
+        Physical::Black => Material::Light { radiance: emission.unwrap_or(format::Coefficient::Gray(0.0)), shines: sides },
+        _ if !(is_dark || *shines == Sides::Both) => return None,
+        Physical::Diffuse { albedo, roughness } => {
+            Material::Diffuse { albedo: constant(albedo)?, roughness: *roughness, emission }
+        }
+        Physical::MetallicRoughness { base_color, metallic, roughness } => Material::MetallicRoughness {
+            base_color: constant(base_color)?,
+            metallic: *metallic,
+            roughness: *roughness,
+            emission,
+        },
+        _ if !is_dark => return None,
+        Physical::Glossy { diffuse, specular, exponent } => {
+            Material::Glossy { diffuse: constant(diffuse)?, specular: constant(specular)?, exponent: *exponent }
+        }
+        Physical::Mirror { reflectance } => Material::Mirror { reflectance: constant(reflectance)? },
+        Physical::Dielectric { roughness, transmittance } => {
+            let inside = phong.transmission.filter(|inside| inside.fresnel && inside.coefficient == *transmittance)?;
+            let absorption =
+                (!inside.absorption.is_black()).then(|| Color::from_rgb(inside.absorption.to_array()));
+            Material::Glass {
+                ior: inside.ior,
+                roughness: *roughness,
+                transmittance: constant(transmittance)?,
+                absorption,
+                priority: inside.priority,
+            }
+        }
+        Physical::Conductor { ior, roughness } => Material::Metal {
+            metal: None,
+            n: Some(Color::from_rgb(ior.n.to_array())),
+            k: Some(Color::from_rgb(ior.k.to_array())),
+            roughness: *roughness,
+        },
+        Physical::ThinGlass { ior, transmittance } => {
+            Material::ThinGlass { ior: *ior, transmittance: constant(transmittance)? }
+        }
+        Physical::Layered(_) | Physical::Mix(_) => return None,
+    };
+    Some(written)
 }
 
 /// All that is constant about a surface. Coefficients with a texture are left to the model.
@@ -226,11 +320,15 @@ mod tests {
     /// A box of side 2 around the origin, lit by these lights.
     fn lit(kinds: &[LightKind], intensity: f64) -> Model {
         let cube = AxisBox::new(DVec3::NEG_ONE, DVec3::ONE).unwrap();
-        let light = |&kind| Light { name: String::new(), kind, intensity: Rgb::gray(intensity), casts_shadows: true };
+        let light = |&kind| {
+            let (name, units) = (String::new(), LightUnits::Physical);
+            Light { name, kind, intensity: Rgb::gray(intensity), units, casts_shadows: true }
+        };
         Model {
             materials: vec![Material::new("ground".to_owned(), Phong::default())],
             nodes: vec![SceneNode::new(Content::Shape(Shape::AxisBox(cube)), MaterialId(0))],
             lights: kinds.iter().map(light).collect(),
+            is_photometric: true,
             ..Model::default()
         }
     }
@@ -248,16 +346,17 @@ mod tests {
     fn exposure_takes_the_light_of_a_model_to_white() {
         let sun = LightKind::Directional { direction: DVec3::NEG_Y };
         let day = scene(lit(&[sun], 65_536.0), false);
-        assert_eq!(day.film.development.exposure, -16.0);
-        assert_eq!(day.appearance.ambient, Rgb::gray(65_536.0));
+        // log2(65536/π): white paper reflects 1/π of the illuminance.
+        assert_eq!(day.film.development.exposure, -14.35);
+        assert_eq!(day.appearance.ambient, Rgb::BLACK);
         assert_eq!(day.appearance.lights[0].intensity, Rgb::gray(65_536.0));
         // 8 candela, 4 away from the middle of a small box: half a lux.
         let near = scene(lit(&[point(DVec3::new(0.0, 4.0, 0.0))], 8.0), false);
-        assert!((near.film.development.exposure - 1.0).abs() < 0.5, "{}", near.film.development.exposure);
+        assert!((near.film.development.exposure - 2.65).abs() < 0.5, "{}", near.film.development.exposure);
         // A light in the very middle, or in a corner, does not blow up.
         for place in [DVec3::ZERO, DVec3::ONE] {
             let exposure = scene(lit(&[point(place)], 3.0), false).film.development.exposure;
-            assert!(exposure.abs() < 3.0, "{exposure}");
+            assert!((exposure - 1.65).abs() < 3.0, "{exposure}");
         }
     }
 

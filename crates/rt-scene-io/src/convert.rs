@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
 
-use crate::bare::material;
+use crate::bare::{material, physical_material};
 use crate::format::{Background, Coefficient, Material, Node, NodeMaterial, SceneFile};
 use crate::load::{ending, load_bare, read_scene_file};
 use crate::options::folder_of;
@@ -16,6 +16,8 @@ pub struct Converted {
     pub text: String,
     /// What was mended or left out of the input.
     pub warnings: Vec<Warning>,
+    /// What was chosen because the input leaves it open, and what the text refers to the input for. One sentence each.
+    pub notes: Vec<String>,
 }
 
 /// The text of a scene file that stands for `input`, to be written to `output`, whose ending (`.ron` or `.json`)
@@ -46,31 +48,56 @@ pub fn convert(input: &Path, output: &Path, options: &LoadOptions) -> Result<Con
         comments.push("Some files lie outside of this folder: choose a root folder that contains them.".to_owned());
     }
     if is_json {
-        return Ok(Converted { text: file.to_json(), warnings });
+        return Ok(Converted { text: file.to_json(), warnings, notes: comments });
     }
-    let comments: String = comments.iter().map(|comment| format!("// {comment}\n")).collect();
-    Ok(Converted { text: comments + &file.to_ron(), warnings })
+    let head: String = comments.iter().map(|comment| format!("// {comment}\n")).collect();
+    Ok(Converted { text: head + &file.to_ron(), warnings, notes: comments })
 }
 
 /// A scene around a model with everything written out that one may want to edit, what to say about it, and to warn of.
 fn around_model(input: &Path, options: &LoadOptions) -> Result<(SceneFile, Vec<String>, Vec<Warning>), LoadError> {
     let (mut file, scene) = load_bare(input, options)?;
     file.name = Some(scene.name.clone());
-    write_materials(&mut file, &scene);
-    Ok((file, scene.notes, scene.warnings))
+    let left = write_materials(&mut file, &scene);
+    let mut notes = scene.notes;
+    if !left.is_empty() {
+        notes.push(format!("{} in the model: scene files cannot describe what makes them up.", list(&left)));
+    }
+    Ok((file, notes, scene.warnings))
 }
 
-/// Adds the materials of a scene to its file. Names that two materials share cannot tell them apart and are left out.
-fn write_materials(file: &mut SceneFile, scene: &Scene) {
+/// Names of materials that stay with a model, the first of them one by one.
+fn list(names: &[String]) -> String {
+    const SHOWN: usize = 8;
+    let shown: Vec<String> = names.iter().take(SHOWN).map(|name| format!("\"{}\"", name.escape_default())).collect();
+    let (shown, more) = (shown.join(", "), names.len().saturating_sub(SHOWN));
+    match (names.len(), more) {
+        (1, _) => format!("The material {shown} stays"),
+        (_, 0) => format!("The materials {shown} stay"),
+        _ => format!("The materials {shown} and {more} more stay"),
+    }
+}
+
+/// Adds the materials of a scene to its file, and returns the names of those that stay with the model. Names that two materials
+/// share cannot tell them apart and are left out.
+fn write_materials(file: &mut SceneFile, scene: &Scene) -> Vec<String> {
+    let mut left = Vec::new();
     let mut uses: HashMap<&str, u32> = HashMap::new();
     for material in &scene.appearance.materials {
         *uses.entry(&material.name).or_default() += 1;
     }
-    for crate::Material { name, phong, .. } in &scene.appearance.materials {
-        if uses[name.as_str()] == 1 && !file.materials.contains_key(name) {
-            file.materials.insert(name.clone(), material(phong));
+    for each in &scene.appearance.materials {
+        let crate::Material { name, phong, physical, .. } = each;
+        if uses[name.as_str()] != 1 || file.materials.contains_key(name) {
+            continue;
+        }
+        let written = if physical.is_some() { physical_material(each) } else { Some(material(phong)) };
+        match written {
+            Some(written) => drop(file.materials.insert(name.clone(), written)),
+            None => left.push(name.clone()),
         }
     }
+    left
 }
 
 /// Rewrites references to files from the folder of the input to that of the output. True if one leaves that folder.

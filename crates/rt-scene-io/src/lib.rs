@@ -116,9 +116,9 @@ pub use files::{read_file, read_text, read_texture, resolve_path};
 #[cfg(feature = "format")]
 pub use load::load;
 #[cfg(feature = "format")]
-pub use model::{LightUnits, Model, load_model};
+pub use model::{Model, load_model};
 #[cfg(feature = "format")]
-pub use options::{AnimationEnd, InMemoryFile, LoadOptions, ReferencedFiles};
+pub use options::{AnimationEnd, InMemoryFile, LoadOptions, ReferencedFiles, StudioLights};
 #[cfg(feature = "format")]
 pub use resolve::resolve;
 pub use rt_shading::emitter::LightSampling;

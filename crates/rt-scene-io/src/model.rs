@@ -6,19 +6,6 @@ use rt_shading::{Light, Material, Texture};
 
 use crate::{LoadError, LoadOptions, NamedCamera, NamedMesh, Node, Reason, Warning, format};
 
-/// What the intensities of a model's lights mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LightUnits {
-    /// Candela and lux, as in glTF: a bare model is exposed to suit them.
-    #[default]
-    Photometric,
-    /// Shares of white, as in classical ray tracers: a picture is taken of them as they are.
-    Classical,
-    /// Radiance and radiant intensity of which the colour 1 is white, as in physical renderers: a picture is taken of them as
-    /// they are, by path tracing, since surfaces are among the lights.
-    Radiometric,
-}
-
 /// The content of a file that another program wrote.
 ///
 /// Ids are local: [`MaterialId`](crate::MaterialId) counts in `materials`, [`MeshId`](crate::MeshId) in `meshes`,
@@ -33,8 +20,8 @@ pub struct Model {
     pub textures: Vec<Texture>,
     /// Lights in the model's world space.
     pub lights: Vec<Light>,
-    /// What their intensities mean.
-    pub light_units: LightUnits,
+    /// Whether their intensities are in candela and lux, without an exposure: a bare model is exposed to suit them.
+    pub is_photometric: bool,
     /// What rays see that hit nothing, if the file says.
     pub background: Option<format::Background>,
     /// Width and height of the image in pixels, if the file says.

@@ -4,7 +4,36 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::MemoryBudget;
+use rt_math::Rgb;
+
+use crate::{Integrator, MemoryBudget};
+
+/// Condition for adding studio lights: a key light, a fill light, ambient light and a backdrop.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum StudioLights {
+    /// Added to scenes without a light of any kind: no light of the file, no emissive material, no image around it, and
+    /// under integrators that take light from it no background.
+    #[default]
+    Auto,
+    /// Never added.
+    None,
+    /// Added to all scenes, beside their own lights.
+    Studio,
+}
+
+impl StudioLights {
+    /// All choices.
+    pub const ALL: [Self; 3] = [Self::Auto, Self::None, Self::Studio];
+
+    /// The name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::None => "none",
+            Self::Studio => "studio",
+        }
+    }
+}
 
 /// What the caller decides about loading.
 #[derive(Clone, Debug, Default)]
@@ -16,6 +45,14 @@ pub struct LoadOptions {
     /// Width and height of the image in place of the file's. A camera that is put where it sees everything depends on
     /// their ratio.
     pub size: Option<[u32; 2]>,
+    /// Condition for adding studio lights.
+    pub studio_lights: StudioLights,
+    /// The integrator that the caller sets in place of the scene's. Defaults that depend on the integrator suit it.
+    pub integrator: Option<Integrator>,
+    /// The background that the caller sets in place of the scene's. Studio lights and exposure suit it.
+    pub background: Option<Rgb>,
+    /// Whether the caller puts an image around the scene. Studio lights, exposure and integrator suit it.
+    pub has_environment: bool,
     /// The moment of an animation, in seconds, at which scenes and models are posed. Without it models rest as their nodes say,
     /// and scene files are as at 0.
     pub at_time: Option<f64>,

@@ -1,11 +1,11 @@
 //! The resolved scene: plain data, no paths, nothing left to look up.
 
-use std::{fmt, sync::Arc};
+use std::{collections::BTreeSet, fmt, sync::Arc};
 
 use rt_camera::{CameraSettings, FilmSettings, SamplePattern};
 use rt_geometry::{Shape, TriangleMesh};
 use rt_math::{Motion, MotionChain, MotionError, Rgb, Transform};
-use rt_shading::{Appearance, emitter::LightSampling};
+use rt_shading::{Appearance, Coefficient, emitter::LightSampling};
 
 use crate::one_line::OneLine;
 
@@ -92,6 +92,11 @@ impl Integrator {
     /// True if it shows light, and not a view of the geometry.
     pub const fn follows_light(self) -> bool {
         matches!(self, Self::Whitted | Self::Distributed | Self::Path | Self::Caustics | Self::Direct)
+    }
+
+    /// True if diffuse surfaces take light from the background.
+    pub const fn gathers_background(self) -> bool {
+        matches!(self, Self::Path | Self::Caustics | Self::Direct)
     }
 
     /// True if it draws from lights with extent.
@@ -326,6 +331,28 @@ impl Node {
             Some(motion) => outer.clone().then_first_motion(&motion),
             None => outer.clone().then_first(&self.parent_from_local),
         })
+    }
+}
+
+/// Indices of the materials of all shapes and meshes in these trees.
+pub(crate) fn used_materials<'a>(trees: impl IntoIterator<Item = &'a [Node]>) -> BTreeSet<u32> {
+    let mut used = BTreeSet::new();
+    let mut open: Vec<&Node> = trees.into_iter().flatten().collect();
+    while let Some(node) = open.pop() {
+        if let Some(Content::Shape(_) | Content::Mesh(_)) = node.content {
+            used.insert(node.material.0);
+        }
+        open.extend(&node.children);
+    }
+    used
+}
+
+/// True if a material makes its objects lights: it emits everywhere, or through a texture brighter than white. Textures of
+/// less are screens, signs and glowing details, which do not light a scene.
+pub(crate) fn is_emissive(material: &Material) -> bool {
+    match material.phong.emission {
+        Coefficient::Constant(radiance) => !radiance.is_black(),
+        Coefficient::Textured(_, radiance) => radiance.max_component() > 1.0,
     }
 }
 

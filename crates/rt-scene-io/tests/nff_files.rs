@@ -7,7 +7,7 @@ mod data;
 
 use data::data;
 use rt_geometry::Shape;
-use rt_scene_io::{Content, LightUnits, LoadOptions, Model, convert, load, load_model};
+use rt_scene_io::{Content, LoadOptions, Model, convert, load, load_model};
 
 /// Numbers of spheres, cylinders and cones, single polygons, and triangles of meshes.
 fn census(model: &Model) -> [usize; 4] {
@@ -42,7 +42,7 @@ fn databases_have_all_of_their_objects() {
         let model = load_model(&path, &LoadOptions::default()).expect(name);
         assert_eq!((model.lights.len(), census(&model)), (lights, objects), "{name}");
         assert_eq!((model.cameras.len(), model.image_size), (1, Some([512, 512])), "{name}");
-        assert_eq!(model.light_units, LightUnits::Classical);
+        assert!(model.lights.iter().all(|light| light.units == rt_shading::LightUnits::Classical));
         assert_eq!(model.warnings, [], "{name}");
     }
 }

@@ -18,7 +18,7 @@
 //! ```
 //! use rt_geometry::{Shape, Sphere, SurfaceInteraction, SurfaceNeeds};
 //! use rt_math::{DVec3, Interval, Ray, RayKind, Rgb};
-//! use rt_shading::{Appearance, Background, Falloff, Light, LightKind, Material, Needs, Phong, SurfaceHit, Tracer, Whitted};
+//! use rt_shading::{Appearance, Background, Falloff, Light, LightKind, LightUnits, Material, Needs, Phong, SurfaceHit, Tracer, Whitted};
 //!
 //! // A world of one sphere, lit from the camera.
 //! struct OneSphere(Shape);
@@ -36,7 +36,7 @@
 //! let appearance = Appearance {
 //!     materials: vec![Material::new("grey".into(), Phong::default())],
 //!     textures: vec![],
-//!     lights: vec![Light { name: "lamp".into(), kind: light, intensity: Rgb::WHITE, casts_shadows: true }],
+//!     lights: vec![Light { name: "lamp".into(), kind: light, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }],
 //!     ambient: Rgb::BLACK,
 //!     background: Background::Constant(Rgb::BLACK),
 //! };
@@ -83,7 +83,7 @@ pub use coverage::{Alpha, Coverage};
 pub use first_hit::FirstHitView;
 pub use interior::Interior;
 pub use layered_surface::{LayeredBase, LayeredSurface};
-pub use light::{Falloff, Illumination, Light, LightKind};
+pub use light::{Falloff, Illumination, Light, LightKind, LightUnits};
 pub use light_path::{Ball, LightScene, LightSources, LightTracer, Sight, Targets};
 pub use material::{Channel, Coefficient, Highlight, Material, Phong, Scalar, Transmission};
 pub use needs::Needs;

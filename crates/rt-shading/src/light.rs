@@ -1,5 +1,7 @@
 //! Lights without extent.
 
+use core::f64::consts::{FRAC_1_PI, PI};
+
 use rt_geometry::ShadowRays;
 use rt_math::{DVec3, Interval, Ray, Rgb};
 
@@ -51,6 +53,24 @@ pub enum LightKind {
     },
 }
 
+/// Meaning of the intensity of a light without extent.
+///
+/// A white Lambertian surface, lit straight by a strength of 1, has this radiance under every integrator:
+///
+/// | units | radiance | strength |
+/// |---|---|---|
+/// | [`Classical`](Self::Classical) | 1 | reflected by a coefficient kd, without 1/π |
+/// | [`Physical`](Self::Physical) | 1/π | irradiance, from radiant intensity or luminous intensity |
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum LightUnits {
+    /// Shares of white, as in classical ray tracers.
+    #[default]
+    Classical,
+    /// Intensity (W/sr, cd) of point lights and spots, irradiance (W/m², lx) of directional lights, in the units of the
+    /// radiance of emissive surfaces and environments.
+    Physical,
+}
+
 /// A light without extent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
@@ -60,6 +80,8 @@ pub struct Light {
     pub kind: LightKind,
     /// Strength: with inverse-square falloff the intensity at unit distance, otherwise the strength at any distance.
     pub intensity: Rgb,
+    /// Meaning of the intensity.
+    pub units: LightUnits,
     /// Whether objects cast shadows in this light.
     pub casts_shadows: bool,
 }
@@ -69,10 +91,28 @@ pub struct Light {
 pub struct Illumination {
     /// Unit vector towards the light.
     pub direction: DVec3,
-    /// Strength of the light here, before shadows and the cosine.
+    /// Strength of the light here in its own units, before shadows and the cosine.
     pub strength: Rgb,
     /// Distance to the light; infinite for directional light.
     pub distance: f64,
+}
+
+impl LightUnits {
+    /// Factor from a strength to the irradiance that a BSDF reflects.
+    pub const fn irradiance_factor(self) -> f64 {
+        match self {
+            Self::Classical => PI,
+            Self::Physical => 1.0,
+        }
+    }
+
+    /// Factor from a strength to what the coefficients of a classical surface reflect.
+    pub const fn classical_factor(self) -> f64 {
+        match self {
+            Self::Classical => 1.0,
+            Self::Physical => FRAC_1_PI,
+        }
+    }
 }
 
 impl Light {
@@ -152,7 +192,7 @@ mod tests {
     use rt_geometry::SurfaceInteraction;
 
     fn light(kind: LightKind) -> Light {
-        Light { name: String::new(), kind, intensity: Rgb::gray(8.0), casts_shadows: true }
+        Light { name: String::new(), kind, intensity: Rgb::gray(8.0), units: LightUnits::Classical, casts_shadows: true }
     }
 
     #[test]

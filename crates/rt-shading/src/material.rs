@@ -232,6 +232,11 @@ impl Material {
         }
     }
 
+    /// True if it is described by a physical surface that scatters light, of which `phong` is an approximation.
+    pub fn has_physical_surface(&self) -> bool {
+        self.physical.as_ref().is_some_and(|physical| *physical != Physical::Black)
+    }
+
     /// Radiance that the surface emits by itself; black on the inside of one that shines from its front alone.
     #[inline]
     pub fn emission(&self, textures: &[Texture], surface: &SurfaceInteraction, is_inside: bool) -> Rgb {

@@ -33,7 +33,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<(), Failure> {
     let clock = Clock::start(args.run.time);
     let console = Console { quiet: args.run.quiet };
     let picture = args.fixed.with(&[]).map_err(Failure::Usage)?;
-    let Input { scene, files, options: loaded } = input::read(&args.input, picture.size, console)?;
+    let Input { scene, files, options: loaded } = input::read(&args.input, Some(&picture), console)?;
     input::say_notes(&scene, console)?;
     let mut methods = methods::resolve(args, &loaded, &scene)?;
     let against = choice::choose(args, &scene, &picture)?;

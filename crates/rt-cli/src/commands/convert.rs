@@ -29,12 +29,13 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
         return Err(Failure::Usage(message.to_owned()));
     }
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.input.scene))?;
-    let Converted { text, warnings } = convert(&args.input.scene, &name, &input::load_options(&args.input)?)?;
+    let Converted { text, warnings, notes } = convert(&args.input.scene, &name, &input::load_options(&args.input)?)?;
     input::warn(&warnings, Console { quiet: false });
     if args.strict {
         input::refuse_warnings(&args.input.scene, &warnings)?;
     }
-    Ok(output.write(|file| file.write_all(text.as_bytes()))?)
+    output.write(|file| file.write_all(text.as_bytes()))?;
+    notes.iter().try_for_each(|note| Console { quiet: false }.say(format_args!("note: {note}")))
 }
 
 fn is_scene_file(path: &Path) -> bool {

@@ -10,7 +10,7 @@ use crate::overrides;
 
 pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
     let console = Console { quiet: false };
-    let Input { mut scene, options: loaded, .. } = input::read(&args.input, args.picture.size, console)?;
+    let Input { mut scene, options: loaded, .. } = input::read(&args.input, Some(&args.picture), console)?;
     if args.strict {
         input::refuse_warnings(&args.input.scene, &scene.warnings)?;
     }

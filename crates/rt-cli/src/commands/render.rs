@@ -44,7 +44,7 @@ fn picture(args: &RenderArgs) -> Result<(), Failure> {
     }
 
     let started = Instant::now();
-    let Input { mut scene, mut files, options: loaded } = input::read(&args.input, args.picture.size, console)?;
+    let Input { mut scene, mut files, options: loaded } = input::read(&args.input, Some(&args.picture), console)?;
     let load_seconds = started.elapsed().as_secs_f64();
     if args.run.strict {
         input::refuse_warnings(scene_file, &scene.warnings)?;

@@ -39,7 +39,7 @@ use window::{Subject, Viewer};
 pub(super) fn run(args: &WindowArgs) -> Result<(), Failure> {
     let console = Console { quiet: false };
     refuse_what_is_for_render(args)?;
-    let Input { mut scene, options: loaded, .. } = input::read(&args.input, args.picture.size, console)?;
+    let Input { mut scene, options: loaded, .. } = input::read(&args.input, Some(&args.picture), console)?;
     let mut options = overrides::apply(&args.picture, &loaded, &mut scene)?;
     options.progressive = true;
     overrides::apply_development(&args.development, &mut scene.film.development);

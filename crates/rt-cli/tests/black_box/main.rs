@@ -13,6 +13,7 @@ mod dithering;
 mod documentation;
 mod empty_pictures;
 mod interruption;
+mod lighting;
 mod long_renders;
 mod piping;
 mod program;

@@ -7,7 +7,7 @@ use rt_geometry::{MeshData, Plane, Shape, Sphere, TriangleMesh};
 use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene};
 use rt_shading::{
-    Appearance, Coefficient, Falloff, Light, LightKind, Material, Phong, Texture, TextureId, Transmission,
+    Appearance, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId, Transmission,
 };
 
 use super::{Finding, Kind, Severity, check};
@@ -53,7 +53,7 @@ pub(super) fn camera(from: DVec3, at: DVec3) -> NamedCamera {
 
 pub(super) fn lamp(position: DVec3, lamp_radius: f64) -> Light {
     let kind = LightKind::Point { position, falloff: Falloff::None, lamp_radius };
-    Light { name: "lamp".into(), kind, intensity: Rgb::WHITE, casts_shadows: true }
+    Light { name: "lamp".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
 }
 
 /// The unit cube from the origin to (1, 1, 1), its front outside.

@@ -6,7 +6,7 @@ use rt_math::{DVec2, DVec3, Rgb, Transform};
 use rt_render::{Crop, PlanOptions, RenderPlan, Rendering, RunOptions, StopRule};
 use rt_scene_io::{Accel, Content, Integrator, MaterialId, MeshId, NamedCamera, Node, Scene, Settings};
 use rt_shading::{
-    Appearance, Background, Coefficient, Falloff, Light, LightKind, Material, Phong, Physical, Transmission,
+    Appearance, Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong, Physical, Transmission,
     bsdf::ComplexIor, emitter::Sides,
 };
 
@@ -61,7 +61,7 @@ fn block(min: [f64; 3], max: [f64; 3]) -> Content {
 }
 
 fn light(kind: LightKind) -> Light {
-    Light { name: "lamp".into(), kind, intensity: Rgb::gray(1.0), casts_shadows: true }
+    Light { name: "lamp".into(), kind, intensity: Rgb::gray(1.0), units: LightUnits::Classical, casts_shadows: true }
 }
 
 /// A pinhole camera in the middle of things, so that nothing stands between it and what it looks at.

@@ -9,7 +9,7 @@ use rt_math::{
 };
 use rt_render::{Crop, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, StopRule};
 use rt_scene_io::{Accel, Adaptive, Content, Integrator, MaterialId, NamedCamera, Node, Scene, Settings};
-use rt_shading::{Appearance, Background, Coefficient, Falloff, Light, LightKind, Material, Phong};
+use rt_shading::{Appearance, Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong};
 
 use crate::support::{everything, sphere, spheres};
 
@@ -59,7 +59,7 @@ fn matte() -> Material {
 
 fn sun(direction: DVec3) -> Light {
     let kind = LightKind::Directional { direction: direction.normalize() };
-    Light { name: "sun".into(), kind, intensity: Rgb::WHITE, casts_shadows: true }
+    Light { name: "sun".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
 }
 
 /// A pixel is one unit wide and high; the point (x, y) is in column x and row 40 − y, counted down. The camera looks along

@@ -20,9 +20,14 @@ pub enum Light {
         position: [f64; 3],
         /// Strength; with inverse-square falloff, at distance 1.
         ///
-        /// Unit: radiance of a white surface that faces the light.
+        /// Unit: radiance of a white surface that faces the light; with `units: physical`, W/sr, cd, or across the direction W/m², lx.
         #[serde(default = "white", alias = "color", alias = "colour")]
         intensity: Color,
+        /// Meaning of `intensity`.
+        ///
+        /// Default: `classical`. Example: `units: physical`.
+        #[serde(default, skip_serializing_if = "is_classical")]
+        units: LightUnits,
         /// Falloff with the distance.
         #[serde(default)]
         falloff: Falloff,
@@ -48,9 +53,14 @@ pub enum Light {
         direction: [f64; 3],
         /// Strength.
         ///
-        /// Unit: radiance of a white surface that faces the light.
+        /// Unit: radiance of a white surface that faces the light; with `units: physical`, W/sr, cd, or across the direction W/m², lx.
         #[serde(default = "white", alias = "color", alias = "colour")]
         intensity: Color,
+        /// Meaning of `intensity`.
+        ///
+        /// Default: `classical`. Example: `units: physical`.
+        #[serde(default, skip_serializing_if = "is_classical")]
+        units: LightUnits,
         /// True if objects cast shadows in its light.
         ///
         /// Default: `true`. Example: `casts_shadows: false`.
@@ -82,9 +92,14 @@ pub enum Light {
         outer: f64,
         /// Strength; with inverse-square falloff, at distance 1.
         ///
-        /// Unit: radiance of a white surface that faces the light.
+        /// Unit: radiance of a white surface that faces the light; with `units: physical`, W/sr, cd, or across the direction W/m², lx.
         #[serde(default = "white", alias = "color", alias = "colour")]
         intensity: Color,
+        /// Meaning of `intensity`.
+        ///
+        /// Default: `classical`. Example: `units: physical`.
+        #[serde(default, skip_serializing_if = "is_classical")]
+        units: LightUnits,
         /// Falloff with the distance.
         #[serde(default)]
         falloff: Falloff,
@@ -195,6 +210,18 @@ pub enum Light {
     Ambient(Color),
 }
 
+/// Meaning of the intensity of a light without extent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LightUnits {
+    /// Shares of white: a diffuse surface of albedo 1, lit straight by 1, has the radiance 1.
+    #[default]
+    Classical,
+    /// Radiant or luminous intensity, and irradiance: a diffuse surface of albedo 1, lit straight by 1, has the radiance 1/π.
+    /// Lights with extent, emissive materials and images around the scene are in the same units.
+    Physical,
+}
+
 /// Falloff of light with the distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -263,6 +290,11 @@ fn yes() -> bool {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
 fn is_yes(value: &bool) -> bool {
     *value
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
+fn is_classical(units: &LightUnits) -> bool {
+    *units == LightUnits::Classical
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]

@@ -30,7 +30,7 @@ pub use animation::{CameraAnimation, CameraKey, Interpolation, NodeAnimation, No
 pub use camera::{Camera, FovAxis, Lens};
 pub use colour::{Coefficient, Color, Wrap};
 pub use film::{Encoding, Film, Filter, Tone};
-pub use light::{Background, Falloff, Light};
+pub use light::{Background, Falloff, Light, LightUnits};
 pub use material::{Highlight, Material, Metal, NodeMaterial, Sides};
 pub use node::{InsideRule, Node, Shape};
 pub use page::reference_page;
@@ -77,10 +77,11 @@ pub struct SceneFile {
     /// Default: black. Example: `background: gradient(bottom: 1, top: "#80b0ff")`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub background: Option<Background>,
-    /// The lights. Without this field the scene gets a key light, a fill light and some ambient light; an empty list
-    /// means no light at all.
+    /// The lights. Without this field a scene that nothing else lights gets a key light, a fill light, some ambient light and a
+    /// backdrop: no emissive material, no image around it, and under path tracing no background. An empty list means no
+    /// lights.
     ///
-    /// Default: a key light, a fill light and some ambient light. Example: `lights: [point(position: (-3, 5, 4)), ambient(0.2)]`.
+    /// Default: studio lights where nothing else lights the scene. Example: `lights: [point(position: (-3, 5, 4)), ambient(0.2)]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lights: Option<Vec<Light>>,
     /// Materials by name. One that is named like a material of a model changes that material: fields that are given

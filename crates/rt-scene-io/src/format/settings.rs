@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// Method by which light is computed. By default `whitted`, and `path` for scenes that have lights with extent, an image around
-    /// them, or physical materials.
+    /// them, or physical materials. Without `lights`, models of physical materials and emissive objects count as well.
     ///
     /// Default: `whitted` or `path`, as the scene needs. Example: `integrator: path`.
     #[serde(skip_serializing_if = "Option::is_none")]

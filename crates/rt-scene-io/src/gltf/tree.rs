@@ -9,7 +9,7 @@ use gltf::{
 };
 use rt_camera::{CameraSettings, FovAxis, Projection};
 use rt_math::{DQuat, DVec3, Motion, Rgb, Transform, TransformError, transcendental::cos};
-use rt_shading::{Falloff, Light, LightKind};
+use rt_shading::{Falloff, Light, LightKind, LightUnits};
 
 use super::{Part, buffers::Buffers, instancing, pose::Poses};
 use crate::{Content, LoadError, MaterialId, Model, NamedCamera, Node, Reason, Warning, limits};
@@ -283,7 +283,8 @@ fn place_light(source: &Source<'_>, document: &Document, world: &Transform, mode
         return;
     };
     let name = json.name.as_deref().or(source.name()).unwrap_or("light").to_owned();
-    model.lights.push(Light { name, kind, intensity, casts_shadows: true });
+    model.lights.push(Light { name, kind, intensity, units: LightUnits::Physical, casts_shadows: true });
+    model.is_photometric = true;
 }
 
 /// Cosines of the angles of a spot. Where both angles are the same the edge is as sharp as can be.

@@ -22,7 +22,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use rt_math::{DVec3, Rgb};
-use rt_shading::{Falloff, Light, LightKind, Phong};
+use rt_shading::{Falloff, Light, LightKind, LightUnits, Phong};
 
 use self::faces::Faces;
 use self::round::Solid;
@@ -36,7 +36,7 @@ use crate::format::{Background, Color};
 use crate::mesh_build::build_mesh;
 use crate::resolve::Report;
 use crate::{
-    Content, LightUnits, LoadError, LoadOptions, Material, MaterialId, MeshId, Model, NamedMesh, Node, Place, Problem,
+    Content, LoadError, LoadOptions, Material, MaterialId, MeshId, Model, NamedMesh, Node, Place, Problem,
     Reason, Warning,
 };
 
@@ -119,7 +119,7 @@ impl<'p> Reader<'p> {
         Self {
             path,
             report: Report::new(path),
-            model: Model { light_units: LightUnits::Classical, ..Model::default() },
+            model: Model::default(),
             background: None,
             has_view: false,
             lights: Vec::new(),
@@ -286,6 +286,7 @@ impl<'p> Reader<'p> {
             name: format!("light {}", i + 1),
             kind: LightKind::Point { position, falloff: Falloff::None, lamp_radius: 0.0 },
             intensity: colour.unwrap_or(plain),
+            units: LightUnits::Classical,
             casts_shadows: true,
         }));
     }

@@ -1,13 +1,19 @@
 //! Lights without extent, and the sky. Their units are radiance and radiant intensity, of which the colour 1 is white.
 //!
-//! Our lights without extent count π times, as a classical ray tracer has no 1/π in its diffuse surfaces: a part 1/π of the
-//! intensities of the file gives the same picture.
+//! `power` (lm) and `illuminance` (lx) scale a light so that its colour 1 emits or receives as much, as in pbrt-v4:
+//!
+//! | light | factor |
+//! |---|---|
+//! | point | power / 4π |
+//! | spot | power / 2π((1 − cos inner) + (cos inner − cos outer)/2) |
+//! | distant | illuminance |
+//! | infinite | illuminance / π |
 
-use std::f64::consts::FRAC_1_PI;
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use rt_math::transcendental::cos;
 use rt_math::{DVec3, Rgb, Transform};
-use rt_shading::{Falloff, Light, LightKind};
+use rt_shading::{Falloff, Light, LightKind, LightUnits};
 
 use super::Files;
 use super::material::unknown;
@@ -50,13 +56,24 @@ pub(super) fn read(
     let source = match kind {
         "point" => {
             let falloff = Falloff::InverseSquare;
-            lamp(parameters, LightKind::Point { position, falloff, lamp_radius: 0.0 }, intensity)
+            let factor = level(parameters, "power", 1.0 / (2.0 * TAU))?;
+            lamp(parameters, LightKind::Point { position, falloff, lamp_radius: 0.0 }, intensity * factor)
         }
-        "distant" => lamp(parameters, LightKind::Directional { direction: aim(parameters, place)? }, intensity),
-        "spot" => lamp(parameters, spot(parameters, position, aim(parameters, place)?)?, intensity),
+        "distant" => {
+            let kind = LightKind::Directional { direction: aim(parameters, place)? };
+            lamp(parameters, kind, intensity * level(parameters, "illuminance", 1.0)?)
+        }
+        "spot" => {
+            let kind = spot(parameters, position, aim(parameters, place)?)?;
+            let spread = match kind {
+                LightKind::Spot { cos_inner, cos_outer, .. } => PI * (2.0 - cos_inner - cos_outer),
+                _ => 2.0 * TAU,
+            };
+            lamp(parameters, kind, intensity * level(parameters, "power", 1.0 / spread)?)
+        }
         _ => {
             let Some(file) = parameters.word("filename", "string")? else {
-                return Ok((Source::Sky(intensity), losses));
+                return Ok((Source::Sky(intensity * level(parameters, "illuminance", FRAC_1_PI)?), losses));
             };
             let mean = mean_of_map(file, files).map_err(|reason| Flaw { line: parameters.line, reason })?;
             losses.push(format!(
@@ -69,8 +86,14 @@ pub(super) fn read(
 }
 
 fn lamp(parameters: &Parameters, kind: LightKind, intensity: Rgb) -> Source {
-    let (name, intensity) = (format!("line {}", parameters.line), intensity * FRAC_1_PI);
-    Source::Light(Light { name, kind, intensity, casts_shadows: true })
+    let name = format!("line {}", parameters.line);
+    Source::Light(Light { name, kind, intensity, units: LightUnits::Physical, casts_shadows: true })
+}
+
+/// Factor for a light whose whole `power` or `illuminance` is given; 1 where it is not, or not positive.
+fn level(parameters: &Parameters, name: &str, per_unit: f64) -> Result<f64, Flaw> {
+    let given = parameters.float(name, 0.0)?;
+    Ok(if given > 0.0 { given * per_unit } else { 1.0 })
 }
 
 /// The direction in which it shines.

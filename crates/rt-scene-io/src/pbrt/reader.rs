@@ -19,7 +19,7 @@ use crate::flaw::Flaw;
 use crate::format::{Background, Color};
 use crate::limits::{INCLUDE_DEPTH, INCLUDES, PBRT_COMPLAINTS, SCOPES};
 use crate::resolve::Report;
-use crate::{LightUnits, LoadError, MaterialId, Model, Node, Place, Problem, Reason, Warning, read_text, resolve_path};
+use crate::{LoadError, MaterialId, Model, Node, Place, Problem, Reason, Warning, read_text, resolve_path};
 
 /// Directives before the world that choose among what this program decides itself.
 const CHOICES: [&str; 5] = ["Integrator", "Sampler", "PixelFilter", "Accelerator", "ColorSpace"];
@@ -402,7 +402,6 @@ impl<'f> Reader<'f> {
         }
         model.textures = self.textures.list;
         if self.shines || self.sky.is_some() || !model.lights.is_empty() {
-            model.light_units = LightUnits::Radiometric;
             model.background = Some(Background::Constant(Color::from_rgb(self.sky.unwrap_or_default().to_array())));
         }
         model.image_size = Some(self.size);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Content, LightUnits, Node};
+use crate::{Content, Node};
 use proptest::prelude::*;
 use rt_camera::{FovAxis, Projection};
 use rt_geometry::Shape;
@@ -85,7 +85,7 @@ fn seen(model: &Model, file_point: DVec3) -> [f64; 2] {
 fn known_values_of_a_scene() {
     let model = good(SCENE);
     assert_eq!(model.warnings, []);
-    assert_eq!((model.image_size, model.light_units), (Some([64, 48]), LightUnits::Radiometric));
+    assert_eq!((model.image_size, model.is_photometric), (Some([64, 48]), false));
     let fov = 40f64.to_radians();
     assert_eq!(model.cameras[0].settings.projection, Projection::Perspective { fov, axis: FovAxis::Vertical });
     assert_eq!(
@@ -99,7 +99,7 @@ fn known_values_of_a_scene() {
     // The world is mirrored in z; a lamp counts π times.
     let LightKind::Point { position, .. } = model.lights[1].kind else { panic!("a lamp") };
     assert_eq!(position, DVec3::new(1.0, 2.0, -3.0));
-    assert!((model.lights[1].intensity.g * std::f64::consts::PI - 6.0).abs() < 1e-12);
+    assert!((model.lights[1].intensity.g - 6.0).abs() < 1e-12);
 
     let all = shapes(&model);
     let kinds: Vec<_> = all.iter().map(|(_, node)| node.name.as_str()).collect();
@@ -300,7 +300,7 @@ fn a_flat_patch_is_two_triangles_of_its_normal() {
     let data = model.meshes[0].mesh.data();
     assert_eq!(data.triangles, [[0, 1, 3], [0, 3, 2]]);
     assert_eq!(data.uvs[3], [1.0, 1.0]);
-    assert_eq!((model.warnings.len(), model.light_units), (0, LightUnits::Photometric));
+    assert_eq!((model.warnings.len(), model.background), (0, None));
 }
 
 #[test]

@@ -87,7 +87,7 @@ pub(super) fn settings(report: &mut Report, settings: &format::Settings, default
     }
 }
 
-const fn integrator(integrator: format::Integrator) -> Integrator {
+pub(super) const fn integrator(integrator: format::Integrator) -> Integrator {
     match integrator {
         format::Integrator::Whitted => Integrator::Whitted,
         format::Integrator::Distributed => Integrator::Distributed,

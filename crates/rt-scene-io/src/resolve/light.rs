@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rt_math::{DVec3, Rgb, transcendental::cos};
-use rt_shading::{Background, Falloff, Light, LightKind};
+use rt_shading::{Background, Falloff, Light, LightKind, LightUnits};
 
 use super::report::Report;
 use super::texture::Textures;
@@ -30,10 +30,10 @@ pub(super) fn lights(report: &mut Report, lights: &[format::Light]) -> (Vec<Ligh
 }
 
 fn single(report: &mut Report, path: &str, light: &format::Light) -> Option<Light> {
-    let (name, intensity, casts_shadows) = match light {
-        format::Light::Point { name, intensity, casts_shadows, .. }
-        | format::Light::Directional { name, intensity, casts_shadows, .. }
-        | format::Light::Spot { name, intensity, casts_shadows, .. } => (name, intensity, *casts_shadows),
+    let (name, intensity, units, casts_shadows) = match light {
+        format::Light::Point { name, intensity, units, casts_shadows, .. }
+        | format::Light::Directional { name, intensity, units, casts_shadows, .. }
+        | format::Light::Spot { name, intensity, units, casts_shadows, .. } => (name, intensity, *units, *casts_shadows),
         _ => return None,
     };
     let intensity = report.check(format_args!("{path}.intensity"), colour(intensity));
@@ -55,7 +55,11 @@ fn single(report: &mut Report, path: &str, light: &format::Light) -> Option<Ligh
         }
         _ => return None,
     };
-    Some(Light { name: name.clone(), kind, intensity: intensity?, casts_shadows })
+    let units = match units {
+        format::LightUnits::Classical => LightUnits::Classical,
+        format::LightUnits::Physical => LightUnits::Physical,
+    };
+    Some(Light { name: name.clone(), kind, intensity: intensity?, units, casts_shadows })
 }
 
 fn aim(report: &mut Report, path: &str, value: [f64; 3]) -> Option<DVec3> {

@@ -142,7 +142,17 @@ fn changed(
     report: &mut Report,
 ) -> Option<Material> {
     let format::Material::Phong { shines, .. } = definition else {
-        return PhysicalReader { textures, report }.material(path, &base.name, definition);
+        let read = PhysicalReader { textures, report }.material(path, &base.name, definition)?;
+        let is_same = read.physical == base.physical
+            && (read.shines == base.shines || base.phong.emission.is_zero())
+            && read.phong.emission == base.phong.emission
+            && read.body() == base.body();
+        // A definition that changes nothing keeps the classical surface of the model as well. Detail stays in any case.
+        return Some(if is_same {
+            base
+        } else {
+            Material { phong: read.phong, physical: read.physical, shines: read.shines, ..base }
+        });
     };
     let shines = shines.map_or(base.shines, sides);
     let phong = changed_phong(path, definition, base.phong, textures, report)?;

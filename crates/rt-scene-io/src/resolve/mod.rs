@@ -28,13 +28,15 @@ use rt_shading::Appearance;
 
 use crate::bounds::tree_bounds;
 use crate::format::SceneFile;
-use crate::{Integrator, LoadError, LoadOptions, Model, Scene, Truth, format};
+use crate::scene::{is_emissive, used_materials};
+use crate::{Integrator, LoadError, LoadOptions, Material, Model, Scene, StudioLights, Truth, format};
 use exposure::{is_animated, key_times};
 use include::Models;
 use node::Objects;
 #[cfg(any(feature = "nff", feature = "pbrt"))]
 pub(crate) use report::Report;
-pub(crate) use studio::{backdrop, rounded};
+pub(crate) use studio::rounded;
+use studio::Lighting;
 
 /// Resolves a scene that was read from `source` (or would stand there: files are looked up relative to it).
 ///
@@ -72,7 +74,17 @@ pub(crate) fn resolve_with(
         Some(_) if studio::is_asked(file) => bounds_at_rest(&given, source, &options),
         _ => tree_bounds(&nodes, &groups, &meshes),
     };
-    notes.extend(studio::complete(file, &bounds));
+    let used = used_materials(groups.iter().map(|group| &*group.nodes).chain([&*nodes]));
+    let used: Vec<&Material> = used.iter().filter_map(|id| materials.list.get(*id as usize)).collect();
+    let has_emissive = used.iter().any(|material| is_emissive(material));
+    let default_integrator = default_integrator(file, &used, &options);
+    let set = file.settings.integrator.map_or(default_integrator, film::integrator);
+    let integrator = match options.integrator {
+        Some(integrator) => integrator,
+        None if options.has_environment && set == Integrator::Whitted => Integrator::Path,
+        None => set,
+    };
+    notes.extend(studio::complete(file, &bounds, Lighting { integrator, has_emissive }, &options));
     key_times(file).for_each(|time| options.animation_end.extend(time));
     if options.at_time.is_none() && is_animated(file) {
         notes.push("The scene is animated: it is shown as it is at 0 s.".to_owned());
@@ -82,8 +94,9 @@ pub(crate) fn resolve_with(
     let background = light::background(&mut report, file.background.as_ref(), &mut textures);
     let film = film::film(&mut report, &file.film);
     let cameras = camera::cameras(&mut report, file, &film, &media, &exposure);
-    let settings = film::settings(&mut report, &file.settings, default_integrator(file));
-    if file.settings.integrator.is_none() && settings.integrator != Integrator::Whitted {
+    let settings = film::settings(&mut report, &file.settings, default_integrator);
+    let is_chosen = options.integrator.is_none() && file.settings.integrator.is_none();
+    if is_chosen && settings.integrator != Integrator::Whitted {
         notes.push(format!(
             "The integrator is `{}`, as the scene asks for light that spreads.",
             settings.integrator.name()
@@ -109,11 +122,17 @@ fn bounds_at_rest(file: &SceneFile, source: &Path, options: &LoadOptions) -> Aab
 }
 
 /// Path tracing for what the classical integrator has no light for: lights with extent, an image around the scene, physical
-/// materials.
-fn default_integrator(file: &SceneFile) -> Integrator {
+/// materials. In a scene that says nothing of lights, models of physical materials and emissive objects count as well. `used`
+/// are the materials of all objects.
+fn default_integrator(file: &SceneFile, used: &[&Material], options: &LoadOptions) -> Integrator {
+    let has_studio = options.studio_lights == StudioLights::Studio;
+    let asks_for_path =
+        |material: &&Material| material.has_physical_surface() || (is_emissive(material) && !has_studio);
+    let is_left_open = file.lights.is_none() && used.iter().any(asks_for_path);
     let lights = file.lights.as_deref().unwrap_or_default();
     let is_physical = lights.iter().any(area_light::has_extent)
         || matches!(file.background, Some(format::Background::Image { .. }))
-        || file.materials().any(|material| !matches!(material, format::Material::Phong { .. }));
+        || file.materials().any(|material| !matches!(material, format::Material::Phong { .. }))
+        || is_left_open;
     if is_physical { Integrator::Path } else { Integrator::Whitted }
 }

@@ -228,6 +228,16 @@ impl Bsdf {
         }
     }
 
+    /// True if it has a diffuse part under a layer, which [`without_diffuse`](Self::without_diffuse) keeps.
+    pub fn is_diffuse_below_layer(&self) -> bool {
+        let is_layered = |lobe: &Lobe| matches!(lobe, Lobe::MetallicRoughness(_));
+        match self {
+            Self::Single(lobe) => is_layered(lobe),
+            Self::Mix(mix) => mix.lobes().iter().any(|(_, lobe)| is_layered(lobe)),
+            Self::Layered(_) => true,
+        }
+    }
+
     /// True if all light goes into single directions: `eval` is black everywhere, and no light that is sampled by itself
     /// can be seen in the surface.
     pub fn is_delta(&self) -> bool {

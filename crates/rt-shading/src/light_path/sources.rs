@@ -6,7 +6,7 @@ use crate::{
     bsdf::cosine_hemisphere,
     emitter::{Emitter, EmitterSet, PowerChoice},
 };
-use core::f64::consts::{FRAC_1_PI, PI, TAU};
+use core::f64::consts::{FRAC_1_PI, TAU};
 use rt_math::{Aabb, DVec3, Frame, Interval, Ray, Rgb, Sampler};
 
 /// The lights of a scene as beginnings of paths, one of which is chosen by its power.
@@ -14,10 +14,10 @@ use rt_math::{Aabb, DVec3, Frame, Interval, Ray, Rgb, Sampler};
 /// | light | point | direction | power of a path |
 /// |---|---|---|---|
 /// | with extent | uniform by area | to a target, or else by the cosine | L cos θ / (p(x) p(ω)) |
-/// | point, spot | its own | to a target, or else uniform | π I / p(ω) |
-/// | directional | across it, before a target | its own | π E / p(x) |
+/// | point, spot | its own | to a target, or else uniform | u I / p(ω) |
+/// | directional | across it, before a target | its own | u E / p(x) |
 ///
-/// The intensity of classical lights counts π times, as it does for paths from the camera. Light that does not weaken with the
+/// The factor u is that of [`LightUnits::irradiance_factor`](crate::LightUnits::irradiance_factor), as for paths from the camera. Light that does not weaken with the
 /// distance is spread as if it did, and made up for by the square of its whole way where it first meets a surface that spreads
 /// it: behind a flat mirror there is the same light again. Lights whose shadows are switched off shine through everything, so
 /// that mirrors and glass do nothing to them; they and the environment send no paths.
@@ -114,7 +114,7 @@ impl LightSources {
             LightKind::Directional { direction } => {
                 let aim = self.targets.point_across(direction, ball, u)?;
                 let ray = Ray::new(aim.at - direction * self.reach, direction);
-                let power = light.intensity * (PI / aim.pdf);
+                let power = light.intensity * (light.units.irradiance_factor() / aim.pdf);
                 return Some(Departing { ray, span: Interval::FORWARD, power, is_unweakened: false });
             }
             LightKind::Point { position, falloff, lamp_radius } => (position, falloff, lamp_radius),
@@ -127,7 +127,7 @@ impl LightSources {
             };
             Aim { at: within_cone(axis, width, u), pdf: 1.0 / (TAU * width) }
         });
-        let power = light.intensity * (light.beam(aim.at) * PI / aim.pdf);
+        let power = light.intensity * (light.beam(aim.at) * light.units.irradiance_factor() / aim.pdf);
         let span = Interval { min: nearest, ..Interval::FORWARD };
         let is_unweakened = falloff == Falloff::None;
         (!power.is_black()).then(|| Departing { ray: Ray::new(position, aim.at), span, power, is_unweakened })
@@ -143,5 +143,5 @@ fn power(light: &Light, targets: &Targets, reach: f64) -> Rgb {
         LightKind::Point { falloff, .. } => 2.0 * TAU * at_distance(falloff),
         LightKind::Spot { cos_outer, falloff, .. } => TAU * (1.0 - cos_outer) * at_distance(falloff),
     };
-    light.intensity * (PI * spread)
+    light.intensity * (light.units.irradiance_factor() * spread)
 }

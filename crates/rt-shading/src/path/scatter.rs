@@ -14,7 +14,6 @@ use crate::{
     vertex::{Vertex, bsdf_at, power_heuristic},
     view::View,
 };
-use core::f64::consts::PI;
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 
 impl<S: Sampler + Clone> PathTracer<S> {
@@ -71,7 +70,10 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let vertex = Vertex::new(view, bsdf, ray.time);
         let only_reflects = follows == Follows::Reflections;
         let vertex = if only_reflects { vertex.following(without_diffuse.as_ref()) } else { vertex };
-        if only_reflects && self.needs.ambient {
+        // Ambient light stands for the background where the diffuse part is not followed to it.
+        let gathers_background =
+            vertex.bsdf.is_diffuse_below_layer() && !lighting.appearance.background.is_black();
+        if only_reflects && self.needs.ambient && !gathers_background {
             let ambient = material.ambient(&lighting.appearance.textures, vertex.view.surface);
             let radiance = path.weight * ambient * lighting.appearance.ambient;
             seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
@@ -129,8 +131,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
         for light in &lighting.appearance.lights {
             let Some(lit) = light.illuminate(surface.point) else { continue };
             let scattered = vertex.scattered(lit.direction);
-            // A classical surface reflects kd of a light, and not kd / π of it.
-            let radiance = path.weight * scattered * lit.strength * PI;
+            // A classical surface reflects kd of a classical light, and not kd / π of it.
+            let radiance = path.weight * scattered * lit.strength * light.units.irradiance_factor();
             if radiance.is_black() {
                 self.counts.shadow_rays_spared += u64::from(light.casts_shadows);
             } else if light.casts_shadows {

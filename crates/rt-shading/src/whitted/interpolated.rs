@@ -1,7 +1,7 @@
 //! Tests of interpolated normals: rays start on the side of the facet that they belong to.
 
 use super::*;
-use crate::{Background, Coefficient, Light, LightKind, Material, Phong, SurfaceHit, Transmission, optics};
+use crate::{Background, Coefficient, Light, LightKind, LightUnits, Material, Phong, SurfaceHit, Transmission, optics};
 use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
 use rt_math::{DVec3, Interval, RayKind};
 
@@ -94,7 +94,7 @@ fn refracted_rays_start_and_stay_on_the_far_side() {
 /// A light that shines from a direction, which the facet faces.
 fn sun_from(towards: DVec3) -> Light {
     let kind = LightKind::Directional { direction: -towards };
-    Light { name: "sun".into(), kind, intensity: Rgb::WHITE, casts_shadows: true }
+    Light { name: "sun".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
 }
 
 #[test]

@@ -119,7 +119,7 @@ impl Whitted {
                         phong.highlight.strength(view.normal, -view.direction, lit.direction, phong.exponent);
                     reflectance += specular * strength;
                 }
-                reflectance * lit.strength
+                reflectance * lit.strength * light.units.classical_factor()
             });
             match lit {
                 Some(lit) if !reflected.is_black() => {

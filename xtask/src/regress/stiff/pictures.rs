@@ -10,7 +10,7 @@ use rt_scene_io::{
     Accel, Content, LoadOptions, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene, Settings, load,
 };
 use rt_shading::{
-    Appearance, Background, Bitmap, Coefficient, Light, LightKind, Material, Phong, Texture, TextureId, Wrap,
+    Appearance, Background, Bitmap, Coefficient, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId, Wrap,
 };
 
 use super::{Case, Conditions, Fallible, Found, Tally};
@@ -93,6 +93,7 @@ fn terminator(conditions: &Conditions) -> Found {
         name: "sun".into(),
         kind: LightKind::Directional { direction: DVec3::new(-sin, 0.0, -cos) },
         intensity: Rgb::WHITE,
+        units: LightUnits::Classical,
         casts_shadows: true,
     }];
     let mut unshadowed = scene.clone();

@@ -79,7 +79,7 @@ fn failed(frame: u32, source: Failure) -> Failure {
 
 /// The files that a frame is made of, which are those of all frames.
 fn files_of(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
-    let mut files = input::read(&args.input, args.picture.size, Console { quiet: true })?.files;
+    let mut files = input::read(&args.input, Some(&args.picture), Console { quiet: true })?.files;
     files.extend(args.picture.env.clone());
     Ok(files)
 }
