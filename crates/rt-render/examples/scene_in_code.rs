@@ -31,7 +31,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         film: FilmSettings { width: 480, height: 320, ..FilmSettings::default() },
         appearance: Appearance {
             materials: vec![Material::new("clay".into(), clay), Material::new("chrome".into(), chrome)],
-            lights: vec![Light { name: "lamp".into(), kind: lamp, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }],
+            lights: vec![Light {
+                name: "lamp".into(),
+                kind: lamp,
+                intensity: Rgb::WHITE,
+                units: LightUnits::Classical,
+                casts_shadows: true,
+            }],
             ambient: Rgb::WHITE,
             background: Background::Gradient { bottom: Rgb::gray(0.9), top: Rgb::new(0.3, 0.5, 0.9) },
             ..Appearance::default()

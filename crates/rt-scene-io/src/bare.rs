@@ -1,7 +1,7 @@
 //! A scene around a model that comes without one.
 
-use rt_camera::Projection;
 use core::f64::consts::PI;
+use rt_camera::Projection;
 
 use rt_math::{Aabb, DVec3, Rgb, Transform, transcendental};
 use rt_shading::emitter::Sides;
@@ -47,8 +47,7 @@ pub(crate) fn scene_around(
     let used = used_materials([&*model.nodes]);
     let used: Vec<&SceneMaterial> = used.iter().filter_map(|id| model.materials.get(*id as usize)).collect();
     let has_emissive = used.iter().any(|material| is_emissive(material));
-    let is_lit_by_objects =
-        has_emissive && model.lights.is_empty() && options.studio_lights != StudioLights::Studio;
+    let is_lit_by_objects = has_emissive && model.lights.is_empty() && options.studio_lights != StudioLights::Studio;
     let reason = if used.iter().any(|material| material.physical.is_some()) {
         Some("materials are physically based")
     } else {
@@ -240,7 +239,9 @@ pub(crate) fn physical_material(material: &SceneMaterial) -> Option<Material> {
     };
     let is_dark = emission.is_none();
     let written = match physical.as_ref()? {
-        Physical::Black => Material::Light { radiance: emission.unwrap_or(format::Coefficient::Gray(0.0)), shines: sides },
+        Physical::Black => {
+            Material::Light { radiance: emission.unwrap_or(format::Coefficient::Gray(0.0)), shines: sides }
+        }
         _ if !(is_dark || *shines == Sides::Both) => return None,
         Physical::Diffuse { albedo, roughness } => {
             Material::Diffuse { albedo: constant(albedo)?, roughness: *roughness, emission }
@@ -258,8 +259,7 @@ pub(crate) fn physical_material(material: &SceneMaterial) -> Option<Material> {
         Physical::Mirror { reflectance } => Material::Mirror { reflectance: constant(reflectance)? },
         Physical::Dielectric { roughness, transmittance } => {
             let inside = phong.transmission.filter(|inside| inside.fresnel && inside.coefficient == *transmittance)?;
-            let absorption =
-                (!inside.absorption.is_black()).then(|| Color::from_rgb(inside.absorption.to_array()));
+            let absorption = (!inside.absorption.is_black()).then(|| Color::from_rgb(inside.absorption.to_array()));
             Material::Glass {
                 ior: inside.ior,
                 roughness: *roughness,

@@ -192,7 +192,13 @@ mod tests {
     use rt_geometry::SurfaceInteraction;
 
     fn light(kind: LightKind) -> Light {
-        Light { name: String::new(), kind, intensity: Rgb::gray(8.0), units: LightUnits::Classical, casts_shadows: true }
+        Light {
+            name: String::new(),
+            kind,
+            intensity: Rgb::gray(8.0),
+            units: LightUnits::Classical,
+            casts_shadows: true,
+        }
     }
 
     #[test]

@@ -57,7 +57,8 @@ fn ball() -> String {
     let (rows, columns) = (32, 64);
     for row in 0..=rows {
         for column in 0..columns {
-            let (height, turn) = (0.5 * TAU * f64::from(row) / f64::from(rows), TAU * f64::from(column) / f64::from(columns));
+            let (height, turn) =
+                (0.5 * TAU * f64::from(row) / f64::from(rows), TAU * f64::from(column) / f64::from(columns));
             let (x, y, z) = (height.sin() * turn.sin(), height.cos(), height.sin() * turn.cos());
             writeln!(text, "v {x} {y} {z}\nvn {x} {y} {z}").expect("written");
         }
@@ -150,16 +151,18 @@ fn a_white_surface_shows_its_albedo_under_every_integrator() {
     let matte = r#"{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.8, 0.8, 1], "metallicFactor": 0, "roughnessFactor": 1}}"#;
     let wall = unlit_floor(matte).replace("\"mesh\": 0}", "\"mesh\": 0, \"rotation\": [0.70710678, 0, 0, 0.70710678]}");
     place.write("wall.gltf", wall.replace(CAMERA, r#"{"camera": 0, "translation": [0, 0, 5]}"#));
-    place.write("scene.ron", r#"(nodes: [(shape: sphere(), material: "m")], materials: { "m": diffuse(albedo: gray(0.8)) })"#);
+    place.write(
+        "scene.ron",
+        r#"(nodes: [(shape: sphere(), material: "m")], materials: { "m": diffuse(albedo: gray(0.8)) })"#,
+    );
     for mtl in ["newmtl m\nKd 0.8 0.8 0.8\nillum 1\n", "newmtl m\nKd 0.8 0.8 0.8\nPr 1\nPm 0\n"] {
         place.write("m.mtl", mtl);
         for integrator in FOLLOWING_LIGHT {
             for model in ["m.obj", "scene.ron"] {
-                place.succeed(&format!(
-                    "render {model} --integrator {integrator} --size 32x32 --spp 64 -o out.exr -q"
-                ));
+                place.succeed(&format!("render {model} --integrator {integrator} --size 32x32 --spp 64 -o out.exr -q"));
                 let film = place.film("out.exr");
-                let mut values: Vec<f64> = film.pixels().iter().map(|pixel| Rgb::from(pixel.map(f64::from)).luminance()).collect();
+                let mut values: Vec<f64> =
+                    film.pixels().iter().map(|pixel| Rgb::from(pixel.map(f64::from)).luminance()).collect();
                 values.sort_by(|a, b| b.total_cmp(a));
                 let brightest = values[..60].iter().sum::<f64>() / 60.0;
                 assert!((brightest - 0.8).abs() < 0.1, "{model}, {mtl:?}, {integrator}: {brightest}");
@@ -222,7 +225,10 @@ fn convert_wrote_phong_for_physical_materials() {
 fn lamps_are_exposed_for_what_they_light() {
     let place = Workplace::new();
     place.write("m.gltf", lit_floor(WHITE, r#""KHR_materials_specular""#));
-    place.write("sky.hdr", [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n".as_slice(), &[128, 64, 32, 128]].concat());
+    place.write(
+        "sky.hdr",
+        [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n".as_slice(), &[128, 64, 32, 128]].concat(),
+    );
     let run = place.succeed("render m.gltf --size 8x8 --spp 1 -o out.png");
     assert_eq!(notes(&run, "lx; exposure").len(), 1, "{run:?}");
     // Beside an image of radiance about 1 faint lamps do not decide.

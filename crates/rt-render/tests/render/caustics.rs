@@ -6,8 +6,8 @@ use rt_math::{DVec2, DVec3, Rgb, Transform};
 use rt_render::{Crop, PlanOptions, RenderPlan, Rendering, RunOptions, StopRule};
 use rt_scene_io::{Accel, Content, Integrator, MaterialId, MeshId, NamedCamera, Node, Scene, Settings};
 use rt_shading::{
-    Appearance, Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong, Physical, Transmission,
-    bsdf::ComplexIor, emitter::Sides,
+    Appearance, Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong, Physical,
+    Transmission, bsdf::ComplexIor, emitter::Sides,
 };
 
 use crate::support::everything;

@@ -7,7 +7,8 @@ use rt_geometry::{AxisBox, MeshData, Plane, Shape, Sphere, Triangle, TriangleMes
 use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_scene_io::{Content, Group, GroupId, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene, Settings};
 use rt_shading::{
-    Appearance, Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId, Transmission,
+    Appearance, Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId,
+    Transmission,
 };
 
 pub(crate) fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Content {
@@ -16,7 +17,13 @@ pub(crate) fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Content {
 
 pub(crate) fn point_light(position: [f64; 3], strength: f64) -> Light {
     let kind = LightKind::Point { position: position.into(), falloff: Falloff::None, lamp_radius: 0.0 };
-    Light { name: "lamp".into(), kind, intensity: Rgb::gray(strength), units: LightUnits::Classical, casts_shadows: true }
+    Light {
+        name: "lamp".into(),
+        kind,
+        intensity: Rgb::gray(strength),
+        units: LightUnits::Classical,
+        casts_shadows: true,
+    }
 }
 
 fn material(name: &str, phong: Phong) -> Material {

@@ -36,8 +36,8 @@ use crate::format::{Background, Color};
 use crate::mesh_build::build_mesh;
 use crate::resolve::Report;
 use crate::{
-    Content, LoadError, LoadOptions, Material, MaterialId, MeshId, Model, NamedMesh, Node, Place, Problem,
-    Reason, Warning,
+    Content, LoadError, LoadOptions, Material, MaterialId, MeshId, Model, NamedMesh, Node, Place, Problem, Reason,
+    Warning,
 };
 
 /// The statements of the format.

@@ -269,7 +269,7 @@ fn what_is_not_supported_is_listed_with_its_line() {
             "the mapping \"spherical\" is not supported",
         ),
         ("LightSource \"goniometric\"", "the light \"goniometric\" is left out"),
-        ("LightSource \"point\" \"float power\" 5", "the parameter \"power\" of LightSource is not supported"),
+        ("LightSource \"point\" \"float fov\" 5", "the parameter \"fov\" of LightSource is not supported"),
         ("MediumInterface \"fog\" \"\"", "`MediumInterface` is left out"),
         ("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"", "`MakeNamedMedium` is left out"),
         ("AttributeBegin Material \"interface\" Shape \"sphere\" AttributeEnd", "a shape of no material is not seen"),

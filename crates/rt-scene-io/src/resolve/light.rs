@@ -33,7 +33,9 @@ fn single(report: &mut Report, path: &str, light: &format::Light) -> Option<Ligh
     let (name, intensity, units, casts_shadows) = match light {
         format::Light::Point { name, intensity, units, casts_shadows, .. }
         | format::Light::Directional { name, intensity, units, casts_shadows, .. }
-        | format::Light::Spot { name, intensity, units, casts_shadows, .. } => (name, intensity, *units, *casts_shadows),
+        | format::Light::Spot { name, intensity, units, casts_shadows, .. } => {
+            (name, intensity, *units, *casts_shadows)
+        }
         _ => return None,
     };
     let intensity = report.check(format_args!("{path}.intensity"), colour(intensity));

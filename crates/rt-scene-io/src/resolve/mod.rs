@@ -35,8 +35,8 @@ use include::Models;
 use node::Objects;
 #[cfg(any(feature = "nff", feature = "pbrt"))]
 pub(crate) use report::Report;
-pub(crate) use studio::rounded;
 use studio::Lighting;
+pub(crate) use studio::rounded;
 
 /// Resolves a scene that was read from `source` (or would stand there: files are looked up relative to it).
 ///

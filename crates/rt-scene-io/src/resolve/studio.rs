@@ -25,12 +25,7 @@ pub(super) struct Lighting {
 /// Fills in what the scene leaves open, and says so: one sentence for each choice.
 ///
 /// `bounds` is the box around the objects.
-pub(super) fn complete(
-    file: &mut SceneFile,
-    bounds: &Aabb,
-    lighting: Lighting,
-    options: &LoadOptions,
-) -> Vec<String> {
+pub(super) fn complete(file: &mut SceneFile, bounds: &Aabb, lighting: Lighting, options: &LoadOptions) -> Vec<String> {
     let mut notes = Vec::new();
     let bounds = if bounds.is_empty() || !bounds.is_finite() { Aabb::new(DVec3::NEG_ONE, DVec3::ONE) } else { *bounds };
     if file.camera.is_none() && file.cameras.is_empty() {

@@ -71,8 +71,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let only_reflects = follows == Follows::Reflections;
         let vertex = if only_reflects { vertex.following(without_diffuse.as_ref()) } else { vertex };
         // Ambient light stands for the background where the diffuse part is not followed to it.
-        let gathers_background =
-            vertex.bsdf.is_diffuse_below_layer() && !lighting.appearance.background.is_black();
+        let gathers_background = vertex.bsdf.is_diffuse_below_layer() && !lighting.appearance.background.is_black();
         if only_reflects && self.needs.ambient && !gathers_background {
             let ambient = material.ambient(&lighting.appearance.textures, vertex.view.surface);
             let radiance = path.weight * ambient * lighting.appearance.ambient;

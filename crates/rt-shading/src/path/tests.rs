@@ -2,8 +2,8 @@ mod bent_normals;
 
 use super::*;
 use crate::{
-    Background, Coefficient, ConstantBsdfs, Falloff, Light, LightKind, LightUnits, Material, Phong, Physical, SurfaceHit,
-    Transmission,
+    Background, Coefficient, ConstantBsdfs, Falloff, Light, LightKind, LightUnits, Material, Phong, Physical,
+    SurfaceHit, Transmission,
     emitter::{DiskLight, Emission, Emitter, EmitterRef, EnvironmentLight, LightSampling, QuadLight, Sides},
 };
 use core::f64::consts::PI;
@@ -240,7 +240,13 @@ fn forty_panes_of_thin_glass_each_take_their_part() {
 fn lights_without_extent_keep_the_brightness_of_whitteds() {
     let kind =
         LightKind::Point { position: DVec3::new(0.0, 2.0, 0.0), falloff: Falloff::InverseSquare, lamp_radius: 0.0 };
-    let light = Light { name: String::new(), kind, intensity: Rgb::gray(3.0), units: LightUnits::Classical, casts_shadows: true };
+    let light = Light {
+        name: String::new(),
+        kind,
+        intensity: Rgb::gray(3.0),
+        units: LightUnits::Classical,
+        casts_shadows: true,
+    };
     let classical = Phong { diffuse: gray(0.4), ambient: Coefficient::ZERO, ..Phong::default() };
     let mut scene = Scene::new(vec![Material::new(String::new(), classical)], Vec::new()).with(floor(), 0, None);
     scene.appearance.lights = vec![light];

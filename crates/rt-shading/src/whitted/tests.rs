@@ -1,7 +1,9 @@
 //! Tests of the integrator in worlds that are known in closed form.
 
 use super::*;
-use crate::{Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong, SurfaceHit, Transmission};
+use crate::{
+    Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong, SurfaceHit, Transmission,
+};
 use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
 use rt_math::{DVec3, Interval, RayKind, transcendental::exp};
 
@@ -228,7 +230,13 @@ fn local_light_is_phongs_sum() {
 fn lights_behind_the_surface_cost_no_shadow_ray() {
     let kind = LightKind::Point { position: DVec3::Z * -9.0, falloff: Falloff::None, lamp_radius: 0.0 };
     let mut appearance = white_room(Phong { diffuse: gray(1.0), ..BARE });
-    appearance.lights = vec![Light { name: String::new(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }];
+    appearance.lights = vec![Light {
+        name: String::new(),
+        kind,
+        intensity: Rgb::WHITE,
+        units: LightUnits::Classical,
+        casts_shadows: true,
+    }];
     let mut world = Echo::new(1);
     let (seen, counts) = look(&mut world, &appearance, 0);
     assert_eq!((seen, world.shadow_rays, counts.shadow_rays_spared), (0.0, 0, 1));

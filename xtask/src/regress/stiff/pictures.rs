@@ -10,7 +10,8 @@ use rt_scene_io::{
     Accel, Content, LoadOptions, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene, Settings, load,
 };
 use rt_shading::{
-    Appearance, Background, Bitmap, Coefficient, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId, Wrap,
+    Appearance, Background, Bitmap, Coefficient, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId,
+    Wrap,
 };
 
 use super::{Case, Conditions, Fallible, Found, Tally};
