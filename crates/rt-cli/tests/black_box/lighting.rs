@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_1_PI, TAU};
 use std::fmt::Write;
 
 use base64::{Engine, engine::general_purpose::STANDARD};
-use rt_math::Rgb;
+use rt_math::{Rgb, transcendental::sincos};
 
 use crate::program::{Run, Workplace};
 
@@ -59,7 +59,8 @@ fn ball() -> String {
         for column in 0..columns {
             let (height, turn) =
                 (0.5 * TAU * f64::from(row) / f64::from(rows), TAU * f64::from(column) / f64::from(columns));
-            let (x, y, z) = (height.sin() * turn.sin(), height.cos(), height.sin() * turn.cos());
+            let ((across, y), (sin, cos)) = (sincos(height), sincos(turn));
+            let (x, z) = (across * sin, across * cos);
             writeln!(text, "v {x} {y} {z}\nvn {x} {y} {z}").expect("written");
         }
     }

@@ -130,6 +130,7 @@ pub(crate) fn everything() -> Scene {
             falloff: Falloff::InverseSquare,
         },
         intensity: Rgb::gray(4.0),
+        units: LightUnits::Classical,
         casts_shadows: false,
     });
     scene.meshes = vec![NamedMesh { name: "sheet".into(), mesh: Arc::new(sheet()) }];
