@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use rt_scene_io::format::{
-    Background, Camera, Coefficient, Color, Falloff, Film, Integrator, Light, Material, Node, Sampler, SceneFile,
-    Settings, Shape, Sides,
+    Background, Camera, Coefficient, Color, Falloff, Film, Integrator, Light, LightUnits, Material, Node, Sampler,
+    SceneFile, Settings, Shape, Sides,
 };
 
 use super::neutral;
@@ -77,6 +77,7 @@ fn light(light: &neutral::Light) -> Option<Light> {
         name: String::new(),
         position,
         intensity: Color::from_rgb(color),
+        units: LightUnits::Classical,
         falloff: Falloff::None,
         lamp_radius,
         casts_shadows: true,
