@@ -53,7 +53,7 @@ pub(super) fn each(
 /// All frames of what is animated in the scene or its models.
 pub(super) fn all(args: &RenderArgs) -> Result<Frames, Failure> {
     let input = InputArgs { at_time: Some(0.0), ..args.input.clone() };
-    let loaded = input::read(&input, args.picture.size, Console { quiet: true })?;
+    let loaded = input::read(&input, Some(&args.picture), Console { quiet: true })?;
     let (scene, fps) = (args.input.scene.display(), args.input.pace.fps);
     let Some(end) = loaded.options.animation_end.seconds() else {
         return Err(Failure::Usage(format!(
