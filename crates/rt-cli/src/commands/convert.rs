@@ -35,7 +35,9 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
         input::refuse_warnings(&args.input.scene, &warnings)?;
     }
     output.write(|file| file.write_all(text.as_bytes()))?;
-    notes.iter().try_for_each(|note| Console { quiet: false }.say(format_args!("note: {note}")))
+    // Standard output belongs to the text where that goes there.
+    let console = Console { quiet: args.output == Path::new("-") };
+    notes.iter().try_for_each(|note| console.say(format_args!("note: {note}")))
 }
 
 fn is_scene_file(path: &Path) -> bool {
