@@ -22,7 +22,7 @@ pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
 pub(crate) use converge::{Against, ConvergeArgs, Variation};
 pub(crate) use frames::{FrameChoice, Frames, FramesArgs, PaceArgs};
 pub(crate) use keep::{Every, KeepArgs};
-pub(crate) use memory::Amount;
+pub(crate) use memory::{Amount, MemoryArgs};
 pub(crate) use merge::MergeArgs;
 pub(crate) use picture::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 pub(crate) use startup::with_default_command;
@@ -242,6 +242,9 @@ pub(crate) struct DevelopArgs {
     /// Encode with this exponent rather than the sRGB curve; 1 stores linear light
     #[arg(long, value_name = "GAMMA", value_parser = values::gamma)]
     pub(crate) gamma: Option<f64>,
+
+    #[command(flatten)]
+    pub(crate) memory: MemoryArgs,
 }
 
 /// What is read.

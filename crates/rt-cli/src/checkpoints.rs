@@ -1,6 +1,6 @@
 //! Checkpoints: what a render can go on from, written now and then beside its picture.
 
-use std::fs::{self, File};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -10,7 +10,7 @@ use crate::args::{Every, KeepArgs};
 use crate::console::Console;
 use crate::error::Failure;
 use crate::kept_file::{self, KeptError, KeptKind, Label};
-use crate::output::OutputFile;
+use crate::output::{self, OutputFile};
 
 /// Where checkpoints of a render go, and how often.
 #[derive(Debug)]
@@ -40,26 +40,50 @@ impl Checkpoints {
         &self.file
     }
 
-    /// The checkpoint of an earlier run, if it is to be continued and there is one.
-    pub(crate) fn earlier(&self, args: &KeepArgs) -> Result<Option<Checkpoint>, Failure> {
-        if !kept_file::may_be_replaced(&self.file) {
-            return Err(KeptError::OtherKind { file: self.file.clone(), kind: KeptKind::Checkpoint }.into());
-        }
-        if args.restart || !self.file.exists() {
-            return Ok(None);
-        }
-        if !args.resume {
-            return Err(Failure::Usage(format!(
+    /// The checkpoint of an earlier run, if it is to be continued and there is one. One of another picture, or that is of no use
+    /// to this program, stays until a checkpoint of this render takes its place, or the picture is finished; a note says so.
+    ///
+    /// # Errors
+    /// [`Failure`] if there is a file that is no checkpoint, or a checkpoint of which nothing is said, or one that is to be
+    /// continued and cannot be. Reading it may take `memory` bytes.
+    pub(crate) fn earlier(&self, args: &KeepArgs, memory: Option<u64>) -> Result<Option<Checkpoint>, Failure> {
+        let found = kept_file::label(&self.file, KeptKind::Checkpoint);
+        let of_no_use = match found {
+            Ok(None) => return Ok(None),
+            Ok(Some(label)) if label.identity == self.label.identity => None,
+            Ok(Some(label)) => Some(self.foreign(label, "")),
+            Err(error @ (KeptError::Damaged(_) | KeptError::Version { .. } | KeptError::Content { .. })) => Some(error),
+            // A link that somebody has put there is replaced, and what it leads to is not touched.
+            Err(KeptError::OtherKind { .. } | KeptError::NotAFile(_)) if self.file.is_symlink() && !args.resume => {
+                return Ok(None);
+            }
+            Err(error) => return Err(error.into()),
+        };
+        match of_no_use {
+            _ if args.restart => Ok(None),
+            _ if args.resume => {
+                let (label, checkpoint) = kept_file::read::<Checkpoint>(&self.file, KeptKind::Checkpoint, memory)?;
+                if label.identity != self.label.identity {
+                    return Err(self.foreign(label, "; begin anew with --restart").into());
+                }
+                Ok(Some(checkpoint))
+            }
+            None => Err(Failure::Usage(format!(
                 "{} holds a render that was not finished: go on with --resume, or begin anew with --restart",
                 self.file.display()
-            )));
+            ))),
+            Some(error) => {
+                self.console.say(format_args!(
+                    "note: {error}; this render begins anew, and replaces that checkpoint by its own when it writes one, or \
+                     removes it when the picture is finished"
+                ))?;
+                Ok(None)
+            }
         }
-        let (label, checkpoint) = kept_file::read::<Checkpoint>(&self.file, KeptKind::Checkpoint)?;
-        if label.identity != self.label.identity {
-            let advice = "; begin anew with --restart";
-            return Err(KeptError::Foreign { file: self.file.clone(), scene: label.scene, advice }.into());
-        }
-        Ok(Some(checkpoint))
+    }
+
+    fn foreign(&self, label: Label, advice: &'static str) -> KeptError {
+        KeptError::Foreign { file: self.file.clone(), scene: label.scene, advice }
     }
 
     /// Writes one if it is time for it.
@@ -78,47 +102,21 @@ impl Checkpoints {
         self.last = Instant::now();
     }
 
-    /// Writes one: whole, or not at all.
+    /// Writes one: whole, or not at all. A link that has its name is replaced.
     fn write(&self, kept: &Kept<'_>) -> Result<(), String> {
-        let unfinished = self.unfinished();
-        let written = File::create(&unfinished)
-            .map_err(|error| error.to_string())
-            .and_then(|mut file| {
-                kept_file::write(&mut file, &self.label, kept)?;
-                file.sync_all().map_err(|error| error.to_string())
-            })
-            .and_then(|()| fs::rename(&unfinished, &self.file).map_err(|error| error.to_string()));
-        if written.is_err() {
-            // What is left of it is of no use to anybody.
-            let _ = fs::remove_file(&unfinished);
-        }
-        written
+        output::write_over_link(&self.file, |file| kept_file::write(file, &self.label, kept))
     }
 
     /// Writes the last one, if need be where there is room; tells where it is.
     pub(crate) fn write_last(&self, kept: &Kept<'_>, refuges: &[PathBuf]) -> Result<PathBuf, String> {
         let Err(reason) = self.write(kept) else { return Ok(self.file.clone()) };
-        let name = self.file.file_name().unwrap_or_default().to_string_lossy();
-        // Renders of other folders may look for refuge in the same one.
-        let name = format!("rt-cli-{}-{name}", std::process::id());
-        let elsewhere =
-            refuges.iter().map(|refuge| Self { file: refuge.join(&name), label: self.label.clone(), ..*self });
-        elsewhere.into_iter().find_map(|other| other.write(kept).ok().map(|()| other.file)).ok_or(reason)
-    }
-
-    /// Where one is while it is written. The name is always the same, so that a run that is killed leaves one at most, which
-    /// the next run replaces or removes.
-    fn unfinished(&self) -> PathBuf {
-        let mut name = self.file.as_os_str().to_owned();
-        name.push(".new");
-        PathBuf::from(name)
+        output::rescue(&self.file, refuges, |file| kept_file::write(file, &self.label, kept)).ok_or(reason)
     }
 
     /// Removes what a finished render needs no more.
     pub(crate) fn remove(&self) {
         // There may be none, and if one stays, `--resume` finds nothing left to do.
         let _ = fs::remove_file(&self.file);
-        let _ = fs::remove_file(self.unfinished());
     }
 }
 

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use rt_camera::ImageFileError;
 use rt_camera::metrics::PairError;
 use rt_render::RenderError;
-use rt_scene_io::LoadError;
+use rt_scene_io::{LoadError, Shortage};
 
 use crate::interruption;
 use crate::kept_file::KeptError;
@@ -33,6 +33,14 @@ pub(crate) enum Failure {
     /// An image is bad.
     #[error(transparent)]
     Image(#[from] ImageFileError),
+    /// What is to be read needs more memory than is allowed.
+    #[error("{}: {shortage}", file.display())]
+    Memory {
+        /// The file, or the first of them.
+        file: PathBuf,
+        /// How much more.
+        shortage: Shortage,
+    },
     /// Two images cannot be compared.
     #[error("{} and {}: {source}", test.display(), reference.display())]
     Pair {
@@ -174,7 +182,7 @@ impl Failure {
             Self::Different { .. } => 1,
             Self::Usage(_) => 2,
             Self::Load(_) | Self::Plan { .. } | Self::Image(_) | Self::Pair { .. } | Self::Warnings { .. } => 3,
-            Self::Kept(_) | Self::Join(_) => 3,
+            Self::Kept(_) | Self::Join(_) | Self::Memory { .. } => 3,
             Self::Output(_) | Self::Outputs(_) | Self::Stdout(_) => 4,
             #[cfg(feature = "view")]
             Self::Window(_) => 4,

@@ -5,16 +5,18 @@
 //!   { "frames": { "0": "5e1c...", "1": "90ab..." } }
 //! ```
 //!
-//! Each frame is known by the [`Identity`] of its picture. Each machine has a file of its own, so that none overwrites another's.
+//! Each frame is known by the [`Identity`] of its picture. Each machine has a file of its own. Programs that share one add their
+//! frames in turn: whoever adds holds a lock on the file, reads what others have added, and puts a new file in its place.
 
 use std::collections::BTreeMap;
-use std::fs;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use rt_render::Share;
-use serde::{Deserialize, Serialize};
 
 use crate::args::Frames;
+use crate::done_frames::{self, DoneFrames, MAX_LOG_BYTES};
 use crate::error::Failure;
 use crate::identity::Identity;
 use crate::kept_file::KeptError;
@@ -24,17 +26,10 @@ use crate::output::OutputFile;
 #[derive(Debug)]
 pub(crate) struct FrameLog {
     output: OutputFile,
-    /// Those that this run renders.
-    own: Frames,
-    done: Done,
-}
-
-/// The file.
-#[derive(Debug, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Done {
-    /// Identities of their pictures, by their numbers.
-    frames: BTreeMap<u32, String>,
+    /// What is known of frames of an earlier run that is to be continued.
+    done: DoneFrames,
+    /// Entries of an earlier run that this one begins anew.
+    stale: BTreeMap<u32, String>,
 }
 
 impl FrameLog {
@@ -44,10 +39,10 @@ impl FrameLog {
     /// # Errors
     /// [`Failure`] if it could not be written, or is there and is no such file.
     pub(crate) fn open(pattern: &Path, shard: Option<Share>, own: Frames, resume: bool) -> Result<Self, Failure> {
-        let output = OutputFile::prepare(&beside(pattern, shard), &[])?;
-        let mut done = read(output.path())?;
-        done.frames.retain(|frame, _| resume || !own.contains(*frame));
-        Ok(Self { output, own, done })
+        let output = OutputFile::prepare_over_link(&beside(pattern, shard), &[])?;
+        let DoneFrames { frames } = read(output.path())?;
+        let (stale, frames) = frames.into_iter().partition(|(frame, _)| !resume && own.contains(*frame));
+        Ok(Self { output, done: DoneFrames { frames }, stale })
     }
 
     /// True if a frame is done already.
@@ -69,18 +64,72 @@ impl FrameLog {
 
     /// Adds a frame whose picture is written.
     pub(crate) fn add(&mut self, frame: u32, identity: &Identity) -> Result<(), Failure> {
-        self.done.frames.insert(frame, identity.to_string());
-        // Other runs may have rendered other frames meanwhile.
-        let others = read(self.output.path())?.frames.into_iter().filter(|(frame, _)| !self.own.contains(*frame));
-        self.done.frames.extend(others);
-        Ok(self.output.write(|file| serde_json::to_writer_pretty(file, &self.done))?)
+        let _lock = lock(self.output.path());
+        let mut done = read(self.output.path())?;
+        // Entries that other runs have made meanwhile stay.
+        done.frames.retain(|frame, identity| self.stale.get(frame) != Some(identity));
+        self.stale.remove(&frame);
+        done.frames.insert(frame, identity.to_string());
+        self.output.write(|file| serde_json::to_writer_pretty(file, &done))?;
+        Ok(())
     }
 }
 
 /// What is in the file; nothing if there is none.
-fn read(file: &Path) -> Result<Done, KeptError> {
-    let Ok(bytes) = fs::read(file) else { return Ok(Done::default()) };
-    serde_json::from_slice(&bytes).map_err(|_| KeptError::Log(file.to_owned()))
+fn read(path: &Path) -> Result<DoneFrames, KeptError> {
+    let other = || KeptError::Log(path.to_owned());
+    match path.metadata() {
+        Err(_) => return Ok(DoneFrames::default()),
+        Ok(metadata) if !metadata.is_file() || metadata.len() > MAX_LOG_BYTES => return Err(other()),
+        Ok(_) => {}
+    }
+    let mut text = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(MAX_LOG_BYTES).read_to_end(&mut text))
+        .map_err(|source| KeptError::Read { file: path.to_owned(), source })?;
+    done_frames::parse(&text).ok_or_else(other)
+}
+
+/// Locks the log, which is created if need be, until the file is dropped. Where nothing can be locked, runs must not overlap.
+///
+/// Whoever writes the log replaces it, so that a lock counts only if it is on the file that has the name now.
+#[cfg(unix)]
+fn lock(path: &Path) -> Option<File> {
+    use std::fs::OpenOptions;
+    use std::io::ErrorKind;
+    use std::os::unix::fs::MetadataExt;
+
+    loop {
+        // Never follows a link.
+        let created = OpenOptions::new().read(true).write(true).create_new(true).open(path);
+        let file = match created {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+                if path.is_symlink() {
+                    crate::output::write_over_link(path, |_| Ok::<_, String>(())).ok()?;
+                    continue;
+                }
+                match OpenOptions::new().read(true).write(true).open(path) {
+                    Err(error) if error.kind() == ErrorKind::NotFound => continue,
+                    // Of another user, in a folder that both may write to.
+                    Err(_) => File::open(path).ok()?,
+                    Ok(file) => file,
+                }
+            }
+            created => created.ok()?,
+        };
+        file.lock().ok()?;
+        let locked = file.metadata().ok()?;
+        match path.symlink_metadata() {
+            Ok(named) if (named.dev(), named.ino()) == (locked.dev(), locked.ino()) => return Some(file),
+            _ => {}
+        }
+    }
+}
+
+/// Files that are open cannot be replaced here.
+#[cfg(not(unix))]
+const fn lock(_path: &Path) -> Option<File> {
+    None
 }
 
 /// The name of a pattern with `.frames.json` behind it.
@@ -91,4 +140,30 @@ fn beside(pattern: &Path, shard: Option<Share>) -> PathBuf {
         Some(share) => name.push(format!(".frames.{}-of-{}.json", share.index() + 1, share.count())),
     }
     PathBuf::from(name)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frame_logs_that_are_links_were_written_through() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (log, target) = (folder.path().join("log.json"), folder.path().join("target"));
+        std::os::unix::fs::symlink(&target, &log).expect("linked");
+        drop(lock(&log).expect("locked"));
+        assert!(!target.exists() && !log.is_symlink() && log.is_file());
+    }
+
+    #[test]
+    fn a_lock_is_on_the_file_that_has_the_name_now() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let log = folder.path().join("log.json");
+        let first = lock(&log).expect("locked");
+        std::fs::rename(&log, folder.path().join("older.json")).expect("renamed");
+        // The older file is still locked, and in nobody's way.
+        let second = lock(&log).expect("locked");
+        assert!(File::open(&log).expect("there").try_lock().is_err());
+        drop((first, second));
+    }
 }

@@ -15,6 +15,7 @@ use crate::console::Console;
 use crate::display::Display;
 use crate::error::Failure;
 use crate::identity::Identity;
+use crate::interruption::Listening;
 use crate::kept_file::{self, KeptError, KeptKind, Label};
 use crate::output::{OutputError, OutputFile, refuges, write_all};
 use crate::stats::{Outcome, StatsFile};
@@ -99,7 +100,12 @@ impl Job<'_> {
             }
         }
         let refuges = refuges(self.keep.as_ref().and_then(|keep| keep.args.fallback.as_deref()));
-        let Rendered { part, checkpoints, kept, display } = self.render(&plan, &refuges, display)?;
+        // Until everything is written: a signal that comes meanwhile must not cost what the render has made.
+        let listening = interruption::listen();
+        if interruption::is_interrupted() {
+            return Err(Failure::Interrupted { percent: 0.0, picture: None, checkpoint: None });
+        }
+        let Rendered { part, checkpoints, kept, display } = self.render(&plan, &refuges, display, &listening)?;
         let written = Instant::now();
         let (stopped, missing_tiles) = (part.stopped(), part.missing_tiles());
         let is_written = matches!(self.result, JobResult::Picture { .. }) || missing_tiles == 0;
@@ -195,7 +201,7 @@ impl Job<'_> {
         if !args.resume || !output.path().exists() {
             return Ok(false);
         }
-        let (label, part) = kept_file::read::<Part>(output.path(), KeptKind::Part)?;
+        let (label, part) = kept_file::read::<Part>(output.path(), KeptKind::Part, self.options.memory)?;
         if label.identity != *identity || Some(part.share()) != args.shard {
             // An older part does not stand in the way of a newer render that was interrupted.
             if checkpoints::place(args, output).exists() {
@@ -302,6 +308,7 @@ impl Job<'_> {
         plan: &RenderPlan<'_>,
         refuges: &[PathBuf],
         display: Option<Display>,
+        listening: &Listening,
     ) -> Result<Rendered, Failure> {
         let label = self.label(KeptKind::Checkpoint);
         let mut earlier = None;
@@ -311,14 +318,13 @@ impl Job<'_> {
         let keep = self.keep.as_ref().filter(|keep| !output.is_stdout() || keep.args.checkpoint.is_some());
         if let (Some(keep), Some(label)) = (keep, label) {
             let of_job = Checkpoints::new(keep.args, self.result.output(), label, self.console);
-            earlier = of_job.earlier(keep.args)?;
+            earlier = of_job.earlier(keep.args, self.options.memory)?;
             if let Some(earlier) = &earlier {
                 let (samples, file) = (earlier.samples(), of_job.file().display());
                 self.console.say(format_args!("note: goes on from {file}, with {samples} samples"))?;
             }
             checkpoints = Some(of_job);
         }
-        let listening = interruption::listen();
         let run = RunOptions {
             threads: self.threads,
             count: self.stats.is_some(),

@@ -6,11 +6,13 @@
 //!
 //! Numbers are written by postcard. A file is only as good as its hash: a flipped bit is found before anything is read.
 
-use std::fs;
-use std::io::{self, BufWriter, Read as _, Write};
+use std::fs::File;
+use std::io::{self, BufWriter, ErrorKind, Read as _, Write};
 use std::path::{Path, PathBuf};
 
 use rt_camera::{Development, Dither, Encoding};
+use rt_render::{Checkpoint, ContentError, Part, UncheckedCheckpoint, UncheckedPart};
+use rt_scene_io::Shortage;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +24,12 @@ const MAGIC: &[u8] = b"rt-cli kept 1\n";
 
 /// Bytes of the hash at its end.
 const HASH: usize = blake3::OUT_LEN;
+
+/// Bytes of the longest label.
+const MAX_LABEL: u64 = 8192;
+
+/// Bytes of the longest name of a version or of a scene's file.
+const MAX_NAME: usize = 1024;
 
 /// What a file is of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -57,6 +65,27 @@ pub(crate) enum KeptError {
         file: PathBuf,
         /// What the system says.
         source: io::Error,
+    },
+    /// It is a folder, a pipe or a device.
+    #[error("{}: is not a regular file", .0.display())]
+    NotAFile(PathBuf),
+    /// Reading it would take more memory than is allowed.
+    #[error("{}: {shortage}", file.display())]
+    Memory {
+        /// The file.
+        file: PathBuf,
+        /// How much more.
+        shortage: Shortage,
+    },
+    /// It has the right hash, and a number in it cannot be right.
+    #[error("{}: is no sound {kind}: {reason}", file.display())]
+    Content {
+        /// The file.
+        file: PathBuf,
+        /// What it should be.
+        kind: KeptKind,
+        /// The number.
+        reason: String,
     },
     /// It is something else.
     #[error("{}: is no {kind}", file.display())]
@@ -123,6 +152,24 @@ impl Label {
         }
     }
 
+    /// Checks that it is one that this program writes.
+    fn check(&self, file: &Path, kind: KeptKind) -> Result<(), KeptError> {
+        let content = |reason: String| KeptError::Content { file: file.to_owned(), kind, reason };
+        if self.version.len() > MAX_NAME || self.scene.len() > MAX_NAME {
+            return Err(content("its label is too long".to_owned()));
+        }
+        if self.version != env!("CARGO_PKG_VERSION") {
+            return Err(KeptError::Version { file: file.to_owned(), version: self.version.clone() });
+        }
+        if self.kind != kind {
+            return Err(KeptError::OtherKind { file: file.to_owned(), kind });
+        }
+        if tone_of_name(&self.tone).is_none() {
+            return Err(content("there is no such tone curve".to_owned()));
+        }
+        self.development().validate().map_err(|error| content(error.to_string()))
+    }
+
     /// How the scene wants its picture developed.
     pub(crate) fn development(&self) -> Development {
         let standard = Development::default();
@@ -135,11 +182,73 @@ impl Label {
     }
 }
 
-/// False if there is a file which is not one of these, or the beginning of one.
-pub(crate) fn may_be_replaced(file: &Path) -> bool {
+/// What is kept in a file, and checked when it is read.
+pub(crate) trait Content: Sized {
+    /// What is decoded.
+    type Unchecked: DeserializeOwned;
+
+    /// Checks all numbers.
+    fn check(unchecked: Self::Unchecked) -> Result<Self, ContentError>;
+}
+
+impl Content for Part {
+    type Unchecked = UncheckedPart;
+
+    fn check(unchecked: UncheckedPart) -> Result<Self, ContentError> {
+        unchecked.check()
+    }
+}
+
+impl Content for Checkpoint {
+    type Unchecked = UncheckedCheckpoint;
+
+    fn check(unchecked: UncheckedCheckpoint) -> Result<Self, ContentError> {
+        unchecked.check()
+    }
+}
+
+/// Opens a regular file, and tells its length. Whoever opens a pipe waits for its other end, so that this comes first.
+fn open(file: &Path) -> Result<(File, u64), KeptError> {
+    let failed = |source| KeptError::Read { file: file.to_owned(), source };
+    let metadata = file.metadata().map_err(failed)?;
+    if !metadata.is_file() {
+        return Err(KeptError::NotAFile(file.to_owned()));
+    }
+    Ok((File::open(file).map_err(failed)?, metadata.len()))
+}
+
+/// Length of a file of this kind, before it is read.
+pub(crate) fn length(file: &Path) -> Result<u64, KeptError> {
+    open(file).map(|(_, length)| length)
+}
+
+/// The label of a file, if there is a file. Nothing but its beginning is read, so that its hash is not checked.
+///
+/// # Errors
+/// [`KeptError`] if it is damaged, of another kind or version, or something else.
+pub(crate) fn label(file: &Path, kind: KeptKind) -> Result<Option<Label>, KeptError> {
+    let (opened, _) = match open(file) {
+        Err(KeptError::Read { source, .. })
+            if matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
+        {
+            return Ok(None);
+        }
+        opened => opened?,
+    };
     let mut head = Vec::new();
-    let read = fs::File::open(file).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut head));
-    read.is_err() || MAGIC.starts_with(&head)
+    opened
+        .take(MAGIC.len() as u64 + MAX_LABEL)
+        .read_to_end(&mut head)
+        .map_err(|source| KeptError::Read { file: file.to_owned(), source })?;
+    if MAGIC.starts_with(&head) {
+        return Err(KeptError::Damaged(file.to_owned()));
+    }
+    let Some(head) = head.strip_prefix(MAGIC) else {
+        return Err(KeptError::OtherKind { file: file.to_owned(), kind });
+    };
+    let (label, _) = postcard::take_from_bytes::<Label>(head).map_err(|_| KeptError::Damaged(file.to_owned()))?;
+    label.check(file, kind)?;
+    Ok(Some(label))
 }
 
 /// Writes a file.
@@ -171,30 +280,50 @@ fn for_postcard(mut writer: impl Write, value: &impl Serialize) -> Result<(), St
     written.map_err(|error| watched.error.take().unwrap_or(error))
 }
 
-/// Reads a file of this kind.
-pub(crate) fn read<T: DeserializeOwned>(file: &Path, kind: KeptKind) -> Result<(Label, T), KeptError> {
-    let bytes = fs::read(file).map_err(|source| KeptError::Read { file: file.to_owned(), source })?;
+/// Reads a file of this kind, unless that would take more bytes of memory than `memory`.
+pub(crate) fn read<T: Content>(file: &Path, kind: KeptKind, memory: Option<u64>) -> Result<(Label, T), KeptError> {
+    let failed = |source| KeptError::Read { file: file.to_owned(), source };
     let damaged = || KeptError::Damaged(file.to_owned());
-    let other_kind = || KeptError::OtherKind { file: file.to_owned(), kind };
-    if !bytes.starts_with(MAGIC) {
-        return Err(other_kind());
+    let (opened, length) = open(file)?;
+    let mut bytes = Vec::new();
+    let mut reader = opened.take(length);
+    reader.by_ref().take(MAGIC.len() as u64).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes != MAGIC {
+        return Err(KeptError::OtherKind { file: file.to_owned(), kind });
     }
+    check_memory(file, kind, length, memory)?;
+    reader.read_to_end(&mut bytes).map_err(failed)?;
     let (content, hash) = bytes.split_last_chunk::<HASH>().ok_or_else(damaged)?;
     if blake3::Hasher::new().update_rayon(content).finalize() != *hash {
         return Err(damaged());
     }
     let content = content.get(MAGIC.len()..).ok_or_else(damaged)?;
     let (label, content) = postcard::take_from_bytes::<Label>(content).map_err(|_| damaged())?;
-    if label.version != env!("CARGO_PKG_VERSION") {
-        return Err(KeptError::Version { file: file.to_owned(), version: label.version });
+    label.check(file, kind)?;
+    let Ok((unchecked, [])) = postcard::take_from_bytes::<T::Unchecked>(content) else { return Err(damaged()) };
+    let content = T::check(unchecked).map_err(|error| {
+        let reason = error.to_string();
+        KeptError::Content { file: file.to_owned(), kind, reason }
+    })?;
+    Ok((label, content))
+}
+
+/// Refuses a file whose bytes and content take too much memory.
+fn check_memory(file: &Path, kind: KeptKind, length: u64, memory: Option<u64>) -> Result<(), KeptError> {
+    let predicted = length.saturating_add(decoded_bytes(length));
+    match memory {
+        Some(budget) if predicted > budget => {
+            let largest = format!("the {kind} {}", file.display());
+            let shortage = Shortage { predicted, budget, largest, most: predicted };
+            Err(KeptError::Memory { file: file.to_owned(), shortage })
+        }
+        _ => Ok(()),
     }
-    if label.kind != kind {
-        return Err(other_kind());
-    }
-    match postcard::take_from_bytes::<T>(content) {
-        Ok((kept, [])) => Ok((label, kept)),
-        _ => Err(damaged()),
-    }
+}
+
+/// Bytes of memory that the content of a file of this length takes: numbers as they are, and some for each tile.
+pub(crate) const fn decoded_bytes(length: u64) -> u64 {
+    length.saturating_add(length / 8)
 }
 
 /// Hashes what goes to a file.

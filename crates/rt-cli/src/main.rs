@@ -31,6 +31,7 @@ mod commands;
 mod console;
 #[cfg_attr(not(feature = "display"), path = "no_display.rs")]
 mod display;
+mod done_frames;
 mod empty_picture;
 mod error;
 mod frame_log;

@@ -1,5 +1,24 @@
 //! How much memory the process used at most, and how much there is.
 
+use std::path::Path;
+
+use rt_scene_io::Shortage;
+
+use crate::error::Failure;
+
+/// Refuses to read files that need more memory than is allowed, with the name of the first. Each need has a name, which finishes
+/// the sentence "most of it is for ...".
+pub(crate) fn check(limit: Option<u64>, file: &Path, needs: &[(String, u64)]) -> Result<(), Failure> {
+    let predicted = needs.iter().fold(0_u64, |sum, (_, bytes)| sum.saturating_add(*bytes));
+    match (limit, needs.iter().max_by_key(|(_, bytes)| *bytes)) {
+        (Some(budget), Some((largest, most))) if predicted > budget => {
+            let shortage = Shortage { predicted, budget, largest: largest.clone(), most: *most };
+            Err(Failure::Memory { file: file.to_owned(), shortage })
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Bytes of memory that the process may use: what its control groups allow, or what the machine has, whichever is less.
 /// `None` where the system says neither.
 #[cfg(target_os = "linux")]

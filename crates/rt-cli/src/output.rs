@@ -100,34 +100,43 @@ pub(crate) enum OutputError {
 
 impl OutputFile {
     /// Checks that a file can be written to `path`, before work is spent on its content: the folder takes files, and
-    /// nothing is there but perhaps an older file that is not one of `inputs`. The path `-` is standard output, which reports
-    /// keep clear of from then on.
+    /// nothing is there but perhaps an older file that is not one of `inputs`. A link is written through: the file that it leads to
+    /// is replaced, not the link. The path `-` is standard output, which reports keep clear of from then on.
     pub(crate) fn prepare(path: &Path, inputs: &[PathBuf]) -> Result<Self, OutputError> {
         if is_dash(path) {
             reserve_stdout();
             let (path, folder) = (PathBuf::from(STDOUT), env::temp_dir());
             return Ok(Self { target: path.clone(), path, folder, is_stdout: true });
         }
-        // A link is written through: the file that it leads to is replaced, not the link.
-        let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-        let folder = match target.parent() {
-            Some(folder) if target.file_name().is_some() => folder,
-            _ => return Err(OutputError::NoName(path.to_owned())),
-        };
-        let folder = if folder == Path::new("") { Path::new(".") } else { folder };
+        Self::prepare_target(path, path.canonicalize().unwrap_or_else(|_| path.to_owned()), inputs)
+    }
+
+    /// Does the same for a file whose name the program chooses, or others can guess: a checkpoint, a part, a frame log. A link is
+    /// replaced, and what it leads to is left alone.
+    pub(crate) fn prepare_over_link(path: &Path, inputs: &[PathBuf]) -> Result<Self, OutputError> {
+        Self::prepare_target(path, path.to_owned(), inputs)
+    }
+
+    fn prepare_target(path: &Path, target: PathBuf, inputs: &[PathBuf]) -> Result<Self, OutputError> {
+        if target.file_name().is_none() {
+            return Err(OutputError::NoName(path.to_owned()));
+        }
+        let folder = folder_of(&target);
         if !folder.is_dir() {
             return Err(OutputError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
         }
-        if let Ok(older) = fs::metadata(&target) {
+        if let Some(older) = fs::symlink_metadata(&target).ok().filter(|older| !older.is_symlink()) {
             if !older.is_file() {
                 return Err(OutputError::NotAFile(path.to_owned()));
             }
             if older.permissions().readonly() {
                 return Err(OutputError::ReadOnly(path.to_owned()));
             }
-            if inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == target)) {
-                return Err(OutputError::IsInput(path.to_owned()));
-            }
+        }
+        let is_same =
+            |place: PathBuf| inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == place));
+        if path.canonicalize().is_ok_and(is_same) {
+            return Err(OutputError::IsInput(path.to_owned()));
         }
         // An anonymous file proves that the folder takes files, and leaves nothing behind whatever happens later.
         match tempfile::tempfile_in(folder) {
@@ -179,11 +188,8 @@ impl OutputFile {
         content: impl Fn(&mut BufWriter<&mut File>) -> Result<(), E>,
     ) -> Result<(), OutputError> {
         let Err(original) = self.write(&content) else { return Ok(()) };
-        let name = self.target.file_name().unwrap_or_default().to_string_lossy();
-        let name = format!("rt-cli-{}-{name}", std::process::id());
-        let takes_it = |refuge: &&PathBuf| write_atomically(&refuge.join(&name), refuge, &content).is_ok();
-        match refuges.iter().find(takes_it) {
-            Some(refuge) => Err(OutputError::Rescued { original: Box::new(original), rescued: refuge.join(&name) }),
+        match rescue(&self.target, refuges, content) {
+            Some(rescued) => Err(OutputError::Rescued { original: Box::new(original), rescued }),
             None => Err(original),
         }
     }
@@ -238,25 +244,72 @@ fn write_to_stdout<E: Display>(content: impl FnOnce(&mut BufWriter<&mut File>) -
     }
 }
 
+/// Writes a file, whole or not at all, in the place of whatever has its name: a link is replaced, not followed.
+pub(crate) fn write_over_link<E: Display>(
+    target: &Path,
+    content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
+) -> Result<(), String> {
+    write_atomically(target, folder_of(target), content)
+}
+
+/// Writes what cannot go to `target` under a new name in the first of the folders `refuges` that takes it, and returns its path.
+/// No file or link that is there is replaced or followed: nobody can know the name beforehand.
+pub(crate) fn rescue<E: Display>(
+    target: &Path,
+    refuges: &[PathBuf],
+    content: impl Fn(&mut BufWriter<&mut File>) -> Result<(), E>,
+) -> Option<PathBuf> {
+    let name = target.file_name().unwrap_or_default().to_string_lossy();
+    let rescue_to = |refuge: &PathBuf| {
+        let suffix = format!("-{name}{UNFINISHED}");
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".rt-cli-").suffix(&suffix);
+        let mut file = create(&builder, refuge).ok()?;
+        fill(&mut file, &content).ok()?;
+        file.as_file().sync_all().ok()?;
+        let hidden = file.path().file_name()?.to_str()?;
+        let rescued = refuge.join(hidden.strip_prefix('.')?.strip_suffix(UNFINISHED)?);
+        file.persist_noclobber(&rescued).ok()?;
+        sync_folder(refuge);
+        Some(rescued)
+    };
+    refuges.iter().find_map(rescue_to)
+}
+
+/// The folder that a file lies in.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
+}
+
+fn fill<E: Display>(
+    file: &mut NamedTempFile,
+    content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
+) -> Result<(), String> {
+    let mut writer = BufWriter::new(file.as_file_mut());
+    content(&mut writer).map_err(|error| error.to_string())?;
+    writer.flush().map_err(|error| error.to_string())
+}
+
 fn write_atomically<E: Display>(
     target: &Path,
     folder: &Path,
     content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
 ) -> Result<(), String> {
     let mut file = temporary_file(folder, target).map_err(|error| error.to_string())?;
-    let mut writer = BufWriter::new(file.as_file_mut());
-    content(&mut writer).map_err(|error| error.to_string())?;
-    writer.flush().map_err(|error| error.to_string())?;
-    drop(writer);
+    fill(&mut file, content)?;
     replace(target, file).map_err(|error| error.to_string())?;
-    // The file is complete. Not all systems let a folder be synchronised, so a refusal is no failure.
-    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    sync_folder(folder);
     Ok(())
+}
+
+/// Not all systems let a folder be synchronised, so a refusal is no failure: the file itself is complete.
+fn sync_folder(folder: &Path) {
+    let _ = File::open(folder).and_then(|folder| folder.sync_all());
 }
 
 /// Puts a finished file in the place of an older one, whose permissions it takes.
 fn replace(target: &Path, file: NamedTempFile) -> io::Result<()> {
-    if let Ok(older) = fs::metadata(target) {
+    if let Some(older) = fs::symlink_metadata(target).ok().filter(fs::Metadata::is_file) {
         file.as_file().set_permissions(older.permissions())?;
     }
     file.as_file().sync_all()?;
@@ -280,8 +333,16 @@ fn temporary_file(folder: &Path, target: &Path) -> io::Result<NamedTempFile> {
     let prefix = unfinished_name(target);
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix).suffix(UNFINISHED);
+    create(&builder, folder)
+}
+
+fn create(builder: &tempfile::Builder<'_, '_>, folder: &Path) -> io::Result<NamedTempFile> {
     #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let builder = &{
+        let mut builder = builder.clone();
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        builder
+    };
     let file = builder.tempfile_in(folder)?;
     // Where nothing can be locked, what a kill leaves stays.
     let _ = file.as_file().try_lock();
@@ -296,7 +357,10 @@ fn clear_away(folder: &Path, target: &Path) {
         name.starts_with(prefix.as_encoded_bytes()) && name.ends_with(UNFINISHED.as_bytes())
     };
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        if is_unfinished(&entry.file_name()) && File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok()) {
+        // Whoever opens a pipe waits for its other end.
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        let is_free = || File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
+        if is_unfinished(&entry.file_name()) && is_file && is_free() {
             // If it stays, it is in nobody's way.
             let _ = fs::remove_file(entry.path());
         }
@@ -425,6 +489,29 @@ mod tests {
         assert_eq!(fs::read_to_string(&real).expect("there"), "new");
         assert!(fs::symlink_metadata(&link).expect("there").is_symlink());
         assert_eq!(fs::metadata(&real).expect("there").permissions().mode() & 0o777, 0o640);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn links_at_names_that_can_be_guessed_were_followed() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().expect("a folder");
+        let (precious, link) = (folder.path().join("precious.txt"), folder.path().join("link.txt"));
+        fs::write(&precious, "precious").expect("written");
+        symlink(&precious, &link).expect("linked");
+        OutputFile::prepare_over_link(&link, &[]).expect("fit").write(text("new")).expect("written");
+        assert_eq!(fs::read_to_string(&precious).expect("there"), "precious");
+        assert!(!link.is_symlink() && fs::read_to_string(&link).expect("there") == "new");
+        // The name of a rescued file was that of the process.
+        let name = folder.path().join(format!("rt-cli-{}-a.txt", std::process::id()));
+        symlink(&precious, &name).expect("linked");
+        let rescued = rescue(Path::new("gone/a.txt"), &[folder.path().to_owned()], text("rescued")).expect("room");
+        assert!(rescued != name && fs::read_to_string(&rescued).expect("there") == "rescued");
+        assert_eq!(fs::read_to_string(&precious).expect("there"), "precious");
+        // A link to an input is not replaced either.
+        symlink(&precious, folder.path().join("scene.ron")).expect("linked");
+        let input = OutputFile::prepare_over_link(&folder.path().join("scene.ron"), &[precious]);
+        assert!(matches!(input, Err(OutputError::IsInput(_))));
     }
 
     #[test]

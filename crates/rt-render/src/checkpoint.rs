@@ -1,10 +1,10 @@
 //! What a render can go on from.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
-    RenderError, Statistics, StopRule,
-    part::{Frame, Part, Share},
+    ContentError, RenderError, Statistics, StopRule,
+    part::{Frame, Part, Share, decode_unchecked},
     progressive::PassState,
 };
 
@@ -12,16 +12,57 @@ use crate::{
 ///
 /// Whoever keeps one keeps beside it what scene it is of: this crate can only tell that the picture has the same size and is
 /// made the same way.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+///
+/// Whatever is deserialized has gone through [`validate`](Self::validate); [`UncheckedCheckpoint`] tells the reason of a refusal.
+#[derive(Clone, Debug, Serialize)]
 pub struct Checkpoint(State);
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum State {
-    Tiles(Part),
+    Tiles(#[serde(deserialize_with = "decode_unchecked")] Part),
     Passes(PassState),
 }
 
+/// A checkpoint as it was decoded, of which no number has been checked.
+#[derive(Debug)]
+pub struct UncheckedCheckpoint(State);
+
+impl UncheckedCheckpoint {
+    /// The checkpoint, once all of its numbers are checked.
+    ///
+    /// # Errors
+    /// [`ContentError`] with the first number that cannot be right.
+    pub fn check(self) -> Result<Checkpoint, ContentError> {
+        let checkpoint = Checkpoint(self.0);
+        checkpoint.validate()?;
+        Ok(checkpoint)
+    }
+}
+
+impl<'de> Deserialize<'de> for UncheckedCheckpoint {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        State::deserialize(deserializer).map(Self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Checkpoint {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        UncheckedCheckpoint::deserialize(deserializer)?.check().map_err(D::Error::custom)
+    }
+}
+
 impl Checkpoint {
+    /// Checks every number that a file may have got wrong. Whether it is of the same picture is checked when a render goes on.
+    ///
+    /// # Errors
+    /// [`ContentError`] with the first number that cannot be right.
+    pub fn validate(&self) -> Result<(), ContentError> {
+        match &self.0 {
+            State::Tiles(part) => part.validate(),
+            State::Passes(state) => state.validate(),
+        }
+    }
+
     /// Camera samples taken so far.
     pub const fn samples(&self) -> u64 {
         match &self.0 {
@@ -47,7 +88,7 @@ impl Checkpoint {
     ) -> Result<Part, RenderError> {
         match from {
             None => Ok(Part::empty(frame, share, statistics)),
-            Some(Self(State::Tiles(mut part))) if part.frame == frame && part.share == share && part.is_sound() => {
+            Some(Self(State::Tiles(mut part))) if part.frame == frame && part.share == share => {
                 part.statistics = part.statistics.continued(&statistics);
                 Ok(part)
             }

@@ -15,10 +15,18 @@
 use rt_math::Rgb;
 use serde::{Deserialize, Serialize};
 
-use crate::{estimate::PixelEstimate, quantile::f_quantile};
+use crate::{
+    ContentError,
+    content::{check_count, check_number},
+    estimate::PixelEstimate,
+    quantile::f_quantile,
+};
 
 /// Added to squared radiance where an error is divided by it, as in [`rt_camera::metrics`].
 const RELATIVE_EPSILON: f64 = 1e-2;
+
+/// Passes beyond which the number of degrees of freedom no longer changes the interval.
+const MOST_PASSES_TOLD_APART: f64 = 65_536.0;
 
 /// How far a picture is from what infinitely many samples would show. The bias of a sample pattern or an integrator is not
 /// in it.
@@ -89,6 +97,15 @@ impl ErrorSums {
         self.radiance += mean_of_channels(pixel.mean());
     }
 
+    /// Checks the sums over a tile of so many pixels.
+    pub(crate) fn validate(&self, area: u64) -> Result<(), ContentError> {
+        let Self { pixels, squares, spread_of_estimate, spread_of_error, relative, largest } = *self;
+        check_count("the number of pixels of an error", pixels, area)?;
+        [squares, spread_of_estimate, spread_of_error, relative, largest]
+            .into_iter()
+            .try_for_each(|sum| check_number("a sum of squared errors", sum))
+    }
+
     /// The pixels of all parts of the image. Sums depend on the order of parts in their last digits.
     pub(crate) fn joined(parts: impl IntoIterator<Item = Self>) -> Self {
         parts.into_iter().fold(Self::default(), |all, part| Self {
@@ -116,9 +133,16 @@ impl ErrorSums {
     pub(crate) fn estimate(&self) -> Option<ErrorEstimate> {
         let rmse = self.rmse()?;
         let interval = if self.spread_of_estimate > 0.0 {
-            let freedom = |spread: f64| self.squares * self.squares / spread;
-            let (m, n) = (freedom(self.spread_of_error), freedom(self.spread_of_estimate));
-            [0.025, 0.975].map(|probability| rmse * f_quantile(probability, m, n).sqrt())
+            // Sums of true errors lie far within these bounds, which keep made-up ones from taking forever.
+            let most = 2.0 * self.pixels as f64;
+            let freedom = |spread: f64, most: f64| (self.squares * self.squares / spread).clamp(0.5, most);
+            let (m, n) =
+                (freedom(self.spread_of_error, most), freedom(self.spread_of_estimate, most * MOST_PASSES_TOLD_APART));
+            if m.is_nan() || n.is_nan() {
+                [0.0, f64::INFINITY]
+            } else {
+                [0.025, 0.975].map(|probability| rmse * f_quantile(probability, m, n).sqrt())
+            }
         } else {
             [rmse; 2]
         };

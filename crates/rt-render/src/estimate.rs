@@ -11,6 +11,8 @@
 use rt_math::Rgb;
 use serde::{Deserialize, Serialize};
 
+use crate::{ContentError, content::check_number};
+
 /// A pixel over its passes. Passes are folded in one after the other (West 1979), so that nothing cancels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PixelEstimate {
@@ -26,8 +28,9 @@ impl PixelEstimate {
     /// Folds in the mean of the next pass, of so many samples.
     #[inline]
     pub(crate) fn add(&mut self, mean: Rgb, coverage: f64, samples: u32) {
-        self.samples += samples;
-        self.passes += 1;
+        // Whoever asks for more samples than these can count gets a mean whose weights are a little off.
+        self.samples = self.samples.saturating_add(samples);
+        self.passes = self.passes.saturating_add(1);
         if self.passes == 1 {
             (self.mean, self.coverage) = (mean, coverage);
             return;
@@ -38,6 +41,19 @@ impl PixelEstimate {
         self.mean += before * share;
         self.coverage += (coverage - self.coverage) * share;
         self.scatter += before * (mean - self.mean) * weight;
+    }
+
+    /// Checks that the numbers of the pixel at this index are finite, and its counts at most these.
+    pub(crate) fn validate(&self, index: usize, most_passes: u32, most_samples: u32) -> Result<(), ContentError> {
+        let Self { mean, coverage, scatter, samples, passes } = *self;
+        if passes > most_passes || samples > most_samples || passes > samples || (passes == 0) != (samples == 0) {
+            return Err(ContentError::Pixel(index));
+        }
+        for value in [coverage].into_iter().chain(mean.to_array()).chain(scatter.to_array()) {
+            // Negative lobes of a filter can make each of them negative.
+            check_number("the magnitude of a pixel", value.abs())?;
+        }
+        Ok(())
     }
 
     /// Radiance: the mean of all samples.

@@ -49,6 +49,7 @@
 
 pub mod check;
 mod checkpoint;
+mod content;
 mod cost;
 mod crew;
 mod emitters;
@@ -87,13 +88,14 @@ mod visible;
 mod wave;
 mod world;
 
-pub use checkpoint::Checkpoint;
+pub use checkpoint::{Checkpoint, UncheckedCheckpoint};
+pub use content::ContentError;
 pub use error::RenderError;
 pub use error_estimate::ErrorEstimate;
 pub use explain::{Explanation, LeftOut};
 pub use memory::MemoryPrediction;
 pub use observer::{Kept, Observer, SoFar};
-pub use part::{JoinError, Part, Share};
+pub use part::{JoinError, Part, Share, UncheckedPart};
 pub use passes::default_passes;
 pub use pick::Picked;
 pub use plan::{Clamping, Crop, PlanOptions, RenderPlan};

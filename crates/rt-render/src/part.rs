@@ -9,10 +9,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use rt_camera::Film;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
-    Crop, RenderPlan, Rendering, RunOptions, SampleRange, Statistics, Stopped,
+    ContentError, Crop, RenderPlan, Rendering, RunOptions, SampleRange, Statistics, Stopped,
+    content::{check_count, check_crop, check_length, check_lost, check_share},
     error_estimate::ErrorSums,
     render::rounded,
     tile::Finished,
@@ -132,19 +133,36 @@ impl TilePixels {
         counts.map(|count| [count as f32; 3]).collect()
     }
 
-    /// True if there is a value for each pixel where there should be.
-    fn fits(&self, tile: Tile, frame: &Frame) -> bool {
+    /// Checks that each list has a value for each pixel, and that the sample counts agree. Radiance may be anything that a film
+    /// may hold.
+    fn validate(&self, number: u32, tile: Tile, frame: &Frame) -> Result<(), ContentError> {
         let area = tile.area() as usize;
-        let is_optional = |length: usize| length == 0 || length == area;
-        self.pixels.len() == area
-            && self.alpha.len() == if frame.transparent { area } else { 0 }
-            && is_optional(self.standard_errors.len())
-            && is_optional(self.counts.len())
+        let check = |list, found, expected| check_length(list, || format!("tile {number}"), found, expected);
+        let optional = |found: usize| if found == 0 { 0 } else { area };
+        check("radiance", self.pixels.len(), area)?;
+        check("coverage", self.alpha.len(), if frame.transparent { area } else { 0 })?;
+        check("standard errors", self.standard_errors.len(), optional(self.standard_errors.len()))?;
+        check("sample counts", self.counts.len(), optional(self.counts.len()))?;
+        if let Some(&coverage) = self.alpha.iter().find(|coverage| !(0.0..=1.0).contains(*coverage)) {
+            return Err(ContentError::Number { name: "a coverage", value: coverage.into() });
+        }
+        let [least, most] = self.range;
+        let (found, sum) = match (self.counts.iter().min(), self.counts.iter().max()) {
+            (Some(&min), Some(&max)) => ([min, max], self.counts.iter().copied().map(u64::from).sum()),
+            _ => ([least; 2], u64::from(least) * area as u64),
+        };
+        if found != [least, most] || sum != self.samples {
+            return Err(ContentError::Samples(number));
+        }
+        self.error.validate(area as u64)
     }
 }
 
 /// Some tiles of a picture, or all of them, finished; to be kept, joined with others, and made a picture of.
+///
+/// Whatever is deserialized has gone through [`validate`](Self::validate); [`UncheckedPart`] tells the reason of a refusal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Part {
     pub(crate) frame: Frame,
     pub(crate) share: Share,
@@ -157,15 +175,58 @@ pub struct Part {
     pub(crate) lost: Vec<u32>,
 }
 
+/// A part as it was decoded, of which no number has been checked.
+#[derive(Debug)]
+pub struct UncheckedPart(Part);
+
+impl UncheckedPart {
+    /// The part, once all of its numbers are checked.
+    ///
+    /// # Errors
+    /// [`ContentError`] with the first number that cannot be right.
+    pub fn check(self) -> Result<Part, ContentError> {
+        self.0.validate()?;
+        Ok(self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for UncheckedPart {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        decode_unchecked(deserializer).map(Self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Part {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let part = decode_unchecked(deserializer)?;
+        part.validate().map_err(D::Error::custom)?;
+        Ok(part)
+    }
+}
+
+impl Serialize for Part {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        // The function that serde derives, not this one.
+        Part::serialize(self, serializer)
+    }
+}
+
+/// A part of which no number has been checked.
+pub(crate) fn decode_unchecked<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Part, D::Error> {
+    // The function that serde derives, not that of the trait.
+    Part::deserialize(deserializer)
+}
+
 /// Why parts do not make a picture.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum JoinError {
     /// There are no parts.
     #[error("there are no parts to join")]
     Nothing,
-    /// What the part holds contradicts itself; with its place in the list, from 0 on.
-    #[error("part number {} is damaged", .0 + 1)]
-    Damaged(usize),
+    /// A number of the part cannot be right, or is too large together with those of the parts before; with its place in the list,
+    /// from 0 on.
+    #[error("part number {}: {}", .0 + 1, .1)]
+    Damaged(usize, ContentError),
     /// A part belongs to another picture; with its place in the list, from 0 on.
     #[error("part number {} is of another size, or was made with other options", .0 + 1)]
     Foreign(usize),
@@ -223,6 +284,13 @@ impl Part {
         self.share
     }
 
+    /// Bytes of the picture that [`into_rendering`](Self::into_rendering) makes: film, coverage, maps of errors and sample counts.
+    pub fn rendering_bytes(&self) -> u64 {
+        let Crop { width, height, .. } = self.frame.crop;
+        let each = 12 + if self.frame.transparent { 4 } else { 0 } + if self.frame.maps { 24 } else { 0 };
+        (u64::from(width) * u64::from(height)).saturating_mul(each)
+    }
+
     /// What ended its render.
     pub const fn stopped(&self) -> Stopped {
         self.stopped
@@ -238,22 +306,33 @@ impl Part {
         if is_between_passes { all } else { all.saturating_sub(finished) }
     }
 
-    /// True unless what it holds contradicts itself, as that of a file may.
-    pub(crate) fn is_sound(&self) -> bool {
-        let Crop { x, y, width, height } = self.frame.crop;
-        let fits = |(number, pixels): (&u32, &TilePixels)| {
-            let number = *number as usize;
-            self.share.holds(number)
-                && number < tile_count(self.frame.crop)
-                && pixels.fits(tile(self.frame.crop, number), &self.frame)
-        };
-        width > 0
-            && height > 0
-            && x.checked_add(width).is_some()
-            && y.checked_add(height).is_some()
-            && self.lost.iter().all(|&number| (number as usize) < tile_count(self.frame.crop))
-            && Share::new(self.share.index, self.share.count).is_some()
-            && self.tiles.iter().all(fits)
+    /// Checks every number that a file may have got wrong, so that nothing else needs to.
+    ///
+    /// # Errors
+    /// [`ContentError`] with the first number that cannot be right.
+    pub fn validate(&self) -> Result<(), ContentError> {
+        let Self { frame, share, tiles, statistics, stopped: _, unconverged, lost } = self;
+        let crop = frame.crop;
+        check_crop(crop)?;
+        check_share(*share)?;
+        let mut samples = 0_u64;
+        for (&number, pixels) in tiles {
+            if !share.holds(number as usize) || number as usize >= tile_count(crop) {
+                return Err(ContentError::Tile(number));
+            }
+            pixels.validate(number, tile(crop, number as usize), frame)?;
+            samples = samples.saturating_add(pixels.samples);
+        }
+        check_lost(lost, crop)?;
+        let mut known = BTreeSet::new();
+        if let Some(&number) = lost.iter().find(|number| !known.insert(**number)) {
+            return Err(ContentError::Repeated(number));
+        }
+        statistics.validate()?;
+        // Samples that only decided how many to take are in the statistics alone.
+        check_count("the number of samples of all tiles", samples, statistics.samples)?;
+        let pixels = u64::from(crop.width) * u64::from(crop.height);
+        check_count("the number of pixels that have not converged", unconverged.unwrap_or(0), pixels)
     }
 
     /// Joins all shares of a picture, in any order.
@@ -265,9 +344,7 @@ impl Part {
         let (frame, count) = parts.first().map(|first| (first.frame, first.share.count)).ok_or(JoinError::Nothing)?;
         let mut holder = BTreeMap::new();
         for (number, part) in parts.iter().enumerate() {
-            if !part.is_sound() {
-                return Err(JoinError::Damaged(number));
-            }
+            part.validate().map_err(|error| JoinError::Damaged(number, error))?;
             if part.frame != frame {
                 return Err(JoinError::Foreign(number));
             }
@@ -285,11 +362,13 @@ impl Part {
         if holder.len() < count as usize {
             return Err(JoinError::Missing((0..count).filter(|share| !holder.contains_key(share)).collect(), count));
         }
-        let mut parts = parts.into_iter();
-        let mut joined = parts.next().ok_or(JoinError::Nothing)?;
-        for part in parts {
+        let mut parts = parts.into_iter().enumerate();
+        let (_, mut joined) = parts.next().ok_or(JoinError::Nothing)?;
+        for (number, part) in parts {
             joined.tiles.extend(part.tiles);
+            // No sum of two checked counts overflows, and the result is checked before the next is added.
             joined.statistics.join(&part.statistics);
+            joined.statistics.validate().map_err(|error| JoinError::Damaged(number, error))?;
             joined.lost.extend(part.lost);
         }
         joined.share = Share::ALL;

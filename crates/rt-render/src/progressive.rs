@@ -13,8 +13,9 @@ use rt_math::Rgb;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Criterion, Crop, Observer, Part, PassProgress, Progress, RenderPlan, Share, SoFar, Statistics, StopRule, Stopped,
-    TargetError, Towards,
+    ContentError, Criterion, Crop, Observer, Part, PassProgress, Progress, RenderPlan, Share, SoFar, Statistics,
+    StopRule, Stopped, TargetError, Towards,
+    content::{MAX_PASSES, check_count, check_crop, check_length, check_lost, check_number, check_share},
     crew::Crew,
     error_estimate::ErrorSums,
     estimate::PixelEstimate,
@@ -26,7 +27,7 @@ use crate::{
     render::rounded,
     splats::SplatImage,
     tile::Finished,
-    tiles::{Tile, tile_count},
+    tiles::{Tile, tile_count, tiles},
 };
 
 impl RenderPlan<'_> {
@@ -128,15 +129,37 @@ impl PassState {
 
     /// True if a render of this kind can go on from here.
     pub(crate) fn fits(&self, frame: Frame, share: Share, rule: Option<&StopRule>) -> bool {
-        let Crop { width, height, .. } = frame.crop;
-        let pixels = width as usize * height as usize;
-        let is_optional = |length: usize, all: usize| length == 0 || length == all;
-        self.frame == frame
-            && self.share == share
-            && self.way == Way::new(rule)
-            && self.pixels.len() == pixels
-            && is_optional(self.place.begun.len(), tile_count(frame.crop))
-            && self.place.stage.fits(pixels)
+        self.frame == frame && self.share == share && self.way == Way::new(rule)
+    }
+
+    /// Checks every number that a file may have got wrong.
+    pub(crate) fn validate(&self) -> Result<(), ContentError> {
+        let Self { frame, share, way: _, pixels, statistics, place, seconds_per_sample, rmse, lost } = self;
+        let Place { pass, taken, begun, stage } = place;
+        let crop = frame.crop;
+        check_crop(crop)?;
+        check_share(*share)?;
+        let area = crop.width as usize * crop.height as usize;
+        let of = || "the picture".to_owned();
+        check_length("pixels", of, pixels.len(), area)?;
+        if !begun.is_empty() {
+            check_length("tiles of the pass", of, begun.len(), tile_count(crop))?;
+        }
+        stage.validate(area)?;
+        check_count("the number of the pass", (*pass).into(), MAX_PASSES.into())?;
+        // A pixel has taken the passes so far, or fewer, and in a tile that has begun the next one perhaps that as well.
+        for (number, tile) in tiles(crop).into_iter().enumerate() {
+            let has_begun = begun.get(number).copied().unwrap_or(false);
+            let (passes, samples) = if has_begun { (pass + 1, u32::MAX) } else { (*pass, *taken) };
+            let indices = tile.pixels().map(|at| place_of(crop, at));
+            for (index, pixel) in indices.filter_map(|index| Some((index, pixels.get(index)?))) {
+                pixel.validate(index, passes, samples)?;
+            }
+        }
+        check_lost(lost, crop)?;
+        statistics.validate()?;
+        check_number("the time of a sample in seconds", *seconds_per_sample)?;
+        check_number("the RMSE", rmse.unwrap_or(0.0))
     }
 
     /// The picture so far.

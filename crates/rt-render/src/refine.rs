@@ -6,7 +6,8 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Criterion, Observer, Stopped, TargetError,
+    ContentError, Criterion, Observer, Stopped, TargetError,
+    content::{MAX_PASSES, check_count, check_length},
     estimate::PixelEstimate,
     passes::PixelMask,
     progressive::{Place, Progressive},
@@ -54,12 +55,18 @@ impl Stage {
         }
     }
 
-    /// True if it says something of so many pixels.
-    pub(crate) const fn fits(&self, pixels: usize) -> bool {
+    /// Checks that there is an entry for each of so many pixels, and that no count of passes is beyond all limits.
+    pub(crate) fn validate(&self, pixels: usize) -> Result<(), ContentError> {
+        let of = || "the picture".to_owned();
         match self {
-            Self::Everywhere => true,
-            Self::Decide(active) => active.len() == pixels,
-            Self::Repeat(decided, ..) => decided.len() == pixels,
+            Self::Everywhere => Ok(()),
+            Self::Decide(active) => check_length("active pixels", of, active.len(), pixels),
+            Self::Repeat(decided, _, unconverged) => {
+                check_length("passes to repeat", of, decided.len(), pixels)?;
+                let most = decided.iter().copied().max().unwrap_or(0);
+                check_count("the number of passes to repeat", most.into(), MAX_PASSES.into())?;
+                check_count("the number of pixels that have not converged", *unconverged, pixels as u64)
+            }
         }
     }
 }

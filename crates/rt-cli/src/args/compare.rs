@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
 
+use super::memory::MemoryArgs;
 use super::picture::DevelopmentArgs;
 use super::values::{self, choice};
 
@@ -43,6 +44,9 @@ pub(crate) struct CompareArgs {
 
     #[command(flatten)]
     pub(crate) development: DevelopmentArgs,
+
+    #[command(flatten)]
+    pub(crate) memory: MemoryArgs,
 }
 
 /// A picture of the differences.

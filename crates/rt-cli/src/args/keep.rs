@@ -14,7 +14,8 @@ use super::values;
 pub(crate) struct KeepArgs {
     /// Go on from the checkpoint of an earlier run of the same scene and options; without one, begin
     ///
-    /// The picture has the same bits as if nothing had interrupted it, but for --time.
+    /// The picture has the same bits as if nothing had interrupted it, but for --time. Neither this nor --restart is needed where the
+    /// checkpoint is of another scene or other options: a note says so, and the render begins anew.
     #[arg(long)]
     pub(crate) resume: bool,
 

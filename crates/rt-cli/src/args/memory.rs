@@ -1,6 +1,27 @@
 //! Amounts of memory as users write them.
 
 use bytesize::ByteSize;
+use clap::Args;
+
+use crate::memory;
+
+/// Limits of commands that read files other than scenes.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct MemoryArgs {
+    /// Most memory to take, as 512M, 4GiB or 75%; what is predicted to need more is refused
+    ///
+    /// By default 75 % of what the machine has, or of what the control group allows; no limit where neither can be told.
+    /// Percentages are of the same. K, M, G and T are powers of 1000, Ki, Mi, Gi and Ti of 1024.
+    #[arg(long, value_name = "BYTES", value_parser = amount, help_heading = "Limits")]
+    memory: Option<Amount>,
+}
+
+impl MemoryArgs {
+    /// Most bytes of memory that the command may take, if there is a limit.
+    pub(crate) fn limit(self) -> Option<u64> {
+        self.memory.unwrap_or_default().of(memory::available_bytes())
+    }
+}
 
 /// How much memory a command may take.
 #[derive(Clone, Copy, Debug, PartialEq)]

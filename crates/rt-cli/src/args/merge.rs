@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueHint};
 use rt_camera::ImageFormat;
 
-use super::{AovArg, DevelopmentArgs, values};
+use super::{AovArg, DevelopmentArgs, MemoryArgs, values};
 
 /// Arguments of `merge`.
 #[derive(Debug, Args)]
@@ -32,6 +32,9 @@ pub(crate) struct MergeArgs {
     /// Where results go that cannot be written where they should; by default the folder for temporary files, then the current one
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pub(crate) fallback: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) memory: MemoryArgs,
 
     /// Print nothing but errors
     #[arg(short, long)]

@@ -2,12 +2,13 @@
 
 use std::slice;
 
-use rt_camera::{Development, Dither, Encoding, ImageFormat, write_image};
+use rt_camera::{Development, Dither, Encoding, ImageFormat, image_header, write_image};
 
 use crate::args::DevelopArgs;
 use crate::error::Failure;
 use crate::output::OutputFile;
-use crate::picture_file;
+use crate::stdin::is_dash;
+use crate::{memory, picture_file};
 
 pub(super) fn run(args: &DevelopArgs) -> Result<(), Failure> {
     let format = picture_file::chosen_format(&args.output, args.output_format)?;
@@ -22,6 +23,13 @@ pub(super) fn run(args: &DevelopArgs) -> Result<(), Failure> {
         encoding: args.gamma.map_or(standard.encoding, Encoding::Power),
         dither: args.development.dither.unwrap_or(true).then(Dither::default),
     };
+    if !is_dash(&args.image) {
+        let header = image_header(&args.image)?;
+        // Bytes for display are made when what was decoded is gone.
+        let beside = header.decoded_bytes.max(4 * header.pixels());
+        let needs = [("the image".to_owned(), header.film_bytes), ("what it is decoded to".to_owned(), beside)];
+        memory::check(args.memory.limit(), &args.image, &needs)?;
+    }
     let film = picture_file::read(&args.image)?;
     let transparent = film.alpha().is_some() && format != ImageFormat::Jpeg;
     picture_file::check(format, [film.width(), film.height()], transparent)?;

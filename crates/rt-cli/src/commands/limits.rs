@@ -2,7 +2,7 @@
 
 use bytesize::ByteSize;
 use comfy_table::{CellAlignment, Table, presets};
-use rt_camera::MAX_READ_PIXELS;
+use rt_camera::{Film, MAX_READ_PIXELS};
 use rt_scene_io::limits::{self, Amount};
 
 use crate::args;
@@ -16,13 +16,20 @@ pub(super) fn run() -> Result<(), Failure> {
     table.set_header(["limit", "at most", "applies to", "changed by"]);
     let memory = args::Amount::default().of(memory::available_bytes());
     let memory = memory.map_or_else(|| "no limit".to_owned(), |bytes| ByteSize(bytes).to_string());
-    table.add_row(["predicted memory", &memory, "render, explain, check, convert, converge", "--memory"]);
+    table.add_row([
+        "predicted memory",
+        &memory,
+        "render, explain, check, convert, converge, merge, compare, develop",
+        "--memory",
+    ]);
     for limit in limits::ALL {
         let flag = limit.flag.unwrap_or_default();
         table.add_row([limit.what, &limit.most.to_string(), limit.applies_to, flag]);
     }
     let read = Amount::Count(MAX_READ_PIXELS).to_string();
     table.add_row(["pixels of a picture that is read", &read, "compare, develop", ""]);
+    let joined = Amount::Count(Film::MAX_PIXELS).to_string();
+    table.add_row(["pixels of a picture whose parts are joined", &joined, "merge", ""]);
     if let Some(column) = table.column_mut(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }

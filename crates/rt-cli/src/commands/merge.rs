@@ -12,7 +12,7 @@ use crate::console::Console;
 use crate::error::Failure;
 use crate::kept_file::{self, KeptError, KeptKind, Label};
 use crate::output::{OutputFile, refuges, write_all};
-use crate::{overrides, picture_file};
+use crate::{memory, overrides, picture_file};
 
 pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     let console = Console { quiet: args.quiet };
@@ -20,7 +20,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     let output = OutputFile::prepare(&args.output, &args.parts)?;
     let aovs = AovFile::prepare_all(&args.aov, &args.parts, &[&output])?;
 
-    let (label, parts) = read(&args.parts)?;
+    let (label, parts) = read(&args.parts, args.memory.limit())?;
     let count = parts.len();
     let rendering = Part::join(parts).map_err(|error| named(&args.parts, error))?.into_rendering();
     let Rendering { film, statistics, .. } = &rendering;
@@ -49,16 +49,35 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     console.say(format_args!("wrote {} ({}x{})", output.path().display(), size[0], size[1]))
 }
 
-/// All parts, and the label that they share.
-fn read(files: &[PathBuf]) -> Result<(Label, Vec<Part>), Failure> {
+/// All parts, and the label that they share. What they will take is known from their sizes before they are read, and what their
+/// picture will take from the first.
+fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), Failure> {
+    let Some(first) = files.first() else { return Err(named(files, JoinError::Nothing)) };
+    let lengths = files.iter().map(|file| kept_file::length(file)).collect::<Result<Vec<_>, _>>()?;
+    let decoded = lengths.iter().fold(0_u64, |sum, &length| sum.saturating_add(kept_file::decoded_bytes(length)));
+    let reading = lengths.iter().copied().max().unwrap_or(0);
+    let of_parts = [
+        (format!("what the {} parts hold", files.len()), decoded),
+        ("the part that is being read".to_owned(), reading),
+    ];
     let mut label: Option<Label> = None;
     let mut parts = Vec::with_capacity(files.len());
     for file in files {
-        let (of_part, part) = kept_file::read::<Part>(file, KeptKind::Part)?;
+        // A file that is no part at all is told by its first bytes, which is the better message.
+        kept_file::label(file, KeptKind::Part)?;
+        if label.is_none() {
+            memory::check(memory, first, &of_parts)?;
+        }
+        let (of_part, part) = kept_file::read::<Part>(file, KeptKind::Part, memory)?;
         match &label {
             Some(label) if label.identity != of_part.identity => return Err(foreign(file, of_part.scene)),
             Some(_) => {}
-            None => label = Some(of_part),
+            None => {
+                // When the picture is made, no part is being read.
+                let picture = ("the picture".to_owned(), part.rendering_bytes());
+                memory::check(memory, first, &[of_parts[0].clone(), picture])?;
+                label = Some(of_part);
+            }
         }
         parts.push(part);
     }
@@ -73,7 +92,9 @@ fn foreign(file: &Path, scene: String) -> Failure {
 fn named(files: &[PathBuf], error: JoinError) -> Failure {
     let name = |number: usize| files.get(number).map(|file| file.display().to_string()).unwrap_or_default();
     Failure::Join(match error {
-        JoinError::Damaged(part) => format!("{}: what it holds contradicts itself", name(part)),
+        JoinError::Damaged(part, reason) => {
+            format!("{}: is no sound part of a picture, or not together with those before: {reason}", name(part))
+        }
         JoinError::Foreign(part) => {
             format!(
                 "{}: is of a picture of another size, or was made with other options (--stats must be given for all parts, or for none)",

@@ -57,7 +57,10 @@ fn picture(args: &RenderArgs) -> Result<(), Failure> {
     }
     files.extend(args.picture.env.clone());
 
-    let output = OutputFile::prepare(&picture, &files)?;
+    let output = match ending {
+        Ending::Picture(_) => OutputFile::prepare(&picture, &files)?,
+        Ending::Part => OutputFile::prepare_over_link(&picture, &files)?,
+    };
     let stats = args.run.stats.as_deref().map(|path| OutputFile::prepare(path, &files)).transpose()?;
     if stats.as_ref().is_some_and(|stats| stats.is_same_file(&output)) {
         return Err(Failure::Usage("the picture and the statistics cannot go to the same file".to_owned()));
@@ -98,7 +101,7 @@ fn prepare_checkpoint(
     if output.is_stdout() && args.checkpoint.is_none() {
         return Ok(None);
     }
-    match OutputFile::prepare(&checkpoints::place(args, output), inputs) {
+    match OutputFile::prepare_over_link(&checkpoints::place(args, output), inputs) {
         Ok(checkpoint) if stats.into_iter().chain([output]).any(|other| other.is_same_file(&checkpoint)) => Err(
             Failure::Usage(format!("the checkpoint and something else would go to {}", checkpoint.path().display())),
         ),

@@ -91,11 +91,67 @@ fn the_second_signal_stops_at_once() {
     let mut child = spawn(&place, ENDLESS);
     std::thread::sleep(Duration::from_millis(500));
     signal(&child, "INT");
-    std::thread::sleep(Duration::from_millis(300));
+    std::thread::sleep(Duration::from_millis(600));
     assert!(child.try_wait().expect("it lives").is_none(), "tiles that are begun are finished first");
     signal(&child, "INT");
     assert_eq!(end(child).code, Some(130));
     assert_eq!(place.files(), ["scene.ron"]);
+}
+
+/// Some seconds of a render whose tiles take long enough for a second signal to come before they are finished.
+const SLOW: &str = "render scene.ron --integrator path --spp 1500 -o scene.exr";
+
+/// Sends signals, by the words of a shell in which `$1` is the process, and renders to the end.
+fn signalled(words: &str) -> (Workplace, Run) {
+    use std::os::unix::process::CommandExt;
+    let place = Workplace::with_scene();
+    // Whoever runs the tests may ignore SIGHUP.
+    let mut command = Command::new("env");
+    command.arg("--default-signal=HUP").arg(env!("CARGO_BIN_EXE_rt-cli")).args(SLOW.split_whitespace());
+    command.args(["--checkpoint-every", "1ms"]).current_dir(place.path("")).process_group(0);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    wait_until("a checkpoint", || place.path("scene.exr.checkpoint").exists());
+    let sent = Command::new("bash").args(["-c", words, "bash", &child.id().to_string()]).status().expect("a shell");
+    assert!(sent.success(), "{words}");
+    (place, end(child))
+}
+
+#[test]
+#[cfg(unix)]
+fn a_signal_that_came_twice_cost_the_picture() {
+    for words in [
+        "kill -INT $1 $1",
+        "kill -TERM $1 $1 $1",
+        // As `timeout` does: to the program, and to its group.
+        "kill -TERM $1 -$1",
+        "kill -INT $1 -$1",
+        "kill -TERM $1; kill -INT $1; kill -HUP $1",
+        "kill -TERM $1; sleep 0.6; kill -TERM $1",
+        "kill -HUP $1",
+        "kill -HUP $1 $1",
+    ] {
+        let (place, run) = signalled(words);
+        assert_eq!(run.code, Some(130), "{words}: {run:?}");
+        assert!(run.stderr.contains("the picture was written to scene.exr; --resume goes on"), "{words}: {run:?}");
+        assert_eq!(place.files(), ["scene.exr", "scene.exr.checkpoint", "scene.ron"], "{words}");
+        assert_eq!(place.film("scene.exr").width(), 48, "{words}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn nohup_is_obeyed() {
+    let place = Workplace::with_scene();
+    let mut command = Command::new("nohup");
+    command.arg(env!("CARGO_BIN_EXE_rt-cli")).args(LONG.split_whitespace()).args(["--checkpoint-every", "1ms"]);
+    command.current_dir(place.path("")).stdin(Stdio::null());
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    wait_until("a checkpoint", || place.path("scene.exr.checkpoint").exists());
+    signal(&child, "HUP");
+    let run = end(child);
+    if cfg!(target_os = "linux") {
+        assert_eq!(run.code, Some(0), "{run:?}");
+    }
 }
 
 #[test]
@@ -122,7 +178,7 @@ fn kills_at_random_moments_change_no_bit() {
 #[test]
 fn a_checkpoint_that_a_kill_left_half_written_is_cleared_away() {
     let place = Workplace::with_scene();
-    place.write("scene.exr.checkpoint.new", "half of it");
+    place.write(".scene.exr.checkpoint-K1ll3d.unfinished", "half of it");
     place.succeed(&format!("{LONG} --resume --checkpoint-every never"));
     assert_eq!(place.files(), ["scene.exr", "scene.ron"]);
 }
@@ -144,6 +200,49 @@ fn checkpoints_of_another_picture_are_refused_and_none_is_overwritten_unasked() 
     assert_eq!(place.read("scene.exr.checkpoint"), kept);
     place.succeed(&format!("{LONG} --restart"));
     assert!(!place.path("scene.exr.checkpoint").exists());
+}
+
+#[test]
+#[cfg(unix)]
+fn a_checkpoint_of_another_picture_stood_in_the_way() {
+    let place = Workplace::with_scene();
+    assert_eq!(interrupted(&place, "").code, Some(130));
+    let kept = place.read("scene.exr.checkpoint");
+    let other = Workplace::with_scene();
+    other.succeed(&format!("{LONG} --seed 7"));
+    // Killed before it has a checkpoint of its own, it leaves that of the other picture.
+    let mut child = spawn(&place, &format!("{LONG} --seed 7 --checkpoint-every never"));
+    std::thread::sleep(Duration::from_millis(200));
+    child.kill().expect("it is there");
+    child.wait().expect("it ended");
+    assert_eq!(place.read("scene.exr.checkpoint"), kept);
+    let mut damaged = kept.clone();
+    damaged.truncate(20);
+    for content in [&kept[..], &damaged, b""] {
+        place.write("scene.exr.checkpoint", content);
+        let run = place.succeed(&format!("{LONG} --seed 7"));
+        let notes: Vec<_> = run.stdout.lines().filter(|line| line.contains("scene.exr.checkpoint")).collect();
+        assert!(notes.len() == 1 && notes[0].starts_with("note: scene.exr.checkpoint: is "), "{run:?}");
+        assert!(notes[0].contains("; this render begins anew, and replaces that checkpoint"), "{run:?}");
+        assert_eq!(place.read("scene.exr"), other.read("scene.exr"));
+        assert_eq!(place.files(), ["scene.exr", "scene.ron"]);
+    }
+    // Interrupted, it replaces the older one by its own.
+    place.write("scene.exr.checkpoint", &kept);
+    let child = spawn(&place, &format!("{LONG} --seed 7 --checkpoint-every 1ms"));
+    wait_until("its checkpoint", || place.read("scene.exr.checkpoint") != kept);
+    signal(&child, "INT");
+    assert_eq!(end(child).code, Some(130));
+    place.succeed(&format!("{LONG} --seed 7 --resume"));
+    assert_eq!(place.read("scene.exr"), other.read("scene.exr"));
+    // A part is no checkpoint, whatever is asked for.
+    place.succeed("render scene.ron --shard 1/2 -o scene.part");
+    let part = place.read("scene.part");
+    for options in ["", "--resume", "--restart"] {
+        let run = place.run(&format!("{LONG} --checkpoint scene.part {options}"));
+        assert!(run.code == Some(3) && run.stderr.contains("scene.part: is no checkpoint"), "{run:?}");
+    }
+    assert_eq!(place.read("scene.part"), part);
 }
 
 #[test]

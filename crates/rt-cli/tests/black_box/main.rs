@@ -12,6 +12,8 @@ mod determinism;
 mod dithering;
 mod documentation;
 mod empty_pictures;
+#[cfg(unix)]
+mod hostile_files;
 mod interruption;
 mod lighting;
 mod long_renders;

@@ -159,6 +159,70 @@ fn textures_are_refused_by_their_header() {
     place.succeed("render plain.ron --size 8x8 --env small.hdr --memory 100M");
 }
 
+#[test]
+fn images_to_compare_or_develop_are_refused_by_their_header() {
+    let place = Workplace::new();
+    place.write("large.hdr", image_of(3000, 2000, 20_000));
+    place.write("small.hdr", image_of(100, 100, 4 * 100 * 100));
+    let said = refused(&place, "develop large.hdr -o a.png --memory 100M");
+    assert!(said.contains("large.hdr: needs ") && said.contains("95.4 MiB"), "{said}");
+    refused(&place, "compare large.hdr large.hdr --memory 200M");
+    refused(&place, "compare small.hdr large.hdr --memory 100M");
+    refused(&place, "compare large.hdr small.hdr --memory 100M");
+    place.succeed("develop small.hdr -o a.png --memory 1M");
+    place.succeed("compare small.hdr small.hdr --heat-map b.png --memory 1M");
+}
+
+#[test]
+fn images_take_no_more_than_predicted() {
+    const PIXELS: u64 = 2000 * 1500;
+    let place = Workplace::with_scene();
+    for name in ["a.exr", "b.exr", "a.png", "a.pfm"] {
+        place.succeed(&format!("render scene.ron --size 2000x1500 --spp 1 -o {name}"));
+    }
+    // What a command takes whose memory suffices just so, with what the program takes for nothing.
+    let at_rest = peak(&place, "--version");
+    for (command, bytes) in [
+        ("compare a.exr b.exr", 40),
+        ("compare a.exr b.exr --heat-map h.png", 56),
+        ("compare a.exr a.png", 40),
+        ("develop a.exr -o o.png", 24),
+        ("develop a.png -o o.jpg", 16),
+        ("develop a.pfm -o o.png", 16),
+    ] {
+        refused(&place, &format!("{command} --memory {}", bytes * PIXELS - 1));
+        let _ = std::fs::remove_file(place.path("o.png"));
+        let taken = peak(&place, &format!("{command} --memory {}", bytes * PIXELS)) - at_rest;
+        let each = taken as f64 / PIXELS as f64;
+        println!("{command}: {each:.1} bytes a pixel of {bytes}");
+        assert!(each < 1.1 * bytes as f64 + 1.0, "{command} takes {each} bytes a pixel, not {bytes}");
+    }
+}
+
+#[test]
+fn parts_and_checkpoints_are_refused_by_their_size() {
+    let place = Workplace::with_scene();
+    for part in [1, 2] {
+        place.succeed(&format!("render scene.ron --size 1000x800 --spp 1 --shard {part}/2 -o {part}.part"));
+    }
+    let said = refused(&place, "merge 1.part 2.part -o a.exr --memory 20M");
+    assert!(said.contains("1.part: needs ") && said.contains("for what the 2 parts hold"), "{said}");
+    let said = refused(&place, "merge 1.part 2.part -o a.exr --memory 40M");
+    assert!(said.contains("for the picture"), "{said}");
+    let at_rest = peak(&place, "--version");
+    let taken = peak(&place, "merge 1.part 2.part -o a.exr --memory 60M") - at_rest;
+    assert!(taken < 60_000_000, "{taken}");
+    // Whoever claims to be a part, and is far larger than any.
+    sparse(&place, "long.part", &place.read("1.part")[..300], 1 << 40);
+    let said = refused(&place, "merge long.part 2.part -o a.exr --memory 1GiB");
+    assert!(said.contains("for what the 2 parts hold"), "{said}");
+    let said = refused(&place, "merge 1.part long.part -o a.exr --memory 1GiB");
+    assert!(said.contains("for what the 2 parts hold"), "{said}");
+    let resumed = "render scene.ron --size 1000x800 --spp 1 --shard 1/2 --resume --memory 1GiB";
+    let said = refused(&place, &format!("{resumed} -o long.part"));
+    assert!(said.contains("for the part of a picture long.part"), "{said}");
+}
+
 /// A black Radiance picture that claims this size, with so many bytes of pixels.
 fn image_of(width: u32, height: u32, bytes: usize) -> Vec<u8> {
     let mut image = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n").into_bytes();

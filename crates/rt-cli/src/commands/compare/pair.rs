@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use rt_camera::metrics::ImagePair;
-use rt_camera::{Development, Dither, Encoding, Film, ImageFormat};
+use rt_camera::{Development, Dither, Encoding, Film, ImageFormat, image_header};
 
 use crate::args::CompareArgs;
 use crate::error::Failure;
-use crate::picture_file;
 use crate::stdin::is_dash;
+use crate::{memory, picture_file};
 
 /// An image that was read.
 #[derive(Debug)]
@@ -41,6 +41,7 @@ impl Images {
             dither: args.development.dither.unwrap_or(true).then(Dither::default),
             ..standard
         };
+        check_memory(args)?;
         let [mut test, mut reference] = [Image::read(&args.test)?, Image::read(&args.reference)?];
         if test.holds_bytes() == reference.holds_bytes() {
             return Ok(Self { test, reference, development });
@@ -67,6 +68,28 @@ impl Images {
             source,
         })
     }
+}
+
+/// Bytes per pixel of what is measured beside the images, and of a heat map (`docs/MEMORY.md`).
+const MEASURE_BYTES: u64 = 16;
+
+/// Refuses images that need too much memory, by their headers.
+fn check_memory(args: &CompareArgs) -> Result<(), Failure> {
+    if is_dash(&args.test) || is_dash(&args.reference) {
+        // What comes from a pipe has no header to look at before it is read.
+        return Ok(());
+    }
+    let headers = [image_header(&args.test)?, image_header(&args.reference)?];
+    let [test, reference] = headers;
+    let maps = if args.heat_map.file.is_some() { 2 } else { 1 };
+    let pixels = test.pixels().max(reference.pixels());
+    let decoded = test.decoded_bytes.max(reference.decoded_bytes);
+    let needs = [
+        (format!("the image {}", args.test.display()), test.film_bytes),
+        (format!("the image {}", args.reference.display()), reference.film_bytes),
+        ("what is measured".to_owned(), decoded.max(maps * MEASURE_BYTES * pixels)),
+    ];
+    memory::check(args.memory.limit(), &args.test, &needs)
 }
 
 impl Image {

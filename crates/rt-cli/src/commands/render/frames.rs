@@ -9,7 +9,7 @@ use crate::console::Console;
 use crate::error::Failure;
 use crate::frame_log::FrameLog;
 use crate::identity::Identity;
-use crate::input;
+use crate::{input, interruption};
 
 /// Renders the frames that are asked for, one after the other. It ends at the first that fails.
 pub(super) fn each(
@@ -32,6 +32,10 @@ pub(super) fn each(
     let mut log = FrameLog::open(&output(args), args.keep.shard, frames, args.keep.resume)?;
     let mut files = None;
     for frame in frames.numbers().filter(|frame| share.holds(*frame as usize)) {
+        if interruption::is_interrupted() {
+            // It came when the frame before was finished.
+            return Err(failed(frame, Failure::Interrupted { percent: 0.0, picture: None, checkpoint: None }));
+        }
         let args = of_frame(args, frame);
         if files.is_none() {
             files = Some(files_of(&args).map_err(|source| failed(frame, source))?);
@@ -45,6 +49,7 @@ pub(super) fn each(
         }
         say(frame, at(frame))?;
         render(&args).map_err(|source| failed(frame, source))?;
+        let _listening = interruption::listen();
         log.add(frame, &identity)?;
     }
     Ok(())

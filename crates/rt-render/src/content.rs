@@ -1,0 +1,176 @@
+//! Checks of decoded parts and checkpoints: numbers that would overflow, or that contradict each other.
+//!
+//! A hash at the end of a file finds damage. It does not find a file that was made on purpose, as anybody can compute it.
+
+use rt_camera::Film;
+
+use crate::{Crop, RayKind, ShadingCounts, Share, Statistics, Tally, tiles::tile_count};
+
+/// Largest count in the statistics of a part, of a checkpoint, and of all parts of a picture together. No sum of a few of
+/// these overflows.
+pub(crate) const MAX_COUNT: u64 = 1 << 60;
+
+/// Largest number of threads of all machines together.
+const MAX_THREADS: u64 = 1 << 30;
+
+/// Largest number of a pass. The bit above it tells the second stage of adaptive sampling from the first.
+pub(crate) const MAX_PASSES: u32 = (1 << 31) - 1;
+
+/// First number of a decoded part or checkpoint that cannot be right.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ContentError {
+    /// The rendered area is empty, or exceeds [`Film::MAX_PIXELS`].
+    #[error("{}x{} pixels at {}, {} are no picture", .0.width, .0.height, .0.x, .0.y)]
+    Crop(Crop),
+    /// The share does not exist; with its index and the number of shares.
+    #[error("there is no share {0} of {1}")]
+    Share(u32, u32),
+    /// A tile lies outside of the picture or the share; with its number.
+    #[error("tile {0} is not in this picture or share")]
+    Tile(u32),
+    /// A tile is listed twice; with its number.
+    #[error("tile {0} is listed twice")]
+    Repeated(u32),
+    /// A list does not have an entry for each pixel or tile.
+    #[error("{list} of {of} has {found} entries rather than {expected}")]
+    Length {
+        /// Name of the list.
+        list: &'static str,
+        /// Object that the list describes.
+        of: String,
+        /// Number of its entries.
+        found: usize,
+        /// Number of pixels or tiles.
+        expected: usize,
+    },
+    /// The sample counts of a tile contradict each other; with its number.
+    #[error("the sample counts of tile {0} contradict each other")]
+    Samples(u32),
+    /// The sample or pass count of a pixel exceeds what the passes so far can have given it; with its index.
+    #[error("pixel {0} has more samples than the passes so far took")]
+    Pixel(usize),
+    /// A count exceeds its limit, or the counts of all parts together do.
+    #[error("{name} is {value}, and at most {max} is possible")]
+    Count {
+        /// Name of the count.
+        name: &'static str,
+        /// The count.
+        value: u64,
+        /// Its limit.
+        max: u64,
+    },
+    /// A number is NaN, infinite, negative, or beyond its range.
+    #[error("{name} is {value}")]
+    Number {
+        /// Name of the number.
+        name: &'static str,
+        /// The number.
+        value: f64,
+    },
+}
+
+/// Checks that a picture of this size can exist, before any size is computed from it.
+pub(crate) fn check_crop(crop: Crop) -> Result<(), ContentError> {
+    let Crop { x, y, width, height } = crop;
+    let fits = width > 0
+        && height > 0
+        && x.checked_add(width).is_some()
+        && y.checked_add(height).is_some()
+        && u64::from(width) * u64::from(height) <= Film::MAX_PIXELS;
+    if fits { Ok(()) } else { Err(ContentError::Crop(crop)) }
+}
+
+/// Checks that a share exists.
+pub(crate) fn check_share(share: Share) -> Result<(), ContentError> {
+    match Share::new(share.index(), share.count()) {
+        Some(_) => Ok(()),
+        None => Err(ContentError::Share(share.index(), share.count())),
+    }
+}
+
+/// Checks the numbers of tiles in which a worker failed. The crop must have been checked.
+pub(crate) fn check_lost(lost: &[u32], crop: Crop) -> Result<(), ContentError> {
+    match lost.iter().find(|&&number| number as usize >= tile_count(crop)) {
+        Some(&number) => Err(ContentError::Tile(number)),
+        None => Ok(()),
+    }
+}
+
+/// Checks the length of a list.
+pub(crate) fn check_length(
+    list: &'static str,
+    of: impl FnOnce() -> String,
+    found: usize,
+    expected: usize,
+) -> Result<(), ContentError> {
+    if found == expected { Ok(()) } else { Err(ContentError::Length { list, of: of(), found, expected }) }
+}
+
+/// Checks that a count does not exceed its limit.
+pub(crate) fn check_count(name: &'static str, value: u64, max: u64) -> Result<(), ContentError> {
+    if value <= max { Ok(()) } else { Err(ContentError::Count { name, value, max }) }
+}
+
+/// Checks that a number is finite and not negative.
+pub(crate) fn check_number(name: &'static str, value: f64) -> Result<(), ContentError> {
+    if (0.0..=f64::MAX).contains(&value) { Ok(()) } else { Err(ContentError::Number { name, value }) }
+}
+
+impl Statistics {
+    /// Checks that no count is so large that a sum of a few overflows, and that times are times.
+    pub(crate) fn validate(&self) -> Result<(), ContentError> {
+        let Self {
+            samples,
+            simple_pixels,
+            counters,
+            primary_rays_spared,
+            shading,
+            passes,
+            bad_samples,
+            threads,
+            build_seconds,
+            render_seconds,
+        } = *self;
+        let ShadingCounts {
+            shadow_rays_spared,
+            highlights,
+            mirrors,
+            refractions,
+            fresnel,
+            absorption,
+            passages,
+            depth_limited,
+            interior_overflows,
+        } = shading;
+        let counts = [
+            ("the number of samples", samples),
+            ("the number of pixels without edges", simple_pixels),
+            ("the number of primary rays that were spared", primary_rays_spared),
+            ("the number of bad samples", bad_samples),
+            ("the number of shadow rays that were spared", shadow_rays_spared),
+            ("the number of highlights", highlights),
+            ("the number of mirror directions", mirrors),
+            ("the number of refractions", refractions),
+            ("the number of Fresnel terms", fresnel),
+            ("the number of absorption terms", absorption),
+            ("the number of passages", passages),
+            ("the number of paths that reached the depth limit", depth_limited),
+            ("the number of interior overflows", interior_overflows),
+        ];
+        for (name, count) in counts {
+            check_count(name, count, MAX_COUNT)?;
+        }
+        for kind in RayKind::ALL {
+            let Tally { rays, nodes, tests, hits } = counters.of(kind);
+            check_count("the number of rays", rays, MAX_COUNT)?;
+            check_count("the number of nodes", nodes, MAX_COUNT)?;
+            check_count("the number of primitive tests", tests, MAX_COUNT)?;
+            check_count("the number of hits", hits, MAX_COUNT)?;
+        }
+        check_count("the number of passes", passes.into(), MAX_PASSES.into())?;
+        check_count("the number of threads", threads as u64, MAX_THREADS)?;
+        check_number("the build time in seconds", build_seconds)?;
+        check_number("the render time in seconds", render_seconds)
+    }
+}
