@@ -2,6 +2,7 @@
 
 mod caustics;
 mod clamping;
+mod crafted;
 mod culling;
 mod invariance;
 mod left_out;

@@ -1,0 +1,258 @@
+//! Parts and checkpoints whose numbers were made up: refused, or used without a panic and without a sum that wraps.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rt_camera::SamplePattern;
+use rt_render::{
+    Checkpoint, ContentError, JoinError, Observer, Part, PlanOptions, RenderPlan, RunOptions, Share, SoFar, StopRule,
+    TargetError, UncheckedCheckpoint, UncheckedPart,
+};
+use rt_scene_io::{Integrator, Scene};
+use serde_json::{Number, Value, json};
+
+use crate::support::spheres;
+
+/// Two tiles, one of them a single pixel wide.
+const SIZE: [u32; 2] = [17, 3];
+
+/// Entries of a list that are changed: those at its beginning, and the last.
+const CHANGED: usize = 2;
+
+fn scene(integrator: Integrator) -> Scene {
+    let mut scene = spheres();
+    [scene.film.width, scene.film.height] = SIZE;
+    (scene.settings.spp, scene.settings.integrator) = (2, integrator);
+    scene.settings.pattern = SamplePattern::Random;
+    scene
+}
+
+/// Whatever a number may be replaced by.
+fn made_up() -> Vec<Value> {
+    let whole = [0, 1, 2, 3, 50, 255, 1 << 20, u64::from(u32::MAX), 1 << 32, 1 << 61, u64::MAX - 1, u64::MAX];
+    let real = [-1.0, 0.5, 1e-300, 1e30, 1e308, f64::MIN].map(|value| Number::from_f64(value).expect("finite"));
+    whole.into_iter().map(Value::from).chain(real.map(Value::Number)).collect()
+}
+
+/// Calls `try_it` with every variant of the value in which one number, one list, or one key is not what it was.
+fn for_each_variant(value: &Value, mut try_it: impl FnMut(&str, Value)) {
+    let mut pointers = Vec::new();
+    collect(value, &mut String::new(), &mut pointers);
+    for pointer in &pointers {
+        let found = value.pointer(pointer).expect("it was found");
+        let variants = match found {
+            Value::Array(list) => {
+                let shorter = list[..list.len().saturating_sub(1)].to_vec();
+                let longer = [&list[..], &list[..list.len().min(1)]].concat();
+                vec![json!([]), Value::Array(shorter), Value::Array(longer), json!([u32::MAX]), json!([0, 0])]
+            }
+            Value::Object(map) => {
+                // Keys are numbers of tiles.
+                let rename = |from: &String, to: &str| {
+                    let mut map = map.clone();
+                    let moved = map.remove(from)?;
+                    map.insert(to.to_owned(), moved);
+                    Some(Value::Object(map))
+                };
+                let keys = map.keys().filter(|key| key.parse::<u32>().is_ok());
+                keys.flat_map(|key| ["0", "1", "2", "4294967295"].map(|to| rename(key, to))).flatten().collect()
+            }
+            _ => made_up(),
+        };
+        for variant in variants {
+            let mut changed = value.clone();
+            *changed.pointer_mut(pointer).expect("it is there") = variant.clone();
+            try_it(&format!("{pointer} = {variant}"), changed);
+        }
+    }
+}
+
+/// Finds numbers, lists, and maps with numbers for keys; of long lists the first and the last.
+fn collect(value: &Value, pointer: &mut String, found: &mut Vec<String>) {
+    let length = pointer.len();
+    let mut each = |key: &str, value: &Value| {
+        pointer.push('/');
+        pointer.push_str(key);
+        collect(value, pointer, found);
+        pointer.truncate(length);
+    };
+    match value {
+        Value::Array(list) => {
+            for (index, entry) in list.iter().enumerate() {
+                if index < CHANGED || index + 1 == list.len() {
+                    each(&index.to_string(), entry);
+                }
+            }
+            found.push(pointer.clone());
+        }
+        Value::Object(map) => {
+            map.iter().for_each(|(key, entry)| each(key, entry));
+            found.push(pointer.clone());
+        }
+        Value::Number(_) | Value::Null => found.push(pointer.clone()),
+        Value::Bool(_) | Value::String(_) => {}
+    }
+}
+
+#[test]
+fn crafted_numbers_of_parts_are_refused_or_harmless() {
+    for integrator in [Integrator::Path, Integrator::Caustics] {
+        let scene = scene(integrator);
+        let plan = RenderPlan::compile(&scene, &PlanOptions { transparent: true, ..PlanOptions::default() });
+        let plan = plan.expect("compiles");
+        let part = |index| {
+            let share = Share::new(index, 2).expect("a share");
+            let run = RunOptions { threads: 1, count: true, share, ..RunOptions::default() };
+            plan.render_part(&run, None, None, |_| {}).expect("renders")
+        };
+        let [crafted, other] = [0, 1].map(part);
+        let written = serde_json::to_value(&crafted).expect("numbers");
+        assert_eq!(serde_json::from_value::<Part>(written.clone()).expect("sound"), crafted);
+        let (mut refused, mut used) = (0, 0);
+        for_each_variant(&written, |what, changed| {
+            let Ok(unchecked) = serde_json::from_value::<UncheckedPart>(changed.clone()) else { return };
+            let checked = unchecked.check();
+            assert_eq!(serde_json::from_value::<Part>(changed).is_ok(), checked.is_ok(), "{what}");
+            let Ok(part) = checked else {
+                refused += 1;
+                return;
+            };
+            used += 1;
+            let missing = part.missing_tiles();
+            assert!(missing <= 2, "{what}");
+            assert_eq!(part.clone().into_rendering().film.pixels().len(), 51, "{what}");
+            // The sums of both are more than each, and never less.
+            let samples = part.clone().into_rendering().statistics.samples;
+            if let Ok(joined) = Part::join(vec![part, other.clone()]) {
+                let joined = joined.into_rendering().statistics;
+                assert!(joined.samples > samples, "{what}");
+                assert!(joined.render_seconds.is_finite() && joined.counters.total().rays < 1 << 63, "{what}");
+            }
+        });
+        assert!(refused > 500 && used > 100, "{refused} refused, {used} used");
+    }
+}
+
+#[test]
+fn counts_of_parts_that_overflowed_together_are_refused() {
+    let scene = scene(Integrator::Path);
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let parts = [0, 1].map(|index| {
+        let run = RunOptions { share: Share::new(index, 2).expect("a share"), ..RunOptions::default() };
+        let part = plan.render_part(&run, None, None, |_| {}).expect("renders");
+        let mut written = serde_json::to_value(&part).expect("numbers");
+        *written.pointer_mut("/statistics/counters/by_kind/1/rays").expect("rays") = json!((1_u64 << 60) - 1);
+        serde_json::from_value::<Part>(written).expect("each is possible")
+    });
+    let refused = Part::join(parts.to_vec());
+    assert!(matches!(refused, Err(JoinError::Damaged(1, ContentError::Count { .. }))), "{refused:?}");
+}
+
+/// Keeps a checkpoint after some tiles, and interrupts the render.
+struct Keeper<'a> {
+    tiles_left: u32,
+    checkpoint: Value,
+    interrupt: &'a AtomicBool,
+}
+
+impl Observer for &mut Keeper<'_> {
+    fn tile_done(&mut self, so_far: &SoFar<'_>) {
+        if self.tiles_left == 0 {
+            return;
+        }
+        self.tiles_left -= 1;
+        if self.tiles_left == 0 {
+            self.checkpoint = serde_json::to_value(so_far.checkpoint()).expect("numbers");
+            self.interrupt.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+#[test]
+fn crafted_numbers_of_checkpoints_are_refused_or_harmless() {
+    let target =
+        |two_stage| StopRule { target: Some(TargetError { relative: 0.5, two_stage }), max_spp: 64, time: None };
+    let growing = StopRule { max_spp: 5, ..StopRule::default() };
+    for (integrator, rule, tiles) in [
+        (Integrator::Path, None, 1),
+        (Integrator::Caustics, None, 2),
+        (Integrator::Path, Some(growing), 3),
+        (Integrator::Path, Some(target(false)), 17),
+        (Integrator::Path, Some(target(true)), 1000),
+    ] {
+        let scene = scene(integrator);
+        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+        // The last checkpoint of a render of two stages is of its second.
+        let mut tiles_in_all = 0;
+        let count = |_| tiles_in_all += 1;
+        let run = RunOptions { threads: 1, ..RunOptions::default() };
+        plan.render_part(&run, rule.as_ref(), None, count).expect("renders");
+        let interrupt = AtomicBool::new(false);
+        let tiles_left = tiles.min(tiles_in_all - 1);
+        let mut keeper = Keeper { tiles_left, checkpoint: Value::Null, interrupt: &interrupt };
+        let interrupted = RunOptions { interrupt: Some(&interrupt), ..run };
+        plan.render_part(&interrupted, rule.as_ref(), None, &mut keeper).expect("renders");
+        let (mut refused, mut used) = (0, 0);
+        for_each_variant(&keeper.checkpoint, |what, changed| {
+            let Ok(unchecked) = serde_json::from_value::<UncheckedCheckpoint>(changed.clone()) else { return };
+            let checked = unchecked.check();
+            assert_eq!(serde_json::from_value::<Checkpoint>(changed).is_ok(), checked.is_ok(), "{what}");
+            let Ok(checkpoint) = checked else {
+                refused += 1;
+                return;
+            };
+            used += 1;
+            let (samples, rays) = (checkpoint.samples(), checkpoint.rays());
+            if let Ok(part) = plan.render_part(&run, rule.as_ref(), Some(checkpoint), |_| {}) {
+                let statistics = part.into_rendering().statistics;
+                assert!(statistics.samples >= samples && statistics.counters.total().rays >= rays, "{what}");
+            }
+        });
+        assert!(refused > 200 && used > 50, "{refused} refused, {used} used of {integrator:?}, {rule:?}");
+    }
+}
+
+/// First inputs of the fuzz targets, which are as old as the formats are. `WRITE_SEEDS=1` writes them anew.
+#[test]
+fn seeds_of_the_fuzz_targets_are_sound() {
+    let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds"));
+    let scene = scene(Integrator::Path);
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let run = |share| RunOptions { threads: 1, maps: true, share, ..RunOptions::default() };
+    if std::env::var_os("WRITE_SEEDS").is_some() {
+        for index in [0, 1] {
+            let run = run(Share::new(index, 2).expect("a share"));
+            let part = plan.render_part(&run, None, None, |_| {}).expect("renders");
+            let file = folder.join(format!("part/{}-of-2.part", index + 1));
+            std::fs::write(file, postcard::to_stdvec(&part).expect("written")).expect("written");
+        }
+        for (name, rule) in [("tiles", None), ("passes", Some(StopRule { max_spp: 4, ..StopRule::default() }))] {
+            let mut written = Vec::new();
+            let keep = Writer(&mut written);
+            plan.render_part(&run(Share::ALL), rule.as_ref(), None, keep).expect("renders");
+            std::fs::write(folder.join(format!("checkpoint/{name}.checkpoint")), written).expect("written");
+        }
+    }
+    let files = |name: &str| {
+        let entries = std::fs::read_dir(folder.join(name)).expect("a folder");
+        entries.map(|entry| std::fs::read(entry.expect("an entry").path()).expect("a file")).collect::<Vec<_>>()
+    };
+    let (parts, checkpoints) = (files("part"), files("checkpoint"));
+    assert!(parts.len() >= 2 && checkpoints.len() >= 2);
+    for part in parts {
+        postcard::from_bytes::<UncheckedPart>(&part).expect("decoded").check().expect("sound");
+    }
+    for checkpoint in checkpoints {
+        postcard::from_bytes::<UncheckedCheckpoint>(&checkpoint).expect("decoded").check().expect("sound");
+    }
+}
+
+/// Keeps the first checkpoint.
+struct Writer<'a>(&'a mut Vec<u8>);
+
+impl Observer for Writer<'_> {
+    fn tile_done(&mut self, so_far: &SoFar<'_>) {
+        if self.0.is_empty() {
+            *self.0 = postcard::to_stdvec(&so_far.checkpoint()).expect("written");
+        }
+    }
+}
