@@ -22,6 +22,7 @@ dictionary_of() {
         scene_*) echo scene ;;
         gltf | glb) echo gltf ;;
         texture | environment | picture) echo image ;;
+        part | checkpoint) echo kept ;;
         *) echo "$1" ;;
     esac
 }

@@ -12,7 +12,7 @@
 use std::{cell::OnceCell, fs, path::Path, time::Duration};
 
 use cpu_time::ProcessTime;
-use rt_render::{PlanOptions, RenderPlan};
+use rt_render::{Checkpoint, PlanOptions, RenderPlan, RunOptions, StopRule};
 use rt_scene_io::{Content, Group, LoadOptions, Node, Scene, load};
 use tempfile::TempDir;
 
@@ -93,4 +93,29 @@ fn count(nodes: &[Node], groups: &[u64]) -> u64 {
         open.extend(&node.children);
     }
     total
+}
+
+/// Goes on from a checkpoint, tile by tile and pass by pass: with a scene whose picture is 17 by 3 pixels, as that of the seeds.
+pub fn go_on(checkpoint: &Checkpoint) {
+    const SCENE: &str = "(film: (size: (17, 3)), settings: (spp: 2), nodes: [(shape: sphere())])";
+    thread_local!(static LOADED: OnceCell<Scene> = const { OnceCell::new() });
+    LOADED.with(|scene| {
+        let scene = scene.get_or_init(|| {
+            let folder = tempfile::tempdir().expect("a folder for temporary files");
+            let path = folder.path().join("s.ron");
+            fs::write(&path, SCENE).expect("written");
+            load(&path, &LoadOptions::default()).expect("a scene")
+        });
+        let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("compiles");
+        let growing = StopRule { max_spp: 4, ..StopRule::default() };
+        for maps in [false, true] {
+            let run = RunOptions { threads: 1, maps, ..RunOptions::default() };
+            for rule in [None, Some(&growing)] {
+                if let Ok(part) = plan.render_part(&run, rule, Some(checkpoint.clone()), |_| {}) {
+                    let rendering = part.into_rendering();
+                    assert!(rendering.statistics.samples >= checkpoint.samples(), "counts never fall");
+                }
+            }
+        }
+    });
 }
