@@ -117,18 +117,24 @@ fn crafted_numbers_of_parts_are_refused_or_harmless() {
                 return;
             };
             used += 1;
-            let missing = part.missing_tiles();
-            assert!(missing <= 2, "{what}");
-            assert_eq!(part.clone().into_rendering().film.pixels().len(), 51, "{what}");
+            // A larger picture of which tiles are missing is possible as well.
+            let (missing, bytes) = (part.missing_tiles(), part.rendering_bytes());
+            let rendering = part.clone().into_rendering();
+            assert_eq!(
+                rendering.film.pixels().len() as u64,
+                bytes / if rendering.film.alpha().is_some() { 16 } else { 12 },
+                "{what}"
+            );
+            assert!(missing == 0 || Part::join(vec![part.clone()]).is_err(), "{what}");
             // The sums of both are more than each, and never less.
-            let samples = part.clone().into_rendering().statistics.samples;
+            let samples = rendering.statistics.samples;
             if let Ok(joined) = Part::join(vec![part, other.clone()]) {
                 let joined = joined.into_rendering().statistics;
                 assert!(joined.samples > samples, "{what}");
                 assert!(joined.render_seconds.is_finite() && joined.counters.total().rays < 1 << 63, "{what}");
             }
         });
-        assert!(refused > 500 && used > 100, "{refused} refused, {used} used");
+        assert!(refused > 100 && used > 100, "{refused} refused, {used} used");
     }
 }
 
@@ -207,7 +213,7 @@ fn crafted_numbers_of_checkpoints_are_refused_or_harmless() {
                 assert!(statistics.samples >= samples && statistics.counters.total().rays >= rays, "{what}");
             }
         });
-        assert!(refused > 200 && used > 50, "{refused} refused, {used} used of {integrator:?}, {rule:?}");
+        assert!(refused > 100 && used > 50, "{refused} refused, {used} used of {integrator:?}, {rule:?}");
     }
 }
 
