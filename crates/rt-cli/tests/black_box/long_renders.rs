@@ -99,9 +99,11 @@ fn the_second_signal_stops_at_once() {
 }
 
 /// Some seconds of a render whose tiles take long enough for a second signal to come before they are finished.
+#[cfg(unix)]
 const SLOW: &str = "render scene.ron --integrator path --spp 1500 -o scene.exr";
 
 /// Sends signals, by the words of a shell in which `$1` is the process, and renders to the end.
+#[cfg(unix)]
 fn signalled(words: &str) -> (Workplace, Run) {
     use std::os::unix::process::CommandExt;
     let place = Workplace::with_scene();

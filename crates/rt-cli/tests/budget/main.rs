@@ -194,7 +194,6 @@ fn images_take_no_more_than_predicted() {
         let _ = std::fs::remove_file(place.path("o.png"));
         let taken = peak(&place, &format!("{command} --memory {}", bytes * PIXELS)) - at_rest;
         let each = taken as f64 / PIXELS as f64;
-        println!("{command}: {each:.1} bytes a pixel of {bytes}");
         assert!(each < 1.1 * bytes as f64 + 1.0, "{command} takes {each} bytes a pixel, not {bytes}");
     }
 }
