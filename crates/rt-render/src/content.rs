@@ -143,6 +143,9 @@ impl Statistics {
             passages,
             depth_limited,
             interior_overflows,
+            clamped,
+            // A sum that saturates.
+            clamped_units: _,
         } = shading;
         let counts = [
             ("the number of samples", samples),
@@ -159,6 +162,7 @@ impl Statistics {
             ("the number of passages", passages),
             ("the number of paths that reached the depth limit", depth_limited),
             ("the number of interior overflows", interior_overflows),
+            ("the number of clamped contributions", clamped),
         ];
         for (name, count) in counts {
             check_count(name, count, MAX_COUNT)?;

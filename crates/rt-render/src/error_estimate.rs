@@ -99,11 +99,13 @@ impl ErrorSums {
 
     /// Checks the sums over a tile of so many pixels.
     pub(crate) fn validate(&self, area: u64) -> Result<(), ContentError> {
-        let Self { pixels, squares, spread_of_estimate, spread_of_error, relative, largest } = *self;
+        let Self { pixels, squares, spread_of_estimate, spread_of_error, relative, largest, radiance } = *self;
         check_count("the number of pixels of an error", pixels, area)?;
         [squares, spread_of_estimate, spread_of_error, relative, largest]
             .into_iter()
-            .try_for_each(|sum| check_number("a sum of squared errors", sum))
+            .try_for_each(|sum| check_number("a sum of squared errors", sum))?;
+        // Negative lobes of a filter may make pixels negative.
+        check_number("the sum of the radiance", radiance.abs())
     }
 
     /// The pixels of all parts of the image. Sums depend on the order of parts in their last digits.

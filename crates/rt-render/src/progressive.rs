@@ -134,7 +134,7 @@ impl PassState {
 
     /// Checks every number that a file may have got wrong.
     pub(crate) fn validate(&self) -> Result<(), ContentError> {
-        let Self { frame, share, way: _, pixels, statistics, place, seconds_per_sample, rmse, lost } = self;
+        let Self { frame, share, way: _, pixels, statistics, place, seconds_per_sample, error, lost } = self;
         let Place { pass, taken, begun, stage } = place;
         let crop = frame.crop;
         check_crop(crop)?;
@@ -159,7 +159,7 @@ impl PassState {
         check_lost(lost, crop)?;
         statistics.validate()?;
         check_number("the time of a sample in seconds", *seconds_per_sample)?;
-        check_number("the RMSE", rmse.unwrap_or(0.0))
+        error.validate(area as u64)
     }
 
     /// The picture so far.

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rt_camera::SamplePattern;
 use rt_render::{
-    Checkpoint, ContentError, JoinError, Observer, Part, PlanOptions, RenderPlan, RunOptions, Share, SoFar, StopRule,
-    TargetError, UncheckedCheckpoint, UncheckedPart,
+    Checkpoint, ContentError, Criterion, JoinError, Observer, Part, PlanOptions, RenderPlan, RunOptions, Share, SoFar,
+    StopRule, TargetError, UncheckedCheckpoint, UncheckedPart,
 };
 use rt_scene_io::{Integrator, Scene};
 use serde_json::{Number, Value, json};
@@ -175,15 +175,20 @@ impl Observer for &mut Keeper<'_> {
 
 #[test]
 fn crafted_numbers_of_checkpoints_are_refused_or_harmless() {
-    let target =
-        |two_stage| StopRule { target: Some(TargetError { relative: 0.5, two_stage }), max_spp: 64, time: None };
+    let pixels = Criterion::Pixels { share: 1.0 };
+    let target = |criterion, two_stage| StopRule {
+        target: Some(TargetError { relative: 0.5, criterion, two_stage }),
+        max_spp: 64,
+        time: None,
+    };
     let growing = StopRule { max_spp: 5, ..StopRule::default() };
     for (integrator, rule, tiles) in [
         (Integrator::Path, None, 1),
         (Integrator::Caustics, None, 2),
         (Integrator::Path, Some(growing), 3),
-        (Integrator::Path, Some(target(false)), 17),
-        (Integrator::Path, Some(target(true)), 1000),
+        (Integrator::Path, Some(target(Criterion::Image, false)), 17),
+        (Integrator::Path, Some(target(pixels, false)), 17),
+        (Integrator::Path, Some(target(pixels, true)), 1000),
     ] {
         let scene = scene(integrator);
         let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
