@@ -84,7 +84,7 @@ fn pair_facing_away(index: u64) -> Option<(DVec3, DVec3)> {
 
 fn sun(towards: DVec3, casts_shadows: bool) -> Light {
     let kind = LightKind::Directional { direction: -towards };
-    Light { name: String::new(), kind, intensity: Rgb::WHITE, casts_shadows, units: crate::LightUnits::Classical }
+    Light { name: String::new(), kind, intensity: Rgb::WHITE, casts_shadows, units: LightUnits::Classical }
 }
 
 fn opaque_materials() -> Vec<Material> {
