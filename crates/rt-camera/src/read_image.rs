@@ -79,9 +79,16 @@ pub fn image_header(path: &Path) -> Result<ImageHeader, ImageFileError> {
     }
     let decoder = decoder(path, reader, length)?;
     let (width, height) = decoder.dimensions();
-    let bytes_per_pixel = if decoder.color_type().has_alpha() { 16 } else { 12 };
-    let film_bytes = bytes_per_pixel * u64::from(width) * u64::from(height);
-    Ok(ImageHeader { width, height, film_bytes, decoded_bytes: decoder.total_bytes() })
+    let pixels = u64::from(width) * u64::from(height);
+    let color = decoder.color_type();
+    let film_bytes = pixels * if color.has_alpha() { 16 } else { 12 };
+    // Numbers of 8 and 16 bits are spread to four channels before they become light.
+    let spread_bytes = match color.bytes_per_pixel() / color.channel_count() {
+        1 => 4 * pixels,
+        2 => 8 * pixels,
+        _ => 0,
+    };
+    Ok(ImageHeader { width, height, film_bytes, decoded_bytes: decoder.total_bytes() + spread_bytes })
 }
 
 /// The format of an image file, told by its first bytes as [`read_image`] tells it, and not by its name: whether it holds

@@ -103,11 +103,6 @@ impl OutputFile {
     /// nothing is there but perhaps an older file that is not one of `inputs`. A link is written through: the file that it leads to
     /// is replaced, not the link. The path `-` is standard output, which reports keep clear of from then on.
     pub(crate) fn prepare(path: &Path, inputs: &[PathBuf]) -> Result<Self, OutputError> {
-        if is_dash(path) {
-            reserve_stdout();
-            let (path, folder) = (PathBuf::from(STDOUT), env::temp_dir());
-            return Ok(Self { target: path.clone(), path, folder, is_stdout: true });
-        }
         Self::prepare_target(path, path.canonicalize().unwrap_or_else(|_| path.to_owned()), inputs)
     }
 
@@ -118,6 +113,11 @@ impl OutputFile {
     }
 
     fn prepare_target(path: &Path, target: PathBuf, inputs: &[PathBuf]) -> Result<Self, OutputError> {
+        if is_dash(path) {
+            reserve_stdout();
+            let (path, folder) = (PathBuf::from(STDOUT), env::temp_dir());
+            return Ok(Self { target: path.clone(), path, folder, is_stdout: true });
+        }
         if target.file_name().is_none() {
             return Err(OutputError::NoName(path.to_owned()));
         }

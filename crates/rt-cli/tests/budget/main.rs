@@ -10,7 +10,7 @@ mod program;
 
 use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};
-use std::io::Write as _;
+use std::io::{Read as _, Write as _};
 use std::process::{Command, Stdio};
 
 use program::Workplace;
@@ -187,7 +187,7 @@ fn images_take_no_more_than_predicted() {
         ("compare a.exr b.exr --heat-map h.png", 56),
         ("compare a.exr a.png", 40),
         ("develop a.exr -o o.png", 24),
-        ("develop a.png -o o.jpg", 16),
+        ("develop a.png -o o.jpg", 19),
         ("develop a.pfm -o o.png", 16),
     ] {
         refused(&place, &format!("{command} --memory {}", bytes * PIXELS - 1));
@@ -204,15 +204,17 @@ fn parts_and_checkpoints_are_refused_by_their_size() {
     for part in [1, 2] {
         place.succeed(&format!("render scene.ron --size 1000x800 --spp 1 --shard {part}/2 -o {part}.part"));
     }
-    let said = refused(&place, "merge 1.part 2.part -o a.exr --memory 20M");
+    let said = refused(&place, "merge 1.part 2.part -o a.exr --memory 12M");
     assert!(said.contains("1.part: needs ") && said.contains("for what the 2 parts hold"), "{said}");
-    let said = refused(&place, "merge 1.part 2.part -o a.exr --memory 40M");
+    let said = refused(&place, "merge 1.part 2.part -o a.exr --memory 30M");
     assert!(said.contains("for the picture"), "{said}");
     let at_rest = peak(&place, "--version");
-    let taken = peak(&place, "merge 1.part 2.part -o a.exr --memory 60M") - at_rest;
-    assert!(taken < 60_000_000, "{taken}");
+    let taken = peak(&place, "merge 1.part 2.part -o a.exr --memory 40M") - at_rest;
+    assert!(taken < 44_000_000, "{taken}");
     // Whoever claims to be a part, and is far larger than any.
-    sparse(&place, "long.part", &place.read("1.part")[..300], 1 << 40);
+    let mut head = [0; 300];
+    File::open(place.path("1.part")).and_then(|mut file| file.read_exact(&mut head)).expect("read");
+    sparse(&place, "long.part", &head, 1 << 40);
     let said = refused(&place, "merge long.part 2.part -o a.exr --memory 1GiB");
     assert!(said.contains("for what the 2 parts hold"), "{said}");
     let said = refused(&place, "merge 1.part long.part -o a.exr --memory 1GiB");
