@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 use super::SceneFile;
 
 /// The types in the order in which they are described, each with its heading.
-const TYPES: [(&str, &str); 35] = [
+const TYPES: [(&str, &str); 36] = [
     ("Scene", "Scene"),
     ("Node", "Nodes"),
     ("Shape", "Shapes"),
@@ -25,6 +25,7 @@ const TYPES: [(&str, &str); 35] = [
     ("Coefficient", "Coefficients and textures"),
     ("Wrap", "Edges of images"),
     ("Light", "Lights"),
+    ("LightUnits", "Units of lights"),
     ("Falloff", "Falloff"),
     ("Background", "Background"),
     ("Camera", "Cameras"),
@@ -455,8 +456,8 @@ mod tests {
         types! {
             "Scene" SceneFile, "Node" Node, "Shape" Shape, "InsideRule" InsideRule, "Step" Step, "Material" Material,
             "NodeMaterial" NodeMaterial, "Highlight" Highlight, "Metal" Metal, "Sides" Sides, "Color" Color,
-            "Coefficient" Coefficient, "Wrap" Wrap, "Light" Light, "Falloff" Falloff, "Background" Background,
-            "Camera" Camera, "FovAxis" FovAxis, "Lens" Lens, "NodeAnimation" NodeAnimation, "NodeKey" NodeKey,
+            "Coefficient" Coefficient, "Wrap" Wrap, "Light" Light, "LightUnits" LightUnits, "Falloff" Falloff,
+            "Background" Background, "Camera" Camera, "FovAxis" FovAxis, "Lens" Lens, "NodeAnimation" NodeAnimation, "NodeKey" NodeKey,
             "CameraAnimation" CameraAnimation, "CameraKey" CameraKey, "Interpolation" Interpolation, "Film" Film,
             "Filter" Filter, "Tone" Tone, "Encoding" Encoding, "Settings" Settings, "Integrator" Integrator,
             "Sampler" Sampler, "Adaptive" Adaptive, "LightSampling" LightSampling, "Accel" Accel, "Truth" Truth,
