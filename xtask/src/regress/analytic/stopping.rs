@@ -216,7 +216,8 @@ fn reached(conditions: &Conditions) -> Found {
     for pattern in [SamplePattern::Random, SamplePattern::Jittered, SamplePattern::Sobol] {
         let of_seed = |seed| -> Fallible<(bool, f64)> {
             let rendering = until(&room, 32, (Integrator::Path, pattern, seed), TargetError::of_image(0.1))?;
-            let squares = rendering.film.pixels().iter().flatten().map(|&value| (f64::from(value) - 2.0).powi(2));
+            let errors = rendering.film.pixels().iter().flatten().map(|&value| f64::from(value) - 2.0);
+            let squares = errors.map(|error| error * error);
             let error = (squares.sum::<f64>() / (3.0 * 1024.0)).sqrt() / 2.0;
             let [low, high] = rendering.error.map_or([0.0; 2], |estimate| estimate.relative_interval());
             Ok(((low..=high).contains(&error), error))

@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn a_fault_that_keeps_the_image_mean_is_found_in_the_blocks() {
         // Half of the blocks lose what the others gain: the scene is mirrored, say.
-        let shifted = |i: usize| if i / 3 % 2 == 0 { plain(i) * 1.08 } else { plain(i) * 0.92 };
+        let shifted = |i: usize| if (i / 3).is_multiple_of(2) { plain(i) * 1.08 } else { plain(i) * 0.92 };
         let ours = Reference::of_seeds(&renders(16, 1, 0.05, shifted));
         let reference = Reference::of_seeds(&renders(16, 700, 0.05, plain));
         let comparison = Comparison::of(&ours, &reference, NONE);
