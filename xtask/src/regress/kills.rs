@@ -41,7 +41,7 @@ const ALL: [Kills; 6] = [
     Kills {
         name: "kills/target-error",
         scene: "scenes/lecture/cornell-direct.ron",
-        options: &["--size", "96x96", "--target-error", "2%", "--aov", "samples=samples.pfm"],
+        options: &["--size", "96x96", "--target-error", "10%", "--aov", "samples=samples.pfm"],
     },
     Kills {
         name: "kills/target-error-pixels",

@@ -166,8 +166,9 @@ fn room() -> Fallible<Picture> {
 /// Images of one pixel, which has all the influence on the decision, and of as many as share it. Where each pixel decides for
 /// itself, the bias must be found, or this case could not tell.
 fn bias(conditions: &Conditions) -> Found {
-    let small = conditions.count(2000, 40_000);
-    let large = conditions.count(60, 1500);
+    let small = conditions.count(400, 40_000);
+    let large = conditions.count(8, 1500);
+    let by_pixel = conditions.count(2000, 40_000);
     let corner = coverage::half_plane(0.0, 0.1)?;
     let edge = coverage::half_plane(0.3, 0.2)?;
     let room = room()?;
@@ -200,7 +201,7 @@ fn bias(conditions: &Conditions) -> Found {
         let target = TargetError::of_pixels(0.1);
         Ok(mean_of(&until(&corner, 1, (Integrator::Whitted, SamplePattern::Random, seed), target)?))
     };
-    let found = Estimate::of_seeds(name, small, mean)?;
+    let found = Estimate::of_seeds(name, by_pixel, mean)?;
     let (z, percent) = (found.z(0.05), 100.0 * (found.mean / 0.05 - 1.0));
     tally.note(format!("{name}: {percent:+.4} %, z {z:+.2}"));
     tally.check(z.abs() > MOST, || format!("{name}: z = {z:+.2}, and a bias is there to be found"));
@@ -209,7 +210,7 @@ fn bias(conditions: &Conditions) -> Found {
 
 /// The true relative error of a room, of which each pixel shows 2, lies within the interval of the estimate, and at the target.
 fn reached(conditions: &Conditions) -> Found {
-    let seeds = conditions.count(200, 2000);
+    let seeds = conditions.count(60, 2000);
     let room = room()?;
     let mut tally = Tally::default();
     let (mut covered, mut tried) = (0.0, 0.0);
