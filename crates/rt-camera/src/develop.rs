@@ -248,7 +248,7 @@ impl ByteCurve {
 const PARTS: usize = 8;
 
 /// 255 times [`Development::signal`] as a table: exact at eighths of levels, linear between. The encodings bend so little
-/// there that sRGB is met to 10⁻³ of a level.
+/// there that the tests find no difference above 0.005 of a level, but 0.05 below the first level.
 struct LevelCurve {
     /// The smallest radiance that reaches one part, two, and so on; NaN where none does.
     thresholds: [f32; 255 * PARTS],

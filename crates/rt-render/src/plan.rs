@@ -162,6 +162,8 @@ pub struct RenderPlan<'s> {
     /// When everything stands still, if it does.
     pub(crate) moment: Option<f64>,
     pub(crate) full: bool,
+    /// True if a material in use emits light.
+    has_emission: bool,
     /// What was foreseen.
     pub(crate) memory: MemoryPrediction,
     pub(crate) build_seconds: f64,
@@ -224,7 +226,8 @@ impl<'s> RenderPlan<'s> {
             spare_texture_coordinates(scene, &mut top, &mut levels);
         }
         let used = used_materials(scene, &top, &levels, shot.camera.medium);
-        let needs = if options.full { Needs::ALL } else { needs(scene, &top, &levels, &used) };
+        let least = needs(scene, &top, &levels, &used);
+        let needs = if options.full { Needs::ALL } else { least };
         let world = if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) };
         let stage = Stage { scene, options, wanted, origin, world: &world, refracts: needs.refraction };
         let outlook = Outlook::of(&stage, shot)?;
@@ -270,6 +273,7 @@ impl<'s> RenderPlan<'s> {
             narrows,
             origin,
             full: options.full,
+            has_emission: least.emission,
             camera,
             memory,
             build_seconds: started.elapsed().as_secs_f64(),
@@ -279,7 +283,8 @@ impl<'s> RenderPlan<'s> {
     /// False if nothing in the scene gives light: it has no light, no surface that emits, and a black background.
     pub fn has_light(&self) -> bool {
         let Appearance { lights, ambient, background, .. } = &self.scene.appearance;
-        !lights.is_empty() || !ambient.is_black() || !background.is_black() || self.needs.emission
+        let has_ambient = !ambient.is_black() && !self.scene.settings.integrator.gathers_background();
+        !lights.is_empty() || has_ambient || !background.is_black() || self.has_emission
     }
 
     /// Samples per pixel that [`render`](Self::render) will take: those asked for, split into passes and rounded up to what

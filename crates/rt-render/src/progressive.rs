@@ -1,7 +1,7 @@
 //! Passes over the whole image, one after the other, until there is enough.
 //!
-//! What is known of a pixel is a function of the seed and of the passes that it took, whatever the threads do. The clock decides
-//! how many passes there are, and nothing else.
+//! What is known of a pixel is a function of the seed and of the passes that it took, whatever the threads do. The clock or the
+//! estimated error decides how many passes there are, and nothing else.
 //!
 //! A render can be interrupted in the midst of a pass and go on from there: [`PassState`] is all that it knows.
 

@@ -16,6 +16,10 @@ use crate::{
     tiles::Tile,
 };
 
+/// Samples per pixel from which an image without any difference between passes counts as one without error. Before, rare light
+/// may not have been found yet.
+const LEAST_SPP_WITHOUT_NOISE: f64 = 64.0;
+
 /// Number of the first pass whose samples nothing was decided by.
 const SECOND_STAGE: u32 = 1 << 31;
 
@@ -115,10 +119,11 @@ impl<O: Observer> Progressive<'_, O> {
                 return Stopped::Interrupted;
             }
             if let Some(error) = self.relative_rmse().filter(|_| self.state.place.pass >= FIRST_TEST_OF_IMAGE) {
-                if error <= relative {
+                let samples = self.samples() as f64;
+                let may_lack_light = error == 0.0 && samples < LEAST_SPP_WITHOUT_NOISE * pixels as f64;
+                if error <= relative && !may_lack_light {
                     return Stopped::Target;
                 }
-                let samples = self.samples() as f64;
                 self.forecast.observe([samples, stages], error, relative, most);
             }
         }

@@ -86,7 +86,7 @@ impl TargetError {
     }
 }
 
-/// Pixels of an image that decide together without a bias that could be measured.
+/// Pixels of an image that decide together without bias: `cargo xtask regress analytic/target-error-bias` found none at this size.
 const LEAST_PIXELS_OF_ONE_STAGE: usize = 1024;
 
 /// What ended a render.

@@ -93,6 +93,10 @@ fn expose(file: &mut SceneFile, illuminance: f64, has_radiance: bool) -> String 
     file.film.exposure = rounded(-transcendental::log2(white), 10.0);
     // What is nearer to a lamp than most is many times as bright: the curve keeps its shape visible.
     file.film.tone = format::Tone::Aces;
+    if !is_usable {
+        let exposure = file.film.exposure;
+        return format!("The model's lights do not reach it; the exposure is {exposure}, with a filmic tone curve.");
+    }
     let illuminance = rounded(illuminance, illuminance.max(1.0));
     format!(
         "The model's lights give about {illuminance} lx; exposure {} and a filmic tone curve make that bright.",

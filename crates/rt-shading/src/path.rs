@@ -48,7 +48,7 @@ pub struct PathSettings {
 /// ```
 ///
 /// Classical lights and surfaces are taken so that they keep the brightness that they have under [`Whitted`](crate::Whitted): the
-/// intensity of a light counts π times, and kd is an albedo. Transparent bodies lie within each other as they do there.
+/// intensity of a light in classical units counts π times, and kd is an albedo. Transparent bodies lie within each other as they do there.
 /// Shadow rays pass through no surface: light behind glass is found by directions from the BSDF alone.
 ///
 /// Many paths are followed together, each with its own sampler, so that what a camera ray sees is the same to the bit

@@ -184,6 +184,15 @@ impl Physical {
         }
     }
 
+    /// True if a diffuse part lies below a layer, as [`Bsdf::is_diffuse_below_layer`] tells it of a point.
+    pub fn has_layers(&self) -> bool {
+        match self {
+            Self::MetallicRoughness { .. } | Self::Layered(_) => true,
+            Self::Mix(parts) => parts.iter().any(|(_, part)| part.has_layers()),
+            _ => false,
+        }
+    }
+
     /// True if light that comes through the surface goes on in a body behind it.
     pub fn encloses_body(&self) -> bool {
         match self {

@@ -33,8 +33,8 @@ pub(crate) struct StopArgs {
     /// Require --target-error of this share of the pixels, such as 99%, each by itself, rather than of the image
     ///
     /// A pixel has to be within the error of its radiance plus 0.01 with a confidence of 95 %, in each channel, and is tested at
-    /// 64, 128, 256, ... samples. Pixels that have reached it take no more samples, which biases them by about a thousandth of
-    /// their radiance; --two-stage removes the bias.
+    /// 64, 128, 256, ... samples. Pixels that have reached it take no more samples, which biases them, noisy ones by some
+    /// per cent of their radiance; --two-stage removes the bias.
     #[arg(long, value_name = "PERCENT", value_parser = values::share_of_pixels, requires = "target_error", allow_hyphen_values = true)]
     pub(crate) target_error_pixels: Option<f64>,
 

@@ -238,3 +238,56 @@ fn lamps_are_exposed_for_what_they_light() {
     let run = place.succeed("explain m.gltf");
     assert!(run.stdout.contains("1 light, 1 casting shadows"), "nothing is added: {run:?}");
 }
+
+#[test]
+fn suns_without_shadows_reached_nothing_in_absorbing_water() {
+    let place = Workplace::new();
+    let scene = r#"(
+        camera: (look_from: (0, 3, 0), look_at: (0, 0, 0), up: (0, 0, -1), orthographic: 1, medium: "sea"),
+        background: constant(0),
+        lights: [directional(direction: (0, -1, 0), intensity: 0.5, casts_shadows: SHADOWS)],
+        materials: {
+            "sea": phong(color: 0, transmission: 1, ior: 1, absorption: (0.5, 0.5, 0.5)),
+            "floor": diffuse(albedo: 1),
+        },
+        nodes: [(shape: plane(), material: "floor")],
+    )"#;
+    // The way to the camera absorbs; that to a light at infinity has no length.
+    let expected = 0.5 * rt_math::transcendental::exp(-1.5);
+    for shadows in ["true", "false"] {
+        place.write("sea.ron", scene.replace("SHADOWS", shadows));
+        for integrator in ["whitted", "path", "direct", "distributed"] {
+            let seen = mean(&place, &format!("sea.ron --integrator {integrator} --size 4x4 --spp 1")).g;
+            assert!((seen - expected).abs() < 1e-4, "{integrator}, shadows {shadows}: {seen}, not {expected}");
+        }
+    }
+}
+
+#[test]
+fn layered_materials_before_a_background_were_lit_twice_under_distributed() {
+    let place = Workplace::new();
+    place.write("floor.gltf", unlit_floor(WHITE));
+    for integrator in ["path", "direct", "distributed"] {
+        let options = format!("--integrator {integrator} --background white --size 8x8 --spp 64");
+        let seen = mean(&place, &format!("floor.gltf {options}")).g;
+        assert!((seen - 1.0).abs() < 0.03, "{integrator}: {seen}");
+    }
+}
+
+#[test]
+fn ambient_light_was_added_to_that_of_an_image_under_distributed() {
+    let place = Workplace::new();
+    // One pixel of radiance 1.
+    let sky = [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n".as_slice(), &[128, 128, 128, 129]].concat();
+    place.write("sky.hdr", sky);
+    let scene = r#"(
+        camera: (look_from: (0, 3, 0), look_at: (0, 0, 0), up: (0, 0, -1), orthographic: 1),
+        background: image(file: "sky.hdr"),
+        lights: [ambient(1)],
+        materials: { "floor": phong(diffuse: 0.5, ambient: 0.5, specular: 0) },
+        nodes: [(shape: plane(), material: "floor")],
+    )"#;
+    place.write("scene.ron", scene);
+    let seen = mean(&place, "scene.ron --integrator distributed --size 8x8 --spp 64").g;
+    assert!((seen - 0.5).abs() < 0.03, "{seen}");
+}

@@ -96,7 +96,7 @@ fn known_values_of_a_scene() {
 
     let LightKind::Directional { direction } = model.lights[0].kind else { panic!("a sun") };
     assert_eq!(direction, DVec3::NEG_Y);
-    // The world is mirrored in z; a lamp counts π times.
+    // The world is mirrored in z.
     let LightKind::Point { position, .. } = model.lights[1].kind else { panic!("a lamp") };
     assert_eq!(position, DVec3::new(1.0, 2.0, -3.0));
     assert!((model.lights[1].intensity.g - 6.0).abs() < 1e-12);

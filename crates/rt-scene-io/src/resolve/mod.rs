@@ -24,7 +24,7 @@ mod value;
 use std::path::Path;
 
 use rt_math::Aabb;
-use rt_shading::Appearance;
+use rt_shading::{Appearance, Physical};
 
 use crate::bounds::tree_bounds;
 use crate::format::SceneFile;
@@ -77,6 +77,7 @@ pub(crate) fn resolve_with(
     let used = used_materials(groups.iter().map(|group| &*group.nodes).chain([&*nodes]));
     let used: Vec<&Material> = used.iter().filter_map(|id| materials.list.get(*id as usize)).collect();
     let has_emissive = used.iter().any(|material| is_emissive(material));
+    let has_layers = used.iter().any(|material| material.physical.as_ref().is_some_and(Physical::has_layers));
     let default_integrator = default_integrator(file, &used, &options);
     let set = file.settings.integrator.map_or(default_integrator, film::integrator);
     let integrator = match options.integrator {
@@ -84,7 +85,7 @@ pub(crate) fn resolve_with(
         None if options.has_environment && set == Integrator::Whitted => Integrator::Path,
         None => set,
     };
-    notes.extend(studio::complete(file, &bounds, Lighting { integrator, has_emissive }, &options));
+    notes.extend(studio::complete(file, &bounds, Lighting { integrator, has_emissive, has_layers }, &options));
     key_times(file).for_each(|time| options.animation_end.extend(time));
     if options.at_time.is_none() && is_animated(file) {
         notes.push("The scene is animated: it is shown as it is at 0 s.".to_owned());

@@ -20,6 +20,8 @@ pub(super) struct Lighting {
     pub(super) integrator: Integrator,
     /// True if objects emit light.
     pub(super) has_emissive: bool,
+    /// True if a diffuse part lies below a layer: `distributed` follows it to the background.
+    pub(super) has_layers: bool,
 }
 
 /// Fills in what the scene leaves open, and says so: one sentence for each choice.
@@ -48,9 +50,10 @@ pub(super) fn complete(file: &mut SceneFile, bounds: &Aabb, lighting: Lighting, 
 
 /// Adds the studio lights where they are wanted. A scene that says nothing of lights says afterwards which it has.
 fn light(file: &mut SceneFile, lighting: Lighting, options: &LoadOptions) -> Option<String> {
-    let Lighting { integrator, has_emissive } = lighting;
+    let Lighting { integrator, has_emissive, has_layers } = lighting;
     let has_image = options.has_environment || matches!(file.background, Some(Background::Image { .. }));
-    let has_background = integrator.gathers_background() && !is_background_black(file, options);
+    let gathers = integrator.gathers_background() || (has_layers && integrator == Integrator::Distributed);
+    let has_background = gathers && !is_background_black(file, options);
     let is_unsaid = file.lights.is_none();
     let lights = file.lights.get_or_insert_default();
     let adds = match options.studio_lights {

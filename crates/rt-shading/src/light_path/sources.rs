@@ -17,8 +17,8 @@ use rt_math::{Aabb, DVec3, Frame, Interval, Ray, Rgb, Sampler};
 /// | point, spot | its own | to a target, or else uniform | u I / p(ω) |
 /// | directional | across it, before a target | its own | u E / p(x) |
 ///
-/// The factor u is that of [`LightUnits::irradiance_factor`](crate::LightUnits::irradiance_factor), as for paths from the camera. Light that does not weaken with the
-/// distance is spread as if it did, and made up for by the square of its whole way where it first meets a surface that spreads
+/// The factor u is that of [`LightUnits::irradiance_factor`](crate::LightUnits::irradiance_factor), as for paths from the
+/// camera. Light that does not weaken with the distance is spread as if it did, and made up for by the square of its whole way where it first meets a surface that spreads
 /// it: behind a flat mirror there is the same light again. Lights whose shadows are switched off shine through everything, so
 /// that mirrors and glass do nothing to them; they and the environment send no paths.
 #[derive(Clone, Debug)]

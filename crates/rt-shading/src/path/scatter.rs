@@ -70,8 +70,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let vertex = Vertex::new(view, bsdf, ray.time);
         let only_reflects = follows == Follows::Reflections;
         let vertex = if only_reflects { vertex.following(without_diffuse.as_ref()) } else { vertex };
-        // Ambient light stands for the background where the diffuse part is not followed to it.
-        let gathers_background = vertex.bsdf.is_diffuse_below_layer() && !lighting.appearance.background.is_black();
+        // Ambient light stands for the background where the diffuse part is neither followed to it nor lit by samples of it.
+        let gathers_background = !lighting.appearance.background.is_black()
+            && (vertex.bsdf.is_diffuse_below_layer() || lighting.emitters.environment().is_some());
         if only_reflects && self.needs.ambient && !gathers_background {
             let ambient = material.ambient(&lighting.appearance.textures, vertex.view.surface);
             let radiance = path.weight * ambient * lighting.appearance.ambient;
@@ -115,13 +116,14 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let is_bounded = clamp.holds_after(path.bounces + 1);
         let surface = vertex.view.surface;
         let media = self.needs.absorption.then(|| path.course.media(&lighting.appearance.materials, crossing));
-        // Shadow rays end at any surface, so that one medium fills all of their way.
+        // Shadow rays end at any surface that casts shadows, so that one medium fills their way to a lamp. Nothing tells where the
+        // medium ends on the way to a light at infinity.
         let dimmed = |radiance: Rgb, direction: DVec3, distance: f64| match media {
-            Some([near, far]) => {
+            Some([near, far]) if distance.is_finite() => {
                 let is_near = vertex.view.is_on_side_of(Scattering::Reflection, direction);
                 radiance * (if is_near { near } else { far }).transmittance(distance)
             }
-            None => radiance,
+            _ => radiance,
         };
         let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
         if vertex.bsdf.is_delta() {
@@ -138,7 +140,6 @@ impl<S: Sampler + Clone> PathTracer<S> {
                 let radiance = dimmed(radiance, lit.direction, lit.distance);
                 self.shadows.push(light.shadow_ray(&shadow_rays, &lit, vertex.time), id, radiance, is_bounded);
             } else {
-                let radiance = dimmed(radiance, lit.direction, lit.distance);
                 seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
             }
         }

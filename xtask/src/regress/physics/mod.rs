@@ -120,7 +120,12 @@ impl Unit for PairUnit {
                     None => findings.note(format!("differs by convention; {CONVENTIONS} does not say by how much")),
                 }
             }
-            Expect::Known if differs => findings.note("differs, as is known"),
+            Expect::Known if differs => {
+                findings.note("differs, as is known");
+                let recorded: BTreeMap<String, Convention> = read_json(&context.workspace.root.join(CONVENTIONS))?;
+                let recorded = recorded.get(&self.pair_name());
+                findings.problems.extend(recorded.into_iter().flat_map(|it| it.broken_by(&ours, &reference)));
+            }
             Expect::Known => findings.note("agrees by now, although it was known to differ"),
         }
         findings.notes.extend(comparison.notes.iter().cloned());
