@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::fmt::Display;
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::Failure;
@@ -62,6 +62,13 @@ pub(crate) fn complain(failure: &Failure) {
         // The line of a file below a message is indented.
         let head = if line.starts_with(' ') { "" } else { "error: " };
         to_stderr(format_args!("{head}{line}\n"));
+    }
+}
+
+/// Writes a line to standard error if that is a terminal: for a person who waits, beside a progress bar.
+pub(crate) fn tell_terminal(text: &str) {
+    if io::stderr().is_terminal() {
+        to_stderr(format_args!("\n{text}\n"));
     }
 }
 

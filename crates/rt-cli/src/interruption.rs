@@ -13,6 +13,8 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
+use crate::console::tell_terminal;
+
 /// Exit code of what was interrupted: 128 and the number of SIGINT, as shells have it.
 pub(crate) const EXIT_CODE: u8 = 130;
 
@@ -82,9 +84,11 @@ fn install() {
             let has_interrupt = signals.wait().fold(false, |has, signal| has | (signal == SIGINT));
             interrupt();
             if has_interrupt && had_interrupt {
+                tell_terminal("ended without saving");
                 end();
             }
             if has_interrupt {
+                tell_terminal("interrupted: what has begun is finished and saved; Ctrl-C again ends without saving");
                 had_interrupt = true;
                 // Repeated signals wait here to be dropped together, so that a busy machine does not tear them apart.
                 std::thread::sleep(SAME_INTERRUPT);

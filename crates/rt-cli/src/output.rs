@@ -47,7 +47,7 @@ pub(crate) enum OutputError {
         folder: PathBuf,
     },
     /// A folder, a pipe or a device.
-    #[error("cannot write `{}`: it exists and is not a regular file; choose another name", .0.display())]
+    #[error("cannot write `{}`: it exists and is not a regular file; choose another name, or `-` for standard output", .0.display())]
     NotAFile(PathBuf),
     /// The older file is protected.
     #[error("cannot write `{}`: it exists and is read-only; remove it, or choose another name", .0.display())]
@@ -98,12 +98,23 @@ pub(crate) enum OutputError {
     },
 }
 
+/// The place that a link leads to, or the path itself. What a link leads to need not exist.
+fn followed(path: &Path) -> Result<PathBuf, OutputError> {
+    if let Ok(target) = path.canonicalize() {
+        return Ok(target);
+    }
+    let Ok(link) = path.read_link() else { return Ok(path.to_owned()) };
+    let target = folder_of(path).join(link);
+    // Pipes, as of /dev/stdout, have a link to them but no place of their own.
+    if path.exists() || target.is_symlink() { Err(OutputError::NotAFile(path.to_owned())) } else { Ok(target) }
+}
+
 impl OutputFile {
     /// Checks that a file can be written to `path`, before work is spent on its content: the folder takes files, and
     /// nothing is there but perhaps an older file that is not one of `inputs`. A link is written through: the file that it leads to
     /// is replaced, not the link. The path `-` is standard output, which reports keep clear of from then on.
     pub(crate) fn prepare(path: &Path, inputs: &[PathBuf]) -> Result<Self, OutputError> {
-        Self::prepare_target(path, path.canonicalize().unwrap_or_else(|_| path.to_owned()), inputs)
+        Self::prepare_target(path, followed(path)?, inputs)
     }
 
     /// Does the same for a file whose name the program chooses, or others can guess: a checkpoint, a part, a frame log. A link is

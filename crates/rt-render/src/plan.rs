@@ -164,6 +164,8 @@ pub struct RenderPlan<'s> {
     pub(crate) full: bool,
     /// True if a material in use emits light.
     has_emission: bool,
+    /// True if a material in use mirrors or refracts.
+    shows_background: bool,
     /// What was foreseen.
     pub(crate) memory: MemoryPrediction,
     pub(crate) build_seconds: f64,
@@ -274,17 +276,20 @@ impl<'s> RenderPlan<'s> {
             origin,
             full: options.full,
             has_emission: least.emission,
+            shows_background: least.reflection || least.refraction,
             camera,
             memory,
             build_seconds: started.elapsed().as_secs_f64(),
         })
     }
 
-    /// False if nothing in the scene gives light: it has no light, no surface that emits, and a black background.
+    /// False if nothing in the scene gives light: it has no light, no surface that emits, and a background that is black or that
+    /// no surface takes light from under this integrator.
     pub fn has_light(&self) -> bool {
         let Appearance { lights, ambient, background, .. } = &self.scene.appearance;
+        let gathers = self.scene.settings.integrator != Integrator::Whitted || self.shows_background;
         let has_ambient = !ambient.is_black() && !self.scene.settings.integrator.gathers_background();
-        !lights.is_empty() || has_ambient || !background.is_black() || self.has_emission
+        !lights.is_empty() || has_ambient || (gathers && !background.is_black()) || self.has_emission
     }
 
     /// Samples per pixel that [`render`](Self::render) will take: those asked for, split into passes and rounded up to what

@@ -80,3 +80,13 @@ fn a_black_picture_of_a_lit_scene_is_told() {
     assert!(warning.contains("raise --exposure"), "{run:?}");
     assert!(warnings(&render(&behind, "--quiet")).is_empty());
 }
+
+#[test]
+fn a_background_lights_nothing_under_whitted() {
+    let place = Workplace::new();
+    place.write("scene.ron", "(background: constant(0.5), lights: [], nodes: [(shape: sphere())])");
+    let run = place.run("render scene.ron --size 8x8 --spp 1 --integrator whitted");
+    assert!(run.stderr.contains("light"), "{run:?}");
+    let run = place.run("render scene.ron --size 8x8 --spp 1 --integrator path");
+    assert!(!run.stderr.contains("warning"), "{run:?}");
+}

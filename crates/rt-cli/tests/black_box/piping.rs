@@ -165,3 +165,21 @@ fn pictures_are_not_written_to_a_terminal() {
     assert_eq!(run.status.code(), Some(2), "{run:?}");
     assert!(String::from_utf8_lossy(&run.stdout).contains("standard output is a terminal"), "{run:?}");
 }
+
+#[cfg(unix)]
+#[test]
+fn links_to_pipes_were_replaced_by_files() {
+    use std::os::unix::fs::symlink;
+
+    let place = Workplace::with_scene();
+    // The link to a pipe that /dev/stdout is.
+    symlink("/proc/self/fd/1", place.path("pipe.json")).expect("a link");
+    let run = place.pipe(b"", "render scene.ron --stats pipe.json");
+    assert_eq!(run.status.code(), Some(4), "{}", stderr(&run));
+    assert!(stderr(&run).contains("is not a regular file; choose another name, or `-`"), "{}", stderr(&run));
+    assert!(place.path("pipe.json").is_symlink());
+    // A link to a file that does not exist yet is written through.
+    symlink("later.json", place.path("link.json")).expect("a link");
+    place.succeed("render scene.ron --stats link.json");
+    assert!(place.path("link.json").is_symlink() && !place.read("later.json").is_empty());
+}
