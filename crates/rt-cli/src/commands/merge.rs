@@ -73,8 +73,9 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), Fa
             Some(label) if label.identity != of_part.identity => return Err(foreign(file, of_part.scene)),
             Some(_) => {}
             None => {
-                // When the picture is made, no part is being read. Encoding it takes up to three copies, for .exr.
-                let picture = ("the picture".to_owned(), part.rendering_bytes().saturating_mul(4));
+                // When the picture is made, no part is being read. Encoding it takes a copy of its colours.
+                let bytes = part.rendering_bytes();
+                let picture = ("the picture".to_owned(), bytes.saturating_add(bytes / 2));
                 memory::check(memory, first, &[of_parts[0].clone(), picture])?;
                 label = Some(of_part);
             }
