@@ -41,7 +41,7 @@ impl<'a> Copied<'a> {
     #[inline(always)]
     fn corner<const VERTEX: usize>(self) -> [f32; 3] {
         const { assert!(VERTEX < 3) };
-        // SAFETY: the leaf is one of triangles, as whoever made this has promised.
+        // SAFETY: the leaf is one of triangles, as the caller of the constructor guarantees.
         unsafe { corner(self.leaf, self.lane, VERTEX) }
     }
 
@@ -96,7 +96,7 @@ impl<'a> Copied<'a> {
         let [x_axis, y_axis, z_axis] = exact.axes();
         let ([shear_x, shear_y, ..], scale) = (simd.to_doubles(exact.shear), exact.scale);
         let [origin_x, origin_y, origin_z, _] = simd.to_doubles(simd.turned_last(exact.lanes.origin, exact.axis));
-        // SAFETY: the leaf is one of triangles, as whoever made this has promised, and `axes` are each less than 3.
+        // SAFETY: the leaf is one of triangles, as the caller of the constructor guarantees, and `axes` are each less than 3.
         let [x, y, z] = unsafe {
             [
                 coordinates(self.leaf, self.lane, x_axis),

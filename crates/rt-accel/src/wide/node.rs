@@ -103,7 +103,7 @@ impl RowOffset {
         [Self((x & 1) * ROW), Self(2 * ROW + (y & 1) * ROW), Self(4 * ROW + (z & 1) * ROW)]
     }
 
-    /// As [`Row::opposite`].
+    /// See [`Row::opposite`].
     #[inline(always)]
     pub(super) const fn opposite(self) -> Self {
         Self(self.0 ^ ROW)
@@ -131,7 +131,7 @@ impl Node {
         simd.load(unsafe { self.planes.get_unchecked(row.0) })
     }
 
-    /// As [`row`](Self::row), of the row that begins at an offset.
+    /// [`row`](Self::row) that begins at an offset.
     #[inline(always)]
     pub(super) fn row_at<S: Simd>(&self, simd: S, at: RowOffset) -> S::Lanes {
         debug_assert!(at.0 < size_of_val(&self.planes) && at.0.is_multiple_of(ROW));

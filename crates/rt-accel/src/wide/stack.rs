@@ -114,7 +114,7 @@ impl<'r> Stack<'r> {
     ///
     /// # Safety
     ///
-    /// As [`push`](Self::push).
+    /// See [`push`](Self::push).
     #[inline(always)]
     pub(super) unsafe fn insert(&mut self, first: usize, key: u64) {
         let mut place = self.len;

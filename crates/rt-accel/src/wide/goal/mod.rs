@@ -113,7 +113,7 @@ pub(super) trait Goal: Sized {
     ///
     /// # Safety
     ///
-    /// As [`visit`](Self::visit).
+    /// See [`visit`](Self::visit).
     #[expect(clippy::too_many_arguments, reason = "as `visit`, for one primitive")]
     unsafe fn consider<S: Simd, F: Filter>(
         &mut self,

@@ -358,7 +358,7 @@ impl LeafView<'_> {
     ///
     /// # Safety
     ///
-    /// As [`word`](Self::word).
+    /// See [`word`](Self::word).
     #[inline(always)]
     unsafe fn number(&self, at: usize) -> f32 {
         // SAFETY: as the caller promises.

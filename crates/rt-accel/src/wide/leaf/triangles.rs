@@ -176,7 +176,7 @@ unsafe fn numbers<S: Simd>(simd: S, leaf: LeafView<'_>, axis: usize) -> [S::Lane
 ///
 /// # Safety
 ///
-/// As [`coordinates`].
+/// See [`coordinates`].
 #[inline(always)]
 unsafe fn repeated<S: Simd>(simd: S, leaf: LeafView<'_>, lane: Lane, axis: usize) -> [S::Lanes; 3] {
     // SAFETY: as the caller promises.
