@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use rt_camera::{image_format, read_image};
+use rt_image::{image_format, read_image};
 
 fuzz_target!(|bytes: &[u8]| {
     rt_fuzz::with_file("p.png", bytes, |path| {

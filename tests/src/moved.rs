@@ -15,7 +15,7 @@ pub fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Result<Scene, Transfor
     let enlarge = Transform::scale(DVec3::splat(scale))?;
     let root = Node {
         name: String::new(),
-        parent_from_local: Transform::translate(offset).then_first(&enlarge),
+        parent_from_local: Transform::translate(offset).compose(&enlarge),
         moves_to: None,
         content: None,
         material: rt_scene_io::MaterialId(0),

@@ -1,7 +1,8 @@
 //! Rays that look for the seams.
 
 use crate::Draw;
-use rt_math::{Aabb, DVec3, Interval, Primitives, Ray};
+use rt_geometry::Primitives;
+use rt_math::{Aabb, DVec3, Interval, Ray};
 
 /// Pairs of rays per primitive that are looked at for grazing ones.
 const PROBES: usize = 6;

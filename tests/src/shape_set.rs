@@ -2,18 +2,18 @@
 
 use crate::Draw;
 use rt_geometry::{
-    AxisBox, Cone, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, InsideRule, Placed, Plane, Polygon,
-    Rectangle, Shape, ShapeHit, Sphere, SurfaceInteraction, SurfaceNeeds, Torus, Triangle,
+    Cone, Cuboid, Cylinder, Disk, DoubleCone, Frustum, Hit, InfiniteCylinder, InsideRule, InteractionFlags, Plane,
+    Polygon, Primitives, Rectangle, Shape, ShapeHit, Sphere, SurfaceInteraction, Torus, TransformedShape, Triangle,
 };
 use rt_math::transcendental::sincos;
-use rt_math::{Aabb, DVec3, Hit, Interval, Primitives, Ray, Transform};
+use rt_math::{Aabb, DVec3, Interval, Ray, Transform};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Placed shapes as a set of primitives, as a scene has them: in world space where they can be.
+/// TransformedShape shapes as a set of primitives, as a scene has them: in world space where they can be.
 #[derive(Clone, Debug, Default)]
 pub struct ShapeSet {
-    placed: Vec<Placed>,
+    placed: Vec<TransformedShape>,
 }
 
 /// A kind of shape, and how to draw one about as large as the unit sphere.
@@ -64,7 +64,7 @@ impl ShapeKind {
 
 fn axis_box(draw: &mut Draw) -> Option<Shape> {
     let corner = draw.point();
-    AxisBox::new(corner, corner + draw.point().abs()).ok().map(Shape::AxisBox)
+    Cuboid::new(corner, corner + draw.point().abs()).ok().map(Shape::Cuboid)
 }
 
 fn cylinder(draw: &mut Draw) -> Option<Shape> {
@@ -110,9 +110,9 @@ fn polygon(draw: &mut Draw) -> Option<Shape> {
 impl ShapeSet {
     /// The set of these; the index of a primitive is its place in the list. Shapes that stay what they are under their
     /// transform are taken to world space.
-    pub fn new(placed: impl IntoIterator<Item = Placed>) -> Self {
-        let bake = |placed: Placed| match placed.baked() {
-            Some(shape) => Placed::new(shape, Transform::IDENTITY),
+    pub fn new(placed: impl IntoIterator<Item = TransformedShape>) -> Self {
+        let bake = |placed: TransformedShape| match placed.bake_transform() {
+            Some(shape) => TransformedShape::new(shape, Transform::IDENTITY),
             None => placed,
         };
         Self { placed: placed.into_iter().map(bake).collect() }
@@ -120,14 +120,14 @@ impl ShapeSet {
 
     /// Shapes where they stand.
     pub fn of_shapes(shapes: impl IntoIterator<Item = Shape>) -> Self {
-        Self { placed: shapes.into_iter().map(|shape| Placed::new(shape, Transform::IDENTITY)).collect() }
+        Self { placed: shapes.into_iter().map(|shape| TransformedShape::new(shape, Transform::IDENTITY)).collect() }
     }
 
     /// `count` shapes of the given kinds in turn, turned and stretched at will, within about one unit of the origin,
     /// then taken elsewhere by `world_from_set`. One in eight is an exact copy of an earlier one, where the lower index
     /// has to win.
     pub fn scattered(kinds: &[ShapeKind], count: usize, world_from_set: &Transform, draw: &mut Draw) -> Self {
-        let mut placed: Vec<Placed> = Vec::with_capacity(count);
+        let mut placed: Vec<TransformedShape> = Vec::with_capacity(count);
         for index in 0..count {
             if index > 0 && draw.one_in(8) {
                 placed.push(placed[draw.below(index)].clone());
@@ -135,19 +135,19 @@ impl ShapeSet {
             }
             let shape = std::iter::repeat_with(|| kinds[index % kinds.len()].shape(draw)).flatten().next();
             let place = place(draw);
-            placed.extend(shape.map(|shape| Placed::new(shape, world_from_set.then_first(&place))));
+            placed.extend(shape.map(|shape| TransformedShape::new(shape, world_from_set.compose(&place))));
         }
         Self::new(placed)
     }
 
     /// The shapes in order.
-    pub fn placed(&self) -> &[Placed] {
+    pub fn placed(&self) -> &[TransformedShape] {
         &self.placed
     }
 
     /// The corners of all triangles and polygons, in world space.
     pub fn corners(&self) -> Vec<DVec3> {
-        let corners = |placed: &Placed| -> Vec<DVec3> {
+        let corners = |placed: &TransformedShape| -> Vec<DVec3> {
             let local = match placed.shape() {
                 Shape::Triangle(triangle) => triangle.vertices().to_vec(),
                 Shape::Polygon(polygon) => polygon.rings().flatten().copied().collect(),
@@ -159,7 +159,7 @@ impl ShapeSet {
     }
 
     /// The surface at a hit of this set with this ray; `None` for a hit on a primitive that it does not have.
-    pub fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceInteraction> {
+    pub fn surface(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceInteraction> {
         let placed = self.placed.get(hit.primitive as usize)?;
         Some(placed.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, needs))
     }
@@ -171,7 +171,7 @@ fn place(draw: &mut Draw) -> Transform {
     let stretch = if draw.one_in(2) { DVec3::ONE } else { draw.point() + draw.point().signum() * 0.2 };
     let scale = Transform::scale(stretch * size).unwrap_or(Transform::IDENTITY);
     let turn = if draw.one_in(4) { None } else { Transform::rotate(draw.direction(), draw.between(0.0, TAU)).ok() };
-    Transform::translate(draw.point()).then_first(&turn.unwrap_or(Transform::IDENTITY)).then_first(&scale)
+    Transform::translate(draw.point()).compose(&turn.unwrap_or(Transform::IDENTITY)).compose(&scale)
 }
 
 impl Primitives for ShapeSet {

@@ -1,7 +1,7 @@
 //! Rays that leave a triangle, at all scales and distances from the origin.
 
 use crate::Draw;
-use rt_geometry::{ShapeError, SurfaceNeeds, Triangle};
+use rt_geometry::{InteractionFlags, ShapeError, Triangle};
 use rt_math::{DVec3, Frame, Interval, Ray};
 use std::ops::AddAssign;
 
@@ -82,7 +82,7 @@ impl SpawnSetup {
             let arriving = Ray::new(origin, aim - origin);
             // Next to an edge, the rounding of the aim decides.
             let Some(hit) = triangle.intersect(&arriving, Interval::FORWARD) else { continue };
-            let surface = triangle.surface(&arriving, &hit, SurfaceNeeds::ALL);
+            let surface = triangle.surface(&arriving, &hit, InteractionFlags::ALL);
             let leaving = surface.spawn_ray(draw.above(frame.z, 1e-3), 0.0);
             result.spawned += 1;
             result.acne += u64::from(triangle.intersect(&leaving, Interval::FORWARD).is_some());

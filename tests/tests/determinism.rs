@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{Accel, Integrator, LoadOptions, Scene, format::parse_ron, resolve};
 
@@ -63,7 +63,7 @@ fn bits_by(options: PlanOptions, scene: &Scene, threads: usize) -> Vec<u32> {
 fn threads_and_structures_change_no_bit_of_any_integrator_with_any_pattern() {
     let mut scene = scene();
     for integrator in INTEGRATORS {
-        for pattern in SamplePattern::ALL {
+        for pattern in SamplerKind::ALL {
             (scene.settings.integrator, scene.settings.pattern, scene.settings.accel) =
                 (integrator, pattern, Accel::Linear);
             let expected = bits(&scene, 1);

@@ -6,14 +6,14 @@
 
 use std::path::Path;
 
-use rt_camera::{Film, read_image};
+use rt_image::{Image, read_image};
 use rt_math::transcendental::pow;
 use rt_render::{PlanOptions, RenderPlan, RunOptions, student_t};
 use rt_scene_io::LoadOptions;
 use rt_tests::shared_or_skip;
 
 /// Renders a scene of the repository with these samples per pixel and seed.
-fn render(scene: &str, spp: u32, seed: u64) -> Film {
+fn render(scene: &str, spp: u32, seed: u64) -> Image {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(scene);
     let mut scene = rt_scene_io::load(&path, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     scene.settings.spp = spp;
@@ -37,7 +37,7 @@ impl Estimate {
         let (mean, stderr) = (reference("exr")?, reference("stderr.exr")?);
         let mean = read_image(&mean).expect("a readable reference");
         let stderr = read_image(&stderr).expect("readable standard errors");
-        let numbers = |film: &Film| film.pixels().iter().flatten().map(|c| f64::from(*c)).collect::<Vec<_>>();
+        let numbers = |film: &Image| film.pixels().iter().flatten().map(|c| f64::from(*c)).collect::<Vec<_>>();
         let (width, height) = (mean.width() as usize, mean.height() as usize);
         let variance = numbers(&stderr).iter().map(|e| e * e).collect();
         Some(Self { width, height, mean: numbers(&mean), variance })
@@ -45,7 +45,7 @@ impl Estimate {
 
     /// Ours, from renders whose seeds are independent.
     fn of_seeds(scene: &str, spp: u32, seeds: u32) -> Self {
-        let films: Vec<Film> = (0..seeds).map(|seed| render(scene, spp, u64::from(seed))).collect();
+        let films: Vec<Image> = (0..seeds).map(|seed| render(scene, spp, u64::from(seed))).collect();
         let (width, height) = (films[0].width() as usize, films[0].height() as usize);
         let n = f64::from(seeds);
         let column = |i: usize| films.iter().map(move |film| f64::from(film.pixels()[i / 3][i % 3]));

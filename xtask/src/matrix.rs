@@ -1,7 +1,7 @@
 //! A table of scenes by structures.
 
 use comfy_table::{Table, presets};
-use rt_accel::StructureKind;
+use rt_accel::AcceleratorKind;
 
 /// One quantity: a row for each scene, a column for each structure.
 #[derive(Debug)]
@@ -21,20 +21,20 @@ impl Matrix {
         cell: impl Fn(&R, &str) -> Option<String>,
     ) -> Self {
         let cells = |row: &R| {
-            let cell = |kind: &StructureKind| cell(row, kind.name()).unwrap_or_else(|| NOTHING.to_owned());
-            StructureKind::ALL.iter().map(cell).collect()
+            let cell = |kind: &AcceleratorKind| cell(row, kind.name()).unwrap_or_else(|| NOTHING.to_owned());
+            AcceleratorKind::ALL.iter().map(cell).collect()
         };
         Self { title: title.to_owned(), rows: rows.into_iter().map(|(name, row)| (name, cells(&row))).collect() }
     }
 
     fn header() -> impl Iterator<Item = &'static str> {
-        std::iter::once("").chain(StructureKind::ALL.iter().map(|kind| kind.name()))
+        std::iter::once("").chain(AcceleratorKind::ALL.iter().map(|kind| kind.name()))
     }
 
     pub(crate) fn markdown(&self) -> String {
         let line = |cells: Vec<&str>| format!("| {} |\n", cells.join(" | "));
         let mut text = line(Self::header().collect());
-        text.push_str(&format!("|:--|{}\n", "--:|".repeat(StructureKind::ALL.len())));
+        text.push_str(&format!("|:--|{}\n", "--:|".repeat(AcceleratorKind::ALL.len())));
         for (name, cells) in &self.rows {
             text.push_str(&line(std::iter::once(name).chain(cells).map(String::as_str).collect()));
         }
@@ -62,7 +62,7 @@ mod tests {
         let lines: Vec<&str> = text.lines().collect();
         assert!(lines[0].starts_with("|  | linear | grid | bvh"), "{text}");
         assert!(lines[2].starts_with("| a | – | 7 | –"), "{text}");
-        assert!(lines.iter().all(|line| line.matches('|').count() == StructureKind::ALL.len() + 2), "{text}");
+        assert!(lines.iter().all(|line| line.matches('|').count() == AcceleratorKind::ALL.len() + 2), "{text}");
         assert!(matrix.terminal().contains("grid"));
     }
 }

@@ -10,13 +10,13 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use rt_accel::wide::SimdLevel;
 use rt_accel::{
-    Aabb, Accelerator, DVec3, Hit, Interval, LeafLayout, Linear, NoProbe, Primitives, Ray, SlabRay, WideBvh,
-    brute_force,
+    Aabb, Accelerator, DVec3, Hit, Interval, Linear, NoProbe, PrimitiveGeometry, Primitives, Ray, SlabRay, WideBvh,
+    brute_force, wide::SimdLevel,
 };
+use rt_geometry::{WatertightRay, intersect_triangle};
+use rt_math::Vec3;
 use rt_math::random::{hash, unit};
-use rt_math::{ShearedRay, Vec3, decide_triangle};
 
 const N_RAYS: usize = 1024;
 
@@ -47,7 +47,7 @@ impl Primitives for Solids {
         let (t, uv) = match self.0[index as usize] {
             Solid::Box(aabb) => (aabb.clip(&SlabRay::new(ray), span)?.min, [0.0; 2]),
             Solid::Triangle(vertices) => {
-                let hit = ShearedRay::new(ray).intersect(vertices.map(|vertex| vertex.as_dvec3()), span)?;
+                let hit = WatertightRay::new(ray).intersect(vertices.map(|vertex| vertex.as_dvec3()), span)?;
                 (hit.t, hit.uv)
             }
             Solid::Sphere(centre, radius) => (sphere(centre, radius, ray, span)?, [0.0; 2]),
@@ -55,11 +55,11 @@ impl Primitives for Solids {
         Some(Hit { t, instance: 0, primitive: index, uv })
     }
 
-    fn leaf_layout(&self, index: u32) -> LeafLayout {
+    fn geometry(&self, index: u32) -> PrimitiveGeometry {
         match self.0[index as usize] {
-            Solid::Box(aabb) => LeafLayout::Box(aabb),
-            Solid::Triangle(vertices) => LeafLayout::Watertight(vertices),
-            Solid::Sphere(centre, radius) => LeafLayout::Sphere(centre, radius),
+            Solid::Box(aabb) => PrimitiveGeometry::Box(aabb),
+            Solid::Triangle(vertices) => PrimitiveGeometry::ExactTriangle(vertices),
+            Solid::Sphere(centre, radius) => PrimitiveGeometry::Sphere(centre, radius),
         }
     }
 }
@@ -186,11 +186,11 @@ fn decisions(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("decision");
     group.throughput(Throughput::Elements(N_RAYS as u64));
     group.bench_function("triangle", |bencher| {
-        let decide = |ray: &Ray| {
+        let intersect_primitive = |ray: &Ray| {
             let slab_ray = SlabRay::new(black_box(ray));
-            decide_triangle(vertices, 0, &slab_ray, &ShearedRay::new(ray), Interval::FORWARD)
+            intersect_triangle(vertices, 0, &slab_ray, &WatertightRay::new(ray), Interval::FORWARD)
         };
-        bencher.iter(|| rays.iter().filter_map(decide).map(|hit| hit.t).sum::<f64>());
+        bencher.iter(|| rays.iter().filter_map(intersect_primitive).map(|hit| hit.t).sum::<f64>());
     });
     group.finish();
 }

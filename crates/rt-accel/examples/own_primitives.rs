@@ -8,7 +8,8 @@ use std::error::Error;
 use std::time::Instant;
 
 use rt_accel::{
-    Aabb, Accelerator, Bvh, Counters, DVec3, Hit, Interval, Linear, NoProbe, Primitives, Ray, Structure, UniformGrid,
+    Aabb, Accelerator, AcceleratorQueries, Bvh, Counters, DVec3, Hit, Interval, Linear, NoProbe, Primitives, Ray,
+    UniformGrid,
 };
 
 /// A flat disc: a centre, a unit normal, and a radius.

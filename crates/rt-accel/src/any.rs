@@ -2,21 +2,22 @@
 
 use core::ops::ControlFlow;
 
-use rt_math::{Aabb, Accelerator, Hit, Interval, Primitives, Probe, Ray};
+use crate::{
+    Accelerator, AcceleratorQueries, Bih, BspTree, BuildError, BuildStats, Bvh, CylinderTree, KdTree, LazyBih, Linear,
+    RayQuery, RegionQuery, SphereTree, UniformGrid, ValidationError, WideBvh,
+};
+use rt_geometry::{Hit, Primitives, Probe};
+use rt_math::{Aabb, Interval, Ray};
 
 use crate::wide::{BuildParams, Quality, SimdLevel};
-use crate::{
-    Bih, BspTree, BuildError, BuildStats, Bvh, CylinderTree, KdTree, LazyBih, Linear, RayQuery, RegionQuery,
-    SphereTree, Structure, UniformGrid, Violation, WideBvh,
-};
 
 /// Something to do with a structure of any type.
-pub trait StructureVisitor {
+pub trait AcceleratorVisitor {
     /// What comes of it.
     type Output;
 
     /// Does it.
-    fn visit<T: Structure>(self, structure: &T) -> Self::Output;
+    fn visit<T: AcceleratorQueries>(self, structure: &T) -> Self::Output;
 }
 
 /// Lists all structures once, and makes what depends on the list.
@@ -24,11 +25,11 @@ macro_rules! structures {
     ($($(#[$doc:meta])* $name:ident($structure:ty) = $text:literal,)+) => {
         /// Which structure.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        pub enum StructureKind {
+        pub enum AcceleratorKind {
             $($(#[$doc])* $name,)+
         }
 
-        impl StructureKind {
+        impl AcceleratorKind {
             /// All of them.
             pub const ALL: &[Self] = &[$(Self::$name),+];
 
@@ -43,19 +44,19 @@ macro_rules! structures {
         /// A structure of a kind that is chosen at run time, at the cost of one `match` per query.
         #[derive(Clone, Debug, PartialEq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-        pub enum AnyStructure {
+        pub enum AnyAccelerator {
             $($(#[$doc])* $name($structure),)+
         }
 
-        impl AnyStructure {
+        impl AnyAccelerator {
             /// Builds a structure with the defaults of its kind.
             ///
             /// # Errors
             ///
             /// As the builder of that kind.
-            pub fn build<P: Primitives>(kind: StructureKind, primitives: &P) -> Result<Self, BuildError> {
+            pub fn build<P: Primitives>(kind: AcceleratorKind, primitives: &P) -> Result<Self, BuildError> {
                 Ok(match kind {
-                    $(StructureKind::$name => Self::$name(<$structure>::build(primitives)?),)+
+                    $(AcceleratorKind::$name => Self::$name(<$structure>::build(primitives)?),)+
                 })
             }
 
@@ -66,12 +67,12 @@ macro_rules! structures {
             ///
             /// As the builder of that kind.
             pub fn build_with<P: Primitives>(
-                kind: StructureKind,
+                kind: AcceleratorKind,
                 quality: Quality,
                 primitives: &P,
             ) -> Result<Self, BuildError> {
                 match kind {
-                    StructureKind::Wide => {
+                    AcceleratorKind::Wide => {
                         let params = BuildParams { quality, ..BuildParams::default() };
                         Ok(Self::Wide(WideBvh::build_with(primitives, &params)?))
                     }
@@ -90,21 +91,21 @@ macro_rules! structures {
             }
 
             /// Hands the structure itself to a visitor: the way to choose once and then query without a `match`.
-            pub fn accept<V: StructureVisitor>(&self, visitor: V) -> V::Output {
+            pub fn accept<V: AcceleratorVisitor>(&self, visitor: V) -> V::Output {
                 match self {
                     $(Self::$name(structure) => visitor.visit(structure),)+
                 }
             }
 
             /// What it is.
-            pub const fn kind(&self) -> StructureKind {
+            pub const fn kind(&self) -> AcceleratorKind {
                 match self {
-                    $(Self::$name(_) => StructureKind::$name,)+
+                    $(Self::$name(_) => AcceleratorKind::$name,)+
                 }
             }
         }
 
-        impl Accelerator for AnyStructure {
+        impl Accelerator for AnyAccelerator {
             fn closest<P: Primitives, S: Probe>(
                 &self,
                 primitives: &P,
@@ -154,7 +155,7 @@ macro_rules! structures {
             }
         }
 
-        impl Structure for AnyStructure {
+        impl AcceleratorQueries for AnyAccelerator {
             fn walk<P: Primitives, Q: RayQuery, S: Probe>(
                 &self,
                 primitives: &P,
@@ -184,7 +185,7 @@ macro_rules! structures {
                 }
             }
 
-            fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+            fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
                 match self {
                     $(Self::$name(structure) => structure.validate(primitives),)+
                 }

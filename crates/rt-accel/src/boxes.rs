@@ -1,10 +1,11 @@
 //! Boxes and nothing else.
 
-use rt_math::{Aabb, Hit, Interval, LeafLayout, Primitives, Ray, SlabRay};
+use rt_geometry::{Hit, PrimitiveGeometry, Primitives};
+use rt_math::{Aabb, Interval, Ray, SlabRay};
 
 /// Axis-aligned boxes as primitives: for callers who have boxes only, or whose objects are asked in a callback of
-/// [`visit_candidates`](crate::Structure::visit_candidates) or
-/// [`visit_overlapping`](crate::Structure::visit_overlapping).
+/// [`visit_candidates`](crate::AcceleratorQueries::visit_candidates) or
+/// [`visit_overlapping`](crate::AcceleratorQueries::visit_overlapping).
 ///
 /// A ray that starts in a box hits it at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +25,7 @@ impl Primitives for Boxes<'_> {
         Some(Hit { t: inside.min, instance: 0, primitive: index, uv: [0.0; 2] })
     }
 
-    fn leaf_layout(&self, index: u32) -> LeafLayout {
-        LeafLayout::Box(self.0[index as usize])
+    fn geometry(&self, index: u32) -> PrimitiveGeometry {
+        PrimitiveGeometry::Box(self.0[index as usize])
     }
 }

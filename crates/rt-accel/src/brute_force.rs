@@ -14,7 +14,8 @@
 //! # Ok::<(), rt_accel::BuildError>(())
 //! ```
 
-use rt_math::{Hit, Interval, Primitives, Probe, Ray};
+use rt_geometry::{Hit, Primitives, Probe};
+use rt_math::{Interval, Ray};
 
 use crate::RayQuery;
 use crate::ray_query::{Any, Closest};

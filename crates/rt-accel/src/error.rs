@@ -24,7 +24,7 @@ pub enum BuildError {
         limit: u64,
     },
     /// The primitives are not those that a structure was built over, so that it cannot be fitted to them.
-    Changed(Violation),
+    Changed(ValidationError),
 }
 
 impl fmt::Display for BuildError {
@@ -54,7 +54,7 @@ impl core::error::Error for BuildError {}
 /// asked about primitives which have changed since may.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Violation {
+pub enum ValidationError {
     /// The structure was built over another number of primitives.
     Count {
         /// Number of primitives at build time.
@@ -85,7 +85,7 @@ pub enum Violation {
     },
 }
 
-impl fmt::Display for Violation {
+impl fmt::Display for ValidationError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Count { built, given } => write!(f, "built over {built} primitives, but there are {given}"),
@@ -97,4 +97,4 @@ impl fmt::Display for Violation {
     }
 }
 
-impl core::error::Error for Violation {}
+impl core::error::Error for ValidationError {}

@@ -28,7 +28,7 @@
 //! structure with pictures.
 //!
 //! **All give the same answer as [`brute_force`], bit for bit**, ties included, for every ray: hits are accepted through
-//! [`rt_math::decide`] alone, and what is culled provably cannot win. The modules of the sources state the proofs, and
+//! [`rt_geometry::intersect_primitive`] alone, and what is culled provably cannot win. The modules of the sources state the proofs, and
 //! the tests try them on rays through vertices, edges and corners, along walls, and next to all of these. Primitives
 //! without bounds, such as infinite planes, are kept in a list and tested against every ray.
 //!
@@ -76,6 +76,7 @@
 
 #![deny(unsafe_code)]
 
+mod accelerator;
 mod any;
 mod bih;
 mod bounded_depth;
@@ -103,23 +104,25 @@ mod tree;
 mod volume_tree;
 pub mod wide;
 
-pub use any::{AnyStructure, StructureKind, StructureVisitor};
+pub use accelerator::Accelerator;
+pub use any::{AcceleratorKind, AcceleratorVisitor, AnyAccelerator};
 pub use bih::{Bih, LazyBih};
 pub use boxes::Boxes;
 pub use bsp::BspTree;
 pub use bvh::{Bvh, SplitMethod};
-pub use error::{BuildError, Violation};
+pub use error::{BuildError, ValidationError};
 pub use grid::UniformGrid;
 pub use kd::KdTree;
 pub use linear::Linear;
 pub use ray_query::RayQuery;
 pub use region::{Ball, Frustum, FrustumError, Region};
 pub use region_query::{PointHit, RegionQuery};
-pub use rt_math::{
-    Aabb, Accelerator, BatchKernel, Counters, DVec3, Hit, Interval, LeafLayout, NearestPoint, NoProbe, Primitives,
-    Probe, Ray, RayCounts, RayKind, RoundSphere, SlabRay,
+pub use rt_geometry::{
+    BatchKernel, ClosestPoint, Counters, Hit, NoProbe, PrimitiveGeometry, Primitives, Probe, RayCounts, RayKind,
+    SphereKernel,
 };
+pub use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay};
 pub use stats::BuildStats;
-pub use structure::{Refit, Structure};
+pub use structure::{AcceleratorQueries, Refit};
 pub use volume_tree::{BoundingCylinder, BoundingSphere, BoundingVolume, CylinderTree, SphereTree, VolumeTree};
 pub use wide::WideBvh;

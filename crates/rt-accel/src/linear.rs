@@ -2,11 +2,14 @@
 
 use core::ops::ControlFlow;
 
-use rt_math::{Aabb, Accelerator, Hit, Interval, Primitives, Probe, Ray};
+use crate::{
+    Accelerator, AcceleratorQueries, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError, brute_force,
+};
+use rt_geometry::{Hit, Primitives, Probe};
+use rt_math::{Aabb, Interval, Ray};
 
 use crate::own_boxes::{checked_own_box, count};
 use crate::wide::{Handful, SimdLevel, SphereList};
-use crate::{BuildError, BuildStats, RayQuery, Refit, RegionQuery, Structure, Violation, brute_force};
 
 /// Tests every primitive in turn. O(n) per ray; 16 bytes for each of more than a few spheres, and no memory otherwise.
 ///
@@ -60,14 +63,14 @@ impl Linear {
 
 #[cfg(feature = "serde")]
 impl Linear {
-    fn check_shape(&self) -> Result<(), Violation> {
+    fn check_shape(&self) -> Result<(), ValidationError> {
         let Self { primitives: built, unbounded, ref spheres, .. } = *self;
         if unbounded > built {
-            return Err(Violation::Count { built, given: unbounded as usize });
+            return Err(ValidationError::Count { built, given: unbounded as usize });
         }
         match spheres {
             Some(spheres) if spheres.count() != built || !spheres.is_whole() => {
-                Err(Violation::Count { built, given: spheres.count() as usize })
+                Err(ValidationError::Count { built, given: spheres.count() as usize })
             }
             _ => Ok(()),
         }
@@ -128,7 +131,7 @@ impl Accelerator for Linear {
     }
 }
 
-impl Structure for Linear {
+impl AcceleratorQueries for Linear {
     fn walk<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
@@ -161,9 +164,9 @@ impl Structure for Linear {
         }
     }
 
-    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         if primitives.len() != self.primitives as usize {
-            return Err(Violation::Count { built: self.primitives, given: primitives.len() });
+            return Err(ValidationError::Count { built: self.primitives, given: primitives.len() });
         }
         match &self.spheres {
             Some(spheres) => spheres.check(primitives),
@@ -180,7 +183,7 @@ impl Refit for Linear {
         let Self { primitives: built, unbounded, .. } = *self;
         let fitted = Self::build(primitives)?;
         if (fitted.primitives, fitted.unbounded) != (built, unbounded) {
-            return Err(BuildError::Changed(Violation::Count { built, given: primitives.len() }));
+            return Err(BuildError::Changed(ValidationError::Count { built, given: primitives.len() }));
         }
         *self = fitted.with_level(self.level);
         Ok(())

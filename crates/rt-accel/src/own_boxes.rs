@@ -1,11 +1,12 @@
 //! The boxes that all structures are built from.
 
-use rt_math::{Aabb, Primitives, own_box};
+use rt_geometry::{Primitives, padded_bounds};
+use rt_math::Aabb;
 
-use crate::{BuildError, Violation};
+use crate::{BuildError, ValidationError};
 
 /// The padded box of every bounded primitive, and the list of the others.
-pub(crate) struct OwnBoxes {
+pub(crate) struct PrimBounds {
     /// Bounded primitives with the box that decides about hits on them, by rising index.
     pub(crate) bounded: Vec<(u32, Aabb)>,
     /// Unbounded primitives, by rising index.
@@ -14,7 +15,7 @@ pub(crate) struct OwnBoxes {
     pub(crate) union: Aabb,
 }
 
-impl OwnBoxes {
+impl PrimBounds {
     pub(crate) fn collect<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
         let count = count(primitives)?;
         let mut all = Self { bounded: Vec::with_capacity(count as usize), unbounded: Vec::new(), union: Aabb::EMPTY };
@@ -42,7 +43,7 @@ pub(crate) fn count<P: Primitives>(primitives: &P) -> Result<u32, BuildError> {
 
 /// The own box of a primitive, `None` if it is unbounded.
 pub(crate) fn checked_own_box<P: Primitives>(primitives: &P, index: u32) -> Result<Option<Aabb>, BuildError> {
-    match own_box(primitives, index) {
+    match padded_bounds(primitives, index) {
         Some(own) if own.is_empty() || !own.is_finite() => {
             let bounds = primitives.bounds(index).unwrap_or(own);
             Err(BuildError::BadBounds { index, bounds })
@@ -52,16 +53,20 @@ pub(crate) fn checked_own_box<P: Primitives>(primitives: &P, index: u32) -> Resu
 }
 
 /// Checks that `unbounded` lists exactly the primitives without bounds, out of `built` primitives.
-pub(crate) fn validate_lists<P: Primitives>(primitives: &P, built: u32, unbounded: &[u32]) -> Result<(), Violation> {
+pub(crate) fn validate_lists<P: Primitives>(
+    primitives: &P,
+    built: u32,
+    unbounded: &[u32],
+) -> Result<(), ValidationError> {
     if primitives.len() != built as usize {
-        return Err(Violation::Count { built, given: primitives.len() });
+        return Err(ValidationError::Count { built, given: primitives.len() });
     }
     let mut listed = unbounded.iter().peekable();
     for primitive in 0..built {
         let is_listed = listed.next_if(|&&next| next == primitive).is_some();
         if is_listed != primitives.bounds(primitive).is_none() {
-            return Err(Violation::Misplaced { primitive });
+            return Err(ValidationError::Misplaced { primitive });
         }
     }
-    listed.next().map_or(Ok(()), |&primitive| Err(Violation::Misplaced { primitive }))
+    listed.next().map_or(Ok(()), |&primitive| Err(ValidationError::Misplaced { primitive }))
 }

@@ -3,9 +3,10 @@
 use core::cmp::Ordering;
 use core::ops::ControlFlow;
 
-use rt_math::{Hit, Interval, Primitives, Probe, Ray, SlabRay, decide, decide_occluded, own_box};
+use rt_geometry::{Hit, Primitives, Probe, intersect_primitive, occludes_primitive, padded_bounds};
+use rt_math::{Interval, Ray, SlabRay};
 
-/// A question about a ray. A [`Structure`](crate::Structure) offers it primitives, and it says how far along the ray
+/// A question about a ray. A [`AcceleratorQueries`](crate::AcceleratorQueries) offers it primitives, and it says how far along the ray
 /// it is worth to go on.
 pub trait RayQuery {
     /// The ray.
@@ -67,7 +68,7 @@ impl RayQuery for Closest {
 
     #[inline(always)]
     fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
-        if let Some(hit) = decide(primitives, index, &self.ray, self.span, probe)
+        if let Some(hit) = intersect_primitive(primitives, index, &self.ray, self.span, probe)
             && self.hit.is_none_or(|nearest| hit.precedes(&nearest))
         {
             self.span.max = hit.t;
@@ -103,7 +104,7 @@ impl RayQuery for Any {
 
     #[inline(always)]
     fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
-        if decide_occluded(primitives, index, &self.ray, self.span, probe) {
+        if occludes_primitive(primitives, index, &self.ray, self.span, probe) {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
@@ -126,7 +127,7 @@ fn for_each_hit<P: Primitives, S: Probe>(
     mut visit: impl FnMut(Hit) -> ControlFlow<()>,
 ) {
     let mut in_a_row = 0;
-    while let Some(hit) = decide(primitives, index, ray, span, probe) {
+    while let Some(hit) = intersect_primitive(primitives, index, ray, span, probe) {
         in_a_row = if hit.t == span.min { in_a_row + 1 } else { 0 };
         if visit(hit).is_break() || in_a_row == MOST_IN_A_ROW {
             return;
@@ -271,7 +272,7 @@ impl<F: FnMut(u32, Interval) -> ControlFlow<(), f64>> RayQuery for Candidates<F>
 
     fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
         probe.test();
-        let inside = match own_box(primitives, index) {
+        let inside = match padded_bounds(primitives, index) {
             Some(own) => own.clip(&self.ray, self.span),
             None => Some(self.span),
         };

@@ -3,11 +3,12 @@
 use core::ops::ControlFlow;
 
 use glam::DVec3;
-use rt_math::{Aabb, NearestPoint, Primitives, own_box};
+use rt_geometry::{ClosestPoint, Primitives, padded_bounds};
+use rt_math::Aabb;
 
 use crate::Region;
 
-/// A question about a part of space. A [`Structure`](crate::Structure) offers it primitives, and it says which boxes
+/// A question about a part of space. A [`AcceleratorQueries`](crate::AcceleratorQueries) offers it primitives, and it says which boxes
 /// are worth looking into.
 pub trait RegionQuery {
     /// A box around all that can still matter. It may shrink from offer to offer if `offer` ignores its `owns`.
@@ -92,7 +93,7 @@ pub(crate) struct Nearest<'p, P> {
     found: Option<(u32, DVec3)>,
 }
 
-impl<'p, P: NearestPoint> Nearest<'p, P> {
+impl<'p, P: ClosestPoint> Nearest<'p, P> {
     pub(crate) fn new(primitives: &'p P, point: DVec3, radius: f64) -> Self {
         let limit = if radius >= 0.0 { radius * radius } else { f64::NAN };
         Self { primitives, point, limit, found: None }
@@ -104,7 +105,7 @@ impl<'p, P: NearestPoint> Nearest<'p, P> {
     }
 }
 
-impl<P: NearestPoint> RegionQuery for Nearest<'_, P> {
+impl<P: ClosestPoint> RegionQuery for Nearest<'_, P> {
     fn bounds(&self) -> Aabb {
         // Half a rounding error more than the root is enough for squares to compare alike.
         let radius = self.limit.sqrt().next_up();
@@ -123,7 +124,7 @@ impl<P: NearestPoint> RegionQuery for Nearest<'_, P> {
     fn offer(&mut self, index: u32, _owns: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
         let Some(point) = self.primitives.nearest_point(index, self.point) else { return ControlFlow::Continue(()) };
         // As for hits: nothing is nearer than its own box, so that every box around that is looked into in time.
-        let own = own_box(self.primitives, index).map_or(0.0, |own| own.distance_squared(self.point));
+        let own = padded_bounds(self.primitives, index).map_or(0.0, |own| own.distance_squared(self.point));
         let distance = point.distance_squared(self.point).max(own);
         let wins =
             distance < self.limit || (distance == self.limit && self.found.is_none_or(|(nearest, _)| index < nearest));

@@ -2,7 +2,7 @@
 
 /// Implements serde's traits for a structure that derives them under `serde(remote = "Self")`: what is loaded must pass
 /// a check, so that no walk ever follows a number that leads nowhere. That it fits the primitives is for
-/// [`Structure::validate`](crate::Structure::validate) to say.
+/// [`AcceleratorQueries::validate`](crate::AcceleratorQueries::validate) to say.
 macro_rules! saved_and_checked {
     ($structure:ty, $check:expr $(, $($parameter:ident: $bound:path),+)?) => {
         impl $(<$($parameter: $bound + serde::Serialize),+>)? serde::Serialize for $structure {

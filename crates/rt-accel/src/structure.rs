@@ -2,12 +2,13 @@
 
 use core::ops::ControlFlow;
 
+use crate::{Accelerator, BuildStats, PointHit, RayQuery, Region, RegionQuery, ValidationError};
 use glam::DVec3;
-use rt_math::{Aabb, Accelerator, Hit, Interval, NearestPoint, Primitives, Probe, Ray};
+use rt_geometry::{ClosestPoint, Hit, Primitives, Probe};
+use rt_math::{Aabb, Interval, Ray};
 
 use crate::ray_query::{All, Candidates, First};
 use crate::region_query::{Nearest, Overlapping};
-use crate::{BuildStats, PointHit, RayQuery, Region, RegionQuery, Violation};
 
 /// An acceleration structure with all its queries.
 ///
@@ -16,7 +17,7 @@ use crate::{BuildStats, PointHit, RayQuery, Region, RegionQuery, Violation};
 /// growth of a list that the caller hands in; one with room for twice the hits never grows.
 ///
 /// Every query must be given the primitives that the structure was built over.
-pub trait Structure: Accelerator {
+pub trait AcceleratorQueries: Accelerator {
     /// Offers the query, roughly in the order of the ray, every primitive that can matter to it: at least all whose
     /// own boxes the ray passes within what the query's span is at that time. `Break` if the query broke off.
     fn walk<P: Primitives, Q: RayQuery, S: Probe>(
@@ -40,8 +41,8 @@ pub trait Structure: Accelerator {
     ///
     /// # Errors
     ///
-    /// The first [`Violation`] found.
-    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation>;
+    /// The first [`ValidationError`] found.
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError>;
 
     /// Visits a box around every node and leaf, or cell that is not empty, with its depth: for pictures.
     fn for_each_box(&self, visit: impl FnMut(Aabb, u32));
@@ -130,7 +131,7 @@ pub trait Structure: Accelerator {
 
     /// The nearest point of any primitive within `radius` (inclusively), which may be infinite; `None` if there is
     /// none, and for NaN.
-    fn nearest_point<P: NearestPoint>(&self, primitives: &P, point: DVec3, radius: f64) -> Option<PointHit> {
+    fn nearest_point<P: ClosestPoint>(&self, primitives: &P, point: DVec3, radius: f64) -> Option<PointHit> {
         let mut query = Nearest::new(primitives, point, radius);
         let _ = self.search(&mut query);
         query.finish()
@@ -138,7 +139,7 @@ pub trait Structure: Accelerator {
 }
 
 /// A structure that can follow its primitives when they move. Those that divide space are built anew instead.
-pub trait Refit: Structure {
+pub trait Refit: AcceleratorQueries {
     /// Fits all boxes to the primitives as they are now, and keeps the tree: faster than building, and as right, but
     /// the farther primitives have moved apart, the slower the queries. O(n).
     ///
@@ -152,27 +153,27 @@ pub trait Refit: Structure {
 /// Implements [`Accelerator`] by the walk of a structure.
 macro_rules! accelerator_by_walk {
     ($structure:ty $(, $($parameter:ident: $bound:path),+)?) => {
-        impl $(<$($parameter: $bound),+>)? rt_math::Accelerator for $structure {
-            fn closest<P: rt_math::Primitives, S: rt_math::Probe>(
+        impl $(<$($parameter: $bound),+>)? crate::Accelerator for $structure {
+            fn closest<P: rt_geometry::Primitives, S: rt_geometry::Probe>(
                 &self,
                 primitives: &P,
                 ray: &rt_math::Ray,
                 span: rt_math::Interval,
                 probe: &mut S,
-            ) -> Option<rt_math::Hit> {
+            ) -> Option<rt_geometry::Hit> {
                 let mut query = $crate::ray_query::Closest::new(ray, span);
-                let _ = $crate::Structure::walk(self, primitives, &mut query, probe);
+                let _ = $crate::AcceleratorQueries::walk(self, primitives, &mut query, probe);
                 query.hit
             }
 
-            fn occluded<P: rt_math::Primitives, S: rt_math::Probe>(
+            fn occluded<P: rt_geometry::Primitives, S: rt_geometry::Probe>(
                 &self,
                 primitives: &P,
                 ray: &rt_math::Ray,
                 span: rt_math::Interval,
                 probe: &mut S,
             ) -> bool {
-                $crate::Structure::walk(self, primitives, &mut $crate::ray_query::Any::new(ray, span), probe).is_break()
+                $crate::AcceleratorQueries::walk(self, primitives, &mut $crate::ray_query::Any::new(ray, span), probe).is_break()
             }
         }
     };

@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::{Handful, SimdLevel};
 use rt_accel::{
-    Aabb, Accelerator, BatchKernel, Bvh, Counters, DVec3, Hit, Interval, LeafLayout, Linear, NoProbe, Primitives,
-    Probe, Ray, RoundSphere, Structure, WideBvh, brute_force,
+    Aabb, Accelerator, AcceleratorQueries, BatchKernel, Bvh, Counters, DVec3, Hit, Interval, Linear, NoProbe,
+    PrimitiveGeometry, Primitives, Probe, Ray, SphereKernel, WideBvh, brute_force,
 };
 use rt_math::Vec3;
 use soup::draw::Draw;
@@ -53,7 +53,7 @@ fn key(hit: Option<Hit>) -> Option<(u64, u32, u32, [u64; 2])> {
 }
 
 /// Compares batches of all sizes with single queries.
-fn compare<A: Structure>(name: &str, structure: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {
+fn compare<A: AcceleratorQueries>(name: &str, structure: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {
     let rays = bundles(soup, n_rays, draw);
     let (mut n_hits, mut first) = (0, 0);
     let (mut single, mut batched) = (Counters::default(), Counters::default());
@@ -152,7 +152,7 @@ fn what_blocks_a_ray_is_asked_about_the_next() {
         Soup::spheres(200, &mut Draw::new(5)).rounded(),
     ];
     soups[0].0.push(Solid::Facet(corners.map(|corner| corner.as_vec3())));
-    soups[1].0.push(Solid::Round(RoundSphere { centre: DVec3::Y * 20.0, radius: 18.0 }));
+    soups[1].0.push(Solid::Round(SphereKernel { centre: DVec3::Y * 20.0, radius: 18.0 }));
     for (soup, level) in soups.iter().flat_map(|soup| levels().map(move |level| (soup, level))) {
         let tree = WideBvh::build(soup).unwrap().with_level(level);
         for turned in [1.0, -1.0] {
@@ -348,7 +348,7 @@ struct Thing<'t, T> {
     blocks: bool,
 }
 
-impl<T: Structure> Primitives for Yard<'_, T> {
+impl<T: AcceleratorQueries> Primitives for Yard<'_, T> {
     fn len(&self) -> usize {
         self.things.len()
     }
@@ -357,12 +357,12 @@ impl<T: Structure> Primitives for Yard<'_, T> {
         bounds.reduce(|all, one| Some(all?.union(one?))).flatten()
     }
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        self.intersect_probed(index, ray, span, &mut NoProbe)
+        self.intersect_with_stats(index, ray, span, &mut NoProbe)
     }
     fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
-        self.occludes_probed(index, ray, span, &mut NoProbe)
+        self.occludes_with_stats(index, ray, span, &mut NoProbe)
     }
-    fn intersect_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
+    fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
         let Thing { soup, structure, .. } = self.things[index as usize];
         let hit = match structure {
             Some(structure) => {
@@ -373,7 +373,7 @@ impl<T: Structure> Primitives for Yard<'_, T> {
         };
         hit.map(|hit| Hit { instance: index, ..hit })
     }
-    fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+    fn occludes_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         let Thing { soup, structure, blocks } = self.things[index as usize];
         blocks
             && match structure {
@@ -386,9 +386,9 @@ impl<T: Structure> Primitives for Yard<'_, T> {
     }
     fn batch_kernel(&self, index: u32) -> BatchKernel {
         let Thing { soup, structure, .. } = self.things[index as usize];
-        if structure.is_some() { BatchKernel::Structure } else { soup.batch_kernel(0) }
+        if structure.is_some() { BatchKernel::Instance } else { soup.batch_kernel(0) }
     }
-    fn hit_name(&self, index: u32) -> [u32; 2] {
+    fn hit_ids(&self, index: u32) -> [u32; 2] {
         [index, 0]
     }
     fn blocks(&self, index: u32) -> bool {
@@ -410,7 +410,7 @@ impl<T: Structure> Primitives for Yard<'_, T> {
 }
 
 /// As [`handfuls_answer_and_count_as_brute_force`], with structures among the members; trees over them answer alike.
-fn compare_yards<T: Structure>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
+fn compare_yards<T: AcceleratorQueries>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
     let draw = &mut Draw::new(seed);
     let mut n_hits = 0;
     for round in 0..40 {
@@ -610,8 +610,8 @@ impl Primitives for Busy<'_> {
         self.1.fetch_add(1, Ordering::Relaxed);
         self.0.intersect(index, ray, span)
     }
-    fn leaf_layout(&self, index: u32) -> LeafLayout {
-        self.0.leaf_layout(index)
+    fn geometry(&self, index: u32) -> PrimitiveGeometry {
+        self.0.geometry(index)
     }
 }
 
@@ -626,7 +626,7 @@ fn lanes_leave_little_to_be_decided_ray_by_ray() {
         // Turned the other way.
         [corner(5.0, 5.0), corner(-5.0, -5.0), corner(-5.0, 5.0)],
     ];
-    let ball = |x: f64| RoundSphere { centre: DVec3::new(x, 1.5, 0.2), radius: 0.9 };
+    let ball = |x: f64| SphereKernel { centre: DVec3::new(x, 1.5, 0.2), radius: 0.9 };
     let (one, other) = (ball(-1.0), ball(1.0));
     let soup = Soup(vec![Solid::Facet(floor[0]), Solid::Round(one), Solid::Facet(floor[1]), Solid::Round(other)]);
     let up = DVec3::new(-0.1, 1.0, 0.05).normalize();

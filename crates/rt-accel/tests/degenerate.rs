@@ -5,9 +5,9 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, AnyStructure, Bih, BspTree, BuildError, CylinderTree, DVec3, Hit, Interval, KdTree, LazyBih,
-    Linear, NoProbe, Primitives, Ray, RoundSphere, SphereTree, Structure, StructureKind, UniformGrid, Violation,
-    WideBvh, brute_force,
+    Aabb, Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator, Bih, BspTree, BuildError, CylinderTree,
+    DVec3, Hit, Interval, KdTree, LazyBih, Linear, NoProbe, Primitives, Ray, SphereKernel, SphereTree, UniformGrid,
+    ValidationError, WideBvh, brute_force,
     wide::{BuildParams, SimdLevel},
 };
 use soup::draw::Draw;
@@ -133,12 +133,12 @@ fn denormal_and_huge_coordinates_are_divided_where_they_can_be() {
         let corner = |i: u64| DVec3::new((i % 20) as f64, (i / 20 % 20) as f64, (i / 400) as f64);
         let boxes = (0..2000).map(|i| Aabb::new(corner(i) * scale, (corner(i) + 1.0) * scale));
         let soup = Soup(boxes.map(Solid::Box).collect());
-        for &kind in StructureKind::ALL {
-            let tree = AnyStructure::build(kind, &soup).unwrap();
+        for &kind in AcceleratorKind::ALL {
+            let tree = AnyAccelerator::build(kind, &soup).unwrap();
             assert_eq!(tree.validate(&soup), Ok(()), "{} at {scale}", kind.name());
             assert!(tree.build_stats().max_depth <= 60);
             // Boxes of the smallest number have no plane between them.
-            let may_be_divided = kind == StructureKind::Kd && scale > 5e-324;
+            let may_be_divided = kind == AcceleratorKind::Kd && scale > 5e-324;
             assert!(!may_be_divided || tree.build_stats().leaves > 100, "{:?}", tree.build_stats());
             for i in 0..200 {
                 let origin = corner(i * 7) * scale;
@@ -156,7 +156,7 @@ fn rays_in_the_planes_of_a_tree_miss_nothing() {
     let soup = Soup::mixed(&mut Draw::new(31));
     let all = Structures::build(&soup);
     let mut draw = Draw::new(32);
-    for kind in [StructureKind::Kd, StructureKind::Bsp] {
+    for kind in [AcceleratorKind::Kd, AcceleratorKind::Bsp] {
         let mut cells = Vec::new();
         all.0.iter().find(|structure| structure.kind() == kind).unwrap().for_each_box(|cell, _| cells.push(cell));
         assert!(cells.len() > 300, "{}", cells.len());
@@ -267,7 +267,7 @@ fn bounds_that_are_no_boxes_are_refused_by_index() {
         let mut soup = Soup(vec![Solid::Ghost(good); 9]);
         soup.0[7] = Solid::Ghost(bounds);
         soup.0[8] = Solid::Ghost(bounds);
-        let of_kinds = StructureKind::ALL.iter().map(|&kind| AnyStructure::build(kind, &soup).unwrap_err());
+        let of_kinds = AcceleratorKind::ALL.iter().map(|&kind| AnyAccelerator::build(kind, &soup).unwrap_err());
         for error in of_kinds.chain([UniformGrid::with_resolution(&soup, [2; 3]).unwrap_err()]) {
             assert!(matches!(error, BuildError::BadBounds { index: 7, .. }), "{error:?}");
             assert!(error.to_string().contains("primitive 7") && error.to_string().contains(reason), "{error}");
@@ -290,8 +290,8 @@ fn too_many_primitives_or_cells_are_refused() {
         }
     }
     let expected = BuildError::TooMany { count: u64::from(u32::MAX), limit: u64::from(u32::MAX - 1) };
-    for &kind in StructureKind::ALL {
-        assert_eq!(AnyStructure::build(kind, &Endless).unwrap_err(), expected, "{}", kind.name());
+    for &kind in AcceleratorKind::ALL {
+        assert_eq!(AnyAccelerator::build(kind, &Endless).unwrap_err(), expected, "{}", kind.name());
     }
 
     let soup = Soup(vec![unit_box(DVec3::ONE); 100]);
@@ -330,8 +330,8 @@ fn rays_in_walls_and_through_corners_of_cells_miss_nothing() {
     let mut all = Structures::build(&soup);
     let directions = [-1.0, -0.0, 0.0, 1.0, 0.5];
     for n in [8, 4, 7] {
-        all.0.retain(|structure| structure.kind() != StructureKind::Grid);
-        all.0.push(AnyStructure::Grid(UniformGrid::with_resolution(&soup, [n; 3]).unwrap()));
+        all.0.retain(|structure| structure.kind() != AcceleratorKind::Grid);
+        all.0.push(AnyAccelerator::Grid(UniformGrid::with_resolution(&soup, [n; 3]).unwrap()));
         for i in 0..125 {
             let direction = DVec3::new(directions[i % 5], directions[i / 5 % 5], directions[i / 25]);
             for corner in [DVec3::splat(4.0), DVec3::new(0.0, 3.0, 8.0), DVec3::new(1.0, 2.5, 8.0)] {
@@ -418,15 +418,15 @@ fn structures_notice_that_primitives_have_changed() {
     let each = |verdict| vec![verdict; all.0.len() - 1];
 
     let last = soup.0.pop().unwrap();
-    let fewer = Violation::Count { built: 300, given: 299 };
+    let fewer = ValidationError::Count { built: 300, given: 299 };
     assert_eq!(verdicts(&soup), each(Err(fewer)));
     assert_eq!(all.linear().validate(&soup), Err(fewer));
     soup.0.push(Solid::Ground { height: 0.0 });
-    assert_eq!(all.linear().validate(&soup), Err(Violation::Outside { primitive: 299 }));
-    assert_eq!(verdicts(&soup), each(Err(Violation::Misplaced { primitive: 299 })));
+    assert_eq!(all.linear().validate(&soup), Err(ValidationError::Outside { primitive: 299 }));
+    assert_eq!(verdicts(&soup), each(Err(ValidationError::Misplaced { primitive: 299 })));
     soup.0[299] = Solid::Box(Aabb::new(DVec3::splat(5.0), DVec3::splat(6.0)));
-    assert_eq!(verdicts(&soup), each(Err(Violation::Outside { primitive: 299 })));
-    assert_eq!(all.linear().validate(&soup), Err(Violation::Outside { primitive: 299 }));
+    assert_eq!(verdicts(&soup), each(Err(ValidationError::Outside { primitive: 299 })));
+    assert_eq!(all.linear().validate(&soup), Err(ValidationError::Outside { primitive: 299 }));
     soup.0[299] = last;
     assert_eq!(verdicts(&soup), each(Ok(())));
     assert_eq!(all.linear().validate(&soup), Ok(()));
@@ -491,7 +491,7 @@ fn a_ray_through_the_rounded_centre_of_a_tiny_sphere_misses_it() {
 /// with the whole ray, then with a span that ends between both crossings, and with one that begins there.
 #[test]
 fn spheres_whose_squares_vanish_are_hit_and_missed_as_they_are() {
-    let ball = |centre: DVec3, radius: f64| Solid::Round(RoundSphere { centre, radius });
+    let ball = |centre: DVec3, radius: f64| Solid::Round(SphereKernel { centre, radius });
     for scale in [1.0, 1e-8, 1e-12, 1e-16, 1e-20, 1e-24, 1e-30] {
         // The centre of the tree is that of the little sphere.
         let soup = Soup(vec![ball(DVec3::ZERO, scale), ball(DVec3::X * 50.0, 1.0), ball(DVec3::NEG_X * 50.0, 1.0)]);

@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use rt_accel::{
-    Aabb, Accelerator, AnyStructure, Ball, Boxes, Bvh, DVec3, Frustum, Hit, Interval, NearestPoint, NoProbe,
-    Primitives, Ray, Region, SplitMethod, Structure, StructureKind,
+    Aabb, Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator, Ball, Boxes, Bvh, ClosestPoint, DVec3,
+    Frustum, Hit, Interval, NoProbe, Primitives, Ray, Region, SplitMethod,
 };
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
@@ -107,7 +107,7 @@ fn candidates_for_a_callback_contain_the_closest_hit() {
     let soup = scene(5);
     for (structure, Query { ray, span }) in queries(&soup, 2000, 6)
         .into_iter()
-        .flat_map(|query| StructureKind::ALL.iter().map(move |&kind| (kind, query)))
+        .flat_map(|query| AcceleratorKind::ALL.iter().map(move |&kind| (kind, query)))
         .map({
             let all = Structures::build(&soup);
             move |(kind, query)| (all.0.iter().find(|s| s.kind() == kind).unwrap().clone(), query)
@@ -122,7 +122,7 @@ fn candidates_for_a_callback_contain_the_closest_hit() {
             |index, inside| {
                 assert!(span.min <= inside.min && inside.max <= span.max);
                 let slab_ray = rt_accel::SlabRay::new(&ray);
-                if let Some(hit) = rt_math::decide(&soup, index, &slab_ray, span, &mut NoProbe)
+                if let Some(hit) = rt_geometry::intersect_primitive(&soup, index, &slab_ray, span, &mut NoProbe)
                     && best.is_none_or(|nearest| hit.precedes(&nearest))
                 {
                     best = Some(hit);
@@ -135,7 +135,7 @@ fn candidates_for_a_callback_contain_the_closest_hit() {
     }
 }
 
-fn overlapping(structure: &AnyStructure, soup: &Soup, region: &impl Region) -> BTreeSet<u32> {
+fn overlapping(structure: &AnyAccelerator, soup: &Soup, region: &impl Region) -> BTreeSet<u32> {
     let mut found = BTreeSet::new();
     structure.visit_overlapping(soup, region, |index| {
         assert!(found.insert(index), "{}: {index} is visited twice", structure.kind().name());
@@ -196,8 +196,8 @@ fn overlaps_are_found_once_each() {
 #[test]
 fn spatial_splits_do_not_repeat_overlaps() {
     let sticks = Soup::sticks(300, &mut Draw::new(21)).moved(DVec3::splat(1e6));
-    let bvh = AnyStructure::Bvh(Bvh::build_with(&sticks, SplitMethod::Spatial).unwrap());
-    let linear = AnyStructure::build(StructureKind::Linear, &sticks).unwrap();
+    let bvh = AnyAccelerator::Bvh(Bvh::build_with(&sticks, SplitMethod::Spatial).unwrap());
+    let linear = AnyAccelerator::build(AcceleratorKind::Linear, &sticks).unwrap();
     let mut draw = Draw::new(22);
     let mut n_found = 0;
     for _ in 0..3000 {
@@ -288,7 +288,7 @@ fn queries_look_at_a_small_part_only() {
             self.0.intersect(index, ray, span)
         }
     }
-    impl NearestPoint for Counting<'_> {
+    impl ClosestPoint for Counting<'_> {
         fn nearest_point(&self, index: u32, point: DVec3) -> Option<DVec3> {
             self.0.nearest_point(index, point)
         }
@@ -296,7 +296,7 @@ fn queries_look_at_a_small_part_only() {
     let soup = Soup::spheres(20_000, &mut Draw::new(13));
     let counting = Counting(&soup, Default::default());
     for structure in &Structures::build(&counting).0 {
-        if structure.kind() == StructureKind::Linear {
+        if structure.kind() == AcceleratorKind::Linear {
             continue;
         }
         let looked_at = |query: &dyn Fn()| {

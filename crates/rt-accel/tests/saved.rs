@@ -5,8 +5,8 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, AnyStructure, Bih, BuildError, Bvh, CylinderTree, DVec3, Interval, LazyBih, Linear, NoProbe,
-    Ray, SphereTree, SplitMethod, Structure, StructureKind,
+    Aabb, Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator, Bih, BuildError, Bvh, CylinderTree, DVec3,
+    Interval, LazyBih, Linear, NoProbe, Ray, SphereTree, SplitMethod,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -36,7 +36,10 @@ fn mutations(text: &str) -> impl Iterator<Item = String> {
     })
 }
 
-fn check<S: Structure + Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(structure: &S, soup: &Soup) {
+fn check<S: AcceleratorQueries + Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(
+    structure: &S,
+    soup: &Soup,
+) {
     let text = serde_json::to_string(structure).unwrap();
     let loaded: S = serde_json::from_str(&text).unwrap();
     assert_eq!(&loaded, structure);
@@ -66,8 +69,8 @@ fn check<S: Structure + Serialize + DeserializeOwned + PartialEq + core::fmt::De
 
 #[test]
 fn every_structure_can_be_saved() {
-    for &kind in StructureKind::ALL {
-        check(&AnyStructure::build(kind, &scene()).unwrap(), &scene());
+    for &kind in AcceleratorKind::ALL {
+        check(&AnyAccelerator::build(kind, &scene()).unwrap(), &scene());
     }
 }
 

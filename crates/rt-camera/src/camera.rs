@@ -2,9 +2,9 @@
 
 mod sight;
 
-pub use sight::Sight;
+pub use sight::CameraWiSample;
 
-use rt_math::{DVec2, DVec3, Motion, MotionError, Ray, Transform, transcendental::tan};
+use rt_math::{AnimatedTransform, AnimatedTransformError, DVec2, DVec3, Ray, Transform, transcendental::tan};
 
 use crate::{
     Lens,
@@ -94,7 +94,7 @@ pub enum CameraError {
     Shutter([f64; 2]),
     /// The camera cannot move from the one place to the other.
     #[error(transparent)]
-    Motion(#[from] MotionError),
+    AnimatedTransform(#[from] AnimatedTransformError),
     /// The rays overflow: the transform scales, or the lens shift reaches, too far.
     #[error("the camera's transform, lens and lens shift are too large for its rays to be finite")]
     Overflow,
@@ -139,7 +139,7 @@ pub enum CameraError {
 pub struct Camera {
     world_from_camera: Transform,
     /// How the camera moves, if it does while the shutter is open.
-    motion: Option<Motion>,
+    motion: Option<AnimatedTransform>,
     shutter: [f64; 2],
     is_perspective: bool,
     /// The camera's −z in world space, as long as the transform makes it.
@@ -180,7 +180,7 @@ impl Camera {
         let size = DVec2::new(f64::from(width), f64::from(height));
         let pixel_side = pixel_side(settings.projection, size)?;
         let motion = match &settings.moves_to {
-            Some(end) => Some(Motion::new(&settings.world_from_camera, end)?),
+            Some(end) => Some(AnimatedTransform::new(&settings.world_from_camera, end)?),
             None => None,
         };
         let world_from_camera = motion.map_or(settings.world_from_camera, |motion| motion.at(opens));
@@ -205,7 +205,7 @@ impl Camera {
         let all_finite = corners
             .into_iter()
             .flat_map(|corner| {
-                moments.map(|time| [camera.ray(corner, time), camera.ray_through(corner, [1.0; 2], time)])
+                moments.map(|time| [camera.ray(corner, time), camera.generate_ray(corner, [1.0; 2], time)])
             })
             .flatten()
             .all(|ray| ray.origin.is_finite() && ray.direction.is_finite());
@@ -251,7 +251,7 @@ impl Camera {
     /// The ray through a raster point and a point of the lens, which is given by a point of the unit square; without a lens
     /// just [`ray`](Self::ray).
     #[inline]
-    pub fn ray_through(&self, raster: DVec2, on_lens: [f64; 2], time: f64) -> Ray {
+    pub fn generate_ray(&self, raster: DVec2, on_lens: [f64; 2], time: f64) -> Ray {
         let Some(lens) = &self.lens else { return self.ray(raster, time) };
         let here = self.at(time);
         let centre = here.ray(raster, time);
@@ -455,7 +455,7 @@ mod tests {
             "degenerate view",
             |(eye, target, scale, projection, shift_x, shift_y)| {
                 let view = Transform::look_at(eye, target, DVec3::Y).ok()?;
-                let world_from_camera = view.then_first(&Transform::scale(DVec3::splat(scale)).ok()?);
+                let world_from_camera = view.compose(&Transform::scale(DVec3::splat(scale)).ok()?);
                 let lens_shift = DVec2::new(shift_x, shift_y);
                 Some(CameraSettings { lens_shift, ..CameraSettings::new(world_from_camera, projection) })
             },

@@ -106,7 +106,7 @@ mod tests {
 
     fn camera(projection: Projection, lens: Option<Lens>) -> Camera {
         let place = Transform::look_at(DVec3::new(2.0, -1.0, 5.0), DVec3::ZERO, DVec3::Y).expect("a view");
-        let place = place.then_first(&Transform::scale(DVec3::splat(2.0)).expect("a scale"));
+        let place = place.compose(&Transform::scale(DVec3::splat(2.0)).expect("a scale"));
         Camera::new(&CameraSettings { lens, ..CameraSettings::new(place, projection) }, 120, 90).expect("a camera")
     }
 
@@ -180,7 +180,7 @@ mod tests {
                 (camera(projection, None), camera(projection, Some(Lens { radius: 0.0, ..lens(Some(6)) })));
             assert!(!tiny.has_lens());
             let raster = DVec2::new(17.25, 80.5);
-            assert_eq!(sharp.ray(raster, 0.5), tiny.ray_through(raster, [0.9, 0.3], 0.5));
+            assert_eq!(sharp.ray(raster, 0.5), tiny.generate_ray(raster, [0.9, 0.3], 0.5));
         }
     }
 
@@ -196,7 +196,7 @@ mod tests {
         let film = focal_length * focus / (focus - focal_length);
         let middle = DVec2::splat(50.0);
         // Raster points from which rays through the left and right ends of the lens meet the point on the axis.
-        let raster = |end: [f64; 2]| middle.x - camera.ray_through(middle, end, 0.0).at(depth).x / (side * depth);
+        let raster = |end: [f64; 2]| middle.x - camera.generate_ray(middle, end, 0.0).at(depth).x / (side * depth);
         let confusion = (raster([1.0, 0.5]) - raster([0.0, 0.5])).abs() * side * film;
         assert!((confusion * 1e3 - 0.320_512_820_5).abs() < 1e-10, "{confusion}");
     }
@@ -211,7 +211,7 @@ mod tests {
         // At twice the distance of focus, the cone of rays is as wide as the lens.
         let edge = 0.5 * lens.radius;
         let seen =
-            (0..DRAWS).filter(|&index| camera.ray_through(DVec2::splat(50.0), square(index), 0.0).at(4.0).x > edge);
+            (0..DRAWS).filter(|&index| camera.generate_ray(DVec2::splat(50.0), square(index), 0.0).at(4.0).x > edge);
         let expected = (acos(0.5) - 0.5 * (0.75f64).sqrt()) / core::f64::consts::PI;
         let deviation = (expected * (1.0 - expected) / DRAWS as f64).sqrt();
         let z = (seen.count() as f64 / DRAWS as f64 - expected) / deviation;
@@ -228,7 +228,7 @@ mod tests {
             let projection = if parallel { PARALLEL } else { PINHOLE };
             let camera = camera(projection, Some(lens(if round { None } else { Some(7) })));
             let raster = DVec2::new(x, y);
-            let (straight, bent) = (camera.ray(raster, 0.0), camera.ray_through(raster, [u, v], 0.0));
+            let (straight, bent) = (camera.ray(raster, 0.0), camera.generate_ray(raster, [u, v], 0.0));
             prop_assert!((straight.at(3.0) - bent.at(3.0)).length() < 1e-14 * 30.0);
         }
 
@@ -237,7 +237,7 @@ mod tests {
             x in 0.0..120.0f64, y in 0.0..90.0f64, u in 0.0..1.0f64, v in 0.0..1.0f64, t in 0.0..50.0f64,
         ) {
             let camera = camera(PINHOLE, Some(lens(None)));
-            let point = camera.ray_through(DVec2::new(x, y), [u, v], 0.0).at(t);
+            let point = camera.generate_ray(DVec2::new(x, y), [u, v], 0.0).at(t);
             let axis = camera.view_axis();
             let depth = (point - DVec3::new(2.0, -1.0, 5.0)).dot(axis) / 2.0;
             prop_assert!((depth - t).abs() < 1e-12 * (1.0 + t));

@@ -17,13 +17,13 @@
 //!
 //! | step | type |
 //! |---|---|
-//! | coordinates of a sample, a pure function of (seed, pixel, sample, dimension) | [`PixelSampler`], [`SamplePattern`] |
+//! | coordinates of a sample, a pure function of (seed, pixel, sample, dimension) | [`PixelSampler`], [`SamplerKind`] |
 //! | where in and around the pixel, and with which weight | [`Filter`] |
 //! | ray through a raster point, and back | [`Camera`] |
 //! | where on the aperture it starts, and where it is sharp | [`Lens`] |
 //! | when it is cast, and where the camera is then | [`Camera::moment`], [`CameraSettings::moves_to`] |
 //! | boxes that none of these rays meets | [`ViewVolume`] |
-//! | linear radiance of every pixel | [`Film`] |
+//! | linear radiance of every pixel | [`Image`] |
 //! | bytes | [`Development`]; thresholds that keep gradients smooth: [`Dither`] |
 //! | files (feature `files`, on by default) | `write_image`, `read_image` |
 //! | how much one image differs from another | [`metrics`] |
@@ -35,16 +35,17 @@
 //! A tiny film, exposed to a sky that is bright above and dark below:
 //!
 //! ```
-//! use rt_camera::{Camera, CameraSettings, Development, Film, FilmSettings, FovAxis, PixelSampler, Projection, SamplePattern};
+//! use rt_image::{Development, Image};
+//! use rt_camera::{Camera, CameraSettings, FilmSettings, FovAxis, PixelSampler, Projection, SamplerKind};
 //! use rt_math::{DVec2, Sampler, Transform};
 //!
 //! let settings = FilmSettings { width: 8, height: 6, ..FilmSettings::default() };
 //! settings.validate()?;
 //! let projection = Projection::Perspective { fov: 60f64.to_radians(), axis: FovAxis::Horizontal };
 //! let camera = Camera::new(&CameraSettings::new(Transform::IDENTITY, projection), settings.width, settings.height)?;
-//! let sampler = PixelSampler::new(SamplePattern::Sobol, 16, 0);
+//! let sampler = PixelSampler::new(SamplerKind::Sobol, 16, 0);
 //!
-//! let mut film = Film::new(settings.width, settings.height, false);
+//! let mut film = Image::new(settings.width, settings.height, false);
 //! for (index, radiance) in (0..).zip(film.pixels_mut()) {
 //!     let pixel = [index % settings.width, index / settings.width];
 //!     let corner = DVec2::new(f64::from(pixel[0]), f64::from(pixel[1]));
@@ -67,41 +68,20 @@
 
 mod blue_noise;
 mod camera;
-mod develop;
-mod dither;
 mod film;
 mod filter;
 mod halton;
-#[cfg(feature = "files")]
-mod image_file;
 mod lens;
-pub mod metrics;
 mod mitchell;
 mod pattern;
-#[cfg(feature = "files")]
-mod pfm;
 mod pixel_sampler;
-#[cfg(feature = "files")]
-mod read_image;
 mod sobol;
 mod view_volume;
-#[cfg(feature = "files")]
-mod write_image;
 
-pub use camera::{Camera, CameraError, CameraSettings, FovAxis, Projection, Sight};
-pub use develop::{Bitmap8, Development, DevelopmentError, Encoding, ToneCurve};
-pub use dither::Dither;
-pub use film::{Film, FilmError, FilmSettings};
+pub use camera::{Camera, CameraError, CameraSettings, CameraWiSample, FovAxis, Projection};
+pub use film::{FilmError, FilmSettings};
 pub use filter::Filter;
-#[cfg(feature = "files")]
-pub use image_file::{ImageFileError, ImageFormat};
 pub use lens::Lens;
-pub use pattern::SamplePattern;
-pub use pixel_sampler::{PixelSample, PixelSampler};
-#[cfg(feature = "files")]
-pub use read_image::{
-    ImageHeader, MAX_READ_PIXELS, decode_image, format_of_bytes, image_format, image_header, read_image,
-};
+pub use pattern::SamplerKind;
+pub use pixel_sampler::{PixelSampler, SampleStream};
 pub use view_volume::ViewVolume;
-#[cfg(feature = "files")]
-pub use write_image::write_image;

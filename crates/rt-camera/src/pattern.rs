@@ -2,7 +2,7 @@
 
 /// A pattern of sample points over the pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum SamplePattern {
+pub enum SamplerKind {
     /// All in the middle of the pixel.
     Centre,
     /// A regular grid.
@@ -27,7 +27,7 @@ pub enum SamplePattern {
 /// Cells along the side of the largest grid; its square is the largest that fits in `u32`.
 const MAX_SIDE: u32 = u16::MAX as u32;
 
-impl SamplePattern {
+impl SamplerKind {
     /// All patterns, from the plainest on.
     pub const ALL: [Self; 9] = [
         Self::Centre,
@@ -103,15 +103,15 @@ mod tests {
     #[test]
     fn counts_are_rounded_up_to_what_the_pattern_needs() {
         for (pattern, expected) in [
-            (SamplePattern::Centre, [1, 1, 5, 16, 17, 1000]),
-            (SamplePattern::Grid, [1, 1, 9, 16, 25, 1024]),
-            (SamplePattern::Random, [1, 1, 5, 16, 17, 1000]),
-            (SamplePattern::Jittered, [1, 1, 9, 16, 25, 1024]),
-            (SamplePattern::HalfJittered, [1, 1, 9, 16, 25, 1024]),
-            (SamplePattern::MultiJittered, [1, 1, 9, 16, 25, 1024]),
-            (SamplePattern::Sobol, [1, 1, 8, 16, 32, 1024]),
-            (SamplePattern::Halton, [1, 1, 5, 16, 17, 1000]),
-            (SamplePattern::BlueNoise, [1, 1, 8, 16, 32, 1024]),
+            (SamplerKind::Centre, [1, 1, 5, 16, 17, 1000]),
+            (SamplerKind::Grid, [1, 1, 9, 16, 25, 1024]),
+            (SamplerKind::Random, [1, 1, 5, 16, 17, 1000]),
+            (SamplerKind::Jittered, [1, 1, 9, 16, 25, 1024]),
+            (SamplerKind::HalfJittered, [1, 1, 9, 16, 25, 1024]),
+            (SamplerKind::MultiJittered, [1, 1, 9, 16, 25, 1024]),
+            (SamplerKind::Sobol, [1, 1, 8, 16, 32, 1024]),
+            (SamplerKind::Halton, [1, 1, 5, 16, 17, 1000]),
+            (SamplerKind::BlueNoise, [1, 1, 8, 16, 32, 1024]),
         ] {
             assert_eq!([0, 1, 5, 16, 17, 1000].map(|spp| pattern.round_up(spp)), expected, "{pattern:?}");
         }
@@ -119,13 +119,13 @@ mod tests {
 
     #[test]
     fn huge_counts_are_capped() {
-        assert_eq!(SamplePattern::Jittered.round_up(u32::MAX), 65_535 * 65_535);
-        assert_eq!(SamplePattern::Sobol.round_up(u32::MAX), 1 << 31);
+        assert_eq!(SamplerKind::Jittered.round_up(u32::MAX), 65_535 * 65_535);
+        assert_eq!(SamplerKind::Sobol.round_up(u32::MAX), 1 << 31);
     }
 
     #[test]
     fn rounding_is_idempotent() {
-        for pattern in SamplePattern::ALL {
+        for pattern in SamplerKind::ALL {
             for spp in (0..2000).chain([u32::MAX - 1, u32::MAX]) {
                 let rounded = pattern.round_up(spp);
                 assert_eq!(pattern.round_up(rounded), rounded, "{pattern:?}, {spp}");
@@ -135,14 +135,14 @@ mod tests {
 
     #[test]
     fn fixed_and_half_jittered_patterns_are_biased_and_no_others() {
-        let (biased, unbiased): (Vec<_>, Vec<_>) = SamplePattern::ALL.into_iter().partition(|p| p.is_biased());
-        assert_eq!(biased, [SamplePattern::Centre, SamplePattern::Grid, SamplePattern::HalfJittered]);
-        assert!(SamplePattern::unbiased().eq(unbiased));
+        let (biased, unbiased): (Vec<_>, Vec<_>) = SamplerKind::ALL.into_iter().partition(|p| p.is_biased());
+        assert_eq!(biased, [SamplerKind::Centre, SamplerKind::Grid, SamplerKind::HalfJittered]);
+        assert!(SamplerKind::unbiased().eq(unbiased));
     }
 
     #[test]
     fn names_are_unique() {
-        let names: std::collections::HashSet<_> = SamplePattern::ALL.map(SamplePattern::name).into();
-        assert_eq!(names.len(), SamplePattern::ALL.len());
+        let names: std::collections::HashSet<_> = SamplerKind::ALL.map(SamplerKind::name).into();
+        assert_eq!(names.len(), SamplerKind::ALL.len());
     }
 }

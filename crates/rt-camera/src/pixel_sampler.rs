@@ -5,7 +5,7 @@ use rt_math::{
     random::{Permutation, hash, mix, permute, unit},
 };
 
-use crate::{SamplePattern, blue_noise::CurveIndex, halton, pattern::grid_side, sobol::SobolSet};
+use crate::{SamplerKind, blue_noise::CurveIndex, halton, pattern::grid_side, sobol::SobolSet};
 
 /// The largest number below 1.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
@@ -36,10 +36,10 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 /// Samples beyond the promised number start a new, independent pattern.
 ///
 /// ```
-/// use rt_camera::{PixelSampler, SamplePattern};
+/// use rt_camera::{PixelSampler, SamplerKind};
 /// use rt_math::Sampler;
 ///
-/// let pattern = SamplePattern::Jittered;
+/// let pattern = SamplerKind::Jittered;
 /// let sampler = PixelSampler::new(pattern, pattern.round_up(5), 42);
 /// assert_eq!(sampler.spp(), 9);
 /// let mut sample = sampler.sample([10, 20], 3);
@@ -51,7 +51,7 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PixelSampler {
-    pattern: SamplePattern,
+    pattern: SamplerKind,
     spp: u32,
     /// Side of the grid of `spp` cells.
     side: u32,
@@ -60,14 +60,14 @@ pub struct PixelSampler {
 
 impl PixelSampler {
     /// A sampler for `spp` samples per pixel; a count that the pattern cannot have is rounded up by
-    /// [`SamplePattern::round_up`].
-    pub const fn new(pattern: SamplePattern, spp: u32, seed: u64) -> Self {
+    /// [`SamplerKind::round_up`].
+    pub const fn new(pattern: SamplerKind, spp: u32, seed: u64) -> Self {
         let spp = pattern.round_up(spp);
         Self { pattern, spp, side: grid_side(spp), seed }
     }
 
     /// The pattern.
-    pub const fn pattern(&self) -> SamplePattern {
+    pub const fn pattern(&self) -> SamplerKind {
         self.pattern
     }
 
@@ -77,19 +77,19 @@ impl PixelSampler {
     }
 
     /// The sample number `index` of a pixel.
-    pub fn sample(&self, pixel: [u32; 2], index: u32) -> PixelSample {
+    pub fn sample(&self, pixel: [u32; 2], index: u32) -> SampleStream {
         let (round, index) = self.round_of(index);
-        let sharing = if self.pattern == SamplePattern::BlueNoise { CurveIndex::block(pixel) } else { pixel };
+        let sharing = if self.pattern == SamplerKind::BlueNoise { CurveIndex::block(pixel) } else { pixel };
         let key = round_key(self.pixel_key(sharing), round);
-        PixelSample { sampler: *self, pixel, index, key, dimension: 0, sobol: SobolSet::EMPTY }
+        SampleStream { sampler: *self, pixel, index, key, dimension: 0, sobol: SobolSet::EMPTY }
     }
 
     /// The positions in the pixel of the samples from number `first` on: the first pair of each
     /// [`sample`](Self::sample), but what all samples of a pixel have in common is computed once.
     pub fn positions(&self, pixel: [u32; 2], first: u32, positions: &mut [[f64; 2]]) {
         match self.pattern {
-            SamplePattern::Centre => positions.fill([0.5; 2]),
-            SamplePattern::Sobol | SamplePattern::Halton | SamplePattern::BlueNoise => {
+            SamplerKind::Centre => positions.fill([0.5; 2]),
+            SamplerKind::Sobol | SamplerKind::Halton | SamplerKind::BlueNoise => {
                 for (position, index) in positions.iter_mut().zip(first..) {
                     *position = self.sample(pixel, index).next_2d();
                 }
@@ -123,7 +123,7 @@ impl PixelSampler {
     /// Which repetition of the whole pattern a sample belongs to, and its place there.
     const fn round_of(&self, index: u32) -> (u32, u32) {
         match self.pattern {
-            SamplePattern::Sobol => (index >> SobolSet::INDEX_BITS, index & SobolSet::INDEX_MASK),
+            SamplerKind::Sobol => (index >> SobolSet::INDEX_BITS, index & SobolSet::INDEX_MASK),
             _ => (index / self.spp, index % self.spp),
         }
     }
@@ -136,7 +136,7 @@ fn round_key(pixel_key: u64, round: u32) -> u64 {
 
 /// The coordinates of one sample of one pixel, drawn in order.
 #[derive(Clone, Copy, Debug)]
-pub struct PixelSample {
+pub struct SampleStream {
     sampler: PixelSampler,
     pixel: [u32; 2],
     /// Position in the pattern, below `spp`.
@@ -148,7 +148,7 @@ pub struct PixelSample {
     sobol: SobolSet,
 }
 
-impl Sampler for PixelSample {
+impl Sampler for SampleStream {
     fn next_1d(&mut self) -> f64 {
         let dimension = self.dimension;
         self.dimension += 1;
@@ -156,33 +156,33 @@ impl Sampler for PixelSample {
         let key = dimension_key(self.key, dimension);
         let jitter = || unit(noise(key, self.index));
         match pattern {
-            SamplePattern::Sobol => self.sobol.coordinate(self.key, self.index, dimension),
-            SamplePattern::Halton => halton::coordinate(key, self.index, spp, dimension),
-            SamplePattern::BlueNoise => self.curve_index().point(key)[0],
-            SamplePattern::Centre | SamplePattern::Random => jitter(),
+            SamplerKind::Sobol => self.sobol.coordinate(self.key, self.index, dimension),
+            SamplerKind::Halton => halton::coordinate(key, self.index, spp, dimension),
+            SamplerKind::BlueNoise => self.curve_index().point(key)[0],
+            SamplerKind::Centre | SamplerKind::Random => jitter(),
             _ => in_stratum(permute(self.index, spp, key), spp, jitter()),
         }
     }
 
     fn next_2d(&mut self) -> [f64; 2] {
         let PixelSampler { pattern, spp, .. } = self.sampler;
-        if pattern == SamplePattern::Sobol {
+        if pattern == SamplerKind::Sobol {
             // A pair must not straddle two sets, which are independent of each other.
             self.dimension = self.dimension.next_multiple_of(2);
         }
         let dimension = self.dimension;
         self.dimension += 2;
         match pattern {
-            SamplePattern::Sobol => [0, 1].map(|axis| self.sobol.coordinate(self.key, self.index, dimension + axis)),
-            SamplePattern::Halton => [dimension, dimension + 1]
+            SamplerKind::Sobol => [0, 1].map(|axis| self.sobol.coordinate(self.key, self.index, dimension + axis)),
+            SamplerKind::Halton => [dimension, dimension + 1]
                 .map(|dimension| halton::coordinate(dimension_key(self.key, dimension), self.index, spp, dimension)),
-            SamplePattern::BlueNoise => self.curve_index().point(dimension_key(self.key, dimension)),
+            SamplerKind::BlueNoise => self.curve_index().point(dimension_key(self.key, dimension)),
             _ => Arrangement::new(&self.sampler, self.key, dimension).pair(self.index),
         }
     }
 }
 
-impl PixelSample {
+impl SampleStream {
     /// This sample among those of its block of pixels.
     fn curve_index(&self) -> CurveIndex {
         CurveIndex::new(self.pixel, self.index, self.sampler.spp.ilog2())
@@ -203,7 +203,7 @@ fn noise(dimension_key: u64, index: u32) -> u64 {
 
 /// How the samples of a round lie in one pair of dimensions, for all patterns that are no sequence.
 struct Arrangement {
-    pattern: SamplePattern,
+    pattern: SamplerKind,
     /// True for the pair that is the position in the pixel.
     is_position: bool,
     spp: u32,
@@ -245,7 +245,7 @@ impl Arrangement {
 
     /// True if each sample has a cell of its own.
     const fn has_cells(&self) -> bool {
-        !matches!(self.pattern, SamplePattern::Centre | SamplePattern::Random)
+        !matches!(self.pattern, SamplerKind::Centre | SamplerKind::Random)
     }
 
     /// The coordinates of a sample in its cell.
@@ -254,11 +254,11 @@ impl Arrangement {
         let bits = noise(self.key, index);
         let jitter = [unit(bits), unit(mix(bits))];
         match (self.pattern, self.is_position) {
-            (SamplePattern::Centre, true) => [0.5; 2],
-            (SamplePattern::Centre | SamplePattern::Random, _) => jitter,
-            (SamplePattern::Grid, true) => self.in_cell(cell, [0.5; 2]),
-            (SamplePattern::HalfJittered, true) => self.in_cell(cell, jitter.map(|xi| 0.25 + 0.5 * xi)),
-            (SamplePattern::MultiJittered, _) => self.multi_jittered(cell, jitter),
+            (SamplerKind::Centre, true) => [0.5; 2],
+            (SamplerKind::Centre | SamplerKind::Random, _) => jitter,
+            (SamplerKind::Grid, true) => self.in_cell(cell, [0.5; 2]),
+            (SamplerKind::HalfJittered, true) => self.in_cell(cell, jitter.map(|xi| 0.25 + 0.5 * xi)),
+            (SamplerKind::MultiJittered, _) => self.multi_jittered(cell, jitter),
             _ => self.in_cell(cell, jitter),
         }
     }

@@ -233,7 +233,7 @@ mod tests {
             |((eye, target, offset, factors, shear), projection, shift, lens)| {
                 let view = Transform::look_at(eye + offset, target + offset, DVec3::Y).ok()?;
                 let shear = Transform::shear([shear, 0.1, 0.0, 0.2, shear, 0.0]).ok()?;
-                let world_from_camera = view.then_first(&shear).then_first(&Transform::scale(factors).ok()?);
+                let world_from_camera = view.compose(&shear).compose(&Transform::scale(factors).ok()?);
                 let lens_shift = DVec2::new(shift.x, shift.y);
                 let settings =
                     CameraSettings { lens_shift, lens, ..CameraSettings::new(world_from_camera, projection) };
@@ -264,7 +264,7 @@ mod tests {
             let volume = camera.view_volume(min, max);
             let raster = min + (max - min) * DVec2::new(u, v);
             let raster = raster.clamp(min, max);
-            let ray = camera.ray_through(raster, on_lens, 0.0);
+            let ray = camera.generate_ray(raster, on_lens, 0.0);
             let point = ray.at(t * far);
             prop_assert!(!volume.excludes(&Aabb::from_points([point])), "{ray:?} at {point}");
         }
@@ -280,7 +280,7 @@ mod tests {
             for i in 0..64u64 {
                 let unit = |k: u64| rt_math::random::unit(rt_math::random::hash(&[seed, i, k]));
                 let raster = min + (max - min) * DVec2::new(unit(0), unit(1));
-                let ray = camera.ray_through(raster, [unit(2), unit(3)], 0.0);
+                let ray = camera.generate_ray(raster, [unit(2), unit(3)], 0.0);
                 prop_assert_eq!(aabb.clip(&SlabRay::new(&ray), Interval::FORWARD), None, "{:?}", ray);
             }
         }
@@ -291,7 +291,7 @@ mod tests {
         fn excluded_balls_hold_no_point_of_a_ray(
             camera in any_camera(), (min, max) in any_part(), u in share(), v in share(), on_lens in [share(), share()], t in 0.0..1e3f64, towards in vector(1.0), radius in 0.0..50.0f64,
         ) {
-            let ray = camera.ray_through((min + (max - min) * DVec2::new(u, v)).clamp(min, max), on_lens, 0.0);
+            let ray = camera.generate_ray((min + (max - min) * DVec2::new(u, v)).clamp(min, max), on_lens, 0.0);
             let centre = ray.at(t) + towards.normalize_or_zero() * (radius * 0.999_999);
             prop_assert!(!camera.view_volume(min, max).excludes_ball(centre, radius), "{ray:?} at {t}");
         }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use rt_camera::{Development, Film, ImageFormat, write_image};
+use rt_image::{Development, Image, ImageFormat, write_image};
 use rt_render::Rendering;
 
 use crate::args::{Aov, AovArg};
@@ -76,7 +76,7 @@ impl AovFile {
 }
 
 /// Numbers as a share of the largest finite one.
-fn relative_to_largest(film: &Film) -> Film {
+fn relative_to_largest(film: &Image) -> Image {
     let finite = film.pixels().as_flattened().iter().copied().filter(|value| value.is_finite());
     let largest = finite.fold(f32::MIN_POSITIVE, f32::max);
     let mut shown = film.clone();
@@ -92,10 +92,10 @@ mod tests {
 
     #[test]
     fn numbers_are_shown_relative_to_the_largest() {
-        let mut film = Film::new(2, 2, false);
+        let mut film = Image::new(2, 2, false);
         film.pixels_mut().copy_from_slice(&[[64.0; 3], [256.0; 3], [f32::INFINITY; 3], [0.0; 3]]);
         let shown = relative_to_largest(&film);
         assert_eq!(shown.pixels(), [[0.25; 3], [1.0; 3], [f32::INFINITY; 3], [0.0; 3]]);
-        assert_eq!(relative_to_largest(&Film::new(1, 1, false)), Film::new(1, 1, false));
+        assert_eq!(relative_to_largest(&Image::new(1, 1, false)), Image::new(1, 1, false));
     }
 }

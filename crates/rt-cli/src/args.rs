@@ -15,7 +15,7 @@ mod values;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
-use rt_camera::ImageFormat;
+use rt_image::ImageFormat;
 use rt_scene_io::{InMemoryFile, Reason, StudioLights};
 
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use rt_render::{Checkpoint, Kept, SoFar};
+use rt_render::{Checkpoint, Kept, RenderSnapshot};
 
 use crate::args::{Every, KeepArgs};
 use crate::console::Console;
@@ -87,7 +87,7 @@ impl Checkpoints {
     }
 
     /// Writes one if it is time for it.
-    pub(crate) fn tick(&mut self, so_far: &SoFar<'_>) {
+    pub(crate) fn tick(&mut self, so_far: &RenderSnapshot<'_>) {
         if self.every.is_none_or(|every| self.last.elapsed() < every) {
             return;
         }

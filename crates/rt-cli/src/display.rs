@@ -11,8 +11,8 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread;
 use std::time::Duration;
 
-use rt_camera::Film;
-use rt_render::{Crop, SoFar};
+use rt_image::Image;
+use rt_render::{Crop, RenderSnapshot};
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
 use crate::console::Console;
@@ -104,7 +104,7 @@ impl Display {
     }
 
     /// Shows the tile that has just been done, if the viewer has time for it.
-    pub(crate) fn tile_done(&mut self, so_far: &SoFar<'_>) {
+    pub(crate) fn tile_done(&mut self, so_far: &RenderSnapshot<'_>) {
         if self.link.as_ref().is_some_and(|link| link.waiting.load(Ordering::Relaxed) < QUEUE) {
             let tile = so_far.tile();
             let part = Crop { x: tile.x - self.part.x, y: tile.y - self.part.y, ..tile };
@@ -113,7 +113,7 @@ impl Display {
     }
 
     /// Shows the finished picture.
-    pub(crate) fn finish(mut self, film: &Film) {
+    pub(crate) fn finish(mut self, film: &Image) {
         let width = film.width() as usize;
         let rows = (STRIP / width.max(1)).max(1);
         for (index, pixels) in film.pixels().chunks(rows * width).enumerate() {

@@ -1,6 +1,6 @@
 //! Pictures that show nothing, and why.
 
-use rt_camera::Film;
+use rt_image::Image;
 use rt_render::RenderPlan;
 use rt_scene_io::{Integrator, Scene};
 
@@ -19,7 +19,7 @@ pub(crate) fn unlit(scene: &Scene, plan: &RenderPlan<'_>) -> Option<String> {
 pub(crate) fn empty(
     scene: &Scene,
     plan: &RenderPlan<'_>,
-    film: &Film,
+    film: &Image,
     hits: u64,
     is_developed: bool,
 ) -> Option<String> {

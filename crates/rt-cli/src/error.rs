@@ -4,10 +4,9 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use rt_camera::ImageFileError;
-use rt_camera::metrics::PairError;
+use rt_image::{ImageFileError, metrics::PairError};
 use rt_render::RenderError;
-use rt_scene_io::{LoadError, Shortage};
+use rt_scene_io::{LoadError, MemoryError};
 
 use crate::interruption;
 use crate::kept_file::KeptError;
@@ -39,7 +38,7 @@ pub(crate) enum Failure {
         /// The file, or the first of them.
         file: PathBuf,
         /// How much more.
-        shortage: Shortage,
+        shortage: MemoryError,
     },
     /// Two images cannot be compared.
     #[error("{} and {}: {source}", test.display(), reference.display())]
@@ -52,7 +51,7 @@ pub(crate) enum Failure {
         source: PairError,
     },
     /// Two images are not equal enough.
-    #[error("{} and {} differ: {}", test.display(), reference.display(), difference(metric, *value, *threshold, *not_finite))]
+    #[error("{} and {} differ: {}", test.display(), reference.display(), difference(metric, *value, *threshold, *non_finite))]
     Different {
         /// The image under test.
         test: PathBuf,
@@ -65,7 +64,7 @@ pub(crate) enum Failure {
         /// What it was allowed to be.
         threshold: f64,
         /// Pixels that are NaN or infinite in one of the images and not the same in the other.
-        not_finite: u64,
+        non_finite: u64,
     },
     /// There are warnings, and the user is strict.
     #[error("{}: {count} {}; mend the scene, or leave --strict out", file.display(), if *count == 1 { "warning" } else { "warnings" })]
@@ -218,8 +217,8 @@ fn tries_again(checkpoint: &Option<Result<PathBuf, String>>) -> String {
 }
 
 /// What speaks against two images.
-fn difference(metric: &str, value: f64, threshold: f64, not_finite: u64) -> String {
-    match not_finite {
+fn difference(metric: &str, value: f64, threshold: f64, non_finite: u64) -> String {
+    match non_finite {
         0 => format!("{metric} is {value}, and {threshold} is allowed"),
         1 => "a pixel is NaN or infinite in one of them and not the same in the other".to_owned(),
         n => format!("{n} pixels are NaN or infinite in one of them and not the same in the other"),

@@ -4,7 +4,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use rt_camera::{FilmSettings, ImageFormat, write_image};
+use rt_camera::FilmSettings;
+use rt_image::{ImageFormat, write_image};
 use rt_render::{Crop, Part, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, Share, StopRule, Stopped};
 use rt_scene_io::Scene;
 

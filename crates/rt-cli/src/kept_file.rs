@@ -10,9 +10,9 @@ use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Read as _, Write};
 use std::path::{Path, PathBuf};
 
-use rt_camera::{Development, Dither, Encoding};
+use rt_image::{Development, Dither, Encoding};
 use rt_render::{Checkpoint, ContentError, Part, UncheckedCheckpoint, UncheckedPart};
-use rt_scene_io::Shortage;
+use rt_scene_io::MemoryError;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -75,7 +75,7 @@ pub(crate) enum KeptError {
         /// The file.
         file: PathBuf,
         /// How much more.
-        shortage: Shortage,
+        shortage: MemoryError,
     },
     /// It has the right hash, and a number in it cannot be right.
     #[error("{}: is no sound {kind}: {reason}", file.display())]
@@ -314,7 +314,7 @@ fn check_memory(file: &Path, kind: KeptKind, length: u64, memory: Option<u64>) -
     match memory {
         Some(budget) if predicted > budget => {
             let largest = format!("the {kind} {}", file.display());
-            let shortage = Shortage { predicted, budget, largest, most: predicted };
+            let shortage = MemoryError { predicted, budget, largest, most: predicted };
             Err(KeptError::Memory { file: file.to_owned(), shortage })
         }
         _ => Ok(()),

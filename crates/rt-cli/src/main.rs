@@ -1,7 +1,7 @@
 //! # rt-cli: the command line
 //!
 //! ```text
-//!   arguments ──> Scene ──> RenderPlan ──> Film ──> file, whole or not at all
+//!   arguments ──> Scene ──> RenderPlan ──> Image ──> file, whole or not at all
 //!                   │            │           │
 //!                   notes     explain    statistics, progress
 //! ```

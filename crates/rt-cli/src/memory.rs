@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rt_scene_io::Shortage;
+use rt_scene_io::MemoryError;
 
 use crate::error::Failure;
 
@@ -12,7 +12,7 @@ pub(crate) fn check(limit: Option<u64>, file: &Path, needs: &[(String, u64)]) ->
     let predicted = needs.iter().fold(0_u64, |sum, (_, bytes)| sum.saturating_add(*bytes));
     match (limit, needs.iter().max_by_key(|(_, bytes)| *bytes)) {
         (Some(budget), Some((largest, most))) if predicted > budget => {
-            let shortage = Shortage { predicted, budget, largest: largest.clone(), most: *most };
+            let shortage = MemoryError { predicted, budget, largest: largest.clone(), most: *most };
             Err(Failure::Memory { file: file.to_owned(), shortage })
         }
         _ => Ok(()),

@@ -1,7 +1,7 @@
 //! In the place of `display.rs` in a program that is built without the feature `display`.
 
-use rt_camera::Film;
-use rt_render::{Crop, SoFar};
+use rt_image::Image;
+use rt_render::{Crop, RenderSnapshot};
 
 use crate::console::Console;
 use crate::error::Failure;
@@ -17,11 +17,11 @@ impl Display {
         Err(Failure::Usage(format!("--display-server {address}: this program is built without the feature `display`")))
     }
 
-    pub(crate) const fn tile_done(&mut self, _: &SoFar<'_>) {
+    pub(crate) const fn tile_done(&mut self, _: &RenderSnapshot<'_>) {
         match *self {}
     }
 
-    pub(crate) const fn finish(self, _: &Film) {
+    pub(crate) const fn finish(self, _: &Image) {
         match self {}
     }
 }

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use rt_camera::{CameraSettings, Development, Projection};
+use rt_camera::{CameraSettings, Projection};
+use rt_image::Development;
 use rt_math::{DVec3, Rgb, Transform};
 use rt_render::PlanOptions;
 use rt_scene_io::{Adaptive, Background, InMemoryFile, Integrator, LoadOptions, Reason, Scene, read_environment};

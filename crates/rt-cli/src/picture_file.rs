@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rt_camera::{Film, ImageFormat, decode_image, format_of_bytes, image_format, read_image};
+use rt_image::{Image, ImageFormat, decode_image, format_of_bytes, image_format, read_image};
 
 use crate::error::Failure;
 use crate::output::refuse_terminal;
@@ -27,7 +27,7 @@ pub(crate) fn chosen_format(path: &Path, given: Option<ImageFormat>) -> Result<I
 }
 
 /// The image in a file, or from standard input.
-pub(crate) fn read(path: &Path) -> Result<Film, Failure> {
+pub(crate) fn read(path: &Path) -> Result<Image, Failure> {
     if is_dash(path) {
         Ok(decode_image(&stdin::content(None)?, Path::new("standard input"))?)
     } else {

@@ -4,8 +4,8 @@ use bytesize::ByteSize;
 use comfy_table::{CellAlignment, Table, presets};
 use indicatif::HumanCount;
 use rt_render::{
-    Clamping, ErrorEstimate, Explanation, RayKind, Rendering, SampleRange, ShadingCounts, Statistics, StopRule,
-    Stopped, Tally,
+    Clamping, ErrorEstimate, Explanation, RayKind, RayStats, Rendering, SampleRange, ShadingCounts, Statistics,
+    StopRule, Stopped,
 };
 
 use crate::memory;
@@ -182,7 +182,7 @@ fn ray_table(outcome: &Outcome<'_>, costs: bool) -> Table {
     table
 }
 
-fn ray_row(name: &str, tally: Tally, costs: bool) -> Vec<String> {
+fn ray_row(name: &str, tally: RayStats, costs: bool) -> Vec<String> {
     let mut row = vec![name.to_owned(), HumanCount(tally.rays).to_string()];
     if costs {
         let per_ray = |count: u64| format!("{:.2}", count as f64 / tally.rays.max(1) as f64);

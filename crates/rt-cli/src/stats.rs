@@ -4,8 +4,8 @@ use std::path::Path;
 
 use indexmap::IndexMap;
 use rt_render::{
-    Clamping, Criterion, ErrorEstimate, Explanation, PlanOptions, RayKind, RenderPlan, Rendering, SampleRange,
-    ShadingCounts, StopRule, Stopped, Tally,
+    Clamping, Criterion, ErrorEstimate, Explanation, PlanOptions, RayKind, RayStats, RenderPlan, Rendering,
+    SampleRange, ShadingCounts, StopRule, Stopped,
 };
 use rt_scene_io::Scene;
 use serde::Serialize;
@@ -54,7 +54,7 @@ pub(crate) struct StatsFile<'a> {
     /// Not traced, because there is nothing in their part of the view.
     primary_rays_spared: u64,
     /// By kind, and their total.
-    rays: IndexMap<&'static str, RayStats>,
+    rays: IndexMap<&'static str, RayTotals>,
     shading: ShadingStats,
     seconds: Seconds,
     mega_rays_per_second: f64,
@@ -133,7 +133,7 @@ struct PlanStats {
 
 /// The cost of the rays of one kind.
 #[derive(Debug, Serialize)]
-struct RayStats {
+struct RayTotals {
     rays: u64,
     nodes: u64,
     primitive_tests: u64,
@@ -173,7 +173,7 @@ impl<'a> StatsFile<'a> {
         let statistics = &rendering.statistics;
         let SampleRange { least, mean, most } = rendering.samples_per_pixel;
         let counters = &statistics.counters;
-        let by_kind = RayKind::ALL.map(|kind| (kind.name(), RayStats::from(counters.of(kind))));
+        let by_kind = RayKind::ALL.map(|kind| (kind.name(), RayTotals::from(counters.of(kind))));
         Self {
             program: env!("CARGO_PKG_NAME"),
             version: env!("CARGO_PKG_VERSION"),
@@ -278,8 +278,8 @@ impl From<Explanation> for PlanStats {
     }
 }
 
-impl From<Tally> for RayStats {
-    fn from(Tally { rays, nodes, tests, hits }: Tally) -> Self {
+impl From<RayStats> for RayTotals {
+    fn from(RayStats { rays, nodes, tests, hits }: RayStats) -> Self {
         Self { rays, nodes, primitive_tests: tests, hits }
     }
 }

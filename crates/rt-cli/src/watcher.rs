@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use rt_render::{Checkpoint, Kept, Observer, SoFar};
+use rt_render::{Checkpoint, Kept, Observer, RenderSnapshot};
 
 use crate::checkpoints::Checkpoints;
 use crate::display::Display;
@@ -40,7 +40,7 @@ impl Watcher {
 }
 
 impl Observer for &mut Watcher {
-    fn tile_done(&mut self, so_far: &SoFar<'_>) {
+    fn tile_done(&mut self, so_far: &RenderSnapshot<'_>) {
         self.progress.update(so_far.progress());
         if let Some(checkpoints) = &mut self.checkpoints {
             checkpoints.tick(so_far);

@@ -1,9 +1,7 @@
 //! Finite cones.
 
 use crate::error::{ShapeError, check_length, check_radius};
-use crate::lateral::Lateral;
-use crate::truncated::Truncated;
-use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, lateral::Lateral, truncated::Truncated};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
 /// A cone that stands on the plane y = 0 with its apex above: a closed solid with a cap below, or open without. Its
@@ -53,7 +51,7 @@ impl Cone {
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         self.0.surface(ray, hit, needs)
     }
 }
@@ -70,7 +68,7 @@ mod tests {
     fn first(caps: bool, origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, DVec3)> {
         let ray = Ray::new(origin.into(), direction.into());
         let hit = cone(caps).intersect(&ray, Interval::FORWARD)?;
-        Some((hit.t, cone(caps).surface(&ray, &hit, SurfaceNeeds::ALL).geometric_normal))
+        Some((hit.t, cone(caps).surface(&ray, &hit, InteractionFlags::ALL).geometric_normal))
     }
 
     #[test]
@@ -121,7 +119,7 @@ mod tests {
             let cone = Cone::new(radius, height, caps).expect("a cone");
             let ray = Ray::new(from, to - from);
             if let Some(hit) = cone.intersect(&ray, Interval::FORWARD) {
-                let surface = cone.surface(&ray, &hit, SurfaceNeeds::ALL);
+                let surface = cone.surface(&ray, &hit, InteractionFlags::ALL);
                 let (p, normal) = (surface.point, surface.geometric_normal);
                 let from_axis = DVec3::new(p.x, 0.0, p.z).length();
                 let steepness = DVec3::new(radius, height, 0.0).length();

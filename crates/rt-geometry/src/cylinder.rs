@@ -1,9 +1,7 @@
 //! Finite cylinders.
 
 use crate::error::{ShapeError, check_coordinates, check_radius};
-use crate::lateral::Lateral;
-use crate::truncated::Truncated;
-use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, lateral::Lateral, truncated::Truncated};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
 /// A cylinder around the y axis, from a bottom to a top: a closed solid with caps, or an open tube without. Its normal
@@ -64,7 +62,7 @@ impl Cylinder {
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         self.0.surface(ray, hit, needs)
     }
 }
@@ -87,7 +85,7 @@ mod tests {
     fn hit(cylinder: Cylinder, origin: [f64; 3], direction: [f64; 3], span: Interval) -> Option<(f64, DVec3)> {
         let ray = Ray::new(origin.into(), direction.into());
         let hit = cylinder.intersect(&ray, span)?;
-        Some((hit.t, cylinder.surface(&ray, &hit, SurfaceNeeds::ALL).geometric_normal))
+        Some((hit.t, cylinder.surface(&ray, &hit, InteractionFlags::ALL).geometric_normal))
     }
 
     fn first(caps: bool, origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, DVec3)> {
@@ -146,7 +144,7 @@ mod tests {
         let uv = |origin: [f64; 3], direction: [f64; 3]| {
             let ray = Ray::new(origin.into(), direction.into());
             let hit = cylinder(CLOSED).intersect(&ray, Interval::FORWARD).expect("a hit");
-            cylinder(CLOSED).surface(&ray, &hit, SurfaceNeeds::ALL).uv
+            cylinder(CLOSED).surface(&ray, &hit, InteractionFlags::ALL).uv
         };
         assert_eq!(uv([0.0, 0.5, 3.0], [0.0, 0.0, -1.0]), [0.5, 0.5]);
         assert_eq!(uv([3.0, 1.25, 0.0], [-1.0, 0.0, 0.0]), [0.75, 0.75]);
@@ -202,7 +200,7 @@ mod tests {
             let cylinder = Cylinder::new(radius, bottom, bottom + height, caps).expect("a cylinder");
             let ray = Ray::new(from, to - from);
             if let Some(hit) = cylinder.intersect(&ray, Interval::FORWARD) {
-                let surface = cylinder.surface(&ray, &hit, SurfaceNeeds::ALL);
+                let surface = cylinder.surface(&ray, &hit, InteractionFlags::ALL);
                 let p = surface.point;
                 let (from_axis, normal) = (DVec3::new(p.x, 0.0, p.z).length(), surface.geometric_normal);
                 let off = if normal.y == 0.0 {

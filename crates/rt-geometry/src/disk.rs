@@ -1,7 +1,7 @@
 //! Disks and rings.
 
 use crate::error::{ShapeError, check_coordinates, check_radius};
-use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction};
 use rt_math::float::gamma;
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
@@ -66,7 +66,7 @@ impl Disk {
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect). The point lies exactly in the plane.
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let (point, point_error) = on_disk(ray, hit.t, 0.0, self.radius);
         let uv = if needs.uv { cap_uv(point, self.radius, 1.0) } else { [0.0; 2] };
         SurfaceInteraction::flat(point, point_error, DVec3::Y, uv)
@@ -96,7 +96,7 @@ mod tests {
     fn hit(disk: Disk, origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, DVec3, [f64; 2])> {
         let ray = Ray::new(origin.into(), direction.into());
         let hit = disk.intersect(&ray, Interval::FORWARD)?;
-        let surface = disk.surface(&ray, &hit, SurfaceNeeds::ALL);
+        let surface = disk.surface(&ray, &hit, InteractionFlags::ALL);
         assert_eq!((surface.point.y, surface.geometric_normal), (0.0, DVec3::Y));
         Some((hit.t, surface.point, surface.uv))
     }

@@ -2,7 +2,7 @@
 
 use crate::error::{ShapeError, check_length};
 use crate::lateral::{Lateral, longitude};
-use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction};
 use rt_math::{Interval, Ray};
 
 /// Two endless cones around the y axis that meet in their apex at the origin; the normal points away from the axis, at
@@ -40,7 +40,7 @@ impl DoubleCone {
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let mut surface = self.0.surface(ray, hit.t, [f64::NEG_INFINITY, f64::INFINITY]);
         if needs.uv {
             surface.uv = [longitude(surface.point), surface.point.y];
@@ -101,7 +101,7 @@ mod tests {
     fn a_ray_along_the_axis_meets_the_apex_head_on() {
         let ray = Ray::new(DVec3::new(0.0, 3.0, 0.0), DVec3::new(0.0, -2.0, 0.0));
         let hit = cone(0.5).intersect(&ray, Interval::FORWARD).expect("the apex");
-        let surface = cone(0.5).surface(&ray, &hit, SurfaceNeeds::ALL);
+        let surface = cone(0.5).surface(&ray, &hit, InteractionFlags::ALL);
         assert_eq!((hit.t, surface.point, surface.geometric_normal), (1.5, DVec3::ZERO, DVec3::Y));
     }
 
@@ -112,7 +112,7 @@ mod tests {
             let ray = Ray::new(direction * -2.0, direction);
             if let Some(hit) = cone(0.5).intersect(&ray, Interval::FORWARD) {
                 assert!((hit.t - 2.0).abs() < 1e-7, "{direction}: {}", hit.t);
-                let normal = cone(0.5).surface(&ray, &hit, SurfaceNeeds::ALL).geometric_normal;
+                let normal = cone(0.5).surface(&ray, &hit, InteractionFlags::ALL).geometric_normal;
                 assert!((normal.length() - 1.0).abs() < 1e-15, "{direction}: {normal}");
             } else {
                 // Beside the cone the ray may pass the apex by rounding, inside it cannot.
@@ -127,7 +127,7 @@ mod tests {
         for (y, normal) in [(2.0, DVec3::new(half, -half, 0.0)), (-2.0, DVec3::new(half, half, 0.0))] {
             let ray = Ray::new(DVec3::new(5.0, y, 0.0), DVec3::NEG_X);
             let hit = cone(1.0).intersect(&ray, Interval::FORWARD).expect("a hit");
-            let surface = cone(1.0).surface(&ray, &hit, SurfaceNeeds::ALL);
+            let surface = cone(1.0).surface(&ray, &hit, InteractionFlags::ALL);
             assert_eq!((hit.t, surface.uv), (3.0, [0.75, y]));
             assert!((surface.geometric_normal - normal).length() < 1e-15);
         }
@@ -149,7 +149,7 @@ mod tests {
         fn hits_lie_on_the_cone(slope in 1e-3..1e3f64, from in vector(100.0), to in vector(3.0)) {
             let ray = Ray::new(from, to - from);
             if let Some(hit) = cone(slope).intersect(&ray, Interval::FORWARD) {
-                let surface = cone(slope).surface(&ray, &hit, SurfaceNeeds::ALL);
+                let surface = cone(slope).surface(&ray, &hit, InteractionFlags::ALL);
                 let (p, normal) = (surface.point, surface.geometric_normal);
                 let gap = (DVec3::new(p.x, 0.0, p.z).length() - slope * p.y.abs()) / (1.0 + slope * slope).sqrt();
                 prop_assert!(gap.abs() <= normal.abs().dot(surface.point_error), "{gap}");

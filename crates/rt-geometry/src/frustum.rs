@@ -1,9 +1,7 @@
 //! Frusta: cones without their tip.
 
 use crate::error::{ShapeError, check_length, check_radius};
-use crate::lateral::Lateral;
-use crate::truncated::Truncated;
-use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, lateral::Lateral, truncated::Truncated};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
 /// A cone cut off at both ends that stands on the plane y = 0: a closed solid with caps, or open without. Its normal
@@ -61,7 +59,7 @@ impl Frustum {
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         self.0.surface(ray, hit, needs)
     }
 }
@@ -79,7 +77,7 @@ mod tests {
     fn first(frustum: Frustum, origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, DVec3)> {
         let ray = Ray::new(origin.into(), direction.into());
         let hit = frustum.intersect(&ray, Interval::FORWARD)?;
-        Some((hit.t, frustum.surface(&ray, &hit, SurfaceNeeds::ALL).geometric_normal))
+        Some((hit.t, frustum.surface(&ray, &hit, InteractionFlags::ALL).geometric_normal))
     }
 
     #[test]
@@ -121,7 +119,7 @@ mod tests {
             let frustum = Frustum::new(bottom, top, height, caps).expect("a frustum");
             let ray = Ray::new(from, to - from);
             if let Some(hit) = frustum.intersect(&ray, Interval::FORWARD) {
-                let surface = frustum.surface(&ray, &hit, SurfaceNeeds::ALL);
+                let surface = frustum.surface(&ray, &hit, InteractionFlags::ALL);
                 let (p, normal) = (surface.point, surface.geometric_normal);
                 let from_axis = DVec3::new(p.x, 0.0, p.z).length();
                 let radius = bottom + (top - bottom) * (p.y / height);

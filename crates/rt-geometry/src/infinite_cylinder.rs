@@ -2,7 +2,7 @@
 
 use crate::error::{ShapeError, check_radius};
 use crate::lateral::{Lateral, longitude};
-use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction};
 use rt_math::{Interval, Ray};
 
 /// An endless cylinder around the y axis; its normal points outwards. It has no bounds.
@@ -35,7 +35,7 @@ impl InfiniteCylinder {
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let mut surface = self.0.surface(ray, hit.t, [f64::NEG_INFINITY, f64::INFINITY]);
         if needs.uv {
             surface.uv = [longitude(surface.point), surface.point.y];
@@ -93,7 +93,7 @@ mod tests {
         let cylinder = InfiniteCylinder::new(2.0).expect("a cylinder");
         let ray = Ray::new(DVec3::new(-5.0, 1e9, 0.0), DVec3::X);
         let hit = cylinder.intersect(&ray, Interval::FORWARD).expect("a hit");
-        let surface = cylinder.surface(&ray, &hit, SurfaceNeeds::ALL);
+        let surface = cylinder.surface(&ray, &hit, InteractionFlags::ALL);
         assert_eq!((hit.t, surface.geometric_normal, surface.uv), (3.0, DVec3::NEG_X, [0.25, 1e9]));
     }
 

@@ -5,16 +5,16 @@ use rt_math::{DMat3, DVec3, Ray, Transform, Vec3};
 
 /// What the consumer of a [`SurfaceInteraction`] will look at, so that the rest is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SurfaceNeeds {
+pub struct InteractionFlags {
     /// Texture coordinates; left `[0, 0]` otherwise.
     pub uv: bool,
     /// Interpolated normals; the geometric normal otherwise.
     pub shading_normal: bool,
-    /// What only some meshes have; left [`SurfaceDetail::default`] otherwise.
+    /// What only some meshes have; left [`VertexAttributes::default`] otherwise.
     pub detail: bool,
 }
 
-impl SurfaceNeeds {
+impl InteractionFlags {
     /// Everything.
     pub const ALL: Self = Self { uv: true, shading_normal: true, detail: true };
     /// Nothing but the point and the geometric normal.
@@ -23,7 +23,7 @@ impl SurfaceNeeds {
 
 /// What only some meshes have at their vertices, interpolated.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfaceDetail {
+pub struct VertexAttributes {
     /// The second set of texture coordinates; (0, 0) without.
     pub second_uv: [f32; 2],
     /// Colour of the vertices, which multiplies that of the material; linear, white without.
@@ -36,7 +36,7 @@ pub struct SurfaceDetail {
     pub smooth_normal: Vec3,
 }
 
-impl SurfaceDetail {
+impl VertexAttributes {
     /// What stands for everything that a mesh does not have.
     pub const NONE: Self = Self {
         second_uv: [0.0; 2],
@@ -47,7 +47,7 @@ impl SurfaceDetail {
     };
 }
 
-impl Default for SurfaceDetail {
+impl Default for VertexAttributes {
     fn default() -> Self {
         Self::NONE
     }
@@ -72,14 +72,14 @@ pub struct SurfaceInteraction {
     /// Texture coordinates; `v` runs upwards.
     pub uv: [f64; 2],
     /// What only some meshes have.
-    pub detail: SurfaceDetail,
+    pub detail: VertexAttributes,
 }
 
 impl SurfaceInteraction {
     /// A surface that is shaded as it is, with a unit normal.
     #[inline]
     pub const fn flat(point: DVec3, point_error: DVec3, normal: DVec3, uv: [f64; 2]) -> Self {
-        let detail = SurfaceDetail::NONE;
+        let detail = VertexAttributes::NONE;
         Self { point, point_error, shadow_point: point, geometric_normal: normal, shading_normal: normal, uv, detail }
     }
 

@@ -1,7 +1,7 @@
 //! The curved side that cylinders, cones and frusta share.
 
 use crate::SurfaceInteraction;
-use rt_math::float::{difference_of_products, gamma, rescaling, two_product};
+use rt_math::float::{difference_of_products, gamma, power_of_two_scale, two_product};
 use rt_math::transcendental::atan2;
 use rt_math::{DVec3, Interval, Ray};
 use std::f64::consts::TAU;
@@ -46,7 +46,7 @@ impl Lateral {
     /// a sum and a difference of lengths.
     #[inline]
     pub(crate) fn inside(&self, ray: &Ray) -> Option<Inside> {
-        let scale = rescaling(ray.direction);
+        let scale = power_of_two_scale(ray.direction);
         let (o, d) = (ray.origin, ray.direction * scale);
         let (rho, sigma) = (self.radius_at(o.y), self.slope * d.y);
         let a = dot([d.x, d.z, sigma], [d.x, d.z, -sigma]);

@@ -16,28 +16,28 @@
 //! are offset ([`SurfaceInteraction::spawn_ray`]): they meet their own surface never again by rounding, whatever the
 //! scale of the scene, and there is no epsilon to tune.
 //!
-//! **Owns** the shapes ([`Sphere`], [`AxisBox`], [`Plane`], [`Triangle`], [`Polygon`], [`Cylinder`],
+//! **Owns** the shapes ([`Sphere`], [`Cuboid`], [`Plane`], [`Triangle`], [`Polygon`], [`Cylinder`],
 //! [`InfiniteCylinder`], [`Cone`], [`DoubleCone`], [`Frustum`], [`Disk`], [`Rectangle`], [`Torus`], the enum [`Shape`]),
-//! shapes under affine maps ([`Placed`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets ([`Spheres`]), their tests in
+//! shapes under affine maps ([`TransformedShape`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets ([`Spheres`]), their tests in
 //! `f64`, and the geometry of a hit.
 //! **Does not own** structures that find the first of many hits (rt-accel), materials and light (rt-shading), or
 //! files (rt-scene-io).
 //!
 //! All tests are total: a ray that misses, has a NaN or has no direction gives `None`. In and out are decided without
-//! tolerances; the triangle test is watertight ([`ShearedRay`]).
+//! tolerances; the triangle test is watertight ([`WatertightRay`]).
 //!
 //! ```
-//! use rt_geometry::{Placed, Shape, Sphere, SurfaceNeeds};
+//! use rt_geometry::{TransformedShape, Shape, Sphere, InteractionFlags};
 //! use rt_math::{DVec3, Interval, Ray, Transform};
 //!
 //! // A unit sphere, twice as high as wide, four units ahead.
 //! let sphere = Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)?);
 //! let stretch = Transform::scale(DVec3::new(1.0, 2.0, 1.0))?;
-//! let egg = Placed::new(sphere, Transform::translate(DVec3::new(0.0, 0.0, -4.0)).then_first(&stretch));
+//! let egg = TransformedShape::new(sphere, Transform::translate(DVec3::new(0.0, 0.0, -4.0)).compose(&stretch));
 //!
 //! let ray = Ray::new(DVec3::ZERO, DVec3::NEG_Z);
 //! let hit = egg.intersect(&ray, Interval::FORWARD).ok_or("a miss")?;
-//! let surface = egg.surface(&ray, &hit, SurfaceNeeds::ALL);
+//! let surface = egg.surface(&ray, &hit, InteractionFlags::ALL);
 //! assert_eq!((hit.t, surface.point, surface.geometric_normal), (3.0, DVec3::new(0.0, 0.0, -3.0), DVec3::Z));
 //!
 //! // A mirrored ray starts just off the surface and does not meet it again.
@@ -49,54 +49,70 @@
 #![forbid(unsafe_code)]
 
 mod area;
-mod axis_box;
 mod bracketed_root;
+mod closest_point;
 mod cone;
+mod cuboid;
 mod cylinder;
 mod disk;
 mod double_cone;
 mod error;
 mod frustum;
+mod hit;
 mod infinite_cylinder;
 mod interaction;
+mod intersect;
 mod lateral;
 mod mesh;
 mod mesh_data;
 mod mesh_faces;
 mod mesh_repair;
 mod nearest;
-mod placed;
 mod plane;
 mod polygon;
+mod primitives;
+mod probe;
 mod rectangle;
 mod shape;
 mod sphere;
+mod sphere_kernel;
 mod spheres;
 mod torus;
+mod transformed_shape;
 mod triangle;
 mod triangulator;
 mod truncated;
+mod watertight_ray;
 
-pub use axis_box::AxisBox;
+pub use closest_point::ClosestPoint;
 pub use cone::Cone;
+pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use double_cone::DoubleCone;
 pub use error::ShapeError;
 pub use frustum::Frustum;
+pub use hit::Hit;
 pub use infinite_cylinder::InfiniteCylinder;
-pub use interaction::{ShadowRays, SurfaceDetail, SurfaceInteraction, SurfaceNeeds};
+pub use interaction::{InteractionFlags, ShadowRays, SurfaceInteraction, VertexAttributes};
+pub use intersect::{
+    intersect_primitive, intersect_primitive_batch, intersect_primitive_uncounted, intersect_triangle,
+    occludes_primitive, occludes_primitive_batch, occludes_primitive_uncounted, padded_bounds,
+};
 pub use mesh::TriangleMesh;
 pub use mesh_data::MeshData;
 pub use mesh_faces::{Face, fan, strip};
 pub use mesh_repair::{MeshError, MeshRepairs};
-pub use placed::Placed;
 pub use plane::Plane;
 pub use polygon::{InsideRule, Polygon, PolygonError};
+pub use primitives::{BatchKernel, PrimitiveGeometry, Primitives};
+pub use probe::{Counters, NoProbe, Probe, RayCounts, RayKind, RayStats};
 pub use rectangle::Rectangle;
-pub use rt_math::ShearedRay;
 pub use shape::{Shape, ShapeHit};
 pub use sphere::Sphere;
+pub use sphere_kernel::SphereKernel;
 pub use spheres::Spheres;
 pub use torus::Torus;
+pub use transformed_shape::TransformedShape;
 pub use triangle::Triangle;
+pub use watertight_ray::{TriangleHit, WatertightRay};

@@ -1,10 +1,11 @@
 //! Triangle meshes.
 
-use crate::area::unit_normal;
-use crate::mesh_repair::mend;
 use crate::triangle::{point_at, weights};
-use crate::{MeshData, MeshError, MeshRepairs, ShearedRay, SurfaceDetail, SurfaceInteraction, SurfaceNeeds};
-use rt_math::{Aabb, DVec3, Hit, Interval, LeafLayout, Primitives, Ray};
+use crate::{
+    Hit, InteractionFlags, MeshData, MeshError, MeshRepairs, PrimitiveGeometry, Primitives, SurfaceInteraction,
+    VertexAttributes, WatertightRay, area::unit_normal, mesh_repair::mend,
+};
+use rt_math::{Aabb, DVec3, Interval, Ray};
 
 /// A validated triangle mesh: a set of [`Primitives`], one for each triangle.
 ///
@@ -61,7 +62,7 @@ impl TriangleMesh {
 
     /// As [`Primitives::intersect`], for a ray that was prepared once for many triangles.
     #[inline]
-    pub fn intersect_sheared(&self, index: u32, ray: &ShearedRay, span: Interval) -> Option<Hit> {
+    pub fn intersect_sheared(&self, index: u32, ray: &WatertightRay, span: Interval) -> Option<Hit> {
         let triangle = *self.data.triangles.get(index as usize)?;
         let hit = ray.intersect(self.corners(triangle), span)?;
         Some(Hit { t: hit.t, instance: 0, primitive: index, uv: hit.uv })
@@ -69,14 +70,14 @@ impl TriangleMesh {
 
     /// The surface at a hit of this mesh with this ray; `None` for a hit on a primitive that it does not have.
     #[inline(always)]
-    pub fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceInteraction> {
+    pub fn surface(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceInteraction> {
         let triangle = *self.data.triangles.get(hit.primitive as usize)?;
         let corners = self.corners(triangle);
         let weights = weights(hit.uv);
         let (point, point_error) = point_at(corners, weights);
         let uv = if needs.uv { interpolated(&self.data.uvs, triangle, weights).unwrap_or_default() } else { [0.0; 2] };
         let geometric_normal = unit_normal(corners);
-        let mut detail = if needs.detail { self.detail(triangle, weights) } else { SurfaceDetail::NONE };
+        let mut detail = if needs.detail { self.detail(triangle, weights) } else { VertexAttributes::NONE };
         let (mut shading_normal, mut shadow_point) = (geometric_normal, point);
         if needs.shading_normal
             && !self.data.normals.is_empty()
@@ -119,9 +120,9 @@ impl TriangleMesh {
     }
 
     #[inline(never)]
-    fn detail(&self, triangle: [u32; 3], weights: [f64; 3]) -> SurfaceDetail {
+    fn detail(&self, triangle: [u32; 3], weights: [f64; 3]) -> VertexAttributes {
         let MeshData { second_uvs, colors, tangents, .. } = &self.data;
-        let mut detail = SurfaceDetail::default();
+        let mut detail = VertexAttributes::default();
         if let Some(uv) = interpolated(second_uvs, triangle, weights) {
             detail.second_uv = uv.map(|x| x as f32);
         }
@@ -183,22 +184,27 @@ impl Primitives for TriangleMesh {
 
     #[inline]
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        self.intersect_sheared(index, &ShearedRay::new(ray), span)
+        self.intersect_sheared(index, &WatertightRay::new(ray), span)
     }
 
     #[inline]
-    fn leaf_layout(&self, index: u32) -> LeafLayout {
+    fn geometry(&self, index: u32) -> PrimitiveGeometry {
         let corner = |i: u32| self.data.positions[i as usize];
         let corners = |&[a, b, c]: &[u32; 3]| [corner(a), corner(b), corner(c)];
-        self.data.triangles.get(index as usize).map(corners).map_or(LeafLayout::Opaque, LeafLayout::Watertight)
+        self.data
+            .triangles
+            .get(index as usize)
+            .map(corners)
+            .map_or(PrimitiveGeometry::Opaque, PrimitiveGeometry::ExactTriangle)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{NoProbe, intersect_primitive};
     use rt_math::transcendental::sincos;
-    use rt_math::{NoProbe, SlabRay, Vec3, decide};
+    use rt_math::{SlabRay, Vec3};
     use std::f64::consts::{PI, TAU};
 
     fn build(data: MeshData) -> (TriangleMesh, MeshRepairs) {
@@ -218,7 +224,8 @@ mod tests {
 
     fn closest(mesh: &TriangleMesh, ray: &Ray) -> Option<Hit> {
         let slab = SlabRay::new(ray);
-        let hits = (0..mesh.len() as u32).filter_map(|i| decide(mesh, i, &slab, Interval::FORWARD, &mut NoProbe));
+        let hits =
+            (0..mesh.len() as u32).filter_map(|i| intersect_primitive(mesh, i, &slab, Interval::FORWARD, &mut NoProbe));
         hits.reduce(|best, hit| if hit.precedes(&best) { hit } else { best })
     }
 
@@ -230,16 +237,16 @@ mod tests {
         let ray = Ray::new(DVec3::new(0.25, 0.75, 2.0), DVec3::NEG_Z);
         let hit = closest(&mesh, &ray).expect("a hit");
         assert_eq!((hit.t, hit.instance, hit.primitive, hit.uv), (2.0, 0, 1, [0.25, 0.5]));
-        let surface = mesh.surface(&ray, &hit, SurfaceNeeds::ALL).expect("its own hit");
+        let surface = mesh.surface(&ray, &hit, InteractionFlags::ALL).expect("its own hit");
         assert_eq!((surface.point, surface.uv), (DVec3::new(0.25, 0.75, 0.0), [0.5, 1.5]));
         assert_eq!((surface.geometric_normal, surface.shading_normal), (DVec3::Z, DVec3::Z));
-        let bare = mesh.surface(&ray, &hit, SurfaceNeeds::NONE).expect("its own hit");
+        let bare = mesh.surface(&ray, &hit, InteractionFlags::NONE).expect("its own hit");
         let foreign = Hit { primitive: 1_000_000, ..hit };
-        assert_eq!(mesh.surface(&ray, &foreign, SurfaceNeeds::ALL), None);
+        assert_eq!(mesh.surface(&ray, &foreign, InteractionFlags::ALL), None);
         assert_eq!((bare.uv, bare.shadow_point), ([0.0; 2], bare.point));
         assert_eq!(mesh.bounds(), Aabb::new(DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)));
         assert_eq!(mesh.memory(), 4 * 12 + 2 * 12 + 4 * 12 + 4 * 8);
-        assert_eq!(mesh.leaf_layout(0), LeafLayout::Watertight([Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)]));
+        assert_eq!(mesh.geometry(0), PrimitiveGeometry::ExactTriangle([Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)]));
     }
 
     #[test]
@@ -263,7 +270,7 @@ mod tests {
         let (mesh, repairs) = build(data);
         assert_eq!(
             repairs,
-            MeshRepairs { degenerate: 2, not_finite: 1, bad_normals: 2, bad_uvs: 1, ..MeshRepairs::default() }
+            MeshRepairs { degenerate: 2, non_finite: 1, bad_normals: 2, bad_uvs: 1, ..MeshRepairs::default() }
         );
         assert_eq!(mesh.data().triangles, square().triangles);
         assert_eq!(mesh.data().normals[1..3], [Vec3::Z; 2]);
@@ -289,7 +296,7 @@ mod tests {
     fn an_empty_mesh_is_a_mesh() {
         let (mesh, _) = build(MeshData::default());
         assert!(mesh.is_empty() && mesh.bounds().is_empty());
-        assert_eq!((Primitives::bounds(&mesh, 0), mesh.leaf_layout(0)), (None, LeafLayout::Opaque));
+        assert_eq!((Primitives::bounds(&mesh, 0), mesh.geometry(0)), (None, PrimitiveGeometry::Opaque));
         assert_eq!(mesh.intersect(0, &Ray::new(DVec3::ZERO, DVec3::X), Interval::FORWARD), None);
     }
 
@@ -301,7 +308,7 @@ mod tests {
         for z in [1.0, -1.0] {
             let ray = Ray::new(DVec3::new(0.25, 0.5, z), DVec3::new(0.0, 0.0, -z));
             let surface =
-                mesh.surface(&ray, &closest(&mesh, &ray).expect("a hit"), SurfaceNeeds::ALL).expect("its own hit");
+                mesh.surface(&ray, &closest(&mesh, &ray).expect("a hit"), InteractionFlags::ALL).expect("its own hit");
             assert!((surface.shading_normal - DVec3::new(-0.6, 0.0, 0.8)).length() < 1e-7);
             assert_eq!(surface.geometric_normal, DVec3::Z);
         }
@@ -334,7 +341,7 @@ mod tests {
             let at = |k: i32| (f64::from(k) + 0.5) / f64::from(SIDE) * 2.0 - 1.0;
             let ray = Ray::new(DVec3::new(at(pixel % SIDE), at(pixel / SIDE), 2.0), DVec3::NEG_Z);
             let Some(hit) = closest(mesh, &ray) else { continue };
-            let surface = mesh.surface(&ray, &hit, SurfaceNeeds::ALL).expect("its own hit");
+            let surface = mesh.surface(&ray, &hit, InteractionFlags::ALL).expect("its own hit");
             covered += 1;
             let cosine = surface.shading_normal.dot(light);
             if cosine > 0.0 {

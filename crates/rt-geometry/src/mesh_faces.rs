@@ -1,7 +1,6 @@
 //! Meshes from strips, fans and faces with many corners.
 
-use crate::triangulator::Triangulator;
-use crate::{MeshData, MeshError};
+use crate::{MeshData, MeshError, triangulator::Triangulator};
 use rt_math::Vec3;
 
 /// A flat face of a mesh by the indices of its corners, counter-clockwise seen from the front.
@@ -101,9 +100,9 @@ fn check_face(index: usize, face: &Face<'_>, vertices: usize) -> Result<(), Mesh
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::TriangleMesh;
+    use crate::{Hit, NoProbe, Primitives, TriangleMesh, intersect_primitive};
     use rt_math::transcendental::sincos;
-    use rt_math::{DVec3, Hit, Interval, NoProbe, Primitives, Ray, SlabRay, decide};
+    use rt_math::{DVec3, Interval, Ray, SlabRay};
     use std::f64::consts::TAU;
 
     #[test]
@@ -130,7 +129,7 @@ mod tests {
             for index in 0..4 {
                 let ray = Ray::new(DVec3::new(x, 0.4, 1.0), DVec3::NEG_Z);
                 let Some(hit) = mesh.intersect(index, &ray, Interval::FORWARD) else { continue };
-                let surface = mesh.surface(&ray, &hit, crate::SurfaceNeeds::ALL).expect("a surface");
+                let surface = mesh.surface(&ray, &hit, crate::InteractionFlags::ALL).expect("a surface");
                 assert_eq!(surface.geometric_normal, DVec3::NEG_Z, "all face the side of the first");
             }
         }
@@ -153,7 +152,7 @@ mod tests {
         assert_eq!((mesh.len(), repairs.degenerate), (RIM as usize, 0));
         let down = Ray::new(DVec3::new(0.5, 0.25, 3.0), DVec3::NEG_Z);
         let slab = SlabRay::new(&down);
-        let hits = || (0..RIM).filter_map(|i| decide(&mesh, i, &slab, Interval::FORWARD, &mut NoProbe));
+        let hits = || (0..RIM).filter_map(|i| intersect_primitive(&mesh, i, &slab, Interval::FORWARD, &mut NoProbe));
         assert!(hits().all(|hit| hit.t == 2.0) && hits().count() == RIM as usize);
         let first = |best: Option<Hit>, hit: Hit| best.filter(|best| best.t <= hit.t).or(Some(hit));
         assert_eq!(hits().fold(None, first).map(|hit| hit.primitive), Some(0));

@@ -66,7 +66,7 @@ pub struct MeshRepairs {
     /// Triangles without area (repeated or collinear vertices), dropped.
     pub degenerate: usize,
     /// Triangles with a NaN or infinite vertex, dropped.
-    pub not_finite: usize,
+    pub non_finite: usize,
     /// Zero or non-finite normals, replaced by the normal of a triangle at that vertex.
     pub bad_normals: usize,
     /// NaN or infinite texture coordinates, replaced by (0, 0).
@@ -126,7 +126,7 @@ fn drop_bad_triangles(data: &mut MeshData, repairs: &mut MeshRepairs) {
     data.triangles.retain(|triangle| {
         let corners = triangle.map(|i| positions[i as usize]);
         if corners.iter().any(|corner| !corner.is_finite()) {
-            repairs.not_finite += 1;
+            repairs.non_finite += 1;
             return false;
         }
         let degenerate = area_vector(corners.map(|corner| corner.as_dvec3())) == DVec3::ZERO;

@@ -1,8 +1,7 @@
 //! The point of a surface that is nearest to a given point.
 
-use crate::area::unit_normal;
-use crate::{Sphere, Spheres, TriangleMesh};
-use rt_math::{DVec3, NearestPoint};
+use crate::{ClosestPoint, Sphere, Spheres, TriangleMesh, area::unit_normal};
+use rt_math::DVec3;
 
 /// The point of a triangle that is nearest to `point`.
 ///
@@ -48,7 +47,7 @@ pub(crate) fn nearest_on_sphere(sphere: &Sphere, point: DVec3) -> DVec3 {
     sphere.centre() + outwards * sphere.radius()
 }
 
-impl NearestPoint for TriangleMesh {
+impl ClosestPoint for TriangleMesh {
     /// A point of the triangle, edges included; `None` for a NaN and if there is no such triangle.
     fn nearest_point(&self, index: u32, point: DVec3) -> Option<DVec3> {
         let nearest = nearest_on_triangle(self.vertices(index)?, point);
@@ -56,7 +55,7 @@ impl NearestPoint for TriangleMesh {
     }
 }
 
-impl NearestPoint for Spheres {
+impl ClosestPoint for Spheres {
     /// A point of the surface, also from within the ball; `None` for a NaN and if there is no such sphere.
     fn nearest_point(&self, index: u32, point: DVec3) -> Option<DVec3> {
         let nearest = nearest_on_sphere(self.as_slice().get(index as usize)?, point);

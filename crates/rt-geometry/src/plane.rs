@@ -1,7 +1,7 @@
 //! Infinite planes.
 
 use crate::error::{ShapeError, check_coordinates};
-use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction};
 use rt_math::float::{UNIT_ROUNDOFF, gamma};
 use rt_math::{DVec3, Frame, Interval, Ray};
 
@@ -46,7 +46,7 @@ impl Plane {
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let normal = self.normal;
         let on_ray = ray.at(hit.t);
         let point = on_ray - normal * normal.dot(on_ray - self.point);
@@ -85,7 +85,7 @@ mod tests {
                     let ray = Ray::new(eye, (aim - eye).normalize());
                     let hit = short.intersect(&ray, Interval::FORWARD).expect("a hit");
                     let shadow = short
-                        .surface(&ray, &hit, SurfaceNeeds::ALL)
+                        .surface(&ray, &hit, InteractionFlags::ALL)
                         .spawn_shadow_ray_towards(DVec3::new(0.5, 1.0, 0.75), 0.0);
                     assert_eq!(short.intersect(&shadow, Interval::SPAWNED), None, "scale {scale}, ray {i}");
                 }
@@ -100,7 +100,7 @@ mod tests {
     fn hit(plane: Plane, origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, SurfaceInteraction)> {
         let ray = Ray::new(origin.into(), direction.into());
         let hit = plane.intersect(&ray, Interval::FORWARD)?;
-        Some((hit.t, plane.surface(&ray, &hit, SurfaceNeeds::ALL)))
+        Some((hit.t, plane.surface(&ray, &hit, InteractionFlags::ALL)))
     }
 
     #[test]

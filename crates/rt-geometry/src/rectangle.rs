@@ -1,7 +1,7 @@
 //! Rectangles: finite planes.
 
 use crate::error::{ShapeError, check_length};
-use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction};
 use rt_math::float::gamma;
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
@@ -63,7 +63,7 @@ impl Rectangle {
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect). The point lies exactly in the plane.
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let (on_ray, corner) = (ray.at(hit.t), self.corner());
         let point = DVec3::new(on_ray.x.clamp(-corner.x, corner.x), 0.0, on_ray.z.clamp(-corner.z, corner.z));
         // The point is exact across the plane. The bound makes room for a ray that leaves it at coordinate 0, where
@@ -82,7 +82,7 @@ mod tests {
         let rectangle = Rectangle::new(4.0, 2.0).expect("a rectangle");
         let ray = Ray::new(origin.into(), direction.into());
         let hit = rectangle.intersect(&ray, Interval::FORWARD)?;
-        let surface = rectangle.surface(&ray, &hit, SurfaceNeeds::ALL);
+        let surface = rectangle.surface(&ray, &hit, InteractionFlags::ALL);
         assert_eq!((surface.point, surface.geometric_normal), (ray.at(hit.t), DVec3::Y));
         Some((hit.t, surface.uv))
     }

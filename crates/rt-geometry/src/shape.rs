@@ -1,10 +1,10 @@
 //! The closed set of shapes.
 
 use crate::{
-    AxisBox, Cone, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, Plane, Polygon, Rectangle, Sphere,
-    SurfaceInteraction, SurfaceNeeds, Torus, Triangle,
+    Cone, Cuboid, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, InteractionFlags, Plane, Polygon, Rectangle,
+    Sphere, SurfaceInteraction, Torus, Triangle, TriangleHit,
 };
-use rt_math::{Aabb, DVec3, Interval, Ray, TriangleHit};
+use rt_math::{Aabb, DVec3, Interval, Ray};
 use std::sync::Arc;
 
 /// A hit on a single shape.
@@ -31,7 +31,7 @@ pub enum Shape {
     /// A sphere.
     Sphere(Sphere),
     /// An axis-aligned box.
-    AxisBox(AxisBox),
+    Cuboid(Cuboid),
     /// An infinite plane.
     Plane(Plane),
     /// A triangle.
@@ -61,7 +61,7 @@ impl Shape {
     pub fn bounds(&self) -> Option<Aabb> {
         match self {
             Self::Sphere(sphere) => Some(sphere.bounds()),
-            Self::AxisBox(axis_box) => Some(axis_box.bounds()),
+            Self::Cuboid(axis_box) => Some(axis_box.bounds()),
             Self::Plane(_) | Self::InfiniteCylinder(_) | Self::DoubleCone(_) => None,
             Self::Triangle(triangle) => Some(triangle.bounds()),
             Self::Polygon(polygon) => Some(polygon.bounds()),
@@ -79,7 +79,7 @@ impl Shape {
     pub(crate) fn support(&self, direction: DVec3) -> Option<f64> {
         match self {
             Self::Sphere(sphere) => Some(sphere.centre().dot(direction) + sphere.radius() * direction.length()),
-            Self::AxisBox(axis_box) => {
+            Self::Cuboid(axis_box) => {
                 let Aabb { min, max } = axis_box.bounds();
                 Some((min * direction).max(max * direction).element_sum())
             }
@@ -103,7 +103,7 @@ impl Shape {
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         match self {
             Self::Sphere(sphere) => sphere.intersect(ray, span),
-            Self::AxisBox(axis_box) => axis_box.intersect(ray, span),
+            Self::Cuboid(axis_box) => axis_box.intersect(ray, span),
             Self::Plane(plane) => plane.intersect(ray, span),
             Self::Triangle(triangle) => triangle.intersect(ray, span),
             Self::Polygon(polygon) => polygon.intersect(ray, span),
@@ -119,10 +119,10 @@ impl Shape {
     }
 
     /// The surface at a hit of this shape with this ray.
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         match self {
             Self::Sphere(sphere) => sphere.surface(ray, hit, needs),
-            Self::AxisBox(axis_box) => axis_box.surface(ray, hit, needs),
+            Self::Cuboid(axis_box) => axis_box.surface(ray, hit, needs),
             Self::Plane(plane) => plane.surface(ray, hit, needs),
             Self::Triangle(triangle) => triangle.surface(ray, hit, needs),
             Self::Polygon(polygon) => polygon.surface(ray, hit, needs),
@@ -150,7 +150,7 @@ mod tests {
         let polygon = Polygon::new(vec![DVec3::X, DVec3::Y, DVec3::Z], Vec::new(), InsideRule::EvenOdd);
         vec![
             Shape::Sphere(Sphere::new(DVec3::X, 1.0).expect("a sphere")),
-            Shape::AxisBox(AxisBox::new(DVec3::NEG_ONE, DVec3::ONE).expect("a box")),
+            Shape::Cuboid(Cuboid::new(DVec3::NEG_ONE, DVec3::ONE).expect("a box")),
             Shape::Plane(Plane::new(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)).expect("a plane")),
             Shape::Triangle(Triangle::new([DVec3::X, DVec3::Y, DVec3::Z]).expect("a triangle")),
             Shape::Polygon(Arc::new(polygon.expect("a polygon"))),

@@ -1,10 +1,10 @@
 //! Spheres.
 
 use crate::error::{ShapeError, check_coordinates, check_radius};
-use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
+use crate::{InteractionFlags, ShapeHit, SphereKernel, SurfaceInteraction};
 use rt_math::float::{UNIT_ROUNDOFF, gamma};
 use rt_math::transcendental::{atan2, hypot};
-use rt_math::{Aabb, DVec3, Interval, Ray, RoundSphere};
+use rt_math::{Aabb, DVec3, Interval, Ray};
 use std::f64::consts::{PI, TAU};
 
 /// A sphere; its normal points outwards.
@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 /// Texture coordinates: `u` runs once around +y, from −z over −x, +z (where it is ½) and +x, so that an image appears
 /// upright and unmirrored from outside; `v` runs with the latitude from 0 at the south pole (−y) to 1 at the north.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sphere(RoundSphere);
+pub struct Sphere(SphereKernel);
 
 impl Sphere {
     /// A sphere around `centre`.
@@ -22,7 +22,7 @@ impl Sphere {
     pub fn new(centre: DVec3, radius: f64) -> Result<Self, ShapeError> {
         check_coordinates([centre])?;
         check_radius(radius)?;
-        Ok(Self(RoundSphere { centre, radius }))
+        Ok(Self(SphereKernel { centre, radius }))
     }
 
     /// The centre.
@@ -44,11 +44,11 @@ impl Sphere {
 
     /// As rays meet it.
     #[inline(always)]
-    pub const fn round(&self) -> RoundSphere {
+    pub const fn round(&self) -> SphereKernel {
         self.0
     }
 
-    /// The first of the two crossings within `span`, as [`RoundSphere`] finds it. `None` on a miss, and for rays without a
+    /// The first of the two crossings within `span`, as [`SphereKernel`] finds it. `None` on a miss, and for rays without a
     /// direction.
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
@@ -58,7 +58,7 @@ impl Sphere {
 
     /// The surface at a hit of [`intersect`](Self::intersect).
     #[inline(always)]
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let f = (ray.origin - self.0.centre) + ray.direction * hit.t;
         // From so far away that rounding puts the hit on the centre, the best guess is the side of the viewer.
         let normal = f.try_normalize().unwrap_or_else(|| -ray.direction.normalize_or(DVec3::Y));
@@ -171,7 +171,7 @@ mod tests {
         let uv_at = |direction: DVec3| {
             let ray = Ray::new(direction * 3.0, -direction);
             let hit = sphere(2.0).intersect(&ray, Interval::FORWARD).expect("a hit");
-            sphere(2.0).surface(&ray, &hit, SurfaceNeeds::ALL).uv
+            sphere(2.0).surface(&ray, &hit, InteractionFlags::ALL).uv
         };
         assert_eq!(uv_at(DVec3::Z), [0.5, 0.5]);
         assert_eq!(uv_at(DVec3::X), [0.75, 0.5]);
@@ -223,7 +223,7 @@ mod tests {
             let origin = inside + from * far;
             let ray = Ray::new(origin, (inside - origin) + from * -0.5);
             let hit = sphere.intersect(&ray, Interval::FORWARD).expect("towards a point inside");
-            let surface = sphere.surface(&ray, &hit, SurfaceNeeds::ALL);
+            let surface = sphere.surface(&ray, &hit, InteractionFlags::ALL);
             let arm = surface.point - sphere.centre();
             let slack = surface.point_error.length();
             prop_assert!((arm.length() - radius).abs() <= slack && slack < 1e-12);

@@ -1,7 +1,7 @@
 //! Sets of spheres.
 
-use crate::{ShapeHit, Sphere, SurfaceInteraction, SurfaceNeeds};
-use rt_math::{Aabb, Hit, Interval, LeafLayout, Primitives, Ray};
+use crate::{Hit, InteractionFlags, PrimitiveGeometry, Primitives, ShapeHit, Sphere, SurfaceInteraction};
+use rt_math::{Aabb, Interval, Ray};
 
 /// Many spheres in one space, for scenes that hold nothing else.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,7 +21,7 @@ impl Spheres {
     /// The surface at a hit of this set with this ray; `None` for a hit on a primitive that it does not have.
     // Always, as a surface that is returned by memory is copied from there before it has all arrived.
     #[inline(always)]
-    pub fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceInteraction> {
+    pub fn surface(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceInteraction> {
         let sphere = self.0.get(hit.primitive as usize)?;
         Some(sphere.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, needs))
     }
@@ -44,8 +44,10 @@ impl Primitives for Spheres {
     }
 
     #[inline]
-    fn leaf_layout(&self, index: u32) -> LeafLayout {
-        self.0.get(index as usize).map_or(LeafLayout::Opaque, |sphere| LeafLayout::Round(sphere.round()))
+    fn geometry(&self, index: u32) -> PrimitiveGeometry {
+        self.0
+            .get(index as usize)
+            .map_or(PrimitiveGeometry::Opaque, |sphere| PrimitiveGeometry::ExactSphere(sphere.round()))
     }
 }
 
@@ -63,11 +65,11 @@ mod tests {
         let hit = set.intersect(1, &ray, Interval::FORWARD).expect("a hit");
         let alone = sphere(3.0).intersect(&ray, Interval::FORWARD).expect("a hit");
         assert_eq!((hit.t, hit.instance, hit.primitive), (alone.t, 0, 1));
-        let needs = SurfaceNeeds::ALL;
+        let needs = InteractionFlags::ALL;
         assert_eq!(set.surface(&ray, &hit, needs), Some(sphere(3.0).surface(&ray, &alone, needs)));
         assert_eq!(set.surface(&ray, &Hit { primitive: 2, ..hit }, needs), None);
         assert_eq!((set.len(), set.bounds(1)), (2, Some(sphere(3.0).bounds())));
-        assert_eq!(set.leaf_layout(1), LeafLayout::Round(sphere(3.0).round()));
+        assert_eq!(set.geometry(1), PrimitiveGeometry::ExactSphere(sphere(3.0).round()));
         assert_eq!((set.bounds(2), set.intersect(2, &ray, Interval::FORWARD)), (None, None), "not there");
     }
 }

@@ -1,10 +1,8 @@
 //! Tori.
 
-use crate::bracketed_root::bracketed_root;
 use crate::error::{ShapeError, check_radius};
-use crate::lateral::longitude;
-use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
-use rt_math::float::{UNIT_ROUNDOFF, cross, gamma, rescaling};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, bracketed_root::bracketed_root, lateral::longitude};
+use rt_math::float::{UNIT_ROUNDOFF, cross, gamma, power_of_two_scale};
 use rt_math::transcendental::{atan2, cbrt};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 use std::f64::consts::TAU;
@@ -83,7 +81,7 @@ impl Torus {
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         // The distance along the chord is sharper than `t`, which is rounded to the grid of a faraway origin.
         let on_ray = Chord::new(self, ray).map_or_else(|| ray.at(hit.t), |chord| chord.at(hit.uv[0]));
         let towards_viewer = -ray.direction.normalize_or(DVec3::Y);
@@ -116,7 +114,7 @@ struct Chord<'a> {
 impl<'a> Chord<'a> {
     /// `None` if the ray passes by the sphere around the torus, has a NaN or no direction.
     fn new(torus: &'a Torus, ray: &Ray) -> Option<Self> {
-        let scale = rescaling(ray.direction);
+        let scale = power_of_two_scale(ray.direction);
         let (o, d) = (ray.origin, ray.direction * scale);
         let square = d.dot(d);
         // Not o + t·d, which would be off by a rounding error of a faraway origin.
@@ -311,7 +309,7 @@ mod tests {
         let uv = |origin: [f64; 3], direction: [f64; 3]| {
             let ray = Ray::new(origin.into(), direction.into());
             let hit = torus(1.0, 0.25).intersect(&ray, Interval::FORWARD).expect("a hit");
-            torus(1.0, 0.25).surface(&ray, &hit, SurfaceNeeds::ALL).uv
+            torus(1.0, 0.25).surface(&ray, &hit, InteractionFlags::ALL).uv
         };
         assert_eq!(uv([0.0, 0.0, 3.0], [0.0, 0.0, -1.0]), [0.5, 0.5]);
         assert_eq!(uv([3.0, 0.0, 0.0], [-1.0, 0.0, 0.0]), [0.75, 0.5]);
@@ -348,7 +346,7 @@ mod tests {
             prop_assert!(found.len().is_multiple_of(2) && found.len() <= 4, "{found:?}");
             for t in found {
                 let hit = torus.intersect(&ray, Interval::new(t, t)).expect("this very crossing");
-                let surface = torus.surface(&ray, &hit, SurfaceNeeds::ALL);
+                let surface = torus.surface(&ray, &hit, InteractionFlags::ALL);
                 let (p, normal) = (surface.point, surface.geometric_normal);
                 let outwards = DVec3::new(p.x, 0.0, p.z).length() - radius;
                 let gap = DVec3::new(outwards, p.y, 0.0).length() - torus.tube_radius();

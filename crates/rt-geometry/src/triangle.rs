@@ -2,7 +2,7 @@
 
 use crate::area::{area_vector, unit_normal};
 use crate::error::{ShapeError, check_coordinates};
-use crate::{ShapeHit, ShearedRay, SurfaceInteraction, SurfaceNeeds};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, WatertightRay};
 use rt_math::float::{UNIT_ROUNDOFF, gamma};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
@@ -36,14 +36,14 @@ impl Triangle {
     }
 
     /// The hit within `span`, from either side; `None` on a miss, when seen exactly edge-on, and for rays without a
-    /// direction. See [`ShearedRay`] for the test.
+    /// direction. See [`WatertightRay`] for the test.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
-        ShearedRay::new(ray).intersect(self.vertices, span).map(ShapeHit::from)
+        WatertightRay::new(ray).intersect(self.vertices, span).map(ShapeHit::from)
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).
-    pub fn surface(&self, _ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, _ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let (point, point_error) = point_at(self.vertices, weights(hit.uv));
         let uv = if needs.uv { hit.uv } else { [0.0; 2] };
         SurfaceInteraction::flat(point, point_error, unit_normal(self.vertices), uv)
@@ -100,7 +100,7 @@ mod tests {
         for (vertex, uv) in vertices.into_iter().zip([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]) {
             let ray = Ray::new(DVec3::new(vertex.x, vertex.y, 5.0), DVec3::NEG_Z);
             let hit = triangle.intersect(&ray, Interval::FORWARD).expect("a hit");
-            let surface = triangle.surface(&ray, &hit, SurfaceNeeds::ALL);
+            let surface = triangle.surface(&ray, &hit, InteractionFlags::ALL);
             assert_eq!((hit.uv, surface.uv, surface.point), (uv, uv, vertex));
         }
     }
@@ -110,9 +110,9 @@ mod tests {
         for origin in [[0.25, 0.25, 1.0], [0.25, 0.25, -1.0]] {
             let ray = Ray::new(origin.into(), DVec3::new(0.0, 0.0, -origin[2]));
             let hit = corner().intersect(&ray, Interval::FORWARD).expect("a hit");
-            let surface = corner().surface(&ray, &hit, SurfaceNeeds::NONE);
+            let surface = corner().surface(&ray, &hit, InteractionFlags::NONE);
             assert_eq!((surface.geometric_normal, surface.uv), (DVec3::Z, [0.0; 2]));
-            assert_eq!(corner().surface(&ray, &hit, SurfaceNeeds::ALL).uv, [0.25, 0.25]);
+            assert_eq!(corner().surface(&ray, &hit, InteractionFlags::ALL).uv, [0.25, 0.25]);
         }
     }
 
@@ -135,7 +135,7 @@ mod tests {
             let origin = DVec3::new(f64::from(i) * 1e4, -1.0, f64::from(i) * 1e-8);
             let ray = Ray::new(origin, DVec3::new(3e5, 1.0, 0.0));
             if let Some(hit) = sliver.intersect(&ray, Interval::FORWARD) {
-                let surface = sliver.surface(&ray, &hit, SurfaceNeeds::ALL);
+                let surface = sliver.surface(&ray, &hit, InteractionFlags::ALL);
                 assert!(sliver.bounds().padded().contains(surface.point));
                 assert_eq!(surface.geometric_normal, DVec3::Z);
             }
@@ -166,7 +166,7 @@ mod tests {
             let hit = triangle.intersect(&ray, Interval::FORWARD).expect("a hit");
             prop_assert!((hit.t - 1.0).abs() < 1e-12);
             prop_assert!((hit.uv[0] - v).abs() < 1e-11 && (hit.uv[1] - w).abs() < 1e-11);
-            let surface = triangle.surface(&ray, &hit, SurfaceNeeds::ALL);
+            let surface = triangle.surface(&ray, &hit, InteractionFlags::ALL);
             prop_assert!((surface.point - aim).length() < 1e-11);
             prop_assert!((surface.geometric_normal.length() - 1.0).abs() < 1e-15);
             prop_assert!(surface.geometric_normal.dot(b - a).abs() < 1e-12);

@@ -1,7 +1,6 @@
 //! Polygons to triangles: fans where the polygon is convex, ear clipping where it is not.
 
-use crate::Face;
-use crate::area::polygon_area_vector;
+use crate::{Face, area::polygon_area_vector};
 use earcut::Earcut;
 use rt_math::{DVec3, Frame, Vec3};
 

@@ -2,7 +2,7 @@
 
 use crate::disk::{cap_uv, on_disk};
 use crate::lateral::{Inside, Lateral, longitude};
-use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
 /// The part of a [`Lateral`] between two heights: a closed solid if it has caps, else an open surface with two sides.
@@ -96,7 +96,7 @@ impl Truncated {
         })
     }
 
-    pub(crate) fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub(crate) fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let (y, normal) = match Face::from_number(hit.uv[0]) {
             Face::Side => return self.side_surface(ray, hit.t, needs),
             Face::Bottom => (self.bottom, DVec3::NEG_Y),
@@ -108,7 +108,7 @@ impl Truncated {
         SurfaceInteraction::flat(point, point_error, normal, uv)
     }
 
-    fn side_surface(&self, ray: &Ray, t: f64, needs: SurfaceNeeds) -> SurfaceInteraction {
+    fn side_surface(&self, ray: &Ray, t: f64, needs: InteractionFlags) -> SurfaceInteraction {
         let mut surface = self.side.surface(ray, t, [self.bottom, self.top]);
         if needs.uv {
             let height = (surface.point.y - self.bottom) / (self.top - self.bottom);

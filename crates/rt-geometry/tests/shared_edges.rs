@@ -75,7 +75,7 @@ fn each_point_of_the_kettner_grid_has_exactly_one_owner() {
 
 /// A closed solid: a prism over a concave outline, tilted. Caps are polygons, walls alternately polygons and pairs of
 /// triangles.
-struct Prism {
+struct DispersiveDielectric {
     caps: [Vec<DVec3>; 2],
     centre: DVec3,
     scale: f64,
@@ -83,7 +83,7 @@ struct Prism {
     triangles: Vec<Triangle>,
 }
 
-impl Prism {
+impl DispersiveDielectric {
     fn new(rule: InsideRule, offset: f64, scale: f64) -> Self {
         let n = 11;
         let centre = DVec3::new(offset, offset * 0.75, -offset);
@@ -137,7 +137,11 @@ fn no_ray_leaves_a_closed_solid_of_polygons_and_triangles() {
     for rule in RULES {
         for (offset, scale) in [(0.0, 1.0), (100.0, 1.0), (1e4, 1.0), (0.0, 1e-6), (1e7, 1000.0), (1e3, small)] {
             // The corners of a convex polygon must be convex as they stand: a wall that rounding bent may not be.
-            assert_eq!(Prism::new(rule, offset, scale).leaks(20_000), 0, "{rule:?} at offset {offset}, scale {scale}");
+            assert_eq!(
+                DispersiveDielectric::new(rule, offset, scale).leaks(20_000),
+                0,
+                "{rule:?} at offset {offset}, scale {scale}"
+            );
         }
     }
 }

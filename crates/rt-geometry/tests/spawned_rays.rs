@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use rt_geometry::{
-    AxisBox, Cone, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, InsideRule, Placed, Plane, Polygon,
-    Rectangle, Shape, Sphere, SurfaceInteraction, SurfaceNeeds, Torus, Triangle,
+    Cone, Cuboid, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, InsideRule, InteractionFlags, Plane, Polygon,
+    Rectangle, Shape, Sphere, SurfaceInteraction, Torus, TransformedShape, Triangle,
 };
 use rt_math::transcendental::{pow, sincos};
 use rt_math::{DVec3, Frame, Interval, Ray, Transform, random};
@@ -26,13 +26,13 @@ fn upwards(normal: DVec3, cosine: f64, turn: f64) -> DVec3 {
 fn shapes(scale: f64, offset: f64) -> [Shape; 5] {
     let centre = DVec3::splat(offset);
     let sphere = Sphere::new(centre, scale).expect("a sphere");
-    let solid = AxisBox::new(centre - scale, centre + scale).expect("a box");
+    let solid = Cuboid::new(centre - scale, centre + scale).expect("a box");
     let plane = Plane::new(centre, DVec3::new(0.6, 0.48, 0.64)).expect("a plane");
     let corners = [DVec3::X, DVec3::Y, DVec3::Z].map(|v| centre + v * scale);
     let triangle = Triangle::new(corners).expect("a triangle");
     let corners = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.5, -1.0, 1.5)].map(|v| centre + v * scale).to_vec();
     let polygon = Arc::new(Polygon::new(corners, Vec::new(), InsideRule::EvenOdd).expect("a polygon"));
-    let [sphere, solid] = [Shape::Sphere(sphere), Shape::AxisBox(solid)];
+    let [sphere, solid] = [Shape::Sphere(sphere), Shape::Cuboid(solid)];
     [sphere, solid, Shape::Plane(plane), Shape::Triangle(triangle), Shape::Polygon(polygon)]
 }
 
@@ -65,8 +65,7 @@ fn transform() -> impl Strategy<Value = Transform> {
         |(offset, axis, angle, factors, far)| {
             let turn = Transform::rotate(axis, angle).ok()?;
             let scale = Transform::scale(factors).ok()?;
-            let all =
-                Transform::translate(offset * pow(10.0, far)).then_first(&turn).then_first(&scale).then_first(&turn);
+            let all = Transform::translate(offset * pow(10.0, far)).compose(&turn).compose(&scale).compose(&turn);
             (factors.abs().min_element() > 1e-3).then_some(all)
         },
     )
@@ -99,7 +98,7 @@ proptest! {
             let origin = DVec3::splat(offset) + from * (scale * 10.0);
             let ray = Ray::new(origin, DVec3::splat(offset) + to * scale - origin);
             let Some(hit) = shape.intersect(&ray, Interval::FORWARD) else { continue };
-            let surface = shape.surface(&ray, &hit, SurfaceNeeds::ALL);
+            let surface = shape.surface(&ray, &hit, InteractionFlags::ALL);
             let direction = upwards(surface.geometric_normal, cosine, turn);
             let hits = |ray: &Ray| shape.intersect(ray, Interval::FORWARD).is_some();
             leaves(&surface, direction, offset + surface.point.length() + scale, hits)?;
@@ -111,10 +110,10 @@ proptest! {
         map in transform(), from in vector(), to in vector(), cosine in 0.0..1.0f64, turn in 0.0..1.0f64,
     ) {
         for shape in shapes(1.0, 0.25).into_iter().chain(convex_around_the_axis(1.0)) {
-            let placed = Placed::new(shape, map);
+            let placed = TransformedShape::new(shape, map);
             let ray = map.ray(&Ray::new(from * 10.0, to - from * 10.0));
             let Some(hit) = placed.intersect(&ray, Interval::FORWARD) else { continue };
-            let surface = placed.surface(&ray, &hit, SurfaceNeeds::ALL);
+            let surface = placed.surface(&ray, &hit, InteractionFlags::ALL);
             let direction = upwards(surface.geometric_normal, cosine, turn);
             let hits = |ray: &Ray| placed.intersect(ray, Interval::FORWARD).is_some();
             let extent = map.condition() * (map.translation().length() + surface.point.length() + 1.0);
@@ -132,7 +131,7 @@ fn a_gap_of_a_billionth_is_crossed() {
         let towards = upwards(DVec3::Z, draw(ray, 0), draw(ray, 1));
         let arriving = Ray::new(towards * 3.0, -towards);
         let hit = outer.intersect(&arriving, Interval::FORWARD).expect("a hit");
-        let surface = outer.surface(&arriving, &hit, SurfaceNeeds::ALL);
+        let surface = outer.surface(&arriving, &hit, InteractionFlags::ALL);
         let entering = surface.spawn_ray(-towards, 0.0);
         let gap = inner.intersect(&entering, Interval::FORWARD).expect("the inner sphere").t;
         assert!((gap - 1e-9).abs() < 1e-14, "{gap}");
@@ -148,12 +147,12 @@ fn a_composed_transform_does_not_bring_spawned_rays_back_to_their_plane() {
     for ray in 0..100_000 {
         let turn = Transform::rotate(vector(ray, 0), TAU * draw(ray, 3)).expect("an axis");
         let squeeze = Transform::scale(DVec3::new(1.0, 0.05, 0.5)).expect("regular");
-        let map = turn.then_first(&squeeze).then_first(&turn);
-        let placed = Placed::new(plane.clone(), map);
+        let map = turn.compose(&squeeze).compose(&turn);
+        let placed = TransformedShape::new(plane.clone(), map);
         let local = Ray::new(vector(ray, 4) * 10.0, vector(ray, 7));
         let arriving = map.ray(&local);
         let Some(hit) = placed.intersect(&arriving, Interval::FORWARD) else { continue };
-        let surface = placed.surface(&arriving, &hit, SurfaceNeeds::ALL);
+        let surface = placed.surface(&arriving, &hit, InteractionFlags::ALL);
         let leaving = surface.spawn_ray(upwards(surface.geometric_normal, draw(ray, 10), draw(ray, 11)), 0.0);
         assert_eq!(placed.intersect(&leaving, Interval::FORWARD), None, "ray {ray}");
     }
@@ -163,12 +162,12 @@ fn a_composed_transform_does_not_bring_spawned_rays_back_to_their_plane() {
 struct Curved {
     shape: Shape,
     is_convex: bool,
-    enclosure: Option<Placed>,
+    enclosure: Option<TransformedShape>,
 }
 
 fn curved(scale: f64) -> Vec<Curved> {
     let larger = Transform::scale(DVec3::splat(1.002)).expect("regular");
-    let larger = Transform::translate(DVec3::NEG_Y * (0.001 * scale)).then_first(&larger);
+    let larger = Transform::translate(DVec3::NEG_Y * (0.001 * scale)).compose(&larger);
     let convex = convex_around_the_axis(scale).into_iter().map(|shape| {
         let is_closed = match &shape {
             Shape::Cylinder(cylinder) => cylinder.has_caps(),
@@ -176,12 +175,12 @@ fn curved(scale: f64) -> Vec<Curved> {
             Shape::Frustum(frustum) => frustum.has_caps(),
             _ => false,
         };
-        let enclosure = is_closed.then(|| Placed::new(shape.clone(), larger));
+        let enclosure = is_closed.then(|| TransformedShape::new(shape.clone(), larger));
         Curved { shape, is_convex: true, enclosure }
     });
     let torus = |tube: f64| Shape::Torus(Torus::new(scale, tube * scale).expect("a torus"));
     let tori = [0.4, 0.01].map(|tube| {
-        let enclosure = Placed::new(torus(tube + 0.001), Transform::IDENTITY);
+        let enclosure = TransformedShape::new(torus(tube + 0.001), Transform::IDENTITY);
         Curved { shape: torus(tube), is_convex: false, enclosure: Some(enclosure) }
     });
     let cone = Shape::DoubleCone(DoubleCone::new(0.7).expect("a cone"));
@@ -191,9 +190,9 @@ fn curved(scale: f64) -> Vec<Curved> {
 /// Of rays spawned outwards from a shape: how many meet it again where they start, and how many miss what encloses it;
 /// and of rays spawned inwards, how many miss the other wall. The shape has one size as it is, another after the map.
 fn acne_and_leaks_of(curved: &Curved, map: Transform, [size, extent]: [f64; 2]) -> [usize; 3] {
-    let placed = Placed::new(curved.shape.clone(), map);
+    let placed = TransformedShape::new(curved.shape.clone(), map);
     let enclosure =
-        curved.enclosure.as_ref().map(|e| Placed::new(e.shape().clone(), map.then_first(e.world_from_local())));
+        curved.enclosure.as_ref().map(|e| TransformedShape::new(e.shape().clone(), map.compose(e.world_from_local())));
     let (mut acne, mut outside, mut inside, mut spawned) = (0, 0, 0, 0);
     for ray in 0..4_000 {
         let point = |k: u64| DVec3::new(draw(ray, k), draw(ray, k + 1), draw(ray, k + 2)) * 2.0 - 1.0;
@@ -201,7 +200,7 @@ fn acne_and_leaks_of(curved: &Curved, map: Transform, [size, extent]: [f64; 2]) 
         let arriving = map.ray(&Ray::new(from * size, (point(3) - from) * size));
         let Some(hit) = placed.intersect(&arriving, Interval::FORWARD) else { continue };
         spawned += 1;
-        let surface = placed.surface(&arriving, &hit, SurfaceNeeds::ALL);
+        let surface = placed.surface(&arriving, &hit, InteractionFlags::ALL);
         let towards = upwards(surface.geometric_normal, draw(ray, 6), draw(ray, 7));
         let leaving = surface.spawn_ray(towards, 0.0);
         // A shape with a hollow is met again, but not where the ray starts.
@@ -224,8 +223,8 @@ fn curved_shapes_of_any_size_anywhere_have_neither_acne_nor_leaks() {
     let turn = Transform::rotate(DVec3::new(1.0, 2.0, -0.5), 0.8).expect("an axis");
     for (scale, offset) in at_origin.into_iter().chain(far_away) {
         let moved = Transform::translate(DVec3::splat(offset));
-        let scaled = moved.then_first(&turn).then_first(&Transform::scale(DVec3::splat(scale)).expect("regular"));
-        for (size, map) in [(scale, moved), (scale, moved.then_first(&turn)), (1.0, scaled)] {
+        let scaled = moved.compose(&turn).compose(&Transform::scale(DVec3::splat(scale)).expect("regular"));
+        for (size, map) in [(scale, moved), (scale, moved.compose(&turn)), (1.0, scaled)] {
             for curved in curved(size) {
                 let found = acne_and_leaks_of(&curved, map, [size, scale]);
                 assert_eq!(found, [0; 3], "{:?}, scale {scale}, offset {offset}", curved.shape);
@@ -244,7 +243,7 @@ fn curved_shapes_in_their_own_space_have_no_acne() {
                 let from = point(0).normalize_or(DVec3::X) * 3.0;
                 let arriving = Ray::new(from * scale, (point(3) - from) * scale);
                 let Some(hit) = shape.intersect(&arriving, Interval::FORWARD) else { continue };
-                let surface = shape.surface(&arriving, &hit, SurfaceNeeds::ALL);
+                let surface = shape.surface(&arriving, &hit, InteractionFlags::ALL);
                 let leaving = surface.spawn_ray(upwards(surface.geometric_normal, draw(ray, 6), draw(ray, 7)), 0.0);
                 assert_eq!(shape.intersect(&leaving, Interval::FORWARD), None, "{shape:?}, ray {ray}");
             }

@@ -1,6 +1,6 @@
 //! No ray slips through an edge or a vertex of a closed mesh.
 
-use rt_geometry::ShearedRay;
+use rt_geometry::WatertightRay;
 use rt_math::{DVec3, Interval, Ray, random};
 use rt_tests::icosphere;
 
@@ -44,7 +44,7 @@ fn leaks(offset: f64, scale: f64, target: Target, rays: u64) -> (usize, usize) {
         };
         let aim = vertices[triangle[0]].lerp(vertices[triangle[1]], along);
         let ray = Ray::new(origin, aim - origin);
-        let sheared = ShearedRay::new(&ray);
+        let sheared = WatertightRay::new(&ray);
         let corners = || triangles.iter().map(|t| t.map(|i| vertices[i]));
         watertight += usize::from(!corners().any(|t| sheared.intersect(t, Interval::FORWARD).is_some()));
         plain += usize::from(!corners().any(|t| plain_test(t, &ray)));
@@ -82,7 +82,7 @@ fn a_ray_that_starts_in_the_plane_of_a_triangle_meets_it_at_zero() {
         origin[axis] = a[axis];
         let direction = DVec3::from_array(corner(10));
         let above = Ray::new(origin, direction);
-        let hit = ShearedRay::new(&above).intersect(vertices, Interval::FORWARD);
+        let hit = WatertightRay::new(&above).intersect(vertices, Interval::FORWARD);
         assert_eq!(hit.map(|hit| hit.t), Some(0.0), "ray {i}: {above:?}");
         // One step to either side of the plane.
         for aside in [origin[axis].next_up(), origin[axis].next_down()] {
@@ -90,7 +90,7 @@ fn a_ray_that_starts_in_the_plane_of_a_triangle_meets_it_at_zero() {
             start[axis] = aside;
             let ray = Ray::new(start, direction);
             let is_ahead = (a[axis] - aside) * direction[axis] > 0.0;
-            let hit = ShearedRay::new(&ray).intersect(vertices, Interval::FORWARD);
+            let hit = WatertightRay::new(&ray).intersect(vertices, Interval::FORWARD);
             assert_eq!(hit.is_some(), is_ahead, "ray {i}: {ray:?}");
             tried += 1;
         }

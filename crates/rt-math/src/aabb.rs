@@ -9,7 +9,7 @@ pub const FAR_FACTOR: f64 = 1.0 + 2.0 * gamma(3);
 
 /// Own boxes are widened by this part of their greatest coordinate, so that the box never removes a hit that the
 /// kernel found a rounding error outside it.
-pub const OWN_BOX_PAD: f64 = 1.0 / (1u64 << 40) as f64;
+pub const BOUNDS_PADDING: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// A closed axis-aligned box. Empty when `min > max` on any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,7 +116,7 @@ impl Aabb {
     /// The box widened on all sides by 2⁻⁴⁰ of its greatest coordinate.
     #[inline]
     pub fn padded(&self) -> Self {
-        let pad = DVec3::splat(self.max_abs() * OWN_BOX_PAD);
+        let pad = DVec3::splat(self.max_abs() * BOUNDS_PADDING);
         Self { min: self.min - pad, max: self.max + pad }
     }
 

@@ -40,7 +40,7 @@ fn split(a: f64) -> (f64, f64) {
 pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let (ab, cd) = (a * b, c * d);
     let plain = ab - cd;
-    if is_sign_settled(plain, ab, cd) {
+    if is_sign_certain(plain, ab, cd) {
         return plain;
     }
     let (cd, cd_error) = two_product(c, d);
@@ -50,12 +50,12 @@ pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
 
 /// The rounded difference of two rounded products has the sign of what is not rounded if it is greater than this part of
 /// the sum of their sizes: each product is off by at most u of itself and the difference by u of itself.
-pub const SETTLED: f64 = 4.0 * UNIT_ROUNDOFF;
+pub const SIGN_ERROR_BOUND: f64 = 4.0 * UNIT_ROUNDOFF;
 
 /// True if the rounded difference of two rounded products has the sign of what is not rounded.
 #[inline(always)]
-pub(crate) fn is_sign_settled(difference: f64, minuend: f64, subtrahend: f64) -> bool {
-    difference.abs() > SETTLED * (minuend.abs() + subtrahend.abs())
+pub fn is_sign_certain(difference: f64, minuend: f64, subtrahend: f64) -> bool {
+    difference.abs() > SIGN_ERROR_BOUND * (minuend.abs() + subtrahend.abs())
 }
 
 /// `a × b` with [`difference_of_products`] in each component.
@@ -72,7 +72,7 @@ pub fn cross(a: DVec3, b: DVec3) -> DVec3 {
 /// near 1, and 1 for all directions of ordinary length: what is `t` along the direction times this factor is `t` times
 /// the factor along the direction itself.
 #[inline]
-pub fn rescaling(direction: DVec3) -> f64 {
+pub fn power_of_two_scale(direction: DVec3) -> f64 {
     let size = direction.abs().max_element();
     if (1e-60..=1e60).contains(&size) || !size.is_finite() {
         return 1.0;
@@ -92,16 +92,16 @@ mod tests {
     fn rescaled_lengths_come_near_one() {
         for k in -1022..=1023i32 {
             let direction = DVec3::new(exp2(f64::from(k)), 0.0, -0.75 * exp2(f64::from(k)));
-            let scaled = direction * rescaling(direction);
+            let scaled = direction * power_of_two_scale(direction);
             if k.abs() > 200 {
                 assert!((1.0..=4.0).contains(&scaled.x), "2^{k}: {scaled}");
             } else if k.abs() < 199 {
                 assert_eq!(scaled, direction);
             }
         }
-        assert!(rescaling(DVec3::splat(5e-324)) * 5e-324 > 1e-17);
+        assert!(power_of_two_scale(DVec3::splat(5e-324)) * 5e-324 > 1e-17);
         for useless in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY] {
-            assert!(rescaling(useless).is_finite());
+            assert!(power_of_two_scale(useless).is_finite());
         }
     }
 

@@ -12,7 +12,7 @@ pub struct Ray {
     pub origin: DVec3,
     /// Direction, of any non-zero length.
     pub direction: DVec3,
-    /// Moment, 0 to 1, at which the ray is cast. Only moving things look at it.
+    /// KeyframePosition, 0 to 1, at which the ray is cast. Only moving things look at it.
     pub time: f64,
 }
 

@@ -24,7 +24,7 @@ pub struct Transform {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TransformError {
     /// A component is NaN or infinite.
-    NotFinite,
+    NonFinite,
     /// The map flattens space: its determinant is 0, or the condition number (the value) exceeds 3·10¹².
     Singular(f64),
     /// The last row of a 4×4 matrix is not (0, 0, 0, 1).
@@ -36,7 +36,7 @@ pub enum TransformError {
 impl fmt::Display for TransformError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotFinite => f.write_str("the transform has a NaN or infinite component"),
+            Self::NonFinite => f.write_str("the transform has a NaN or infinite component"),
             Self::Singular(condition) => write!(
                 f,
                 "the transform flattens space (condition number {condition:.3e}, at most {MAX_CONDITION:.0e} is accepted)"
@@ -64,10 +64,10 @@ impl Transform {
     /// Turns by `angle` radians about `axis` (any non-zero length), counter-clockwise seen from its tip.
     ///
     /// # Errors
-    /// [`TransformError::DegenerateDirection`] for a zero axis, [`TransformError::NotFinite`] for a NaN.
+    /// [`TransformError::DegenerateDirection`] for a zero axis, [`TransformError::NonFinite`] for a NaN.
     pub fn rotate(axis: DVec3, angle: f64) -> Result<Self, TransformError> {
         if !(axis.is_finite() && angle.is_finite()) {
-            return Err(TransformError::NotFinite);
+            return Err(TransformError::NonFinite);
         }
         let axis = axis.try_normalize().ok_or(TransformError::DegenerateDirection)?;
         let (sin, cos) = sincos(angle);
@@ -79,21 +79,21 @@ impl Transform {
     /// Turns about x, then y, then z (fixed axes), by `angles` radians.
     ///
     /// # Errors
-    /// [`TransformError::NotFinite`] for a NaN or infinite angle.
+    /// [`TransformError::NonFinite`] for a NaN or infinite angle.
     pub fn rotate_euler(angles: DVec3) -> Result<Self, TransformError> {
         let about_x = Self::rotate(DVec3::X, angles.x)?;
         let about_y = Self::rotate(DVec3::Y, angles.y)?;
         let about_z = Self::rotate(DVec3::Z, angles.z)?;
-        Ok(about_z.then_first(&about_y).then_first(&about_x))
+        Ok(about_z.compose(&about_y).compose(&about_x))
     }
 
     /// Turns by a quaternion of any non-zero length.
     ///
     /// # Errors
-    /// [`TransformError::DegenerateDirection`] for a zero quaternion, [`TransformError::NotFinite`] for a NaN.
+    /// [`TransformError::DegenerateDirection`] for a zero quaternion, [`TransformError::NonFinite`] for a NaN.
     pub fn rotate_quaternion(quaternion: DQuat) -> Result<Self, TransformError> {
         if !quaternion.is_finite() {
-            return Err(TransformError::NotFinite);
+            return Err(TransformError::NonFinite);
         }
         let length = quaternion.length();
         if !(length > 0.0 && length.is_finite()) {
@@ -126,7 +126,7 @@ impl Transform {
     /// [`TransformError::DegenerateDirection`] if `eye` equals `target` or the view is parallel to `up`.
     pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Result<Self, TransformError> {
         if !(eye.is_finite() && target.is_finite() && up.is_finite()) {
-            return Err(TransformError::NotFinite);
+            return Err(TransformError::NonFinite);
         }
         let degenerate = TransformError::DegenerateDirection;
         let back = (eye - target).try_normalize().ok_or(degenerate)?;
@@ -144,10 +144,10 @@ impl Transform {
     /// The affine map of a 4×4 matrix given by rows.
     ///
     /// # Errors
-    /// [`TransformError::NotAffine`], [`TransformError::NotFinite`] or [`TransformError::Singular`].
+    /// [`TransformError::NotAffine`], [`TransformError::NonFinite`] or [`TransformError::Singular`].
     pub fn from_rows(rows: [[f64; 4]; 4]) -> Result<Self, TransformError> {
         if rows.iter().flatten().any(|v| !v.is_finite()) {
-            return Err(TransformError::NotFinite);
+            return Err(TransformError::NonFinite);
         }
         if rows[3] != [0.0, 0.0, 0.0, 1.0] {
             return Err(TransformError::NotAffine);
@@ -159,10 +159,10 @@ impl Transform {
     /// The map `p ↦ linear·p + translation`.
     ///
     /// # Errors
-    /// [`TransformError::NotFinite`] or [`TransformError::Singular`].
+    /// [`TransformError::NonFinite`] or [`TransformError::Singular`].
     pub fn from_linear(linear: DMat3, translation: DVec3) -> Result<Self, TransformError> {
         if !(linear.is_finite() && translation.is_finite()) {
-            return Err(TransformError::NotFinite);
+            return Err(TransformError::NonFinite);
         }
         let linear_inverse = linear.inverse();
         let condition = frobenius(&linear) * frobenius(&linear_inverse);
@@ -182,8 +182,8 @@ impl Transform {
         Self { linear, linear_inverse: linear.transpose(), translation: DVec3::ZERO }
     }
 
-    /// The map that applies `first` and then this one: `a_from_b.then_first(&b_from_c)` is `a_from_c`.
-    pub fn then_first(&self, first: &Self) -> Self {
+    /// The map that applies `first` and then this one: `a_from_b.compose(&b_from_c)` is `a_from_c`.
+    pub fn compose(&self, first: &Self) -> Self {
         Self {
             linear: self.linear * first.linear,
             linear_inverse: first.linear_inverse * self.linear_inverse,
@@ -327,7 +327,7 @@ mod tests {
                 let rotate = Transform::rotate(axis, angle).ok()?;
                 let scale = Transform::scale(factors).ok()?;
                 let shear = Transform::shear([shear, 0.2, 0.0, shear, 0.1, -shear]).ok()?;
-                let all = Transform::translate(offset).then_first(&rotate).then_first(&scale).then_first(&shear);
+                let all = Transform::translate(offset).compose(&rotate).compose(&scale).compose(&shear);
                 (all.condition() < 1e4).then_some(all)
             },
         )
@@ -351,7 +351,7 @@ mod tests {
 
         #[test]
         fn composition_applies_the_right_map_first(a in transform(), b in transform(), p in vector()) {
-            let both = a.then_first(&b);
+            let both = a.compose(&b);
             prop_assert!((both.point(p) - a.point(b.point(p))).length() < 1e-8);
         }
 
@@ -410,7 +410,7 @@ mod tests {
     fn useless_maps_are_refused() {
         assert!(matches!(Transform::scale(DVec3::new(1.0, 0.0, 1.0)), Err(TransformError::Singular(_))));
         assert!(matches!(Transform::scale(DVec3::new(1.0, 1e-13, 1.0)), Err(TransformError::Singular(_))));
-        assert_eq!(Transform::scale(DVec3::NAN), Err(TransformError::NotFinite));
+        assert_eq!(Transform::scale(DVec3::NAN), Err(TransformError::NonFinite));
         assert_eq!(Transform::rotate(DVec3::ZERO, 1.0), Err(TransformError::DegenerateDirection));
         let eye = DVec3::splat(3.0);
         assert_eq!(Transform::look_at(eye, eye, DVec3::Y), Err(TransformError::DegenerateDirection));
@@ -424,13 +424,13 @@ mod tests {
     #[test]
     fn a_thousand_nested_turns_and_their_inverses_come_home() {
         let turn = Transform::rotate(DVec3::new(1.0, 2.0, 3.0), 1e-3).expect("an axis");
-        let step = Transform::translate(DVec3::new(0.1, 0.2, 0.3)).then_first(&turn);
+        let step = Transform::translate(DVec3::new(0.1, 0.2, 0.3)).compose(&turn);
         let mut all = Transform::IDENTITY;
         for _ in 0..1000 {
-            all = all.then_first(&step);
+            all = all.compose(&step);
         }
         for _ in 0..1000 {
-            all = all.then_first(&step.inverse());
+            all = all.compose(&step.inverse());
         }
         let p = DVec3::new(1.0, -2.0, 3.0);
         assert!((all.point(p) - p).length() < 1e-11 * 100.0);
@@ -439,9 +439,9 @@ mod tests {
     #[test]
     fn uniform_scale_is_recognised() {
         let turn = Transform::rotate(DVec3::ONE, 0.7).expect("an axis");
-        let doubled = turn.then_first(&Transform::scale(DVec3::splat(2.0)).expect("regular"));
+        let doubled = turn.compose(&Transform::scale(DVec3::splat(2.0)).expect("regular"));
         assert!((doubled.uniform_scale().expect("uniform") - 2.0).abs() < 1e-12);
-        let stretched = turn.then_first(&Transform::scale(DVec3::new(1.0, 1.0, 1.001)).expect("regular"));
+        let stretched = turn.compose(&Transform::scale(DVec3::new(1.0, 1.0, 1.001)).expect("regular"));
         assert_eq!(stretched.uniform_scale(), None);
     }
 }

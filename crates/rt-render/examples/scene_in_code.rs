@@ -5,12 +5,13 @@
 
 use std::{error::Error, fs::File, io::BufWriter};
 
-use rt_camera::{CameraSettings, FilmSettings, FovAxis, ImageFormat, Projection, write_image};
+use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
 use rt_geometry::{Plane, Shape, Sphere};
+use rt_image::{ImageFormat, write_image};
 use rt_math::{DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{Content, MaterialId, NamedCamera, Node, Scene};
-use rt_shading::{Appearance, Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong};
+use rt_shading::{Appearance, Background, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or_else(|| "scene_in_code.png".to_owned());
@@ -20,8 +21,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         Projection::Perspective { fov: 40f64.to_radians(), axis: FovAxis::Vertical },
     );
     let lamp = LightKind::Point { position: DVec3::new(-4.0, 6.0, 5.0), falloff: Falloff::None, lamp_radius: 0.0 };
-    let gray = |value| Coefficient::Constant(Rgb::gray(value));
-    let clay = Phong { diffuse: Coefficient::Constant(Rgb::new(0.8, 0.4, 0.3)), ..Phong::default() };
+    let gray = |value| ColorTexture::Constant(Rgb::gray(value));
+    let clay = Phong { diffuse: ColorTexture::Constant(Rgb::new(0.8, 0.4, 0.3)), ..Phong::default() };
     let chrome = Phong { diffuse: gray(0.1), specular: gray(0.8), mirror: gray(0.7), ..Phong::default() };
 
     let sphere =

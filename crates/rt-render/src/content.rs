@@ -2,9 +2,9 @@
 //!
 //! A hash at the end of a file finds damage. It does not find a file that was made on purpose, as anybody can compute it.
 
-use rt_camera::Film;
+use rt_image::Image;
 
-use crate::{Crop, RayKind, ShadingCounts, Share, Statistics, Tally, tiles::tile_count};
+use crate::{Crop, RayKind, RayStats, ShadingCounts, Share, Statistics, tiles::tile_count};
 
 /// Largest count in the statistics of a part, of a checkpoint, and of all parts of a picture together. No sum of a few of
 /// these overflows.
@@ -20,7 +20,7 @@ pub(crate) const MAX_PASSES: u32 = (1 << 31) - 1;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContentError {
-    /// The rendered area is empty, or exceeds [`Film::MAX_PIXELS`].
+    /// The rendered area is empty, or exceeds [`Image::MAX_PIXELS`].
     #[error("{}x{} pixels at {}, {} are no picture", .0.width, .0.height, .0.x, .0.y)]
     Crop(Crop),
     /// The share does not exist; with its index and the number of shares.
@@ -77,7 +77,7 @@ pub(crate) fn check_crop(crop: Crop) -> Result<(), ContentError> {
         && height > 0
         && x.checked_add(width).is_some()
         && y.checked_add(height).is_some()
-        && u64::from(width) * u64::from(height) <= Film::MAX_PIXELS;
+        && u64::from(width) * u64::from(height) <= Image::MAX_PIXELS;
     if fits { Ok(()) } else { Err(ContentError::Crop(crop)) }
 }
 
@@ -168,7 +168,7 @@ impl Statistics {
             check_count(name, count, MAX_COUNT)?;
         }
         for kind in RayKind::ALL {
-            let Tally { rays, nodes, tests, hits } = counters.of(kind);
+            let RayStats { rays, nodes, tests, hits } = counters.of(kind);
             check_count("the number of rays", rays, MAX_COUNT)?;
             check_count("the number of nodes", nodes, MAX_COUNT)?;
             check_count("the number of primitive tests", tests, MAX_COUNT)?;

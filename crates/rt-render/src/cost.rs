@@ -1,7 +1,7 @@
 //! The work that a structure does for a camera ray, as a picture.
 
-use rt_geometry::SurfaceNeeds;
-use rt_math::{Interval, Ray, RayKind, Rgb, Tally};
+use rt_geometry::{InteractionFlags, RayKind, RayStats};
+use rt_math::{Interval, Ray, Rgb};
 use rt_shading::{Seen, Tracer};
 
 use crate::{
@@ -12,9 +12,9 @@ use crate::{
 /// Work of a camera ray, nodes and primitive tests together, on a logarithmic scale from black over blue, red and
 /// yellow to white: black is 1 step, white 1024 or more.
 pub(crate) fn cost<W: Surfaces, S: Countable>(tracer: &mut WorldTracer<'_, W, S>, ray: &Ray) -> Seen {
-    let work = |tally: Tally| tally.nodes + tally.tests;
+    let work = |tally: RayStats| tally.nodes + tally.tests;
     let before = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary));
-    let needs = SurfaceNeeds::NONE;
+    let needs = InteractionFlags::NONE;
     let hit = tracer.closest(ray, Interval::FORWARD, RayKind::Primary, needs);
     let steps = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary)) - before;
     let heat = (rt_math::transcendental::log2(steps.max(1) as f64) / 10.0).min(1.0);

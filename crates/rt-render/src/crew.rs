@@ -6,7 +6,7 @@ use std::sync::{
     mpsc,
 };
 
-use rt_shading::LightTracer;
+use rt_shading::LightTracingIntegrator;
 
 use crate::{
     RenderError, RenderPlan, RunOptions,
@@ -63,9 +63,10 @@ impl<'p> Crew<'p> {
 
     /// Follows all light paths of a pass. `finished` gets what they do, in any order, on this thread.
     pub(crate) fn trace_light(&self, pass: LightPass, mut finished: impl FnMut(LitChunk)) -> Outcome {
-        let tracer = || LightTracer::new(self.plan.view.path_settings(), self.plan.needs);
-        let trace =
-            |tracer: &mut LightTracer<_>, chunk: usize| self.plan.trace_light(pass, chunk as u64, self.count, tracer);
+        let tracer = || LightTracingIntegrator::new(self.plan.view.path_settings(), self.plan.needs);
+        let trace = |tracer: &mut LightTracingIntegrator<_>, chunk: usize| {
+            self.plan.trace_light(pass, chunk as u64, self.count, tracer)
+        };
         let chunks: Vec<_> = (0..pass.chunks() as usize).collect();
         self.share(&chunks, tracer, trace, |_, lit| finished(lit))
     }

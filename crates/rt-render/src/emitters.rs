@@ -4,13 +4,13 @@ use rt_geometry::{Polygon, Shape, TriangleMesh};
 use rt_math::{Aabb, DVec3, Rgb, Transform};
 use rt_scene_io::{Background, Scene};
 use rt_shading::{
-    Alpha, Coefficient,
+    Alpha, ColorTexture,
     emitter::{CylinderLight, DiskLight, Emission, Emitter, EmitterSet, MeshLight, QuadLight, SphereLight},
 };
 
 use crate::{
     surroundings::holds,
-    world::{Assembly, Levels, Part, PartGeometry},
+    world::{Assembly, InstanceGeometry, Levels, Part},
 };
 
 /// How far the angles of a parallelogram may be off, as a part of its side.
@@ -25,7 +25,7 @@ pub(crate) fn emitters(scene: &Scene, top: &mut Assembly, levels: &mut Levels) -
     let Lamps { emitters: mut collected, numbers } = Lamps::of(scene, &top.parts, &Transform::IDENTITY, levels);
     for (part, number) in top.parts.iter_mut().zip(numbers) {
         part.emitter = number;
-        if let PartGeometry::Group(level, transform) = &part.geometry {
+        if let InstanceGeometry::Group(level, transform) = &part.geometry {
             let transform = transform.as_deref().copied().unwrap_or(Transform::IDENTITY);
             let placed = Lamps::of(scene, &levels.groups[*level as usize].parts, &transform, levels);
             // A transform may make of a lamp what cannot be drawn from.
@@ -70,7 +70,7 @@ impl Lamps {
         for part in parts {
             // The facets of a mesh follow each other, and are one light.
             let number = match (&part.geometry, before) {
-                (PartGeometry::Facet(..), Some((object, number))) if object == part.object => number,
+                (InstanceGeometry::Facet(..), Some((object, number))) if object == part.object => number,
                 _ => emitter_of(scene, part, world_from_parts, levels).map(|emitter| {
                     lamps.emitters.push(emitter);
                     lamps.emitters.len() as u32 - 1
@@ -91,11 +91,11 @@ fn radius(top: &Assembly) -> f64 {
 
 /// What a part's surface emits, if it is the same everywhere on it.
 fn emission_of(scene: &Scene, part: &Part) -> Option<Emission> {
-    if matches!(part.geometry, PartGeometry::Group(..)) {
+    if matches!(part.geometry, InstanceGeometry::Group(..)) {
         return None;
     }
     let material = scene.appearance.materials.get(part.material as usize)?;
-    let Coefficient::Constant(radiance) = material.phong.emission else { return None };
+    let ColorTexture::Constant(radiance) = material.phong.emission else { return None };
     // Light is drawn from all of a surface: one with holes is found by rays alone.
     if material.coverage.alpha != Alpha::Opaque {
         return None;
@@ -107,16 +107,16 @@ fn emission_of(scene: &Scene, part: &Part) -> Option<Emission> {
 fn emitter_of(scene: &Scene, part: &Part, outer: &Transform, levels: &Levels) -> Option<Emitter> {
     let emission = emission_of(scene, part)?;
     match &part.geometry {
-        PartGeometry::Shape(shape) => emitter_of_shape(shape, outer, emission),
-        PartGeometry::Placed(placed) => {
-            emitter_of_shape(placed.shape(), &outer.then_first(placed.world_from_local()), emission)
+        InstanceGeometry::Shape(shape) => emitter_of_shape(shape, outer, emission),
+        InstanceGeometry::TransformedShape(placed) => {
+            emitter_of_shape(placed.shape(), &outer.compose(placed.world_from_local()), emission)
         }
-        PartGeometry::Mesh(level, transform) => {
+        InstanceGeometry::Mesh(level, transform) => {
             let inner = transform.as_deref().copied().unwrap_or(Transform::IDENTITY);
-            emitter_of_mesh(&levels.meshes[*level as usize].mesh, &outer.then_first(&inner), emission)
+            emitter_of_mesh(&levels.meshes[*level as usize].mesh, &outer.compose(&inner), emission)
         }
-        PartGeometry::Facet(mesh, _) => emitter_of_mesh(mesh, outer, emission),
-        PartGeometry::Group(..) | PartGeometry::Moving(_) => None,
+        InstanceGeometry::Facet(mesh, _) => emitter_of_mesh(mesh, outer, emission),
+        InstanceGeometry::Group(..) | InstanceGeometry::Moving(_) => None,
     }
 }
 
@@ -146,7 +146,7 @@ fn emitter_of_shape(shape: &Shape, world_from_local: &Transform, emission: Emiss
         Shape::Polygon(polygon) => emitter_of_polygon(polygon, world_from_local, emission),
         Shape::Triangle(triangle) => mesh([triangle.vertices()], world_from_local, emission),
         // A box without thickness has two faces in one place.
-        Shape::AxisBox(axis_box) if axis_box.bounds().extent().min_element() > 0.0 => {
+        Shape::Cuboid(axis_box) if axis_box.bounds().extent().min_element() > 0.0 => {
             mesh(faces_of(&axis_box.bounds()), world_from_local, emission)
         }
         _ => None,

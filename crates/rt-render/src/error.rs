@@ -71,11 +71,11 @@ pub enum RenderError {
     },
     /// An object cannot move as it should.
     #[error("object '{object}': {source}")]
-    Motion {
+    AnimatedTransform {
         /// Name of the object.
         object: String,
         /// What is wrong.
-        source: rt_math::MotionError,
+        source: rt_math::AnimatedTransformError,
     },
     /// More primitives in a group than indices.
     #[error("a group that is placed more than once has more than 2^32 - 1 shapes and triangles")]
@@ -151,7 +151,7 @@ pub enum RenderError {
     Checkpoint,
     /// More memory would be needed than the budget allows.
     #[error(transparent)]
-    Memory(#[from] rt_scene_io::Shortage),
+    Memory(#[from] rt_scene_io::MemoryError),
     /// The worker threads could not be started.
     #[error("worker threads could not be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

@@ -22,7 +22,7 @@ use crate::{
     quantile::f_quantile,
 };
 
-/// Added to squared radiance where an error is divided by it, as in [`rt_camera::metrics`].
+/// Added to squared radiance where an error is divided by it, as in [`rt_image::metrics`].
 const RELATIVE_EPSILON: f64 = 1e-2;
 
 /// Passes beyond which the number of degrees of freedom no longer changes the interval.

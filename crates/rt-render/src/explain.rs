@@ -2,9 +2,9 @@
 
 use std::{collections::BTreeSet, fmt};
 
-use rt_accel::{AnyStructure, Structure as _};
-use rt_geometry::Shape;
-use rt_math::{DVec3, Primitives as _};
+use rt_accel::{AcceleratorQueries as _, AnyAccelerator};
+use rt_geometry::{Primitives as _, Shape};
+use rt_math::DVec3;
 use rt_scene_io::{Integrator, LightSampling};
 use rt_shading::{Follows, Light, LightKind, Material, PathSettings};
 
@@ -13,9 +13,9 @@ use crate::{
     emitters::moving_lamp,
     plan::{View, World},
     structure::{FEW, FEW_SPHERES, why},
-    surroundings::Surroundings,
+    surroundings::CameraMedium,
     visible::Visible,
-    world::{Assembly, Levels, Part, PartGeometry},
+    world::{Assembly, InstanceGeometry, Levels, Part},
 };
 
 /// Something that a plan leaves out.
@@ -109,25 +109,25 @@ impl Census {
         self.shadowless += usize::from(!part.casts_shadow);
         self.plain += usize::from(!part.textured);
         self.unbounded += usize::from(part.bounds.is_none());
-        self.moving += usize::from(matches!(part.geometry, PartGeometry::Moving(_)));
+        self.moving += usize::from(matches!(part.geometry, InstanceGeometry::Moving(_)));
         match part.geometry.at_rest() {
-            PartGeometry::Shape(Shape::Sphere(_)) => self.spheres += 1,
-            PartGeometry::Shape(Shape::AxisBox(_)) => self.boxes += 1,
-            PartGeometry::Shape(Shape::Plane(_)) => self.planes += 1,
-            PartGeometry::Shape(Shape::Triangle(_)) | PartGeometry::Facet(..) => self.triangles += 1,
-            PartGeometry::Shape(Shape::Polygon(_)) => self.polygons += 1,
-            PartGeometry::Shape(Shape::Cylinder(_)) => self.cylinders += 1,
-            PartGeometry::Shape(Shape::InfiniteCylinder(_)) => self.infinite_cylinders += 1,
-            PartGeometry::Shape(Shape::DoubleCone(_)) => self.double_cones += 1,
-            PartGeometry::Shape(Shape::Cone(_)) => self.cones += 1,
-            PartGeometry::Shape(Shape::Frustum(_)) => self.frusta += 1,
-            PartGeometry::Shape(Shape::Disk(_)) => self.disks += 1,
-            PartGeometry::Shape(Shape::Rectangle(_)) => self.rectangles += 1,
-            PartGeometry::Shape(Shape::Torus(_)) => self.tori += 1,
-            PartGeometry::Placed(_) => self.placed += 1,
-            PartGeometry::Mesh(..) => self.mesh_instances += 1,
-            PartGeometry::Group(..) => self.group_instances += 1,
-            PartGeometry::Moving(_) => {}
+            InstanceGeometry::Shape(Shape::Sphere(_)) => self.spheres += 1,
+            InstanceGeometry::Shape(Shape::Cuboid(_)) => self.boxes += 1,
+            InstanceGeometry::Shape(Shape::Plane(_)) => self.planes += 1,
+            InstanceGeometry::Shape(Shape::Triangle(_)) | InstanceGeometry::Facet(..) => self.triangles += 1,
+            InstanceGeometry::Shape(Shape::Polygon(_)) => self.polygons += 1,
+            InstanceGeometry::Shape(Shape::Cylinder(_)) => self.cylinders += 1,
+            InstanceGeometry::Shape(Shape::InfiniteCylinder(_)) => self.infinite_cylinders += 1,
+            InstanceGeometry::Shape(Shape::DoubleCone(_)) => self.double_cones += 1,
+            InstanceGeometry::Shape(Shape::Cone(_)) => self.cones += 1,
+            InstanceGeometry::Shape(Shape::Frustum(_)) => self.frusta += 1,
+            InstanceGeometry::Shape(Shape::Disk(_)) => self.disks += 1,
+            InstanceGeometry::Shape(Shape::Rectangle(_)) => self.rectangles += 1,
+            InstanceGeometry::Shape(Shape::Torus(_)) => self.tori += 1,
+            InstanceGeometry::TransformedShape(_) => self.placed += 1,
+            InstanceGeometry::Mesh(..) => self.mesh_instances += 1,
+            InstanceGeometry::Group(..) => self.group_instances += 1,
+            InstanceGeometry::Moving(_) => {}
         }
     }
 }
@@ -256,7 +256,7 @@ impl RenderPlan<'_> {
 
     fn structures(&self) -> Vec<String> {
         let wanted = self.wanted;
-        let line = |level: &str, structure: &AnyStructure, primitives: usize, why: String| {
+        let line = |level: &str, structure: &AnyAccelerator, primitives: usize, why: String| {
             let primitives = count(primitives, "primitive", "primitives");
             let nodes = count(structure.build_stats().nodes, "node", "nodes");
             format!("{level}: {} over {primitives}, {nodes} ({why})", structure.kind().name())
@@ -305,7 +305,7 @@ impl RenderPlan<'_> {
     }
 
     fn has_wide_tree(&self) -> bool {
-        let is_wide = |structure: &AnyStructure| matches!(structure, AnyStructure::Wide(_));
+        let is_wide = |structure: &AnyAccelerator| matches!(structure, AnyAccelerator::Wide(_));
         match &self.world {
             World::Spheres(_, structure) => is_wide(structure),
             World::Parts(top, levels) => {
@@ -377,9 +377,9 @@ impl RenderPlan<'_> {
             "all of one priority".to_owned()
         };
         let camera = match &self.surroundings {
-            Surroundings::Same(interior) if interior.is_empty() => "the camera stands in air",
-            Surroundings::Same(_) => "the camera stands inside of one",
-            Surroundings::ByRay(_) => "each camera ray looks which it starts in",
+            CameraMedium::Same(interior) if interior.is_empty() => "the camera stands in air",
+            CameraMedium::Same(_) => "the camera stands inside of one",
+            CameraMedium::ByRay(_) => "each camera ray looks which it starts in",
         };
         Some(format!("transparent bodies within each other: {order}; {camera}"))
     }
@@ -389,8 +389,8 @@ impl RenderPlan<'_> {
         let whitted = self.integrator == Integrator::Whitted;
         let lit = !self.appearance.lights.is_empty();
         let n = &self.needs;
-        let linear = matches!(&self.world, World::Spheres(_, AnyStructure::Linear(_)))
-            || matches!(&self.world, World::Parts(top, _) if matches!(top.structure, AnyStructure::Linear(_)));
+        let linear = matches!(&self.world, World::Spheres(_, AnyAccelerator::Linear(_)))
+            || matches!(&self.world, World::Parts(top, _) if matches!(top.structure, AnyAccelerator::Linear(_)));
         let geometry = [
             (triangles == 0, "triangles", "there are none"),
             (

@@ -4,16 +4,16 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use rt_accel::BuildError;
-use rt_geometry::{Placed, Shape};
-use rt_math::{Aabb, MotionChain, Primitives, Transform};
+use rt_geometry::{Primitives, Shape, TransformedShape};
+use rt_math::{Aabb, AnimatedTransformChain, Transform};
 use rt_scene_io::{Content, Group, GroupId, Integrator, MeshId, NamedMesh, Node, Scene};
 use rt_shading::{Coverage, Texture};
 
 use crate::{
     RenderError,
-    porous::{Holes, PorousMesh},
+    porous::{AlphaTestedMesh, Holes},
     structure::{self, Wanted},
-    world::{Assembly, Levels, MeshLevel, Moving, Part, PartGeometry, Parts},
+    world::{Assembly, InstanceGeometry, Levels, MeshLevel, Moving, Part, Parts},
 };
 
 /// Deepest accepted nesting of nodes and groups together.
@@ -47,7 +47,7 @@ pub(crate) fn flatten(
         group_sizes: vec![None; scene.groups.len()],
         levels: Levels { textures: textures(scene), ..Levels::default() },
     };
-    let level = Level { assembly_from_parent: MotionChain::still(plan_from_world), ..Level::TOP };
+    let level = Level { assembly_from_parent: AnimatedTransformChain::still(plan_from_world), ..Level::TOP };
     let top = flattener.assembly(&scene.nodes, level)?;
     Ok((top, flattener.levels))
 }
@@ -116,7 +116,7 @@ pub(crate) fn name_of_shape(scene: &Scene, index: u32) -> Option<&str> {
 /// Where the walk stands.
 #[derive(Clone, Debug)]
 struct Level {
-    assembly_from_parent: MotionChain,
+    assembly_from_parent: AnimatedTransformChain,
     casts_shadow: bool,
     depth: usize,
     /// Inside a group that has a level of its own: further groups are dissolved into it.
@@ -125,7 +125,7 @@ struct Level {
 
 impl Level {
     const TOP: Self = Self {
-        assembly_from_parent: MotionChain::still(Transform::IDENTITY),
+        assembly_from_parent: AnimatedTransformChain::still(Transform::IDENTITY),
         casts_shadow: true,
         depth: 0,
         within_group: false,
@@ -135,15 +135,15 @@ impl Level {
     fn place(
         &self,
         bounds: Option<Aabb>,
-        geometry: impl FnOnce(Option<Box<Transform>>) -> PartGeometry,
-    ) -> (PartGeometry, Option<Aabb>) {
+        geometry: impl FnOnce(Option<Box<Transform>>) -> InstanceGeometry,
+    ) -> (InstanceGeometry, Option<Aabb>) {
         match self.assembly_from_parent.as_still() {
             Some(transform) if transform.is_identity() => (geometry(None), bounds),
             Some(transform) => (geometry(Some(Box::new(*transform))), bounds.map(|bounds| transform.aabb(&bounds))),
             None => {
                 let assembly_from_local = self.assembly_from_parent.clone();
                 let swept = bounds.map(|bounds| assembly_from_local.aabb(&bounds));
-                (PartGeometry::Moving(Box::new(Moving { assembly_from_local, geometry: geometry(None) })), swept)
+                (InstanceGeometry::Moving(Box::new(Moving { assembly_from_local, geometry: geometry(None) })), swept)
             }
         }
     }
@@ -236,7 +236,7 @@ impl<'s> Flattener<'s> {
         for part in parts {
             part.first_primitive = next;
             let count = match part.geometry.at_rest() {
-                PartGeometry::Mesh(level, _) => self.levels.meshes[*level as usize].mesh.data().triangles.len(),
+                InstanceGeometry::Mesh(level, _) => self.levels.meshes[*level as usize].mesh.data().triangles.len(),
                 _ => 1,
             };
             next = u32::try_from(count)
@@ -294,34 +294,34 @@ impl<'s> Flattener<'s> {
     }
 
     /// Takes the node's space to that of the assembly.
-    fn place_below(&self, outer: &MotionChain, node: &Node) -> Result<MotionChain, RenderError> {
+    fn place_below(&self, outer: &AnimatedTransformChain, node: &Node) -> Result<AnimatedTransformChain, RenderError> {
         let chain = match self.moment {
             None => node.place_below(outer),
             Some(moment) => node.motion().map(|motion| {
                 let place = motion.map_or(node.parent_from_local, |motion| motion.at(moment));
-                outer.clone().then_first(&place)
+                outer.clone().compose(&place)
             }),
         };
-        chain.map_err(|source| RenderError::Motion { object: node.name.clone(), source })
+        chain.map_err(|source| RenderError::AnimatedTransform { object: node.name.clone(), source })
     }
 
     fn shape_part(&self, node: &Node, shape: &Shape, here: &Level) -> Result<Part, RenderError> {
         let turned = here.assembly_from_parent.as_still().filter(|transform| !transform.is_identity());
         let (geometry, bounds) = if let Some(transform) = turned {
-            let placed = Placed::new(shape.clone(), *transform);
-            let baked = if self.shows_uv(node) { placed.baked() } else { placed.baked_without_uv() };
+            let placed = TransformedShape::new(shape.clone(), *transform);
+            let baked = if self.shows_uv(node) { placed.bake_transform() } else { placed.bake_transform_ignoring_uv() };
             match baked {
                 Some(shape) => {
                     let bounds = shape.bounds();
-                    (PartGeometry::Shape(shape), bounds)
+                    (InstanceGeometry::Shape(shape), bounds)
                 }
                 None => {
                     let bounds = placed.bounds();
-                    (PartGeometry::Placed(Box::new(placed)), bounds)
+                    (InstanceGeometry::TransformedShape(Box::new(placed)), bounds)
                 }
             }
         } else {
-            here.place(shape.bounds(), |_| PartGeometry::Shape(shape.clone()))
+            here.place(shape.bounds(), |_| InstanceGeometry::Shape(shape.clone()))
         };
         self.part(node, here, geometry, bounds)
     }
@@ -352,7 +352,7 @@ impl<'s> Flattener<'s> {
         {
             let facet = |index| {
                 let bounds = Primitives::bounds(&*named.mesh, index);
-                self.part(node, here, PartGeometry::Facet(Arc::clone(&named.mesh), index), bounds)
+                self.part(node, here, InstanceGeometry::Facet(Arc::clone(&named.mesh), index), bounds)
             };
             return (0..count as u32).map(facet).collect();
         }
@@ -368,7 +368,7 @@ impl<'s> Flattener<'s> {
             }
         };
         let (geometry, bounds) =
-            here.place(Some(named.mesh.bounds()), |transform| PartGeometry::Mesh(level, transform));
+            here.place(Some(named.mesh.bounds()), |transform| InstanceGeometry::Mesh(level, transform));
         Ok(vec![self.part(node, here, geometry, bounds)?])
     }
 
@@ -377,7 +377,7 @@ impl<'s> Flattener<'s> {
         let structure = match &holes {
             None => structure::build(self.wanted, &*mesh),
             Some(holes) => {
-                structure::build(self.wanted, &PorousMesh { mesh: &mesh, holes, textures: &self.levels.textures })
+                structure::build(self.wanted, &AlphaTestedMesh { mesh: &mesh, holes, textures: &self.levels.textures })
             }
         };
         let structure = structure.map_err(|source| RenderError::Build { object: named.name.clone(), source })?;
@@ -408,7 +408,7 @@ impl<'s> Flattener<'s> {
             return Ok(None);
         }
         let bounds = group.parts.iter().try_fold(Aabb::EMPTY, |sum, part| Some(sum.union(part.bounds?)));
-        let (geometry, bounds) = here.place(bounds, |transform| PartGeometry::Group(level, transform));
+        let (geometry, bounds) = here.place(bounds, |transform| InstanceGeometry::Group(level, transform));
         self.part(node, here, geometry, bounds).map(Some)
     }
 
@@ -416,11 +416,11 @@ impl<'s> Flattener<'s> {
         &self,
         node: &Node,
         here: &Level,
-        geometry: PartGeometry,
+        geometry: InstanceGeometry,
         bounds: Option<Aabb>,
     ) -> Result<Part, RenderError> {
         let count = self.scene.appearance.materials.len();
-        let is_group = matches!(geometry.at_rest(), PartGeometry::Group(..));
+        let is_group = matches!(geometry.at_rest(), InstanceGeometry::Group(..));
         if node.material.0 as usize >= count && !is_group {
             let (object, index) = (node.name.clone(), node.material.0);
             return Err(RenderError::Dangling { object, what: "material", index, count });
@@ -445,7 +445,7 @@ impl<'s> Flattener<'s> {
 }
 
 /// Transforms are sound one by one; their product may still flatten space.
-fn check_transform(node: &Node, place: &MotionChain) -> Result<(), RenderError> {
+fn check_transform(node: &Node, place: &AnimatedTransformChain) -> Result<(), RenderError> {
     for moment in [0.0, 1.0] {
         let transform = place.at(moment);
         Transform::from_linear(transform.linear(), transform.translation())

@@ -1,7 +1,7 @@
 //! # rt-render: chapter 1, the algorithm
 //!
 //! ```text
-//!   Scene ──compile──> RenderPlan ──render──> Film
+//!   Scene ──compile──> RenderPlan ──render──> Image
 //!                          │
 //!                          └─ explain: what is used, what is left out, and why
 //! ```
@@ -94,16 +94,16 @@ pub use error::RenderError;
 pub use error_estimate::ErrorEstimate;
 pub use explain::{Explanation, LeftOut};
 pub use memory::MemoryPrediction;
-pub use observer::{Kept, Observer, SoFar};
+pub use observer::{Kept, Observer, RenderSnapshot};
 pub use part::{JoinError, Part, Share, UncheckedPart};
 pub use passes::default_passes;
-pub use pick::Picked;
+pub use pick::PickResult;
 pub use plan::{Clamping, Crop, PlanOptions, RenderPlan};
 pub use processor::processor;
 pub use quantile::student_t;
 pub use render::{PassProgress, Progress, Rendering, RunOptions, SampleRange, Towards};
 pub use rt_accel::wide::{Quality, SimdLevel};
-pub use rt_math::{Counters, RayKind, Tally};
+pub use rt_geometry::{Counters, RayKind, RayStats};
 pub use rt_shading::ShadingCounts;
 pub use statistics::Statistics;
 pub use stop::{Criterion, StopRule, Stopped, TargetError};

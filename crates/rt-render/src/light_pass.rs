@@ -1,12 +1,12 @@
 //! Passes of light paths: light that comes to the camera by mirrors and glass.
 
-use rt_accel::AnyStructure;
-use rt_camera::{PixelSample, PixelSampler, SamplePattern};
-use rt_geometry::Shape;
-use rt_math::{Counters, NoProbe, Sampler, random::hash};
+use rt_accel::AnyAccelerator;
+use rt_camera::{PixelSampler, SampleStream, SamplerKind};
+use rt_geometry::{Counters, NoProbe, Shape};
+use rt_math::{Sampler, random::hash};
 use rt_shading::{
-    Appearance, Ball, LightScene, LightSources, LightTracer, Lighting, ShadingCounts, Sight, Targets,
-    emitter::EmitterSet,
+    Appearance, Ball, CameraWiSample, LightSources, LightTracingIntegrator, LightTracingScene, Lighting, ShadingCounts,
+    Targets, emitter::EmitterSet,
 };
 
 use crate::{
@@ -18,7 +18,7 @@ use crate::{
     tile::Countable,
     trace::{Surfaces, WorldTracer},
     visible::InView,
-    world::{Levels, Part, PartGeometry},
+    world::{InstanceGeometry, Levels, Part},
 };
 
 /// Paths that a thread takes at a time.
@@ -68,7 +68,7 @@ impl RenderPlan<'_> {
         pass: LightPass,
         chunk: u64,
         count: bool,
-        tracer: &mut LightTracer<PixelSample>,
+        tracer: &mut LightTracingIntegrator<SampleStream>,
     ) -> LitChunk {
         if count {
             self.trace_light_with::<Counters>(pass, chunk, tracer)
@@ -81,7 +81,7 @@ impl RenderPlan<'_> {
         &self,
         pass: LightPass,
         chunk: u64,
-        tracer: &mut LightTracer<PixelSample>,
+        tracer: &mut LightTracingIntegrator<SampleStream>,
     ) -> LitChunk {
         match &self.world {
             World::Spheres(world, structure) => self.trace_light_in::<_, S>(world, structure, pass, chunk, tracer),
@@ -95,10 +95,10 @@ impl RenderPlan<'_> {
     fn trace_light_in<W: Surfaces, S: Countable>(
         &self,
         world: &W,
-        structure: &AnyStructure,
+        structure: &AnyAccelerator,
         pass: LightPass,
         chunk: u64,
-        tracer: &mut LightTracer<PixelSample>,
+        tracer: &mut LightTracingIntegrator<SampleStream>,
     ) -> LitChunk {
         let mut lit =
             LitChunk { splats: Vec::new(), counters: Counters::default(), shading: ShadingCounts::default(), bad: 0 };
@@ -107,7 +107,7 @@ impl RenderPlan<'_> {
         let mut world = WorldTracer::new(world, structure, InView::All(structure), S::default());
         // Sobol' points whatever the pattern of the camera's samples: they need not be arranged in a pixel.
         let seed = hash(&[pass_seed(self.seed, pass.pass), LIGHT_PATHS]);
-        let sampler = PixelSampler::new(SamplePattern::Sobol, 1, seed);
+        let sampler = PixelSampler::new(SamplerKind::Sobol, 1, seed);
         let share = 1.0 / pass.paths as f64;
         let end = pass.paths.min((chunk + 1) * CHUNK);
         for first in (chunk * CHUNK..end).step_by(WAVE as usize) {
@@ -117,11 +117,11 @@ impl RenderPlan<'_> {
                 let time = self.draw_moment(&mut sample);
                 (sample, time)
             });
-            let scene = LightScene { lighting, sources };
-            let sight = |point, time, sampler: &mut PixelSample| {
+            let scene = LightTracingScene { lighting, sources };
+            let sight = |point, time, sampler: &mut SampleStream| {
                 let on_lens = if self.camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
-                let sight = self.camera.sight(point, on_lens, time)?;
-                Some(Sight { origin: sight.origin, raster: sight.raster, magnification: sight.magnification })
+                let sight = self.camera.sample_wi(point, on_lens, time)?;
+                Some(CameraWiSample { origin: sight.origin, raster: sight.raster, importance: sight.importance })
             };
             tracer.trace(&mut world, scene, samplers, sight, |raster, light| {
                 if light.to_array().iter().all(|c| (0.0..f64::INFINITY).contains(c)) {
@@ -159,7 +159,9 @@ pub(crate) fn light_sources(appearance: &Appearance, emitters: &EmitterSet, worl
 
 fn targets(parts: &[Part], levels: &Levels, is_sharp: &impl Fn(u32) -> bool) -> Targets {
     let ball = |part: &Part| match &part.geometry {
-        PartGeometry::Shape(Shape::Sphere(sphere)) => Some(Ball { centre: sphere.centre(), radius: sphere.radius() }),
+        InstanceGeometry::Shape(Shape::Sphere(sphere)) => {
+            Some(Ball { centre: sphere.centre(), radius: sphere.radius() })
+        }
         _ => part.bounds.map(|bounds| Ball { centre: bounds.centre(), radius: 0.5 * bounds.extent().length() }),
     };
     let sharp = parts.iter().filter(|part| holds(part, levels, is_sharp));

@@ -15,7 +15,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use bytesize::ByteSize;
-use rt_scene_io::{Background, Integrator, Scene, Shortage};
+use rt_scene_io::{Background, Integrator, MemoryError, Scene};
 use rt_shading::Texture;
 
 use crate::{
@@ -107,7 +107,7 @@ impl MemoryPrediction {
         match budget {
             Some(budget) if self.peak() > budget => {
                 let Most { bytes, what } = most;
-                Err(Shortage { predicted: self.peak(), budget, largest: what, most: bytes }.into())
+                Err(MemoryError { predicted: self.peak(), budget, largest: what, most: bytes }.into())
             }
             _ => Ok(()),
         }
@@ -164,7 +164,7 @@ fn textures(scene: &Scene) -> u64 {
 /// Bytes of a structure over so many primitives: what it keeps, and what it takes besides while it is built. Measured on meshes
 /// of half a million triangles, and rounded up.
 pub(crate) fn structure(wanted: Wanted, primitives: u64) -> [u64; 2] {
-    use rt_accel::StructureKind as Kind;
+    use rt_accel::AcceleratorKind as Kind;
     let [kept, besides] = match choose(wanted.accel, primitives <= FEW as u64) {
         Kind::Linear => [16, 0],
         Kind::Wide => [46, 100],
@@ -204,7 +204,7 @@ mod tests {
             prediction.check(None, Most::default()).is_ok() && prediction.check(Some(100), Most::default()).is_ok()
         );
         let error = prediction.check(Some(99), most).expect_err("one byte too many");
-        let RenderError::Memory(Shortage { predicted, budget, largest, most }) = error else { panic!("{error}") };
+        let RenderError::Memory(MemoryError { predicted, budget, largest, most }) = error else { panic!("{error}") };
         assert_eq!((predicted, budget, largest.as_str(), most), (100, 99, "a", 60));
     }
 }

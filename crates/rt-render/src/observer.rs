@@ -1,6 +1,6 @@
 //! Whoever watches a render while it goes on.
 
-use rt_camera::Film;
+use rt_image::Image;
 use serde::Serialize;
 
 use crate::{
@@ -13,20 +13,20 @@ use crate::{
 /// Who watches a render. Closures that take a [`Progress`] are observers as well.
 pub trait Observer {
     /// Called after each tile, in any order, on the thread that has begun the render; the others go on meanwhile.
-    fn tile_done(&mut self, so_far: &SoFar<'_>);
+    fn tile_done(&mut self, so_far: &RenderSnapshot<'_>);
 
     /// Called at the end of a render that could go on: one that was interrupted, or lacks tiles in which a worker failed.
     fn unfinished(&mut self, _kept: &Kept<'_>) {}
 }
 
 impl<F: FnMut(Progress)> Observer for F {
-    fn tile_done(&mut self, so_far: &SoFar<'_>) {
+    fn tile_done(&mut self, so_far: &RenderSnapshot<'_>) {
         self(so_far.progress());
     }
 }
 
 /// A render in the midst of it.
-pub struct SoFar<'a> {
+pub struct RenderSnapshot<'a> {
     pub(crate) progress: Progress,
     pub(crate) tile: Tile,
     pub(crate) state: State<'a>,
@@ -45,7 +45,7 @@ pub(crate) enum State<'a> {
     Passes(&'a PassState),
 }
 
-impl SoFar<'_> {
+impl RenderSnapshot<'_> {
     /// How far it has come.
     pub const fn progress(&self) -> Progress {
         self.progress
@@ -68,7 +68,7 @@ impl SoFar<'_> {
     }
 
     /// The whole picture so far: tiles that nothing is known of are black. Takes a moment.
-    pub fn film(&self) -> Film {
+    pub fn film(&self) -> Image {
         match self.state {
             State::Tiles(part) => part.film(),
             State::Passes(passes) => passes.film(),

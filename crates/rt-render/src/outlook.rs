@@ -16,7 +16,7 @@ use crate::{
     plan::{View, World, check_adaptive, check_crop, view_volume},
     rebase,
     structure::Wanted,
-    surroundings::Surroundings,
+    surroundings::CameraMedium,
     visible::Visible,
     world::Part,
 };
@@ -58,7 +58,7 @@ pub(crate) struct Outlook {
     pub(crate) visible: Option<Visible>,
     pub(crate) narrows: bool,
     pub(crate) view: View,
-    pub(crate) surroundings: Surroundings,
+    pub(crate) surroundings: CameraMedium,
     pub(crate) moves: bool,
     pub(crate) passes: u32,
     pub(crate) pass_spp: u32,
@@ -81,9 +81,9 @@ impl Outlook {
         let stochastic = settings.integrator.is_stochastic() || camera.has_lens() || moves;
         let passes = settings.passes.unwrap_or_else(|| default_passes(settings.pattern, settings.spp, stochastic));
         let surroundings = if settings.integrator.follows_light() && refracts {
-            Surroundings::of(shot.camera, &camera, moves, scene, world)
+            CameraMedium::of(shot.camera, &camera, moves, scene, world)
         } else {
-            Surroundings::air()
+            CameraMedium::air()
         };
         let of_pass = |spp: u32| settings.pattern.round_up(spp.div_ceil(passes));
         Ok(Self {

@@ -8,7 +8,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rt_camera::Film;
+use rt_image::Image;
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
@@ -381,9 +381,9 @@ impl Part {
     }
 
     /// The picture so far; black where no tile is finished.
-    pub(crate) fn film(&self) -> Film {
+    pub(crate) fn film(&self) -> Image {
         let Crop { width, height, .. } = self.frame.crop;
-        let mut film = Film::new(width, height, self.frame.transparent);
+        let mut film = Image::new(width, height, self.frame.transparent);
         for (&number, finished) in &self.tiles {
             self.place(number, &finished.pixels, film.pixels_mut());
             if let Some(alpha) = film.alpha_mut() {
@@ -402,9 +402,9 @@ impl Part {
         let pixels = finished().map(|tile| tile.pixels.len()).sum::<usize>();
         let mean = finished().map(|tile| tile.samples).sum::<u64>() as f64 / pixels.max(1) as f64;
         let error = ErrorSums::joined(finished().map(|tile| tile.error)).estimate();
-        let mut film = Film::new(width, height, self.frame.transparent);
+        let mut film = Image::new(width, height, self.frame.transparent);
         let constant = |value: f32| {
-            let mut film = Film::new(width, height, false);
+            let mut film = Image::new(width, height, false);
             film.pixels_mut().fill([value; 3]);
             film
         };

@@ -10,7 +10,7 @@
 //! The samples within a pass depend on each other, as those of Sobol' points do, so that their variance says nothing of the
 //! error of their mean. Whole passes are independent.
 
-use rt_camera::{PixelSampler, SamplePattern};
+use rt_camera::{PixelSampler, SamplerKind};
 use rt_math::random::hash;
 
 use crate::{RenderPlan, tiles::Tile};
@@ -20,7 +20,7 @@ use crate::{RenderPlan, tiles::Tile};
 /// `stochastic` is true for integrators that choose directions at random: their pictures are noisy, and the noise is worth
 /// a figure. Splitting costs them little; the others would lose some of what stratification gains at edges, and take one
 /// pass.
-pub const fn default_passes(pattern: SamplePattern, spp: u32, stochastic: bool) -> u32 {
+pub const fn default_passes(pattern: SamplerKind, spp: u32, stochastic: bool) -> u32 {
     match pattern.round_up(spp) {
         _ if !stochastic => 1,
         0..2 => 1,
@@ -105,12 +105,12 @@ mod tests {
 
     #[test]
     fn only_noise_is_split_by_default() {
-        for pattern in SamplePattern::ALL {
+        for pattern in SamplerKind::ALL {
             assert_eq!(default_passes(pattern, 1024, false), 1);
             assert_eq!([1, 2, 16, 1024].map(|spp| default_passes(pattern, spp, true))[0], 1);
             assert_eq!(default_passes(pattern, 1024, true), 4);
         }
-        assert_eq!([2, 15, 16].map(|spp| default_passes(SamplePattern::Random, spp, true)), [2, 2, 4]);
+        assert_eq!([2, 15, 16].map(|spp| default_passes(SamplerKind::Random, spp, true)), [2, 2, 4]);
     }
 
     #[test]

@@ -1,14 +1,14 @@
 //! What a pixel shows: the object, its material, and the point.
 
-use rt_accel::AnyStructure;
-use rt_geometry::SurfaceNeeds;
-use rt_math::{Accelerator, DVec2, DVec3, Hit, Interval, NoProbe, Ray};
+use rt_accel::{Accelerator, AnyAccelerator};
+use rt_geometry::{Hit, InteractionFlags, NoProbe};
+use rt_math::{DVec2, DVec3, Interval, Ray};
 
 use crate::{RenderPlan, flatten, plan::World, trace::Surfaces, world::Parts};
 
 /// What the ray through the middle of a pixel meets first.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Picked {
+pub struct PickResult {
     /// Names of the node that was met, and before it of the instance whose group it belongs to, if that is placed more than
     /// once. Names are those of the scene, and may be empty.
     pub object: Vec<String>,
@@ -26,7 +26,7 @@ pub struct Picked {
 impl RenderPlan<'_> {
     /// What pixel (`x`, `y`), counted from the upper left corner of the whole image, shows in its middle, in the middle of the
     /// shutter's time. `None` where that is the background. Pixels outside of the image are fine.
-    pub fn pick(&self, x: u32, y: u32) -> Option<Picked> {
+    pub fn pick(&self, x: u32, y: u32) -> Option<PickResult> {
         let raster = DVec2::new(f64::from(x), f64::from(y)) + self.sample_offset;
         let time = if self.moves { self.camera.moment(0.5) } else { 0.0 };
         let ray = self.camera.ray(raster, time);
@@ -46,14 +46,14 @@ impl RenderPlan<'_> {
     fn pick_in<W: Surfaces>(
         &self,
         world: &W,
-        structure: &AnyStructure,
+        structure: &AnyAccelerator,
         ray: &Ray,
         names: impl Fn(&Hit) -> Option<Vec<String>>,
-    ) -> Option<Picked> {
+    ) -> Option<PickResult> {
         let hit = structure.closest(world, ray, Interval::new(0.0, f64::INFINITY), &mut NoProbe)?;
-        let surface = world.surface_at(ray, &hit, SurfaceNeeds::ALL)?;
+        let surface = world.surface_at(ray, &hit, InteractionFlags::ALL)?;
         let material = self.scene.appearance.materials.get(surface.material as usize);
-        Some(Picked {
+        Some(PickResult {
             object: names(&hit)?,
             material: material.map_or_else(String::new, |material| material.name.clone()),
             distance: surface.t * ray.direction.length(),

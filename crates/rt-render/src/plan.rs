@@ -2,14 +2,14 @@
 
 use std::{borrow::Cow, time::Instant};
 
-use rt_accel::AnyStructure;
+use rt_accel::AnyAccelerator;
 use rt_accel::wide::{Quality, SimdLevel};
-use rt_camera::{Camera, Filter, SamplePattern, ViewVolume};
+use rt_camera::{Camera, Filter, SamplerKind, ViewVolume};
 use rt_geometry::{Shape, Spheres};
 use rt_math::{DVec2, DVec3, Rgb};
 use rt_scene_io::{Integrator, MaterialId, NamedCamera, Scene, Settings};
 use rt_shading::{
-    AmbientOcclusion, Appearance, Clamp, ConstantBsdfs, FirstHitView, Follows, LightSources, Material, Needs,
+    AmbientOcclusion, AovIntegrator, Appearance, BsdfCache, Clamp, Follows, LightSources, Material, Needs,
     PathSettings, emitter::EmitterSet,
 };
 use serde::{Deserialize, Serialize};
@@ -23,10 +23,10 @@ use crate::{
     outlook::{Outlook, Shot, Stage},
     rebase,
     structure::Wanted,
-    surroundings::Surroundings,
+    surroundings::CameraMedium,
     trace::SphereWorld,
     visible::Visible,
-    world::{Assembly, Levels, Part, PartGeometry},
+    world::{Assembly, InstanceGeometry, Levels, Part},
 };
 
 /// A part of the image, in pixels from its upper left corner.
@@ -86,7 +86,7 @@ pub(crate) enum View {
     Light,
     Paths(PathSettings),
     AmbientOcclusion(AmbientOcclusion),
-    FirstHit(FirstHitView),
+    FirstHit(AovIntegrator),
     Cost,
 }
 
@@ -108,7 +108,7 @@ impl View {
 /// The world on one of two forms.
 #[derive(Debug)]
 pub(crate) enum World {
-    Spheres(SphereWorld, AnyStructure),
+    Spheres(SphereWorld, AnyAccelerator),
     Parts(Assembly, Levels),
 }
 
@@ -120,7 +120,7 @@ pub struct RenderPlan<'s> {
     pub(crate) options: PlanOptions,
     pub(crate) camera_name: &'s str,
     pub(crate) camera: Camera,
-    pub(crate) pattern: SamplePattern,
+    pub(crate) pattern: SamplerKind,
     pub(crate) seed: u64,
     pub(crate) filter: Filter,
     pub(crate) sample_offset: DVec2,
@@ -145,7 +145,7 @@ pub struct RenderPlan<'s> {
     /// Lights with extent, if the integrator draws from them.
     pub(crate) emitters: EmitterSet,
     /// BSDFs that are the same everywhere, if the integrator asks for BSDFs; none in a full plan.
-    pub(crate) bsdfs: ConstantBsdfs,
+    pub(crate) bsdfs: BsdfCache,
     /// Lights that paths begin at, if the integrator follows any.
     pub(crate) light_sources: Option<LightSources>,
     pub(crate) world: World,
@@ -156,7 +156,7 @@ pub struct RenderPlan<'s> {
     pub(crate) narrows: bool,
     /// The point of the scene that all coordinates are relative to.
     pub(crate) origin: DVec3,
-    pub(crate) surroundings: Surroundings,
+    pub(crate) surroundings: CameraMedium,
     /// Whether the camera or an object moves while the shutter is open.
     pub(crate) moves: bool,
     /// When everything stands still, if it does.
@@ -237,8 +237,8 @@ impl<'s> RenderPlan<'s> {
         let Outlook { moves, passes, pass_spp, simple_pass_spp, .. } = outlook;
         let appearance = rebase::appearance(&scene.appearance, origin);
         let bsdfs = match &view {
-            View::Paths(_) if !options.full => ConstantBsdfs::new(&appearance, |material| used[material]),
-            _ => ConstantBsdfs::default(),
+            View::Paths(_) if !options.full => BsdfCache::new(&appearance, |material| used[material]),
+            _ => BsdfCache::default(),
         };
         let follows_light_paths = settings.integrator == Integrator::Caustics;
         let light_sources = if follows_light_paths { light_sources(&appearance, &emitters, &world) } else { None };
@@ -331,7 +331,7 @@ impl<'s> RenderPlan<'s> {
     /// False if every pass would be the same: fixed patterns, where nothing else is left to chance. Their error cannot be
     /// estimated.
     pub const fn passes_differ(&self) -> bool {
-        let is_fixed = matches!(self.pattern, SamplePattern::Centre | SamplePattern::Grid);
+        let is_fixed = matches!(self.pattern, SamplerKind::Centre | SamplerKind::Grid);
         !is_fixed || self.integrator.is_stochastic() || self.camera.has_lens() || self.moves
     }
 
@@ -360,7 +360,7 @@ impl World {
     /// The tight form for a world of nothing but spheres.
     fn specialise(top: Assembly, levels: Levels) -> Self {
         let sphere = |part: &Part| match part.geometry {
-            PartGeometry::Shape(Shape::Sphere(sphere)) => Some(sphere),
+            InstanceGeometry::Shape(Shape::Sphere(sphere)) => Some(sphere),
             _ => None,
         };
         match top.parts.iter().map(sphere).collect::<Option<Vec<_>>>() {
@@ -457,7 +457,7 @@ fn used_materials(scene: &Scene, top: &Assembly, levels: &Levels, medium: Option
         used[material as usize] = true;
     }
     for part in top.all_parts(levels) {
-        if !matches!(part.geometry.at_rest(), PartGeometry::Group(..)) {
+        if !matches!(part.geometry.at_rest(), InstanceGeometry::Group(..)) {
             used[part.material as usize] = true;
         }
     }
@@ -471,8 +471,8 @@ fn needs(scene: &Scene, top: &Assembly, levels: &Levels, used: &[bool]) -> Needs
     for part in top.all_parts(levels) {
         casts_shadow |= part.casts_shadow;
         let mesh = match part.geometry.at_rest() {
-            PartGeometry::Mesh(level, _) => &levels.meshes[*level as usize].mesh,
-            PartGeometry::Facet(mesh, _) => mesh,
+            InstanceGeometry::Mesh(level, _) => &levels.meshes[*level as usize].mesh,
+            InstanceGeometry::Facet(mesh, _) => mesh,
             _ => continue,
         };
         shading_normals |= !mesh.data().normals.is_empty();

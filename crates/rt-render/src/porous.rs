@@ -1,7 +1,7 @@
 //! Meshes with holes that their material cuts.
 
-use rt_geometry::{SurfaceDetail, TriangleMesh};
-use rt_math::{Aabb, DVec3, Hit, Interval, Primitives, Ray, random};
+use rt_geometry::{Hit, Primitives, TriangleMesh, VertexAttributes};
+use rt_math::{Aabb, DVec3, Interval, Ray, random};
 use rt_shading::{Alpha, Coverage, Material, Texture, TexturePoint};
 
 /// What rays pass of a mesh, because its material does not cover it there.
@@ -24,13 +24,13 @@ impl Holes {
 /// A mesh with its holes, as a set of primitives: a hit on a hole is none. Whether a blended surface is hit is a matter of the
 /// ray's own bits, so that all structures, and all rays that go on along the same line, agree about it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PorousMesh<'w> {
+pub(crate) struct AlphaTestedMesh<'w> {
     pub(crate) mesh: &'w TriangleMesh,
     pub(crate) holes: &'w Holes,
     pub(crate) textures: &'w [Texture],
 }
 
-impl PorousMesh<'_> {
+impl AlphaTestedMesh<'_> {
     fn is_there(&self, ray: &Ray, hit: &Hit) -> bool {
         if self.holes.has_front_only {
             let Some([a, b, c]) = self.mesh.vertices(hit.primitive) else { return false };
@@ -42,7 +42,7 @@ impl PorousMesh<'_> {
             return true;
         }
         let Some(([uv, second], alpha)) = self.mesh.coverage_at(hit) else { return false };
-        let detail = SurfaceDetail { second_uv: second.map(|x| x as f32), ..SurfaceDetail::default() };
+        let detail = VertexAttributes { second_uv: second.map(|x| x as f32), ..VertexAttributes::default() };
         let threshold = || random::unit(hash(ray, hit.primitive));
         self.holes.coverage.covers(self.textures, &TexturePoint { uv, detail }, alpha, threshold)
     }
@@ -55,7 +55,7 @@ fn hash(ray: &Ray, triangle: u32) -> u64 {
     random::hash(&[a, b, c, d, e, f, ray.time.to_bits(), u64::from(triangle)])
 }
 
-impl Primitives for PorousMesh<'_> {
+impl Primitives for AlphaTestedMesh<'_> {
     fn len(&self) -> usize {
         self.mesh.len()
     }
@@ -92,7 +92,7 @@ mod tests {
     }
 
     fn hits(holes: &Holes, textures: &[Texture], ray: &Ray) -> usize {
-        let (mesh, set) = (square(), |mesh| PorousMesh { mesh, holes, textures });
+        let (mesh, set) = (square(), |mesh| AlphaTestedMesh { mesh, holes, textures });
         (0..2).filter(|index| set(&mesh).intersect(*index, ray, Interval::FORWARD).is_some()).count()
     }
 

@@ -8,13 +8,14 @@
 use core::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use rt_camera::{Film, SamplePattern};
+use rt_camera::SamplerKind;
+use rt_image::Image;
 use rt_math::Rgb;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ContentError, Criterion, Crop, Observer, Part, PassProgress, Progress, RenderPlan, Share, SoFar, Statistics,
-    StopRule, Stopped, TargetError, Towards,
+    ContentError, Criterion, Crop, Observer, Part, PassProgress, Progress, RenderPlan, RenderSnapshot, Share,
+    Statistics, StopRule, Stopped, TargetError, Towards,
     content::{MAX_PASSES, check_count, check_crop, check_length, check_lost, check_number, check_share},
     crew::Crew,
     error_estimate::ErrorSums,
@@ -163,9 +164,9 @@ impl PassState {
     }
 
     /// The picture so far.
-    pub(crate) fn film(&self) -> Film {
+    pub(crate) fn film(&self) -> Image {
         let Crop { width, height, .. } = self.frame.crop;
-        let mut film = Film::new(width, height, self.frame.transparent);
+        let mut film = Image::new(width, height, self.frame.transparent);
         for (place, pixel) in film.pixels_mut().iter_mut().zip(&self.pixels) {
             *place = rounded(pixel.mean());
         }
@@ -258,7 +259,7 @@ impl<O: Observer> Progressive<'_, O> {
     }
 
     /// Sample pattern of the plan.
-    pub(crate) const fn pattern(&self) -> SamplePattern {
+    pub(crate) const fn pattern(&self) -> SamplerKind {
         self.plan.pattern
     }
 
@@ -304,7 +305,7 @@ impl<O: Observer> Progressive<'_, O> {
             };
             let rays = statistics.counters.total().rays;
             let progress = Progress { samples, total_samples, rays, pass: Some(here) };
-            observer.tile_done(&SoFar { progress, tile: tile.tile, state: State::Passes(state) });
+            observer.tile_done(&RenderSnapshot { progress, tile: tile.tile, state: State::Passes(state) });
         });
         state.lost.extend(outcome.lost.iter().map(|&number| number as u32));
         if outcome.interrupted {

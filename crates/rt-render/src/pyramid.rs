@@ -21,9 +21,10 @@ mod shaft;
 
 use core::ops::ControlFlow;
 
-use rt_accel::{AnyStructure, Structure as _};
+use rt_accel::{AcceleratorQueries as _, AnyAccelerator};
 use rt_camera::ViewVolume;
-use rt_math::{Hit, Interval, Ray, own_box};
+use rt_geometry::{Hit, padded_bounds};
+use rt_math::{Interval, Ray};
 use rt_shading::Background;
 
 pub(crate) use outline::{Outline, Outlines};
@@ -31,7 +32,7 @@ use patch::Patch;
 use shaft::{Blocked, Shaft};
 
 use crate::{
-    Crop, RenderPlan, passes::PixelMask, surroundings::Surroundings, tiles::Tile, trace::Surfaces, visible::OwnBoxesIn,
+    Crop, RenderPlan, passes::PixelMask, surroundings::CameraMedium, tiles::Tile, trace::Surfaces, visible::OwnBoxesIn,
 };
 
 /// Pixels along the side of the squares that are looked at first.
@@ -68,17 +69,17 @@ struct Met {
 struct Judge<'a, W> {
     plan: &'a RenderPlan<'a>,
     world: &'a W,
-    structure: &'a AnyStructure,
+    structure: &'a AnyAccelerator,
     tile: Tile,
     simple: Vec<bool>,
 }
 
 impl RenderPlan<'_> {
     /// The pixels of a tile that show a single smooth surface, or nothing, in light without edges.
-    pub(crate) fn simple_pixels<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyStructure) -> PixelMask {
+    pub(crate) fn simple_pixels<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyAccelerator) -> PixelMask {
         let simple = vec![false; tile.width as usize * tile.height as usize];
         let mut judge = Judge { plan: self, world, structure, tile, simple };
-        if matches!(&self.surroundings, Surroundings::Same(interior) if interior.is_empty()) {
+        if matches!(&self.surroundings, CameraMedium::Same(interior) if interior.is_empty()) {
             Square::around(tile).for_each(|square| judge.look_into(square));
         }
         PixelMask::new(tile, judge.simple)
@@ -119,7 +120,7 @@ impl Pyramid {
     fn passes_by<W: Surfaces>(&self, world: &W, index: u32) -> bool {
         match world.outline(index) {
             Outline::Ball { centre, radius } => self.volume.excludes_ball(centre, radius),
-            _ => own_box(world, index).is_some_and(|own| self.volume.excludes(&own)),
+            _ => padded_bounds(world, index).is_some_and(|own| self.volume.excludes(&own)),
         }
     }
 
@@ -150,7 +151,7 @@ impl Met {
             }
             Outline::Ball { centre, radius } => volume.least_depth_of_ball(centre, radius) > patch.farthest,
             Outline::Flat | Outline::Faces | Outline::Other => {
-                own_box(world, self.index).is_some_and(|own| volume.least_depth(&own) > patch.farthest)
+                padded_bounds(world, self.index).is_some_and(|own| volume.least_depth(&own) > patch.farthest)
             }
         }
     }

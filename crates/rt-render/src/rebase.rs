@@ -41,7 +41,7 @@ pub(crate) fn plan_from_world(origin: DVec3) -> Transform {
 
 /// The camera, relative to `origin`.
 pub(crate) fn camera(settings: &CameraSettings, origin: DVec3) -> CameraSettings {
-    let moved = |place: &Transform| plan_from_world(origin).then_first(place);
+    let moved = |place: &Transform| plan_from_world(origin).compose(place);
     CameraSettings {
         world_from_camera: moved(&settings.world_from_camera),
         moves_to: settings.moves_to.as_ref().map(moved),

@@ -3,16 +3,16 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use rt_camera::Film;
+use rt_image::Image;
 use rt_math::Rgb;
 use rt_scene_io::{Integrator, Settings};
-use rt_shading::{AmbientOcclusion, Clamp, FirstHitView, Follows, LightTracer, PathSettings};
+use rt_shading::{AmbientOcclusion, AovIntegrator, Clamp, Follows, LightTracingIntegrator, PathSettings};
 
 use crate::{
     Crop, ErrorEstimate, RenderError, RenderPlan, Statistics, StopRule, Stopped,
     checkpoint::Checkpoint,
     crew::Crew,
-    observer::{Kept, Observer, SoFar, State},
+    observer::{Kept, Observer, RenderSnapshot, State},
     part::{Frame, Part, Share, TilePixels},
     plan::View,
     splats::SplatImage,
@@ -85,7 +85,7 @@ pub enum Towards {
 #[derive(Clone, Debug)]
 pub struct Rendering {
     /// The picture, in linear radiance.
-    pub film: Film,
+    pub film: Image,
     /// What it took.
     pub statistics: Statistics,
     /// What ended it.
@@ -97,9 +97,9 @@ pub struct Rendering {
     /// Pixels that have not reached the error, where each has to ([`Criterion::Pixels`](crate::Criterion)).
     pub unconverged: Option<u64>,
     /// With [`RunOptions::maps`], the standard error of each pixel, by channel; infinite after one pass.
-    pub standard_error: Option<Film>,
+    pub standard_error: Option<Image>,
     /// With [`RunOptions::maps`], the samples of each pixel, in all channels.
-    pub sample_counts: Option<Film>,
+    pub sample_counts: Option<Image>,
     /// What a worker has failed at, by a defect of this program: these tiles lack some of their samples, or are black.
     pub lost: Vec<Crop>,
 }
@@ -208,7 +208,7 @@ impl RenderPlan<'_> {
             };
             let rays = statistics.counters.total().rays;
             let progress = Progress { samples: statistics.samples, total_samples, rays, pass: None };
-            observer.tile_done(&SoFar { progress, tile: tile.tile, state: State::Tiles(&part) });
+            observer.tile_done(&RenderSnapshot { progress, tile: tile.tile, state: State::Tiles(&part) });
         });
         part.statistics.passes = self.passes;
         part.statistics.render_seconds = spent + started.elapsed().as_secs_f64();
@@ -233,7 +233,7 @@ impl RenderPlan<'_> {
 
     /// What light paths bring to a pixel, by its place in what is rendered: the mean of all passes.
     fn splatted(&self, pixel: usize) -> Rgb {
-        let mut tracer = LightTracer::new(self.view.path_settings(), self.needs);
+        let mut tracer = LightTracingIntegrator::new(self.view.path_settings(), self.needs);
         let mut sum = Rgb::BLACK;
         for light in (0..self.passes).filter_map(|pass| self.light_pass(pass, self.pass_spp)) {
             let mut image = SplatImage::new(self.crop, self.filter);
@@ -267,9 +267,9 @@ impl View {
             Integrator::AmbientOcclusion => {
                 Self::AmbientOcclusion(AmbientOcclusion { reach: settings.occlusion_distance })
             }
-            Integrator::Normals => Self::FirstHit(FirstHitView::Normals),
-            Integrator::Depth => Self::FirstHit(FirstHitView::Depth { near, far }),
-            Integrator::Uv => Self::FirstHit(FirstHitView::Uv),
+            Integrator::Normals => Self::FirstHit(AovIntegrator::Normals),
+            Integrator::Depth => Self::FirstHit(AovIntegrator::Depth { near, far }),
+            Integrator::Uv => Self::FirstHit(AovIntegrator::Uv),
             Integrator::Cost => Self::Cost,
         }
     }

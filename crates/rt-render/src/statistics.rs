@@ -1,6 +1,6 @@
 //! What a render did and how long it took.
 
-use rt_math::Counters;
+use rt_geometry::Counters;
 use rt_shading::ShadingCounts;
 use serde::{Deserialize, Serialize};
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use serde::{Deserialize, Serialize};
 
 use crate::RenderError;
@@ -121,7 +121,7 @@ impl StopRule {
     }
 
     /// Samples of pass number `pass`, if each pixel has `taken` so many; `None` if it has all that it may.
-    pub(crate) fn pass_spp(&self, pattern: SamplePattern, pass: u32, taken: u32) -> Option<u32> {
+    pub(crate) fn pass_spp(&self, pattern: SamplerKind, pass: u32, taken: u32) -> Option<u32> {
         let left = self.max_spp.saturating_sub(taken);
         let wanted = match self.target.map(|target| target.criterion) {
             None => growing_spp(pass),
@@ -179,7 +179,7 @@ const fn growing_spp(pass: u32) -> u32 {
 mod tests {
     use super::*;
 
-    fn sizes(rule: &StopRule, pattern: SamplePattern) -> Vec<u32> {
+    fn sizes(rule: &StopRule, pattern: SamplerKind) -> Vec<u32> {
         let (mut sizes, mut taken) = (Vec::new(), 0);
         while let Some(spp) = rule.pass_spp(pattern, sizes.len() as u32, taken) {
             sizes.push(spp);
@@ -191,28 +191,28 @@ mod tests {
     #[test]
     fn passes_grow_to_sixteen_samples_and_stop_at_the_bound() {
         let of = |max_spp, pattern| sizes(&StopRule { max_spp, ..StopRule::default() }, pattern);
-        assert_eq!(of(50, SamplePattern::Random), [1, 1, 2, 4, 8, 16, 16, 2]);
-        assert_eq!(of(64, SamplePattern::Sobol), [1, 1, 2, 4, 8, 16, 16, 16]);
-        assert_eq!(of(20, SamplePattern::Jittered), [1, 1, 4, 4, 9, 1]);
-        assert_eq!(of(1, SamplePattern::Sobol), [1]);
+        assert_eq!(of(50, SamplerKind::Random), [1, 1, 2, 4, 8, 16, 16, 2]);
+        assert_eq!(of(64, SamplerKind::Sobol), [1, 1, 2, 4, 8, 16, 16, 16]);
+        assert_eq!(of(20, SamplerKind::Jittered), [1, 1, 4, 4, 9, 1]);
+        assert_eq!(of(1, SamplerKind::Sobol), [1]);
     }
 
     #[test]
     fn samples_double_between_tests() {
         let target = Some(TargetError::of_pixels(0.01));
         let of = |max_spp, pattern| sizes(&StopRule { max_spp, target, time: None }, pattern);
-        let sobol = of(1024, SamplePattern::Sobol);
+        let sobol = of(1024, SamplerKind::Sobol);
         let at_tests: Vec<u32> = (1..=5).map(|test| sobol[..8 * test].iter().sum()).collect();
         assert_eq!(at_tests, [64, 128, 256, 512, 1024]);
         assert_eq!(sobol.len(), 40);
-        assert_eq!(of(16, SamplePattern::Halton), [2; 8]);
-        assert_eq!(of(3, SamplePattern::Halton), [1; 3]);
+        assert_eq!(of(16, SamplerKind::Halton), [2; 8]);
+        assert_eq!(of(3, SamplerKind::Halton), [1; 3]);
     }
 
     #[test]
     fn the_image_is_tested_when_its_samples_have_grown_by_half_at_most() {
         let rule = StopRule { target: Some(TargetError::of_image(0.05)), max_spp: 4096, time: None };
-        let sizes = sizes(&rule, SamplePattern::Sobol);
+        let sizes = sizes(&rule, SamplerKind::Sobol);
         assert_eq!(sizes[..8], [4, 4, 4, 4, 8, 8, 16, 16]);
         assert_eq!((sizes.len(), sizes.iter().sum::<u32>()), (20, 4096));
         let mut taken: u32 = sizes[..FIRST_TEST_OF_IMAGE as usize].iter().sum();

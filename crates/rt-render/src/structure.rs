@@ -1,8 +1,8 @@
 //! Which acceleration structure, and why.
 
 use rt_accel::wide::{Handful, Quality, SimdLevel};
-use rt_accel::{AnyStructure, BuildError, StructureKind};
-use rt_math::{LeafLayout, Primitives};
+use rt_accel::{AcceleratorKind, AnyAccelerator, BuildError};
+use rt_geometry::{PrimitiveGeometry, Primitives};
 use rt_scene_io::Accel;
 
 /// Up to this many primitives, asking each is faster than walking a tree.
@@ -13,7 +13,7 @@ pub(crate) const FEW_SPHERES: usize = Handful::MOST;
 
 /// True for primitives of which asking each is faster than walking a tree.
 pub(crate) fn are_few<P: Primitives>(primitives: &P, mut indices: impl ExactSizeIterator<Item = u32>) -> bool {
-    let is_round = |index| matches!(primitives.leaf_layout(index), LeafLayout::Round(_));
+    let is_round = |index| matches!(primitives.geometry(index), PrimitiveGeometry::ExactSphere(_));
     let count = indices.len();
     count <= FEW || count <= FEW_SPHERES && indices.all(is_round)
 }
@@ -29,9 +29,9 @@ pub(crate) struct Wanted {
 }
 
 /// Builds what is wanted, or for `Auto` what fits the primitives.
-pub(crate) fn build<P: Primitives>(wanted: Wanted, primitives: &P) -> Result<AnyStructure, BuildError> {
+pub(crate) fn build<P: Primitives>(wanted: Wanted, primitives: &P) -> Result<AnyAccelerator, BuildError> {
     let are_few = are_few(primitives, 0..primitives.len() as u32);
-    let structure = AnyStructure::build_with(choose(wanted.accel, are_few), wanted.quality, primitives)?;
+    let structure = AnyAccelerator::build_with(choose(wanted.accel, are_few), wanted.quality, primitives)?;
     Ok(match wanted.simd {
         Some(level) => structure.with_level(level),
         None => structure,
@@ -39,19 +39,19 @@ pub(crate) fn build<P: Primitives>(wanted: Wanted, primitives: &P) -> Result<Any
 }
 
 /// What `accel` asks for; `Auto` is brute force for [few](are_few) primitives and the wide tree of boxes otherwise.
-pub(crate) const fn choose(accel: Accel, are_few: bool) -> StructureKind {
+pub(crate) const fn choose(accel: Accel, are_few: bool) -> AcceleratorKind {
     match accel {
-        Accel::Auto if are_few => StructureKind::Linear,
-        Accel::Auto | Accel::Wide => StructureKind::Wide,
-        Accel::Bvh => StructureKind::Bvh,
-        Accel::Linear => StructureKind::Linear,
-        Accel::Grid => StructureKind::Grid,
-        Accel::Spheres => StructureKind::Spheres,
-        Accel::Cylinders => StructureKind::Cylinders,
-        Accel::Kd => StructureKind::Kd,
-        Accel::Bsp => StructureKind::Bsp,
-        Accel::Bih => StructureKind::Bih,
-        Accel::BihLazy => StructureKind::BihLazy,
+        Accel::Auto if are_few => AcceleratorKind::Linear,
+        Accel::Auto | Accel::Wide => AcceleratorKind::Wide,
+        Accel::Bvh => AcceleratorKind::Bvh,
+        Accel::Linear => AcceleratorKind::Linear,
+        Accel::Grid => AcceleratorKind::Grid,
+        Accel::Spheres => AcceleratorKind::Spheres,
+        Accel::Cylinders => AcceleratorKind::Cylinders,
+        Accel::Kd => AcceleratorKind::Kd,
+        Accel::Bsp => AcceleratorKind::Bsp,
+        Accel::Bih => AcceleratorKind::Bih,
+        Accel::BihLazy => AcceleratorKind::BihLazy,
     }
 }
 
@@ -97,7 +97,7 @@ mod tests {
         for accel in Accel::ALL.iter().filter(|accel| **accel != Accel::Auto) {
             assert_eq!(named(accel), accel.name());
         }
-        assert_eq!(Accel::ALL.len(), StructureKind::ALL.len() + 1);
+        assert_eq!(Accel::ALL.len(), AcceleratorKind::ALL.len() + 1);
     }
 
     fn spheres(radii: &[f64]) -> Spheres {

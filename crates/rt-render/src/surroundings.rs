@@ -1,7 +1,8 @@
 //! What camera rays start inside of.
 
 use rt_camera::{Camera, Projection};
-use rt_math::{Aabb, DVec2, DVec3, NoProbe, Ray};
+use rt_geometry::NoProbe;
+use rt_math::{Aabb, DVec2, DVec3, Ray};
 use rt_scene_io::{NamedCamera, Scene};
 use rt_shading::{Interior, Material};
 
@@ -9,7 +10,7 @@ use crate::{
     plan::World,
     trace::WorldTracer,
     visible::InView,
-    world::{Levels, Part, PartGeometry},
+    world::{InstanceGeometry, Levels, Part},
 };
 
 /// Where a ray goes that finds out what the pinhole lies inside of. It leaves closed bodies whichever way it goes; this
@@ -18,7 +19,7 @@ const OUTWARD: DVec3 = DVec3::new(0.36, 0.80, 0.48);
 
 /// The transparent bodies around the origins of camera rays.
 #[derive(Debug)]
-pub(crate) enum Surroundings {
+pub(crate) enum CameraMedium {
     /// The same for all rays.
     Same(Interior),
     /// To be found for each ray that starts in this box: rays of a parallel projection, or of a lens, start in different
@@ -26,7 +27,7 @@ pub(crate) enum Surroundings {
     ByRay(Aabb),
 }
 
-impl Surroundings {
+impl CameraMedium {
     /// In clear air.
     pub(crate) fn air() -> Self {
         Self::Same(Interior::default())
@@ -97,7 +98,7 @@ pub(crate) fn reach_of_transparent_bodies(materials: &[Material], world: &World)
 /// True if the part, or one in its group, is of such a material.
 pub(crate) fn holds(part: &Part, levels: &Levels, is_wanted: &impl Fn(u32) -> bool) -> bool {
     match part.geometry.at_rest() {
-        PartGeometry::Group(level, _) => {
+        InstanceGeometry::Group(level, _) => {
             levels.groups[*level as usize].parts.iter().any(|inner| is_wanted(inner.material))
         }
         _ => is_wanted(part.material),

@@ -1,8 +1,9 @@
 //! A tile of the image, from samples to pixels.
 
-use rt_accel::{AnyStructure, wide::Handful};
-use rt_camera::PixelSample;
-use rt_math::{Counters, Hit, NoProbe, Probe, Ray, RayCounts, Rgb};
+use rt_accel::{AnyAccelerator, wide::Handful};
+use rt_camera::SampleStream;
+use rt_geometry::{Counters, Hit, NoProbe, Probe, RayCounts};
+use rt_math::{Ray, Rgb};
 use rt_scene_io::Integrator;
 use rt_shading::{Background, Interior, Lighting, OcclusionWave, PathTracer, Seen, ShadingCounts, Whitted};
 
@@ -14,7 +15,7 @@ use crate::{
     passes::{PixelMask, Sweep},
     pixel::Pixel,
     plan::{View, World},
-    surroundings::Surroundings,
+    surroundings::CameraMedium,
     tiles::Tile,
     trace::{Surfaces, WorldTracer},
     visible::{self, InView},
@@ -133,7 +134,7 @@ impl Finished {
 /// What a thread uses again from tile to tile.
 pub(crate) struct Worker {
     whitted: Whitted,
-    paths: PathTracer<PixelSample>,
+    paths: PathTracer<SampleStream>,
     occlusion: OcclusionWave,
     camera: CameraWave,
     hits: Vec<Option<Hit>>,
@@ -171,7 +172,7 @@ impl RenderPlan<'_> {
     fn with_world<W: Surfaces, S: Countable>(
         &self,
         world: &W,
-        structure: &AnyStructure,
+        structure: &AnyAccelerator,
         task: &Task<'_>,
         worker: &mut Worker,
     ) -> Finished {
@@ -192,19 +193,19 @@ impl RenderPlan<'_> {
         let lighting = Lighting { appearance: &self.appearance, emitters: &self.emitters, bsdfs: &self.bsdfs };
         let mut tracer = WorldTracer::new(world, structure, in_view, S::default()).with_buffer(core::mem::take(hits));
         let mut finished = match (&self.view, &self.surroundings) {
-            (View::Light, Surroundings::Same(interior)) => {
+            (View::Light, CameraMedium::Same(interior)) => {
                 whitted.set_surroundings(interior);
                 self.sample_tile(task, camera, |wave, seen| {
                     whitted.radiance_of(&mut tracer, &self.appearance, wave.rays, seen);
                 })
             }
-            (View::Paths(_), Surroundings::Same(interior)) => {
+            (View::Paths(_), CameraMedium::Same(interior)) => {
                 paths.set_surroundings(interior);
                 self.sample_tile(task, camera, |wave, seen| {
                     paths.radiance_of(&mut tracer, lighting, wave.rays, wave.samplers, seen);
                 })
             }
-            (View::Paths(_), Surroundings::ByRay(reach)) => {
+            (View::Paths(_), CameraMedium::ByRay(reach)) => {
                 let mut interior = Interior::default();
                 self.sample_tile(task, camera, |wave, seen| {
                     for (i, ray) in wave.rays.iter().enumerate() {
@@ -218,7 +219,7 @@ impl RenderPlan<'_> {
             (View::AmbientOcclusion(view), _) => self.sample_tile(task, camera, |wave, seen| {
                 occlusion.radiance_of(view, &mut tracer, wave.rays, wave.samplers, seen);
             }),
-            (View::Light, Surroundings::ByRay(reach)) => {
+            (View::Light, CameraMedium::ByRay(reach)) => {
                 let mut interior = Interior::default();
                 self.sample_each(task, camera, |ray| {
                     interior.look_around_within(*reach, &mut tracer, &self.appearance.materials, ray);
@@ -254,7 +255,7 @@ impl RenderPlan<'_> {
     }
 
     /// What the camera rays of the tile can meet, if that is little.
-    fn few_in<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyStructure) -> Option<Handful> {
+    fn few_in<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyAccelerator) -> Option<Handful> {
         let Tile { x, y, width, height } = tile;
         let volume = self.narrows.then(|| self.view_volume(Crop { x, y, width, height }))?;
         let few = visible::few(world, structure, self.visible.as_ref(), &volume)?;
@@ -267,7 +268,7 @@ impl RenderPlan<'_> {
     /// A tile in whose part of the view there is nothing, if that can be told without a ray: where all samples see the
     /// same background and weigh the same, so that no pixel depends on where they are.
     fn empty_tile(&self, task: &Task<'_>) -> Option<Finished> {
-        let (View::Light | View::Paths(_), Surroundings::Same(_), Background::Constant(radiance)) =
+        let (View::Light | View::Paths(_), CameraMedium::Same(_), Background::Constant(radiance)) =
             (&self.view, &self.surroundings, &self.appearance.background)
         else {
             return None;

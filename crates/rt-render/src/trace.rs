@@ -1,8 +1,10 @@
 //! Rays against a world: where structures and materials meet.
 
-use rt_accel::AnyStructure;
-use rt_geometry::{Spheres, SurfaceNeeds};
-use rt_math::{Accelerator, BatchKernel, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RayCounts, RayKind};
+use rt_accel::{Accelerator, AnyAccelerator};
+use rt_geometry::{
+    BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Probe, RayCounts, RayKind, Spheres,
+};
+use rt_math::{Interval, Ray};
 use rt_shading::{SurfaceHit, Tracer, emitter::EmitterRef};
 
 use crate::{pyramid::Outlines, visible::InView, world::Parts};
@@ -11,12 +13,12 @@ use crate::{pyramid::Outlines, visible::InView, world::Parts};
 pub(crate) trait Surfaces: Outlines {
     /// The surface at a hit; `None` for a hit that is not of this set. Objects are numbered by their places among the
     /// parts of the upper level.
-    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit>;
+    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit>;
 }
 
 impl Surfaces for Parts<'_> {
     #[inline]
-    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
         self.surface(ray, hit, needs)
     }
 }
@@ -72,17 +74,17 @@ impl Primitives for SphereWorld {
     }
 
     #[inline]
-    fn leaf_layout(&self, index: u32) -> LeafLayout {
-        if self.casts_shadow(index) { self.spheres.leaf_layout(index) } else { LeafLayout::Opaque }
+    fn geometry(&self, index: u32) -> PrimitiveGeometry {
+        if self.casts_shadow(index) { self.spheres.geometry(index) } else { PrimitiveGeometry::Opaque }
     }
 }
 
 impl Surfaces for SphereWorld {
     #[inline(always)]
-    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
         let material = *self.materials.get(hit.primitive as usize)?;
         let uv = needs.uv && *self.textured.get(hit.primitive as usize)?;
-        let interaction = self.spheres.surface(ray, hit, SurfaceNeeds { uv, ..needs })?;
+        let interaction = self.spheres.surface(ray, hit, InteractionFlags { uv, ..needs })?;
         let index = self.emitters.get(hit.primitive as usize).copied().flatten();
         let emitter = index.map(|index| EmitterRef { index, triangle: None });
         Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material, emitter })
@@ -93,7 +95,7 @@ impl Surfaces for SphereWorld {
 /// compiled anew for each.
 pub(crate) struct WorldTracer<'w, W, S> {
     pub(crate) world: &'w W,
-    pub(crate) structure: &'w AnyStructure,
+    pub(crate) structure: &'w AnyAccelerator,
     /// What camera rays are asked of.
     pub(crate) in_view: InView<'w>,
     /// Rays by kind.
@@ -107,7 +109,7 @@ pub(crate) struct WorldTracer<'w, W, S> {
 }
 
 impl<'w, W: Surfaces, S: Probe> WorldTracer<'w, W, S> {
-    pub(crate) fn new(world: &'w W, structure: &'w AnyStructure, in_view: InView<'w>, probe: S) -> Self {
+    pub(crate) fn new(world: &'w W, structure: &'w AnyAccelerator, in_view: InView<'w>, probe: S) -> Self {
         Self { world, structure, in_view, rays: RayCounts::default(), spared: 0, probe, hits: Vec::new() }
     }
 
@@ -146,7 +148,7 @@ impl<'w, W: Surfaces, S: Probe> WorldTracer<'w, W, S> {
 }
 
 impl<W: Surfaces, S: Probe> Tracer for WorldTracer<'_, W, S> {
-    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         if self.spares(kind, 1) {
             return None;
         }
@@ -164,7 +166,7 @@ impl<W: Surfaces, S: Probe> Tracer for WorldTracer<'_, W, S> {
         &mut self,
         rays: &[(Ray, Interval)],
         kind: RayKind,
-        needs: SurfaceNeeds,
+        needs: InteractionFlags,
         mut met: impl FnMut(usize, Option<&mut SurfaceHit>),
     ) {
         if self.spares(kind, rays.len()) {

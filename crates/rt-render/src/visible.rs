@@ -2,11 +2,10 @@
 
 use core::ops::ControlFlow;
 
-use rt_accel::{AnyStructure, BuildError, Region, Structure as _, wide::Handful};
+use rt_accel::{Accelerator, AcceleratorQueries as _, AnyAccelerator, BuildError, Region, wide::Handful};
 use rt_camera::ViewVolume;
-use rt_math::{
-    Aabb, Accelerator, BatchKernel, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RoundSphere, own_box,
-};
+use rt_geometry::{BatchKernel, Hit, PrimitiveGeometry, Primitives, Probe, SphereKernel, padded_bounds};
+use rt_math::{Aabb, DVec3, Interval, Ray};
 
 use crate::structure::{self, FEW_SPHERES, Wanted, are_few};
 
@@ -19,7 +18,7 @@ use crate::structure::{self, FEW_SPHERES, Wanted, are_few};
 pub(crate) struct Visible {
     /// Indices in the whole set, rising.
     indices: Vec<u32>,
-    structure: AnyStructure,
+    structure: AnyAccelerator,
     /// Number of primitives of the whole set.
     of: usize,
 }
@@ -36,7 +35,7 @@ impl Visible {
         if are_few(primitives, 0..of as u32) {
             return Ok(None);
         }
-        let inside = |index: &u32| own_box(primitives, *index).is_none_or(|own| !volume.excludes(&own));
+        let inside = |index: &u32| padded_bounds(primitives, *index).is_none_or(|own| !volume.excludes(&own));
         let indices: Vec<u32> = (0..of as u32).filter(inside).collect();
         if indices.len() > of / 2 {
             return Ok(None);
@@ -59,7 +58,7 @@ impl Visible {
         self.structure.closest_batch(&Subset { all, indices: &self.indices }, rays, hits, probe);
     }
 
-    pub(crate) const fn structure(&self) -> &AnyStructure {
+    pub(crate) const fn structure(&self) -> &AnyAccelerator {
         &self.structure
     }
 
@@ -83,7 +82,7 @@ impl Visible {
 /// `wider` part, if there is one, and otherwise in the structure over all primitives.
 pub(crate) fn few<P: Primitives>(
     primitives: &P,
-    structure: &AnyStructure,
+    structure: &AnyAccelerator,
     wider: Option<&Visible>,
     volume: &ViewVolume,
 ) -> Option<Handful> {
@@ -116,7 +115,7 @@ pub(crate) fn few<P: Primitives>(
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum InView<'v> {
     /// All there is.
-    All(&'v AnyStructure),
+    All(&'v AnyAccelerator),
     /// What the picture shows of it.
     Part(&'v Visible),
     /// What a tile shows of it.
@@ -203,20 +202,20 @@ impl<P: Primitives> Primitives for Subset<'_, P> {
     }
 
     #[inline(always)]
-    fn intersect_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        self.all.intersect_probed(self.indices[index as usize], ray, span, probe)
+    fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
+        self.all.intersect_with_stats(self.indices[index as usize], ray, span, probe)
     }
 
-    fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        self.all.occludes_probed(self.indices[index as usize], ray, span, probe)
+    fn occludes_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        self.all.occludes_with_stats(self.indices[index as usize], ray, span, probe)
     }
 
     fn batch_kernel(&self, index: u32) -> BatchKernel {
         self.all.batch_kernel(self.indices[index as usize])
     }
 
-    fn hit_name(&self, index: u32) -> [u32; 2] {
-        self.all.hit_name(self.indices[index as usize])
+    fn hit_ids(&self, index: u32) -> [u32; 2] {
+        self.all.hit_ids(self.indices[index as usize])
     }
 
     fn blocks(&self, index: u32) -> bool {
@@ -231,11 +230,15 @@ impl<P: Primitives> Primitives for Subset<'_, P> {
         self.all.occludes_batch(self.indices[index as usize], rays, blocked, probe);
     }
 
-    fn leaf_layout(&self, index: u32) -> LeafLayout {
-        match self.all.leaf_layout(self.indices[index as usize]) {
+    fn geometry(&self, index: u32) -> PrimitiveGeometry {
+        match self.all.geometry(self.indices[index as usize]) {
             // Hits are named as the whole set names them, which a structure that decides by itself would not know.
-            LeafLayout::Watertight(vertices) => LeafLayout::Triangle(vertices.map(|vertex| vertex.as_dvec3())),
-            LeafLayout::Round(RoundSphere { centre, radius }) => LeafLayout::Sphere(centre, radius),
+            PrimitiveGeometry::ExactTriangle(vertices) => {
+                PrimitiveGeometry::Triangle(vertices.map(|vertex| vertex.as_dvec3()))
+            }
+            PrimitiveGeometry::ExactSphere(SphereKernel { centre, radius }) => {
+                PrimitiveGeometry::Sphere(centre, radius)
+            }
             layout => layout,
         }
     }

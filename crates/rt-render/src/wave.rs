@@ -1,6 +1,6 @@
 //! Waves of camera rays: the samples of some pixels, traced together.
 
-use rt_camera::{PixelSample, PixelSampler};
+use rt_camera::{PixelSampler, SampleStream};
 use rt_math::{DVec2, Interval, Ray, Rgb, Sampler};
 use rt_shading::Seen;
 
@@ -24,14 +24,14 @@ pub(crate) struct CameraWave {
     weights: Vec<f64>,
     seen: Vec<Seen>,
     /// Where the samples draw further numbers from; empty unless something asks for them.
-    samplers: Vec<PixelSample>,
+    samplers: Vec<SampleStream>,
 }
 
 /// Camera rays on their way to an integrator.
 pub(crate) struct CameraRays<'a> {
     pub(crate) rays: &'a [(Ray, Interval)],
     /// The sampler of each ray, if the integrator draws.
-    pub(crate) samplers: &'a [PixelSample],
+    pub(crate) samplers: &'a [SampleStream],
 }
 
 impl CameraWave {
@@ -137,7 +137,7 @@ impl RenderPlan<'_> {
             let (offset, weight) = self.filter.sample(sample.next_2d());
             let on_lens = if has_lens { sample.next_2d() } else { [0.5; 2] };
             let time = self.draw_moment(&mut sample);
-            push(self.camera.ray_through(corner + offset, on_lens, time), weight);
+            push(self.camera.generate_ray(corner + offset, on_lens, time), weight);
             if self.view.draws() {
                 samplers.push(sample);
             }
@@ -145,7 +145,7 @@ impl RenderPlan<'_> {
     }
 
     /// The moment of a sample; its dimension is drawn only where something moves.
-    pub(crate) fn draw_moment(&self, sample: &mut PixelSample) -> f64 {
+    pub(crate) fn draw_moment(&self, sample: &mut SampleStream) -> f64 {
         if self.moves { self.camera.moment(sample.next_1d()) } else { 0.0 }
     }
 }

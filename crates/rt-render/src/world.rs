@@ -5,19 +5,20 @@
 
 use std::{borrow::Cow, sync::Arc};
 
-use rt_accel::AnyStructure;
-use rt_geometry::{Placed, Shape, ShapeHit, SurfaceInteraction, SurfaceNeeds, TriangleMesh};
-use rt_math::{
-    Aabb, Accelerator, BatchKernel, Hit, Interval, LeafLayout, MotionChain, Primitives, Probe, Ray, Transform,
+use rt_accel::{Accelerator, AnyAccelerator};
+use rt_geometry::{
+    BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Probe, Shape, ShapeHit, SurfaceInteraction,
+    TransformedShape, TriangleMesh,
 };
+use rt_math::{Aabb, AnimatedTransformChain, Interval, Ray, Transform};
 use rt_shading::{Relief, SurfaceHit, Texture, emitter::EmitterRef};
 
-use crate::porous::{Holes, PorousMesh};
+use crate::porous::{AlphaTestedMesh, Holes};
 
 /// Something that stands somewhere, in the space of its assembly.
 #[derive(Debug)]
 pub(crate) struct Part {
-    pub(crate) geometry: PartGeometry,
+    pub(crate) geometry: InstanceGeometry,
     /// Index of the material; that of a group's part is its own.
     pub(crate) material: u32,
     pub(crate) casts_shadow: bool,
@@ -40,13 +41,13 @@ pub(crate) struct Part {
 impl Part {
     /// True if it is elsewhere at another moment, in its assembly.
     pub(crate) const fn moves(&self) -> bool {
-        matches!(self.geometry, PartGeometry::Moving(_))
+        matches!(self.geometry, InstanceGeometry::Moving(_))
     }
 
     /// What is needed of its surface.
     #[inline]
-    fn needs(&self, needs: SurfaceNeeds) -> SurfaceNeeds {
-        SurfaceNeeds { uv: needs.uv && self.textured, ..needs }
+    fn needs(&self, needs: InteractionFlags) -> InteractionFlags {
+        InteractionFlags { uv: needs.uv && self.textured, ..needs }
     }
 
     /// The part's surface at `t`; `triangle` is the one that was hit, where the light is numbered as the mesh is.
@@ -64,7 +65,7 @@ impl Part {
         triangle: u32,
         ray: &Ray,
         hit: &Hit,
-        needs: SurfaceNeeds,
+        needs: InteractionFlags,
     ) -> Option<SurfaceHit> {
         let surface = mesh.surface(ray, &Hit { primitive: triangle, ..*hit }, self.needs(needs))?;
         Some(self.made(hit.t, surface, Some(triangle)))
@@ -72,16 +73,16 @@ impl Part {
 
     /// The surface of a shape.
     #[inline]
-    fn shape(&self, shape: &Shape, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> SurfaceHit {
+    fn shape(&self, shape: &Shape, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> SurfaceHit {
         self.made(hit.t, shape.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, self.needs(needs)), None)
     }
 }
 
 /// What a part is.
 #[derive(Debug)]
-pub(crate) enum PartGeometry {
+pub(crate) enum InstanceGeometry {
     Shape(Shape),
-    Placed(Box<Placed>),
+    TransformedShape(Box<TransformedShape>),
     /// Index of a [`MeshLevel`]; no transform means the identity.
     Mesh(u32, Option<Box<Transform>>),
     /// One triangle of a small mesh that stands where its file says, and has no normal map.
@@ -91,7 +92,7 @@ pub(crate) enum PartGeometry {
     Moving(Box<Moving>),
 }
 
-impl PartGeometry {
+impl InstanceGeometry {
     /// What it is, if it moves, in its own space.
     pub(crate) fn at_rest(&self) -> &Self {
         if let Self::Moving(moving) = self { &moving.geometry } else { self }
@@ -111,9 +112,9 @@ impl PartGeometry {
 /// Something that is elsewhere at another moment. The part's bounds contain it at all moments.
 #[derive(Debug)]
 pub(crate) struct Moving {
-    pub(crate) assembly_from_local: MotionChain,
+    pub(crate) assembly_from_local: AnimatedTransformChain,
     /// A shape, or a mesh or group without a transform.
-    pub(crate) geometry: PartGeometry,
+    pub(crate) geometry: InstanceGeometry,
 }
 
 /// A mesh with the structure over its triangles, in the space of its file.
@@ -122,21 +123,25 @@ pub(crate) struct MeshLevel {
     pub(crate) mesh: Arc<TriangleMesh>,
     /// Where the material does not cover it.
     pub(crate) holes: Option<Holes>,
-    pub(crate) structure: AnyStructure,
+    pub(crate) structure: AnyAccelerator,
 }
 
 impl MeshLevel {
     fn closest<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
         match &self.holes {
             None => self.structure.closest(&*self.mesh, ray, span, probe),
-            Some(holes) => self.structure.closest(&PorousMesh { mesh: &self.mesh, holes, textures }, ray, span, probe),
+            Some(holes) => {
+                self.structure.closest(&AlphaTestedMesh { mesh: &self.mesh, holes, textures }, ray, span, probe)
+            }
         }
     }
 
     fn occluded<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> bool {
         match &self.holes {
             None => self.structure.occluded(&*self.mesh, ray, span, probe),
-            Some(holes) => self.structure.occluded(&PorousMesh { mesh: &self.mesh, holes, textures }, ray, span, probe),
+            Some(holes) => {
+                self.structure.occluded(&AlphaTestedMesh { mesh: &self.mesh, holes, textures }, ray, span, probe)
+            }
         }
     }
 
@@ -150,7 +155,7 @@ impl MeshLevel {
         match &self.holes {
             None => self.structure.closest_batch(&*self.mesh, rays, hits, probe),
             Some(holes) => {
-                let porous = PorousMesh { mesh: &self.mesh, holes, textures };
+                let porous = AlphaTestedMesh { mesh: &self.mesh, holes, textures };
                 self.structure.closest_batch(&porous, rays, hits, probe);
             }
         }
@@ -166,7 +171,7 @@ impl MeshLevel {
         match &self.holes {
             None => self.structure.occluded_batch(&*self.mesh, rays, blocked, probe),
             Some(holes) => {
-                let porous = PorousMesh { mesh: &self.mesh, holes, textures };
+                let porous = AlphaTestedMesh { mesh: &self.mesh, holes, textures };
                 self.structure.occluded_batch(&porous, rays, blocked, probe);
             }
         }
@@ -177,7 +182,7 @@ impl MeshLevel {
 #[derive(Debug)]
 pub(crate) struct Assembly {
     pub(crate) parts: Vec<Part>,
-    pub(crate) structure: AnyStructure,
+    pub(crate) structure: AnyAccelerator,
     /// True if each part is one primitive, and hits are named by its place alone: a structure can then decide about
     /// triangles by itself.
     pub(crate) is_flat: bool,
@@ -244,21 +249,21 @@ impl Parts<'_> {
 
     /// A hit of a part that is one primitive.
     fn single(&self, index: u32, t: f64, uv: [f64; 2]) -> Hit {
-        let [instance, primitive] = self.hit_name(index);
+        let [instance, primitive] = self.hit_ids(index);
         Hit { t, instance, primitive, uv }
     }
 
     /// The surface at a hit that [`Primitives::intersect`] reported.
     #[inline]
-    pub(crate) fn surface(&self, ray: &Ray, hit: &Hit, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+    pub(crate) fn surface(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
         let part = self.parts.get(self.place(hit) as usize)?;
         // The usual kinds by themselves, so that they are written where they are needed, and not moved about.
         match &part.geometry {
-            PartGeometry::Facet(mesh, triangle) => part.facet(mesh, *triangle, ray, hit, needs),
-            PartGeometry::Mesh(level, None) if part.relief.is_none() => {
+            InstanceGeometry::Facet(mesh, triangle) => part.facet(mesh, *triangle, ray, hit, needs),
+            InstanceGeometry::Mesh(level, None) if part.relief.is_none() => {
                 part.facet(&self.levels.meshes[*level as usize].mesh, hit.primitive, ray, hit, needs)
             }
-            PartGeometry::Shape(shape) => Some(part.shape(shape, ray, hit, needs)),
+            InstanceGeometry::Shape(shape) => Some(part.shape(shape, ray, hit, needs)),
             geometry => self.surface_of(part, geometry, ray, hit, needs),
         }
     }
@@ -266,17 +271,19 @@ impl Parts<'_> {
     fn surface_of(
         &self,
         part: &Part,
-        geometry: &PartGeometry,
+        geometry: &InstanceGeometry,
         ray: &Ray,
         hit: &Hit,
-        needs: SurfaceNeeds,
+        needs: InteractionFlags,
     ) -> Option<SurfaceHit> {
         let shape_hit = ShapeHit { t: hit.t, uv: hit.uv };
         let needs = part.needs(needs);
         Some(match geometry {
-            PartGeometry::Shape(shape) => part.shape(shape, ray, hit, needs),
-            PartGeometry::Placed(placed) => part.made(hit.t, placed.surface(ray, &shape_hit, needs), None),
-            PartGeometry::Mesh(level, transform) => {
+            InstanceGeometry::Shape(shape) => part.shape(shape, ray, hit, needs),
+            InstanceGeometry::TransformedShape(placed) => {
+                part.made(hit.t, placed.surface(ray, &shape_hit, needs), None)
+            }
+            InstanceGeometry::Mesh(level, transform) => {
                 let mut surface = self.levels.meshes[*level as usize].mesh.surface(
                     &localise(ray, transform.as_deref()),
                     hit,
@@ -287,8 +294,8 @@ impl Parts<'_> {
                 }
                 part.made(hit.t, lift(surface, transform.as_deref()), Some(hit.primitive))
             }
-            PartGeometry::Facet(mesh, triangle) => part.facet(mesh, *triangle, ray, hit, needs)?,
-            PartGeometry::Group(level, transform) => {
+            InstanceGeometry::Facet(mesh, triangle) => part.facet(mesh, *triangle, ray, hit, needs)?,
+            InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
                 let at = group.parts.partition_point(|p| p.first_primitive <= hit.primitive).checked_sub(1)?;
@@ -304,7 +311,7 @@ impl Parts<'_> {
                     ..surface
                 }
             }
-            PartGeometry::Moving(moving) => {
+            InstanceGeometry::Moving(moving) => {
                 let map = moving.assembly_from_local.at(ray.time);
                 let surface = self.surface_of(part, &moving.geometry, &map.inverse_ray(ray), hit, needs)?;
                 SurfaceHit { interaction: surface.interaction.transformed(&map), ..surface }
@@ -316,33 +323,33 @@ impl Parts<'_> {
     #[inline]
     fn closest_on<S: Probe>(
         &self,
-        (index, geometry): (u32, &PartGeometry),
+        (index, geometry): (u32, &InstanceGeometry),
         ray: &Ray,
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
         let single = |hit: ShapeHit| self.single(index, hit.t, hit.uv);
         match geometry {
-            PartGeometry::Shape(shape) => shape.intersect(ray, span).map(single),
-            PartGeometry::Placed(placed) => placed.intersect(ray, span).map(single),
-            PartGeometry::Mesh(level, transform) => {
+            InstanceGeometry::Shape(shape) => shape.intersect(ray, span).map(single),
+            InstanceGeometry::TransformedShape(placed) => placed.intersect(ray, span).map(single),
+            InstanceGeometry::Mesh(level, transform) => {
                 let level = &self.levels.meshes[*level as usize];
                 let ray = localise(ray, transform.as_deref());
                 let hit = level.closest(&self.levels.textures, &ray, span, probe)?;
                 Some(Hit { instance: index, ..hit })
             }
-            PartGeometry::Facet(mesh, triangle) => {
+            InstanceGeometry::Facet(mesh, triangle) => {
                 let hit = mesh.intersect(*triangle, ray, span)?;
                 Some(self.single(index, hit.t, hit.uv))
             }
-            PartGeometry::Group(level, transform) => {
+            InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
                 let ray = localise(ray, transform.as_deref());
                 let hit = group.structure.closest(&inner, &ray, span, probe)?;
                 Some(group.renamed(hit, index))
             }
-            PartGeometry::Moving(moving) => self.closest_on_moving((index, moving), ray, span, probe),
+            InstanceGeometry::Moving(moving) => self.closest_on_moving((index, moving), ray, span, probe),
         }
     }
 
@@ -360,49 +367,49 @@ impl Parts<'_> {
 
     /// True if a part blocks the ray.
     #[inline]
-    fn occluded_by<S: Probe>(&self, geometry: &PartGeometry, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+    fn occluded_by<S: Probe>(&self, geometry: &InstanceGeometry, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         match geometry {
-            PartGeometry::Shape(shape) => shape.intersect(ray, span).is_some(),
-            PartGeometry::Placed(placed) => placed.intersect(ray, span).is_some(),
-            PartGeometry::Mesh(level, transform) => {
+            InstanceGeometry::Shape(shape) => shape.intersect(ray, span).is_some(),
+            InstanceGeometry::TransformedShape(placed) => placed.intersect(ray, span).is_some(),
+            InstanceGeometry::Mesh(level, transform) => {
                 let level = &self.levels.meshes[*level as usize];
                 level.occluded(&self.levels.textures, &localise(ray, transform.as_deref()), span, probe)
             }
-            PartGeometry::Facet(mesh, triangle) => mesh.intersect(*triangle, ray, span).is_some(),
-            PartGeometry::Group(level, transform) => {
+            InstanceGeometry::Facet(mesh, triangle) => mesh.intersect(*triangle, ray, span).is_some(),
+            InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
                 group.structure.occluded(&inner, &localise(ray, transform.as_deref()), span, probe)
             }
-            PartGeometry::Moving(moving) => self.occluded_by_moving(moving, ray, span, probe),
+            InstanceGeometry::Moving(moving) => self.occluded_by_moving(moving, ray, span, probe),
         }
     }
 
     /// As [`closest_on`](Self::closest_on) for many rays.
     fn closest_on_for_all<S: Probe>(
         &self,
-        (index, geometry): (u32, &PartGeometry),
+        (index, geometry): (u32, &InstanceGeometry),
         rays: &[(Ray, Interval)],
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
         match geometry {
-            PartGeometry::Mesh(level, transform) => {
+            InstanceGeometry::Mesh(level, transform) => {
                 let rays = localise_all(rays, transform.as_deref());
                 self.levels.meshes[*level as usize].closest_batch(&self.levels.textures, &rays, hits, probe);
                 hits.iter_mut().flatten().for_each(|hit| hit.instance = index);
             }
-            PartGeometry::Group(level, transform) => {
+            InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let rays = localise_all(rays, transform.as_deref());
                 group.structure.closest_batch(&group.set(self.levels), &rays, hits, probe);
                 hits.iter_mut().flatten().for_each(|hit| *hit = group.renamed(*hit, index));
             }
-            PartGeometry::Moving(moving) => {
+            InstanceGeometry::Moving(moving) => {
                 let rays = localise_at_their_moments(rays, moving);
                 self.closest_on_for_all((index, &moving.geometry), &rays, hits, probe);
             }
-            PartGeometry::Shape(_) | PartGeometry::Placed(_) | PartGeometry::Facet(..) => {
+            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Facet(..) => {
                 for ((ray, span), hit) in rays.iter().zip(hits) {
                     *hit = self.closest_on((index, geometry), ray, *span, probe);
                 }
@@ -413,26 +420,26 @@ impl Parts<'_> {
     /// As [`occluded_by`](Self::occluded_by) for many rays.
     fn occluded_by_for_all<S: Probe>(
         &self,
-        geometry: &PartGeometry,
+        geometry: &InstanceGeometry,
         rays: &[(Ray, Interval)],
         blocked: &mut [bool],
         probe: &mut S,
     ) {
         match geometry {
-            PartGeometry::Mesh(level, transform) => {
+            InstanceGeometry::Mesh(level, transform) => {
                 let rays = localise_all(rays, transform.as_deref());
                 self.levels.meshes[*level as usize].occluded_batch(&self.levels.textures, &rays, blocked, probe);
             }
-            PartGeometry::Group(level, transform) => {
+            InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let rays = localise_all(rays, transform.as_deref());
                 group.structure.occluded_batch(&group.set(self.levels), &rays, blocked, probe);
             }
-            PartGeometry::Moving(moving) => {
+            InstanceGeometry::Moving(moving) => {
                 let rays = localise_at_their_moments(rays, moving);
                 self.occluded_by_for_all(&moving.geometry, &rays, blocked, probe);
             }
-            PartGeometry::Shape(_) | PartGeometry::Placed(_) | PartGeometry::Facet(..) => {
+            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Facet(..) => {
                 for ((ray, span), blocked) in rays.iter().zip(blocked) {
                     *blocked = self.occluded_by(geometry, ray, *span, probe);
                 }
@@ -461,33 +468,33 @@ impl Primitives for Parts<'_> {
     }
 
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        self.intersect_probed(index, ray, span, &mut rt_math::NoProbe)
+        self.intersect_with_stats(index, ray, span, &mut rt_geometry::NoProbe)
     }
 
     fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
-        self.occludes_probed(index, ray, span, &mut rt_math::NoProbe)
+        self.occludes_with_stats(index, ray, span, &mut rt_geometry::NoProbe)
     }
 
-    fn intersect_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
+    fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
         self.closest_on((index, &self.parts[index as usize].geometry), ray, span, probe)
     }
 
-    fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+    fn occludes_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         let part = &self.parts[index as usize];
         part.casts_shadow && self.occluded_by(&part.geometry, ray, span, probe)
     }
 
     fn batch_kernel(&self, index: u32) -> BatchKernel {
         match &self.parts[index as usize].geometry {
-            PartGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.round()),
-            PartGeometry::Facet(mesh, triangle) => mesh.batch_kernel(*triangle),
-            geometry if geometry.is_structure() => BatchKernel::Structure,
+            InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.round()),
+            InstanceGeometry::Facet(mesh, triangle) => mesh.batch_kernel(*triangle),
+            geometry if geometry.is_structure() => BatchKernel::Instance,
             _ => BatchKernel::Single,
         }
     }
 
     /// Places rise with names either way, so that ties go to the same part.
-    fn hit_name(&self, index: u32) -> [u32; 2] {
+    fn hit_ids(&self, index: u32) -> [u32; 2] {
         if self.is_flat { [0, index] } else { [index, 0] }
     }
 
@@ -511,19 +518,23 @@ impl Primitives for Parts<'_> {
         }
     }
 
-    fn leaf_layout(&self, index: u32) -> LeafLayout {
+    fn geometry(&self, index: u32) -> PrimitiveGeometry {
         let part = &self.parts[index as usize];
         match &part.geometry {
-            _ if !part.casts_shadow => LeafLayout::Opaque,
-            PartGeometry::Shape(Shape::Sphere(sphere)) if self.is_flat => LeafLayout::Round(sphere.round()),
-            PartGeometry::Shape(Shape::Sphere(sphere)) => LeafLayout::Sphere(sphere.centre(), sphere.radius()),
-            PartGeometry::Shape(Shape::AxisBox(axis_box)) => LeafLayout::Box(axis_box.bounds()),
-            PartGeometry::Shape(Shape::Triangle(triangle)) => LeafLayout::Triangle(triangle.vertices()),
-            PartGeometry::Facet(mesh, triangle) if self.is_flat => mesh.leaf_layout(*triangle),
-            PartGeometry::Facet(mesh, triangle) => {
-                mesh.vertices(*triangle).map_or(LeafLayout::Opaque, LeafLayout::Triangle)
+            _ if !part.casts_shadow => PrimitiveGeometry::Opaque,
+            InstanceGeometry::Shape(Shape::Sphere(sphere)) if self.is_flat => {
+                PrimitiveGeometry::ExactSphere(sphere.round())
             }
-            _ => LeafLayout::Opaque,
+            InstanceGeometry::Shape(Shape::Sphere(sphere)) => {
+                PrimitiveGeometry::Sphere(sphere.centre(), sphere.radius())
+            }
+            InstanceGeometry::Shape(Shape::Cuboid(axis_box)) => PrimitiveGeometry::Box(axis_box.bounds()),
+            InstanceGeometry::Shape(Shape::Triangle(triangle)) => PrimitiveGeometry::Triangle(triangle.vertices()),
+            InstanceGeometry::Facet(mesh, triangle) if self.is_flat => mesh.geometry(*triangle),
+            InstanceGeometry::Facet(mesh, triangle) => {
+                mesh.vertices(*triangle).map_or(PrimitiveGeometry::Opaque, PrimitiveGeometry::Triangle)
+            }
+            _ => PrimitiveGeometry::Opaque,
         }
     }
 }

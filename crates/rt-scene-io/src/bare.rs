@@ -5,7 +5,7 @@ use rt_camera::Projection;
 
 use rt_math::{Aabb, DVec3, Rgb, Transform, transcendental};
 use rt_shading::emitter::Sides;
-use rt_shading::{Coefficient, Falloff, Highlight, Light, LightKind, LightUnits, Phong, Physical};
+use rt_shading::{ColorTexture, Falloff, Highlight, Light, LightKind, LightUnits, Phong, Physical};
 
 use crate::bounds::tree_bounds;
 use crate::format::{self, CameraAnimation, CameraKey, Color, Interpolation, Material, Node, SceneFile, Shape, Step};
@@ -118,7 +118,7 @@ fn add_ground(file: &mut SceneFile, bounds: &Aabb, model: &Model) {
         material: Some(name.clone().into()),
         ..Node::default()
     });
-    let matte = Phong { diffuse: Coefficient::Constant(Rgb::gray(0.5)), ..Phong::default() };
+    let matte = Phong { diffuse: ColorTexture::Constant(Rgb::gray(0.5)), ..Phong::default() };
     file.materials.insert(name, material(&matte));
 }
 
@@ -228,14 +228,14 @@ fn light(light: &Light) -> format::Light {
 /// A physical surface as scene files describe it; `None` for one that they cannot describe.
 pub(crate) fn physical_material(material: &SceneMaterial) -> Option<Material> {
     let SceneMaterial { phong, physical, shines, .. } = material;
-    let constant = |coefficient: &Coefficient| match coefficient {
-        Coefficient::Constant(rgb) if rgb.max_component() <= 1.0 => Some(Color::from_rgb(rgb.to_array()).into()),
+    let constant = |coefficient: &ColorTexture| match coefficient {
+        ColorTexture::Constant(rgb) if rgb.max_component() <= 1.0 => Some(Color::from_rgb(rgb.to_array()).into()),
         _ => None,
     };
     let emission = match phong.emission {
-        Coefficient::Constant(rgb) if rgb.is_black() => None,
-        Coefficient::Constant(rgb) => Some(Color::from_rgb(rgb.to_array()).into()),
-        Coefficient::Textured(..) => return None,
+        ColorTexture::Constant(rgb) if rgb.is_black() => None,
+        ColorTexture::Constant(rgb) => Some(Color::from_rgb(rgb.to_array()).into()),
+        ColorTexture::Textured(..) => return None,
     };
     let sides = match shines {
         Sides::Front => format::Sides::Front,
@@ -244,7 +244,7 @@ pub(crate) fn physical_material(material: &SceneMaterial) -> Option<Material> {
     let is_dark = emission.is_none();
     let written = match physical.as_ref()? {
         Physical::Black => {
-            Material::Light { radiance: emission.unwrap_or(format::Coefficient::Gray(0.0)), shines: sides }
+            Material::Light { radiance: emission.unwrap_or(format::ColorTexture::Gray(0.0)), shines: sides }
         }
         _ if !(is_dark || *shines == Sides::Both) => return None,
         Physical::Diffuse { albedo, roughness } => {
@@ -288,9 +288,9 @@ pub(crate) fn physical_material(material: &SceneMaterial) -> Option<Material> {
 
 /// All that is constant about a surface. Coefficients with a texture are left to the model.
 pub(crate) fn material(phong: &Phong) -> Material {
-    let constant = |coefficient: Coefficient| match coefficient {
-        Coefficient::Constant(rgb) => Some(Color::from_rgb(rgb.to_array()).into()),
-        Coefficient::Textured(..) => None,
+    let constant = |coefficient: ColorTexture| match coefficient {
+        ColorTexture::Constant(rgb) => Some(Color::from_rgb(rgb.to_array()).into()),
+        ColorTexture::Textured(..) => None,
     };
     Material::Phong {
         color: None,
@@ -318,19 +318,19 @@ mod tests {
     use super::*;
     use crate::resolve::resolve_with;
     use crate::{Content, Material, MaterialId, Node as SceneNode, Scene};
-    use rt_geometry::{AxisBox, Shape};
+    use rt_geometry::{Cuboid, Shape};
     use std::path::Path;
 
     /// A box of side 2 around the origin, lit by these lights.
     fn lit(kinds: &[LightKind], intensity: f64) -> Model {
-        let cube = AxisBox::new(DVec3::NEG_ONE, DVec3::ONE).unwrap();
+        let cube = Cuboid::new(DVec3::NEG_ONE, DVec3::ONE).unwrap();
         let light = |&kind| {
             let (name, units) = (String::new(), LightUnits::Physical);
             Light { name, kind, intensity: Rgb::gray(intensity), units, casts_shadows: true }
         };
         Model {
             materials: vec![Material::new("ground".to_owned(), Phong::default())],
-            nodes: vec![SceneNode::new(Content::Shape(Shape::AxisBox(cube)), MaterialId(0))],
+            nodes: vec![SceneNode::new(Content::Shape(Shape::Cuboid(cube)), MaterialId(0))],
             lights: kinds.iter().map(light).collect(),
             is_photometric: true,
             ..Model::default()
@@ -404,7 +404,7 @@ mod tests {
     #[test]
     fn the_ground_keeps_out_of_the_way_of_a_material_of_its_name() {
         let mut model = lit(&[], 0.0);
-        model.materials[0].phong.diffuse = Coefficient::Constant(Rgb::gray(0.25));
+        model.materials[0].phong.diffuse = ColorTexture::Constant(Rgb::gray(0.25));
         let scene = scene(model, true);
         let materials: Vec<_> = scene
             .appearance
@@ -412,7 +412,7 @@ mod tests {
             .iter()
             .map(|material| (material.name.as_str(), material.phong.diffuse))
             .collect();
-        let gray = |value| Coefficient::Constant(Rgb::gray(value));
+        let gray = |value| ColorTexture::Constant(Rgb::gray(value));
         assert_eq!(materials, [("ground", gray(0.25)), ("ground'", gray(0.5))]);
     }
 }

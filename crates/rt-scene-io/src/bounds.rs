@@ -1,7 +1,7 @@
 //! Bounds over the tree of a scene.
 
 use rt_geometry::Shape;
-use rt_math::{Aabb, MotionChain, Transform};
+use rt_math::{Aabb, AnimatedTransformChain, Transform};
 
 use crate::{Content, Group, GroupId, MeshId, NamedMesh, Node, Scene};
 
@@ -26,12 +26,12 @@ pub(crate) fn tree_bounds(nodes: &[Node], groups: &[Group], meshes: &[NamedMesh]
 /// The box around nodes, in the space of their parent. Trees may be deep, so the walk keeps its own stack.
 fn measure(nodes: &[Node], groups: &[Aabb], meshes: &[NamedMesh]) -> Aabb {
     let mut sum = Aabb::EMPTY;
-    let here = MotionChain::still(Transform::IDENTITY);
-    let mut open: Vec<(&Node, MotionChain)> = nodes.iter().map(|node| (node, here.clone())).collect();
+    let here = AnimatedTransformChain::still(Transform::IDENTITY);
+    let mut open: Vec<(&Node, AnimatedTransformChain)> = nodes.iter().map(|node| (node, here.clone())).collect();
     while let Some((node, outer)) = open.pop() {
         // What cannot move as it should stays where it is.
         let outer_from_local =
-            node.place_below(&outer).unwrap_or_else(|_| outer.clone().then_first(&node.parent_from_local));
+            node.place_below(&outer).unwrap_or_else(|_| outer.clone().compose(&node.parent_from_local));
         let local = node.content.as_ref().map_or(Aabb::EMPTY, |content| content_bounds(content, groups, meshes));
         if !local.is_empty() {
             sum = sum.union(outer_from_local.aabb(&local));

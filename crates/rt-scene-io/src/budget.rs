@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::{Reason, Shortage};
+use crate::{MemoryError, Reason};
 
 /// Bytes of memory that loading may take: of what is loaded, and of what that needs on the way. The default is no limit.
 ///
@@ -93,7 +93,7 @@ impl Entries {
     fn shortage(&self, what: &impl Display, bytes: u64, budget: u64) -> Reason {
         let largest = self.list.values().max_by_key(|(_, bytes)| *bytes).filter(|(_, most)| *most > bytes);
         let (largest, most) = largest.cloned().unwrap_or_else(|| (what.to_string(), bytes));
-        Shortage { predicted: self.held.saturating_add(bytes), budget, largest, most }.into()
+        MemoryError { predicted: self.held.saturating_add(bytes), budget, largest, most }.into()
     }
 }
 

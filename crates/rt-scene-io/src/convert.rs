@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
 
 use crate::bare::{material, physical_material};
-use crate::format::{Background, Coefficient, Material, Node, NodeMaterial, SceneFile};
+use crate::format::{Background, ColorTexture, Material, Node, NodeMaterial, SceneFile};
 use crate::load::{ending, load_bare, read_scene_file};
 use crate::options::folder_of;
 use crate::{LoadError, LoadOptions, Reason, Scene, Warning, resolve, resolve_path};
@@ -152,7 +152,7 @@ fn files_of(material: &mut Material) -> Vec<&mut String> {
         return parts.iter_mut().flat_map(|(_, part)| files_of(part)).collect();
     }
     let file = |coefficient| match coefficient {
-        &mut Coefficient::Image { ref mut file, .. } => Some(file),
+        &mut ColorTexture::Image { ref mut file, .. } => Some(file),
         _ => None,
     };
     material.coefficients_mut().into_iter().filter_map(file).collect()

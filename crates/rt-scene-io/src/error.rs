@@ -8,7 +8,7 @@ use rt_camera::CameraError;
 use rt_geometry::{MeshError, PolygonError, ShapeError};
 use rt_math::TransformError;
 
-use crate::Shortage;
+use crate::MemoryError;
 use crate::excerpt::Excerpt;
 use crate::one_line::OneLine;
 use crate::texture::TextureError;
@@ -74,7 +74,7 @@ pub enum Reason {
     },
     /// More memory than the budget allows; predicted before it is taken.
     #[error(transparent)]
-    Memory(#[from] Shortage),
+    Memory(#[from] MemoryError),
     /// Text in another encoding, told by its byte order mark.
     #[error("is text in {0}: save it as UTF-8")]
     OtherEncoding(&'static str),

@@ -127,6 +127,6 @@ pub use scene::{
     NamedMesh, Node, Scene, Settings, Truth, Warning,
 };
 pub use scene_bounds::{Extent, NodeBounds, SceneBounds, Tree};
-pub use shortage::Shortage;
+pub use shortage::MemoryError;
 #[cfg(feature = "format")]
 pub use texture::{TextureError, decode_numbers, decode_texture};

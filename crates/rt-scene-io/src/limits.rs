@@ -108,7 +108,7 @@ limits! {
     /// The densest that the data of a PNG can be (Deutsch, RFC 1951: 258 bytes in two bits).
     PNG_EXPANSION: u64 = 1032, Count "packed pixel bytes for each byte of the file" of ".png";
     /// A film of so many takes four gigabytes with coverage, and no screen or printer shows more.
-    FILM_PIXELS: u64 = rt_camera::Film::MAX_PIXELS, Count "pixels of the picture" of "every scene and model";
+    FILM_PIXELS: u64 = rt_image::Image::MAX_PIXELS, Count "pixels of the picture" of "every scene and model";
     /// Numbers of samples have 32 bits.
     SAMPLES: u64 = 1 << 31, Count "samples per pixel" of ".ron, .json";
     /// Each pass costs some work for itself, and more tell no more about the error.

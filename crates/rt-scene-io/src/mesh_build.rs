@@ -14,7 +14,7 @@ pub(crate) fn build_mesh(
     let (mesh, repairs) = TriangleMesh::build(data)?;
     let counted = [
         (repairs.degenerate, "triangles without area were dropped"),
-        (repairs.not_finite, "triangles with a NaN or infinite vertex were dropped"),
+        (repairs.non_finite, "triangles with a NaN or infinite vertex were dropped"),
         (repairs.bad_normals, "normals that are zero or not finite were replaced by those of a triangle"),
         (repairs.bad_uvs, "texture coordinates that are not finite were set to zero"),
         (repairs.bad_colors, "vertex colours that are negative or not finite were set to white"),

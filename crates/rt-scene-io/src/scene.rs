@@ -2,10 +2,10 @@
 
 use std::{collections::BTreeSet, fmt, sync::Arc};
 
-use rt_camera::{CameraSettings, FilmSettings, SamplePattern};
+use rt_camera::{CameraSettings, FilmSettings, SamplerKind};
 use rt_geometry::{Shape, TriangleMesh};
-use rt_math::{Motion, MotionChain, MotionError, Rgb, Transform};
-use rt_shading::{Appearance, Coefficient, emitter::LightSampling};
+use rt_math::{AnimatedTransform, AnimatedTransformChain, AnimatedTransformError, Rgb, Transform};
+use rt_shading::{Appearance, ColorTexture, emitter::LightSampling};
 
 use crate::one_line::OneLine;
 
@@ -194,7 +194,7 @@ pub struct Settings {
     /// Integrator.
     pub integrator: Integrator,
     /// Sample pattern.
-    pub pattern: SamplePattern,
+    pub pattern: SamplerKind,
     /// Samples per pixel asked for; patterns may round it up.
     pub spp: u32,
     /// Independent passes that the samples are split into, by which the error is estimated; the plan chooses if `None`.
@@ -223,7 +223,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             integrator: Integrator::Whitted,
-            pattern: SamplePattern::Sobol,
+            pattern: SamplerKind::Sobol,
             spp: 16,
             passes: None,
             adaptive: None,
@@ -316,20 +316,23 @@ impl Node {
     /// at the same place all the time.
     ///
     /// # Errors
-    /// [`MotionError`] if there is no way from one to the other.
-    pub fn motion(&self) -> Result<Option<Motion>, MotionError> {
+    /// [`AnimatedTransformError`] if there is no way from one to the other.
+    pub fn motion(&self) -> Result<Option<AnimatedTransform>, AnimatedTransformError> {
         let end = self.moves_to.as_ref().filter(|end| **end != self.parent_from_local);
-        end.map(|end| Motion::new(&self.parent_from_local, end)).transpose()
+        end.map(|end| AnimatedTransform::new(&self.parent_from_local, end)).transpose()
     }
 
     /// Takes this node's space to that which `outer` takes its parent's to.
     ///
     /// # Errors
-    /// [`MotionError`] as of [`motion`](Self::motion).
-    pub fn place_below(&self, outer: &MotionChain) -> Result<MotionChain, MotionError> {
+    /// [`AnimatedTransformError`] as of [`motion`](Self::motion).
+    pub fn place_below(
+        &self,
+        outer: &AnimatedTransformChain,
+    ) -> Result<AnimatedTransformChain, AnimatedTransformError> {
         Ok(match self.motion()? {
-            Some(motion) => outer.clone().then_first_motion(&motion),
-            None => outer.clone().then_first(&self.parent_from_local),
+            Some(motion) => outer.clone().compose_animated(&motion),
+            None => outer.clone().compose(&self.parent_from_local),
         })
     }
 }
@@ -351,8 +354,8 @@ pub(crate) fn used_materials<'a>(trees: impl IntoIterator<Item = &'a [Node]>) ->
 /// less are screens, signs and glowing details, which do not light a scene.
 pub(crate) fn is_emissive(material: &Material) -> bool {
     match material.phong.emission {
-        Coefficient::Constant(radiance) => !radiance.is_black(),
-        Coefficient::Textured(_, radiance) => radiance.max_component() > 1.0,
+        ColorTexture::Constant(radiance) => !radiance.is_black(),
+        ColorTexture::Textured(_, radiance) => radiance.max_component() > 1.0,
     }
 }
 

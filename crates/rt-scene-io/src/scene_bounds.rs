@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use rt_math::{Aabb, Motion, Transform};
+use rt_math::{Aabb, AnimatedTransform, Transform};
 
 use crate::{Content, GroupId, MeshId, Node, Scene};
 
@@ -37,7 +37,7 @@ impl Extent {
     }
 
     /// The same things at all moments of a motion.
-    fn swept(self, motion: &Motion) -> Self {
+    fn swept(self, motion: &AnimatedTransform) -> Self {
         Self { bounds: motion.aabb(&self.bounds), ..self }
     }
 }
@@ -107,7 +107,7 @@ struct Entry {
     parent: Option<usize>,
     children: Vec<usize>,
     parent_from_local: Transform,
-    motion: Option<Motion>,
+    motion: Option<AnimatedTransform>,
     content: Measured,
     bounds: NodeBounds,
 }

@@ -7,7 +7,7 @@ use bytesize::ByteSize;
 
 /// More memory would be needed than is allowed.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Shortage {
+pub struct MemoryError {
     /// Bytes that would be needed in all.
     pub predicted: u64,
     /// Bytes that are allowed.
@@ -18,7 +18,7 @@ pub struct Shortage {
     pub most: u64,
 }
 
-impl fmt::Display for Shortage {
+impl fmt::Display for MemoryError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [predicted, budget, most] = [self.predicted, self.budget, self.most].map(ByteSize);
         write!(
@@ -30,4 +30,4 @@ impl fmt::Display for Shortage {
     }
 }
 
-impl Error for Shortage {}
+impl Error for MemoryError {}

@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::io::Cursor;
 
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
-use rt_camera::Encoding;
+use rt_image::Encoding;
 use rt_shading::Bitmap;
 
 use crate::{MemoryBudget, Reason, limits};
@@ -27,7 +27,7 @@ pub enum TextureError {
     NoPixels(u32, u32),
     /// A pixel that is NaN or infinite.
     #[error("has {0} pixels that are not finite numbers")]
-    NotFinite(usize),
+    NonFinite(usize),
 }
 
 /// Decodes a PNG, JPEG, HDR or EXR image, told apart by content, to linear colour and alpha.
@@ -140,7 +140,7 @@ impl Opened<'_> {
         };
         match pixels.iter().filter(|pixel| pixel.iter().any(|c| !c.is_finite())).count() {
             0 => Ok(Bitmap { width, height, pixels, alpha }),
-            bad => Err(TextureError::NotFinite(bad)),
+            bad => Err(TextureError::NonFinite(bad)),
         }
     }
 }
@@ -237,7 +237,7 @@ mod tests {
             assert_eq!(decode_texture(&encode(float(), format)).unwrap().pixels, [[2.5, 0.5, 0.0]], "{format:?}");
         }
         let nan = image::Rgb32FImage::from_pixel(1, 1, Rgb([f32::NAN, 0.5, 0.0]));
-        assert!(matches!(decode_texture(&encode(nan, ImageFormat::OpenExr)), Err(TextureError::NotFinite(1))));
+        assert!(matches!(decode_texture(&encode(nan, ImageFormat::OpenExr)), Err(TextureError::NonFinite(1))));
     }
 
     #[test]

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use rt_camera::{CameraSettings, Projection};
-use rt_math::{DVec3, Motion, Transform};
+use rt_math::{AnimatedTransform, DVec3, Transform};
 use rt_scene_io::format::{SceneFile, parse_json, parse_ron};
 use rt_scene_io::{LoadOptions, Node, Scene, convert, load, resolve};
 
@@ -49,17 +49,17 @@ const BALL: &str = "(
 
 #[test]
 fn nodes_go_straight_from_key_to_key_and_keep_their_own_transform() {
-    let rest = Transform::translate(DVec3::X).then_first(&Transform::scale(DVec3::splat(2.0)).unwrap());
+    let rest = Transform::translate(DVec3::X).compose(&Transform::scale(DVec3::splat(2.0)).unwrap());
     let up = |height: f64| Transform::translate(DVec3::Y * height);
     for (time, expected) in [
         (-5.0, rest),
         (1.0, rest),
-        (1.5, about_y(60.0).then_first(&rest)),
-        (1.25, about_y(30.0).then_first(&rest)),
-        (2.0, about_y(120.0).then_first(&rest)),
-        (2.5, up(2.0).then_first(&about_y(120.0)).then_first(&rest)),
-        (4.0, up(8.0).then_first(&about_y(120.0)).then_first(&rest)),
-        (99.0, up(8.0).then_first(&about_y(120.0)).then_first(&rest)),
+        (1.5, about_y(60.0).compose(&rest)),
+        (1.25, about_y(30.0).compose(&rest)),
+        (2.0, about_y(120.0).compose(&rest)),
+        (2.5, up(2.0).compose(&about_y(120.0)).compose(&rest)),
+        (4.0, up(8.0).compose(&about_y(120.0)).compose(&rest)),
+        (99.0, up(8.0).compose(&about_y(120.0)).compose(&rest)),
     ] {
         let scene = at(BALL, time);
         assert!(close(&place(&scene), &expected), "{time}: {:?}", place(&scene));
@@ -116,8 +116,8 @@ fn motions_beside_an_animation_are_seen_for_as_long() {
     let scene = posed(text, &LoadOptions::default());
     let shutters: Vec<_> = scene.cameras.iter().map(|camera| camera.settings.shutter).collect();
     assert_eq!(shutters, [[0.0, 0.5], [0.5, 1.0], [0.0, 0.0]]);
-    let end = about_y(80.0).then_first(&Transform::translate(DVec3::X * 8.0));
-    let whole = Motion::new(&Transform::IDENTITY, &end).unwrap();
+    let end = about_y(80.0).compose(&Transform::translate(DVec3::X * 8.0));
+    let whole = AnimatedTransform::new(&Transform::IDENTITY, &end).unwrap();
     let node = &scene.nodes[0];
     assert_eq!((node.parent_from_local, node.moves_to), (whole.at(0.25), Some(whole.at(0.75))));
     // At the same moments, the part goes the same way as the whole.
@@ -174,8 +174,8 @@ fn cameras_are_taken_around_by_steps() {
     let scene = posed(text, &options);
     let rest = Transform::look_at(DVec3::new(0.0, 3.0, 4.0), DVec3::ZERO, DVec3::Y).unwrap();
     let camera = camera(&scene);
-    assert!(close(&camera.world_from_camera, &about_y(30.0).then_first(&rest)));
-    assert!(close(&camera.moves_to.unwrap(), &about_y(90.0).then_first(&rest)));
+    assert!(close(&camera.world_from_camera, &about_y(30.0).compose(&rest)));
+    assert!(close(&camera.moves_to.unwrap(), &about_y(90.0).compose(&rest)));
     assert!((camera.lens.unwrap().focus - 5.0).abs() < 1e-15);
     // Keys alone place a camera as `transform` does.
     let alone = "(camera: (animation: (keys: [(time: 0, transform: [translate(0, 0, 7)])])), nodes: [])";

@@ -8,7 +8,7 @@ use std::path::Path;
 use rt_math::Rgb;
 use rt_scene_io::format::{SceneFile, parse_json, parse_ron};
 use rt_scene_io::{LoadError, LoadOptions, Scene, resolve};
-use rt_shading::{Background, Coefficient, Physical, Texture};
+use rt_shading::{Background, ColorTexture, Physical, Texture};
 
 fn resolved(file: Result<SceneFile, LoadError>, text: &str) -> Scene {
     let file = file.unwrap_or_else(|error| panic!("{text}\n{error}"));
@@ -23,7 +23,7 @@ fn json(text: &str) -> Scene {
     resolved(parse_json(text, Path::new("scene.json")), text)
 }
 
-fn albedo(scene: &Scene) -> Coefficient {
+fn albedo(scene: &Scene) -> ColorTexture {
     match scene.appearance.materials[0].physical {
         Some(Physical::Diffuse { albedo, .. }) => albedo,
         ref other => panic!("{other:?}"),
@@ -31,19 +31,19 @@ fn albedo(scene: &Scene) -> Coefficient {
 }
 
 /// The albedo that this text stands for.
-fn albedo_in_ron(text: &str) -> Coefficient {
+fn albedo_in_ron(text: &str) -> ColorTexture {
     let materials = format!("materials: {{\"m\": diffuse(albedo: {text})}}");
     albedo(&ron(&format!("({materials}, nodes: [(shape: sphere(), material: \"m\")])")))
 }
 
-fn albedo_in_json(text: &str) -> Coefficient {
+fn albedo_in_json(text: &str) -> ColorTexture {
     let materials = format!("\"materials\": {{\"m\": {{\"diffuse\": {{\"albedo\": {text}}}}}}}");
     albedo(&json(&format!("{{{materials}, \"nodes\": [{{\"shape\": {{\"sphere\": {{}}}}, \"material\": \"m\"}}]}}")))
 }
 
 #[test]
 fn colours_are_written_as_people_write_them() {
-    let red = Coefficient::Constant(Rgb::new(1.0, 0.0, 0.0));
+    let red = ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0));
     for text in
         ["(1, 0, 0)", "( 1.0 ,0,\n0, )", "[1, 0, 0]", "\"#ff0000\"", "\"#F00\"", "rgb(1, 0, 0)", "hex(\"#ff0000\")"]
     {
@@ -52,18 +52,18 @@ fn colours_are_written_as_people_write_them() {
     for text in ["[1, 0, 0]", "\"#ff0000\"", "\"#f00\"", "{\"rgb\": [1, 0, 0]}", "{\"hex\": \"#ff0000\"}"] {
         assert_eq!(albedo_in_json(text), red, "{text}");
     }
-    let gray = Coefficient::Constant(Rgb::gray(0.25));
+    let gray = ColorTexture::Constant(Rgb::gray(0.25));
     for text in ["0.25", " +.25 /* a quarter */", "25e-2 // a quarter\n", "gray(0.25)", "grey(0.25)"] {
         assert_eq!(albedo_in_ron(text), gray, "{text}");
     }
-    assert_eq!(albedo_in_ron("1"), Coefficient::Constant(Rgb::WHITE));
+    assert_eq!(albedo_in_ron("1"), ColorTexture::Constant(Rgb::WHITE));
     assert_eq!((albedo_in_json("0.25"), albedo_in_json("{\"gray\": 0.25}")), (gray, gray));
-    assert_eq!(albedo_in_json("1"), Coefficient::Constant(Rgb::WHITE));
+    assert_eq!(albedo_in_json("1"), ColorTexture::Constant(Rgb::WHITE));
 }
 
 #[test]
 fn hex_digits_are_display_colours() {
-    let Coefficient::Constant(middle) = albedo_in_ron("\"#808080\"") else { panic!("a colour") };
+    let ColorTexture::Constant(middle) = albedo_in_ron("\"#808080\"") else { panic!("a colour") };
     assert!((middle.g - 0.215_860_5).abs() < 1e-7, "{middle:?}");
     assert_eq!(albedo_in_ron("\"#4a8\""), albedo_in_ron("\"#44aa88\""));
 }
@@ -77,7 +77,7 @@ fn colours_in_textures_lights_and_backgrounds_are_colours_too() {
         nodes: [(shape: sphere(), material: \"m\")],
     )");
     let checker = Texture::Checker { even: Rgb::WHITE, odd: Rgb::new(1.0, 0.0, 0.0), size: 1.0 };
-    assert!(matches!(albedo(&scene), Coefficient::Textured(_, Rgb::WHITE)));
+    assert!(matches!(albedo(&scene), ColorTexture::Textured(_, Rgb::WHITE)));
     assert_eq!(scene.appearance.textures, [checker]);
     assert_eq!(scene.appearance.lights[0].intensity, Rgb::WHITE);
     assert_eq!(scene.appearance.ambient, Rgb::new(1.5, 1.25, 1.0));
@@ -106,13 +106,13 @@ fn a_material_may_stand_at_a_node() {
         Some(Physical::Diffuse { albedo, .. }) => albedo,
         ref other => panic!("{other:?}"),
     };
-    assert_eq!(albedo_of(scene.nodes[0].material.0), Coefficient::Constant(Rgb::gray(0.8)));
+    assert_eq!(albedo_of(scene.nodes[0].material.0), ColorTexture::Constant(Rgb::gray(0.8)));
     let children = &scene.nodes[1].children;
-    assert_eq!(albedo_of(children[0].material.0), Coefficient::Constant(Rgb::new(1.0, 0.0, 0.0)));
+    assert_eq!(albedo_of(children[0].material.0), ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)));
     assert_eq!(children[0].material, children[1].material, "one material, and not one for each child");
     assert_eq!(scene.appearance.materials.len(), 2);
     let scene = json(r#"{"nodes": [{"shape": {"sphere": {}}, "material": {"diffuse": {"albedo": 0.8}}}]}"#);
-    assert_eq!(albedo(&scene), Coefficient::Constant(Rgb::gray(0.8)));
+    assert_eq!(albedo(&scene), ColorTexture::Constant(Rgb::gray(0.8)));
     assert_eq!(scene.settings.integrator, rt_scene_io::Integrator::Path, "as for materials with a name");
 }
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use rt_math::Rgb;
 use rt_scene_io::{Content, LoadOptions, Node, Scene, convert, load};
-use rt_shading::Coefficient;
+use rt_shading::ColorTexture;
 use tempfile::TempDir;
 
 const OBJ: &str = "mtllib a.mtl
@@ -55,7 +55,7 @@ fn materials_of(scene: &Scene) -> Vec<&str> {
     names
 }
 
-fn diffuse<'a>(scene: &'a Scene, name: &str) -> &'a Coefficient {
+fn diffuse<'a>(scene: &'a Scene, name: &str) -> &'a ColorTexture {
     &scene.appearance.materials.iter().find(|material| material.name == name).unwrap().phong.diffuse
 }
 
@@ -135,11 +135,13 @@ fn a_scene_changes_materials_of_its_models_by_name() {
             nodes: [(model: "a.obj")],
         )"#,
     );
-    assert_eq!(*diffuse(&scene, "red"), Coefficient::Constant(Rgb::gray(0.5)));
+    assert_eq!(*diffuse(&scene, "red"), ColorTexture::Constant(Rgb::gray(0.5)));
     // The texture stays and is tinted.
-    assert!(matches!(diffuse(&scene, "picture"), Coefficient::Textured(_, scale) if *scale == Rgb::new(1.0, 0.0, 0.0)));
+    assert!(
+        matches!(diffuse(&scene, "picture"), ColorTexture::Textured(_, scale) if *scale == Rgb::new(1.0, 0.0, 0.0))
+    );
     let red = scene.appearance.materials.iter().find(|material| material.name == "red").unwrap();
-    assert_eq!(red.phong.specular, Coefficient::Constant(Rgb::gray(0.5)), "what is not given stays");
+    assert_eq!(red.phong.specular, ColorTexture::Constant(Rgb::gray(0.5)), "what is not given stays");
 }
 
 #[test]

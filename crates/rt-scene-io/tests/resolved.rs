@@ -9,7 +9,7 @@ use rt_camera::CameraSettings;
 use rt_math::{DVec3, Rgb};
 use rt_scene_io::format::{SceneFile, json_schema, parse_json, parse_ron, reference_page};
 use rt_scene_io::{Content, LoadOptions, Node, Scene, resolve};
-use rt_shading::{Coefficient, LightKind, Texture};
+use rt_shading::{ColorTexture, LightKind, Texture};
 
 const SCENE: &str = r##"
 (
@@ -143,7 +143,7 @@ fn groups_come_after_those_that_they_contain() {
 fn colour_is_a_factor_for_ambient_and_diffuse() {
     let scene = resolved(SCENE);
     let floor = scene.appearance.materials.iter().find(|material| material.name == "floor").unwrap();
-    assert!(matches!(floor.phong.diffuse, Coefficient::Textured(_, scale) if scale == Rgb::gray(0.5)));
+    assert!(matches!(floor.phong.diffuse, ColorTexture::Textured(_, scale) if scale == Rgb::gray(0.5)));
     assert!(floor.phong.ambient.is_zero());
     assert!(matches!(scene.appearance.textures[..], [Texture::Checker { size: 1.0, .. }]));
 }
@@ -156,7 +156,7 @@ fn fresnel_glass_mirrors_unless_the_file_says_otherwise() {
         ));
         scene.appearance.materials[0].phong.mirror
     };
-    let gray = |value| Coefficient::Constant(Rgb::gray(value));
+    let gray = |value| ColorTexture::Constant(Rgb::gray(value));
     assert_eq!(mirror("transmission: gray(1), fresnel: true"), gray(1.0));
     assert_eq!(mirror("transmission: gray(1), fresnel: true, mirror: gray(0)"), gray(0.0));
     assert_eq!(mirror("transmission: gray(1)"), gray(0.0));

@@ -5,8 +5,8 @@ use crate::{
     bsdf::cosine_hemisphere,
     view::{View, is_inside},
 };
-use rt_geometry::SurfaceNeeds;
-use rt_math::{Frame, Interval, Ray, RayKind, Rgb, Sampler};
+use rt_geometry::{InteractionFlags, RayKind};
+use rt_math::{Frame, Interval, Ray, Rgb, Sampler};
 
 /// Shows the part of the sky that each point of a surface sees, by the cosine: ∫ V(ω) cos θ / π dω, 1 on an open plain
 /// (Zhukov, Iones, Kronin, "An ambient light illumination model", 1998). White where no surface is.
@@ -37,7 +37,7 @@ impl OcclusionWave {
     ) {
         self.rays.clear();
         self.places.clear();
-        let needs = SurfaceNeeds { shading_normal: true, ..SurfaceNeeds::NONE };
+        let needs = InteractionFlags { shading_normal: true, ..InteractionFlags::NONE };
         world.closest_batch(rays, RayKind::Primary, needs, |at, hit| {
             seen[at] = Seen { radiance: Rgb::WHITE, hit: hit.is_some() };
             let (Some(hit), Some(sampler)) = (hit, samplers.get(at)) else { return };

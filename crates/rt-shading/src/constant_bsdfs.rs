@@ -7,7 +7,7 @@ use rt_math::DVec3;
 /// The BSDFs of the materials that [scatter alike everywhere](crate::Material::scatters_alike_everywhere): made once, and
 /// not at every hit. By `default()` there are none, and all are made at the hit.
 #[derive(Clone, Debug, Default)]
-pub struct ConstantBsdfs {
+pub struct BsdfCache {
     /// By material.
     of: Vec<Option<Box<Scatterer>>>,
     n_used: usize,
@@ -29,7 +29,7 @@ impl Scatterer {
     }
 }
 
-impl ConstantBsdfs {
+impl BsdfCache {
     /// Those of an appearance, of materials that are `used`.
     pub fn new(appearance: &Appearance, used: impl Fn(usize) -> bool) -> Self {
         let anywhere = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
@@ -56,21 +56,23 @@ impl ConstantBsdfs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Coefficient, LayeredBase, LayeredSurface, Material, Phong, Physical, Scalar, TextureId, Transmission};
-    use rt_geometry::SurfaceDetail;
+    use crate::{
+        ColorTexture, FloatTexture, LayeredBase, LayeredSurface, Material, Phong, Physical, TextureId, Transmission,
+    };
+    use rt_geometry::VertexAttributes;
     use rt_math::{Rgb, Vec3};
 
     #[test]
     fn only_what_is_the_same_everywhere_is_made_once() {
-        let grey = Coefficient::Constant(Rgb::gray(0.5));
-        let textured = Coefficient::Textured(TextureId(0), Rgb::WHITE);
+        let grey = ColorTexture::Constant(Rgb::gray(0.5));
+        let textured = ColorTexture::Textured(TextureId(0), Rgb::WHITE);
         let glass = Transmission { coefficient: grey, ior: 1.5, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
         let phong = |phong| Material::new(String::new(), phong);
         let physical = |physical| Material { physical: Some(physical), ..phong(Phong::default()) };
         let base = LayeredBase::MetallicRoughness {
             base_color: grey,
-            metallic: Scalar::Constant(0.2),
-            roughness: Scalar::Constant(0.3),
+            metallic: FloatTexture::Constant(0.2),
+            roughness: FloatTexture::Constant(0.3),
         };
         let layered = |changed: fn(&mut LayeredSurface)| {
             let mut surface = LayeredSurface::new(base.clone());
@@ -81,23 +83,23 @@ mod tests {
         let alike = [
             phong(Phong { specular: grey, ..Phong::default() }),
             physical(Physical::Diffuse { albedo: grey, roughness: 0.3 }),
-            layered(|surface| surface.coat = Scalar::Constant(0.5)),
+            layered(|surface| surface.coat = FloatTexture::Constant(0.5)),
             Material { physical: Some(pane), ..phong(Phong { transmission: Some(glass), ..Phong::default() }) },
         ];
         let varying = [
             phong(Phong { diffuse: textured, ..Phong::default() }),
             phong(Phong { transmission: Some(glass), ..Phong::default() }),
             physical(Physical::Mix(vec![(1.0, Physical::Diffuse { albedo: textured, roughness: 0.0 })])),
-            layered(|surface| surface.anisotropy = Scalar::Constant(0.9)),
-            layered(|surface| surface.coat_roughness = Scalar::Textured(TextureId(0), crate::Channel::Red, 1.0)),
+            layered(|surface| surface.anisotropy = FloatTexture::Constant(0.9)),
+            layered(|surface| surface.coat_roughness = FloatTexture::Textured(TextureId(0), crate::Channel::Red, 1.0)),
         ];
         let n_alike = alike.len();
         let materials: Vec<_> = alike.into_iter().chain(varying).collect();
         let appearance = Appearance { materials, ..Appearance::default() };
-        let constant = ConstantBsdfs::new(&appearance, |_| true);
+        let constant = BsdfCache::new(&appearance, |_| true);
         assert_eq!(constant.count(), (n_alike, appearance.materials.len()));
         let mut surface = SurfaceInteraction::flat(DVec3::ONE, DVec3::ZERO, DVec3::X, [0.3, 0.7]);
-        surface.detail = SurfaceDetail { tangent: Vec3::Y, color: [0.1, 0.2, 0.3], ..SurfaceDetail::NONE };
+        surface.detail = VertexAttributes { tangent: Vec3::Y, color: [0.1, 0.2, 0.3], ..VertexAttributes::NONE };
         for (index, material) in appearance.materials.iter().enumerate() {
             let made = constant.get(index as u32);
             assert_eq!(made.is_some(), index < n_alike, "{index}");
@@ -107,6 +109,6 @@ mod tests {
             }
         }
         assert!(constant.get(100).is_none());
-        assert_eq!(ConstantBsdfs::new(&appearance, |material| material == 1).count(), (1, 1));
+        assert_eq!(BsdfCache::new(&appearance, |material| material == 1).count(), (1, 1));
     }
 }

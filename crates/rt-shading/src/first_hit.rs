@@ -1,12 +1,12 @@
 //! Views of the first surface: to look at geometry rather than light.
 
 use crate::{Seen, SurfaceHit, Tracer};
-use rt_geometry::SurfaceNeeds;
-use rt_math::{DVec3, Interval, Ray, RayKind, Rgb};
+use rt_geometry::{InteractionFlags, RayKind};
+use rt_math::{DVec3, Interval, Ray, Rgb};
 
 /// Shows a property of the first surface that a camera ray meets; black where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FirstHitView {
+pub enum AovIntegrator {
     /// The shading normal in world space, as (n + 1) / 2.
     Normals,
     /// The ray parameter, which for the rays of a camera is depth along the view axis: white at `near`, black at `far`
@@ -21,10 +21,10 @@ pub enum FirstHitView {
     Uv,
 }
 
-impl FirstHitView {
+impl AovIntegrator {
     /// What camera rays see: `seen[i]` answers `rays[i]`, which are camera rays with what counts of them.
     pub fn radiance_of(&self, world: &mut impl Tracer, rays: &[(Ray, Interval)], seen: &mut [Seen]) {
-        let needs = SurfaceNeeds {
+        let needs = InteractionFlags {
             uv: matches!(self, Self::Uv | Self::Normals),
             shading_normal: matches!(self, Self::Normals),
             detail: matches!(self, Self::Normals),

@@ -1,7 +1,8 @@
 //! Rays that are traced together, each for a path `P`: the path itself, or its number.
 
 use crate::bsdf::{BsdfSample, Scattering};
-use rt_math::{Interval, Ray, RayKind};
+use rt_geometry::RayKind;
+use rt_math::{Interval, Ray};
 
 /// Rays of one kind, and the paths that they belong to.
 #[derive(Clone, Debug)]

@@ -1,8 +1,8 @@
 //! Transparent bodies within each other.
 
 use crate::{Material, SurfaceHit, Tracer, Transmission};
-use rt_geometry::SurfaceNeeds;
-use rt_math::{Aabb, Interval, Ray, RayKind, Rgb, transcendental::exp};
+use rt_geometry::{InteractionFlags, RayKind};
+use rt_math::{Aabb, Interval, Ray, Rgb, transcendental::exp};
 
 /// Most bodies that a point may lie inside of at once; further ones are not noticed, and counted.
 const CAPACITY: usize = 32;
@@ -126,7 +126,7 @@ impl Interior {
         // Bodies around the origin come first in the list; behind them, bodies that were entered on the way.
         let mut around = 0;
         let mut span = Interval::FORWARD;
-        let needs = SurfaceNeeds::NONE;
+        let needs = InteractionFlags::NONE;
         while let Some(hit) = world.closest(ray, span, RayKind::Refraction, needs) {
             span = hit.beyond(ray);
             if transmission(materials, hit.material).is_none() {

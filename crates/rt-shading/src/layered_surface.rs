@@ -1,8 +1,8 @@
 //! The material of glTF with its extensions, as a scene describes it.
 
 use crate::{
-    Coefficient, PhysicalPoint, Relief, Scalar, TextureId,
-    bsdf::{Ggx, Layered, Prism, Sheen},
+    ColorTexture, FloatTexture, PhysicalPoint, Relief, TextureId,
+    bsdf::{DispersiveDielectric, Ggx, Layered, Sheen},
 };
 use rt_geometry::SurfaceInteraction;
 use rt_math::{DVec3, Frame, Rgb, Vec3, transcendental};
@@ -13,20 +13,20 @@ pub enum LayeredBase {
     /// A dielectric mixed with metal.
     MetallicRoughness {
         /// Colour of the diffuse part, or of the metal.
-        base_color: Coefficient,
+        base_color: ColorTexture,
         /// 0 for a dielectric, 1 for metal.
-        metallic: Scalar,
+        metallic: FloatTexture,
         /// Roughness of the facets, 0 to 1.
-        roughness: Scalar,
+        roughness: FloatTexture,
     },
     /// Diffuse and mirrored colours apart (KHR_materials_pbrSpecularGlossiness).
     SpecularGlossiness {
         /// Albedo of the diffuse part.
-        diffuse: Coefficient,
+        diffuse: ColorTexture,
         /// What facets reflect along their normal.
-        specular: Coefficient,
+        specular: ColorTexture,
         /// 1 less the roughness.
-        glossiness: Scalar,
+        glossiness: FloatTexture,
     },
 }
 
@@ -38,27 +38,27 @@ pub struct LayeredSurface {
     /// Index of refraction, which says how much facets of a dielectric reflect; 0 for all.
     pub ior: f64,
     /// Strength of that reflection (KHR_materials_specular).
-    pub specular: Scalar,
+    pub specular: FloatTexture,
     /// Its colour along the normal.
-    pub specular_color: Coefficient,
+    pub specular_color: ColorTexture,
     /// Part of the light that comes through where it would be scattered below the surface (KHR_materials_transmission).
-    pub transmission: Scalar,
+    pub transmission: FloatTexture,
     /// Whether that is a pane without thickness rather than the surface of a body (KHR_materials_volume).
     pub is_thin: bool,
     /// 20 divided by Abbe's number, 0 for none (KHR_materials_dispersion).
     pub dispersion: f64,
     /// Part that the coat covers (KHR_materials_clearcoat).
-    pub coat: Scalar,
+    pub coat: FloatTexture,
     /// Roughness of the coat.
-    pub coat_roughness: Scalar,
+    pub coat_roughness: FloatTexture,
     /// Normal map of the coat, whose normals are smooth without one, whatever those of the base.
     pub coat_relief: Option<Relief>,
     /// Colour of the fibres (KHR_materials_sheen).
-    pub sheen_color: Coefficient,
+    pub sheen_color: ColorTexture,
     /// Their roughness.
-    pub sheen_roughness: Scalar,
+    pub sheen_roughness: FloatTexture,
     /// How much facets are stretched, 0 to 1 (KHR_materials_anisotropy).
-    pub anisotropy: Scalar,
+    pub anisotropy: FloatTexture,
     /// Angle from the tangent to the direction of the stretch, in radians, counter-clockwise.
     pub anisotropy_rotation: f64,
     /// Texture whose red and green turn that direction.
@@ -71,17 +71,17 @@ impl LayeredSurface {
         Self {
             base,
             ior: 1.5,
-            specular: Scalar::Constant(1.0),
-            specular_color: Coefficient::Constant(Rgb::WHITE),
-            transmission: Scalar::Constant(0.0),
+            specular: FloatTexture::Constant(1.0),
+            specular_color: ColorTexture::Constant(Rgb::WHITE),
+            transmission: FloatTexture::Constant(0.0),
             is_thin: true,
             dispersion: 0.0,
-            coat: Scalar::Constant(0.0),
-            coat_roughness: Scalar::Constant(0.0),
+            coat: FloatTexture::Constant(0.0),
+            coat_roughness: FloatTexture::Constant(0.0),
             coat_relief: None,
-            sheen_color: Coefficient::ZERO,
-            sheen_roughness: Scalar::Constant(0.0),
-            anisotropy: Scalar::Constant(0.0),
+            sheen_color: ColorTexture::ZERO,
+            sheen_roughness: FloatTexture::Constant(0.0),
+            anisotropy: FloatTexture::Constant(0.0),
             anisotropy_rotation: 0.0,
             anisotropy_direction: None,
         }
@@ -139,7 +139,7 @@ impl LayeredSurface {
             return Layered { diffuse: below * (1.0 - passes), passing: below * passes, ..layers };
         }
         let share = passes * (1.0 - metallic);
-        let glass = Prism { iors: self.iors(at.ior), roughness, transmittance: color };
+        let glass = DispersiveDielectric { iors: self.iors(at.ior), roughness, transmittance: color };
         Layered { diffuse: below, glass: (share > 0.0).then_some((share, glass)), ..layers }
     }
 
@@ -194,13 +194,13 @@ impl LayeredSurface {
 
     /// True if light may go on in a single direction; what textures say is not known.
     pub(crate) fn is_sharp(&self) -> bool {
-        let may_be_smooth = |roughness: &Scalar| match roughness {
-            Scalar::Constant(value) => Ggx::from_roughness(*value).is_none(),
-            Scalar::Textured(..) => true,
+        let may_be_smooth = |roughness: &FloatTexture| match roughness {
+            FloatTexture::Constant(value) => Ggx::from_roughness(*value).is_none(),
+            FloatTexture::Textured(..) => true,
         };
         let facets = match &self.base {
             LayeredBase::MetallicRoughness { roughness, .. } => may_be_smooth(roughness),
-            LayeredBase::SpecularGlossiness { glossiness: Scalar::Constant(value), .. } => {
+            LayeredBase::SpecularGlossiness { glossiness: FloatTexture::Constant(value), .. } => {
                 Ggx::from_roughness(1.0 - value).is_none()
             }
             LayeredBase::SpecularGlossiness { .. } => true,
@@ -218,7 +218,7 @@ impl LayeredSurface {
 macro_rules! lists {
     ($coefficients:ident, $scalars:ident, $($borrow:tt)+) => {
         /// The coefficients.
-        pub(crate) fn $coefficients($($borrow)+ self) -> Vec<$($borrow)+ Coefficient> {
+        pub(crate) fn $coefficients($($borrow)+ self) -> Vec<$($borrow)+ ColorTexture> {
             let mut list = match $($borrow)+ self.base {
                 LayeredBase::MetallicRoughness { base_color, .. } => vec![base_color],
                 LayeredBase::SpecularGlossiness { diffuse, specular, .. } => vec![diffuse, specular],
@@ -228,7 +228,7 @@ macro_rules! lists {
         }
 
         /// The numbers.
-        pub(crate) fn $scalars($($borrow)+ self) -> Vec<$($borrow)+ Scalar> {
+        pub(crate) fn $scalars($($borrow)+ self) -> Vec<$($borrow)+ FloatTexture> {
             let mut list = match $($borrow)+ self.base {
                 LayeredBase::MetallicRoughness { metallic, roughness, .. } => vec![metallic, roughness],
                 LayeredBase::SpecularGlossiness { glossiness, .. } => vec![glossiness],

@@ -12,18 +12,18 @@
 //!
 //! **Owns** lights without extent ([`Light`]) and with it ([`emitter`]), the classical surface ([`Phong`]), textures, the laws of reflection and
 //! refraction ([`optics`]), surfaces that obey physics ([`bsdf`]), transparent bodies within each other ([`Interior`]), and the integrators
-//! that follow camera paths ([`Whitted`], [`FirstHitView`]).
+//! that follow camera paths ([`Whitted`], [`AovIntegrator`]).
 //! **Does not own** shapes (rt-geometry), or how a ray finds one: an integrator asks a [`Tracer`].
 //!
 //! ```
-//! use rt_geometry::{Shape, Sphere, SurfaceInteraction, SurfaceNeeds};
-//! use rt_math::{DVec3, Interval, Ray, RayKind, Rgb};
+//! use rt_geometry::{Shape, Sphere, SurfaceInteraction, InteractionFlags, RayKind};
+//! use rt_math::{DVec3, Interval, Ray, Rgb};
 //! use rt_shading::{Appearance, Background, Falloff, Light, LightKind, LightUnits, Material, Needs, Phong, SurfaceHit, Tracer, Whitted};
 //!
 //! // A world of one sphere, lit from the camera.
 //! struct OneSphere(Shape);
 //! impl Tracer for OneSphere {
-//!     fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+//!     fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
 //!         let hit = self.0.intersect(ray, span)?;
 //!         Some(SurfaceHit { t: hit.t, interaction: self.0.surface(ray, &hit, needs), object: 0, material: 0, emitter: None })
 //!     }
@@ -78,14 +78,14 @@ mod whitted;
 
 pub use ambient_occlusion::{AmbientOcclusion, OcclusionWave};
 pub use appearance::{Appearance, Background};
-pub use constant_bsdfs::ConstantBsdfs;
+pub use constant_bsdfs::BsdfCache;
 pub use coverage::{Alpha, Coverage};
-pub use first_hit::FirstHitView;
+pub use first_hit::AovIntegrator;
 pub use interior::Interior;
 pub use layered_surface::{LayeredBase, LayeredSurface};
 pub use light::{Falloff, Illumination, Light, LightKind, LightUnits};
-pub use light_path::{Ball, LightScene, LightSources, LightTracer, Sight, Targets};
-pub use material::{Channel, Coefficient, Highlight, Material, Phong, Scalar, Transmission};
+pub use light_path::{Ball, CameraWiSample, LightSources, LightTracingIntegrator, LightTracingScene, Targets};
+pub use material::{Channel, ColorTexture, FloatTexture, Highlight, Material, Phong, Transmission};
 pub use needs::Needs;
 pub use path::{Clamp, Follows, Lighting, PathSettings, PathTracer};
 pub use physical::{Physical, PhysicalPoint};

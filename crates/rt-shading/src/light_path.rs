@@ -18,18 +18,18 @@ use wave::{Connection, Photon};
 
 /// How a camera sees a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sight {
+pub struct CameraWiSample {
     /// Where the camera ray that leads to the point starts, world space.
     pub origin: DVec3,
     /// Where the point appears, in raster coordinates.
     pub raster: DVec2,
     /// Pixels that a unit of area covers at the point, if it faces the camera.
-    pub magnification: f64,
+    pub importance: f64,
 }
 
 /// What light paths do not know of the scene themselves.
 #[derive(Clone, Copy, Debug)]
-pub struct LightScene<'a> {
+pub struct LightTracingScene<'a> {
     /// Materials and lights.
     pub lighting: Lighting<'a>,
     /// Which of the lights are followed, and where to.
@@ -69,7 +69,7 @@ pub struct LightScene<'a> {
 ///
 /// Keep one instance per thread: all buffers are reused.
 #[derive(Clone, Debug)]
-pub struct LightTracer<S> {
+pub struct LightTracingIntegrator<S> {
     settings: PathSettings,
     needs: Needs,
     photons: Vec<Photon<S>>,
@@ -82,7 +82,7 @@ pub struct LightTracer<S> {
     counts: ShadingCounts,
 }
 
-impl<S: Sampler> LightTracer<S> {
+impl<S: Sampler> LightTracingIntegrator<S> {
     /// Follows paths as far as the settings say, and computes only what `needs` names.
     pub fn new(settings: PathSettings, needs: Needs) -> Self {
         Self {
@@ -102,15 +102,15 @@ impl<S: Sampler> LightTracer<S> {
         core::mem::take(&mut self.counts)
     }
 
-    /// Follows a path for each sampler, at the moment that goes with it. `sight` says how the camera sees a point of the world at
+    /// Follows a path for each sampler, at the moment that goes with it. `sample_wi` says how the camera sees a point of the world at
     /// a moment, and may draw a point of its lens. `splat` gets what arrives at a place of the image: the mean over all paths of the sum of it
     /// times the filter is a pixel's radiance. Infinite or NaN if the scene is; the caller decides about such light.
     pub fn trace(
         &mut self,
         world: &mut impl Tracer,
-        scene: LightScene<'_>,
+        scene: LightTracingScene<'_>,
         samplers: impl IntoIterator<Item = (S, f64)>,
-        sight: impl Fn(DVec3, f64, &mut S) -> Option<Sight>,
+        sight: impl Fn(DVec3, f64, &mut S) -> Option<CameraWiSample>,
         mut splat: impl FnMut(DVec2, Rgb),
     ) {
         self.photons.clear();
@@ -139,7 +139,7 @@ impl<S: Sampler> LightTracer<S> {
         while !queue.rays.is_empty() {
             let next = &mut self.to_camera;
             let (connections, counts, needs) = (&mut self.connections, &mut self.counts, &self.needs);
-            world.closest_batch(&queue.rays, rt_math::RayKind::Shadow, self.needs.surface(), |at, hit| {
+            world.closest_batch(&queue.rays, rt_geometry::RayKind::Shadow, self.needs.surface(), |at, hit| {
                 let (id, ray) = (queue.paths[at], &queue.rays[at].0);
                 let connection = &mut connections[id as usize];
                 match hit {

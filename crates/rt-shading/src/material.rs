@@ -6,14 +6,14 @@ use rt_math::{DVec3, Rgb, transcendental};
 
 /// A coefficient that may vary over the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Coefficient {
+pub enum ColorTexture {
     /// The same everywhere.
     Constant(Rgb),
     /// A texture, multiplied by a colour.
     Textured(TextureId, Rgb),
 }
 
-impl Coefficient {
+impl ColorTexture {
     /// Zero everywhere: what it scales is left out.
     pub const ZERO: Self = Self::Constant(Rgb::BLACK);
 
@@ -49,14 +49,14 @@ pub enum Channel {
 
 /// A number that may vary over the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Scalar {
+pub enum FloatTexture {
     /// The same everywhere.
     Constant(f64),
     /// A channel of a texture, multiplied by a factor.
     Textured(TextureId, Channel, f64),
 }
 
-impl Scalar {
+impl FloatTexture {
     /// True if it is zero everywhere.
     pub fn is_zero(&self) -> bool {
         matches!(self, Self::Constant(factor) | Self::Textured(.., factor) if *factor == 0.0)
@@ -127,7 +127,7 @@ fn power(base: f64, exponent: f64) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transmission {
     /// How much of the refracted light passes.
-    pub coefficient: Coefficient,
+    pub coefficient: ColorTexture,
     /// Index of refraction of the inside, positive; that of air is 1.
     pub ior: f64,
     /// Whether Fresnel's equations share the light between `mirror` and this coefficient. Otherwise both are constant
@@ -147,19 +147,19 @@ pub struct Transmission {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phong {
     /// Share of the ambient light.
-    pub ambient: Coefficient,
+    pub ambient: ColorTexture,
     /// Diffuse coefficient.
-    pub diffuse: Coefficient,
+    pub diffuse: ColorTexture,
     /// Strength of the highlight.
-    pub specular: Coefficient,
+    pub specular: ColorTexture,
     /// Exponent of the highlight, at least 0.
     pub exponent: f64,
     /// Shape of the highlight.
     pub highlight: Highlight,
     /// Light of its own.
-    pub emission: Coefficient,
+    pub emission: ColorTexture,
     /// Share of mirrored light.
-    pub mirror: Coefficient,
+    pub mirror: ColorTexture,
     /// Light through the surface, if any.
     pub transmission: Option<Transmission>,
 }
@@ -169,9 +169,9 @@ impl Phong {
     /// both sides, the surface is not to be seen. Reflections and highlights are the work of that index where Fresnel's
     /// equations rule, and otherwise constants that stay.
     pub fn is_clear(&self) -> bool {
-        let is_zero = |coefficients: &[Coefficient]| coefficients.iter().all(Coefficient::is_zero);
+        let is_zero = |coefficients: &[ColorTexture]| coefficients.iter().all(ColorTexture::is_zero);
         self.transmission.is_some_and(|transmission| {
-            transmission.coefficient == Coefficient::Constant(Rgb::WHITE)
+            transmission.coefficient == ColorTexture::Constant(Rgb::WHITE)
                 && is_zero(&[self.ambient, self.diffuse, self.emission])
                 && (transmission.fresnel || is_zero(&[self.specular, self.mirror]))
         })
@@ -187,13 +187,13 @@ impl Default for Phong {
     /// A grey diffuse surface with a little ambient light.
     fn default() -> Self {
         Self {
-            ambient: Coefficient::Constant(Rgb::gray(0.07)),
-            diffuse: Coefficient::Constant(Rgb::gray(0.7)),
-            specular: Coefficient::ZERO,
+            ambient: ColorTexture::Constant(Rgb::gray(0.07)),
+            diffuse: ColorTexture::Constant(Rgb::gray(0.7)),
+            specular: ColorTexture::ZERO,
             exponent: 32.0,
             highlight: Highlight::Phong,
-            emission: Coefficient::ZERO,
-            mirror: Coefficient::ZERO,
+            emission: ColorTexture::ZERO,
+            mirror: ColorTexture::ZERO,
             transmission: None,
         }
     }
@@ -215,7 +215,7 @@ pub struct Material {
     /// A normal map, if there is one.
     pub relief: Option<Relief>,
     /// Part of the ambient light that gets to a point between what its detail hides: a texture that is made for it.
-    pub occlusion: Scalar,
+    pub occlusion: FloatTexture,
 }
 
 impl Material {
@@ -228,7 +228,7 @@ impl Material {
             shines: Sides::Both,
             coverage: Coverage::ALL,
             relief: None,
-            occlusion: Scalar::Constant(1.0),
+            occlusion: FloatTexture::Constant(1.0),
         }
     }
 
@@ -248,7 +248,7 @@ impl Material {
     pub fn ambient(&self, textures: &[Texture], surface: &SurfaceInteraction) -> Rgb {
         let ambient = self.phong.ambient.at(textures, surface);
         match self.occlusion {
-            Scalar::Constant(1.0) => ambient,
+            FloatTexture::Constant(1.0) => ambient,
             occlusion => ambient * occlusion.at(textures, surface),
         }
     }
@@ -277,7 +277,7 @@ impl Material {
         }
     }
 
-    /// True if it looks at the [`SurfaceDetail`](rt_geometry::SurfaceDetail) of meshes.
+    /// True if it looks at the [`VertexAttributes`](rt_geometry::VertexAttributes) of meshes.
     pub fn needs_detail(&self) -> bool {
         matches!(&self.physical, Some(Physical::Layered(layered)) if layered.needs_tangents()) || self.is_textured()
     }
@@ -295,13 +295,13 @@ impl Material {
         let coefficients =
             [&mut phong.ambient, &mut phong.diffuse, &mut phong.specular, &mut phong.emission, &mut phong.mirror];
         let shift = |TextureId(id): &mut TextureId| *id += first;
-        let shift_coefficient = |coefficient: &mut Coefficient| {
-            if let Coefficient::Textured(id, _) = coefficient {
+        let shift_coefficient = |coefficient: &mut ColorTexture| {
+            if let ColorTexture::Textured(id, _) = coefficient {
                 shift(id);
             }
         };
-        let shift_scalar = |scalar: &mut Scalar| {
-            if let Scalar::Textured(id, ..) = scalar {
+        let shift_scalar = |scalar: &mut FloatTexture| {
+            if let FloatTexture::Textured(id, ..) = scalar {
                 shift(id);
             }
         };
@@ -333,13 +333,13 @@ impl Material {
             .chain(transmission.map(|transmission| transmission.coefficient))
             .chain(physical.map(Physical::coefficients).unwrap_or_default().into_iter().copied());
         let of_coefficients = coefficients.filter_map(|coefficient| match coefficient {
-            Coefficient::Textured(id, _) => Some(id),
-            Coefficient::Constant(_) => None,
+            ColorTexture::Textured(id, _) => Some(id),
+            ColorTexture::Constant(_) => None,
         });
         let scalars = physical.map(Physical::scalars).unwrap_or_default().into_iter().chain([&self.occlusion]);
         let of_scalars = scalars.filter_map(|scalar| match scalar {
-            Scalar::Textured(id, ..) => Some(*id),
-            Scalar::Constant(_) => None,
+            FloatTexture::Textured(id, ..) => Some(*id),
+            FloatTexture::Constant(_) => None,
         });
         let (coat, direction) = match physical {
             Some(Physical::Layered(layered)) => (layered.coat_relief, layered.anisotropy_direction),
@@ -358,7 +358,7 @@ mod tests {
     #[test]
     fn a_map_of_the_coat_alone_was_no_texture() {
         let relief = Relief { texture: TextureId(3), scale: 1.0 };
-        let (base_color, metallic) = (Coefficient::Constant(Rgb::WHITE), Scalar::Constant(0.0));
+        let (base_color, metallic) = (ColorTexture::Constant(Rgb::WHITE), FloatTexture::Constant(0.0));
         let base = LayeredBase::MetallicRoughness { base_color, metallic, roughness: metallic };
         let surface = LayeredSurface { coat_relief: Some(relief), ..LayeredSurface::new(base) };
         let material = Material {

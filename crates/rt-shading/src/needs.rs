@@ -1,7 +1,7 @@
 //! What the materials and lights of a scene make necessary.
 
 use crate::{Appearance, Phong};
-use rt_geometry::SurfaceNeeds;
+use rt_geometry::InteractionFlags;
 use rt_math::Rgb;
 
 /// The parts of shading that a scene uses. What is `false` is not computed; the picture is the same to the bit.
@@ -69,7 +69,7 @@ impl Needs {
     }
 
     /// What is needed of a surface.
-    pub const fn surface(&self) -> SurfaceNeeds {
-        SurfaceNeeds { uv: self.textures, shading_normal: self.shading_normals, detail: self.detail }
+    pub const fn surface(&self) -> InteractionFlags {
+        InteractionFlags { uv: self.textures, shading_normal: self.shading_normals, detail: self.detail }
     }
 }

@@ -4,9 +4,10 @@ mod clamp;
 mod scatter;
 mod wave;
 
-use crate::{Appearance, ConstantBsdfs, Interior, Needs, Seen, ShadingCounts, Tracer, emitter::EmitterSet, flow::Flow};
+use crate::{Appearance, BsdfCache, Interior, Needs, Seen, ShadingCounts, Tracer, emitter::EmitterSet, flow::Flow};
 pub use clamp::Clamp;
-use rt_math::{Interval, Ray, RayKind, Sampler};
+use rt_geometry::RayKind;
+use rt_math::{Interval, Ray, Sampler};
 use wave::{Path, Shadows};
 
 /// Which light is followed beyond the first surface.
@@ -14,7 +15,7 @@ use wave::{Path, Shadows};
 pub enum Follows {
     /// All of it: the rendering equation (Kajiya 1986).
     Everything,
-    /// All but what [`LightTracer`](crate::LightTracer) finds: the light of lamps that comes to a surface which is seen by
+    /// All but what [`LightTracingIntegrator`](crate::LightTracingIntegrator) finds: the light of lamps that comes to a surface which is seen by
     /// single directions at its end.
     AllButCaustics,
     /// What is mirrored or refracted, sharply or not; diffuse surfaces show direct and ambient light alone ("Distributed Ray
@@ -77,7 +78,7 @@ pub struct Lighting<'a> {
     /// Lights with extent.
     pub emitters: &'a EmitterSet,
     /// What need not be made at each hit: of this very appearance, or `default()`.
-    pub bsdfs: &'a ConstantBsdfs,
+    pub bsdfs: &'a BsdfCache,
 }
 
 impl<S: Sampler + Clone> PathTracer<S> {

@@ -1,7 +1,7 @@
 //! Surfaces that obey physics, as a scene describes them: what a BSDF is made from at each point.
 
 use crate::{
-    Coefficient, Highlight, LayeredSurface, Phong, Scalar, Texture, Transmission,
+    ColorTexture, FloatTexture, Highlight, LayeredSurface, Phong, Texture, Transmission,
     bsdf::{
         Bsdf, ComplexIor, Conductor, Coupling, Dielectric, Ggx, Lambert, Lobe, MAX_LOBES, MetallicRoughness, Mirror,
         Mix, OrenNayar, PhongLobe, Refraction, ThinGlass,
@@ -19,30 +19,30 @@ pub enum Physical {
     /// Diffuse: Lambert's law, with grooves (Oren, Nayar 1994) where `roughness` is not 0.
     Diffuse {
         /// Part of the light that is reflected.
-        albedo: Coefficient,
+        albedo: ColorTexture,
         /// Roughness of [`OrenNayar`], 0 to 1.
         roughness: f64,
     },
     /// Diffuse with a highlight of Phong's shape, energy-normalised.
     Glossy {
         /// Part of the light that is reflected diffusely.
-        diffuse: Coefficient,
+        diffuse: ColorTexture,
         /// Part of the light along the normal that the highlight reflects.
-        specular: Coefficient,
+        specular: ColorTexture,
         /// Exponent of [`PhongLobe`].
         exponent: f64,
     },
     /// A perfect mirror.
     Mirror {
         /// Part of the light that is reflected.
-        reflectance: Coefficient,
+        reflectance: ColorTexture,
     },
     /// The surface of glass or water. The indices of refraction are those of the bodies on both sides.
     Dielectric {
         /// Roughness of the facets, 0 to 1.
         roughness: f64,
         /// What is left of light that passes through the surface.
-        transmittance: Coefficient,
+        transmittance: ColorTexture,
     },
     /// Metal.
     Conductor {
@@ -54,7 +54,7 @@ pub enum Physical {
     /// The material of glTF.
     MetallicRoughness {
         /// Colour of the diffuse part, or of the metal.
-        base_color: Coefficient,
+        base_color: ColorTexture,
         /// 0 for a dielectric, 1 for metal.
         metallic: f64,
         /// Roughness of the facets, 0 to 1.
@@ -65,7 +65,7 @@ pub enum Physical {
         /// Index of refraction.
         ior: f64,
         /// What is left of light that crosses it once along the normal.
-        transmittance: Coefficient,
+        transmittance: ColorTexture,
     },
     /// The material of glTF with its extensions.
     Layered(Box<LayeredSurface>),
@@ -121,12 +121,12 @@ pub struct PhysicalPoint<'a> {
 
 impl PhysicalPoint<'_> {
     /// A reflectance: what is beyond 1 would make light of nothing.
-    pub(crate) fn reflectance(&self, coefficient: &Coefficient) -> Rgb {
+    pub(crate) fn reflectance(&self, coefficient: &ColorTexture) -> Rgb {
         coefficient.at(self.textures, self.surface).map(|c| c.min(1.0))
     }
 
     /// A number from 0 to 1.
-    pub(crate) fn share(&self, scalar: &Scalar) -> f64 {
+    pub(crate) fn share(&self, scalar: &FloatTexture) -> f64 {
         scalar.at(self.textures, self.surface).clamp(0.0, 1.0)
     }
 }
@@ -250,22 +250,22 @@ impl Physical {
     }
 
     /// The coefficients, which may have textures.
-    pub fn coefficients(&self) -> Vec<&Coefficient> {
+    pub fn coefficients(&self) -> Vec<&ColorTexture> {
         list_coefficients!(self, iter, coefficients)
     }
 
     /// The coefficients, to change them.
-    pub fn coefficients_mut(&mut self) -> Vec<&mut Coefficient> {
+    pub fn coefficients_mut(&mut self) -> Vec<&mut ColorTexture> {
         list_coefficients!(self, iter_mut, coefficients_mut)
     }
 
     /// The numbers that may have textures.
-    pub fn scalars(&self) -> Vec<&Scalar> {
+    pub fn scalars(&self) -> Vec<&FloatTexture> {
         list_scalars!(self, scalars)
     }
 
     /// The numbers that may have textures, to change these.
-    pub fn scalars_mut(&mut self) -> Vec<&mut Scalar> {
+    pub fn scalars_mut(&mut self) -> Vec<&mut FloatTexture> {
         list_scalars!(self, scalars_mut)
     }
 }
@@ -286,7 +286,7 @@ impl Default for Layers {
 
 impl Layers {
     /// A lobe, unless its coefficient is zero everywhere.
-    fn lay(&mut self, lobe: Lobe, coefficient: &Coefficient) {
+    fn lay(&mut self, lobe: Lobe, coefficient: &ColorTexture) {
         if !coefficient.is_zero() {
             self.push(lobe);
         }

@@ -1,6 +1,6 @@
 //! Colour that varies over a surface.
 
-use rt_geometry::{SurfaceDetail, SurfaceInteraction};
+use rt_geometry::{SurfaceInteraction, VertexAttributes};
 use rt_math::Rgb;
 use std::sync::Arc;
 
@@ -38,13 +38,13 @@ pub struct TexturePoint {
     /// Texture coordinates.
     pub uv: [f64; 2],
     /// Those of the second set, and the colour of the vertices.
-    pub detail: SurfaceDetail,
+    pub detail: VertexAttributes,
 }
 
 impl TexturePoint {
     /// At first texture coordinates, where there is nothing else.
     pub fn at(uv: [f64; 2]) -> Self {
-        Self { uv, detail: SurfaceDetail::default() }
+        Self { uv, detail: VertexAttributes::default() }
     }
 }
 
@@ -284,7 +284,8 @@ mod tests {
     fn textures_are_read_at_coordinates_of_their_own() {
         let texture = Arc::new(image(Wrap::Repeat, false));
         let half = [[0.5, 0.0, 0.25], [0.0, 0.5, 0.25]];
-        let detail = SurfaceDetail { second_uv: [0.25, 0.75], color: [0.5, 1.0, 1.0], ..SurfaceDetail::default() };
+        let detail =
+            VertexAttributes { second_uv: [0.25, 0.75], color: [0.5, 1.0, 1.0], ..VertexAttributes::default() };
         let point = TexturePoint { uv: [1.0, 0.0], detail };
         let mapped =
             |is_second, rows| Texture::Mapped { texture: Arc::clone(&texture), map: UvMap { is_second, rows } };

@@ -1,8 +1,8 @@
 //! What an integrator may ask of the world.
 
 use crate::emitter::EmitterRef;
-use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
-use rt_math::{Interval, Ray, RayKind, Rgb};
+use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
+use rt_math::{Interval, Ray, Rgb};
 
 /// The surface that a ray met first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +38,7 @@ impl SurfaceHit {
 pub trait Tracer {
     /// The first surface along the ray within `span`, with what is needed of it; `None` if there is none. The ray counts
     /// as one of its `kind`.
-    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit>;
+    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit>;
 
     /// True if something that casts shadows lies on the ray within `span`.
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool;
@@ -49,7 +49,7 @@ pub trait Tracer {
         &mut self,
         rays: &[(Ray, Interval)],
         kind: RayKind,
-        needs: SurfaceNeeds,
+        needs: InteractionFlags,
         mut met: impl FnMut(usize, Option<&mut SurfaceHit>),
     ) {
         for (at, (ray, span)) in rays.iter().enumerate() {

@@ -6,7 +6,8 @@ mod wave;
 
 use crate::{Appearance, Interior, Needs, Seen, Tracer, flow::Flow};
 pub use counts::ShadingCounts;
-use rt_math::{Interval, Ray, RayKind, Rgb};
+use rt_geometry::RayKind;
+use rt_math::{Interval, Ray, Rgb};
 use wave::{Lights, Path, Sample};
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.

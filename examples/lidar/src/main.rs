@@ -7,8 +7,8 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use rt_accel::{
-    Aabb, Accelerator, AnyStructure, Ball, Bvh, Counters, DVec3, Hit, Interval, NearestPoint, NoProbe, Primitives, Ray,
-    Refit, Structure, StructureKind,
+    Aabb, Accelerator, AnyAccelerator, Ball, Bvh, Counters, DVec3, Hit, Interval, ClosestPoint, NoProbe, Primitives, Ray,
+    Refit, Structure, AcceleratorKind,
 };
 
 /// An upright trunk: where it stands, how thick and how high it is.
@@ -47,7 +47,7 @@ impl Primitives for Forest {
     }
 }
 
-impl NearestPoint for Forest {
+impl ClosestPoint for Forest {
     fn nearest_point(&self, index: u32, point: DVec3) -> Option<DVec3> {
         let Trunk { foot, radius, height } = self.0[index as usize];
         let beside = (point - foot).with_y(0.0);
@@ -87,8 +87,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rays = scan();
     println!("{:10} {:>8} {:>8} {:>10} {:>10}", "structure", "Mrays/s", "KiB", "nodes/ray", "tests/ray");
     let mut answers: Vec<Vec<Option<u64>>> = Vec::new();
-    for &kind in StructureKind::ALL {
-        let structure = AnyStructure::build(kind, &forest)?;
+    for &kind in AcceleratorKind::ALL {
+        let structure = AnyAccelerator::build(kind, &forest)?;
         structure.validate(&forest)?;
         let start = Instant::now();
         let hits: Vec<_> =

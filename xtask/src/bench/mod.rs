@@ -13,7 +13,7 @@
 //! worth comparing between machines.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use rt_accel::{StructureKind, wide::Quality};
+use rt_accel::{AcceleratorKind, wide::Quality};
 use serde::Serialize;
 
 use crate::{
@@ -84,9 +84,11 @@ fn print(figures: &impl Serialize, table: &str) -> Result<(), TaskError> {
 }
 
 /// The name of a structure on the command line.
-fn structure() -> impl TypedValueParser<Value = StructureKind> {
-    let names = PossibleValuesParser::new(StructureKind::ALL.iter().map(|kind| kind.name()));
-    names.try_map(|name| StructureKind::ALL.iter().copied().find(|kind| kind.name() == name).ok_or("no such structure"))
+fn structure() -> impl TypedValueParser<Value = AcceleratorKind> {
+    let names = PossibleValuesParser::new(AcceleratorKind::ALL.iter().map(|kind| kind.name()));
+    names.try_map(|name| {
+        AcceleratorKind::ALL.iter().copied().find(|kind| kind.name() == name).ok_or("no such structure")
+    })
 }
 
 /// The name of a quality on the command line.

@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use rt_accel::{AnyStructure, Bvh, Structure as _, StructureKind};
-use rt_math::Primitives;
+use rt_accel::{AcceleratorKind, AcceleratorQueries as _, AnyAccelerator, Bvh};
+use rt_geometry::Primitives;
 
 use super::{
     Figure, Options, RayFigure,
@@ -31,8 +31,8 @@ pub(super) fn scene<P: Surfaces>(scene: &Scene<P>, options: &Options) -> Result<
     let mut structures = Vec::new();
     let mut figures = Vec::new();
     // A tree sets the answers for all rays of a set, and brute force confirms those that it can afford.
-    let mut kinds = StructureKind::ALL.to_vec();
-    kinds.sort_by_key(|kind| *kind != StructureKind::Bvh);
+    let mut kinds = AcceleratorKind::ALL.to_vec();
+    kinds.sort_by_key(|kind| *kind != AcceleratorKind::Bvh);
     for kind in kinds {
         let (structure, build_seconds) = build(kind, &scene.primitives, options.repeats)?;
         let mut rays = Vec::new();
@@ -51,16 +51,20 @@ pub(super) fn scene<P: Surfaces>(scene: &Scene<P>, options: &Options) -> Result<
             }
         }
     }
-    figures.sort_by_key(|figure| StructureKind::ALL.iter().position(|kind| kind.name() == figure.structure));
+    figures.sort_by_key(|figure| AcceleratorKind::ALL.iter().position(|kind| kind.name() == figure.structure));
     Ok(figures)
 }
 
-fn build<P: Primitives>(kind: StructureKind, primitives: &P, repeats: u32) -> Result<(AnyStructure, f64), TaskError> {
+fn build<P: Primitives>(
+    kind: AcceleratorKind,
+    primitives: &P,
+    repeats: u32,
+) -> Result<(AnyAccelerator, f64), TaskError> {
     let mut least = f64::INFINITY;
     let mut spent = 0.0;
     for repeat in 1.. {
         let started = Instant::now();
-        let structure = AnyStructure::build(kind, primitives).map_err(not_built)?;
+        let structure = AnyAccelerator::build(kind, primitives).map_err(not_built)?;
         let seconds = started.elapsed().as_secs_f64();
         least = least.min(seconds);
         spent += seconds;
@@ -82,7 +86,7 @@ fn ray_sets<P: Surfaces>(scene: &Scene<P>, count: u32) -> Result<[RaySet; 3], Ta
 
 /// Counts, and compares the answers with those of the first structure.
 fn first_pass<P: Primitives>(
-    structure: &AnyStructure,
+    structure: &AnyAccelerator,
     scene: &Scene<P>,
     set: &RaySet,
     expected: &mut Vec<Answer>,
@@ -108,7 +112,7 @@ fn first_pass<P: Primitives>(
 
 fn figure<P: Primitives>(
     scene: &Scene<P>,
-    structure: &AnyStructure,
+    structure: &AnyAccelerator,
     build_seconds: f64,
     rays: Vec<RayFigure>,
 ) -> Figure {
@@ -141,7 +145,7 @@ mod tests {
     #[test]
     fn every_structure_is_measured_and_brute_force_tests_everything() {
         let figures = scene(&scenes::mound(700).unwrap(), &OPTIONS).unwrap();
-        assert_eq!(figures.len(), StructureKind::ALL.len());
+        assert_eq!(figures.len(), AcceleratorKind::ALL.len());
         for figure in &figures {
             assert!(figure.build_seconds > 0.0 && figure.bytes > 0);
             for rays in &figure.rays {
@@ -159,7 +163,7 @@ mod tests {
     fn another_answer_is_noticed() {
         let scene = scenes::mound(50).unwrap();
         let set = rays::primary(&scene.view, 100);
-        let structure = AnyStructure::build(StructureKind::Linear, &scene.primitives).unwrap();
+        let structure = AnyAccelerator::build(AcceleratorKind::Linear, &scene.primitives).unwrap();
         let mut expected = Vec::new();
         first_pass(&structure, &scene, &set, &mut expected).unwrap();
         first_pass(&structure, &scene, &set, &mut expected).unwrap();

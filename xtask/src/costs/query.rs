@@ -2,8 +2,9 @@
 
 use std::time::Instant;
 
-use rt_accel::{AnyStructure, Structure, StructureVisitor};
-use rt_math::{Counters, Hit, NoProbe, Primitives, Probe, RayKind, Tally};
+use rt_accel::{AcceleratorQueries, AcceleratorVisitor, AnyAccelerator};
+use rt_geometry::RayStats;
+use rt_geometry::{Counters, Hit, NoProbe, Primitives, Probe, RayKind};
 
 use crate::scenes::rays::RaySet;
 
@@ -41,10 +42,10 @@ impl Answer {
 
 /// All answers, with what they took.
 pub(super) fn count<P: Primitives>(
-    structure: &AnyStructure,
+    structure: &AnyAccelerator,
     primitives: &P,
     sample: Sample<'_>,
-) -> (Vec<Answer>, Tally) {
+) -> (Vec<Answer>, RayStats) {
     let (mut answers, mut counters) = (Vec::with_capacity(sample.rays), Counters::default());
     // The kind is a formality: each sample has counters of its own.
     counters.ray(RayKind::Primary);
@@ -53,7 +54,7 @@ pub(super) fn count<P: Primitives>(
 }
 
 /// Seconds for all answers.
-pub(super) fn time<P: Primitives>(structure: &AnyStructure, primitives: &P, sample: Sample<'_>) -> f64 {
+pub(super) fn time<P: Primitives>(structure: &AnyAccelerator, primitives: &P, sample: Sample<'_>) -> f64 {
     let mut hits = 0;
     let answered = |answer| hits += usize::from(answer != Answer::Miss);
     let started = Instant::now();
@@ -69,10 +70,10 @@ struct Trace<'a, P, S, F> {
     answered: F,
 }
 
-impl<P: Primitives, S: Probe, F: FnMut(Answer)> StructureVisitor for Trace<'_, P, S, F> {
+impl<P: Primitives, S: Probe, F: FnMut(Answer)> AcceleratorVisitor for Trace<'_, P, S, F> {
     type Output = ();
 
-    fn visit<T: Structure>(self, structure: &T) {
+    fn visit<T: AcceleratorQueries>(self, structure: &T) {
         let Self { primitives, sample, probe, mut answered } = self;
         for place in sample.places() {
             let (ray, span) = &sample.set.rays[place];

@@ -7,7 +7,7 @@
 use std::{fs, path::Path, time::Duration};
 
 use base64::{Engine, engine::general_purpose::STANDARD};
-use rt_accel::StructureKind;
+use rt_accel::AcceleratorKind;
 
 use crate::{error::TaskError, renderer::Renderer, scenes, workspace::Workspace};
 
@@ -52,7 +52,7 @@ fn guide(workspace: &Workspace) -> Result<(), TaskError> {
     let balls = scenes::balls(BALLS)?;
     let costly = folder.join("balls.ron");
     fs::write(&costly, scene_file::of_balls(&balls)).map_err(TaskError::file(&costly))?;
-    for kind in StructureKind::ALL {
+    for kind in AcceleratorKind::ALL {
         let name = kind.name();
         let scene = folder.join(format!("{name}.ron"));
         fs::write(&scene, scene_file::of_wires(&still_life::wires(*kind)?)).map_err(TaskError::file(&scene))?;

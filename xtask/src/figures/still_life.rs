@@ -1,7 +1,8 @@
 //! A few spheres of three sizes on a table, and what structures make of them.
 
 use rt_accel::{
-    Accelerator, AnyStructure, CylinderTree, Interval, NoProbe, Ray, SphereTree, Structure as _, StructureKind,
+    Accelerator, AcceleratorKind, AcceleratorQueries as _, AnyAccelerator, CylinderTree, Interval, NoProbe, Ray,
+    SphereTree,
 };
 use rt_geometry::{Sphere, Spheres};
 use rt_math::DVec3;
@@ -27,22 +28,22 @@ pub(super) const SPHERES: [(f64, f64, f64); 13] = [
 ];
 
 /// The lines around the parts of a structure of this kind.
-pub(super) fn wires(kind: StructureKind) -> Result<Wires, TaskError> {
+pub(super) fn wires(kind: AcceleratorKind) -> Result<Wires, TaskError> {
     let sphere = |&(x, z, radius): &(f64, f64, f64)| Sphere::new(DVec3::new(x, radius, z), radius);
     let spheres = SPHERES.iter().map(sphere).collect::<Result<_, _>>().map_err(other)?;
     let primitives = Spheres::new(spheres);
     let mut wires = Wires::default();
     match kind {
-        StructureKind::Spheres => SphereTree::build(&primitives)
+        AcceleratorKind::Spheres => SphereTree::build(&primitives)
             .map_err(other)?
             .for_each_volume(|volume, depth| around_sphere(volume.centre(), volume.radius(), depth, &mut wires)),
-        StructureKind::Cylinders => {
+        AcceleratorKind::Cylinders => {
             CylinderTree::build(&primitives).map_err(other)?.for_each_volume(|volume, depth| {
                 around_cylinder(volume.axis(), volume.centre(), volume.radius(), volume.caps(), depth, &mut wires);
             })
         }
         _ => {
-            let structure = AnyStructure::build(kind, &primitives).map_err(other)?;
+            let structure = AnyAccelerator::build(kind, &primitives).map_err(other)?;
             // What is lazy shows what one ray has made of it, which falls on the large sphere on the left.
             let (x, z, _) = SPHERES[0];
             let ray = Ray::new(DVec3::new(x, 5.0, z), DVec3::NEG_Y);
@@ -63,14 +64,14 @@ mod tests {
 
     #[test]
     fn every_structure_but_brute_force_has_parts_to_show() {
-        for kind in StructureKind::ALL {
-            assert_eq!(wires(*kind).unwrap().is_empty(), *kind == StructureKind::Linear, "{kind:?}");
+        for kind in AcceleratorKind::ALL {
+            assert_eq!(wires(*kind).unwrap().is_empty(), *kind == AcceleratorKind::Linear, "{kind:?}");
         }
     }
 
     #[test]
     fn a_lazy_structure_shows_less_than_a_full_one() {
-        let [lazy, full] = [StructureKind::BihLazy, StructureKind::Bih].map(|kind| wires(kind).unwrap().len());
+        let [lazy, full] = [AcceleratorKind::BihLazy, AcceleratorKind::Bih].map(|kind| wires(kind).unwrap().len());
         assert!(lazy < full, "{lazy} of {full}");
     }
 }

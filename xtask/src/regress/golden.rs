@@ -129,7 +129,7 @@ fn near_reference(
 }
 
 fn near_truth(linear: &Path, truth: &Truth, findings: &mut Findings) -> Result<(), TaskError> {
-    let picture = rt_camera::read_image(linear).map_err(|error| TaskError::Other(error.to_string()))?;
+    let picture = rt_image::read_image(linear).map_err(|error| TaskError::Other(error.to_string()))?;
     let mean = mean(picture.pixels());
     let near = mean.iter().zip(truth.mean).all(|(mean, truth_mean)| (mean - truth_mean).abs() <= truth.tolerance);
     let line = format!("mean radiance {mean:?}, {} gives {:?} ± {}", truth.note, truth.mean, truth.tolerance);

@@ -10,7 +10,7 @@ use std::{
 };
 
 use rt_accel::{
-    StructureKind,
+    AcceleratorKind,
     wide::{Quality, SimdLevel},
 };
 
@@ -73,12 +73,12 @@ fn variants() -> Vec<Variant> {
         vec!["--threads", "8", "--simd", level(2), "--quality", quality(2)],
         vec!["--threads", "2", "--full-plan"],
     ];
-    for kind in StructureKind::ALL {
+    for kind in AcceleratorKind::ALL {
         let with_accel = ["--threads", "2", "--accel", kind.name()];
         match kind {
-            StructureKind::Linear => {}
+            AcceleratorKind::Linear => {}
             // Two more turns of each, so that no level goes with one quality alone.
-            StructureKind::Wide => variants.extend([(0, 2), (1, 0), (2, 1)].map(|(simd, build)| {
+            AcceleratorKind::Wide => variants.extend([(0, 2), (1, 0), (2, 1)].map(|(simd, build)| {
                 [&with_accel[..], &["--simd", level(simd), "--quality", quality(build)]].concat()
             })),
             _ => variants.push(with_accel.to_vec()),
@@ -95,7 +95,7 @@ fn brute_force() -> Vec<Variant> {
 
 /// Two ways to compute the image of an integrator, which differ in everything. Which ones is a matter of turns.
 fn integrator_variants(integrator: &'static str, turn: usize) -> Vec<Variant> {
-    let kinds: Vec<_> = StructureKind::ALL.iter().filter(|kind| **kind != StructureKind::Linear).collect();
+    let kinds: Vec<_> = AcceleratorKind::ALL.iter().filter(|kind| **kind != AcceleratorKind::Linear).collect();
     let accel = kinds[turn % kinds.len()].name();
     let own = vec!["--integrator", integrator, "--threads", "1"];
     let other = ["--threads", "3", "--accel", accel, "--simd", level(turn), "--quality", quality(turn), "--full-plan"];
@@ -225,7 +225,7 @@ mod tests {
         let all = [variants(), brute_force()].concat();
         let has =
             |option: &str, value: &str| all.iter().any(|variant| variant.windows(2).any(|w| w == [option, value]));
-        for kind in StructureKind::ALL {
+        for kind in AcceleratorKind::ALL {
             assert!(has("--accel", kind.name()), "{}", kind.name());
         }
         for quality in Quality::ALL {
@@ -237,6 +237,6 @@ mod tests {
         let taken = |turns: usize, full| (0..turns).flat_map(|turn| integrators(turn, full)).collect::<BTreeSet<_>>();
         assert_eq!((taken(3, false), taken(1, true)), (INTEGRATORS.into(), INTEGRATORS.into()));
         let accelerators: BTreeSet<&str> = (0..9).map(|turn| integrator_variants("path", turn)[1][5]).collect();
-        assert_eq!(accelerators.len(), StructureKind::ALL.len() - 1, "{accelerators:?}");
+        assert_eq!(accelerators.len(), AcceleratorKind::ALL.len() - 1, "{accelerators:?}");
     }
 }

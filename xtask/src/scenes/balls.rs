@@ -35,7 +35,7 @@ fn grow(spheres: &mut Vec<Sphere>, centre: DVec3, radius: f64, up: DVec3, genera
 
 #[cfg(test)]
 mod tests {
-    use rt_math::Primitives;
+    use rt_geometry::Primitives;
 
     use super::*;
 

@@ -60,7 +60,7 @@ fn outline(axis: DVec3, corner: u32, turn: f64) -> Vec3 {
 mod tests {
     use std::collections::HashSet;
 
-    use rt_math::Primitives;
+    use rt_geometry::Primitives;
 
     use super::*;
 

@@ -2,8 +2,10 @@
 
 use std::ops::Range;
 
-use rt_geometry::{MeshData, Placed, ShapeHit, Spheres, SurfaceInteraction, SurfaceNeeds, TriangleMesh};
-use rt_math::{Aabb, Hit, Interval, Primitives, Ray};
+use rt_geometry::{
+    Hit, InteractionFlags, MeshData, Primitives, ShapeHit, Spheres, SurfaceInteraction, TransformedShape, TriangleMesh,
+};
+use rt_math::{Aabb, Interval, Ray};
 
 use crate::error::TaskError;
 
@@ -50,19 +52,19 @@ pub(crate) trait Surfaces: Primitives {
 
 impl Surfaces for Spheres {
     fn surface(&self, ray: &Ray, hit: &Hit) -> Option<SurfaceInteraction> {
-        self.surface(ray, hit, SurfaceNeeds::ALL)
+        self.surface(ray, hit, InteractionFlags::ALL)
     }
 }
 
 impl Surfaces for TriangleMesh {
     fn surface(&self, ray: &Ray, hit: &Hit) -> Option<SurfaceInteraction> {
-        self.surface(ray, hit, SurfaceNeeds::ALL)
+        self.surface(ray, hit, InteractionFlags::ALL)
     }
 }
 
 /// Solids of several kinds.
 #[derive(Debug)]
-pub(crate) struct Solids(Vec<Placed>);
+pub(crate) struct Solids(Vec<TransformedShape>);
 
 impl Primitives for Solids {
     fn len(&self) -> usize {
@@ -82,7 +84,7 @@ impl Primitives for Solids {
 impl Surfaces for Solids {
     fn surface(&self, ray: &Ray, hit: &Hit) -> Option<SurfaceInteraction> {
         let solid = self.0.get(hit.primitive as usize)?;
-        Some(solid.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, SurfaceNeeds::ALL))
+        Some(solid.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, InteractionFlags::ALL))
     }
 }
 

@@ -1,8 +1,9 @@
 //! Sets of rays of each kind.
 
-use rt_geometry::SurfaceInteraction;
+use rt_accel::Accelerator;
+use rt_geometry::{NoProbe, SurfaceInteraction};
 use rt_math::{
-    Aabb, Accelerator, DVec3, Interval, NoProbe, Ray,
+    Aabb, DVec3, Interval, Ray,
     random::{hash, unit},
 };
 

@@ -74,7 +74,7 @@ fn subdivide(points: &mut Vec<DVec3>, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use rt_math::Primitives;
+    use rt_geometry::Primitives;
 
     use super::*;
 

@@ -50,7 +50,7 @@ fn stands(data: &mut MeshData, ground: f64) {
 
 #[cfg(test)]
 mod tests {
-    use rt_math::Primitives;
+    use rt_geometry::Primitives;
 
     use super::*;
 

@@ -1,6 +1,6 @@
 //! A tree of branches that fork.
 
-use rt_geometry::{Frustum, Placed, Shape, Sphere};
+use rt_geometry::{Frustum, Shape, Sphere, TransformedShape};
 use rt_math::{DMat3, DVec3, Frame, Transform, transcendental::sincos};
 
 use super::{Scene, Solids, nearest, other};
@@ -44,14 +44,14 @@ impl Branch {
         self.foot + self.frame.z * self.length
     }
 
-    fn solids(&self) -> Result<[Placed; 2], TaskError> {
+    fn solids(&self) -> Result<[TransformedShape; 2], TaskError> {
         let frustum = Frustum::new(self.radius, self.radius * SHRINK, self.length, false).map_err(other)?;
         // A frustum stands along y.
         let axes = DMat3::from_cols(self.frame.y, self.frame.z, self.frame.x);
         let stand = Transform::from_linear(axes, self.foot).map_err(other)?;
         let joint = Sphere::new(self.tip(), self.radius * SHRINK).map_err(other)?;
         let stay = Transform::from_linear(DMat3::IDENTITY, DVec3::ZERO).map_err(other)?;
-        Ok([Placed::new(Shape::Frustum(frustum), stand), Placed::new(Shape::Sphere(joint), stay)])
+        Ok([TransformedShape::new(Shape::Frustum(frustum), stand), TransformedShape::new(Shape::Sphere(joint), stay)])
     }
 
     fn fork(&self, side: f64) -> Self {

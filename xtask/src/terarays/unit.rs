@@ -2,7 +2,7 @@
 
 use std::{path::Path, time::Duration};
 
-use rt_camera::{Film, read_image};
+use rt_image::{Image, read_image};
 use serde::{Deserialize, Serialize};
 
 use super::claim::{SIZE, SPP, TILE_PIXELS, Tile};
@@ -102,7 +102,7 @@ impl Laboratory<'_> {
     }
 
     /// Processor seconds and picture.
-    fn render(&self, tile: Tile, sampler: &str, spp: u32, seed: &str) -> Result<(f64, Film), TaskError> {
+    fn render(&self, tile: Tile, sampler: &str, spp: u32, seed: &str) -> Result<(f64, Image), TaskError> {
         const PICTURE: &str = "tile.pfm";
         let scene = self.scene.to_string_lossy();
         let args = arguments(tile, sampler, spp, seed);
@@ -137,7 +137,7 @@ fn arguments(tile: Tile, sampler: &str, spp: u32, seed: &str) -> Vec<String> {
 }
 
 /// Over all channels of all pixels.
-fn mean_squared_difference(a: &Film, b: &Film) -> f64 {
+fn mean_squared_difference(a: &Image, b: &Image) -> f64 {
     let pairs = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened());
     let squares: f64 = pairs.map(|(&a, &b)| (f64::from(a) - f64::from(b)) * (f64::from(a) - f64::from(b))).sum();
     squares / a.pixels().as_flattened().len() as f64
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn differences_are_squared_and_averaged() {
         let film = |values: [f32; 6]| {
-            let mut film = Film::new(2, 1, false);
+            let mut film = Image::new(2, 1, false);
             film.pixels_mut().as_flattened_mut().copy_from_slice(&values);
             film
         };

@@ -7,13 +7,16 @@ mod validate;
 
 use core::ops::ControlFlow;
 
-use rt_math::{Aabb, Primitives, Probe};
+use rt_geometry::{Primitives, Probe};
+use rt_math::Aabb;
 
 use super::bounds_of;
 use super::walk::{Hierarchy, Step, search, walk};
-use crate::own_boxes::{OwnBoxes, validate_lists};
-use crate::structure::accelerator_by_walk;
-use crate::{BuildError, BuildStats, RayQuery, Refit, RegionQuery, Structure, Violation};
+use crate::own_boxes::{PrimBounds, validate_lists};
+use crate::{
+    AcceleratorQueries, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError,
+    structure::accelerator_by_walk,
+};
 use node::{Known, LazyNode};
 
 /// A [`Bih`](crate::Bih) whose nodes are split when a query first comes to them.
@@ -44,7 +47,7 @@ impl LazyBih {
     ///
     /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
-        let boxes = OwnBoxes::collect(primitives)?;
+        let boxes = PrimBounds::collect(primitives)?;
         let (bounds, primitives) = (bounds_of(&boxes), (boxes.bounded.len() + boxes.unbounded.len()) as u32);
         Ok(Self { bounds, root: LazyNode::waiting(boxes.bounded, bounds, 0), unbounded: boxes.unbounded, primitives })
     }
@@ -97,7 +100,7 @@ impl<'h> Hierarchy<'h> for &'h LazyBih {
     }
 }
 
-impl Structure for LazyBih {
+impl AcceleratorQueries for LazyBih {
     fn walk<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
@@ -138,7 +141,7 @@ impl Structure for LazyBih {
     }
 
     /// As far as it has been split.
-    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         validate_lists(primitives, self.primitives, &self.unbounded)?;
         validate::check(self, primitives)
     }

@@ -8,12 +8,14 @@ mod walk;
 use core::ops::ControlFlow;
 
 use glam::DVec3;
-use rt_math::{Aabb, Primitives, Probe};
+use rt_geometry::{Primitives, Probe};
+use rt_math::Aabb;
 
-use crate::own_boxes::OwnBoxes;
-use crate::structure::accelerator_by_walk;
 use crate::tree::{Child, Place, Tree};
-use crate::{BuildError, BuildStats, RayQuery, Refit, RegionQuery, Structure, Violation};
+use crate::{
+    AcceleratorQueries, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError, own_boxes::PrimBounds,
+    structure::accelerator_by_walk,
+};
 pub use lazy::LazyBih;
 use planes::Planes;
 use walk::{Hierarchy, Step};
@@ -43,7 +45,7 @@ impl Bih {
     ///
     /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
-        let boxes = OwnBoxes::collect(primitives)?;
+        let boxes = PrimBounds::collect(primitives)?;
         let bounds = bounds_of(&boxes);
         Ok(Self { bounds, tree: Tree::grow(boxes, bounds, split::split) })
     }
@@ -77,7 +79,7 @@ impl<'h> Hierarchy<'h> for &'h Bih {
     }
 }
 
-impl Structure for Bih {
+impl AcceleratorQueries for Bih {
     fn walk<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
@@ -99,7 +101,7 @@ impl Structure for Bih {
         self.tree.stats()
     }
 
-    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.tree.validate(primitives, Planes::encloses)?;
         encloses_all(&self.bounds, primitives)
     }
@@ -114,7 +116,7 @@ impl Structure for Bih {
 accelerator_by_walk!(Bih);
 
 /// The box around all; around the origin if there is nothing, so that it can be saved.
-fn bounds_of(boxes: &OwnBoxes) -> Aabb {
+fn bounds_of(boxes: &PrimBounds) -> Aabb {
     if boxes.bounded.is_empty() { Aabb::new(DVec3::ZERO, DVec3::ZERO) } else { boxes.union }
 }
 
@@ -131,10 +133,11 @@ impl Refit for Bih {
 }
 
 /// Checks that a box contains the own boxes of all bounded primitives.
-fn encloses_all<P: Primitives>(bounds: &Aabb, primitives: &P) -> Result<(), Violation> {
-    let reaches_out = |&index: &u32| rt_math::own_box(primitives, index).is_some_and(|own| !bounds.encloses(&own));
+fn encloses_all<P: Primitives>(bounds: &Aabb, primitives: &P) -> Result<(), ValidationError> {
+    let reaches_out =
+        |&index: &u32| rt_geometry::padded_bounds(primitives, index).is_some_and(|own| !bounds.encloses(&own));
     match (0..primitives.len() as u32).find(reaches_out) {
-        Some(primitive) => Err(Violation::Outside { primitive }),
+        Some(primitive) => Err(ValidationError::Outside { primitive }),
         None => Ok(()),
     }
 }

@@ -3,9 +3,8 @@
 use rt_math::Aabb;
 
 use super::planes::Planes;
-use crate::bounded_depth::leaves_room_for_halving;
-use crate::coordinate::Coordinate;
 use crate::tree::{Cut, Item, halve, partition};
+use crate::{bounded_depth::leaves_room_for_halving, coordinate::Coordinate};
 
 /// Most primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 4;

@@ -2,12 +2,11 @@
 
 use core::ops::ControlFlow;
 
-use rt_math::{Aabb, Primitives, Probe};
+use rt_geometry::{Primitives, Probe};
+use rt_math::Aabb;
 
 use super::planes::{Planes, Stretch};
-use crate::bounded_depth::Stack;
-use crate::ray_query::is_finite;
-use crate::{RayQuery, RegionQuery};
+use crate::{RayQuery, RegionQuery, bounded_depth::Stack, ray_query::is_finite};
 
 /// What a way leads to.
 pub(super) enum Step<'h, W> {

@@ -1,7 +1,8 @@
 //! The planes that a primitive suggests.
 
 use glam::DVec3;
-use rt_math::{Aabb, LeafLayout, RoundSphere};
+use rt_geometry::{PrimitiveGeometry, SphereKernel};
+use rt_math::Aabb;
 
 use super::plane::Plane;
 
@@ -14,20 +15,20 @@ pub(super) struct Candidate {
 }
 
 /// Visits all planes that a primitive suggests; some face `neighbour`, the centre of another one.
-pub(super) fn for_each(layout: LeafLayout, own: &Aabb, neighbour: DVec3, mut visit: impl FnMut(Candidate)) {
+pub(super) fn for_each(layout: PrimitiveGeometry, own: &Aabb, neighbour: DVec3, mut visit: impl FnMut(Candidate)) {
     for plane in DVec3::AXES.into_iter().flat_map(|normal| Plane::around(normal, own)) {
         visit(Candidate { plane, is_axial: true });
     }
     let facing = match layout {
-        LeafLayout::Watertight(vertices) => {
+        PrimitiveGeometry::ExactTriangle(vertices) => {
             let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
             normal_of([a, b, c]).map(|normal| (normal, a))
         }
-        LeafLayout::Triangle([a, b, c]) => normal_of([a, b, c]).map(|normal| (normal, a)),
-        LeafLayout::Sphere(centre, _) | LeafLayout::Round(RoundSphere { centre, .. }) => {
+        PrimitiveGeometry::Triangle([a, b, c]) => normal_of([a, b, c]).map(|normal| (normal, a)),
+        PrimitiveGeometry::Sphere(centre, _) | PrimitiveGeometry::ExactSphere(SphereKernel { centre, .. }) => {
             unit(neighbour - centre).map(|normal| (normal, centre))
         }
-        LeafLayout::Box(_) | LeafLayout::Opaque => None,
+        PrimitiveGeometry::Box(_) | PrimitiveGeometry::Opaque => None,
     };
     let Some((normal, point)) = facing else { return };
     let [under, over] = Plane::around(normal, own);
@@ -52,7 +53,7 @@ mod tests {
     use super::*;
     use crate::partition::Cut;
 
-    fn suggested(layout: LeafLayout, own: Aabb, neighbour: DVec3) -> Vec<Candidate> {
+    fn suggested(layout: PrimitiveGeometry, own: Aabb, neighbour: DVec3) -> Vec<Candidate> {
         let mut all = Vec::new();
         for_each(layout, &own, neighbour, |candidate| all.push(candidate));
         all
@@ -63,7 +64,7 @@ mod tests {
         for scale in [1.0, 1e-200, 1e200] {
             let vertices = [DVec3::X, DVec3::Y, DVec3::Z].map(|vertex| vertex * scale);
             let own = Aabb::from_points(vertices).padded();
-            let all = suggested(LeafLayout::Triangle(vertices), own, DVec3::ZERO);
+            let all = suggested(PrimitiveGeometry::Triangle(vertices), own, DVec3::ZERO);
             assert_eq!(all.iter().filter(|candidate| candidate.is_axial).count(), 6);
             let plane = all[7].plane;
             assert!((plane.normal - DVec3::splat(1.0 / 3f64.sqrt())).length() < 1e-15, "{plane:?}");
@@ -79,11 +80,11 @@ mod tests {
         let own = Aabb::new(DVec3::ZERO, DVec3::ONE);
         let sliver = [DVec3::ZERO, DVec3::ONE, DVec3::splat(0.5)];
         for layout in [
-            LeafLayout::Opaque,
-            LeafLayout::Box(own),
-            LeafLayout::Sphere(DVec3::ONE, 1.0),
-            LeafLayout::Triangle(sliver),
-            LeafLayout::Triangle([DVec3::NAN; 3]),
+            PrimitiveGeometry::Opaque,
+            PrimitiveGeometry::Box(own),
+            PrimitiveGeometry::Sphere(DVec3::ONE, 1.0),
+            PrimitiveGeometry::Triangle(sliver),
+            PrimitiveGeometry::Triangle([DVec3::NAN; 3]),
         ] {
             assert_eq!(suggested(layout, own, DVec3::ONE).len(), 6, "{layout:?}");
         }

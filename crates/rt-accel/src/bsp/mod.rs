@@ -4,7 +4,7 @@ mod candidates;
 mod plane;
 mod split;
 
-use rt_math::Primitives;
+use rt_geometry::Primitives;
 
 use crate::BuildError;
 use crate::partition::{Partition, structure_by_partition};
@@ -44,11 +44,12 @@ structure_by_partition!(BspTree);
 mod tests {
     use super::*;
     use crate::partition::{Chooser, Task};
-    use crate::{Ball, Linear, Structure};
+    use crate::{Accelerator, AcceleratorQueries, Ball, Linear};
     use core::ops::ControlFlow;
     use glam::DVec3;
+    use rt_geometry::{Counters, Hit, NoProbe};
     use rt_math::random::{hash, unit};
-    use rt_math::{Aabb, Accelerator, Counters, Hit, Interval, NoProbe, Ray, SlabRay};
+    use rt_math::{Aabb, Interval, Ray, SlabRay};
 
     /// Boxes that a ray enters and leaves.
     struct Chests(Vec<Aabb>);
@@ -129,7 +130,7 @@ mod tests {
             Chests((0..300).map(|i| Aabb::from_points([vector(i, 0), vector(i, 0) + 0.3 * vector(i, 3)])).collect());
         let tree = BspTree(Partition::build(&chests, &Haphazard).expect("boxes"));
         let linear = Linear::build(&chests).expect("boxes");
-        fn found(structure: &impl Structure, chests: &Chests, ball: &Ball) -> Vec<u32> {
+        fn found(structure: &impl AcceleratorQueries, chests: &Chests, ball: &Ball) -> Vec<u32> {
             let mut found = Vec::new();
             structure.visit_overlapping(chests, ball, |index| {
                 found.push(index);

@@ -1,8 +1,9 @@
 //! Where to cut a part of space: the best of some planes, by the surface area heuristic.
 
 use glam::DVec3;
+use rt_geometry::Primitives;
+use rt_math::Aabb;
 use rt_math::random::hash;
-use rt_math::{Aabb, Primitives};
 
 use super::candidates::{self, Candidate};
 use super::plane::Plane;
@@ -49,7 +50,7 @@ impl<P: Primitives> Chooser<Plane> for Sampled<'_, P> {
         for k in 0..ADVISERS.min(count) {
             let (index, own) = adviser(k);
             let neighbour = adviser(k + 1).1.centre();
-            candidates::for_each(self.primitives.leaf_layout(*index), own, neighbour, |candidate| {
+            candidates::for_each(self.primitives.geometry(*index), own, neighbour, |candidate| {
                 search.consider(&candidate)
             });
         }

@@ -11,12 +11,13 @@ mod validate;
 use core::ops::ControlFlow;
 
 use glam::DVec3;
-use rt_math::{Aabb, Primitives, Probe};
+use rt_geometry::{Primitives, Probe};
+use rt_math::Aabb;
 
-use crate::own_boxes::OwnBoxes;
-use crate::ray_query::is_finite;
-use crate::structure::accelerator_by_walk;
-use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
+use crate::{
+    AcceleratorQueries, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError, own_boxes::PrimBounds,
+    ray_query::is_finite, structure::accelerator_by_walk,
+};
 use node::{Child, Node};
 pub(crate) use node::{NodeBox, NodeRay};
 pub(crate) use spatial::Cell;
@@ -66,7 +67,7 @@ impl Bvh {
     ///
     /// As [`build`](Self::build).
     pub fn build_with<P: Primitives>(primitives: &P, method: SplitMethod) -> Result<Self, BuildError> {
-        let OwnBoxes { bounded, unbounded, union } = OwnBoxes::collect(primitives)?;
+        let PrimBounds { bounded, unbounded, union } = PrimBounds::collect(primitives)?;
         if bounded.is_empty() {
             return Ok(Self {
                 nodes: Vec::new(),
@@ -122,7 +123,7 @@ impl Bvh {
     }
 }
 
-impl Structure for Bvh {
+impl AcceleratorQueries for Bvh {
     fn walk<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
@@ -161,7 +162,7 @@ impl Structure for Bvh {
         }
     }
 
-    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.check(primitives)
     }
 

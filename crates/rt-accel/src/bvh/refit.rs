@@ -1,17 +1,17 @@
 //! New boxes for the same tree.
 
-use rt_math::Primitives;
+use rt_geometry::Primitives;
 
 use super::Bvh;
 use super::node::{Child, Node, NodeBox};
-use crate::own_boxes::{OwnBoxes, validate_lists};
+use crate::own_boxes::{PrimBounds, validate_lists};
 use crate::{BuildError, Refit};
 
 impl Refit for Bvh {
     /// A primitive that several leaves list is within each of them from then on.
     fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
         let built = self.bounded + self.unbounded.len() as u32;
-        let OwnBoxes { bounded, union, .. } = OwnBoxes::collect(primitives)?;
+        let PrimBounds { bounded, union, .. } = PrimBounds::collect(primitives)?;
         validate_lists(primitives, built, &self.unbounded).map_err(BuildError::Changed)?;
         self.centre = if bounded.is_empty() { self.centre } else { union.centre() };
         let mut boxes = vec![NodeBox::EMPTY; built as usize];

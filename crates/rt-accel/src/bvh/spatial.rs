@@ -3,7 +3,7 @@
 //! # Why no primitive is lost
 //!
 //! A reference is the part of a primitive's box on one side of every plane that has cut it. Let a ray pass the own box
-//! of a primitive, entering it at `e` as `decide` sees it. Some reference is entered no later than `e`: the whole box
+//! of a primitive, entering it at `e` as `intersect_primitive` sees it. Some reference is entered no later than `e`: the whole box
 //! is (see `node.rs`), and when a plane cuts a reference that is, one of the two parts is. Take a direction in which
 //! the left part comes first. It is entered where the whole was, and left where the whole was left or at `leave(s)`, the
 //! crossing of the plane, whichever is first. If `e ≤ leave(s)`, the ray passes it. Otherwise `e > leave(s) ≥ enter(s)`,

@@ -2,12 +2,12 @@
 
 use core::ops::ControlFlow;
 
-use rt_math::{Aabb, Primitives, Probe};
+use rt_geometry::{Primitives, Probe};
+use rt_math::Aabb;
 
 use super::Bvh;
 use super::node::{Child, NodeRay};
-use crate::bounded_depth::Stack;
-use crate::{RayQuery, RegionQuery};
+use crate::{RayQuery, RegionQuery, bounded_depth::Stack};
 
 impl Bvh {
     pub(super) fn descend<P: Primitives, Q: RayQuery, S: Probe>(

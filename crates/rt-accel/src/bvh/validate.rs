@@ -1,24 +1,23 @@
 //! Checks what the proof of the traversal rests on.
 
 use glam::{DVec3, Vec3A};
-use rt_math::{Aabb, Primitives, own_box};
+use rt_geometry::{Primitives, padded_bounds};
+use rt_math::Aabb;
 
 use super::Bvh;
 use super::node::{Child, NodeBox};
 use super::spatial::Cell;
-use crate::Violation;
-use crate::bounded_depth::MAX_DEPTH;
-use crate::own_boxes::validate_lists;
+use crate::{ValidationError, bounded_depth::MAX_DEPTH, own_boxes::validate_lists};
 
 impl Bvh {
     /// Checks all that can be checked without the primitives: every node has one parent, no leaf is too deep for the
     /// stack of a walk, boxes contain those below, leaves list each reference once, and lists name primitives.
-    pub(super) fn check_shape(&self) -> Result<(), Violation> {
+    pub(super) fn check_shape(&self) -> Result<(), ValidationError> {
         let mut n_listed = 0;
         self.for_each_leaf(|leaf, _| {
             // Leaves follow one another, so that these sums show gaps and repetitions.
             if leaf.first as usize != n_listed {
-                return Err(Violation::Misplaced {
+                return Err(ValidationError::Misplaced {
                     primitive: self.indices.get(n_listed).copied().unwrap_or_default(),
                 });
             }
@@ -28,21 +27,21 @@ impl Bvh {
         let count = u64::from(self.bounded) + self.unbounded.len() as u64;
         let is_named = |&&index: &&u32| u64::from(index) < count;
         if let Some(&primitive) = self.indices.iter().chain(&self.unbounded).find(|index| !is_named(index)) {
-            return Err(Violation::Misplaced { primitive });
+            return Err(ValidationError::Misplaced { primitive });
         }
         if n_listed != self.indices.len() || count > u64::from(u32::MAX) {
-            return Err(Violation::Count { built: self.bounded, given: n_listed });
+            return Err(ValidationError::Count { built: self.bounded, given: n_listed });
         }
         let is_sorted = self.pieces.is_sorted_by(|a, b| a.position < b.position);
         if !is_sorted || self.pieces.last().is_some_and(|piece| piece.position as usize >= self.indices.len()) {
-            return Err(Violation::Count { built: self.indices.len() as u32, given: self.pieces.len() });
+            return Err(ValidationError::Count { built: self.indices.len() as u32, given: self.pieces.len() });
         }
         Ok(())
     }
 
     /// Checks the shape, and that boxes contain what they are around: every bounded primitive is in exactly one leaf
     /// inside of which its own box lies, or in several that each contain its part of a tiling of space.
-    pub(super) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+    pub(super) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.check_shape()?;
         let count = self.bounded as usize + self.unbounded.len();
         validate_lists(primitives, count as u32, &self.unbounded)?;
@@ -53,13 +52,13 @@ impl Bvh {
         self.for_each_leaf(|leaf, bounds| {
             for (position, &primitive) in (leaf.first..).zip(self.leaf(leaf)) {
                 let cell = pieces.next_if(|piece| piece.position == position).map(|piece| piece.cell);
-                let own = own_box(primitives, primitive).ok_or(Violation::Misplaced { primitive })?;
+                let own = padded_bounds(primitives, primitive).ok_or(ValidationError::Misplaced { primitive })?;
                 if !encloses(bounds, &own, &cell.unwrap_or(Cell::EVERYWHERE), self.centre) {
-                    return Err(Violation::Outside { primitive });
+                    return Err(ValidationError::Outside { primitive });
                 }
                 match cell {
                     Some(cell) => cells.push((primitive, cell)),
-                    None if is_placed[primitive as usize] => return Err(Violation::Misplaced { primitive }),
+                    None if is_placed[primitive as usize] => return Err(ValidationError::Misplaced { primitive }),
                     None => is_placed[primitive as usize] = true,
                 }
             }
@@ -69,28 +68,34 @@ impl Bvh {
         for parts in cells.chunk_by(|a, b| a.0 == b.0) {
             let primitive = parts[0].0;
             if is_placed[primitive as usize] || !tile_space(parts.iter().map(|part| part.1).collect()) {
-                return Err(Violation::Misplaced { primitive });
+                return Err(ValidationError::Misplaced { primitive });
             }
             is_placed[primitive as usize] = true;
         }
         match is_placed.iter().position(|placed| !placed) {
-            Some(primitive) => Err(Violation::Misplaced { primitive: primitive as u32 }),
+            Some(primitive) => Err(ValidationError::Misplaced { primitive: primitive as u32 }),
             None => Ok(()),
         }
     }
 
     /// Visits the leaves from left to right, with their boxes, and checks the nodes on the way.
-    fn for_each_leaf(&self, mut visit: impl FnMut(Child, &NodeBox) -> Result<(), Violation>) -> Result<(), Violation> {
+    fn for_each_leaf(
+        &self,
+        mut visit: impl FnMut(Child, &NodeBox) -> Result<(), ValidationError>,
+    ) -> Result<(), ValidationError> {
         let everything = NodeBox { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
         let mut pending = vec![(self.root, everything, 0)];
         let mut n_visited = 0;
         while let Some((child, bounds, depth)) = pending.pop() {
             if depth > MAX_DEPTH {
-                return Err(Violation::Depth { depth });
+                return Err(ValidationError::Depth { depth });
             }
             if child.count > 0 || self.nodes.is_empty() {
                 if (child.first as usize).saturating_add(child.count as usize) > self.indices.len() {
-                    return Err(Violation::Count { built: self.indices.len() as u32, given: child.first as usize });
+                    return Err(ValidationError::Count {
+                        built: self.indices.len() as u32,
+                        given: child.first as usize,
+                    });
                 }
                 visit(child, &bounds)?;
                 continue;
@@ -98,14 +103,14 @@ impl Bvh {
             let number = child.first;
             n_visited += 1;
             let Some(node) = self.nodes.get(number as usize).filter(|_| n_visited <= self.nodes.len()) else {
-                return Err(Violation::Node { node: number });
+                return Err(ValidationError::Node { node: number });
             };
             for side in [1, 0] {
                 let inner = node.child_box(side);
                 // Children come after their parents, which `refit` relies on.
                 let is_ahead = node.children[side].count > 0 || node.children[side].first > number;
                 if inner.union(bounds) != bounds || !is_ahead {
-                    return Err(Violation::Node { node: number });
+                    return Err(ValidationError::Node { node: number });
                 }
                 pending.push((node.children[side], inner, depth + 1));
             }
@@ -162,9 +167,9 @@ fn is_at_most(plane: f32, b: f64, c: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Structure;
-    use crate::bvh::node::Node;
-    use rt_math::{Hit, Interval, Ray};
+    use crate::{AcceleratorQueries, bvh::node::Node};
+    use rt_geometry::Hit;
+    use rt_math::{Interval, Ray};
 
     struct Row;
 
@@ -180,7 +185,7 @@ mod tests {
         }
     }
 
-    fn damaged(damage: impl FnOnce(&mut Bvh)) -> Result<(), Violation> {
+    fn damaged(damage: impl FnOnce(&mut Bvh)) -> Result<(), ValidationError> {
         let mut bvh = Bvh::build(&Row).expect("bounded");
         assert_eq!(bvh.validate(&Row), Ok(()));
         damage(&mut bvh);
@@ -195,18 +200,24 @@ mod tests {
             let smaller = NodeBox { max: left.max - 0.3, ..left };
             *node = Node::new([smaller, right], node.children);
         };
-        assert_eq!(damaged(|bvh| shrunk(bvh, 0)), Err(Violation::Node { node: 1 }), "does not contain its child");
+        assert_eq!(damaged(|bvh| shrunk(bvh, 0)), Err(ValidationError::Node { node: 1 }), "does not contain its child");
         let parent_of_leaf = |bvh: &Bvh| bvh.nodes.iter().position(|node| node.children[0].count > 0).expect("a leaf");
         let verdict = damaged(|bvh| shrunk(bvh, parent_of_leaf(bvh)));
-        assert!(matches!(verdict, Err(Violation::Outside { .. })), "{verdict:?}");
+        assert!(matches!(verdict, Err(ValidationError::Outside { .. })), "{verdict:?}");
         let verdict = damaged(|bvh| bvh.indices[1] = bvh.indices[0]);
-        assert!(matches!(verdict, Err(Violation::Misplaced { .. })), "{verdict:?}");
+        assert!(matches!(verdict, Err(ValidationError::Misplaced { .. })), "{verdict:?}");
         let verdict = damaged(|bvh| bvh.nodes[0].children[0] = Child::leaf(0, 0));
         assert!(verdict.is_err(), "a loop: {verdict:?}");
-        assert_eq!(damaged(|bvh| bvh.nodes[0].children[0] = Child::node(9999)), Err(Violation::Node { node: 9999 }));
+        assert_eq!(
+            damaged(|bvh| bvh.nodes[0].children[0] = Child::node(9999)),
+            Err(ValidationError::Node { node: 9999 })
+        );
         let verdict = damaged(|bvh| bvh.nodes[0].children[1] = Child::leaf(99, 5));
         assert!(verdict.is_err(), "a leaf past the end: {verdict:?}");
-        assert_eq!(damaged(|bvh| bvh.centre.x += 0.01).map_err(|e| matches!(e, Violation::Outside { .. })), Err(true));
+        assert_eq!(
+            damaged(|bvh| bvh.centre.x += 0.01).map_err(|e| matches!(e, ValidationError::Outside { .. })),
+            Err(true)
+        );
     }
 
     #[test]

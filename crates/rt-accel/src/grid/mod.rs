@@ -6,12 +6,14 @@ mod walk;
 
 use core::ops::{ControlFlow, RangeInclusive};
 
-use rt_math::{Aabb, Interval, Primitives, Probe, SlabRay, own_box};
+use rt_geometry::{Primitives, Probe, padded_bounds};
+use rt_math::{Aabb, Interval, SlabRay};
 
-use crate::own_boxes::{OwnBoxes, validate_lists};
-use crate::ray_query::is_finite;
-use crate::structure::accelerator_by_walk;
-use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
+use crate::own_boxes::{PrimBounds, validate_lists};
+use crate::{
+    AcceleratorQueries, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError, ray_query::is_finite,
+    structure::accelerator_by_walk,
+};
 use axis::Axis;
 use resolution::{MAX_CELLS, cubical, suitable_cells};
 use walk::Walk;
@@ -46,7 +48,7 @@ impl UniformGrid {
     ///
     /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
-        let boxes = OwnBoxes::collect(primitives)?;
+        let boxes = PrimBounds::collect(primitives)?;
         let count = boxes.bounded.len();
         let mut cells = suitable_cells(count);
         loop {
@@ -65,13 +67,13 @@ impl UniformGrid {
     ///
     /// As [`build`](Self::build), and [`BuildError::TooMany`] for more than 2²⁶ cells or 2³⁰ references.
     pub fn with_resolution<P: Primitives>(primitives: &P, resolution: [u32; 3]) -> Result<Self, BuildError> {
-        let boxes = OwnBoxes::collect(primitives)?;
+        let boxes = PrimBounds::collect(primitives)?;
         let axes = divide(&boxes.union, resolution);
         Self::fill(boxes, axes)
     }
 
     /// Sorts references by cell, counting first.
-    fn fill(boxes: OwnBoxes, axes: [Axis; 3]) -> Result<Self, BuildError> {
+    fn fill(boxes: PrimBounds, axes: [Axis; 3]) -> Result<Self, BuildError> {
         let cells = axes.iter().fold(1u64, |product, axis| product.saturating_mul(u64::from(axis.cells)));
         for (count, limit) in [(cells, MAX_CELLS), (n_references(&boxes, &axes), MAX_REFERENCES)] {
             if count > limit {
@@ -106,7 +108,7 @@ impl UniformGrid {
 
     /// Checks all that can be checked without the primitives.
     #[cfg(feature = "serde")]
-    fn check_shape(&self) -> Result<(), Violation> {
+    fn check_shape(&self) -> Result<(), ValidationError> {
         let cells = self.axes.iter().try_fold(1u64, |product, axis| product.checked_mul(u64::from(axis.cells)));
         let is_divided = self.axes.iter().all(Axis::is_sound);
         let ends = [self.starts.first(), self.starts.last()].map(|end| end.map(|&end| end as usize));
@@ -115,10 +117,10 @@ impl UniformGrid {
             && self.starts.is_sorted()
             && ends == [Some(0), Some(self.indices.len())];
         if !(is_divided && is_listed) {
-            return Err(Violation::Count { built: self.primitives, given: self.indices.len() });
+            return Err(ValidationError::Count { built: self.primitives, given: self.indices.len() });
         }
         match self.indices.iter().chain(&self.unbounded).find(|&&index| index >= self.primitives) {
-            Some(&primitive) => Err(Violation::Misplaced { primitive }),
+            Some(&primitive) => Err(ValidationError::Misplaced { primitive }),
             None => Ok(()),
         }
     }
@@ -159,7 +161,7 @@ fn divide(bounds: &Aabb, resolution: [u32; 3]) -> [Axis; 3] {
     core::array::from_fn(|axis| Axis::new(bounds.min[axis], bounds.max[axis], resolution[axis]))
 }
 
-fn n_references(boxes: &OwnBoxes, axes: &[Axis; 3]) -> u64 {
+fn n_references(boxes: &PrimBounds, axes: &[Axis; 3]) -> u64 {
     let n_cells = |own: &Aabb| {
         (0..3)
             .map(|axis| axes[axis].insertion_range(own.min[axis], own.max[axis]))
@@ -186,7 +188,7 @@ fn for_each_in(axes: &[Axis; 3], ranges: [RangeInclusive<u32>; 3], mut visit: im
     }
 }
 
-impl Structure for UniformGrid {
+impl AcceleratorQueries for UniformGrid {
     fn walk<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
@@ -254,12 +256,12 @@ impl Structure for UniformGrid {
     }
 
     /// Each bounded primitive lies within the grid and is listed in every cell that its own box touches.
-    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         validate_lists(primitives, self.primitives, &self.unbounded)?;
         for primitive in 0..self.primitives {
-            let Some(own) = own_box(primitives, primitive) else { continue };
+            let Some(own) = padded_bounds(primitives, primitive) else { continue };
             if !self.bounds.encloses(&own) {
-                return Err(Violation::Outside { primitive });
+                return Err(ValidationError::Outside { primitive });
             }
             let [x, y, z] = core::array::from_fn(|axis| self.axes[axis].touched_range(own.min[axis], own.max[axis]));
             let mut is_listed = true;
@@ -267,7 +269,7 @@ impl Structure for UniformGrid {
                 is_listed &= self.list(cell).binary_search(&primitive).is_ok()
             });
             if !is_listed {
-                return Err(Violation::Misplaced { primitive });
+                return Err(ValidationError::Misplaced { primitive });
             }
         }
         Ok(())

@@ -25,7 +25,7 @@
 //! All answer alike, to the last bit, so that a choice can be changed at any time without changing a picture:
 //!
 //! ```
-//! use rt_accel::{Aabb, Accelerator, AnyStructure, Boxes, DVec3, Interval, NoProbe, Ray, StructureKind, brute_force};
+//! use rt_accel::{Aabb, Accelerator, AnyAccelerator, Boxes, DVec3, Interval, NoProbe, Ray, AcceleratorKind, brute_force};
 //!
 //! let boxes: Vec<Aabb> = (0..100)
 //!     .map(|i| DVec3::new(f64::from(i % 10), f64::from(i / 10), f64::from(i % 7)))
@@ -34,13 +34,13 @@
 //! let boxes = Boxes(&boxes);
 //! let ray = Ray::new(DVec3::new(-1.0, 0.3, 0.2), DVec3::new(1.0, 0.2, 0.1));
 //! let expected = brute_force::closest(&boxes, &ray, Interval::FORWARD, &mut NoProbe);
-//! for kind in StructureKind::ALL {
-//!     let structure = AnyStructure::build(*kind, &boxes)?;
+//! for kind in AcceleratorKind::ALL {
+//!     let structure = AnyAccelerator::build(*kind, &boxes)?;
 //!     assert_eq!(structure.closest(&boxes, &ray, Interval::FORWARD, &mut NoProbe), expected);
 //! }
 //! # Ok::<(), rt_accel::BuildError>(())
 //! ```
 //!
-//! [`AnyStructure`](crate::AnyStructure) chooses while the program runs, for one `match` in each query. Measure with your
+//! [`AnyAccelerator`](crate::AnyAccelerator) chooses while the program runs, for one `match` in each query. Measure with your
 //! own primitives: [`Counters`](crate::Counters) count nodes and tests, and
-//! [`build_stats`](crate::Structure::build_stats) tells what was built.
+//! [`build_stats`](crate::AcceleratorQueries::build_stats) tells what was built.

@@ -37,7 +37,7 @@
 //! For each primitive there is an *own box*: its bounds, a little widened. A ray hits the primitive if the slab test
 //! lets it pass that box **and** the kernel reports a hit; the parameter of the hit is not less than that of the entry
 //! into the box. The winner is the least (t, instance, index). [`brute_force`](crate::brute_force) does just
-//! this, in [`decide`](rt_math::decide), one primitive after the other.
+//! this, in [`intersect_primitive`](rt_math::decide), one primitive after the other.
 //!
 //! Any structure answers the same, to the last bit, if it
 //!

@@ -14,7 +14,7 @@
 //! pages of memory where the system has them.
 //!
 //! **Walk**: sort what is entered, go to the nearest and put the others off. Leaves hold copies of plain numbers,
-//! [`LeafLayout`](crate::LeafLayout): eight triangles, spheres or boxes are tested at a time as well. The answer is one of
+//! [`PrimitiveGeometry`](crate::PrimitiveGeometry): eight triangles, spheres or boxes are tested at a time as well. The answer is one of
 //! three: missed for certain, hit for certain, or in doubt. What is hit for certain ends the search for shadows at once,
 //! and otherwise bounds where the first hit can be; the rest is decided in `f64`, about once for a ray. Where at most a quarter
 //! of all primitives are something else, leaves are of spheres, with balls around the others.
@@ -23,11 +23,11 @@
 //! steepest component of the first one: each box, and each triangle or sphere, is then tested with all eight. Where one or
 //! two are left, each goes on alone. In trees of 256 spheres and more up to 64 rays that pass boxes through the same sides
 //! are looked at together first: what none of them can meet, none of their packets is asked about. Whether and where a packet meets spheres that are
-//! [`LeafLayout::Round`](crate::LeafLayout::Round) is decided for all its rays side by side as well, and where
+//! [`PrimitiveGeometry::ExactSphere`](crate::PrimitiveGeometry::Round) is decided for all its rays side by side as well, and where
 //! triangles are hit for certain, for those that hit the same one. Rays that do not agree
 //! go side by side through trees of more than 8 MiB: sixteen are under way, and while one waits for its next node, others go
 //! on. Three to seven rays at the end of a batch share a packet as well. A primitive that is a structure itself
-//! ([`BatchKernel::Structure`](crate::BatchKernel::Structure)), an instance, is asked for all rays of a packet together that may meet it, if
+//! ([`BatchKernel::Instance`](crate::BatchKernel::Instance)), an instance, is asked for all rays of a packet together that may meet it, if
 //! these are more than two. Put rays that go the same way next to each other.
 //!
 //! **Why it equals brute force**: the `f32` arithmetic errs outwards. A box is entered no later and left no earlier than

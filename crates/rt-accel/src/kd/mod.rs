@@ -3,7 +3,7 @@
 mod plane;
 mod split;
 
-use rt_math::Primitives;
+use rt_geometry::Primitives;
 
 use crate::BuildError;
 use crate::partition::{Partition, structure_by_partition};

@@ -1,12 +1,11 @@
 //! Grows a tree from the root down, on one thread or on several, with the same result.
 
 use glam::DVec3;
-use rt_math::{Aabb, Primitives};
+use rt_geometry::Primitives;
+use rt_math::Aabb;
 
 use super::{Cut, Node, Partition};
-use crate::BuildError;
-use crate::bounded_depth::MAX_DEPTH;
-use crate::own_boxes::OwnBoxes;
+use crate::{BuildError, bounded_depth::MAX_DEPTH, own_boxes::PrimBounds};
 
 /// Sets below this size are not worth another task.
 const MIN_FORKED: usize = 4096;
@@ -38,7 +37,7 @@ pub(crate) struct Task<C> {
 }
 
 impl<C: Cut> Task<C> {
-    fn whole(boxes: &OwnBoxes) -> Self {
+    fn whole(boxes: &PrimBounds) -> Self {
         let count = boxes.bounded.len() as u64;
         let budget = (MOST_PER_PRIMITIVE * count + MOST_BESIDES).min(MOST).max(count);
         Self { items: (0..count as u32).collect(), cell: boxes.union, walls: Vec::new(), depth: 0, path: 1, budget }
@@ -105,7 +104,7 @@ impl<C: Cut> Partition<C> {
         chooser: &impl Chooser<C>,
         fork_from: usize,
     ) -> Result<Self, BuildError> {
-        let boxes = OwnBoxes::collect(primitives)?;
+        let boxes = PrimBounds::collect(primitives)?;
         let count = boxes.bounded.len();
         if count as u64 > MOST {
             return Err(BuildError::TooMany { count: count as u64, limit: MOST });
@@ -202,9 +201,10 @@ impl<C> Subtree<C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BspTree, KdTree, Structure};
+    use crate::{AcceleratorQueries, BspTree, KdTree};
+    use rt_geometry::Hit;
     use rt_math::random::{hash, unit};
-    use rt_math::{Hit, Interval, Ray};
+    use rt_math::{Interval, Ray};
 
     /// Boxes of many sizes that overlap much.
     struct Heap(Vec<Aabb>);
@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn budgets_of_parts_add_up() {
         let heap = heap(1000, 0.1);
-        let boxes = OwnBoxes::collect(&heap).expect("boxes");
+        let boxes = PrimBounds::collect(&heap).expect("boxes");
         let whole = Task::whole(&boxes);
         let (budget, cell) = (whole.budget, whole.cell);
         let cut = crate::kd::SurfaceArea.choose(&boxes.bounded, &whole).expect("a cut");

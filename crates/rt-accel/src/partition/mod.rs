@@ -72,11 +72,11 @@ impl<C: Cut> Partition<C> {
     }
 }
 
-/// Makes a [`Structure`](crate::Structure) of a type with one unnamed field, a partition.
+/// Makes a [`AcceleratorQueries`](crate::AcceleratorQueries) of a type with one unnamed field, a partition.
 macro_rules! structure_by_partition {
     ($structure:ty) => {
-        impl $crate::Structure for $structure {
-            fn walk<P: rt_math::Primitives, Q: $crate::RayQuery, S: rt_math::Probe>(
+        impl $crate::AcceleratorQueries for $structure {
+            fn walk<P: rt_geometry::Primitives, Q: $crate::RayQuery, S: rt_geometry::Probe>(
                 &self,
                 primitives: &P,
                 query: &mut Q,
@@ -99,7 +99,7 @@ macro_rules! structure_by_partition {
 
             /// Every bounded primitive is listed in all leaves that its own box touches, the leaves are those of a
             /// tree, and none is too deep for the stack of a walk.
-            fn validate<P: rt_math::Primitives>(&self, primitives: &P) -> Result<(), $crate::Violation> {
+            fn validate<P: rt_geometry::Primitives>(&self, primitives: &P) -> Result<(), $crate::ValidationError> {
                 self.0.validate(primitives)
             }
 

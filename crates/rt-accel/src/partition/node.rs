@@ -1,7 +1,6 @@
 //! Nodes in depth-first order.
 
-use crate::Violation;
-use crate::bounded_depth::MAX_DEPTH;
+use crate::{ValidationError, bounded_depth::MAX_DEPTH};
 
 /// A part of space. What lies below the cut of a node is the next node.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,18 +21,18 @@ pub(crate) enum Node<C> {
 ///
 /// # Errors
 /// The first node that is not where it should be, or too deep.
-pub(crate) fn check_order<C>(nodes: &[Node<C>], n_references: usize) -> Result<(), Violation> {
+pub(crate) fn check_order<C>(nodes: &[Node<C>], n_references: usize) -> Result<(), ValidationError> {
     // Nodes that are yet to come, the next one last, with their depths.
     let mut expected = vec![(0, 0)];
     let mut next_first = 0;
     for (number, node) in (0..).zip(nodes) {
-        let misplaced = Violation::Node { node: number };
+        let misplaced = ValidationError::Node { node: number };
         let depth = match expected.pop() {
             Some((promised, depth)) if promised == number => depth,
             _ => return Err(misplaced),
         };
         match *node {
-            Node::Split { .. } if depth == MAX_DEPTH => return Err(Violation::Depth { depth: depth + 1 }),
+            Node::Split { .. } if depth == MAX_DEPTH => return Err(ValidationError::Depth { depth: depth + 1 }),
             Node::Split { above, .. } => expected.extend([(above, depth + 1), (number + 1, depth + 1)]),
             Node::Leaf { first, count } => {
                 if first != next_first {
@@ -44,8 +43,8 @@ pub(crate) fn check_order<C>(nodes: &[Node<C>], n_references: usize) -> Result<(
         }
     }
     match expected.pop() {
-        Some((missing, _)) => Err(Violation::Node { node: missing }),
-        None if next_first as usize != n_references => Err(Violation::Node { node: nodes.len() as u32 - 1 }),
+        Some((missing, _)) => Err(ValidationError::Node { node: missing }),
+        None if next_first as usize != n_references => Err(ValidationError::Node { node: nodes.len() as u32 - 1 }),
         None => Ok(()),
     }
 }
@@ -68,7 +67,7 @@ mod tests {
         assert_eq!(check_order(&good, 3), Ok(()));
         assert_eq!(check_order(&[leaf(0, 0)], 0), Ok(()));
         let verdict = |nodes: &[Node<()>]| check_order(nodes, 3);
-        let at = |node| Err(Violation::Node { node });
+        let at = |node| Err(ValidationError::Node { node });
         assert_eq!(verdict(&[]), at(0));
         assert_eq!(verdict(&good[..4]), at(4), "cut short");
         assert_eq!(verdict(&[good[0], good[1], good[2], good[3], good[4], leaf(3, 0)]), at(5), "left over");
@@ -87,6 +86,6 @@ mod tests {
             splits.chain((0..=depth).map(|_| leaf(0, 0))).collect::<Vec<_>>()
         };
         assert_eq!(check_order(&comb(60), 0), Ok(()));
-        assert_eq!(check_order(&comb(61), 0), Err(Violation::Depth { depth: 61 }));
+        assert_eq!(check_order(&comb(61), 0), Err(ValidationError::Depth { depth: 61 }));
     }
 }

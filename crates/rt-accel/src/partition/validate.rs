@@ -1,20 +1,19 @@
 //! Checks what the proof of the walks rests on.
 
-use rt_math::{Primitives, own_box};
+use rt_geometry::{Primitives, padded_bounds};
 
 use super::node::check_order;
 use super::{Cut, Node, Partition};
-use crate::Violation;
-use crate::own_boxes::validate_lists;
+use crate::{ValidationError, own_boxes::validate_lists};
 
 impl<C: Cut> Partition<C> {
-    pub(crate) fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+    pub(crate) fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.check()?;
         validate_lists(primitives, self.primitives, &self.unbounded)?;
         for primitive in 0..self.primitives {
-            let Some(own) = own_box(primitives, primitive) else { continue };
+            let Some(own) = padded_bounds(primitives, primitive) else { continue };
             if !self.bounds.encloses(&own) {
-                return Err(Violation::Outside { primitive });
+                return Err(ValidationError::Outside { primitive });
             }
             let mut pending = vec![0];
             while let Some(number) = pending.pop() {
@@ -25,7 +24,7 @@ impl<C: Cut> Partition<C> {
                     }
                     Node::Leaf { first, count } => {
                         if self.leaf(first, count).binary_search(&primitive).is_err() {
-                            return Err(Violation::Misplaced { primitive });
+                            return Err(ValidationError::Misplaced { primitive });
                         }
                     }
                 }
@@ -36,17 +35,17 @@ impl<C: Cut> Partition<C> {
 
     /// Checks all that can be checked without the primitives: enough for walks to end, and to ask for no primitive
     /// that was not there.
-    pub(crate) fn check(&self) -> Result<(), Violation> {
+    pub(crate) fn check(&self) -> Result<(), ValidationError> {
         check_order(&self.nodes, self.indices.len())?;
         for (number, node) in (0..).zip(&self.nodes) {
             if let Node::Split { cut, .. } = node
                 && !cut.is_sound()
             {
-                return Err(Violation::Node { node: number });
+                return Err(ValidationError::Node { node: number });
             }
         }
         match self.indices.iter().chain(&self.unbounded).find(|&&index| index >= self.primitives) {
-            Some(&primitive) => Err(Violation::Misplaced { primitive }),
+            Some(&primitive) => Err(ValidationError::Misplaced { primitive }),
             None => Ok(()),
         }
     }
@@ -77,10 +76,10 @@ mod saved {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounded_depth::MAX_DEPTH;
-    use crate::{BspTree, KdTree};
+    use crate::{BspTree, KdTree, bounded_depth::MAX_DEPTH};
     use glam::DVec3;
-    use rt_math::{Aabb, Hit, Interval, Ray};
+    use rt_geometry::Hit;
+    use rt_math::{Aabb, Interval, Ray};
 
     /// Boxes in a row, 0.5 wide and 1 apart.
     struct Row;
@@ -104,7 +103,7 @@ mod tests {
             damage(&mut tree);
             tree.validate(&Row)
         };
-        let is_misplaced = |verdict| matches!(verdict, Err(Violation::Misplaced { .. }));
+        let is_misplaced = |verdict| matches!(verdict, Err(ValidationError::Misplaced { .. }));
         let root = |tree: &mut Partition<C>, number: u32| match &mut tree.nodes[0] {
             Node::Split { above, .. } => *above = number,
             Node::Leaf { .. } => panic!("a leaf of all"),
@@ -112,12 +111,15 @@ mod tests {
         assert!(is_misplaced(verdict(&|tree| tree.indices[1] = tree.indices[0])), "one is listed twice");
         assert!(is_misplaced(verdict(&|tree| tree.indices[0] = 100)), "one that is not there");
         assert!(is_misplaced(verdict(&|tree| tree.unbounded.push(3))), "one that is bounded");
-        assert!(matches!(verdict(&|tree| root(tree, 0)), Err(Violation::Node { .. })), "a loop");
-        assert!(matches!(verdict(&|tree| root(tree, 9999)), Err(Violation::Node { .. })), "a node that is not there");
+        assert!(matches!(verdict(&|tree| root(tree, 0)), Err(ValidationError::Node { .. })), "a loop");
+        assert!(
+            matches!(verdict(&|tree| root(tree, 9999)), Err(ValidationError::Node { .. })),
+            "a node that is not there"
+        );
         assert!(verdict(&|tree| _ = tree.nodes.pop()).is_err(), "a node lost");
         assert!(verdict(&|tree| _ = tree.indices.pop()).is_err(), "a reference lost");
-        assert_eq!(verdict(&|tree| tree.primitives = 99), Err(Violation::Misplaced { primitive: 99 }));
-        assert_eq!(verdict(&|tree| tree.bounds.max.x -= 1.0), Err(Violation::Outside { primitive: 99 }));
+        assert_eq!(verdict(&|tree| tree.primitives = 99), Err(ValidationError::Misplaced { primitive: 99 }));
+        assert_eq!(verdict(&|tree| tree.bounds.max.x -= 1.0), Err(ValidationError::Outside { primitive: 99 }));
         let comb = |tree: &mut Partition<C>| {
             let Node::Split { cut, .. } = tree.nodes[0] else { return };
             let depth = MAX_DEPTH + 1;
@@ -125,7 +127,7 @@ mod tests {
             tree.nodes.extend((0..=depth).map(|_| Node::Leaf { first: 0, count: 0 }));
             tree.indices.clear();
         };
-        assert_eq!(verdict(&comb), Err(Violation::Depth { depth: MAX_DEPTH + 1 }));
+        assert_eq!(verdict(&comb), Err(ValidationError::Depth { depth: MAX_DEPTH + 1 }));
         // Two leaves of different primitives, exchanged.
         let exchanged = verdict(&|tree| {
             let last = tree.indices.len() - 1;
@@ -145,17 +147,17 @@ mod tests {
         let mut tree = KdTree::build(&Row).expect("boxes").0;
         let Node::Split { cut, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
         cut.position = f64::NAN;
-        assert_eq!(tree.validate(&Row), Err(Violation::Node { node: 0 }));
+        assert_eq!(tree.validate(&Row), Err(ValidationError::Node { node: 0 }));
         let mut tree = BspTree::build(&Row).expect("boxes").0;
         let Node::Split { cut, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
         cut.normal *= 2.0;
-        assert_eq!(tree.validate(&Row), Err(Violation::Node { node: 0 }));
+        assert_eq!(tree.validate(&Row), Err(ValidationError::Node { node: 0 }));
     }
 
     #[cfg(feature = "serde")]
     #[test]
     fn what_is_loaded_is_what_was_saved_or_refused() {
-        use rt_math::Primitives;
+        use rt_geometry::Primitives;
         struct Nothing;
         impl Primitives for Nothing {
             fn len(&self) -> usize {

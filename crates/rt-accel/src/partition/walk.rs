@@ -3,12 +3,11 @@
 use core::ops::ControlFlow;
 
 use glam::DVec3;
-use rt_math::{Interval, Primitives, Probe};
+use rt_geometry::{Primitives, Probe};
+use rt_math::Interval;
 
 use super::{Cut, Node, Partition};
-use crate::bounded_depth::Stack;
-use crate::ray_query::is_finite;
-use crate::{RayQuery, RegionQuery};
+use crate::{RayQuery, RegionQuery, bounded_depth::Stack, ray_query::is_finite};
 
 impl<C: Cut> Partition<C> {
     pub(crate) fn walk<P: Primitives, Q: RayQuery, S: Probe>(

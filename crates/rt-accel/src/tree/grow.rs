@@ -6,7 +6,7 @@ use core::ops::Range;
 use rt_math::Aabb;
 
 use super::{Child, Item, Node, Tree};
-use crate::own_boxes::OwnBoxes;
+use crate::own_boxes::PrimBounds;
 
 /// Two halves of a set of items: the first `middle` of them, and the others.
 pub(crate) struct Cut<C, T> {
@@ -30,7 +30,7 @@ impl<C> Tree<C> {
     /// Grows the tree over all boxes. `split` reorders some items and cuts them in two, or returns `None` where they
     /// should be a leaf; it is given what the cut above knew about them and their depth.
     pub(crate) fn grow<T>(
-        boxes: OwnBoxes,
+        boxes: PrimBounds,
         knowledge: T,
         split: impl Fn(&mut [Item], &T, u32) -> Option<Cut<C, T>>,
     ) -> Self {

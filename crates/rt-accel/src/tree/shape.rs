@@ -2,12 +2,12 @@
 
 use core::ops::Range;
 
-use rt_math::{Aabb, Primitives, own_box};
+use rt_geometry::{Primitives, padded_bounds};
+use rt_math::Aabb;
 
 use super::{Child, Tree};
-use crate::bounded_depth::MAX_DEPTH;
-use crate::own_boxes::{OwnBoxes, validate_lists};
-use crate::{BuildError, BuildStats, Violation};
+use crate::own_boxes::{PrimBounds, validate_lists};
+use crate::{BuildError, BuildStats, ValidationError, bounded_depth::MAX_DEPTH};
 
 /// Where in the list of indices the primitives below each node are.
 pub(crate) struct Runs(Vec<Range<usize>>);
@@ -64,16 +64,16 @@ impl<C> Tree<C> {
     }
 
     /// Checks that the tree is as a builder makes it: nodes and leaves in order, none too deep, each primitive once.
-    pub(crate) fn check_shape(&self) -> Result<(), Violation> {
+    pub(crate) fn check_shape(&self) -> Result<(), ValidationError> {
         let (mut n_nodes, mut n_placed) = (0, 0);
         let mut pending = vec![(self.root, 0, 0)];
         while let Some((child, depth, parent)) = pending.pop() {
             if depth > MAX_DEPTH {
-                return Err(Violation::Depth { depth });
+                return Err(ValidationError::Depth { depth });
             }
             let expected = if child.count == 0 { n_nodes } else { n_placed };
             if child.first as usize != expected {
-                return Err(Violation::Node { node: parent });
+                return Err(ValidationError::Node { node: parent });
             }
             if child.count > 0 {
                 n_placed += child.count as usize;
@@ -81,22 +81,22 @@ impl<C> Tree<C> {
                 n_nodes += 1;
                 pending.extend([1, 0].map(|side| (node.children[side], depth + 1, child.first)));
             } else if !self.indices.is_empty() || depth > 0 {
-                return Err(Violation::Node { node: child.first });
+                return Err(ValidationError::Node { node: child.first });
             }
         }
         if n_nodes != self.nodes.len() || n_placed != self.indices.len() {
-            return Err(Violation::Node { node: n_nodes as u32 });
+            return Err(ValidationError::Node { node: n_nodes as u32 });
         }
         self.check_indices()
     }
 
     /// Checks that the lists number all primitives, and each of them once.
-    fn check_indices(&self) -> Result<(), Violation> {
+    fn check_indices(&self) -> Result<(), ValidationError> {
         let mut is_listed = vec![false; self.indices.len() + self.unbounded.len()];
         for &primitive in self.indices.iter().chain(&self.unbounded) {
             match is_listed.get_mut(primitive as usize) {
                 Some(listed) if !*listed => *listed = true,
-                _ => return Err(Violation::Misplaced { primitive }),
+                _ => return Err(ValidationError::Misplaced { primitive }),
             }
         }
         Ok(())
@@ -108,17 +108,18 @@ impl<C> Tree<C> {
         &self,
         primitives: &P,
         encloses: impl Fn(&C, usize, &Aabb) -> bool,
-    ) -> Result<(), Violation> {
+    ) -> Result<(), ValidationError> {
         self.check_shape()?;
         validate_lists(primitives, self.primitives(), &self.unbounded)?;
-        let own = |&primitive: &u32| own_box(primitives, primitive).ok_or(Violation::Misplaced { primitive });
+        let own =
+            |&primitive: &u32| padded_bounds(primitives, primitive).ok_or(ValidationError::Misplaced { primitive });
         let boxes = self.indices.iter().map(own).collect::<Result<Vec<_>, _>>()?;
         let runs = self.runs();
         for node in &self.nodes {
             for side in 0..2 {
                 let run = runs.below(node.children[side]);
                 if let Some(outside) = run.clone().find(|&place| !encloses(&node.content, side, &boxes[place])) {
-                    return Err(Violation::Outside { primitive: self.indices[outside] });
+                    return Err(ValidationError::Outside { primitive: self.indices[outside] });
                 }
             }
         }
@@ -130,8 +131,8 @@ impl<C> Tree<C> {
         &mut self,
         primitives: &P,
         fit: impl Fn(&C, [&[Aabb]; 2]) -> C,
-    ) -> Result<OwnBoxes, BuildError> {
-        let boxes = OwnBoxes::collect(primitives)?;
+    ) -> Result<PrimBounds, BuildError> {
+        let boxes = PrimBounds::collect(primitives)?;
         validate_lists(primitives, self.primitives(), &self.unbounded).map_err(BuildError::Changed)?;
         let mut by_index = vec![Aabb::EMPTY; self.primitives() as usize];
         for &(index, own) in &boxes.bounded {
@@ -149,10 +150,10 @@ impl<C> Tree<C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tree::Node;
-    use crate::{Bih, Structure};
+    use crate::{AcceleratorQueries, Bih, tree::Node};
     use glam::DVec3;
-    use rt_math::{Hit, Interval, Ray};
+    use rt_geometry::Hit;
+    use rt_math::{Interval, Ray};
 
     struct Row(f64);
 
@@ -172,7 +173,7 @@ mod tests {
     /// Halves down to four, and keeps the box around each side.
     fn tree() -> Tree<[Aabb; 2]> {
         let union = |items: &[crate::tree::Item]| items.iter().fold(Aabb::EMPTY, |all, (_, own)| all.union(*own));
-        let boxes = OwnBoxes::collect(&Row(0.5)).expect("boxes");
+        let boxes = PrimBounds::collect(&Row(0.5)).expect("boxes");
         Tree::grow(boxes, (), |items, (), _| {
             let middle = items.len() / 2;
             let content = [union(&items[..middle]), union(&items[middle..])];
@@ -180,11 +181,11 @@ mod tests {
         })
     }
 
-    fn verdict(tree: &Tree<[Aabb; 2]>, row: &Row) -> Result<(), Violation> {
+    fn verdict(tree: &Tree<[Aabb; 2]>, row: &Row) -> Result<(), ValidationError> {
         tree.validate(row, |boxes, side, own| boxes[side].encloses(own))
     }
 
-    fn damaged(damage: impl FnOnce(&mut Tree<[Aabb; 2]>)) -> Result<(), Violation> {
+    fn damaged(damage: impl FnOnce(&mut Tree<[Aabb; 2]>)) -> Result<(), ValidationError> {
         let mut tree = tree();
         assert_eq!(verdict(&tree, &Row(0.5)), Ok(()));
         damage(&mut tree);
@@ -194,12 +195,12 @@ mod tests {
     #[test]
     fn damage_is_found() {
         let reaches_out = damaged(|tree| tree.nodes[0].content[1].max.x -= 0.1);
-        assert_eq!(reaches_out, Err(Violation::Outside { primitive: 99 }));
-        assert_eq!(damaged(|tree| tree.indices[1] = 0), Err(Violation::Misplaced { primitive: 0 }));
-        assert_eq!(damaged(|tree| tree.indices[1] = 4000), Err(Violation::Misplaced { primitive: 4000 }));
-        let fewer = Violation::Count { built: 100, given: 101 };
+        assert_eq!(reaches_out, Err(ValidationError::Outside { primitive: 99 }));
+        assert_eq!(damaged(|tree| tree.indices[1] = 0), Err(ValidationError::Misplaced { primitive: 0 }));
+        assert_eq!(damaged(|tree| tree.indices[1] = 4000), Err(ValidationError::Misplaced { primitive: 4000 }));
+        let fewer = ValidationError::Count { built: 100, given: 101 };
         assert_eq!(damaged(|tree| tree.unbounded.clear()), Err(fewer));
-        let is_node = |verdict: Result<(), Violation>| matches!(verdict, Err(Violation::Node { .. }));
+        let is_node = |verdict: Result<(), ValidationError>| matches!(verdict, Err(ValidationError::Node { .. }));
         assert!(is_node(damaged(|tree| tree.nodes[0].children[0] = Child::node(0))), "a loop");
         assert!(is_node(damaged(|tree| tree.nodes[0].children[1] = Child::node(9999))), "a node past the end");
         assert!(is_node(damaged(|tree| tree.nodes[0].children.swap(0, 1))), "out of order");
@@ -221,13 +222,13 @@ mod tests {
                 Node { content: boxes, children: [Child::leaf(i, 1), right] }
             })
             .collect();
-        assert_eq!(verdict(&tree, &Row(0.5)), Err(Violation::Depth { depth: 61 }));
+        assert_eq!(verdict(&tree, &Row(0.5)), Err(ValidationError::Depth { depth: 61 }));
     }
 
     #[test]
     fn other_primitives_are_noticed_and_fitted_to() {
         let mut tree = tree();
-        assert!(matches!(verdict(&tree, &Row(0.6)), Err(Violation::Outside { .. })));
+        assert!(matches!(verdict(&tree, &Row(0.6)), Err(ValidationError::Outside { .. })));
         let union = |boxes: &[Aabb]| boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
         assert!(tree.refit(&Row(0.6), |_, sides| sides.map(union)).is_ok());
         assert_eq!(verdict(&tree, &Row(0.6)), Ok(()));

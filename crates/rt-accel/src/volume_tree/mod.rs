@@ -9,13 +9,13 @@ mod walk;
 
 use core::ops::ControlFlow;
 
-use rt_math::{Aabb, Primitives, Probe};
+use rt_geometry::{Primitives, Probe};
+use rt_math::Aabb;
 
-use crate::own_boxes::OwnBoxes;
-use crate::ray_query::is_finite;
-use crate::structure::accelerator_by_walk;
-use crate::tree::Tree;
-use crate::{BuildError, BuildStats, RayQuery, Refit, RegionQuery, Structure, Violation};
+use crate::{
+    AcceleratorQueries, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError, own_boxes::PrimBounds,
+    ray_query::is_finite, structure::accelerator_by_walk, tree::Tree,
+};
 pub use cylinder::BoundingCylinder;
 pub use sphere::BoundingSphere;
 pub use volume::BoundingVolume;
@@ -48,7 +48,7 @@ impl<V: BoundingVolume> VolumeTree<V> {
     ///
     /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
-        let boxes = OwnBoxes::collect(primitives)?;
+        let boxes = PrimBounds::collect(primitives)?;
         let measure = split::around::<V>(&boxes.bounded).measure();
         Ok(Self { tree: Tree::grow(boxes, measure, split::split) })
     }
@@ -67,7 +67,7 @@ impl<V: BoundingVolume> VolumeTree<V> {
     }
 }
 
-impl<V: BoundingVolume> Structure for VolumeTree<V> {
+impl<V: BoundingVolume> AcceleratorQueries for VolumeTree<V> {
     fn walk<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
@@ -95,7 +95,7 @@ impl<V: BoundingVolume> Structure for VolumeTree<V> {
         self.tree.stats()
     }
 
-    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.tree.validate(primitives, |volumes, side, own| volumes[side].encloses(own))
     }
 

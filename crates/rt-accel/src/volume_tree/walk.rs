@@ -2,13 +2,12 @@
 
 use core::ops::ControlFlow;
 
-use rt_math::{Aabb, Primitives, Probe};
+use rt_geometry::{Primitives, Probe};
+use rt_math::Aabb;
 
 use super::VolumeTree;
 use super::volume::BoundingVolume;
-use crate::bounded_depth::Stack;
-use crate::tree::Place;
-use crate::{RayQuery, RegionQuery};
+use crate::{RayQuery, RegionQuery, bounded_depth::Stack, tree::Place};
 
 /// The side to go to first, if there is any: the one with the lesser number.
 #[inline(always)]

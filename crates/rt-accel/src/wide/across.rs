@@ -1,6 +1,7 @@
 //! Eight rays side by side, a lane each.
 
-use rt_math::{DVec3, Interval, OWN_BOX_PAD, Ray, ShearedRay};
+use rt_geometry::WatertightRay;
+use rt_math::{BOUNDS_PADDING, DVec3, Interval, Ray};
 
 use super::WideBvh;
 use super::node::Row;
@@ -162,7 +163,7 @@ pub(super) struct SpanLanes<S: Simd> {
 }
 
 /// By how much, relative to their greatest coordinates, boxes are widened that lie within own boxes.
-pub(super) const INNER_PAD: f64 = 0.5 * OWN_BOX_PAD;
+pub(super) const INNER_PAD: f64 = 0.5 * BOUNDS_PADDING;
 
 /// Eight rays, whichever way they go.
 #[derive(Clone, Copy)]
@@ -215,7 +216,7 @@ impl<S: Simd> EightRays<S> {
         [enter, leave]
     }
 
-    /// By axis: a bit for each ray that is steepest along it, as [`ShearedRay`] has it.
+    /// By axis: a bit for each ray that is steepest along it, as [`WatertightRay`] has it.
     #[inline(always)]
     pub(super) fn by_steepest_axis(&self, simd: S) -> [u32; 3] {
         let [x, y, z] = [self.direction[0].abs(simd), self.direction[1].abs(simd), self.direction[2].abs(simd)];
@@ -243,7 +244,7 @@ pub(super) struct Meetings<S: Simd> {
     /// A bit for each ray that somebody else must decide about; the others miss.
     pub(super) unsure: u32,
     pub(super) t: Eight<S>,
-    /// As a [`Hit`](rt_math::Hit) has them.
+    /// As a [`Hit`](rt_geometry::Hit) has them.
     pub(super) uv: [Eight<S>; 2],
 }
 
@@ -334,7 +335,7 @@ impl<S: Simd> Across<S> {
 
         let (first, _) = &rays[0];
         let steepest = Eight::splat(simd, STEEPEST).div(simd, fastest);
-        let (axes, _) = ShearedRay::new(first).shear();
+        let (axes, _) = WatertightRay::new(first).shear();
         let sides = Sides::of(simd, direction);
         let boxes = AcrossBoxes::new(simd, q, inverse, steepest, tree.size, sides, span.min[0]);
         let is_own = lanes.by_steepest_axis(simd)[axes[2] % 3];

@@ -1,8 +1,9 @@
 //! Decisions about triangles from their copies in leaves, three numbers at a time, to the bits of
-//! [`decide_triangle`].
+//! [`intersect_triangle`].
 
-use rt_math::float::SETTLED;
-use rt_math::{FAR_FACTOR, Hit, Interval, OWN_BOX_PAD, Ray, ShearedRay, SlabRay, decide_triangle};
+use rt_geometry::{Hit, WatertightRay, intersect_triangle};
+use rt_math::float::SIGN_ERROR_BOUND;
+use rt_math::{BOUNDS_PADDING, FAR_FACTOR, Interval, Ray, SlabRay};
 
 use super::leaf::{ExactRay, Lane, LeafView, coordinates, corner};
 use super::ray::{LaneRay, greatest};
@@ -88,7 +89,7 @@ impl<'a> Copied<'a> {
         let vertices =
             [self.corner::<0>(), self.corner::<1>(), self.corner::<2>()].map(|corner| corner.map(f64::from).into());
         let slab_ray = SlabRay::new(ray);
-        decide_triangle(vertices, self.index, &slab_ray, &ShearedRay::with_inverse(ray, slab_ray.inverse), span)
+        intersect_triangle(vertices, self.index, &slab_ray, &WatertightRay::with_inverse(ray, slab_ray.inverse), span)
     }
 
     #[inline(always)]
@@ -116,7 +117,7 @@ impl<'a> Copied<'a> {
         let subtrahends = simd.mul_doubles(simd.turned_twice(y), simd.turned_once(x));
         let areas = simd.sub_doubles(minuends, subtrahends);
         let sizes = simd.add_doubles(simd.abs_doubles(minuends), simd.abs_doubles(subtrahends));
-        let doubt = simd.sub_doubles(simd.mul_doubles(sizes, all(simd, SETTLED)), simd.abs_doubles(areas));
+        let doubt = simd.sub_doubles(simd.mul_doubles(sizes, all(simd, SIGN_ERROR_BOUND)), simd.abs_doubles(areas));
         let [u, v, w, _] = simd.to_doubles(areas);
         let [ua, vb, wc, _] = simd.to_doubles(simd.mul_doubles(areas, depths));
         let [a, b, c, _] = simd.to_doubles(simd.abs_doubles(depths));
@@ -124,7 +125,7 @@ impl<'a> Copied<'a> {
             areas: [u, v, w],
             weighted: ua + vb + wc,
             is_settled: simd.signs(doubt) & 7 == 7,
-            doubtful_start: ShearedRay::DOUBTFUL_START * (a + b + c),
+            doubtful_start: WatertightRay::ORIGIN_SIDE_BOUND * (a + b + c),
         }
     }
 
@@ -137,7 +138,7 @@ impl<'a> Copied<'a> {
         let least = simd.min_doubles(simd.min_doubles(a, b), c);
         let most = simd.max_doubles(simd.max_doubles(a, b), c);
         let size = greatest(simd, simd.max_doubles(simd.abs_doubles(least), simd.abs_doubles(most)));
-        let pad = all(simd, size * OWN_BOX_PAD);
+        let pad = all(simd, size * BOUNDS_PADDING);
         let (least, most) = (simd.sub_doubles(least, pad), simd.add_doubles(most, pad));
         let near = simd.sub_doubles(simd.by_sign(ray.inverse, least, most), ray.origin);
         let far = simd.sub_doubles(simd.by_sign(ray.inverse, most, least), ray.origin);

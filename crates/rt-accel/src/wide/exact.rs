@@ -3,12 +3,12 @@
 
 use core::ops::ControlFlow;
 
-use rt_math::{Aabb, Interval, Primitives, Probe};
+use rt_geometry::{Primitives, Probe};
+use rt_math::{Aabb, Interval};
 
 use super::node::{Child, Node};
 use super::{STACK, WideBvh};
-use crate::bvh::NodeRay;
-use crate::{RayQuery, RegionQuery};
+use crate::{RayQuery, RegionQuery, bvh::NodeRay};
 
 /// Children that were put off, with what they are ordered by: the farthest of a node lie deepest.
 struct PutOff {

@@ -1,4 +1,4 @@
-//! Triangles decided about for eight rays at a time: the operations of [`ShearedRay::intersect`] in lanes of `f64`, and so
+//! Triangles decided about for eight rays at a time: the operations of [`WatertightRay::intersect`] in lanes of `f64`, and so
 //! its bits.
 //!
 //! What plain arithmetic does not settle is left to somebody else: signs of areas that rounding may have turned, rays that
@@ -6,8 +6,9 @@
 //! tell whether they count (see [`round`](super::round)). [`certain_hits`] is for hits of which a filter is sure
 //! ([`triangles`](super::leaf)): there no sign is in doubt, and the own box itself is entered.
 
-use rt_math::float::{SETTLED, UNIT_ROUNDOFF};
-use rt_math::{DVec3, OWN_BOX_PAD, ShearedRay};
+use rt_geometry::WatertightRay;
+use rt_math::float::{SIGN_ERROR_BOUND, UNIT_ROUNDOFF};
+use rt_math::{BOUNDS_PADDING, DVec3};
 
 use super::across::{Eight, EightRays, INNER_PAD, Meetings};
 use super::simd::Simd;
@@ -59,7 +60,7 @@ fn area<S: Simd>(simd: S, a: &Corner<S>, b: &Corner<S>) -> (Eight<S>, u32) {
     let (minuend, subtrahend) = (a.x.mul(simd, b.y), a.y.mul(simd, b.x));
     let area = minuend.sub(simd, subtrahend);
     let size = minuend.abs(simd).add(simd, subtrahend.abs(simd));
-    (area, size.mul(simd, Eight::splat(simd, SETTLED)).lt(simd, area.abs(simd)))
+    (area, size.mul(simd, Eight::splat(simd, SIGN_ERROR_BOUND)).lt(simd, area.abs(simd)))
 }
 
 /// Where the rays cross the plane of three corners, by the areas opposite of them, and the sum of these.
@@ -99,7 +100,7 @@ pub(super) fn meet<S: Simd>(
     let [t, determinant] = crossing(simd, [&a, &b, &c], [u, v, w]);
     let depths = a.depth.abs(simd).add(simd, b.depth.abs(simd)).add(simd, c.depth.abs(simd));
     // A NaN is in doubt as well.
-    let is_certain = depths.mul(simd, Eight::splat(simd, ShearedRay::DOUBTFUL_START)).lt(simd, t.abs(simd));
+    let is_certain = depths.mul(simd, Eight::splat(simd, WatertightRay::ORIGIN_SIDE_BOUND)).lt(simd, t.abs(simd));
     let within = rays.min.le(simd, t) & t.le(simd, rays.max) & t.abs(simd).le(simd, Eight::splat(simd, f64::MAX));
     let [enter, leave] = inner_box(simd, vertices, rays);
     let in_box = enter.le(simd, t) & t.le(simd, leave);
@@ -118,7 +119,7 @@ pub(super) fn meet<S: Simd>(
 }
 
 /// Where plain rays that go the same way, along these axes, meet a triangle that they certainly hit: `t`, and as much of the
-/// second and third vertex. The decision of [`decide_triangle`](rt_math::decide_triangle) without what could rule it out.
+/// second and third vertex. The decision of [`intersect_triangle`](rt_geometry::intersect_triangle) without what could rule it out.
 #[inline(always)]
 pub(super) fn certain_hits<S: Simd>(
     simd: S,
@@ -136,7 +137,7 @@ pub(super) fn certain_hits<S: Simd>(
     // No hit precedes where the own box is entered.
     let [a, b, c] = vertices;
     let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
-    let pad = low.abs().max(high.abs()).max_element() * OWN_BOX_PAD;
+    let pad = low.abs().max(high.abs()).max_element() * BOUNDS_PADDING;
     let (low, high) = (low - pad, high + pad);
     for axis in 0..3 {
         let inverse = rays.inverse[axis];
@@ -202,8 +203,9 @@ fn product<S: Simd>(simd: S, z: Eight<S>, p: [Eight<S>; 3], q: [Eight<S>; 3]) ->
 
 #[cfg(test)]
 mod tests {
+    use rt_geometry::{Hit, intersect_triangle};
     use rt_math::random::{hash, unit};
-    use rt_math::{Hit, Interval, Ray, SlabRay, decide_triangle};
+    use rt_math::{Interval, Ray, SlabRay};
 
     use super::super::across::PACKET;
     use super::super::simd::{Available, Kernel, SimdLevel};
@@ -217,7 +219,7 @@ mod tests {
     impl Kernel<&Rays, ()> for Asked<'_> {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S, rays: &Rays, (): ()) {
-            let (axes, _) = ShearedRay::new(&rays[0].0).shear();
+            let (axes, _) = WatertightRay::new(&rays[0].0).shear();
             let [t, v, w] = certain_hits(simd, self.0, axes, &EightRays::new(simd, rays));
             let (t, v, w) = (t.to_array(simd), v.to_array(simd), w.to_array(simd));
             *self.1 = core::array::from_fn(|lane| [t[lane], v[lane], w[lane]].map(f64::to_bits));
@@ -261,8 +263,8 @@ mod tests {
                 let mut certain = [[0; 3]; PACKET];
                 Available::new(level).dispatch(Asked(&triangle, &mut certain), &rays, ());
                 for ((ray, span), bits) in rays.iter().zip(certain) {
-                    let sheared = ShearedRay::new(ray);
-                    let decided = decide_triangle(triangle, 0, &SlabRay::new(ray), &sheared, *span);
+                    let sheared = WatertightRay::new(ray);
+                    let decided = intersect_triangle(triangle, 0, &SlabRay::new(ray), &sheared, *span);
                     let Some(Hit { t, uv: [v, w], .. }) = decided else { continue };
                     assert_eq!(bits, [t, v, w].map(f64::to_bits), "{level:?}: {ray:?}, {triangle:?}");
                     n_hits += 1;

@@ -20,7 +20,7 @@ use super::simd::{Kernel, Simd};
 use super::stack::StackRoom;
 use super::walk::{Work, descend};
 use super::{STACK, WideBvh};
-use crate::Structure;
+use crate::AcceleratorQueries;
 
 /// Rays that are under way at a time: enough to outlast a wait, few enough to stay in the nearest cache.
 const CREW: usize = 16;

@@ -1,10 +1,12 @@
 //! A handful of primitives, without a tree: each is asked in turn, spheres and triangles for eight rays at a time, and what is
 //! a structure itself for all rays of a batch.
 
-use rt_math::{
-    Accelerator, BatchKernel, Hit, Interval, Primitives, Probe, Ray, decide_offered, decide_offered_batch,
-    decide_offered_occluded, decide_offered_occluded_batch,
+use crate::{Accelerator, RayQuery};
+use rt_geometry::{
+    BatchKernel, Hit, Primitives, Probe, intersect_primitive_batch, intersect_primitive_uncounted,
+    occludes_primitive_batch, occludes_primitive_uncounted,
 };
+use rt_math::{Interval, Ray};
 
 use super::across::{EightRays, Meetings, PACKET, repeated};
 use super::facet;
@@ -13,7 +15,6 @@ use super::packet::FEW;
 use super::round::RoundSpheres;
 use super::simd::{Available, Kernel, Simd, SimdLevel};
 use super::walk::Work;
-use crate::RayQuery;
 use crate::ray_query::{Any, Closest};
 
 /// Rays that a structure is asked for at a time, so that what is copied of them does not grow with batches.
@@ -23,7 +24,7 @@ const AT_ONCE: usize = 1024;
 ///
 /// All are asked in turn, by rising index, with the answers and [`Counters`](crate::Counters) of
 /// [`brute_force`](crate::brute_force), to the last bit and the last test. In batches, those that are
-/// [`BatchKernel::Sphere`] or [`BatchKernel::Triangle`] are decided about for eight rays at a time, and [`BatchKernel::Structure`]s
+/// [`BatchKernel::Sphere`] or [`BatchKernel::Triangle`] are decided about for eight rays at a time, and [`BatchKernel::Instance`]s
 /// are asked for many rays of the batch together, whose own work is then that of batches.
 ///
 /// ```
@@ -121,14 +122,14 @@ impl Member {
     fn of<P: Primitives>(primitives: &P, index: u32) -> Self {
         Self {
             index,
-            name: primitives.hit_name(index),
+            name: primitives.hit_ids(index),
             blocks: primitives.blocks(index),
             kernel: primitives.batch_kernel(index),
         }
     }
 
     const fn is_structure(&self) -> bool {
-        matches!(self.kernel, BatchKernel::Structure)
+        matches!(self.kernel, BatchKernel::Instance)
     }
 
     /// True if it is decided about in lanes.
@@ -232,7 +233,7 @@ struct Members<'a, P, S> {
 
 impl<P: Primitives, S: Probe> Decider<Option<Hit>> for Members<'_, P, S> {
     fn decide(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        decide_offered(self.primitives, index, ray, span, self.probe)
+        intersect_primitive_uncounted(self.primitives, index, ray, span, self.probe)
     }
 
     fn decide_all(&mut self, indices: &[u32], ray: &Ray, span: Interval) -> Option<Hit> {
@@ -242,13 +243,13 @@ impl<P: Primitives, S: Probe> Decider<Option<Hit>> for Members<'_, P, S> {
     }
 
     fn decide_for_all(&mut self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>]) {
-        decide_offered_batch(self.primitives, index, rays, hits, self.probe);
+        intersect_primitive_batch(self.primitives, index, rays, hits, self.probe);
     }
 }
 
 impl<P: Primitives, S: Probe> Decider<bool> for Members<'_, P, S> {
     fn decide(&mut self, index: u32, ray: &Ray, span: Interval) -> bool {
-        decide_offered_occluded(self.primitives, index, ray, span, self.probe)
+        occludes_primitive_uncounted(self.primitives, index, ray, span, self.probe)
     }
 
     fn decide_all(&mut self, indices: &[u32], ray: &Ray, span: Interval) -> bool {
@@ -256,7 +257,7 @@ impl<P: Primitives, S: Probe> Decider<bool> for Members<'_, P, S> {
     }
 
     fn decide_for_all(&mut self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
-        decide_offered_occluded_batch(self.primitives, index, rays, blocked, self.probe);
+        occludes_primitive_batch(self.primitives, index, rays, blocked, self.probe);
     }
 }
 
@@ -413,7 +414,7 @@ impl<A: Answer> Batch<'_, A> {
                     }
                     unsure
                 }
-                BatchKernel::Structure | BatchKernel::Single => asking,
+                BatchKernel::Instance | BatchKernel::Single => asking,
             };
             let mut left = unsure;
             while left != 0 {

@@ -39,14 +39,17 @@ mod walk;
 use core::hint::select_unpredictable;
 use core::ops::ControlFlow;
 
-use rt_math::{
-    Aabb, Accelerator, BatchKernel, DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RoundSphere,
-    decide_offered, decide_offered_batch, decide_offered_occluded, decide_offered_occluded_batch,
+use crate::{
+    Accelerator, AcceleratorQueries, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError,
+    bounded_depth::MAX_DEPTH,
 };
+use rt_geometry::{
+    BatchKernel, Hit, PrimitiveGeometry, Primitives, Probe, SphereKernel, intersect_primitive_batch,
+    intersect_primitive_uncounted, occludes_primitive_batch, occludes_primitive_uncounted,
+};
+use rt_math::{Aabb, DVec3, Interval, Ray};
 
-use crate::bounded_depth::MAX_DEPTH;
 use crate::ray_query::{Any, Closest, is_finite};
-use crate::{BuildError, BuildStats, RayQuery, RegionQuery, Structure, Violation};
 use build::Census;
 pub use build::{BuildParams, Quality};
 use flight::Ground;
@@ -65,7 +68,7 @@ const STACK: usize = 7 * MAX_DEPTH as usize + 8;
 /// A tree of boxes with eight children to a node: the fastest to trace, whatever the primitives.
 ///
 /// Eight boxes are tested at a time in `f32`, and so are the triangles, spheres or boxes in a leaf
-/// ([`LeafLayout`]); what these filters leave is decided in `f64`, so that the answers are those of brute force to the
+/// ([`PrimitiveGeometry`]); what these filters leave is decided in `f64`, so that the answers are those of brute force to the
 /// last bit. They run on AVX-512, AVX2 or anything, as the processor has it ([`SimdLevel`]), with the same answers.
 ///
 /// Wald, Benthin and Boulos, "Getting Rid of Packets", 2008; Ernst and Greiner, "Multi Bounding Volume Hierarchies", 2008.
@@ -219,27 +222,27 @@ struct Asked<'a, P, S> {
 
 impl<P: Primitives, S: Probe> Judge for Asked<'_, P, S> {
     fn closest(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        decide_offered(self.primitives, index, ray, span, self.probe)
+        intersect_primitive_uncounted(self.primitives, index, ray, span, self.probe)
     }
 
     fn occluded(&mut self, index: u32, ray: &Ray, span: Interval) -> bool {
-        decide_offered_occluded(self.primitives, index, ray, span, self.probe)
+        occludes_primitive_uncounted(self.primitives, index, ray, span, self.probe)
     }
 
-    fn round(&mut self, index: u32) -> Option<RoundSphere> {
-        if let LeafLayout::Round(sphere) = self.primitives.leaf_layout(index) { Some(sphere) } else { None }
+    fn round(&mut self, index: u32) -> Option<SphereKernel> {
+        if let PrimitiveGeometry::ExactSphere(sphere) = self.primitives.geometry(index) { Some(sphere) } else { None }
     }
 
     fn is_structure(&mut self, index: u32) -> bool {
-        matches!(self.primitives.batch_kernel(index), BatchKernel::Structure)
+        matches!(self.primitives.batch_kernel(index), BatchKernel::Instance)
     }
 
     fn closest_together(&mut self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>]) {
-        decide_offered_batch(self.primitives, index, rays, hits, self.probe);
+        intersect_primitive_batch(self.primitives, index, rays, hits, self.probe);
     }
 
     fn occluded_together(&mut self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
-        decide_offered_occluded_batch(self.primitives, index, rays, blocked, self.probe);
+        occludes_primitive_batch(self.primitives, index, rays, blocked, self.probe);
     }
 
     fn closest_unbounded(&mut self, ray: &Ray, span: Interval) -> Option<Hit> {
@@ -301,7 +304,7 @@ impl Accelerator for WideBvh {
     }
 }
 
-impl Structure for WideBvh {
+impl AcceleratorQueries for WideBvh {
     fn walk<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
@@ -336,7 +339,7 @@ impl Structure for WideBvh {
         }
     }
 
-    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.check(primitives)
     }
 

@@ -1,14 +1,12 @@
 //! New boxes, and new copies in the leaves, for the same tree.
 
-use rt_math::Primitives;
+use rt_geometry::Primitives;
 
 use super::build::Census;
 use super::leaf::{Filling, LeafKind};
 use super::node::{Child, Node};
 use super::{BuildParams, WideBvh};
-use crate::bvh::NodeBox;
-use crate::own_boxes::validate_lists;
-use crate::{BuildError, Refit};
+use crate::{BuildError, Refit, bvh::NodeBox, own_boxes::validate_lists};
 
 impl Refit for WideBvh {
     /// Leaves of triangles that no longer suit, as the scene has gone far from the origin, make it build a new tree.

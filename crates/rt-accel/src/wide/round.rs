@@ -1,15 +1,16 @@
-//! Spheres decided about for eight rays at a time: the operations of [`RoundSphere::intersect`] in lanes of `f64`, and so
+//! Spheres decided about for eight rays at a time: the operations of [`SphereKernel::intersect`] in lanes of `f64`, and so
 //! its bits.
 //!
 //! # Why the own box need not be looked at
 //!
 //! A hit counts if the ray passes the own box, and its `t` is raised to where that is entered
-//! ([`decide`](rt_math::decide)). The slab test is monotone in the box. So where `t` lies between the times at which a
+//! ([`intersect_primitive`](rt_math::decide)). The slab test is monotone in the box. So where `t` lies between the times at which a
 //! smaller box within the own one is entered and left, the own box is passed as well, and is entered at `t` or before. The
 //! smallest box widened by half of what own boxes are widened by ([`INNER_PAD`]) is such a box; where the test fails,
 //! somebody else decides.
 
-use rt_math::{DVec3, RoundSphere};
+use rt_geometry::SphereKernel;
+use rt_math::DVec3;
 
 use super::across::{Eight, EightRays, INNER_PAD, Meetings, PACKET};
 use super::simd::Simd;
@@ -22,12 +23,12 @@ pub(super) struct RoundSpheres<S: Simd> {
 
 impl<S: Simd> RoundSpheres<S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, spheres: &[RoundSphere; PACKET]) -> Self {
+    pub(super) fn new(simd: S, spheres: &[SphereKernel; PACKET]) -> Self {
         // One by one, as arrays that are cleared first take longer.
         macro_rules! by_sphere {
             (|$sphere:pat_param| $number:expr) => {{
                 let [a, b, c, d, e, f, g, h] = spheres;
-                let number = |$sphere: &RoundSphere| $number;
+                let number = |$sphere: &SphereKernel| $number;
                 Eight::new(
                     simd,
                     [number(a), number(b), number(c), number(d), number(e), number(f), number(g), number(h)],
@@ -46,7 +47,7 @@ impl<S: Simd> RoundSpheres<S> {
 
     /// The same sphere for all rays.
     #[inline(always)]
-    pub(super) fn all(simd: S, sphere: &RoundSphere) -> Self {
+    pub(super) fn all(simd: S, sphere: &SphereKernel) -> Self {
         let DVec3 { x, y, z } = sphere.centre;
         Self {
             centre: [Eight::splat(simd, x), Eight::splat(simd, y), Eight::splat(simd, z)],
@@ -68,7 +69,7 @@ impl<S: Simd> RoundSpheres<S> {
         let d = rays.direction;
         let a = dot(simd, d, d);
         let along = dot(simd, f, d);
-        let [for_distance, for_radius] = RoundSphere::REJECTION;
+        let [for_distance, for_radius] = SphereKernel::REJECTION_BOUNDS;
         let excess = dot(simd, f, f)
             .mul(simd, Eight::splat(simd, for_distance))
             .sub(simd, self.radius.mul(simd, self.radius).mul(simd, Eight::splat(simd, for_radius)));
@@ -145,7 +146,7 @@ mod tests {
     use super::*;
     use rt_math::{Interval, Ray};
 
-    const BALL: RoundSphere = RoundSphere { centre: DVec3::new(0.3, -0.2, 0.1), radius: 0.75 };
+    const BALL: SphereKernel = SphereKernel { centre: DVec3::new(0.3, -0.2, 0.1), radius: 0.75 };
 
     type Rays = [(Ray, Interval); PACKET];
 

@@ -9,8 +9,9 @@ pub(crate) mod draw;
 pub(crate) mod rays;
 pub(crate) mod structures;
 
-use rt_accel::{Aabb, DVec3, Hit, Interval, LeafLayout, NearestPoint, Primitives, Ray, RoundSphere};
-use rt_math::{ShearedRay, SlabRay, Vec3};
+use rt_accel::{Aabb, ClosestPoint, DVec3, Hit, Interval, PrimitiveGeometry, Primitives, Ray, SphereKernel};
+use rt_geometry::WatertightRay;
+use rt_math::{SlabRay, Vec3};
 
 use draw::Draw;
 
@@ -21,7 +22,7 @@ pub(crate) enum Solid {
         radius: f64,
     },
     /// A sphere about which structures may decide.
-    Round(RoundSphere),
+    Round(SphereKernel),
     Box(Aabb),
     Triangle([DVec3; 3]),
     /// A triangle of a mesh, hit by the watertight test.
@@ -122,7 +123,7 @@ impl Soup {
     /// The same, where structures may decide about spheres.
     pub(crate) fn rounded(self) -> Self {
         let round = |solid| match solid {
-            Solid::Sphere { centre, radius } => Solid::Round(RoundSphere { centre, radius }),
+            Solid::Sphere { centre, radius } => Solid::Round(SphereKernel { centre, radius }),
             other => other,
         };
         Self(self.0.into_iter().map(round).collect())
@@ -155,8 +156,8 @@ impl Soup {
         for solid in &mut self.0 {
             *solid = match *solid {
                 Solid::Sphere { centre, radius } => Solid::Sphere { centre: point(centre), radius: radius * scale },
-                Solid::Round(RoundSphere { centre, radius }) => {
-                    Solid::Round(RoundSphere { centre: point(centre), radius: radius * scale })
+                Solid::Round(SphereKernel { centre, radius }) => {
+                    Solid::Round(SphereKernel { centre: point(centre), radius: radius * scale })
                 }
                 Solid::Box(b) => Solid::Box(Aabb::new(point(b.min), point(b.max))),
                 Solid::Triangle(vertices) => Solid::Triangle(vertices.map(&point)),
@@ -185,7 +186,7 @@ pub(crate) fn sheet(n: usize, surface: impl Fn(f64, f64) -> DVec3) -> impl Itera
 impl Solid {
     pub(crate) fn bounds(&self) -> Option<Aabb> {
         match *self {
-            Self::Sphere { centre, radius } | Self::Round(RoundSphere { centre, radius }) => {
+            Self::Sphere { centre, radius } | Self::Round(SphereKernel { centre, radius }) => {
                 Some(Aabb::new(centre - DVec3::splat(radius), centre + DVec3::splat(radius)))
             }
             Self::Box(aabb) | Self::Sloppy(aabb) | Self::Ghost(aabb) => Some(aabb),
@@ -260,30 +261,30 @@ impl Primitives for Soup {
 
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
         if let Solid::Facet(vertices) = self.0[index as usize] {
-            let hit = ShearedRay::new(ray).intersect(vertices.map(|vertex| vertex.as_dvec3()), span)?;
+            let hit = WatertightRay::new(ray).intersect(vertices.map(|vertex| vertex.as_dvec3()), span)?;
             return Some(Hit { t: hit.t, instance: 0, primitive: index, uv: hit.uv });
         }
         let t = self.0[index as usize].intersect(ray, span)?;
         Some(Hit { t, instance: 0, primitive: index, uv: [0.0; 2] })
     }
 
-    fn leaf_layout(&self, index: u32) -> LeafLayout {
+    fn geometry(&self, index: u32) -> PrimitiveGeometry {
         match self.0[index as usize] {
-            Solid::Sphere { centre, radius } => LeafLayout::Sphere(centre, radius),
-            Solid::Round(round) => LeafLayout::Round(round),
-            Solid::Box(aabb) => LeafLayout::Box(aabb),
-            Solid::Triangle(vertices) => LeafLayout::Triangle(vertices),
-            Solid::Facet(vertices) => LeafLayout::Watertight(vertices),
-            Solid::Sloppy(_) | Solid::Ground { .. } | Solid::Ghost(_) => LeafLayout::Opaque,
+            Solid::Sphere { centre, radius } => PrimitiveGeometry::Sphere(centre, radius),
+            Solid::Round(round) => PrimitiveGeometry::ExactSphere(round),
+            Solid::Box(aabb) => PrimitiveGeometry::Box(aabb),
+            Solid::Triangle(vertices) => PrimitiveGeometry::Triangle(vertices),
+            Solid::Facet(vertices) => PrimitiveGeometry::ExactTriangle(vertices),
+            Solid::Sloppy(_) | Solid::Ground { .. } | Solid::Ghost(_) => PrimitiveGeometry::Opaque,
         }
     }
 }
 
-impl NearestPoint for Soup {
+impl ClosestPoint for Soup {
     /// Some point of the primitive or its box; a plane has one, and ghosts have none.
     fn nearest_point(&self, index: u32, point: DVec3) -> Option<DVec3> {
         match self.0[index as usize] {
-            Solid::Sphere { centre, radius } | Solid::Round(RoundSphere { centre, radius }) => {
+            Solid::Sphere { centre, radius } | Solid::Round(SphereKernel { centre, radius }) => {
                 Some(centre + (point - centre).normalize_or_zero() * radius.min((point - centre).length()))
             }
             Solid::Ground { height } => Some(DVec3::new(point.x, height, point.z)),

@@ -1,6 +1,6 @@
 //! Rays that look for the seams.
 
-use rt_accel::{Aabb, DVec3, Interval, NoProbe, Ray, RoundSphere, brute_force};
+use rt_accel::{Aabb, DVec3, Interval, NoProbe, Ray, SphereKernel, brute_force};
 
 use super::draw::Draw;
 use super::{Solid, Soup};
@@ -65,10 +65,10 @@ fn special_point(soup: &Soup, draw: &mut Draw) -> DVec3 {
         (Solid::Facet(vertices), 0 | 1) => draw.pick(&vertices).as_dvec3(),
         (Solid::Facet([a, b, _]), 2) => a.as_dvec3().lerp(b.as_dvec3(), draw.pick(&[0.25, 0.5, 0.3])),
         (Solid::Triangle([a, b, _]), 2) => a.lerp(b, draw.pick(&[0.25, 0.5, 0.3])),
-        (Solid::Sphere { centre, radius } | Solid::Round(RoundSphere { centre, radius }), 0 | 1) => {
+        (Solid::Sphere { centre, radius } | Solid::Round(SphereKernel { centre, radius }), 0 | 1) => {
             centre + draw.point().normalize_or(DVec3::X) * radius
         }
-        (Solid::Sphere { centre, radius } | Solid::Round(RoundSphere { centre, radius }), 2) => {
+        (Solid::Sphere { centre, radius } | Solid::Round(SphereKernel { centre, radius }), 2) => {
             centre + draw.pick(&DVec3::AXES) * radius
         }
         (_, 3) => draw.pick(&bounds.padded().corners()),

@@ -1,34 +1,34 @@
 //! All structures over the same primitives.
 
 use rt_accel::{
-    Accelerator, AnyStructure, Bvh, Counters, Hit, Interval, Linear, NoProbe, Primitives, Ray, Structure,
-    StructureKind, UniformGrid, brute_force,
+    Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator, Bvh, Counters, Hit, Interval, Linear, NoProbe,
+    Primitives, Ray, UniformGrid, brute_force,
 };
 
 /// One of each kind, brute force first.
-pub(crate) struct Structures(pub(crate) Vec<AnyStructure>);
+pub(crate) struct Structures(pub(crate) Vec<AnyAccelerator>);
 
 impl Structures {
     /// Builds and validates all of them.
     pub(crate) fn build<P: Primitives>(primitives: &P) -> Self {
-        let build = |&kind: &StructureKind| {
-            let structure = AnyStructure::build(kind, primitives).expect("a structure");
+        let build = |&kind: &AcceleratorKind| {
+            let structure = AnyAccelerator::build(kind, primitives).expect("a structure");
             assert_eq!(structure.validate(primitives), Ok(()), "{}", kind.name());
             structure
         };
-        Self(StructureKind::ALL.iter().map(build).collect())
+        Self(AcceleratorKind::ALL.iter().map(build).collect())
     }
 
     pub(crate) fn linear(&self) -> &Linear {
-        self.0.iter().find_map(|s| if let AnyStructure::Linear(s) = s { Some(s) } else { None }).expect("a list")
+        self.0.iter().find_map(|s| if let AnyAccelerator::Linear(s) = s { Some(s) } else { None }).expect("a list")
     }
 
     pub(crate) fn grid(&self) -> &UniformGrid {
-        self.0.iter().find_map(|s| if let AnyStructure::Grid(s) = s { Some(s) } else { None }).expect("a grid")
+        self.0.iter().find_map(|s| if let AnyAccelerator::Grid(s) = s { Some(s) } else { None }).expect("a grid")
     }
 
     pub(crate) fn bvh(&self) -> &Bvh {
-        self.0.iter().find_map(|s| if let AnyStructure::Bvh(s) = s { Some(s) } else { None }).expect("a tree")
+        self.0.iter().find_map(|s| if let AnyAccelerator::Bvh(s) = s { Some(s) } else { None }).expect("a tree")
     }
 
     /// The answer of brute force, which all of them agree with.

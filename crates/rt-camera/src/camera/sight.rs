@@ -6,13 +6,13 @@ use super::Camera;
 
 /// How a camera sees a point of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sight {
+pub struct CameraWiSample {
     /// Where the ray that leads to the point starts, world space.
     pub origin: DVec3,
     /// Where the point appears, in raster coordinates; possibly outside the image.
     pub raster: DVec2,
     /// Pixels that a unit of area covers at the point, if it faces along the ray.
-    pub magnification: f64,
+    pub importance: f64,
 }
 
 impl Camera {
@@ -26,21 +26,21 @@ impl Camera {
     /// ```text
     ///   |d| / (t² |d·(r × b)|)   pixels, and     |d| / |d·(r × b)|    in a parallel projection
     /// ```
-    pub fn sight(&self, world: DVec3, on_lens: [f64; 2], time: f64) -> Option<Sight> {
+    pub fn sample_wi(&self, world: DVec3, on_lens: [f64; 2], time: f64) -> Option<CameraWiSample> {
         if self.moves() {
-            return self.at(time).sight(world, on_lens, time);
+            return self.at(time).sample_wi(world, on_lens, time);
         }
         let depth = -self.world_from_camera.inverse_point(world).z;
         let raster = match &self.lens {
             None => self.project(world),
             Some(lens) => self.project(world - self.aside(lens, on_lens) * (1.0 - depth / lens.focus)),
         }?;
-        let ray = self.ray_through(raster, on_lens, time);
+        let ray = self.generate_ray(raster, on_lens, time);
         let pixel = ray.direction.dot(self.step_right.cross(self.step_down)).abs();
         let nearness = if self.is_perspective { 1.0 / (depth * depth) } else { 1.0 };
-        let magnification = nearness * ray.direction.length() / pixel;
-        let is_sound = magnification > 0.0 && magnification.is_finite();
-        is_sound.then_some(Sight { origin: ray.origin, raster, magnification })
+        let importance = nearness * ray.direction.length() / pixel;
+        let is_sound = importance > 0.0 && importance.is_finite();
+        is_sound.then_some(CameraWiSample { origin: ray.origin, raster, importance })
     }
 }
 
@@ -57,7 +57,7 @@ mod tests {
         let perspective = Projection::Perspective { fov: 1.1, axis: FovAxis::Vertical };
         [perspective, Projection::Orthographic { height: 4.0 }]
             .into_iter()
-            .flat_map(|projection| [view, view.then_first(&scale)].map(|place| CameraSettings::new(place, projection)))
+            .flat_map(|projection| [view, view.compose(&scale)].map(|place| CameraSettings::new(place, projection)))
             .flat_map(|settings| [settings, CameraSettings { lens: Some(lens), ..settings }])
             .map(|settings| CameraSettings { lens_shift: DVec2::new(0.1, -0.2), ..settings })
             .map(|settings| Camera::new(&settings, 300, 200).expect("a camera"))
@@ -70,16 +70,17 @@ mod tests {
         for camera in cameras() {
             for raster in [DVec2::new(150.0, 100.0), DVec2::new(3.0, 190.0), DVec2::new(280.0, 12.0)] {
                 let on_lens = [0.3, 0.9];
-                let ray = camera.ray_through(raster, on_lens, 0.0);
+                let ray = camera.generate_ray(raster, on_lens, 0.0);
                 let point = ray.at(4.0);
-                let sight = camera.sight(point, on_lens, 0.0).expect("it is in front");
+                let sight = camera.sample_wi(point, on_lens, 0.0).expect("it is in front");
                 assert!((sight.raster - raster).length() < 1e-9 && (sight.origin - ray.origin).length() < 1e-12);
                 let towards = (point - sight.origin).normalize();
                 let (a, b) = towards.any_orthonormal_pair();
                 let size = 1e-4;
-                let at = |offset: DVec3| camera.sight(point + offset * size, on_lens, 0.0).expect("in front").raster;
+                let at =
+                    |offset: DVec3| camera.sample_wi(point + offset * size, on_lens, 0.0).expect("in front").raster;
                 let (u, v) = ((at(a) - at(-a)) / (2.0 * size), (at(b) - at(-b)) / (2.0 * size));
-                let ratio = u.perp_dot(v).abs() / sight.magnification;
+                let ratio = u.perp_dot(v).abs() / sight.importance;
                 assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
             }
         }
@@ -89,8 +90,8 @@ mod tests {
     fn what_is_behind_is_not_seen() {
         for camera in cameras() {
             let ray = camera.ray(DVec2::new(150.0, 100.0), 0.0);
-            assert_eq!(camera.sight(ray.at(-1.0), [0.5; 2], 0.0), None);
-            assert_eq!(camera.sight(DVec3::NAN, [0.5; 2], 0.0), None);
+            assert_eq!(camera.sample_wi(ray.at(-1.0), [0.5; 2], 0.0), None);
+            assert_eq!(camera.sample_wi(DVec3::NAN, [0.5; 2], 0.0), None);
         }
     }
 }

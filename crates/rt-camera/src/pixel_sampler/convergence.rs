@@ -24,7 +24,7 @@ const SMOOTH: Integrand =
     Integrand { name: "smooth", value: |[x, y]| exp(-x * x - y * y), integral: 0.557_746_285_351_034 };
 
 /// Root mean square error of a pixel's mean, over many pixels and the two first pairs of coordinates.
-fn rmse(pattern: SamplePattern, spp: u32, integrand: &Integrand) -> f64 {
+fn rmse(pattern: SamplerKind, spp: u32, integrand: &Integrand) -> f64 {
     const PIXELS: u32 = 128;
     let sampler = PixelSampler::new(pattern, spp, 2);
     let squared_errors = (0..PIXELS).map(|pixel| {
@@ -40,7 +40,7 @@ fn rmse(pattern: SamplePattern, spp: u32, integrand: &Integrand) -> f64 {
 }
 
 /// Slope of log RMSE over log N, by least squares.
-fn slope(pattern: SamplePattern, integrand: &Integrand) -> f64 {
+fn slope(pattern: SamplerKind, integrand: &Integrand) -> f64 {
     let points = [16u32, 64, 256, 1024].map(|spp| [log2(f64::from(spp)), log2(rmse(pattern, spp, integrand))]);
     let mean = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64);
     let moment = |axis: usize| points.iter().map(|p| (p[0] - mean[0]) * (p[axis] - mean[axis])).sum::<f64>();
@@ -50,7 +50,7 @@ fn slope(pattern: SamplePattern, integrand: &Integrand) -> f64 {
 /// Mitchell 1996 for edges, Owen 1997 for smooth integrands.
 #[test]
 fn errors_fall_at_the_rate_that_theory_gives() {
-    use SamplePattern::{BlueNoise, Halton, Jittered, MultiJittered, Random, Sobol};
+    use SamplerKind::{BlueNoise, Halton, Jittered, MultiJittered, Random, Sobol};
     for (pattern, integrand, expected) in [
         (Random, OBLIQUE_EDGE, -0.5),
         (Random, SMOOTH, -0.5),
@@ -87,12 +87,12 @@ fn errors_fall_at_the_rate_that_theory_gives() {
 #[test]
 fn errors_have_the_size_that_others_measured() {
     for (pattern, integrand, expected) in [
-        (SamplePattern::Random, OBLIQUE_EDGE, 0.0298),
-        (SamplePattern::Jittered, OBLIQUE_EDGE, 0.00621),
-        (SamplePattern::Sobol, OBLIQUE_EDGE, 0.00476),
-        (SamplePattern::Random, SMOOTH, 0.0129),
-        (SamplePattern::Jittered, SMOOTH, 9.0e-4),
-        (SamplePattern::Sobol, SMOOTH, 8.6e-5),
+        (SamplerKind::Random, OBLIQUE_EDGE, 0.0298),
+        (SamplerKind::Jittered, OBLIQUE_EDGE, 0.00621),
+        (SamplerKind::Sobol, OBLIQUE_EDGE, 0.00476),
+        (SamplerKind::Random, SMOOTH, 0.0129),
+        (SamplerKind::Jittered, SMOOTH, 9.0e-4),
+        (SamplerKind::Sobol, SMOOTH, 8.6e-5),
     ] {
         let rmse = rmse(pattern, 256, &integrand);
         assert!((rmse / expected - 1.0).abs() < 0.2, "{pattern:?}, {}: {rmse} instead of {expected}", integrand.name);
@@ -101,7 +101,7 @@ fn errors_have_the_size_that_others_measured() {
 
 #[test]
 fn half_jittering_never_sees_a_border_narrower_than_a_quarter_cell() {
-    let sampler = PixelSampler::new(SamplePattern::HalfJittered, 16, 2);
+    let sampler = PixelSampler::new(SamplerKind::HalfJittered, 16, 2);
     let positions = (0..100).flat_map(|x| (0..16).map(move |index| sampler.sample([x, 0], index).next_2d()));
     let smallest = positions.flatten().fold(1.0, f64::min);
     assert!((1.0 / 16.0..1.1 / 16.0).contains(&smallest), "{smallest}");

@@ -3,11 +3,11 @@
 use super::*;
 use proptest::prelude::*;
 
-const STRATIFIED: [SamplePattern; 4] =
-    [SamplePattern::Jittered, SamplePattern::MultiJittered, SamplePattern::Sobol, SamplePattern::BlueNoise];
+const STRATIFIED: [SamplerKind; 4] =
+    [SamplerKind::Jittered, SamplerKind::MultiJittered, SamplerKind::Sobol, SamplerKind::BlueNoise];
 
 /// The pair number `pair` of all samples of a pixel.
-fn pairs(pattern: SamplePattern, spp: u32, pixel: [u32; 2], pair: usize) -> Vec<[f64; 2]> {
+fn pairs(pattern: SamplerKind, spp: u32, pixel: [u32; 2], pair: usize) -> Vec<[f64; 2]> {
     let sampler = PixelSampler::new(pattern, spp, 11);
     assert_eq!(sampler.spp(), spp);
     let draw = |index| {
@@ -31,9 +31,9 @@ fn assert_even(points: &[[f64; 2]], columns: u32, rows: u32, what: &str) {
 
 #[test]
 fn centre_and_grid_are_where_they_must_be() {
-    assert_eq!(pairs(SamplePattern::Centre, 3, [5, 6], 0), [[0.5; 2]; 3]);
+    assert_eq!(pairs(SamplerKind::Centre, 3, [5, 6], 0), [[0.5; 2]; 3]);
     for pixel in [[0, 0], [7, 1]] {
-        let mut points = pairs(SamplePattern::Grid, 9, pixel, 0);
+        let mut points = pairs(SamplerKind::Grid, 9, pixel, 0);
         points.sort_by(|a, b| (a[1], a[0]).partial_cmp(&(b[1], b[0])).expect("no NaN"));
         let lines = [0.5 / 3.0, 1.5 / 3.0, 2.5 / 3.0];
         let expected: Vec<_> = lines.iter().flat_map(|&y| lines.map(|x| [x, y])).collect();
@@ -45,7 +45,7 @@ fn centre_and_grid_are_where_they_must_be() {
 fn half_jittered_points_keep_to_the_middle_of_their_cells() {
     let mut range = [1.0f64, 0.0];
     for pixel in 0..100 {
-        let points = pairs(SamplePattern::HalfJittered, 16, [pixel, 0], 0);
+        let points = pairs(SamplerKind::HalfJittered, 16, [pixel, 0], 0);
         assert_even(&points, 4, 4, "half-jittered");
         for in_cell in points.as_flattened().iter().map(|x| (4.0 * x).fract()) {
             range = [range[0].min(in_cell), range[1].max(in_cell)];
@@ -57,7 +57,7 @@ fn half_jittered_points_keep_to_the_middle_of_their_cells() {
 
 #[test]
 fn half_jittered_lights_are_not_biased() {
-    let points: Vec<_> = (0..100).flat_map(|x| pairs(SamplePattern::HalfJittered, 16, [x, 0], 1)).collect();
+    let points: Vec<_> = (0..100).flat_map(|x| pairs(SamplerKind::HalfJittered, 16, [x, 0], 1)).collect();
     assert_even(&points, 4, 4, "half-jittered");
     let outside = points.as_flattened().iter().filter(|x| !(0.25..0.75).contains(&(4.0 * **x).fract())).count();
     // Half of 3200, give or take five standard deviations.
@@ -66,7 +66,7 @@ fn half_jittered_lights_are_not_biased() {
 
 #[test]
 fn cells_of_the_grid_hold_one_point_each() {
-    for pattern in [SamplePattern::Grid, SamplePattern::Jittered, SamplePattern::MultiJittered] {
+    for pattern in [SamplerKind::Grid, SamplerKind::Jittered, SamplerKind::MultiJittered] {
         for side in [1, 2, 3, 7, 16, 25] {
             for pair in 0..4 {
                 assert_even(&pairs(pattern, side * side, [3, 4], pair), side, side, pattern.name());
@@ -80,7 +80,7 @@ fn multi_jittered_rows_and_columns_hold_one_point_each() {
     for side in [1u32, 2, 3, 7, 16, 25] {
         let spp = side * side;
         for pair in 0..4 {
-            let points = pairs(SamplePattern::MultiJittered, spp, [9, 2], pair);
+            let points = pairs(SamplerKind::MultiJittered, spp, [9, 2], pair);
             assert_even(&points, spp, 1, "multi-jittered");
             assert_even(&points, 1, spp, "multi-jittered");
         }
@@ -92,13 +92,13 @@ fn sobol_fills_every_elementary_interval() {
     for log_spp in 0..=12 {
         let spp = 1 << log_spp;
         for pixel in [[0, 0], [17, 4]] {
-            let points = pairs(SamplePattern::Sobol, spp, pixel, 0);
+            let points = pairs(SamplerKind::Sobol, spp, pixel, 0);
             for log_columns in 0..=log_spp {
                 assert_even(&points, 1 << log_columns, 1 << (log_spp - log_columns), "sobol");
             }
         }
         for pair in 1..6 {
-            let points = pairs(SamplePattern::Sobol, spp, [1, 2], pair);
+            let points = pairs(SamplerKind::Sobol, spp, [1, 2], pair);
             assert_even(&points, spp, 1, "sobol");
             assert_even(&points, 1, spp, "sobol");
         }
@@ -110,7 +110,7 @@ fn blue_noise_fills_every_elementary_interval_in_every_pair() {
     for log_spp in 0..=9 {
         let spp = 1 << log_spp;
         for pair in 0..4 {
-            let points = pairs(SamplePattern::BlueNoise, spp, [130, 77], pair);
+            let points = pairs(SamplerKind::BlueNoise, spp, [130, 77], pair);
             for log_columns in 0..=log_spp {
                 assert_even(&points, 1 << log_columns, 1 << (log_spp - log_columns), "blue-noise");
             }
@@ -126,8 +126,7 @@ fn blue_noise_pixels_share_out_the_unit_square() {
         for corner in [[0, 0], [64, 96], [128 + 2 * side, 3 * side]] {
             for pair in 0..3 {
                 let square = (0..side * side).map(|index| [corner[0] + index % side, corner[1] + index / side]);
-                let points: Vec<_> =
-                    square.flat_map(|pixel| pairs(SamplePattern::BlueNoise, spp, pixel, pair)).collect();
+                let points: Vec<_> = square.flat_map(|pixel| pairs(SamplerKind::BlueNoise, spp, pixel, pair)).collect();
                 let log_count = log_spp + 2 * side.ilog2();
                 for log_columns in 0..=log_count {
                     assert_even(&points, 1 << log_columns, 1 << (log_count - log_columns), "blue-noise");
@@ -141,12 +140,12 @@ fn blue_noise_pixels_share_out_the_unit_square() {
 fn halton_fills_boxes_of_its_bases() {
     for (columns, rows) in [(1, 3), (2, 3), (8, 9), (16, 9), (8, 27), (32, 27)] {
         for pixel in [[0, 0], [17, 4]] {
-            let points = pairs(SamplePattern::Halton, columns * rows, pixel, 0);
+            let points = pairs(SamplerKind::Halton, columns * rows, pixel, 0);
             assert_even(&points, columns, rows, "halton");
         }
     }
     // The second pair has the bases 5 and 7, and any first part of a longer pattern is one too.
-    let points = pairs(SamplePattern::Halton, 1000, [3, 9], 1);
+    let points = pairs(SamplerKind::Halton, 1000, [3, 9], 1);
     assert_even(&points[..35], 5, 7, "halton");
     assert_even(&points[35..70], 5, 7, "halton");
     assert_even(&points[..875], 25, 7, "halton");
@@ -154,7 +153,7 @@ fn halton_fills_boxes_of_its_bases() {
 
 #[test]
 fn halton_has_no_last_dimension() {
-    let sampler = PixelSampler::new(SamplePattern::Halton, 16, 1);
+    let sampler = PixelSampler::new(SamplerKind::Halton, 16, 1);
     let late = |index| {
         let mut sample = sampler.sample([2, 2], index);
         (0..200).for_each(|_| _ = sample.next_1d());
@@ -169,7 +168,7 @@ fn halton_has_no_last_dimension() {
 
 #[test]
 fn a_first_part_of_the_sobol_points_is_a_pattern_too() {
-    let points = pairs(SamplePattern::Sobol, 1024, [0, 0], 0);
+    let points = pairs(SamplerKind::Sobol, 1024, [0, 0], 0);
     for (log_columns, log_rows) in [(0, 6), (3, 3), (5, 1)] {
         assert_even(&points[..64], 1 << log_columns, 1 << log_rows, "sobol");
         assert_even(&points[64..128], 1 << log_columns, 1 << log_rows, "sobol");
@@ -178,7 +177,7 @@ fn a_first_part_of_the_sobol_points_is_a_pattern_too() {
 
 #[test]
 fn single_coordinates_are_stratified() {
-    for pattern in STRATIFIED.into_iter().chain([SamplePattern::Grid, SamplePattern::HalfJittered]) {
+    for pattern in STRATIFIED.into_iter().chain([SamplerKind::Grid, SamplerKind::HalfJittered]) {
         let sampler = PixelSampler::new(pattern, 64, 3);
         for skipped in 0..5 {
             let draw = |index| {
@@ -193,14 +192,14 @@ fn single_coordinates_are_stratified() {
 
 #[test]
 fn samples_beyond_the_pattern_start_a_new_one() {
-    for pattern in [SamplePattern::Jittered, SamplePattern::MultiJittered, SamplePattern::BlueNoise] {
+    for pattern in [SamplerKind::Jittered, SamplerKind::MultiJittered, SamplerKind::BlueNoise] {
         let sampler = PixelSampler::new(pattern, 16, 0);
         let round = |first: u32| (first..first + 16).map(|index| sampler.sample([1, 1], index).next_2d());
         assert_even(&round(16).collect::<Vec<_>>(), 4, 4, pattern.name());
         assert!(round(0).zip(round(16)).all(|(a, b)| a != b));
     }
     let block = 1 << SobolSet::INDEX_BITS;
-    let sampler = PixelSampler::new(SamplePattern::Sobol, 2 * block, 0);
+    let sampler = PixelSampler::new(SamplerKind::Sobol, 2 * block, 0);
     let second: Vec<_> = (block..block + 256).map(|index| sampler.sample([1, 1], index).next_2d()).collect();
     assert_even(&second, 16, 16, "sobol");
     assert!((0..256).all(|index| sampler.sample([1, 1], index).next_2d() != second[index as usize]));
@@ -224,7 +223,7 @@ fn correlation(pairs: &[[f64; 2]]) -> f64 {
 #[test]
 fn neighbouring_pixels_seeds_and_dimensions_are_uncorrelated() {
     let count = 4096u32;
-    for pattern in SamplePattern::unbiased() {
+    for pattern in SamplerKind::unbiased() {
         let draws = |seed, pixel, index| {
             let mut sample = PixelSampler::new(pattern, 16, seed).sample(pixel, index);
             [sample.next_2d(), sample.next_2d(), sample.next_2d()]
@@ -241,7 +240,7 @@ fn neighbouring_pixels_seeds_and_dimensions_are_uncorrelated() {
             ("the other axis", &|i| draws(0, [i % 64, i / 64], 5)[0][1]),
         ];
         // Pixels of a block complement each other.
-        let skipped = if pattern == SamplePattern::BlueNoise { 2 } else { 0 };
+        let skipped = if pattern == SamplerKind::BlueNoise { 2 } else { 0 };
         for (name, other) in others.into_iter().skip(skipped) {
             let pairs: Vec<_> = (0..count).map(|i| [at(0, i, 0, 5, 0), other(i)]).collect();
             let r = correlation(&pairs);
@@ -253,7 +252,7 @@ fn neighbouring_pixels_seeds_and_dimensions_are_uncorrelated() {
 #[test]
 fn every_sample_of_a_pattern_is_uniform_over_the_pixel() {
     let (bins, pixels) = (16usize, 25_600u32);
-    for pattern in SamplePattern::unbiased() {
+    for pattern in SamplerKind::unbiased() {
         let sampler = PixelSampler::new(pattern, 16, 5);
         for index in [0, 1, 7, 15] {
             for pair in 0..2 {
@@ -275,7 +274,7 @@ fn every_sample_of_a_pattern_is_uniform_over_the_pixel() {
 
 #[test]
 fn positions_are_the_first_pairs_of_the_samples() {
-    for pattern in SamplePattern::ALL {
+    for pattern in SamplerKind::ALL {
         for (spp, first, count) in [(1, 0, 5), (5, 0, 30), (16, 0, 16), (16, 13, 40), (49, 4_000_000_000, 64)] {
             let sampler = PixelSampler::new(pattern, spp, 3);
             let mut positions = vec![[0.0; 2]; count];
@@ -290,11 +289,11 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
     #[test]
     fn coordinates_are_a_pure_function_within_the_unit_interval(
-        pattern in 0..SamplePattern::ALL.len(), spp in 1u32..5000, seed in any::<u64>(), x in any::<u32>(), y in any::<u32>(),
+        pattern in 0..SamplerKind::ALL.len(), spp in 1u32..5000, seed in any::<u64>(), x in any::<u32>(), y in any::<u32>(),
         index in any::<u32>(), is_pair in proptest::collection::vec(any::<bool>(), 12),
     ) {
-        let sampler = PixelSampler::new(SamplePattern::ALL[pattern], spp, seed);
-        let draw = |mut sample: PixelSample| -> Vec<f64> {
+        let sampler = PixelSampler::new(SamplerKind::ALL[pattern], spp, seed);
+        let draw = |mut sample: SampleStream| -> Vec<f64> {
             is_pair.iter().flat_map(|&pair| if pair { sample.next_2d().to_vec() } else { vec![sample.next_1d()] }).collect()
         };
         let first = draw(sampler.sample([x, y], index));

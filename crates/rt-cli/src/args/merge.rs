@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use rt_camera::ImageFormat;
+use rt_image::ImageFormat;
 
 use super::{AovArg, DevelopmentArgs, MemoryArgs, values};
 

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use rt_camera::{SamplePattern, ToneCurve};
+use rt_camera::SamplerKind;
+use rt_image::ToneCurve;
 use rt_math::{DVec3, Rgb};
 use rt_render::{Crop, Quality, SimdLevel};
 use rt_scene_io::{Accel, Integrator, LightSampling};
@@ -54,8 +55,8 @@ pub(crate) struct PictureArgs {
     pub(crate) integrator: Option<Integrator>,
 
     /// Where in the pixel the samples fall
-    #[arg(long, value_name = "NAME", value_parser = choice(SamplePattern::ALL, SamplePattern::name), help_heading = "How")]
-    pub(crate) sampler: Option<SamplePattern>,
+    #[arg(long, value_name = "NAME", value_parser = choice(SamplerKind::ALL, SamplerKind::name), help_heading = "How")]
+    pub(crate) sampler: Option<SamplerKind>,
 
     /// How one of many lights with extent is chosen
     #[arg(long, value_name = "NAME", value_parser = choice(LightSampling::ALL, LightSampling::name), help_heading = "How")]

@@ -104,7 +104,7 @@ fn in_one_line(error: &Error) -> String {
 #[cfg(test)]
 mod tests {
     use clap::{CommandFactory, Parser};
-    use rt_camera::SamplePattern;
+    use rt_camera::SamplerKind;
 
     use super::*;
 
@@ -123,7 +123,7 @@ mod tests {
         let options = typed(&["--size", "8x4", "--depth=3", "--full-plan"]);
         let picture = options.with(&[("sampler", "halton")]).expect("valid");
         assert_eq!((picture.size, picture.depth, picture.full_plan), (Some([8, 4]), Some(3), true));
-        assert_eq!((picture.sampler, picture.spp), (Some(SamplePattern::Halton), None));
+        assert_eq!((picture.sampler, picture.spp), (Some(SamplerKind::Halton), None));
         assert_eq!(typed(&[]).with(&[]).expect("valid").depth, None);
     }
 

@@ -4,8 +4,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use rt_camera::metrics::Flip;
-use rt_camera::{Development, Encoding, FilmSettings, ImageFormat, ToneCurve};
+use rt_camera::FilmSettings;
+use rt_image::{Development, Encoding, ImageFormat, ToneCurve, metrics::Flip};
 use rt_math::{DVec3, Rgb};
 use rt_render::{Crop, Quality, Share, SimdLevel};
 

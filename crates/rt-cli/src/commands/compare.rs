@@ -4,8 +4,8 @@ mod measures;
 mod pair;
 mod report;
 
-use rt_camera::metrics::{ColourScale, heat_map};
-use rt_camera::{Development, write_image};
+use rt_image::metrics::{ColourScale, heat_map};
+use rt_image::{Development, write_image};
 
 use self::measures::Measures;
 use self::pair::Images;

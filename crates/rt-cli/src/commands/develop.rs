@@ -2,7 +2,7 @@
 
 use std::slice;
 
-use rt_camera::{Development, Dither, Encoding, ImageFormat, image_header, write_image};
+use rt_image::{Development, Dither, Encoding, ImageFormat, image_header, write_image};
 
 use crate::args::DevelopArgs;
 use crate::error::Failure;

@@ -2,7 +2,7 @@
 
 use bytesize::ByteSize;
 use comfy_table::{CellAlignment, Table, presets};
-use rt_camera::{Film, MAX_READ_PIXELS};
+use rt_image::{Image, MAX_READ_PIXELS};
 use rt_scene_io::limits::{self, Amount};
 
 use crate::args;
@@ -28,7 +28,7 @@ pub(super) fn run() -> Result<(), Failure> {
     }
     let read = Amount::Count(MAX_READ_PIXELS).to_string();
     table.add_row(["pixels of a picture that is read", &read, "compare, develop", ""]);
-    let joined = Amount::Count(Film::MAX_PIXELS).to_string();
+    let joined = Amount::Count(Image::MAX_PIXELS).to_string();
     table.add_row(["pixels of a picture whose parts are joined", &joined, "merge", ""]);
     if let Some(column) = table.column_mut(1) {
         column.set_cell_alignment(CellAlignment::Right);

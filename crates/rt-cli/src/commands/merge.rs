@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use indicatif::{HumanCount, HumanDuration};
-use rt_camera::write_image;
+use rt_image::write_image;
 use rt_render::{JoinError, Part, Rendering};
 
 use crate::aov_file::AovFile;

@@ -5,7 +5,7 @@ mod frames;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use rt_camera::ImageFormat;
+use rt_image::ImageFormat;
 use rt_render::Share;
 
 use crate::aov_file::AovFile;

@@ -1,6 +1,6 @@
 //! Scenes that are lit by an image and shown before something else.
 
-use rt_camera::{Development, Film, ImageFormat, write_image};
+use rt_image::{Development, Image, ImageFormat, write_image};
 
 use crate::program::Workplace;
 
@@ -12,7 +12,7 @@ fn place() -> Workplace {
         "(camera: (look_from: (0, 0, 5), fov: 40), film: (size: (33, 33)), settings: (spp: 16), lights: [],
           materials: {\"grey\": phong(color: gray(0.5))}, nodes: [(shape: sphere(), material: \"grey\")])",
     );
-    let mut sky = Film::new(16, 8, false);
+    let mut sky = Image::new(16, 8, false);
     for (index, pixel) in sky.pixels_mut().iter_mut().enumerate() {
         *pixel = if index < 64 { [2.0, 2.0, 1.0] } else { [0.1, 0.1, 0.2] };
     }

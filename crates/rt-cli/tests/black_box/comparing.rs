@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use rt_camera::{Development, Film, ImageFormat, write_image};
+use rt_image::{Development, Image, ImageFormat, write_image};
 use serde_json::{Value, json};
 
 use crate::program::Workplace;
@@ -21,15 +21,15 @@ fn place_with_images() -> Workplace {
     place
 }
 
-fn film(radiance: impl Fn(u32, u32) -> [f32; 3]) -> Film {
-    let mut film = Film::new(16, 12, false);
+fn film(radiance: impl Fn(u32, u32) -> [f32; 3]) -> Image {
+    let mut film = Image::new(16, 12, false);
     for (index, pixel) in (0..).zip(film.pixels_mut()) {
         *pixel = radiance(index % 16, index / 16);
     }
     film
 }
 
-fn save(place: &Workplace, name: &str, film: &Film) {
+fn save(place: &Workplace, name: &str, film: &Image) {
     let mut bytes = Vec::new();
     let format = ImageFormat::from_path(name.as_ref()).expect("known");
     write_image(film, &Development::default(), format, &mut bytes).expect("written");
@@ -138,7 +138,7 @@ fn heat_maps_have_the_colours_of_their_legend() {
     let place = place_with_images();
     let run = place.run("compare a.exr b.exr --heat-map map.png --heat-map-scale 1");
     assert!(run.stdout.contains("blue -1.00000 or less, white 0, red 1.00000 or more"), "{run:?}");
-    let decode = |bytes: [u8; 3]| bytes.map(|byte| f64::from(rt_camera::Encoding::Srgb.decode(byte)));
+    let decode = |bytes: [u8; 3]| bytes.map(|byte| f64::from(rt_image::Encoding::Srgb.decode(byte)));
     let map = place.film("map.png");
     for (pixel, bytes) in [([1, 1], [247, 247, 247]), ([7, 5], [5, 113, 176]), ([2, 4], [244, 165, 130])] {
         assert_eq!(map.pixel(pixel[0], pixel[1]).map(rt_math::Rgb::to_array), Some(decode(bytes)), "{pixel:?}");
@@ -176,7 +176,7 @@ fn pixels_that_are_not_finite_are_told_and_differ() {
 #[test]
 fn what_cannot_be_compared_is_refused() {
     let place = place_with_images();
-    save(&place, "small.exr", &Film::new(4, 4, false));
+    save(&place, "small.exr", &Image::new(4, 4, false));
     save(&place, "a.png", &film(|_, _| [0.5; 3]));
     place.write("text.png", "hello");
     let before = place.files();

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use rt_camera::Film;
+use rt_image::Image;
 use serde_json::Value;
 
 use crate::program::{Run, Workplace};
@@ -87,7 +87,7 @@ fn the_page_needs_nothing_else_and_all_files_are_there() {
     let csv = std::str::from_utf8(&files[0]).expect("text");
     assert_eq!(csv.lines().count(), 1 + 6, "{csv}");
     let plot = place.film("edge-converge/converge.png");
-    let colour = |bytes: [u8; 3]| bytes.map(|byte| rt_camera::Encoding::Srgb.decode(byte));
+    let colour = |bytes: [u8; 3]| bytes.map(|byte| rt_image::Encoding::Srgb.decode(byte));
     // The legend is in the upper right corner; lines are wherever the times of so short runs put them.
     let (width, height) = (plot.width() as usize, plot.height() as usize);
     let outside = || {
@@ -212,8 +212,8 @@ fn what_cannot_be_measured_is_refused_before_anything_is_rendered() {
     place.write("text.exr", "hello");
     place.write("file", "older");
     let mut bytes = Vec::new();
-    let small = Film::new(4, 4, false);
-    rt_camera::write_image(&small, &rt_camera::Development::default(), rt_camera::ImageFormat::Exr, &mut bytes)
+    let small = Image::new(4, 4, false);
+    rt_image::write_image(&small, &rt_image::Development::default(), rt_image::ImageFormat::Exr, &mut bytes)
         .expect("EXR");
     place.write("small.exr", bytes);
     let before = place.files();

@@ -1,6 +1,6 @@
 //! What must not change a bit of the picture.
 
-use rt_camera::Film;
+use rt_image::Image;
 
 use crate::program::Workplace;
 
@@ -45,7 +45,7 @@ fn a_crop_is_a_part_of_the_whole() {
     place.succeed("render scene.ron -o part.exr --background transparent --crop 13,5,20,11");
     let (whole, part) = (place.film("whole.exr"), place.film("part.exr"));
     assert_eq!((part.width(), part.height()), (20, 11));
-    let alpha = |film: &Film, x: u32, y: u32| film.alpha().expect("alpha")[(y * film.width() + x) as usize];
+    let alpha = |film: &Image, x: u32, y: u32| film.alpha().expect("alpha")[(y * film.width() + x) as usize];
     for y in 0..11 {
         for x in 0..20 {
             assert_eq!(part.pixel(x, y), whole.pixel(13 + x, 5 + y), "{x} {y}");

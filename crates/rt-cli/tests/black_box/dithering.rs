@@ -1,6 +1,6 @@
 //! Gradients in pictures of 8 bits.
 
-use rt_camera::Development;
+use rt_image::Development;
 
 use crate::program::Workplace;
 
@@ -26,7 +26,7 @@ fn gradients_show_no_bands() {
     let development = Development::default();
     let (linear, dithered, banded) = (place.film("sky.pfm"), place.film("sky.png"), place.film("banded.png"));
     // Means over blocks, in levels.
-    let mean = |film: &rt_camera::Film, block: usize| {
+    let mean = |film: &rt_image::Image, block: usize| {
         let inside =
             (0..16 * 16).map(|index| film.pixels()[(block / 6 * 16 + index / 16) * 96 + block % 6 * 16 + index % 16]);
         inside.map(|pixel| 255.0 * development.signal(pixel[1])).sum::<f64>() / 256.0

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use rt_camera::{Film, read_image};
+use rt_image::{Image, read_image};
 use tempfile::TempDir;
 
 /// One of everything small: three spheres, one of glass, one a mirror, a texture, two lights.
@@ -71,7 +71,7 @@ impl Workplace {
         fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
-    pub(crate) fn film(&self, name: &str) -> Film {
+    pub(crate) fn film(&self, name: &str) -> Image {
         read_image(&self.path(name)).unwrap_or_else(|error| panic!("{error}"))
     }
 

@@ -6,7 +6,7 @@ use std::sync::mpsc::{self, Receiver};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rt_camera::{Development, read_image};
+use rt_image::{Development, read_image};
 
 use crate::program::Workplace;
 use crate::x_screen::Screen;

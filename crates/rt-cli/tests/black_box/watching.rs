@@ -5,7 +5,7 @@ use std::net::{TcpListener, TcpStream};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use rt_camera::Film;
+use rt_image::Image;
 
 use crate::program::Workplace;
 
@@ -22,7 +22,7 @@ struct Painting {
 }
 
 impl Painting {
-    fn assert_is(&self, film: &Film) {
+    fn assert_is(&self, film: &Image) {
         assert_eq!([self.width, self.height], [film.width() as usize, film.height() as usize]);
         let expected: Vec<f32> = match film.alpha() {
             None => film.pixels().as_flattened().to_vec(),

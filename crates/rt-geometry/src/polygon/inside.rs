@@ -1,6 +1,6 @@
 //! Inside or outside: the three rules of the lecture.
 
-use crate::ShearedRay;
+use crate::WatertightRay;
 use rt_math::DVec3;
 use rt_math::float::difference_of_products;
 
@@ -32,7 +32,7 @@ pub enum InsideRule {
 
 impl InsideRule {
     /// Whether the ray passes inside the rings, as it sees them.
-    pub(super) fn is_inside<'r>(self, rings: impl Iterator<Item = &'r [DVec3]>, ray: &ShearedRay) -> bool {
+    pub(super) fn is_inside<'r>(self, rings: impl Iterator<Item = &'r [DVec3]>, ray: &WatertightRay) -> bool {
         let mut sides = Sides::default();
         match self {
             Self::Convex => rings.for_each(|ring| sides.add_ring::<true>(ring, ray)),
@@ -61,7 +61,7 @@ struct Sides {
 
 impl Sides {
     /// Looks at all edges of a ring; `left` and `right` are filled in for `ALL` only.
-    fn add_ring<const ALL: bool>(&mut self, ring: &[DVec3], ray: &ShearedRay) {
+    fn add_ring<const ALL: bool>(&mut self, ring: &[DVec3], ray: &WatertightRay) {
         let Some(last) = ring.last() else { return };
         let mut a = ray.map(*last);
         for vertex in ring {

@@ -8,15 +8,14 @@ mod tests;
 pub use inside::InsideRule;
 pub use outline::PolygonError;
 
-use crate::area::polygon_area_vector;
-use crate::{Plane, ShapeHit, ShearedRay, SurfaceInteraction, SurfaceNeeds};
+use crate::{InteractionFlags, Plane, ShapeHit, SurfaceInteraction, WatertightRay, area::polygon_area_vector};
 use outline::Flatness;
 use rt_math::{Aabb, DVec3, Frame, Interval, Ray, Transform};
 
 /// A flat polygon: an outline and holes in it. Its front is the side from which the outline runs counter-clockwise.
 ///
 /// The ray is cut with the plane of the polygon, which gives `t`. Whether the hit counts is not asked of that point,
-/// which is rounded, but of the ray: all corners are mapped as [`ShearedRay`] maps those of triangles, and the
+/// which is rounded, but of the ray: all corners are mapped as [`WatertightRay`] maps those of triangles, and the
 /// [`InsideRule`] looks for the origin of the image with exact signs. Polygons and triangles that share corners in one
 /// space share their image, so no ray slips through between them, at edges or at corners, however they are tilted.
 ///
@@ -129,11 +128,11 @@ impl Polygon {
     /// rays without a direction. Takes time in proportion to the number of corners.
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let hit = self.plane.intersect(ray, span)?;
-        self.rule.is_inside(self.rings(), &ShearedRay::new(ray)).then_some(hit)
+        self.rule.is_inside(self.rings(), &WatertightRay::new(ray)).then_some(hit)
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let surface = self.plane.surface(ray, hit, needs);
         let uv = |k: usize| (surface.uv[k] - self.uv_min[k]) / self.uv_size[k];
         if needs.uv { SurfaceInteraction { uv: [uv(0), uv(1)], ..surface } } else { surface }

@@ -1,8 +1,6 @@
 //! Validation of polygons.
 
-use crate::area::area_vector;
-use crate::error::check_coordinates;
-use crate::{Plane, ShapeError};
+use crate::{Plane, ShapeError, area::area_vector, error::check_coordinates};
 use rt_math::float::gamma;
 use rt_math::{Aabb, DVec3};
 

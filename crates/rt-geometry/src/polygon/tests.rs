@@ -48,10 +48,10 @@ fn a_square_is_hit_from_both_sides_and_shows_its_front() {
         for (z, t) in [(3.0, 2.0), (-1.0, 2.0)] {
             let ray = Ray::new(DVec3::new(1.5, 2.5, z), DVec3::new(0.0, 0.0, (1.0 - z) / t));
             let hit = square.intersect(&ray, Interval::FORWARD).expect("a hit");
-            let surface = square.surface(&ray, &hit, SurfaceNeeds::ALL);
+            let surface = square.surface(&ray, &hit, InteractionFlags::ALL);
             assert_eq!((hit.t, surface.point, surface.uv), (t, DVec3::new(1.5, 2.5, 1.0), [0.25, 0.75]));
             assert_eq!(surface.geometric_normal, DVec3::Z);
-            assert_eq!(square.surface(&ray, &hit, SurfaceNeeds::NONE).uv, [0.0; 2]);
+            assert_eq!(square.surface(&ray, &hit, InteractionFlags::NONE).uv, [0.0; 2]);
             assert_eq!(square.intersect(&ray, Interval::new(0.0, t.next_down())), None);
         }
         let within = Ray::new(DVec3::new(-1.0, 2.0, 1.0), DVec3::X);
@@ -130,8 +130,9 @@ fn collinear_corners_change_nothing() {
             let ray = Ray::new(origin, DVec3::new(draw(3), draw(4), 0.0) - origin);
             let (a, b) = (plain.intersect(&ray, Interval::FORWARD), crowded.intersect(&ray, Interval::FORWARD));
             assert_eq!(a, b, "{rule:?} {ray:?}");
-            let surfaces =
-                |hit| (plain.surface(&ray, &hit, SurfaceNeeds::ALL), crowded.surface(&ray, &hit, SurfaceNeeds::ALL));
+            let surfaces = |hit| {
+                (plain.surface(&ray, &hit, InteractionFlags::ALL), crowded.surface(&ray, &hit, InteractionFlags::ALL))
+            };
             if let Some((a, b)) = a.map(surfaces) {
                 assert_eq!(a, b);
                 hits += 1;
@@ -191,7 +192,7 @@ fn a_corner_may_lie_off_the_plane_by_a_millionth_of_the_diameter() {
     let bent = lifted(5e-6).expect("flat enough");
     let ray = Ray::new(DVec3::new(3.0, 1e-3, 2.0), DVec3::NEG_Z);
     let hit = bent.intersect(&ray, Interval::FORWARD).expect("a hit");
-    let surface = bent.surface(&ray, &hit, SurfaceNeeds::ALL);
+    let surface = bent.surface(&ray, &hit, InteractionFlags::ALL);
     assert!(surface.point.z < 4e-6, "on the plane, not at the corner");
     assert!(bent.bounds().contains(surface.point) && bent.bounds().max.z == 5e-6);
 }
@@ -204,7 +205,7 @@ fn a_sliver_gives_a_hit_on_itself_or_a_clean_miss() {
             let origin = DVec3::new(f64::from(i) * 1e4, -1.0, f64::from(i) * 1e-8);
             let ray = Ray::new(origin, DVec3::new(3e5, 1.0, 0.0));
             if let Some(hit) = sliver.intersect(&ray, Interval::FORWARD) {
-                let surface = sliver.surface(&ray, &hit, SurfaceNeeds::ALL);
+                let surface = sliver.surface(&ray, &hit, InteractionFlags::ALL);
                 assert!(sliver.bounds().padded().contains(surface.point));
             }
         }
@@ -232,8 +233,8 @@ proptest! {
             let (Some(found), Some(expected)) = (found, expected) else { continue };
             prop_assert!((found.t - expected.t).abs() < 1e-11);
             let [polygon, triangle] = [
-                polygon.surface(&ray, &found, SurfaceNeeds::ALL),
-                triangle.surface(&ray, &expected, SurfaceNeeds::ALL),
+                polygon.surface(&ray, &found, InteractionFlags::ALL),
+                triangle.surface(&ray, &expected, InteractionFlags::ALL),
             ];
             prop_assert!((polygon.point - triangle.point).length() < 1e-11);
             prop_assert!((polygon.geometric_normal - triangle.geometric_normal).length() < 1e-12);

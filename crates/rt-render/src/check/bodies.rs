@@ -1,7 +1,7 @@
 //! Which objects separate an inside from an outside, and what is inside of them.
 
-use rt_geometry::{Placed, Shape, ShapeHit, SurfaceNeeds};
-use rt_math::{DVec3, Hit, Interval, Primitives, Ray};
+use rt_geometry::{Hit, InteractionFlags, Primitives, Shape, ShapeHit, TransformedShape};
+use rt_math::{DVec3, Interval, Ray};
 
 use super::objects::{Geometry, Object, Objects};
 use super::report::{Finding, Findings, Kind, Severity, value};
@@ -48,7 +48,7 @@ pub(super) struct Within<'o> {
 /// Whether a shape has an inside. A plane and flat or open shapes have two sides instead.
 fn encloses(shape: &Shape) -> bool {
     match shape {
-        Shape::Sphere(_) | Shape::AxisBox(_) | Shape::Torus(_) | Shape::InfiniteCylinder(_) | Shape::DoubleCone(_) => {
+        Shape::Sphere(_) | Shape::Cuboid(_) | Shape::Torus(_) | Shape::InfiniteCylinder(_) | Shape::DoubleCone(_) => {
             true
         }
         Shape::Cylinder(cylinder) => cylinder.has_caps(),
@@ -84,10 +84,10 @@ fn wall_around(object: &Object<'_>, point: DVec3) -> Option<f64> {
 
 /// Where a ray in world space first meets an object, and the normal of its front there.
 fn first_hit(object: &Object<'_>, ray: &Ray) -> Option<(f64, DVec3)> {
-    let needs = SurfaceNeeds::NONE;
+    let needs = InteractionFlags::NONE;
     match object.geometry {
         Geometry::Shape(shape) => {
-            let placed = Placed::new(shape.clone(), object.world_from_local);
+            let placed = TransformedShape::new(shape.clone(), object.world_from_local);
             let hit: ShapeHit = placed.intersect(ray, Interval::FORWARD)?;
             Some((hit.t, placed.surface(ray, &hit, needs).geometric_normal))
         }
@@ -137,7 +137,7 @@ mod tests {
     use super::super::fixture::*;
     use super::super::welded::Welded;
     use super::*;
-    use rt_geometry::{AxisBox, Cylinder, Plane, Torus};
+    use rt_geometry::{Cuboid, Cylinder, Plane, Torus};
     use rt_math::{Transform, Vec3};
     use rt_scene_io::{Content, Node};
 
@@ -150,7 +150,7 @@ mod tests {
         let mut scene = empty();
         let mut egg = ball(DVec3::ZERO, 1.0);
         let stretch = Transform::scale(DVec3::new(1.0, -3.0, 1.0)).unwrap();
-        egg.parent_from_local = Transform::translate(DVec3::X * 10.0).then_first(&stretch);
+        egg.parent_from_local = Transform::translate(DVec3::X * 10.0).compose(&stretch);
         let cube = add_mesh(&mut scene, cube_data());
         let ring = shape(Shape::Torus(Torus::new(5.0, 0.5).unwrap()));
         scene.nodes = vec![egg, cube, ring];
@@ -180,7 +180,7 @@ mod tests {
             scene.nodes = vec![shape(open)];
             assert_eq!(only(&scene, Kind::OpenGlass).severity, Severity::Warning);
         }
-        let solid = Shape::AxisBox(AxisBox::new(DVec3::ZERO, DVec3::ONE).unwrap());
+        let solid = Shape::Cuboid(Cuboid::new(DVec3::ZERO, DVec3::ONE).unwrap());
         let can = Shape::Cylinder(Cylinder::new(1.0, 5.0, 6.0, true).unwrap());
         let mut scene = empty();
         scene.nodes = vec![shape(solid), shape(can)];

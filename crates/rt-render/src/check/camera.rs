@@ -2,9 +2,10 @@
 
 use std::fmt;
 
+use rt_accel::Accelerator;
 use rt_camera::Camera;
-use rt_geometry::SurfaceNeeds;
-use rt_math::{Accelerator, DVec2, DVec3, Interval, NoProbe, Ray};
+use rt_geometry::{InteractionFlags, NoProbe};
+use rt_math::{DVec2, DVec3, Interval, Ray};
 use rt_shading::SurfaceHit;
 
 use super::objects::Objects;
@@ -60,7 +61,7 @@ impl fmt::Display for CameraMeasures {
 
 /// Looks through a camera at the world that a render would trace.
 fn look(name: &str, camera: &Camera, size: DVec2, top: &Assembly, levels: &Levels) -> CameraMeasures {
-    let needs = SurfaceNeeds::NONE;
+    let needs = InteractionFlags::NONE;
     let parts = top.set(levels);
     let mut measures = CameraMeasures {
         name: name.to_owned(),

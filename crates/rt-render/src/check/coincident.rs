@@ -5,8 +5,8 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-use rt_accel::{Boxes, Bvh, Structure};
-use rt_geometry::{Placed, Shape, Sphere};
+use rt_accel::{AcceleratorQueries, Boxes, Bvh};
+use rt_geometry::{Shape, Sphere, TransformedShape};
 use rt_math::{Aabb, DVec3};
 
 use super::bodies::Bodies;
@@ -115,7 +115,7 @@ impl Search<'_> {
     /// Shapes without flat faces: the same one in the same place. Returns whether all were compared.
     fn round_shapes(&mut self) -> bool {
         let is_round = |object: &Object<'_>| match object.geometry {
-            Geometry::Shape(Shape::AxisBox(_) | Shape::Triangle(_) | Shape::Rectangle(_) | Shape::Plane(_))
+            Geometry::Shape(Shape::Cuboid(_) | Shape::Triangle(_) | Shape::Rectangle(_) | Shape::Plane(_))
             | Geometry::Mesh(..) => None,
             Geometry::Shape(_) => object.bounds,
         };
@@ -234,7 +234,7 @@ fn is_same_shape(a: &Object<'_>, b: &Object<'_>, placement_errors: f64) -> bool 
 
 /// The sphere that a sphere is after a transform that keeps it round.
 fn sphere_in_world(shape: &Shape, object: &Object<'_>) -> Option<Sphere> {
-    match Placed::new(shape.clone(), object.world_from_local).baked_without_uv() {
+    match TransformedShape::new(shape.clone(), object.world_from_local).bake_transform_ignoring_uv() {
         Some(Shape::Sphere(sphere)) => Some(sphere),
         _ => None,
     }

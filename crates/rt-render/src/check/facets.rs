@@ -102,7 +102,7 @@ pub(super) fn tolerance(placement_errors: f64, max_abs: f64) -> f64 {
 fn facet_count(object: &Object<'_>) -> usize {
     match object.geometry {
         Geometry::Mesh(_, mesh) => mesh.data().triangles.len(),
-        Geometry::Shape(Shape::AxisBox(_)) => BOX_TRIANGLES.len(),
+        Geometry::Shape(Shape::Cuboid(_)) => BOX_TRIANGLES.len(),
         Geometry::Shape(Shape::Triangle(_)) => 1,
         Geometry::Shape(Shape::Rectangle(_)) => 2,
         Geometry::Shape(_) => 0,
@@ -112,7 +112,7 @@ fn facet_count(object: &Object<'_>) -> usize {
 fn local_corners(object: &Object<'_>, number: usize) -> [DVec3; 3] {
     match object.geometry {
         Geometry::Mesh(_, mesh) => corners(mesh, mesh.data().triangles[number]),
-        Geometry::Shape(Shape::AxisBox(axis_box)) => {
+        Geometry::Shape(Shape::Cuboid(axis_box)) => {
             let corners = axis_box.bounds().corners();
             BOX_TRIANGLES[number].map(|corner| corners[corner])
         }
@@ -129,15 +129,15 @@ fn local_corners(object: &Object<'_>, number: usize) -> [DVec3; 3] {
 mod tests {
     use super::super::fixture::*;
     use super::*;
-    use rt_geometry::AxisBox;
+    use rt_geometry::Cuboid;
     use rt_math::Transform;
     use rt_scene_io::{Content, Node};
 
     #[test]
     fn faces_of_boxes_look_outwards_even_if_mirrored() {
         let mut scene = empty();
-        let solid = AxisBox::new(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)).unwrap();
-        let mut node = Node::new(Content::Shape(Shape::AxisBox(solid)), GREY);
+        let solid = Cuboid::new(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)).unwrap();
+        let mut node = Node::new(Content::Shape(Shape::Cuboid(solid)), GREY);
         node.parent_from_local = Transform::scale(DVec3::new(-1.0, 1.0, 1.0)).unwrap();
         scene.nodes = vec![Node { parent_from_local: Transform::IDENTITY, ..node.clone() }, node];
         let objects = Objects::of(&scene);

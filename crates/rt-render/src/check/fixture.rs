@@ -7,7 +7,7 @@ use rt_geometry::{MeshData, Plane, Shape, Sphere, TriangleMesh};
 use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene};
 use rt_shading::{
-    Appearance, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId, Transmission,
+    Appearance, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId, Transmission,
 };
 
 use super::{Finding, Kind, Severity, check};
@@ -19,10 +19,10 @@ pub(super) const CHECKER: MaterialId = MaterialId(2);
 /// Three materials, a small square image, and nothing to see.
 pub(super) fn empty() -> Scene {
     let material = |name: &str, phong| Material::new(name.into(), phong);
-    let white = Coefficient::Constant(Rgb::WHITE);
+    let white = ColorTexture::Constant(Rgb::WHITE);
     let inside = Transmission { coefficient: white, ior: 1.5, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
-    let glass = Phong { diffuse: Coefficient::ZERO, mirror: white, transmission: Some(inside), ..Phong::default() };
-    let checker = Phong { diffuse: Coefficient::Textured(TextureId(0), Rgb::WHITE), ..Phong::default() };
+    let glass = Phong { diffuse: ColorTexture::ZERO, mirror: white, transmission: Some(inside), ..Phong::default() };
+    let checker = Phong { diffuse: ColorTexture::Textured(TextureId(0), Rgb::WHITE), ..Phong::default() };
     Scene {
         film: FilmSettings { width: 48, height: 48, ..FilmSettings::default() },
         appearance: Appearance {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use rt_math::Rgb;
-use rt_shading::{Coefficient, Material, Texture};
+use rt_shading::{ColorTexture, Material, Texture};
 
 use super::objects::{Geometry, Objects};
 use super::report::{Finding, Findings, Kind, Severity, value};
@@ -39,10 +39,10 @@ fn energy(material: &Material, textures: &[Texture], findings: &mut Findings) {
 }
 
 /// An upper bound of a coefficient; images count as 1, which they seldom exceed.
-fn brightest(coefficient: &Coefficient, textures: &[Texture]) -> Rgb {
+fn brightest(coefficient: &ColorTexture, textures: &[Texture]) -> Rgb {
     match coefficient {
-        Coefficient::Constant(rgb) => *rgb,
-        Coefficient::Textured(id, rgb) => match textures.get(id.0 as usize) {
+        ColorTexture::Constant(rgb) => *rgb,
+        ColorTexture::Textured(id, rgb) => match textures.get(id.0 as usize) {
             Some(Texture::Checker { even, odd, .. }) => {
                 Rgb::new(even.r.max(odd.r), even.g.max(odd.g), even.b.max(odd.b)) * *rgb
             }
@@ -96,8 +96,8 @@ mod tests {
         let mut scene = empty();
         scene.nodes = vec![ball(DVec3::ZERO, 1.0)];
         let phong = &mut scene.appearance.materials[0].phong;
-        phong.diffuse = Coefficient::Constant(Rgb::gray(0.25));
-        phong.specular = Coefficient::Constant(Rgb::new(0.5, 2.0, 0.5));
+        phong.diffuse = ColorTexture::Constant(Rgb::gray(0.25));
+        phong.specular = ColorTexture::Constant(Rgb::new(0.5, 2.0, 0.5));
         phong.exponent = 6.0;
         let finding = only(&scene, Kind::EnergyGain);
         assert!((finding.values[0].value - (0.25 + 2.0 * TAU / 8.0)).abs() < 1e-15, "{finding:?}");

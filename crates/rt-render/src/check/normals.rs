@@ -77,7 +77,7 @@ fn uvs(named: &NamedMesh, findings: &mut Findings) {
 #[cfg(test)]
 mod tests {
     use rt_math::Rgb;
-    use rt_shading::{Coefficient, Texture, TextureId};
+    use rt_shading::{ColorTexture, Texture, TextureId};
 
     use super::super::fixture::*;
     use super::*;
@@ -108,7 +108,7 @@ mod tests {
         let colours = TextureId(scene.appearance.textures.len() as u32);
         scene.appearance.textures.push(Texture::VertexColor(None));
         let checker = scene.appearance.materials[CHECKER.0 as usize].phong.diffuse;
-        scene.appearance.materials[CHECKER.0 as usize].phong.diffuse = Coefficient::Textured(colours, Rgb::WHITE);
+        scene.appearance.materials[CHECKER.0 as usize].phong.diffuse = ColorTexture::Textured(colours, Rgb::WHITE);
         assert_eq!(of_kind(&scene, Kind::MissingUvs), []);
         scene.appearance.materials[CHECKER.0 as usize].phong.diffuse = checker;
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
-use rt_geometry::{Placed, Shape, TriangleMesh};
+use rt_geometry::{Shape, TransformedShape, TriangleMesh};
 use rt_math::{Aabb, Transform};
 use rt_scene_io::{Content, Group, NamedMesh, Node, Scene};
 use rt_shading::Material;
@@ -112,7 +112,7 @@ impl<'s> Objects<'s> {
                 continue;
             };
             let place = Place { parent: siblings.parent, group: siblings.group, index, node };
-            let world_from_local = siblings.world_from_parent.then_first(&node.parent_from_local);
+            let world_from_local = siblings.world_from_parent.compose(&node.parent_from_local);
             let chain_condition = siblings.chain_condition * condition(&node.parent_from_local.linear());
             let casts_shadow = siblings.casts_shadow && node.casts_shadow;
             if self.places.len() >= MAX_PLACES || open.len() >= MAX_DEPTH {
@@ -208,7 +208,7 @@ impl<'s> Objects<'s> {
 
 fn world_bounds(geometry: Geometry<'_>, world_from_local: &Transform) -> Option<Aabb> {
     match geometry {
-        Geometry::Shape(shape) => Placed::new(shape.clone(), *world_from_local).bounds(),
+        Geometry::Shape(shape) => TransformedShape::new(shape.clone(), *world_from_local).bounds(),
         Geometry::Mesh(_, mesh) => Some(world_from_local.aabb(&mesh.bounds())),
     }
 }

@@ -1,11 +1,11 @@
 //! What is known of the form of a primitive without a ray.
 
-use rt_geometry::{Placed, Shape};
-use rt_math::{DVec3, Primitives};
+use rt_geometry::{Primitives, Shape, TransformedShape};
+use rt_math::DVec3;
 
 use crate::{
     trace::SphereWorld,
-    world::{Part, PartGeometry, Parts},
+    world::{InstanceGeometry, Part, Parts},
 };
 
 /// The form of a primitive in the space of the world, as far as pyramids and shafts make use of it.
@@ -46,12 +46,13 @@ impl Outlines for SphereWorld {
 impl Outlines for Parts<'_> {
     fn outline(&self, index: u32) -> Outline {
         match &self.parts[index as usize].geometry {
-            PartGeometry::Shape(shape) => Outline::of(shape),
-            PartGeometry::Placed(placed) => Outline::of_placed(placed),
-            PartGeometry::Facet(mesh, _) if mesh.data().normals.is_empty() => Outline::Flat,
-            PartGeometry::Facet(..) | PartGeometry::Mesh(..) | PartGeometry::Group(..) | PartGeometry::Moving(_) => {
-                Outline::Other
-            }
+            InstanceGeometry::Shape(shape) => Outline::of(shape),
+            InstanceGeometry::TransformedShape(placed) => Outline::of_placed(placed),
+            InstanceGeometry::Facet(mesh, _) if mesh.data().normals.is_empty() => Outline::Flat,
+            InstanceGeometry::Facet(..)
+            | InstanceGeometry::Mesh(..)
+            | InstanceGeometry::Group(..)
+            | InstanceGeometry::Moving(_) => Outline::Other,
         }
     }
 
@@ -68,13 +69,13 @@ impl Outline {
             Shape::Plane(plane) => Self::Plane { point: plane.point(), normal: plane.normal() },
             Shape::Triangle(_) | Shape::Rectangle(_) => Self::Flat,
             Shape::Disk(disk) if disk.inner_radius() == 0.0 => Self::Flat,
-            Shape::AxisBox(_) => Self::Faces,
+            Shape::Cuboid(_) => Self::Faces,
             _ => Self::Other,
         }
     }
 
     /// Affine maps keep what is flat flat, and what is convex convex. A sphere that they do not keep round is no ball.
-    fn of_placed(placed: &Placed) -> Self {
+    fn of_placed(placed: &TransformedShape) -> Self {
         let map = placed.world_from_local();
         match Self::of(placed.shape()) {
             Self::Plane { point, normal } => Self::Plane { point: map.point(point), normal: map.normal(normal) },

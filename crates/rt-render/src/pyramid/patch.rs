@@ -1,8 +1,8 @@
 //! The part of a smooth surface that a pyramid shows, and how evenly light falls on it.
 
-use rt_geometry::SurfaceNeeds;
-use rt_math::{DVec3, Hit, Ray, transcendental::pow};
-use rt_shading::{Appearance, Coefficient, Light, LightKind, Material, Phong};
+use rt_geometry::{Hit, InteractionFlags};
+use rt_math::{DVec3, Ray, transcendental::pow};
+use rt_shading::{Appearance, ColorTexture, Light, LightKind, Material, Phong};
 
 use super::outline::Outline;
 use crate::trace::Surfaces;
@@ -61,7 +61,7 @@ impl Patch {
             return None;
         }
         let is_closed = matches!(outline, Outline::Ball { .. } | Outline::Faces);
-        let needs = SurfaceNeeds::NONE;
+        let needs = InteractionFlags::NONE;
         let mut material = None;
         let mut corner = |at: usize| {
             let surface = world.surface_at(&rays[at], &hits[at], needs)?;
@@ -137,7 +137,7 @@ impl Patch {
         if turn * phong.exponent.max(1.0).sqrt() <= MOST_TURN {
             return true;
         }
-        let Coefficient::Constant(specular) = phong.specular else { return false };
+        let ColorTexture::Constant(specular) = phong.specular else { return false };
         let brightest = |corner: &Corner| {
             let lit = light.illuminate(corner.point)?;
             let cosine = phong.highlight.strength(corner.normal, corner.to_viewer, lit.direction, 1.0);

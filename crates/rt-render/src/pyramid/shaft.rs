@@ -11,7 +11,7 @@
 
 use core::ops::ControlFlow;
 
-use rt_accel::{AnyStructure, Region, Structure as _};
+use rt_accel::{AcceleratorQueries as _, AnyAccelerator, Region};
 use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay};
 use rt_shading::{Light, LightKind};
 
@@ -62,7 +62,7 @@ impl Shaft {
 
     /// How much of it all primitives together block, but for the one that the patch is part of: what is convex does not
     /// stand in its own light.
-    pub(super) fn blocked<W: Outlines>(&self, world: &W, structure: &AnyStructure, own: u32) -> Blocked {
+    pub(super) fn blocked<W: Outlines>(&self, world: &W, structure: &AnyAccelerator, own: u32) -> Blocked {
         let mut blocked = Blocked::Nowhere;
         structure.visit_overlapping(world, self, |index| {
             if index != own && world.casts_shadow(index) {

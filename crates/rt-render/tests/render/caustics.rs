@@ -1,12 +1,13 @@
 //! Light that comes to the camera by mirrors and glass, against what is known of it.
 
-use rt_camera::{CameraSettings, Film, FilmSettings, Filter, FovAxis, Projection};
-use rt_geometry::{AxisBox, Plane, Rectangle, Shape, Sphere};
+use rt_camera::{CameraSettings, FilmSettings, Filter, FovAxis, Projection};
+use rt_geometry::{Cuboid, Plane, Rectangle, Shape, Sphere};
+use rt_image::Image;
 use rt_math::{DVec2, DVec3, Rgb, Transform};
 use rt_render::{Crop, PlanOptions, RenderPlan, Rendering, RunOptions, StopRule};
 use rt_scene_io::{Accel, Content, Integrator, MaterialId, MeshId, NamedCamera, Node, Scene, Settings};
 use rt_shading::{
-    Appearance, Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong, Physical,
+    Appearance, Background, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong, Physical,
     Transmission, bsdf::ComplexIor, emitter::Sides,
 };
 
@@ -15,11 +16,11 @@ use crate::support::everything;
 const IOR: f64 = 1.5;
 
 fn body(roughness: f64, absorption: Rgb) -> Material {
-    let white = Coefficient::Constant(Rgb::WHITE);
+    let white = ColorTexture::Constant(Rgb::WHITE);
     let inside = Transmission { coefficient: white, ior: IOR, fresnel: true, absorption, priority: 0 };
     let phong = Phong {
-        diffuse: Coefficient::ZERO,
-        ambient: Coefficient::ZERO,
+        diffuse: ColorTexture::ZERO,
+        ambient: ColorTexture::ZERO,
         transmission: Some(inside),
         ..Phong::default()
     };
@@ -30,19 +31,19 @@ fn body(roughness: f64, absorption: Rgb) -> Material {
 }
 
 fn physical(physical: Physical) -> Material {
-    let phong = Phong { diffuse: Coefficient::ZERO, ambient: Coefficient::ZERO, ..Phong::default() };
+    let phong = Phong { diffuse: ColorTexture::ZERO, ambient: ColorTexture::ZERO, ..Phong::default() };
     Material { physical: Some(physical), ..Material::new("surface".into(), phong) }
 }
 
 fn diffuse(albedo: f64) -> Material {
-    physical(Physical::Diffuse { albedo: Coefficient::Constant(Rgb::gray(albedo)), roughness: 0.0 })
+    physical(Physical::Diffuse { albedo: ColorTexture::Constant(Rgb::gray(albedo)), roughness: 0.0 })
 }
 
 fn lamp(radiance: f64, shines: Sides) -> Material {
     let phong = Phong {
-        emission: Coefficient::Constant(Rgb::gray(radiance)),
-        diffuse: Coefficient::ZERO,
-        ambient: Coefficient::ZERO,
+        emission: ColorTexture::Constant(Rgb::gray(radiance)),
+        diffuse: ColorTexture::ZERO,
+        ambient: ColorTexture::ZERO,
         ..Phong::default()
     };
     Material { physical: Some(Physical::Black), shines, ..Material::new("lamp".into(), phong) }
@@ -57,7 +58,7 @@ fn floor() -> Content {
 }
 
 fn block(min: [f64; 3], max: [f64; 3]) -> Content {
-    Content::Shape(Shape::AxisBox(AxisBox::new(min.into(), max.into()).expect("a box")))
+    Content::Shape(Shape::Cuboid(Cuboid::new(min.into(), max.into()).expect("a box")))
 }
 
 fn light(kind: LightKind) -> Light {
@@ -91,7 +92,7 @@ fn render(scene: &Scene) -> Rendering {
     plan.render(&RunOptions { maps: true, ..RunOptions::default() }, |_| {}).expect("threads start")
 }
 
-fn film(scene: &Scene) -> Film {
+fn film(scene: &Scene) -> Image {
     render(scene).film
 }
 
@@ -168,7 +169,7 @@ fn a_flat_mirror_shows_its_lamps_again() {
     let camera = Transform::look_at(DVec3::Y * 2.0, DVec3::Y * 4.0, DVec3::NEG_Z).expect("a view");
     let mirror = Shape::Rectangle(Rectangle::new(12.0, 12.0).expect("a rectangle"));
     let nodes = nodes(&[(block([-1.0, 4.0, -1.0], [1.0, 4.1, 1.0]), 0), (Content::Shape(mirror), 1)]);
-    let white = Coefficient::Constant(Rgb::gray(0.8));
+    let white = ColorTexture::Constant(Rgb::gray(0.8));
     let materials = vec![diffuse(0.5), physical(Physical::Mirror { reflectance: white })];
     let position = DVec3::new(0.4, 1.0, 0.2);
     let point = |falloff| LightKind::Point { position, falloff, lamp_radius: 0.0 };
@@ -219,8 +220,8 @@ fn agreeable() -> Scene {
         (Content::Mesh(MeshId(0)), 0),
     ];
     let coat = Physical::Mix(vec![
-        (0.5, Physical::Mirror { reflectance: Coefficient::Constant(Rgb::gray(0.9)) }),
-        (0.5, Physical::Diffuse { albedo: Coefficient::Constant(Rgb::gray(0.7)), roughness: 0.3 }),
+        (0.5, Physical::Mirror { reflectance: ColorTexture::Constant(Rgb::gray(0.9)) }),
+        (0.5, Physical::Diffuse { albedo: ColorTexture::Constant(Rgb::gray(0.7)), roughness: 0.3 }),
     ]);
     let materials = vec![
         diffuse(0.7),

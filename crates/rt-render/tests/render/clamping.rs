@@ -1,15 +1,15 @@
 //! Bound on indirect light: nothing where it is not set, and never more light where it is.
 
-use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection, SamplePattern};
-use rt_geometry::{AxisBox, Shape, Sphere};
+use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection, SamplerKind};
+use rt_geometry::{Cuboid, Shape, Sphere};
 use rt_math::{DVec3, Rgb, Transform};
 use rt_render::{Clamping, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions};
 use rt_scene_io::{Content, Integrator, MaterialId, NamedCamera, Node, Scene, Settings};
-use rt_shading::{Appearance, Background, Coefficient, Material, Phong, Physical};
+use rt_shading::{Appearance, Background, ColorTexture, Material, Phong, Physical};
 
 fn material(physical: Physical, emission: f64) -> Material {
-    let zero = Coefficient::ZERO;
-    let emission = Coefficient::Constant(Rgb::new(emission, 0.8 * emission, 0.5 * emission));
+    let zero = ColorTexture::ZERO;
+    let emission = ColorTexture::Constant(Rgb::new(emission, 0.8 * emission, 0.5 * emission));
     let phong = Phong { ambient: zero, diffuse: zero, emission, ..Phong::default() };
     Material { physical: Some(physical), ..Material::new("surface".into(), phong) }
 }
@@ -22,12 +22,12 @@ fn sphere(centre: DVec3, radius: f64) -> Content {
 fn room() -> Scene {
     let view = Transform::look_at(DVec3::new(0.0, 1.0, 3.9), DVec3::Y, DVec3::Y).expect("a view");
     let camera = CameraSettings::new(view, Projection::Perspective { fov: 1.0, axis: FovAxis::Vertical });
-    let walls = AxisBox::new(DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 3.0, 4.0)).expect("a box");
-    let gray = |value| Coefficient::Constant(Rgb::gray(value));
+    let walls = Cuboid::new(DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 3.0, 4.0)).expect("a box");
+    let gray = |value| ColorTexture::Constant(Rgb::gray(value));
     Scene {
         cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
         film: FilmSettings { width: 24, height: 18, ..FilmSettings::default() },
-        settings: Settings { spp: 16, pattern: SamplePattern::Random, depth: 6, ..Settings::default() },
+        settings: Settings { spp: 16, pattern: SamplerKind::Random, depth: 6, ..Settings::default() },
         appearance: Appearance {
             materials: vec![
                 material(Physical::Diffuse { albedo: gray(0.7), roughness: 0.0 }, 0.0),
@@ -38,7 +38,7 @@ fn room() -> Scene {
             ..Appearance::default()
         },
         nodes: vec![
-            Node::new(Content::Shape(Shape::AxisBox(walls)), MaterialId(0)),
+            Node::new(Content::Shape(Shape::Cuboid(walls)), MaterialId(0)),
             Node::new(sphere(DVec3::new(0.8, 0.6, 0.0), 0.6), MaterialId(1)),
             Node::new(sphere(DVec3::new(-1.0, 2.8, 3.7), 0.15), MaterialId(2)),
         ],

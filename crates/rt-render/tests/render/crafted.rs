@@ -2,10 +2,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_render::{
-    Checkpoint, ContentError, Criterion, JoinError, Observer, Part, PlanOptions, RenderPlan, RunOptions, Share, SoFar,
-    StopRule, TargetError, UncheckedCheckpoint, UncheckedPart,
+    Checkpoint, ContentError, Criterion, JoinError, Observer, Part, PlanOptions, RenderPlan, RenderSnapshot,
+    RunOptions, Share, StopRule, TargetError, UncheckedCheckpoint, UncheckedPart,
 };
 use rt_scene_io::{Integrator, Scene};
 use serde_json::{Number, Value, json};
@@ -22,7 +22,7 @@ fn scene(integrator: Integrator) -> Scene {
     let mut scene = spheres();
     [scene.film.width, scene.film.height] = SIZE;
     (scene.settings.spp, scene.settings.integrator) = (2, integrator);
-    scene.settings.pattern = SamplePattern::Random;
+    scene.settings.pattern = SamplerKind::Random;
     scene
 }
 
@@ -161,7 +161,7 @@ struct Keeper<'a> {
 }
 
 impl Observer for &mut Keeper<'_> {
-    fn tile_done(&mut self, so_far: &SoFar<'_>) {
+    fn tile_done(&mut self, so_far: &RenderSnapshot<'_>) {
         if self.tiles_left == 0 {
             return;
         }
@@ -264,7 +264,7 @@ fn seeds_of_the_fuzz_targets_are_sound() {
 struct Writer<'a>(&'a mut Vec<u8>);
 
 impl Observer for Writer<'_> {
-    fn tile_done(&mut self, so_far: &SoFar<'_>) {
+    fn tile_done(&mut self, so_far: &RenderSnapshot<'_>) {
         if self.0.is_empty() {
             *self.0 = postcard::to_stdvec(&so_far.checkpoint()).expect("written");
         }

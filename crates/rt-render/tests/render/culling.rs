@@ -1,18 +1,20 @@
 //! Camera rays are spared what lies outside the view; all other rays, and the picture, are not.
 
 use crate::support::{everything, point_light, sphere, spheres};
-use rt_camera::{Film, Filter, Projection};
-use rt_math::{DVec2, RayKind, Rgb, Transform};
+use rt_camera::{Filter, Projection};
+use rt_geometry::RayKind;
+use rt_image::Image;
+use rt_math::{DVec2, Rgb, Transform};
 use rt_render::{Crop, PlanOptions, RenderPlan, RunOptions, Statistics};
 use rt_scene_io::{Accel, Content, Group, GroupId, Integrator, MaterialId, Node, Scene};
-use rt_shading::{Background, Coefficient, Phong};
+use rt_shading::{Background, ColorTexture, Phong};
 
 /// Mirrors all around the camera: 300 spheres in all directions, most of them outside the view.
 fn surrounded() -> Scene {
     let mut scene = spheres();
     scene.name = "surrounded".into();
     let eye = scene.cameras[0].settings.world_from_camera.translation();
-    let mirror = Coefficient::Constant(Rgb::gray(0.5));
+    let mirror = ColorTexture::Constant(Rgb::gray(0.5));
     scene.appearance.materials[0].phong = Phong { mirror, ..Phong::default() };
     scene.appearance.lights = vec![point_light((eye + 0.5).to_array(), 0.8)];
     scene.nodes = (0..300u32)
@@ -26,7 +28,7 @@ fn surrounded() -> Scene {
     scene
 }
 
-fn render(scene: &Scene, options: PlanOptions) -> (Film, Statistics) {
+fn render(scene: &Scene, options: PlanOptions) -> (Image, Statistics) {
     let plan = RenderPlan::compile(scene, &options).expect("the scene compiles");
     let rendering =
         plan.render(&RunOptions { threads: 0, count: true, ..RunOptions::default() }, |_| {}).expect("threads start");

@@ -1,10 +1,11 @@
 //! What a plan leaves out costs nothing: the counters prove it.
 
 use crate::support::{everything, sphere, spheres};
-use rt_math::{RayKind, Rgb};
+use rt_geometry::RayKind;
+use rt_math::Rgb;
 use rt_render::{PlanOptions, RenderPlan, RunOptions, Share, Statistics};
 use rt_scene_io::{Accel, MaterialId, Node, Scene};
-use rt_shading::{Coefficient, ShadingCounts};
+use rt_shading::{ColorTexture, ShadingCounts};
 
 const COUNT: RunOptions<'_> = RunOptions { threads: 1, count: true, maps: false, share: Share::ALL, interrupt: None };
 
@@ -74,7 +75,7 @@ fn materials_that_nothing_wears_cost_nothing() {
 fn samples_that_are_not_numbers_are_counted_and_black() {
     for bad in [f64::NAN, f64::INFINITY, -1e3, 1e39] {
         let mut scene = spheres();
-        scene.appearance.materials[0].phong.emission = Coefficient::Constant(Rgb::new(bad, 0.0, 0.0));
+        scene.appearance.materials[0].phong.emission = ColorTexture::Constant(Rgb::new(bad, 0.0, 0.0));
         let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
         let rendering = plan.render(&COUNT, |_| {}).expect("threads start");
         assert!(rendering.statistics.bad_samples > 0, "{bad}");

@@ -1,20 +1,21 @@
 //! Depth of field: what the lens blurs, and what it must not change.
 
 use crate::support::{everything, point_light, sphere, spheres};
-use rt_camera::{Film, Lens, Projection, SamplePattern};
+use rt_camera::{Lens, Projection, SamplerKind};
+use rt_image::Image;
 use rt_math::{DVec3, Rgb};
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{Accel, Integrator, MaterialId, Node, Scene};
-use rt_shading::{Background, Coefficient, Phong};
+use rt_shading::{Background, ColorTexture, Phong};
 
 const LENS: Lens = Lens { radius: 0.4, focus: 8.0, blades: Some(6), rotation: 0.3 };
 
-fn render_with(scene: &Scene, options: PlanOptions, threads: usize) -> Film {
+fn render_with(scene: &Scene, options: PlanOptions, threads: usize) -> Image {
     let plan = RenderPlan::compile(scene, &options).expect("the scene compiles");
     plan.render(&RunOptions { threads, ..RunOptions::default() }, |_| {}).expect("threads start").film
 }
 
-fn render(scene: &Scene) -> Film {
+fn render(scene: &Scene) -> Image {
     render_with(scene, PlanOptions::default(), 0)
 }
 
@@ -81,14 +82,14 @@ fn what_is_left_out_for_camera_rays_is_met_through_no_point_of_the_lens() {
 #[test]
 fn blur_keeps_the_light() {
     let mut scene = spheres();
-    let white = Phong { emission: Coefficient::Constant(Rgb::WHITE), diffuse: Coefficient::ZERO, ..Phong::default() };
+    let white = Phong { emission: ColorTexture::Constant(Rgb::WHITE), diffuse: ColorTexture::ZERO, ..Phong::default() };
     scene.appearance.materials[0].phong = white;
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::BLACK);
     scene.nodes = vec![Node::new(sphere(0.0, 0.0, 0.0, 0.8), MaterialId(0))];
-    (scene.settings.spp, scene.settings.pattern) = (256, SamplePattern::Sobol);
-    let total = |film: &Film| film.pixels().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>();
-    let brightest_edge = |film: &Film| film.pixels().iter().filter(|pixel| pixel[0] > 0.02 && pixel[0] < 0.98).count();
+    (scene.settings.spp, scene.settings.pattern) = (256, SamplerKind::Sobol);
+    let total = |film: &Image| film.pixels().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>();
+    let brightest_edge = |film: &Image| film.pixels().iter().filter(|pixel| pixel[0] > 0.02 && pixel[0] < 0.98).count();
     let sharp = render(&scene);
     scene.cameras[0].settings.lens = Some(Lens { radius: 0.3, focus: 4.0, ..LENS });
     let blurred = render(&scene);

@@ -1,18 +1,19 @@
-//! Motion blur: what moves is where it is at each ray's moment.
+//! AnimatedTransform blur: what moves is where it is at each ray's moment.
 
 use crate::support::{everything, sphere, spheres};
-use rt_camera::{Film, Projection, SamplePattern};
-use rt_math::{DVec3, Motion, Rgb, Transform};
+use rt_camera::{Projection, SamplerKind};
+use rt_image::Image;
+use rt_math::{AnimatedTransform, DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderError, RenderPlan, RunOptions};
 use rt_scene_io::{Accel, Adaptive, Content, GroupId, Integrator, MaterialId, Node, Scene, Settings};
-use rt_shading::{Background, Coefficient, Phong};
+use rt_shading::{Background, ColorTexture, Phong};
 
-fn render_with(scene: &Scene, options: PlanOptions, threads: usize) -> Film {
+fn render_with(scene: &Scene, options: PlanOptions, threads: usize) -> Image {
     let plan = RenderPlan::compile(scene, &options).expect("the scene compiles");
     plan.render(&RunOptions { threads, ..RunOptions::default() }, |_| {}).expect("threads start").film
 }
 
-fn render(scene: &Scene) -> Film {
+fn render(scene: &Scene) -> Image {
     render_with(scene, PlanOptions::default(), 0)
 }
 
@@ -26,7 +27,7 @@ fn everything_moves() -> Scene {
     let turn = Transform::rotate(DVec3::new(0.3, 1.0, -0.2), 0.7).expect("an axis");
     for (i, node) in (0..).zip(&mut scene.nodes).skip(1) {
         let step = shift(0.2 * f64::from(i % 3), 0.3, -0.1 * f64::from(i));
-        node.moves_to = Some(step.then_first(&node.parent_from_local).then_first(&turn));
+        node.moves_to = Some(step.compose(&node.parent_from_local).compose(&turn));
     }
     scene.groups[1].nodes[2].moves_to = Some(shift(0.0, 0.5, 0.0));
     scene
@@ -44,7 +45,8 @@ fn frozen(scene: &Scene, moment: f64) -> Scene {
     }
     let camera = &mut scene.cameras[0].settings;
     if let Some(end) = camera.moves_to.take() {
-        camera.world_from_camera = Motion::new(&camera.world_from_camera, &end).expect("a motion").at(moment);
+        camera.world_from_camera =
+            AnimatedTransform::new(&camera.world_from_camera, &end).expect("a motion").at(moment);
     }
     scene
 }
@@ -53,7 +55,7 @@ fn frozen(scene: &Scene, moment: f64) -> Scene {
 fn a_shutter_that_opens_for_no_time_shows_the_still_picture_of_that_moment() {
     let mut scene = everything_moves();
     let camera = &mut scene.cameras[0].settings;
-    camera.moves_to = Some(shift(0.5, 0.2, 0.0).then_first(&camera.world_from_camera));
+    camera.moves_to = Some(shift(0.5, 0.2, 0.0).compose(&camera.world_from_camera));
     for integrator in [Integrator::Whitted, Integrator::Path, Integrator::Depth] {
         scene.settings.integrator = integrator;
         for moment in [0.0, 0.375, 1.0] {
@@ -82,7 +84,7 @@ fn a_moment_of_what_moves_is_the_still_picture() {
 }
 
 /// Means of squares of 10 × 10 pixels.
-fn blocks(film: &Film) -> Vec<f64> {
+fn blocks(film: &Image) -> Vec<f64> {
     let (width, height) = (film.width() as usize, film.pixels().len() / film.width() as usize);
     let block = |left: usize, top: usize| {
         let rows = film.pixels().chunks(width).skip(top).take(10);
@@ -108,9 +110,9 @@ fn blocks_of_stills(scene: &Scene, count: u32) -> Vec<f64> {
 #[test]
 fn the_picture_is_the_mean_of_the_still_pictures_of_its_moments() {
     let mut scene = everything_moves();
-    scene.appearance.materials[5].phong.emission = Coefficient::ZERO;
+    scene.appearance.materials[5].phong.emission = ColorTexture::ZERO;
     let camera = &mut scene.cameras[0].settings;
-    camera.moves_to = Some(shift(0.5, 0.2, 0.0).then_first(&camera.world_from_camera));
+    camera.moves_to = Some(shift(0.5, 0.2, 0.0).compose(&camera.world_from_camera));
     for (integrator, tolerance) in [
         (Integrator::Whitted, 0.015),
         (Integrator::Distributed, 0.015),
@@ -144,7 +146,7 @@ fn caustics_of_what_moves_are_means_of_stills() {
     };
     scene.nodes.extend([fly(-1.0, 3), fly(-3.0, 0)]);
     let camera = &mut scene.cameras[0].settings;
-    camera.moves_to = Some(shift(0.8, 0.0, 0.0).then_first(&camera.world_from_camera));
+    camera.moves_to = Some(shift(0.8, 0.0, 0.0).compose(&camera.world_from_camera));
     scene.settings = Settings { integrator: Integrator::Caustics, spp: 64, ..scene.settings };
     let moving = blocks(&render(&scene));
     let paths = Scene { settings: Settings { integrator: Integrator::Path, ..scene.settings }, ..scene.clone() };
@@ -219,7 +221,7 @@ fn the_picture_is_the_same_for_all_threads_structures_and_plans() {
     for camera_moves in [false, true] {
         if camera_moves {
             let camera = &mut scene.cameras[0].settings;
-            camera.moves_to = Some(shift(0.5, 0.2, -0.5).then_first(&camera.world_from_camera));
+            camera.moves_to = Some(shift(0.5, 0.2, -0.5).compose(&camera.world_from_camera));
         }
         for integrator in [Integrator::Whitted, Integrator::Caustics] {
             scene.settings.integrator = integrator;
@@ -246,7 +248,7 @@ fn what_flies_through_the_view_is_not_left_out() {
             node.parent_from_local = Transform::translate(place);
             let turn = Transform::rotate(DVec3::new(unit(3), unit(4), unit(5)), 2.0).expect("an axis");
             node.moves_to =
-                Some(Transform::translate(place + DVec3::new(unit(6), unit(7), unit(8)) * 4.0).then_first(&turn));
+                Some(Transform::translate(place + DVec3::new(unit(6), unit(7), unit(8)) * 4.0).compose(&turn));
             node
         })
         .collect();
@@ -281,10 +283,10 @@ fn a_ball_that_moves_across_covers_points_by_the_length_of_its_chords() {
     let place = shift(0.0, 0.0, 9.0);
     scene.cameras[0].settings = rt_camera::CameraSettings::new(place, Projection::Orthographic { height: 2.0 });
     (scene.film.width, scene.film.height) = (1, 65);
-    (scene.settings.spp, scene.settings.pattern) = (4096, SamplePattern::Sobol);
+    (scene.settings.spp, scene.settings.pattern) = (4096, SamplerKind::Sobol);
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::BLACK);
-    let white = Phong { emission: Coefficient::Constant(Rgb::WHITE), diffuse: Coefficient::ZERO, ..Phong::default() };
+    let white = Phong { emission: ColorTexture::Constant(Rgb::WHITE), diffuse: ColorTexture::ZERO, ..Phong::default() };
     scene.appearance.materials[0].phong = white;
     let mut ball = Node::new(sphere(0.0, 0.0, 0.0, radius), MaterialId(0));
     ball.parent_from_local = shift(-0.5 * way, 0.0, 0.0);
@@ -316,8 +318,8 @@ fn a_ball_that_moves_across_covers_points_by_the_length_of_its_chords() {
 #[test]
 fn mirrored_rays_do_not_meet_what_they_left() {
     let mut scene = spheres();
-    let mirror = Phong { mirror: Coefficient::Constant(Rgb::WHITE), diffuse: Coefficient::ZERO, ..Phong::default() };
-    scene.appearance.materials[0].phong = Phong { specular: Coefficient::ZERO, ambient: Coefficient::ZERO, ..mirror };
+    let mirror = Phong { mirror: ColorTexture::Constant(Rgb::WHITE), diffuse: ColorTexture::ZERO, ..Phong::default() };
+    scene.appearance.materials[0].phong = Phong { specular: ColorTexture::ZERO, ambient: ColorTexture::ZERO, ..mirror };
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::WHITE);
     scene.settings.depth = 1;
@@ -325,7 +327,7 @@ fn mirrored_rays_do_not_meet_what_they_left() {
     let turn = Transform::rotate(DVec3::new(1.0, 2.0, 3.0), 2.5).expect("an axis");
     let mut egg = Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0));
     egg.parent_from_local = squash;
-    egg.moves_to = Some(shift(0.5, 0.5, 0.0).then_first(&turn).then_first(&squash));
+    egg.moves_to = Some(shift(0.5, 0.5, 0.0).compose(&turn).compose(&squash));
     scene.nodes = vec![egg];
     assert!(render(&scene).pixels().iter().all(|pixel| *pixel == [1.0; 3]), "all is as white as the sky");
 }
@@ -335,7 +337,7 @@ fn a_camera_that_moves_sees_as_if_the_world_moved_the_other_way() {
     let mut moving_camera = spheres();
     let place = moving_camera.cameras[0].settings.world_from_camera;
     let step = shift(0.6, 0.2, -0.3);
-    moving_camera.cameras[0].settings.moves_to = Some(step.then_first(&place));
+    moving_camera.cameras[0].settings.moves_to = Some(step.compose(&place));
     moving_camera.appearance.lights.clear();
     moving_camera.settings.spp = 64;
     let mut moving_world = moving_camera.clone();
@@ -361,11 +363,11 @@ fn lamps_that_move_are_found_by_rays() {
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::BLACK);
     let mut lamp_material = scene.appearance.materials[0].clone();
-    lamp_material.phong = Phong { emission: Coefficient::Constant(Rgb::WHITE), ..Phong::default() };
+    lamp_material.phong = Phong { emission: ColorTexture::Constant(Rgb::WHITE), ..Phong::default() };
     scene.appearance.materials.push(lamp_material);
     // A ceiling that is everywhere at all moments, so that its light is that of one at rest.
-    let wide = rt_geometry::AxisBox::new(DVec3::new(-40.0, 4.0, -40.0), DVec3::new(40.0, 5.0, 40.0)).expect("a box");
-    let lamp = Content::Shape(rt_geometry::Shape::AxisBox(wide));
+    let wide = rt_geometry::Cuboid::new(DVec3::new(-40.0, 4.0, -40.0), DVec3::new(40.0, 5.0, 40.0)).expect("a box");
+    let lamp = Content::Shape(rt_geometry::Shape::Cuboid(wide));
     scene.nodes.push(Node::new(lamp, MaterialId(1)));
     let mean = |scene: &Scene| {
         let film = render(scene);

@@ -1,39 +1,40 @@
 //! Transparent bodies within each other, from scene to picture.
 
 use crate::support::{everything, point_light, sphere, spheres};
-use rt_camera::{CameraSettings, Film, Projection};
-use rt_geometry::{AxisBox, Shape};
+use rt_camera::{CameraSettings, Projection};
+use rt_geometry::{Cuboid, Shape};
+use rt_image::Image;
 use rt_math::{DVec3, Rgb, Transform, transcendental::exp};
 use rt_render::{PlanOptions, RenderError, RenderPlan, Rendering, RunOptions};
 use rt_scene_io::{Accel, Content, MaterialId, Node, Scene};
-use rt_shading::{Bitmap, Coefficient, Material, Phong, Texture, TextureId, Transmission, Wrap};
+use rt_shading::{Bitmap, ColorTexture, Material, Phong, Texture, TextureId, Transmission, Wrap};
 
 fn render(scene: &Scene, options: &PlanOptions) -> Rendering {
     let plan = RenderPlan::compile(scene, options).expect("the scene compiles");
     plan.render(&RunOptions::default(), |_| {}).expect("threads start")
 }
 
-fn film(scene: &Scene) -> Film {
+fn film(scene: &Scene) -> Image {
     render(scene, &PlanOptions::default()).film
 }
 
 /// The same bits; says no more than where they differ.
-fn assert_same(a: &Film, b: &Film, what: &str) {
+fn assert_same(a: &Image, b: &Image, what: &str) {
     let differing = a.pixels().iter().zip(b.pixels()).filter(|(a, b)| a != b).count();
     assert!(a == b, "{what}: {differing} pixels differ");
 }
 
 fn dielectric(ior: f64, absorption: f64, priority: i32) -> Material {
-    let white = Coefficient::Constant(Rgb::WHITE);
+    let white = ColorTexture::Constant(Rgb::WHITE);
     let absorption = Rgb::new(absorption, 0.5 * absorption, 0.0);
     let inside = Transmission { coefficient: white, ior, fresnel: true, absorption, priority };
-    let (ambient, diffuse) = (Coefficient::ZERO, Coefficient::ZERO);
+    let (ambient, diffuse) = (ColorTexture::ZERO, ColorTexture::ZERO);
     let phong = Phong { ambient, diffuse, mirror: white, transmission: Some(inside), ..Phong::default() };
     Material::new("dielectric".into(), phong)
 }
 
 fn slab(min: [f64; 3], max: [f64; 3]) -> Content {
-    Content::Shape(Shape::AxisBox(AxisBox::new(DVec3::from(min), DVec3::from(max)).expect("a box")))
+    Content::Shape(Shape::Cuboid(Cuboid::new(DVec3::from(min), DVec3::from(max)).expect("a box")))
 }
 
 /// Glass with water and ice in it and a bubble in that, all overlapping, among the spheres.
@@ -151,7 +152,7 @@ fn a_camera_knows_what_it_stands_in() {
 fn orthographic_rays_look_where_each_of_them_starts() {
     // The camera's plane cuts a slab of smoke: the left half of the rays starts in it.
     let mut scene = in_smoke(Projection::Orthographic { height: 1.0 });
-    scene.settings.pattern = rt_camera::SamplePattern::Centre;
+    scene.settings.pattern = rt_camera::SamplerKind::Centre;
     scene.settings.spp = 1;
     scene.nodes = vec![
         Node::new(slab([-9.0, -9.0, -0.5], [0.0, 9.0, 1.0]), MaterialId(0)),
@@ -196,8 +197,8 @@ fn each_sample_of_a_texel_that_is_not_a_number_is_counted() {
     pixels[1] = [0.5, f32::NAN, 0.5];
     let bitmap = std::sync::Arc::new(Bitmap::opaque(4, 2, pixels));
     scene.appearance.textures = vec![Texture::Image { bitmap, wrap: [Wrap::Clamp; 2], smooth: false }];
-    let emission = Coefficient::Textured(TextureId(0), Rgb::WHITE);
-    let phong = Phong { ambient: Coefficient::ZERO, diffuse: Coefficient::ZERO, emission, ..Phong::default() };
+    let emission = ColorTexture::Textured(TextureId(0), Rgb::WHITE);
+    let phong = Phong { ambient: ColorTexture::ZERO, diffuse: ColorTexture::ZERO, emission, ..Phong::default() };
     scene.appearance.materials = vec![Material::new("screen".into(), phong)];
     scene.appearance.lights = vec![point_light([0.0, 0.0, 9.0], 1.0)];
     // The face of the box towards the camera shows the whole image.

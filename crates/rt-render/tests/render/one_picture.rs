@@ -1,22 +1,23 @@
 //! The picture is a function of scene, settings and seed: nothing about how it is computed changes a bit.
 
 use crate::support::{everything, spheres};
-use rt_camera::{Film, Filter, SamplePattern};
+use rt_camera::{Filter, SamplerKind};
+use rt_image::Image;
 use rt_math::Rgb;
 use rt_render::{Crop, PlanOptions, Quality, RenderPlan, Rendering, RunOptions, SimdLevel};
 use rt_scene_io::{Accel, Integrator, Scene};
-use rt_shading::Coefficient;
+use rt_shading::ColorTexture;
 
 fn render(scene: &Scene, plan: PlanOptions, run: RunOptions) -> Rendering {
     RenderPlan::compile(scene, &plan).expect("the scene compiles").render(&run, |_| {}).expect("threads start")
 }
 
-fn film(scene: &Scene) -> Film {
+fn film(scene: &Scene) -> Image {
     render(scene, PlanOptions::default(), RunOptions::default()).film
 }
 
 /// Not black, not flat: a picture worth comparing.
-fn assert_interesting(film: &Film) {
+fn assert_interesting(film: &Image) {
     let distinct: std::collections::HashSet<_> = film.pixels().iter().map(|p| p.map(f32::to_bits)).collect();
     assert!(distinct.len() > film.pixels().len() / 10, "only {} different pixels", distinct.len());
 }
@@ -100,7 +101,7 @@ fn a_crop_is_a_part_of_the_whole() {
 fn seeds_and_patterns_do_change_the_picture() {
     let mut scene = spheres();
     let mut films = vec![];
-    for pattern in SamplePattern::ALL {
+    for pattern in SamplerKind::ALL {
         scene.settings.pattern = pattern;
         films.push(film(&scene));
     }
@@ -116,7 +117,7 @@ fn seeds_and_patterns_do_change_the_picture() {
 #[test]
 fn images_of_any_shape_are_covered() {
     let mut scene = spheres();
-    scene.appearance.materials[0].phong.emission = Coefficient::Constant(Rgb::gray(0.01));
+    scene.appearance.materials[0].phong.emission = ColorTexture::Constant(Rgb::gray(0.01));
     for (width, height) in [(1, 1), (1, 300), (300, 1), (16, 16), (17, 15)] {
         (scene.film.width, scene.film.height) = (width, height);
         let film = film(&scene);

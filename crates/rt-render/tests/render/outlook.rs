@@ -1,7 +1,8 @@
 //! Plans that look through another camera than they were compiled with.
 
 use crate::support::{everything, spheres};
-use rt_camera::{CameraSettings, Film, FovAxis, Lens, Projection};
+use rt_camera::{CameraSettings, FovAxis, Lens, Projection};
+use rt_image::Image;
 use rt_math::{DVec3, Transform};
 use rt_render::{Crop, PlanOptions, RenderError, RenderPlan, RunOptions};
 use rt_scene_io::{Accel, Integrator, Scene};
@@ -18,7 +19,7 @@ const PLAIN: PlanOptions = PlanOptions {
     progressive: false,
 };
 
-fn picture(plan: &RenderPlan<'_>) -> Film {
+fn picture(plan: &RenderPlan<'_>) -> Image {
     plan.render(&RunOptions::default(), |_| {}).expect("threads start").film
 }
 

@@ -2,11 +2,11 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_math::random::hash;
 use rt_render::{
-    Checkpoint, JoinError, Observer, Part, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, Share, SoFar,
-    StopRule, Stopped, TargetError,
+    Checkpoint, JoinError, Observer, Part, PlanOptions, RenderError, RenderPlan, RenderSnapshot, Rendering, RunOptions,
+    Share, StopRule, Stopped, TargetError,
 };
 use rt_scene_io::{Adaptive, Integrator, Scene};
 
@@ -22,7 +22,7 @@ struct Killer<'a> {
 }
 
 impl Observer for Killer<'_> {
-    fn tile_done(&mut self, so_far: &SoFar<'_>) {
+    fn tile_done(&mut self, so_far: &RenderSnapshot<'_>) {
         self.tiles += 1;
         if self.tiles == self.kept_after {
             self.checkpoint = postcard::to_stdvec(&so_far.checkpoint()).expect("written");
@@ -53,7 +53,7 @@ fn ways() -> Vec<Way> {
     let path = |scene: &mut Scene| scene.settings.integrator = Integrator::Path;
     let caustics = |scene: &mut Scene| scene.settings.integrator = Integrator::Caustics;
     let adaptive = |scene: &mut Scene| scene.settings.adaptive = Some(Adaptive::ObjectSpace { least: Some(4) });
-    let random = |scene: &mut Scene| scene.settings.pattern = SamplePattern::Random;
+    let random = |scene: &mut Scene| scene.settings.pattern = SamplerKind::Random;
     vec![
         set("whitted", &everything, &|_| {}, None),
         set("path", &everything, &path, None),
@@ -129,7 +129,7 @@ fn a_killed_render_goes_on_to_the_same_bits() {
 }
 
 impl Observer for &mut Killer<'_> {
-    fn tile_done(&mut self, so_far: &SoFar<'_>) {
+    fn tile_done(&mut self, so_far: &RenderSnapshot<'_>) {
         (**self).tile_done(so_far);
     }
 }
@@ -139,7 +139,7 @@ fn a_picture_so_far_has_the_pixels_of_its_tiles() {
     for way in ways().iter().filter(|way| way.rule.is_none_or(|rule| rule.target.is_none())) {
         struct Painter(Vec<[f32; 3]>, u32);
         impl Observer for &mut Painter {
-            fn tile_done(&mut self, so_far: &SoFar<'_>) {
+            fn tile_done(&mut self, so_far: &RenderSnapshot<'_>) {
                 let tile = so_far.tile();
                 for (place, pixel) in so_far.pixels().into_iter().enumerate() {
                     let (x, y) = (tile.x + place as u32 % tile.width, tile.y + place as u32 / tile.width);

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use rt_camera::{CameraSettings, FilmSettings, Projection, SamplePattern};
+use rt_camera::{CameraSettings, FilmSettings, Projection, SamplerKind};
 use rt_geometry::{Shape, Triangle};
 use rt_math::{DVec3, Transform};
 use rt_render::{
@@ -139,13 +139,8 @@ fn errors(rendering: &Rendering, truth: &[f64]) -> (f64, ErrorEstimate) {
 fn the_true_error_lies_within_its_interval() {
     let truth = truth(12, 0.3, 0.2);
     let (mut covered, mut squares, mut estimates, seeds) = (0, 0.0, 0.0, 200);
-    let patterns = [
-        SamplePattern::Random,
-        SamplePattern::Jittered,
-        SamplePattern::Sobol,
-        SamplePattern::Halton,
-        SamplePattern::BlueNoise,
-    ];
+    let patterns =
+        [SamplerKind::Random, SamplerKind::Jittered, SamplerKind::Sobol, SamplerKind::Halton, SamplerKind::BlueNoise];
     for pattern in patterns {
         for seed in 0..seeds {
             let mut scene = half_plane(12, 0.3, 0.2);
@@ -165,7 +160,7 @@ fn the_true_error_lies_within_its_interval() {
 #[test]
 fn fixed_patterns_have_no_error_to_tell() {
     let mut scene = half_plane(4, 0.3, 0.2);
-    (scene.settings.pattern, scene.settings.passes) = (SamplePattern::Grid, Some(2));
+    (scene.settings.pattern, scene.settings.passes) = (SamplerKind::Grid, Some(2));
     assert_eq!(fixed(&scene, RunOptions::default()).error, None);
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
     let refused = plan.render_until(&RunOptions::default(), &to_error(0.1, false, 64), |_| {});
@@ -179,7 +174,7 @@ fn a_target_is_kept_as_often_as_promised() {
     let (mut kept, mut tried) = (0, 0);
     let relative = 0.05;
     for (start, slope, area) in edges {
-        for pattern in [SamplePattern::Random, SamplePattern::Jittered, SamplePattern::Sobol] {
+        for pattern in [SamplerKind::Random, SamplerKind::Jittered, SamplerKind::Sobol] {
             for seed in 0..200 {
                 let mut scene = half_plane(1, start, slope);
                 (scene.settings.pattern, scene.settings.seed) = (pattern, seed);
@@ -203,7 +198,7 @@ fn new_samples_are_without_bias() {
     let (mut sum, mut squares, seeds) = (0.0, 0.0, 300);
     for seed in 0..seeds {
         let mut scene = half_plane(1, 0.0, 0.176_326_980_708_464_98);
-        (scene.settings.pattern, scene.settings.seed) = (SamplePattern::Random, seed);
+        (scene.settings.pattern, scene.settings.seed) = (SamplerKind::Random, seed);
         let rule = to_error(0.3, true, 1 << 14);
         let rendering = until(&scene, rule, RunOptions { threads: 1, ..RunOptions::default() });
         let mean = 2.0 * f64::from(rendering.film.pixels()[0][0]);

@@ -1,7 +1,7 @@
 //! Adaptive sampling in object space: what it must not miss, and what it may change.
 
-use rt_camera::{CameraSettings, FilmSettings, Filter, Lens, Projection, SamplePattern};
-use rt_geometry::{AxisBox, Plane, Rectangle, Shape};
+use rt_camera::{CameraSettings, FilmSettings, Filter, Lens, Projection, SamplerKind};
+use rt_geometry::{Cuboid, Plane, Rectangle, Shape};
 use rt_math::{
     DVec3, Rgb, Transform,
     random::{hash, unit},
@@ -9,7 +9,7 @@ use rt_math::{
 };
 use rt_render::{Crop, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, StopRule};
 use rt_scene_io::{Accel, Adaptive, Content, Integrator, MaterialId, NamedCamera, Node, Scene, Settings};
-use rt_shading::{Appearance, Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong};
+use rt_shading::{Appearance, Background, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong};
 
 use crate::support::{everything, sphere, spheres};
 
@@ -43,13 +43,13 @@ fn complex(rendering: &Rendering) -> Vec<[usize; 2]> {
     (0..counts.len()).filter(|&at| counts[at] == ALL).map(|at| [at % width, at / width]).collect()
 }
 
-fn colour(value: Rgb) -> Coefficient {
-    Coefficient::Constant(value)
+fn colour(value: Rgb) -> ColorTexture {
+    ColorTexture::Constant(value)
 }
 
 /// One that shows its own colour whatever the light.
 fn glowing(colour: Rgb) -> Material {
-    let dark = Phong { ambient: Coefficient::ZERO, diffuse: Coefficient::ZERO, ..Phong::default() };
+    let dark = Phong { ambient: ColorTexture::ZERO, diffuse: ColorTexture::ZERO, ..Phong::default() };
     Material::new("glow".into(), Phong { emission: self::colour(colour), ..dark })
 }
 
@@ -128,11 +128,11 @@ fn the_edge_of_a_shadow_is_found_and_its_inside_is_not_looked_at_twice() {
 fn what_lies_behind_a_surface_does_not_matter_and_what_lies_before_it_does() {
     let rectangle = Rectangle::new(10.0, 10.0).expect("a rectangle");
     let upright = Transform::translate(DVec3::new(20.0, 20.0, 10.0))
-        .then_first(&Transform::rotate(DVec3::X, core::f64::consts::FRAC_PI_2).expect("an axis"));
+        .compose(&Transform::rotate(DVec3::X, core::f64::consts::FRAC_PI_2).expect("an axis"));
     let shield =
         Node { parent_from_local: upright, ..Node::new(Content::Shape(Shape::Rectangle(rectangle)), MaterialId(2)) };
-    let block = AxisBox::new(DVec3::new(18.3, 18.3, 2.0), DVec3::new(21.7, 21.7, 9.0)).expect("a box");
-    let block = Node::new(Content::Shape(Shape::AxisBox(block)), MaterialId(1));
+    let block = Cuboid::new(DVec3::new(18.3, 18.3, 2.0), DVec3::new(21.7, 21.7, 9.0)).expect("a box");
+    let block = Node::new(Content::Shape(Shape::Cuboid(block)), MaterialId(1));
     let materials = vec![matte(), glowing(Rgb::WHITE), glowing(Rgb::gray(0.5))];
     let of = |nodes: Vec<Node>| complex(&render(&adaptive(&front_view(nodes, materials.clone(), vec![]))));
     // The edges of the shield run between pixels; rays are taken a little beyond their pixels.
@@ -154,8 +154,8 @@ fn clutter(seed: u64, light: Light) -> Scene {
         let size = 0.02 + 0.8 * draw(index, 3) * draw(index, 4);
         let content = if index % 3 == 0 {
             let half = DVec3::new(size, size * draw(index, 5), size);
-            let solid = AxisBox::new(place(index) - half, place(index) + half);
-            Content::Shape(Shape::AxisBox(solid.expect("a box")))
+            let solid = Cuboid::new(place(index) - half, place(index) + half);
+            Content::Shape(Shape::Cuboid(solid.expect("a box")))
         } else {
             let DVec3 { x, y, z } = place(index);
             sphere(x, y, z, size)
@@ -208,7 +208,7 @@ fn same_bits(a: [f32; 3], b: [f32; 3]) -> bool {
 fn each_pixel_is_that_of_a_render_with_as_many_samples() {
     let sunny = clutter(3, sun(DVec3::new(-0.3, -0.8, -0.2)));
     for (mut scene, pattern) in
-        [(everything(), SamplePattern::Sobol), (spheres(), SamplePattern::Jittered), (sunny, SamplePattern::BlueNoise)]
+        [(everything(), SamplerKind::Sobol), (spheres(), SamplerKind::Jittered), (sunny, SamplerKind::BlueNoise)]
     {
         for passes in [None, Some(2)] {
             scene.settings.pattern = pattern;
@@ -231,7 +231,7 @@ fn each_pixel_is_that_of_a_render_with_as_many_samples() {
 }
 
 /// What a pattern takes if so many samples are asked for, in passes.
-fn all_or(spp: u32, pattern: SamplePattern, passes: Option<u32>) -> u32 {
+fn all_or(spp: u32, pattern: SamplerKind, passes: Option<u32>) -> u32 {
     let passes = passes.unwrap_or(1);
     passes * pattern.round_up(spp.div_ceil(passes))
 }

@@ -1,11 +1,11 @@
 //! Pictures whose pixels are known in closed form.
 
 use rt_camera::{CameraSettings, FovAxis, Projection};
-use rt_geometry::{AxisBox, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
+use rt_geometry::{Cuboid, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
 use rt_math::{DVec2, DVec3, Rgb, Transform, Vec3};
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene};
-use rt_shading::{Coefficient, Phong};
+use rt_shading::{ColorTexture, Phong};
 
 use crate::support::{point_light, spheres};
 
@@ -18,9 +18,9 @@ fn from_above(content: Content) -> Scene {
     );
     scene.cameras = vec![NamedCamera { name: "above".into(), settings: camera, medium: None }];
     (scene.film.width, scene.film.height, scene.settings.spp) = (33, 33, 1);
-    scene.settings.pattern = rt_camera::SamplePattern::Centre;
-    let white = Coefficient::Constant(Rgb::WHITE);
-    scene.appearance.materials[0].phong = Phong { ambient: Coefficient::ZERO, diffuse: white, ..Phong::default() };
+    scene.settings.pattern = rt_camera::SamplerKind::Centre;
+    let white = ColorTexture::Constant(Rgb::WHITE);
+    scene.appearance.materials[0].phong = Phong { ambient: ColorTexture::ZERO, diffuse: white, ..Phong::default() };
     scene.appearance.lights = vec![point_light([0.0, 4.0, 0.0], 1.0)];
     scene.nodes = vec![Node::new(content, MaterialId(0))];
     scene
@@ -43,10 +43,10 @@ fn assert_lit_floor(scene: &Scene) {
 fn a_floor_at_height_zero_does_not_shadow_itself() {
     let corner = |x: f64, z: f64| DVec3::new(x, 0.0, z);
     let floor = Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane");
-    let slab = AxisBox::new(DVec3::new(-9.0, -1.0, -9.0), DVec3::new(9.0, 0.0, 9.0)).expect("a box");
-    let sheet = AxisBox::new(corner(-9.0, -9.0), corner(9.0, 9.0)).expect("a flat box");
+    let slab = Cuboid::new(DVec3::new(-9.0, -1.0, -9.0), DVec3::new(9.0, 0.0, 9.0)).expect("a box");
+    let sheet = Cuboid::new(corner(-9.0, -9.0), corner(9.0, 9.0)).expect("a flat box");
     let triangle = Triangle::new([corner(-99.0, 9.0), corner(99.0, 9.0), corner(0.0, -99.0)]).expect("a triangle");
-    for shape in [Shape::Plane(floor), Shape::AxisBox(slab), Shape::AxisBox(sheet), Shape::Triangle(triangle)] {
+    for shape in [Shape::Plane(floor), Shape::Cuboid(slab), Shape::Cuboid(sheet), Shape::Triangle(triangle)] {
         assert_lit_floor(&from_above(Content::Shape(shape.clone())));
         let mut turned = from_above(Content::Shape(shape));
         turned.nodes[0].parent_from_local = Transform::rotate(DVec3::Y, 0.3).expect("an axis");

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
-use rt_geometry::{AxisBox, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
+use rt_geometry::{Cuboid, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
 use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_scene_io::{Content, Group, GroupId, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene, Settings};
 use rt_shading::{
-    Appearance, Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId,
+    Appearance, Background, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId,
     Transmission,
 };
 
@@ -30,8 +30,8 @@ fn material(name: &str, phong: Phong) -> Material {
     Material::new(name.into(), phong)
 }
 
-fn gray(value: f64) -> Coefficient {
-    Coefficient::Constant(Rgb::gray(value))
+fn gray(value: f64) -> ColorTexture {
+    ColorTexture::Constant(Rgb::gray(value))
 }
 
 /// A camera 9 units up the z axis, a small image, two lights, and spheres on a grid: nothing but diffuse spheres.
@@ -53,7 +53,7 @@ pub(crate) fn spheres() -> Scene {
         film: FilmSettings { width: 61, height: 43, ..FilmSettings::default() },
         settings: Settings { spp: 4, ..Settings::default() },
         appearance: Appearance {
-            materials: vec![material("grey", Phong { ambient: Coefficient::ZERO, ..Phong::default() })],
+            materials: vec![material("grey", Phong { ambient: ColorTexture::ZERO, ..Phong::default() })],
             lights: vec![point_light([5.0, 8.0, 6.0], 0.8), point_light([-5.0, 3.0, 6.0], 0.3)],
             background: Background::Constant(Rgb::new(0.1, 0.2, 0.3)),
             ..Appearance::default()
@@ -99,7 +99,7 @@ pub(crate) fn everything() -> Scene {
         priority: 0,
     };
     let whitted_glass = Transmission { coefficient: gray(0.8), fresnel: false, absorption: Rgb::BLACK, ..glass };
-    let checker = Coefficient::Textured(TextureId(0), Rgb::WHITE);
+    let checker = ColorTexture::Textured(TextureId(0), Rgb::WHITE);
     scene.appearance.textures = vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::new(0.7, 0.1, 0.1), size: 0.25 }];
     scene.appearance.ambient = Rgb::gray(0.5);
     scene.appearance.materials = vec![
@@ -108,7 +108,7 @@ pub(crate) fn everything() -> Scene {
         material("mirror", Phong { mirror: gray(0.8), diffuse: gray(0.1), ..Phong::default() }),
         material(
             "glass",
-            Phong { mirror: gray(1.0), diffuse: Coefficient::ZERO, transmission: Some(glass), ..Phong::default() },
+            Phong { mirror: gray(1.0), diffuse: ColorTexture::ZERO, transmission: Some(glass), ..Phong::default() },
         ),
         material("bubble", Phong { mirror: gray(0.1), transmission: Some(whitted_glass), ..Phong::default() }),
         material("glow", Phong { emission: gray(0.3), ..Phong::default() }),
@@ -142,7 +142,7 @@ pub(crate) fn everything() -> Scene {
     let moved = |x: f64, y: f64, z: f64| Transform::translate(DVec3::new(x, y, z));
     let turn = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 0.8).expect("an axis");
     let stretch = Transform::scale(DVec3::new(1.5, 0.6, -0.8)).expect("regular");
-    let unit_box = AxisBox::new(DVec3::splat(-0.5), DVec3::splat(0.5)).expect("a box");
+    let unit_box = Cuboid::new(DVec3::splat(-0.5), DVec3::splat(0.5)).expect("a box");
     let triangle = Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y]).expect("a triangle");
     let floor = Plane::new(DVec3::NEG_Y, DVec3::Y).expect("a plane");
     let small = Transform::scale(DVec3::splat(0.3)).expect("regular");
@@ -158,8 +158,8 @@ pub(crate) fn everything() -> Scene {
             name: "pairs".into(),
             nodes: vec![
                 at(Content::Instance(GroupId(0)), 0, moved(0.0, 0.0, -1.5)),
-                at(Content::Instance(GroupId(0)), 0, moved(2.0, 0.0, 0.0).then_first(&turn)),
-                at(Content::Shape(Shape::AxisBox(unit_box)), 5, turn),
+                at(Content::Instance(GroupId(0)), 0, moved(2.0, 0.0, 0.0).compose(&turn)),
+                at(Content::Shape(Shape::Cuboid(unit_box)), 5, turn),
             ],
         },
     ];
@@ -169,12 +169,12 @@ pub(crate) fn everything() -> Scene {
         at(Content::Shape(Shape::Plane(floor)), 1, Transform::IDENTITY),
         at(sphere(0.0, 0.0, 0.0, 0.8), 3, moved(-1.0, 0.0, 1.0)),
         at(sphere(0.0, 0.0, 0.0, 0.5), 4, moved(0.6, -0.4, 3.0)),
-        at(sphere(0.0, 0.0, 0.0, 0.7), 0, moved(2.5, 0.0, -1.0).then_first(&turn).then_first(&stretch)),
-        at(Content::Shape(Shape::AxisBox(unit_box)), 2, moved(-2.5, 0.0, -1.0).then_first(&turn)),
-        at(Content::Shape(Shape::Triangle(triangle)), 5, moved(0.0, 1.0, -2.0).then_first(&stretch)),
-        at(Content::Mesh(MeshId(0)), 1, moved(0.0, 1.2, -1.0).then_first(&turn)),
-        at(Content::Instance(GroupId(1)), 0, moved(-2.5, -0.6, 2.0).then_first(&small)),
-        at(Content::Instance(GroupId(1)), 0, moved(2.0, -0.6, 2.0).then_first(&turn).then_first(&small)),
+        at(sphere(0.0, 0.0, 0.0, 0.7), 0, moved(2.5, 0.0, -1.0).compose(&turn).compose(&stretch)),
+        at(Content::Shape(Shape::Cuboid(unit_box)), 2, moved(-2.5, 0.0, -1.0).compose(&turn)),
+        at(Content::Shape(Shape::Triangle(triangle)), 5, moved(0.0, 1.0, -2.0).compose(&stretch)),
+        at(Content::Mesh(MeshId(0)), 1, moved(0.0, 1.2, -1.0).compose(&turn)),
+        at(Content::Instance(GroupId(1)), 0, moved(-2.5, -0.6, 2.0).compose(&small)),
+        at(Content::Instance(GroupId(1)), 0, moved(2.0, -0.6, 2.0).compose(&turn).compose(&small)),
         shadowless,
     ];
     scene

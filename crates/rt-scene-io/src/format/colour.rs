@@ -29,7 +29,7 @@ pub enum Color {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields, remote = "Self")]
 #[schemars(transform = add_spellings)]
-pub enum Coefficient {
+pub enum ColorTexture {
     /// The same value for red, green and blue. Linear.
     ///
     /// Example: `gray(0.5)`.
@@ -123,19 +123,19 @@ impl Spelled for Color {
     }
 }
 
-impl Serialize for Coefficient {
+impl Serialize for ColorTexture {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         Self::serialize(self, to)
     }
 }
 
-impl<'de> Deserialize<'de> for Coefficient {
+impl<'de> Deserialize<'de> for ColorTexture {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         spelling::read(from)
     }
 }
 
-impl Spelled for Coefficient {
+impl Spelled for ColorTexture {
     fn choice<'de, D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         Self::deserialize(from)
     }
@@ -181,7 +181,7 @@ impl Color {
     }
 }
 
-impl From<Color> for Coefficient {
+impl From<Color> for ColorTexture {
     fn from(color: Color) -> Self {
         match color {
             Color::Gray(value) => Self::Gray(value),

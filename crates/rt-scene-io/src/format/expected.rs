@@ -143,10 +143,10 @@ impl<'s> Slot<'s> {
             (Some("Scene"), false) => return "a scene, which begins with `{`: {\"nodes\": [...]}".to_owned(),
             (Some("Color"), true) => return "a colour: a number, (r, g, b) or \"#rrggbb\"".to_owned(),
             (Some("Color"), false) => return "a colour: a number, [r, g, b] or \"#rrggbb\"".to_owned(),
-            (Some("Coefficient"), true) => {
+            (Some("ColorTexture"), true) => {
                 return "a colour: a number, (r, g, b), \"#rrggbb\", checker(...) or image(...)".to_owned();
             }
-            (Some("Coefficient"), false) => {
+            (Some("ColorTexture"), false) => {
                 let texture = "{\"checker\": {...}} or {\"image\": {...}}";
                 return format!("a colour: a number, [r, g, b], \"#rrggbb\", {texture}");
             }

@@ -9,7 +9,7 @@ use super::parse::ron_options;
 use super::spelling::{Choice, NO_SPELLING};
 use super::spot::{Key, Spot, Token, Value, next, value_end};
 use super::synonyms::{Meant, meant};
-use super::{Coefficient, Color};
+use super::{Color, ColorTexture};
 use crate::excerpt::{Position, floor, line_start};
 use crate::limits::NESTING;
 use crate::{Reason, error::suggestion};
@@ -159,7 +159,7 @@ impl<'t> Explainer<'t> {
         if is_choice && given.ends_with(')') {
             let inner = match definition {
                 Some("Color") => error_of::<Choice<Color>>(given),
-                Some("Coefficient") => error_of::<Choice<Coefficient>>(given),
+                Some("ColorTexture") => error_of::<Choice<ColorTexture>>(given),
                 _ => error_of::<Choice<NodeMaterial>>(given),
             };
             if let Some(error) = inner {
@@ -254,7 +254,7 @@ impl<'t> Explainer<'t> {
     /// True if the last token before the place is a value that nothing follows yet.
     fn stands_behind_value(&self, spot: &Spot<'t>, at: usize) -> bool {
         let is_key = next(self.text, at).is_some_and(|next| self.text[next..].starts_with(':'));
-        matches!(spot.last_token, Token::Scalar | Token::Close) && !is_key
+        matches!(spot.last_token, Token::FloatTexture | Token::Close) && !is_key
     }
 
     /// A value that is not what its place expects.

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::spelling::{self, Spelled};
-use super::{Coefficient, Color};
+use super::{Color, ColorTexture};
 
 /// A surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -17,22 +17,22 @@ pub enum Material {
         ///
         /// Unit: factor. Default: `1`. Example: `color: checker(even: 1, odd: 0.2)`.
         #[serde(default, skip_serializing_if = "Option::is_none", alias = "colour")]
-        color: Option<Coefficient>,
+        color: Option<ColorTexture>,
         /// Share of the ambient light.
         ///
         /// Unit: share of light. Default: `0.07`. Example: `ambient: 0.1`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        ambient: Option<Coefficient>,
+        ambient: Option<ColorTexture>,
         /// Diffuse coefficient.
         ///
         /// Unit: share of light. Default: `0.7`. Example: `diffuse: "#c03020"`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        diffuse: Option<Coefficient>,
+        diffuse: Option<ColorTexture>,
         /// Strength of the highlight.
         ///
         /// Unit: share of light. Default: `0`. Example: `specular: 0.5`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        specular: Option<Coefficient>,
+        specular: Option<ColorTexture>,
         /// Exponent of the highlight, from 0 to 10⁷.
         ///
         /// Unit: none. Default: `32`. Example: `exponent: 80`.
@@ -47,17 +47,17 @@ pub enum Material {
         ///
         /// Unit: radiance. Default: `0`. Example: `emission: (2, 1.5, 1)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        emission: Option<Coefficient>,
+        emission: Option<ColorTexture>,
         /// Share of mirrored light.
         ///
         /// Unit: share of light. Default: `0`; `1` with `fresnel` and `transmission`. Example: `mirror: 0.6`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        mirror: Option<Coefficient>,
+        mirror: Option<ColorTexture>,
         /// Share of light that passes through the surface, refracted.
         ///
         /// Unit: share of light. Default: `0`. Example: `transmission: 1`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        transmission: Option<Coefficient>,
+        transmission: Option<ColorTexture>,
         /// Index of refraction of the inside, where that of air is 1. Used with `transmission`.
         ///
         /// Unit: none. Default: `1.5`. Example: `ior: 1.33`.
@@ -93,7 +93,7 @@ pub enum Material {
         ///
         /// Unit: share of light. Example: `albedo: (0.8, 0.1, 0.1)`.
         #[serde(default = "half", alias = "color", alias = "colour")]
-        albedo: Coefficient,
+        albedo: ColorTexture,
         /// 0 for paper, 1 for dust (Oren, Nayar 1994).
         ///
         /// Unit: none. Default: `0`. Example: `roughness: 0.5`.
@@ -103,7 +103,7 @@ pub enum Material {
         ///
         /// Unit: radiance. Default: `0`. Example: `emission: (2, 1.5, 1)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        emission: Option<Coefficient>,
+        emission: Option<ColorTexture>,
     },
     /// A diffuse surface under a highlight of Phong's shape, energy-normalised.
     Glossy {
@@ -111,12 +111,12 @@ pub enum Material {
         ///
         /// Unit: share of light.
         #[serde(default = "black")]
-        diffuse: Coefficient,
+        diffuse: ColorTexture,
         /// Part of the light along the normal that the highlight reflects.
         ///
         /// Unit: share of light.
         #[serde(default = "half")]
-        specular: Coefficient,
+        specular: ColorTexture,
         /// Exponent of the highlight, from 0 to 10⁷.
         ///
         /// Unit: none.
@@ -129,7 +129,7 @@ pub enum Material {
         ///
         /// Unit: share of light.
         #[serde(default = "white", alias = "color", alias = "colour")]
-        reflectance: Coefficient,
+        reflectance: ColorTexture,
     },
     /// A body of glass, water or anything clear.
     Glass {
@@ -147,7 +147,7 @@ pub enum Material {
         ///
         /// Unit: share of light.
         #[serde(default = "white")]
-        transmittance: Coefficient,
+        transmittance: ColorTexture,
         /// Absorption inside per unit of way: light falls by exp(−absorption · length).
         ///
         /// Unit: per unit of length. Default: `0`. Example: `absorption: (0.2, 0.05, 0.1)`.
@@ -188,7 +188,7 @@ pub enum Material {
         ///
         /// Unit: share of light. Example: `base_color: image(file: "wood.png")`.
         #[serde(default = "white", alias = "color", alias = "colour")]
-        base_color: Coefficient,
+        base_color: ColorTexture,
         /// 0 for plastic, 1 for metal.
         ///
         /// Unit: none.
@@ -203,7 +203,7 @@ pub enum Material {
         ///
         /// Unit: radiance. Default: `0`. Example: `emission: (2, 1.5, 1)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        emission: Option<Coefficient>,
+        emission: Option<ColorTexture>,
     },
     /// A pane of glass without thickness.
     ThinGlass {
@@ -216,7 +216,7 @@ pub enum Material {
         ///
         /// Unit: share of light.
         #[serde(default = "white")]
-        transmittance: Coefficient,
+        transmittance: ColorTexture,
     },
     /// A lamp: it shines and reflects nothing.
     Light {
@@ -224,7 +224,7 @@ pub enum Material {
         ///
         /// Unit: radiance. Example: `radiance: (10, 8, 6)`.
         #[serde(default = "white", alias = "color", alias = "colour", alias = "emission")]
-        radiance: Coefficient,
+        radiance: ColorTexture,
         /// Sides that emit.
         #[serde(default)]
         shines: Sides,
@@ -284,7 +284,7 @@ impl From<Material> for NodeMaterial {
 
 impl Material {
     /// The coefficients that are given, other than those of the parts of a mix.
-    pub(crate) fn coefficients_mut(&mut self) -> Vec<&mut Coefficient> {
+    pub(crate) fn coefficients_mut(&mut self) -> Vec<&mut ColorTexture> {
         match self {
             Self::Phong { color, ambient, diffuse, specular, emission, mirror, transmission, .. } => {
                 [color, ambient, diffuse, specular, emission, mirror, transmission].into_iter().flatten().collect()
@@ -332,16 +332,16 @@ pub enum Metal {
     Titanium,
 }
 
-fn half() -> Coefficient {
-    Coefficient::Gray(0.5)
+fn half() -> ColorTexture {
+    ColorTexture::Gray(0.5)
 }
 
-fn black() -> Coefficient {
-    Coefficient::Gray(0.0)
+fn black() -> ColorTexture {
+    ColorTexture::Gray(0.0)
 }
 
-fn white() -> Coefficient {
-    Coefficient::Gray(1.0)
+fn white() -> ColorTexture {
+    ColorTexture::Gray(1.0)
 }
 
 fn exponent() -> f64 {

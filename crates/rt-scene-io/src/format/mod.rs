@@ -28,7 +28,7 @@ use serde::{Deserialize, Deserializer, Serialize, de};
 
 pub use animation::{CameraAnimation, CameraKey, Interpolation, NodeAnimation, NodeKey};
 pub use camera::{Camera, FovAxis, Lens};
-pub use colour::{Coefficient, Color, Wrap};
+pub use colour::{Color, ColorTexture, Wrap};
 pub use film::{Encoding, Film, Filter, Tone};
 pub use light::{Background, Falloff, Light, LightUnits};
 pub use material::{Highlight, Material, Metal, NodeMaterial, Sides};

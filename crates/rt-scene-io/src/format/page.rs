@@ -22,7 +22,7 @@ const TYPES: [(&str, &str); 36] = [
     ("Metal", "Metals"),
     ("Sides", "Sides"),
     ("Color", "Colours"),
-    ("Coefficient", "Coefficients and textures"),
+    ("ColorTexture", "Coefficients and textures"),
     ("Wrap", "Edges of images"),
     ("Light", "Lights"),
     ("LightUnits", "Units of lights"),
@@ -257,7 +257,7 @@ impl<'s> Format<'s> {
         }
         match reference(schema) {
             Some("Color") => return "\"#ffcc88\"".to_owned(),
-            Some("Coefficient") => return "(0.8, 0.3, 0.1)".to_owned(),
+            Some("ColorTexture") => return "(0.8, 0.3, 0.1)".to_owned(),
             Some("Material" | "NodeMaterial") => return "diffuse(albedo: 0.8)".to_owned(),
             Some(name) => return self.sample(self.definition(name), depth),
             None => {}
@@ -456,7 +456,7 @@ mod tests {
         types! {
             "Scene" SceneFile, "Node" Node, "Shape" Shape, "InsideRule" InsideRule, "Step" Step, "Material" Material,
             "NodeMaterial" NodeMaterial, "Highlight" Highlight, "Metal" Metal, "Sides" Sides, "Color" Color,
-            "Coefficient" Coefficient, "Wrap" Wrap, "Light" Light, "LightUnits" LightUnits, "Falloff" Falloff,
+            "ColorTexture" ColorTexture, "Wrap" Wrap, "Light" Light, "LightUnits" LightUnits, "Falloff" Falloff,
             "Background" Background, "Camera" Camera, "FovAxis" FovAxis, "Lens" Lens, "NodeAnimation" NodeAnimation, "NodeKey" NodeKey,
             "CameraAnimation" CameraAnimation, "CameraKey" CameraKey, "Interpolation" Interpolation, "Film" Film,
             "Filter" Filter, "Tone" Tone, "Encoding" Encoding, "Settings" Settings, "Integrator" Integrator,

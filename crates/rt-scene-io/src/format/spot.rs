@@ -41,7 +41,7 @@ pub(super) enum Token {
     Start,
     Open,
     Close,
-    Scalar,
+    FloatTexture,
     Mark,
 }
 
@@ -94,7 +94,7 @@ impl<'t> Spot<'t> {
                 }
                 _ => {
                     spot.ends(token.clone());
-                    spot.last_token = Token::Scalar;
+                    spot.last_token = Token::FloatTexture;
                     word = (!is_text).then_some(token);
                     continue;
                 }

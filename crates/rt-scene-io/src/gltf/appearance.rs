@@ -5,7 +5,7 @@ use std::{collections::HashMap, sync::Arc};
 use gltf::{Document, Material};
 use rt_math::Rgb;
 use rt_shading::{
-    Alpha, Bitmap, Channel, Coverage, Material as Named, Relief, Scalar, Texture, TextureId, emitter::Sides,
+    Alpha, Bitmap, Channel, Coverage, FloatTexture, Material as Named, Relief, Texture, TextureId, emitter::Sides,
 };
 
 use super::{
@@ -241,7 +241,7 @@ impl Reader<'_, '_> {
         let factor = f64::from(factor).clamp(0.0, 1.0);
         let Some(texture) = self.texture(info, Pixels::Colours)? else { return Ok(Value::constant(factor)) };
         let alpha = self.model.textures[texture.0 as usize].bitmap().map_or(1.0, |bitmap| mean_alpha(bitmap));
-        Ok(Value { scalar: Scalar::Textured(texture, Channel::Alpha, factor), mean: factor * alpha })
+        Ok(Value { scalar: FloatTexture::Textured(texture, Channel::Alpha, factor), mean: factor * alpha })
     }
 
     fn coverage(&mut self, description: &Description, surface: &Surface) -> Result<Coverage, LoadError> {
@@ -269,12 +269,12 @@ impl Reader<'_, '_> {
     }
 
     /// Occlusion is 1 + strength · (texture − 1): a texture of its own says that with one factor.
-    fn occlusion(&mut self, info: &TextureInfo) -> Result<Scalar, LoadError> {
-        let whole = Scalar::Constant(1.0);
+    fn occlusion(&mut self, info: &TextureInfo) -> Result<FloatTexture, LoadError> {
+        let whole = FloatTexture::Constant(1.0);
         let Some(texture) = self.texture(Some(info), Pixels::Numbers)? else { return Ok(whole) };
         let strength = info.strength.clamp(0.0, 1.0);
         if strength == 1.0 {
-            return Ok(Scalar::Textured(texture, Channel::Red, 1.0));
+            return Ok(FloatTexture::Textured(texture, Channel::Red, 1.0));
         }
         let faded = |bitmap: &Bitmap| {
             let pixels = bitmap.pixels.iter().map(|pixel| [1.0 + strength * (pixel[0] - 1.0); 3]).collect();
@@ -294,7 +294,7 @@ impl Reader<'_, '_> {
         if let Some(bitmap) = texture.bitmap() {
             self.textures.count(bitmap)?;
         }
-        Ok(Scalar::Textured(push(texture, self.model), Channel::Red, 1.0))
+        Ok(FloatTexture::Textured(push(texture, self.model), Channel::Red, 1.0))
     }
 
     fn texture(&mut self, info: Option<&TextureInfo>, pixels: Pixels) -> Result<Option<TextureId>, LoadError> {
@@ -334,7 +334,7 @@ impl Reader<'_, '_> {
             Channel::Blue => mean(bitmap).b,
             Channel::Alpha => mean_alpha(bitmap),
         });
-        Ok(Value { scalar: Scalar::Textured(texture, channel, factor), mean: factor * mean })
+        Ok(Value { scalar: FloatTexture::Textured(texture, channel, factor), mean: factor * mean })
     }
 }
 

@@ -20,7 +20,8 @@
 
 use rt_math::{Rgb, transcendental};
 use rt_shading::{
-    Coefficient, Highlight, LayeredBase, LayeredSurface, Phong, Physical, Relief, Scalar, TextureId, Transmission,
+    ColorTexture, FloatTexture, Highlight, LayeredBase, LayeredSurface, Phong, Physical, Relief, TextureId,
+    Transmission,
 };
 
 /// A texture times a colour.
@@ -35,11 +36,11 @@ impl Tint {
         Self { texture: None, colour }
     }
 
-    fn scaled(self, by: f64) -> Coefficient {
+    fn scaled(self, by: f64) -> ColorTexture {
         let colour = self.colour * by;
         match self.texture {
-            Some(texture) if !colour.is_black() => Coefficient::Textured(texture, colour),
-            _ => Coefficient::Constant(colour),
+            Some(texture) if !colour.is_black() => ColorTexture::Textured(texture, colour),
+            _ => ColorTexture::Constant(colour),
         }
     }
 }
@@ -47,13 +48,13 @@ impl Tint {
 /// A number that may vary, and its mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Value {
-    pub(super) scalar: Scalar,
+    pub(super) scalar: FloatTexture,
     pub(super) mean: f64,
 }
 
 impl Value {
     pub(super) const fn constant(value: f64) -> Self {
-        Self { scalar: Scalar::Constant(value), mean: value }
+        Self { scalar: FloatTexture::Constant(value), mean: value }
     }
 }
 
@@ -152,7 +153,7 @@ impl Surface {
     pub(super) fn phong(&self) -> Phong {
         let (base, metallic, roughness) = self.plain();
         if self.unlit {
-            let zero = Coefficient::ZERO;
+            let zero = ColorTexture::ZERO;
             return Phong { ambient: zero, diffuse: zero, emission: base.scaled(1.0), ..Phong::default() };
         }
         let transmission = self.transmission.mean * (1.0 - metallic);
@@ -174,12 +175,12 @@ impl Surface {
         Phong {
             ambient: base.scaled(0.1 * diffuse),
             diffuse: base.scaled(diffuse),
-            specular: Coefficient::Constant(f0.map(|f| (1.0 - roughness) * (f * strength).min(1.0))),
+            specular: ColorTexture::Constant(f0.map(|f| (1.0 - roughness) * (f * strength).min(1.0))),
             exponent,
             highlight: Highlight::Blinn,
             emission: self.emission.scaled(1.0),
             // Fresnel's equations weigh the mirror of glass.
-            mirror: if is_glass { Coefficient::Constant(Rgb::WHITE) } else { base.scaled(metallic * smooth) },
+            mirror: if is_glass { ColorTexture::Constant(Rgb::WHITE) } else { base.scaled(metallic * smooth) },
             transmission: is_glass.then_some(glass),
         }
     }
@@ -245,7 +246,7 @@ impl Surface {
 /// The numbers that a plain base of these has everywhere.
 fn constants(metallic: Value, roughness: Value) -> Option<(f64, f64)> {
     match (metallic.scalar, roughness.scalar) {
-        (Scalar::Constant(metallic), Scalar::Constant(roughness)) => Some((metallic, roughness)),
+        (FloatTexture::Constant(metallic), FloatTexture::Constant(roughness)) => Some((metallic, roughness)),
         _ => None,
     }
 }
@@ -266,9 +267,9 @@ mod tests {
         Surface { base: Base::MetallicRoughness { color, metallic, roughness }, ..Surface::default() }
     }
 
-    fn red(coefficient: Coefficient) -> f64 {
+    fn red(coefficient: ColorTexture) -> f64 {
         match coefficient {
-            Coefficient::Constant(rgb) | Coefficient::Textured(_, rgb) => rgb.r,
+            ColorTexture::Constant(rgb) | ColorTexture::Textured(_, rgb) => rgb.r,
         }
     }
 

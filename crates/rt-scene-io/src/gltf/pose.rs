@@ -100,7 +100,7 @@ impl Pose {
         while let Some((node, parent)) = open.pop() {
             // A node with two parents is refused elsewhere; here its first place stands.
             if worlds[node.index()].is_none() {
-                let world = parent.then_first(&Affine::of(&self.nodes[node.index()].matrix));
+                let world = parent.compose(&Affine::of(&self.nodes[node.index()].matrix));
                 worlds[node.index()] = Some(world);
                 open.extend(node.children().map(|child| (child, world)));
             }
@@ -143,7 +143,7 @@ impl Affine {
     }
 
     /// The map that applies `first` and then this one.
-    pub(super) fn then_first(&self, first: &Self) -> Self {
+    pub(super) fn compose(&self, first: &Self) -> Self {
         Self { linear: self.linear * first.linear, translation: self.point(first.translation) }
     }
 

@@ -30,7 +30,7 @@ pub(super) fn joints(
     }
     for (joint, inverse) in joints.iter_mut().zip(&inverses) {
         let columns = std::array::from_fn(|c| std::array::from_fn(|r| inverse[4 * c + r]));
-        *joint = joint.then_first(&Affine::from_columns(&columns));
+        *joint = joint.compose(&Affine::from_columns(&columns));
     }
     Ok(joints)
 }

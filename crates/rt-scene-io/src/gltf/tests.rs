@@ -4,7 +4,7 @@ use super::*;
 use crate::{Content, Node};
 use rt_camera::Projection;
 use rt_math::{DVec3, Rgb, Vec3};
-use rt_shading::{Coefficient, LightKind};
+use rt_shading::{ColorTexture, LightKind};
 
 /// A unit square: four positions, four texture coordinates as bytes, and the indices of two triangles.
 fn square() -> Vec<u8> {
@@ -76,7 +76,7 @@ fn primitives_become_nodes_with_their_materials() {
     let [strip] = &model.nodes[0].children[1..] else { panic!("two primitives") };
     assert_eq!((&strip.content, strip.material), (&Some(Content::Mesh(MeshId(1))), MaterialId(1)));
     assert_eq!(model.meshes[1].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
-    assert_eq!(model.materials[1].phong.diffuse, Coefficient::Constant(Rgb::new(1.0, 0.0, 0.0)));
+    assert_eq!(model.materials[1].phong.diffuse, ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)));
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn images_are_read_from_data_uris_at_the_given_coordinates() {
     let rt_shading::Texture::Image { bitmap, wrap, smooth } = &**texture else { panic!("an image") };
     assert_eq!((bitmap.pixels[0], *smooth), ([1.0, 0.0, 0.0], false));
     assert_eq!(*wrap, [rt_shading::Wrap::Clamp, rt_shading::Wrap::Repeat]);
-    assert!(matches!(model.materials[0].phong.diffuse, Coefficient::Textured(_, Rgb::WHITE)));
+    assert!(matches!(model.materials[0].phong.diffuse, ColorTexture::Textured(_, Rgb::WHITE)));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use gltf::{
     scene::Transform as Matrix,
 };
 use rt_camera::{CameraSettings, FovAxis, Projection};
-use rt_math::{DQuat, DVec3, Motion, Rgb, Transform, TransformError, transcendental::cos};
+use rt_math::{AnimatedTransform, DQuat, DVec3, Rgb, Transform, TransformError, transcendental::cos};
 use rt_shading::{Falloff, Light, LightKind, LightUnits};
 
 use super::{Part, buffers::Buffers, instancing, pose::Poses};
@@ -69,10 +69,10 @@ struct World {
 impl World {
     const IDENTITY: Self = Self { opens: Transform::IDENTITY, closes: Transform::IDENTITY };
 
-    fn then_first(&self, node: &Node) -> Self {
+    fn compose(&self, node: &Node) -> Self {
         Self {
-            opens: self.opens.then_first(&node.parent_from_local),
-            closes: self.closes.then_first(&node.moves_to.unwrap_or(node.parent_from_local)),
+            opens: self.opens.compose(&node.parent_from_local),
+            closes: self.closes.compose(&node.moves_to.unwrap_or(node.parent_from_local)),
         }
     }
 }
@@ -90,7 +90,7 @@ fn open(source: &Source<'_>, poses: &Poses<'_>, parent: &World, model: &mut Mode
     children.reverse();
     let moves_to = moves_to(source, poses, &parent_from_local, model);
     let node = Node { parent_from_local, moves_to, ..empty(source) };
-    Some(Frame { index: source.index(), world: parent.then_first(&node), node, children })
+    Some(Frame { index: source.index(), world: parent.compose(&node), node, children })
 }
 
 /// Where a node goes while the shutter is open, if it goes anywhere.
@@ -99,7 +99,7 @@ fn moves_to(source: &Source<'_>, poses: &Poses<'_>, start: &Transform, model: &m
     if end.is_ok_and(|end| end == *start) {
         return None;
     }
-    let end = end.ok().filter(|end| Motion::new(start, end).is_ok());
+    let end = end.ok().filter(|end| AnimatedTransform::new(start, end).is_ok());
     if end.is_none() {
         warn(source, "what it moves to while the shutter is open is unusable; it stands still", model);
     }
@@ -151,11 +151,11 @@ pub(super) fn transform(matrix: &Matrix) -> Result<Transform, TransformError> {
         Matrix::Decomposed { translation, rotation, scale } => {
             let translation = DVec3::from(translation.map(f64::from));
             if !translation.is_finite() {
-                return Err(TransformError::NotFinite);
+                return Err(TransformError::NonFinite);
             }
             let rotate = Transform::rotate_quaternion(DQuat::from_array(rotation.map(f64::from)))?;
             let scale = Transform::scale(DVec3::from(scale.map(f64::from)))?;
-            Ok(Transform::translate(translation).then_first(&rotate).then_first(&scale))
+            Ok(Transform::translate(translation).compose(&rotate).compose(&scale))
         }
     }
 }

@@ -10,7 +10,7 @@
 //! There is no ambient light in the format.
 
 use rt_math::Rgb;
-use rt_shading::{Coefficient, Highlight, Phong, Transmission};
+use rt_shading::{ColorTexture, Highlight, Phong, Transmission};
 
 use super::words::Words;
 use crate::flaw::Flaw;
@@ -56,7 +56,7 @@ impl Fill {
 
     /// The surface.
     pub(super) fn phong(&self) -> Phong {
-        let constant = |rgb| Coefficient::Constant(rgb);
+        let constant = |rgb| ColorTexture::Constant(rgb);
         let ks = constant(Rgb::gray(self.specular));
         let passing = Transmission {
             coefficient: constant(Rgb::gray(self.transmittance)),
@@ -66,12 +66,12 @@ impl Fill {
             priority: 0,
         };
         Phong {
-            ambient: Coefficient::ZERO,
+            ambient: ColorTexture::ZERO,
             diffuse: constant(Rgb::from(self.colour) * self.diffuse),
             specular: ks,
             exponent: self.shine.min(limits::HIGHLIGHT_EXPONENT),
             highlight: Highlight::Phong,
-            emission: Coefficient::ZERO,
+            emission: ColorTexture::ZERO,
             mirror: ks,
             transmission: (self.transmittance > 0.0).then_some(passing),
         }
@@ -89,11 +89,11 @@ mod tests {
     #[test]
     fn coefficients_follow_the_convention() {
         let phong = fill("1 0.5 0 0.8 0.25 12 0.5 1.5").expect("a fill").phong();
-        assert_eq!(phong.diffuse, Coefficient::Constant(Rgb::new(0.8, 0.4, 0.0)));
-        assert_eq!((phong.specular, phong.mirror), (Coefficient::Constant(Rgb::gray(0.25)), phong.specular));
-        assert_eq!((phong.exponent, phong.ambient), (12.0, Coefficient::ZERO));
+        assert_eq!(phong.diffuse, ColorTexture::Constant(Rgb::new(0.8, 0.4, 0.0)));
+        assert_eq!((phong.specular, phong.mirror), (ColorTexture::Constant(Rgb::gray(0.25)), phong.specular));
+        assert_eq!((phong.exponent, phong.ambient), (12.0, ColorTexture::ZERO));
         let inside = phong.transmission.expect("glass");
-        assert_eq!((inside.coefficient, inside.ior), (Coefficient::Constant(Rgb::gray(0.5)), 1.5));
+        assert_eq!((inside.coefficient, inside.ior), (ColorTexture::Constant(Rgb::gray(0.5)), 1.5));
         assert_eq!(fill("1 1 1 1 0 100000 0 0").expect("a fill").phong().transmission, None);
     }
 

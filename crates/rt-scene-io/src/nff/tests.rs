@@ -2,7 +2,7 @@ use super::*;
 use crate::bare::scene_around;
 use crate::{LoadOptions, format};
 use rt_geometry::Shape;
-use rt_shading::Coefficient;
+use rt_shading::ColorTexture;
 
 const HEAD: &str = "b 0.1 0.2 0.3\nv\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 45\nhither 1\nresolution 32 24\n";
 const FILL: &str = "f 1 0.5 0 0.8 0.2 12 0 0\n";
@@ -34,7 +34,7 @@ fn a_whole_file_becomes_a_model() {
     assert!(matches!(shapes[0], ("line 13", Some(Content::Shape(Shape::Sphere(_))))));
     assert!(matches!(shapes[1], ("line 14", Some(Content::Shape(Shape::Frustum(_))))));
     assert!(matches!(shapes[2], ("line 17", Some(Content::Shape(Shape::Triangle(_))))));
-    assert_eq!(model.materials[0].phong.mirror, Coefficient::Constant(Rgb::gray(0.2)));
+    assert_eq!(model.materials[0].phong.mirror, ColorTexture::Constant(Rgb::gray(0.2)));
     assert_eq!(model.warnings, []);
 }
 

@@ -1,6 +1,7 @@
 //! The view of an NFF file.
 
-use rt_camera::{CameraSettings, Film, FovAxis, Projection};
+use rt_camera::{CameraSettings, FovAxis, Projection};
+use rt_image::Image;
 use rt_math::{DVec3, Transform};
 
 use super::words::{Word, Words};
@@ -77,7 +78,7 @@ fn resolution(words: &mut Words<'_>, line: usize) -> Result<[u32; 2], Flaw> {
     if !whole(width) || !whole(height) {
         return Err(Flaw::new(line, shown(), "is no resolution: give two whole numbers of pixels from 1 up"));
     }
-    if width * height > Film::MAX_PIXELS as f64 {
+    if width * height > Image::MAX_PIXELS as f64 {
         return Err(Flaw::new(line, shown(), "pixels are more than 2^28: choose a smaller image"));
     }
     // Both fit, because their product does.

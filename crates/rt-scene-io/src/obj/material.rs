@@ -26,8 +26,8 @@ use std::f64::consts::TAU;
 
 use rt_math::Rgb;
 use rt_shading::{
-    Alpha, Channel, Coefficient, Coverage, Highlight, LayeredBase, LayeredSurface, Phong, Physical, Relief, Scalar,
-    TextureId, Transmission,
+    Alpha, Channel, ColorTexture, Coverage, FloatTexture, Highlight, LayeredBase, LayeredSurface, Phong, Physical,
+    Relief, TextureId, Transmission,
 };
 
 use crate::limits;
@@ -73,15 +73,15 @@ pub(super) fn phong(mtl: &tobj::Material, maps: Maps) -> Phong {
         specular: if model >= 2 && mtl.shininess != Some(0.0) {
             coefficient(maps.specular, ks)
         } else {
-            Coefficient::ZERO
+            ColorTexture::ZERO
         },
         exponent: mtl.shininess.map_or(default.exponent, |ns| f64::from(ns).min(limits::HIGHLIGHT_EXPONENT)),
         highlight: Highlight::Blinn,
         emission: coefficient(maps.emission, ke),
         mirror: match model {
             3..=6 | 8 | 9 => coefficient(maps.specular, ks),
-            7 => Coefficient::Constant(Rgb::WHITE),
-            _ => Coefficient::ZERO,
+            7 => ColorTexture::Constant(Rgb::WHITE),
+            _ => ColorTexture::ZERO,
         },
         transmission: transmission(mtl, model, opacity),
     }
@@ -100,13 +100,13 @@ pub(super) fn physical(mtl: &tobj::Material, maps: Maps) -> Option<Physical> {
     // A factor of a map that is missing or zero means the map alone, as with colours.
     let scalar = |name: &str, map: Option<(TextureId, Channel)>, otherwise: f64| match (number(name), map) {
         (factor, Some((id, channel))) => {
-            Scalar::Textured(id, channel, factor.filter(|factor| *factor > 0.0).unwrap_or(1.0).min(1.0))
+            FloatTexture::Textured(id, channel, factor.filter(|factor| *factor > 0.0).unwrap_or(1.0).min(1.0))
         }
-        (factor, None) => Scalar::Constant(factor.unwrap_or(otherwise).min(1.0)),
+        (factor, None) => FloatTexture::Constant(factor.unwrap_or(otherwise).min(1.0)),
     };
     if is_glass(mtl) {
         let roughness = number("Pr").unwrap_or(ROUGHNESS).min(1.0);
-        return Some(Physical::Dielectric { roughness, transmittance: Coefficient::Constant(filter_colour(mtl)) });
+        return Some(Physical::Dielectric { roughness, transmittance: ColorTexture::Constant(filter_colour(mtl)) });
     }
     let base_color = coefficient(maps.diffuse, base_colour(mtl, maps));
     let (metallic, roughness) = (scalar("Pm", maps.metallic, 0.0), scalar("Pr", maps.roughness, ROUGHNESS));
@@ -116,16 +116,16 @@ pub(super) fn physical(mtl: &tobj::Material, maps: Maps) -> Option<Physical> {
     };
     let layers = LayeredSurface {
         coat: scalar("Pc", maps.coat, 0.0),
-        coat_roughness: Scalar::Constant(number("Pcr").unwrap_or(0.0).min(1.0)),
+        coat_roughness: FloatTexture::Constant(number("Pcr").unwrap_or(0.0).min(1.0)),
         sheen_color: coefficient(maps.sheen, Rgb::gray(fibres.min(1.0))),
-        sheen_roughness: Scalar::Constant(ROUGHNESS),
-        anisotropy: Scalar::Constant(number("aniso").unwrap_or(0.0).min(1.0)),
+        sheen_roughness: FloatTexture::Constant(ROUGHNESS),
+        anisotropy: FloatTexture::Constant(number("aniso").unwrap_or(0.0).min(1.0)),
         anisotropy_rotation: TAU * number("anisor").unwrap_or(0.0).min(1.0),
         ..LayeredSurface::new(LayeredBase::MetallicRoughness { base_color, metallic, roughness })
     };
     let is_bare = layers.coat.is_zero() && layers.sheen_color.is_zero() && layers.anisotropy.is_zero();
     Some(match (metallic, roughness) {
-        (Scalar::Constant(metallic), Scalar::Constant(roughness)) if is_bare => {
+        (FloatTexture::Constant(metallic), FloatTexture::Constant(roughness)) if is_bare => {
             Physical::MetallicRoughness { base_color, metallic, roughness }
         }
         _ => Physical::Layered(Box::new(layers)),
@@ -172,7 +172,7 @@ fn base_colour(mtl: &tobj::Material, maps: Maps) -> Rgb {
         // Exporters that mean "the texture alone" write black, or nothing.
         (_, Some(_)) => Rgb::WHITE,
         (None, None) => match Phong::default().diffuse {
-            Coefficient::Constant(rgb) | Coefficient::Textured(_, rgb) => rgb,
+            ColorTexture::Constant(rgb) | ColorTexture::Textured(_, rgb) => rgb,
         },
     }
 }
@@ -195,7 +195,7 @@ fn transmission(mtl: &tobj::Material, model: u8, opacity: f64) -> Option<Transmi
         }
         _ => (Rgb::gray(1.0 - opacity), 1.0),
     };
-    let coefficient = Coefficient::Constant(filter);
+    let coefficient = ColorTexture::Constant(filter);
     let (fresnel, absorption, priority) = (model == 7, Rgb::BLACK, 0);
     (!filter.is_black()).then_some(Transmission { coefficient, ior, fresnel, absorption, priority })
 }
@@ -208,10 +208,10 @@ fn filter_colour(mtl: &tobj::Material) -> Rgb {
     Rgb::new(next(), next(), next())
 }
 
-fn coefficient(texture: Option<TextureId>, colour: Rgb) -> Coefficient {
+fn coefficient(texture: Option<TextureId>, colour: Rgb) -> ColorTexture {
     match texture {
-        Some(id) => Coefficient::Textured(id, colour),
-        None => Coefficient::Constant(colour),
+        Some(id) => ColorTexture::Textured(id, colour),
+        None => ColorTexture::Constant(colour),
     }
 }
 
@@ -230,8 +230,8 @@ mod tests {
         materials.into_iter().next().expect("one material")
     }
 
-    fn gray(value: f64) -> Coefficient {
-        Coefficient::Constant(Rgb::gray(value))
+    fn gray(value: f64) -> ColorTexture {
+        ColorTexture::Constant(Rgb::gray(value))
     }
 
     #[test]
@@ -239,7 +239,7 @@ mod tests {
         let phong = phong(&mtl("Kd 0.5\nKa 1\nKs 0.25\nNs 8\nKe 2\nillum 2"), Maps::default());
         assert_eq!((phong.diffuse, phong.ambient), (gray(0.5), gray(0.05)));
         assert_eq!((phong.specular, phong.exponent, phong.emission), (gray(0.25), 8.0, gray(2.0)));
-        assert_eq!((phong.mirror, phong.transmission), (Coefficient::ZERO, None));
+        assert_eq!((phong.mirror, phong.transmission), (ColorTexture::ZERO, None));
     }
 
     #[test]
@@ -251,12 +251,12 @@ mod tests {
     fn the_illumination_model_decides_about_highlight_mirror_and_glass() {
         let with =
             |model: u8| phong(&mtl(&format!("Kd 0.5\nKs 0.25\nNi 1.5\nTf 1 0.5 0\nillum {model}")), Maps::default());
-        assert_eq!((with(1).specular, with(1).mirror), (Coefficient::ZERO, Coefficient::ZERO));
+        assert_eq!((with(1).specular, with(1).mirror), (ColorTexture::ZERO, ColorTexture::ZERO));
         assert_eq!((with(3).specular, with(3).mirror, with(3).transmission), (gray(0.25), gray(0.25), None));
         let glass = with(7).transmission.expect("glass");
         assert_eq!(
             (glass.ior, glass.fresnel, glass.coefficient),
-            (1.5, true, Coefficient::Constant(Rgb::new(1.0, 0.5, 0.0)))
+            (1.5, true, ColorTexture::Constant(Rgb::new(1.0, 0.5, 0.0)))
         );
         assert_eq!(with(7).mirror, gray(1.0));
         assert!(!with(6).transmission.expect("glass").fresnel);
@@ -280,7 +280,7 @@ mod tests {
         assert_eq!(of("Kd 0.5\nPr 0.25\nPm 1"), Some(metal(1.0, 0.25)));
         assert_eq!(of("Kd 0.5\npm 7"), Some(metal(1.0, 0.5)));
         let glass =
-            Physical::Dielectric { roughness: 0.0, transmittance: Coefficient::Constant(Rgb::new(1.0, 0.5, 0.0)) };
+            Physical::Dielectric { roughness: 0.0, transmittance: ColorTexture::Constant(Rgb::new(1.0, 0.5, 0.0)) };
         assert_eq!(of("Pr 0\nillum 7\nTf 1 0.5 0"), Some(glass));
         let (veil, none) = (mtl("Kd 0.5\nPr 0\nd 0.75"), Maps::default());
         assert_eq!(physical(&veil, none), Some(metal(0.0, 0.0)));
@@ -293,15 +293,17 @@ mod tests {
         let map = |id| Some((TextureId(id), Channel::Red));
         let maps = Maps { metallic: map(1), roughness: map(2), ..Maps::default() };
         let Some(Physical::Layered(layers)) = physical(&mtl("Kd 0.5\nPr 0.25\nPm 0"), maps) else { panic!("layers") };
-        let (metallic, roughness) =
-            (Scalar::Textured(TextureId(1), Channel::Red, 1.0), Scalar::Textured(TextureId(2), Channel::Red, 0.25));
+        let (metallic, roughness) = (
+            FloatTexture::Textured(TextureId(1), Channel::Red, 1.0),
+            FloatTexture::Textured(TextureId(2), Channel::Red, 0.25),
+        );
         assert_eq!(layers.base, LayeredBase::MetallicRoughness { base_color: gray(0.5), metallic, roughness });
         assert!(layers.coat.is_zero() && layers.sheen_color.is_zero());
 
         let text = "Kd 0.5\nPc 0.75\nPcr 0.1\nPs 0.5\naniso 0.25\nanisor 0.25";
         let Some(Physical::Layered(layers)) = physical(&mtl(text), Maps::default()) else { panic!("layers") };
-        assert_eq!((layers.coat, layers.coat_roughness), (Scalar::Constant(0.75), Scalar::Constant(0.1)));
-        assert_eq!((layers.sheen_color, layers.anisotropy), (gray(0.5), Scalar::Constant(0.25)));
+        assert_eq!((layers.coat, layers.coat_roughness), (FloatTexture::Constant(0.75), FloatTexture::Constant(0.1)));
+        assert_eq!((layers.sheen_color, layers.anisotropy), (gray(0.5), FloatTexture::Constant(0.25)));
         assert_eq!(layers.anisotropy_rotation, TAU / 4.0);
         assert_eq!(physical(&mtl("Kd 0.5\nPs 0\nPc 0\naniso 0"), Maps::default()), None, "written by default");
     }
@@ -321,8 +323,8 @@ mod tests {
     fn a_texture_over_black_is_the_texture_alone() {
         let id = TextureId(3);
         let maps = Maps { diffuse: Some(id), ..Maps::default() };
-        assert_eq!(phong(&mtl("Kd 0"), maps).diffuse, Coefficient::Textured(id, Rgb::WHITE));
-        assert_eq!(phong(&mtl("Ns 3"), maps).diffuse, Coefficient::Textured(id, Rgb::WHITE));
-        assert_eq!(phong(&mtl("Kd 0.5"), maps).diffuse, Coefficient::Textured(id, Rgb::gray(0.5)));
+        assert_eq!(phong(&mtl("Kd 0"), maps).diffuse, ColorTexture::Textured(id, Rgb::WHITE));
+        assert_eq!(phong(&mtl("Ns 3"), maps).diffuse, ColorTexture::Textured(id, Rgb::WHITE));
+        assert_eq!(phong(&mtl("Kd 0.5"), maps).diffuse, ColorTexture::Textured(id, Rgb::gray(0.5)));
     }
 }

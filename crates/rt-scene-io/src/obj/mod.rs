@@ -21,8 +21,8 @@ mod textures;
 
 use std::{path::Path, sync::Arc};
 
-use rt_camera::Encoding;
 use rt_geometry::{Face, MeshData, MeshError};
+use rt_image::Encoding;
 use rt_math::{Transform, Vec3};
 
 use self::{
@@ -194,7 +194,7 @@ fn faces(mesh: &tobj::Mesh) -> impl Iterator<Item = Face<'_>> {
 mod tests {
     use super::*;
     use rt_math::Rgb;
-    use rt_shading::{Channel, Coefficient, LayeredBase, Physical, Scalar, Texture, TextureId};
+    use rt_shading::{Channel, ColorTexture, FloatTexture, LayeredBase, Physical, Texture, TextureId};
     use std::fs;
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -248,9 +248,9 @@ mod tests {
         assert!((colors[1][0] - 0.214_041).abs() < 1e-6 && colors[1][3] == 1.0, "{colors:?}");
         assert!(model.meshes[1].mesh.data().colors.is_empty());
         let diffuse = |node: usize| model.materials[model.nodes[node].material.0 as usize].phong.diffuse;
-        assert!(matches!(diffuse(0), Coefficient::Textured(TextureId(0), _)));
+        assert!(matches!(diffuse(0), ColorTexture::Textured(TextureId(0), _)));
         assert_eq!(model.textures, [Texture::VertexColor(None)]);
-        assert!(matches!(diffuse(1), Coefficient::Constant(_)));
+        assert!(matches!(diffuse(1), ColorTexture::Constant(_)));
     }
 
     #[test]
@@ -312,8 +312,8 @@ mod tests {
         fs::write(place("m.obj"), head + "usemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\n").expect("written");
 
         let model = crate::load_model(&place("m.obj"), &LoadOptions::default()).expect("a model");
-        assert_eq!(model.materials[0].phong.diffuse, Coefficient::Constant(Rgb::new(1.0, 0.0, 0.0)));
-        assert!(matches!(model.materials[1].phong.diffuse, Coefficient::Textured(..)));
+        assert_eq!(model.materials[0].phong.diffuse, ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)));
+        assert!(matches!(model.materials[1].phong.diffuse, ColorTexture::Textured(..)));
         assert!(matches!(&model.textures[0], Texture::Image { bitmap, .. } if bitmap.width == 2));
         let what: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
         assert_eq!(what[0], "the material library `none.mtl` is not there; its materials become plain grey");
@@ -337,7 +337,8 @@ mod tests {
         let material = &model.materials[0];
         let bitmap = |id: TextureId| model.textures[id.0 as usize].bitmap().expect("an image");
         let Some(Physical::Layered(layers)) = &material.physical else { panic!("layers") };
-        let LayeredBase::MetallicRoughness { roughness: Scalar::Textured(id, Channel::Green, 0.5), .. } = layers.base
+        let LayeredBase::MetallicRoughness { roughness: FloatTexture::Textured(id, Channel::Green, 0.5), .. } =
+            layers.base
         else {
             panic!("the green of a texture: {layers:?}")
         };

@@ -12,7 +12,7 @@
 
 use rt_math::Rgb;
 use rt_shading::bsdf::ComplexIor;
-use rt_shading::{Coefficient, Phong, Physical, Transmission};
+use rt_shading::{ColorTexture, Phong, Physical, Transmission};
 
 use super::parameters::{Parameters, Values};
 use super::spectrum::{colour, glass, metal};
@@ -58,14 +58,14 @@ pub(super) fn read(
         }
         "dielectric" => {
             let (ior, roughness) = (reader.ior(losses)?, reader.roughness(losses)?);
-            let transmittance = Coefficient::Constant(Rgb::WHITE);
+            let transmittance = ColorTexture::Constant(Rgb::WHITE);
             let inside =
                 Transmission { coefficient: transmittance, ior, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
             let phong = Phong { mirror: transmittance, transmission: Some(inside), ..BARE };
             made(phong, Physical::Dielectric { roughness, transmittance })
         }
         "thindielectric" => {
-            let (ior, transmittance) = (reader.ior(losses)?, Coefficient::Constant(Rgb::WHITE));
+            let (ior, transmittance) = (reader.ior(losses)?, ColorTexture::Constant(Rgb::WHITE));
             let air = Transmission {
                 coefficient: transmittance,
                 ior: 1.0,
@@ -74,14 +74,14 @@ pub(super) fn read(
                 priority: 0,
             };
             let phong =
-                Phong { mirror: Coefficient::Constant(Rgb::gray(PANE_MIRROR)), transmission: Some(air), ..BARE };
+                Phong { mirror: ColorTexture::Constant(Rgb::gray(PANE_MIRROR)), transmission: Some(air), ..BARE };
             made(phong, Physical::ThinGlass { ior, transmittance })
         }
         "mix" => return reader.mix(find, losses),
         "interface" | "none" | "" => return Ok(None),
         other if UNSUPPORTED.contains(&other) => {
             losses.push(format!("the material \"{other}\" is not supported: grey is in its place"));
-            let albedo = Coefficient::Constant(Rgb::gray(0.5));
+            let albedo = ColorTexture::Constant(Rgb::gray(0.5));
             made(diffuse(albedo), Physical::Diffuse { albedo, roughness: 0.0 })
         }
         other => return Err(unknown("material", other, parameters.line, SUPPORTED.into_iter().chain(UNSUPPORTED))),
@@ -172,7 +172,7 @@ impl Reader<'_> {
             },
         };
         let ior = ComplexIor { n: half("eta", |ior| ior.n)?, k: half("k", |ior| ior.k)? };
-        let reflectance = Coefficient::Constant(ior.fresnel(1.0));
+        let reflectance = ColorTexture::Constant(ior.fresnel(1.0));
         Ok((classical::metal(reflectance, roughness), Physical::Conductor { ior, roughness }))
     }
 

@@ -93,7 +93,7 @@ fn exact(kind: &str, p: &Parameters, reversed: bool, losses: &mut Vec<String>) -
             let place = turned(DVec3::Z * p.float("height", 0.0)?);
             // A half turn around x.
             let over = Transform::from_linear(DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)), DVec3::ZERO);
-            let place = if reversed { place.then_first(&over.unwrap_or(Transform::IDENTITY)) } else { place };
+            let place = if reversed { place.compose(&over.unwrap_or(Transform::IDENTITY)) } else { place };
             Ok(Solid::Exact(Shape::Disk(disk), place))
         }
         _ => {

@@ -68,7 +68,7 @@ pub(super) fn transformed(
             given
         }
     };
-    let sum = matrix.then_first(&first);
+    let sum = matrix.compose(&first);
     // Factors that are small one by one may flatten space together.
     Transform::from_linear(sum.linear(), sum.translation()).map_err(flaw)
 }

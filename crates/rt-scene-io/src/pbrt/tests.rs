@@ -6,7 +6,7 @@ use rt_geometry::Shape;
 use rt_math::{DVec3, Rgb, Transform};
 use rt_shading::bsdf::ComplexIor;
 use rt_shading::emitter::Sides;
-use rt_shading::{Coefficient, LightKind, Physical, Texture};
+use rt_shading::{ColorTexture, LightKind, Physical, Texture};
 
 /// A scene with most of what is read.
 const SCENE: &str = r#"
@@ -60,7 +60,7 @@ fn world(before: &str) -> String {
 fn placed(nodes: &[Node], outer: &Transform) -> Vec<(Transform, Node)> {
     let mut all = Vec::new();
     for node in nodes {
-        let place = outer.then_first(&node.parent_from_local);
+        let place = outer.compose(&node.parent_from_local);
         all.extend(placed(&node.children, &place));
         if node.content.is_some() {
             all.push((place, node.clone()));
@@ -105,8 +105,8 @@ fn known_values_of_a_scene() {
     let kinds: Vec<_> = all.iter().map(|(_, node)| node.name.as_str()).collect();
     assert_eq!(kinds, ["line 15", "line 21", "line 24", "line 24", "line 32"]);
     let of = |i: usize| &model.materials[all[i].1.material.0 as usize];
-    assert_eq!((of(0).phong.emission, of(0).shines), (Coefficient::Constant(Rgb::gray(5.0)), Sides::Front));
-    let Some(Physical::Diffuse { albedo: Coefficient::Textured(id, _), .. }) = of(1).physical else {
+    assert_eq!((of(0).phong.emission, of(0).shines), (ColorTexture::Constant(Rgb::gray(5.0)), Sides::Front));
+    let Some(Physical::Diffuse { albedo: ColorTexture::Textured(id, _), .. }) = of(1).physical else {
         panic!("squares")
     };
     let Texture::Mapped { texture, map } = &model.textures[id.0 as usize] else { panic!("mapped") };
@@ -372,7 +372,7 @@ fn images_are_shown_and_maps_all_around_become_their_mean() {
         model.textures[..],
         [Texture::Image { wrap: [rt_shading::Wrap::Clamp, rt_shading::Wrap::Clamp], smooth: true, .. }]
     ));
-    assert!(matches!(model.materials[0].phong.diffuse, Coefficient::Textured(_, rgb) if rgb == Rgb::gray(0.5)));
+    assert!(matches!(model.materials[0].phong.diffuse, ColorTexture::Textured(_, rgb) if rgb == Rgb::gray(0.5)));
 }
 
 /// Ten lines may stand for a million spheres.

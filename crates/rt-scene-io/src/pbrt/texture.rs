@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use rt_math::Rgb;
-use rt_shading::{Alpha, Bitmap, Coefficient, Coverage, Relief, Texture, TextureId, UvMap, Wrap};
+use rt_shading::{Alpha, Bitmap, ColorTexture, Coverage, Relief, Texture, TextureId, UvMap, Wrap};
 
 use super::Files;
 use super::material::unknown;
@@ -24,7 +24,7 @@ const UNSUPPORTED: [&str; 7] = ["bilerp", "directionmix", "dots", "fbm", "marble
 pub(super) struct Textures {
     pub(super) list: Vec<Texture>,
     /// In the order of their names, for messages.
-    named: BTreeMap<String, Coefficient>,
+    named: BTreeMap<String, ColorTexture>,
     images: HashMap<(PathBuf, Pixels), Arc<Bitmap>>,
     /// The textures that say by alpha what others say by their colour.
     covers: HashMap<TextureId, TextureId>,
@@ -47,8 +47,8 @@ impl Textures {
                 let below = self.coefficient(parameters, "tex", Rgb::WHITE, &mut losses)?;
                 let factor = self.coefficient(parameters, "scale", Rgb::WHITE, &mut losses)?;
                 match (below, factor) {
-                    (below, Coefficient::Constant(rgb)) => times(below, rgb),
-                    (Coefficient::Constant(rgb), textured) => times(textured, rgb),
+                    (below, ColorTexture::Constant(rgb)) => times(below, rgb),
+                    (ColorTexture::Constant(rgb), textured) => times(textured, rgb),
                     (below, _) => {
                         losses.push("one image times another is not shown: the first stays".to_owned());
                         below
@@ -59,7 +59,7 @@ impl Textures {
             "imagemap" => self.image(parameters, files, &mut losses)?,
             other if UNSUPPORTED.contains(&other) => {
                 losses.push(format!("the texture \"{other}\" is not supported: grey is in its place"));
-                Coefficient::Constant(Rgb::gray(0.5))
+                ColorTexture::Constant(Rgb::gray(0.5))
             }
             other => {
                 let known = ["constant", "scale", "checkerboard", "imagemap"].into_iter().chain(UNSUPPORTED);
@@ -78,7 +78,7 @@ impl Textures {
         name: &str,
         default: Rgb,
         losses: &mut Vec<String>,
-    ) -> Result<Coefficient, Flaw> {
+    ) -> Result<ColorTexture, Flaw> {
         match parameters.get(name) {
             Some(parameter) if parameter.kind == "texture" => {
                 let texture = parameters.word(name, "texture")?.unwrap_or_default();
@@ -88,9 +88,9 @@ impl Textures {
                     .ok_or_else(|| unknown("texture", texture, parameter.line, self.named.keys().map(String::as_str)))
             }
             _ => {
-                let Some((rgb, loss)) = colour(parameters, name)? else { return Ok(Coefficient::Constant(default)) };
+                let Some((rgb, loss)) = colour(parameters, name)? else { return Ok(ColorTexture::Constant(default)) };
                 losses.extend(loss);
-                Ok(Coefficient::Constant(rgb))
+                Ok(ColorTexture::Constant(rgb))
             }
         }
     }
@@ -104,19 +104,19 @@ impl Textures {
         losses: &mut Vec<String>,
     ) -> Result<f64, Flaw> {
         match self.coefficient(parameters, name, Rgb::gray(default), losses)? {
-            Coefficient::Constant(rgb) => Ok(rgb.g),
-            Coefficient::Textured(..) => {
+            ColorTexture::Constant(rgb) => Ok(rgb.g),
+            ColorTexture::Textured(..) => {
                 losses.push(format!("the texture of \"{name}\" is not followed: it is {default} everywhere"));
                 Ok(default)
             }
         }
     }
 
-    fn checkerboard(&mut self, parameters: &Parameters, losses: &mut Vec<String>) -> Result<Coefficient, Flaw> {
+    fn checkerboard(&mut self, parameters: &Parameters, losses: &mut Vec<String>) -> Result<ColorTexture, Flaw> {
         let mut square =
             |name: &str, default: f64| match self.coefficient(parameters, name, Rgb::gray(default), losses)? {
-                Coefficient::Constant(rgb) => Ok(rgb),
-                Coefficient::Textured(_, rgb) => {
+                ColorTexture::Constant(rgb) => Ok(rgb),
+                ColorTexture::Textured(_, rgb) => {
                     losses.push(format!("the texture of the squares \"{name}\" is not shown"));
                     Ok(rgb)
                 }
@@ -133,7 +133,7 @@ impl Textures {
         parameters: &Parameters,
         files: Files<'_>,
         losses: &mut Vec<String>,
-    ) -> Result<Coefficient, Flaw> {
+    ) -> Result<ColorTexture, Flaw> {
         let Some(file) = parameters.word("filename", "string")? else {
             return Err(Flaw::new(parameters.line, "an image", "has no \"string filename\": add it"));
         };
@@ -200,9 +200,9 @@ impl Textures {
         losses: &mut Vec<String>,
     ) -> Result<Coverage, Flaw> {
         let (texture, factor) = match self.coefficient(parameters, "alpha", Rgb::WHITE, losses)? {
-            Coefficient::Constant(rgb) if rgb == Rgb::WHITE => return Ok(Coverage::ALL),
-            Coefficient::Constant(rgb) => (None, rgb.g),
-            Coefficient::Textured(id, rgb) => match self.cover_of(id, parameters.line, files)? {
+            ColorTexture::Constant(rgb) if rgb == Rgb::WHITE => return Ok(Coverage::ALL),
+            ColorTexture::Constant(rgb) => (None, rgb.g),
+            ColorTexture::Textured(id, rgb) => match self.cover_of(id, parameters.line, files)? {
                 Some(cover) => (Some(cover), rgb.g),
                 None => {
                     losses.push("its \"alpha\" is no image, and is not followed: the shape is whole".to_owned());
@@ -250,7 +250,7 @@ impl Textures {
         parameters: &Parameters,
         texture: Texture,
         losses: &mut Vec<String>,
-    ) -> Result<Coefficient, Flaw> {
+    ) -> Result<ColorTexture, Flaw> {
         if let Some(mapping) = parameters.word("mapping", "string")?.filter(|mapping| *mapping != "uv") {
             losses.push(format!("the mapping \"{mapping}\" is not supported: the texture lies along u and v"));
         }
@@ -259,14 +259,14 @@ impl Textures {
         let map = UvMap { is_second: false, rows: [u, v] };
         let texture =
             if map == UvMap::IDENTITY { texture } else { Texture::Mapped { texture: Arc::new(texture), map } };
-        Ok(Coefficient::Textured(self.push(texture), Rgb::WHITE))
+        Ok(ColorTexture::Textured(self.push(texture), Rgb::WHITE))
     }
 }
 
-fn times(coefficient: Coefficient, factor: Rgb) -> Coefficient {
+fn times(coefficient: ColorTexture, factor: Rgb) -> ColorTexture {
     match coefficient {
-        Coefficient::Constant(rgb) => Coefficient::Constant(rgb * factor),
-        Coefficient::Textured(id, rgb) => Coefficient::Textured(id, rgb * factor),
+        ColorTexture::Constant(rgb) => ColorTexture::Constant(rgb * factor),
+        ColorTexture::Textured(id, rgb) => ColorTexture::Textured(id, rgb * factor),
     }
 }
 

@@ -3,7 +3,8 @@
 //! The format's cameras look along +z with +y up and +x to the right, ours along −z. What is in between is a mirror, and the
 //! world is mirrored with it: so turns right stay right, and text can be read.
 
-use rt_camera::{CameraSettings, Film, FovAxis, Projection};
+use rt_camera::{CameraSettings, FovAxis, Projection};
+use rt_image::Image;
 use rt_math::{DMat3, DVec3, Transform};
 
 use super::material::unknown;
@@ -67,8 +68,8 @@ impl View {
             // The shorter side shows what lies between −1 and 1.
             Lens::Orthographic => Projection::Orthographic { height: 2.0 * (height / width).max(1.0) },
         };
-        let world_from_camera = self.camera_from_world.inverse().then_first(&mirror());
-        let ours = Self::ours_from_world(Some(self)).then_first(&world_from_camera);
+        let world_from_camera = self.camera_from_world.inverse().compose(&mirror());
+        let ours = Self::ours_from_world(Some(self)).compose(&world_from_camera);
         NamedCamera { name: "camera".to_owned(), settings: CameraSettings::new(ours, projection), medium: None }
     }
 }
@@ -85,14 +86,14 @@ pub(super) fn look_at(line: usize, [ex, ey, ez, tx, ty, tz, ux, uy, uz]: [f64; 9
     // Ours looks along −z with +x to the right in a right-handed world: a half turn around y gives the axes of the file.
     let turn = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, -1.0));
     let placed = Transform::look_at(eye, target, up)
-        .and_then(|ours| Ok(ours.then_first(&Transform::from_linear(turn, DVec3::ZERO)?)));
+        .and_then(|ours| Ok(ours.compose(&Transform::from_linear(turn, DVec3::ZERO)?)));
     placed.map(|world_from_camera| world_from_camera.inverse()).map_err(|_| {
         let rule = "has no direction: eye and target must differ, and `up` must not be 0 or along the view";
         Flaw::new(line, format_args!("the view from {eye} to {target} with {up} up"), rule)
     })
 }
 
-/// Reads a `Film`: the size of the image.
+/// Reads a `Image`: the size of the image.
 pub(super) fn film(parameters: &Parameters) -> Result<[u32; 2], Flaw> {
     let (width, height) = (parameters.float("xresolution", 1280.0)?, parameters.float("yresolution", 720.0)?);
     let shown = || format!("{width} x {height}");
@@ -101,7 +102,7 @@ pub(super) fn film(parameters: &Parameters) -> Result<[u32; 2], Flaw> {
         let rule = "is no resolution: give two whole numbers of pixels from 1 up";
         return Err(Flaw::new(parameters.line, shown(), rule));
     }
-    if width * height > Film::MAX_PIXELS as f64 {
+    if width * height > Image::MAX_PIXELS as f64 {
         return Err(Flaw::new(parameters.line, shown(), "pixels are more than 2^28: choose a smaller image"));
     }
     // Both fit, because their product does.

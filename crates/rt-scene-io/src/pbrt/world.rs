@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rt_math::{Rgb, Transform};
 use rt_shading::emitter::Sides;
-use rt_shading::{Coefficient, Coverage, Material};
+use rt_shading::{ColorTexture, Coverage, Material};
 
 use super::light::Source;
 use super::material::unknown;
@@ -139,7 +139,7 @@ impl Reader<'_> {
             self.warn_all(word, &parameters, loss.into_iter().collect());
             return Ok(());
         }
-        let place = View::ours_from_world(self.view.as_ref()).then_first(&self.state.matrix);
+        let place = View::ours_from_world(self.view.as_ref()).compose(&self.state.matrix);
         let (source, losses) = light::read(&kind, &parameters, &place, self.files)?;
         match source {
             Source::Light(light) => self.model.lights.push(light),
@@ -168,7 +168,7 @@ impl Reader<'_> {
             losses.push("without texture coordinates it has no tangents: its normal map is left out".to_owned());
         }
         let (content, place) = match solid {
-            Solid::Exact(shape, place) => (Content::Shape(shape), self.state.matrix.then_first(&place)),
+            Solid::Exact(shape, place) => (Content::Shape(shape), self.state.matrix.compose(&place)),
             Solid::Mesh(data) => {
                 let at = format!("{}:{line}", self.path.display());
                 let mesh = build_mesh(data, &at, &mut self.model.warnings);
@@ -210,7 +210,7 @@ impl Reader<'_> {
         };
         if let Some(Emission { radiance, both_sides }) = emission {
             self.shines = true;
-            made.phong.emission = Coefficient::Constant(radiance);
+            made.phong.emission = ColorTexture::Constant(radiance);
             made.shines = if both_sides { Sides::Both } else { Sides::Front };
         }
         made.coverage = cover;

@@ -13,10 +13,10 @@ mod rows;
 
 use std::path::Path;
 
-use rt_camera::Encoding;
 use rt_geometry::{Face, MeshData};
+use rt_image::Encoding;
 use rt_math::{Rgb, Vec3};
-use rt_shading::{Coefficient, Texture, TextureId};
+use rt_shading::{ColorTexture, Texture, TextureId};
 use serde_ply::{DeserializeError, PlyFormat, PlyHeader, PlyReader};
 
 use self::rows::{Corners, STRIPS, Skipped, Strips, Vertices};
@@ -84,8 +84,8 @@ fn show_colors(model: &mut Model) {
     let color = TextureId(model.textures.len() as u32);
     model.textures.push(Texture::VertexColor(None));
     for Material { phong, .. } in &mut model.materials {
-        phong.ambient = Coefficient::Textured(color, Rgb::gray(AMBIENT));
-        phong.diffuse = Coefficient::Textured(color, Rgb::WHITE);
+        phong.ambient = ColorTexture::Textured(color, Rgb::gray(AMBIENT));
+        phong.diffuse = ColorTexture::Textured(color, Rgb::WHITE);
     }
 }
 

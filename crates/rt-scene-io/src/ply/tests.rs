@@ -180,8 +180,8 @@ fn colours_of_vertices_are_decoded_and_shown() {
     assert_eq!(bytes.warnings, []);
     let phong = &bytes.materials[0].phong;
     assert_eq!(bytes.textures, [Texture::VertexColor(None)]);
-    assert_eq!(phong.diffuse, Coefficient::Textured(TextureId(0), Rgb::WHITE));
-    assert_eq!(phong.ambient, Coefficient::Textured(TextureId(0), Rgb::gray(0.1)));
+    assert_eq!(phong.diffuse, ColorTexture::Textured(TextureId(0), Rgb::WHITE));
+    assert_eq!(phong.ambient, ColorTexture::Textured(TextureId(0), Rgb::gray(0.1)));
 
     let alpha = "property uchar alpha\n";
     let floats = colored("float", alpha, ["0.5 0 1 255", "2 0 0 0", "0 0 0 51", "1 1 1 255"]);

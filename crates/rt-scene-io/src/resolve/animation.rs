@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use rt_math::{DVec3, Timeline, TimelineError, Transform, TransformKeys, TransformKeysError};
+use rt_math::{DVec3, KeyframedTransform, KeyframedTransformError, Keyframes, KeyframesError, Transform};
 
 use super::camera::{DEFAULT_FOV_DEGREES, look_at, opening, place};
 use super::exposure::Exposure;
@@ -30,7 +30,7 @@ pub(super) fn node_places(
     let timeline = timeline(report, &path, animation.keys.iter().map(|key| key.time), animation.interpolation);
     let keys = moves(report, &path, timeline, animation.keys.iter().map(|key| key.transform.as_slice()));
     let (keys, rest) = (keys?, rest?);
-    exposure.places(report, path, |time| Ok(keys.at(time).then_first(&rest)))
+    exposure.places(report, path, |time| Ok(keys.at(time).compose(&rest)))
 }
 
 /// A camera at the moment at which the shutter opens.
@@ -88,7 +88,7 @@ pub(super) fn posed_camera<'a>(
         };
         let steps = animation.keys.iter().map(|key| key.transform.as_slice());
         let keys = moves(report, &keys_path, Some(timeline), steps)?;
-        (rest, exposure.places(report, &keys_path, |time| Ok(keys.at(time).then_first(&rest)))?)
+        (rest, exposure.places(report, &keys_path, |time| Ok(keys.at(time).compose(&rest)))?)
     };
     Some(PosedCamera { camera: Cow::Owned(posed), rest, world_from_camera, moves_to })
 }
@@ -105,24 +105,24 @@ fn timeline(
     path: &str,
     times: impl Iterator<Item = f64>,
     interpolation: Interpolation,
-) -> Option<Timeline> {
+) -> Option<Keyframes> {
     let times: Vec<f64> = times.collect();
     let interpolation = match interpolation {
         Interpolation::Step => rt_math::Interpolation::Step,
         Interpolation::Linear => rt_math::Interpolation::Linear,
         Interpolation::Smooth => rt_math::Interpolation::Smooth,
     };
-    match Timeline::new(times.clone(), interpolation) {
+    match Keyframes::new(times.clone(), interpolation) {
         Ok(timeline) => Some(timeline),
-        Err(TimelineError::Empty) => {
+        Err(KeyframesError::Empty) => {
             let reason = Reason::invalid("the animation", "has no keys: give one, or remove the animation");
             report.check(format_args!("{path}.keys"), Err(reason))
         }
-        Err(TimelineError::Time(index)) => {
+        Err(KeyframesError::Time(index)) => {
             let reason = Reason::invalid(times[index], "is not a time in seconds of magnitude at most 1e60");
             report.check(format_args!("{path}.keys[{index}].time"), Err(reason))
         }
-        Err(TimelineError::Order(index)) => {
+        Err(KeyframesError::Order(index)) => {
             let rule =
                 format!("does not come after {}, the time of the key before: order keys by time", times[index - 1]);
             report.check(format_args!("{path}.keys[{index}].time"), Err(Reason::invalid(times[index], rule)))
@@ -134,17 +134,17 @@ fn timeline(
 fn moves<'a>(
     report: &mut Report,
     path: &str,
-    timeline: Option<Timeline>,
+    timeline: Option<Keyframes>,
     keys: impl Iterator<Item = &'a [Step]>,
-) -> Option<TransformKeys> {
+) -> Option<KeyframedTransform> {
     let places = keys.enumerate().map(|(i, steps)| product(report, format_args!("{path}.keys[{i}].transform"), steps));
     let places: Option<Vec<Transform>> = places.collect::<Vec<_>>().into_iter().collect();
-    match TransformKeys::new(timeline?, places?) {
+    match KeyframedTransform::new(timeline?, places?) {
         Ok(keys) => Some(keys),
-        Err(TransformKeysError::Motion(index, error)) => {
+        Err(KeyframedTransformError::AnimatedTransform(index, error)) => {
             report.check(format_args!("{path}.keys[{index}].transform"), Err(refused_motion(error)))
         }
-        Err(error @ TransformKeysError::Count(..)) => report.check(path, Err(Reason::Syntax(error.to_string()))),
+        Err(error @ KeyframedTransformError::Count(..)) => report.check(path, Err(Reason::Syntax(error.to_string()))),
     }
 }
 
@@ -154,7 +154,7 @@ fn field_of_view(
     path: &str,
     camera: &Camera,
     animation: &CameraAnimation,
-    timeline: &Timeline,
+    timeline: &Keyframes,
     time: f64,
 ) -> Option<f64> {
     let mut angles = Vec::with_capacity(animation.keys.len());
@@ -195,7 +195,7 @@ impl Views {
         Some(views)
     }
 
-    fn at(&self, timeline: &Timeline, time: f64) -> [DVec3; 3] {
+    fn at(&self, timeline: &Keyframes, time: f64) -> [DVec3; 3] {
         [&self.eyes, &self.targets, &self.ups].map(|points| timeline.point(points, time))
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rt_geometry::{Cylinder, Disk, InsideRule, Polygon, Shape, ShapeError, Sphere};
 use rt_math::{DMat3, DVec3, Frame, Rgb, Transform};
 use rt_shading::emitter::Sides;
-use rt_shading::{Coefficient, Phong, Physical};
+use rt_shading::{ColorTexture, Phong, Physical};
 
 use super::material::Materials;
 use super::physical::sides;
@@ -48,8 +48,8 @@ fn surface(light: &format::Light) -> Option<(&str, &format::Color, Sides)> {
 }
 
 fn lamp(name: &str, radiance: Rgb, shines: Sides) -> Material {
-    let zero = Coefficient::ZERO;
-    let emission = Coefficient::Constant(radiance);
+    let zero = ColorTexture::ZERO;
+    let emission = ColorTexture::Constant(radiance);
     let phong = Phong { ambient: zero, diffuse: zero, emission, ..Phong::default() };
     Material { physical: Some(Physical::Black), shines, ..Material::new(name.to_owned(), phong) }
 }

@@ -9,7 +9,7 @@
 
 use std::fmt::Display;
 
-use rt_math::{Motion, Transform};
+use rt_math::{AnimatedTransform, Transform};
 
 use super::camera::listed;
 use super::report::Report;
@@ -68,7 +68,7 @@ impl Exposure {
     /// What remains of a motion: where it begins and, if it moves, ends.
     pub(super) fn cut(&self, start: Transform, end: Option<Transform>) -> (Transform, Option<Transform>) {
         let (Some([first, last]), Some(end)) = (self.part, end) else { return (start, end) };
-        match Motion::new(&start, &end) {
+        match AnimatedTransform::new(&start, &end) {
             Ok(motion) => (motion.at(first), (first < last).then(|| motion.at(last))),
             Err(_) => (start, Some(end)),
         }
@@ -93,7 +93,7 @@ impl Exposure {
         if end == start {
             return Some((start, None));
         }
-        report.check(path, Motion::new(&start, &end).map_err(refused_motion)).map(|_| (start, Some(end)))
+        report.check(path, AnimatedTransform::new(&start, &end).map_err(refused_motion)).map(|_| (start, Some(end)))
     }
 }
 

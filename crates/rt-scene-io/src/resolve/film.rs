@@ -1,6 +1,7 @@
 //! The image and the settings.
 
-use rt_camera::{Development, Dither, Encoding, FilmSettings, Filter, SamplePattern, ToneCurve};
+use rt_camera::{FilmSettings, Filter, SamplerKind};
+use rt_image::{Development, Dither, Encoding, ToneCurve};
 use rt_math::DVec2;
 use rt_shading::emitter::LightSampling;
 
@@ -110,17 +111,17 @@ const fn light_sampling(sampling: format::LightSampling) -> LightSampling {
     }
 }
 
-const fn pattern(sampler: format::Sampler) -> SamplePattern {
+const fn pattern(sampler: format::Sampler) -> SamplerKind {
     match sampler {
-        format::Sampler::Centre => SamplePattern::Centre,
-        format::Sampler::Grid => SamplePattern::Grid,
-        format::Sampler::Random => SamplePattern::Random,
-        format::Sampler::Jittered => SamplePattern::Jittered,
-        format::Sampler::HalfJittered => SamplePattern::HalfJittered,
-        format::Sampler::MultiJittered => SamplePattern::MultiJittered,
-        format::Sampler::Sobol => SamplePattern::Sobol,
-        format::Sampler::Halton => SamplePattern::Halton,
-        format::Sampler::BlueNoise => SamplePattern::BlueNoise,
+        format::Sampler::Centre => SamplerKind::Centre,
+        format::Sampler::Grid => SamplerKind::Grid,
+        format::Sampler::Random => SamplerKind::Random,
+        format::Sampler::Jittered => SamplerKind::Jittered,
+        format::Sampler::HalfJittered => SamplerKind::HalfJittered,
+        format::Sampler::MultiJittered => SamplerKind::MultiJittered,
+        format::Sampler::Sobol => SamplerKind::Sobol,
+        format::Sampler::Halton => SamplerKind::Halton,
+        format::Sampler::BlueNoise => SamplerKind::BlueNoise,
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 use rt_math::Rgb;
-use rt_shading::{Coefficient, Highlight, Phong, Transmission};
+use rt_shading::{ColorTexture, Highlight, Phong, Transmission};
 
 use super::physical::{PhysicalReader, sides};
 use super::report::Report;
@@ -189,10 +189,10 @@ fn changed_phong(
         return None;
     };
     let at = |field: &str| format!("{path}.{field}");
-    let mut read = |field: &str, given: &Option<format::Coefficient>, base: Coefficient| {
+    let mut read = |field: &str, given: &Option<format::ColorTexture>, base: ColorTexture| {
         given.as_ref().map_or(Some(base), |value| report.check(at(field), textures.coefficient(value)))
     };
-    let color = read("color", color, Coefficient::Constant(Rgb::WHITE));
+    let color = read("color", color, ColorTexture::Constant(Rgb::WHITE));
     let ambient = read("ambient", ambient, base.ambient);
     let diffuse = read("diffuse", diffuse, base.diffuse);
     let specular = read("specular", specular, base.specular);
@@ -201,10 +201,10 @@ fn changed_phong(
     // Light that Fresnel's equations don't let pass is mirrored; it is not to be lost unless the file says so.
     let passes = transmission.is_some() || base.transmission.is_some();
     let unsaid =
-        if fresnel && passes && base.mirror.is_zero() { Coefficient::Constant(Rgb::WHITE) } else { base.mirror };
+        if fresnel && passes && base.mirror.is_zero() { ColorTexture::Constant(Rgb::WHITE) } else { base.mirror };
     let mirror = read("mirror", mirror, unsaid);
     let before = base.transmission;
-    let passing = read("transmission", transmission, before.map_or(Coefficient::ZERO, |t| t.coefficient));
+    let passing = read("transmission", transmission, before.map_or(ColorTexture::ZERO, |t| t.coefficient));
     let exponent =
         report.check(at("exponent"), within(exponent.unwrap_or(base.exponent), 0.0, limits::HIGHLIGHT_EXPONENT));
     let ior = ior.unwrap_or(before.map_or(DEFAULT_IOR, |t| t.ior));
@@ -237,12 +237,12 @@ const fn highlight_shape(highlight: format::Highlight) -> Highlight {
 }
 
 /// The product of a colour and a coefficient, of which one may have a texture.
-fn product(color: Coefficient, coefficient: Coefficient) -> Result<Coefficient, Reason> {
+fn product(color: ColorTexture, coefficient: ColorTexture) -> Result<ColorTexture, Reason> {
     match (color, coefficient) {
-        (Coefficient::Constant(a), Coefficient::Constant(b)) => Ok(Coefficient::Constant(a * b)),
-        (Coefficient::Constant(a), Coefficient::Textured(id, b))
-        | (Coefficient::Textured(id, a), Coefficient::Constant(b)) => Ok(Coefficient::Textured(id, a * b)),
-        (Coefficient::Textured(..), Coefficient::Textured(..)) => Err(Reason::invalid(
+        (ColorTexture::Constant(a), ColorTexture::Constant(b)) => Ok(ColorTexture::Constant(a * b)),
+        (ColorTexture::Constant(a), ColorTexture::Textured(id, b))
+        | (ColorTexture::Textured(id, a), ColorTexture::Constant(b)) => Ok(ColorTexture::Textured(id, a * b)),
+        (ColorTexture::Textured(..), ColorTexture::Textured(..)) => Err(Reason::invalid(
             "a texture",
             "cannot be multiplied by the texture of `color`: make one of them constant",
         )),

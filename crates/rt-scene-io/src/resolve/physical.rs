@@ -3,7 +3,7 @@
 use rt_math::Rgb;
 use rt_shading::bsdf::{ComplexIor, MAX_LOBES};
 use rt_shading::emitter::Sides;
-use rt_shading::{Coefficient, Phong, Physical, Transmission};
+use rt_shading::{ColorTexture, Phong, Physical, Transmission};
 
 use super::report::Report;
 use super::texture::Textures;
@@ -65,7 +65,7 @@ impl PhysicalReader<'_, '_> {
             format::Material::Metal { metal, n, k, roughness } => {
                 let roughness = self.share(path, "roughness", *roughness)?;
                 let ior = self.metal(path, *metal, n.as_ref(), k.as_ref())?;
-                let phong = classical::metal(Coefficient::Constant(ior.fresnel(1.0)), roughness);
+                let phong = classical::metal(ColorTexture::Constant(ior.fresnel(1.0)), roughness);
                 Some(both(phong, Physical::Conductor { ior, roughness }))
             }
             format::Material::MetallicRoughness { base_color, metallic, roughness, emission } => {
@@ -89,7 +89,7 @@ impl PhysicalReader<'_, '_> {
                     absorption: Rgb::BLACK,
                     priority: 0,
                 };
-                let mirror = Coefficient::Constant(Rgb::gray(PANE_MIRROR));
+                let mirror = ColorTexture::Constant(Rgb::gray(PANE_MIRROR));
                 let phong = Phong { mirror, transmission: Some(air), ..BARE };
                 Some(both(phong, Physical::ThinGlass { ior, transmittance }))
             }
@@ -113,7 +113,7 @@ impl PhysicalReader<'_, '_> {
             None => Rgb::BLACK,
         };
         let inside = Transmission { coefficient: transmittance, ior, fresnel: true, absorption, priority: *priority };
-        let mirror = Coefficient::Constant(Rgb::WHITE);
+        let mirror = ColorTexture::Constant(Rgb::WHITE);
         let phong = Phong { mirror, transmission: Some(inside), ..BARE };
         let physical = Physical::Dielectric { roughness, transmittance };
         Some(Surface { phong, physical, shines: Sides::Both })
@@ -158,10 +158,10 @@ impl PhysicalReader<'_, '_> {
     }
 
     /// A part of the light: a constant beyond 1 would make light of nothing.
-    fn reflectance(&mut self, path: &str, field: &str, value: &format::Coefficient) -> Option<Coefficient> {
+    fn reflectance(&mut self, path: &str, field: &str, value: &format::ColorTexture) -> Option<ColorTexture> {
         let part = self.coefficient(path, field, value)?;
         let checked = match part {
-            Coefficient::Constant(rgb) if rgb.max_component() > 1.0 => {
+            ColorTexture::Constant(rgb) if rgb.max_component() > 1.0 => {
                 let rule = "is more than all of the light: each part must lie between 0 and 1";
                 Err(Reason::invalid(rgb.max_component(), rule))
             }
@@ -170,12 +170,12 @@ impl PhysicalReader<'_, '_> {
         self.report.check(format_args!("{path}.{field}"), checked)
     }
 
-    fn coefficient(&mut self, path: &str, field: &str, value: &format::Coefficient) -> Option<Coefficient> {
+    fn coefficient(&mut self, path: &str, field: &str, value: &format::ColorTexture) -> Option<ColorTexture> {
         self.report.check(format_args!("{path}.{field}"), self.textures.coefficient(value))
     }
 
-    fn emission(&mut self, path: &str, value: Option<&format::Coefficient>) -> Option<Coefficient> {
-        value.map_or(Some(Coefficient::ZERO), |value| self.coefficient(path, "emission", value))
+    fn emission(&mut self, path: &str, value: Option<&format::ColorTexture>) -> Option<ColorTexture> {
+        value.map_or(Some(ColorTexture::ZERO), |value| self.coefficient(path, "emission", value))
     }
 
     /// A number from 0 to 1.
@@ -198,8 +198,8 @@ impl Surface {
         ];
         for (sum, more) in pairs {
             *sum = match (*sum, scaled(more, weight)) {
-                (Coefficient::Constant(a), Coefficient::Constant(b)) => Coefficient::Constant(a + b),
-                (textured @ Coefficient::Textured(..), _) | (_, textured) => textured,
+                (ColorTexture::Constant(a), ColorTexture::Constant(b)) => ColorTexture::Constant(a + b),
+                (textured @ ColorTexture::Textured(..), _) | (_, textured) => textured,
             };
         }
         if !of_other.specular.is_zero() {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rt_geometry::{
-    AxisBox, Cone, Cylinder, Disk, DoubleCone, Face, Frustum, InfiniteCylinder, InsideRule, MeshData, Plane, Polygon,
+    Cone, Cuboid, Cylinder, Disk, DoubleCone, Face, Frustum, InfiniteCylinder, InsideRule, MeshData, Plane, Polygon,
     PolygonError, Rectangle, Shape, Sphere, Torus, Triangle, TriangleMesh,
 };
 use rt_math::{DVec3, Vec3};
@@ -25,7 +25,7 @@ pub(super) fn solid(shape: &format::Shape, place: &str, warnings: &mut Vec<Warni
     let point = DVec3::from;
     let shape = match shape {
         format::Shape::Sphere { center, radius } => Shape::Sphere(Sphere::new(point(*center), *radius)?),
-        format::Shape::Box { min, max } => Shape::AxisBox(AxisBox::new(point(*min), point(*max))?),
+        format::Shape::Box { min, max } => Shape::Cuboid(Cuboid::new(point(*min), point(*max))?),
         format::Shape::Plane { point: on, normal } => Shape::Plane(Plane::new(point(*on), point(*normal))?),
         format::Shape::Cylinder { radius, bottom, top, caps } => {
             Shape::Cylinder(Cylinder::new(*radius, *bottom, *top, *caps)?)

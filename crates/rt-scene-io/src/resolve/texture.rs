@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use rt_math::Rgb;
-use rt_shading::{Coefficient, Texture, TextureId, Wrap};
+use rt_shading::{ColorTexture, Texture, TextureId, Wrap};
 
 use super::value::{colour, positive};
 use crate::format;
@@ -25,19 +25,19 @@ impl<'a> Textures<'a> {
     }
 
     /// A coefficient of the file, with its texture added to the list.
-    pub(super) fn coefficient(&mut self, value: &format::Coefficient) -> Result<Coefficient, Reason> {
-        use format::{Coefficient as Given, Color};
+    pub(super) fn coefficient(&mut self, value: &format::ColorTexture) -> Result<ColorTexture, Reason> {
+        use format::{Color, ColorTexture as Given};
         match value {
-            Given::Gray(value) => colour(&Color::Gray(*value)).map(Coefficient::Constant),
-            Given::Rgb(r, g, b) => colour(&Color::Rgb(*r, *g, *b)).map(Coefficient::Constant),
-            Given::Hex(digits) => colour(&Color::Hex(digits.clone())).map(Coefficient::Constant),
+            Given::Gray(value) => colour(&Color::Gray(*value)).map(ColorTexture::Constant),
+            Given::Rgb(r, g, b) => colour(&Color::Rgb(*r, *g, *b)).map(ColorTexture::Constant),
+            Given::Hex(digits) => colour(&Color::Hex(digits.clone())).map(ColorTexture::Constant),
             Given::Checker { even, odd, size } => {
                 let checker = Texture::Checker { even: colour(even)?, odd: colour(odd)?, size: positive(*size)? };
-                Ok(Coefficient::Textured(self.add(checker), Rgb::WHITE))
+                Ok(ColorTexture::Textured(self.add(checker), Rgb::WHITE))
             }
             Given::Image { file, wrap, smooth, scale } => {
                 let scale = colour(scale)?;
-                Ok(Coefficient::Textured(self.image(file, *wrap, *smooth)?, scale))
+                Ok(ColorTexture::Textured(self.image(file, *wrap, *smooth)?, scale))
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use rt_math::{DQuat, DVec3, Motion, MotionError, Transform, TransformError};
+use rt_math::{AnimatedTransform, AnimatedTransformError, DQuat, DVec3, Transform, TransformError};
 
 use super::report::Report;
 use super::value::vector;
@@ -26,16 +26,16 @@ pub(super) fn motion(
     }
     let path = format!("{path}.motion");
     let end = product(report, &path, steps)?;
-    report.check(&path, Motion::new(start, &end).map_err(refused_motion)).map(|_| Some(end))
+    report.check(&path, AnimatedTransform::new(start, &end).map_err(refused_motion)).map(|_| Some(end))
 }
 
 /// Why something cannot move as it should.
-pub(super) fn refused_motion(error: MotionError) -> Reason {
+pub(super) fn refused_motion(error: AnimatedTransformError) -> Reason {
     match error {
-        MotionError::Mirrors => {
+        AnimatedTransformError::Mirrors => {
             Reason::invalid("the motion", "mirrors on its way, where all would be flat: mirror both ends")
         }
-        MotionError::Decomposition => {
+        AnimatedTransformError::Decomposition => {
             Reason::invalid("the motion", "has numbers that are too large, too small or too different")
         }
     }
@@ -49,7 +49,7 @@ pub(super) fn product(report: &mut Report, path: impl Display, steps: &[Step]) -
     let mut all = Transform::IDENTITY;
     for (i, step) in steps.iter().enumerate() {
         let step = report.check(format_args!("{path}[{i}]"), single(step))?;
-        all = step.then_first(&all);
+        all = step.compose(&all);
     }
     // Steps may each be sound and yet flatten space, or leave the range of numbers, together.
     let product = Transform::from_linear(all.linear(), all.translation()).map_err(Reason::from);
@@ -75,7 +75,7 @@ fn single(step: &Step) -> Result<Transform, Reason> {
     };
     transform.map_err(|error| {
         let rule = match error {
-            TransformError::NotFinite => "has a NaN or infinite number",
+            TransformError::NonFinite => "has a NaN or infinite number",
             TransformError::Singular(_) => "flattens space: no factor may be 0, nor 1e12 times another",
             TransformError::NotAffine => "is not affine: the last row must be (0, 0, 0, 1)",
             TransformError::DegenerateDirection => {

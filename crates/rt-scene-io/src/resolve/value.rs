@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use rt_camera::Encoding;
+use rt_image::Encoding;
 use rt_math::{DVec3, Rgb};
 
 use crate::Reason;

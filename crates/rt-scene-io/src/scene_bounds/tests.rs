@@ -180,9 +180,7 @@ fn any_node() -> impl Strategy<Value = Node> {
 fn any_transform() -> impl Strategy<Value = Transform> {
     (prop::array::uniform3(-5.0..5.0f64), -3.0..3.0f64, 0.2..3.0f64).prop_map(|(offset, angle, factor)| {
         let turned = Transform::rotate(DVec3::new(1.0, 2.0, -1.0), angle).unwrap();
-        Transform::translate(offset.into())
-            .then_first(&turned)
-            .then_first(&Transform::scale(DVec3::splat(factor)).unwrap())
+        Transform::translate(offset.into()).compose(&turned).compose(&Transform::scale(DVec3::splat(factor)).unwrap())
     })
 }
 

@@ -1,7 +1,7 @@
 //! A base under layers: the material of glTF with its extensions.
 
 use super::{
-    BsdfSample, Ggx, Prism, Scattering, Sheen,
+    BsdfSample, DispersiveDielectric, Ggx, Scattering, Sheen,
     lambert::{cosine_hemisphere, cosine_pdf},
     layer::LayerOf,
     metallic_roughness::{dielectric_fresnel, schlick_weight},
@@ -52,7 +52,7 @@ pub struct Layered {
     /// Unit normal of the coat in shading coordinates, which a normal map of the base or of the coat leans.
     pub coat_normal: DVec3,
     /// The part of the surface that is glass, and its surface: light that comes through goes on in a body.
-    pub glass: Option<(f64, Prism)>,
+    pub glass: Option<(f64, DispersiveDielectric)>,
 }
 
 /// The ways in which light is scattered, in the order in which `sample` chooses.

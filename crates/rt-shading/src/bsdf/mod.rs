@@ -79,7 +79,7 @@ pub use mirror::Mirror;
 pub use mix::{MAX_LOBES, Mix, MixError};
 pub use oren_nayar::OrenNayar;
 pub use phong::PhongLobe;
-pub use prism::Prism;
+pub use prism::DispersiveDielectric;
 pub use refraction::Refraction;
 pub use sheen::Sheen;
 pub use thin_glass::ThinGlass;

@@ -6,7 +6,7 @@ use rt_math::{DVec3, Rgb};
 /// The surface of glass whose index of refraction differs among red, green and blue, as KHR_materials_dispersion
 /// approximates it. Each channel is a [`Dielectric`] of its own; a sample follows one of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prism {
+pub struct DispersiveDielectric {
     /// Index of refraction below the surface divided by that above, of each channel.
     pub iors: [f64; 3],
     /// Roughness in \[0, 1\].
@@ -15,7 +15,7 @@ pub struct Prism {
     pub transmittance: Rgb,
 }
 
-impl Prism {
+impl DispersiveDielectric {
     /// True if all channels are bent alike.
     pub(super) fn is_plain(&self) -> bool {
         self.iors[0] == self.iors[1] && self.iors[1] == self.iors[2]

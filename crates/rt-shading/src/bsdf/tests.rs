@@ -91,8 +91,8 @@ pub(super) fn cloth() -> Layered {
     Layered { sheen, ..Layered::PLASTIC }
 }
 
-fn prism(iors: [f64; 3], roughness: f64) -> Prism {
-    Prism { iors, roughness, transmittance: Rgb::WHITE }
+fn prism(iors: [f64; 3], roughness: f64) -> DispersiveDielectric {
+    DispersiveDielectric { iors, roughness, transmittance: Rgb::WHITE }
 }
 
 /// Half of what enters passes, in a colour.

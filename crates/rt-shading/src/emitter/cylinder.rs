@@ -2,7 +2,7 @@
 
 use super::sample::{by_solid_angle, density};
 use super::{Emission, EmitterBounds, EmitterError, EmitterPoint, EmitterSample, Sides};
-use rt_geometry::{Cylinder, Placed, Shape, SurfaceNeeds};
+use rt_geometry::{Cylinder, InteractionFlags, Shape, TransformedShape};
 use rt_math::transcendental::{acos, atan2, sincos};
 use rt_math::{DMat3, DVec3, Frame, Interval, Ray, Rgb, Transform};
 use std::f64::consts::{PI, TAU};
@@ -20,7 +20,7 @@ use std::f64::consts::{PI, TAU};
 /// two-sided closed one, all of the area is sampled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CylinderLight {
-    placed: Placed,
+    placed: TransformedShape,
     base: DVec3,
     /// Its z runs from the base to the top.
     frame: Frame,
@@ -55,7 +55,7 @@ impl CylinderLight {
         let cylinder = Cylinder::new(radius, 0.0, length, has_caps)?;
         let frame = Frame::from_z(axis);
         let world_from_local = Transform::from_linear(DMat3::from_cols(frame.y, frame.z, frame.x), base)?;
-        let placed = Placed::new(Shape::Cylinder(cylinder), world_from_local);
+        let placed = TransformedShape::new(Shape::Cylinder(cylinder), world_from_local);
         Ok(Self { placed, base, frame, radius, length, has_caps, emission })
     }
 
@@ -96,7 +96,7 @@ impl CylinderLight {
     pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<EmitterPoint> {
         let ray = Ray::new(point, direction);
         let hit = self.placed.intersect(&ray, Interval::SPAWNED)?;
-        let surface = self.placed.surface(&ray, &hit, SurfaceNeeds::NONE);
+        let surface = self.placed.surface(&ray, &hit, InteractionFlags::NONE);
         Some(EmitterPoint { point: surface.point, normal: surface.geometric_normal, triangle: 0 })
     }
 

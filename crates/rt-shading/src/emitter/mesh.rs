@@ -4,8 +4,8 @@ use super::distribution::{accumulate, find, probability};
 use super::sample::{by_solid_angle, density};
 use super::solid_angle::{self, MIN_SPHERICAL};
 use super::{Emission, EmitterBounds, EmitterError, EmitterPoint, EmitterSample, Sides};
-use rt_geometry::{ShapeError, Triangle};
-use rt_math::{Aabb, DVec3, Interval, Ray, Rgb, ShearedRay};
+use rt_geometry::{ShapeError, Triangle, WatertightRay};
+use rt_math::{Aabb, DVec3, Interval, Ray, Rgb};
 
 /// A set of triangles. One of them is chosen in proportion to its area; within it, directions are uniform by solid angle
 /// (Arvo 1995), or points by area where the triangle subtends less than 2⁻¹⁴ sr.
@@ -89,7 +89,7 @@ impl MeshLight {
 
     /// Where a ray from `point` meets the mesh first, from either side. All triangles are tested.
     pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<EmitterPoint> {
-        let ray = ShearedRay::new(&Ray::new(point, direction));
+        let ray = WatertightRay::new(&Ray::new(point, direction));
         let mut nearest = None;
         let mut span = Interval::SPAWNED;
         for (face, triangle) in self.faces.iter().zip(0u32..) {

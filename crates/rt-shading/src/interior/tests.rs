@@ -1,13 +1,13 @@
 //! Tests of the list itself; what it does to light is tested with the integrator.
 
 use super::*;
-use crate::{Coefficient, Phong};
+use crate::{ColorTexture, Phong};
 use rt_geometry::SurfaceInteraction;
 use rt_math::DVec3;
 
 fn materials(priorities: &[i32]) -> Vec<Material> {
     let inside = |priority: i32, ior: f64| {
-        let coefficient = Coefficient::Constant(Rgb::WHITE);
+        let coefficient = ColorTexture::Constant(Rgb::WHITE);
         Transmission { coefficient, ior, fresnel: true, absorption: Rgb::BLACK, priority }
     };
     let material = |(i, priority): (usize, &i32)| {
@@ -102,7 +102,7 @@ fn looking_around_finds_the_bodies_of_the_origin_in_their_order() {
     // From inside of 0 and 1, through a body 2 that is entered and left on the way, and an opaque one that is not there.
     struct Way(Vec<(u32, u32, bool)>);
     impl Tracer for Way {
-        fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+        fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
             let at = if span.min > 0.0 { span.min as usize } else { 0 };
             let &(object, material, leaving) = self.0.get(at)?;
             let mut met = SurfaceHit { t: (at + 1) as f64, ..hit(object, material) };

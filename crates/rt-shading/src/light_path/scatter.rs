@@ -1,7 +1,7 @@
 //! What happens where a light path begins, and where it meets a surface.
 
 use super::{
-    LightScene, LightTracer, Sight,
+    CameraWiSample, LightTracingIntegrator, LightTracingScene,
     sources::Departing,
     wave::{Connection, Photon},
 };
@@ -26,9 +26,9 @@ struct Arrival<'a> {
     crossing: Option<Crossing>,
 }
 
-impl<S: Sampler> LightTracer<S> {
+impl<S: Sampler> LightTracingIntegrator<S> {
     /// Begins a path.
-    pub(super) fn depart(&mut self, world: &mut impl Tracer, scene: LightScene<'_>, mut sampler: S, time: f64) {
+    pub(super) fn depart(&mut self, world: &mut impl Tracer, scene: LightTracingScene<'_>, mut sampler: S, time: f64) {
         let Some(departing) = scene.sources.depart(scene.lighting, time, &mut sampler) else { return };
         let Departing { ray, span, power, is_unweakened } = departing;
         let mut course = Course::default();
@@ -48,7 +48,7 @@ impl<S: Sampler> LightTracer<S> {
         id: u32,
         ray: &Ray,
         hit: &mut SurfaceHit,
-        sight: &impl Fn(DVec3, f64, &mut S) -> Option<Sight>,
+        sight: &impl Fn(DVec3, f64, &mut S) -> Option<CameraWiSample>,
     ) {
         let Some(photon) = self.photons.get_mut(id as usize) else { return };
         let materials = &lighting.appearance.materials;
@@ -94,7 +94,7 @@ impl<S: Sampler> LightTracer<S> {
     }
 
     /// Sends what the surface scatters to the camera on its way there, if the camera looks at it.
-    fn show(&mut self, id: u32, arrival: &Arrival<'_>, sight: &impl Fn(DVec3, f64, &mut S) -> Option<Sight>) {
+    fn show(&mut self, id: u32, arrival: &Arrival<'_>, sight: &impl Fn(DVec3, f64, &mut S) -> Option<CameraWiSample>) {
         let Some(photon) = self.photons.get_mut(id as usize) else { return };
         let Arrival { vertex, crossing, .. } = arrival;
         let mut surface = arrival.surface;
@@ -106,7 +106,7 @@ impl<S: Sampler> LightTracer<S> {
         let from = -vertex.view.direction;
         let seen = Vertex::new(View::new(-to_camera, inside, &mut surface), vertex.bsdf, vertex.time);
         let cosines = to_camera.dot(normal).abs() / from.dot(normal).abs();
-        let light = photon.power * photon.weight * seen.scattered(from) * (cosines * sight.magnification);
+        let light = photon.power * photon.weight * seen.scattered(from) * (cosines * sight.importance);
         if light.is_black() {
             self.counts.shadow_rays_spared += 1;
             return;

@@ -2,13 +2,13 @@ mod bent_normals;
 
 use super::*;
 use crate::{
-    Background, Coefficient, ConstantBsdfs, Falloff, Light, LightKind, LightUnits, Material, Phong, Physical,
-    SurfaceHit, Transmission,
+    Background, BsdfCache, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong, Physical, SurfaceHit,
+    Transmission,
     emitter::{DiskLight, Emission, Emitter, EmitterRef, EnvironmentLight, LightSampling, QuadLight, Sides},
 };
 use core::f64::consts::PI;
-use rt_geometry::{Plane, Polygon, Shape, Sphere, SurfaceNeeds};
-use rt_math::{DVec3, RayKind, Rgb, random};
+use rt_geometry::{InteractionFlags, Plane, Polygon, RayKind, Shape, Sphere};
+use rt_math::{DVec3, Rgb, random};
 
 /// Independent numbers.
 #[derive(Clone)]
@@ -33,7 +33,7 @@ impl Sampler for Independent {
 struct Shapes(Vec<(Shape, u32, Option<u32>)>);
 
 impl Tracer for Shapes {
-    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         let hits = self.0.iter().enumerate();
         let hits = hits.filter_map(|(object, (shape, ..))| Some((object, shape.intersect(ray, span)?)));
         let (object, hit) = hits.min_by(|a, b| a.1.t.total_cmp(&b.1.t))?;
@@ -48,12 +48,12 @@ impl Tracer for Shapes {
     }
 }
 
-const fn gray(value: f64) -> Coefficient {
-    Coefficient::Constant(Rgb::gray(value))
+const fn gray(value: f64) -> ColorTexture {
+    ColorTexture::Constant(Rgb::gray(value))
 }
 
 fn physical(physical: Physical, emission: f64) -> Material {
-    let zero = Coefficient::ZERO;
+    let zero = ColorTexture::ZERO;
     let phong = Phong { ambient: zero, diffuse: zero, emission: gray(emission), ..Phong::default() };
     Material { physical: Some(physical), ..Material::new(String::new(), phong) }
 }
@@ -87,7 +87,7 @@ impl Scene {
         let rays = vec![(ray, Interval::FORWARD); paths as usize];
         let mut seen = vec![Seen::NOTHING; paths as usize];
         let lighting =
-            Lighting { appearance: &self.appearance, emitters: &self.emitters, bsdfs: &ConstantBsdfs::default() };
+            Lighting { appearance: &self.appearance, emitters: &self.emitters, bsdfs: &BsdfCache::default() };
         tracer.radiance_of(&mut self.shapes, lighting, &rays, &samplers, &mut seen);
         let n = f64::from(paths);
         let mean = seen.iter().map(|seen| seen.radiance.g).sum::<f64>() / n;
@@ -144,7 +144,7 @@ fn direct_light_of_a_square_is_lamberts() {
     under_square(physical(diffuse(0.5), 0.0), paths(20));
     under_square(physical(diffuse(0.5), 0.0), DISTRIBUTED);
     // The classical surface reads its coefficient as albedo.
-    let classical = Phong { diffuse: gray(0.5), ambient: Coefficient::ZERO, ..Phong::default() };
+    let classical = Phong { diffuse: gray(0.5), ambient: ColorTexture::ZERO, ..Phong::default() };
     under_square(Material::new(String::new(), classical), paths(0));
 }
 
@@ -247,7 +247,7 @@ fn lights_without_extent_keep_the_brightness_of_whitteds() {
         units: LightUnits::Classical,
         casts_shadows: true,
     };
-    let classical = Phong { diffuse: gray(0.4), ambient: Coefficient::ZERO, ..Phong::default() };
+    let classical = Phong { diffuse: gray(0.4), ambient: ColorTexture::ZERO, ..Phong::default() };
     let mut scene = Scene::new(vec![Material::new(String::new(), classical)], Vec::new()).with(floor(), 0, None);
     scene.appearance.lights = vec![light];
     let needs = Needs::of(&scene.appearance, |_| true);
@@ -271,8 +271,7 @@ fn what_is_seen_does_not_depend_on_the_wave() {
         |i: u32| (Ray::new(DVec3::new(3.0, 1.0, 0.1 * f64::from(i)), DVec3::new(-3.0, -1.0, 0.0)), Interval::FORWARD);
     let rays: Vec<_> = (0..20).map(ray).collect();
     let samplers: Vec<_> = (0..20).map(|key| Independent { key, dimension: 0 }).collect();
-    let lighting =
-        Lighting { appearance: &scene.appearance, emitters: &scene.emitters, bsdfs: &ConstantBsdfs::default() };
+    let lighting = Lighting { appearance: &scene.appearance, emitters: &scene.emitters, bsdfs: &BsdfCache::default() };
     let mut together = vec![Seen::NOTHING; 20];
     PathTracer::new(paths(6), needs).radiance_of(&mut scene.shapes, lighting, &rays, &samplers, &mut together);
     let mut one_by_one = vec![Seen::NOTHING; 20];

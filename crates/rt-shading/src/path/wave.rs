@@ -54,7 +54,7 @@ impl<S> Path<S> {
         *self = Self { course, ..Self::new(sampler) };
     }
 
-    /// True if the light that the path has met is one that [`LightTracer`](crate::LightTracer) brings to the camera: a light
+    /// True if the light that the path has met is one that [`LightTracingIntegrator`](crate::LightTracingIntegrator) brings to the camera: a light
     /// that can be drawn from, met in a single direction by a path that began at a surface which spreads light.
     pub(super) fn is_caustic_of(&self, hit: &SurfaceHit) -> bool {
         hit.emitter.is_some() && self.began_spread && self.origin.pdf.is_none()

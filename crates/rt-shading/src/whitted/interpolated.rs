@@ -1,9 +1,11 @@
 //! Tests of interpolated normals: rays start on the side of the facet that they belong to.
 
 use super::*;
-use crate::{Background, Coefficient, Light, LightKind, LightUnits, Material, Phong, SurfaceHit, Transmission, optics};
-use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
-use rt_math::{DVec3, Interval, RayKind};
+use crate::{
+    Background, ColorTexture, Light, LightKind, LightUnits, Material, Phong, SurfaceHit, Transmission, optics,
+};
+use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
+use rt_math::{DVec3, Interval};
 
 /// A floor at height 0 whose shading normal is not its own. The first ray meets it at the origin; later ones leave.
 struct Facet {
@@ -14,7 +16,7 @@ struct Facet {
 }
 
 impl Tracer for Facet {
-    fn closest(&mut self, ray: &Ray, _: Interval, kind: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+    fn closest(&mut self, ray: &Ray, _: Interval, kind: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
         if self.met {
             self.later.push((kind, *ray));
             return None;
@@ -54,10 +56,10 @@ fn tilted(degrees: f64) -> DVec3 {
     DVec3::new(sin, cos, 0.0)
 }
 
-const WHITE: Coefficient = Coefficient::Constant(Rgb::WHITE);
+const WHITE: ColorTexture = ColorTexture::Constant(Rgb::WHITE);
 
 fn bare() -> Phong {
-    Phong { ambient: Coefficient::ZERO, diffuse: Coefficient::ZERO, ..Phong::default() }
+    Phong { ambient: ColorTexture::ZERO, diffuse: ColorTexture::ZERO, ..Phong::default() }
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! Tests of transparent bodies, in worlds of real shapes, against paths that are known in closed form.
 
 use super::*;
-use crate::{Background, Coefficient, Material, Phong, SurfaceHit, Transmission};
-use rt_geometry::{AxisBox, Plane, Shape, Sphere, SurfaceNeeds, Triangle};
+use crate::{Background, ColorTexture, Material, Phong, SurfaceHit, Transmission};
+use rt_geometry::{Cuboid, InteractionFlags, Plane, RayKind, Shape, Sphere, Triangle};
 use rt_math::{
-    DVec3, RayKind,
+    DVec3,
     transcendental::{acos, asin, cos, exp, sin, sincos, tan},
 };
 
@@ -25,7 +25,7 @@ impl Shapes {
 }
 
 impl Tracer for Shapes {
-    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         self.rays.push((kind, *ray));
         let hits = self.shapes.iter().enumerate().filter_map(|(i, (shape, _))| Some((i, shape.intersect(ray, span)?)));
         let (object, hit) = hits.min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))?;
@@ -45,21 +45,21 @@ pub(super) fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Shape {
 
 /// A box 20 units wide between two heights.
 fn slab(bottom: f64, top: f64) -> Shape {
-    Shape::AxisBox(AxisBox::new(DVec3::new(-10.0, bottom, -10.0), DVec3::new(10.0, top, 10.0)).expect("a box"))
+    Shape::Cuboid(Cuboid::new(DVec3::new(-10.0, bottom, -10.0), DVec3::new(10.0, top, 10.0)).expect("a box"))
 }
 
 pub(super) const BARE: Phong = Phong {
-    ambient: Coefficient::ZERO,
-    diffuse: Coefficient::ZERO,
-    specular: Coefficient::ZERO,
+    ambient: ColorTexture::ZERO,
+    diffuse: ColorTexture::ZERO,
+    specular: ColorTexture::ZERO,
     exponent: 1.0,
     highlight: crate::Highlight::Phong,
-    emission: Coefficient::ZERO,
-    mirror: Coefficient::ZERO,
+    emission: ColorTexture::ZERO,
+    mirror: ColorTexture::ZERO,
     transmission: None,
 };
 
-const WHITE: Coefficient = Coefficient::Constant(Rgb::WHITE);
+const WHITE: ColorTexture = ColorTexture::Constant(Rgb::WHITE);
 
 /// A clear body that lets all light pass, whatever its angle.
 pub(super) fn body(ior: f64, absorption: f64, priority: i32) -> Phong {
@@ -74,7 +74,7 @@ fn fresnel(ior: f64) -> Phong {
 }
 
 fn glow(radiance: f64) -> Phong {
-    Phong { emission: Coefficient::Constant(Rgb::gray(radiance)), ..BARE }
+    Phong { emission: ColorTexture::Constant(Rgb::gray(radiance)), ..BARE }
 }
 
 pub(super) fn white_room(materials: &[Phong]) -> Appearance {
@@ -198,7 +198,7 @@ fn a_body_as_dense_as_the_air_is_not_there() {
 
 #[test]
 fn only_what_the_index_of_refraction_does_vanishes_where_it_is_the_same() {
-    let half = Coefficient::Constant(Rgb::gray(0.5));
+    let half = ColorTexture::Constant(Rgb::gray(0.5));
     let film = Transmission { coefficient: half, ..body(1.0, 0.0, 0).transmission.expect("transparent") };
     let mut painted = Phong { mirror: half, ..body(1.0, 0.0, 0) };
     painted.transmission = Some(film);
@@ -252,11 +252,11 @@ fn a_plate_reflects_and_passes_the_sum_of_all_its_inner_reflections() {
 /// Walls that glow with 0.001 and mirror 0.999: after n bounces 1 − 0.999ⁿ⁺¹ is seen.
 #[test]
 fn a_mirrored_box_multiplies_a_thousand_times() {
-    let mirror = Coefficient::Constant(Rgb::gray(0.999));
-    let walls = Phong { mirror, emission: Coefficient::Constant(Rgb::gray(0.001)), ..BARE };
-    let room = AxisBox::new(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.5, 2.0, 2.5)).expect("a box");
+    let mirror = ColorTexture::Constant(Rgb::gray(0.999));
+    let walls = Phong { mirror, emission: ColorTexture::Constant(Rgb::gray(0.001)), ..BARE };
+    let room = Cuboid::new(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.5, 2.0, 2.5)).expect("a box");
     let ray = Ray::new(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.5, -0.6, 0.7));
-    let Look { seen, counts, .. } = look(&[(Shape::AxisBox(room), 0)], &white_room(&[walls]), 999, &ray);
+    let Look { seen, counts, .. } = look(&[(Shape::Cuboid(room), 0)], &white_room(&[walls]), 999, &ray);
     assert!((1.0 - seen.r - 0.367_695_424_770_964_04).abs() < 1e-12, "{}", 1.0 - seen.r);
     assert_eq!(counts.depth_limited, 1);
 }
@@ -379,7 +379,7 @@ fn an_edge_that_two_triangles_share_is_entered_once() {
 fn a_ray_through_endlessly_many_surfaces_ends() {
     struct Sheets(u32);
     impl Tracer for Sheets {
-        fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+        fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
             self.0 += 1;
             let t = span.min.floor() + 1.0;
             let (point, normal) = (ray.at(t), if self.0.is_multiple_of(2) { DVec3::Z } else { DVec3::NEG_Z });

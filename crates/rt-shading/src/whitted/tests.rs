@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::{
-    Background, Coefficient, Falloff, Light, LightKind, LightUnits, Material, Phong, SurfaceHit, Transmission,
+    Background, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong, SurfaceHit, Transmission,
 };
-use rt_geometry::{SurfaceInteraction, SurfaceNeeds};
-use rt_math::{DVec3, Interval, RayKind, transcendental::exp};
+use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
+use rt_math::{DVec3, Interval, transcendental::exp};
 
 /// A world in which every ray meets the surface `material` at distance 2 from either side, `bounces` times over,
 /// and then leaves. It turns its normal against the ray, or along it for rays that come from inside.
@@ -23,7 +23,7 @@ impl Echo {
 }
 
 impl Tracer for Echo {
-    fn closest(&mut self, ray: &Ray, _: Interval, kind: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+    fn closest(&mut self, ray: &Ray, _: Interval, kind: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
         self.traced.push(kind);
         if self.traced.len() as u32 > self.bounces {
             return None;
@@ -42,18 +42,18 @@ impl Tracer for Echo {
 }
 
 const BARE: Phong = Phong {
-    ambient: Coefficient::ZERO,
-    diffuse: Coefficient::ZERO,
-    specular: Coefficient::ZERO,
+    ambient: ColorTexture::ZERO,
+    diffuse: ColorTexture::ZERO,
+    specular: ColorTexture::ZERO,
     exponent: 1.0,
     highlight: crate::Highlight::Phong,
-    emission: Coefficient::ZERO,
-    mirror: Coefficient::ZERO,
+    emission: ColorTexture::ZERO,
+    mirror: ColorTexture::ZERO,
     transmission: None,
 };
 
-fn gray(value: f64) -> Coefficient {
-    Coefficient::Constant(Rgb::gray(value))
+fn gray(value: f64) -> ColorTexture {
+    ColorTexture::Constant(Rgb::gray(value))
 }
 
 fn white_room(phong: Phong) -> Appearance {
@@ -150,7 +150,7 @@ fn what_stands_inside_glass_is_seen_through_it() {
     appearance.materials.push(Material::new("core".into(), core));
     struct Paperweight(u32);
     impl Tracer for Paperweight {
-        fn closest(&mut self, ray: &Ray, _: Interval, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+        fn closest(&mut self, ray: &Ray, _: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
             self.0 += 1;
             // The glass, the core, and the glass again from inside.
             let (normal, material) = match self.0 {
@@ -181,7 +181,7 @@ fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
     let appearance = white_room(Phong { transmission: Some(thin), mirror: gray(0.2), ..BARE });
     struct Tilted(u32);
     impl Tracer for Tilted {
-        fn closest(&mut self, _: &Ray, _: Interval, _: RayKind, _: SurfaceNeeds) -> Option<SurfaceHit> {
+        fn closest(&mut self, _: &Ray, _: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
             self.0 += 1;
             let normal = DVec3::new(0.8, 0.0, 0.6);
             let interaction = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, normal, [0.0; 2]);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use rt_camera::{Film, read_image};
+use rt_image::{Image, read_image};
 use serde::Serialize;
 
 use super::print;
@@ -144,6 +144,6 @@ fn render(
     program.run(&args)
 }
 
-fn read(path: &Path) -> Result<Film, TaskError> {
+fn read(path: &Path) -> Result<Image, TaskError> {
     read_image(path).map_err(|error| TaskError::Other(error.to_string()))
 }

@@ -1,6 +1,6 @@
 //! The image that errors are measured against.
 
-use rt_camera::Film;
+use rt_image::Image;
 
 /// Radiance above which a pixel sees the lamp.
 const LAMP: f32 = 1.0;
@@ -10,7 +10,7 @@ const DARK: f64 = 0.01;
 /// A reference. Pixels that see the lamp, and their neighbours, are left out: their error would be that of the lamp's edge.
 #[derive(Debug)]
 pub(super) struct Yardstick {
-    reference: Film,
+    reference: Image,
     is_kept: Vec<bool>,
     /// The mean squared error of the reference itself.
     variance: f64,
@@ -29,7 +29,7 @@ pub(super) struct Errors {
 
 impl Yardstick {
     /// `noise` is the root of the mean squared error of the reference itself.
-    pub(super) fn new(reference: Film, noise: f64) -> Self {
+    pub(super) fn new(reference: Image, noise: f64) -> Self {
         let (width, height) = (reference.width(), reference.height());
         let is_lamp = |x: u32, y: u32| reference.pixel(x, y).is_some_and(|rgb| rgb.max_component() > f64::from(LAMP));
         let near = |x: u32, end: u32| x.saturating_sub(1)..(x + 2).min(end);
@@ -40,7 +40,7 @@ impl Yardstick {
     }
 
     /// `None` if the image has another size, or nothing is kept.
-    pub(super) fn measure(&self, image: &Film) -> Option<Errors> {
+    pub(super) fn measure(&self, image: &Image) -> Option<Errors> {
         let reference = &self.reference;
         if (image.width(), image.height()) != (reference.width(), reference.height()) {
             return None;
@@ -70,8 +70,8 @@ mod tests {
     use super::*;
 
     /// A grey image; a lamp at the pixel, if any.
-    fn grey(width: u32, height: u32, level: f32, lamp: Option<usize>) -> Film {
-        let mut film = Film::new(width, height, false);
+    fn grey(width: u32, height: u32, level: f32, lamp: Option<usize>) -> Image {
+        let mut film = Image::new(width, height, false);
         film.pixels_mut().fill([level; 3]);
         if let Some(index) = lamp {
             film.pixels_mut()[index] = [0.0, 2.0, 0.0];

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use cpu_time::ThreadTime;
-use rt_accel::{AnyStructure, Bvh, Structure as _, StructureKind};
-use rt_math::Primitives;
+use rt_accel::{AcceleratorKind, AcceleratorQueries as _, AnyAccelerator, Bvh};
+use rt_geometry::Primitives;
 
 use super::{BuildFigure, Figures, Options, TraceFigure, query::count_hits};
 use crate::{
@@ -33,14 +33,14 @@ fn build<P: Primitives>(
     scene: &Scene<P>,
     options: &Options,
     figures: &mut Figures,
-) -> Result<Vec<(StructureKind, AnyStructure)>, TaskError> {
+) -> Result<Vec<(AcceleratorKind, AnyAccelerator)>, TaskError> {
     let mut built = Vec::new();
-    for &kind in StructureKind::ALL {
+    for &kind in AcceleratorKind::ALL {
         let mut seconds = Vec::new();
         let mut last = None;
         for _ in 0..options.reps {
             let started = Instant::now();
-            let structure = AnyStructure::build(kind, &scene.primitives).map_err(not_built)?;
+            let structure = AnyAccelerator::build(kind, &scene.primitives).map_err(not_built)?;
             seconds.push(started.elapsed().as_secs_f64());
             last = Some(structure);
         }
@@ -71,7 +71,7 @@ fn ray_sets<P: Surfaces>(scene: &Scene<P>, count: u32) -> Result<[RaySet; 4], Ta
 /// not count.
 fn trace<P: Primitives>(
     scene: &Scene<P>,
-    structures: &[(StructureKind, AnyStructure)],
+    structures: &[(AcceleratorKind, AnyAccelerator)],
     set: &RaySet,
     reps: u32,
 ) -> Vec<TraceFigure> {
@@ -86,7 +86,7 @@ fn trace<P: Primitives>(
             }
         }
     }
-    let figure = |((kind, _), (seconds, hits)): (&(StructureKind, AnyStructure), (Vec<f64>, u64))| TraceFigure {
+    let figure = |((kind, _), (seconds, hits)): (&(AcceleratorKind, AnyAccelerator), (Vec<f64>, u64))| TraceFigure {
         scene: scene.name,
         structure: kind.name(),
         kind: set.kind,
@@ -97,22 +97,22 @@ fn trace<P: Primitives>(
     structures.iter().zip(seconds.into_iter().zip(hits)).map(figure).collect()
 }
 
-fn ray_count<P: Primitives>(kind: StructureKind, scene: &Scene<P>, set: &RaySet) -> usize {
+fn ray_count<P: Primitives>(kind: AcceleratorKind, scene: &Scene<P>, set: &RaySet) -> usize {
     let affordable =
-        if kind == StructureKind::Linear { (LINEAR_TESTS / scene.primitives.len()).max(1) } else { usize::MAX };
+        if kind == AcceleratorKind::Linear { (LINEAR_TESTS / scene.primitives.len()).max(1) } else { usize::MAX };
     set.rays.len().min(affordable)
 }
 
 /// A figure means nothing if the answers differ: on the rays that brute force traced, all must hit as often.
 fn check<P: Primitives>(
     scene: &Scene<P>,
-    structures: &[(StructureKind, AnyStructure)],
+    structures: &[(AcceleratorKind, AnyAccelerator)],
     set: &RaySet,
 ) -> Result<(), TaskError> {
-    let count = ray_count(StructureKind::Linear, scene, set);
-    let hits = |structure: &AnyStructure| count_hits(structure, &scene.primitives, set, count);
+    let count = ray_count(AcceleratorKind::Linear, scene, set);
+    let hits = |structure: &AnyAccelerator| count_hits(structure, &scene.primitives, set, count);
     let expected =
-        structures.iter().find(|(kind, _)| *kind == StructureKind::Linear).map(|(_, structure)| hits(structure));
+        structures.iter().find(|(kind, _)| *kind == AcceleratorKind::Linear).map(|(_, structure)| hits(structure));
     for (kind, structure) in structures {
         if expected.is_some_and(|expected| hits(structure) != expected) {
             let (scene, rays, structure) = (scene.name, set.kind, kind.name());
@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn a_small_run_measures_everything_and_all_structures_agree() {
         let options = Options { write: false, rays: 400, reps: 1 };
-        let all = StructureKind::ALL.len();
+        let all = AcceleratorKind::ALL.len();
         let mut figures = Figures::default();
         scene(&crate::scenes::mound(1_000).unwrap(), &options, &mut figures).unwrap();
         assert_eq!((figures.builds.len(), figures.traces.len()), (all, 4 * all));

@@ -1,11 +1,16 @@
 //! Queries to measure.
 
-use rt_accel::{AnyStructure, NoProbe, Primitives, Structure, StructureVisitor};
+use rt_accel::{AcceleratorQueries, AcceleratorVisitor, AnyAccelerator, NoProbe, Primitives};
 
 use crate::scenes::rays::RaySet;
 
 /// Traces the first `count` rays one by one and counts those that hit.
-pub(super) fn count_hits<P: Primitives>(structure: &AnyStructure, primitives: &P, rays: &RaySet, count: usize) -> u64 {
+pub(super) fn count_hits<P: Primitives>(
+    structure: &AnyAccelerator,
+    primitives: &P,
+    rays: &RaySet,
+    count: usize,
+) -> u64 {
     structure.accept(Trace { primitives, rays, count })
 }
 
@@ -15,10 +20,10 @@ struct Trace<'a, P> {
     count: usize,
 }
 
-impl<P: Primitives> StructureVisitor for Trace<'_, P> {
+impl<P: Primitives> AcceleratorVisitor for Trace<'_, P> {
     type Output = u64;
 
-    fn visit<T: Structure>(self, structure: &T) -> u64 {
+    fn visit<T: AcceleratorQueries>(self, structure: &T) -> u64 {
         let Self { primitives, rays, count } = self;
         let rays_in = rays.rays.iter().take(count);
         let hits = if rays.any {

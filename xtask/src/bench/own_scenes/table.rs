@@ -1,6 +1,6 @@
 //! The figures as Markdown.
 
-use rt_accel::StructureKind;
+use rt_accel::AcceleratorKind;
 
 use super::{Figures, Options, TraceFigure};
 use crate::{matrix::Matrix, number::three_digits};
@@ -41,7 +41,7 @@ fn trace_table(figures: &Figures) -> Matrix {
             figures.traces.iter().find(same).map(TraceFigure::mega_rays)
         };
         let own = of(structure)?;
-        let ratio = own / of(StructureKind::Bvh.name())?;
+        let ratio = own / of(AcceleratorKind::Bvh.name())?;
         Some(format!("{} ({})", three_digits(own), three_digits(ratio)))
     })
 }

@@ -9,8 +9,8 @@
 
 use std::{fs, path::Path};
 
-use rt_geometry::MeshData;
-use rt_math::{DVec3, Hit, Interval, Ray, Vec3};
+use rt_geometry::{Hit, MeshData};
+use rt_math::{DVec3, Interval, Ray, Vec3};
 
 use crate::error::TaskError;
 

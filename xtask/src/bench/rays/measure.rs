@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
-use rt_accel::{AnyStructure, Structure, StructureKind};
+use rt_accel::{AcceleratorKind, AcceleratorQueries, AnyAccelerator};
 use rt_geometry::TriangleMesh;
 
 use super::{
@@ -30,7 +30,7 @@ struct Scene<'j> {
 pub(super) fn job(job: &Job, options: &Options, figures: &mut Figures) -> Result<(), TaskError> {
     let scene = Scene::load(job)?;
     let judge = match options.same_as {
-        Some(kind) => Some(AnyStructure::build(kind, &scene.mesh).map_err(other)?),
+        Some(kind) => Some(AnyAccelerator::build(kind, &scene.mesh).map_err(other)?),
         None => None,
     };
     for &kind in &options.accel {
@@ -68,12 +68,16 @@ fn numbers(all: &[[u32; 3]], kept: &[[u32; 3]]) -> Vec<u32> {
     numbered.map(|(number, _)| number).collect()
 }
 
-fn build(scene: &Scene<'_>, kind: StructureKind, options: &Options) -> Result<(AnyStructure, BuildFigure), TaskError> {
+fn build(
+    scene: &Scene<'_>,
+    kind: AcceleratorKind,
+    options: &Options,
+) -> Result<(AnyAccelerator, BuildFigure), TaskError> {
     let (mut cpu, mut wall) = (Vec::new(), Vec::new());
     let started = Instant::now();
     loop {
         let watch = Watch::start();
-        let structure = AnyStructure::build_with(kind, options.quality, &scene.mesh).map_err(other)?;
+        let structure = AnyAccelerator::build_with(kind, options.quality, &scene.mesh).map_err(other)?;
         let seconds = watch.seconds();
         cpu.push(seconds.cpu);
         wall.push(seconds.wall);
@@ -99,8 +103,8 @@ fn build(scene: &Scene<'_>, kind: StructureKind, options: &Options) -> Result<(A
 
 fn rays(
     scene: &Scene<'_>,
-    structure: &AnyStructure,
-    judge: Option<&AnyStructure>,
+    structure: &AnyAccelerator,
+    judge: Option<&AnyAccelerator>,
     set: &RayFile,
     options: &Options,
 ) -> Result<RayFigure, TaskError> {
@@ -161,8 +165,8 @@ fn wrong(
 /// Rays that the structure answers with other bits than the judge, which traces them one by one.
 fn differing(
     scene: &Scene<'_>,
-    structure: &AnyStructure,
-    judge: &AnyStructure,
+    structure: &AnyAccelerator,
+    judge: &AnyAccelerator,
     method: Method,
     rays: &[RayRecord],
 ) -> usize {

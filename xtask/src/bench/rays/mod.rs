@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 
 use clap::builder::TypedValueParser;
-use rt_accel::{AnyStructure, BuildStats, Structure, StructureKind, wide::Quality};
+use rt_accel::{AcceleratorKind, AcceleratorQueries, AnyAccelerator, BuildStats, wide::Quality};
 use serde::Serialize;
 
 use super::{print, quality, spread::Spread, structure};
@@ -38,7 +38,7 @@ pub(super) struct Options {
     kind: Vec<String>,
     /// Structures to measure.
     #[arg(long, value_delimiter = ',', default_value = "bvh", value_parser = structure())]
-    accel: Vec<StructureKind>,
+    accel: Vec<AcceleratorKind>,
     /// How much time the builder of the wide tree takes.
     #[arg(long, default_value = "medium", value_parser = quality())]
     quality: Quality,
@@ -71,7 +71,7 @@ pub(super) struct Options {
     eps: Option<String>,
     /// Count the rays of which this structure, asked one by one, gives an answer with other bits.
     #[arg(long, value_name = "ACCEL", value_parser = structure())]
-    same_as: Option<StructureKind>,
+    same_as: Option<AcceleratorKind>,
 }
 
 fn positive() -> impl TypedValueParser<Value = usize> {
@@ -109,7 +109,7 @@ struct Shape {
 }
 
 impl Shape {
-    fn of(structure: &AnyStructure) -> Self {
+    fn of(structure: &AnyAccelerator) -> Self {
         let BuildStats { nodes, leaves, references, max_depth, sah_cost, .. } = structure.build_stats();
         Self { nodes, leaves, references, max_depth, sah_cost }
     }

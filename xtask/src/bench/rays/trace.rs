@@ -1,9 +1,9 @@
 //! Tracing a set of rays, compiled for each structure, so that no ray pays for the choice.
 
 use rayon::prelude::*;
-use rt_accel::{AnyStructure, NoProbe, Structure, StructureVisitor};
-use rt_geometry::TriangleMesh;
-use rt_math::{Hit, Interval, Ray};
+use rt_accel::{AcceleratorQueries, AcceleratorVisitor, AnyAccelerator, NoProbe};
+use rt_geometry::{Hit, TriangleMesh};
+use rt_math::{Interval, Ray};
 
 use super::files::{HitRecord, RayRecord};
 
@@ -71,7 +71,7 @@ impl Answer for Bits {
 
 /// Answers `rays[i]` in `answers[i]`, on the threads of the current pool.
 pub(super) fn trace<A: Answer>(
-    structure: &AnyStructure,
+    structure: &AnyAccelerator,
     mesh: &TriangleMesh,
     method: Method,
     rays: &[RayRecord],
@@ -87,10 +87,10 @@ struct Trace<'a, A> {
     answers: &'a mut [A],
 }
 
-impl<A: Answer> StructureVisitor for Trace<'_, A> {
+impl<A: Answer> AcceleratorVisitor for Trace<'_, A> {
     type Output = ();
 
-    fn visit<T: Structure>(self, structure: &T) {
+    fn visit<T: AcceleratorQueries>(self, structure: &T) {
         let Self { mesh, method, rays, answers } = self;
         let share = method.batch.unwrap_or(SHARE);
         let shares = rays.par_chunks(share).zip(answers.par_chunks_mut(share));

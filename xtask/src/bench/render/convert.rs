@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use rt_scene_io::format::{
-    Background, Camera, Coefficient, Color, Falloff, Film, Integrator, Light, LightUnits, Material, Node, Sampler,
+    Background, Camera, Color, ColorTexture, Falloff, Film, Integrator, Light, LightUnits, Material, Node, Sampler,
     SceneFile, Settings, Shape, Sides,
 };
 
@@ -91,10 +91,10 @@ fn material(of: &neutral::Material) -> Material {
         return Material::Mix(vec![(1.0, Material::Diffuse { albedo, roughness: 0.0, emission: None }), (1.0, lamp)]);
     }
     let tint = |coefficient: f64| of.color.map(|channel| channel * coefficient);
-    let gray = |coefficient: f64| Some(Coefficient::Gray(coefficient));
+    let gray = |coefficient: f64| Some(ColorTexture::Gray(coefficient));
     let color = match &of.checker {
         Some(neutral::Checker { c2, size }) => {
-            Coefficient::Checker { even: Color::from_rgb(*c2), odd: Color::from_rgb(of.color), size: *size }
+            ColorTexture::Checker { even: Color::from_rgb(*c2), odd: Color::from_rgb(of.color), size: *size }
         }
         None => Color::from_rgb(of.color).into(),
     };
@@ -106,7 +106,7 @@ fn material(of: &neutral::Material) -> Material {
         exponent: Some(of.shin),
         highlight: None,
         emission: Some(Color::from_rgb(tint(of.emit)).into()),
-        mirror: Some(if of.kr_tint { Color::from_rgb(tint(of.kr)).into() } else { Coefficient::Gray(of.kr) }),
+        mirror: Some(if of.kr_tint { Color::from_rgb(tint(of.kr)).into() } else { ColorTexture::Gray(of.kr) }),
         // What lets no light through is opaque, and not glass of which nothing is seen.
         transmission: gray(of.kt).filter(|_| of.kt > 0.0),
         ior: Some(of.ior).filter(|_| of.kt > 0.0),
@@ -189,8 +189,8 @@ mod tests {
         };
         assert_eq!(lights.iter().map(radius).collect::<Vec<_>>(), [None, Some(0.0), Some(2.0)]);
         let Material::Phong { mirror, emission, .. } = &file.materials["ball"] else { panic!("a classical material") };
-        assert_eq!(*mirror, Some(Coefficient::Rgb(0.5, 0.25, 0.0)), "tinted");
-        assert_eq!(*emission, Some(Coefficient::Rgb(0.5, 0.25, 0.0)));
+        assert_eq!(*mirror, Some(ColorTexture::Rgb(0.5, 0.25, 0.0)), "tinted");
+        assert_eq!(*emission, Some(ColorTexture::Rgb(0.5, 0.25, 0.0)));
         assert_eq!(file.nodes.iter().map(|node| node.casts_shadow).collect::<Vec<_>>(), [false, true]);
         let Some(Shape::Mesh { triangles, uvs, .. }) = &file.nodes[1].shape else { panic!("a mesh") };
         assert_eq!((triangles.as_slice(), uvs[2]), (&[[0, 1, 2], [0, 2, 3]][..], [6.0, 4.0]));

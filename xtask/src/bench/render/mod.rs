@@ -6,7 +6,7 @@ use std::{
     time::Duration,
 };
 
-use rt_accel::StructureKind;
+use rt_accel::AcceleratorKind;
 use serde::Serialize;
 
 use super::{print, spread::Spread, structure};
@@ -46,7 +46,7 @@ pub(super) struct Options {
     threads: u16,
     /// The structure, instead of the renderer's own choice.
     #[arg(long, value_parser = structure())]
-    accel: Option<StructureKind>,
+    accel: Option<AcceleratorKind>,
 }
 
 /// One scene.

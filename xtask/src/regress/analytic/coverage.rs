@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_math::transcendental::{acos, atan, sincos, tan};
 use rt_scene_io::Integrator;
 
@@ -93,7 +93,7 @@ fn hold_all(tally: &mut Tally, conditions: &Conditions, what: &str, truth: f64, 
     let seeds = conditions.count(64, 256);
     let spp = conditions.count(64, 256) as u32;
     for integrator in SHOWING {
-        let mean = |pattern: SamplePattern, seed| picture.mean(integrator, pattern, spp, seed);
+        let mean = |pattern: SamplerKind, seed| picture.mean(integrator, pattern, spp, seed);
         hold(tally, format_args!("{what}, {}", integrator.name()), truth, seeds, mean)?;
     }
     Ok(())
@@ -131,7 +131,7 @@ fn half_jittered(conditions: &Conditions) -> Found {
     let seeds = conditions.count(256, 1024);
     let picture = left_of(1.0 / 3.0)?;
     let mut tally = Tally::default();
-    for pattern in [SamplePattern::HalfJittered, SamplePattern::Jittered] {
+    for pattern in [SamplerKind::HalfJittered, SamplerKind::Jittered] {
         let of_seed = |seed| picture.mean(Integrator::Whitted, pattern, 16, seed);
         let name = pattern.name();
         let z = Estimate::of_seeds(name, seeds, of_seed)?.z(1.0 / 3.0);

@@ -1,6 +1,6 @@
 //! Closed rooms, in which light goes on for ever.
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_math::DVec3;
 use rt_scene_io::Integrator;
 
@@ -94,7 +94,7 @@ fn closed(conditions: &Conditions) -> Found {
             let seeds = conditions.count(64, 256);
             let spp = conditions.count(spp[0], spp[1]) as u32;
             let picture = room.shining(reflected, depth)?;
-            let mean = |pattern: SamplePattern, seed| picture.mean(Integrator::Path, pattern, spp, seed);
+            let mean = |pattern: SamplerKind, seed| picture.mean(Integrator::Path, pattern, spp, seed);
             hold(&mut tally, format_args!("{room:?} of {reflected}"), 1.0 / (1.0 - reflected), seeds, mean)?;
         }
     }
@@ -111,14 +111,14 @@ fn truncated(conditions: &Conditions) -> Found {
         truth = 1.0 + 0.5 * truth;
         for room in [Room::Cube, Room::Quads] {
             let picture = room.shining(0.5, depth)?;
-            let mean = |pattern: SamplePattern, seed| picture.mean(Integrator::Path, pattern, spp, seed);
+            let mean = |pattern: SamplerKind, seed| picture.mean(Integrator::Path, pattern, spp, seed);
             hold(&mut tally, format_args!("{room:?}, depth {depth}"), truth, seeds, mean)?;
         }
     }
     // These two stop after one bounce of diffuse light, however deep they may go.
     for integrator in [Integrator::Direct, Integrator::Distributed] {
         let picture = Room::Cube.shining(0.5, 7)?;
-        let mean = |pattern: SamplePattern, seed| picture.mean(integrator, pattern, spp, seed);
+        let mean = |pattern: SamplerKind, seed| picture.mean(integrator, pattern, spp, seed);
         hold(&mut tally, format_args!("cube, {}", integrator.name()), 1.5, seeds, mean)?;
     }
     Ok(tally)
@@ -133,7 +133,7 @@ fn lit_sphere(conditions: &Conditions) -> Found {
     for reflected in [0.5, 0.8] {
         for wall in ["phong(ambient: gray(0), diffuse", "diffuse(albedo"] {
             let picture = Room::Sphere.picture(&format!("{wall}: gray({reflected}))"), lamp, 200)?;
-            let mean = |pattern: SamplePattern, seed| picture.mean(Integrator::Path, pattern, spp, seed);
+            let mean = |pattern: SamplerKind, seed| picture.mean(Integrator::Path, pattern, spp, seed);
             let kind = wall.split('(').next().unwrap_or_default();
             hold(&mut tally, format_args!("{kind} of {reflected}"), reflected / (1.0 - reflected), seeds, mean)?;
         }

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use rayon::prelude::*;
-use rt_camera::{PixelSample, PixelSampler, SamplePattern};
+use rt_camera::{PixelSampler, SampleStream, SamplerKind};
 use rt_math::random::hash;
 
 use super::{Fallible, Tally};
@@ -45,7 +45,7 @@ impl Estimate {
 }
 
 /// The mean of an integrand over the samples that a pattern has for one pixel.
-pub(super) fn mean_of(pattern: SamplePattern, spp: u32, seed: u64, value: impl Fn(&mut PixelSample) -> f64) -> f64 {
+pub(super) fn mean_of(pattern: SamplerKind, spp: u32, seed: u64, value: impl Fn(&mut SampleStream) -> f64) -> f64 {
     let sampler = PixelSampler::new(pattern, spp, seed);
     let spp = sampler.spp();
     (0..spp).map(|index| value(&mut sampler.sample([0, 0], index))).sum::<f64>() / f64::from(spp)
@@ -57,14 +57,14 @@ pub(super) fn hold(
     what: impl Display,
     truth: f64,
     seeds: u64,
-    estimate: impl Fn(SamplePattern, u64) -> Fallible<f64> + Sync,
+    estimate: impl Fn(SamplerKind, u64) -> Fallible<f64> + Sync,
 ) -> Fallible<()> {
     let mut note = if truth == 0.0 || truth >= 1e-3 {
         format!("{what} = {truth:.10}: z")
     } else {
         format!("{what} = {truth:.10e}: z")
     };
-    for pattern in SamplePattern::unbiased() {
+    for pattern in SamplerKind::unbiased() {
         let name = format!("{what}, {}", pattern.name());
         let found = Estimate::of_seeds(&name, seeds, |seed| estimate(pattern, seed))?;
         let z = found.z(truth);

@@ -2,11 +2,11 @@
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_math::{DVec3, Rgb, Sampler, transcendental::sincos};
 use rt_scene_io::Integrator;
 use rt_shading::{
-    Coefficient,
+    ColorTexture,
     bsdf::{Bsdf, Lambert, PhongLobe},
     emitter::{EmitterSet, LightSampling},
 };
@@ -60,7 +60,7 @@ const FAULTS: [Fault; 11] = [
     Fault { what: "coordinates in the wrong order", truth: samplers::truth, estimate: samplers::shifted },
 ];
 
-const PATTERN: SamplePattern = SamplePattern::Jittered;
+const PATTERN: SamplerKind = SamplerKind::Jittered;
 const SPP: u32 = 256;
 const GROUND: Receiver = Receiver::ground(0.25);
 
@@ -102,7 +102,7 @@ fn bright_light(is_wrong: bool, seed: u64) -> Fallible<f64> {
     let mut picture = lamp().scene(&GROUND, 1e-9, "")?;
     if is_wrong {
         for material in picture.scene.appearance.materials.iter_mut().filter(|material| material.name == "lamp") {
-            material.phong.emission = Coefficient::Constant(Rgb::gray(1.01));
+            material.phong.emission = ColorTexture::Constant(Rgb::gray(1.01));
         }
     }
     Ok(picture.mean(Integrator::Path, PATTERN, SPP, seed)? * PI / ALBEDO)
@@ -190,7 +190,7 @@ fn lost_strata(conditions: &Conditions) -> Found {
     const JITTERED: f64 = -0.75;
     let seeds = conditions.count(256, 1024);
     let mut tally = Tally::default();
-    for (pattern, is_wrong) in [(SamplePattern::Jittered, false), (SamplePattern::Random, true)] {
+    for (pattern, is_wrong) in [(SamplerKind::Jittered, false), (SamplerKind::Random, true)] {
         let below = |[x, y]: [f64; 2]| if y < 0.3 + 0.2 * x { 1.0 } else { 0.0 };
         let slope = slope(&[16, 64, 256, 1024], |spp| {
             rmse(seeds, 0.4, |seed| Ok(mean_of(pattern, spp, seed, |sample| below(sample.next_2d()))))

@@ -2,7 +2,7 @@
 
 use std::{f64::consts::TAU, sync::Arc};
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_math::{
     DVec3, Rgb, Sampler,
     transcendental::{exp, sin, sincos},
@@ -153,7 +153,7 @@ fn furnace(conditions: &Conditions) -> Found {
                 // To it, a background is no light that diffuse surfaces show.
                 (&image, "image", Integrator::Distributed),
             ] {
-                for pattern in [SamplePattern::Random, SamplePattern::Sobol] {
+                for pattern in [SamplerKind::Random, SamplerKind::Sobol] {
                     let how = format!("{}, {}", integrator.name(), pattern.name());
                     let name = format!("{material} at {degrees}° in a {what}, {how}");
                     let mean = |seed| picture.mean(integrator, pattern, spp, seed);
@@ -188,7 +188,7 @@ fn ball(conditions: &Conditions) -> Found {
                 nodes: [(shape: sphere(radius: 1), material: \"it\")],
             )"
         ))?;
-        let mean = |pattern: SamplePattern, seed| picture.mean(Integrator::Path, pattern, spp, seed);
+        let mean = |pattern: SamplerKind, seed| picture.mean(Integrator::Path, pattern, spp, seed);
         hold(&mut tally, format_args!("{degrees}°"), 1.0, seeds, mean)?;
     }
     Ok(tally)

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_math::{
     DVec3, Sampler,
     transcendental::{asin, atan, sincos},
@@ -89,7 +89,7 @@ fn point_light(conditions: &Conditions) -> Found {
             )"
         ))?;
         for integrator in [Integrator::Whitted, Integrator::Direct, Integrator::Path, Integrator::Distributed] {
-            let mean = |pattern: SamplePattern, seed| Ok(picture.mean(integrator, pattern, spp, seed)? / ALBEDO);
+            let mean = |pattern: SamplerKind, seed| Ok(picture.mean(integrator, pattern, spp, seed)? / ALBEDO);
             hold(&mut tally, format_args!("{what}, {}", integrator.name()), truth, seeds, mean)?;
         }
     }

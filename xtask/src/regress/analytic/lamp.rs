@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_math::{DVec3, Frame, Rgb, Sampler, transcendental::acos};
 use rt_scene_io::Integrator;
 use rt_shading::emitter::{
@@ -188,7 +188,7 @@ pub(super) fn hold_picture(
     [seeds, spp]: [u64; 2],
 ) -> Fallible<()> {
     for integrator in DRAWING {
-        let mean = |pattern: SamplePattern, seed| {
+        let mean = |pattern: SamplerKind, seed| {
             picture.mean(integrator, pattern, spp as u32, seed).map(|radiance| radiance * PI / ALBEDO)
         };
         hold(tally, format_args!("{what}, {}", integrator.name()), irradiance, seeds, mean)?;

@@ -1,11 +1,11 @@
 //! Many lights, and lights of very different power.
 
-use rt_camera::{Development, ToneCurve};
+use rt_image::{Development, ToneCurve};
 use rt_math::{DVec3, Rgb};
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::Integrator;
 use rt_shading::{
-    Coefficient,
+    ColorTexture,
     emitter::{LightSampling, Sides},
 };
 
@@ -73,7 +73,7 @@ fn two(strong_is_seen: bool) -> Fallible<(Picture, f64)> {
             "black" => STRONG,
             _ => continue,
         };
-        material.phong.emission = Coefficient::Constant(Rgb::gray(radiance));
+        material.phong.emission = ColorTexture::Constant(Rgb::gray(radiance));
         material.shines = Sides::Front;
     }
     let seen = if strong_is_seen { STRONG * strong.irradiance(&receiver) } else { 0.0 };

@@ -1,6 +1,6 @@
 //! The part of the sky that a point of the ground sees.
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_scene_io::Integrator;
 
 use super::{Case, Conditions, Found, Tally, estimate::hold, picture::Picture};
@@ -43,7 +43,7 @@ fn occlusion(conditions: &Conditions) -> Found {
                 nodes: [(shape: plane(normal: (0, 0, 1))), {beside_what}],
             )"
         ))?;
-        let mean = |pattern: SamplePattern, seed| picture.mean(Integrator::AmbientOcclusion, pattern, spp, seed);
+        let mean = |pattern: SamplerKind, seed| picture.mean(Integrator::AmbientOcclusion, pattern, spp, seed);
         hold(&mut tally, what, truth, seeds, mean)?;
     }
     Ok(tally)

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_render::{PlanOptions, RenderPlan};
 use rt_scene_io::{Integrator, LoadOptions, Scene, format::parse_ron, resolve};
 
@@ -24,7 +24,7 @@ impl Picture {
     }
 
     /// The mean radiance over all pixels, in green, as it is before the film rounds it.
-    pub(super) fn mean(&self, integrator: Integrator, pattern: SamplePattern, spp: u32, seed: u64) -> Fallible<f64> {
+    pub(super) fn mean(&self, integrator: Integrator, pattern: SamplerKind, spp: u32, seed: u64) -> Fallible<f64> {
         let mut scene = self.scene.clone();
         let settings = &mut scene.settings;
         (settings.integrator, settings.pattern, settings.spp, settings.seed) = (integrator, pattern, spp, seed);

@@ -1,7 +1,7 @@
 //! How fast the error of a pixel falls with the number of samples.
 
 use rayon::prelude::*;
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_math::transcendental::{atan, log2};
 use rt_scene_io::Integrator;
 
@@ -25,13 +25,13 @@ pub(super) const TOLERANCE: f64 = 0.1;
 
 /// Slopes at an oblique edge, an edge along the axis, a quarter disk, a sphere off the axis, and a smooth function: what
 /// theory gives (Mitchell 1996, Owen 1997), or where that is a bound, what was measured with many more samples.
-const EXPECTED: [(SamplePattern, [f64; 5]); 6] = [
-    (SamplePattern::Random, [-0.5, -0.5, -0.5, -0.5, -0.5]),
-    (SamplePattern::Jittered, [-0.75, -0.75, -0.75, -0.75, -1.0]),
-    (SamplePattern::MultiJittered, [-0.75, -1.0, -0.75, -0.75, -1.0]),
-    (SamplePattern::Sobol, [-0.75, -1.0, -0.75, -0.75, -1.5]),
-    (SamplePattern::Halton, [-0.75, -1.0, -0.75, -0.75, -1.0]),
-    (SamplePattern::BlueNoise, [-0.75, -1.0, -0.75, -0.75, -1.5]),
+const EXPECTED: [(SamplerKind, [f64; 5]); 6] = [
+    (SamplerKind::Random, [-0.5, -0.5, -0.5, -0.5, -0.5]),
+    (SamplerKind::Jittered, [-0.75, -0.75, -0.75, -0.75, -1.0]),
+    (SamplerKind::MultiJittered, [-0.75, -1.0, -0.75, -0.75, -1.0]),
+    (SamplerKind::Sobol, [-0.75, -1.0, -0.75, -0.75, -1.5]),
+    (SamplerKind::Halton, [-0.75, -1.0, -0.75, -0.75, -1.0]),
+    (SamplerKind::BlueNoise, [-0.75, -1.0, -0.75, -0.75, -1.5]),
 ];
 
 /// Light of a point lamp over a square.

@@ -6,7 +6,7 @@ use std::{
 };
 
 use rayon::prelude::*;
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_render::{PlanOptions, Progress, RenderPlan, Rendering, RunOptions, StopRule, Stopped, TargetError};
 use rt_scene_io::Integrator;
 
@@ -95,7 +95,7 @@ fn target_error(conditions: &Conditions) -> Found {
     let mut tally = Tally::default();
     let (mut kept, mut tried) = (0.0, 0.0);
     for (what, integrator, truth, picture) in scenes {
-        for pattern in [SamplePattern::Random, SamplePattern::Jittered, SamplePattern::Sobol] {
+        for pattern in [SamplerKind::Random, SamplerKind::Jittered, SamplerKind::Sobol] {
             let keeps = |seed| keeps(&picture, (integrator, pattern, seed), relative, truth);
             let all = (0..SEEDS).into_par_iter().map(keeps).collect::<Fallible<Vec<bool>>>()?;
             let count = all.iter().filter(|kept| **kept).count();
@@ -115,7 +115,7 @@ fn target_error(conditions: &Conditions) -> Found {
 /// True if a render to this error ends within it.
 fn keeps(
     picture: &Picture,
-    (integrator, pattern, seed): (Integrator, SamplePattern, u64),
+    (integrator, pattern, seed): (Integrator, SamplerKind, u64),
     relative: f64,
     truth: f64,
 ) -> Fallible<bool> {
@@ -134,7 +134,7 @@ fn keeps(
 fn until(
     picture: &Picture,
     size: u32,
-    (integrator, pattern, seed): (Integrator, SamplePattern, u64),
+    (integrator, pattern, seed): (Integrator, SamplerKind, u64),
     target: TargetError,
 ) -> Fallible<Rendering> {
     let mut scene = picture.scene.clone();
@@ -179,7 +179,7 @@ fn bias(conditions: &Conditions) -> Found {
         ("six quads of .5", Integrator::Path, 2.0, &room),
     ];
     for (what, integrator, truth, picture) in scenes {
-        for pattern in [SamplePattern::Random, SamplePattern::Sobol] {
+        for pattern in [SamplerKind::Random, SamplerKind::Sobol] {
             for (size, seeds) in [(1, small), (32, large)] {
                 // One per cent of an image without noise but at an edge is as much as ten of one of noise.
                 let relative = if size == 1 || integrator == Integrator::Path { 0.1 } else { 0.01 };
@@ -199,7 +199,7 @@ fn bias(conditions: &Conditions) -> Found {
     let name = "y < .1 x, random, each pixel by itself";
     let mean = |seed| {
         let target = TargetError::of_pixels(0.1);
-        Ok(mean_of(&until(&corner, 1, (Integrator::Whitted, SamplePattern::Random, seed), target)?))
+        Ok(mean_of(&until(&corner, 1, (Integrator::Whitted, SamplerKind::Random, seed), target)?))
     };
     let found = Estimate::of_seeds(name, by_pixel, mean)?;
     let (z, percent) = (found.z(0.05), 100.0 * (found.mean / 0.05 - 1.0));
@@ -214,7 +214,7 @@ fn reached(conditions: &Conditions) -> Found {
     let room = room()?;
     let mut tally = Tally::default();
     let (mut covered, mut tried) = (0.0, 0.0);
-    for pattern in [SamplePattern::Random, SamplePattern::Jittered, SamplePattern::Sobol] {
+    for pattern in [SamplerKind::Random, SamplerKind::Jittered, SamplerKind::Sobol] {
         let of_seed = |seed| -> Fallible<(bool, f64)> {
             let rendering = until(&room, 32, (Integrator::Path, pattern, seed), TargetError::of_image(0.1))?;
             let errors = rendering.film.pixels().iter().flatten().map(|&value| f64::from(value) - 2.0);

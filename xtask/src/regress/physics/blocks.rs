@@ -1,6 +1,6 @@
 //! Images as means over blocks of pixels: what two renderers are compared by.
 
-use rt_camera::Film;
+use rt_image::Image;
 
 /// Means over square blocks of pixels; those at the right and lower edge may be smaller.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +32,7 @@ impl Blocks {
         Self { rows: height_in_blocks, columns: width_in_blocks, means: means.collect(), brightest }
     }
 
-    pub(super) fn of_film(film: &Film, side: usize) -> Self {
+    pub(super) fn of_film(film: &Image, side: usize) -> Self {
         Self::of(film.pixels(), film.width() as usize, side)
     }
 

@@ -283,7 +283,7 @@ fn render(
         if let Err(problem) = run.succeeded() {
             return Ok(Err(format!("seed {seed}: {problem}")));
         }
-        let film = rt_camera::read_image(&output).map_err(|error| TaskError::Other(error.to_string()))?;
+        let film = rt_image::read_image(&output).map_err(|error| TaskError::Other(error.to_string()))?;
         renders.push(Blocks::of_film(&film, block));
     }
     fs::remove_file(&output).map_err(TaskError::file(&output))?;

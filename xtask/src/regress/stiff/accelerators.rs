@@ -2,9 +2,9 @@
 
 use std::{f64::consts::FRAC_1_SQRT_2, time::Instant};
 
-use rt_accel::{Accelerator, AnyStructure, LazyBih, Structure, StructureKind, UniformGrid};
-use rt_geometry::{AxisBox, Shape, Sphere, Triangle};
-use rt_math::{Aabb, Counters, DVec3, Hit, Interval, NoProbe, Primitives, Ray, transcendental::exp2};
+use rt_accel::{Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator, LazyBih, UniformGrid};
+use rt_geometry::{Counters, Cuboid, Hit, NoProbe, Primitives, Shape, Sphere, Triangle};
+use rt_math::{Aabb, DVec3, Interval, Ray, transcendental::exp2};
 use rt_tests::{Draw, ShapeSet};
 
 use super::{
@@ -76,7 +76,7 @@ fn sphere(centre: DVec3, radius: f64) -> Result<Shape, rt_geometry::ShapeError> 
 }
 
 fn solid(min: DVec3, max: DVec3) -> Result<Shape, rt_geometry::ShapeError> {
-    AxisBox::new(min, max).map(Shape::AxisBox)
+    Cuboid::new(min, max).map(Shape::Cuboid)
 }
 
 /// All structures against the first, which is brute force.
@@ -138,9 +138,9 @@ fn identical(conditions: &Conditions) -> Found {
     let set = ShapeSet::of_shapes(vec![sphere(DVec3::ONE, 0.5)?; count]);
     let mut tally = Tally::default();
     let mut structures = Vec::new();
-    for &kind in StructureKind::ALL {
+    for &kind in AcceleratorKind::ALL {
         let started = Instant::now();
-        let structure = AnyStructure::build(kind, &set)?;
+        let structure = AnyAccelerator::build(kind, &set)?;
         let seconds = started.elapsed().as_secs_f64();
         tally.note(format!("{}: built in {seconds:.2} s, depth {}", kind.name(), structure.build_stats().max_depth));
         tally.check(seconds < BUILD_SECONDS, || format!("{}: built in {seconds:.1} s", kind.name()));
@@ -292,7 +292,7 @@ fn cell_corners(conditions: &Conditions) -> Found {
     let set = ShapeSet::of_shapes(shapes);
     let mut structures = all_structures(&set)?;
     let fine = UniformGrid::with_resolution(&set, [CELLS; 3])?;
-    structures.push(Named::new(StructureKind::Grid, AnyStructure::Grid(fine)));
+    structures.push(Named::new(AcceleratorKind::Grid, AnyAccelerator::Grid(fine)));
     Ok(Tally::of_all(conditions.count(10_000, 1_000_000), |index, tally| {
         let mut draw = Draw::of(44, index);
         let through = DVec3::from([(); 3].map(|()| draw.below(CELLS as usize + 1) as f64)) / f64::from(CELLS);

@@ -1,6 +1,6 @@
 //! Boxes and planes.
 
-use rt_geometry::{AxisBox, Plane, Shape, SurfaceNeeds};
+use rt_geometry::{Cuboid, InteractionFlags, Plane, Shape};
 use rt_math::{DVec3, Interval, Ray, float::UNIT_ROUNDOFF};
 use rt_tests::{Draw, ShapeSet};
 
@@ -44,14 +44,14 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-fn unit_box() -> Result<AxisBox, rt_geometry::ShapeError> {
-    AxisBox::new(DVec3::ZERO, DVec3::ONE)
+fn unit_box() -> Result<Cuboid, rt_geometry::ShapeError> {
+    Cuboid::new(DVec3::ZERO, DVec3::ONE)
 }
 
 /// `t` and the normal of the first hit.
-fn seen(solid: &AxisBox, ray: &Ray, span: Interval) -> Option<(f64, DVec3)> {
+fn seen(solid: &Cuboid, ray: &Ray, span: Interval) -> Option<(f64, DVec3)> {
     let hit = solid.intersect(ray, span)?;
-    Some((hit.t, solid.surface(ray, &hit, SurfaceNeeds::ALL).geometric_normal))
+    Some((hit.t, solid.surface(ray, &hit, InteractionFlags::ALL).geometric_normal))
 }
 
 fn diagonal(_: &Conditions) -> Found {
@@ -95,7 +95,7 @@ fn flat_boxes(_: &Conditions) -> Found {
         for axis in 0..3 {
             let mut max = DVec3::ONE;
             max[axis] = thickness;
-            let solid = AxisBox::new(DVec3::ZERO, max)?;
+            let solid = Cuboid::new(DVec3::ZERO, max)?;
             let mut origin = DVec3::splat(0.25);
             for side in [1.0, -1.0] {
                 origin[axis] = side;

@@ -1,6 +1,8 @@
 //! Every structure gives the bits of brute force, on every shape.
 
-use rt_math::{Aabb, Accelerator, DVec3, Hit, Interval, NoProbe, Primitives, Ray, Transform};
+use rt_accel::Accelerator;
+use rt_geometry::{Hit, NoProbe, Primitives};
+use rt_math::{Aabb, DVec3, Interval, Ray, Transform};
 use rt_tests::{Draw, Seams, ShapeKind, ShapeSet, span_at};
 
 use super::{
@@ -50,7 +52,7 @@ fn every_shape(conditions: &Conditions) -> Found {
         });
         all = all.and(plain).and(hard);
     }
-    let kinds = rt_accel::StructureKind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
+    let kinds = rt_accel::AcceleratorKind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
     let shapes = ShapeKind::ALL.iter().map(|kind| kind.name).collect::<Vec<_>>().join(", ");
     all.note(format!(
         "{random} random and {adversarial} adversarial rays for each of: {kinds}; with each of: {shapes}"
@@ -63,7 +65,7 @@ fn far_and_small(conditions: &Conditions) -> Found {
     let direction = DVec3::new(1.0, -0.7, 0.3);
     let small = Transform::scale(DVec3::splat(1e-4))?;
     let moved = |distance: f64| Transform::translate(direction * distance);
-    let places = [moved(0.0), moved(1e3), moved(1e5), moved(1e7), small, moved(1e3).then_first(&small)];
+    let places = [moved(0.0), moved(1e3), moved(1e5), moved(1e7), small, moved(1e3).compose(&small)];
     let mut all = Tally::default();
     for (index, place) in places.iter().enumerate() {
         let mut draw = Draw::of(46, index as u64);
@@ -114,7 +116,7 @@ impl Trial<'_> {
 
 /// The bits of all hits in order.
 fn all_hits<P: Primitives>(structure: &Named, primitives: &P, ray: &Ray, span: Interval) -> Vec<Option<[u64; 5]>> {
-    use rt_accel::Structure;
+    use rt_accel::AcceleratorQueries;
     let mut hits: Vec<Hit> = Vec::new();
     structure.structure.all_hits(primitives, ray, span, &mut hits, &mut NoProbe);
     hits.into_iter().map(|hit| key(Some(hit))).collect()

@@ -7,11 +7,10 @@ use std::{
 };
 
 use rt_accel::{Accelerator, Bvh};
-use rt_geometry::{MeshData, ShearedRay, SurfaceNeeds, Triangle, TriangleMesh};
-use rt_math::{
-    Aabb, DVec3, Hit, Interval, NoProbe, Primitives, Ray, SlabRay, Transform, decide, float::UNIT_ROUNDOFF,
-    transcendental::sincos,
+use rt_geometry::{
+    Hit, InteractionFlags, MeshData, NoProbe, Primitives, Triangle, TriangleMesh, WatertightRay, intersect_primitive,
 };
+use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay, Transform, float::UNIT_ROUNDOFF, transcendental::sincos};
 use rt_tests::{Draw, icosphere};
 
 use super::{
@@ -92,7 +91,7 @@ impl Primitives for Facets {
     }
 
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        let hit = ShearedRay::new(ray).intersect(self.corners(index)?, span)?;
+        let hit = WatertightRay::new(ray).intersect(self.corners(index)?, span)?;
         Some(Hit { t: hit.t, instance: 0, primitive: index, uv: hit.uv })
     }
 }
@@ -133,7 +132,7 @@ fn closed_meshes_elsewhere(conditions: &Conditions) -> Found {
             all = all.and(misses(&Facets { vertices, triangles: triangles.clone() }, centre, scale, rays)?);
             let scaling = Transform::scale(DVec3::splat(scale))?;
             let turn = Transform::rotate(DVec3::new(0.3, 1.0, 0.6), 0.9)?;
-            let place = Transform::translate(centre).then_first(&turn).then_first(&scaling);
+            let place = Transform::translate(centre).compose(&turn).compose(&scaling);
             all = all.and(misses_of_instance(&sphere, &triangles, &place, rays)?);
         }
     }
@@ -179,8 +178,9 @@ fn fan(conditions: &Conditions) -> Found {
         let origin = hub + draw.above(DVec3::Z, 0.3) * 2.0;
         let ray = Ray::new(origin, hub - origin);
         let slab = SlabRay::new(&ray);
-        let hits: Vec<Hit> =
-            (0..count as u32).filter_map(|i| decide(&mesh, i, &slab, Interval::FORWARD, &mut NoProbe)).collect();
+        let hits: Vec<Hit> = (0..count as u32)
+            .filter_map(|i| intersect_primitive(&mesh, i, &slab, Interval::FORWARD, &mut NoProbe))
+            .collect();
         let least = hits.iter().map(|hit| hit.t).fold(f64::INFINITY, f64::min);
         let mut nearest = hits.iter().filter(|hit| hit.t == least);
         let first = nearest.next().copied();
@@ -235,7 +235,7 @@ impl Junction {
                 return tally.check(true, String::new);
             }
             slipped.fetch_add(1, Ordering::Relaxed);
-            let is_closed = ShearedRay::new(&ray).intersect(self.gap, Interval::FORWARD).is_some();
+            let is_closed = WatertightRay::new(&ray).intersect(self.gap, Interval::FORWARD).is_some();
             tally.check(is_closed, || format!("{ray:?} misses the mesh, and what closes it as well"));
             tally.limit(distance(&ray, [self.gap[0], self.gap[1]]), ROUNDINGS, format_args!("{ray:?} from the edge"));
         });
@@ -291,7 +291,7 @@ fn slivers(conditions: &Conditions) -> Found {
                 let [aim, origin] = [aim, from].map(|point| place.point(point));
                 let ray = Ray::new(origin, aim - origin);
                 let sound = triangle.intersect(&ray, Interval::FORWARD).is_none_or(|hit| {
-                    let surface = triangle.surface(&ray, &hit, SurfaceNeeds::ALL);
+                    let surface = triangle.surface(&ray, &hit, InteractionFlags::ALL);
                     let is_unit = (surface.geometric_normal.length() - 1.0).abs() < 1e-14;
                     hit.t.is_finite() && around.contains(surface.point) && is_unit
                 });

@@ -1,12 +1,14 @@
 //! Reflection and refraction.
 
-use rt_geometry::{AxisBox, Plane, Shape, Sphere, SurfaceNeeds};
+use rt_geometry::{
+    Cuboid, Hit, InteractionFlags, NoProbe, Plane, Primitives, RayKind, Shape, Sphere, intersect_primitive,
+};
 use rt_math::{
-    DVec3, Hit, Interval, NoProbe, Primitives, Ray, RayKind, Rgb, SlabRay, decide,
+    DVec3, Interval, Ray, Rgb, SlabRay,
     transcendental::{asin, atan, cos, sin, sincos, tan},
 };
 use rt_shading::{
-    Appearance, Background, Coefficient, Highlight, Material, Needs, Phong, ShadingCounts, SurfaceHit, Tracer,
+    Appearance, Background, ColorTexture, Highlight, Material, Needs, Phong, ShadingCounts, SurfaceHit, Tracer,
     Transmission, Whitted, optics,
 };
 use rt_tests::{Draw, ShapeSet};
@@ -80,26 +82,26 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 const GLASS: f64 = 1.5;
-const WHITE: Coefficient = Coefficient::Constant(Rgb::WHITE);
+const WHITE: ColorTexture = ColorTexture::Constant(Rgb::WHITE);
 const BARE: Phong = Phong {
-    ambient: Coefficient::ZERO,
-    diffuse: Coefficient::ZERO,
-    specular: Coefficient::ZERO,
+    ambient: ColorTexture::ZERO,
+    diffuse: ColorTexture::ZERO,
+    specular: ColorTexture::ZERO,
     exponent: 1.0,
     highlight: Highlight::Phong,
-    emission: Coefficient::ZERO,
-    mirror: Coefficient::ZERO,
+    emission: ColorTexture::ZERO,
+    mirror: ColorTexture::ZERO,
     transmission: None,
 };
 
 /// A clear body that lets all light pass, or what Fresnel's equations leave of it.
 fn body(ior: f64, fresnel: bool) -> Phong {
     let transmission = Transmission { coefficient: WHITE, ior, fresnel, absorption: Rgb::BLACK, priority: 0 };
-    Phong { mirror: if fresnel { WHITE } else { Coefficient::ZERO }, transmission: Some(transmission), ..BARE }
+    Phong { mirror: if fresnel { WHITE } else { ColorTexture::ZERO }, transmission: Some(transmission), ..BARE }
 }
 
 fn glow(radiance: f64) -> Phong {
-    Phong { emission: Coefficient::Constant(Rgb::gray(radiance)), ..BARE }
+    Phong { emission: ColorTexture::Constant(Rgb::gray(radiance)), ..BARE }
 }
 
 /// Shapes and the rays that were asked for, each shape of the material of its number.
@@ -109,10 +111,11 @@ struct World {
 }
 
 impl Tracer for World {
-    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         self.rays.push(*ray);
         let slab = SlabRay::new(ray);
-        let hits = (0..self.set.len() as u32).filter_map(|i| decide(&self.set, i, &slab, span, &mut NoProbe));
+        let hits =
+            (0..self.set.len() as u32).filter_map(|i| intersect_primitive(&self.set, i, &slab, span, &mut NoProbe));
         let hit: Hit = hits.reduce(|best, hit| if hit.precedes(&best) { hit } else { best })?;
         let interaction = self.set.surface(ray, &hit, needs)?;
         Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material: hit.primitive, emitter: None })
@@ -120,7 +123,7 @@ impl Tracer for World {
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
         let slab = SlabRay::new(ray);
-        (0..self.set.len() as u32).any(|i| decide(&self.set, i, &slab, span, &mut NoProbe).is_some())
+        (0..self.set.len() as u32).any(|i| intersect_primitive(&self.set, i, &slab, span, &mut NoProbe).is_some())
     }
 }
 
@@ -150,7 +153,7 @@ fn down(degrees: f64) -> DVec3 {
 
 /// A box 20 units wide between two heights.
 fn slab(bottom: f64, top: f64) -> Result<Shape, rt_geometry::ShapeError> {
-    AxisBox::new(DVec3::new(-10.0, bottom, -10.0), DVec3::new(10.0, top, 10.0)).map(Shape::AxisBox)
+    Cuboid::new(DVec3::new(-10.0, bottom, -10.0), DVec3::new(10.0, top, 10.0)).map(Shape::Cuboid)
 }
 
 fn ball() -> Result<Shape, rt_geometry::ShapeError> {
@@ -264,12 +267,12 @@ fn plate(_: &Conditions) -> Found {
 /// Walls that glow with 0.001 and mirror 0.999: after n bounces 1 − 0.999ⁿ⁺¹ is seen.
 fn mirror_box(_: &Conditions) -> Found {
     let mut tally = Tally::default();
-    let walls = Phong { mirror: Coefficient::Constant(Rgb::gray(0.999)), ..glow(0.001) };
-    let room = AxisBox::new(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.5, 2.0, 2.5))?;
+    let walls = Phong { mirror: ColorTexture::Constant(Rgb::gray(0.999)), ..glow(0.001) };
+    let room = Cuboid::new(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.5, 2.0, 2.5))?;
     for turn in 0..20 {
         let direction = Draw::new(turn).direction();
         let ray = Ray::new(DVec3::new(0.1, 0.2, 0.3), direction);
-        let Look { radiance, counts, .. } = look(&[(Shape::AxisBox(room), walls)], SKY, 999, &ray);
+        let Look { radiance, counts, .. } = look(&[(Shape::Cuboid(room), walls)], SKY, 999, &ray);
         let left = 1.0 - radiance.r;
         tally.near(left, 0.367_695_424_770_964_06, Tolerance::Absolute(1e-12), direction);
         tally.same(counts.depth_limited, 1, "reports of the depth");

@@ -2,7 +2,7 @@
 
 use std::{f64::consts::PI, path::Path, sync::Arc};
 
-use rt_camera::{CameraSettings, FilmSettings, Filter, Projection, SamplePattern};
+use rt_camera::{CameraSettings, FilmSettings, Filter, Projection, SamplerKind};
 use rt_geometry::{MeshData, Rectangle, Shape, Sphere, TriangleMesh};
 use rt_math::{DVec3, Rgb, Transform, Vec3, transcendental::sincos};
 use rt_render::{Crop, PlanOptions, RenderPlan, RunOptions};
@@ -10,7 +10,7 @@ use rt_scene_io::{
     Accel, Content, LoadOptions, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene, Settings, load,
 };
 use rt_shading::{
-    Appearance, Background, Bitmap, Coefficient, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId,
+    Appearance, Background, Bitmap, ColorTexture, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId,
     Wrap,
 };
 
@@ -54,7 +54,7 @@ fn facing(width: u32, height: u32, node: Node, phong: Phong) -> Scene {
     Scene {
         cameras: vec![NamedCamera { name: "front".into(), settings: camera, medium: None }],
         film: FilmSettings { width, height, filter: Filter::Box, ..FilmSettings::default() },
-        settings: Settings { spp: 1, pattern: SamplePattern::Centre, ..Settings::default() },
+        settings: Settings { spp: 1, pattern: SamplerKind::Centre, ..Settings::default() },
         appearance: Appearance {
             materials: vec![Material::new("front".into(), phong)],
             background: Background::Constant(Rgb::gray(0.125)),
@@ -84,8 +84,8 @@ fn faceted_ball(around: u32, up: u32) -> Fallible<TriangleMesh> {
 
 fn terminator(conditions: &Conditions) -> Found {
     let side = conditions.count(100, 400) as u32;
-    let white = Coefficient::Constant(Rgb::WHITE);
-    let phong = Phong { ambient: Coefficient::ZERO, diffuse: white, ..Phong::default() };
+    let white = ColorTexture::Constant(Rgb::WHITE);
+    let phong = Phong { ambient: ColorTexture::ZERO, diffuse: white, ..Phong::default() };
     let mut scene = facing(side, side, Node::new(Content::Mesh(MeshId(0)), MaterialId(0)), phong);
     scene.meshes = vec![NamedMesh { name: "ball".into(), mesh: Arc::new(faceted_ball(8, 8)?) }];
     let angle = 80f64.to_radians();
@@ -151,9 +151,9 @@ fn nan_texels(conditions: &Conditions) -> Found {
         pixels[texel][texel % 3] = value;
     }
     let phong = Phong {
-        ambient: Coefficient::ZERO,
-        diffuse: Coefficient::ZERO,
-        emission: Coefficient::Textured(TextureId(0), Rgb::WHITE),
+        ambient: ColorTexture::ZERO,
+        diffuse: ColorTexture::ZERO,
+        emission: ColorTexture::Textured(TextureId(0), Rgb::WHITE),
         ..Phong::default()
     };
     let upright = Transform::rotate(DVec3::X, PI / 2.0)?;
@@ -162,7 +162,7 @@ fn nan_texels(conditions: &Conditions) -> Found {
     let bitmap = Arc::new(Bitmap::opaque(SIDE, SIDE, pixels));
     scene.appearance.textures = vec![Texture::Image { bitmap, wrap: [Wrap::Clamp; 2], smooth: false }];
     scene.settings.spp = spp;
-    scene.settings.pattern = SamplePattern::Grid;
+    scene.settings.pattern = SamplerKind::Grid;
     let rendering = RenderPlan::compile(&scene, &PlanOptions::default())?.render(&RunOptions::default(), |_| {})?;
     let mut tally = Tally::default();
     tally.same(rendering.statistics.bad_samples, bad.len() as u64 * u64::from(spp), "bad samples");
@@ -179,7 +179,7 @@ fn extreme_sizes(_: &Conditions) -> Found {
     let mut tally = Tally::default();
     for (width, height) in [(1, 1), (1, LONG), (LONG, 1)] {
         let ball = Content::Shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.9)?));
-        let glow = Phong { emission: Coefficient::Constant(Rgb::gray(0.25)), ..Phong::default() };
+        let glow = Phong { emission: ColorTexture::Constant(Rgb::gray(0.25)), ..Phong::default() };
         let mut scene = facing(width, height, Node::new(ball, MaterialId(0)), glow);
         if width > height {
             // As wide as it would be high.

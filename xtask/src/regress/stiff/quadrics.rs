@@ -1,6 +1,6 @@
 //! Cylinders and cones, around the y axis.
 
-use rt_geometry::{Cylinder, DoubleCone, InfiniteCylinder, ShapeHit, SurfaceNeeds};
+use rt_geometry::{Cylinder, DoubleCone, InfiniteCylinder, InteractionFlags, ShapeHit};
 use rt_math::{DVec3, Interval, Ray, transcendental::sincos};
 use rt_tests::Draw;
 
@@ -167,7 +167,7 @@ fn apex(_: &Conditions) -> Found {
                 let found = crossings(|span| cone.intersect(&ray, span));
                 compare(&found, &[3.0], FOUR_U, &mut tally);
                 let Some(hit) = cone.intersect(&ray, EVERYWHERE) else { continue };
-                let normal = cone.surface(&ray, &hit, SurfaceNeeds::ALL).geometric_normal;
+                let normal = cone.surface(&ray, &hit, InteractionFlags::ALL).geometric_normal;
                 let is_usable = (normal.length() - 1.0).abs() < 1e-14 && normal.dot(direction) <= 0.0;
                 tally.check(is_usable, || format!("normal {normal} for {direction}"));
             }

@@ -2,18 +2,19 @@
 
 use std::error::Error;
 
-use rt_accel::{Accelerator, AnyStructure, Structure, StructureKind};
-use rt_math::{Counters, Hit, Interval, NoProbe, Primitives, Ray};
+use rt_accel::{Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator};
+use rt_geometry::{Counters, Hit, NoProbe, Primitives};
+use rt_math::{Interval, Ray};
 
 /// A structure under its name.
 #[derive(Debug)]
 pub(super) struct Named {
-    kind: StructureKind,
-    pub structure: AnyStructure,
+    kind: AcceleratorKind,
+    pub structure: AnyAccelerator,
 }
 
 impl Named {
-    pub(super) const fn new(kind: StructureKind, structure: AnyStructure) -> Self {
+    pub(super) const fn new(kind: AcceleratorKind, structure: AnyAccelerator) -> Self {
         Self { kind, structure }
     }
 
@@ -38,12 +39,12 @@ impl Named {
 
 /// One structure of each kind, brute force first, each found to be as it should.
 pub(super) fn all_structures<P: Primitives>(primitives: &P) -> Result<Vec<Named>, Box<dyn Error + Send + Sync>> {
-    let build = |&kind: &StructureKind| {
-        let structure = AnyStructure::build(kind, primitives)?;
+    let build = |&kind: &AcceleratorKind| {
+        let structure = AnyAccelerator::build(kind, primitives)?;
         structure.validate(primitives).map_err(|violation| format!("{}: {violation}", kind.name()))?;
         Ok(Named { kind, structure })
     };
-    StructureKind::ALL.iter().map(build).collect()
+    AcceleratorKind::ALL.iter().map(build).collect()
 }
 
 /// All that must be equal to the last bit.

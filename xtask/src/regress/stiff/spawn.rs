@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 use rt_accel::{Accelerator, Bvh};
-use rt_geometry::{AxisBox, Shape, Sphere, SurfaceNeeds};
-use rt_math::{DVec3, Interval, NoProbe, Ray};
+use rt_geometry::{Cuboid, InteractionFlags, NoProbe, Shape, Sphere};
+use rt_math::{DVec3, Interval, Ray};
 use rt_tests::{Draw, SPAWN_SETUPS, ShapeSet, Spawned};
 
 use super::{Case, Conditions, Found, Tally};
@@ -67,7 +67,7 @@ fn gap(conditions: &Conditions) -> Found {
             tally.check(false, || format!("{ray:?} misses"));
             return;
         };
-        let surface = outer.surface(&ray, &hit, SurfaceNeeds::ALL);
+        let surface = outer.surface(&ray, &hit, InteractionFlags::ALL);
         let direction = -draw.above(surface.geometric_normal, 0.05);
         let entering = surface.spawn_ray(direction, 0.0);
         let across = inner.intersect(&entering, Interval::SPAWNED).map(|hit| hit.t);
@@ -91,10 +91,10 @@ fn stack(conditions: &Conditions) -> Found {
     };
     let coin = |index: usize| {
         let [bottom, top] = heights(index);
-        AxisBox::new(DVec3::new(FAR - 1.0, bottom, FAR - 1.0), DVec3::new(FAR + 1.0, top, FAR + 1.0))
+        Cuboid::new(DVec3::new(FAR - 1.0, bottom, FAR - 1.0), DVec3::new(FAR + 1.0, top, FAR + 1.0))
     };
-    let coins: Result<Vec<AxisBox>, _> = (0..COINS).map(coin).collect();
-    let set = ShapeSet::of_shapes(coins?.into_iter().map(Shape::AxisBox));
+    let coins: Result<Vec<Cuboid>, _> = (0..COINS).map(coin).collect();
+    let set = ShapeSet::of_shapes(coins?.into_iter().map(Shape::Cuboid));
     let structure = Bvh::build(&set)?;
     Ok(Tally::of_all(conditions.count(20_000, 1_000_000), |index, tally| {
         let mut draw = Draw::of(35, index);
@@ -104,10 +104,10 @@ fn stack(conditions: &Conditions) -> Found {
         let (to_edge, gap) = (draw.between(0.01, 1.0), next - top);
         let point = DVec3::new(FAR + 1.0 - to_edge, top, FAR + draw.between(-0.9, 0.9));
         // A hit from straight above, as if nothing were there.
-        let lone = ShapeSet::of_shapes(coin(at).ok().map(Shape::AxisBox));
+        let lone = ShapeSet::of_shapes(coin(at).ok().map(Shape::Cuboid));
         let down = Ray::new(point + DVec3::Y, DVec3::NEG_Y);
         let hit = Bvh::build(&lone).ok().and_then(|bvh| bvh.closest(&lone, &down, Interval::FORWARD, &mut NoProbe));
-        let Some(surface) = hit.and_then(|hit| lone.surface(&down, &hit, SurfaceNeeds::ALL)) else {
+        let Some(surface) = hit.and_then(|hit| lone.surface(&down, &hit, InteractionFlags::ALL)) else {
             tally.check(false, || format!("{down:?} misses"));
             return;
         };

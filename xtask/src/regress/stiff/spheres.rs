@@ -1,6 +1,6 @@
 //! Spheres, and what transforms do to them.
 
-use rt_geometry::{Placed, Shape, ShapeHit, Sphere, SurfaceNeeds};
+use rt_geometry::{InteractionFlags, Shape, ShapeHit, Sphere, TransformedShape};
 use rt_math::{DVec3, Interval, Ray, Transform, TransformError, float::UNIT_ROUNDOFF, transcendental::exp2};
 use rt_tests::{Draw, ShapeKind, ShapeSet};
 
@@ -153,7 +153,7 @@ fn chords(conditions: &Conditions) -> Found {
             tally.check(false, || format!("a miss towards {aim}"));
             return;
         };
-        let surface = sphere.surface(&ray, &hit, SurfaceNeeds::ALL);
+        let surface = sphere.surface(&ray, &hit, InteractionFlags::ALL);
         let outwards = draw.above(surface.geometric_normal, 1e-6);
         let leaving = sphere.intersect(&surface.spawn_ray(outwards, 0.0), Interval::SPAWNED);
         tally.check(leaving.is_none(), || format!("a self-hit towards {outwards}"));
@@ -208,7 +208,7 @@ impl ExactQuadratic {
 fn needle(conditions: &Conditions) -> Found {
     const AXES: [f64; 3] = [1.0, 1e-6, 1e6];
     const LIMIT: f64 = 1e12 * UNIT_ROUNDOFF;
-    let placed = Placed::new(Shape::Sphere(unit_sphere()?), Transform::scale(AXES.into())?);
+    let placed = TransformedShape::new(Shape::Sphere(unit_sphere()?), Transform::scale(AXES.into())?);
     let mut tally = Tally::of_all(conditions.count(5_000, 100_000), |index, tally| {
         let mut draw = Draw::of(8, index);
         let stretch = DVec3::from(AXES);
@@ -242,11 +242,11 @@ fn mirrored(conditions: &Conditions) -> Found {
         let origin = draw.point() * 4.0;
         let ray = Ray::new(origin, draw.point() - origin);
         let reflection = Ray::new(flip(ray.origin), flip(ray.direction));
-        let image = Placed::new(shape.clone(), mirror);
-        let original = Placed::new(shape, Transform::IDENTITY);
+        let image = TransformedShape::new(shape.clone(), mirror);
+        let original = TransformedShape::new(shape, Transform::IDENTITY);
         let [expected, found] = [(&original, &ray), (&image, &reflection)].map(|(placed, ray)| {
             let hit = placed.intersect(ray, Interval::FORWARD)?;
-            let surface = placed.surface(ray, &hit, SurfaceNeeds::ALL);
+            let surface = placed.surface(ray, &hit, InteractionFlags::ALL);
             Some((hit.t, surface.point, surface.geometric_normal))
         });
         let expected = expected.map(|(t, point, normal)| (t, flip(point), flip(normal)));
@@ -260,10 +260,10 @@ fn turns(_: &Conditions) -> Found {
         let turn = Transform::rotate(axis, 1e-3)?;
         let mut all = Transform::IDENTITY;
         for _ in 0..1000 {
-            all = all.then_first(&turn);
+            all = all.compose(&turn);
         }
         for _ in 0..1000 {
-            all = all.then_first(&turn.inverse());
+            all = all.compose(&turn.inverse());
         }
         for unit in DVec3::AXES {
             let error = (all.vector(unit) - unit).length().max((all.inverse_vector(unit) - unit).length());

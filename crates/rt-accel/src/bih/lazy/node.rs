@@ -4,10 +4,7 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use rt_math::Aabb;
 
-use crate::bih::planes::Planes;
-use crate::bih::split::split;
-use crate::bih::walk::Step;
-use crate::tree::Item;
+use crate::{bih::planes::Planes, bih::split::split, bih::walk::Step, tree::Item};
 
 /// First it has a list, then it is split and the list is gone.
 ///

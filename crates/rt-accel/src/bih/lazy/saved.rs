@@ -6,11 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::LazyBih;
 use super::node::{Known, LazyNode};
-use crate::Violation;
-use crate::bih::planes::Planes;
-use crate::bih::walk::Step;
-use crate::bounded_depth::MAX_DEPTH;
-use crate::tree::Item;
+use crate::{ValidationError, bih::planes::Planes, bih::walk::Step, bounded_depth::MAX_DEPTH, tree::Item};
 
 #[derive(Serialize, Deserialize)]
 struct Saved {
@@ -63,7 +59,7 @@ impl<'de> Deserialize<'de> for LazyBih {
 }
 
 impl Saved {
-    fn restore(self) -> Result<LazyBih, Violation> {
+    fn restore(self) -> Result<LazyBih, ValidationError> {
         let primitives = self.check_lists()?;
         let depths = self.check_shape()?;
         // From the end: what is below a node has been made when the node is.
@@ -74,35 +70,35 @@ impl Saved {
                 SavedNode::Leaf(indices) => LazyNode::leaf(indices),
                 SavedNode::Node(planes) => match (made.pop(), made.pop()) {
                     (Some(left), Some(right)) => LazyNode::inner(planes, [left, right]),
-                    _ => return Err(Violation::Node { node: 0 }),
+                    _ => return Err(ValidationError::Node { node: 0 }),
                 },
             };
             made.push(node);
         }
-        let root = made.pop().ok_or(Violation::Node { node: 0 })?;
+        let root = made.pop().ok_or(ValidationError::Node { node: 0 })?;
         Ok(LazyBih { bounds: self.bounds, root, unbounded: self.unbounded, primitives })
     }
 
     /// Checks that the lists number all primitives, and each of them once; returns how many there are.
-    fn check_lists(&self) -> Result<u32, Violation> {
+    fn check_lists(&self) -> Result<u32, ValidationError> {
         let lists: Vec<_> =
             self.nodes.iter().flat_map(SavedNode::listed).chain(self.unbounded.iter().copied()).collect();
         let mut is_listed = vec![false; lists.len()];
         for primitive in lists {
             match is_listed.get_mut(primitive as usize) {
                 Some(listed) if !*listed => *listed = true,
-                _ => return Err(Violation::Misplaced { primitive }),
+                _ => return Err(ValidationError::Misplaced { primitive }),
             }
         }
         Ok(is_listed.len() as u32)
     }
 
     /// Checks that the nodes make one tree, which will not become too deep; returns their depths.
-    fn check_shape(&self) -> Result<Vec<u32>, Violation> {
+    fn check_shape(&self) -> Result<Vec<u32>, ValidationError> {
         let mut depths = Vec::with_capacity(self.nodes.len());
         let mut pending = vec![0];
         for (number, node) in self.nodes.iter().enumerate() {
-            let depth = pending.pop().ok_or(Violation::Node { node: number as u32 })?;
+            let depth = pending.pop().ok_or(ValidationError::Node { node: number as u32 })?;
             let deepest = match node {
                 SavedNode::Node(_) => {
                     pending.extend([depth + 1; 2]);
@@ -112,17 +108,17 @@ impl Saved {
                 SavedNode::Waiting { items, .. } => {
                     let is_box = |own: &Aabb| own.is_finite() && !own.is_empty();
                     if let Some(&(primitive, _)) = items.iter().find(|(_, own)| !is_box(own)) {
-                        return Err(Violation::Outside { primitive });
+                        return Err(ValidationError::Outside { primitive });
                     }
                     // Halving needs that much, and no builder leaves less.
                     depth + items.len().next_power_of_two().ilog2()
                 }
             };
             if deepest > MAX_DEPTH {
-                return Err(Violation::Depth { depth: deepest });
+                return Err(ValidationError::Depth { depth: deepest });
             }
             depths.push(depth);
         }
-        if pending.is_empty() { Ok(depths) } else { Err(Violation::Node { node: self.nodes.len() as u32 }) }
+        if pending.is_empty() { Ok(depths) } else { Err(ValidationError::Node { node: self.nodes.len() as u32 }) }
     }
 }

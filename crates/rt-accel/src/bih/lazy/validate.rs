@@ -1,15 +1,14 @@
 //! Checks a hierarchy as far as it is known.
 
-use rt_math::{Aabb, Primitives, own_box};
+use rt_geometry::{Primitives, padded_bounds};
+use rt_math::Aabb;
 
 use super::LazyBih;
 use super::node::Known;
-use crate::Violation;
-use crate::bih::walk::Step;
-use crate::bounded_depth::MAX_DEPTH;
+use crate::{ValidationError, bih::walk::Step, bounded_depth::MAX_DEPTH};
 
 /// Each primitive is in one leaf or waits in one node, between all planes above, and the boxes that wait are right.
-pub(super) fn check<P: Primitives>(bih: &LazyBih, primitives: &P) -> Result<(), Violation> {
+pub(super) fn check<P: Primitives>(bih: &LazyBih, primitives: &P) -> Result<(), ValidationError> {
     let mut check = Check { primitives, is_placed: vec![false; bih.primitives as usize] };
     let mut verdict = Ok(());
     bih.for_each_node(|known, bounds, depth| {
@@ -22,7 +21,7 @@ pub(super) fn check<P: Primitives>(bih: &LazyBih, primitives: &P) -> Result<(), 
         check.place(primitive)?;
     }
     match check.is_placed.iter().position(|placed| !placed) {
-        Some(primitive) => Err(Violation::Misplaced { primitive: primitive as u32 }),
+        Some(primitive) => Err(ValidationError::Misplaced { primitive: primitive as u32 }),
         None => Ok(()),
     }
 }
@@ -33,9 +32,9 @@ struct Check<'p, P> {
 }
 
 impl<P: Primitives> Check<'_, P> {
-    fn node(&mut self, known: &Known<'_>, bounds: &Aabb, depth: u32) -> Result<(), Violation> {
+    fn node(&mut self, known: &Known<'_>, bounds: &Aabb, depth: u32) -> Result<(), ValidationError> {
         if depth > MAX_DEPTH {
-            return Err(Violation::Depth { depth });
+            return Err(ValidationError::Depth { depth });
         }
         match known {
             Known::Split(Step::Node(..)) => Ok(()),
@@ -47,16 +46,16 @@ impl<P: Primitives> Check<'_, P> {
         }
     }
 
-    fn inside(&mut self, primitive: u32, boxes: &[&Aabb]) -> Result<(), Violation> {
+    fn inside(&mut self, primitive: u32, boxes: &[&Aabb]) -> Result<(), ValidationError> {
         self.place(primitive)?;
-        let own = own_box(self.primitives, primitive).ok_or(Violation::Misplaced { primitive })?;
-        if boxes.iter().all(|aabb| aabb.encloses(&own)) { Ok(()) } else { Err(Violation::Outside { primitive }) }
+        let own = padded_bounds(self.primitives, primitive).ok_or(ValidationError::Misplaced { primitive })?;
+        if boxes.iter().all(|aabb| aabb.encloses(&own)) { Ok(()) } else { Err(ValidationError::Outside { primitive }) }
     }
 
-    fn place(&mut self, primitive: u32) -> Result<(), Violation> {
+    fn place(&mut self, primitive: u32) -> Result<(), ValidationError> {
         match self.is_placed.get_mut(primitive as usize) {
             Some(placed) if !*placed => *placed = true,
-            _ => return Err(Violation::Misplaced { primitive }),
+            _ => return Err(ValidationError::Misplaced { primitive }),
         }
         Ok(())
     }

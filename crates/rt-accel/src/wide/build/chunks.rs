@@ -64,9 +64,7 @@ impl Extent {
 mod tests {
     use super::*;
     use crate::wide::build::binning::{AreaUnit, Axes};
-    use crate::wide::build::cluster::Haste;
-    use crate::wide::build::reference::Run;
-    use crate::wide::build::tests::soup;
+    use crate::{wide::build::cluster::Haste, wide::build::reference::Run, wide::build::tests::soup};
 
     #[test]
     fn chunks_are_cut_as_the_whole_is() {

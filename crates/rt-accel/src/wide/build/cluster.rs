@@ -69,9 +69,8 @@ mod tests {
     use glam::Vec3A;
 
     use super::*;
-    use crate::bvh::NodeBox;
     use crate::wide::build::binning::{AreaUnit, Axes};
-    use crate::wide::build::reference::Run;
+    use crate::{bvh::NodeBox, wide::build::reference::Run};
 
     fn at(x: f32, index: u32) -> Reference {
         Reference::new(NodeBox { min: Vec3A::new(x, 0.0, 0.0), max: Vec3A::new(x + 1.0, 1.0, 0.0) }, index)

@@ -3,16 +3,14 @@
 use core::ops::Range;
 
 use glam::DVec3;
-use rt_math::{Aabb, Primitives, own_box};
+use rt_geometry::{Primitives, padded_bounds};
+use rt_math::Aabb;
 
 use super::grow::Rules;
 use super::in_order;
 use super::reference::Reference;
-use crate::BuildError;
-use crate::bvh::NodeBox;
 use crate::own_boxes::{checked_own_box, count};
-use crate::wide::leaf::Layouts;
-use crate::wide::pages::filled;
+use crate::{BuildError, bvh::NodeBox, wide::leaf::Layouts, wide::pages::filled};
 
 /// Primitives that one thread handles at a time.
 const RUN: u32 = 16384;
@@ -57,7 +55,7 @@ impl Census {
                 Some(own) => {
                     all.bounded += 1;
                     all.union = all.union.union(own);
-                    all.layouts = all.layouts.and(Layouts::of(&primitives.leaf_layout(index)));
+                    all.layouts = all.layouts.and(Layouts::of(&primitives.geometry(index)));
                 }
                 None => all.unbounded.push(index),
             }
@@ -98,7 +96,7 @@ pub(super) fn references<P: Primitives>(primitives: &P, centre: DVec3, rules: &R
     let mut room = filled(parts, Reference::NONE, |(run, count), room| {
         let mut references = Vec::with_capacity(run.len());
         for index in run {
-            if let Some(own) = own_box(primitives, index) {
+            if let Some(own) = padded_bounds(primitives, index) {
                 rules.push(&mut references, Reference::new(NodeBox::outward(&own, centre), index));
             }
         }
@@ -125,11 +123,11 @@ fn in_runs<T: Send>(count: u32, each: impl Fn(Range<u32>) -> T + Sync + Send) ->
 
 #[cfg(test)]
 mod tests {
-    use rt_math::{Hit, Interval, Ray};
+    use rt_geometry::Hit;
+    use rt_math::{Interval, Ray};
 
     use super::*;
-    use crate::wide::BuildParams;
-    use crate::wide::build::reference::Run;
+    use crate::{wide::BuildParams, wide::build::reference::Run};
 
     /// Unit cubes in a row, two of each but for the last; every seventh has no bounds, and none of the second run has.
     struct Cubes(u32);

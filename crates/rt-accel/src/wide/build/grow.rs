@@ -8,8 +8,7 @@ use super::cluster::Haste;
 use super::collapse::{Costs, Plan};
 use super::params::{BuildParams, Quality};
 use super::reference::{Reference, Run};
-use crate::bounded_depth::leaves_room_for_halving;
-use crate::bvh::NodeBox;
+use crate::{bounded_depth::leaves_room_for_halving, bvh::NodeBox};
 
 /// What all sets have in common.
 #[derive(Clone, Copy, Debug)]

@@ -14,7 +14,7 @@ mod params;
 mod reference;
 mod reinsertion;
 
-use rt_math::Primitives;
+use rt_geometry::Primitives;
 
 use crate::bounded_depth::MAX_DEPTH;
 

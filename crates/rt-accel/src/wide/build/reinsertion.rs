@@ -19,8 +19,7 @@ use super::collapse::{Costs, Plan};
 use super::forest::{Forest, Link, Place};
 use super::grow::Rules;
 use super::reference::Run;
-use crate::bounded_depth::MAX_DEPTH;
-use crate::bvh::NodeBox;
+use crate::{bounded_depth::MAX_DEPTH, bvh::NodeBox};
 
 /// How much is done.
 #[derive(Clone, Copy, Debug)]

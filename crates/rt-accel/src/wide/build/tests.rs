@@ -4,9 +4,7 @@ use glam::Vec3A;
 use rt_math::random::{hash, unit};
 
 use super::*;
-use crate::bvh::NodeBox;
-use crate::wide::cost::sah_cost;
-use crate::wide::node::Child;
+use crate::{bvh::NodeBox, wide::cost::sah_cost, wide::node::Child};
 
 fn build(references: &[Reference], params: &BuildParams) -> WideTree {
     let rules = Rules::new(&extent(references).bounds, params);

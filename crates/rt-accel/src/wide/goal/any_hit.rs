@@ -6,14 +6,11 @@ use core::ops::ControlFlow;
 use rt_math::{Interval, Ray};
 
 use super::{Goal, Judge, Place, Prepared, take_lane};
-use crate::wide::WideBvh;
 use crate::wide::across::{Across, PACKET};
 use crate::wide::flight::{Flight, Ground};
 use crate::wide::leaf::{ExactRay, Filter, Lane};
-use crate::wide::node::Child;
-use crate::wide::ray::at_least;
-use crate::wide::simd::Simd;
 use crate::wide::walk::{Query, Walk};
+use crate::{wide::WideBvh, wide::node::Child, wide::ray::at_least, wide::simd::Simd};
 
 /// Whether anything blocks the ray.
 pub(in crate::wide) struct AnyHit {

@@ -4,18 +4,15 @@ use core::marker::PhantomData;
 use core::mem::MaybeUninit;
 use core::ops::ControlFlow;
 
-use rt_math::{DVec3, Hit, Interval, Ray, RoundSphere};
+use rt_geometry::{Hit, SphereKernel};
+use rt_math::{DVec3, Interval, Ray};
 
 use super::{Goal, Judge, Place, Prepared, take_lane};
-use crate::wide::WideBvh;
 use crate::wide::across::{Across, PACKET};
 use crate::wide::flight::{Flight, Ground};
 use crate::wide::leaf::{ExactRay, Filter, Lane, LeafView};
-use crate::wide::node::Child;
-use crate::wide::ray::at_least;
-use crate::wide::round::RoundSpheres;
-use crate::wide::simd::Simd;
 use crate::wide::walk::{Query, Walk};
+use crate::{wide::WideBvh, wide::node::Child, wide::ray::at_least, wide::round::RoundSpheres, wide::simd::Simd};
 
 /// A primitive that is hit for sure, to be decided about at the end.
 #[derive(Clone, Copy)]
@@ -150,7 +147,7 @@ unsafe fn settle_round<S: Simd, F: Filter>(
     asked: u32,
     answers: &mut [Option<Hit>; PACKET],
 ) -> u32 {
-    let mut spheres = [RoundSphere { centre: DVec3::ZERO, radius: 1.0 }; PACKET];
+    let mut spheres = [SphereKernel { centre: DVec3::ZERO, radius: 1.0 }; PACKET];
     let mut indices = [0; PACKET];
     let (mut left, mut who) = (asked, 0);
     while left != 0 {

@@ -5,7 +5,8 @@ mod first_hit;
 
 use core::ops::ControlFlow;
 
-use rt_math::{Hit, Interval, Ray, RoundSphere};
+use rt_geometry::{Hit, SphereKernel};
+use rt_math::{Interval, Ray};
 
 pub(super) use any_hit::AnyHit;
 pub(super) use first_hit::FirstHit;
@@ -26,7 +27,7 @@ pub(super) trait Judge {
     /// True if the primitive blocks the ray within the span.
     fn occluded(&mut self, index: u32, ray: &Ray, span: Interval) -> bool;
     /// The primitive's numbers, if it is one about which a structure may decide by them.
-    fn round(&mut self, index: u32) -> Option<RoundSphere>;
+    fn round(&mut self, index: u32) -> Option<SphereKernel>;
     /// True if the primitive is a structure, which answers several rays faster together.
     fn is_structure(&mut self, index: u32) -> bool;
     /// As [`closest`](Self::closest), for several rays: `hits[i]` answers `rays[i]`.

@@ -1,12 +1,8 @@
 //! Leaves of boxes, for primitives of any kind: the filter is that of nodes.
 
 use super::{Block, ExactRay, Filter, FilterSpan, Lane, LeafView, Verdict};
-use crate::bvh::NodeBox;
-use crate::wide::WideBvh;
 use crate::wide::across::{Across, AcrossBoxes};
-use crate::wide::node::Row;
-use crate::wide::ray::FilterRay;
-use crate::wide::simd::Simd;
+use crate::{bvh::NodeBox, wide::WideBvh, wide::node::Row, wide::ray::FilterRay, wide::simd::Simd};
 
 /// Lower and upper plane of each axis.
 pub(super) const NUMBERS: usize = 6;

@@ -9,7 +9,8 @@ mod spheres;
 mod triangles;
 
 use glam::DVec3;
-use rt_math::{Hit, Interval, LeafLayout, Primitives, Ray, own_box};
+use rt_geometry::{Hit, PrimitiveGeometry, Primitives, padded_bounds};
+use rt_math::{Interval, Ray};
 
 pub(super) use boxes::BoxFilter;
 pub(super) use spheres::SphereFilter;
@@ -22,8 +23,7 @@ use super::node::Child;
 use super::ray::{FilterRay, LaneRay, SLACK};
 use super::shaft::Shaft;
 use super::simd::Simd;
-use crate::bvh::NodeBox;
-use crate::wide::pages::filled;
+use crate::{bvh::NodeBox, wide::pages::filled};
 
 /// Most primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 8;
@@ -94,10 +94,10 @@ impl Layouts {
     pub(super) const NONE: Self = Self { n_spheres: 0, n_watertight: 0, n_triangles: 0, n_others: 0 };
 
     #[inline(always)]
-    pub(super) const fn of(layout: &LeafLayout) -> Self {
-        let n_spheres = matches!(layout, LeafLayout::Sphere(..) | LeafLayout::Round(_)) as u64;
-        let n_watertight = matches!(layout, LeafLayout::Watertight(_)) as u64;
-        let n_triangles = matches!(layout, LeafLayout::Triangle(_)) as u64 + n_watertight;
+    pub(super) const fn of(layout: &PrimitiveGeometry) -> Self {
+        let n_spheres = matches!(layout, PrimitiveGeometry::Sphere(..) | PrimitiveGeometry::ExactSphere(_)) as u64;
+        let n_watertight = matches!(layout, PrimitiveGeometry::ExactTriangle(_)) as u64;
+        let n_triangles = matches!(layout, PrimitiveGeometry::Triangle(_)) as u64 + n_watertight;
         Self { n_spheres, n_watertight, n_triangles, n_others: 1 - n_spheres - n_triangles }
     }
 
@@ -226,7 +226,7 @@ pub(super) struct Filling<'a, P> {
 impl<P: Primitives> Filling<'_, P> {
     /// The own box, relative to the centre.
     pub(super) fn own(&self, index: u32) -> NodeBox {
-        own_box(self.primitives, index).map_or(NodeBox::EMPTY, |own| NodeBox::outward(&own, self.centre))
+        padded_bounds(self.primitives, index).map_or(NodeBox::EMPTY, |own| NodeBox::outward(&own, self.centre))
     }
 
     /// Fills the first of these lines, which are empty, with a leaf of 1 to 8 primitives; returns how many it takes.
@@ -436,9 +436,9 @@ pub(super) struct ExactRay<'r, S: Simd> {
     pub(super) lanes: LaneRay<S>,
     /// Along which the ray is steepest.
     pub(super) axis: usize,
-    /// The first two: as [`ShearedRay`](rt_math::ShearedRay) has them.
+    /// The first two: as [`WatertightRay`](rt_geometry::WatertightRay) has them.
     pub(super) shear: S::Doubles,
-    /// As [`ShearedRay`](rt_math::ShearedRay) has it.
+    /// As [`WatertightRay`](rt_geometry::WatertightRay) has it.
     pub(super) scale: f64,
 }
 

@@ -13,14 +13,12 @@
 //! the span; of nothing else can be said that it is hit.
 
 use glam::DVec3;
-use rt_math::{LeafLayout, Primitives, own_box};
+use rt_geometry::{PrimitiveGeometry, Primitives, padded_bounds};
 
 use super::{Block, ExactRay, Filter, FilterSpan, Lane, LeafView, Verdict};
-use crate::wide::WideBvh;
 use crate::wide::across::{Across, Eight, SpanLanes, relative};
 use crate::wide::ray::{FilterRay, at_least, greatest};
-use crate::wide::shaft::Shaft;
-use crate::wide::simd::Simd;
+use crate::{wide::WideBvh, wide::shaft::Shaft, wide::simd::Simd};
 
 /// The greatest coordinate that a sphere reaches.
 pub(super) const HEADER: usize = 1;
@@ -37,9 +35,9 @@ const LEAST: f32 = 1.0 / (1u64 << 50) as f32;
 pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices: &[u32], centre: DVec3) {
     let mut greatest = 0.0f64;
     for (lane, &index) in indices.iter().enumerate() {
-        let (position, radius) = match primitives.leaf_layout(index) {
-            LeafLayout::Sphere(position, radius) => (position - centre, radius),
-            LeafLayout::Round(sphere) => (sphere.centre - centre, sphere.radius),
+        let (position, radius) = match primitives.geometry(index) {
+            PrimitiveGeometry::Sphere(position, radius) => (position - centre, radius),
+            PrimitiveGeometry::ExactSphere(sphere) => (sphere.centre - centre, sphere.radius),
             _ => ball_around(primitives, index, centre),
         };
         greatest = greatest.max(position.abs().max_element() + radius.abs());
@@ -53,7 +51,7 @@ pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices
 
 /// Centre and radius of a ball around the own box of what is no sphere. The sign of the radius tells: it is negative.
 fn ball_around<P: Primitives>(primitives: &P, index: u32, centre: DVec3) -> (DVec3, f64) {
-    own_box(primitives, index)
+    padded_bounds(primitives, index)
         .map_or((DVec3::NAN, f64::NAN), |own| (own.centre() - centre, -0.5 * own.extent().length()))
 }
 

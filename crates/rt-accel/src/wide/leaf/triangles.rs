@@ -4,7 +4,7 @@
 //!
 //! Let `A` be the greatest coordinate of the origin, `e` the greatest extent of a triangle of the leaf along an axis, `Z` the
 //! depth of the first vertex along the packet's axis, from the origin, and `v = 2⁻²⁴`. Seen along the ray
-//! ([`ShearedRay`](rt_math::ShearedRay)) edges are no longer than `(1 + s)e = 2⅛e`, as shears are at most `s = 9/8`: in a
+//! ([`WatertightRay`](rt_geometry::WatertightRay)) edges are no longer than `(1 + s)e = 2⅛e`, as shears are at most `s = 9/8`: in a
 //! packet the axis is the steepest of one ray only ([`GREATEST_SHEAR`]).
 //!
 //! **Two kinds of errors.** Rounding the origin and the shear shifts what is seen of all three vertices alike, by
@@ -54,15 +54,13 @@
 //! **The others.** What is no triangle has vertices that are no numbers: it is neither missed nor hit for sure.
 
 use glam::{DVec3, Vec3};
-use rt_math::{Hit, Interval, LeafLayout, Primitives};
+use rt_geometry::{Hit, PrimitiveGeometry, Primitives};
+use rt_math::Interval;
 
 use super::{AXES, Block, ExactRay, Filter, FilterSpan, Lane, LeafView, Verdict};
-use crate::wide::WideBvh;
 use crate::wide::across::{Across, Eight, GREATEST_SHEAR, SpanLanes, relative as relative_to};
-use crate::wide::copy::Copied;
-use crate::wide::facet;
 use crate::wide::ray::{FilterRay, at_least, greatest};
-use crate::wide::simd::Simd;
+use crate::{wide::WideBvh, wide::copy::Copied, wide::facet, wide::simd::Simd};
 
 /// Greatest extent of a triangle along an axis, and greatest coordinate.
 pub(super) const HEADER: usize = 2;
@@ -95,10 +93,12 @@ pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices
     let mut greatest = Vec3::ZERO;
     let mut extent = Vec3::ZERO;
     for (lane, &index) in indices.iter().enumerate() {
-        let vertices = match (primitives.leaf_layout(index), centre) {
-            (LeafLayout::Watertight(vertices), None) => vertices,
-            (LeafLayout::Watertight(vertices), Some(centre)) => vertices.map(|v| (v.as_dvec3() - centre).as_vec3()),
-            (LeafLayout::Triangle(vertices), Some(centre)) => vertices.map(|v| (v - centre).as_vec3()),
+        let vertices = match (primitives.geometry(index), centre) {
+            (PrimitiveGeometry::ExactTriangle(vertices), None) => vertices,
+            (PrimitiveGeometry::ExactTriangle(vertices), Some(centre)) => {
+                vertices.map(|v| (v.as_dvec3() - centre).as_vec3())
+            }
+            (PrimitiveGeometry::Triangle(vertices), Some(centre)) => vertices.map(|v| (v - centre).as_vec3()),
             _ => UNKNOWN,
         };
         if !vertices[0].is_nan() {
@@ -129,7 +129,7 @@ pub(in crate::wide) unsafe fn coordinates(leaf: LeafView<'_>, lane: Lane, axis: 
     unsafe { [leaf.number(at), leaf.number(at + 3 * leaf.count), leaf.number(at + 6 * leaf.count)] }
 }
 
-/// One corner of a triangle, exact where the leaves are [`LeafKind::Watertight`].
+/// One corner of a triangle, exact where the leaves are [`LeafKind::ExactTriangle`].
 ///
 /// # Safety
 ///
@@ -226,8 +226,8 @@ impl<S: Simd> RayLanes<S> {
         let greatest = simd.max(simd.max(u, v), w);
         let negative = simd.sub(simd.splat(0.0), margin);
         // Not where they are no numbers.
-        let is_missed = simd.lt(least, negative) & simd.lt(margin, greatest);
-        let maybe = !is_missed & mask;
+        let quick_reject = simd.lt(least, negative) & simd.lt(margin, greatest);
+        let maybe = !quick_reject & mask;
         if maybe == 0 {
             return Verdict { maybe, sure: 0, near: u, far: u };
         }
@@ -397,14 +397,13 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
 
 #[cfg(test)]
 mod tests {
+    use crate::{Accelerator, brute_force, wide::goal::Prepared, wide::leaf::LeafKind};
+    use rt_geometry::{NoProbe, WatertightRay};
     use rt_math::random::{hash, unit};
-    use rt_math::{Aabb, Accelerator, NoProbe, Ray, ShearedRay};
+    use rt_math::{Aabb, Ray};
 
     use super::*;
-    use crate::brute_force;
     use crate::wide::across::{PACKET, agree};
-    use crate::wide::goal::Prepared;
-    use crate::wide::leaf::LeafKind;
     use crate::wide::simd::{Available, Kernel};
     use crate::wide::{BuildParams, SimdLevel};
 
@@ -420,12 +419,12 @@ mod tests {
         }
 
         fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-            let hit = ShearedRay::new(ray).intersect(self.0[index as usize].map(|v| v.as_dvec3()), span)?;
+            let hit = WatertightRay::new(ray).intersect(self.0[index as usize].map(|v| v.as_dvec3()), span)?;
             Some(Hit { t: hit.t, instance: 0, primitive: index, uv: hit.uv })
         }
 
-        fn leaf_layout(&self, index: u32) -> LeafLayout {
-            LeafLayout::Watertight(self.0[index as usize])
+        fn geometry(&self, index: u32) -> PrimitiveGeometry {
+            PrimitiveGeometry::ExactTriangle(self.0[index as usize])
         }
     }
 

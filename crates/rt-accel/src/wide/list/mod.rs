@@ -2,15 +2,17 @@
 
 mod seen;
 
-use rt_math::{
-    DVec3, Hit, Interval, LeafLayout, Primitives, Probe, Ray, RoundSphere, decide_offered, decide_offered_occluded,
+use rt_geometry::{
+    Hit, PrimitiveGeometry, Primitives, Probe, SphereKernel, intersect_primitive_uncounted,
+    occludes_primitive_uncounted,
 };
+use rt_math::{DVec3, Interval, Ray};
 
 use super::goal::take_lane;
 use super::handful::Handful;
 use super::ray::RANGE;
 use super::simd::{Available, Kernel, Simd, SimdLevel};
-use crate::{Violation, brute_force};
+use crate::{ValidationError, brute_force};
 use seen::{Seen, swollen};
 
 /// Fewer are a [`Handful`].
@@ -82,8 +84,10 @@ pub(crate) struct SphereList {
 
 /// Centre and radius, `None` for anything but a sphere.
 fn sphere<P: Primitives>(primitives: &P, index: u32) -> Option<(DVec3, f64)> {
-    let (centre, radius) = match primitives.leaf_layout(index) {
-        LeafLayout::Sphere(centre, radius) | LeafLayout::Round(RoundSphere { centre, radius }) => (centre, radius),
+    let (centre, radius) = match primitives.geometry(index) {
+        PrimitiveGeometry::Sphere(centre, radius) | PrimitiveGeometry::ExactSphere(SphereKernel { centre, radius }) => {
+            (centre, radius)
+        }
         _ => return None,
     };
     (centre.is_finite() && (0.0..f64::INFINITY).contains(&radius)).then_some((centre, radius))
@@ -121,7 +125,7 @@ impl SphereList {
     }
 
     /// Checks that it holds the primitives as they are.
-    pub(crate) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), Violation> {
+    pub(crate) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         let fits = |index: u32| {
             let (position, radius) = sphere(primitives, index)?;
             let position = position - self.centre;
@@ -130,7 +134,7 @@ impl SphereList {
             (is_kept && reach(position, radius) <= self.size).then_some(())
         };
         match (0..self.count).find(|&index| fits(index).is_none()) {
-            Some(primitive) => Err(Violation::Outside { primitive }),
+            Some(primitive) => Err(ValidationError::Outside { primitive }),
             None => Ok(()),
         }
     }
@@ -214,11 +218,11 @@ struct Asked<'a, P, S> {
 
 impl<P: Primitives, S: Probe> Judge for Asked<'_, P, S> {
     fn closest(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        decide_offered(self.primitives, index, ray, span, self.probe)
+        intersect_primitive_uncounted(self.primitives, index, ray, span, self.probe)
     }
 
     fn occluded(&mut self, index: u32, ray: &Ray, span: Interval) -> bool {
-        decide_offered_occluded(self.primitives, index, ray, span, self.probe)
+        occludes_primitive_uncounted(self.primitives, index, ray, span, self.probe)
     }
 }
 

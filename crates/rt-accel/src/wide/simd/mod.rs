@@ -116,7 +116,7 @@ pub(super) trait Simd: Copy {
     fn turned_once(self, a: Self::Doubles) -> Self::Doubles;
     /// The first three in the order 2, 0, 1.
     fn turned_twice(self, a: Self::Doubles) -> Self::Doubles;
-    /// The axis of the greatest of the first three, as [`ShearedRay`](rt_math::ShearedRay) chooses among equals.
+    /// The axis of the greatest of the first three, as [`WatertightRay`](rt_geometry::WatertightRay) chooses among equals.
     fn greatest_axis(self, a: Self::Doubles) -> usize;
     /// The first three in the cyclic order in which this axis comes last.
     fn turned_last(self, a: Self::Doubles, axis: usize) -> Self::Doubles;

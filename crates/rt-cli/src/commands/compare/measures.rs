@@ -1,6 +1,6 @@
 //! All metrics of a pair of images.
 
-use rt_camera::metrics::{
+use rt_image::metrics::{
     Bias, ErrorMap, ExposureRange, Flip, ImagePair, LargestDifference, PerChannel, bias, coverage_difference,
     largest_difference, mean_absolute_error, mean_squared_error, psnr, relative_mean_squared_error, signed_error, ssim,
 };

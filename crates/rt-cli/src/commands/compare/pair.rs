@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use rt_camera::metrics::ImagePair;
-use rt_camera::{Development, Dither, Encoding, Film, ImageFormat, image_header};
+use rt_image::{Development, Dither, Encoding, Image, ImageFormat, image_header, metrics::ImagePair};
 
 use crate::args::CompareArgs;
 use crate::error::Failure;
@@ -12,8 +11,8 @@ use crate::{memory, picture_file};
 
 /// An image that was read.
 #[derive(Debug)]
-pub(super) struct Image {
-    pub(super) film: Film,
+pub(super) struct LoadedImage {
+    pub(super) film: Image,
     pub(super) format: ImageFormat,
     /// It was radiance, and became light of bytes.
     pub(super) developed: bool,
@@ -22,8 +21,8 @@ pub(super) struct Image {
 /// Both images, in the same kind of light.
 #[derive(Debug)]
 pub(super) struct Images {
-    pub(super) test: Image,
-    pub(super) reference: Image,
+    pub(super) test: LoadedImage,
+    pub(super) reference: LoadedImage,
     /// What shows them to a viewer.
     pub(super) development: Development,
 }
@@ -42,7 +41,7 @@ impl Images {
             ..standard
         };
         check_memory(args)?;
-        let [mut test, mut reference] = [Image::read(&args.test)?, Image::read(&args.reference)?];
+        let [mut test, mut reference] = [LoadedImage::read(&args.test)?, LoadedImage::read(&args.reference)?];
         if test.holds_bytes() == reference.holds_bytes() {
             return Ok(Self { test, reference, development });
         }
@@ -92,7 +91,7 @@ fn check_memory(args: &CompareArgs) -> Result<(), Failure> {
     memory::check(args.memory.limit(), &args.test, &needs)
 }
 
-impl Image {
+impl LoadedImage {
     fn read(path: &Path) -> Result<Self, Failure> {
         Ok(Self { film: picture_file::read(path)?, format: picture_file::format_by_content(path)?, developed: false })
     }

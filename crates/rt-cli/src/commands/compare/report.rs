@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use comfy_table::{CellAlignment, Table, presets};
 use indexmap::IndexMap;
-use rt_camera::metrics::ImagePair;
+use rt_image::metrics::ImagePair;
 use serde::Serialize;
 
 use super::Verdict;
 use super::measures::Measures;
-use super::pair::{Image, Images};
+use super::pair::{Images, LoadedImage};
 use crate::args::{CompareArgs, HeatMapOf, Metric};
 use crate::error::Failure;
 
@@ -39,14 +39,14 @@ impl Comparison<'_> {
     /// Why the images do not count as equal.
     pub(super) fn failure(&self) -> Option<Failure> {
         let Verdict { metric, value, threshold } = self.verdict;
-        let not_finite = self.pair.not_finite().different;
-        (not_finite > 0 || metric.is_worse(value, threshold)).then(|| Failure::Different {
+        let non_finite = self.pair.non_finite().different;
+        (non_finite > 0 || metric.is_worse(value, threshold)).then(|| Failure::Different {
             test: self.args.test.clone(),
             reference: self.args.reference.clone(),
             metric: metric.name(),
             value,
             threshold,
-            not_finite,
+            non_finite,
         })
     }
 
@@ -57,11 +57,11 @@ impl Comparison<'_> {
             format!("A {}: {}", test.display(), self.images.test.description()),
             format!("B {}: {}, the reference", reference.display(), self.images.reference.description()),
         ];
-        let not_finite = self.pair.not_finite();
-        if not_finite.test + not_finite.reference > 0 {
+        let non_finite = self.pair.non_finite();
+        if non_finite.test + non_finite.reference > 0 {
             lines.push(format!(
                 "pixels that are NaN or infinite: {} of A, {} of B, {} of them not alike; metrics of radiance leave them out",
-                not_finite.test, not_finite.reference, not_finite.different
+                non_finite.test, non_finite.reference, non_finite.different
             ));
         }
         lines.extend([String::new(), self.table().to_string(), String::new(), self.largest()]);
@@ -128,9 +128,9 @@ impl Comparison<'_> {
         let file = ReportFile {
             program: env!("CARGO_PKG_NAME"),
             version: env!("CARGO_PKG_VERSION"),
-            test: ImageEntry::new(&args.test, &images.test, pair.not_finite().test),
-            reference: ImageEntry::new(&args.reference, &images.reference, pair.not_finite().reference),
-            differently_finite: pair.not_finite().different,
+            test: ImageEntry::new(&args.test, &images.test, pair.non_finite().test),
+            reference: ImageEntry::new(&args.reference, &images.reference, pair.non_finite().reference),
+            differently_finite: pair.non_finite().different,
             width: pair.width(),
             height: pair.height(),
             metrics: Metric::ALL.map(|metric| (metric.name(), measures.value(metric))).into_iter().collect(),
@@ -219,13 +219,13 @@ struct ImageEntry {
     file: String,
     format: &'static str,
     developed: bool,
-    not_finite: u64,
+    non_finite: u64,
 }
 
 impl ImageEntry {
-    fn new(path: &Path, image: &Image, not_finite: u64) -> Self {
+    fn new(path: &Path, image: &LoadedImage, non_finite: u64) -> Self {
         let format = image.format.extensions().first().copied().unwrap_or_default();
-        Self { file: path.display().to_string(), format, developed: image.developed, not_finite }
+        Self { file: path.display().to_string(), format, developed: image.developed, non_finite }
     }
 }
 

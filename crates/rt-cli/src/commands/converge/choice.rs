@@ -1,6 +1,6 @@
 //! Which of the things to measure against is taken.
 
-use rt_camera::Development;
+use rt_image::Development;
 use rt_scene_io::Scene;
 
 use super::methods::Method;

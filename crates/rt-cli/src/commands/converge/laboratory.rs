@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
-use rt_camera::Film;
+use rt_image::Image;
 use rt_render::{Progress, RenderPlan, RunOptions};
 
 use super::methods::Method;
@@ -36,7 +36,7 @@ pub(super) struct Clock {
 /// A finished render.
 #[derive(Debug)]
 pub(super) struct Shot {
-    pub(super) film: Film,
+    pub(super) film: Image,
     /// Samples per pixel that were taken.
     pub(super) spp: u32,
     /// Processor time of all threads for rendering.

@@ -1,6 +1,6 @@
 //! The runs: every method, at every number of samples, with every seed.
 
-use rt_camera::Film;
+use rt_image::Image;
 use serde::Serialize;
 
 use super::laboratory::{Laboratory, Shot};
@@ -34,7 +34,7 @@ pub(super) struct Measured {
 #[derive(Debug)]
 pub(super) struct Picture {
     pub(super) spp: u32,
-    pub(super) film: Film,
+    pub(super) film: Image,
 }
 
 /// One method at one number of samples.
@@ -105,7 +105,7 @@ pub(super) fn run(
         let needed: f64 = methods.iter().zip(&costs).map(|(method, cost)| predicted(method, *cost, spp)).sum();
         let mut is_complete = wave == 0 || laboratory.clock.has(needed * f64::from(extent.seeds));
         let mut points = vec![Point { spp: 0, runs: Vec::new(), flip: None }; methods.len()];
-        let mut films: Vec<Option<Film>> = vec![None; methods.len()];
+        let mut films: Vec<Option<Image>> = vec![None; methods.len()];
         'wave: for number in 0..extent.seeds {
             for (index, method) in methods.iter_mut().enumerate() {
                 is_complete &= wave == 0 || laboratory.clock.has(predicted(method, costs[index], spp));
@@ -146,7 +146,7 @@ fn predicted(method: &Method, cost: Option<Cost>, spp: u32) -> f64 {
 
 impl Measured {
     /// Adds a point, unless the sampler rounded up to as many samples as before.
-    fn add(&mut self, point: Point, film: Option<Film>) {
+    fn add(&mut self, point: Point, film: Option<Image>) {
         let Some(film) = film.filter(|_| self.points.last().is_none_or(|last| last.spp != point.spp)) else { return };
         let place = usize::from(self.pictures[0].is_some());
         self.pictures[place] = Some(Picture { spp: point.spp, film });

@@ -1,6 +1,6 @@
 //! The methods that are compared: all combinations of the values that vary.
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 use rt_render::{PlanOptions, RenderPlan};
 use rt_scene_io::{LoadOptions, Scene};
 use serde::Serialize;
@@ -83,7 +83,7 @@ impl Method {
     }
 
     /// The same method with another sampler.
-    pub(super) fn with_sampler(&self, pattern: SamplePattern) -> Self {
+    pub(super) fn with_sampler(&self, pattern: SamplerKind) -> Self {
         let mut scene = self.scene.clone();
         scene.settings.pattern = pattern;
         let name = MethodName { sampler: pattern.name(), ..self.name.clone() };

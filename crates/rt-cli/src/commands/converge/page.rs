@@ -2,8 +2,8 @@
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use rt_camera::metrics::{ColourScale, ErrorMap, heat_map};
-use rt_camera::{Development, Film, ImageFormat, write_image};
+use rt_image::metrics::{ColourScale, ErrorMap, heat_map};
+use rt_image::{Development, Image, ImageFormat, write_image};
 
 use super::files::Circumstances;
 use super::measure::Study;
@@ -157,7 +157,7 @@ fn legend(limit: f64) -> String {
 }
 
 /// An image with its caption.
-fn figure(film: &Film, development: &Development, caption: &str, class: &str) -> Result<String, String> {
+fn figure(film: &Image, development: &Development, caption: &str, class: &str) -> Result<String, String> {
     let mut png = Vec::new();
     write_image(film, development, ImageFormat::Png, &mut png).map_err(|error| error.to_string())?;
     let caption = escape(caption);
@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn pictures_are_part_of_the_page() {
-        let text = figure(&Film::new(2, 2, false), &Development::default(), "a > b", "shown").expect("a PNG");
+        let text = figure(&Image::new(2, 2, false), &Development::default(), "a > b", "shown").expect("a PNG");
         assert!(text.contains("alt=\"a &gt; b\" src=\"data:image/png;base64,iVBORw0KGgo"), "{text}");
     }
 }

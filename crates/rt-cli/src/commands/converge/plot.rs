@@ -6,7 +6,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::register_font;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use rt_camera::{Encoding, Film};
+use rt_image::{Encoding, Image};
 
 use super::axis::{Axis, exponent};
 use super::summary::{PointSummary, Summary};
@@ -94,11 +94,11 @@ impl Plot {
     }
 
     /// The plot as an image, which the standard development shows.
-    pub(super) fn film(&self) -> Result<Film, String> {
+    pub(super) fn film(&self) -> Result<Image, String> {
         let (width, height) = SIZE;
         let mut bytes = vec![255; width as usize * height as usize * 3];
         self.draw(BitMapBackend::with_buffer(&mut bytes, SIZE).into_drawing_area())?;
-        let mut film = Film::new(width, height, false);
+        let mut film = Image::new(width, height, false);
         for (value, byte) in film.pixels_mut().as_flattened_mut().iter_mut().zip(bytes) {
             *value = Encoding::Srgb.decode(byte);
         }

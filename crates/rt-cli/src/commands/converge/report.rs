@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use rt_camera::{Development, ImageFormat, write_image};
+use rt_image::{Development, ImageFormat, write_image};
 use rt_scene_io::Scene;
 
 use super::files::{self, Circumstances, JsonFile};

@@ -1,6 +1,6 @@
 //! The reference that a study makes by itself: two halves by another sampler, with seeds that no method has.
 
-use rt_camera::SamplePattern;
+use rt_camera::SamplerKind;
 
 use super::laboratory::Laboratory;
 use super::methods::Method;
@@ -17,13 +17,13 @@ const PART_OF_TIME: f64 = 0.5;
 const SEED_DISTANCE: u64 = 1 << 32;
 
 /// Samplers that make references, the best first. None is biased.
-const SAMPLERS: [SamplePattern; 6] = [
-    SamplePattern::Sobol,
-    SamplePattern::Halton,
-    SamplePattern::MultiJittered,
-    SamplePattern::Jittered,
-    SamplePattern::BlueNoise,
-    SamplePattern::Random,
+const SAMPLERS: [SamplerKind; 6] = [
+    SamplerKind::Sobol,
+    SamplerKind::Halton,
+    SamplerKind::MultiJittered,
+    SamplerKind::Jittered,
+    SamplerKind::BlueNoise,
+    SamplerKind::Random,
 ];
 
 /// Renders the reference: of `most` samples per pixel 64 times as many, or what half of the time limit allows.
@@ -85,7 +85,7 @@ fn seconds_per_sample(
 }
 
 /// The best sampler that no method uses, for correlated patterns would hide errors; the best of all if all are used.
-fn other_sampler(methods: &[Method]) -> SamplePattern {
-    let used = |pattern: &SamplePattern| methods.iter().any(|method| method.scene.settings.pattern == *pattern);
+fn other_sampler(methods: &[Method]) -> SamplerKind {
+    let used = |pattern: &SamplerKind| methods.iter().any(|method| method.scene.settings.pattern == *pattern);
     SAMPLERS.into_iter().find(|pattern| !used(pattern)).unwrap_or(SAMPLERS[0])
 }

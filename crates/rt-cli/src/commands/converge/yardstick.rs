@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use rt_camera::metrics::{
+use rt_image::metrics::{
     ErrorMap, Flip, ImagePair, PairError, RELATIVE_EPSILON, bias, mean_squared_error, relative_mean_squared_error,
     signed_error,
 };
-use rt_camera::{Development, Encoding, Film, ImageFileError, image_format, read_image};
+use rt_image::{Development, Encoding, Image, ImageFileError, image_format, read_image};
 use rt_scene_io::Truth;
 use serde::Serialize;
 
@@ -26,7 +26,7 @@ pub(super) enum Yardstick {
 /// An image to measure against.
 #[derive(Debug)]
 pub(super) struct Reference {
-    pub(super) film: Film,
+    pub(super) film: Image,
     /// Where it comes from, for people.
     pub(super) note: String,
     /// Its own error; `None` if that is not known.
@@ -80,8 +80,8 @@ impl Yardstick {
 
     /// The mean of two independent halves, whose difference tells its error:
     /// `MSE((A + B) / 2) ≈ mean((A − B)²) / 4`, the mean squared distance of a half from the mean of both.
-    pub(super) fn of_halves(a: &Film, b: &Film, note: String) -> Result<Self, PairError> {
-        let mut film = Film::new(a.width(), a.height(), false);
+    pub(super) fn of_halves(a: &Image, b: &Image, note: String) -> Result<Self, PairError> {
+        let mut film = Image::new(a.width(), a.height(), false);
         for ((mean, a), b) in film.pixels_mut().iter_mut().zip(a.pixels()).zip(b.pixels()) {
             *mean = core::array::from_fn(|channel| 0.5 * (a[channel] + b[channel]));
         }
@@ -95,7 +95,7 @@ impl Yardstick {
     }
 
     /// The errors of a picture.
-    pub(super) fn measure(&self, film: &Film) -> Result<Errors, PairError> {
+    pub(super) fn measure(&self, film: &Image) -> Result<Errors, PairError> {
         match self {
             Self::Truth(truth) => Ok(errors_of_mean(film, truth)),
             Self::Image(reference) => {
@@ -150,7 +150,7 @@ impl Yardstick {
 
 impl Reference {
     /// What a viewer sees of the error: the mean of ꟻLIP.
-    pub(super) fn flip(&self, film: &Film, development: &Development) -> Result<f64, PairError> {
+    pub(super) fn flip(&self, film: &Image, development: &Development) -> Result<f64, PairError> {
         let developed = self.developed(film);
         let pair = ImagePair::new(developed.as_ref().unwrap_or(film), &self.film)?;
         let shown = if self.displayed.is_some() { Development::default() } else { *development };
@@ -158,7 +158,7 @@ impl Reference {
     }
 
     /// The signed error of each pixel.
-    pub(super) fn error_map(&self, film: &Film) -> Result<ErrorMap, PairError> {
+    pub(super) fn error_map(&self, film: &Image) -> Result<ErrorMap, PairError> {
         let developed = self.developed(film);
         Ok(signed_error(&ImagePair::new(developed.as_ref().unwrap_or(film), &self.film)?))
     }
@@ -169,13 +169,13 @@ impl Reference {
     }
 
     /// The picture as bytes hold it, if the reference is made of such.
-    fn developed(&self, film: &Film) -> Option<Film> {
+    fn developed(&self, film: &Image) -> Option<Image> {
         self.displayed.map(|development| development.develop_over_black(film).decode(Encoding::Srgb))
     }
 }
 
 /// The error of the mean over all pixels.
-fn errors_of_mean(film: &Film, truth: &Truth) -> Errors {
+fn errors_of_mean(film: &Image, truth: &Truth) -> Errors {
     let mut sum = [0.0; 3];
     for pixel in film.pixels() {
         for (sum, &value) in sum.iter_mut().zip(pixel) {
@@ -201,8 +201,8 @@ mod tests {
     use super::*;
 
     /// A grey picture with uniform noise of a mean squared `amplitude² / 3`.
-    fn noisy(amplitude: f64, seed: u64) -> Film {
-        let mut film = Film::new(100, 100, false);
+    fn noisy(amplitude: f64, seed: u64) -> Image {
+        let mut film = Image::new(100, 100, false);
         for (index, value) in (0..).zip(film.pixels_mut().as_flattened_mut()) {
             *value = (0.5 + amplitude * (2.0 * unit(hash(&[seed, index])) - 1.0)) as f32;
         }
@@ -219,7 +219,7 @@ mod tests {
         assert!((floor.relative_mse / (expected / 0.26) - 1.0).abs() < 0.1, "{floor:?}");
         // What the truth says of the reference is what its halves say.
         let reference = &yardstick.reference().expect("an image").film;
-        let mut grey = Film::new(100, 100, false);
+        let mut grey = Image::new(100, 100, false);
         grey.pixels_mut().fill([0.5; 3]);
         let real = mean_squared_error(&ImagePair::new(reference, &grey).expect("alike")).mean();
         assert!((floor.mse / real - 1.0).abs() < 0.05, "{} {real}", floor.mse);
@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn a_truth_is_of_the_mean_over_the_image() {
-        let mut film = Film::new(2, 1, false);
+        let mut film = Image::new(2, 1, false);
         film.pixels_mut().copy_from_slice(&[[1.0, 0.0, 0.0], [3.0, 0.0, 0.5]]);
         let truth = Truth { mean: Rgb::new(1.5, 0.0, 0.0), note: String::new() };
         let errors = Yardstick::Truth(truth).measure(&film).expect("any");

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use rt_camera::{Development, Film};
-use rt_render::{Crop, Observer, Picked, RenderError, RenderPlan, RunOptions, SoFar, StopRule, Stopped};
+use rt_image::{Development, Image};
+use rt_render::{Crop, Observer, PickResult, RenderError, RenderPlan, RenderSnapshot, RunOptions, StopRule, Stopped};
 
 use super::desk::{Desk, Order, Picture, Shot};
 use super::pace::Pace;
@@ -17,7 +17,7 @@ pub(super) enum News {
     /// A picture lies on the desk.
     Painted,
     /// What the last pixel that was asked for shows; nothing for the background.
-    Picked(Option<Box<Picked>>),
+    PickResult(Option<Box<PickResult>>),
     /// A camera that nothing can be seen through.
     Refused(RenderError),
     /// The painter is gone, whatever happened.
@@ -78,7 +78,7 @@ impl<T: Fn(News)> Painter<'_, '_, T> {
 
     /// The whole picture, of coarse pixels with one sample each. It is not given up for the next one, or nothing would be seen
     /// of a camera that moves all the time.
-    fn sketch(&mut self, shot: &Shot) -> Result<Film, RenderError> {
+    fn sketch(&mut self, shot: &Shot) -> Result<Image, RenderError> {
         let started = Instant::now();
         let side = self.pace.coarseness(shot.size);
         self.plan.look_through(&shot.camera, shot.size.map(|length| length.div_ceil(side)))?;
@@ -91,8 +91,8 @@ impl<T: Fn(News)> Painter<'_, '_, T> {
 }
 
 /// A picture of squares.
-fn enlarged(coarse: &Film, side: u32, [width, height]: [u32; 2]) -> Film {
-    let mut film = Film::new(width, height, false);
+fn enlarged(coarse: &Image, side: u32, [width, height]: [u32; 2]) -> Image {
+    let mut film = Image::new(width, height, false);
     let rows = film.pixels_mut().chunks_mut(width.max(1) as usize);
     for (y, row) in rows.enumerate() {
         let first = (y / side as usize) * coarse.width() as usize;
@@ -104,7 +104,7 @@ fn enlarged(coarse: &Film, side: u32, [width, height]: [u32; 2]) -> Film {
 }
 
 fn pick(plan: &RenderPlan<'_>, [x, y]: [u32; 2], tell: impl Fn(News)) {
-    tell(News::Picked(plan.pick(x, y).map(Box::new)));
+    tell(News::PickResult(plan.pick(x, y).map(Box::new)));
 }
 
 /// A picture that tiles are painted over.
@@ -113,7 +113,7 @@ struct Canvas<'a, T> {
     desk: &'a Desk,
     development: Development,
     tell: T,
-    film: Film,
+    film: Image,
     /// Samples of the pixel that has fewest.
     spp: u32,
     /// When it was shown last.
@@ -132,7 +132,7 @@ impl<T: Fn(News)> Canvas<'_, T> {
 }
 
 impl<T: Fn(News)> Observer for &mut Canvas<'_, T> {
-    fn tile_done(&mut self, so_far: &SoFar<'_>) {
+    fn tile_done(&mut self, so_far: &RenderSnapshot<'_>) {
         let Crop { x, y, width, .. } = so_far.tile();
         let stride = self.film.width() as usize;
         for (row, pixels) in so_far.pixels().chunks(width as usize).enumerate() {
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn coarse_pixels_are_squares() {
-        let mut coarse = Film::new(2, 2, false);
+        let mut coarse = Image::new(2, 2, false);
         for (pixel, value) in coarse.pixels_mut().iter_mut().zip([1.0, 2.0, 3.0, 4.0]) {
             *pixel = [value; 3];
         }

@@ -44,7 +44,7 @@ impl Pose {
         let up = axes.into_iter().find(is_up).unwrap_or(own_up);
         let target = Some(eye + forward * distance).filter(|target| target.is_finite() && distance > 0.0)?;
         let bare = Self { eye, target, up, shape: None };
-        let shape = bare.placed()?.inverse().then_first(world_from_camera);
+        let shape = bare.placed()?.inverse().compose(world_from_camera);
         let difference = shape.linear() - rt_math::DMat3::IDENTITY;
         let is_bare = difference.to_cols_array().iter().all(|part| part.abs() < ROUNDING);
         // The place is that of the eye exactly.
@@ -57,7 +57,7 @@ impl Pose {
         let placed = self.placed()?;
         let Some(shape) = &self.shape else { return Some(placed) };
         // As a matrix, the form in which it is written: its inverse is then rounded as that of the text.
-        let shaped = placed.then_first(shape);
+        let shaped = placed.compose(shape);
         Transform::from_linear(shaped.linear(), shaped.translation()).ok()
     }
 
@@ -204,7 +204,7 @@ mod tests {
     #[test]
     fn cameras_that_scale_or_mirror_go_on_doing_so() {
         let stretch = Transform::scale(DVec3::new(-2.0, 2.0, 3.0)).expect("a scale");
-        let place = Transform::look_at(DVec3::Z * 4.0, DVec3::ZERO, DVec3::Y).expect("a view").then_first(&stretch);
+        let place = Transform::look_at(DVec3::Z * 4.0, DVec3::ZERO, DVec3::Y).expect("a view").compose(&stretch);
         let pose = Pose::of(&place, 4.0).expect("a pose");
         let moved = pose.orbit(FRAC_PI_2, 0.0).world_from_camera().expect("a pose");
         let expected = DMat3::from_cols(DVec3::Z * 2.0, DVec3::Y * 2.0, DVec3::X * 3.0);

@@ -1,11 +1,11 @@
 //! What was picked, in words.
 
 use rt_math::DVec3;
-use rt_render::Picked;
+use rt_render::PickResult;
 
 /// One line on what was picked; nothing stands for the background.
-pub(super) fn picked_text(picked: Option<&Picked>) -> String {
-    let Some(Picked { object, material, distance, point: DVec3 { x, y, z }, .. }) = picked else {
+pub(super) fn picked_text(picked: Option<&PickResult>) -> String {
+    let Some(PickResult { object, material, distance, point: DVec3 { x, y, z }, .. }) = picked else {
         return "picked the background".to_owned();
     };
     let named: Vec<_> = object.iter().filter(|name| !name.is_empty()).map(|name| format!("'{name}'")).collect();
@@ -19,7 +19,7 @@ mod tests {
 
     #[test]
     fn what_was_picked_is_said_in_a_line() {
-        let mut picked = Picked {
+        let mut picked = PickResult {
             object: vec!["tree".to_owned(), "leaf".to_owned()],
             material: "green".to_owned(),
             distance: 2.5,

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use rt_math::{DVec2, DVec3};
-use rt_render::Picked;
+use rt_render::PickResult;
 use softbuffer::{Context, SoftBufferError, Surface};
 use winit::application::ApplicationHandler;
 use winit::dpi::{PhysicalPosition, PhysicalSize};
@@ -56,7 +56,7 @@ pub(super) struct Viewer<'a> {
     subject: Subject<'a>,
     explorer: Explorer,
     hands: Hands,
-    picked: Option<Picked>,
+    picked: Option<PickResult>,
     screen: Option<Screen>,
     picture: Option<Picture>,
     /// Why the window was closed, if not by the user.
@@ -289,7 +289,7 @@ impl ApplicationHandler<News> for Viewer<'_> {
     fn user_event(&mut self, event_loop: &ActiveEventLoop, news: News) {
         match news {
             News::Painted => self.take(),
-            News::Picked(picked) => {
+            News::PickResult(picked) => {
                 self.say(event_loop, &picked_text(picked.as_deref()));
                 self.picked = picked.map(|picked| *picked);
             }

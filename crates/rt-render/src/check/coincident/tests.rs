@@ -1,12 +1,12 @@
 use super::super::fixture::*;
 use super::super::report::Measurement;
 use super::*;
-use rt_geometry::{AxisBox, Rectangle, Triangle};
+use rt_geometry::{Cuboid, Rectangle, Triangle};
 use rt_math::Transform;
 use rt_scene_io::{Content, MaterialId, Node, Scene};
 
 fn solid(min: DVec3, max: DVec3, material: MaterialId) -> Node {
-    Node::new(Content::Shape(Shape::AxisBox(AxisBox::new(min, max).unwrap())), material)
+    Node::new(Content::Shape(Shape::Cuboid(Cuboid::new(min, max).unwrap())), material)
 }
 
 fn faces(count: f64, visible: f64) -> [Measurement; 2] {
@@ -65,9 +65,9 @@ fn two_sheets_are_seen_from_both_sides() {
 fn rounding_of_transforms_does_not_hide_what_coincides() {
     let turn = Transform::rotate(DVec3::new(1.0, 2.0, 3.0), 0.7).unwrap();
     let far = Transform::translate(DVec3::new(1e5, 3e4, -2e5));
-    let place = far.then_first(&turn);
+    let place = far.compose(&turn);
     let one = Node { parent_from_local: place, ..solid(DVec3::ZERO, DVec3::ONE, GREY) };
-    let shifted = place.then_first(&Transform::translate(DVec3::new(0.3, 0.0, 0.1)));
+    let shifted = place.compose(&Transform::translate(DVec3::new(0.3, 0.0, 0.1)));
     let two = painted(Node { parent_from_local: shifted, ..solid(DVec3::ZERO, DVec3::ONE, GREY) });
     let mut scene = scene_of(vec![one, two]);
     scene.cameras.clear();

@@ -244,7 +244,7 @@ fn the_sharpest_lobes_of_phong_keep_their_energy() {
 #[test]
 fn channels_of_a_prism_are_glass_of_their_own_index() {
     for roughness in [0.0, 0.4] {
-        let prism = Prism { iors: [1.4, 1.5, 1.7], roughness, transmittance: Rgb::WHITE };
+        let prism = DispersiveDielectric { iors: [1.4, 1.5, 1.7], roughness, transmittance: Rgb::WHITE };
         let wo = at_angle(40.0, 0.3);
         let mean = |surface: &dyn Fn([f64; 3]) -> Option<BsdfSample>, channel: usize, kind: Scattering| {
             let samples = (0..40_000).filter_map(|index| surface(numbers(40, index)));

@@ -11,7 +11,7 @@ struct Tilted {
 }
 
 impl Tracer for Tilted {
-    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         let mut hit = self.shapes.closest(ray, span, kind, needs)?;
         if hit.object == 0 {
             hit.interaction.shading_normal = self.normal;
@@ -48,7 +48,7 @@ fn estimate(scene: &Scene, normal: DVec3, wo: DVec3, settings: PathSettings, cou
     let samplers: Vec<_> = (0..count).map(|key| Independent { key: u64::from(key), dimension: 0 }).collect();
     let rays = vec![(towards_wall(wo), Interval::FORWARD); count as usize];
     let mut seen = vec![Seen::NOTHING; count as usize];
-    let bsdfs = ConstantBsdfs::default();
+    let bsdfs = BsdfCache::default();
     let lighting = Lighting { appearance: &scene.appearance, emitters: &scene.emitters, bsdfs: &bsdfs };
     tracer.radiance_of(&mut world, lighting, &rays, &samplers, &mut seen);
     let n = f64::from(count);
@@ -90,7 +90,7 @@ fn sun(towards: DVec3, casts_shadows: bool) -> Light {
 fn opaque_materials() -> Vec<Material> {
     let white = gray(1.0);
     let classical = Phong {
-        ambient: Coefficient::ZERO,
+        ambient: ColorTexture::ZERO,
         diffuse: gray(0.5),
         specular: gray(0.5),
         exponent: 3.0,
@@ -136,7 +136,7 @@ fn an_opaque_wall_with_bent_normals_that_is_lit_from_behind_is_black() {
 /// The quad gave 0.201 under path tracing where Whitted's integrator gives 0.492.
 #[test]
 fn a_lit_quad_with_bent_normals_is_as_bright_under_every_integrator() {
-    let classical = Phong { ambient: Coefficient::ZERO, diffuse: gray(1.0), ..Phong::default() };
+    let classical = Phong { ambient: ColorTexture::ZERO, diffuse: gray(1.0), ..Phong::default() };
     let mut scene = Scene::new(vec![Material::new(String::new(), classical)], vec![]).with(wall(), 0, None);
     scene.appearance.lights = vec![sun(DVec3::new(0.48, 0.8, 0.36), true)];
     let mut lit = 0;
@@ -156,7 +156,7 @@ fn a_lit_quad_with_bent_normals_is_as_bright_under_every_integrator() {
 fn mirrors_and_glass_with_bent_normals_send_light_on_as_whitteds_do() {
     let glass = Transmission { coefficient: gray(1.0), ior: 1.5, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
     let mirror =
-        Phong { ambient: Coefficient::ZERO, diffuse: Coefficient::ZERO, mirror: gray(0.9), ..Phong::default() };
+        Phong { ambient: ColorTexture::ZERO, diffuse: ColorTexture::ZERO, mirror: gray(0.9), ..Phong::default() };
     for phong in [mirror, Phong { transmission: Some(glass), ..mirror }] {
         let mut scene = Scene::new(vec![Material::new(String::new(), phong)], vec![]).with(wall(), 0, None);
         scene.appearance.background = Background::Gradient { bottom: Rgb::gray(0.25), top: Rgb::WHITE };

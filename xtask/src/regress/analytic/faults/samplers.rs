@@ -3,10 +3,10 @@
 use std::{f64::consts::PI, sync::Arc};
 
 use rt_camera::PixelSampler;
-use rt_geometry::{InsideRule, Plane, Polygon, Shape, SurfaceNeeds};
-use rt_math::{DVec3, Interval, Ray, RayKind, Rgb, Sampler};
+use rt_geometry::{InsideRule, InteractionFlags, Plane, Polygon, RayKind, Shape};
+use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 use rt_shading::{
-    Appearance, Clamp, Coefficient, ConstantBsdfs, Follows, Lighting, Material, Needs, PathSettings, PathTracer, Phong,
+    Appearance, BsdfCache, Clamp, ColorTexture, Follows, Lighting, Material, Needs, PathSettings, PathTracer, Phong,
     Seen, SurfaceHit, Tracer,
     emitter::{EmitterRef, EmitterSet, LightSampling, Sides},
 };
@@ -92,7 +92,7 @@ impl World {
 }
 
 impl Tracer for World {
-    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: SurfaceNeeds) -> Option<SurfaceHit> {
+    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         let hits = (0..2).filter_map(|index| Some((index, self.0[index].intersect(ray, span)?)));
         let (index, hit) = hits.min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))?;
         let interaction = self.0[index].surface(ray, &hit, needs);
@@ -106,20 +106,20 @@ impl Tracer for World {
 }
 
 fn appearance() -> Appearance {
-    let gray = |value| Coefficient::Constant(Rgb::gray(value));
-    let ground = Phong { ambient: Coefficient::ZERO, diffuse: gray(ALBEDO), ..Phong::default() };
-    let shining = Phong { diffuse: Coefficient::ZERO, emission: gray(1.0), ..ground };
+    let gray = |value| ColorTexture::Constant(Rgb::gray(value));
+    let ground = Phong { ambient: ColorTexture::ZERO, diffuse: gray(ALBEDO), ..Phong::default() };
+    let shining = Phong { diffuse: ColorTexture::ZERO, emission: gray(1.0), ..ground };
     let lamp = Material { shines: Sides::Front, ..Material::new("lamp".into(), shining) };
     Appearance { materials: vec![Material::new("ground".into(), ground), lamp], ..Appearance::default() }
 }
 
 /// The mean irradiance as the path tracer finds it, by a sampler that is made of the right one.
-fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::PixelSample) -> S) -> Fallible<f64> {
+fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::SampleStream) -> S) -> Fallible<f64> {
     let mut world = World::new()?;
     let appearance = appearance();
     let emitters = EmitterSet::new(vec![lamp().emitter()?], LightSampling::Tree, 1.0);
     let settings = PathSettings { max_depth: 2, roulette_from: 3, follows: Follows::Everything, clamp: Clamp::NONE };
-    let bsdfs = ConstantBsdfs::new(&appearance, |_| true);
+    let bsdfs = BsdfCache::new(&appearance, |_| true);
     let lighting = Lighting { appearance: &appearance, emitters: &emitters, bsdfs: &bsdfs };
     let mut paths = PathTracer::new(settings, Needs::of(&appearance, |_| true));
     let sampler = PixelSampler::new(PATTERN, SPP, seed);

@@ -26,13 +26,13 @@ pub fn coverage_difference(pair: &ImagePair<'_>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Film;
+    use crate::Image;
 
     #[test]
     fn what_is_missing_covers_everything() {
-        let opaque = Film::new(3, 1, false);
-        let mut cut_out = Film::new(3, 1, true);
-        let difference = |a: &Film, b: &Film| coverage_difference(&ImagePair::new(a, b).expect("alike"));
+        let opaque = Image::new(3, 1, false);
+        let mut cut_out = Image::new(3, 1, true);
+        let difference = |a: &Image, b: &Image| coverage_difference(&ImagePair::new(a, b).expect("alike"));
         assert_eq!(difference(&opaque, &opaque), None);
         cut_out.alpha_mut().expect("asked for").copy_from_slice(&[1.0, 0.25, f32::NAN]);
         assert_eq!(difference(&cut_out, &cut_out), Some(0.0));

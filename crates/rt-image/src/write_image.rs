@@ -8,7 +8,7 @@ use image::{
     error::{ParameterError, ParameterErrorKind},
 };
 
-use crate::{Development, Film, ImageFileError, ImageFormat, pfm};
+use crate::{Development, Image, ImageFileError, ImageFormat, pfm};
 
 /// Quality of JPEG files, out of 100: no visible blocks.
 const JPEG_QUALITY: u8 = 95;
@@ -22,7 +22,7 @@ const JPEG_QUALITY: u8 = 95;
 /// # Errors
 /// [`ImageFileError::Write`] if the writer fails, [`ImageFileError::Encode`] if the format cannot hold the film.
 pub fn write_image(
-    film: &Film,
+    film: &Image,
     development: &Development,
     format: ImageFormat,
     mut writer: impl Write,
@@ -34,7 +34,7 @@ pub fn write_image(
 }
 
 /// The bytes of the file.
-fn encode(film: &Film, development: &Development, format: ImageFormat) -> Result<Vec<u8>, ImageError> {
+fn encode(film: &Image, development: &Development, format: ImageFormat) -> Result<Vec<u8>, ImageError> {
     let (width, height) = (film.width(), film.height());
     if width == 0 || height == 0 {
         let kind = ParameterErrorKind::Generic("it has no pixels".to_owned());
@@ -66,7 +66,7 @@ fn encode(film: &Film, development: &Development, format: ImageFormat) -> Result
 }
 
 /// Radiance and, if the film has it, coverage: pixel by pixel, as native bytes, and what they are.
-fn float_channels(film: &Film) -> (ExtendedColorType, Vec<u8>) {
+fn float_channels(film: &Image) -> (ExtendedColorType, Vec<u8>) {
     if let Some(alpha) = film.alpha() {
         let channels = film.pixels().iter().zip(alpha).flat_map(|(&[r, g, b], &a)| [r, g, b, a]);
         (ExtendedColorType::Rgba32F, channels.flat_map(f32::to_ne_bytes).collect())
@@ -90,14 +90,14 @@ mod tests {
     use crate::read_image;
     use std::{io, path::PathBuf};
 
-    fn written(film: &Film, development: &Development, format: ImageFormat) -> Vec<u8> {
+    fn written(film: &Image, development: &Development, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Vec::new();
         write_image(film, development, format, &mut bytes).expect("written");
         bytes
     }
 
     /// Writes the film to a file of a new folder, to be read back.
-    fn saved(film: &Film, format: ImageFormat) -> (tempfile::TempDir, PathBuf) {
+    fn saved(film: &Image, format: ImageFormat) -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("image");
         std::fs::write(&path, written(film, &Development::default(), format)).expect("a file");
@@ -105,8 +105,8 @@ mod tests {
     }
 
     /// Values over the whole range of `f32`, also those that no picture should hold.
-    fn film(with_alpha: bool) -> Film {
-        let mut film = Film::new(9, 5, with_alpha);
+    fn film(with_alpha: bool) -> Image {
+        let mut film = Image::new(9, 5, with_alpha);
         for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
             let value = index as f32;
             *pixel = [value / 44.0, 1e30 / (1.0 + value), -value * 1e-40];
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn jpeg_is_close_to_the_developed_bytes() {
-        let mut film = Film::new(16, 16, true);
+        let mut film = Image::new(16, 16, true);
         for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
             *pixel = [index as f32 / 255.0, 0.25, 0.5];
         }
@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn hdr_keeps_seven_bits() {
-        let mut film = Film::new(40, 3, false);
+        let mut film = Image::new(40, 3, false);
         for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
             *pixel = [1e-3 * index as f32, 1.0, index as f32 * 1e3];
         }
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn hdr_of_tiny_or_huge_radiance_does_not_wrap_around() {
-        let mut film = Film::new(5, 1, false);
+        let mut film = Image::new(5, 1, false);
         film.pixels_mut().copy_from_slice(&[
             [1e-40, 0.0, 0.0],
             [f32::INFINITY, 0.0, 0.0],
@@ -229,11 +229,12 @@ mod tests {
     fn images_that_a_format_cannot_hold_are_refused() {
         for format in ImageFormat::ALL {
             for (width, height) in [(0, 0), (0, 3), (3, 0)] {
-                let result = write_image(&Film::new(width, height, false), &Development::default(), format, io::sink());
+                let result =
+                    write_image(&Image::new(width, height, false), &Development::default(), format, io::sink());
                 assert!(matches!(result, Err(ImageFileError::Encode { .. })), "{format:?}: {result:?}");
             }
         }
-        let too_long = Film::new(70_000, 1, false);
+        let too_long = Image::new(70_000, 1, false);
         let result = write_image(&too_long, &Development::default(), ImageFormat::Jpeg, io::sink());
         assert!(matches!(result, Err(ImageFileError::Encode { format: ImageFormat::Jpeg, .. })), "{result:?}");
     }

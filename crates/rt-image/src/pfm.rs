@@ -8,7 +8,7 @@
 
 use std::io::{self, BufRead, Read, Write};
 
-use crate::{Film, MAX_READ_PIXELS};
+use crate::{Image, MAX_READ_PIXELS};
 
 /// A word of the header is refused beyond this length.
 const MAX_WORD: usize = 64;
@@ -27,7 +27,7 @@ pub(crate) enum PfmError {
 }
 
 /// Writes radiance, little-endian.
-pub(crate) fn write(film: &Film, mut writer: impl Write) -> io::Result<()> {
+pub(crate) fn write(film: &Image, mut writer: impl Write) -> io::Result<()> {
     write!(writer, "PF\n{} {}\n-1.0\n", film.width(), film.height())?;
     let row_length = film.width() as usize;
     let mut bytes = Vec::with_capacity(12 * row_length);
@@ -75,7 +75,7 @@ pub(crate) fn read_header(mut reader: impl BufRead) -> Result<PfmHeader, PfmErro
 }
 
 /// Reads a map from a file of `length` bytes in all.
-pub(crate) fn read(mut reader: impl BufRead, length: u64) -> Result<Film, PfmError> {
+pub(crate) fn read(mut reader: impl BufRead, length: u64) -> Result<Image, PfmError> {
     let PfmHeader { width, height, channels, scale, length: header_length } = read_header(&mut reader)?;
     let count = u64::from(width) * u64::from(height);
     // Checked before the film is allocated: a short file must not cost much memory.
@@ -87,7 +87,7 @@ pub(crate) fn read(mut reader: impl BufRead, length: u64) -> Result<Film, PfmErr
         let value = if scale < 0.0 { f32::from_le_bytes(*bytes) } else { f32::from_be_bytes(*bytes) };
         value * scale.abs()
     };
-    let mut film = Film::new(width, height, false);
+    let mut film = Image::new(width, height, false);
     let mut bytes = vec![0; 4 * channels as usize * width as usize];
     for row in film.pixels_mut().rchunks_exact_mut(width as usize) {
         reader.read_exact(&mut bytes)?;
@@ -124,7 +124,7 @@ fn read_word(reader: &mut impl BufRead) -> Result<(String, u64), PfmError> {
 mod tests {
     use super::*;
 
-    fn parse(bytes: &[u8]) -> Result<Film, PfmError> {
+    fn parse(bytes: &[u8]) -> Result<Image, PfmError> {
         read(bytes, bytes.len() as u64)
     }
 

@@ -1,28 +1,29 @@
 //! The contract of anything that rays can be traced against.
 
-use crate::{Aabb, Hit, Interval, Probe, Ray, RoundSphere};
-use glam::{DVec3, Vec3};
+use crate::{Hit, Probe, SphereKernel};
+use rt_math::{Aabb, Interval, Ray};
+use rt_math::{DVec3, Vec3};
 
 /// Plain numbers of a primitive that a wide leaf filter can pack, or nothing.
 ///
 /// Filters rule out what these numbers say is missed, and rely on it that a primitive is hit, and occludes, where they
 /// say that it is hit by a wide margin. Primitives that can be hit without casting a shadow are `Opaque`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LeafLayout {
+pub enum PrimitiveGeometry {
     /// Only the primitive itself knows its shape.
     Opaque,
-    /// Exactly a triangle: `intersect` is [`ShearedRay::intersect`](crate::ShearedRay::intersect) of these vertices and
+    /// Exactly a triangle: `intersect` is [`WatertightRay::intersect`](crate::WatertightRay::intersect) of these vertices and
     /// names the hit (instance 0, primitive `index`), and `bounds` is the smallest box around them. A structure may
-    /// keep a copy and decide by it ([`decide_triangle`](crate::decide_triangle)); `occludes` agrees with it.
-    Watertight([Vec3; 3]),
+    /// keep a copy and decide by it ([`intersect_triangle`](crate::intersect_triangle)); `occludes` agrees with it.
+    ExactTriangle([Vec3; 3]),
     /// Three vertices in the order of the primitive.
     Triangle([DVec3; 3]),
     /// Centre and radius.
     Sphere(DVec3, f64),
-    /// Exactly a sphere: `intersect` is [`RoundSphere::intersect`](crate::RoundSphere::intersect), and names the hit
+    /// Exactly a sphere: `intersect` is [`SphereKernel::intersect`](crate::SphereKernel::intersect), and names the hit
     /// (instance 0, primitive `index`, `uv` 0); `occludes` agrees with it; `bounds` contains the box of the centre plus and
     /// minus the radius, as rounded. A structure may decide by these numbers.
-    Round(RoundSphere),
+    ExactSphere(SphereKernel),
     /// An axis-aligned box.
     Box(Aabb),
 }
@@ -30,15 +31,15 @@ pub enum LeafLayout {
 /// What decides about a primitive that is asked for many rays at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BatchKernel {
-    /// [`ShearedRay::intersect`](crate::ShearedRay::intersect) of these vertices. The primitive's `bounds` are the smallest box
+    /// [`WatertightRay::intersect`](crate::WatertightRay::intersect) of these vertices. The primitive's `bounds` are the smallest box
     /// around them.
     Triangle([Vec3; 3]),
-    /// [`RoundSphere::intersect`](crate::RoundSphere::intersect), with `uv` 0. `bounds` contains the box of the centre plus and minus the
+    /// [`SphereKernel::intersect`](crate::SphereKernel::intersect), with `uv` 0. `bounds` contains the box of the centre plus and minus the
     /// radius, as rounded.
-    Sphere(RoundSphere),
+    Sphere(SphereKernel),
     /// The primitive is a structure, which answers many rays faster together than one by one:
     /// [`Primitives::intersect_batch`]. Each level of wide trees within each other takes some 100 KiB of the stack in batches.
-    Structure,
+    Instance,
     /// [`Primitives::intersect`] alone, ray by ray.
     Single,
 }
@@ -66,7 +67,7 @@ pub trait Primitives: Sync {
     fn bounds(&self, index: u32) -> Option<Aabb>;
 
     /// The one kernel that decides, in `f64`: the first hit of primitive `index` within the closed `span`, `None` on
-    /// a miss. Callers go through [`decide`](crate::decide), which adds the own-box rule.
+    /// a miss. Callers go through [`intersect_primitive`](crate::decide), which adds the own-box rule.
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit>;
 
     /// True if primitive `index` blocks the ray anywhere in `span`. Override it where there is a faster answer, or
@@ -78,30 +79,30 @@ pub trait Primitives: Sync {
 
     /// As [`intersect`](Self::intersect), for primitives that are structures themselves and report their inner work.
     #[inline(always)]
-    fn intersect_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, _probe: &mut S) -> Option<Hit> {
+    fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, _probe: &mut S) -> Option<Hit> {
         self.intersect(index, ray, span)
     }
 
     /// As [`occludes`](Self::occludes), for primitives that are structures themselves and report their inner work.
     #[inline(always)]
-    fn occludes_probed<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, _probe: &mut S) -> bool {
+    fn occludes_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, _probe: &mut S) -> bool {
         self.occludes(index, ray, span)
     }
 
     /// What decides about primitive `index`, for structures that ask it for many rays at a time; by default what
-    /// [`leaf_layout`](Self::leaf_layout) promises.
+    /// [`geometry`](Self::geometry) promises.
     #[inline]
     fn batch_kernel(&self, index: u32) -> BatchKernel {
-        match self.leaf_layout(index) {
-            LeafLayout::Watertight(vertices) => BatchKernel::Triangle(vertices),
-            LeafLayout::Round(sphere) => BatchKernel::Sphere(sphere),
+        match self.geometry(index) {
+            PrimitiveGeometry::ExactTriangle(vertices) => BatchKernel::Triangle(vertices),
+            PrimitiveGeometry::ExactSphere(sphere) => BatchKernel::Sphere(sphere),
             _ => BatchKernel::Single,
         }
     }
 
     /// Instance and primitive of hits on primitive `index`, if its [`batch_kernel`](Self::batch_kernel) is a triangle or a sphere.
     #[inline]
-    fn hit_name(&self, index: u32) -> [u32; 2] {
+    fn hit_ids(&self, index: u32) -> [u32; 2] {
         [0, index]
     }
 
@@ -112,23 +113,23 @@ pub trait Primitives: Sync {
         true
     }
 
-    /// As [`intersect_probed`](Self::intersect_probed) for many rays, with the same hits: `hits[i]` answers `rays[i]`, whatever it was
+    /// As [`intersect_with_stats`](Self::intersect_with_stats) for many rays, with the same hits: `hits[i]` answers `rays[i]`, whatever it was
     /// before. Rays beyond the shorter slice are left alone. Inner work may be less, and is counted as it is.
     fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
         for ((ray, span), hit) in rays.iter().zip(hits) {
-            *hit = self.intersect_probed(index, ray, *span, probe);
+            *hit = self.intersect_with_stats(index, ray, *span, probe);
         }
     }
 
-    /// As [`occludes_probed`](Self::occludes_probed) for many rays, with the same results; `blocked[i]` answers `rays[i]`.
+    /// As [`occludes_with_stats`](Self::occludes_with_stats) for many rays, with the same results; `blocked[i]` answers `rays[i]`.
     fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
         for ((ray, span), blocked) in rays.iter().zip(blocked) {
-            *blocked = self.occludes_probed(index, ray, *span, probe);
+            *blocked = self.occludes_with_stats(index, ray, *span, probe);
         }
     }
 
     /// The numbers of primitive `index`, if it is of a kind that wide filters know.
-    fn leaf_layout(&self, _index: u32) -> LeafLayout {
-        LeafLayout::Opaque
+    fn geometry(&self, _index: u32) -> PrimitiveGeometry {
+        PrimitiveGeometry::Opaque
     }
 }

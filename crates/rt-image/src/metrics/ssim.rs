@@ -6,7 +6,7 @@ use super::{
     ImagePair,
     plane::{Plane, Tile},
 };
-use crate::{Development, Film};
+use crate::{Development, Image};
 
 /// Pixels of the window on each side of its middle.
 const MARGIN: u32 = 5;
@@ -28,7 +28,7 @@ pub fn ssim(pair: &ImagePair<'_>, development: &Development) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0);
     for tile in Tile::cut(MARGIN..width - MARGIN, MARGIN..height - MARGIN, 128) {
         for channel in 0..3 {
-            let signals = |film: &Film| {
+            let signals = |film: &Image| {
                 Plane::around(&tile, MARGIN, [width, height], |x, y| {
                     development.signal(film.pixels()[y as usize * width as usize + x as usize][channel])
                 })
@@ -74,7 +74,7 @@ mod tests {
         Development { encoding: Encoding::Power(1.0), ..Development::default() }
     }
 
-    fn of(test: &Film, reference: &Film) -> Option<f64> {
+    fn of(test: &Image, reference: &Image) -> Option<f64> {
         ssim(&ImagePair::new(test, reference).expect("alike"), &linear())
     }
 

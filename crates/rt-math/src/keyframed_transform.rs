@@ -7,9 +7,9 @@
 use core::fmt;
 
 use crate::{
-    Interpolation, Motion, MotionError, Timeline, Transform,
-    motion::{angle_between, composed, nearer, spherical},
-    timeline::{Moment, bezier},
+    AnimatedTransform, AnimatedTransformError, Interpolation, Keyframes, Transform,
+    animated_transform::{angle_between, composed, nearer, spherical},
+    keyframes::{KeyframePosition, bezier},
     transcendental::{atan2, sincos},
 };
 use glam::{DMat3, DQuat, DVec3, DVec4};
@@ -19,27 +19,27 @@ const MAX_HALVINGS: u32 = 64;
 
 /// A map at any moment, by keys.
 ///
-/// Between two keys, a straight way is that of a [`Motion`]. A smooth one leads translations and stretches along cubic curves,
+/// Between two keys, a straight way is that of a [`AnimatedTransform`]. A smooth one leads translations and stretches along cubic curves,
 /// and rotations along Bézier curves of spherical interpolations (Shoemake 1985), whose velocities are continuous at all times.
 /// Stretches stay definite, so that no moment is singular.
 ///
 /// ```
-/// use rt_math::{DVec3, Interpolation, Timeline, Transform, TransformKeys};
+/// use rt_math::{DVec3, Interpolation, Keyframes, Transform, KeyframedTransform};
 ///
 /// let turned = |degrees: f64| Transform::rotate(DVec3::Y, degrees.to_radians());
-/// let timeline = Timeline::new(vec![0.0, 1.0, 3.0], Interpolation::Linear)?;
-/// let keys = TransformKeys::new(timeline, vec![turned(0.0)?, turned(90.0)?, turned(180.0)?])?;
+/// let timeline = Keyframes::new(vec![0.0, 1.0, 3.0], Interpolation::Linear)?;
+/// let keys = KeyframedTransform::new(timeline, vec![turned(0.0)?, turned(90.0)?, turned(180.0)?])?;
 /// let eighth = keys.at(0.5).point(DVec3::Z);
 /// assert!((eighth - DVec3::new(1.0, 0.0, 1.0).normalize()).length() < 1e-15);
 /// assert_eq!(keys.at(7.0), turned(180.0)?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct TransformKeys {
-    timeline: Timeline,
+pub struct KeyframedTransform {
+    timeline: Keyframes,
     keys: Vec<Transform>,
     /// From each key to the next.
-    ways: Vec<Motion>,
+    ways: Vec<AnimatedTransform>,
     /// At each key, if the curves are smooth.
     velocities: Vec<Velocity>,
 }
@@ -55,36 +55,37 @@ struct Velocity {
 
 /// Why there is no map at every moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TransformKeysError {
+pub enum KeyframedTransformError {
     /// There are as many times (the first number) as this, but as many maps (the second).
     Count(usize, usize),
     /// No motion leads from the key before to the one with this index.
-    Motion(usize, MotionError),
+    AnimatedTransform(usize, AnimatedTransformError),
 }
 
-impl fmt::Display for TransformKeysError {
+impl fmt::Display for KeyframedTransformError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Count(times, maps) => write!(f, "there are {times} times, but {maps} transforms"),
-            Self::Motion(index, error) => write!(f, "on the way to key {index}, {error}"),
+            Self::AnimatedTransform(index, error) => write!(f, "on the way to key {index}, {error}"),
         }
     }
 }
 
-impl core::error::Error for TransformKeysError {}
+impl core::error::Error for KeyframedTransformError {}
 
-impl TransformKeys {
+impl KeyframedTransform {
     /// The maps at the times of the keys.
     ///
     /// # Errors
-    /// [`TransformKeysError`] if there are not as many maps as times, or one of two neighbours mirrors and the other does not, or
+    /// [`KeyframedTransformError`] if there are not as many maps as times, or one of two neighbours mirrors and the other does not, or
     /// one has no polar decomposition.
-    pub fn new(timeline: Timeline, keys: Vec<Transform>) -> Result<Self, TransformKeysError> {
+    pub fn new(timeline: Keyframes, keys: Vec<Transform>) -> Result<Self, KeyframedTransformError> {
         if timeline.times().len() != keys.len() {
-            return Err(TransformKeysError::Count(timeline.times().len(), keys.len()));
+            return Err(KeyframedTransformError::Count(timeline.times().len(), keys.len()));
         }
         let way = |key: usize| {
-            Motion::new(&keys[key], &keys[key + 1]).map_err(|error| TransformKeysError::Motion(key + 1, error))
+            AnimatedTransform::new(&keys[key], &keys[key + 1])
+                .map_err(|error| KeyframedTransformError::AnimatedTransform(key + 1, error))
         };
         let ways = (0..keys.len() - 1).map(way).collect::<Result<Vec<_>, _>>()?;
         let mut all = Self { timeline, keys, ways, velocities: Vec::new() };
@@ -97,8 +98,8 @@ impl TransformKeys {
     /// The map at a moment. At a key, and before the first and after the last, it is that of the key, by its bits.
     pub fn at(&self, time: f64) -> Transform {
         match self.timeline.find(time) {
-            Moment::Key(key) => self.keys[key],
-            Moment::Between(key, s) => match self.timeline.interpolation() {
+            KeyframePosition::Key(key) => self.keys[key],
+            KeyframePosition::Between(key, s) => match self.timeline.interpolation() {
                 Interpolation::Step => self.keys[key],
                 Interpolation::Linear => self.ways[key].at(s),
                 Interpolation::Smooth => self.on_curve(key, s),
@@ -208,9 +209,9 @@ mod tests {
         Transform::scale(DVec3::splat(factor)).expect("regular")
     }
 
-    fn keys(interpolation: Interpolation, keys: &[(f64, Transform)]) -> TransformKeys {
-        let timeline = Timeline::new(keys.iter().map(|key| key.0).collect(), interpolation).expect("rising");
-        TransformKeys::new(timeline, keys.iter().map(|key| key.1).collect()).expect("reachable")
+    fn keys(interpolation: Interpolation, keys: &[(f64, Transform)]) -> KeyframedTransform {
+        let timeline = Keyframes::new(keys.iter().map(|key| key.0).collect(), interpolation).expect("rising");
+        KeyframedTransform::new(timeline, keys.iter().map(|key| key.1).collect()).expect("reachable")
     }
 
     fn largest(m: DMat3) -> f64 {
@@ -219,7 +220,7 @@ mod tests {
 
     #[test]
     fn keys_are_met_to_the_bit_and_held() {
-        let [a, b, c] = [about_z(0.3), about_z(1.0), Transform::translate(DVec3::X).then_first(&about_z(2.0))];
+        let [a, b, c] = [about_z(0.3), about_z(1.0), Transform::translate(DVec3::X).compose(&about_z(2.0))];
         for interpolation in [Interpolation::Step, Interpolation::Linear, Interpolation::Smooth] {
             let all = keys(interpolation, &[(0.0, a), (1.0, b), (3.0, c)]);
             for (time, expected) in [(-1.0, a), (0.0, a), (1.0, b), (3.0, c), (9.0, c), (f64::NAN, a)] {
@@ -265,12 +266,12 @@ mod tests {
     #[test]
     fn mirrors_and_counts_are_checked() {
         let mirror = Transform::scale(DVec3::new(-1.0, 1.0, 1.0)).expect("regular");
-        let timeline = || Timeline::new(vec![0.0, 1.0], Interpolation::Smooth).expect("rising");
-        let refused = |keys| TransformKeys::new(timeline(), keys).expect_err("refused");
-        let motion = TransformKeysError::Motion(1, MotionError::Mirrors);
+        let timeline = || Keyframes::new(vec![0.0, 1.0], Interpolation::Smooth).expect("rising");
+        let refused = |keys| KeyframedTransform::new(timeline(), keys).expect_err("refused");
+        let motion = KeyframedTransformError::AnimatedTransform(1, AnimatedTransformError::Mirrors);
         assert_eq!(refused(vec![Transform::IDENTITY, mirror]), motion);
-        assert_eq!(refused(vec![mirror]), TransformKeysError::Count(2, 1));
-        let both = keys(Interpolation::Smooth, &[(0.0, mirror), (1.0, about_z(1.0).then_first(&mirror))]);
+        assert_eq!(refused(vec![mirror]), KeyframedTransformError::Count(2, 1));
+        let both = keys(Interpolation::Smooth, &[(0.0, mirror), (1.0, about_z(1.0).compose(&mirror))]);
         assert!(both.at(0.5).flips_handedness());
     }
 
@@ -285,7 +286,7 @@ mod tests {
     fn rigid() -> impl Strategy<Value = Transform> {
         let vector = |range: f64| prop::array::uniform3(-range..range).prop_map(DVec3::from);
         (vector(1.0), -3.0..3.0f64, vector(10.0)).prop_filter_map("no axis", |(axis, angle, offset)| {
-            Some(Transform::translate(offset).then_first(&Transform::rotate(axis, angle).ok()?))
+            Some(Transform::translate(offset).compose(&Transform::rotate(axis, angle).ok()?))
         })
     }
 

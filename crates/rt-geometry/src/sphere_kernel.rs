@@ -1,8 +1,8 @@
 //! The test of spheres, shared by single spheres, sets of them and structures that decide about several rays at once.
 
-use crate::float::{gamma, rescaling};
-use crate::{Interval, Ray};
-use glam::DVec3;
+use rt_math::DVec3;
+use rt_math::float::{gamma, power_of_two_scale};
+use rt_math::{Interval, Ray};
 
 /// The quick rejection must not lose a hit to its own rounding. Its three dot products, their products and their
 /// difference are off by fewer than 24 roundings of their terms.
@@ -10,17 +10,17 @@ const REJECTION: f64 = gamma(24);
 
 /// A sphere as rays meet it. The radius is positive, and neither squares to infinity nor to 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RoundSphere {
+pub struct SphereKernel {
     /// The centre.
     pub centre: DVec3,
     /// The radius.
     pub radius: f64,
 }
 
-impl RoundSphere {
+impl SphereKernel {
     /// By what the square of a distance is multiplied so that it is certainly not more than the truth, and the square of
     /// a radius so that it is not less: for structures that decide as [`intersect`](Self::intersect) does.
-    pub const REJECTION: [f64; 2] = [1.0 - REJECTION, 1.0 + REJECTION];
+    pub const REJECTION_BOUNDS: [f64; 2] = [1.0 - REJECTION, 1.0 + REJECTION];
 
     /// The first of the two crossings within `span`. `None` on a miss, and for rays without a direction.
     ///
@@ -31,17 +31,17 @@ impl RoundSphere {
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<f64> {
         // Most offers end here, so that this much is worth being repeated wherever a sphere is tested.
-        if self.is_missed(ray, span) { None } else { self.crossing(ray, span) }
+        if self.quick_reject(ray, span) { None } else { self.crossing(ray, span) }
     }
 
     /// True only if the ray misses beyond doubt: it starts outside and passes by, or leads away.
     #[inline(always)]
-    fn is_missed(&self, ray: &Ray, span: Interval) -> bool {
+    fn quick_reject(&self, ray: &Ray, span: Interval) -> bool {
         let d = ray.direction;
         let f = ray.origin - self.centre;
         let (a, b, ff, rr) = (d.dot(d), -f.dot(d), f.dot(f), self.radius * self.radius);
         // Positive only if the origin is outside.
-        let excess = ff * Self::REJECTION[0] - rr * Self::REJECTION[1];
+        let excess = ff * Self::REJECTION_BOUNDS[0] - rr * Self::REJECTION_BOUNDS[1];
         // Of directions whose square is about to leave the range of numbers, nothing is beyond doubt.
         let passes_by = b * b < a * excess && (1e-100..1e100).contains(&a);
         let lies_behind = excess > 0.0 && b < 0.0 && span.min >= 0.0;
@@ -50,7 +50,7 @@ impl RoundSphere {
 
     #[inline(never)]
     fn crossing(&self, ray: &Ray, span: Interval) -> Option<f64> {
-        let scale = rescaling(ray.direction);
+        let scale = power_of_two_scale(ray.direction);
         let d = ray.direction * scale;
         let f = ray.origin - self.centre;
         let (a, b, ff, rr) = (d.dot(d), -f.dot(d), f.dot(f), self.radius * self.radius);
@@ -72,7 +72,7 @@ impl RoundSphere {
 mod tests {
     use super::*;
 
-    const UNIT: RoundSphere = RoundSphere { centre: DVec3::ZERO, radius: 1.0 };
+    const UNIT: SphereKernel = SphereKernel { centre: DVec3::ZERO, radius: 1.0 };
 
     #[test]
     fn the_first_crossing_within_the_span_is_met() {
@@ -86,8 +86,8 @@ mod tests {
     #[test]
     fn a_distance_is_rejected_only_if_it_is_farther_than_rounding_may_have_put_it() {
         let at = |x: f64| Ray::new(DVec3::new(x, 0.0, -5.0), DVec3::Z);
-        let is_missed = |x: f64| UNIT.is_missed(&at(x), Interval::FORWARD);
-        assert!(is_missed(1.0 + 1e-12) && !is_missed(1.0f64.next_up()) && !is_missed(1.0));
+        let quick_reject = |x: f64| UNIT.quick_reject(&at(x), Interval::FORWARD);
+        assert!(quick_reject(1.0 + 1e-12) && !quick_reject(1.0f64.next_up()) && !quick_reject(1.0));
         assert_eq!(UNIT.intersect(&at(1.0f64.next_up()), Interval::FORWARD), None, "by the closest approach");
     }
 }

@@ -1,7 +1,7 @@
 //! Axis-aligned boxes as shapes.
 
 use crate::error::{ShapeError, check_coordinates};
-use crate::{ShapeHit, SurfaceInteraction, SurfaceNeeds};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction};
 use rt_math::float::gamma;
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
@@ -10,7 +10,7 @@ use rt_math::{Aabb, DVec3, Interval, Ray};
 /// Each face has texture coordinates from 0 to 1, upright and unmirrored from outside: `v` runs along +y on the four
 /// sides, along −z on the top (+y) and along +z on the bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxisBox {
+pub struct Cuboid {
     bounds: Aabb,
 }
 
@@ -32,7 +32,7 @@ impl Face {
     }
 }
 
-impl AxisBox {
+impl Cuboid {
     /// The box from `min` to `max`.
     ///
     /// # Errors
@@ -87,7 +87,7 @@ impl AxisBox {
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect). The point lies exactly on its face.
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let Aabb { min, max } = self.bounds;
         let Face { axis, greater } = Face::from_number(hit.uv[0]);
         let mut point = ray.at(hit.t).max(min).min(max);
@@ -120,19 +120,19 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn unit() -> AxisBox {
-        AxisBox::new(DVec3::ZERO, DVec3::ONE).expect("a box")
+    fn unit() -> Cuboid {
+        Cuboid::new(DVec3::ZERO, DVec3::ONE).expect("a box")
     }
 
     /// Parameter, normal and texture coordinates of the hit.
-    fn hit(axis_box: AxisBox, origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, DVec3, [f64; 2])> {
+    fn hit(axis_box: Cuboid, origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, DVec3, [f64; 2])> {
         let ray = Ray::new(origin.into(), direction.into());
         let hit = axis_box.intersect(&ray, Interval::FORWARD)?;
-        let surface = axis_box.surface(&ray, &hit, SurfaceNeeds::ALL);
+        let surface = axis_box.surface(&ray, &hit, InteractionFlags::ALL);
         Some((hit.t, surface.geometric_normal, surface.uv))
     }
 
-    fn t_and_normal(axis_box: AxisBox, origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, DVec3)> {
+    fn t_and_normal(axis_box: Cuboid, origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, DVec3)> {
         hit(axis_box, origin, direction).map(|(t, normal, _)| (t, normal))
     }
 
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn flat_boxes_are_hit_on_the_near_side() {
         for thickness in [0.0, 1e-300] {
-            let flat = AxisBox::new(DVec3::ZERO, DVec3::new(1.0, 1.0, thickness)).expect("a box");
+            let flat = Cuboid::new(DVec3::ZERO, DVec3::new(1.0, 1.0, thickness)).expect("a box");
             assert_eq!(t_and_normal(flat, [0.5, 0.5, -1.0], [0.0, 0.0, 1.0]), Some((1.0, DVec3::NEG_Z)));
             assert_eq!(t_and_normal(flat, [0.5, 0.5, 1.0], [0.0, 0.0, -1.0]), Some((1.0, DVec3::Z)));
             assert_eq!(t_and_normal(flat, [-1.0, 0.5, 0.0], [1.0, 0.0, 0.0]), Some((1.0, DVec3::NEG_X)), "edge-on");
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn textures_are_upright_from_outside() {
-        let big = AxisBox::new(DVec3::ZERO, DVec3::splat(4.0)).expect("a box");
+        let big = Cuboid::new(DVec3::ZERO, DVec3::splat(4.0)).expect("a box");
         // Each row: viewer, view direction, and what is seen at a quarter of the way right and up from the lower left.
         let rows = [
             ([1.0, 1.0, 9.0], [0.0, 0.0, -1.0]),
@@ -186,7 +186,7 @@ mod tests {
         for (origin, direction) in rows {
             assert_eq!(hit(big, origin, direction).map(|(.., uv)| uv), Some([0.25, 0.25]), "from {origin:?}");
         }
-        let flat = AxisBox::new(DVec3::ZERO, DVec3::new(1.0, 0.0, 1.0)).expect("a box");
+        let flat = Cuboid::new(DVec3::ZERO, DVec3::new(1.0, 0.0, 1.0)).expect("a box");
         assert_eq!(hit(flat, [-1.0, 0.0, 0.5], [1.0, 0.0, 0.0]).map(|(.., uv)| uv), Some([0.5, 0.0]), "no height");
     }
 
@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn inverted_boxes_are_refused() {
-        let error = AxisBox::new(DVec3::new(0.0, 2.0, 0.0), DVec3::ONE).expect_err("inverted");
+        let error = Cuboid::new(DVec3::new(0.0, 2.0, 0.0), DVec3::ONE).expect_err("inverted");
         assert_eq!(error, ShapeError::InvertedBox { axis: 1, min: 2.0, max: 1.0 });
     }
 
@@ -217,11 +217,11 @@ mod tests {
     proptest! {
         #[test]
         fn hits_lie_on_their_face(a in point(5.0), b in point(5.0), from in point(50.0), at in 0.0..1.0f64) {
-            let solid = AxisBox::new(a.min(b), a.max(b)).expect("a box");
+            let solid = Cuboid::new(a.min(b), a.max(b)).expect("a box");
             let inside = a + (b - a) * at;
             let ray = Ray::new(from, inside - from);
             let hit = solid.intersect(&ray, Interval::FORWARD).expect("towards a point inside");
-            let surface = solid.surface(&ray, &hit, SurfaceNeeds::ALL);
+            let surface = solid.surface(&ray, &hit, InteractionFlags::ALL);
             let Aabb { min, max } = solid.bounds();
             let axis = surface.geometric_normal.abs().max_position();
             let face = if surface.geometric_normal[axis] > 0.0 { max[axis] } else { min[axis] };
@@ -235,8 +235,8 @@ mod tests {
         #[test]
         fn no_ray_slips_between_neighbours(from in point(10.0), shared in -3.0..3.0f64, at in -0.9..0.9f64) {
             prop_assume!(from.z > 1.5);
-            let left = AxisBox::new(DVec3::new(-4.0, -1.0, -1.0), DVec3::new(shared, 1.0, 1.0)).expect("a box");
-            let right = AxisBox::new(DVec3::new(shared, -1.0, -1.0), DVec3::new(4.0, 1.0, 1.0)).expect("a box");
+            let left = Cuboid::new(DVec3::new(-4.0, -1.0, -1.0), DVec3::new(shared, 1.0, 1.0)).expect("a box");
+            let right = Cuboid::new(DVec3::new(shared, -1.0, -1.0), DVec3::new(4.0, 1.0, 1.0)).expect("a box");
             let ray = Ray::new(from, DVec3::new(shared, at, 1.0) - from);
             prop_assert!([left, right].iter().any(|solid| solid.intersect(&ray, Interval::FORWARD).is_some()));
         }

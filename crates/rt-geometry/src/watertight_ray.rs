@@ -1,9 +1,9 @@
 //! The watertight triangle test, shared by single triangles, meshes and structures that keep copies of them.
 
-use crate::float::{difference_of_products, is_sign_settled};
-use crate::{Interval, Ray};
-use glam::DVec3;
 use robust::{Coord3D, orient3d};
+use rt_math::DVec3;
+use rt_math::float::{difference_of_products, is_sign_certain};
+use rt_math::{Interval, Ray};
 
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub struct TriangleHit {
 /// edges are decided with exact signs: no ray slips through an edge or a vertex of a closed mesh. On which side of a
 /// triangle a ray starts is decided exactly as well, so that one that starts in its plane meets it at 0.
 #[derive(Clone, Copy, Debug)]
-pub struct ShearedRay {
+pub struct WatertightRay {
     origin: DVec3,
     /// Which axes become x, y and z: the direction is largest along the last, and the order is cyclic.
     axes: [usize; 3],
@@ -33,10 +33,10 @@ pub struct ShearedRay {
 /// By the axis that becomes z.
 const CYCLIC: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
-impl ShearedRay {
+impl WatertightRay {
     /// If `t` is at most this part of the sum of the distances of the vertices along the ray, it is looked at exactly on
     /// which side of the triangle the ray starts.
-    pub const DOUBTFUL_START: f64 = 1.0 / (1 << 16) as f64;
+    pub const ORIGIN_SIDE_BOUND: f64 = 1.0 / (1 << 16) as f64;
 
     /// Prepares a ray. One without a direction misses everything.
     #[inline(always)]
@@ -76,8 +76,8 @@ impl ShearedRay {
             return None;
         }
         let mut hit = seen.hit();
-        if seen.is_start_in_doubt(hit.t) {
-            hit.t = self.checked_start(vertices, hit.t, seen.determinant);
+        if seen.origin_side_uncertain(hit.t) {
+            hit.t = self.exact_origin_side(vertices, hit.t, seen.determinant);
         }
         (span.contains(hit.t) & hit.t.is_finite()).then_some(hit)
     }
@@ -85,7 +85,7 @@ impl ShearedRay {
     /// The `t` of a plane that the ray starts next to, on the side on which it is: 0 if the ray starts in the plane.
     #[cold]
     #[inline(never)]
-    fn checked_start(&self, vertices: [DVec3; 3], t: f64, determinant: f64) -> f64 {
+    fn exact_origin_side(&self, vertices: [DVec3; 3], t: f64, determinant: f64) -> f64 {
         let [a, b, c, o] =
             [vertices[0], vertices[1], vertices[2], self.origin].map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
         // Exact: the sign of the volume between the plane and the origin (Shewchuk 1997).
@@ -102,21 +102,21 @@ impl ShearedRay {
     }
 
     #[inline(always)]
-    fn see(&self, vertices: [DVec3; 3]) -> SeenTriangle {
+    fn see(&self, vertices: [DVec3; 3]) -> RaySpaceTriangle {
         let [a, b, c] = [self.map(vertices[0]), self.map(vertices[1]), self.map(vertices[2])];
         // Side by side, as vectors: each coordinate of the three vertices twice, turned by one and by two.
         let (x_one, y_one) = ([c.x, a.x, b.x, 0.0], [c.y, a.y, b.y, 0.0]);
         let (x_two, y_two) = ([b.x, c.x, a.x, 0.0], [b.y, c.y, a.y, 0.0]);
         let (minuends, subtrahends) = (products(x_one, y_two), products(y_one, x_two));
         let [u, v, w, spare] = differences(minuends, subtrahends);
-        let is_settled = |i: usize, area: f64| is_sign_settled(area, minuends[i], subtrahends[i]);
+        let is_settled = |i: usize, area: f64| is_sign_certain(area, minuends[i], subtrahends[i]);
         let areas = if is_settled(0, u) & is_settled(1, v) & is_settled(2, w) & (spare == 0.0) {
             [u, v, w]
         } else {
             exact_areas([c.x, c.y, a.x, a.y, b.x, b.y])
         };
         let [u, v, w] = areas;
-        SeenTriangle { areas, determinant: u + v + w, depths: [a.z, b.z, c.z] }
+        RaySpaceTriangle { areas, determinant: u + v + w, depths: [a.z, b.z, c.z] }
     }
 
     /// Which axes become x, y and z, the multiples of z that x and y lose, and the factor of z: for filters that do the
@@ -149,7 +149,7 @@ fn exact_areas([cx, cy, ax, ay, bx, by]: [f64; 6]) -> [f64; 3] {
 }
 
 /// A triangle as the ray sees it.
-struct SeenTriangle {
+struct RaySpaceTriangle {
     /// Twice the areas of the triangles between the ray and the edges, with exact signs.
     areas: [f64; 3],
     /// Their sum.
@@ -158,12 +158,12 @@ struct SeenTriangle {
     depths: [f64; 3],
 }
 
-impl SeenTriangle {
+impl RaySpaceTriangle {
     /// True if rounding may decide on which side of the triangle the ray starts.
     #[inline(always)]
-    fn is_start_in_doubt(&self, t: f64) -> bool {
+    fn origin_side_uncertain(&self, t: f64) -> bool {
         let [a, b, c] = self.depths;
-        t.abs() <= ShearedRay::DOUBTFUL_START * (a.abs() + b.abs() + c.abs())
+        t.abs() <= WatertightRay::ORIGIN_SIDE_BOUND * (a.abs() + b.abs() + c.abs())
     }
 
     #[inline(always)]

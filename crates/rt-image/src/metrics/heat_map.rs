@@ -1,7 +1,7 @@
 //! Errors as colours.
 
 use super::ErrorMap;
-use crate::{Encoding, Film};
+use crate::{Encoding, Image};
 
 /// Colours of an [`ErrorMap`] between two limits, beyond which the colour stays the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,8 +58,8 @@ fn between(colours: &[[u8; 3]], part: f64) -> [u8; 3] {
 
 /// A picture of the errors, which the standard [`Development`](crate::Development) brings to the bytes of
 /// [`ColourScale::colour`].
-pub fn heat_map(map: &ErrorMap, scale: ColourScale, limit: f64) -> Film {
-    let mut film = Film::new(map.width(), map.height(), false);
+pub fn heat_map(map: &ErrorMap, scale: ColourScale, limit: f64) -> Image {
+    let mut film = Image::new(map.width(), map.height(), false);
     for (pixel, &error) in film.pixels_mut().iter_mut().zip(map.values()) {
         *pixel = scale.colour(f64::from(error), limit).map(|byte| Encoding::Srgb.decode(byte));
     }

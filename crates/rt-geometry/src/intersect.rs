@@ -1,26 +1,27 @@
 //! The one function through which every hit is accepted.
 
-use crate::{Aabb, Hit, Interval, Primitives, Probe, Ray, ShearedRay, SlabRay, TriangleHit};
-use glam::DVec3;
+use crate::{Hit, Primitives, Probe, TriangleHit, WatertightRay};
+use rt_math::DVec3;
+use rt_math::{Aabb, Interval, Ray, SlabRay};
 
 /// The box that decides about hits on a primitive: its bounds, padded. `None` if it is unbounded.
 ///
 /// Structures must cull with boxes that contain this one.
-pub fn own_box<P: Primitives>(primitives: &P, index: u32) -> Option<Aabb> {
+pub fn padded_bounds<P: Primitives>(primitives: &P, index: u32) -> Option<Aabb> {
     primitives.bounds(index).map(|bounds| bounds.padded())
 }
 
 /// The hit of primitive `index` within `span`, or `None`.
 ///
-/// The **own-box rule**: a hit counts only if the ray also passes the primitive's [`own_box`], and its `t` is raised
+/// The **own-box rule**: a hit counts only if the ray also passes the primitive's [`padded_bounds`], and its `t` is raised
 /// to the entry into that box if rounding put it before. Brute force and all structures accept hits through this
-/// function alone. As the slab test is monotone in the box, every box around `own_box` is entered at or before the
+/// function alone. As the slab test is monotone in the box, every box around `padded_bounds` is entered at or before the
 /// accepted `t`, so a structure that prunes only what starts strictly behind the best hit returns the bits of brute
 /// force, ties included.
 ///
 /// The kernel runs first: most offers are misses, and the box is looked at for hits only.
 #[inline(always)]
-pub fn decide<P: Primitives, S: Probe>(
+pub fn intersect_primitive<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
     ray: &SlabRay,
@@ -28,32 +29,32 @@ pub fn decide<P: Primitives, S: Probe>(
     probe: &mut S,
 ) -> Option<Hit> {
     probe.test();
-    decide_offered(primitives, index, &ray.ray, span, probe)
+    intersect_primitive_uncounted(primitives, index, &ray.ray, span, probe)
 }
 
-/// As [`decide`], of a primitive that the caller has counted as offered.
+/// As [`intersect_primitive`], of a primitive that the caller has counted as offered.
 #[inline(always)]
-pub fn decide_offered<P: Primitives, S: Probe>(
+pub fn intersect_primitive_uncounted<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
     ray: &Ray,
     span: Interval,
     probe: &mut S,
 ) -> Option<Hit> {
-    let hit = primitives.intersect_probed(index, ray, span, probe)?;
-    let entry = own_box_entry(primitives, index, ray, span)?;
+    let hit = primitives.intersect_with_stats(index, ray, span, probe)?;
+    let entry = padded_bounds_entry(primitives, index, ray, span)?;
     probe.hit();
     Some(Hit { t: raised(hit.t, entry), ..hit })
 }
 
-/// As [`decide_offered`], of a primitive whose layout is [`LeafLayout::Watertight`](crate::LeafLayout::Watertight),
+/// As [`intersect_primitive_uncounted`], of a primitive whose layout is [`PrimitiveGeometry::ExactTriangle`](crate::PrimitiveGeometry::Watertight),
 /// from a copy of its vertices: the same bits without asking the primitives. `sheared` is made of the same ray.
 #[inline(always)]
-pub fn decide_triangle(
+pub fn intersect_triangle(
     vertices: [DVec3; 3],
     index: u32,
     ray: &SlabRay,
-    sheared: &ShearedRay,
+    sheared: &WatertightRay,
     span: Interval,
 ) -> Option<Hit> {
     let TriangleHit { t, uv } = sheared.intersect(vertices, span)?;
@@ -67,10 +68,10 @@ fn raised(t: f64, entry: f64) -> f64 {
     if entry > t { entry } else { t }
 }
 
-/// True if primitive `index` blocks the ray within `span`: exactly when [`decide`] would find a hit on a primitive
+/// True if primitive `index` blocks the ray within `span`: exactly when [`intersect_primitive`] would find a hit on a primitive
 /// whose `occludes` agrees with its `intersect`.
 #[inline(always)]
-pub fn decide_occluded<P: Primitives, S: Probe>(
+pub fn occludes_primitive<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
     ray: &SlabRay,
@@ -78,29 +79,29 @@ pub fn decide_occluded<P: Primitives, S: Probe>(
     probe: &mut S,
 ) -> bool {
     probe.test();
-    decide_offered_occluded(primitives, index, &ray.ray, span, probe)
+    occludes_primitive_uncounted(primitives, index, &ray.ray, span, probe)
 }
 
-/// As [`decide_occluded`], of a primitive that the caller has counted as offered.
+/// As [`occludes_primitive`], of a primitive that the caller has counted as offered.
 #[inline(always)]
-pub fn decide_offered_occluded<P: Primitives, S: Probe>(
+pub fn occludes_primitive_uncounted<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
     ray: &Ray,
     span: Interval,
     probe: &mut S,
 ) -> bool {
-    let blocked =
-        primitives.occludes_probed(index, ray, span, probe) && own_box_entry(primitives, index, ray, span).is_some();
+    let blocked = primitives.occludes_with_stats(index, ray, span, probe)
+        && padded_bounds_entry(primitives, index, ray, span).is_some();
     if blocked {
         probe.hit();
     }
     blocked
 }
 
-/// As [`decide_offered`] for many rays, with the same results: `hits[i]` answers `rays[i]`. Rays beyond the shorter slice are
+/// As [`intersect_primitive_uncounted`] for many rays, with the same results: `hits[i]` answers `rays[i]`. Rays beyond the shorter slice are
 /// left alone.
-pub fn decide_offered_batch<P: Primitives, S: Probe>(
+pub fn intersect_primitive_batch<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
     rays: &[(Ray, Interval)],
@@ -110,7 +111,7 @@ pub fn decide_offered_batch<P: Primitives, S: Probe>(
     primitives.intersect_batch(index, rays, hits, probe);
     for ((ray, span), answer) in rays.iter().zip(hits) {
         let Some(hit) = answer else { continue };
-        match own_box_entry(primitives, index, ray, *span) {
+        match padded_bounds_entry(primitives, index, ray, *span) {
             Some(entry) => {
                 probe.hit();
                 hit.t = raised(hit.t, entry);
@@ -120,8 +121,8 @@ pub fn decide_offered_batch<P: Primitives, S: Probe>(
     }
 }
 
-/// As [`decide_offered_occluded`] for many rays, with the same results.
-pub fn decide_offered_occluded_batch<P: Primitives, S: Probe>(
+/// As [`occludes_primitive_uncounted`] for many rays, with the same results.
+pub fn occludes_primitive_batch<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
     rays: &[(Ray, Interval)],
@@ -130,7 +131,7 @@ pub fn decide_offered_occluded_batch<P: Primitives, S: Probe>(
 ) {
     primitives.occludes_batch(index, rays, blocked, probe);
     for ((ray, span), blocked) in rays.iter().zip(blocked) {
-        *blocked = *blocked && own_box_entry(primitives, index, ray, *span).is_some();
+        *blocked = *blocked && padded_bounds_entry(primitives, index, ray, *span).is_some();
         if *blocked {
             probe.hit();
         }
@@ -142,8 +143,8 @@ pub fn decide_offered_occluded_batch<P: Primitives, S: Probe>(
 /// Apart from the loops over offers, where it would be in the way of their misses. Reciprocals are taken here once more: a
 /// prepared ray would be copied for every offer, and few are hits.
 #[inline(never)]
-fn own_box_entry<P: Primitives>(primitives: &P, index: u32, ray: &Ray, span: Interval) -> Option<f64> {
-    match own_box(primitives, index) {
+fn padded_bounds_entry<P: Primitives>(primitives: &P, index: u32, ray: &Ray, span: Interval) -> Option<f64> {
+    match padded_bounds(primitives, index) {
         Some(own) => Some(own.clip(&SlabRay::new(ray), span)?.min),
         None => Some(span.min),
     }
@@ -173,8 +174,8 @@ mod tests {
 
     fn ask(fixed: &Fixed, direction: DVec3, span: Interval) -> Option<f64> {
         let ray = SlabRay::new(&Ray::new(DVec3::ZERO, direction));
-        let hit = decide(fixed, 0, &ray, span, &mut NoProbe).map(|hit| hit.t);
-        assert_eq!(hit.is_some(), decide_occluded(fixed, 0, &ray, span, &mut NoProbe));
+        let hit = intersect_primitive(fixed, 0, &ray, span, &mut NoProbe).map(|hit| hit.t);
+        assert_eq!(hit.is_some(), occludes_primitive(fixed, 0, &ray, span, &mut NoProbe));
         hit
     }
 
@@ -200,8 +201,8 @@ mod tests {
     fn offers_and_hits_are_counted() {
         let ray = SlabRay::new(&Ray::new(DVec3::ZERO, DVec3::ONE));
         let mut counters = Counters::default();
-        decide(&Fixed(1.5, BOX), 0, &ray, Interval::FORWARD, &mut counters);
-        decide(&Fixed(1.5, BOX), 0, &ray, Interval::new(0.0, 1.0), &mut counters);
+        intersect_primitive(&Fixed(1.5, BOX), 0, &ray, Interval::FORWARD, &mut counters);
+        intersect_primitive(&Fixed(1.5, BOX), 0, &ray, Interval::new(0.0, 1.0), &mut counters);
         assert_eq!((counters.total().tests, counters.total().hits), (2, 1));
     }
 }

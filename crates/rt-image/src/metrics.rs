@@ -14,18 +14,18 @@
 //! | [`Flip::hdr`] | linear radiance, shown at all exposures that fit it | 0 |
 //!
 //! Sums are made in `f64`, in reading order. Metrics of radiance leave out pixels that are not finite in one of the two
-//! images, which [`ImagePair::not_finite`] counts; what is displayed of them is black for NaN and as bright as can be
+//! images, which [`ImagePair::non_finite`] counts; what is displayed of them is black for NaN and as bright as can be
 //! for infinity, and metrics of the display take them so.
 //!
 //! ```
-//! use rt_camera::{Film, metrics::{ImagePair, bias, mean_squared_error}};
+//! use rt_image::{Image, metrics::{ImagePair, bias, mean_squared_error}};
 //!
-//! let (mut test, reference) = (Film::new(4, 1, false), Film::new(4, 1, false));
+//! let (mut test, reference) = (Image::new(4, 1, false), Image::new(4, 1, false));
 //! test.pixels_mut()[2] = [2.0; 3];
 //! let pair = ImagePair::new(&test, &reference)?;
 //! assert_eq!(bias(&pair).all.mean, 0.5);
 //! assert_eq!(mean_squared_error(&pair).mean().sqrt(), 1.0);
-//! # Ok::<(), rt_camera::metrics::PairError>(())
+//! # Ok::<(), rt_image::metrics::PairError>(())
 //! ```
 
 mod bias;
@@ -51,6 +51,6 @@ pub use largest_difference::{LargestDifference, largest_difference};
 pub use mean_error::{
     PerChannel, RELATIVE_EPSILON, mean_absolute_error, mean_squared_error, relative_mean_squared_error,
 };
-pub use pair::{ImagePair, NotFinite, PairError};
+pub use pair::{ImagePair, NonFinite, PairError};
 pub use psnr::psnr;
 pub use ssim::ssim;

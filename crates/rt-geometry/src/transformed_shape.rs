@@ -1,6 +1,6 @@
 //! Shapes under affine transforms.
 
-use crate::{AxisBox, Plane, Shape, ShapeHit, Sphere, SurfaceInteraction, SurfaceNeeds, Triangle};
+use crate::{Cuboid, InteractionFlags, Plane, Shape, ShapeHit, Sphere, SurfaceInteraction, Triangle};
 use rt_math::{Aabb, DMat3, DVec3, Interval, Ray, Transform};
 use std::sync::Arc;
 
@@ -8,12 +8,12 @@ use std::sync::Arc;
 ///
 /// Its front is the image of the local front, also under a mirroring map.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Placed {
+pub struct TransformedShape {
     shape: Shape,
     world_from_local: Transform,
 }
 
-impl Placed {
+impl TransformedShape {
     /// The shape, moved by a transform.
     pub const fn new(shape: Shape, world_from_local: Transform) -> Self {
         Self { shape, world_from_local }
@@ -55,7 +55,7 @@ impl Placed {
     }
 
     /// The surface in world space at a hit of [`intersect`](Self::intersect) with this world-space ray.
-    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: SurfaceNeeds) -> SurfaceInteraction {
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let local = self.world_from_local.inverse_ray(ray);
         self.shape.surface(&local, hit, needs).transformed(&self.world_from_local)
     }
@@ -63,34 +63,34 @@ impl Placed {
     /// A world-space shape that looks the same in all respects, texture coordinates included: anything that is only
     /// moved, a sphere that is scaled alike along all axes, a box that is scaled along its axes without mirroring, a
     /// triangle under any map that does not mirror, a plane or polygon that is shifted. `None` if there is none.
-    pub fn baked(&self) -> Option<Shape> {
+    pub fn bake_transform(&self) -> Option<Shape> {
         let linear = self.world_from_local.linear();
         let scale = diagonal(&linear).filter(|scale| scale.min_element() > 0.0);
         let keeps_uv = match &self.shape {
             Shape::Sphere(_) => scale.is_some_and(|s| s.x == s.y && s.y == s.z),
-            Shape::AxisBox(_) => scale.is_some(),
+            Shape::Cuboid(_) => scale.is_some(),
             Shape::Plane(_) | Shape::Polygon(_) => linear == DMat3::IDENTITY,
             Shape::Triangle(_) => !self.world_from_local.flips_handedness(),
             _ => false,
         };
-        if keeps_uv { self.baked_without_uv() } else { None }
+        if keeps_uv { self.bake_transform_ignoring_uv() } else { None }
     }
 
     /// A world-space shape with the same points and the same front, but maybe other texture coordinates: a sphere
     /// that stays round, a box that is scaled along its axes, any plane, any triangle, any polygon that rounding does
     /// not bend out of its shape. `None` if there is none.
-    pub fn baked_without_uv(&self) -> Option<Shape> {
+    pub fn bake_transform_ignoring_uv(&self) -> Option<Shape> {
         let map = &self.world_from_local;
         match &self.shape {
             Shape::Sphere(sphere) => {
                 let radius = sphere.radius() * map.uniform_scale()?;
                 Sphere::new(map.point(sphere.centre()), radius).ok().map(Shape::Sphere)
             }
-            Shape::AxisBox(axis_box) => {
+            Shape::Cuboid(axis_box) => {
                 diagonal(&map.linear())?;
                 let Aabb { min, max } = axis_box.bounds();
                 let (a, b) = (map.point(min), map.point(max));
-                AxisBox::new(a.min(b), a.max(b)).ok().map(Shape::AxisBox)
+                Cuboid::new(a.min(b), a.max(b)).ok().map(Shape::Cuboid)
             }
             Shape::Plane(plane) => {
                 Plane::new(map.point(plane.point()), map.normal(plane.normal())).ok().map(Shape::Plane)
@@ -121,10 +121,10 @@ mod tests {
 
     fn shapes() -> [Shape; 4] {
         let ball = Sphere::new(DVec3::new(0.5, -1.0, 0.25), 2.0).expect("a sphere");
-        let solid = AxisBox::new(DVec3::new(-1.0, -2.0, 0.0), DVec3::new(1.0, 0.5, 3.0)).expect("a box");
+        let solid = Cuboid::new(DVec3::new(-1.0, -2.0, 0.0), DVec3::new(1.0, 0.5, 3.0)).expect("a box");
         let floor = Plane::new(DVec3::new(0.0, 1.0, 2.0), DVec3::new(0.5, 1.0, -0.5)).expect("a plane");
         let flat = Triangle::new([DVec3::new(-2.0, 0.0, 0.5), DVec3::new(2.0, -1.0, 0.0), DVec3::new(0.0, 2.0, 1.0)]);
-        [Shape::Sphere(ball), Shape::AxisBox(solid), Shape::Plane(floor), Shape::Triangle(flat.expect("a triangle"))]
+        [Shape::Sphere(ball), Shape::Cuboid(solid), Shape::Plane(floor), Shape::Triangle(flat.expect("a triangle"))]
     }
 
     fn vector(range: f64) -> impl Strategy<Value = DVec3> {
@@ -139,15 +139,14 @@ mod tests {
             |(offset, axis, angle, factors)| {
                 let turn = Transform::rotate(axis, angle).ok()?;
                 let scale = Transform::scale(factors).ok()?;
-                (factors.abs().min_element() > 0.1)
-                    .then(|| Transform::translate(offset).then_first(&turn).then_first(&scale))
+                (factors.abs().min_element() > 0.1).then(|| Transform::translate(offset).compose(&turn).compose(&scale))
             },
         )
     }
 
-    fn first(placed: &Placed, ray: &Ray) -> Option<(ShapeHit, SurfaceInteraction)> {
+    fn first(placed: &TransformedShape, ray: &Ray) -> Option<(ShapeHit, SurfaceInteraction)> {
         let hit = placed.intersect(ray, Interval::FORWARD)?;
-        Some((hit, placed.surface(ray, &hit, SurfaceNeeds::ALL)))
+        Some((hit, placed.surface(ray, &hit, InteractionFlags::ALL)))
     }
 
     proptest! {
@@ -156,7 +155,7 @@ mod tests {
             let local = Ray::new(from, to - from);
             let ray = map.ray(&local);
             for shape in shapes() {
-                let placed = Placed::new(shape.clone(), map);
+                let placed = TransformedShape::new(shape.clone(), map);
                 let expected = shape.intersect(&local, Interval::FORWARD);
                 let found = first(&placed, &ray);
                 let (Some(expected), Some((hit, surface))) = (expected, found) else { continue };
@@ -166,7 +165,7 @@ mod tests {
                 let slid = (hit.t - expected.t).abs() * ray.direction.length();
                 prop_assert!((surface.point - point).length() < 1e-7 + 2.0 * slid);
                 prop_assert!((surface.geometric_normal.length() - 1.0).abs() < 1e-15);
-                let front = shape.surface(&local, &expected, SurfaceNeeds::ALL).geometric_normal;
+                let front = shape.surface(&local, &expected, InteractionFlags::ALL).geometric_normal;
                 prop_assert_eq!(
                     front.dot(local.direction) < 0.0,
                     surface.geometric_normal.dot(ray.direction) < 0.0,
@@ -184,17 +183,17 @@ mod tests {
         ) {
             prop_assume!(scale.abs().min_element() > 0.1);
             let moved = Transform::translate(offset);
-            let stretched = moved.then_first(&Transform::scale(scale.abs()).expect("regular"));
-            let enlarged = moved.then_first(&Transform::scale(DVec3::splat(uniform)).expect("regular"));
+            let stretched = moved.compose(&Transform::scale(scale.abs()).expect("regular"));
+            let enlarged = moved.compose(&Transform::scale(DVec3::splat(uniform)).expect("regular"));
             let [ball, solid, floor, flat] = shapes();
             for (shape, map) in [(ball, enlarged), (solid, stretched), (floor, moved), (flat, stretched)] {
-                let placed = Placed::new(shape, map);
-                let baked = placed.baked().expect("the same kind of shape");
+                let placed = TransformedShape::new(shape, map);
+                let baked = placed.bake_transform().expect("the same kind of shape");
                 let ray = Ray::new(from, map.point(to) - from);
                 let baked_hit = baked.intersect(&ray, Interval::FORWARD);
                 let (Some((hit, surface)), Some(baked_hit)) = (first(&placed, &ray), baked_hit) else { continue };
                 prop_assume!((hit.t - baked_hit.t).abs() < 1e-6);
-                let baked_surface = baked.surface(&ray, &baked_hit, SurfaceNeeds::ALL);
+                let baked_surface = baked.surface(&ray, &baked_hit, InteractionFlags::ALL);
                 prop_assert!((surface.point - baked_surface.point).length() < 1e-6);
                 prop_assert!((surface.geometric_normal - baked_surface.geometric_normal).length() < 1e-6);
                 let uv = |k: usize| (surface.uv[k] - baked_surface.uv[k]).abs();
@@ -209,20 +208,20 @@ mod tests {
         ) {
             prop_assume!(axis.length() > 0.1 && scale.abs().min_element() > 0.1);
             let moved = Transform::translate(offset);
-            let stretched = moved.then_first(&Transform::scale(scale).expect("regular"));
-            let turned = stretched.then_first(&Transform::rotate(axis, angle).expect("an axis"));
+            let stretched = moved.compose(&Transform::scale(scale).expect("regular"));
+            let turned = stretched.compose(&Transform::rotate(axis, angle).expect("an axis"));
             let factor = DVec3::new(2.0, if mirror { -2.0 } else { 2.0 }, 2.0);
             let round = Transform::rotate(axis, angle).expect("an axis")
-                .then_first(&Transform::scale(factor).expect("regular"));
+                .compose(&Transform::scale(factor).expect("regular"));
             let [ball, solid, floor, flat] = shapes();
             for (shape, map) in [(ball, round), (solid, stretched), (floor, turned), (flat, turned)] {
-                let placed = Placed::new(shape, map);
-                let baked = placed.baked_without_uv().expect("the same kind of shape");
+                let placed = TransformedShape::new(shape, map);
+                let baked = placed.bake_transform_ignoring_uv().expect("the same kind of shape");
                 let ray = Ray::new(from, map.point(to) - from);
                 let baked_hit = baked.intersect(&ray, Interval::FORWARD);
                 let (Some((hit, surface)), Some(baked_hit)) = (first(&placed, &ray), baked_hit) else { continue };
                 prop_assume!((hit.t - baked_hit.t).abs() < 1e-6);
-                let baked_surface = baked.surface(&ray, &baked_hit, SurfaceNeeds::ALL);
+                let baked_surface = baked.surface(&ray, &baked_hit, InteractionFlags::ALL);
                 prop_assert!((surface.geometric_normal - baked_surface.geometric_normal).length() < 1e-6);
             }
         }
@@ -236,8 +235,8 @@ mod tests {
         let stretch = Transform::scale(DVec3::new(1.0, 2.0, 1.0)).expect("regular");
         let baked = |shape: Shape| {
             [turn, mirror, stretch].map(|map| {
-                let placed = Placed::new(shape.clone(), map);
-                (placed.baked().is_some(), placed.baked_without_uv().is_some())
+                let placed = TransformedShape::new(shape.clone(), map);
+                (placed.bake_transform().is_some(), placed.bake_transform_ignoring_uv().is_some())
             })
         };
         assert_eq!(baked(ball), [(false, true), (false, true), (false, false)]);
@@ -250,8 +249,8 @@ mod tests {
     fn the_box_of_a_turned_ellipsoid_is_tight() {
         let ball = Shape::Sphere(Sphere::new(DVec3::X, 1.0).expect("a sphere"));
         let stretch = Transform::scale(DVec3::new(3.0, 1.0, 1.0)).expect("regular");
-        let map = Transform::rotate(DVec3::Z, std::f64::consts::FRAC_PI_4).expect("an axis").then_first(&stretch);
-        let bounds = Placed::new(ball, map).bounds().expect("bounded");
+        let map = Transform::rotate(DVec3::Z, std::f64::consts::FRAC_PI_4).expect("an axis").compose(&stretch);
+        let bounds = TransformedShape::new(ball, map).bounds().expect("bounded");
         let (centre, reach) = (4.5f64.sqrt(), 5.0f64.sqrt());
         let expected = Aabb::new(
             DVec3::new(centre - reach, centre - reach, -1.0),

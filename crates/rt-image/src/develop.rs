@@ -1,6 +1,6 @@
 //! From linear radiance to bytes.
 
-use crate::{Dither, Film};
+use crate::{Dither, Image};
 use rt_math::transcendental::{exp2, pow};
 
 /// The curve that brings radiance into the displayable range.
@@ -113,10 +113,10 @@ pub struct Bitmap8 {
 impl Bitmap8 {
     /// The light that the bytes stand for, multiplied by coverage: the film that [`read_image`](crate::read_image) makes of
     /// them if the encoding is sRGB. Pixels that `bytes` is too short for are black.
-    pub fn decode(&self, encoding: Encoding) -> Film {
+    pub fn decode(&self, encoding: Encoding) -> Image {
         let light: [f32; 256] = core::array::from_fn(|byte| encoding.decode(byte as u8));
         let with_alpha = self.channels == 4;
-        let mut film = Film::new(self.width, self.height, with_alpha);
+        let mut film = Image::new(self.width, self.height, with_alpha);
         let samples = || self.bytes.chunks_exact(if with_alpha { 4 } else { 3 });
         for (pixel, bytes) in film.pixels_mut().iter_mut().zip(samples()) {
             let coverage = bytes.get(3).map_or(1.0, |&byte| f32::from(byte) / 255.0);
@@ -165,7 +165,7 @@ impl Development {
 
     /// Develops a film to bytes, with its coverage as a fourth channel if it has one. Colours are divided by their
     /// coverage before they are developed; where nothing is covered they are black.
-    pub fn develop(&self, film: &Film) -> Bitmap8 {
+    pub fn develop(&self, film: &Image) -> Bitmap8 {
         let Some(alpha) = film.alpha() else { return self.develop_over_black(film) };
         let curve = Curve::new(self);
         let mut bytes = Vec::with_capacity(4 * alpha.len());
@@ -181,7 +181,7 @@ impl Development {
 
     /// Develops a film to three channels, as it looks in front of black: radiance is premultiplied, so that coverage
     /// is simply left out.
-    pub fn develop_over_black(&self, film: &Film) -> Bitmap8 {
+    pub fn develop_over_black(&self, film: &Image) -> Bitmap8 {
         let curve = Curve::new(self);
         let mut bytes = Vec::with_capacity(3 * film.pixels().len());
         for (pixel, &radiance) in pixels_of(film).zip(film.pixels()) {
@@ -192,7 +192,7 @@ impl Development {
 }
 
 /// Positions of the pixels of a film, row by row from the top.
-fn pixels_of(film: &Film) -> impl Iterator<Item = [u32; 2]> {
+fn pixels_of(film: &Image) -> impl Iterator<Item = [u32; 2]> {
     let (width, height) = (film.width(), film.height());
     (0..height).flat_map(move |y| (0..width).map(move |x| [x, y]))
 }
@@ -388,7 +388,7 @@ mod tests {
 
     #[test]
     fn colours_are_divided_by_their_coverage() {
-        let mut film = Film::new(3, 1, true);
+        let mut film = Image::new(3, 1, true);
         film.pixels_mut().copy_from_slice(&[[0.25, 0.125, 0.0], [1.0, 1.0, 1.0], [1.0, 0.5, 0.0]]);
         film.alpha_mut().expect("asked for").copy_from_slice(&[0.5, 0.0, 1.0]);
         let developed = linear(ToneCurve::Clamp).develop(&film);
@@ -400,7 +400,7 @@ mod tests {
 
     #[test]
     fn coverage_beyond_one_does_not_darken() {
-        let mut film = Film::new(1, 1, true);
+        let mut film = Image::new(1, 1, true);
         film.pixels_mut()[0] = [0.5; 3];
         film.alpha_mut().expect("asked for")[0] = 2.0;
         assert_eq!(linear(ToneCurve::Clamp).develop(&film).bytes, [128, 128, 128, 255]);
@@ -425,8 +425,8 @@ mod tests {
     }
 
     /// A film whose value depends on the column alone.
-    fn columns(width: u32, height: u32, value: impl Fn(u32) -> f32) -> Film {
-        let mut film = Film::new(width, height, false);
+    fn columns(width: u32, height: u32, value: impl Fn(u32) -> f32) -> Image {
+        let mut film = Image::new(width, height, false);
         for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
             *pixel = [value(index as u32 % width); 3];
         }
@@ -486,7 +486,7 @@ mod tests {
 
     #[test]
     fn coverage_is_not_dithered_and_the_colour_below_it_is() {
-        let mut film = Film::new(64, 64, true);
+        let mut film = Image::new(64, 64, true);
         film.pixels_mut().fill([0.1; 3]);
         film.alpha_mut().expect("asked for").fill(0.4);
         let bytes = dithered(linear(ToneCurve::Clamp), [0; 2]).develop(&film).bytes;

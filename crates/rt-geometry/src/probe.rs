@@ -83,7 +83,7 @@ impl Probe for RayCounts {
 /// What the rays of one kind cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Tally {
+pub struct RayStats {
     /// Rays traced.
     pub rays: u64,
     /// Nodes or cells visited.
@@ -94,7 +94,7 @@ pub struct Tally {
     pub hits: u64,
 }
 
-impl AddAssign for Tally {
+impl AddAssign for RayStats {
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;
         self.nodes += other.nodes;
@@ -107,25 +107,25 @@ impl AddAssign for Tally {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counters {
-    by_kind: [Tally; 5],
+    by_kind: [RayStats; 5],
     current: RayKind,
 }
 
 impl Default for Counters {
     fn default() -> Self {
-        Self { by_kind: [Tally::default(); 5], current: RayKind::Primary }
+        Self { by_kind: [RayStats::default(); 5], current: RayKind::Primary }
     }
 }
 
 impl Counters {
     /// What the rays of `kind` cost.
-    pub fn of(&self, kind: RayKind) -> Tally {
+    pub fn of(&self, kind: RayKind) -> RayStats {
         self.by_kind[kind as usize]
     }
 
     /// The sum over all kinds.
-    pub fn total(&self) -> Tally {
-        let mut total = Tally::default();
+    pub fn total(&self) -> RayStats {
+        let mut total = RayStats::default();
         for tally in self.by_kind {
             total += tally;
         }
@@ -177,7 +177,7 @@ impl Probe for Counters {
 
     #[inline]
     fn work(&mut self, nodes: u64, tests: u64, hits: u64) {
-        self.by_kind[self.current as usize] += Tally { rays: 0, nodes, tests, hits };
+        self.by_kind[self.current as usize] += RayStats { rays: 0, nodes, tests, hits };
     }
 }
 
@@ -194,8 +194,8 @@ mod tests {
         counters.hit();
         counters.ray(RayKind::Shadow);
         counters.test();
-        assert_eq!(counters.of(RayKind::Primary), Tally { rays: 1, nodes: 1, tests: 1, hits: 1 });
-        assert_eq!(counters.of(RayKind::Shadow), Tally { rays: 1, nodes: 0, tests: 1, hits: 0 });
+        assert_eq!(counters.of(RayKind::Primary), RayStats { rays: 1, nodes: 1, tests: 1, hits: 1 });
+        assert_eq!(counters.of(RayKind::Shadow), RayStats { rays: 1, nodes: 0, tests: 1, hits: 0 });
         assert_eq!(counters.total().tests, 2);
     }
 
@@ -206,8 +206,8 @@ mod tests {
 
     #[test]
     fn counters_do_not_wrap_at_32_bits() {
-        let mut sum = Tally { tests: u64::from(u32::MAX), ..Tally::default() };
-        sum += Tally { tests: 1, ..Tally::default() };
+        let mut sum = RayStats { tests: u64::from(u32::MAX), ..RayStats::default() };
+        sum += RayStats { tests: 1, ..RayStats::default() };
         assert_eq!(sum.tests, 1 << 32);
     }
 }

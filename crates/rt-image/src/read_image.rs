@@ -9,7 +9,7 @@ use std::{
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
 
 use crate::{
-    Encoding, Film, ImageFileError, ImageFormat,
+    Encoding, Image, ImageFileError, ImageFormat,
     pfm::{self, PfmError, PfmHeader},
 };
 
@@ -32,7 +32,7 @@ const MAX_EXPANSION: u64 = 4096;
 /// [`ImageFileError`] with the path, for a file that is missing, not a regular file, damaged, in another format, larger
 /// than [`MAX_READ_PIXELS`], or larger than its bytes can fill (such as an EXR that shows a few pixels of a huge
 /// window).
-pub fn read_image(path: &Path) -> Result<Film, ImageFileError> {
+pub fn read_image(path: &Path) -> Result<Image, ImageFileError> {
     let (reader, length) = open(path)?;
     read_stream(path, reader, length)
 }
@@ -41,7 +41,7 @@ pub fn read_image(path: &Path) -> Result<Film, ImageFileError> {
 ///
 /// # Errors
 /// [`ImageFileError`] with the name, as of [`read_image`].
-pub fn decode_image(bytes: &[u8], name: &Path) -> Result<Film, ImageFileError> {
+pub fn decode_image(bytes: &[u8], name: &Path) -> Result<Image, ImageFileError> {
     read_stream(name, Cursor::new(bytes), bytes.len() as u64)
 }
 
@@ -137,7 +137,7 @@ fn open(path: &Path) -> Result<(BufReader<File>, u64), ImageFileError> {
 }
 
 /// Reads an image of `length` bytes; the path is for messages.
-fn read_stream(path: &Path, mut reader: impl BufRead + Seek, length: u64) -> Result<Film, ImageFileError> {
+fn read_stream(path: &Path, mut reader: impl BufRead + Seek, length: u64) -> Result<Image, ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
     if is_pfm(&mut reader).map_err(unreadable)? {
         return pfm::read(reader, length).map_err(|error| pfm_error(path, error));
@@ -194,8 +194,8 @@ fn decoder<'r>(
 }
 
 /// Linear radiance and coverage of a decoded image.
-fn film_of(image: &DynamicImage) -> Film {
-    let mut film = Film::new(image.width(), image.height(), image.color().has_alpha());
+fn film_of(image: &DynamicImage) -> Image {
+    let mut film = Image::new(image.width(), image.height(), image.color().has_alpha());
     match image {
         DynamicImage::ImageRgb32F(pixels) => film.pixels_mut().as_flattened_mut().copy_from_slice(pixels),
         DynamicImage::ImageRgba32F(pixels) => fill(&mut film, pixels.pixels().map(|pixel| pixel.0)),
@@ -218,7 +218,7 @@ fn film_of(image: &DynamicImage) -> Film {
 }
 
 /// Stores premultiplied radiance and coverage, pixel by pixel.
-fn fill(film: &mut Film, values: impl Iterator<Item = [f32; 4]> + Clone) {
+fn fill(film: &mut Image, values: impl Iterator<Item = [f32; 4]> + Clone) {
     for (pixel, [r, g, b, _]) in film.pixels_mut().iter_mut().zip(values.clone()) {
         *pixel = [r, g, b];
     }
@@ -246,12 +246,12 @@ mod tests {
     use crate::{Development, write_image};
     use proptest::prelude::*;
 
-    fn read_bytes(bytes: &[u8]) -> Result<Film, ImageFileError> {
+    fn read_bytes(bytes: &[u8]) -> Result<Image, ImageFileError> {
         read_stream(Path::new("test"), Cursor::new(bytes), bytes.len() as u64)
     }
 
     fn encoded(format: ImageFormat) -> Vec<u8> {
-        let mut film = Film::new(12, 7, true);
+        let mut film = Image::new(12, 7, true);
         for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
             *pixel = [index as f32 / 84.0, 0.5, 0.1];
         }

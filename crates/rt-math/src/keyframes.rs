@@ -31,14 +31,14 @@ pub enum Interpolation {
 
 /// Moments at which something is given.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Timeline {
+pub struct Keyframes {
     times: Vec<f64>,
     interpolation: Interpolation,
 }
 
 /// Why numbers are no times of keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TimelineError {
+pub enum KeyframesError {
     /// There is no key.
     Empty,
     /// The time of the key with this index is NaN, or of a magnitude above 10⁶⁰.
@@ -47,7 +47,7 @@ pub enum TimelineError {
     Order(usize),
 }
 
-impl fmt::Display for TimelineError {
+impl fmt::Display for KeyframesError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Empty => f.write_str("there is no key"),
@@ -57,31 +57,31 @@ impl fmt::Display for TimelineError {
     }
 }
 
-impl core::error::Error for TimelineError {}
+impl core::error::Error for KeyframesError {}
 
 /// Where a moment lies among keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Moment {
+pub(crate) enum KeyframePosition {
     /// What the key of this index holds is all that counts.
     Key(usize),
     /// This part, from 0 to 1, of the way from the key of this index to the next.
     Between(usize, f64),
 }
 
-impl Timeline {
+impl Keyframes {
     /// Keys at these times, which must rise.
     ///
     /// # Errors
-    /// [`TimelineError`] if there are none, or one is beyond all measure or not later than the one before it.
-    pub fn new(times: Vec<f64>, interpolation: Interpolation) -> Result<Self, TimelineError> {
+    /// [`KeyframesError`] if there are none, or one is beyond all measure or not later than the one before it.
+    pub fn new(times: Vec<f64>, interpolation: Interpolation) -> Result<Self, KeyframesError> {
         if times.is_empty() {
-            return Err(TimelineError::Empty);
+            return Err(KeyframesError::Empty);
         }
         if let Some(index) = times.iter().position(|time| !(time.abs() <= MAX_TIME)) {
-            return Err(TimelineError::Time(index));
+            return Err(KeyframesError::Time(index));
         }
         match times.windows(2).position(|pair| pair[0] >= pair[1]) {
-            Some(before) => Err(TimelineError::Order(before + 1)),
+            Some(before) => Err(KeyframesError::Order(before + 1)),
             None => Ok(Self { times, interpolation }),
         }
     }
@@ -104,8 +104,8 @@ impl Timeline {
             return DVec3::ZERO;
         }
         match self.find(time) {
-            Moment::Key(key) => points[key],
-            Moment::Between(key, s) => match self.interpolation {
+            KeyframePosition::Key(key) => points[key],
+            KeyframePosition::Between(key, s) => match self.interpolation {
                 Interpolation::Step => points[key],
                 Interpolation::Linear => points[key].lerp(points[key + 1], s),
                 Interpolation::Smooth => {
@@ -127,8 +127,8 @@ impl Timeline {
             return 0.0;
         }
         match self.find(time) {
-            Moment::Key(key) => numbers[key],
-            Moment::Between(key, s) => {
+            KeyframePosition::Key(key) => numbers[key],
+            KeyframePosition::Between(key, s) => {
                 let [from, to] = [numbers[key], numbers[key + 1]];
                 let between = match self.interpolation {
                     Interpolation::Step => from,
@@ -146,14 +146,14 @@ impl Timeline {
     }
 
     /// Where a moment lies. A NaN comes before all.
-    pub(crate) fn find(&self, time: f64) -> Moment {
+    pub(crate) fn find(&self, time: f64) -> KeyframePosition {
         let after = self.times.partition_point(|key| *key <= time);
-        let Some(before) = after.checked_sub(1) else { return Moment::Key(0) };
+        let Some(before) = after.checked_sub(1) else { return KeyframePosition::Key(0) };
         let start = self.times[before];
         if after == self.times.len() || time == start {
-            return Moment::Key(before);
+            return KeyframePosition::Key(before);
         }
-        Moment::Between(before, (time - start) / self.span(before))
+        KeyframePosition::Between(before, (time - start) / self.span(before))
     }
 
     /// The time from a key to the next.
@@ -211,18 +211,18 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn timeline(times: &[f64], interpolation: Interpolation) -> Timeline {
-        Timeline::new(times.to_vec(), interpolation).expect("times that rise")
+    fn timeline(times: &[f64], interpolation: Interpolation) -> Keyframes {
+        Keyframes::new(times.to_vec(), interpolation).expect("times that rise")
     }
 
     #[test]
     fn times_must_rise() {
-        let refused = |times: &[f64]| Timeline::new(times.to_vec(), Interpolation::Linear).expect_err("refused");
-        assert_eq!(refused(&[]), TimelineError::Empty);
-        assert_eq!(refused(&[0.0, f64::NAN]), TimelineError::Time(1));
-        assert_eq!(refused(&[f64::NEG_INFINITY]), TimelineError::Time(0));
-        assert_eq!(refused(&[0.0, 1.0, 1.0]), TimelineError::Order(2));
-        assert_eq!(refused(&[0.0, -1.0, 1.0]), TimelineError::Order(1));
+        let refused = |times: &[f64]| Keyframes::new(times.to_vec(), Interpolation::Linear).expect_err("refused");
+        assert_eq!(refused(&[]), KeyframesError::Empty);
+        assert_eq!(refused(&[0.0, f64::NAN]), KeyframesError::Time(1));
+        assert_eq!(refused(&[f64::NEG_INFINITY]), KeyframesError::Time(0));
+        assert_eq!(refused(&[0.0, 1.0, 1.0]), KeyframesError::Order(2));
+        assert_eq!(refused(&[0.0, -1.0, 1.0]), KeyframesError::Order(1));
     }
 
     #[test]

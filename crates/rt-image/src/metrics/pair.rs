@@ -1,18 +1,18 @@
 //! Two images of one size.
 
-use crate::Film;
+use crate::Image;
 
 /// An image and the reference that it is compared with, of the same size and with a pixel that is finite in both.
 #[derive(Clone, Copy, Debug)]
 pub struct ImagePair<'f> {
-    test: &'f Film,
-    reference: &'f Film,
-    not_finite: NotFinite,
+    test: &'f Image,
+    reference: &'f Image,
+    non_finite: NonFinite,
 }
 
 /// Pixels with a component that is NaN or infinite.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct NotFinite {
+pub struct NonFinite {
     /// Pixels of the image under test.
     pub test: u64,
     /// Pixels of the reference.
@@ -45,31 +45,31 @@ impl<'f> ImagePair<'f> {
     ///
     /// # Errors
     /// [`PairError`] if they differ in size, or have no pixel that is finite in both.
-    pub fn new(test: &'f Film, reference: &'f Film) -> Result<Self, PairError> {
-        let size = |film: &Film| [film.width(), film.height()];
+    pub fn new(test: &'f Image, reference: &'f Image) -> Result<Self, PairError> {
+        let size = |film: &Image| [film.width(), film.height()];
         if size(test) != size(reference) {
             return Err(PairError::Size { test: size(test), reference: size(reference) });
         }
-        let mut not_finite = NotFinite::default();
+        let mut non_finite = NonFinite::default();
         let mut nothing_finite = true;
         for (x, r) in test.pixels().iter().zip(reference.pixels()) {
             let finite = [x, r].map(|pixel| pixel.iter().all(|value| value.is_finite()));
             nothing_finite &= finite != [true; 2];
-            not_finite.test += u64::from(!finite[0]);
-            not_finite.reference += u64::from(!finite[1]);
+            non_finite.test += u64::from(!finite[0]);
+            non_finite.reference += u64::from(!finite[1]);
             let same = x.iter().zip(r).all(|(x, r)| x == r || x.is_nan() && r.is_nan());
-            not_finite.different += u64::from(finite != [true; 2] && !same);
+            non_finite.different += u64::from(finite != [true; 2] && !same);
         }
-        if nothing_finite { Err(PairError::NothingFinite) } else { Ok(Self { test, reference, not_finite }) }
+        if nothing_finite { Err(PairError::NothingFinite) } else { Ok(Self { test, reference, non_finite }) }
     }
 
     /// The image under test.
-    pub const fn test(&self) -> &'f Film {
+    pub const fn test(&self) -> &'f Image {
         self.test
     }
 
     /// The reference.
-    pub const fn reference(&self) -> &'f Film {
+    pub const fn reference(&self) -> &'f Image {
         self.reference
     }
 
@@ -84,8 +84,8 @@ impl<'f> ImagePair<'f> {
     }
 
     /// What the metrics of radiance leave out.
-    pub const fn not_finite(&self) -> NotFinite {
-        self.not_finite
+    pub const fn non_finite(&self) -> NonFinite {
+        self.non_finite
     }
 
     /// Radiance of the image and of the reference, row by row from the top; `None` where one of them is not finite.
@@ -123,11 +123,11 @@ mod tests {
 
     #[test]
     fn sizes_must_agree() {
-        let (wide, high) = (Film::new(3, 2, false), Film::new(2, 3, false));
+        let (wide, high) = (Image::new(3, 2, false), Image::new(2, 3, false));
         let error = ImagePair::new(&wide, &high).expect_err("they differ");
         assert_eq!(error, PairError::Size { test: [3, 2], reference: [2, 3] });
         assert_eq!(error.to_string(), "the images differ in size: 3 by 2 and 2 by 3 pixels");
-        let empty = Film::new(0, 7, false);
+        let empty = Image::new(0, 7, false);
         assert_eq!(ImagePair::new(&empty, &empty).expect_err("empty"), PairError::NothingFinite);
     }
 
@@ -137,7 +137,7 @@ mod tests {
         let test = film(6, 1, &[[nan, 0.0, 0.0], [inf, 1.0, 1.0], [inf; 3], [0.0; 3], [nan, 1.0, 0.0], [1.0; 3]]);
         let reference = film(6, 1, &[[nan, 0.0, 0.0], [inf, 1.0, 1.0], [-inf; 3], [nan; 3], [nan, 2.0, 0.0], [2.0; 3]]);
         let pair = ImagePair::new(&test, &reference).expect("the last pixel is finite");
-        assert_eq!(pair.not_finite(), NotFinite { test: 4, reference: 5, different: 3 });
+        assert_eq!(pair.non_finite(), NonFinite { test: 4, reference: 5, different: 3 });
         assert_eq!(pair.finite_pixels().count(), 1);
         let blind = film(1, 1, &[[nan; 3]]);
         assert_eq!(ImagePair::new(&blind, &blind).expect_err("nothing to see"), PairError::NothingFinite);

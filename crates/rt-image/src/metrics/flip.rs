@@ -17,7 +17,7 @@ use super::{
     ErrorMap, ImagePair,
     plane::{Plane, Tile},
 };
-use crate::{Development, Film, ToneCurve};
+use crate::{Development, Image, ToneCurve};
 
 pub use exposures::ExposureRange;
 
@@ -103,7 +103,7 @@ impl Flip {
     }
 
     /// What is seen of a tile.
-    fn seen(&self, film: &Film, development: &Development, tile: &Tile) -> Seen {
+    fn seen(&self, film: &Image, development: &Development, tile: &Tile) -> Seen {
         let radius = self.kernels.radius();
         let width = film.width() as usize;
         let channels: [Plane; 3] = core::array::from_fn(|channel| {
@@ -142,7 +142,7 @@ mod tests {
     use crate::metrics::test_images::{brightened, disturbed_ramps, film_of, ramps};
     use proptest::prelude::*;
 
-    fn ldr(test: &Film, reference: &Film) -> ErrorMap {
+    fn ldr(test: &Image, reference: &Image) -> ErrorMap {
         Flip::default().ldr(&ImagePair::new(test, reference).expect("alike"), &Development::default())
     }
 

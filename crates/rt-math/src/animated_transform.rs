@@ -30,16 +30,16 @@ const ROUNDINGS: f64 = 256.0;
 /// motions stay rigid, and no moment is singular: a mean of two positive definite stretches is positive definite.
 ///
 /// ```
-/// use rt_math::{DVec3, Motion, Transform};
+/// use rt_math::{DVec3, AnimatedTransform, Transform};
 ///
 /// let quarter = Transform::rotate(DVec3::Z, core::f64::consts::FRAC_PI_2)?;
-/// let turn = Motion::new(&Transform::IDENTITY, &quarter)?;
+/// let turn = AnimatedTransform::new(&Transform::IDENTITY, &quarter)?;
 /// let halfway = turn.at(0.5).point(DVec3::X);
 /// assert!((halfway - DVec3::new(1.0, 1.0, 0.0).normalize()).length() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct AnimatedTransform {
     start: Transform,
     end: Transform,
     rotations: [DQuat; 2],
@@ -50,14 +50,14 @@ pub struct Motion {
 
 /// Why no motion leads from one transform to another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MotionError {
+pub enum AnimatedTransformError {
     /// One of them mirrors and the other does not: all would be flat at some moment.
     Mirrors,
     /// One of them cannot be taken apart: its numbers are too large, too small, or too different.
     Decomposition,
 }
 
-impl fmt::Display for MotionError {
+impl fmt::Display for AnimatedTransformError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Mirrors => "the motion mirrors on its way, where all would be flat",
@@ -66,19 +66,19 @@ impl fmt::Display for MotionError {
     }
 }
 
-impl core::error::Error for MotionError {}
+impl core::error::Error for AnimatedTransformError {}
 
-impl Motion {
+impl AnimatedTransform {
     /// The motion from `start` at time 0 to `end` at time 1, turning by at most half a turn.
     ///
     /// # Errors
-    /// [`MotionError`] if one of the two mirrors and the other does not, or has no polar decomposition.
-    pub fn new(start: &Transform, end: &Transform) -> Result<Self, MotionError> {
+    /// [`AnimatedTransformError`] if one of the two mirrors and the other does not, or has no polar decomposition.
+    pub fn new(start: &Transform, end: &Transform) -> Result<Self, AnimatedTransformError> {
         if start.flips_handedness() != end.flips_handedness() {
-            return Err(MotionError::Mirrors);
+            return Err(AnimatedTransformError::Mirrors);
         }
-        let (from, first) = polar(&start.linear()).ok_or(MotionError::Decomposition)?;
-        let (to, second) = polar(&end.linear()).ok_or(MotionError::Decomposition)?;
+        let (from, first) = polar(&start.linear()).ok_or(AnimatedTransformError::Decomposition)?;
+        let (to, second) = polar(&end.linear()).ok_or(AnimatedTransformError::Decomposition)?;
         let to = nearer(from, to);
         let angle = angle_between(from, to);
         Ok(Self { start: *start, end: *end, rotations: [from, to], angle, stretches: [first, second] })
@@ -152,7 +152,7 @@ impl Motion {
         let reach = half * (2.0 * self.angle * distance + farthest(second - first)) + rounding;
         let swept = (0..PARTS).map(|part| {
             let middle = self.at((f64::from(part) + 0.5) * 2.0 * half);
-            let around_origin = Transform::translate(-middle.translation()).then_first(&middle).aabb(aabb);
+            let around_origin = Transform::translate(-middle.translation()).compose(&middle).aabb(aabb);
             let [before, after] = [part, part + 1]
                 .map(|at| self.start.translation().lerp(self.end.translation(), f64::from(at) * 2.0 * half));
             let moved = |by: DVec3| Aabb::new(around_origin.min + by, around_origin.max + by);
@@ -219,7 +219,7 @@ fn polar(linear: &DMat3) -> Option<(DQuat, DMat3)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::MotionChain;
+    use crate::AnimatedTransformChain;
     use core::f64::consts::{FRAC_PI_2, PI};
     use proptest::prelude::*;
 
@@ -236,7 +236,7 @@ mod tests {
                 let turn = Transform::rotate(axis, angle).ok()?;
                 let shear = Transform::shear([shear, 0.2, 0.0, shear, 0.1, -shear]).ok()?;
                 let scale = Transform::scale(factors).ok()?;
-                Some(Transform::translate(offset).then_first(&turn).then_first(&shear).then_first(&scale))
+                Some(Transform::translate(offset).compose(&turn).compose(&shear).compose(&scale))
             },
         )
     }
@@ -251,8 +251,8 @@ mod tests {
 
     #[test]
     fn the_ends_are_those_given_to_the_bit() {
-        let (start, end) = (about_z(0.3), Transform::translate(DVec3::X).then_first(&about_z(1.0)));
-        let motion = Motion::new(&start, &end).expect("a motion");
+        let (start, end) = (about_z(0.3), Transform::translate(DVec3::X).compose(&about_z(1.0)));
+        let motion = AnimatedTransform::new(&start, &end).expect("a motion");
         for time in [0.0, -1.0, f64::NAN] {
             assert_eq!(motion.at(time), start);
         }
@@ -263,7 +263,7 @@ mod tests {
     #[test]
     fn turns_have_constant_speed_and_take_the_shorter_way() {
         for (from, to, way) in [(0.0, 2.0, 2.0), (0.1, 0.1 + PI * 1.25, -PI * 0.75), (0.0, PI * 0.999, PI * 0.999)] {
-            let motion = Motion::new(&about_z(from), &about_z(to)).expect("a motion");
+            let motion = AnimatedTransform::new(&about_z(from), &about_z(to)).expect("a motion");
             for time in [0.125, 0.5, 0.75] {
                 let (expected, turned) = (about_z(from + way * time), motion.at(time));
                 assert!(largest(expected.linear() - turned.linear()) < 1e-14, "{from} {to} {time}");
@@ -274,25 +274,26 @@ mod tests {
     #[test]
     fn mirrors_move_into_mirrors_alone() {
         let mirror = Transform::scale(DVec3::new(-1.0, 2.0, 1.0)).expect("regular");
-        assert_eq!(Motion::new(&mirror, &Transform::IDENTITY), Err(MotionError::Mirrors));
-        let turned = about_z(FRAC_PI_2).then_first(&mirror);
-        let motion = Motion::new(&mirror, &turned).expect("a motion");
-        assert!(largest(motion.at(0.5).linear() - about_z(FRAC_PI_2 / 2.0).then_first(&mirror).linear()) < 1e-14);
+        assert_eq!(AnimatedTransform::new(&mirror, &Transform::IDENTITY), Err(AnimatedTransformError::Mirrors));
+        let turned = about_z(FRAC_PI_2).compose(&mirror);
+        let motion = AnimatedTransform::new(&mirror, &turned).expect("a motion");
+        assert!(largest(motion.at(0.5).linear() - about_z(FRAC_PI_2 / 2.0).compose(&mirror).linear()) < 1e-14);
     }
 
     #[test]
     fn numbers_beyond_all_measure_are_refused() {
         let wide = Transform::scale(DVec3::new(1e-5, 1.0, 1e6)).expect("regular");
-        assert!(Motion::new(&wide, &about_z(1.0).then_first(&wide)).is_ok());
+        assert!(AnimatedTransform::new(&wide, &about_z(1.0).compose(&wide)).is_ok());
         let tiny = Transform::scale(DVec3::splat(1e-100)).expect("regular");
-        let motion = Motion::new(&tiny, &Transform::IDENTITY).expect("a motion");
+        let motion = AnimatedTransform::new(&tiny, &Transform::IDENTITY).expect("a motion");
         assert!((motion.at(0.5).linear().x_axis.x - 0.5).abs() < 1e-15);
     }
 
     #[test]
     fn boxes_of_straight_motions_are_tight() {
         let unit = Aabb::new(DVec3::ZERO, DVec3::ONE);
-        let motion = Motion::new(&Transform::IDENTITY, &Transform::translate(DVec3::X * 3.0)).expect("a motion");
+        let motion =
+            AnimatedTransform::new(&Transform::IDENTITY, &Transform::translate(DVec3::X * 3.0)).expect("a motion");
         let swept = motion.aabb(&unit);
         assert!(swept.encloses(&Aabb::new(DVec3::ZERO, DVec3::new(4.0, 1.0, 1.0))));
         assert!((swept.extent() - DVec3::new(4.0, 1.0, 1.0)).length() < 1e-12);
@@ -302,7 +303,7 @@ mod tests {
     #[test]
     fn boxes_of_turns_reach_a_little_beyond_the_arc() {
         let tip = Aabb::new(DVec3::X, DVec3::X);
-        let motion = Motion::new(&about_z(0.0), &about_z(3.0)).expect("a motion");
+        let motion = AnimatedTransform::new(&about_z(0.0), &about_z(3.0)).expect("a motion");
         let swept = motion.aabb(&tip);
         assert!(swept.max.y >= 1.0 && swept.max.y < 1.05, "{swept:?}");
         assert!(swept.min.y <= 0.0 && swept.min.y > -0.05, "{swept:?}");
@@ -323,13 +324,13 @@ mod tests {
         fn rigid_motions_stay_rigid(a in vector(1.0), b in vector(1.0), x in -3.0..3.0f64, y in -3.0..3.0f64, time in 0.0..1.0f64) {
             let turn = |axis: DVec3, angle| Transform::rotate(axis, angle).ok();
             let (Some(start), Some(end)) = (turn(a, x), turn(b, y)) else { return Ok(()) };
-            let map = Motion::new(&start, &end).expect("a motion").at(time);
+            let map = AnimatedTransform::new(&start, &end).expect("a motion").at(time);
             prop_assert!(largest(map.linear().transpose() * map.linear() - DMat3::IDENTITY) < 1e-13);
         }
 
         #[test]
         fn the_inverse_undoes_at_any_moment(start in transform(), end in transform(), time in 0.0..1.0f64, p in vector(10.0)) {
-            let map = Motion::new(&start, &end).expect("a motion").at(time);
+            let map = AnimatedTransform::new(&start, &end).expect("a motion").at(time);
             prop_assert!((map.inverse_point(map.point(p)) - p).length() < 1e-9);
         }
 
@@ -337,7 +338,7 @@ mod tests {
         fn boxes_contain_their_points_at_any_moment(
             start in transform(), end in transform(), time in 0.0..1.0f64, a in vector(5.0), b in vector(5.0), f in prop::array::uniform3(0.0..=1.0f64),
         ) {
-            let motion = Motion::new(&start, &end).expect("a motion");
+            let motion = AnimatedTransform::new(&start, &end).expect("a motion");
             let inside = a + (b - a) * DVec3::from(f);
             let swept = motion.aabb(&Aabb::from_points([a, b]));
             prop_assert!(swept.contains(motion.at(time).point(inside)));
@@ -347,8 +348,8 @@ mod tests {
         fn chains_are_products_and_their_boxes_contain_their_points(
             ends in [transform(), transform(), transform(), transform()], still in transform(), time in 0.0..1.0f64, a in vector(2.0), b in vector(2.0),
         ) {
-            let [outer, inner] = [0, 2].map(|i| Motion::new(&ends[i], &ends[i + 1]).expect("a motion"));
-            let chain = MotionChain::still(still).then_first_motion(&outer).then_first(&still).then_first_motion(&inner);
+            let [outer, inner] = [0, 2].map(|i| AnimatedTransform::new(&ends[i], &ends[i + 1]).expect("a motion"));
+            let chain = AnimatedTransformChain::still(still).compose_animated(&outer).compose(&still).compose_animated(&inner);
             let expected = still.point(outer.at(time).point(still.point(inner.at(time).point(a))));
             prop_assert!((chain.at(time).point(a) - expected).length() < 1e-9 * (1.0 + expected.length()));
             prop_assert!(chain.aabb(&Aabb::from_points([a, b])).contains(chain.at(time).point(a)));

@@ -2,29 +2,29 @@
 
 use std::sync::Arc;
 
-use crate::{Aabb, Motion, Transform};
+use crate::{Aabb, AnimatedTransform, Transform};
 
 /// A product of transforms and motions, as it stands above a node of a tree: `A₁ · M₁(τ) · A₂ · M₂(τ) · … · L`.
 ///
 /// ```
-/// use rt_math::{DVec3, Motion, MotionChain, Transform};
+/// use rt_math::{DVec3, AnimatedTransform, AnimatedTransformChain, Transform};
 ///
 /// let moved = |x: f64| Transform::translate(DVec3::X * x);
-/// let walk = Motion::new(&Transform::IDENTITY, &moved(1.0))?;
-/// let chain = MotionChain::still(moved(5.0)).then_first_motion(&walk).then_first(&moved(0.25));
+/// let walk = AnimatedTransform::new(&Transform::IDENTITY, &moved(1.0))?;
+/// let chain = AnimatedTransformChain::still(moved(5.0)).compose_animated(&walk).compose(&moved(0.25));
 /// assert_eq!(chain.at(0.5).point(DVec3::ZERO).x, 5.75);
 /// assert!(chain.as_still().is_none());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct MotionChain {
+pub struct AnimatedTransformChain {
     /// The innermost motion, with the chain that is applied after it. Shared by all that is below.
-    outer: Option<Arc<(Self, Motion)>>,
+    outer: Option<Arc<(Self, AnimatedTransform)>>,
     /// What is applied first.
     last: Transform,
 }
 
-impl MotionChain {
+impl AnimatedTransformChain {
     /// A chain in which nothing moves.
     pub const fn still(transform: Transform) -> Self {
         Self { outer: None, last: transform }
@@ -37,14 +37,14 @@ impl MotionChain {
 
     /// The chain that applies `first` and then this one.
     #[must_use]
-    pub fn then_first(mut self, first: &Transform) -> Self {
-        self.last = self.last.then_first(first);
+    pub fn compose(mut self, first: &Transform) -> Self {
+        self.last = self.last.compose(first);
         self
     }
 
     /// The chain that applies `first`, which moves, and then this one.
     #[must_use]
-    pub fn then_first_motion(self, first: &Motion) -> Self {
+    pub fn compose_animated(self, first: &AnimatedTransform) -> Self {
         Self { outer: Some(Arc::new((self, *first))), last: Transform::IDENTITY }
     }
 
@@ -52,7 +52,7 @@ impl MotionChain {
     pub fn at(&self, time: f64) -> Transform {
         let (mut chain, mut map) = (self, self.last);
         while let Some((outer, motion)) = chain.outer.as_deref() {
-            map = outer.last.then_first(&motion.at(time)).then_first(&map);
+            map = outer.last.compose(&motion.at(time)).compose(&map);
             chain = outer;
         }
         map
@@ -70,7 +70,7 @@ impl MotionChain {
     }
 }
 
-impl Drop for MotionChain {
+impl Drop for AnimatedTransformChain {
     /// Link by link: a chain may be longer than the call stack is deep.
     fn drop(&mut self) {
         let mut outer = self.outer.take();
@@ -88,9 +88,9 @@ mod tests {
     #[test]
     fn long_chains_do_not_exhaust_the_call_stack() {
         let step = Transform::translate(DVec3::X);
-        let motion = Motion::new(&Transform::IDENTITY, &step).expect("a motion");
-        let long = (0..1_000_000).fold(MotionChain::still(step), |chain, _| chain.then_first_motion(&motion));
-        let branch = long.clone().then_first(&step);
+        let motion = AnimatedTransform::new(&Transform::IDENTITY, &step).expect("a motion");
+        let long = (0..1_000_000).fold(AnimatedTransformChain::still(step), |chain, _| chain.compose_animated(&motion));
+        let branch = long.clone().compose(&step);
         drop(long);
         assert_eq!(branch.at(0.5).point(DVec3::ZERO).x, 500_002.0);
     }

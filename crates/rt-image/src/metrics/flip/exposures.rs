@@ -2,7 +2,7 @@
 
 use rt_math::{Rgb, transcendental::log2};
 
-use crate::Film;
+use crate::Image;
 
 /// Displayed light at which a pixel counts as about to be too bright.
 const BRIGHT: f64 = 0.85;
@@ -26,7 +26,7 @@ impl ExposureRange {
     ///
     /// The exposures are those of [`ToneCurve::Aces`](crate::ToneCurve::Aces); programs that multiply radiance by 0.6 in this curve take exposures
     /// that are higher by log₂ 1/0.6 = 0.74 for the same pictures.
-    pub fn fitting(reference: &Film) -> Self {
+    pub fn fitting(reference: &Image) -> Self {
         // Luminance has the weights of the metric's colour space to four digits.
         let luminances = reference.pixels().iter().map(|pixel| Rgb::from(pixel.map(f64::from)).luminance());
         let mut luminances: Vec<_> = luminances.filter(|luminance| luminance.is_finite()).collect();

@@ -1,12 +1,13 @@
 //! The contract of acceleration structures.
 
-use crate::{Hit, Interval, Primitives, Probe, Ray};
+use rt_geometry::{Hit, Primitives, Probe};
+use rt_math::{Interval, Ray};
 
 /// Finds hits without asking every primitive. A structure holds indices and boxes only and borrows the primitives
 /// for each query.
 ///
 /// Every implementation gives **the same bits** as asking each primitive in turn: it culls only by boxes that contain
-/// the primitives' own boxes, accepts hits through [`decide`](crate::decide) alone, and equal `t` goes to the lower
+/// the primitives' own boxes, accepts hits through [`intersect_primitive`](rt_geometry::intersect_primitive) alone, and equal `t` goes to the lower
 /// (instance, primitive).
 pub trait Accelerator: Sync {
     /// The first hit within `span`, or `None`.
