@@ -9,12 +9,12 @@ use rt_geometry::{Hit, Primitives, Probe};
 use rt_math::{Aabb, Interval, Ray};
 
 use crate::own_boxes::{checked_own_box, count};
-use crate::wide::{Handful, SimdLevel, SphereList};
+use crate::wide::{SimdLevel, SmallSet, SphereList};
 
 /// Tests every primitive in turn. O(n) per ray; 16 bytes for each of more than a few spheres, and no memory otherwise.
 ///
 /// Where all of more than 16 are spheres, eight at a time are tested in `f32`, and in `f64` those that a ray may meet. Batches
-/// ask up to 16 as a [`Handful`], for eight rays at a time. Answers and [`Counters`](crate::Counters) are those of
+/// ask up to 16 as a [`SmallSet`], for eight rays at a time. Answers and [`Counters`](crate::Counters) are those of
 /// [`brute_force`], to the last bit and the last test; what structures among the primitives count by themselves is less in batches.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
@@ -55,9 +55,9 @@ impl Linear {
     }
 
     /// All primitives, where they are few and no list of spheres.
-    fn handful(&self) -> Option<Handful> {
-        let are_few = self.spheres.is_none() && self.primitives as usize <= Handful::MOST;
-        are_few.then(|| Handful::new(0..self.primitives)).flatten().map(|few| few.with_level(self.level))
+    fn handful(&self) -> Option<SmallSet> {
+        let are_few = self.spheres.is_none() && self.primitives as usize <= SmallSet::MOST;
+        are_few.then(|| SmallSet::new(0..self.primitives)).flatten().map(|few| few.with_level(self.level))
     }
 }
 

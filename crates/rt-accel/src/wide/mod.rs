@@ -13,28 +13,28 @@
 //! loaders have checked, and for memory that is written before it is read.
 #![allow(unsafe_code, reason = "instructions chosen at run time, and loads without checks of what was checked before")]
 
-mod across;
+mod batch;
 mod build;
-mod check;
-mod copy;
-mod cost;
-mod exact;
-mod facet;
-mod flight;
-mod goal;
-mod handful;
+mod exact_triangle;
+mod frustum;
+mod huge_pages;
 mod leaf;
-mod list;
 mod node;
 mod packet;
-mod pages;
+mod packet_rays;
+mod packet_spheres;
+mod packet_triangles;
+mod query;
 mod ray;
 mod refit;
-mod round;
-mod shaft;
+mod sah;
+mod scalar;
 mod simd;
+mod single_ray;
+mod small_set;
+mod sphere_list;
 mod stack;
-mod walk;
+mod validate;
 
 use core::hint::select_unpredictable;
 use core::ops::ControlFlow;
@@ -50,24 +50,24 @@ use rt_geometry::{
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
 use crate::ray_query::{Any, Closest, is_finite};
-use build::Census;
+use batch::Ground;
+use build::PrimStats;
 pub use build::{BuildParams, Quality};
-use flight::Ground;
-use goal::{AnyHit, FirstHit, Goal, Judge};
-pub use handful::Handful;
-use leaf::{Filling, LeafKind, Leaves, Line};
-pub(crate) use list::SphereList;
+use leaf::{CacheLine, LeafKind, LeafWriter, Leaves};
 use node::{Child, Node};
-use simd::Available;
+use query::{AnyHit, FirstHit, Goal, PrimitiveTester};
+use simd::DetectedSimd;
 pub use simd::SimdLevel;
-use walk::{Query, Work};
+use single_ray::{Query, Work};
+pub use small_set::SmallSet;
+pub(crate) use sphere_list::SphereList;
 
 /// Entries of a walk's stack: seven children put off on every level, and one to spare.
 const STACK: usize = 7 * MAX_DEPTH as usize + 8;
 
 /// A tree of boxes with eight children to a node: the fastest to trace, whatever the primitives.
 ///
-/// Eight boxes are tested at a time in `f32`, and so are the triangles, spheres or boxes in a leaf
+/// F64x8 boxes are tested at a time in `f32`, and so are the triangles, spheres or boxes in a leaf
 /// ([`PrimitiveGeometry`]); what these filters leave is decided in `f64`, so that the answers are those of brute force to the
 /// last bit. They run on AVX-512, AVX2 or anything, as the processor has it ([`SimdLevel`]), with the same answers.
 ///
@@ -89,7 +89,7 @@ pub struct WideBvh {
     n_leaves: usize,
     max_depth: u32,
     #[cfg_attr(feature = "serde", serde(skip))]
-    level: Available,
+    level: DetectedSimd,
 }
 
 impl WideBvh {
@@ -108,24 +108,24 @@ impl WideBvh {
     ///
     /// As [`build`](Self::build).
     pub fn build_with<P: Primitives>(primitives: &P, params: &BuildParams) -> Result<Self, BuildError> {
-        let census = Census::of(primitives)?;
-        let (centre, size) = (census.centre(), census.size());
-        let kind = LeafKind::of(census.layouts, centre, size);
-        let bounded = census.bounded;
-        let Some(tree) = build::build(primitives, &census, kind, params) else {
+        let stats = PrimStats::of(primitives)?;
+        let (centre, size) = (stats.centre(), stats.size());
+        let kind = LeafKind::of(stats.layouts, centre, size);
+        let bounded = stats.bounded;
+        let Some(tree) = build::build(primitives, &stats, kind, params) else {
             return Err(BuildError::TooMany { count: u64::from(bounded), limit: Child::LIMIT as u64 });
         };
         Ok(Self {
-            leaves: Leaves::new(&Filling { primitives, centre, kind }, &tree.listings),
+            leaves: Leaves::new(&LeafWriter { primitives, centre, kind }, &tree.listings),
             n_leaves: tree.listings.iter().map(|listing| listing.sizes.len()).sum(),
             nodes: tree.nodes,
             root: Child::node(0),
             centre,
             size,
-            unbounded: census.unbounded,
+            unbounded: stats.unbounded,
             bounded,
             max_depth: tree.depth,
-            level: Available::default(),
+            level: DetectedSimd::default(),
         })
     }
 
@@ -133,7 +133,7 @@ impl WideBvh {
     /// chosen when it is built. What the processor does not have is replaced by the portable level.
     #[must_use]
     pub fn with_level(mut self, level: SimdLevel) -> Self {
-        self.level = Available::new(level);
+        self.level = DetectedSimd::new(level);
         self
     }
 
@@ -151,9 +151,9 @@ impl WideBvh {
         span: Interval,
         probe: &mut S,
     ) -> G::Answer {
-        let mut judge = Asked { tree: self, primitives, probe };
+        let mut tester = Asked { tree: self, primitives, probe };
         let mut answer = G::Answer::default();
-        let mut query = Query { judge: &mut judge, work: Work::default(), answer: &mut answer };
+        let mut query = Query { tester: &mut tester, work: Work::default(), answer: &mut answer };
         G::walk(self, &mut query, ray, span);
         let Work { nodes, tests, hits } = query.work;
         probe.work(nodes, tests, hits);
@@ -170,8 +170,8 @@ impl WideBvh {
     ) {
         let n = rays.len().min(answers.len());
         let (Some(rays), Some(answers)) = (rays.get(..n), answers.get_mut(..n)) else { return };
-        let mut judge = Asked { tree: self, primitives, probe };
-        let mut ground = Ground { judge: &mut judge, work: Work::default() };
+        let mut tester = Asked { tree: self, primitives, probe };
+        let mut ground = Ground { tester: &mut tester, work: Work::default() };
         G::fly(self, &mut ground, rays, answers);
         let Work { nodes, tests, hits } = ground.work;
         probe.work(nodes, tests, hits);
@@ -207,7 +207,7 @@ impl WideBvh {
 
     /// Where a child lies in memory.
     #[inline(always)]
-    fn line(&self, child: Child) -> *const Line {
+    fn line(&self, child: Child) -> *const CacheLine {
         let node = self.nodes.as_ptr().wrapping_add(child.number()).cast();
         select_unpredictable(child.is_node(), node, self.leaves.line(child))
     }
@@ -220,7 +220,7 @@ struct Asked<'a, P, S> {
     probe: &'a mut S,
 }
 
-impl<P: Primitives, S: Probe> Judge for Asked<'_, P, S> {
+impl<P: Primitives, S: Probe> PrimitiveTester for Asked<'_, P, S> {
     fn closest(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
         intersect_primitive_uncounted(self.primitives, index, ray, span, self.probe)
     }
@@ -335,7 +335,7 @@ impl AcceleratorQueries for WideBvh {
             leaves: self.n_leaves,
             max_depth: self.max_depth as usize,
             references: self.leaves().map(|leaf| leaf.count()).sum(),
-            sah_cost: cost::sah_cost(&self.nodes),
+            sah_cost: sah::sah_cost(&self.nodes),
         }
     }
 

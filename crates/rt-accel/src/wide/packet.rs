@@ -1,6 +1,6 @@
-//! Eight rays that go about the same way, side by side: each box is tested with all of them, and so is each primitive.
+//! F64x8 rays that go about the same way, side by side: each box is tested with all of them, and so is each primitive.
 //!
-//! Rays that [`agree`](super::across::agree) may pass boxes through different sides, as those along an axis do. Where no more
+//! Rays that [`is_coherent`](super::packet_rays::agree) may pass boxes through different sides, as those along an axis do. Where no more
 //! than [`FEW`] of them are left, each goes on alone: there it is better to test eight boxes at a time.
 //!
 //! What they certainly hit stays in lanes as well, and those that hit the same triangle are decided about together: where
@@ -13,15 +13,15 @@ use core::mem::MaybeUninit;
 
 use rt_math::{Interval, Ray};
 
-use super::across::{Across, AcrossBoxes, PACKET};
-use super::goal::{Goal, Judge, Place, Prepared, take_lane};
-use super::leaf::{ExactRay, Filter, Lane};
+use super::frustum::Cut;
+use super::leaf::{Lane, LeafTest, RayF64};
 use super::node::{Child, Node};
-use super::round::RoundSpheres;
-use super::shaft::Cut;
+use super::packet_rays::{PACKET, PacketSlabs, RayPacket};
+use super::packet_spheres::SpherePacket;
+use super::query::{Goal, Place, PrimitiveTester, TravRay, take_lane};
 use super::simd::Simd;
-use super::stack::StackRoom;
-use super::walk::{Work, descend};
+use super::single_ray::{Work, descend};
+use super::stack::StackStorage;
 use super::{STACK, WideBvh};
 
 /// As many rays go on alone.
@@ -34,7 +34,7 @@ pub(super) struct Entry<S: Simd> {
     /// The least of `enters`.
     least: f32,
     /// Where the rays enter, infinite for those that do not.
-    enters: S::Lanes,
+    enters: S::F32x8,
 }
 
 /// Entries that have been put off, of which those below `len` have been written.
@@ -85,12 +85,12 @@ impl<S: Simd> PacketStack<S> {
 
 /// Rays of a packet that go alone.
 struct Loners<'r, S: Simd, F> {
-    prepared: [MaybeUninit<Prepared<'r, S, F>>; PACKET],
+    trav: [MaybeUninit<TravRay<'r, S, F>>; PACKET],
     /// Which have been prepared.
     who: u32,
 }
 
-impl<'r, S: Simd, F: Filter> Loners<'r, S, F> {
+impl<'r, S: Simd, F: LeafTest> Loners<'r, S, F> {
     /// `None` if the filters are not proven for the ray.
     #[inline(always)]
     fn get(
@@ -99,14 +99,14 @@ impl<'r, S: Simd, F: Filter> Loners<'r, S, F> {
         tree: &WideBvh,
         rays: &'r [(Ray, Interval); PACKET],
         lane: usize,
-    ) -> Option<&Prepared<'r, S, F>> {
+    ) -> Option<&TravRay<'r, S, F>> {
         if self.who >> lane & 1 == 0 {
             let (ray, span) = &rays[lane];
-            self.prepared[lane].write(Prepared::new(simd, tree, ray, *span)?);
+            self.trav[lane].write(TravRay::new(simd, tree, ray, *span)?);
             self.who |= 1 << lane;
         }
         // SAFETY: written now or before, as `who` says.
-        Some(unsafe { self.prepared[lane].assume_init_ref() })
+        Some(unsafe { self.trav[lane].assume_init_ref() })
     }
 }
 
@@ -148,37 +148,37 @@ impl<S: Simd, G: Goal> Finds<S, G> {
 /// Where rays enter the boxes of a node, infinite for those that do not, and a bit for each box that some enter. All boxes are
 /// tested before anything is asked: which are passed cannot be predicted.
 #[inline(always)]
-fn enter<S: Simd, const STRAIGHT: bool>(
+fn enter<S: Simd, const SAME_OCTANT: bool>(
     simd: S,
-    boxes: &AcrossBoxes<S>,
+    boxes: &PacketSlabs<S>,
     node: &Node,
-    limits: S::Lanes,
-) -> ([S::Lanes; 8], u32) {
+    limits: S::F32x8,
+) -> ([S::F32x8; 8], u32) {
     let mut enters = [simd.splat(0.0); 8];
     let mut passed = 0;
     for (lane, enters) in enters.iter_mut().enumerate() {
-        let [enter, leave] = boxes.cross::<STRAIGHT>(simd, |row| node.plane(simd, row, lane), limits);
-        *enters = simd.or_infinity(enter, leave);
+        let [enter, leave] = boxes.cross::<SAME_OCTANT>(simd, |row| node.plane(simd, row, lane), limits);
+        *enters = simd.or_inf(enter, leave);
         passed |= u32::from(simd.le(enter, leave) != 0) << lane;
     }
     (enters, passed)
 }
 
-/// Eight rays that agree, as those who test boxes, primitives, and spheres see them.
-struct Eights<'r, 'p, S: Simd, F: Filter> {
+/// F64x8 rays that agree, as those who test boxes, primitives, and spheres see them.
+struct Eights<'r, 'p, S: Simd, F: LeafTest> {
     rays: &'r [(Ray, Interval); PACKET],
-    across: &'p Across<S>,
-    filter: &'p F::Across<S>,
+    across: &'p RayPacket<S>,
+    filter: &'p F::Packet<S>,
 }
 
-/// Eight rays on their way through a tree.
+/// F64x8 rays on their way through a tree.
 pub(super) struct Packet<'q, 'j, S: Simd, G: Goal> {
     pub(super) simd: S,
     pub(super) tree: &'q WideBvh,
-    pub(super) judge: &'q mut (dyn Judge + 'j),
+    pub(super) tester: &'q mut (dyn PrimitiveTester + 'j),
     pub(super) work: &'q mut Work,
     pub(super) stack: &'q mut PacketStack<S>,
-    pub(super) alone: &'q mut StackRoom,
+    pub(super) alone: &'q mut StackStorage,
     /// What the rays may meet, if that is known.
     pub(super) cut: Option<&'q Cut>,
     /// What blocked a ray of the packets before, and at least one of the last.
@@ -189,24 +189,24 @@ pub(super) struct Packet<'q, 'j, S: Simd, G: Goal> {
 impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
     /// Sends the first `n` of eight rays through the tree; false unless all eight agree in all that they must.
     #[inline(always)]
-    pub(super) fn go<F: Filter>(
+    pub(super) fn go<F: LeafTest>(
         &mut self,
         n: usize,
         rays: &[(Ray, Interval); PACKET],
         answers: &mut [G::Answer; PACKET],
     ) -> bool {
-        let Some(across) = Across::new(self.simd, self.tree, rays) else { return false };
+        let Some(across) = RayPacket::new(self.simd, self.tree, rays) else { return false };
         let filter = F::across(self.simd, &across, self.tree);
         let mut limits = across.limits;
         for lane in n..PACKET {
-            limits = self.simd.replaced(limits, lane, -1.0);
+            limits = self.simd.insert(limits, lane, -1.0);
         }
         let mut finds = Finds::<S, G>::new(self.simd);
         if !self.tree.unbounded.is_empty() {
             for (lane, (ray, span)) in rays.iter().enumerate().take(n) {
                 let goal = finds.goal(lane, *span);
-                let _ = goal.visit_unbounded(self.judge, ray);
-                limits = self.simd.replaced(limits, lane, goal.limit());
+                let _ = goal.visit_unbounded(self.tester, ray);
+                limits = self.simd.insert(limits, lane, goal.limit());
             }
         }
         let eights = Eights::<S, F> { rays, across: &across, filter: &filter };
@@ -216,7 +216,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         let limits = self.walk(&eights, &mut finds, limits);
         G::forget(&mut finds.together, self.simd, limits);
         *self.blocker = G::found_blocker(&finds.together);
-        self.work.hits += G::settle::<S, F>(&finds.together, self.simd, self.tree, self.judge, &across, rays, answers);
+        self.work.hits += G::settle::<S, F>(&finds.together, self.simd, self.tree, self.tester, &across, rays, answers);
         let mut alone = finds.who;
         while alone != 0 {
             let lane = take_lane(&mut alone);
@@ -226,7 +226,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
             if self.blocker.is_none() {
                 *self.blocker = goal.blocker();
             }
-            goal.finish::<S, F>(self.simd, self.tree, self.judge, &ExactRay::new(self.simd, ray), &mut answers[lane]);
+            goal.finish::<S, F>(self.simd, self.tree, self.tester, &RayF64::new(self.simd, ray), &mut answers[lane]);
             self.work.hits += goal.uncounted_hits();
         }
         true
@@ -234,19 +234,19 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
 
     /// Asks what blocked rays before whether it certainly blocks these.
     #[inline(always)]
-    fn ask_again<F: Filter>(
+    fn ask_again<F: LeafTest>(
         &mut self,
         eights: &Eights<'_, '_, S, F>,
         finds: &mut Finds<S, G>,
         place: Place,
-        limits: &mut S::Lanes,
+        limits: &mut S::F32x8,
     ) {
         let simd = self.simd;
         let asked = simd.le(simd.splat(0.0), *limits);
         self.work.tests += u64::from(asked.count_ones());
         // SAFETY: places are leaves of the tree with which they are used.
         let leaf = unsafe { self.tree.leaves.view(place.leaf()) };
-        let verdict = F::judge_across(simd, eights.filter, leaf, place.lane(), *limits);
+        let verdict = F::test_packet(simd, eights.filter, leaf, place.lane(), *limits);
         let sure = verdict.sure & asked;
         if sure != 0 {
             let left = G::find(&mut finds.together, simd, place, sure, [verdict.near, verdict.far], limits);
@@ -256,14 +256,14 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
 
     /// Walks through all that the rays may meet; returns their limits.
     #[inline(always)]
-    fn walk<F: Filter>(
+    fn walk<F: LeafTest>(
         &mut self,
         eights: &Eights<'_, '_, S, F>,
         finds: &mut Finds<S, G>,
-        mut limits: S::Lanes,
-    ) -> S::Lanes {
+        mut limits: S::F32x8,
+    ) -> S::F32x8 {
         let simd = self.simd;
-        let mut loners = Loners { prepared: [const { MaybeUninit::uninit() }; PACKET], who: 0 };
+        let mut loners = Loners { trav: [const { MaybeUninit::uninit() }; PACKET], who: 0 };
         self.stack.len = 0;
         let Some(cut) = self.cut else {
             // SAFETY: the stack is empty.
@@ -285,7 +285,7 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 continue;
             }
             if subtree.child.is_node() {
-                let enters = simd.or_infinity(enter, leave);
+                let enters = simd.or_inf(enter, leave);
                 // SAFETY: the stack is empty, as all that was on it has been gone through.
                 unsafe { self.stack.insert(0, Entry { child: subtree.child, least: 0.0, enters }) };
                 limits = self.descend(eights, finds, limits, &mut loners);
@@ -300,15 +300,15 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
 
     /// Goes through all that has been put off; returns the limits of the rays.
     #[inline(always)]
-    fn descend<'r, F: Filter>(
+    fn descend<'r, F: LeafTest>(
         &mut self,
         eights: &Eights<'r, '_, S, F>,
         finds: &mut Finds<S, G>,
-        mut limits: S::Lanes,
+        mut limits: S::F32x8,
         loners: &mut Loners<'r, S, F>,
-    ) -> S::Lanes {
+    ) -> S::F32x8 {
         let simd = self.simd;
-        let is_straight = eights.across.boxes.is_straight();
+        let is_same_octant = eights.across.boxes.is_same_octant();
         while let Some(Entry { child, enters, .. }) = self.stack.pop() {
             let mut mask = simd.le(enters, limits);
             let n_rays = mask.count_ones();
@@ -318,22 +318,22 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                     let lane = take_lane(&mut mask);
                     let goal = finds.goal_until(lane, eights.rays[lane].1, ends[lane]);
                     match loners.get(simd, self.tree, eights.rays, lane) {
-                        Some(prepared) => {
+                        Some(trav) => {
                             // SAFETY: entries are the root of the tree, subtrees of it, or children of its nodes.
                             unsafe {
-                                descend(simd, self.tree, self.judge, prepared, goal, child, self.alone, self.work);
+                                descend(simd, self.tree, self.tester, trav, goal, child, self.alone, self.work);
                             }
                         }
-                        None => goal.visit_unfiltered(self.judge, &eights.rays[lane].0),
+                        None => goal.visit_unfiltered(self.tester, &eights.rays[lane].0),
                     }
-                    limits = simd.replaced(limits, lane, goal.limit());
+                    limits = simd.insert(limits, lane, goal.limit());
                 }
             } else if child.is_node() {
                 self.work.nodes += u64::from(n_rays);
                 // SAFETY: entries are the root of the tree, subtrees of it, or children of its nodes.
                 let node = unsafe { self.tree.node(child) };
                 let first = self.stack.len;
-                let (enters, mut passed) = if is_straight {
+                let (enters, mut passed) = if is_same_octant {
                     enter::<S, true>(simd, &eights.across.boxes, node, limits)
                 } else {
                     enter::<S, false>(simd, &eights.across.boxes, node, limits)
@@ -360,21 +360,21 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
     ///
     /// The leaf must be one of the tree.
     #[inline(always)]
-    unsafe fn visit<F: Filter>(
+    unsafe fn visit<F: LeafTest>(
         &mut self,
         eights: &Eights<'_, '_, S, F>,
         finds: &mut Finds<S, G>,
         (leaf, mut lanes): (Child, u32),
         mut mask: u32,
-        mut limits: S::Lanes,
-    ) -> S::Lanes {
+        mut limits: S::F32x8,
+    ) -> S::F32x8 {
         let simd = self.simd;
         // SAFETY: as the caller promises.
         let view = unsafe { self.tree.leaves.view(leaf) };
         self.work.tests += u64::from(mask.count_ones()) * u64::from(lanes.count_ones());
         while lanes != 0 {
             let lane = Lane::new(take_lane(&mut lanes));
-            let verdict = F::judge_across(simd, eights.filter, view, lane, limits);
+            let verdict = F::test_packet(simd, eights.filter, view, lane, limits);
             let mut maybe = verdict.maybe & mask;
             if maybe == 0 {
                 continue;
@@ -391,12 +391,12 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 }
             }
             let unsure = maybe & !verdict.sure;
-            if unsure != 0 && !F::decides(view, lane) {
+            if unsure != 0 && !F::is_exact(view, lane) {
                 let index = F::index(view, lane);
-                if let Some(sphere) = if F::ROUND { self.judge.round(index) } else { None } {
+                if let Some(sphere) = if F::IS_SPHERE { self.tester.round(index) } else { None } {
                     // Rays that start on a sphere are left to be decided about, and most of them lead away.
-                    maybe &= verdict.sure | !RoundSpheres::all(simd, &sphere).missed(simd, &eights.across.lanes);
-                } else if unsure.count_ones() > FEW && self.judge.is_structure(index) {
+                    maybe &= verdict.sure | !SpherePacket::all(simd, &sphere).miss_mask(simd, &eights.across.lanes);
+                } else if unsure.count_ones() > FEW && self.tester.is_structure(index) {
                     maybe &= verdict.sure;
                     limits = self.ask_together(index, eights.rays, unsure, finds, limits);
                     mask &= simd.le(simd.splat(0.0), limits);
@@ -410,9 +410,9 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
                 let (asked, span) = &eights.rays[ray];
                 let goal = finds.goal_until(ray, *span, ends[ray]);
                 // SAFETY: as the caller promises.
-                unsafe { goal.consider::<S, F>(simd, self.tree, self.judge, asked, leaf, lane, bounds) };
+                unsafe { goal.consider::<S, F>(simd, self.tree, self.tester, asked, leaf, lane, bounds) };
                 let limit = goal.limit();
-                limits = simd.replaced(limits, ray, limit);
+                limits = simd.insert(limits, ray, limit);
                 mask &= !(u32::from(limit < 0.0) << ray);
             }
         }
@@ -427,8 +427,8 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
         rays: &[(Ray, Interval); PACKET],
         mut mask: u32,
         finds: &mut Finds<S, G>,
-        mut limits: S::Lanes,
-    ) -> S::Lanes {
+        mut limits: S::F32x8,
+    ) -> S::F32x8 {
         let n = mask.count_ones() as usize;
         let (mut asked, mut lanes, mut found) = (*rays, [0; PACKET], [G::Answer::default(); PACKET]);
         for place in 0..n {
@@ -436,12 +436,12 @@ impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
             lanes[place] = lane;
             asked[place] = (rays[lane].0, finds.goal(lane, rays[lane].1).span());
         }
-        G::ask_together(self.judge, index, &asked[..n], &mut found[..n]);
+        G::ask_together(self.tester, index, &asked[..n], &mut found[..n]);
         let ends = self.simd.to_array(limits);
         for (lane, found) in lanes.into_iter().zip(found).take(n) {
             let goal = finds.goal_until(lane, rays[lane].1, ends[lane]);
             goal.take(found);
-            limits = self.simd.replaced(limits, lane, goal.limit());
+            limits = self.simd.insert(limits, lane, goal.limit());
         }
         limits
     }

@@ -6,9 +6,9 @@ use super::STACK;
 use super::node::Child;
 
 /// Memory of a stack, to be used again from ray to ray.
-pub(super) struct StackRoom([MaybeUninit<u64>; STACK]);
+pub(super) struct StackStorage([MaybeUninit<u64>; STACK]);
 
-impl StackRoom {
+impl StackStorage {
     #[inline(always)]
     pub(super) const fn new() -> Self {
         Self([const { MaybeUninit::uninit() }; STACK])
@@ -25,7 +25,7 @@ pub(super) struct Stack<'r> {
 
 impl<'r> Stack<'r> {
     #[inline(always)]
-    pub(super) const fn new(room: &'r mut StackRoom) -> Self {
+    pub(super) const fn new(room: &'r mut StackStorage) -> Self {
         Self { entries: &mut room.0, len: 0 }
     }
 

@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 
 use glam::Vec4;
 
-use super::{Kernel, Simd};
+use super::{Simd, WithSimd};
 
 /// Two halves of four numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub(in crate::wide) struct Portable;
 impl Portable {
     /// Runs the kernel, compiled once and not wherever it is asked for.
     #[inline(never)]
-    pub(super) fn dispatch<A, B, K: Kernel<A, B>>(self, kernel: K, a: A, b: B) {
+    pub(super) fn dispatch<A, B, K: WithSimd<A, B>>(self, kernel: K, a: A, b: B) {
         kernel.run(self, a, b)
     }
 }
@@ -29,97 +29,97 @@ fn each(a: [f64; 4], b: [f64; 4], f: impl Fn(f64, f64) -> f64) -> [f64; 4] {
 }
 
 impl Simd for Portable {
-    type Lanes = [Vec4; 2];
+    type F32x8 = [Vec4; 2];
 
     const FUSED: bool = false;
-    const WAITS: bool = false;
+    const INTERLEAVE: bool = false;
 
     #[inline(always)]
-    fn splat(self, x: f32) -> Self::Lanes {
+    fn splat(self, x: f32) -> Self::F32x8 {
         [Vec4::splat(x); 2]
     }
 
     #[inline(always)]
-    fn load(self, from: &[f32; 8]) -> Self::Lanes {
+    fn load(self, from: &[f32; 8]) -> Self::F32x8 {
         let [a, b, c, d, e, f, g, h] = *from;
         [Vec4::new(a, b, c, d), Vec4::new(e, f, g, h)]
     }
 
     #[inline(always)]
-    fn to_array(self, [low, high]: Self::Lanes) -> [f32; 8] {
+    fn to_array(self, [low, high]: Self::F32x8) -> [f32; 8] {
         let ([a, b, c, d], [e, f, g, h]) = (low.to_array(), high.to_array());
         [a, b, c, d, e, f, g, h]
     }
 
     #[inline(always)]
-    fn replaced(self, a: Self::Lanes, lane: usize, by: f32) -> Self::Lanes {
+    fn insert(self, a: Self::F32x8, lane: usize, by: f32) -> Self::F32x8 {
         let mut numbers = self.to_array(a);
         numbers[lane & 7] = by;
         self.load(&numbers)
     }
 
     #[inline(always)]
-    fn add(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+    fn add(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
         both(a, b, |a, b| a + b)
     }
 
     #[inline(always)]
-    fn sub(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+    fn sub(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
         both(a, b, |a, b| a - b)
     }
 
     #[inline(always)]
-    fn mul(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+    fn mul(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
         both(a, b, |a, b| a * b)
     }
 
     #[inline(always)]
-    fn div(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+    fn div(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
         both(a, b, |a, b| a / b)
     }
 
     #[inline(always)]
-    fn sqrt(self, a: Self::Lanes) -> Self::Lanes {
+    fn sqrt(self, a: Self::F32x8) -> Self::F32x8 {
         a.map(|half| Vec4::from_array(half.to_array().map(f32::sqrt)))
     }
 
     #[inline(always)]
-    fn abs(self, a: Self::Lanes) -> Self::Lanes {
+    fn abs(self, a: Self::F32x8) -> Self::F32x8 {
         a.map(Vec4::abs)
     }
 
     #[inline(always)]
-    fn min(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+    fn min(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
         both(a, b, Vec4::min)
     }
 
     #[inline(always)]
-    fn max(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+    fn max(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
         both(a, b, Vec4::max)
     }
 
     #[inline(always)]
-    fn mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes {
+    fn mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8 {
         self.add(self.mul(a, b), c)
     }
 
     #[inline(always)]
-    fn mul_sub(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes {
+    fn mul_sub(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8 {
         self.sub(self.mul(a, b), c)
     }
 
     #[inline(always)]
-    fn neg_mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes {
+    fn neg_mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8 {
         self.sub(c, self.mul(a, b))
     }
 
     #[inline(always)]
-    fn le(self, a: Self::Lanes, b: Self::Lanes) -> u32 {
+    fn le(self, a: Self::F32x8, b: Self::F32x8) -> u32 {
         a[0].cmple(b[0]).bitmask() | a[1].cmple(b[1]).bitmask() << 4
     }
 
     #[inline(always)]
-    fn lt(self, a: Self::Lanes, b: Self::Lanes) -> u32 {
+    fn lt(self, a: Self::F32x8, b: Self::F32x8) -> u32 {
         a[0].cmplt(b[0]).bitmask() | a[1].cmplt(b[1]).bitmask() << 4
     }
 
@@ -127,7 +127,7 @@ impl Simd for Portable {
     fn prefetch<T>(self, _line: *const T) {}
 
     #[inline(always)]
-    fn same(self, a: Self::Lanes, b: Self::Lanes) -> u32 {
+    fn eq_bits(self, a: Self::F32x8, b: Self::F32x8) -> u32 {
         let (a, b) = (self.to_array(a), self.to_array(b));
         let mut same = 0;
         for lane in 0..8 {
@@ -137,7 +137,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn chosen(self, mask: u32, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+    fn select(self, mask: u32, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
         let (a, mut chosen) = (self.to_array(a), self.to_array(b));
         for lane in 0..8 {
             chosen[lane] = if mask >> lane & 1 != 0 { a[lane] } else { chosen[lane] };
@@ -146,20 +146,20 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn or_infinity(self, [a, b]: Self::Lanes, [c, d]: Self::Lanes) -> Self::Lanes {
+    fn or_inf(self, [a, b]: Self::F32x8, [c, d]: Self::F32x8) -> Self::F32x8 {
         [Vec4::select(a.cmple(c), a, Vec4::INFINITY), Vec4::select(b.cmple(d), b, Vec4::INFINITY)]
     }
 
     #[inline(always)]
-    fn least(self, [a, b]: Self::Lanes) -> f32 {
+    fn least(self, [a, b]: Self::F32x8) -> f32 {
         a.min(b).min_element()
     }
 
     #[inline(always)]
-    fn put_passed(
+    fn compress_sorted(
         self,
-        enter: Self::Lanes,
-        leave: Self::Lanes,
+        enter: Self::F32x8,
+        leave: Self::F32x8,
         words: &[u32; 8],
         enters: &mut [MaybeUninit<f32>; 8],
         passed: &mut [MaybeUninit<u32>; 8],
@@ -186,7 +186,7 @@ impl Simd for Portable {
         count
     }
 
-    type Doubles = [f64; 4];
+    type F64x4 = [f64; 4];
 
     #[inline(always)]
     fn doubles(self, of: [f64; 4]) -> [f64; 4] {
@@ -199,17 +199,17 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn rounded(self, [a, b, c, d]: [f64; 4]) -> [f64; 4] {
+    fn round_to_f32(self, [a, b, c, d]: [f64; 4]) -> [f64; 4] {
         [f64::from(a as f32), f64::from(b as f32), f64::from(c as f32), f64::from(d as f32)]
     }
 
     #[inline(always)]
-    fn joined(self, [a, b, c, d]: [f64; 4], [e, f, g, h]: [f64; 4]) -> Self::Lanes {
+    fn concat_to_f32(self, [a, b, c, d]: [f64; 4], [e, f, g, h]: [f64; 4]) -> Self::F32x8 {
         [Vec4::new(a as f32, b as f32, c as f32, d as f32), Vec4::new(e as f32, f as f32, g as f32, h as f32)]
     }
 
     #[inline(always)]
-    fn narrowed(self, a: [f64; 4]) -> [f32; 4] {
+    fn to_f32(self, a: [f64; 4]) -> [f32; 4] {
         a.map(|a| a as f32)
     }
 
@@ -259,7 +259,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn by_sign(self, by: [f64; 4], positive: [f64; 4], negative: [f64; 4]) -> [f64; 4] {
+    fn select_by_sign(self, by: [f64; 4], positive: [f64; 4], negative: [f64; 4]) -> [f64; 4] {
         core::array::from_fn(|i| if by[i].is_sign_negative() { negative[i] } else { positive[i] })
     }
 
@@ -274,12 +274,12 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn turned_once(self, [a, b, c, d]: [f64; 4]) -> [f64; 4] {
+    fn yzx(self, [a, b, c, d]: [f64; 4]) -> [f64; 4] {
         [b, c, a, d]
     }
 
     #[inline(always)]
-    fn turned_twice(self, [a, b, c, d]: [f64; 4]) -> [f64; 4] {
+    fn zxy(self, [a, b, c, d]: [f64; 4]) -> [f64; 4] {
         [c, a, b, d]
     }
 
@@ -290,7 +290,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn turned_last(self, [x, y, z, spare]: [f64; 4], axis: usize) -> [f64; 4] {
+    fn rotate_axis_last(self, [x, y, z, spare]: [f64; 4], axis: usize) -> [f64; 4] {
         match axis {
             0 => [y, z, x, spare],
             1 => [z, x, y, spare],

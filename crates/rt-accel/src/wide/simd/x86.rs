@@ -6,7 +6,7 @@
 use core::arch::x86_64::*;
 use core::mem::MaybeUninit;
 
-use super::{Kernel, Simd};
+use super::{Simd, WithSimd};
 
 /// Sorts eight numbers, the greatest first, by a bitonic network (Batcher 1968): without branches, as no order is more
 /// likely than another.
@@ -57,9 +57,9 @@ macro_rules! level {
 
             /// Runs the kernel with all that this level has.
             #[inline]
-            pub(super) fn dispatch<A, B, K: Kernel<A, B>>(self, kernel: K, a: A, b: B) {
+            pub(super) fn dispatch<A, B, K: WithSimd<A, B>>(self, kernel: K, a: A, b: B) {
                 #[target_feature(enable = $features)]
-                fn compiled_for_it<A, B, K: Kernel<A, B>>(simd: $name, kernel: K, a: A, b: B) {
+                fn compiled_for_it<A, B, K: WithSimd<A, B>>(simd: $name, kernel: K, a: A, b: B) {
                     kernel.run(simd, a, b)
                 }
                 // SAFETY: `self` exists, so `detect` has found all of these features.
@@ -68,10 +68,10 @@ macro_rules! level {
         }
 
         impl Simd for $name {
-            type Lanes = __m256;
+            type F32x8 = __m256;
 
             const FUSED: bool = true;
-            const WAITS: bool = true;
+            const INTERLEAVE: bool = true;
 
             #[inline(always)]
             fn splat(self, x: f32) -> __m256 {
@@ -94,7 +94,7 @@ macro_rules! level {
             }
 
             #[inline(always)]
-            fn replaced(self, a: __m256, lane: usize, by: f32) -> __m256 {
+            fn insert(self, a: __m256, lane: usize, by: f32) -> __m256 {
                 // SAFETY: AVX2 is there, as `self` exists.
                 unsafe {
                     let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
@@ -182,7 +182,7 @@ macro_rules! level {
             }
 
             #[inline(always)]
-            fn same(self, a: __m256, b: __m256) -> u32 {
+            fn eq_bits(self, a: __m256, b: __m256) -> u32 {
                 // SAFETY: AVX2 is there, as `self` exists.
                 unsafe {
                     let same = _mm256_cmpeq_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b));
@@ -191,13 +191,13 @@ macro_rules! level {
             }
 
             #[inline(always)]
-            fn chosen(self, $mask: u32, $a: __m256, $b: __m256) -> __m256 {
+            fn select(self, $mask: u32, $a: __m256, $b: __m256) -> __m256 {
                 // SAFETY: AVX2 is there, as `self` exists, and AVX-512 where this is its level.
                 unsafe { $chosen }
             }
 
             #[inline(always)]
-            fn or_infinity(self, enter: __m256, leave: __m256) -> __m256 {
+            fn or_inf(self, enter: __m256, leave: __m256) -> __m256 {
                 // SAFETY: as `splat`.
                 unsafe {
                     let is_passed = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave);
@@ -216,7 +216,7 @@ macro_rules! level {
             }
 
             #[inline(always)]
-            fn put_passed(
+            fn compress_sorted(
                 self,
                 enter: __m256,
                 leave: __m256,
@@ -247,7 +247,7 @@ macro_rules! level {
                 unsafe { _mm_prefetch::<_MM_HINT_T0>(line.cast()) }
             }
 
-            type Doubles = __m256d;
+            type F64x4 = __m256d;
 
             #[inline(always)]
             fn doubles(self, [a, b, c, d]: [f64; 4]) -> __m256d {
@@ -262,19 +262,19 @@ macro_rules! level {
             }
 
             #[inline(always)]
-            fn rounded(self, a: __m256d) -> __m256d {
+            fn round_to_f32(self, a: __m256d) -> __m256d {
                 // SAFETY: as `splat`.
                 unsafe { _mm256_cvtps_pd(_mm256_cvtpd_ps(a)) }
             }
 
             #[inline(always)]
-            fn joined(self, low: __m256d, high: __m256d) -> __m256 {
+            fn concat_to_f32(self, low: __m256d, high: __m256d) -> __m256 {
                 // SAFETY: as `splat`.
                 unsafe { _mm256_set_m128(_mm256_cvtpd_ps(high), _mm256_cvtpd_ps(low)) }
             }
 
             #[inline(always)]
-            fn narrowed(self, a: __m256d) -> [f32; 4] {
+            fn to_f32(self, a: __m256d) -> [f32; 4] {
                 let mut to = [0.0; 4];
                 // SAFETY: writes the four numbers of the array, at any alignment.
                 unsafe { _mm_storeu_ps(to.as_mut_ptr(), _mm256_cvtpd_ps(a)) };
@@ -338,7 +338,7 @@ macro_rules! level {
             }
 
             #[inline(always)]
-            fn by_sign(self, by: __m256d, positive: __m256d, negative: __m256d) -> __m256d {
+            fn select_by_sign(self, by: __m256d, positive: __m256d, negative: __m256d) -> __m256d {
                 // SAFETY: as `splat`.
                 unsafe { _mm256_blendv_pd(positive, negative, by) }
             }
@@ -356,13 +356,13 @@ macro_rules! level {
             }
 
             #[inline(always)]
-            fn turned_once(self, a: __m256d) -> __m256d {
+            fn yzx(self, a: __m256d) -> __m256d {
                 // SAFETY: as `splat`.
                 unsafe { _mm256_permute4x64_pd::<0b11_00_10_01>(a) }
             }
 
             #[inline(always)]
-            fn turned_twice(self, a: __m256d) -> __m256d {
+            fn zxy(self, a: __m256d) -> __m256d {
                 // SAFETY: as `splat`.
                 unsafe { _mm256_permute4x64_pd::<0b11_01_00_10>(a) }
             }
@@ -370,16 +370,16 @@ macro_rules! level {
             #[inline(always)]
             fn greatest_axis(self, a: __m256d) -> usize {
                 // SAFETY: as `splat`.
-                let at_most = unsafe {
+                let round_down = unsafe {
                     let (x_x_y, y_z_z) =
                         (_mm256_permute4x64_pd::<0b11_01_00_00>(a), _mm256_permute4x64_pd::<0b11_10_10_01>(a));
                     _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(x_x_y, y_z_z))
                 };
-                GREATEST[at_most as usize & 7] as usize
+                GREATEST[round_down as usize & 7] as usize
             }
 
             #[inline(always)]
-            fn turned_last(self, a: __m256d, axis: usize) -> __m256d {
+            fn rotate_axis_last(self, a: __m256d, axis: usize) -> __m256d {
                 // SAFETY: as `splat`; reads the eight words of an array.
                 unsafe {
                     let order = _mm256_loadu_si256(LAST[axis & 3].as_ptr().cast());

@@ -5,12 +5,12 @@ use core::ops::ControlFlow;
 
 use rt_math::{Interval, Ray};
 
-use super::{Goal, Judge, Place, Prepared, take_lane};
-use crate::wide::across::{Across, PACKET};
-use crate::wide::flight::{Flight, Ground};
-use crate::wide::leaf::{ExactRay, Filter, Lane};
-use crate::wide::walk::{Query, Walk};
-use crate::{wide::WideBvh, wide::node::Child, wide::ray::at_least, wide::simd::Simd};
+use super::{Goal, Place, PrimitiveTester, TravRay, take_lane};
+use crate::wide::batch::{Flight, Ground};
+use crate::wide::leaf::{Lane, LeafTest, RayF64};
+use crate::wide::packet_rays::{PACKET, RayPacket};
+use crate::wide::single_ray::{Query, Walk};
+use crate::{wide::WideBvh, wide::node::Child, wide::ray::round_up, wide::simd::Simd};
 
 /// Whether anything blocks the ray.
 pub(in crate::wide) struct AnyHit {
@@ -59,19 +59,19 @@ impl Goal for AnyHit {
 
     #[inline(always)]
     fn new(span: Interval) -> Self {
-        Self { span, uncounted_hits: 0, is_blocked: false, blocker: None, limit: at_least(span.max) }
+        Self { span, uncounted_hits: 0, is_blocked: false, blocker: None, limit: round_up(span.max) }
     }
 
-    fn visit_unbounded(&mut self, judge: &mut dyn Judge, ray: &Ray) -> ControlFlow<()> {
-        if judge.occluded_unbounded(ray, self.span) {
+    fn visit_unbounded(&mut self, tester: &mut dyn PrimitiveTester, ray: &Ray) -> ControlFlow<()> {
+        if tester.occluded_unbounded(ray, self.span) {
             self.block();
             return ControlFlow::Break(());
         }
         ControlFlow::Continue(())
     }
 
-    fn visit_unfiltered(&mut self, judge: &mut dyn Judge, ray: &Ray) {
-        self.is_blocked = judge.occluded_unfiltered(ray, self.span);
+    fn visit_unfiltered(&mut self, tester: &mut dyn PrimitiveTester, ray: &Ray) {
+        self.is_blocked = tester.occluded_unfiltered(ray, self.span);
     }
 
     #[inline(always)]
@@ -80,17 +80,17 @@ impl Goal for AnyHit {
     }
 
     #[inline(always)]
-    unsafe fn visit<S: Simd, F: Filter>(
+    unsafe fn visit<S: Simd, F: LeafTest>(
         &mut self,
         simd: S,
         tree: &WideBvh,
-        judge: &mut dyn Judge,
-        prepared: &Prepared<'_, S, F>,
+        tester: &mut dyn PrimitiveTester,
+        trav: &TravRay<'_, S, F>,
         leaf: Child,
     ) -> ControlFlow<()> {
         // SAFETY: as the caller promises.
         let view = unsafe { tree.leaves.view(leaf) };
-        let verdict = prepared.filter.judge(simd, view, self.limit);
+        let verdict = trav.filter.test(simd, view, self.limit);
         if verdict.sure != 0 {
             self.uncounted_hits += 1;
             // SAFETY: as the caller promises.
@@ -100,8 +100,8 @@ impl Goal for AnyHit {
         let mut unsure = verdict.maybe;
         while unsure != 0 {
             let lane = Lane::new(take_lane(&mut unsure));
-            if F::blocks(simd, view, lane, &prepared.ray, self.span, judge) {
-                self.uncounted_hits += u64::from(F::decides(view, lane));
+            if F::blocks(simd, view, lane, &trav.ray, self.span, tester) {
+                self.uncounted_hits += u64::from(F::is_exact(view, lane));
                 // SAFETY: as the caller promises.
                 self.block_by(unsafe { Place::new(leaf, lane) });
                 return ControlFlow::Break(());
@@ -111,11 +111,11 @@ impl Goal for AnyHit {
     }
 
     #[inline(always)]
-    unsafe fn consider<S: Simd, F: Filter>(
+    unsafe fn consider<S: Simd, F: LeafTest>(
         &mut self,
         simd: S,
         tree: &WideBvh,
-        judge: &mut dyn Judge,
+        tester: &mut dyn PrimitiveTester,
         ray: &Ray,
         leaf: Child,
         lane: Lane,
@@ -126,8 +126,8 @@ impl Goal for AnyHit {
         if sure.is_some() {
             self.uncounted_hits += 1;
             self.block_by(place);
-        } else if F::blocks(simd, view, lane, &ExactRay::new(simd, ray), self.span, judge) {
-            self.uncounted_hits += u64::from(F::decides(view, lane));
+        } else if F::blocks(simd, view, lane, &RayF64::new(simd, ray), self.span, tester) {
+            self.uncounted_hits += u64::from(F::is_exact(view, lane));
             self.block_by(place);
         }
     }
@@ -137,8 +137,13 @@ impl Goal for AnyHit {
         self.span
     }
 
-    fn ask_together(judge: &mut dyn Judge, index: u32, rays: &[(Ray, Interval)], answers: &mut [Self::Answer]) {
-        judge.occluded_together(index, rays, answers);
+    fn ask_together(
+        tester: &mut dyn PrimitiveTester,
+        index: u32,
+        rays: &[(Ray, Interval)],
+        answers: &mut [Self::Answer],
+    ) {
+        tester.occluded_together(index, rays, answers);
     }
 
     #[inline(always)]
@@ -149,12 +154,12 @@ impl Goal for AnyHit {
     }
 
     #[inline(always)]
-    fn finish<S: Simd, F: Filter>(
+    fn finish<S: Simd, F: LeafTest>(
         &mut self,
         _: S,
         _: &WideBvh,
-        _: &mut dyn Judge,
-        _: &ExactRay<'_, S>,
+        _: &mut dyn PrimitiveTester,
+        _: &RayF64<'_, S>,
         answer: &mut bool,
     ) {
         *answer = self.is_blocked;
@@ -173,22 +178,22 @@ impl Goal for AnyHit {
         simd: S,
         place: Place,
         sure: u32,
-        _: [S::Lanes; 2],
-        limits: &mut S::Lanes,
+        _: [S::F32x8; 2],
+        limits: &mut S::F32x8,
     ) -> u32 {
         found.who |= sure;
         found.last = Some(place);
-        *limits = simd.chosen(sure, simd.splat(-1.0), *limits);
+        *limits = simd.select(sure, simd.splat(-1.0), *limits);
         0
     }
 
     #[inline(always)]
-    fn settle<S: Simd, F: Filter>(
+    fn settle<S: Simd, F: LeafTest>(
         found: &FoundBlocked,
         _: S,
         _: &WideBvh,
-        _: &mut dyn Judge,
-        _: &Across<S>,
+        _: &mut dyn PrimitiveTester,
+        _: &RayPacket<S>,
         _: &[(Ray, Interval); PACKET],
         answers: &mut [bool; PACKET],
     ) -> u64 {

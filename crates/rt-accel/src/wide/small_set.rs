@@ -8,13 +8,13 @@ use rt_geometry::{
 };
 use rt_math::{Interval, Ray};
 
-use super::across::{EightRays, Meetings, PACKET, repeated};
-use super::facet;
-use super::goal::take_lane;
 use super::packet::FEW;
-use super::round::RoundSpheres;
-use super::simd::{Available, Kernel, Simd, SimdLevel};
-use super::walk::Work;
+use super::packet_rays::{PACKET, PacketHit, RaySoa8, pad_to_packet};
+use super::packet_spheres::SpherePacket;
+use super::packet_triangles;
+use super::query::take_lane;
+use super::simd::{DetectedSimd, Simd, SimdLevel, WithSimd};
+use super::single_ray::Work;
 use crate::ray_query::{Any, Closest};
 
 /// Rays that a structure is asked for at a time, so that what is copied of them does not grow with batches.
@@ -28,29 +28,29 @@ const AT_ONCE: usize = 1024;
 /// are asked for many rays of the batch together, whose own work is then that of batches.
 ///
 /// ```
-/// use rt_accel::{Aabb, Accelerator, Boxes, DVec3, Interval, NoProbe, Ray, wide::Handful};
+/// use rt_accel::{Aabb, Accelerator, Boxes, DVec3, Interval, NoProbe, Ray, wide::SmallSet};
 ///
 /// let boxes = [0.0, 2.0, 4.0].map(|x| Aabb::new(DVec3::splat(x), DVec3::splat(x + 1.0)));
-/// let all_but_the_first = Handful::new([2, 1]).expect("no more than there is room for");
+/// let all_but_the_first = SmallSet::new([2, 1]).expect("no more than there is room for");
 /// let ray = Ray::new(DVec3::splat(-1.0), DVec3::ONE);
 /// let hit = all_but_the_first.closest(&Boxes(&boxes), &ray, Interval::FORWARD, &mut NoProbe);
 /// assert_eq!(hit.map(|hit| hit.primitive), Some(1));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Handful {
+pub struct SmallSet {
     /// Rising.
     indices: [u32; Self::MOST],
     len: usize,
-    level: Available,
+    level: DetectedSimd,
 }
 
-impl Handful {
+impl SmallSet {
     /// What there is room for.
     pub const MOST: usize = 16;
 
     /// The primitives of these indices, in any order; one that is named twice is asked twice. `None` if they are too many.
     pub fn new(indices: impl IntoIterator<Item = u32>) -> Option<Self> {
-        let mut this = Self { indices: [0; Self::MOST], len: 0, level: Available::default() };
+        let mut this = Self { indices: [0; Self::MOST], len: 0, level: DetectedSimd::default() };
         for index in indices {
             *this.indices.get_mut(this.len)? = index;
             this.len += 1;
@@ -63,7 +63,7 @@ impl Handful {
     /// chosen otherwise. What the processor does not have is replaced by the portable level.
     #[must_use]
     pub fn with_level(mut self, level: SimdLevel) -> Self {
-        self.level = Available::new(level);
+        self.level = DetectedSimd::new(level);
         self
     }
 
@@ -273,7 +273,7 @@ struct Batch<'a, A> {
     work: Work,
 }
 
-impl<A: Answer> Kernel<&[(Ray, Interval)], &mut [A]> for &mut Batch<'_, A> {
+impl<A: Answer> WithSimd<&[(Ray, Interval)], &mut [A]> for &mut Batch<'_, A> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], answers: &mut [A]) {
         for (rays, answers) in rays.chunks(PACKET).zip(answers.chunks_mut(PACKET)) {
@@ -282,7 +282,7 @@ impl<A: Answer> Kernel<&[(Ray, Interval)], &mut [A]> for &mut Batch<'_, A> {
             } else if rays.len() <= FEW as usize {
                 self.ask_alone(rays, answers);
             } else {
-                self.ask_eight(simd, &repeated(rays), answers);
+                self.ask_eight(simd, &pad_to_packet(rays), answers);
             }
         }
     }
@@ -353,7 +353,7 @@ impl<A: Answer> Batch<'_, A> {
         simd: S,
         [instance, primitive]: [u32; 2],
         asked: u32,
-        meetings: &Meetings<S>,
+        meetings: &PacketHit<S>,
         found: &mut [A; PACKET],
     ) {
         let [v, w] = meetings.uv;
@@ -369,7 +369,7 @@ impl<A: Answer> Batch<'_, A> {
     /// Asks for as many of eight rays as there are answers.
     #[inline(always)]
     fn ask_eight<S: Simd>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET], answers: &mut [A]) {
-        let lanes = EightRays::new(simd, rays);
+        let lanes = RaySoa8::new(simd, rays);
         let all = (1 << answers.len().min(PACKET)) - 1;
         let plain = lanes.plain(simd) & all;
         let mut asking = plain;
@@ -391,8 +391,8 @@ impl<A: Answer> Batch<'_, A> {
             }
             let unsure = match kernel {
                 BatchKernel::Sphere(sphere) => {
-                    let spheres = RoundSpheres::all(simd, sphere);
-                    let maybe = asking & !spheres.missed(simd, &lanes);
+                    let spheres = SpherePacket::all(simd, sphere);
+                    let maybe = asking & !spheres.miss_mask(simd, &lanes);
                     if maybe == 0 {
                         continue;
                     }
@@ -408,7 +408,9 @@ impl<A: Answer> Batch<'_, A> {
                         if asked == 0 {
                             continue;
                         }
-                        let Some(meetings) = facet::meet(simd, &vertices, axis, &lanes, asked) else { continue };
+                        let Some(meetings) = packet_triangles::meet(simd, &vertices, axis, &lanes, asked) else {
+                            continue;
+                        };
                         self.take_hits(simd, *name, asked, &meetings, &mut found);
                         unsure |= meetings.unsure;
                     }
@@ -438,7 +440,7 @@ impl<A: Answer> Batch<'_, A> {
     }
 }
 
-impl Accelerator for Handful {
+impl Accelerator for SmallSet {
     fn closest<P: Primitives, S: Probe>(
         &self,
         primitives: &P,

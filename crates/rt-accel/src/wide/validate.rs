@@ -4,7 +4,7 @@ use glam::Vec3A;
 use rt_geometry::{Primitives, padded_bounds};
 
 use super::WideBvh;
-use super::leaf::{Filling, MAX_LEAF};
+use super::leaf::{LeafWriter, MAX_LEAF};
 use super::node::Child;
 use crate::bvh::{Cell, NodeBox, encloses};
 use crate::{ValidationError, bounded_depth::MAX_DEPTH, own_boxes::validate_lists};
@@ -42,7 +42,7 @@ impl WideBvh {
     pub(super) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.check_shape()?;
         validate_lists(primitives, self.bounded + self.unbounded.len() as u32, &self.unbounded)?;
-        let filling = Filling { primitives, centre: self.centre, kind: self.leaves.kind };
+        let filling = LeafWriter { primitives, centre: self.centre, kind: self.leaves.kind };
         self.for_each_leaf(|leaf, bounds| {
             for &primitive in self.leaves.indices(leaf) {
                 let own = padded_bounds(primitives, primitive).ok_or(ValidationError::Misplaced { primitive })?;

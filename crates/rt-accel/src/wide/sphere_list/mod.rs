@@ -1,6 +1,6 @@
 //! Primitives without a tree: spheres side by side in the order of their indices, eight at a time.
 
-mod seen;
+mod projected_ray;
 
 use rt_geometry::{
     Hit, PrimitiveGeometry, Primitives, Probe, SphereKernel, intersect_primitive_uncounted,
@@ -8,15 +8,15 @@ use rt_geometry::{
 };
 use rt_math::{DVec3, Interval, Ray};
 
-use super::goal::take_lane;
-use super::handful::Handful;
+use super::query::take_lane;
 use super::ray::RANGE;
-use super::simd::{Available, Kernel, Simd, SimdLevel};
+use super::simd::{DetectedSimd, Simd, SimdLevel, WithSimd};
+use super::small_set::SmallSet;
 use crate::{ValidationError, brute_force};
-use seen::{Seen, swollen};
+use projected_ray::{Seen, swollen};
 
-/// Fewer are a [`Handful`].
-const FEWEST: u32 = Handful::MOST as u32 + 1;
+/// Fewer are a [`SmallSet`].
+const FEWEST: u32 = SmallSet::MOST as u32 + 1;
 
 /// Spheres to a block.
 const LANES: usize = 8;
@@ -24,7 +24,7 @@ const LANES: usize = 8;
 /// Blocks that are looked through before any of their spheres is decided about.
 const GROUP: usize = 32;
 
-/// Eight spheres relative to the centre of the list.
+/// F64x8 spheres relative to the centre of the list.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C, align(64))]
@@ -79,7 +79,7 @@ pub(crate) struct SphereList {
     /// Greatest coordinate relative to the centre.
     size: f64,
     #[cfg_attr(feature = "serde", serde(skip))]
-    level: Available,
+    level: DetectedSimd,
 }
 
 /// Centre and radius, `None` for anything but a sphere.
@@ -115,12 +115,12 @@ impl SphereList {
         if !RANGE.contains(&size) {
             return None;
         }
-        Some(Self { blocks, count, centre, size, level: Available::default() })
+        Some(Self { blocks, count, centre, size, level: DetectedSimd::default() })
     }
 
     /// The same list, asked by other instructions.
     pub(crate) fn with_level(mut self, level: SimdLevel) -> Self {
-        self.level = Available::new(level);
+        self.level = DetectedSimd::new(level);
         self
     }
 
@@ -177,7 +177,7 @@ impl SphereList {
         probe: &mut S,
     ) -> Option<Hit> {
         let mut asked = Asked { primitives, probe };
-        let mut query = Query { judge: &mut asked, outcome: None };
+        let mut query = Query { tester: &mut asked, outcome: None };
         self.ask_first(&mut query, ray, span);
         match query.outcome {
             Some(outcome) => outcome.counted_by(probe),
@@ -193,7 +193,7 @@ impl SphereList {
         probe: &mut S,
     ) -> bool {
         let mut asked = Asked { primitives, probe };
-        let mut query = Query { judge: &mut asked, outcome: None };
+        let mut query = Query { tester: &mut asked, outcome: None };
         self.ask_any(&mut query, ray, span);
         match query.outcome {
             Some(outcome) => outcome.counted_by(probe),
@@ -203,7 +203,7 @@ impl SphereList {
 }
 
 /// Decides about what the filter leaves: the caller's primitives, behind one call.
-trait Judge {
+trait PrimitiveTester {
     /// The hit on a sphere within the span.
     fn closest(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit>;
     /// True if the sphere blocks the ray within the span.
@@ -216,7 +216,7 @@ struct Asked<'a, P, S> {
     probe: &'a mut S,
 }
 
-impl<P: Primitives, S: Probe> Judge for Asked<'_, P, S> {
+impl<P: Primitives, S: Probe> PrimitiveTester for Asked<'_, P, S> {
     fn closest(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
         intersect_primitive_uncounted(self.primitives, index, ray, span, self.probe)
     }
@@ -228,7 +228,7 @@ impl<P: Primitives, S: Probe> Judge for Asked<'_, P, S> {
 
 /// Who decides, and where it is written what comes of it.
 struct Query<'q, A> {
-    judge: &'q mut dyn Judge,
+    tester: &'q mut dyn PrimitiveTester,
     /// `None` where the filter is not proven.
     outcome: Option<Outcome<A>>,
 }
@@ -261,7 +261,7 @@ struct FirstHit<'q, 'j> {
     query: &'q mut Query<'j, Option<Hit>>,
 }
 
-impl Kernel<&Ray, Interval> for FirstHit<'_, '_> {
+impl WithSimd<&Ray, Interval> for FirstHit<'_, '_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, ray: &Ray, mut span: Interval) {
         let Self { list, query } = self;
@@ -275,7 +275,7 @@ impl Kernel<&Ray, Interval> for FirstHit<'_, '_> {
                 let mut maybe = seen.met(simd, block, [begin, end]);
                 while maybe != 0 {
                     let index = ((group * GROUP + at) * LANES + take_lane(&mut maybe)) as u32;
-                    if let Some(hit) = query.judge.closest(index, ray, span)
+                    if let Some(hit) = query.tester.closest(index, ray, span)
                         && best.is_none_or(|best| hit.precedes(&best))
                     {
                         span.max = hit.t;
@@ -295,7 +295,7 @@ struct AnyHit<'q, 'j> {
     query: &'q mut Query<'j, bool>,
 }
 
-impl Kernel<&Ray, Interval> for AnyHit<'_, '_> {
+impl WithSimd<&Ray, Interval> for AnyHit<'_, '_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, ray: &Ray, span: Interval) {
         let Self { list, query } = self;
@@ -313,7 +313,7 @@ impl Kernel<&Ray, Interval> for AnyHit<'_, '_> {
                     let lane = take_lane(&mut maybe);
                     let index = ((group * GROUP + at) * LANES + lane) as u32;
                     let is_sure = sure >> lane & 1 == 1;
-                    if is_sure || query.judge.occluded(index, ray, span) {
+                    if is_sure || query.tester.occluded(index, ray, span) {
                         query.outcome = Some(Outcome { tests: index + 1, hits: u64::from(is_sure), answer: true });
                         return;
                     }

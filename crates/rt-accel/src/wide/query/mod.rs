@@ -1,7 +1,7 @@
 //! What a ray is sent for: its first hit, or any.
 
 mod any_hit;
-mod first_hit;
+mod closest_hit;
 
 use core::ops::ControlFlow;
 
@@ -9,19 +9,19 @@ use rt_geometry::{Hit, SphereKernel};
 use rt_math::{Interval, Ray};
 
 pub(super) use any_hit::AnyHit;
-pub(super) use first_hit::FirstHit;
+pub(super) use closest_hit::FirstHit;
 
 use super::WideBvh;
-use super::across::{Across, PACKET};
-use super::flight::Ground;
-use super::leaf::{ExactRay, Filter, FilterSpan, Lane};
+use super::batch::Ground;
+use super::leaf::{FilterTRange, Lane, LeafTest, RayF64};
 use super::node::Child;
-use super::ray::FilterRay;
+use super::packet_rays::{PACKET, RayPacket};
+use super::ray::RayF32;
 use super::simd::Simd;
-use super::walk::Query;
+use super::single_ray::Query;
 
 /// Decides about what the filters leave: the caller's primitives, behind one call.
-pub(super) trait Judge {
+pub(super) trait PrimitiveTester {
     /// The hit on a primitive within the span.
     fn closest(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit>;
     /// True if the primitive blocks the ray within the span.
@@ -45,20 +45,20 @@ pub(super) trait Judge {
 }
 
 /// A ray on its way, prepared for boxes and for the primitives of leaves.
-pub(super) struct Prepared<'r, S: Simd, F> {
-    pub(super) ray: ExactRay<'r, S>,
-    pub(super) boxes: FilterRay,
+pub(super) struct TravRay<'r, S: Simd, F> {
+    pub(super) ray: RayF64<'r, S>,
+    pub(super) boxes: RayF32,
     pub(super) min: f32,
     pub(super) filter: F,
 }
 
-impl<'r, S: Simd, F: Filter> Prepared<'r, S, F> {
+impl<'r, S: Simd, F: LeafTest> TravRay<'r, S, F> {
     /// `None` where the filters are not proven.
     #[inline(always)]
     pub(super) fn new(simd: S, tree: &WideBvh, ray: &'r Ray, span: Interval) -> Option<Self> {
-        let ray = ExactRay::new(simd, ray);
-        let boxes = FilterRay::new(simd, &ray.lanes, span, tree.centre, tree.size)?;
-        let span = FilterSpan::new(simd, span);
+        let ray = RayF64::new(simd, ray);
+        let boxes = RayF32::new(simd, &ray.lanes, span, tree.centre, tree.size)?;
+        let span = FilterTRange::new(simd, span);
         Some(Self { min: span.min(), filter: F::new(simd, &ray, &boxes, span, tree), ray, boxes })
     }
 }
@@ -88,10 +88,10 @@ pub(super) trait Goal: Sized {
     fn new(span: Interval) -> Self;
 
     /// Asks the primitives without bounds; breaks if nothing else matters.
-    fn visit_unbounded(&mut self, judge: &mut dyn Judge, ray: &Ray) -> ControlFlow<()>;
+    fn visit_unbounded(&mut self, tester: &mut dyn PrimitiveTester, ray: &Ray) -> ControlFlow<()>;
 
     /// Walks without filters.
-    fn visit_unfiltered(&mut self, judge: &mut dyn Judge, ray: &Ray);
+    fn visit_unfiltered(&mut self, tester: &mut dyn PrimitiveTester, ray: &Ray);
 
     /// What is entered after this does not matter; negative if nothing matters.
     fn limit(&self) -> f32;
@@ -101,12 +101,12 @@ pub(super) trait Goal: Sized {
     /// # Safety
     ///
     /// The leaf must be one of the tree, and the filter that of the kind of its leaves.
-    unsafe fn visit<S: Simd, F: Filter>(
+    unsafe fn visit<S: Simd, F: LeafTest>(
         &mut self,
         simd: S,
         tree: &WideBvh,
-        judge: &mut dyn Judge,
-        prepared: &Prepared<'_, S, F>,
+        tester: &mut dyn PrimitiveTester,
+        trav: &TravRay<'_, S, F>,
         leaf: Child,
     ) -> ControlFlow<()>;
 
@@ -116,11 +116,11 @@ pub(super) trait Goal: Sized {
     ///
     /// See [`visit`](Self::visit).
     #[expect(clippy::too_many_arguments, reason = "as `visit`, for one primitive")]
-    unsafe fn consider<S: Simd, F: Filter>(
+    unsafe fn consider<S: Simd, F: LeafTest>(
         &mut self,
         simd: S,
         tree: &WideBvh,
-        judge: &mut dyn Judge,
+        tester: &mut dyn PrimitiveTester,
         ray: &Ray,
         leaf: Child,
         lane: Lane,
@@ -131,19 +131,24 @@ pub(super) trait Goal: Sized {
     fn span(&self) -> Interval;
 
     /// Asks a structure for several rays.
-    fn ask_together(judge: &mut dyn Judge, index: u32, rays: &[(Ray, Interval)], answers: &mut [Self::Answer]);
+    fn ask_together(
+        tester: &mut dyn PrimitiveTester,
+        index: u32,
+        rays: &[(Ray, Interval)],
+        answers: &mut [Self::Answer],
+    );
 
     /// Considers what somebody else has found within the span.
     fn take(&mut self, found: Self::Answer);
 
     /// Decides about what has been put off, and writes what has been found where it is wanted: an answer that is moved on as a
     /// whole would wait until all its numbers are in memory.
-    fn finish<S: Simd, F: Filter>(
+    fn finish<S: Simd, F: LeafTest>(
         &mut self,
         simd: S,
         tree: &WideBvh,
-        judge: &mut dyn Judge,
-        ray: &ExactRay<'_, S>,
+        tester: &mut dyn PrimitiveTester,
+        ray: &RayF64<'_, S>,
         answer: &mut Self::Answer,
     );
 
@@ -160,22 +165,22 @@ pub(super) trait Goal: Sized {
         simd: S,
         place: Place,
         sure: u32,
-        bounds: [S::Lanes; 2],
-        limits: &mut S::Lanes,
+        bounds: [S::F32x8; 2],
+        limits: &mut S::F32x8,
     ) -> u32;
 
     /// Forgets what others have beaten: what is hit after the limits for sure.
     #[inline(always)]
-    fn forget<S: Simd>(_: &mut Self::Found<S>, _: S, _: S::Lanes) {}
+    fn forget<S: Simd>(_: &mut Self::Found<S>, _: S, _: S::F32x8) {}
 
     /// Decides about what eight rays have found side by side, and writes an answer for each; returns the hits that no judge has
     /// counted.
-    fn settle<S: Simd, F: Filter>(
+    fn settle<S: Simd, F: LeafTest>(
         found: &Self::Found<S>,
         simd: S,
         tree: &WideBvh,
-        judge: &mut dyn Judge,
-        across: &Across<S>,
+        tester: &mut dyn PrimitiveTester,
+        across: &RayPacket<S>,
         rays: &[(Ray, Interval); PACKET],
         answers: &mut [Self::Answer; PACKET],
     ) -> u64;

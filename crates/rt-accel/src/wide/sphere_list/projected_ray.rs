@@ -83,12 +83,12 @@ impl Seen {
         let fastest = ray.direction.abs().max_element();
         let farthest = q.abs().max_element();
         let nothing = (q + ray.direction) * 0.0;
-        let is_proven = RANGE.contains(&fastest)
+        let filter_applies = RANGE.contains(&fastest)
             & RANGE.contains(&size)
             & (farthest <= FARTHEST * size)
             & (span.min >= 0.0)
             & (nothing.x + nothing.y + nothing.z == 0.0);
-        if !is_proven {
+        if !filter_applies {
             return None;
         }
         let length = ray.direction.length();
@@ -116,7 +116,7 @@ impl Seen {
 
     /// A coordinate of the centres, along axis `axis`, added to `from`.
     #[inline(always)]
-    fn project<S: Simd>(&self, simd: S, block: &Block, axis: usize, from: S::Lanes) -> S::Lanes {
+    fn project<S: Simd>(&self, simd: S, block: &Block, axis: usize, from: S::F32x8) -> S::F32x8 {
         let [x, y, z] = self.axes[axis];
         let [xs, ys, zs] = &block.centres;
         let sum = simd.mul_add(simd.splat(x), simd.load(xs), from);
@@ -125,7 +125,7 @@ impl Seen {
 
     /// Squared distances from the ray without the squared radii, `ρ² − k`.
     #[inline(always)]
-    pub(super) fn excess<S: Simd>(&self, simd: S, block: &Block) -> S::Lanes {
+    pub(super) fn excess<S: Simd>(&self, simd: S, block: &Block) -> S::F32x8 {
         let x = self.project(simd, block, 0, simd.splat(-self.point[0]));
         let y = self.project(simd, block, 1, simd.splat(-self.point[1]));
         simd.mul_add(y, y, simd.mul_sub(x, x, simd.load(&block.swollen)))
@@ -145,7 +145,7 @@ impl Seen {
 
     /// The spheres that the line of the ray may pass.
     #[inline(always)]
-    pub(super) fn passed<S: Simd>(&self, simd: S, excess: S::Lanes) -> u32 {
+    pub(super) fn passed<S: Simd>(&self, simd: S, excess: S::F32x8) -> u32 {
         simd.le(excess, simd.splat(self.margin))
     }
 

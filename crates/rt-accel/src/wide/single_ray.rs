@@ -6,11 +6,11 @@ use core::marker::PhantomData;
 use rt_math::{Interval, Ray};
 
 use super::WideBvh;
-use super::goal::{Goal, Judge, Prepared, take_lane};
-use super::leaf::{BoxFilter, Filter, LeafKind, SphereFilter, TriangleFilter};
+use super::leaf::{BoxTest, LeafKind, LeafTest, SphereTest, TriangleTest};
 use super::node::{Child, Node};
-use super::simd::{Kernel, Simd};
-use super::stack::{Stack, StackRoom};
+use super::query::{Goal, PrimitiveTester, TravRay, take_lane};
+use super::simd::{Simd, WithSimd};
+use super::stack::{Stack, StackStorage};
 
 /// Work that nobody has counted yet.
 #[derive(Default)]
@@ -22,7 +22,7 @@ pub(super) struct Work {
 
 /// A query about one ray, and what came of it.
 pub(super) struct Query<'q, A> {
-    pub(super) judge: &'q mut dyn Judge,
+    pub(super) tester: &'q mut dyn PrimitiveTester,
     pub(super) work: Work,
     pub(super) answer: &'q mut A,
 }
@@ -34,38 +34,38 @@ pub(super) struct Walk<'q, 'j, G: Goal> {
     pub(super) goal: PhantomData<G>,
 }
 
-impl<G: Goal> Kernel<&Ray, Interval> for Walk<'_, '_, G> {
+impl<G: Goal> WithSimd<&Ray, Interval> for Walk<'_, '_, G> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, ray: &Ray, span: Interval) {
         match self.tree.leaves.kind {
-            LeafKind::Watertight => self.walk::<S, TriangleFilter<true>>(simd, ray, span),
-            LeafKind::Triangles => self.walk::<S, TriangleFilter<false>>(simd, ray, span),
-            LeafKind::Spheres => self.walk::<S, SphereFilter>(simd, ray, span),
-            LeafKind::Boxes => self.walk::<S, BoxFilter>(simd, ray, span),
+            LeafKind::Watertight => self.walk::<S, TriangleTest<true>>(simd, ray, span),
+            LeafKind::Triangles => self.walk::<S, TriangleTest<false>>(simd, ray, span),
+            LeafKind::Spheres => self.walk::<S, SphereTest>(simd, ray, span),
+            LeafKind::Boxes => self.walk::<S, BoxTest>(simd, ray, span),
         }
     }
 }
 
 impl<G: Goal> Walk<'_, '_, G> {
     #[inline(always)]
-    fn walk<S: Simd, F: Filter>(self, simd: S, ray: &Ray, span: Interval) {
+    fn walk<S: Simd, F: LeafTest>(self, simd: S, ray: &Ray, span: Interval) {
         let Self { tree, query, .. } = self;
-        let judge = &mut *query.judge;
+        let tester = &mut *query.tester;
         let mut goal = G::new(span);
-        if !tree.unbounded.is_empty() && goal.visit_unbounded(judge, ray).is_break() {
+        if !tree.unbounded.is_empty() && goal.visit_unbounded(tester, ray).is_break() {
             *query.answer = goal.answer();
             return;
         }
         // Made here and not by the caller: what has just been stored cannot be loaded in other pieces at once.
-        let Some(prepared) = Prepared::<S, F>::new(simd, tree, ray, span) else {
-            goal.visit_unfiltered(judge, ray);
+        let Some(trav) = TravRay::<S, F>::new(simd, tree, ray, span) else {
+            goal.visit_unfiltered(tester, ray);
             *query.answer = goal.answer();
             return;
         };
-        let mut room = StackRoom::new();
+        let mut room = StackStorage::new();
         // SAFETY: the root, and the filter that suits the leaves.
-        unsafe { descend(simd, tree, judge, &prepared, &mut goal, tree.root, &mut room, &mut query.work) };
-        goal.finish::<S, F>(simd, tree, judge, &prepared.ray, query.answer);
+        unsafe { descend(simd, tree, tester, &trav, &mut goal, tree.root, &mut room, &mut query.work) };
+        goal.finish::<S, F>(simd, tree, tester, &trav.ray, query.answer);
         query.work.hits = goal.uncounted_hits();
     }
 }
@@ -77,14 +77,14 @@ impl<G: Goal> Walk<'_, '_, G> {
 /// The child must be the root of the tree or one of a node of it, and the filter that of the kind of its leaves.
 #[expect(clippy::too_many_arguments, reason = "one function of the state of a ray, which others keep elsewhere")]
 #[inline(always)]
-pub(super) unsafe fn descend<S: Simd, F: Filter, G: Goal>(
+pub(super) unsafe fn descend<S: Simd, F: LeafTest, G: Goal>(
     simd: S,
     tree: &WideBvh,
-    judge: &mut dyn Judge,
-    prepared: &Prepared<'_, S, F>,
+    tester: &mut dyn PrimitiveTester,
+    trav: &TravRay<'_, S, F>,
     goal: &mut G,
     mut child: Child,
-    room: &mut StackRoom,
+    room: &mut StackStorage,
     work: &mut Work,
 ) {
     let mut stack = Stack::new(room);
@@ -94,7 +94,7 @@ pub(super) unsafe fn descend<S: Simd, F: Filter, G: Goal>(
             nodes += 1;
             // SAFETY: the caller's child, or one of a node that came before.
             let node = unsafe { tree.node(child) };
-            let [enter, leave] = prepared.boxes.cross(simd, node, prepared.min, goal.limit());
+            let [enter, leave] = trav.boxes.cross(simd, node, trav.min, goal.limit());
             let mut passed = simd.le(enter, leave);
             if passed == 0 {
                 let Some(next) = pop(&mut stack, goal) else { break 'walk };
@@ -106,7 +106,7 @@ pub(super) unsafe fn descend<S: Simd, F: Filter, G: Goal>(
                 node.children[lane]
             } else if G::ORDERED {
                 // SAFETY: one node of each level puts off seven children at most.
-                unsafe { put_off(simd, tree, node, &simd.to_array(enter), lane, passed, &mut stack) }
+                unsafe { push_sorted(simd, tree, node, &simd.to_array(enter), lane, passed, &mut stack) }
             } else {
                 while passed != 0 {
                     let other = node.children[take_lane(&mut passed)];
@@ -121,7 +121,7 @@ pub(super) unsafe fn descend<S: Simd, F: Filter, G: Goal>(
         // Out of memory, where a number is repeated eight times as it is read. Compilers would else repeat all of them before the
         // ray sets out, and keep them on the stack; most rays come to one leaf or two. Nothing but speed depends on it.
         // SAFETY: as for nodes, and this is none.
-        if unsafe { goal.visit(simd, tree, judge, black_box(prepared), child) }.is_break() {
+        if unsafe { goal.visit(simd, tree, tester, black_box(trav), child) }.is_break() {
             break;
         }
         let Some(next) = pop(&mut stack, goal) else { break };
@@ -144,7 +144,7 @@ fn pop<G: Goal>(stack: &mut Stack<'_>, goal: &G) -> Option<Child> {
 ///
 /// There must be one other at least, and room for seven entries more.
 #[inline(always)]
-unsafe fn put_off<S: Simd>(
+unsafe fn push_sorted<S: Simd>(
     simd: S,
     tree: &WideBvh,
     node: &Node,

@@ -5,29 +5,29 @@ use rt_geometry::{Hit, WatertightRay, intersect_triangle};
 use rt_math::float::SIGN_ERROR_BOUND;
 use rt_math::{BOUNDS_PADDING, FAR_FACTOR, Interval, Ray, SlabRay};
 
-use super::leaf::{ExactRay, Lane, LeafView, coordinates, corner};
-use super::ray::{LaneRay, greatest};
+use super::leaf::{Lane, LeafView, RayF64, coordinates, corner};
+use super::ray::{RayF64x4, greatest};
 use super::simd::Simd;
 
 #[inline(always)]
-fn all<S: Simd>(simd: S, x: f64) -> S::Doubles {
+fn all<S: Simd>(simd: S, x: f64) -> S::F64x4 {
     simd.doubles([x; 4])
 }
 
 #[inline(always)]
-fn widened<S: Simd>(simd: S, [x, y, z]: [f32; 3]) -> S::Doubles {
+fn widened<S: Simd>(simd: S, [x, y, z]: [f32; 3]) -> S::F64x4 {
     simd.widened([x, y, z, 0.0])
 }
 
 /// A triangle of a leaf, and its index.
 #[derive(Clone, Copy)]
-pub(super) struct Copied<'a> {
+pub(super) struct LeafTriangle<'a> {
     leaf: LeafView<'a>,
     lane: Lane,
     index: u32,
 }
 
-impl<'a> Copied<'a> {
+impl<'a> LeafTriangle<'a> {
     /// Reads nothing yet.
     ///
     /// # Safety
@@ -51,7 +51,7 @@ impl<'a> Copied<'a> {
     pub(super) fn hit<S: Simd, const CERTAIN: bool>(
         self,
         simd: S,
-        exact: &ExactRay<'_, S>,
+        exact: &RayF64<'_, S>,
         span: Interval,
     ) -> Option<Hit> {
         let seen = self.see(simd, exact);
@@ -93,10 +93,10 @@ impl<'a> Copied<'a> {
     }
 
     #[inline(always)]
-    fn see<S: Simd>(self, simd: S, exact: &ExactRay<'_, S>) -> Seen {
+    fn see<S: Simd>(self, simd: S, exact: &RayF64<'_, S>) -> Seen {
         let [x_axis, y_axis, z_axis] = exact.axes();
         let ([shear_x, shear_y, ..], scale) = (simd.to_doubles(exact.shear), exact.scale);
-        let [origin_x, origin_y, origin_z, _] = simd.to_doubles(simd.turned_last(exact.lanes.origin, exact.axis));
+        let [origin_x, origin_y, origin_z, _] = simd.to_doubles(simd.rotate_axis_last(exact.lanes.origin, exact.axis));
         // SAFETY: the leaf is one of triangles, as the caller of the constructor guarantees, and `axes` are each less than 3.
         let [x, y, z] = unsafe {
             [
@@ -113,8 +113,8 @@ impl<'a> Copied<'a> {
         let y = simd.sub_doubles(y, simd.mul_doubles(all(simd, shear_y), z));
         let depths = simd.mul_doubles(z, all(simd, scale));
 
-        let minuends = simd.mul_doubles(simd.turned_twice(x), simd.turned_once(y));
-        let subtrahends = simd.mul_doubles(simd.turned_twice(y), simd.turned_once(x));
+        let minuends = simd.mul_doubles(simd.zxy(x), simd.yzx(y));
+        let subtrahends = simd.mul_doubles(simd.zxy(y), simd.yzx(x));
         let areas = simd.sub_doubles(minuends, subtrahends);
         let sizes = simd.add_doubles(simd.abs_doubles(minuends), simd.abs_doubles(subtrahends));
         let doubt = simd.sub_doubles(simd.mul_doubles(sizes, all(simd, SIGN_ERROR_BOUND)), simd.abs_doubles(areas));
@@ -131,7 +131,7 @@ impl<'a> Copied<'a> {
 
     /// The part of the span inside the own box; empty if it is passed by.
     #[inline(always)]
-    fn clip<S: Simd>(self, simd: S, ray: &LaneRay<S>, span: Interval) -> Interval {
+    fn clip<S: Simd>(self, simd: S, ray: &RayF64x4<S>, span: Interval) -> Interval {
         let a = widened(simd, self.corner::<0>());
         let b = widened(simd, self.corner::<1>());
         let c = widened(simd, self.corner::<2>());
@@ -140,8 +140,8 @@ impl<'a> Copied<'a> {
         let size = greatest(simd, simd.max_doubles(simd.abs_doubles(least), simd.abs_doubles(most)));
         let pad = all(simd, size * BOUNDS_PADDING);
         let (least, most) = (simd.sub_doubles(least, pad), simd.add_doubles(most, pad));
-        let near = simd.sub_doubles(simd.by_sign(ray.inverse, least, most), ray.origin);
-        let far = simd.sub_doubles(simd.by_sign(ray.inverse, most, least), ray.origin);
+        let near = simd.sub_doubles(simd.select_by_sign(ray.inverse, least, most), ray.origin);
+        let far = simd.sub_doubles(simd.select_by_sign(ray.inverse, most, least), ray.origin);
         // A NaN is no constraint.
         let enter = simd.max_doubles(simd.mul_doubles(near, ray.inverse), all(simd, span.min));
         let t_far = simd.mul_doubles(simd.mul_doubles(far, ray.inverse), all(simd, FAR_FACTOR));

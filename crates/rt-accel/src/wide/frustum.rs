@@ -15,11 +15,11 @@
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
 use super::WideBvh;
-use super::across::signs;
-use super::goal::take_lane;
-use super::leaf::Filter;
+use super::leaf::LeafTest;
 use super::node::{Child, Row};
-use super::ray::{FARTHEST, RANGE, SLACK, STEEPEST, at_least, at_most};
+use super::packet_rays::signs;
+use super::query::take_lane;
+use super::ray::{FARTHEST, RANGE, SLACK, STEEPEST, round_down, round_up};
 use super::simd::Simd;
 use crate::bvh::NodeBox;
 
@@ -27,22 +27,22 @@ use crate::bvh::NodeBox;
 const OF_OFFSET: f32 = 1.0 / (1u64 << 38) as f32;
 
 /// Most subtrees of a cut.
-const ROOM: usize = 48;
+const CAPACITY: usize = 48;
 
 /// A part of space that contains all rays of a bundle, which pass boxes through the same sides.
-pub(super) struct Shaft<S: Simd> {
-    near_origin: [S::Lanes; 3],
-    near_scale: [S::Lanes; 3],
-    far_origin: [S::Lanes; 3],
-    far_scale: [S::Lanes; 3],
+pub(super) struct BundleFrustum<S: Simd> {
+    near_origin: [S::F32x8; 3],
+    near_scale: [S::F32x8; 3],
+    far_origin: [S::F32x8; 3],
+    far_scale: [S::F32x8; 3],
     near_row: [Row; 3],
-    min: S::Lanes,
-    max: S::Lanes,
+    min: S::F32x8,
+    max: S::F32x8,
     /// Greatest coordinate of the centre of the tree, or more.
     offset: f32,
 }
 
-impl<S: Simd> Shaft<S> {
+impl<S: Simd> BundleFrustum<S> {
     /// Around rays of the same [`signs`]. Filters are proven for each by itself, and those for which they are not may be
     /// left out. `None` if the rays are out of proportion.
     #[inline(always)]
@@ -62,13 +62,13 @@ impl<S: Simd> Shaft<S> {
             nothing += (ray.origin + ray.direction) * 0.0;
         }
         let (low, high) = (low - tree.centre, high - tree.centre);
-        let is_proven = RANGE.contains(&fastest.max_element())
+        let filter_applies = RANGE.contains(&fastest.max_element())
             & RANGE.contains(&slowest.max_element())
             & RANGE.contains(&tree.size)
             & (low.abs().max(high.abs()).max_element() <= FARTHEST * tree.size)
             & (begin >= 0.0)
             & (nothing == DVec3::ZERO);
-        if !is_proven {
+        if !filter_applies {
             return None;
         }
         let pad = DVec3::splat(tree.size * SLACK);
@@ -81,9 +81,9 @@ impl<S: Simd> Shaft<S> {
             far_origin: [simd.splat(0.0); 3],
             far_scale: [simd.splat(0.0); 3],
             near_row: Row::near([0, 1, 2].map(|axis| (signs >> axis & 1) as usize)),
-            min: simd.splat(at_most(begin)),
-            max: simd.splat(at_least(end)),
-            offset: at_least(tree.centre.abs().max_element()),
+            min: simd.splat(round_down(begin)),
+            max: simd.splat(round_up(end)),
+            offset: round_up(tree.centre.abs().max_element()),
         };
         for axis in 0..3 {
             let is_negative = signs >> axis & 1 != 0;
@@ -105,18 +105,18 @@ impl<S: Simd> Shaft<S> {
     }
 
     #[inline(always)]
-    fn near(&self, simd: S, axis: usize, planes: S::Lanes) -> S::Lanes {
+    fn near(&self, simd: S, axis: usize, planes: S::F32x8) -> S::F32x8 {
         simd.mul(simd.sub(planes, self.near_origin[axis]), self.near_scale[axis])
     }
 
     #[inline(always)]
-    fn far(&self, simd: S, axis: usize, planes: S::Lanes) -> S::Lanes {
+    fn far(&self, simd: S, axis: usize, planes: S::F32x8) -> S::F32x8 {
         simd.mul(simd.sub(planes, self.far_origin[axis]), self.far_scale[axis])
     }
 
     /// A bit for each of eight boxes that rays may pass, and where they enter these first; `planes` returns a row.
     #[inline(always)]
-    pub(super) fn passes(&self, simd: S, planes: impl Fn(Row) -> S::Lanes) -> (u32, S::Lanes) {
+    pub(super) fn passes(&self, simd: S, planes: impl Fn(Row) -> S::F32x8) -> (u32, S::F32x8) {
         let [x, y, z] = self.near_row;
         let (enter_x, leave_x) = (self.near(simd, 0, planes(x)), self.far(simd, 0, planes(x.opposite())));
         let (enter_y, leave_y) = (self.near(simd, 1, planes(y)), self.far(simd, 1, planes(y.opposite())));
@@ -129,7 +129,7 @@ impl<S: Simd> Shaft<S> {
 
 /// How many of the rays, from the first on, pass boxes through the same sides.
 #[inline(always)]
-pub(super) fn alike(rays: &[(Ray, Interval)]) -> usize {
+pub(super) fn same_octant_prefix(rays: &[(Ray, Interval)]) -> usize {
     let Some((first, _)) = rays.first() else { return 0 };
     let signs_of_first = signs(first.direction);
     rays.iter().position(|(ray, _)| signs(ray.direction) != signs_of_first).unwrap_or(rays.len())
@@ -150,15 +150,15 @@ pub(super) struct Subtree {
 
 /// What rays of a shaft may meet of a tree: subtrees that have nothing in common, from the nearest to the farthest.
 pub(super) struct Cut {
-    subtrees: [Subtree; ROOM],
+    subtrees: [Subtree; CAPACITY],
     len: usize,
 }
 
 impl Cut {
     /// Through nothing.
     pub(super) const NONE: Self = {
-        let nothing = Subtree { child: Child::HOME, node: 0, lane: 0, mask: 0, enter: 0.0 };
-        Self { subtrees: [nothing; ROOM], len: 0 }
+        let nothing = Subtree { child: Child::NONE, node: 0, lane: 0, mask: 0, enter: 0.0 };
+        Self { subtrees: [nothing; CAPACITY], len: 0 }
     };
 
     pub(super) fn subtrees(&self) -> &[Subtree] {
@@ -167,14 +167,14 @@ impl Cut {
 
     /// Looks for what the shaft may meet, as deep as there is room. Returns how many nodes it has looked at.
     #[inline(always)]
-    pub(super) fn make<S: Simd, F: Filter>(&mut self, simd: S, tree: &WideBvh, shaft: &Shaft<S>) -> u64 {
+    pub(super) fn make<S: Simd, F: LeafTest>(&mut self, simd: S, tree: &WideBvh, shaft: &BundleFrustum<S>) -> u64 {
         self.len = 0;
         self.open::<S, F>(simd, tree, shaft, tree.root);
         let mut n_nodes = 1;
         let mut at = 0;
         // From the nearest to the farthest level, so that what there is no room for is small.
         while let Some(&Subtree { child, .. }) = self.subtrees().get(at) {
-            if !child.is_node() || self.len + 7 > ROOM {
+            if !child.is_node() || self.len + 7 > CAPACITY {
                 at += 1;
                 continue;
             }
@@ -192,7 +192,7 @@ impl Cut {
 
     /// Adds what is behind the boxes of a node that the shaft meets.
     #[inline(always)]
-    fn open<S: Simd, F: Filter>(&mut self, simd: S, tree: &WideBvh, shaft: &Shaft<S>, parent: Child) {
+    fn open<S: Simd, F: LeafTest>(&mut self, simd: S, tree: &WideBvh, shaft: &BundleFrustum<S>, parent: Child) {
         let Some(node) = tree.nodes.get(parent.number()) else { return };
         let (mut passed, enter) = shaft.passes(simd, |row| node.row(simd, row));
         let enters = simd.to_array(enter);
@@ -204,7 +204,7 @@ impl Cut {
             } else {
                 {
                     // SAFETY: a child of a node of the tree, and no node.
-                    F::within(simd, shaft, unsafe { tree.leaves.view(child) })
+                    F::cull_by_frustum(simd, shaft, unsafe { tree.leaves.view(child) })
                 }
             };
             if (child.is_node() || mask != 0)

@@ -7,12 +7,14 @@ use core::ops::ControlFlow;
 use rt_geometry::{Hit, SphereKernel};
 use rt_math::{DVec3, Interval, Ray};
 
-use super::{Goal, Judge, Place, Prepared, take_lane};
-use crate::wide::across::{Across, PACKET};
-use crate::wide::flight::{Flight, Ground};
-use crate::wide::leaf::{ExactRay, Filter, Lane, LeafView};
-use crate::wide::walk::{Query, Walk};
-use crate::{wide::WideBvh, wide::node::Child, wide::ray::at_least, wide::round::RoundSpheres, wide::simd::Simd};
+use super::{Goal, Place, PrimitiveTester, TravRay, take_lane};
+use crate::wide::batch::{Flight, Ground};
+use crate::wide::leaf::{Lane, LeafTest, LeafView, RayF64};
+use crate::wide::packet_rays::{PACKET, RayPacket};
+use crate::wide::single_ray::{Query, Walk};
+use crate::{
+    wide::WideBvh, wide::node::Child, wide::packet_spheres::SpherePacket, wide::ray::round_up, wide::simd::Simd,
+};
 
 /// A primitive that is hit for sure, to be decided about at the end.
 #[derive(Clone, Copy)]
@@ -47,7 +49,7 @@ impl FirstHit {
     #[inline(always)]
     fn accept(&mut self, hit: &Hit) {
         self.span.max = hit.t;
-        self.limit = self.limit.min(at_least(hit.t));
+        self.limit = self.limit.min(round_up(hit.t));
         self.is_hit = true;
         // One number after the other: all at once would have to wait until they are in memory.
         self.best.t = hit.t;
@@ -65,16 +67,16 @@ impl FirstHit {
     }
 
     #[inline(always)]
-    fn decide<S: Simd, F: Filter>(
+    fn decide<S: Simd, F: LeafTest>(
         &mut self,
         simd: S,
-        judge: &mut dyn Judge,
-        ray: &ExactRay<'_, S>,
+        tester: &mut dyn PrimitiveTester,
+        ray: &RayF64<'_, S>,
         leaf: LeafView<'_>,
         lane: Lane,
     ) {
-        let hit = F::hit(simd, leaf, lane, ray, self.span, judge);
-        self.uncounted_hits += u64::from(hit.is_some() && F::decides(leaf, lane));
+        let hit = F::hit(simd, leaf, lane, ray, self.span, tester);
+        self.uncounted_hits += u64::from(hit.is_some() && F::is_exact(leaf, lane));
         self.take(hit);
     }
 
@@ -107,9 +109,9 @@ pub(in crate::wide) struct FoundFirst<S: Simd> {
     who: u32,
     /// Where it is hit at the earliest, and where in the tree it is: as bits that are moved and compared as such, as they may be no
     /// numbers.
-    near: S::Lanes,
-    leaf: S::Lanes,
-    lane: S::Lanes,
+    near: S::F32x8,
+    leaf: S::F32x8,
+    lane: S::F32x8,
 }
 
 impl<S: Simd> FoundFirst<S> {
@@ -117,7 +119,7 @@ impl<S: Simd> FoundFirst<S> {
     #[inline(always)]
     fn places(&self, simd: S) -> [(Child, Lane); PACKET] {
         let (leaf, lane) = (simd.to_array(self.leaf), simd.to_array(self.lane));
-        let mut places = [(Child::HOME, Lane::new(0)); PACKET];
+        let mut places = [(Child::NONE, Lane::new(0)); PACKET];
         for (i, place) in places.iter_mut().enumerate() {
             *place = (Child::from_bits(leaf[i].to_bits()), Lane::new(lane[i].to_bits() as usize));
         }
@@ -127,8 +129,8 @@ impl<S: Simd> FoundFirst<S> {
     /// A bit for each ray that hits what is at this place.
     #[inline(always)]
     fn at(&self, simd: S, (leaf, lane): (Child, Lane)) -> u32 {
-        simd.same(self.leaf, simd.splat(f32::from_bits(leaf.to_bits())))
-            & simd.same(self.lane, simd.splat(f32::from_bits(lane.index() as u32)))
+        simd.eq_bits(self.leaf, simd.splat(f32::from_bits(leaf.to_bits())))
+            & simd.eq_bits(self.lane, simd.splat(f32::from_bits(lane.index() as u32)))
     }
 }
 
@@ -138,11 +140,11 @@ impl<S: Simd> FoundFirst<S> {
 ///
 /// The places of the rays `asked` about must be leaves of the tree, and the filter that of their kind.
 #[inline(always)]
-unsafe fn settle_round<S: Simd, F: Filter>(
+unsafe fn settle_round<S: Simd, F: LeafTest>(
     simd: S,
     tree: &WideBvh,
-    judge: &mut dyn Judge,
-    across: &Across<S>,
+    tester: &mut dyn PrimitiveTester,
+    across: &RayPacket<S>,
     places: &[(Child, Lane); PACKET],
     asked: u32,
     answers: &mut [Option<Hit>; PACKET],
@@ -155,7 +157,7 @@ unsafe fn settle_round<S: Simd, F: Filter>(
         let (leaf, of_leaf) = places[lane];
         // SAFETY: as the caller promises.
         let index = F::index(unsafe { tree.leaves.view(leaf) }, of_leaf);
-        if let Some(sphere) = judge.round(index) {
+        if let Some(sphere) = tester.round(index) {
             (spheres[lane], indices[lane]) = (sphere, index);
             who |= 1 << lane;
         }
@@ -163,7 +165,7 @@ unsafe fn settle_round<S: Simd, F: Filter>(
     if who == 0 {
         return 0;
     }
-    let meetings = RoundSpheres::new(simd, &spheres).meet(simd, &across.lanes);
+    let meetings = SpherePacket::new(simd, &spheres).meet(simd, &across.lanes);
     who &= meetings.hit;
     let t = meetings.t.to_array(simd);
     for (lane, answer) in answers.iter_mut().enumerate() {
@@ -195,23 +197,23 @@ impl Goal for FirstHit {
             span,
             is_hit: false,
             best: NO_HIT,
-            limit: at_least(span.max),
+            limit: round_up(span.max),
             candidates: [const { MaybeUninit::uninit() }; MAX_CANDIDATES],
             n_candidates: 0,
             least_near: f32::INFINITY,
         }
     }
 
-    fn visit_unbounded(&mut self, judge: &mut dyn Judge, ray: &Ray) -> ControlFlow<()> {
+    fn visit_unbounded(&mut self, tester: &mut dyn PrimitiveTester, ray: &Ray) -> ControlFlow<()> {
         // What is equally near, but of lower index, must still be found.
-        if let Some(hit) = judge.closest_unbounded(ray, self.span) {
+        if let Some(hit) = tester.closest_unbounded(ray, self.span) {
             self.accept(&hit);
         }
         ControlFlow::Continue(())
     }
 
-    fn visit_unfiltered(&mut self, judge: &mut dyn Judge, ray: &Ray) {
-        let found = judge.closest_unfiltered(ray, self.span);
+    fn visit_unfiltered(&mut self, tester: &mut dyn PrimitiveTester, ray: &Ray) {
+        let found = tester.closest_unfiltered(ray, self.span);
         self.take(found);
     }
 
@@ -221,17 +223,17 @@ impl Goal for FirstHit {
     }
 
     #[inline(always)]
-    unsafe fn visit<S: Simd, F: Filter>(
+    unsafe fn visit<S: Simd, F: LeafTest>(
         &mut self,
         simd: S,
         tree: &WideBvh,
-        judge: &mut dyn Judge,
-        prepared: &Prepared<'_, S, F>,
+        tester: &mut dyn PrimitiveTester,
+        trav: &TravRay<'_, S, F>,
         leaf: Child,
     ) -> ControlFlow<()> {
         // SAFETY: as the caller promises.
         let view = unsafe { tree.leaves.view(leaf) };
-        let verdict = prepared.filter.judge(simd, view, self.limit);
+        let verdict = trav.filter.test(simd, view, self.limit);
         if verdict.maybe == 0 {
             return ControlFlow::Continue(());
         }
@@ -249,17 +251,17 @@ impl Goal for FirstHit {
         }
         while unsure != 0 {
             let lane = Lane::new(take_lane(&mut unsure));
-            self.decide::<S, F>(simd, judge, &prepared.ray, view, lane);
+            self.decide::<S, F>(simd, tester, &trav.ray, view, lane);
         }
         ControlFlow::Continue(())
     }
 
     #[inline(always)]
-    unsafe fn consider<S: Simd, F: Filter>(
+    unsafe fn consider<S: Simd, F: LeafTest>(
         &mut self,
         simd: S,
         tree: &WideBvh,
-        judge: &mut dyn Judge,
+        tester: &mut dyn PrimitiveTester,
         ray: &Ray,
         leaf: Child,
         lane: Lane,
@@ -268,7 +270,7 @@ impl Goal for FirstHit {
         // SAFETY: as the caller promises.
         let (view, place) = unsafe { (tree.leaves.view(leaf), Place::new(leaf, lane)) };
         if sure.is_none_or(|bounds| !self.remember(place, bounds)) {
-            self.decide::<S, F>(simd, judge, &ExactRay::new(simd, ray), view, lane);
+            self.decide::<S, F>(simd, tester, &RayF64::new(simd, ray), view, lane);
         }
     }
 
@@ -277,8 +279,13 @@ impl Goal for FirstHit {
         self.span
     }
 
-    fn ask_together(judge: &mut dyn Judge, index: u32, rays: &[(Ray, Interval)], answers: &mut [Self::Answer]) {
-        judge.closest_together(index, rays, answers);
+    fn ask_together(
+        tester: &mut dyn PrimitiveTester,
+        index: u32,
+        rays: &[(Ray, Interval)],
+        answers: &mut [Self::Answer],
+    ) {
+        tester.closest_together(index, rays, answers);
     }
 
     #[inline(always)]
@@ -291,23 +298,23 @@ impl Goal for FirstHit {
     }
 
     #[inline(always)]
-    fn finish<S: Simd, F: Filter>(
+    fn finish<S: Simd, F: LeafTest>(
         &mut self,
         simd: S,
         tree: &WideBvh,
-        judge: &mut dyn Judge,
-        ray: &ExactRay<'_, S>,
+        tester: &mut dyn PrimitiveTester,
+        ray: &RayF64<'_, S>,
         answer: &mut Option<Hit>,
     ) {
         if let Some(Candidate { place, .. }) = self.only_candidate() {
             // Where leaves decide, nothing is asked, so that the next ray need not wait.
             // SAFETY: places are leaves of the tree with which they are used.
             let (leaf, lane) = (unsafe { tree.leaves.view(place.leaf()) }, place.lane());
-            if F::decides(leaf, lane) {
-                *answer = F::copied_hit::<S, true>(simd, leaf, lane, ray, self.span);
+            if F::is_exact(leaf, lane) {
+                *answer = F::exact_hit::<S, true>(simd, leaf, lane, ray, self.span);
                 self.uncounted_hits += u64::from(answer.is_some());
             } else {
-                *answer = judge.closest(F::index(leaf, lane), ray.ray, self.span);
+                *answer = tester.closest(F::index(leaf, lane), ray.ray, self.span);
             }
             return;
         }
@@ -317,7 +324,7 @@ impl Goal for FirstHit {
             if near <= self.limit {
                 // SAFETY: places are leaves of the tree with which they are used.
                 let leaf = unsafe { tree.leaves.view(place.leaf()) };
-                self.decide::<S, F>(simd, judge, ray, leaf, place.lane());
+                self.decide::<S, F>(simd, tester, ray, leaf, place.lane());
             }
         }
         *answer = self.answer();
@@ -336,31 +343,31 @@ impl Goal for FirstHit {
         simd: S,
         place: Place,
         sure: u32,
-        [near, far]: [S::Lanes; 2],
-        limits: &mut S::Lanes,
+        [near, far]: [S::F32x8; 2],
+        limits: &mut S::F32x8,
     ) -> u32 {
         // The usual case: nearer for sure than what has been found before.
         let is_nearest = sure & simd.lt(far, found.near);
         found.who |= is_nearest;
-        found.near = simd.chosen(is_nearest, near, found.near);
-        found.leaf = simd.chosen(is_nearest, simd.splat(f32::from_bits(place.leaf().to_bits())), found.leaf);
-        found.lane = simd.chosen(is_nearest, simd.splat(f32::from_bits(place.lane().index() as u32)), found.lane);
-        *limits = simd.chosen(sure, simd.min(*limits, far), *limits);
+        found.near = simd.select(is_nearest, near, found.near);
+        found.leaf = simd.select(is_nearest, simd.splat(f32::from_bits(place.leaf().to_bits())), found.leaf);
+        found.lane = simd.select(is_nearest, simd.splat(f32::from_bits(place.lane().index() as u32)), found.lane);
+        *limits = simd.select(sure, simd.min(*limits, far), *limits);
         sure & !is_nearest
     }
 
     #[inline(always)]
-    fn forget<S: Simd>(found: &mut FoundFirst<S>, simd: S, limits: S::Lanes) {
+    fn forget<S: Simd>(found: &mut FoundFirst<S>, simd: S, limits: S::F32x8) {
         found.who &= simd.le(found.near, limits);
     }
 
     #[inline(always)]
-    fn settle<S: Simd, F: Filter>(
+    fn settle<S: Simd, F: LeafTest>(
         found: &FoundFirst<S>,
         simd: S,
         tree: &WideBvh,
-        judge: &mut dyn Judge,
-        across: &Across<S>,
+        tester: &mut dyn PrimitiveTester,
+        across: &RayPacket<S>,
         rays: &[(Ray, Interval); PACKET],
         answers: &mut [Option<Hit>; PACKET],
     ) -> u64 {
@@ -373,37 +380,37 @@ impl Goal for FirstHit {
         let places = found.places(simd);
         let mut left = found.who;
         let mut uncounted_hits = 0;
-        if F::ROUND {
+        if F::IS_SPHERE {
             // SAFETY: these rays have found places in the tree.
-            let settled = unsafe { settle_round::<S, F>(simd, tree, judge, across, &places, left, answers) };
+            let settled = unsafe { settle_round::<S, F>(simd, tree, tester, across, &places, left, answers) };
             uncounted_hits += u64::from(settled.count_ones());
             left &= !settled;
         }
         while left != 0 {
             let first = left.trailing_zeros() as usize & 7;
             let place = places[first];
-            let mut alike = left & found.at(simd, place);
-            left &= !alike;
+            let mut same_octant_prefix = left & found.at(simd, place);
+            left &= !same_octant_prefix;
             // SAFETY: this ray has found a place in the tree.
             let (leaf, of_leaf) = (unsafe { tree.leaves.view(place.0) }, place.1);
-            if !F::decides(leaf, of_leaf) {
-                while alike != 0 {
-                    let lane = take_lane(&mut alike);
+            if !F::is_exact(leaf, of_leaf) {
+                while same_octant_prefix != 0 {
+                    let lane = take_lane(&mut same_octant_prefix);
                     let (ray, span) = &rays[lane];
-                    answers[lane] = judge.closest(F::index(leaf, of_leaf), ray, *span);
+                    answers[lane] = tester.closest(F::index(leaf, of_leaf), ray, *span);
                 }
                 continue;
             }
-            uncounted_hits += u64::from(alike.count_ones());
-            let mut together = alike & across.is_own;
+            uncounted_hits += u64::from(same_octant_prefix.count_ones());
+            let mut together = same_octant_prefix & across.same_axis_mask;
             if together.count_ones() < 2 {
                 together = 0;
             }
-            let mut alone = alike & !together;
+            let mut alone = same_octant_prefix & !together;
             while alone != 0 {
                 let lane = take_lane(&mut alone);
                 let (ray, span) = &rays[lane];
-                answers[lane] = F::copied_hit::<S, true>(simd, leaf, of_leaf, &ExactRay::new(simd, ray), *span);
+                answers[lane] = F::exact_hit::<S, true>(simd, leaf, of_leaf, &RayF64::new(simd, ray), *span);
             }
             if together == 0 {
                 continue;

@@ -10,15 +10,15 @@ use core::mem::MaybeUninit;
 
 use rt_math::{Interval, Ray};
 
-use super::across::{PACKET, agree, repeated};
-use super::goal::{Goal, Judge, Place, Prepared};
-use super::leaf::{BoxFilter, Filter, Lane, LeafKind, SphereFilter, TriangleFilter};
+use super::frustum::{BundleFrustum, Cut, same_octant_prefix};
+use super::leaf::{BoxTest, Lane, LeafKind, LeafTest, SphereTest, TriangleTest};
 use super::node::Child;
 use super::packet::{FEW, Packet, PacketStack};
-use super::shaft::{Cut, Shaft, alike};
-use super::simd::{Kernel, Simd};
-use super::stack::StackRoom;
-use super::walk::{Work, descend};
+use super::packet_rays::{PACKET, is_coherent, pad_to_packet};
+use super::query::{Goal, Place, PrimitiveTester, TravRay};
+use super::simd::{Simd, WithSimd};
+use super::single_ray::{Work, descend};
+use super::stack::StackStorage;
 use super::{STACK, WideBvh};
 use crate::AcceleratorQueries;
 
@@ -45,29 +45,29 @@ pub(super) struct Flight<'q, 'j, G> {
 
 /// Who decides, and counts.
 pub(super) struct Ground<'j> {
-    pub(super) judge: &'j mut dyn Judge,
+    pub(super) tester: &'j mut dyn PrimitiveTester,
     pub(super) work: Work,
 }
 
-impl<G: Goal> Kernel<&[(Ray, Interval)], &mut [G::Answer]> for Flight<'_, '_, G> {
+impl<G: Goal> WithSimd<&[(Ray, Interval)], &mut [G::Answer]> for Flight<'_, '_, G> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], answers: &mut [G::Answer]) {
         match self.tree.leaves.kind {
-            LeafKind::Watertight => self.fly::<S, TriangleFilter<true>>(simd, rays, answers),
-            LeafKind::Triangles => self.fly::<S, TriangleFilter<false>>(simd, rays, answers),
-            LeafKind::Spheres => self.fly::<S, SphereFilter>(simd, rays, answers),
-            LeafKind::Boxes => self.fly::<S, BoxFilter>(simd, rays, answers),
+            LeafKind::Watertight => self.fly::<S, TriangleTest<true>>(simd, rays, answers),
+            LeafKind::Triangles => self.fly::<S, TriangleTest<false>>(simd, rays, answers),
+            LeafKind::Spheres => self.fly::<S, SphereTest>(simd, rays, answers),
+            LeafKind::Boxes => self.fly::<S, BoxTest>(simd, rays, answers),
         }
     }
 }
 
 impl<G: Goal> Flight<'_, '_, G> {
     #[inline(always)]
-    fn fly<S: Simd, F: Filter>(self, simd: S, rays: &[(Ray, Interval)], answers: &mut [G::Answer]) {
+    fn fly<S: Simd, F: LeafTest>(self, simd: S, rays: &[(Ray, Interval)], answers: &mut [G::Answer]) {
         let mut crew = Crew::<S, F, G> {
             simd,
             tree: self.tree,
-            judge: self.ground.judge,
+            tester: self.ground.tester,
             work: Work::default(),
             rays,
             answers,
@@ -77,15 +77,15 @@ impl<G: Goal> Flight<'_, '_, G> {
             cut: Cut::NONE,
             blocker: None,
             packet_stack: PacketStack::new(),
-            stack: StackRoom::new(),
-            is_far: S::WAITS && self.tree.memory() > FAR,
+            stack: StackStorage::new(),
+            is_far: S::INTERLEAVE && self.tree.memory() > FAR,
             seats: [const { MaybeUninit::uninit() }; CREW],
             routes: [const { MaybeUninit::uninit() }; CREW],
             at_nodes: Roster::EMPTY,
             at_leaves: Roster::EMPTY,
             home: Roster::EMPTY,
         };
-        (0..CREW).for_each(|seat| crew.home.push_if(true, seat, Child::HOME));
+        (0..CREW).for_each(|seat| crew.home.push_if(true, seat, Child::NONE));
         loop {
             crew.board();
             if crew.at_nodes.len + crew.at_leaves.len == 0 {
@@ -102,7 +102,7 @@ impl<G: Goal> Flight<'_, '_, G> {
 
 /// A ray that is under way.
 struct Traveller<'r, S: Simd, F, G> {
-    prepared: Prepared<'r, S, F>,
+    trav: TravRay<'r, S, F>,
     goal: G,
     /// Of the ray in the batch.
     number: usize,
@@ -125,7 +125,7 @@ impl Route {
             (&raw mut (*place.as_mut_ptr()).len).write(1);
             place.assume_init_mut()
         };
-        route.children[0].write(Child::HOME.to_bits());
+        route.children[0].write(Child::NONE.to_bits());
         route.enters[0].write(f32::NEG_INFINITY);
     }
 
@@ -172,7 +172,7 @@ struct Roster {
 }
 
 impl Roster {
-    const EMPTY: Self = Self { seats: [(0, Child::HOME); CREW], len: 0 };
+    const EMPTY: Self = Self { seats: [(0, Child::NONE); CREW], len: 0 };
 
     /// Adds one of them, if it is so.
     #[inline(always)]
@@ -192,7 +192,7 @@ impl Roster {
 struct Crew<'r, 'q, S: Simd, F, G: Goal> {
     simd: S,
     tree: &'q WideBvh,
-    judge: &'q mut dyn Judge,
+    tester: &'q mut dyn PrimitiveTester,
     work: Work,
     rays: &'r [(Ray, Interval)],
     answers: &'r mut [G::Answer],
@@ -207,7 +207,7 @@ struct Crew<'r, 'q, S: Simd, F, G: Goal> {
     blocker: Option<Place>,
     packet_stack: PacketStack<S>,
     /// Of a ray that goes alone.
-    stack: StackRoom,
+    stack: StackStorage,
     /// True if it takes long to fetch what is not in the nearest caches.
     is_far: bool,
     /// Written where a roster but `home` lists them.
@@ -219,7 +219,7 @@ struct Crew<'r, 'q, S: Simd, F, G: Goal> {
     home: Roster,
 }
 
-impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
+impl<'r, S: Simd, F: LeafTest, G: Goal> Crew<'r, '_, S, F, G> {
     /// Fills the free seats.
     #[inline(always)]
     fn board(&mut self) {
@@ -235,17 +235,17 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
             let number = self.n_boarded;
             self.n_boarded += 1;
             let mut goal = G::new(*span);
-            if !self.tree.unbounded.is_empty() && goal.visit_unbounded(self.judge, ray).is_break() {
+            if !self.tree.unbounded.is_empty() && goal.visit_unbounded(self.tester, ray).is_break() {
                 self.answer(number, goal.answer());
                 continue;
             }
-            let Some(prepared) = Prepared::<S, F>::new(self.simd, self.tree, ray, *span) else {
-                goal.visit_unfiltered(self.judge, ray);
+            let Some(trav) = TravRay::<S, F>::new(self.simd, self.tree, ray, *span) else {
+                goal.visit_unfiltered(self.tester, ray);
                 self.answer(number, goal.answer());
                 continue;
             };
-            if self.ask_again(&prepared, &mut goal) {
-                self.arrive(&prepared, &mut goal, number);
+            if self.ask_again(&trav, &mut goal) {
+                self.arrive(&trav, &mut goal, number);
                 continue;
             }
             if !self.is_far {
@@ -254,20 +254,20 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
                     descend(
                         self.simd,
                         self.tree,
-                        self.judge,
-                        &prepared,
+                        self.tester,
+                        &trav,
                         &mut goal,
                         self.tree.root,
                         &mut self.stack,
                         &mut self.work,
                     );
                 }
-                self.arrive(&prepared, &mut goal, number);
+                self.arrive(&trav, &mut goal, number);
                 continue;
             }
             self.home.len -= 1;
             let (seat, _) = self.home.get(self.home.len);
-            self.seats[seat].write(Traveller { prepared, goal, number });
+            self.seats[seat].write(Traveller { trav, goal, number });
             Route::begin(&mut self.routes[seat]);
             self.send(seat, self.tree.root);
         }
@@ -286,10 +286,10 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
         let rays = if let Some(rays) = rest.first_chunk() {
             rays
         } else {
-            filled = repeated(rest);
+            filled = pad_to_packet(rest);
             &filled
         };
-        if !agree(rays) {
+        if !is_coherent(rays) {
             return false;
         }
         if first >= self.bundled_until {
@@ -306,7 +306,7 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
         let mut packet = Packet::<S, G> {
             simd: self.simd,
             tree: self.tree,
-            judge: self.judge,
+            tester: self.tester,
             work: &mut self.work,
             stack: &mut self.packet_stack,
             alone: &mut self.stack,
@@ -325,15 +325,15 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
     /// Finds out what several of the next packets may meet, if they go through the same sides of boxes.
     #[inline(always)]
     fn look_ahead(&mut self) {
-        if !F::ROUND || self.tree.bounded < WORTH_A_LOOK {
+        if !F::IS_SPHERE || self.tree.bounded < WORTH_A_LOOK {
             return;
         }
         let rays = self.rays.get(self.n_boarded..).unwrap_or(&[]);
-        let n_alike = alike(rays.get(..BUNDLE).unwrap_or(rays)) / PACKET * PACKET;
+        let n_alike = same_octant_prefix(rays.get(..BUNDLE).unwrap_or(rays)) / PACKET * PACKET;
         if n_alike < 2 * PACKET {
             return;
         }
-        if let Some(shaft) = rays.get(..n_alike).and_then(|rays| Shaft::around(self.simd, self.tree, rays)) {
+        if let Some(shaft) = rays.get(..n_alike).and_then(|rays| BundleFrustum::around(self.simd, self.tree, rays)) {
             self.work.nodes += self.cut.make::<S, F>(self.simd, self.tree, &shaft);
             self.bundled_until = self.n_boarded + n_alike;
         }
@@ -341,28 +341,26 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
 
     /// Asks what blocked a ray before, and its neighbours in the leaf; true if that certainly blocks this one.
     #[inline(always)]
-    fn ask_again(&mut self, prepared: &Prepared<'_, S, F>, goal: &mut G) -> bool {
+    fn ask_again(&mut self, trav: &TravRay<'_, S, F>, goal: &mut G) -> bool {
         let Some(leaf) = self.blocker.take().map(Place::leaf) else { return false };
         // SAFETY: places are leaves of the tree with which they are used.
         let view = unsafe { self.tree.leaves.view(leaf) };
         self.work.tests += view.count as u64;
-        let verdict = prepared.filter.judge(self.simd, view, goal.limit());
+        let verdict = trav.filter.test(self.simd, view, goal.limit());
         if verdict.sure == 0 {
             return false;
         }
         let lane = Lane::new(verdict.sure.trailing_zeros() as usize);
         // SAFETY: as above.
-        unsafe {
-            goal.consider::<S, F>(self.simd, self.tree, self.judge, prepared.ray.ray, leaf, lane, Some([0.0; 2]))
-        };
+        unsafe { goal.consider::<S, F>(self.simd, self.tree, self.tester, trav.ray.ray, leaf, lane, Some([0.0; 2])) };
         true
     }
 
     /// Takes down what a ray has found.
     #[inline(always)]
-    fn arrive(&mut self, prepared: &Prepared<'_, S, F>, goal: &mut G, number: usize) {
+    fn arrive(&mut self, trav: &TravRay<'_, S, F>, goal: &mut G, number: usize) {
         let Some(place) = self.answers.get_mut(number) else { return };
-        goal.finish::<S, F>(self.simd, self.tree, self.judge, &prepared.ray, place);
+        goal.finish::<S, F>(self.simd, self.tree, self.tester, &trav.ray, place);
         self.work.hits += goal.uncounted_hits();
         self.blocker = goal.blocker();
     }
@@ -380,7 +378,7 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
         for line in 0..4 {
             self.simd.prefetch(self.tree.line(child).wrapping_add(line));
         }
-        if child == Child::HOME {
+        if child == Child::NONE {
             return self.home.push_if(true, seat, child);
         }
         self.at_nodes.push_if(child.is_node(), seat, child);
@@ -396,15 +394,15 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
         for i in 0..n {
             let (seat, child) = self.at_nodes.get(i);
             // SAFETY: has been written, as who is at a node.
-            let Traveller { prepared, goal, .. } = unsafe { self.seats[seat].assume_init_ref() };
+            let Traveller { trav, goal, .. } = unsafe { self.seats[seat].assume_init_ref() };
             // SAFETY: who is at a node has been sent there, to the root or to a child of a node.
             let node = unsafe { self.tree.node(child) };
-            let [enter, leave] = prepared.boxes.cross(self.simd, node, prepared.min, goal.limit());
+            let [enter, leave] = trav.boxes.cross(self.simd, node, trav.min, goal.limit());
             // SAFETY: as above.
             let route = unsafe { self.routes[seat].assume_init_mut() };
             // SAFETY: one node of each level puts off seven children at most.
             let (enters, children) = unsafe { route.rest() };
-            route.len += self.simd.put_passed(enter, leave, node.child_bits(), enters, children);
+            route.len += self.simd.compress_sorted(enter, leave, node.child_bits(), enters, children);
             // SAFETY: who is at a node has not come home; what was put has been written.
             let next = unsafe { route.pop(goal.limit()) };
             self.send(seat, next);
@@ -418,10 +416,10 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
         for i in 0..n {
             let (seat, leaf) = self.at_leaves.get(i);
             // SAFETY: has been written, as who is at a leaf.
-            let Traveller { prepared, goal, .. } = unsafe { self.seats[seat].assume_init_mut() };
+            let Traveller { trav, goal, .. } = unsafe { self.seats[seat].assume_init_mut() };
             self.work.tests += leaf.count() as u64;
             // SAFETY: who is at a leaf has been sent there, to a child of a node.
-            if unsafe { goal.visit::<S, F>(self.simd, self.tree, self.judge, prepared, leaf) }.is_break() {
+            if unsafe { goal.visit::<S, F>(self.simd, self.tree, self.tester, trav, leaf) }.is_break() {
                 Route::begin(&mut self.routes[seat]);
             }
             // SAFETY: as above, and who is at a leaf has not come home.
@@ -436,9 +434,9 @@ impl<'r, S: Simd, F: Filter, G: Goal> Crew<'r, '_, S, F, G> {
         for i in n_free..self.home.len {
             let (seat, _) = self.home.get(i);
             // SAFETY: has been written, as who has come home.
-            let Traveller { prepared, goal, number } = unsafe { self.seats[seat].assume_init_mut() };
+            let Traveller { trav, goal, number } = unsafe { self.seats[seat].assume_init_mut() };
             let Some(place) = self.answers.get_mut(*number) else { return };
-            goal.finish::<S, F>(self.simd, self.tree, self.judge, &prepared.ray, place);
+            goal.finish::<S, F>(self.simd, self.tree, self.tester, &trav.ray, place);
             self.work.hits += goal.uncounted_hits();
         }
     }
