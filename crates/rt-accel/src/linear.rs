@@ -55,8 +55,8 @@ impl Linear {
     }
 
     /// All primitives, where they are few and no list of spheres.
-    fn handful(&self) -> Option<SmallSet> {
-        let are_few = self.spheres.is_none() && self.primitives as usize <= SmallSet::MOST;
+    fn small_set(&self) -> Option<SmallSet> {
+        let are_few = self.spheres.is_none() && self.primitives as usize <= SmallSet::CAPACITY;
         are_few.then(|| SmallSet::new(0..self.primitives)).flatten().map(|few| few.with_level(self.level))
     }
 }
@@ -87,7 +87,7 @@ impl Accelerator for Linear {
         probe: &mut S,
     ) -> Option<Hit> {
         match &self.spheres {
-            Some(spheres) => spheres.closest(primitives, ray, span, probe),
+            Some(spheres) => spheres.trace(primitives, ray, span, probe),
             None => brute_force::closest(primitives, ray, span, probe),
         }
     }
@@ -95,7 +95,7 @@ impl Accelerator for Linear {
     #[inline]
     fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         match &self.spheres {
-            Some(spheres) => spheres.occluded(primitives, ray, span, probe),
+            Some(spheres) => spheres.trace(primitives, ray, span, probe),
             None => brute_force::occluded(primitives, ray, span, probe),
         }
     }
@@ -107,8 +107,8 @@ impl Accelerator for Linear {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        if let Some(handful) = self.handful() {
-            return handful.closest_batch(primitives, rays, hits, probe);
+        if let Some(small_set) = self.small_set() {
+            return small_set.closest_batch(primitives, rays, hits, probe);
         }
         for ((ray, span), hit) in rays.iter().zip(hits) {
             *hit = self.closest(primitives, ray, *span, probe);
@@ -122,8 +122,8 @@ impl Accelerator for Linear {
         blocked: &mut [bool],
         probe: &mut S,
     ) {
-        if let Some(handful) = self.handful() {
-            return handful.occluded_batch(primitives, rays, blocked, probe);
+        if let Some(small_set) = self.small_set() {
+            return small_set.occluded_batch(primitives, rays, blocked, probe);
         }
         for ((ray, span), blocked) in rays.iter().zip(blocked) {
             *blocked = self.occluded(primitives, ray, *span, probe);
@@ -169,7 +169,7 @@ impl AcceleratorQueries for Linear {
             return Err(ValidationError::Count { built: self.primitives, given: primitives.len() });
         }
         match &self.spheres {
-            Some(spheres) => spheres.check(primitives),
+            Some(spheres) => spheres.validate(primitives),
             None => Ok(()),
         }
     }

@@ -269,7 +269,7 @@ fn handfuls_answer_and_count_as_brute_force() {
     let draw = &mut Draw::new(seed);
     let mut n_hits = 0;
     for round in 0..60 {
-        let n = 1 + draw.below(SmallSet::MOST);
+        let n = 1 + draw.below(SmallSet::CAPACITY);
         let pool = match round % 4 {
             0 => Soup::mixed(draw).0.into_iter().chain(Soup::facets(draw).0).collect(),
             1 => Soup::facets(draw).0,
@@ -331,7 +331,7 @@ fn handfuls_answer_and_count_as_brute_force() {
         }
     }
     assert!(n_hits > 10_000, "{n_hits} hits");
-    assert!(SmallSet::new(0..=SmallSet::MOST as u32).is_none());
+    assert!(SmallSet::new(0..=SmallSet::CAPACITY as u32).is_none());
 }
 
 /// A set of which some are structures themselves, some block nothing, and hits are named by instances.
@@ -417,7 +417,7 @@ fn compare_yards<T: AcceleratorQueries>(seed: u64, build: fn(&Soup) -> T, counts
         let scale = draw.pick(&[1.0, 1e-3, 1e12]);
         let offset = DVec3::new(1.0, -0.7, 0.3) * draw.pick(&[0.0, 1e4]);
         let pool = Soup::mixed(draw).0.into_iter().chain(Soup::facets(draw).0).collect::<Vec<_>>();
-        let soups: Vec<Soup> = (0..1 + draw.below(SmallSet::MOST))
+        let soups: Vec<Soup> = (0..1 + draw.below(SmallSet::CAPACITY))
             .map(|_| {
                 let n = draw.pick(&[1, 1, 30]);
                 Soup((0..n).map(|_| draw.pick(&pool)).collect()).rounded().scaled(scale).moved(offset)

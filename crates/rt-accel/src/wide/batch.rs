@@ -1,443 +1,430 @@
-//! Many rays at a time: while one waits for memory, or for the result of its last box test, others go on.
+//! Traversal of a batch of rays: coherent packets, and interleaved single rays that hide memory latency.
 //!
-//! Each ray walks as it would alone, one node or leaf at a time, and its next is fetched meanwhile. Where rays go is not
-//! asked by branches, which would be predicted wrongly as often as not, and hold up all.
+//! Interleaved rays advance by one node or leaf at a time, and prefetch their next one. Scheduling is branch-free: a branch
+//! on the next child would be mispredicted about half the time and stall all rays.
 //!
-//! Kocberber, Falsafi and Grot, "Asynchronous Memory Access Chaining", 2015, do so for other trees.
+//! Kocberber, Falsafi and Grot, "Asynchronous Memory Access Chaining", 2015, interleave lookups in other trees.
 
-use core::marker::PhantomData;
 use core::mem::MaybeUninit;
 
 use rt_math::{Interval, Ray};
 
-use super::frustum::{BundleFrustum, Cut, same_octant_prefix};
+use super::frustum::{BundleFrustum, EntryPoints, same_octant_prefix};
 use super::leaf::{BoxTest, Lane, LeafKind, LeafTest, SphereTest, TriangleTest};
 use super::node::Child;
-use super::packet::{FEW, Packet, PacketStack};
+use super::packet::{PacketStack, PacketTraversal, SWITCH_THRESHOLD};
 use super::packet_rays::{PACKET, is_coherent, pad_to_packet};
-use super::query::{Goal, Place, PrimitiveTester, TravRay};
+use super::query::{Output, PrimSlot, PrimitiveTester, RayState, TravRay};
 use super::simd::{Simd, WithSimd};
-use super::single_ray::{Work, descend};
+use super::single_ray::{TraversalStats, traverse};
 use super::stack::StackStorage;
 use super::{STACK, WideBvh};
 use crate::AcceleratorQueries;
 
-/// Rays that are under way at a time: enough to outlast a wait, few enough to stay in the nearest cache.
-const CREW: usize = 16;
+/// Interleaved rays: enough to outlast a cache miss, few enough to stay in the first-level cache.
+const N_IN_FLIGHT: usize = 16;
 
-/// Rays of which it is found out together what they may meet.
-const BUNDLE: usize = 64;
+/// Most rays that are culled with one frustum.
+const BUNDLE_SIZE: usize = 64;
 
-/// In trees of fewer spheres there is nothing to find out: packets come to leaves as soon. Among triangles, most of which
-/// are missed by most rays of a bundle, it does not pay at all.
-const WORTH_A_LOOK: u32 = 256;
+/// Trees of fewer spheres are not culled by frustum: packets reach their leaves as soon. Trees of triangles never are, as
+/// most rays of a bundle miss most triangles.
+const MIN_PRIMS_TO_CULL: u32 = 256;
 
-/// Trees of more bytes than that are waited for: rays that do not agree go through them side by side. Through smaller ones
-/// each goes alone, which takes fewer instructions.
-const FAR: usize = 8 << 20;
+/// Rays are interleaved in trees of more bytes. In smaller ones a ray takes fewer instructions by itself.
+const INTERLEAVE_MIN_BYTES: usize = 8 << 20;
 
-/// Sends many rays through a tree.
-pub(super) struct Flight<'q, 'j, G> {
+/// Traces a batch through a tree.
+pub(super) struct BatchTraversal<'q, 'j, O> {
     pub(super) tree: &'q WideBvh,
-    pub(super) ground: &'q mut Ground<'j>,
-    pub(super) goal: PhantomData<G>,
+    pub(super) context: &'q mut BatchContext<'j, O>,
 }
 
-/// Who decides, and counts.
-pub(super) struct Ground<'j> {
-    pub(super) tester: &'j mut dyn PrimitiveTester,
-    pub(super) work: Work,
+/// Exact tests and statistics of a batch.
+pub(crate) struct BatchContext<'j, O> {
+    pub(super) tester: &'j mut dyn PrimitiveTester<O>,
+    pub(super) stats: TraversalStats,
 }
 
-impl<G: Goal> WithSimd<&[(Ray, Interval)], &mut [G::Answer]> for Flight<'_, '_, G> {
+impl<O: Output> WithSimd<&[(Ray, Interval)], &mut [O]> for BatchTraversal<'_, '_, O> {
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], answers: &mut [G::Answer]) {
+    fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], outputs: &mut [O]) {
         match self.tree.leaves.kind {
-            LeafKind::Watertight => self.fly::<S, TriangleTest<true>>(simd, rays, answers),
-            LeafKind::Triangles => self.fly::<S, TriangleTest<false>>(simd, rays, answers),
-            LeafKind::Spheres => self.fly::<S, SphereTest>(simd, rays, answers),
-            LeafKind::Boxes => self.fly::<S, BoxTest>(simd, rays, answers),
+            LeafKind::Watertight => self.trace::<S, TriangleTest<true>>(simd, rays, outputs),
+            LeafKind::Triangles => self.trace::<S, TriangleTest<false>>(simd, rays, outputs),
+            LeafKind::Spheres => self.trace::<S, SphereTest>(simd, rays, outputs),
+            LeafKind::Boxes => self.trace::<S, BoxTest>(simd, rays, outputs),
         }
     }
 }
 
-impl<G: Goal> Flight<'_, '_, G> {
+impl<O: Output> BatchTraversal<'_, '_, O> {
     #[inline(always)]
-    fn fly<S: Simd, F: LeafTest>(self, simd: S, rays: &[(Ray, Interval)], answers: &mut [G::Answer]) {
-        let mut crew = Crew::<S, F, G> {
+    fn trace<S: Simd, F: LeafTest>(self, simd: S, rays: &[(Ray, Interval)], outputs: &mut [O]) {
+        let mut pool = RayPool::<S, F, O> {
             simd,
             tree: self.tree,
-            tester: self.ground.tester,
-            work: Work::default(),
+            tester: self.context.tester,
+            stats: TraversalStats::default(),
             rays,
-            answers,
-            n_boarded: 0,
-            alone_until: 0,
-            bundled_until: 0,
-            cut: Cut::NONE,
-            blocker: None,
+            outputs,
+            next_ray: 0,
+            packet_end: 0,
+            bundle_end: 0,
+            entry_points: EntryPoints::NONE,
+            occluder: None,
             packet_stack: PacketStack::new(),
             stack: StackStorage::new(),
-            is_far: S::INTERLEAVE && self.tree.memory() > FAR,
-            seats: [const { MaybeUninit::uninit() }; CREW],
-            routes: [const { MaybeUninit::uninit() }; CREW],
-            at_nodes: Roster::EMPTY,
-            at_leaves: Roster::EMPTY,
-            home: Roster::EMPTY,
+            is_interleaved: S::INTERLEAVE && self.tree.memory() > INTERLEAVE_MIN_BYTES,
+            active: [const { MaybeUninit::uninit() }; N_IN_FLIGHT],
+            stacks: [const { MaybeUninit::uninit() }; N_IN_FLIGHT],
+            node_queue: RayQueue::EMPTY,
+            leaf_queue: RayQueue::EMPTY,
+            free_slots: RayQueue::EMPTY,
         };
-        (0..CREW).for_each(|seat| crew.home.push_if(true, seat, Child::NONE));
+        (0..N_IN_FLIGHT).for_each(|slot| pool.free_slots.push_if(true, slot, Child::NONE));
         loop {
-            crew.board();
-            if crew.at_nodes.len + crew.at_leaves.len == 0 {
+            pool.refill();
+            if pool.node_queue.len + pool.leaf_queue.len == 0 {
                 break;
             }
-            let n_free = crew.home.len;
-            crew.visit_nodes();
-            crew.visit_leaves();
-            crew.welcome(n_free);
+            let n_free = pool.free_slots.len;
+            pool.visit_nodes();
+            pool.visit_leaves();
+            pool.retire(n_free);
         }
-        self.ground.work = crew.work;
+        self.context.stats = pool.stats;
     }
 }
 
-/// A ray that is under way.
-struct Traveller<'r, S: Simd, F, G> {
+/// An interleaved ray.
+struct ActiveRay<'r, S: Simd, F, O> {
     trav: TravRay<'r, S, F>,
-    goal: G,
-    /// Of the ray in the batch.
-    number: usize,
+    state: RayState<O>,
+    /// Index in the batch.
+    index: usize,
 }
 
-/// Where a ray still has to go, the nearest last, and where that is entered. Not cleared, as that would take as long as a
-/// few nodes.
-struct Route {
+/// Stack of an interleaved ray, the nearest child on top, with the `t` at entry. Entries are not cleared, as that would
+/// take as long as several nodes.
+struct RayStack {
     children: [MaybeUninit<u32>; STACK + 8],
     enters: [MaybeUninit<f32>; STACK + 8],
     len: usize,
 }
 
-impl Route {
-    /// Begins a route: nowhere but home. All but the first entry may stay unwritten.
+impl RayStack {
+    /// Writes [`Child::NONE`] as the only entry. All others may stay unwritten.
     #[inline(always)]
-    fn begin(place: &mut MaybeUninit<Self>) {
-        // SAFETY: within the place; all but `len` may stay unwritten.
-        let route = unsafe {
-            (&raw mut (*place.as_mut_ptr()).len).write(1);
-            place.assume_init_mut()
+    fn init(stack: &mut MaybeUninit<Self>) {
+        // SAFETY: in bounds; all but `len` may stay unwritten.
+        let stack = unsafe {
+            (&raw mut (*stack.as_mut_ptr()).len).write(1);
+            stack.assume_init_mut()
         };
-        route.children[0].write(Child::NONE.to_bits());
-        route.enters[0].write(f32::NEG_INFINITY);
+        stack.children[0].write(Child::NONE.to_bits());
+        stack.enters[0].write(f32::NEG_INFINITY);
     }
 
-    /// Room for eight more.
+    /// Space for eight more entries.
     ///
     /// # Safety
     ///
-    /// There must be fewer than [`STACK`] on the route: so it is while each node of a walk puts off seven children at most, as no
-    /// tree is deeper than a seventh of the stack.
+    /// There must be fewer than [`STACK`] entries. This holds while each node pushes at most seven children, as no tree is
+    /// deeper than a seventh of the stack.
     #[inline(always)]
-    unsafe fn rest(&mut self) -> (&mut [MaybeUninit<f32>; 8], &mut [MaybeUninit<u32>; 8]) {
+    unsafe fn spare(&mut self) -> (&mut [MaybeUninit<f32>; 8], &mut [MaybeUninit<u32>; 8]) {
         debug_assert!(self.len < STACK, "the tree is deeper than its builder promises");
-        // SAFETY: as the caller promises, and there are eight places more.
+        // SAFETY: as the caller promises, and there are eight entries more.
         unsafe {
             (&mut *self.enters.as_mut_ptr().add(self.len).cast(), &mut *self.children.as_mut_ptr().add(self.len).cast())
         }
     }
 
-    /// What comes next and is entered at or before `limit`; home is at 0.
+    /// Pops the next child that is entered at or before `t_max`.
     ///
     /// # Safety
     ///
-    /// Home must not have been popped since the route [began](Self::begin), and all below `len` must have been written.
+    /// [`Child::NONE`] must not have been popped since [`init`](Self::init), and all entries below `len` must be written.
     #[inline(always)]
-    unsafe fn pop(&mut self, limit: f32) -> Child {
+    unsafe fn pop(&mut self, t_max: f32) -> Child {
         loop {
             self.len -= 1;
-            // SAFETY: there was something to pop, and all below `len` has been written, as the caller promises.
+            // SAFETY: there is an entry, and all below `len` are written, as the caller promises.
             let (enter, child) = unsafe {
                 (self.enters.get_unchecked(self.len).assume_init(), self.children.get_unchecked(self.len).assume_init())
             };
-            if enter <= limit {
+            if enter <= t_max {
                 return Child::from_bits(child);
             }
         }
     }
 }
 
-/// Some of the crew, by seat, and where they are.
+/// Slots of interleaved rays, with the child that each visits next.
 #[derive(Clone, Copy)]
-struct Roster {
-    seats: [(u32, Child); CREW],
+struct RayQueue {
+    slots: [(u32, Child); N_IN_FLIGHT],
     len: usize,
 }
 
-impl Roster {
-    const EMPTY: Self = Self { seats: [(0, Child::NONE); CREW], len: 0 };
+impl RayQueue {
+    const EMPTY: Self = Self { slots: [(0, Child::NONE); N_IN_FLIGHT], len: 0 };
 
-    /// Adds one of them, if it is so.
     #[inline(always)]
-    fn push_if(&mut self, is_so: bool, seat: usize, child: Child) {
-        self.seats[self.len % CREW] = (seat as u32, child);
-        self.len += usize::from(is_so);
+    fn push_if(&mut self, condition: bool, slot: usize, child: Child) {
+        self.slots[self.len % N_IN_FLIGHT] = (slot as u32, child);
+        self.len += usize::from(condition);
     }
 
     #[inline(always)]
     fn get(&self, at: usize) -> (usize, Child) {
-        let (seat, child) = self.seats[at % CREW];
-        (seat as usize % CREW, child)
+        let (slot, child) = self.slots[at % N_IN_FLIGHT];
+        (slot as usize % N_IN_FLIGHT, child)
     }
 }
 
-/// The rays that are under way, and those that wait.
-struct Crew<'r, 'q, S: Simd, F, G: Goal> {
+/// A batch, and its rays in flight.
+struct RayPool<'r, 'q, S: Simd, F, O> {
     simd: S,
     tree: &'q WideBvh,
-    tester: &'q mut dyn PrimitiveTester,
-    work: Work,
+    tester: &'q mut dyn PrimitiveTester<O>,
+    stats: TraversalStats,
     rays: &'r [(Ray, Interval)],
-    answers: &'r mut [G::Answer],
-    n_boarded: usize,
-    /// Up to this ray they do not agree.
-    alone_until: usize,
-    /// Up to this ray all may meet nothing but `cut`.
-    bundled_until: usize,
-    cut: Cut,
-    /// What blocked the last packet, or the last ray that went alone, and may block the next. Rays side by side ask it as
-    /// well, but what blocks them is not noted.
-    blocker: Option<Place>,
+    outputs: &'r mut [O],
+    next_ray: usize,
+    /// Rays before this one are traced singly.
+    packet_end: usize,
+    /// Rays before this one hit nothing but `entry_points`.
+    bundle_end: usize,
+    entry_points: EntryPoints,
+    /// Occluder of the last packet or single ray. Interleaved rays test it but do not set it.
+    occluder: Option<PrimSlot>,
     packet_stack: PacketStack<S>,
-    /// Of a ray that goes alone.
+    /// Stack of a single ray.
     stack: StackStorage,
-    /// True if it takes long to fetch what is not in the nearest caches.
-    is_far: bool,
-    /// Written where a roster but `home` lists them.
-    seats: [MaybeUninit<Traveller<'r, S, F, G>>; CREW],
-    routes: [MaybeUninit<Route>; CREW],
-    at_nodes: Roster,
-    at_leaves: Roster,
-    /// Whose seats are free.
-    home: Roster,
+    is_interleaved: bool,
+    /// Written for slots in the node and leaf queues.
+    active: [MaybeUninit<ActiveRay<'r, S, F, O>>; N_IN_FLIGHT],
+    stacks: [MaybeUninit<RayStack>; N_IN_FLIGHT],
+    node_queue: RayQueue,
+    leaf_queue: RayQueue,
+    free_slots: RayQueue,
 }
 
-impl<'r, S: Simd, F: LeafTest, G: Goal> Crew<'r, '_, S, F, G> {
-    /// Fills the free seats.
+impl<'r, S: Simd, F: LeafTest, O: Output> RayPool<'r, '_, S, F, O> {
+    /// Traces packets and single rays until all slots are filled with interleaved rays or the batch ends.
     #[inline(always)]
-    fn board(&mut self) {
+    fn refill(&mut self) {
         loop {
-            if self.n_boarded == self.alone_until {
-                self.alone_until += PACKET;
-                if self.go_together() {
-                    self.n_boarded = self.alone_until.min(self.rays.len());
+            if self.next_ray == self.packet_end {
+                self.packet_end += PACKET;
+                if self.trace_packet() {
+                    self.next_ray = self.packet_end.min(self.rays.len());
                     continue;
                 }
             }
-            let Some((ray, span)) = self.rays.get(self.n_boarded).filter(|_| self.home.len > 0) else { return };
-            let number = self.n_boarded;
-            self.n_boarded += 1;
-            let mut goal = G::new(*span);
-            if !self.tree.unbounded.is_empty() && goal.visit_unbounded(self.tester, ray).is_break() {
-                self.answer(number, goal.answer());
+            let Some((ray, span)) = self.rays.get(self.next_ray).filter(|_| self.free_slots.len > 0) else { return };
+            let index = self.next_ray;
+            self.next_ray += 1;
+            let mut state = RayState::new(*span);
+            if !self.tree.unbounded.is_empty() && state.test_unbounded(self.tree, self.tester, ray).is_break() {
+                self.write_result(index, state.output());
                 continue;
             }
             let Some(trav) = TravRay::<S, F>::new(self.simd, self.tree, ray, *span) else {
-                goal.visit_unfiltered(self.tester, ray);
-                self.answer(number, goal.answer());
+                state.traverse_f64(self.tree, self.tester, ray);
+                self.write_result(index, state.output());
                 continue;
             };
-            if self.ask_again(&trav, &mut goal) {
-                self.arrive(&trav, &mut goal, number);
+            if self.test_last_occluder(&trav, &mut state) {
+                self.finish(&trav, &mut state, index);
                 continue;
             }
-            if !self.is_far {
-                // SAFETY: the root, and the filter that suits the leaves.
-                unsafe {
-                    descend(
-                        self.simd,
-                        self.tree,
-                        self.tester,
-                        &trav,
-                        &mut goal,
-                        self.tree.root,
-                        &mut self.stack,
-                        &mut self.work,
-                    );
-                }
-                self.arrive(&trav, &mut goal, number);
+            if !self.is_interleaved {
+                let root = self.tree.root;
+                let (stack, stats) = (&mut self.stack, &mut self.stats);
+                // SAFETY: the root, and the test of the leaves' kind.
+                unsafe { traverse(self.simd, self.tree, self.tester, &trav, &mut state, root, stack, stats) };
+                self.finish(&trav, &mut state, index);
                 continue;
             }
-            self.home.len -= 1;
-            let (seat, _) = self.home.get(self.home.len);
-            self.seats[seat].write(Traveller { trav, goal, number });
-            Route::begin(&mut self.routes[seat]);
-            self.send(seat, self.tree.root);
+            self.free_slots.len -= 1;
+            let (slot, _) = self.free_slots.get(self.free_slots.len);
+            self.active[slot].write(ActiveRay { trav, state, index });
+            RayStack::init(&mut self.stacks[slot]);
+            self.schedule(slot, self.tree.root);
         }
     }
 
-    /// Sends the next rays as a packet, if they agree.
+    /// Traces the next rays as a packet if they are coherent.
     #[inline(always)]
-    fn go_together(&mut self) -> bool {
-        let first = self.n_boarded;
+    fn trace_packet(&mut self) -> bool {
+        let first = self.next_ray;
         let rest = self.rays.get(first..).unwrap_or(&[]);
         let n = rest.len().min(PACKET);
-        if n <= FEW as usize {
+        if n <= SWITCH_THRESHOLD as usize {
             return false;
         }
-        let filled;
+        let padded;
         let rays = if let Some(rays) = rest.first_chunk() {
             rays
         } else {
-            filled = pad_to_packet(rest);
-            &filled
+            padded = pad_to_packet(rest);
+            &padded
         };
         if !is_coherent(rays) {
             return false;
         }
-        if first >= self.bundled_until {
-            self.look_ahead();
+        if first >= self.bundle_end {
+            self.cull_bundle();
         }
-        let Some(places) = self.answers.get_mut(first..first + n) else { return false };
+        let Some(outputs) = self.outputs.get_mut(first..first + n) else { return false };
         let mut spare;
-        let answers = if let Some(answers) = places.first_chunk_mut() {
-            answers
+        let outputs = if let Some(outputs) = outputs.first_chunk_mut() {
+            outputs
         } else {
-            spare = [G::Answer::default(); PACKET];
+            spare = [O::default(); PACKET];
             &mut spare
         };
-        let mut packet = Packet::<S, G> {
+        let mut packet = PacketTraversal::<S, O> {
             simd: self.simd,
             tree: self.tree,
             tester: self.tester,
-            work: &mut self.work,
+            stats: &mut self.stats,
             stack: &mut self.packet_stack,
-            alone: &mut self.stack,
-            cut: (first < self.bundled_until).then_some(&self.cut),
-            blocker: &mut self.blocker,
-            goal: PhantomData,
+            single_stack: &mut self.stack,
+            entry_points: (first < self.bundle_end).then_some(&self.entry_points),
+            occluder: &mut self.occluder,
         };
-        let has_gone = packet.go::<F>(n, rays, answers);
-        if has_gone && n < PACKET {
-            let answers = *answers;
-            self.answers[first..first + n].copy_from_slice(&answers[..n]);
+        let is_traced = packet.trace::<F>(n, rays, outputs);
+        if is_traced && n < PACKET {
+            let outputs = *outputs;
+            self.outputs[first..first + n].copy_from_slice(&outputs[..n]);
         }
-        has_gone
+        is_traced
     }
 
-    /// Finds out what several of the next packets may meet, if they go through the same sides of boxes.
+    /// Finds the entry points of the next packets that share an octant.
     #[inline(always)]
-    fn look_ahead(&mut self) {
-        if !F::IS_SPHERE || self.tree.bounded < WORTH_A_LOOK {
+    fn cull_bundle(&mut self) {
+        if !F::IS_SPHERE || self.tree.bounded < MIN_PRIMS_TO_CULL {
             return;
         }
-        let rays = self.rays.get(self.n_boarded..).unwrap_or(&[]);
-        let n_alike = same_octant_prefix(rays.get(..BUNDLE).unwrap_or(rays)) / PACKET * PACKET;
-        if n_alike < 2 * PACKET {
+        let rays = self.rays.get(self.next_ray..).unwrap_or(&[]);
+        let n = same_octant_prefix(rays.get(..BUNDLE_SIZE).unwrap_or(rays)) / PACKET * PACKET;
+        if n < 2 * PACKET {
             return;
         }
-        if let Some(shaft) = rays.get(..n_alike).and_then(|rays| BundleFrustum::around(self.simd, self.tree, rays)) {
-            self.work.nodes += self.cut.make::<S, F>(self.simd, self.tree, &shaft);
-            self.bundled_until = self.n_boarded + n_alike;
+        if let Some(frustum) = rays.get(..n).and_then(|rays| BundleFrustum::enclosing(self.simd, self.tree, rays)) {
+            self.stats.nodes += self.entry_points.build::<S, F>(self.simd, self.tree, &frustum);
+            self.bundle_end = self.next_ray + n;
         }
     }
 
-    /// Asks what blocked a ray before, and its neighbours in the leaf; true if that certainly blocks this one.
+    /// Tests the last occluder and its neighbours in the leaf; true if one of them certainly occludes this ray.
     #[inline(always)]
-    fn ask_again(&mut self, trav: &TravRay<'_, S, F>, goal: &mut G) -> bool {
-        let Some(leaf) = self.blocker.take().map(Place::leaf) else { return false };
-        // SAFETY: places are leaves of the tree with which they are used.
+    fn test_last_occluder(&mut self, trav: &TravRay<'_, S, F>, state: &mut RayState<O>) -> bool {
+        let Some(leaf) = self.occluder.take().map(PrimSlot::leaf) else { return false };
+        // SAFETY: slots are those of the tree.
         let view = unsafe { self.tree.leaves.view(leaf) };
-        self.work.tests += view.count as u64;
-        let verdict = trav.filter.test(self.simd, view, goal.limit());
-        if verdict.sure == 0 {
+        self.stats.tests += view.count as u64;
+        let bounds = trav.leaf_test.test(self.simd, view, state.t_max());
+        if bounds.certain == 0 {
             return false;
         }
-        let lane = Lane::new(verdict.sure.trailing_zeros() as usize);
         // SAFETY: as above.
-        unsafe { goal.consider::<S, F>(self.simd, self.tree, self.tester, trav.ray.ray, leaf, lane, Some([0.0; 2])) };
+        unsafe {
+            let slot = PrimSlot::new(leaf, Lane::new(bounds.certain.trailing_zeros() as usize));
+            let certain = Some([0.0; 2]);
+            state.intersect_candidate::<S, F>(self.simd, self.tree, self.tester, trav.ray.ray, slot, certain);
+        }
         true
     }
 
-    /// Takes down what a ray has found.
+    /// Resolves a single ray and writes its result.
     #[inline(always)]
-    fn arrive(&mut self, trav: &TravRay<'_, S, F>, goal: &mut G, number: usize) {
-        let Some(place) = self.answers.get_mut(number) else { return };
-        goal.finish::<S, F>(self.simd, self.tree, self.tester, &trav.ray, place);
-        self.work.hits += goal.uncounted_hits();
-        self.blocker = goal.blocker();
+    fn finish(&mut self, trav: &TravRay<'_, S, F>, state: &mut RayState<O>, index: usize) {
+        let Some(output) = self.outputs.get_mut(index) else { return };
+        state.resolve::<S, F>(self.simd, self.tree, self.tester, &trav.ray, output);
+        self.stats.hits += state.uncounted_hits();
+        self.occluder = state.last_occluder();
     }
 
     #[inline(always)]
-    fn answer(&mut self, number: usize, answer: G::Answer) {
-        if let Some(place) = self.answers.get_mut(number) {
-            *place = answer;
+    fn write_result(&mut self, index: usize, result: O) {
+        if let Some(output) = self.outputs.get_mut(index) {
+            *output = result;
         }
     }
 
-    /// Sends a traveller somewhere. Nothing is asked: where rays go next cannot be predicted.
+    /// Queues an interleaved ray for its next child, without branches between nodes and leaves.
     #[inline(always)]
-    fn send(&mut self, seat: usize, child: Child) {
+    fn schedule(&mut self, slot: usize, child: Child) {
         for line in 0..4 {
             self.simd.prefetch(self.tree.line(child).wrapping_add(line));
         }
         if child == Child::NONE {
-            return self.home.push_if(true, seat, child);
+            return self.free_slots.push_if(true, slot, child);
         }
-        self.at_nodes.push_if(child.is_node(), seat, child);
-        self.at_leaves.push_if(!child.is_node(), seat, child);
+        self.node_queue.push_if(child.is_node(), slot, child);
+        self.leaf_queue.push_if(!child.is_node(), slot, child);
     }
 
-    /// Tests the boxes of all nodes at which rays are, and goes to the nearest.
+    /// Visits all queued nodes, and schedules the nearest child of each.
     #[inline(always)]
     fn visit_nodes(&mut self) {
-        let n = self.at_nodes.len;
-        self.work.nodes += n as u64;
-        self.at_nodes.len = 0;
+        let n = self.node_queue.len;
+        self.stats.nodes += n as u64;
+        self.node_queue.len = 0;
         for i in 0..n {
-            let (seat, child) = self.at_nodes.get(i);
-            // SAFETY: has been written, as who is at a node.
-            let Traveller { trav, goal, .. } = unsafe { self.seats[seat].assume_init_ref() };
-            // SAFETY: who is at a node has been sent there, to the root or to a child of a node.
+            let (slot, child) = self.node_queue.get(i);
+            // SAFETY: written, as the ray is queued.
+            let ActiveRay { trav, state, .. } = unsafe { self.active[slot].assume_init_ref() };
+            // SAFETY: queued nodes are the root or children of nodes.
             let node = unsafe { self.tree.node(child) };
-            let [enter, leave] = trav.boxes.cross(self.simd, node, trav.min, goal.limit());
-            // SAFETY: as above.
-            let route = unsafe { self.routes[seat].assume_init_mut() };
-            // SAFETY: one node of each level puts off seven children at most.
-            let (enters, children) = unsafe { route.rest() };
-            route.len += self.simd.compress_sorted(enter, leave, node.child_bits(), enters, children);
-            // SAFETY: who is at a node has not come home; what was put has been written.
-            let next = unsafe { route.pop(goal.limit()) };
-            self.send(seat, next);
+            let [enter, leave] = trav.boxes.cross(self.simd, node, trav.min, state.t_max());
+            // SAFETY: written, as the ray is queued.
+            let stack = unsafe { self.stacks[slot].assume_init_mut() };
+            // SAFETY: one node of each level pushes at most seven children.
+            let (enters, children) = unsafe { stack.spare() };
+            stack.len += self.simd.compress_sorted(enter, leave, node.child_bits(), enters, children);
+            // SAFETY: a queued ray has not popped `Child::NONE`, and the new entries are written.
+            let next = unsafe { stack.pop(state.t_max()) };
+            self.schedule(slot, next);
         }
     }
 
+    /// Visits all queued leaves, and schedules the next child of each ray.
     #[inline(always)]
     fn visit_leaves(&mut self) {
-        let n = self.at_leaves.len;
-        self.at_leaves.len = 0;
+        let n = self.leaf_queue.len;
+        self.leaf_queue.len = 0;
         for i in 0..n {
-            let (seat, leaf) = self.at_leaves.get(i);
-            // SAFETY: has been written, as who is at a leaf.
-            let Traveller { trav, goal, .. } = unsafe { self.seats[seat].assume_init_mut() };
-            self.work.tests += leaf.count() as u64;
-            // SAFETY: who is at a leaf has been sent there, to a child of a node.
-            if unsafe { goal.visit::<S, F>(self.simd, self.tree, self.tester, trav, leaf) }.is_break() {
-                Route::begin(&mut self.routes[seat]);
+            let (slot, leaf) = self.leaf_queue.get(i);
+            // SAFETY: written, as the ray is queued.
+            let ActiveRay { trav, state, .. } = unsafe { self.active[slot].assume_init_mut() };
+            self.stats.tests += leaf.count() as u64;
+            // SAFETY: queued leaves are children of nodes.
+            if unsafe { state.intersect_leaf::<S, F>(self.simd, self.tree, self.tester, trav, leaf) }.is_break() {
+                RayStack::init(&mut self.stacks[slot]);
             }
-            // SAFETY: as above, and who is at a leaf has not come home.
-            let next = unsafe { self.routes[seat].assume_init_mut().pop(goal.limit()) };
-            self.send(seat, next);
+            // SAFETY: written, and a queued ray has not popped `Child::NONE`.
+            let next = unsafe { self.stacks[slot].assume_init_mut().pop(state.t_max()) };
+            self.schedule(slot, next);
         }
     }
 
-    /// Finishes those that have come home since it was last done.
+    /// Resolves the rays whose slots have become free since there were `n_free`.
     #[inline(always)]
-    fn welcome(&mut self, n_free: usize) {
-        for i in n_free..self.home.len {
-            let (seat, _) = self.home.get(i);
-            // SAFETY: has been written, as who has come home.
-            let Traveller { trav, goal, number } = unsafe { self.seats[seat].assume_init_mut() };
-            let Some(place) = self.answers.get_mut(*number) else { return };
-            goal.finish::<S, F>(self.simd, self.tree, self.tester, &trav.ray, place);
-            self.work.hits += goal.uncounted_hits();
+    fn retire(&mut self, n_free: usize) {
+        for i in n_free..self.free_slots.len {
+            let (slot, _) = self.free_slots.get(i);
+            // SAFETY: written, as the ray has been queued.
+            let ActiveRay { trav, state, index } = unsafe { self.active[slot].assume_init_mut() };
+            let Some(output) = self.outputs.get_mut(*index) else { return };
+            state.resolve::<S, F>(self.simd, self.tree, self.tester, &trav.ray, output);
+            self.stats.hits += state.uncounted_hits();
         }
     }
 }

@@ -21,52 +21,52 @@ pub(super) struct F64x8<S: Simd> {
 impl<S: Simd> F64x8<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, [a, b, c, d, e, f, g, h]: [f64; PACKET]) -> Self {
-        Self { low: simd.doubles([a, b, c, d]), high: simd.doubles([e, f, g, h]) }
+        Self { low: simd.f64x4([a, b, c, d]), high: simd.f64x4([e, f, g, h]) }
     }
 
     #[inline(always)]
     pub(super) fn splat(simd: S, x: f64) -> Self {
-        Self { low: simd.doubles([x; 4]), high: simd.doubles([x; 4]) }
+        Self { low: simd.f64x4([x; 4]), high: simd.f64x4([x; 4]) }
     }
 
     #[inline(always)]
     pub(super) fn sub(self, simd: S, other: Self) -> Self {
-        Self { low: simd.sub_doubles(self.low, other.low), high: simd.sub_doubles(self.high, other.high) }
+        Self { low: simd.sub_f64(self.low, other.low), high: simd.sub_f64(self.high, other.high) }
     }
 
     #[inline(always)]
     pub(super) fn add(self, simd: S, other: Self) -> Self {
-        Self { low: simd.add_doubles(self.low, other.low), high: simd.add_doubles(self.high, other.high) }
+        Self { low: simd.add_f64(self.low, other.low), high: simd.add_f64(self.high, other.high) }
     }
 
     #[inline(always)]
     pub(super) fn mul(self, simd: S, other: Self) -> Self {
-        Self { low: simd.mul_doubles(self.low, other.low), high: simd.mul_doubles(self.high, other.high) }
+        Self { low: simd.mul_f64(self.low, other.low), high: simd.mul_f64(self.high, other.high) }
     }
 
     #[inline(always)]
     pub(super) fn div(self, simd: S, other: Self) -> Self {
-        Self { low: simd.div_doubles(self.low, other.low), high: simd.div_doubles(self.high, other.high) }
+        Self { low: simd.div_f64(self.low, other.low), high: simd.div_f64(self.high, other.high) }
     }
 
     #[inline(always)]
     pub(super) fn sqrt(self, simd: S) -> Self {
-        Self { low: simd.sqrt_doubles(self.low), high: simd.sqrt_doubles(self.high) }
+        Self { low: simd.sqrt_f64(self.low), high: simd.sqrt_f64(self.high) }
     }
 
     #[inline(always)]
     pub(super) fn abs(self, simd: S) -> Self {
-        Self { low: simd.abs_doubles(self.low), high: simd.abs_doubles(self.high) }
+        Self { low: simd.abs_f64(self.low), high: simd.abs_f64(self.high) }
     }
 
     #[inline(always)]
     pub(super) fn max(self, simd: S, other: Self) -> Self {
-        Self { low: simd.max_doubles(self.low, other.low), high: simd.max_doubles(self.high, other.high) }
+        Self { low: simd.max_f64(self.low, other.low), high: simd.max_f64(self.high, other.high) }
     }
 
     #[inline(always)]
     pub(super) fn min(self, simd: S, other: Self) -> Self {
-        Self { low: simd.min_doubles(self.low, other.low), high: simd.min_doubles(self.high, other.high) }
+        Self { low: simd.min_f64(self.low, other.low), high: simd.min_f64(self.high, other.high) }
     }
 
     /// The numbers, none of which is negative, with the signs of others.
@@ -78,7 +78,7 @@ impl<S: Simd> F64x8<S> {
     /// A bit for each of the eight, set where they are at most others; never where one is NaN.
     #[inline(always)]
     pub(super) fn le(self, simd: S, other: Self) -> u32 {
-        simd.le_doubles(self.low, other.low) | simd.le_doubles(self.high, other.high) << 4
+        simd.le_f64(self.low, other.low) | simd.le_f64(self.high, other.high) << 4
     }
 
     /// A bit for each of the eight, set where they are less than others; never where one is NaN.
@@ -102,29 +102,29 @@ impl<S: Simd> F64x8<S> {
     /// The numbers by lane.
     #[inline(always)]
     pub(super) fn to_array(self, simd: S) -> [f64; PACKET] {
-        let [a, b, c, d] = simd.to_doubles(self.low);
-        let [e, f, g, h] = simd.to_doubles(self.high);
+        let [a, b, c, d] = simd.to_f64_array(self.low);
+        let [e, f, g, h] = simd.to_f64_array(self.high);
         [a, b, c, d, e, f, g, h]
     }
 
     /// The least of the eight; may be any of them if one is NaN.
     #[inline(always)]
-    fn least(self, simd: S) -> f64 {
-        let [a, b, c, d] = simd.to_doubles(simd.min_doubles(self.low, self.high));
+    fn reduce_min(self, simd: S) -> f64 {
+        let [a, b, c, d] = simd.to_f64_array(simd.min_f64(self.low, self.high));
         a.min(b).min(c.min(d))
     }
 
     /// The greatest of the eight; may be any of them if one is NaN.
     #[inline(always)]
-    fn greatest(self, simd: S) -> f64 {
-        let [a, b, c, d] = simd.to_doubles(simd.max_doubles(self.low, self.high));
+    fn reduce_max(self, simd: S) -> f64 {
+        let [a, b, c, d] = simd.to_f64_array(simd.max_f64(self.low, self.high));
         a.max(b).max(c.max(d))
     }
 
     /// The sum of the eight.
     #[inline(always)]
     fn sum(self, simd: S) -> f64 {
-        let [a, b, c, d] = simd.to_doubles(simd.add_doubles(self.low, self.high));
+        let [a, b, c, d] = simd.to_f64_array(simd.add_f64(self.low, self.high));
         a + b + (c + d)
     }
 
@@ -151,7 +151,7 @@ impl<S: Simd> F64x8<S> {
 
 /// The greatest absolute value by ray.
 #[inline(always)]
-fn greatest<S: Simd>(simd: S, [x, y, z]: [F64x8<S>; 3]) -> F64x8<S> {
+pub(super) fn max_abs<S: Simd>(simd: S, [x, y, z]: [F64x8<S>; 3]) -> F64x8<S> {
     x.abs(simd).max(simd, y.abs(simd)).max(simd, z.abs(simd))
 }
 
@@ -226,9 +226,9 @@ impl<S: Simd> RaySoa8<S> {
     }
 
     /// A bit for each ray that begins at 0 or later, and whose direction is of a length whose square is nowhere near the
-    /// limits of what `f64` can hold.
+    /// t_max of what `f64` can hold.
     #[inline(always)]
-    pub(super) fn plain(&self, simd: S) -> u32 {
+    pub(super) fn in_safe_range(&self, simd: S) -> u32 {
         let [x, y, z] = self.direction;
         let squared = x.mul(simd, x).add(simd, y.mul(simd, y)).add(simd, z.mul(simd, z));
         F64x8::splat(simd, 0.0).le(simd, self.min)
@@ -242,7 +242,7 @@ pub(super) struct PacketHit<S: Simd> {
     /// A bit for each ray that hits at `t`.
     pub(super) hit: u32,
     /// A bit for each ray that somebody else must decide about; the others miss.
-    pub(super) unsure: u32,
+    pub(super) uncertain: u32,
     pub(super) t: F64x8<S>,
     /// As a [`Hit`](rt_geometry::Hit) has them.
     pub(super) uv: [F64x8<S>; 2],
@@ -250,14 +250,14 @@ pub(super) struct PacketHit<S: Simd> {
 
 /// F64x8 rays that go about the same way.
 pub(super) struct RayPacket<S: Simd> {
-    pub(super) lanes: RaySoa8<S>,
+    pub(super) soa: RaySoa8<S>,
     /// Axes in the order x, y, z of the first ray's own space.
     pub(super) axes: [usize; 3],
     /// A bit for each ray whose own space it is.
     pub(super) same_axis_mask: u32,
     pub(super) span: SpanLanes<S>,
     /// What is entered after these does not matter, as [`Goal::limit`](super::query::Goal::limit) has it at first.
-    pub(super) limits: S::F32x8,
+    pub(super) t_max: S::F32x8,
     pub(super) boxes: PacketSlabs<S>,
 }
 
@@ -314,21 +314,21 @@ impl<S: Simd> RayPacket<S> {
     /// Of rays that [`is_coherent`]; `None` where the filters are not proven.
     #[inline(always)]
     pub(super) fn new(simd: S, tree: &WideBvh, rays: &[(Ray, Interval); PACKET]) -> Option<Self> {
-        let lanes = RaySoa8::new(simd, rays);
-        let RaySoa8 { origin, direction, inverse, min, max } = lanes;
+        let soa = RaySoa8::new(simd, rays);
+        let RaySoa8 { origin, direction, inverse, min, max } = soa;
         let span = SpanLanes { min: [min.round_down(simd), min.round_up(simd)], max: max.round_down(simd) };
-        let limits = max.round_up(simd);
+        let t_max = max.round_up(simd);
         let q = relative(simd, origin, tree.centre);
-        let fastest = greatest(simd, direction);
+        let fastest = max_abs(simd, direction);
 
         // What is not finite makes a NaN of this.
         let sum = q[0].add(simd, q[1]).add(simd, q[2]).add(simd, min);
         let sum = sum.add(simd, direction[0]).add(simd, direction[1]).add(simd, direction[2]);
         let nothing = sum.mul(simd, F64x8::splat(simd, 0.0)).sum(simd);
-        let farthest = greatest(simd, q).greatest(simd);
-        let begin = Interval { min: min.least(simd), max: f64::INFINITY };
-        let is_all_proven = filter_applies(fastest.least(simd), farthest, nothing, begin, tree.size)
-            & RANGE.contains(&fastest.greatest(simd));
+        let farthest = max_abs(simd, q).reduce_max(simd);
+        let begin = Interval { min: min.reduce_min(simd), max: f64::INFINITY };
+        let is_all_proven = filter_applies(fastest.reduce_min(simd), farthest, nothing, begin, tree.size)
+            & RANGE.contains(&fastest.reduce_max(simd));
         if !is_all_proven {
             return None;
         }
@@ -338,14 +338,14 @@ impl<S: Simd> RayPacket<S> {
         let (axes, _) = WatertightRay::new(first).shear();
         let sides = Sides::of(simd, direction);
         let boxes = PacketSlabs::new(simd, q, inverse, steepest, tree.size, sides, span.min[0]);
-        let same_axis_mask = lanes.by_steepest_axis(simd)[axes[2] % 3];
-        Some(Self { lanes, axes, same_axis_mask, span, limits, boxes })
+        let same_axis_mask = soa.by_steepest_axis(simd)[axes[2] % 3];
+        Some(Self { soa, axes, same_axis_mask, span, t_max, boxes })
     }
 
     /// The greatest coordinate of each origin, or more.
     #[inline(always)]
     pub(super) fn reach(simd: S, origin: [F64x8<S>; 3]) -> S::F32x8 {
-        greatest(simd, origin).round_up(simd)
+        max_abs(simd, origin).round_up(simd)
     }
 }
 
@@ -433,7 +433,7 @@ impl<S: Simd> PacketSlabs<S> {
         &self,
         simd: S,
         plane: impl Fn(Row) -> S::F32x8,
-        limits: S::F32x8,
+        t_max: S::F32x8,
     ) -> [S::F32x8; 2] {
         let [x, y, z] = self.sides.near_row;
         let mut near = [plane(x), plane(y), plane(z)];
@@ -452,7 +452,7 @@ impl<S: Simd> PacketSlabs<S> {
         let leave_y = simd.mul_add(far[1], self.scale[1], self.far_shift[1]);
         let leave_z = simd.mul_add(far[2], self.scale[2], self.far_shift[2]);
         let enter = simd.max(simd.max(enter_x, enter_y), simd.max(enter_z, self.min));
-        let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, limits));
+        let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, t_max));
         [enter, leave]
     }
 }
@@ -502,16 +502,16 @@ mod tests {
             counts[usize::from(is_same_octant)] += 1;
             for lane in 0..8 {
                 let plane = |row| node.plane(simd, row, lane);
-                let crossed = across.boxes.cross::<false>(simd, plane, across.limits);
+                let crossed = across.boxes.cross::<false>(simd, plane, across.t_max);
                 let [enters, leaves] = [simd.to_array(crossed[0]), simd.to_array(crossed[1])];
                 if is_same_octant {
-                    let crossed = across.boxes.cross::<true>(simd, plane, across.limits);
+                    let crossed = across.boxes.cross::<true>(simd, plane, across.t_max);
                     assert_eq!([simd.to_array(crossed[0]), simd.to_array(crossed[1])], [enters, leaves]);
                 }
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let alone = RayF32::new(simd, &RayF64x4::new(simd, ray), *span, tree.centre, tree.size);
                     let alone = alone.expect("proven with the others");
-                    let [min, max] = [simd.to_array(across.span.min[0])[i], simd.to_array(across.limits)[i]];
+                    let [min, max] = [simd.to_array(across.span.min[0])[i], simd.to_array(across.t_max)[i]];
                     let [enter, leave] = alone.cross(simd, node, min, max);
                     let expected = [simd.to_array(enter)[lane], simd.to_array(leave)[lane]];
                     assert_eq!([enters[i], leaves[i]].map(f32::to_bits), expected.map(f32::to_bits), "{ray:?}");

@@ -81,7 +81,7 @@ impl<S: Simd> SpherePacket<S> {
 
     /// Where plain rays meet the spheres first within their spans.
     #[inline(always)]
-    pub(super) fn meet(&self, simd: S, rays: &RaySoa8<S>) -> PacketHit<S> {
+    pub(super) fn intersect(&self, simd: S, rays: &RaySoa8<S>) -> PacketHit<S> {
         let f = self.offsets(simd, rays);
         let d = rays.direction;
         let r = self.radius;
@@ -111,7 +111,7 @@ impl<S: Simd> SpherePacket<S> {
         let within = crosses & rays.min.le(simd, t) & t.le(simd, rays.max);
         let touches = root.le(simd, nothing);
         let hit = within & enter.le(simd, t) & t.le(simd, leave);
-        PacketHit { hit, unsure: within & !hit | touches, t, uv: [nothing; 2] }
+        PacketHit { hit, uncertain: within & !hit | touches, t, uv: [nothing; 2] }
     }
 
     /// Where boxes within the own boxes are entered and left.
@@ -159,14 +159,14 @@ mod tests {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S, rays: &Rays, settled: &mut Settled) {
             let rays = RaySoa8::new(simd, rays);
-            assert_eq!(rays.plain(simd), 0xff);
+            assert_eq!(rays.in_safe_range(simd), 0xff);
             let missed = SpherePacket::all(simd, &BALL).miss_mask(simd, &rays);
-            let PacketHit { hit, unsure, t, .. } = SpherePacket::new(simd, &[BALL; PACKET]).meet(simd, &rays);
-            assert_eq!(missed & (hit | unsure), 0);
+            let PacketHit { hit, uncertain, t, .. } = SpherePacket::new(simd, &[BALL; PACKET]).intersect(simd, &rays);
+            assert_eq!(missed & (hit | uncertain), 0);
             let t = t.to_array(simd);
             let is_in = |bits: u32, lane: usize| bits >> lane & 1 != 0;
             *settled = core::array::from_fn(|lane| {
-                (is_in(missed, lane), is_in(unsure, lane), is_in(hit, lane).then_some(t[lane].to_bits()))
+                (is_in(missed, lane), is_in(uncertain, lane), is_in(hit, lane).then_some(t[lane].to_bits()))
             });
         }
     }
@@ -196,9 +196,9 @@ mod tests {
         for level in SimdLevel::ALL {
             let (mut n_hits, mut n_misses) = (0, 0);
             for rays in &cases {
-                for ((ray, span), (missed, unsure, hit)) in rays.iter().zip(settled(*level, rays)) {
+                for ((ray, span), (missed, uncertain, hit)) in rays.iter().zip(settled(*level, rays)) {
                     let expected = BALL.intersect(ray, *span);
-                    assert_eq!((unsure, hit), (false, expected.map(f64::to_bits)), "{level:?}, {ray:?} {span:?}");
+                    assert_eq!((uncertain, hit), (false, expected.map(f64::to_bits)), "{level:?}, {ray:?} {span:?}");
                     n_hits += usize::from(hit.is_some());
                     n_misses += usize::from(missed);
                 }

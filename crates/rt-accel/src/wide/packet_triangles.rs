@@ -3,7 +3,7 @@
 //!
 //! What plain arithmetic does not settle is left to somebody else: signs of areas that rounding may have turned, rays that
 //! start next to the triangle's plane unless they certainly lead away from it, and hits of which it takes the own box to
-//! tell whether they count (see [`round`](super::packet_spheres)). [`certain_hits`] is for hits of which a filter is sure
+//! tell whether they count (see [`round`](super::packet_spheres)). [`resolve_certain`] is for hits of which a filter is sure
 //! ([`triangles`](super::leaf)): there no sign is in doubt, and the own box itself is entered.
 
 use rt_geometry::WatertightRay;
@@ -15,11 +15,11 @@ use super::simd::Simd;
 
 /// A volume has the sign of its six rounded products if it is greater than this part of the sum of their sizes; more than
 /// the 7 roundings of Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
-const SETTLED_VOLUME: f64 = 16.0 * UNIT_ROUNDOFF;
+const VOLUME_ERROR_BOUND: f64 = 16.0 * UNIT_ROUNDOFF;
 
 /// One corner as the rays see it.
 #[derive(Clone, Copy)]
-struct Corner<S: Simd> {
+struct RaySpaceVertex<S: Simd> {
     x: F64x8<S>,
     y: F64x8<S>,
     depth: F64x8<S>,
@@ -41,12 +41,12 @@ impl<S: Simd> Shear<S> {
     }
 
     #[inline(always)]
-    fn see(&self, simd: S, rays: &RaySoa8<S>, corner: DVec3) -> Corner<S> {
+    fn to_ray_space(&self, simd: S, rays: &RaySoa8<S>, corner: DVec3) -> RaySpaceVertex<S> {
         let [x, y, z] = self.axes;
         let x = F64x8::splat(simd, corner[x]).sub(simd, rays.origin[x]);
         let y = F64x8::splat(simd, corner[y]).sub(simd, rays.origin[y]);
         let z = F64x8::splat(simd, corner[z]).sub(simd, rays.origin[z]);
-        Corner {
+        RaySpaceVertex {
             x: x.sub(simd, self.x.mul(simd, z)),
             y: y.sub(simd, self.y.mul(simd, z)),
             depth: z.mul(simd, self.scale),
@@ -56,7 +56,7 @@ impl<S: Simd> Shear<S> {
 
 /// Twice the area between the ray and an edge, and a bit for each ray for which its sign is certain.
 #[inline(always)]
-fn area<S: Simd>(simd: S, a: &Corner<S>, b: &Corner<S>) -> (F64x8<S>, u32) {
+fn area<S: Simd>(simd: S, a: &RaySpaceVertex<S>, b: &RaySpaceVertex<S>) -> (F64x8<S>, u32) {
     let (minuend, subtrahend) = (a.x.mul(simd, b.y), a.y.mul(simd, b.x));
     let area = minuend.sub(simd, subtrahend);
     let size = minuend.abs(simd).add(simd, subtrahend.abs(simd));
@@ -65,7 +65,7 @@ fn area<S: Simd>(simd: S, a: &Corner<S>, b: &Corner<S>) -> (F64x8<S>, u32) {
 
 /// Where the rays cross the plane of three corners, by the areas opposite of them, and the sum of these.
 #[inline(always)]
-fn crossing<S: Simd>(simd: S, [a, b, c]: [&Corner<S>; 3], [u, v, w]: [F64x8<S>; 3]) -> [F64x8<S>; 2] {
+fn crossing<S: Simd>(simd: S, [a, b, c]: [&RaySpaceVertex<S>; 3], [u, v, w]: [F64x8<S>; 3]) -> [F64x8<S>; 2] {
     let determinant = u.add(simd, v).add(simd, w);
     let weighted = u.mul(simd, a.depth).add(simd, v.mul(simd, b.depth)).add(simd, w.mul(simd, c.depth));
     [weighted.div(simd, determinant), determinant]
@@ -74,7 +74,7 @@ fn crossing<S: Simd>(simd: S, [a, b, c]: [&Corner<S>; 3], [u, v, w]: [F64x8<S>; 
 /// Where plain rays that are steepest along `axis` meet a triangle within their spans. Says nothing of rays that are not
 /// `asked` about.
 #[inline(always)]
-pub(super) fn meet<S: Simd>(
+pub(super) fn intersect<S: Simd>(
     simd: S,
     vertices: &[DVec3; 3],
     axis: usize,
@@ -84,9 +84,9 @@ pub(super) fn meet<S: Simd>(
     let [x, y, z] = [(axis + 1) % 3, (axis + 2) % 3, axis % 3];
     let shear = Shear::new(simd, [x, y, z], rays);
     let scale = shear.scale;
-    let a = shear.see(simd, rays, vertices[0]);
-    let b = shear.see(simd, rays, vertices[1]);
-    let c = shear.see(simd, rays, vertices[2]);
+    let a = shear.to_ray_space(simd, rays, vertices[0]);
+    let b = shear.to_ray_space(simd, rays, vertices[1]);
+    let c = shear.to_ray_space(simd, rays, vertices[2]);
     let ((u, u_is_settled), (v, v_is_settled), (w, w_is_settled)) =
         (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
     let is_settled = u_is_settled & v_is_settled & w_is_settled;
@@ -105,14 +105,14 @@ pub(super) fn meet<S: Simd>(
     let [enter, leave] = inner_box(simd, vertices, rays);
     let in_box = enter.le(simd, t) & t.le(simd, leave);
     let decided = maybe & is_settled & is_certain;
-    let mut unsure = maybe & !decided | decided & within & !in_box;
+    let mut uncertain = maybe & !decided | decided & within & !in_box;
     let next_to_the_plane = is_settled & !is_certain;
-    if unsure & next_to_the_plane != 0 {
-        unsure &= !(next_to_the_plane & lead_away(simd, vertices, rays, scale, determinant));
+    if uncertain & next_to_the_plane != 0 {
+        uncertain &= !(next_to_the_plane & origin_beyond_plane(simd, vertices, rays, scale, determinant));
     }
     Some(PacketHit {
         hit: decided & within & in_box,
-        unsure,
+        uncertain,
         t,
         uv: [v.div(simd, determinant), w.div(simd, determinant)],
     })
@@ -121,7 +121,7 @@ pub(super) fn meet<S: Simd>(
 /// Where plain rays that go the same way, along these axes, meet a triangle that they certainly hit: `t`, and as much of the
 /// second and third vertex. The decision of [`intersect_triangle`](rt_geometry::intersect_triangle) without what could rule it out.
 #[inline(always)]
-pub(super) fn certain_hits<S: Simd>(
+pub(super) fn resolve_certain<S: Simd>(
     simd: S,
     vertices: &[DVec3; 3],
     axes: [usize; 3],
@@ -129,9 +129,9 @@ pub(super) fn certain_hits<S: Simd>(
 ) -> [F64x8<S>; 3] {
     let [x, y, z] = axes.map(|axis| axis % 3);
     let shear = Shear::new(simd, [x, y, z], rays);
-    let a = shear.see(simd, rays, vertices[0]);
-    let b = shear.see(simd, rays, vertices[1]);
-    let c = shear.see(simd, rays, vertices[2]);
+    let a = shear.to_ray_space(simd, rays, vertices[0]);
+    let b = shear.to_ray_space(simd, rays, vertices[1]);
+    let c = shear.to_ray_space(simd, rays, vertices[2]);
     let ((u, _), (v, _), (w, _)) = (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
     let [mut t, determinant] = crossing(simd, [&a, &b, &c], [u, v, w]);
     // No hit precedes where the own box is entered.
@@ -160,16 +160,16 @@ fn inner_box<S: Simd>(simd: S, &[a, b, c]: &[DVec3; 3], rays: &RaySoa8<S>) -> [F
 /// A bit for each ray that passed the triangle's plane before it starts, beyond doubt. To be asked only of rays of whose `t`
 /// it is in doubt on which side they start: otherwise the kernel goes by `t`, which in slivers may say something else.
 #[inline(always)]
-fn lead_away<S: Simd>(
+fn origin_beyond_plane<S: Simd>(
     simd: S,
     vertices: &[DVec3; 3],
     rays: &RaySoa8<S>,
     scale: F64x8<S>,
     determinant: F64x8<S>,
 ) -> u32 {
-    let a = arm(simd, vertices[0], rays);
-    let b = arm(simd, vertices[1], rays);
-    let c = arm(simd, vertices[2], rays);
+    let a = rel_vertex(simd, vertices[0], rays);
+    let b = rel_vertex(simd, vertices[1], rays);
+    let c = rel_vertex(simd, vertices[2], rays);
     let (of_a, size_of_a) = product(simd, a[2], b, c);
     let (of_b, size_of_b) = product(simd, b[2], c, a);
     let (of_c, size_of_c) = product(simd, c[2], a, b);
@@ -180,12 +180,12 @@ fn lead_away<S: Simd>(
     let turned = turned.select_by_sign(simd, volume, F64x8::splat(simd, 0.0).sub(simd, volume));
     // Where numbers may leave their range, somebody else decides.
     let is_ordinary = F64x8::splat(simd, 1e-200).lt(simd, size) & size.lt(simd, F64x8::splat(simd, 1e200));
-    is_ordinary & size.mul(simd, F64x8::splat(simd, SETTLED_VOLUME)).lt(simd, turned)
+    is_ordinary & size.mul(simd, F64x8::splat(simd, VOLUME_ERROR_BOUND)).lt(simd, turned)
 }
 
 /// From the origins to a corner.
 #[inline(always)]
-fn arm<S: Simd>(simd: S, corner: DVec3, rays: &RaySoa8<S>) -> [F64x8<S>; 3] {
+fn rel_vertex<S: Simd>(simd: S, corner: DVec3, rays: &RaySoa8<S>) -> [F64x8<S>; 3] {
     [
         F64x8::splat(simd, corner.x).sub(simd, rays.origin[0]),
         F64x8::splat(simd, corner.y).sub(simd, rays.origin[1]),
@@ -220,7 +220,7 @@ mod tests {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S, rays: &Rays, (): ()) {
             let (axes, _) = WatertightRay::new(&rays[0].0).shear();
-            let [t, v, w] = certain_hits(simd, self.0, axes, &RaySoa8::new(simd, rays));
+            let [t, v, w] = resolve_certain(simd, self.0, axes, &RaySoa8::new(simd, rays));
             let (t, v, w) = (t.to_array(simd), v.to_array(simd), w.to_array(simd));
             *self.1 = core::array::from_fn(|lane| [t[lane], v[lane], w[lane]].map(f64::to_bits));
         }

@@ -68,9 +68,9 @@ impl<S: Simd> RayF64x4<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &Ray) -> Self {
         let (o, d) = (&ray.origin, &ray.direction);
-        let direction = simd.doubles([alone(&d.x), alone(&d.y), alone(&d.z), 1.0]);
-        let inverse = simd.div_doubles(simd.doubles([1.0; 4]), direction);
-        Self { origin: simd.doubles([alone(&o.x), alone(&o.y), alone(&o.z), 0.0]), direction, inverse }
+        let direction = simd.f64x4([alone(&d.x), alone(&d.y), alone(&d.z), 1.0]);
+        let inverse = simd.div_f64(simd.f64x4([1.0; 4]), direction);
+        Self { origin: simd.f64x4([alone(&o.x), alone(&o.y), alone(&o.z), 0.0]), direction, inverse }
     }
 }
 
@@ -95,16 +95,16 @@ impl<S: Simd> SlabCoeffs<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, q: S::F64x4, inverse: S::F64x4, steepest: S::F64x4, size: f64) -> Self {
         let slack = if S::FUSED { SLACK } else { 2.0 * SLACK };
-        let zero = simd.doubles([0.0; 4]);
-        let limited = simd.min_doubles(inverse, steepest);
-        let scale = simd.round_to_f32(simd.max_doubles(limited, simd.sub_doubles(zero, steepest)));
-        let farthest = simd.add_doubles(simd.abs_doubles(q), simd.doubles([size; 4]));
-        let widening = simd.mul_doubles(simd.mul_doubles(farthest, simd.doubles([slack; 4])), simd.abs_doubles(scale));
-        let shift = simd.mul_doubles(q, scale);
+        let zero = simd.f64x4([0.0; 4]);
+        let limited = simd.min_f64(inverse, steepest);
+        let scale = simd.round_to_f32(simd.max_f64(limited, simd.sub_f64(zero, steepest)));
+        let farthest = simd.add_f64(simd.abs_f64(q), simd.f64x4([size; 4]));
+        let widening = simd.mul_f64(simd.mul_f64(farthest, simd.f64x4([slack; 4])), simd.abs_f64(scale));
+        let shift = simd.mul_f64(q, scale);
         Self {
             scale,
-            near_shift: simd.sub_doubles(zero, simd.add_doubles(shift, widening)),
-            far_shift: simd.sub_doubles(widening, shift),
+            near_shift: simd.sub_f64(zero, simd.add_f64(shift, widening)),
+            far_shift: simd.sub_f64(widening, shift),
         }
     }
 }
@@ -123,16 +123,16 @@ pub(super) fn filter_applies(fastest: f64, farthest: f64, nothing: f64, span: In
 /// The least of the first three, which are no NaNs.
 #[inline(always)]
 fn least<S: Simd>(simd: S, a: S::F64x4) -> f64 {
-    let turned = simd.min_doubles(simd.yzx(a), simd.zxy(a));
-    let [least, ..] = simd.to_doubles(simd.min_doubles(a, turned));
+    let turned = simd.min_f64(simd.yzx(a), simd.zxy(a));
+    let [least, ..] = simd.to_f64_array(simd.min_f64(a, turned));
     least
 }
 
 /// The greatest of the first three.
 #[inline(always)]
 pub(super) fn greatest<S: Simd>(simd: S, a: S::F64x4) -> f64 {
-    let turned = simd.max_doubles(simd.yzx(a), simd.zxy(a));
-    let [greatest, ..] = simd.to_doubles(simd.max_doubles(a, turned));
+    let turned = simd.max_f64(simd.yzx(a), simd.zxy(a));
+    let [greatest, ..] = simd.to_f64_array(simd.max_f64(a, turned));
     greatest
 }
 
@@ -141,11 +141,11 @@ impl RayF32 {
     /// not hold.
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, ray: &RayF64x4<S>, span: Interval, centre: DVec3, size: f64) -> Option<Self> {
-        let q = simd.sub_doubles(ray.origin, simd.doubles([centre.x, centre.y, centre.z, 0.0]));
+        let q = simd.sub_f64(ray.origin, simd.f64x4([centre.x, centre.y, centre.z, 0.0]));
         // Not where something is no number.
-        let is_slow = simd.le_doubles(simd.abs_doubles(ray.direction), simd.doubles([*RANGE.end(); 4]));
-        let is_near = simd.le_doubles(simd.abs_doubles(q), simd.doubles([FARTHEST * size; 4]));
-        let least = least(simd, simd.abs_doubles(ray.inverse));
+        let is_slow = simd.le_f64(simd.abs_f64(ray.direction), simd.f64x4([*RANGE.end(); 4]));
+        let is_near = simd.le_f64(simd.abs_f64(q), simd.f64x4([FARTHEST * size; 4]));
+        let least = least(simd, simd.abs_f64(ray.inverse));
         let filter_applies = (is_slow & is_near == 0b1111)
             & (least <= *RANGE.end())
             & (size >= *RANGE.start())
@@ -154,7 +154,7 @@ impl RayF32 {
         if !filter_applies {
             return None;
         }
-        let slabs = SlabCoeffs::new(simd, q, ray.inverse, simd.doubles([STEEPEST * least; 4]), size);
+        let slabs = SlabCoeffs::new(simd, q, ray.inverse, simd.f64x4([STEEPEST * least; 4]), size);
         let signs = simd.signs(ray.inverse) as usize;
         Some(Self {
             scale: simd.to_f32(slabs.scale),

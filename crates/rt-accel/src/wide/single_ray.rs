@@ -1,148 +1,154 @@
-//! The walk of a single ray.
+//! Traversal of a single ray.
 
 use core::hint::black_box;
-use core::marker::PhantomData;
 
+use rt_geometry::Probe;
 use rt_math::{Interval, Ray};
 
 use super::WideBvh;
 use super::leaf::{BoxTest, LeafKind, LeafTest, SphereTest, TriangleTest};
 use super::node::{Child, Node};
-use super::query::{Goal, PrimitiveTester, TravRay, take_lane};
+use super::query::{Output, PrimitiveTester, RayState, TravRay, take_lane};
 use super::simd::{Simd, WithSimd};
 use super::stack::{Stack, StackStorage};
 
-/// Work that nobody has counted yet.
+/// Counters that are not yet added to the caller's statistics.
 #[derive(Default)]
-pub(super) struct Work {
+pub(crate) struct TraversalStats {
     pub(super) nodes: u64,
     pub(super) tests: u64,
     pub(super) hits: u64,
 }
 
-/// A query about one ray, and what came of it.
-pub(super) struct Query<'q, A> {
-    pub(super) tester: &'q mut dyn PrimitiveTester,
-    pub(super) work: Work,
-    pub(super) answer: &'q mut A,
+impl TraversalStats {
+    #[inline(always)]
+    pub(super) fn add_to<S: Probe>(self, probe: &mut S) {
+        probe.work(self.nodes, self.tests, self.hits);
+    }
 }
 
-/// Sends one ray through a tree.
-pub(super) struct Walk<'q, 'j, G: Goal> {
+/// Inputs and outputs of a query for one ray.
+pub(crate) struct SingleContext<'q, O> {
+    pub(super) tester: &'q mut dyn PrimitiveTester<O>,
+    pub(super) stats: TraversalStats,
+    pub(super) output: &'q mut O,
+}
+
+/// Traces one ray through a tree.
+pub(super) struct SingleTraversal<'q, 'j, O> {
     pub(super) tree: &'q WideBvh,
-    pub(super) query: &'q mut Query<'j, G::Answer>,
-    pub(super) goal: PhantomData<G>,
+    pub(super) context: &'q mut SingleContext<'j, O>,
 }
 
-impl<G: Goal> WithSimd<&Ray, Interval> for Walk<'_, '_, G> {
+impl<O: Output> WithSimd<&Ray, Interval> for SingleTraversal<'_, '_, O> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, ray: &Ray, span: Interval) {
         match self.tree.leaves.kind {
-            LeafKind::Watertight => self.walk::<S, TriangleTest<true>>(simd, ray, span),
-            LeafKind::Triangles => self.walk::<S, TriangleTest<false>>(simd, ray, span),
-            LeafKind::Spheres => self.walk::<S, SphereTest>(simd, ray, span),
-            LeafKind::Boxes => self.walk::<S, BoxTest>(simd, ray, span),
+            LeafKind::Watertight => self.trace::<S, TriangleTest<true>>(simd, ray, span),
+            LeafKind::Triangles => self.trace::<S, TriangleTest<false>>(simd, ray, span),
+            LeafKind::Spheres => self.trace::<S, SphereTest>(simd, ray, span),
+            LeafKind::Boxes => self.trace::<S, BoxTest>(simd, ray, span),
         }
     }
 }
 
-impl<G: Goal> Walk<'_, '_, G> {
+impl<O: Output> SingleTraversal<'_, '_, O> {
     #[inline(always)]
-    fn walk<S: Simd, F: LeafTest>(self, simd: S, ray: &Ray, span: Interval) {
-        let Self { tree, query, .. } = self;
-        let tester = &mut *query.tester;
-        let mut goal = G::new(span);
-        if !tree.unbounded.is_empty() && goal.visit_unbounded(tester, ray).is_break() {
-            *query.answer = goal.answer();
+    fn trace<S: Simd, F: LeafTest>(self, simd: S, ray: &Ray, span: Interval) {
+        let Self { tree, context } = self;
+        let tester = &mut *context.tester;
+        let mut state = RayState::new(span);
+        if !tree.unbounded.is_empty() && state.test_unbounded(tree, tester, ray).is_break() {
+            *context.output = state.output();
             return;
         }
-        // Made here and not by the caller: what has just been stored cannot be loaded in other pieces at once.
+        // Prepared here and not by the caller: a wide load of what was just stored in other pieces stalls.
         let Some(trav) = TravRay::<S, F>::new(simd, tree, ray, span) else {
-            goal.visit_unfiltered(tester, ray);
-            *query.answer = goal.answer();
+            state.traverse_f64(tree, tester, ray);
+            *context.output = state.output();
             return;
         };
-        let mut room = StackStorage::new();
-        // SAFETY: the root, and the filter that suits the leaves.
-        unsafe { descend(simd, tree, tester, &trav, &mut goal, tree.root, &mut room, &mut query.work) };
-        goal.finish::<S, F>(simd, tree, tester, &trav.ray, query.answer);
-        query.work.hits = goal.uncounted_hits();
+        let mut storage = StackStorage::new();
+        // SAFETY: the root, and the test of the leaves' kind.
+        unsafe { traverse(simd, tree, tester, &trav, &mut state, tree.root, &mut storage, &mut context.stats) };
+        state.resolve::<S, F>(simd, tree, tester, &trav.ray, context.output);
+        context.stats.hits = state.uncounted_hits();
     }
 }
 
-/// Walks all below a child.
+/// Traverses the subtree below a child.
 ///
 /// # Safety
 ///
-/// The child must be the root of the tree or one of a node of it, and the filter that of the kind of its leaves.
-#[expect(clippy::too_many_arguments, reason = "one function of the state of a ray, which others keep elsewhere")]
+/// The child must be the root of the tree or one of a node of it, and the test that of the kind of its leaves.
+#[expect(clippy::too_many_arguments, reason = "callers keep the state of a ray in different places")]
 #[inline(always)]
-pub(super) unsafe fn descend<S: Simd, F: LeafTest, G: Goal>(
+pub(super) unsafe fn traverse<S: Simd, F: LeafTest, O: Output>(
     simd: S,
     tree: &WideBvh,
-    tester: &mut dyn PrimitiveTester,
+    tester: &mut dyn PrimitiveTester<O>,
     trav: &TravRay<'_, S, F>,
-    goal: &mut G,
+    state: &mut RayState<O>,
     mut child: Child,
-    room: &mut StackStorage,
-    work: &mut Work,
+    storage: &mut StackStorage,
+    stats: &mut TraversalStats,
 ) {
-    let mut stack = Stack::new(room);
+    let mut stack = Stack::new(storage);
     let (mut nodes, mut tests) = (0, 0);
-    'walk: loop {
+    'traversal: loop {
         while child.is_node() {
             nodes += 1;
             // SAFETY: the caller's child, or one of a node that came before.
             let node = unsafe { tree.node(child) };
-            let [enter, leave] = trav.boxes.cross(simd, node, trav.min, goal.limit());
-            let mut passed = simd.le(enter, leave);
-            if passed == 0 {
-                let Some(next) = pop(&mut stack, goal) else { break 'walk };
+            let [enter, leave] = trav.boxes.cross(simd, node, trav.min, state.t_max());
+            let mut hit = simd.le(enter, leave);
+            if hit == 0 {
+                let Some(next) = pop(&mut stack, state) else { break 'traversal };
                 child = next;
                 continue;
             }
-            let lane = take_lane(&mut passed);
-            child = if passed == 0 {
+            let lane = take_lane(&mut hit);
+            child = if hit == 0 {
                 node.children[lane]
-            } else if G::ORDERED {
-                // SAFETY: one node of each level puts off seven children at most.
-                unsafe { push_sorted(simd, tree, node, &simd.to_array(enter), lane, passed, &mut stack) }
+            } else if !O::ANY_HIT {
+                // SAFETY: one node of each level pushes at most seven children.
+                unsafe { push_sorted(simd, tree, node, &simd.to_array(enter), lane, hit, &mut stack) }
             } else {
-                while passed != 0 {
-                    let other = node.children[take_lane(&mut passed)];
+                while hit != 0 {
+                    let other = node.children[take_lane(&mut hit)];
                     simd.prefetch(tree.line(other));
-                    // SAFETY: one node of each level puts off seven children at most.
+                    // SAFETY: one node of each level pushes at most seven children.
                     unsafe { stack.push(u64::from(other.to_bits())) };
                 }
                 node.children[lane]
             };
         }
         tests += child.count() as u64;
-        // Out of memory, where a number is repeated eight times as it is read. Compilers would else repeat all of them before the
-        // ray sets out, and keep them on the stack; most rays come to one leaf or two. Nothing but speed depends on it.
-        // SAFETY: as for nodes, and this is none.
-        if unsafe { goal.visit(simd, tree, tester, black_box(trav), child) }.is_break() {
+        // Broadcast the ray's numbers from memory at each leaf. Compilers would otherwise broadcast all of them before the
+        // loop and spill them, although most rays visit one or two leaves. Only speed depends on it.
+        // SAFETY: a child of a node that is not a node itself.
+        if unsafe { state.intersect_leaf(simd, tree, tester, black_box(trav), child) }.is_break() {
             break;
         }
-        let Some(next) = pop(&mut stack, goal) else { break };
+        let Some(next) = pop(&mut stack, state) else { break };
         child = next;
     }
-    work.nodes += nodes;
-    work.tests += tests;
+    stats.nodes += nodes;
+    stats.tests += tests;
 }
 
-/// What was put off last and still matters.
+/// Pops the nearest child that still matters.
 #[inline(always)]
-fn pop<G: Goal>(stack: &mut Stack<'_>, goal: &G) -> Option<Child> {
-    // Where nothing is ordered nothing is said of where it is entered.
-    if G::ORDERED { stack.pop_before(goal.limit()) } else { stack.pop() }
+fn pop<O: Output>(stack: &mut Stack<'_>, state: &RayState<O>) -> Option<Child> {
+    // Any-hit queries push children without keys.
+    if O::ANY_HIT { stack.pop() } else { stack.pop_before(state.t_max()) }
 }
 
 /// Returns the nearest of the children `lane` and `others`, and pushes the rest, the nearest of them last.
 ///
 /// # Safety
 ///
-/// There must be one other at least, and room for seven entries more.
+/// There must be at least one other, and room for seven more entries.
 #[inline(always)]
 unsafe fn push_sorted<S: Simd>(
     simd: S,
@@ -164,7 +170,7 @@ unsafe fn push_sorted<S: Simd>(
         unsafe { stack.push(farther) };
         return Child::from_bits(nearest as u32);
     }
-    // A network for four, of which the last may be missing: what is nearer cannot be predicted, so nothing is asked.
+    // A sorting network for four, the last of which may be missing: branches on the order would be mispredicted.
     let third = take_lane(&mut others);
     simd.prefetch(tree.line(node.children[third]));
     let c = Stack::key(enter[third], node.children[third]);
@@ -187,7 +193,7 @@ unsafe fn push_sorted<S: Simd>(
     if others == 0 {
         return Child::from_bits(nearest as u32);
     }
-    // SAFETY: there is room for seven, and an eighth that is popped at once is what stacks have to spare.
+    // SAFETY: there is room for seven, and stacks have a spare entry for an eighth that is popped at once.
     unsafe { stack.push(nearest) };
     while others != 0 {
         let lane = take_lane(&mut others);

@@ -1,37 +1,33 @@
-//! A handful of primitives, without a tree: each is asked in turn, spheres and triangles for eight rays at a time, and what is
-//! a structure itself for all rays of a batch.
+//! A few primitives without a tree: spheres and triangles are intersected with eight rays at once, instances with whole
+//! batches.
 
-use crate::{Accelerator, RayQuery};
-use rt_geometry::{
-    BatchKernel, Hit, Primitives, Probe, intersect_primitive_batch, intersect_primitive_uncounted,
-    occludes_primitive_batch, occludes_primitive_uncounted,
-};
+use crate::Accelerator;
+use rt_geometry::{BatchKernel, Hit, Primitives, Probe};
 use rt_math::{Interval, Ray};
 
-use super::packet::FEW;
+use super::packet::SWITCH_THRESHOLD;
 use super::packet_rays::{PACKET, PacketHit, RaySoa8, pad_to_packet};
 use super::packet_spheres::SpherePacket;
 use super::packet_triangles;
-use super::query::take_lane;
+use super::query::{Output, PrimitiveTester, Tester, take_lane};
 use super::simd::{DetectedSimd, Simd, SimdLevel, WithSimd};
-use super::single_ray::Work;
-use crate::ray_query::{Any, Closest};
+use super::single_ray::TraversalStats;
 
-/// Rays that a structure is asked for at a time, so that what is copied of them does not grow with batches.
-const AT_ONCE: usize = 1024;
+/// Rays that an instance is traced with at once. Bounds the memory for copies of rays.
+const INSTANCE_BATCH: usize = 1024;
 
-/// A few primitives of a set, as a structure over the set: hits are those on these primitives, and named as in the set.
+/// A few primitives of a set, as an accelerator: hits carry the indices of the set.
 ///
-/// All are asked in turn, by rising index, with the answers and [`Counters`](crate::Counters) of
-/// [`brute_force`](crate::brute_force), to the last bit and the last test. In batches, those that are
-/// [`BatchKernel::Sphere`] or [`BatchKernel::Triangle`] are decided about for eight rays at a time, and [`BatchKernel::Instance`]s
-/// are asked for many rays of the batch together, whose own work is then that of batches.
+/// Tests all in turn by rising index, with the results and [`Counters`](crate::Counters) of
+/// [`brute_force`](crate::brute_force), bit for bit. Batches intersect [`BatchKernel::Sphere`] and
+/// [`BatchKernel::Triangle`] with eight rays at once. A [`BatchKernel::Instance`] traces many rays of the batch together,
+/// and counts the work of a batch.
 ///
 /// ```
 /// use rt_accel::{Aabb, Accelerator, Boxes, DVec3, Interval, NoProbe, Ray, wide::SmallSet};
 ///
 /// let boxes = [0.0, 2.0, 4.0].map(|x| Aabb::new(DVec3::splat(x), DVec3::splat(x + 1.0)));
-/// let all_but_the_first = SmallSet::new([2, 1]).expect("no more than there is room for");
+/// let all_but_the_first = SmallSet::new([2, 1]).expect("within the capacity");
 /// let ray = Ray::new(DVec3::splat(-1.0), DVec3::ONE);
 /// let hit = all_but_the_first.closest(&Boxes(&boxes), &ray, Interval::FORWARD, &mut NoProbe);
 /// assert_eq!(hit.map(|hit| hit.primitive), Some(1));
@@ -39,18 +35,18 @@ const AT_ONCE: usize = 1024;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmallSet {
     /// Rising.
-    indices: [u32; Self::MOST],
+    indices: [u32; Self::CAPACITY],
     len: usize,
     level: DetectedSimd,
 }
 
 impl SmallSet {
-    /// What there is room for.
-    pub const MOST: usize = 16;
+    /// Most primitives of a set.
+    pub const CAPACITY: usize = 16;
 
-    /// The primitives of these indices, in any order; one that is named twice is asked twice. `None` if they are too many.
+    /// Primitives by their indices, in any order; duplicates are tested twice. `None` beyond the capacity.
     pub fn new(indices: impl IntoIterator<Item = u32>) -> Option<Self> {
-        let mut this = Self { indices: [0; Self::MOST], len: 0, level: DetectedSimd::default() };
+        let mut this = Self { indices: [0; Self::CAPACITY], len: 0, level: DetectedSimd::default() };
         for index in indices {
             *this.indices.get_mut(this.len)? = index;
             this.len += 1;
@@ -59,382 +55,258 @@ impl SmallSet {
         Some(this)
     }
 
-    /// The same primitives, asked by other instructions: for tests and comparisons, as the best that the processor has are
-    /// chosen otherwise. What the processor does not have is replaced by the portable level.
+    /// Replaces the instruction set, for tests and comparisons. The portable level stands in for one that the processor
+    /// does not support.
     #[must_use]
     pub fn with_level(mut self, level: SimdLevel) -> Self {
         self.level = DetectedSimd::new(level);
         self
     }
 
-    /// The indices of the primitives, rising.
+    /// Indices of the primitives, rising.
     pub fn indices(&self) -> &[u32] {
         self.indices.get(..self.len).unwrap_or(&[])
     }
 
-    /// Asks for all rays of a batch. Single rays are asked for by `decider`.
-    fn ask<A: Answer, P: Primitives, D: Decider<A>>(
+    /// Traces a batch.
+    fn trace_batch<O: Output, P: Primitives, S: Probe>(
         &self,
         primitives: &P,
         rays: &[(Ray, Interval)],
-        answers: &mut [A],
-        decider: &mut D,
-    ) -> Work {
-        let n = rays.len().min(answers.len());
-        let (rays, answers) = (rays.get(..n).unwrap_or(&[]), answers.get_mut(..n).unwrap_or(&mut []));
-        let mut members = [Member::NONE; Self::MOST];
-        for (member, &index) in members.iter_mut().zip(self.indices()) {
-            *member = Member::of(primitives, index);
+        outputs: &mut [O],
+        probe: &mut S,
+    ) where
+        for<'a> Tester<'a, P, S>: PrimitiveTester<O>,
+    {
+        let n = rays.len().min(outputs.len());
+        let (rays, outputs) = (rays.get(..n).unwrap_or(&[]), outputs.get_mut(..n).unwrap_or(&mut []));
+        let mut entries = [Entry::NONE; Self::CAPACITY];
+        for (entry, &index) in entries.iter_mut().zip(self.indices()) {
+            *entry = Entry::new(primitives, index);
         }
-        let members = members.get(..self.len).unwrap_or(&[]);
-        if members.is_empty() {
-            answers.fill(A::default());
+        let entries = entries.get(..self.len).unwrap_or(&[]);
+        if entries.is_empty() {
+            outputs.fill(O::default());
         }
-        let mut batch = Batch { members, indices: &[], is_first: true, decider, work: Work::default() };
+        let mut tester = Tester { primitives, probe };
+        let stats = TraversalStats::default();
+        let mut batch = Batch { entries, indices: &[], is_first: true, tester: &mut tester, stats };
         let mut indices = self.indices();
-        for members in members.chunk_by(|a, b| !a.is_structure() && !b.is_structure()) {
-            batch.members = members;
-            (batch.indices, indices) = indices.split_at(members.len());
-            match members {
-                [member] if member.is_structure() => batch.ask_structure(member.index, rays, answers),
-                _ if members.iter().any(Member::is_known) => self.level.dispatch(&mut batch, rays, answers),
-                _ => batch.ask_alone(rays, answers),
+        for entries in entries.chunk_by(|a, b| !a.is_instance() && !b.is_instance()) {
+            batch.entries = entries;
+            (batch.indices, indices) = indices.split_at(entries.len());
+            match entries {
+                [entry] if entry.is_instance() => batch.trace_instance(entry.index, rays, outputs),
+                _ if entries.iter().any(Entry::has_kernel) => self.level.dispatch(&mut batch, rays, outputs),
+                _ => batch.trace_singly(rays, outputs),
             }
             batch.is_first = false;
         }
-        batch.work
+        batch.stats.add_to(tester.probe);
     }
 }
 
-/// One of the handful.
+/// A primitive of the set.
 #[derive(Clone, Copy)]
-struct Member {
+struct Entry {
     index: u32,
     /// Instance and primitive of its hits.
-    name: [u32; 2],
-    blocks: bool,
+    hit_ids: [u32; 2],
+    casts_shadow: bool,
     kernel: BatchKernel,
 }
 
-impl Member {
-    const NONE: Self = Self { index: 0, name: [0; 2], blocks: false, kernel: BatchKernel::Single };
+impl Entry {
+    const NONE: Self = Self { index: 0, hit_ids: [0; 2], casts_shadow: false, kernel: BatchKernel::Single };
 
-    fn of<P: Primitives>(primitives: &P, index: u32) -> Self {
+    fn new<P: Primitives>(primitives: &P, index: u32) -> Self {
         Self {
             index,
-            name: primitives.hit_ids(index),
-            blocks: primitives.blocks(index),
+            hit_ids: primitives.hit_ids(index),
+            casts_shadow: primitives.blocks(index),
             kernel: primitives.batch_kernel(index),
         }
     }
 
-    const fn is_structure(&self) -> bool {
+    const fn is_instance(&self) -> bool {
         matches!(self.kernel, BatchKernel::Instance)
     }
 
-    /// True if it is decided about in lanes.
-    const fn is_known(&self) -> bool {
+    /// True if it is intersected with eight rays at once.
+    const fn has_kernel(&self) -> bool {
         matches!(self.kernel, BatchKernel::Sphere(_) | BatchKernel::Triangle(_))
     }
 }
 
-/// What has been found for a ray.
-trait Answer: Copy + Default {
-    /// True if what blocks no ray matters.
-    const SEES_ALL: bool;
-
-    /// True if nothing else matters.
-    fn is_final(&self) -> bool;
-
-    /// The end of what matters of a span.
-    fn end(&self, max: f64) -> f64;
-
-    /// Takes what one primitive has to say into account.
-    fn consider(&mut self, found: Self);
-
-    /// As [`consider`](Self::consider), of a hit within the whole span; true if it is within what matters.
-    fn consider_hit(&mut self, hit: Hit) -> bool;
-}
-
-impl Answer for Option<Hit> {
-    const SEES_ALL: bool = true;
-
-    #[inline(always)]
-    fn is_final(&self) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    fn end(&self, max: f64) -> f64 {
-        self.map_or(max, |hit| hit.t)
-    }
-
-    #[inline(always)]
-    fn consider(&mut self, found: Self) {
-        if let Some(hit) = found
-            && self.is_none_or(|nearest| hit.precedes(&nearest))
-        {
-            *self = Some(hit);
-        }
-    }
-
-    #[inline(always)]
-    fn consider_hit(&mut self, hit: Hit) -> bool {
-        let matters = self.is_none_or(|nearest| hit.t <= nearest.t);
-        if matters {
-            self.consider(Some(hit));
-        }
-        matters
-    }
-}
-
-impl Answer for bool {
-    const SEES_ALL: bool = false;
-
-    #[inline(always)]
-    fn is_final(&self) -> bool {
-        *self
-    }
-
-    #[inline(always)]
-    fn end(&self, max: f64) -> f64 {
-        max
-    }
-
-    #[inline(always)]
-    fn consider(&mut self, found: Self) {
-        *self |= found;
-    }
-
-    #[inline(always)]
-    fn consider_hit(&mut self, _: Hit) -> bool {
-        *self = true;
-        true
-    }
-}
-
-/// Decides in the name of the primitives, and counts.
-trait Decider<A> {
-    /// About one of them, whose test has been counted.
-    fn decide(&mut self, index: u32, ray: &Ray, span: Interval) -> A;
-
-    /// About some of them, whose tests have not been counted.
-    fn decide_all(&mut self, indices: &[u32], ray: &Ray, span: Interval) -> A;
-
-    /// About one of them, for many rays whose tests have been counted: `answers[i]` is for `rays[i]`.
-    fn decide_for_all(&mut self, index: u32, rays: &[(Ray, Interval)], answers: &mut [A]);
-}
-
-/// The primitives of a query.
-struct Members<'a, P, S> {
-    primitives: &'a P,
-    probe: &'a mut S,
-}
-
-impl<P: Primitives, S: Probe> Decider<Option<Hit>> for Members<'_, P, S> {
-    fn decide(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        intersect_primitive_uncounted(self.primitives, index, ray, span, self.probe)
-    }
-
-    fn decide_all(&mut self, indices: &[u32], ray: &Ray, span: Interval) -> Option<Hit> {
-        let mut query = Closest::new(ray, span);
-        let _ = query.offer_all(self.primitives, indices, self.probe);
-        query.hit
-    }
-
-    fn decide_for_all(&mut self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>]) {
-        intersect_primitive_batch(self.primitives, index, rays, hits, self.probe);
-    }
-}
-
-impl<P: Primitives, S: Probe> Decider<bool> for Members<'_, P, S> {
-    fn decide(&mut self, index: u32, ray: &Ray, span: Interval) -> bool {
-        occludes_primitive_uncounted(self.primitives, index, ray, span, self.probe)
-    }
-
-    fn decide_all(&mut self, indices: &[u32], ray: &Ray, span: Interval) -> bool {
-        Any::new(ray, span).offer_all(self.primitives, indices, self.probe).is_break()
-    }
-
-    fn decide_for_all(&mut self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
-        occludes_primitive_batch(self.primitives, index, rays, blocked, self.probe);
-    }
-}
-
-/// A batch that is asked for.
-struct Batch<'a, A> {
-    /// Those who are asked now.
-    members: &'a [Member],
+/// Traces a batch through consecutive entries.
+struct Batch<'a, O> {
+    entries: &'a [Entry],
     indices: &'a [u32],
-    /// True if nobody has been asked before them.
+    /// True if no entries were tested before.
     is_first: bool,
-    decider: &'a mut dyn Decider<A>,
-    /// Beside what the decider has counted.
-    work: Work,
+    tester: &'a mut dyn PrimitiveTester<O>,
+    /// Work that the tester has not counted.
+    stats: TraversalStats,
 }
 
-impl<A: Answer> WithSimd<&[(Ray, Interval)], &mut [A]> for &mut Batch<'_, A> {
+impl<O: Output> WithSimd<&[(Ray, Interval)], &mut [O]> for &mut Batch<'_, O> {
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], answers: &mut [A]) {
-        for (rays, answers) in rays.chunks(PACKET).zip(answers.chunks_mut(PACKET)) {
+    fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], outputs: &mut [O]) {
+        for (rays, outputs) in rays.chunks(PACKET).zip(outputs.chunks_mut(PACKET)) {
             if let Ok(rays) = rays.try_into() {
-                self.ask_eight(simd, rays, answers);
-            } else if rays.len() <= FEW as usize {
-                self.ask_alone(rays, answers);
+                self.trace_packet(simd, rays, outputs);
+            } else if rays.len() <= SWITCH_THRESHOLD as usize {
+                self.trace_singly(rays, outputs);
             } else {
-                self.ask_eight(simd, &pad_to_packet(rays), answers);
+                self.trace_packet(simd, &pad_to_packet(rays), outputs);
             }
         }
     }
 }
 
-impl<A: Answer> Batch<'_, A> {
-    /// Asks for each ray by itself.
-    fn ask_alone(&mut self, rays: &[(Ray, Interval)], answers: &mut [A]) {
-        for ((ray, span), answer) in rays.iter().zip(answers) {
-            self.ask_for(ray, *span, answer);
+impl<O: Output> Batch<'_, O> {
+    /// Traces each ray by itself.
+    fn trace_singly(&mut self, rays: &[(Ray, Interval)], outputs: &mut [O]) {
+        for ((ray, span), output) in rays.iter().zip(outputs) {
+            self.trace(ray, *span, output);
         }
     }
 
-    /// Asks for one ray.
-    fn ask_for(&mut self, ray: &Ray, span: Interval, answer: &mut A) {
+    /// Traces one ray.
+    fn trace(&mut self, ray: &Ray, span: Interval, output: &mut O) {
         if self.is_first {
-            *answer = self.decider.decide_all(self.indices, ray, span);
+            *output = self.tester.test_all(self.indices, ray, span);
             return;
         }
-        for member in self.members {
-            if answer.is_final() {
+        for entry in self.entries {
+            if output.is_final() {
                 return;
             }
-            self.work.tests += 1;
-            let span = Interval { max: answer.end(span.max), ..span };
-            answer.consider(self.decider.decide(member.index, ray, span));
+            self.stats.tests += 1;
+            let span = Interval { max: output.t_max(span.max), ..span };
+            output.merge(self.tester.test(entry.index, ray, span));
         }
     }
 
-    /// Asks a structure for all rays for which something else may still matter.
-    fn ask_structure(&mut self, index: u32, rays: &[(Ray, Interval)], answers: &mut [A]) {
-        for (rays, answers) in rays.chunks(AT_ONCE).zip(answers.chunks_mut(AT_ONCE)) {
+    /// Traces all rays through an instance, unless their result is final.
+    fn trace_instance(&mut self, index: u32, rays: &[(Ray, Interval)], outputs: &mut [O]) {
+        for (rays, outputs) in rays.chunks(INSTANCE_BATCH).zip(outputs.chunks_mut(INSTANCE_BATCH)) {
             if self.is_first {
-                answers.fill(A::default());
-                self.work.tests += rays.len() as u64;
-                self.decider.decide_for_all(index, rays, answers);
-            } else {
-                self.ask_structure_on(index, rays, answers);
+                outputs.fill(O::default());
+                self.stats.tests += rays.len() as u64;
+                self.tester.test_batch(index, rays, outputs);
+                continue;
+            }
+            let mut active = Vec::with_capacity(rays.len());
+            let mut batch = Vec::with_capacity(rays.len());
+            for (at, ((ray, span), output)) in rays.iter().zip(&*outputs).enumerate() {
+                if !output.is_final() {
+                    active.push(at);
+                    batch.push((*ray, Interval { max: output.t_max(span.max), ..*span }));
+                }
+            }
+            self.stats.tests += batch.len() as u64;
+            let mut found = vec![O::default(); batch.len()];
+            self.tester.test_batch(index, &batch, &mut found);
+            for (at, found) in active.into_iter().zip(found) {
+                if let Some(output) = outputs.get_mut(at) {
+                    output.merge(found);
+                }
             }
         }
     }
 
-    /// As [`ask_structure`](Self::ask_structure), where others have been asked before.
-    fn ask_structure_on(&mut self, index: u32, rays: &[(Ray, Interval)], answers: &mut [A]) {
-        // Memory for some hundred rays together, and not for each.
-        let mut who = Vec::with_capacity(rays.len());
-        let mut asking = Vec::with_capacity(rays.len());
-        for (at, ((ray, span), answer)) in rays.iter().zip(&*answers).enumerate() {
-            if !answer.is_final() {
-                who.push(at);
-                asking.push((*ray, Interval { max: answer.end(span.max), ..*span }));
-            }
-        }
-        self.work.tests += asking.len() as u64;
-        let mut found = vec![A::default(); asking.len()];
-        self.decider.decide_for_all(index, &asking, &mut found);
-        for (at, found) in who.into_iter().zip(found) {
-            if let Some(answer) = answers.get_mut(at) {
-                answer.consider(found);
-            }
-        }
-    }
-
-    /// Takes the certain hits of some rays on a member into account.
+    /// Merges the certain hits of some rays on an entry.
     #[inline(always)]
-    fn take_hits<S: Simd>(
+    fn accept_hits<S: Simd>(
         &mut self,
         simd: S,
         [instance, primitive]: [u32; 2],
-        asked: u32,
-        meetings: &PacketHit<S>,
-        found: &mut [A; PACKET],
+        mask: u32,
+        hits: &PacketHit<S>,
+        results: &mut [O; PACKET],
     ) {
-        let [v, w] = meetings.uv;
-        let (t, v, w) = (meetings.t.to_array(simd), v.to_array(simd), w.to_array(simd));
-        let mut hit = asked & meetings.hit;
+        let [v, w] = hits.uv;
+        let (t, v, w) = (hits.t.to_array(simd), v.to_array(simd), w.to_array(simd));
+        let mut hit = mask & hits.hit;
         while hit != 0 {
             let lane = take_lane(&mut hit);
             let hit = Hit { t: t[lane], instance, primitive, uv: [v[lane], w[lane]] };
-            self.work.hits += u64::from(found[lane].consider_hit(hit));
+            if hit.t <= results[lane].t_max(f64::INFINITY) {
+                results[lane].merge(O::from_hit(Some(hit)));
+                self.stats.hits += 1;
+            }
         }
     }
 
-    /// Asks for as many of eight rays as there are answers.
+    /// Traces as many of eight rays as there are outputs.
     #[inline(always)]
-    fn ask_eight<S: Simd>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET], answers: &mut [A]) {
-        let lanes = RaySoa8::new(simd, rays);
-        let all = (1 << answers.len().min(PACKET)) - 1;
-        let plain = lanes.plain(simd) & all;
-        let mut asking = plain;
-        let by_axis = lanes.by_steepest_axis(simd);
-        let mut found = [A::default(); PACKET];
+    fn trace_packet<S: Simd>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET], outputs: &mut [O]) {
+        let soa = RaySoa8::new(simd, rays);
+        let all = (1 << outputs.len().min(PACKET)) - 1;
+        let in_range = soa.in_safe_range(simd) & all;
+        let mut active = in_range;
+        let by_axis = soa.by_steepest_axis(simd);
+        let mut results = [O::default(); PACKET];
         if !self.is_first {
-            for (lane, (found, answer)) in found.iter_mut().zip(&*answers).enumerate() {
-                *found = *answer;
-                asking &= !(u32::from(found.is_final()) << lane);
+            for (lane, (result, output)) in results.iter_mut().zip(&*outputs).enumerate() {
+                *result = *output;
+                active &= !(u32::from(result.is_final()) << lane);
             }
         }
-        for Member { index, name, blocks, kernel } in self.members {
-            if asking == 0 {
+        for Entry { index, hit_ids, casts_shadow, kernel } in self.entries {
+            if active == 0 {
                 break;
             }
-            self.work.tests += u64::from(asking.count_ones());
-            if !(A::SEES_ALL || *blocks) {
+            self.stats.tests += u64::from(active.count_ones());
+            if O::ANY_HIT && !*casts_shadow {
                 continue;
             }
-            let unsure = match kernel {
+            let mut uncertain = match kernel {
                 BatchKernel::Sphere(sphere) => {
                     let spheres = SpherePacket::all(simd, sphere);
-                    let maybe = asking & !spheres.miss_mask(simd, &lanes);
-                    if maybe == 0 {
+                    let possible = active & !spheres.miss_mask(simd, &soa);
+                    if possible == 0 {
                         continue;
                     }
-                    let meetings = spheres.meet(simd, &lanes);
-                    self.take_hits(simd, *name, maybe, &meetings, &mut found);
-                    maybe & meetings.unsure
+                    let hits = spheres.intersect(simd, &soa);
+                    self.accept_hits(simd, *hit_ids, possible, &hits, &mut results);
+                    possible & hits.uncertain
                 }
-                BatchKernel::Triangle([a, b, c]) => {
-                    let vertices = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
-                    let mut unsure = 0;
+                BatchKernel::Triangle(vertices) => {
+                    let vertices = vertices.map(|vertex| vertex.as_dvec3());
+                    let mut uncertain = 0;
                     for (axis, rays) in by_axis.iter().enumerate() {
-                        let asked = asking & rays;
-                        if asked == 0 {
+                        let mask = active & rays;
+                        if mask == 0 {
                             continue;
                         }
-                        let Some(meetings) = packet_triangles::meet(simd, &vertices, axis, &lanes, asked) else {
+                        let Some(hits) = packet_triangles::intersect(simd, &vertices, axis, &soa, mask) else {
                             continue;
                         };
-                        self.take_hits(simd, *name, asked, &meetings, &mut found);
-                        unsure |= meetings.unsure;
+                        self.accept_hits(simd, *hit_ids, mask, &hits, &mut results);
+                        uncertain |= hits.uncertain;
                     }
-                    unsure
+                    uncertain
                 }
-                BatchKernel::Instance | BatchKernel::Single => asking,
+                BatchKernel::Instance | BatchKernel::Single => active,
             };
-            let mut left = unsure;
-            while left != 0 {
-                let lane = take_lane(&mut left);
+            while uncertain != 0 {
+                let lane = take_lane(&mut uncertain);
                 let (ray, span) = &rays[lane];
-                let span = Interval { max: found[lane].end(span.max), ..*span };
-                found[lane].consider(self.decider.decide(*index, ray, span));
+                let span = Interval { max: results[lane].t_max(span.max), ..*span };
+                results[lane].merge(self.tester.test(*index, ray, span));
             }
-            for (lane, found) in found.iter().enumerate() {
-                asking &= !(u32::from(found.is_final()) << lane);
+            for (lane, result) in results.iter().enumerate() {
+                active &= !(u32::from(result.is_final()) << lane);
             }
         }
-        for (lane, answer) in answers.iter_mut().enumerate().take(PACKET) {
-            if plain >> lane & 1 != 0 {
-                *answer = found[lane];
+        for (lane, output) in outputs.iter_mut().enumerate().take(PACKET) {
+            if in_range >> lane & 1 != 0 {
+                *output = results[lane];
             } else {
                 let (ray, span) = &rays[lane];
-                self.ask_for(ray, *span, answer);
+                self.trace(ray, *span, output);
             }
         }
     }
@@ -448,11 +320,11 @@ impl Accelerator for SmallSet {
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
-        Members { primitives, probe }.decide_all(self.indices(), ray, span)
+        Tester { primitives, probe }.test_all(self.indices(), ray, span)
     }
 
     fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        Members { primitives, probe }.decide_all(self.indices(), ray, span)
+        Tester { primitives, probe }.test_all(self.indices(), ray, span)
     }
 
     fn closest_batch<P: Primitives, S: Probe>(
@@ -462,18 +334,16 @@ impl Accelerator for SmallSet {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        let Work { nodes, tests, hits } = self.ask(primitives, rays, hits, &mut Members { primitives, probe });
-        probe.work(nodes, tests, hits);
+        self.trace_batch(primitives, rays, hits, probe);
     }
 
     fn occluded_batch<P: Primitives, S: Probe>(
         &self,
         primitives: &P,
         rays: &[(Ray, Interval)],
-        blocked: &mut [bool],
+        occluded: &mut [bool],
         probe: &mut S,
     ) {
-        let Work { nodes, tests, hits } = self.ask(primitives, rays, blocked, &mut Members { primitives, probe });
-        probe.work(nodes, tests, hits);
+        self.trace_batch(primitives, rays, occluded, probe);
     }
 }

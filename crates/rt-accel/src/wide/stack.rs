@@ -96,14 +96,14 @@ impl<'r> Stack<'r> {
         Some(Child::from_bits(unsafe { self.get(self.len) } as u32))
     }
 
-    /// The child put off last that is entered at or before `limit`.
+    /// The child put off last that is entered at or before `t_max`.
     #[inline(always)]
-    pub(super) fn pop_before(&mut self, limit: f32) -> Option<Child> {
+    pub(super) fn pop_before(&mut self, t_max: f32) -> Option<Child> {
         while self.len > 0 {
             self.len -= 1;
             // SAFETY: the entry popped just now.
             let key = unsafe { self.get(self.len) };
-            if f32::from_bits((key >> 32) as u32) <= limit {
+            if f32::from_bits((key >> 32) as u32) <= t_max {
                 return Some(Child::from_bits(key as u32));
             }
         }

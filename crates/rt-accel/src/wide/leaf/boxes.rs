@@ -31,8 +31,8 @@ impl LeafTest for BoxTest {
     }
 
     #[inline(always)]
-    fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> HitBounds<S> {
-        let (mut enter, mut leave) = (simd.splat(self.min), simd.splat(limit));
+    fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, t_max: f32) -> HitBounds<S> {
+        let (mut enter, mut leave) = (simd.splat(self.min), simd.splat(t_max));
         for axis in 0..3 {
             let row = self.ray.near_row(axis);
             // SAFETY: both rows are less than `NUMBERS`.
@@ -42,13 +42,13 @@ impl LeafTest for BoxTest {
             enter = simd.max(self.ray.near(simd, axis, near), enter);
             leave = simd.min(self.ray.far(simd, axis, far), leave);
         }
-        HitBounds { maybe: simd.le(enter, leave) & leaf.mask(), sure: 0, near: enter, far: leave }
+        HitBounds { possible: simd.le(enter, leave) & leaf.mask(), certain: 0, t_min: enter, t_max: leave }
     }
 
     type Packet<S: Simd> = PacketSlabs<S>;
 
     #[inline(always)]
-    fn across<S: Simd>(_: S, rays: &RayPacket<S>, _: &WideBvh) -> PacketSlabs<S> {
+    fn packet<S: Simd>(_: S, rays: &RayPacket<S>, _: &WideBvh) -> PacketSlabs<S> {
         rays.boxes
     }
 
@@ -58,12 +58,12 @@ impl LeafTest for BoxTest {
         rays: &PacketSlabs<S>,
         leaf: LeafView<'_>,
         lane: Lane,
-        limits: S::F32x8,
+        t_max: S::F32x8,
     ) -> HitBounds<S> {
         // SAFETY: the row is less than `NUMBERS`, and the lane less than 8.
         let plane = |row: Row| simd.splat(unsafe { leaf.number(row.index() * leaf.count + lane.index()) });
-        let [enter, leave] = rays.cross::<false>(simd, plane, limits);
-        HitBounds { maybe: simd.le(enter, leave), sure: 0, near: enter, far: leave }
+        let [enter, leave] = rays.cross::<false>(simd, plane, t_max);
+        HitBounds { possible: simd.le(enter, leave), certain: 0, t_min: enter, t_max: leave }
     }
 
     #[inline(always)]

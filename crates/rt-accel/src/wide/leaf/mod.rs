@@ -20,7 +20,7 @@ use super::WideBvh;
 use super::frustum::BundleFrustum;
 use super::node::Child;
 use super::packet_rays::{F64x8, RayPacket, SpanLanes};
-use super::query::PrimitiveTester;
+use super::query::{Output, PrimitiveTester};
 use super::ray::{RayF32, RayF64x4, SLACK};
 use super::simd::Simd;
 use crate::{bvh::NodeBox, wide::huge_pages::filled};
@@ -387,13 +387,12 @@ impl LeafView<'_> {
 /// What a filter says about the primitives of a leaf, a bit for each.
 pub(super) struct HitBounds<S: Simd> {
     /// Not missed for sure.
-    pub(super) maybe: u32,
+    pub(super) possible: u32,
     /// Hit for sure, within the span and first at a `t` between `near` and `far`.
-    pub(super) sure: u32,
-    /// Meaningless but for `sure`.
-    pub(super) near: S::F32x8,
-    /// Meaningless but for `sure`.
-    pub(super) far: S::F32x8,
+    pub(super) certain: u32,
+    /// Bounds of `t`; meaningful for `certain` hits.
+    pub(super) t_min: S::F32x8,
+    pub(super) t_max: S::F32x8,
 }
 
 /// The span of a query, as filters see it.
@@ -411,9 +410,9 @@ impl FilterTRange {
     pub(super) fn new<S: Simd>(simd: S, span: Interval) -> Self {
         let Interval { min, max } = span;
         let (below, above, tiny) = (1.0 - SLACK, 1.0 + SLACK, f64::from(f32::MIN_POSITIVE));
-        let numbers = simd.mul_doubles(simd.doubles([min, min, max, max]), simd.doubles([below, above, below, below]));
-        let numbers = simd.sub_doubles(numbers, simd.doubles([tiny, -tiny, tiny, tiny]));
-        Self { numbers: simd.to_f32(simd.max_doubles(numbers, simd.doubles([0.0; 4]))) }
+        let numbers = simd.mul_f64(simd.f64x4([min, min, max, max]), simd.f64x4([below, above, below, below]));
+        let numbers = simd.sub_f64(numbers, simd.f64x4([tiny, -tiny, tiny, tiny]));
+        Self { numbers: simd.to_f32(simd.max_f64(numbers, simd.f64x4([0.0; 4]))) }
     }
 
     /// Not after the begin.
@@ -446,9 +445,9 @@ impl<'r, S: Simd> RayF64<'r, S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &'r Ray) -> Self {
         let lanes = RayF64x4::new(simd, ray);
-        let axis = simd.greatest_axis(simd.abs_doubles(lanes.direction));
-        let [_, _, scale, _] = simd.to_doubles(simd.rotate_axis_last(lanes.inverse, axis));
-        let shear = simd.mul_doubles(simd.rotate_axis_last(lanes.direction, axis), simd.doubles([scale; 4]));
+        let axis = simd.max_axis(simd.abs_f64(lanes.direction));
+        let [_, _, scale, _] = simd.to_f64_array(simd.rotate_axis_last(lanes.inverse, axis));
+        let shear = simd.mul_f64(simd.rotate_axis_last(lanes.direction, axis), simd.f64x4([scale; 4]));
         Self { ray, lanes, axis, shear, scale }
     }
 
@@ -473,14 +472,14 @@ pub(super) trait LeafTest: Copy {
     /// Prepares a ray, of which it is handed what others have prepared.
     fn new<S: Simd>(simd: S, ray: &RayF64<'_, S>, boxes: &RayF32, span: FilterTRange, tree: &WideBvh) -> Self;
 
-    /// Judges the primitives of a leaf; what is hit after `limit` is missed.
-    fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> HitBounds<S>;
+    /// Judges the primitives of a leaf; what is hit after `t_max` is missed.
+    fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, t_max: f32) -> HitBounds<S>;
 
     /// The filters of eight rays, a lane each.
     type Packet<S: Simd>;
 
     /// Prepares eight rays.
-    fn across<S: Simd>(simd: S, rays: &RayPacket<S>, tree: &WideBvh) -> Self::Packet<S>;
+    fn packet<S: Simd>(simd: S, rays: &RayPacket<S>, tree: &WideBvh) -> Self::Packet<S>;
 
     /// Judges one primitive of a leaf for eight rays: the bits are those of rays.
     fn test_packet<S: Simd>(
@@ -488,7 +487,7 @@ pub(super) trait LeafTest: Copy {
         filters: &Self::Packet<S>,
         leaf: LeafView<'_>,
         lane: Lane,
-        limits: S::F32x8,
+        t_max: S::F32x8,
     ) -> HitBounds<S>;
 
     /// True if leaves hold spheres.
@@ -519,41 +518,24 @@ pub(super) trait LeafTest: Copy {
     /// As [`exact_hit`](Self::exact_hit) for rays of a packet, of those whose own space it is and for which the hit is certain:
     /// `t`, and as much of the second and third vertex. Meaningless for the others.
     #[inline(always)]
-    fn certain_hits<S: Simd>(simd: S, _: LeafView<'_>, _: Lane, _: &RayPacket<S>) -> [F64x8<S>; 3] {
+    fn exact_packet_hits<S: Simd>(simd: S, _: LeafView<'_>, _: Lane, _: &RayPacket<S>) -> [F64x8<S>; 3] {
         [F64x8::splat(simd, 0.0); 3]
     }
 
-    /// Decides where a primitive is hit within the span, as [`exact_hit`](Self::exact_hit) does or by asking for it.
+    /// Intersects a primitive exactly within the span, from the leaf or by the tester.
     #[inline(always)]
-    fn hit<S: Simd>(
+    fn intersect<S: Simd, O: Output>(
         simd: S,
         leaf: LeafView<'_>,
         lane: Lane,
         ray: &RayF64<'_, S>,
         span: Interval,
-        tester: &mut dyn PrimitiveTester,
-    ) -> Option<Hit> {
+        tester: &mut dyn PrimitiveTester<O>,
+    ) -> O {
         if Self::is_exact(leaf, lane) {
-            Self::exact_hit::<S, false>(simd, leaf, lane, ray, span)
+            O::from_hit(Self::exact_hit::<S, false>(simd, leaf, lane, ray, span))
         } else {
-            tester.closest(Self::index(leaf, lane), ray.ray, span)
-        }
-    }
-
-    /// Decides if a primitive blocks the ray within the span.
-    #[inline(always)]
-    fn blocks<S: Simd>(
-        simd: S,
-        leaf: LeafView<'_>,
-        lane: Lane,
-        ray: &RayF64<'_, S>,
-        span: Interval,
-        tester: &mut dyn PrimitiveTester,
-    ) -> bool {
-        if Self::is_exact(leaf, lane) {
-            Self::exact_hit::<S, false>(simd, leaf, lane, ray, span).is_some()
-        } else {
-            tester.occluded(Self::index(leaf, lane), ray.ray, span)
+            tester.test(Self::index(leaf, lane), ray.ray, span)
         }
     }
 }

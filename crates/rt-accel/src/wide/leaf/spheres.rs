@@ -97,7 +97,7 @@ pub(in crate::wide) struct RayLanes<S: Simd> {
 
 impl<S: Simd> RayLanes<S> {
     #[inline(always)]
-    fn test(&self, simd: S, spheres: &SphereLanes<S>, limit: S::F32x8, mask: u32) -> HitBounds<S> {
+    fn test(&self, simd: S, spheres: &SphereLanes<S>, t_max: S::F32x8, mask: u32) -> HitBounds<S> {
         let margin = simd.mul(simd.add(self.reach, simd.splat(spheres.greatest)), simd.splat(MARGIN));
         let to_centre = [
             simd.sub(spheres.centre[0], self.origin[0]),
@@ -113,9 +113,9 @@ impl<S: Simd> RayLanes<S> {
         ];
         let distance_squared = dot(simd, across, across);
         let outer = simd.add(radius, margin);
-        let maybe = simd.le(distance_squared, simd.mul(outer, outer)) & mask;
-        if maybe == 0 {
-            return HitBounds { maybe, sure: 0, near: along, far: along };
+        let possible = simd.le(distance_squared, simd.mul(outer, outer)) & mask;
+        if possible == 0 {
+            return HitBounds { possible, certain: 0, t_min: along, t_max: along };
         }
 
         let inner = simd.sub(spheres.radius, margin);
@@ -134,33 +134,33 @@ impl<S: Simd> RayLanes<S> {
         let last = simd.add(simd.mul(simd.add(along, longest), to_t), rounding);
 
         let is_not_behind = simd.le(self.span.min[0], last);
-        let is_not_after = simd.le(near, limit);
+        let is_not_after = simd.le(near, t_max);
         let is_in_front = simd.le(self.span.min[1], near);
         let is_in_time = simd.le(far, self.span.max);
-        let maybe = maybe & (is_tiny | (is_not_behind & is_not_after));
-        HitBounds { maybe, sure: inside & maybe & is_in_front & is_in_time, near, far }
+        let possible = possible & (is_tiny | (is_not_behind & is_not_after));
+        HitBounds { possible, certain: inside & possible & is_in_front & is_in_time, t_min: near, t_max: far }
     }
 }
 
 impl LeafTest for SphereTest {
     #[inline(always)]
     fn new<S: Simd>(simd: S, ray: &RayF64<'_, S>, _: &RayF32, span: FilterTRange, tree: &WideBvh) -> Self {
-        let centre = simd.doubles([tree.centre.x, tree.centre.y, tree.centre.z, 0.0]);
-        let origin = simd.sub_doubles(ray.lanes.origin, centre);
-        let [x, y, z, _] = simd.to_doubles(simd.mul_doubles(ray.lanes.direction, ray.lanes.direction));
+        let centre = simd.f64x4([tree.centre.x, tree.centre.y, tree.centre.z, 0.0]);
+        let origin = simd.sub_f64(ray.lanes.origin, centre);
+        let [x, y, z, _] = simd.to_f64_array(simd.mul_f64(ray.lanes.direction, ray.lanes.direction));
         let inverse_length = 1.0 / (x + y + z).sqrt();
-        let unit = simd.mul_doubles(ray.lanes.direction, simd.doubles([inverse_length; 4]));
+        let unit = simd.mul_f64(ray.lanes.direction, simd.f64x4([inverse_length; 4]));
         Self {
             origin: simd.to_f32(origin),
             direction: simd.to_f32(unit),
             inverse_length: inverse_length as f32,
-            reach: round_up(greatest(simd, simd.abs_doubles(origin))),
+            reach: round_up(greatest(simd, simd.abs_f64(origin))),
             span,
         }
     }
 
     #[inline(always)]
-    fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> HitBounds<S> {
+    fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, t_max: f32) -> HitBounds<S> {
         let n = leaf.count;
         // SAFETY: these are the header and the four numbers of spheres.
         let spheres = unsafe {
@@ -179,15 +179,15 @@ impl LeafTest for SphereTest {
             reach: simd.splat(self.reach),
             span: self.span.splat(simd),
         };
-        ray.test(simd, &spheres, simd.splat(limit), leaf.mask())
+        ray.test(simd, &spheres, simd.splat(t_max), leaf.mask())
     }
 
     type Packet<S: Simd> = RayLanes<S>;
 
     #[inline(always)]
-    fn across<S: Simd>(simd: S, rays: &RayPacket<S>, tree: &WideBvh) -> RayLanes<S> {
-        let origin = relative(simd, rays.lanes.origin, tree.centre);
-        let [x, y, z] = rays.lanes.direction;
+    fn packet<S: Simd>(simd: S, rays: &RayPacket<S>, tree: &WideBvh) -> RayLanes<S> {
+        let origin = relative(simd, rays.soa.origin, tree.centre);
+        let [x, y, z] = rays.soa.direction;
         let length_squared = x.mul(simd, x).add(simd, y.mul(simd, y)).add(simd, z.mul(simd, z));
         let inverse_length = F64x8::splat(simd, 1.0).div(simd, length_squared.sqrt(simd));
         RayLanes {
@@ -209,7 +209,7 @@ impl LeafTest for SphereTest {
         rays: &RayLanes<S>,
         leaf: LeafView<'_>,
         lane: Lane,
-        limits: S::F32x8,
+        t_max: S::F32x8,
     ) -> HitBounds<S> {
         let (n, first) = (leaf.count, HEADER + lane.index());
         // SAFETY: these are the header and the four numbers of a sphere, whose lane is less than 8.
@@ -224,25 +224,25 @@ impl LeafTest for SphereTest {
                 greatest: leaf.number(0),
             }
         };
-        rays.test(simd, &sphere, limits, 0xff)
+        rays.test(simd, &sphere, t_max, 0xff)
     }
 
     const IS_SPHERE: bool = true;
 
     #[inline(always)]
-    fn cull_by_frustum<S: Simd>(simd: S, shaft: &BundleFrustum<S>, leaf: LeafView<'_>) -> u32 {
+    fn cull_by_frustum<S: Simd>(simd: S, frustum: &BundleFrustum<S>, leaf: LeafView<'_>) -> u32 {
         let n = leaf.count;
         // SAFETY: the header, and the last of four numbers.
         let (greatest, radius) = unsafe { (leaf.number(0), leaf.lanes(simd, HEADER + 3 * n)) };
-        let margin = simd.splat(shaft.margin(greatest));
+        let margin = simd.splat(frustum.margin(greatest));
         let radius = simd.add(simd.abs(radius), margin);
-        let (passed, _) = shaft.passes(simd, |row| {
+        let (hit, _) = frustum.intersect_boxes(simd, |row| {
             let row = row.index();
             // SAFETY: half a row is an axis, and the numbers of the three axes come first.
             let centre = unsafe { leaf.lanes(simd, HEADER + row / 2 * n) };
             if row & 1 == 0 { simd.sub(centre, radius) } else { simd.add(centre, radius) }
         });
-        passed & leaf.mask()
+        hit & leaf.mask()
     }
 
     #[inline(always)]

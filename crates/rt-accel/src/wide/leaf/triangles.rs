@@ -206,7 +206,7 @@ pub(in crate::wide) struct RayLanes<S: Simd> {
 
 impl<S: Simd> RayLanes<S> {
     #[inline(always)]
-    fn test(&self, simd: S, triangles: &TriangleLanes<S>, limit: S::F32x8, mask: u32) -> HitBounds<S> {
+    fn test(&self, simd: S, triangles: &TriangleLanes<S>, t_max: S::F32x8, mask: u32) -> HitBounds<S> {
         let z = relative(simd, triangles.z, self.origin[2]);
         let x = sheared(simd, relative(simd, triangles.x, self.origin[0]), z, self.shear[0]);
         let y = sheared(simd, relative(simd, triangles.y, self.origin[1]), z, self.shear[1]);
@@ -227,13 +227,13 @@ impl<S: Simd> RayLanes<S> {
         let negative = simd.sub(simd.splat(0.0), margin);
         // Not where they are no numbers.
         let quick_reject = simd.lt(least, negative) & simd.lt(margin, greatest);
-        let maybe = !quick_reject & mask;
-        if maybe == 0 {
-            return HitBounds { maybe, sure: 0, near: u, far: u };
+        let possible = !quick_reject & mask;
+        if possible == 0 {
+            return HitBounds { possible, certain: 0, t_min: u, t_max: u };
         }
 
         let is_close = simd.le(simd.max(farthest(simd, x), farthest(simd, y)), simd.splat(CLOSE * extent));
-        let inside = is_close & (simd.le(margin, least) | simd.le(greatest, negative)) & maybe;
+        let inside = is_close & (simd.le(margin, least) | simd.le(greatest, negative)) & possible;
 
         let determinant = simd.add(simd.add(u, v), w);
         let inverse = simd.div(simd.splat(1.0), determinant);
@@ -250,9 +250,9 @@ impl<S: Simd> RayLanes<S> {
         let is_in_front = simd.le(self.span.min[1], near);
         let is_in_time = simd.le(far, self.span.max);
         let is_not_before = simd.le(self.span.min[0], far);
-        let is_not_after = simd.le(near, limit);
-        let maybe = maybe & (!inside | (is_not_before & is_not_after));
-        HitBounds { maybe, sure: inside & maybe & is_in_front & is_in_time, near, far }
+        let is_not_after = simd.le(near, t_max);
+        let possible = possible & (!inside | (is_not_before & is_not_after));
+        HitBounds { possible, certain: inside & possible & is_in_front & is_in_time, t_min: near, t_max: far }
     }
 }
 
@@ -294,19 +294,19 @@ impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
     #[inline(always)]
     fn new<S: Simd>(simd: S, ray: &RayF64<'_, S>, _: &RayF32, span: FilterTRange, tree: &WideBvh) -> Self {
         let centre = if EXACT { DVec3::ZERO } else { tree.centre };
-        let origin = simd.sub_doubles(ray.lanes.origin, simd.doubles([centre.x, centre.y, centre.z, 0.0]));
+        let origin = simd.sub_f64(ray.lanes.origin, simd.f64x4([centre.x, centre.y, centre.z, 0.0]));
         Self {
             origin: simd.to_f32(simd.rotate_axis_last(origin, ray.axis)),
             axis: ray.axis,
             shear: simd.to_f32(ray.shear),
             scale: ray.scale as f32,
-            reach: round_up(greatest(simd, simd.abs_doubles(origin))),
+            reach: round_up(greatest(simd, simd.abs_f64(origin))),
             span,
         }
     }
 
     #[inline(always)]
-    fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> HitBounds<S> {
+    fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, t_max: f32) -> HitBounds<S> {
         let [x, y, z] = AXES[self.axis & 3];
         // SAFETY: leaves that this filter is for are of triangles, with two words before the numbers; axes are of the list.
         let triangles = unsafe {
@@ -325,21 +325,21 @@ impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
             reach: simd.splat(self.reach),
             span: self.span.splat(simd),
         };
-        ray.test(simd, &triangles, simd.splat(limit), leaf.mask())
+        ray.test(simd, &triangles, simd.splat(t_max), leaf.mask())
     }
 
     type Packet<S: Simd> = ([usize; 3], RayLanes<S>);
 
     #[inline(always)]
-    fn across<S: Simd>(simd: S, rays: &RayPacket<S>, tree: &WideBvh) -> Self::Packet<S> {
-        let origin = relative_to(simd, rays.lanes.origin, if EXACT { DVec3::ZERO } else { tree.centre });
+    fn packet<S: Simd>(simd: S, rays: &RayPacket<S>, tree: &WideBvh) -> Self::Packet<S> {
+        let origin = relative_to(simd, rays.soa.origin, if EXACT { DVec3::ZERO } else { tree.centre });
         let [x, y, z] = rays.axes.map(|axis| axis % 3);
-        let scale = rays.lanes.inverse[z];
+        let scale = rays.soa.inverse[z];
         let lanes = RayLanes {
             origin: [origin[x].to_f32(simd), origin[y].to_f32(simd), origin[z].to_f32(simd)],
             shear: [
-                rays.lanes.direction[x].mul(simd, scale).to_f32(simd),
-                rays.lanes.direction[y].mul(simd, scale).to_f32(simd),
+                rays.soa.direction[x].mul(simd, scale).to_f32(simd),
+                rays.soa.direction[y].mul(simd, scale).to_f32(simd),
             ],
             scale: scale.to_f32(simd),
             reach: RayPacket::reach(simd, origin),
@@ -354,7 +354,7 @@ impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
         (axes, rays): &Self::Packet<S>,
         leaf: LeafView<'_>,
         lane: Lane,
-        limits: S::F32x8,
+        t_max: S::F32x8,
     ) -> HitBounds<S> {
         // SAFETY: as in `tester`; `across` has made the axes modulo 3.
         let triangle = unsafe {
@@ -366,7 +366,7 @@ impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
                 rounded: if EXACT { 0.0 } else { leaf.number(1) },
             }
         };
-        rays.test(simd, &triangle, limits, 0xff)
+        rays.test(simd, &triangle, t_max, 0xff)
     }
 
     #[inline(always)]
@@ -388,10 +388,10 @@ impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
     }
 
     #[inline(always)]
-    fn certain_hits<S: Simd>(simd: S, leaf: LeafView<'_>, lane: Lane, rays: &RayPacket<S>) -> [F64x8<S>; 3] {
+    fn exact_packet_hits<S: Simd>(simd: S, leaf: LeafView<'_>, lane: Lane, rays: &RayPacket<S>) -> [F64x8<S>; 3] {
         // SAFETY: leaves that this filter is for are of triangles.
         let vertices = [0, 1, 2].map(|vertex| unsafe { corner(leaf, lane, vertex) }.map(f64::from).into());
-        packet_triangles::certain_hits(simd, &vertices, rays.axes, &rays.lanes)
+        packet_triangles::resolve_certain(simd, &vertices, rays.axes, &rays.soa)
     }
 }
 
@@ -459,11 +459,11 @@ mod tests {
     struct Bracketed<'a>(&'a WideBvh, &'a Facets, &'a mut Counts);
 
     impl Bracketed<'_> {
-        fn check(&mut self, ray: &Ray, span: Interval, maybe: bool, sure: bool, near: f32, far: f32) {
+        fn check(&mut self, ray: &Ray, span: Interval, possible: bool, certain: bool, near: f32, far: f32) {
             let hit = brute_force::closest(self.1, ray, span, &mut NoProbe);
-            self.2[if sure { 0 } else { 1 + usize::from(maybe) }] += 1;
-            assert!(maybe || hit.is_none(), "missed: {hit:?}, {ray:?}, {:?}", self.1.0);
-            if sure {
+            self.2[if certain { 0 } else { 1 + usize::from(possible) }] += 1;
+            assert!(possible || hit.is_none(), "missed: {hit:?}, {ray:?}, {:?}", self.1.0);
+            if certain {
                 let t = hit.map_or(f64::NAN, |hit| hit.t);
                 assert!(f64::from(near) <= t && t <= f64::from(far), "{near}, {t}, {far}: {ray:?}, {:?}", self.1.0);
             }
@@ -475,16 +475,16 @@ mod tests {
             let Some(across) = RayPacket::new(simd, tree, rays).filter(|_| is_coherent(rays)) else { return };
             // SAFETY: the root of a tree is one of its nodes, and the first child of this one is its only leaf.
             let leaf = unsafe { tree.leaves.view(tree.node(tree.root).children[0]) };
-            let filter = TriangleTest::<EXACT>::across(simd, &across, tree);
-            let together = TriangleTest::<EXACT>::test_packet(simd, &filter, leaf, Lane::new(0), across.limits);
-            let (near, far) = (simd.to_array(together.near), simd.to_array(together.far));
+            let filter = TriangleTest::<EXACT>::packet(simd, &across, tree);
+            let together = TriangleTest::<EXACT>::test_packet(simd, &filter, leaf, Lane::new(0), across.t_max);
+            let (near, far) = (simd.to_array(together.t_min), simd.to_array(together.t_max));
             for (i, (ray, span)) in rays.iter().enumerate() {
-                let (maybe, sure) = (together.maybe >> i & 1 != 0, together.sure >> i & 1 != 0);
-                self.check(ray, *span, maybe, sure, near[i], far[i]);
+                let (possible, certain) = (together.possible >> i & 1 != 0, together.certain >> i & 1 != 0);
+                self.check(ray, *span, possible, certain, near[i], far[i]);
                 let trav = TravRay::<S, TriangleTest<EXACT>>::new(simd, tree, ray, *span);
-                let alone = trav.expect("proven with the others").filter.test(simd, leaf, round_up(span.max));
-                let (near, far) = (simd.to_array(alone.near)[0], simd.to_array(alone.far)[0]);
-                self.check(ray, *span, alone.maybe & 1 != 0, alone.sure & 1 != 0, near, far);
+                let alone = trav.expect("proven with the others").leaf_test.test(simd, leaf, round_up(span.max));
+                let (near, far) = (simd.to_array(alone.t_min)[0], simd.to_array(alone.t_max)[0]);
+                self.check(ray, *span, alone.possible & 1 != 0, alone.certain & 1 != 0, near, far);
             }
         }
     }
