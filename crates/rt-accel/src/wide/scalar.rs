@@ -11,7 +11,7 @@ use super::{STACK, WideBvh};
 use crate::{RayQuery, RegionQuery, bvh::NodeRay};
 
 /// Children that were put off, with what they are ordered by: the farthest of a node lie deepest.
-struct PutOff {
+struct ScalarStack {
     entries: [(f64, Child, Place); STACK],
     len: usize,
 }
@@ -19,7 +19,7 @@ struct PutOff {
 /// The node that a child belongs to, and its lane.
 type Place = (u32, u8);
 
-impl PutOff {
+impl ScalarStack {
     const fn new() -> Self {
         Self { entries: [(0.0, Child::node(0), (0, 0)); STACK], len: 0 }
     }
@@ -54,9 +54,9 @@ impl WideBvh {
         probe: &mut S,
     ) -> ControlFlow<()> {
         let node_ray = NodeRay::new(query.ray(), self.centre);
-        let mut put_off = PutOff::new();
-        put_off.insert(0, (f64::NEG_INFINITY, self.root, (0, 0)));
-        while let Some((enter, child, _)) = put_off.pop() {
+        let mut stack = ScalarStack::new();
+        stack.insert(0, (f64::NEG_INFINITY, self.root, (0, 0)));
+        while let Some((enter, child, _)) = stack.pop() {
             // Strictly: an equally near primitive of lower index must still be found.
             if enter > query.span().max {
                 continue;
@@ -67,11 +67,11 @@ impl WideBvh {
             }
             let Some(node) = self.nodes.get(child.number()) else { continue };
             probe.node();
-            let first = put_off.len;
+            let first = stack.len;
             for (bounds, child) in node.children() {
                 let Interval { min: enter, max: leave } = node_ray.cross(&bounds, query.span());
                 if enter <= leave && enter <= query.span().max {
-                    put_off.insert(first, (enter, child, (0, 0)));
+                    stack.insert(first, (enter, child, (0, 0)));
                 }
             }
         }
@@ -79,9 +79,9 @@ impl WideBvh {
     }
 
     pub(super) fn descend_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
-        let mut put_off = PutOff::new();
-        put_off.insert(0, (0.0, self.root, (u32::MAX, 0)));
-        while let Some((_, child, place)) = put_off.pop() {
+        let mut stack = ScalarStack::new();
+        stack.insert(0, (0.0, self.root, (u32::MAX, 0)));
+        while let Some((_, child, place)) = stack.pop() {
             // The query may have become more particular since.
             if self.box_at(place).is_some_and(|bounds| query.reach(&bounds).is_none()) {
                 continue;
@@ -91,11 +91,11 @@ impl WideBvh {
                 continue;
             }
             let Some(node) = self.nodes.get(child.number()) else { continue };
-            let first = put_off.len;
+            let first = stack.len;
             for lane in 0..8 {
                 let place = (child.number() as u32, lane);
                 if let Some(reach) = self.box_at(place).and_then(|bounds| query.reach(&bounds)) {
-                    put_off.insert(first, (reach, node.children[usize::from(lane)], place));
+                    stack.insert(first, (reach, node.children[usize::from(lane)], place));
                 }
             }
         }

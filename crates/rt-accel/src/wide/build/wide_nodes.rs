@@ -2,20 +2,20 @@
 //! part and on several threads.
 
 use super::binary::Content;
-use super::collapse::{Share, WIDTH};
-use super::forest::{Forest, Place};
+use super::collapse::{ChildSlot, WIDTH};
+use super::parallel::{Place, SubtreeSet};
 use super::reference::Run;
 use super::{WideTree, in_order};
-use crate::wide::leaf::{LeafKind, Listing};
+use crate::wide::huge_pages::filled;
+use crate::wide::leaf::{LeafKind, LeafOrder};
 use crate::wide::node::{Child, Node};
-use crate::wide::pages::filled;
 
 /// Nodes down to this depth, up to 73, are made before those below, which are up to 512 parts.
 const TOP: u32 = 3;
 
 /// A wide node to be made.
 #[derive(Clone, Copy)]
-struct Pending {
+struct PendingNode {
     place: Place,
     /// How many of the children come from the left side.
     from_left: usize,
@@ -24,8 +24,8 @@ struct Pending {
     parent: (usize, usize),
 }
 
-pub(super) struct Emission<'a> {
-    pub(super) forest: &'a Forest,
+pub(super) struct WideBuilder<'a> {
+    pub(super) forest: &'a SubtreeSet,
     /// Indices of primitives, by place.
     pub(super) indices: &'a [Run],
     pub(super) kind: LeafKind,
@@ -33,31 +33,31 @@ pub(super) struct Emission<'a> {
 
 /// Nodes in depth-first order, numbered from 0, and the leaves among their children, in the order of these.
 #[derive(Default)]
-struct Part {
+struct Chunk {
     nodes: Vec<Node>,
-    listing: Listing,
+    listing: LeafOrder,
     depth: u32,
     /// What was put off: the nodes whose numbers are yet to be known.
-    put_off: Vec<Pending>,
+    deferred: Vec<PendingNode>,
 }
 
-impl Emission<'_> {
+impl WideBuilder<'_> {
     /// The whole tree, `None` if numbers run out.
     pub(super) fn run(&self) -> Option<WideTree> {
         let root = self.forest.root();
-        let first = Pending { place: root, from_left: 0, depth: 1, parent: (0, 0) };
+        let first = PendingNode { place: root, from_left: 0, depth: 1, parent: (0, 0) };
         let top = match self.forest.plan(root).share(1) {
-            Share::Node(from_left) => self.part(Pending { from_left, ..first }, TOP),
-            Share::Leaf | Share::Open(_) => self.single_leaf(root),
+            ChildSlot::Node(from_left) => self.part(PendingNode { from_left, ..first }, TOP),
+            ChildSlot::Leaf | ChildSlot::Open(_) => self.single_leaf(root),
         };
         let below =
-            in_order(top.put_off.len(), |at| self.part(Pending { parent: (0, 0), ..top.put_off[at] }, u32::MAX));
+            in_order(top.deferred.len(), |at| self.part(PendingNode { parent: (0, 0), ..top.deferred[at] }, u32::MAX));
         join(top, below)
     }
 
     /// A node whose only child is a leaf of everything.
-    fn single_leaf(&self, root: Place) -> Part {
-        let mut part = Part { depth: 1, ..Part::default() };
+    fn single_leaf(&self, root: Place) -> Chunk {
+        let mut part = Chunk { depth: 1, ..Chunk::default() };
         let mut node = Node::EMPTY;
         node.set(0, &self.forest.bounds(root), self.leaf(&mut part.listing, root));
         part.nodes.push(node);
@@ -65,12 +65,12 @@ impl Emission<'_> {
     }
 
     /// The nodes from one on, down to a depth.
-    fn part(&self, first: Pending, down_to: u32) -> Part {
-        let mut part = Part::default();
+    fn part(&self, first: PendingNode, down_to: u32) -> Chunk {
+        let mut part = Chunk::default();
         let mut pending = vec![first];
         while let Some(next) = pending.pop() {
             if next.depth > down_to {
-                part.put_off.push(next);
+                part.deferred.push(next);
             } else {
                 self.node(next, &mut part, &mut pending);
             }
@@ -78,8 +78,8 @@ impl Emission<'_> {
         part
     }
 
-    fn node(&self, next: Pending, part: &mut Part, pending: &mut Vec<Pending>) {
-        let Pending { place, from_left, depth, parent: (above, lane) } = next;
+    fn node(&self, next: PendingNode, part: &mut Chunk, pending: &mut Vec<PendingNode>) {
+        let PendingNode { place, from_left, depth, parent: (above, lane) } = next;
         let number = part.nodes.len();
         if number > 0 {
             part.nodes[above].children[lane] = Child::node(number as u32);
@@ -94,15 +94,15 @@ impl Emission<'_> {
         while len > 0 {
             let (place, children) = shares[len - 1];
             match self.forest.plan(place).share(children) {
-                Share::Open(children) => {
+                ChildSlot::Open(children) => {
                     len += self.open(place, children, &mut shares[len - 1..]) - 1;
                     continue;
                 }
-                Share::Node(from_left) => {
-                    pending.push(Pending { place, from_left, depth: depth + 1, parent: (number, lane) });
+                ChildSlot::Node(from_left) => {
+                    pending.push(PendingNode { place, from_left, depth: depth + 1, parent: (number, lane) });
                     node.set(lane, &self.forest.bounds(place), Child::node(0));
                 }
-                Share::Leaf => node.set(lane, &self.forest.bounds(place), self.leaf(&mut part.listing, place)),
+                ChildSlot::Leaf => node.set(lane, &self.forest.bounds(place), self.leaf(&mut part.listing, place)),
             }
             len -= 1;
             lane += 1;
@@ -119,7 +119,7 @@ impl Emission<'_> {
         2
     }
 
-    fn leaf(&self, listing: &mut Listing, place: Place) -> Child {
+    fn leaf(&self, listing: &mut LeafOrder, place: Place) -> Child {
         let first = listing.order.len();
         self.list(place, &mut listing.order);
         listing.order[first..].sort_unstable();
@@ -148,12 +148,12 @@ impl Emission<'_> {
 }
 
 /// Numbers the parts one after the other, and hangs them below the nodes that were made first.
-fn join(mut top: Part, below: Vec<Part>) -> Option<WideTree> {
+fn join(mut top: Chunk, below: Vec<Chunk>) -> Option<WideTree> {
     let (mut first_node, mut first_line, mut depth) = (top.nodes.len(), top.listing.n_lines, top.depth);
     let mut listings = vec![top.listing];
     let mut parts = Vec::with_capacity(below.len() + 1);
-    for (put_off, part) in top.put_off.iter().zip(below) {
-        let (above, lane) = put_off.parent;
+    for (deferred, part) in top.deferred.iter().zip(below) {
+        let (above, lane) = deferred.parent;
         top.nodes[above].children[lane] = Child::node(first_node as u32);
         let count = part.nodes.len();
         parts.push((count, (part.nodes, first_node, first_line)));

@@ -3,50 +3,50 @@
 //!
 //! What plain arithmetic does not settle is left to somebody else: signs of areas that rounding may have turned, rays that
 //! start next to the triangle's plane unless they certainly lead away from it, and hits of which it takes the own box to
-//! tell whether they count (see [`round`](super::round)). [`certain_hits`] is for hits of which a filter is sure
+//! tell whether they count (see [`round`](super::packet_spheres)). [`resolve_certain`] is for hits of which a filter is sure
 //! ([`triangles`](super::leaf)): there no sign is in doubt, and the own box itself is entered.
 
 use rt_geometry::WatertightRay;
 use rt_math::float::{SIGN_ERROR_BOUND, UNIT_ROUNDOFF};
 use rt_math::{BOUNDS_PADDING, DVec3};
 
-use super::across::{Eight, EightRays, INNER_PAD, Meetings};
+use super::packet_rays::{F64x8, INNER_PAD, PacketHit, RaySoa8};
 use super::simd::Simd;
 
 /// A volume has the sign of its six rounded products if it is greater than this part of the sum of their sizes; more than
 /// the 7 roundings of Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
-const SETTLED_VOLUME: f64 = 16.0 * UNIT_ROUNDOFF;
+const VOLUME_ERROR_BOUND: f64 = 16.0 * UNIT_ROUNDOFF;
 
 /// One corner as the rays see it.
 #[derive(Clone, Copy)]
-struct Corner<S: Simd> {
-    x: Eight<S>,
-    y: Eight<S>,
-    depth: Eight<S>,
+struct RaySpaceVertex<S: Simd> {
+    x: F64x8<S>,
+    y: F64x8<S>,
+    depth: F64x8<S>,
 }
 
 /// Which axes become x, y and z, and by what.
 struct Shear<S: Simd> {
     axes: [usize; 3],
-    x: Eight<S>,
-    y: Eight<S>,
-    scale: Eight<S>,
+    x: F64x8<S>,
+    y: F64x8<S>,
+    scale: F64x8<S>,
 }
 
 impl<S: Simd> Shear<S> {
     #[inline(always)]
-    fn new(simd: S, [x, y, z]: [usize; 3], rays: &EightRays<S>) -> Self {
+    fn new(simd: S, [x, y, z]: [usize; 3], rays: &RaySoa8<S>) -> Self {
         let scale = rays.inverse[z];
         Self { axes: [x, y, z], x: rays.direction[x].mul(simd, scale), y: rays.direction[y].mul(simd, scale), scale }
     }
 
     #[inline(always)]
-    fn see(&self, simd: S, rays: &EightRays<S>, corner: DVec3) -> Corner<S> {
+    fn to_ray_space(&self, simd: S, rays: &RaySoa8<S>, corner: DVec3) -> RaySpaceVertex<S> {
         let [x, y, z] = self.axes;
-        let x = Eight::splat(simd, corner[x]).sub(simd, rays.origin[x]);
-        let y = Eight::splat(simd, corner[y]).sub(simd, rays.origin[y]);
-        let z = Eight::splat(simd, corner[z]).sub(simd, rays.origin[z]);
-        Corner {
+        let x = F64x8::splat(simd, corner[x]).sub(simd, rays.origin[x]);
+        let y = F64x8::splat(simd, corner[y]).sub(simd, rays.origin[y]);
+        let z = F64x8::splat(simd, corner[z]).sub(simd, rays.origin[z]);
+        RaySpaceVertex {
             x: x.sub(simd, self.x.mul(simd, z)),
             y: y.sub(simd, self.y.mul(simd, z)),
             depth: z.mul(simd, self.scale),
@@ -56,16 +56,16 @@ impl<S: Simd> Shear<S> {
 
 /// Twice the area between the ray and an edge, and a bit for each ray for which its sign is certain.
 #[inline(always)]
-fn area<S: Simd>(simd: S, a: &Corner<S>, b: &Corner<S>) -> (Eight<S>, u32) {
+fn area<S: Simd>(simd: S, a: &RaySpaceVertex<S>, b: &RaySpaceVertex<S>) -> (F64x8<S>, u32) {
     let (minuend, subtrahend) = (a.x.mul(simd, b.y), a.y.mul(simd, b.x));
     let area = minuend.sub(simd, subtrahend);
     let size = minuend.abs(simd).add(simd, subtrahend.abs(simd));
-    (area, size.mul(simd, Eight::splat(simd, SIGN_ERROR_BOUND)).lt(simd, area.abs(simd)))
+    (area, size.mul(simd, F64x8::splat(simd, SIGN_ERROR_BOUND)).lt(simd, area.abs(simd)))
 }
 
 /// Where the rays cross the plane of three corners, by the areas opposite of them, and the sum of these.
 #[inline(always)]
-fn crossing<S: Simd>(simd: S, [a, b, c]: [&Corner<S>; 3], [u, v, w]: [Eight<S>; 3]) -> [Eight<S>; 2] {
+fn crossing<S: Simd>(simd: S, [a, b, c]: [&RaySpaceVertex<S>; 3], [u, v, w]: [F64x8<S>; 3]) -> [F64x8<S>; 2] {
     let determinant = u.add(simd, v).add(simd, w);
     let weighted = u.mul(simd, a.depth).add(simd, v.mul(simd, b.depth)).add(simd, w.mul(simd, c.depth));
     [weighted.div(simd, determinant), determinant]
@@ -74,23 +74,23 @@ fn crossing<S: Simd>(simd: S, [a, b, c]: [&Corner<S>; 3], [u, v, w]: [Eight<S>; 
 /// Where plain rays that are steepest along `axis` meet a triangle within their spans. Says nothing of rays that are not
 /// `asked` about.
 #[inline(always)]
-pub(super) fn meet<S: Simd>(
+pub(super) fn intersect<S: Simd>(
     simd: S,
     vertices: &[DVec3; 3],
     axis: usize,
-    rays: &EightRays<S>,
+    rays: &RaySoa8<S>,
     asked: u32,
-) -> Option<Meetings<S>> {
+) -> Option<PacketHit<S>> {
     let [x, y, z] = [(axis + 1) % 3, (axis + 2) % 3, axis % 3];
     let shear = Shear::new(simd, [x, y, z], rays);
     let scale = shear.scale;
-    let a = shear.see(simd, rays, vertices[0]);
-    let b = shear.see(simd, rays, vertices[1]);
-    let c = shear.see(simd, rays, vertices[2]);
+    let a = shear.to_ray_space(simd, rays, vertices[0]);
+    let b = shear.to_ray_space(simd, rays, vertices[1]);
+    let c = shear.to_ray_space(simd, rays, vertices[2]);
     let ((u, u_is_settled), (v, v_is_settled), (w, w_is_settled)) =
         (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
     let is_settled = u_is_settled & v_is_settled & w_is_settled;
-    let nothing = Eight::splat(simd, 0.0);
+    let nothing = F64x8::splat(simd, 0.0);
     let has_negative = u.lt(simd, nothing) | v.lt(simd, nothing) | w.lt(simd, nothing);
     let has_positive = nothing.lt(simd, u) | nothing.lt(simd, v) | nothing.lt(simd, w);
     let maybe = asked & !(is_settled & has_negative & has_positive);
@@ -100,19 +100,19 @@ pub(super) fn meet<S: Simd>(
     let [t, determinant] = crossing(simd, [&a, &b, &c], [u, v, w]);
     let depths = a.depth.abs(simd).add(simd, b.depth.abs(simd)).add(simd, c.depth.abs(simd));
     // A NaN is in doubt as well.
-    let is_certain = depths.mul(simd, Eight::splat(simd, WatertightRay::ORIGIN_SIDE_BOUND)).lt(simd, t.abs(simd));
-    let within = rays.min.le(simd, t) & t.le(simd, rays.max) & t.abs(simd).le(simd, Eight::splat(simd, f64::MAX));
+    let is_certain = depths.mul(simd, F64x8::splat(simd, WatertightRay::ORIGIN_SIDE_BOUND)).lt(simd, t.abs(simd));
+    let within = rays.min.le(simd, t) & t.le(simd, rays.max) & t.abs(simd).le(simd, F64x8::splat(simd, f64::MAX));
     let [enter, leave] = inner_box(simd, vertices, rays);
     let in_box = enter.le(simd, t) & t.le(simd, leave);
     let decided = maybe & is_settled & is_certain;
-    let mut unsure = maybe & !decided | decided & within & !in_box;
+    let mut uncertain = maybe & !decided | decided & within & !in_box;
     let next_to_the_plane = is_settled & !is_certain;
-    if unsure & next_to_the_plane != 0 {
-        unsure &= !(next_to_the_plane & lead_away(simd, vertices, rays, scale, determinant));
+    if uncertain & next_to_the_plane != 0 {
+        uncertain &= !(next_to_the_plane & origin_beyond_plane(simd, vertices, rays, scale, determinant));
     }
-    Some(Meetings {
+    Some(PacketHit {
         hit: decided & within & in_box,
-        unsure,
+        uncertain,
         t,
         uv: [v.div(simd, determinant), w.div(simd, determinant)],
     })
@@ -121,17 +121,17 @@ pub(super) fn meet<S: Simd>(
 /// Where plain rays that go the same way, along these axes, meet a triangle that they certainly hit: `t`, and as much of the
 /// second and third vertex. The decision of [`intersect_triangle`](rt_geometry::intersect_triangle) without what could rule it out.
 #[inline(always)]
-pub(super) fn certain_hits<S: Simd>(
+pub(super) fn resolve_certain<S: Simd>(
     simd: S,
     vertices: &[DVec3; 3],
     axes: [usize; 3],
-    rays: &EightRays<S>,
-) -> [Eight<S>; 3] {
+    rays: &RaySoa8<S>,
+) -> [F64x8<S>; 3] {
     let [x, y, z] = axes.map(|axis| axis % 3);
     let shear = Shear::new(simd, [x, y, z], rays);
-    let a = shear.see(simd, rays, vertices[0]);
-    let b = shear.see(simd, rays, vertices[1]);
-    let c = shear.see(simd, rays, vertices[2]);
+    let a = shear.to_ray_space(simd, rays, vertices[0]);
+    let b = shear.to_ray_space(simd, rays, vertices[1]);
+    let c = shear.to_ray_space(simd, rays, vertices[2]);
     let ((u, _), (v, _), (w, _)) = (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
     let [mut t, determinant] = crossing(simd, [&a, &b, &c], [u, v, w]);
     // No hit precedes where the own box is entered.
@@ -141,7 +141,7 @@ pub(super) fn certain_hits<S: Simd>(
     let (low, high) = (low - pad, high + pad);
     for axis in 0..3 {
         let inverse = rays.inverse[axis];
-        let near = inverse.by_sign(simd, Eight::splat(simd, low[axis]), Eight::splat(simd, high[axis]));
+        let near = inverse.select_by_sign(simd, F64x8::splat(simd, low[axis]), F64x8::splat(simd, high[axis]));
         t = near.sub(simd, rays.origin[axis]).mul(simd, inverse).max(simd, t);
     }
     [t, v.div(simd, determinant), w.div(simd, determinant)]
@@ -149,53 +149,53 @@ pub(super) fn certain_hits<S: Simd>(
 
 /// Where a box within the own box is entered and left.
 #[inline(always)]
-fn inner_box<S: Simd>(simd: S, &[a, b, c]: &[DVec3; 3], rays: &EightRays<S>) -> [Eight<S>; 2] {
+fn inner_box<S: Simd>(simd: S, &[a, b, c]: &[DVec3; 3], rays: &RaySoa8<S>) -> [F64x8<S>; 2] {
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     let pad = low.abs().max(high.abs()).max_element() * INNER_PAD;
-    let low = [Eight::splat(simd, low.x), Eight::splat(simd, low.y), Eight::splat(simd, low.z)];
-    let high = [Eight::splat(simd, high.x), Eight::splat(simd, high.y), Eight::splat(simd, high.z)];
-    rays.cross_box(simd, low, high, Eight::splat(simd, pad))
+    let low = [F64x8::splat(simd, low.x), F64x8::splat(simd, low.y), F64x8::splat(simd, low.z)];
+    let high = [F64x8::splat(simd, high.x), F64x8::splat(simd, high.y), F64x8::splat(simd, high.z)];
+    rays.cross_box(simd, low, high, F64x8::splat(simd, pad))
 }
 
 /// A bit for each ray that passed the triangle's plane before it starts, beyond doubt. To be asked only of rays of whose `t`
 /// it is in doubt on which side they start: otherwise the kernel goes by `t`, which in slivers may say something else.
 #[inline(always)]
-fn lead_away<S: Simd>(
+fn origin_beyond_plane<S: Simd>(
     simd: S,
     vertices: &[DVec3; 3],
-    rays: &EightRays<S>,
-    scale: Eight<S>,
-    determinant: Eight<S>,
+    rays: &RaySoa8<S>,
+    scale: F64x8<S>,
+    determinant: F64x8<S>,
 ) -> u32 {
-    let a = arm(simd, vertices[0], rays);
-    let b = arm(simd, vertices[1], rays);
-    let c = arm(simd, vertices[2], rays);
+    let a = rel_vertex(simd, vertices[0], rays);
+    let b = rel_vertex(simd, vertices[1], rays);
+    let c = rel_vertex(simd, vertices[2], rays);
     let (of_a, size_of_a) = product(simd, a[2], b, c);
     let (of_b, size_of_b) = product(simd, b[2], c, a);
     let (of_c, size_of_c) = product(simd, c[2], a, b);
     let volume = of_a.add(simd, of_b).add(simd, of_c);
     let size = size_of_a.add(simd, size_of_b).add(simd, size_of_c);
     // Positive where volume, scale and determinant have an even number of minus signs.
-    let turned = scale.by_sign(simd, determinant, Eight::splat(simd, 0.0).sub(simd, determinant));
-    let turned = turned.by_sign(simd, volume, Eight::splat(simd, 0.0).sub(simd, volume));
+    let turned = scale.select_by_sign(simd, determinant, F64x8::splat(simd, 0.0).sub(simd, determinant));
+    let turned = turned.select_by_sign(simd, volume, F64x8::splat(simd, 0.0).sub(simd, volume));
     // Where numbers may leave their range, somebody else decides.
-    let is_ordinary = Eight::splat(simd, 1e-200).lt(simd, size) & size.lt(simd, Eight::splat(simd, 1e200));
-    is_ordinary & size.mul(simd, Eight::splat(simd, SETTLED_VOLUME)).lt(simd, turned)
+    let is_ordinary = F64x8::splat(simd, 1e-200).lt(simd, size) & size.lt(simd, F64x8::splat(simd, 1e200));
+    is_ordinary & size.mul(simd, F64x8::splat(simd, VOLUME_ERROR_BOUND)).lt(simd, turned)
 }
 
 /// From the origins to a corner.
 #[inline(always)]
-fn arm<S: Simd>(simd: S, corner: DVec3, rays: &EightRays<S>) -> [Eight<S>; 3] {
+fn rel_vertex<S: Simd>(simd: S, corner: DVec3, rays: &RaySoa8<S>) -> [F64x8<S>; 3] {
     [
-        Eight::splat(simd, corner.x).sub(simd, rays.origin[0]),
-        Eight::splat(simd, corner.y).sub(simd, rays.origin[1]),
-        Eight::splat(simd, corner.z).sub(simd, rays.origin[2]),
+        F64x8::splat(simd, corner.x).sub(simd, rays.origin[0]),
+        F64x8::splat(simd, corner.y).sub(simd, rays.origin[1]),
+        F64x8::splat(simd, corner.z).sub(simd, rays.origin[2]),
     ]
 }
 
 /// `z·(p × q)` of the first two coordinates, and the sum of the sizes of both products.
 #[inline(always)]
-fn product<S: Simd>(simd: S, z: Eight<S>, p: [Eight<S>; 3], q: [Eight<S>; 3]) -> (Eight<S>, Eight<S>) {
+fn product<S: Simd>(simd: S, z: F64x8<S>, p: [F64x8<S>; 3], q: [F64x8<S>; 3]) -> (F64x8<S>, F64x8<S>) {
     let (minuend, subtrahend) = (p[0].mul(simd, q[1]), q[0].mul(simd, p[1]));
     let size = minuend.abs(simd).add(simd, subtrahend.abs(simd)).mul(simd, z.abs(simd));
     (z.mul(simd, minuend.sub(simd, subtrahend)), size)
@@ -207,8 +207,8 @@ mod tests {
     use rt_math::random::{hash, unit};
     use rt_math::{Interval, Ray, SlabRay};
 
-    use super::super::across::PACKET;
-    use super::super::simd::{Available, Kernel, SimdLevel};
+    use super::super::packet_rays::PACKET;
+    use super::super::simd::{DetectedSimd, SimdLevel, WithSimd};
     use super::*;
 
     type Rays = [(Ray, Interval); PACKET];
@@ -216,11 +216,11 @@ mod tests {
 
     struct Asked<'a>(&'a [DVec3; 3], &'a mut Certain);
 
-    impl Kernel<&Rays, ()> for Asked<'_> {
+    impl WithSimd<&Rays, ()> for Asked<'_> {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S, rays: &Rays, (): ()) {
             let (axes, _) = WatertightRay::new(&rays[0].0).shear();
-            let [t, v, w] = certain_hits(simd, self.0, axes, &EightRays::new(simd, rays));
+            let [t, v, w] = resolve_certain(simd, self.0, axes, &RaySoa8::new(simd, rays));
             let (t, v, w) = (t.to_array(simd), v.to_array(simd), w.to_array(simd));
             *self.1 = core::array::from_fn(|lane| [t[lane], v[lane], w[lane]].map(f64::to_bits));
         }
@@ -261,7 +261,7 @@ mod tests {
                     .map(|(ray, span)| (Ray::new(turned(ray.origin, way), turned(ray.direction, way)), span));
                 let triangle = triangle.map(|vertex| turned(vertex, way));
                 let mut certain = [[0; 3]; PACKET];
-                Available::new(level).dispatch(Asked(&triangle, &mut certain), &rays, ());
+                DetectedSimd::new(level).dispatch(Asked(&triangle, &mut certain), &rays, ());
                 for ((ray, span), bits) in rays.iter().zip(certain) {
                     let sheared = WatertightRay::new(ray);
                     let decided = intersect_triangle(triangle, 0, &SlabRay::new(ray), &sheared, *span);

@@ -5,29 +5,29 @@ use rt_geometry::{Hit, WatertightRay, intersect_triangle};
 use rt_math::float::SIGN_ERROR_BOUND;
 use rt_math::{BOUNDS_PADDING, FAR_FACTOR, Interval, Ray, SlabRay};
 
-use super::leaf::{ExactRay, Lane, LeafView, coordinates, corner};
-use super::ray::{LaneRay, greatest};
+use super::leaf::{Lane, LeafView, RayF64, coordinates, corner};
+use super::ray::{RayF64x4, greatest};
 use super::simd::Simd;
 
 #[inline(always)]
-fn all<S: Simd>(simd: S, x: f64) -> S::Doubles {
-    simd.doubles([x; 4])
+fn all<S: Simd>(simd: S, x: f64) -> S::F64x4 {
+    simd.f64x4([x; 4])
 }
 
 #[inline(always)]
-fn widened<S: Simd>(simd: S, [x, y, z]: [f32; 3]) -> S::Doubles {
-    simd.widened([x, y, z, 0.0])
+fn to_f64<S: Simd>(simd: S, [x, y, z]: [f32; 3]) -> S::F64x4 {
+    simd.to_f64([x, y, z, 0.0])
 }
 
 /// A triangle of a leaf, and its index.
 #[derive(Clone, Copy)]
-pub(super) struct Copied<'a> {
+pub(super) struct LeafTriangle<'a> {
     leaf: LeafView<'a>,
     lane: Lane,
     index: u32,
 }
 
-impl<'a> Copied<'a> {
+impl<'a> LeafTriangle<'a> {
     /// Reads nothing yet.
     ///
     /// # Safety
@@ -51,25 +51,25 @@ impl<'a> Copied<'a> {
     pub(super) fn hit<S: Simd, const CERTAIN: bool>(
         self,
         simd: S,
-        exact: &ExactRay<'_, S>,
+        exact: &RayF64<'_, S>,
         span: Interval,
     ) -> Option<Hit> {
-        let seen = self.see(simd, exact);
+        let edges = self.edge_functions(simd, exact);
         // Areas of a hit that is certain are far from 0.
-        if !CERTAIN && !seen.is_settled {
-            return self.decide(exact.ray, span);
+        if !CERTAIN && !edges.is_certain {
+            return self.intersect_scalar(exact.ray, span);
         }
-        let [u, v, w] = seen.areas;
+        let [u, v, w] = edges.areas;
         let outside = ((u < 0.0) | (v < 0.0) | (w < 0.0)) & ((u > 0.0) | (v > 0.0) | (w > 0.0));
         let determinant = u + v + w;
         if !CERTAIN && (outside | (determinant == 0.0)) {
             return None;
         }
-        let quotients = simd.div_doubles(simd.doubles([seen.weighted, v, w, 1.0]), all(simd, determinant));
-        let [t, v, w, _] = simd.to_doubles(quotients);
+        let quotients = simd.div_f64(simd.f64x4([edges.weighted, v, w, 1.0]), all(simd, determinant));
+        let [t, v, w, _] = simd.to_f64_array(quotients);
         if !CERTAIN {
-            if t.abs() <= seen.doubtful_start {
-                return self.decide(exact.ray, span);
+            if t.abs() <= edges.origin_side_bound {
+                return self.intersect_scalar(exact.ray, span);
             }
             if !(span.contains(t) & t.is_finite()) {
                 return None;
@@ -85,7 +85,7 @@ impl<'a> Copied<'a> {
     /// All of it one by one.
     #[cold]
     #[inline(never)]
-    fn decide(self, ray: &Ray, span: Interval) -> Option<Hit> {
+    fn intersect_scalar(self, ray: &Ray, span: Interval) -> Option<Hit> {
         let vertices =
             [self.corner::<0>(), self.corner::<1>(), self.corner::<2>()].map(|corner| corner.map(f64::from).into());
         let slab_ray = SlabRay::new(ray);
@@ -93,10 +93,11 @@ impl<'a> Copied<'a> {
     }
 
     #[inline(always)]
-    fn see<S: Simd>(self, simd: S, exact: &ExactRay<'_, S>) -> Seen {
+    fn edge_functions<S: Simd>(self, simd: S, exact: &RayF64<'_, S>) -> EdgeFunctions {
         let [x_axis, y_axis, z_axis] = exact.axes();
-        let ([shear_x, shear_y, ..], scale) = (simd.to_doubles(exact.shear), exact.scale);
-        let [origin_x, origin_y, origin_z, _] = simd.to_doubles(simd.turned_last(exact.lanes.origin, exact.axis));
+        let ([shear_x, shear_y, ..], scale) = (simd.to_f64_array(exact.shear), exact.scale);
+        let [origin_x, origin_y, origin_z, _] =
+            simd.to_f64_array(simd.rotate_axis_last(exact.lanes.origin, exact.axis));
         // SAFETY: the leaf is one of triangles, as the caller of the constructor guarantees, and `axes` are each less than 3.
         let [x, y, z] = unsafe {
             [
@@ -105,60 +106,60 @@ impl<'a> Copied<'a> {
                 coordinates(self.leaf, self.lane, z_axis),
             ]
         };
-        let (x, y, z) = (widened(simd, x), widened(simd, y), widened(simd, z));
-        let x = simd.sub_doubles(x, all(simd, origin_x));
-        let y = simd.sub_doubles(y, all(simd, origin_y));
-        let z = simd.sub_doubles(z, all(simd, origin_z));
-        let x = simd.sub_doubles(x, simd.mul_doubles(all(simd, shear_x), z));
-        let y = simd.sub_doubles(y, simd.mul_doubles(all(simd, shear_y), z));
-        let depths = simd.mul_doubles(z, all(simd, scale));
+        let (x, y, z) = (to_f64(simd, x), to_f64(simd, y), to_f64(simd, z));
+        let x = simd.sub_f64(x, all(simd, origin_x));
+        let y = simd.sub_f64(y, all(simd, origin_y));
+        let z = simd.sub_f64(z, all(simd, origin_z));
+        let x = simd.sub_f64(x, simd.mul_f64(all(simd, shear_x), z));
+        let y = simd.sub_f64(y, simd.mul_f64(all(simd, shear_y), z));
+        let depths = simd.mul_f64(z, all(simd, scale));
 
-        let minuends = simd.mul_doubles(simd.turned_twice(x), simd.turned_once(y));
-        let subtrahends = simd.mul_doubles(simd.turned_twice(y), simd.turned_once(x));
-        let areas = simd.sub_doubles(minuends, subtrahends);
-        let sizes = simd.add_doubles(simd.abs_doubles(minuends), simd.abs_doubles(subtrahends));
-        let doubt = simd.sub_doubles(simd.mul_doubles(sizes, all(simd, SIGN_ERROR_BOUND)), simd.abs_doubles(areas));
-        let [u, v, w, _] = simd.to_doubles(areas);
-        let [ua, vb, wc, _] = simd.to_doubles(simd.mul_doubles(areas, depths));
-        let [a, b, c, _] = simd.to_doubles(simd.abs_doubles(depths));
-        Seen {
+        let minuends = simd.mul_f64(simd.zxy(x), simd.yzx(y));
+        let subtrahends = simd.mul_f64(simd.zxy(y), simd.yzx(x));
+        let areas = simd.sub_f64(minuends, subtrahends);
+        let sizes = simd.add_f64(simd.abs_f64(minuends), simd.abs_f64(subtrahends));
+        let doubt = simd.sub_f64(simd.mul_f64(sizes, all(simd, SIGN_ERROR_BOUND)), simd.abs_f64(areas));
+        let [u, v, w, _] = simd.to_f64_array(areas);
+        let [ua, vb, wc, _] = simd.to_f64_array(simd.mul_f64(areas, depths));
+        let [a, b, c, _] = simd.to_f64_array(simd.abs_f64(depths));
+        EdgeFunctions {
             areas: [u, v, w],
             weighted: ua + vb + wc,
-            is_settled: simd.signs(doubt) & 7 == 7,
-            doubtful_start: WatertightRay::ORIGIN_SIDE_BOUND * (a + b + c),
+            is_certain: simd.signs(doubt) & 7 == 7,
+            origin_side_bound: WatertightRay::ORIGIN_SIDE_BOUND * (a + b + c),
         }
     }
 
     /// The part of the span inside the own box; empty if it is passed by.
     #[inline(always)]
-    fn clip<S: Simd>(self, simd: S, ray: &LaneRay<S>, span: Interval) -> Interval {
-        let a = widened(simd, self.corner::<0>());
-        let b = widened(simd, self.corner::<1>());
-        let c = widened(simd, self.corner::<2>());
-        let least = simd.min_doubles(simd.min_doubles(a, b), c);
-        let most = simd.max_doubles(simd.max_doubles(a, b), c);
-        let size = greatest(simd, simd.max_doubles(simd.abs_doubles(least), simd.abs_doubles(most)));
+    fn clip<S: Simd>(self, simd: S, ray: &RayF64x4<S>, span: Interval) -> Interval {
+        let a = to_f64(simd, self.corner::<0>());
+        let b = to_f64(simd, self.corner::<1>());
+        let c = to_f64(simd, self.corner::<2>());
+        let least = simd.min_f64(simd.min_f64(a, b), c);
+        let most = simd.max_f64(simd.max_f64(a, b), c);
+        let size = greatest(simd, simd.max_f64(simd.abs_f64(least), simd.abs_f64(most)));
         let pad = all(simd, size * BOUNDS_PADDING);
-        let (least, most) = (simd.sub_doubles(least, pad), simd.add_doubles(most, pad));
-        let near = simd.sub_doubles(simd.by_sign(ray.inverse, least, most), ray.origin);
-        let far = simd.sub_doubles(simd.by_sign(ray.inverse, most, least), ray.origin);
+        let (least, most) = (simd.sub_f64(least, pad), simd.add_f64(most, pad));
+        let near = simd.sub_f64(simd.select_by_sign(ray.inverse, least, most), ray.origin);
+        let far = simd.sub_f64(simd.select_by_sign(ray.inverse, most, least), ray.origin);
         // A NaN is no constraint.
-        let enter = simd.max_doubles(simd.mul_doubles(near, ray.inverse), all(simd, span.min));
-        let t_far = simd.mul_doubles(simd.mul_doubles(far, ray.inverse), all(simd, FAR_FACTOR));
-        let leave = simd.min_doubles(t_far, all(simd, span.max));
-        let negated = simd.sub_doubles(all(simd, 0.0), leave);
+        let enter = simd.max_f64(simd.mul_f64(near, ray.inverse), all(simd, span.min));
+        let t_far = simd.mul_f64(simd.mul_f64(far, ray.inverse), all(simd, FAR_FACTOR));
+        let leave = simd.min_f64(t_far, all(simd, span.max));
+        let negated = simd.sub_f64(all(simd, 0.0), leave);
         Interval { min: greatest(simd, enter), max: -greatest(simd, negated) }
     }
 }
 
 /// A triangle as the ray sees it.
-struct Seen {
+struct EdgeFunctions {
     /// Twice the areas of the triangles between the ray and the edges.
     areas: [f64; 3],
     /// The sum of the areas times the depths of the opposite corners.
     weighted: f64,
     /// True if the signs of the areas are those of exact arithmetic.
-    is_settled: bool,
+    is_certain: bool,
     /// Up to this `t`, rounding may decide on which side of the triangle the ray starts.
-    doubtful_start: f64,
+    origin_side_bound: f64,
 }

@@ -1,11 +1,11 @@
-//! Eight rays side by side, a lane each.
+//! F64x8 rays side by side, a lane each.
 
 use rt_geometry::WatertightRay;
 use rt_math::{BOUNDS_PADDING, DVec3, Interval, Ray};
 
 use super::WideBvh;
 use super::node::Row;
-use super::ray::{RANGE, SLACK, STEEPEST, Slabs, is_proven};
+use super::ray::{RANGE, SLACK, STEEPEST, SlabCoeffs, filter_applies};
 use super::simd::Simd;
 
 /// Rays in a packet.
@@ -13,72 +13,72 @@ pub(super) const PACKET: usize = 8;
 
 /// One number of eight rays.
 #[derive(Clone, Copy)]
-pub(super) struct Eight<S: Simd> {
-    low: S::Doubles,
-    high: S::Doubles,
+pub(super) struct F64x8<S: Simd> {
+    low: S::F64x4,
+    high: S::F64x4,
 }
 
-impl<S: Simd> Eight<S> {
+impl<S: Simd> F64x8<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, [a, b, c, d, e, f, g, h]: [f64; PACKET]) -> Self {
-        Self { low: simd.doubles([a, b, c, d]), high: simd.doubles([e, f, g, h]) }
+        Self { low: simd.f64x4([a, b, c, d]), high: simd.f64x4([e, f, g, h]) }
     }
 
     #[inline(always)]
     pub(super) fn splat(simd: S, x: f64) -> Self {
-        Self { low: simd.doubles([x; 4]), high: simd.doubles([x; 4]) }
+        Self { low: simd.f64x4([x; 4]), high: simd.f64x4([x; 4]) }
     }
 
     #[inline(always)]
     pub(super) fn sub(self, simd: S, other: Self) -> Self {
-        Self { low: simd.sub_doubles(self.low, other.low), high: simd.sub_doubles(self.high, other.high) }
+        Self { low: simd.sub_f64(self.low, other.low), high: simd.sub_f64(self.high, other.high) }
     }
 
     #[inline(always)]
     pub(super) fn add(self, simd: S, other: Self) -> Self {
-        Self { low: simd.add_doubles(self.low, other.low), high: simd.add_doubles(self.high, other.high) }
+        Self { low: simd.add_f64(self.low, other.low), high: simd.add_f64(self.high, other.high) }
     }
 
     #[inline(always)]
     pub(super) fn mul(self, simd: S, other: Self) -> Self {
-        Self { low: simd.mul_doubles(self.low, other.low), high: simd.mul_doubles(self.high, other.high) }
+        Self { low: simd.mul_f64(self.low, other.low), high: simd.mul_f64(self.high, other.high) }
     }
 
     #[inline(always)]
     pub(super) fn div(self, simd: S, other: Self) -> Self {
-        Self { low: simd.div_doubles(self.low, other.low), high: simd.div_doubles(self.high, other.high) }
+        Self { low: simd.div_f64(self.low, other.low), high: simd.div_f64(self.high, other.high) }
     }
 
     #[inline(always)]
     pub(super) fn sqrt(self, simd: S) -> Self {
-        Self { low: simd.sqrt_doubles(self.low), high: simd.sqrt_doubles(self.high) }
+        Self { low: simd.sqrt_f64(self.low), high: simd.sqrt_f64(self.high) }
     }
 
     #[inline(always)]
     pub(super) fn abs(self, simd: S) -> Self {
-        Self { low: simd.abs_doubles(self.low), high: simd.abs_doubles(self.high) }
+        Self { low: simd.abs_f64(self.low), high: simd.abs_f64(self.high) }
     }
 
     #[inline(always)]
     pub(super) fn max(self, simd: S, other: Self) -> Self {
-        Self { low: simd.max_doubles(self.low, other.low), high: simd.max_doubles(self.high, other.high) }
+        Self { low: simd.max_f64(self.low, other.low), high: simd.max_f64(self.high, other.high) }
     }
 
     #[inline(always)]
     pub(super) fn min(self, simd: S, other: Self) -> Self {
-        Self { low: simd.min_doubles(self.low, other.low), high: simd.min_doubles(self.high, other.high) }
+        Self { low: simd.min_f64(self.low, other.low), high: simd.min_f64(self.high, other.high) }
     }
 
     /// The numbers, none of which is negative, with the signs of others.
     #[inline(always)]
-    pub(super) fn with_sign_of(self, simd: S, by: Self) -> Self {
-        by.by_sign(simd, self, Self::splat(simd, 0.0).sub(simd, self))
+    pub(super) fn copysign(self, simd: S, by: Self) -> Self {
+        by.select_by_sign(simd, self, Self::splat(simd, 0.0).sub(simd, self))
     }
 
     /// A bit for each of the eight, set where they are at most others; never where one is NaN.
     #[inline(always)]
     pub(super) fn le(self, simd: S, other: Self) -> u32 {
-        simd.le_doubles(self.low, other.low) | simd.le_doubles(self.high, other.high) << 4
+        simd.le_f64(self.low, other.low) | simd.le_f64(self.high, other.high) << 4
     }
 
     /// A bit for each of the eight, set where they are less than others; never where one is NaN.
@@ -95,88 +95,88 @@ impl<S: Simd> Eight<S> {
 
     /// `a` where the sign is positive, otherwise `b`.
     #[inline(always)]
-    pub(super) fn by_sign(self, simd: S, a: Self, b: Self) -> Self {
-        Self { low: simd.by_sign(self.low, a.low, b.low), high: simd.by_sign(self.high, a.high, b.high) }
+    pub(super) fn select_by_sign(self, simd: S, a: Self, b: Self) -> Self {
+        Self { low: simd.select_by_sign(self.low, a.low, b.low), high: simd.select_by_sign(self.high, a.high, b.high) }
     }
 
     /// The numbers by lane.
     #[inline(always)]
     pub(super) fn to_array(self, simd: S) -> [f64; PACKET] {
-        let [a, b, c, d] = simd.to_doubles(self.low);
-        let [e, f, g, h] = simd.to_doubles(self.high);
+        let [a, b, c, d] = simd.to_f64_array(self.low);
+        let [e, f, g, h] = simd.to_f64_array(self.high);
         [a, b, c, d, e, f, g, h]
     }
 
     /// The least of the eight; may be any of them if one is NaN.
     #[inline(always)]
-    fn least(self, simd: S) -> f64 {
-        let [a, b, c, d] = simd.to_doubles(simd.min_doubles(self.low, self.high));
+    fn reduce_min(self, simd: S) -> f64 {
+        let [a, b, c, d] = simd.to_f64_array(simd.min_f64(self.low, self.high));
         a.min(b).min(c.min(d))
     }
 
     /// The greatest of the eight; may be any of them if one is NaN.
     #[inline(always)]
-    fn greatest(self, simd: S) -> f64 {
-        let [a, b, c, d] = simd.to_doubles(simd.max_doubles(self.low, self.high));
+    fn reduce_max(self, simd: S) -> f64 {
+        let [a, b, c, d] = simd.to_f64_array(simd.max_f64(self.low, self.high));
         a.max(b).max(c.max(d))
     }
 
     /// The sum of the eight.
     #[inline(always)]
     fn sum(self, simd: S) -> f64 {
-        let [a, b, c, d] = simd.to_doubles(simd.add_doubles(self.low, self.high));
+        let [a, b, c, d] = simd.to_f64_array(simd.add_f64(self.low, self.high));
         a + b + (c + d)
     }
 
     /// Rounded to single precision.
     #[inline(always)]
-    pub(super) fn narrowed(self, simd: S) -> S::Lanes {
-        simd.joined(self.low, self.high)
+    pub(super) fn to_f32(self, simd: S) -> S::F32x8 {
+        simd.concat_to_f32(self.low, self.high)
     }
 
-    /// Single precision that is not above the numbers, as [`at_most`](super::ray::at_most) one by one.
+    /// Single precision that is not above the numbers, as [`round_down`](super::ray::round_down) one by one.
     #[inline(always)]
-    fn at_most(self, simd: S) -> S::Lanes {
-        let below = self.mul(simd, Self::splat(simd, 1.0 - SLACK)).narrowed(simd);
+    fn round_down(self, simd: S) -> S::F32x8 {
+        let below = self.mul(simd, Self::splat(simd, 1.0 - SLACK)).to_f32(simd);
         simd.max(simd.sub(below, simd.splat(f32::MIN_POSITIVE)), simd.splat(0.0))
     }
 
-    /// Single precision that is not below the numbers, as [`at_least`](super::ray::at_least) one by one.
+    /// Single precision that is not below the numbers, as [`round_up`](super::ray::round_up) one by one.
     #[inline(always)]
-    fn at_least(self, simd: S) -> S::Lanes {
-        let above = self.mul(simd, Self::splat(simd, 1.0 + SLACK)).narrowed(simd);
+    fn round_up(self, simd: S) -> S::F32x8 {
+        let above = self.mul(simd, Self::splat(simd, 1.0 + SLACK)).to_f32(simd);
         simd.max(above, simd.splat(f32::MIN_POSITIVE))
     }
 }
 
 /// The greatest absolute value by ray.
 #[inline(always)]
-fn greatest<S: Simd>(simd: S, [x, y, z]: [Eight<S>; 3]) -> Eight<S> {
+pub(super) fn max_abs<S: Simd>(simd: S, [x, y, z]: [F64x8<S>; 3]) -> F64x8<S> {
     x.abs(simd).max(simd, y.abs(simd)).max(simd, z.abs(simd))
 }
 
-/// Spans of eight rays as the filters of leaves see them; see [`FilterSpan`](super::leaf::FilterSpan).
+/// Spans of eight rays as the filters of leaves see them; see [`FilterTRange`](super::leaf::FilterTRange).
 #[derive(Clone, Copy)]
 pub(super) struct SpanLanes<S: Simd> {
-    pub(super) min: [S::Lanes; 2],
-    pub(super) max: S::Lanes,
+    pub(super) min: [S::F32x8; 2],
+    pub(super) max: S::F32x8,
 }
 
 /// By how much, relative to their greatest coordinates, boxes are widened that lie within own boxes.
 pub(super) const INNER_PAD: f64 = 0.5 * BOUNDS_PADDING;
 
-/// Eight rays, whichever way they go.
+/// F64x8 rays, whichever way they go.
 #[derive(Clone, Copy)]
-pub(super) struct EightRays<S: Simd> {
-    pub(super) origin: [Eight<S>; 3],
-    pub(super) direction: [Eight<S>; 3],
+pub(super) struct RaySoa8<S: Simd> {
+    pub(super) origin: [F64x8<S>; 3],
+    pub(super) direction: [F64x8<S>; 3],
     /// As [`SlabRay`](rt_math::SlabRay) has it.
-    pub(super) inverse: [Eight<S>; 3],
-    pub(super) min: Eight<S>,
-    pub(super) max: Eight<S>,
+    pub(super) inverse: [F64x8<S>; 3],
+    pub(super) min: F64x8<S>,
+    pub(super) max: F64x8<S>,
 }
 
-impl<S: Simd> EightRays<S> {
+impl<S: Simd> RaySoa8<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, rays: &[(Ray, Interval); PACKET]) -> Self {
         // One by one, as arrays that are cleared first take longer.
@@ -184,7 +184,7 @@ impl<S: Simd> EightRays<S> {
             (|$ray:pat_param, $span:pat_param| $number:expr) => {{
                 let [a, b, c, d, e, f, g, h] = rays;
                 let number = |&($ray, $span): &(Ray, Interval)| $number;
-                Eight::new(
+                F64x8::new(
                     simd,
                     [number(a), number(b), number(c), number(d), number(e), number(f), number(g), number(h)],
                 )
@@ -192,7 +192,7 @@ impl<S: Simd> EightRays<S> {
         }
         let direction =
             [by_ray!(|ray, _| ray.direction.x), by_ray!(|ray, _| ray.direction.y), by_ray!(|ray, _| ray.direction.z)];
-        let one = Eight::splat(simd, 1.0);
+        let one = F64x8::splat(simd, 1.0);
         Self {
             origin: [by_ray!(|ray, _| ray.origin.x), by_ray!(|ray, _| ray.origin.y), by_ray!(|ray, _| ray.origin.z)],
             direction,
@@ -204,8 +204,8 @@ impl<S: Simd> EightRays<S> {
 
     /// Where boxes, each side `pad` farther out, are entered and left.
     #[inline(always)]
-    pub(super) fn cross_box(&self, simd: S, low: [Eight<S>; 3], high: [Eight<S>; 3], pad: Eight<S>) -> [Eight<S>; 2] {
-        let (mut enter, mut leave) = (Eight::splat(simd, f64::NEG_INFINITY), Eight::splat(simd, f64::INFINITY));
+    pub(super) fn cross_box(&self, simd: S, low: [F64x8<S>; 3], high: [F64x8<S>; 3], pad: F64x8<S>) -> [F64x8<S>; 2] {
+        let (mut enter, mut leave) = (F64x8::splat(simd, f64::NEG_INFINITY), F64x8::splat(simd, f64::INFINITY));
         for axis in 0..3 {
             let one = low[axis].sub(simd, pad).sub(simd, self.origin[axis]).mul(simd, self.inverse[axis]);
             let other = high[axis].add(simd, pad).sub(simd, self.origin[axis]).mul(simd, self.inverse[axis]);
@@ -226,44 +226,44 @@ impl<S: Simd> EightRays<S> {
     }
 
     /// A bit for each ray that begins at 0 or later, and whose direction is of a length whose square is nowhere near the
-    /// limits of what `f64` can hold.
+    /// t_max of what `f64` can hold.
     #[inline(always)]
-    pub(super) fn plain(&self, simd: S) -> u32 {
+    pub(super) fn in_safe_range(&self, simd: S) -> u32 {
         let [x, y, z] = self.direction;
         let squared = x.mul(simd, x).add(simd, y.mul(simd, y)).add(simd, z.mul(simd, z));
-        Eight::splat(simd, 0.0).le(simd, self.min)
-            & Eight::splat(simd, 1e-100).le(simd, squared)
-            & squared.lt(simd, Eight::splat(simd, 1e100))
+        F64x8::splat(simd, 0.0).le(simd, self.min)
+            & F64x8::splat(simd, 1e-100).le(simd, squared)
+            & squared.lt(simd, F64x8::splat(simd, 1e100))
     }
 }
 
 /// What becomes of eight rays where they may meet a primitive, the same or each another.
-pub(super) struct Meetings<S: Simd> {
+pub(super) struct PacketHit<S: Simd> {
     /// A bit for each ray that hits at `t`.
     pub(super) hit: u32,
     /// A bit for each ray that somebody else must decide about; the others miss.
-    pub(super) unsure: u32,
-    pub(super) t: Eight<S>,
+    pub(super) uncertain: u32,
+    pub(super) t: F64x8<S>,
     /// As a [`Hit`](rt_geometry::Hit) has them.
-    pub(super) uv: [Eight<S>; 2],
+    pub(super) uv: [F64x8<S>; 2],
 }
 
-/// Eight rays that go about the same way.
-pub(super) struct Across<S: Simd> {
-    pub(super) lanes: EightRays<S>,
+/// F64x8 rays that go about the same way.
+pub(super) struct RayPacket<S: Simd> {
+    pub(super) soa: RaySoa8<S>,
     /// Axes in the order x, y, z of the first ray's own space.
     pub(super) axes: [usize; 3],
     /// A bit for each ray whose own space it is.
-    pub(super) is_own: u32,
+    pub(super) same_axis_mask: u32,
     pub(super) span: SpanLanes<S>,
-    /// What is entered after these does not matter, as [`Goal::limit`](super::goal::Goal::limit) has it at first.
-    pub(super) limits: S::Lanes,
-    pub(super) boxes: AcrossBoxes<S>,
+    /// What is entered after these does not matter, as [`Goal::limit`](super::query::Goal::limit) has it at first.
+    pub(super) t_max: S::F32x8,
+    pub(super) boxes: PacketSlabs<S>,
 }
 
 /// Some rays, eight at most and one at least, a lane each; lanes without a ray repeat the first.
 #[inline(always)]
-pub(super) fn repeated(rays: &[(Ray, Interval)]) -> [(Ray, Interval); PACKET] {
+pub(super) fn pad_to_packet(rays: &[(Ray, Interval)]) -> [(Ray, Interval); PACKET] {
     let mut lanes = [rays[0]; PACKET];
     for (lane, ray) in lanes.iter_mut().zip(rays) {
         *lane = *ray;
@@ -273,33 +273,33 @@ pub(super) fn repeated(rays: &[(Ray, Interval)]) -> [(Ray, Interval); PACKET] {
 
 /// How far directions that go about the same way may be apart, on each of the two axes across the steepest of one of them,
 /// where both are one along it.
-const SPREAD: f64 = 0.125;
+const MAX_SPREAD: f64 = 0.125;
 
-/// Greatest component of a direction across the steepest axis of one with which it [`agree`]s, relative to that along it.
-pub(super) const GREATEST_SHEAR: f64 = 1.0 + SPREAD;
+/// Greatest component of a direction across the steepest axis of one with which it [`is_coherent`]s, relative to that along it.
+pub(super) const MAX_SHEAR: f64 = 1.0 + MAX_SPREAD;
 
 /// True if rays go about the same way. Signs of their directions are not asked for: of rays that go along an axis, hardly two
-/// have the same. Where products leave their range it may be true of others; [`Across::new`] refuses those.
+/// have the same. Where products leave their range it may be true of others; [`RayPacket::new`] refuses those.
 #[inline(always)]
-pub(super) fn agree(rays: &[(Ray, Interval); PACKET]) -> bool {
+pub(super) fn is_coherent(rays: &[(Ray, Interval); PACKET]) -> bool {
     let size = rays[0].0.direction.abs();
     if size.x > size.y && size.x > size.z {
-        go_along(rays, |d| [d.y, d.z, d.x])
+        is_coherent_along(rays, |d| [d.y, d.z, d.x])
     } else if size.y > size.z {
-        go_along(rays, |d| [d.z, d.x, d.y])
+        is_coherent_along(rays, |d| [d.z, d.x, d.y])
     } else {
-        go_along(rays, |d| [d.x, d.y, d.z])
+        is_coherent_along(rays, |d| [d.x, d.y, d.z])
     }
 }
 
 /// True if rays go about the same way along the axis that `turned` puts last.
 #[inline(always)]
-fn go_along(rays: &[(Ray, Interval); PACKET], turned: impl Fn(DVec3) -> [f64; 3]) -> bool {
+fn is_coherent_along(rays: &[(Ray, Interval); PACKET], turned: impl Fn(DVec3) -> [f64; 3]) -> bool {
     let [x, y, z] = turned(rays[0].0.direction);
     rays[1..].iter().all(|(ray, _)| {
         let [other_x, other_y, other_z] = turned(ray.direction);
         // Not where one is no number.
-        let most = SPREAD * (z * other_z);
+        let most = MAX_SPREAD * (z * other_z);
         ((other_x * z - x * other_z).abs() <= most) & ((other_y * z - y * other_z).abs() <= most)
     })
 }
@@ -310,52 +310,52 @@ pub(super) fn signs(d: DVec3) -> u32 {
     ((d.x.to_bits() >> 63) | (d.y.to_bits() >> 63) << 1 | (d.z.to_bits() >> 63) << 2) as u32
 }
 
-impl<S: Simd> Across<S> {
-    /// Of rays that [`agree`]; `None` where the filters are not proven.
+impl<S: Simd> RayPacket<S> {
+    /// Of rays that [`is_coherent`]; `None` where the filters are not proven.
     #[inline(always)]
     pub(super) fn new(simd: S, tree: &WideBvh, rays: &[(Ray, Interval); PACKET]) -> Option<Self> {
-        let lanes = EightRays::new(simd, rays);
-        let EightRays { origin, direction, inverse, min, max } = lanes;
-        let span = SpanLanes { min: [min.at_most(simd), min.at_least(simd)], max: max.at_most(simd) };
-        let limits = max.at_least(simd);
+        let soa = RaySoa8::new(simd, rays);
+        let RaySoa8 { origin, direction, inverse, min, max } = soa;
+        let span = SpanLanes { min: [min.round_down(simd), min.round_up(simd)], max: max.round_down(simd) };
+        let t_max = max.round_up(simd);
         let q = relative(simd, origin, tree.centre);
-        let fastest = greatest(simd, direction);
+        let fastest = max_abs(simd, direction);
 
         // What is not finite makes a NaN of this.
         let sum = q[0].add(simd, q[1]).add(simd, q[2]).add(simd, min);
         let sum = sum.add(simd, direction[0]).add(simd, direction[1]).add(simd, direction[2]);
-        let nothing = sum.mul(simd, Eight::splat(simd, 0.0)).sum(simd);
-        let farthest = greatest(simd, q).greatest(simd);
-        let begin = Interval { min: min.least(simd), max: f64::INFINITY };
-        let is_all_proven = is_proven(fastest.least(simd), farthest, nothing, begin, tree.size)
-            & RANGE.contains(&fastest.greatest(simd));
+        let nothing = sum.mul(simd, F64x8::splat(simd, 0.0)).sum(simd);
+        let farthest = max_abs(simd, q).reduce_max(simd);
+        let begin = Interval { min: min.reduce_min(simd), max: f64::INFINITY };
+        let is_all_proven = filter_applies(fastest.reduce_min(simd), farthest, nothing, begin, tree.size)
+            & RANGE.contains(&fastest.reduce_max(simd));
         if !is_all_proven {
             return None;
         }
 
         let (first, _) = &rays[0];
-        let steepest = Eight::splat(simd, STEEPEST).div(simd, fastest);
+        let steepest = F64x8::splat(simd, STEEPEST).div(simd, fastest);
         let (axes, _) = WatertightRay::new(first).shear();
         let sides = Sides::of(simd, direction);
-        let boxes = AcrossBoxes::new(simd, q, inverse, steepest, tree.size, sides, span.min[0]);
-        let is_own = lanes.by_steepest_axis(simd)[axes[2] % 3];
-        Some(Self { lanes, axes, is_own, span, limits, boxes })
+        let boxes = PacketSlabs::new(simd, q, inverse, steepest, tree.size, sides, span.min[0]);
+        let same_axis_mask = soa.by_steepest_axis(simd)[axes[2] % 3];
+        Some(Self { soa, axes, same_axis_mask, span, t_max, boxes })
     }
 
     /// The greatest coordinate of each origin, or more.
     #[inline(always)]
-    pub(super) fn reach(simd: S, origin: [Eight<S>; 3]) -> S::Lanes {
-        greatest(simd, origin).at_least(simd)
+    pub(super) fn reach(simd: S, origin: [F64x8<S>; 3]) -> S::F32x8 {
+        max_abs(simd, origin).round_up(simd)
     }
 }
 
 /// Positions relative to a centre.
 #[inline(always)]
-pub(super) fn relative<S: Simd>(simd: S, [x, y, z]: [Eight<S>; 3], centre: DVec3) -> [Eight<S>; 3] {
+pub(super) fn relative<S: Simd>(simd: S, [x, y, z]: [F64x8<S>; 3], centre: DVec3) -> [F64x8<S>; 3] {
     [
-        x.sub(simd, Eight::splat(simd, centre.x)),
-        y.sub(simd, Eight::splat(simd, centre.y)),
-        z.sub(simd, Eight::splat(simd, centre.z)),
+        x.sub(simd, F64x8::splat(simd, centre.x)),
+        y.sub(simd, F64x8::splat(simd, centre.y)),
+        z.sub(simd, F64x8::splat(simd, centre.z)),
     ]
 }
 
@@ -370,7 +370,7 @@ struct Sides {
 
 impl Sides {
     #[inline(always)]
-    fn of<S: Simd>(simd: S, direction: [Eight<S>; 3]) -> Self {
+    fn of<S: Simd>(simd: S, direction: [F64x8<S>; 3]) -> Self {
         let (x, y, z) = (direction[0].signs(simd), direction[1].signs(simd), direction[2].signs(simd));
         Self {
             near_row: Row::near([x as usize, y as usize, z as usize]),
@@ -385,64 +385,64 @@ const fn unlike_first(bits: u32) -> u32 {
     if bits & 1 == 0 { bits } else { 0xff & !bits }
 }
 
-/// Eight rays as the filter of boxes sees them.
+/// F64x8 rays as the filter of boxes sees them.
 #[derive(Clone, Copy)]
-pub(super) struct AcrossBoxes<S: Simd> {
-    scale: [S::Lanes; 3],
-    near_shift: [S::Lanes; 3],
-    far_shift: [S::Lanes; 3],
+pub(super) struct PacketSlabs<S: Simd> {
+    scale: [S::F32x8; 3],
+    near_shift: [S::F32x8; 3],
+    far_shift: [S::F32x8; 3],
     sides: Sides,
-    min: S::Lanes,
+    min: S::F32x8,
 }
 
-impl<S: Simd> AcrossBoxes<S> {
+impl<S: Simd> PacketSlabs<S> {
     #[inline(always)]
     fn new(
         simd: S,
-        q: [Eight<S>; 3],
-        inverse: [Eight<S>; 3],
-        steepest: Eight<S>,
+        q: [F64x8<S>; 3],
+        inverse: [F64x8<S>; 3],
+        steepest: F64x8<S>,
         size: f64,
         sides: Sides,
-        min: S::Lanes,
+        min: S::F32x8,
     ) -> Self {
         let nothing = simd.splat(0.0);
         let mut this = Self { scale: [nothing; 3], near_shift: [nothing; 3], far_shift: [nothing; 3], sides, min };
         for axis in 0..3 {
-            let low = Slabs::new(simd, q[axis].low, inverse[axis].low, steepest.low, size);
-            let high = Slabs::new(simd, q[axis].high, inverse[axis].high, steepest.high, size);
-            this.scale[axis] = simd.joined(low.scale, high.scale);
-            this.near_shift[axis] = simd.joined(low.near_shift, high.near_shift);
-            this.far_shift[axis] = simd.joined(low.far_shift, high.far_shift);
+            let low = SlabCoeffs::new(simd, q[axis].low, inverse[axis].low, steepest.low, size);
+            let high = SlabCoeffs::new(simd, q[axis].high, inverse[axis].high, steepest.high, size);
+            this.scale[axis] = simd.concat_to_f32(low.scale, high.scale);
+            this.near_shift[axis] = simd.concat_to_f32(low.near_shift, high.near_shift);
+            this.far_shift[axis] = simd.concat_to_f32(low.far_shift, high.far_shift);
         }
         this
     }
 
     /// True if all rays pass boxes through the same sides.
     #[inline(always)]
-    pub(super) fn is_straight(&self) -> bool {
+    pub(super) fn is_same_octant(&self) -> bool {
         let [x, y, z] = self.sides.turned;
         x | y | z == 0
     }
 
     /// Where the rays enter and leave one box, of which `plane` returns a row, as
-    /// [`FilterRay::cross`](super::ray::FilterRay::cross) has it. `STRAIGHT` takes fewer instructions, and is right only where
+    /// [`RayF32::cross`](super::ray::RayF32::cross) has it. `SAME_OCTANT` takes fewer instructions, and is right only where
     /// rays are.
     #[inline(always)]
-    pub(super) fn cross<const STRAIGHT: bool>(
+    pub(super) fn cross<const SAME_OCTANT: bool>(
         &self,
         simd: S,
-        plane: impl Fn(Row) -> S::Lanes,
-        limits: S::Lanes,
-    ) -> [S::Lanes; 2] {
+        plane: impl Fn(Row) -> S::F32x8,
+        t_max: S::F32x8,
+    ) -> [S::F32x8; 2] {
         let [x, y, z] = self.sides.near_row;
         let mut near = [plane(x), plane(y), plane(z)];
         let mut far = [plane(x.opposite()), plane(y.opposite()), plane(z.opposite())];
-        if !STRAIGHT {
+        if !SAME_OCTANT {
             for axis in 0..3 {
                 let (one, other) = (near[axis], far[axis]);
-                near[axis] = simd.chosen(self.sides.turned[axis], other, one);
-                far[axis] = simd.chosen(self.sides.turned[axis], one, other);
+                near[axis] = simd.select(self.sides.turned[axis], other, one);
+                far[axis] = simd.select(self.sides.turned[axis], one, other);
             }
         }
         let enter_x = simd.mul_add(near[0], self.scale[0], self.near_shift[0]);
@@ -452,7 +452,7 @@ impl<S: Simd> AcrossBoxes<S> {
         let leave_y = simd.mul_add(far[1], self.scale[1], self.far_shift[1]);
         let leave_z = simd.mul_add(far[2], self.scale[2], self.far_shift[2]);
         let enter = simd.max(simd.max(enter_x, enter_y), simd.max(enter_z, self.min));
-        let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, limits));
+        let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, t_max));
         [enter, leave]
     }
 }
@@ -462,8 +462,8 @@ mod tests {
     use rt_math::Aabb;
     use rt_math::random::{hash, unit};
 
-    use super::super::ray::{FilterRay, LaneRay};
-    use super::super::simd::{Available, Kernel, SimdLevel};
+    use super::super::ray::{RayF32, RayF64x4};
+    use super::super::simd::{DetectedSimd, SimdLevel, WithSimd};
     use super::*;
     use crate::Boxes;
 
@@ -491,27 +491,27 @@ mod tests {
 
     struct Compared<'a>(&'a WideBvh, &'a mut [u32; 2]);
 
-    impl Kernel<&[(Ray, Interval); PACKET], ()> for Compared<'_> {
+    impl WithSimd<&[(Ray, Interval); PACKET], ()> for Compared<'_> {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval); PACKET], (): ()) {
             let Self(tree, counts) = self;
-            let Some(across) = Across::new(simd, tree, rays).filter(|_| agree(rays)) else { return };
+            let Some(across) = RayPacket::new(simd, tree, rays).filter(|_| is_coherent(rays)) else { return };
             // SAFETY: the root of a tree is one of its nodes.
             let node = unsafe { tree.node(tree.root) };
-            let is_straight = across.boxes.is_straight();
-            counts[usize::from(is_straight)] += 1;
+            let is_same_octant = across.boxes.is_same_octant();
+            counts[usize::from(is_same_octant)] += 1;
             for lane in 0..8 {
                 let plane = |row| node.plane(simd, row, lane);
-                let crossed = across.boxes.cross::<false>(simd, plane, across.limits);
+                let crossed = across.boxes.cross::<false>(simd, plane, across.t_max);
                 let [enters, leaves] = [simd.to_array(crossed[0]), simd.to_array(crossed[1])];
-                if is_straight {
-                    let crossed = across.boxes.cross::<true>(simd, plane, across.limits);
+                if is_same_octant {
+                    let crossed = across.boxes.cross::<true>(simd, plane, across.t_max);
                     assert_eq!([simd.to_array(crossed[0]), simd.to_array(crossed[1])], [enters, leaves]);
                 }
                 for (i, (ray, span)) in rays.iter().enumerate() {
-                    let alone = FilterRay::new(simd, &LaneRay::new(simd, ray), *span, tree.centre, tree.size);
+                    let alone = RayF32::new(simd, &RayF64x4::new(simd, ray), *span, tree.centre, tree.size);
                     let alone = alone.expect("proven with the others");
-                    let [min, max] = [simd.to_array(across.span.min[0])[i], simd.to_array(across.limits)[i]];
+                    let [min, max] = [simd.to_array(across.span.min[0])[i], simd.to_array(across.t_max)[i]];
                     let [enter, leave] = alone.cross(simd, node, min, max);
                     let expected = [simd.to_array(enter)[lane], simd.to_array(leave)[lane]];
                     assert_eq!([enters[i], leaves[i]].map(f32::to_bits), expected.map(f32::to_bits), "{ray:?}");
@@ -527,7 +527,7 @@ mod tests {
         for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
             let mut counts = [0; 2];
             for seed in 0..2000 {
-                Available::new(level).dispatch(Compared(&tree, &mut counts), &rays(seed), ());
+                DetectedSimd::new(level).dispatch(Compared(&tree, &mut counts), &rays(seed), ());
             }
             assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
         }
@@ -535,10 +535,10 @@ mod tests {
 
     struct Refused<'a>(&'a WideBvh, &'a mut bool);
 
-    impl Kernel<&[(Ray, Interval); PACKET], ()> for Refused<'_> {
+    impl WithSimd<&[(Ray, Interval); PACKET], ()> for Refused<'_> {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval); PACKET], (): ()) {
-            *self.1 = Across::new(simd, self.0, rays).is_none();
+            *self.1 = RayPacket::new(simd, self.0, rays).is_none();
         }
     }
 
@@ -550,8 +550,8 @@ mod tests {
             let mut rays = [(Ray::new(DVec3::NEG_ONE, first), Interval::FORWARD); PACKET];
             rays[3].0.direction = other;
             let mut refused = false;
-            Available::new(level).dispatch(Refused(&tree, &mut refused), &rays, ());
-            assert!(agree(&rays), "{first}, {other}");
+            DetectedSimd::new(level).dispatch(Refused(&tree, &mut refused), &rays, ());
+            assert!(is_coherent(&rays), "{first}, {other}");
             refused
         };
         let plain = DVec3::new(0.01, -0.02, -3.0);
@@ -573,7 +573,7 @@ mod tests {
         let with = |other: DVec3| {
             let mut rays = [(Ray::new(DVec3::ZERO, DVec3::new(0.01, -0.02, -3.0)), Interval::FORWARD); PACKET];
             rays[5].0.direction = other;
-            agree(&rays)
+            is_coherent(&rays)
         };
         assert!(with(DVec3::new(-0.01, 0.02, -1.0)) && with(DVec3::new(0.1, -0.1, -1.0)));
         assert!(!with(DVec3::new(0.01, -0.02, 3.0)) && !with(DVec3::new(0.2, 0.0, -1.0)));

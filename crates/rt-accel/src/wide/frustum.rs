@@ -1,11 +1,11 @@
-//! Many rays that go the same way, as one: a shaft that contains them all, and the few subtrees that it can meet.
+//! Frustum culling of a bundle of rays: finds the few subtrees that any of them can hit.
 //!
-//! # Why nothing is lost
+//! # Why the culling is conservative
 //!
 //! Let `q` be the origin of a ray relative to the centre of the tree and `v = 1/d` on some axis; take `v > 0`, as for
-//! `v < 0` all signs turn around. The shaft computes `fl((p − Q)·n)` for near planes `p`, where `Q` is at least 2⁻²² sizes
+//! `v < 0` all signs turn around. The frustum computes `fl((p − Q)·n)` for near planes `p`, where `Q` is at least 2⁻²² sizes
 //! of the tree beyond all `q`, and `n` at most the least of all `v`, made smaller by 2⁻²². Where `p − q` is positive this is
-//! no more than `τ·(1 − 2⁻²²)·(1 + 2⁻²⁴)³`, less than what an own box computes ([`ray`](super::ray)); where it is not, the
+//! no more than `τ·(1 − 2⁻²²)·(1 + 2⁻²⁴)³`, less than what the padded bounds compute ([`ray`](super::ray)); where it is not, the
 //! product is negative, and spans begin at 0 or later. Far planes are the mirror image. Directions that are nearly zero
 //! are limited as those of single rays are, and times of leaving are long enough for the same reason.
 //!
@@ -15,60 +15,59 @@
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
 use super::WideBvh;
-use super::across::signs;
-use super::goal::take_lane;
-use super::leaf::Filter;
+use super::leaf::LeafTest;
 use super::node::{Child, Row};
-use super::ray::{FARTHEST, RANGE, SLACK, STEEPEST, at_least, at_most};
+use super::packet_rays::signs;
+use super::query::take_lane;
+use super::ray::{FARTHEST, RANGE, SLACK, STEEPEST, round_down, round_up};
 use super::simd::Simd;
 use crate::bvh::NodeBox;
 
-/// Own boxes are wider than primitives by less than this part of how far the centre of the tree is from the origin.
+/// Padding of primitives is less than this part of the distance of the tree's centre from the origin.
 const OF_OFFSET: f32 = 1.0 / (1u64 << 38) as f32;
 
-/// Most subtrees of a cut.
-const ROOM: usize = 48;
+/// Most entry points.
+const CAPACITY: usize = 48;
 
-/// A part of space that contains all rays of a bundle, which pass boxes through the same sides.
-pub(super) struct Shaft<S: Simd> {
-    near_origin: [S::Lanes; 3],
-    near_scale: [S::Lanes; 3],
-    far_origin: [S::Lanes; 3],
-    far_scale: [S::Lanes; 3],
+/// Encloses all rays of a bundle in one octant.
+pub(super) struct BundleFrustum<S: Simd> {
+    near_origin: [S::F32x8; 3],
+    near_scale: [S::F32x8; 3],
+    far_origin: [S::F32x8; 3],
+    far_scale: [S::F32x8; 3],
     near_row: [Row; 3],
-    min: S::Lanes,
-    max: S::Lanes,
+    min: S::F32x8,
+    max: S::F32x8,
     /// Greatest coordinate of the centre of the tree, or more.
     offset: f32,
 }
 
-impl<S: Simd> Shaft<S> {
-    /// Around rays of the same [`signs`]. Filters are proven for each by itself, and those for which they are not may be
-    /// left out. `None` if the rays are out of proportion.
+impl<S: Simd> BundleFrustum<S> {
+    /// Encloses rays of the same [`signs`]. `None` where the proof does not apply.
     #[inline(always)]
-    pub(super) fn around(simd: S, tree: &WideBvh, rays: &[(Ray, Interval)]) -> Option<Self> {
+    pub(super) fn enclosing(simd: S, tree: &WideBvh, rays: &[(Ray, Interval)]) -> Option<Self> {
         let (first, _) = rays.first()?;
         let signs = signs(first.direction);
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let (mut slowest, mut fastest) = (DVec3::INFINITY, DVec3::ZERO);
         let (mut begin, mut end) = (f64::INFINITY, 0.0f64);
-        let mut nothing = DVec3::ZERO;
+        let mut zero = DVec3::ZERO;
         for (ray, span) in rays {
             let speed = ray.direction.abs();
             (low, high) = (low.min(ray.origin), high.max(ray.origin));
             (slowest, fastest) = (slowest.min(speed), fastest.max(speed));
             (begin, end) = (begin.min(span.min), end.max(span.max));
-            // What is not finite makes a NaN of this.
-            nothing += (ray.origin + ray.direction) * 0.0;
+            // NaN if anything is not finite.
+            zero += (ray.origin + ray.direction) * 0.0;
         }
         let (low, high) = (low - tree.centre, high - tree.centre);
-        let is_proven = RANGE.contains(&fastest.max_element())
+        let filter_applies = RANGE.contains(&fastest.max_element())
             & RANGE.contains(&slowest.max_element())
             & RANGE.contains(&tree.size)
             & (low.abs().max(high.abs()).max_element() <= FARTHEST * tree.size)
             & (begin >= 0.0)
-            & (nothing == DVec3::ZERO);
-        if !is_proven {
+            & (zero == DVec3::ZERO);
+        if !filter_applies {
             return None;
         }
         let pad = DVec3::splat(tree.size * SLACK);
@@ -81,9 +80,9 @@ impl<S: Simd> Shaft<S> {
             far_origin: [simd.splat(0.0); 3],
             far_scale: [simd.splat(0.0); 3],
             near_row: Row::near([0, 1, 2].map(|axis| (signs >> axis & 1) as usize)),
-            min: simd.splat(at_most(begin)),
-            max: simd.splat(at_least(end)),
-            offset: at_least(tree.centre.abs().max_element()),
+            min: simd.splat(round_down(begin)),
+            max: simd.splat(round_up(end)),
+            offset: round_up(tree.centre.abs().max_element()),
         };
         for axis in 0..3 {
             let is_negative = signs >> axis & 1 != 0;
@@ -97,26 +96,26 @@ impl<S: Simd> Shaft<S> {
         Some(this)
     }
 
-    /// By how much boxes around what a leaf holds are widened, so that they contain the own boxes; `greatest` is the
-    /// greatest number of which they are made.
+    /// Widening of boxes made of a leaf's numbers, so that they contain the padded bounds. `max` is the largest of these
+    /// numbers.
     #[inline(always)]
-    pub(super) fn margin(&self, greatest: f32) -> f32 {
-        greatest * SLACK as f32 + self.offset * OF_OFFSET
+    pub(super) fn margin(&self, max: f32) -> f32 {
+        max * SLACK as f32 + self.offset * OF_OFFSET
     }
 
     #[inline(always)]
-    fn near(&self, simd: S, axis: usize, planes: S::Lanes) -> S::Lanes {
+    fn near(&self, simd: S, axis: usize, planes: S::F32x8) -> S::F32x8 {
         simd.mul(simd.sub(planes, self.near_origin[axis]), self.near_scale[axis])
     }
 
     #[inline(always)]
-    fn far(&self, simd: S, axis: usize, planes: S::Lanes) -> S::Lanes {
+    fn far(&self, simd: S, axis: usize, planes: S::F32x8) -> S::F32x8 {
         simd.mul(simd.sub(planes, self.far_origin[axis]), self.far_scale[axis])
     }
 
-    /// A bit for each of eight boxes that rays may pass, and where they enter these first; `planes` returns a row.
+    /// Boxes that rays may hit, a bit for each, and their earliest entry; `planes` returns a row.
     #[inline(always)]
-    pub(super) fn passes(&self, simd: S, planes: impl Fn(Row) -> S::Lanes) -> (u32, S::Lanes) {
+    pub(super) fn intersect_boxes(&self, simd: S, planes: impl Fn(Row) -> S::F32x8) -> (u32, S::F32x8) {
         let [x, y, z] = self.near_row;
         let (enter_x, leave_x) = (self.near(simd, 0, planes(x)), self.far(simd, 0, planes(x.opposite())));
         let (enter_y, leave_y) = (self.near(simd, 1, planes(y)), self.far(simd, 1, planes(y.opposite())));
@@ -127,91 +126,89 @@ impl<S: Simd> Shaft<S> {
     }
 }
 
-/// How many of the rays, from the first on, pass boxes through the same sides.
+/// Number of leading rays in the octant of the first.
 #[inline(always)]
-pub(super) fn alike(rays: &[(Ray, Interval)]) -> usize {
+pub(super) fn same_octant_prefix(rays: &[(Ray, Interval)]) -> usize {
     let Some((first, _)) = rays.first() else { return 0 };
     let signs_of_first = signs(first.direction);
     rays.iter().position(|(ray, _)| signs(ray.direction) != signs_of_first).unwrap_or(rays.len())
 }
 
-/// A subtree that rays of a shaft may meet.
+/// A subtree that rays of a bundle may hit.
 #[derive(Clone, Copy)]
 pub(super) struct Subtree {
     pub(super) child: Child,
-    /// Its box is that of a lane of this node.
+    /// Node and lane of its box.
     pub(super) node: u32,
     pub(super) lane: u8,
-    /// Of a leaf, the primitives that rays may meet, a bit for each.
+    /// Primitives of a leaf that rays may hit, a bit for each.
     pub(super) mask: u8,
-    /// No ray enters it before.
-    pub(super) enter: f32,
+    /// Earliest entry of any ray.
+    pub(super) t_near: f32,
 }
 
-/// What rays of a shaft may meet of a tree: subtrees that have nothing in common, from the nearest to the farthest.
-pub(super) struct Cut {
-    subtrees: [Subtree; ROOM],
+/// Disjoint subtrees that rays of a bundle may hit, from the nearest to the farthest.
+pub(super) struct EntryPoints {
+    subtrees: [Subtree; CAPACITY],
     len: usize,
 }
 
-impl Cut {
-    /// Through nothing.
+impl EntryPoints {
     pub(super) const NONE: Self = {
-        let nothing = Subtree { child: Child::HOME, node: 0, lane: 0, mask: 0, enter: 0.0 };
-        Self { subtrees: [nothing; ROOM], len: 0 }
+        let none = Subtree { child: Child::NONE, node: 0, lane: 0, mask: 0, t_near: 0.0 };
+        Self { subtrees: [none; CAPACITY], len: 0 }
     };
 
     pub(super) fn subtrees(&self) -> &[Subtree] {
         self.subtrees.get(..self.len).unwrap_or(&[])
     }
 
-    /// Looks for what the shaft may meet, as deep as there is room. Returns how many nodes it has looked at.
+    /// Finds the subtrees that the frustum hits, as deep as the capacity allows. Returns the number of nodes visited.
     #[inline(always)]
-    pub(super) fn make<S: Simd, F: Filter>(&mut self, simd: S, tree: &WideBvh, shaft: &Shaft<S>) -> u64 {
+    pub(super) fn build<S: Simd, F: LeafTest>(&mut self, simd: S, tree: &WideBvh, frustum: &BundleFrustum<S>) -> u64 {
         self.len = 0;
-        self.open::<S, F>(simd, tree, shaft, tree.root);
+        self.expand::<S, F>(simd, tree, frustum, tree.root);
         let mut n_nodes = 1;
         let mut at = 0;
-        // From the nearest to the farthest level, so that what there is no room for is small.
+        // Breadth-first, so that subtrees that do not fit are small.
         while let Some(&Subtree { child, .. }) = self.subtrees().get(at) {
-            if !child.is_node() || self.len + 7 > ROOM {
+            if !child.is_node() || self.len + 7 > CAPACITY {
                 at += 1;
                 continue;
             }
             self.len -= 1;
             self.subtrees.copy_within(at + 1..=self.len, at);
-            self.open::<S, F>(simd, tree, shaft, child);
+            self.expand::<S, F>(simd, tree, frustum, child);
             n_nodes += 1;
         }
         let len = self.len;
         if let Some(subtrees) = self.subtrees.get_mut(..len) {
-            subtrees.sort_unstable_by(|a, b| a.enter.total_cmp(&b.enter));
+            subtrees.sort_unstable_by(|a, b| a.t_near.total_cmp(&b.t_near));
         }
         n_nodes
     }
 
-    /// Adds what is behind the boxes of a node that the shaft meets.
+    /// Adds the children of a node that the frustum hits.
     #[inline(always)]
-    fn open<S: Simd, F: Filter>(&mut self, simd: S, tree: &WideBvh, shaft: &Shaft<S>, parent: Child) {
+    fn expand<S: Simd, F: LeafTest>(&mut self, simd: S, tree: &WideBvh, frustum: &BundleFrustum<S>, parent: Child) {
         let Some(node) = tree.nodes.get(parent.number()) else { return };
-        let (mut passed, enter) = shaft.passes(simd, |row| node.row(simd, row));
+        let (mut hit, enter) = frustum.intersect_boxes(simd, |row| node.row(simd, row));
         let enters = simd.to_array(enter);
-        while passed != 0 {
-            let lane = take_lane(&mut passed);
+        while hit != 0 {
+            let lane = take_lane(&mut hit);
             let child = node.children[lane];
             let mask = if child.is_node() {
                 0
             } else {
-                {
-                    // SAFETY: a child of a node of the tree, and no node.
-                    F::within(simd, shaft, unsafe { tree.leaves.view(child) })
-                }
+                // SAFETY: a child of a node of the tree that is not a node itself.
+                let leaf = unsafe { tree.leaves.view(child) };
+                F::cull_by_frustum(simd, frustum, leaf)
             };
             if (child.is_node() || mask != 0)
-                && let Some(place) = self.subtrees.get_mut(self.len)
+                && let Some(subtree) = self.subtrees.get_mut(self.len)
             {
                 let (node, lane, mask) = (parent.number() as u32, lane as u8, mask as u8);
-                *place = Subtree { child, node, lane, mask, enter: enters[lane as usize] };
+                *subtree = Subtree { child, node, lane, mask, t_near: enters[lane as usize] };
                 self.len += 1;
             }
         }

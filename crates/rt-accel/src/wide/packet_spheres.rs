@@ -12,16 +12,16 @@
 use rt_geometry::SphereKernel;
 use rt_math::DVec3;
 
-use super::across::{Eight, EightRays, INNER_PAD, Meetings, PACKET};
+use super::packet_rays::{F64x8, INNER_PAD, PACKET, PacketHit, RaySoa8};
 use super::simd::Simd;
 
 /// A sphere for each of eight rays.
-pub(super) struct RoundSpheres<S: Simd> {
-    centre: [Eight<S>; 3],
-    radius: Eight<S>,
+pub(super) struct SpherePacket<S: Simd> {
+    centre: [F64x8<S>; 3],
+    radius: F64x8<S>,
 }
 
-impl<S: Simd> RoundSpheres<S> {
+impl<S: Simd> SpherePacket<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, spheres: &[SphereKernel; PACKET]) -> Self {
         // One by one, as arrays that are cleared first take longer.
@@ -29,7 +29,7 @@ impl<S: Simd> RoundSpheres<S> {
             (|$sphere:pat_param| $number:expr) => {{
                 let [a, b, c, d, e, f, g, h] = spheres;
                 let number = |$sphere: &SphereKernel| $number;
-                Eight::new(
+                F64x8::new(
                     simd,
                     [number(a), number(b), number(c), number(d), number(e), number(f), number(g), number(h)],
                 )
@@ -50,44 +50,44 @@ impl<S: Simd> RoundSpheres<S> {
     pub(super) fn all(simd: S, sphere: &SphereKernel) -> Self {
         let DVec3 { x, y, z } = sphere.centre;
         Self {
-            centre: [Eight::splat(simd, x), Eight::splat(simd, y), Eight::splat(simd, z)],
-            radius: Eight::splat(simd, sphere.radius),
+            centre: [F64x8::splat(simd, x), F64x8::splat(simd, y), F64x8::splat(simd, z)],
+            radius: F64x8::splat(simd, sphere.radius),
         }
     }
 
     /// From the centres to the origins.
     #[inline(always)]
-    fn arms(&self, simd: S, rays: &EightRays<S>) -> [Eight<S>; 3] {
+    fn offsets(&self, simd: S, rays: &RaySoa8<S>) -> [F64x8<S>; 3] {
         let [x, y, z] = rays.origin;
         [x.sub(simd, self.centre[0]), y.sub(simd, self.centre[1]), z.sub(simd, self.centre[2])]
     }
 
-    /// A bit for each [plain](EightRays::plain) ray that misses beyond doubt.
+    /// A bit for each [plain](RaySoa8::plain) ray that misses beyond doubt.
     #[inline(always)]
-    pub(super) fn missed(&self, simd: S, rays: &EightRays<S>) -> u32 {
-        let f = self.arms(simd, rays);
+    pub(super) fn miss_mask(&self, simd: S, rays: &RaySoa8<S>) -> u32 {
+        let f = self.offsets(simd, rays);
         let d = rays.direction;
         let a = dot(simd, d, d);
         let along = dot(simd, f, d);
         let [for_distance, for_radius] = SphereKernel::REJECTION_BOUNDS;
         let excess = dot(simd, f, f)
-            .mul(simd, Eight::splat(simd, for_distance))
-            .sub(simd, self.radius.mul(simd, self.radius).mul(simd, Eight::splat(simd, for_radius)));
+            .mul(simd, F64x8::splat(simd, for_distance))
+            .sub(simd, self.radius.mul(simd, self.radius).mul(simd, F64x8::splat(simd, for_radius)));
         let passes_by = along.mul(simd, along).lt(simd, a.mul(simd, excess));
-        let least = Eight::splat(simd, f64::from_bits(1));
+        let least = F64x8::splat(simd, f64::from_bits(1));
         let lies_behind = least.le(simd, excess) & least.le(simd, along);
         passes_by | lies_behind
     }
 
     /// Where plain rays meet the spheres first within their spans.
     #[inline(always)]
-    pub(super) fn meet(&self, simd: S, rays: &EightRays<S>) -> Meetings<S> {
-        let f = self.arms(simd, rays);
+    pub(super) fn intersect(&self, simd: S, rays: &RaySoa8<S>) -> PacketHit<S> {
+        let f = self.offsets(simd, rays);
         let d = rays.direction;
         let r = self.radius;
         let a = dot(simd, d, d);
         // Not subtracted from 0, which has another sign.
-        let b = dot(simd, f, d).mul(simd, Eight::splat(simd, -1.0));
+        let b = dot(simd, f, d).mul(simd, F64x8::splat(simd, -1.0));
         let ratio = b.div(simd, a);
         let closest = [
             f[0].add(simd, d[0].mul(simd, ratio)),
@@ -96,30 +96,30 @@ impl<S: Simd> RoundSpheres<S> {
         ];
         let discriminant = a.mul(simd, r.mul(simd, r).sub(simd, dot(simd, closest, closest)));
         let root = discriminant.sqrt(simd);
-        let q = b.add(simd, root.with_sign_of(simd, b));
+        let q = b.add(simd, root.copysign(simd, b));
         let length = dot(simd, f, f).sqrt(simd);
         let c = length.sub(simd, r).mul(simd, length.add(simd, r));
         let (t0, t1) = (c.div(simd, q), q.div(simd, a));
         let (near, far) = (t0.min(simd, t1), t0.max(simd, t1));
         // The sum turns −0 into 0.
-        let nothing = Eight::splat(simd, 0.0);
-        let t = near.sub(simd, rays.min).add(simd, nothing).by_sign(simd, near, far);
+        let nothing = F64x8::splat(simd, 0.0);
+        let t = near.sub(simd, rays.min).add(simd, nothing).select_by_sign(simd, near, far);
 
         let [enter, leave] = self.inner_box(simd, rays);
         let crosses =
-            Eight::splat(simd, f64::MIN_POSITIVE).le(simd, root) & root.le(simd, Eight::splat(simd, f64::MAX));
+            F64x8::splat(simd, f64::MIN_POSITIVE).le(simd, root) & root.le(simd, F64x8::splat(simd, f64::MAX));
         let within = crosses & rays.min.le(simd, t) & t.le(simd, rays.max);
         let touches = root.le(simd, nothing);
         let hit = within & enter.le(simd, t) & t.le(simd, leave);
-        Meetings { hit, unsure: within & !hit | touches, t, uv: [nothing; 2] }
+        PacketHit { hit, uncertain: within & !hit | touches, t, uv: [nothing; 2] }
     }
 
     /// Where boxes within the own boxes are entered and left.
     #[inline(always)]
-    fn inner_box(&self, simd: S, rays: &EightRays<S>) -> [Eight<S>; 2] {
+    fn inner_box(&self, simd: S, rays: &RaySoa8<S>) -> [F64x8<S>; 2] {
         let reach = [self.centre[0].abs(simd), self.centre[1].abs(simd), self.centre[2].abs(simd)];
         let reach = reach[0].max(simd, reach[1]).max(simd, reach[2]).add(simd, self.radius);
-        let pad = reach.mul(simd, Eight::splat(simd, INNER_PAD));
+        let pad = reach.mul(simd, F64x8::splat(simd, INNER_PAD));
         let low = [
             self.centre[0].sub(simd, self.radius),
             self.centre[1].sub(simd, self.radius),
@@ -136,13 +136,13 @@ impl<S: Simd> RoundSpheres<S> {
 
 /// As `DVec3::dot` adds up.
 #[inline(always)]
-fn dot<S: Simd>(simd: S, a: [Eight<S>; 3], b: [Eight<S>; 3]) -> Eight<S> {
+fn dot<S: Simd>(simd: S, a: [F64x8<S>; 3], b: [F64x8<S>; 3]) -> F64x8<S> {
     a[0].mul(simd, b[0]).add(simd, a[1].mul(simd, b[1])).add(simd, a[2].mul(simd, b[2]))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::simd::{Available, Kernel, SimdLevel};
+    use super::super::simd::{DetectedSimd, SimdLevel, WithSimd};
     use super::*;
     use rt_math::{Interval, Ray};
 
@@ -155,25 +155,25 @@ mod tests {
 
     struct Asked;
 
-    impl Kernel<&Rays, &mut Settled> for Asked {
+    impl WithSimd<&Rays, &mut Settled> for Asked {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S, rays: &Rays, settled: &mut Settled) {
-            let rays = EightRays::new(simd, rays);
-            assert_eq!(rays.plain(simd), 0xff);
-            let missed = RoundSpheres::all(simd, &BALL).missed(simd, &rays);
-            let Meetings { hit, unsure, t, .. } = RoundSpheres::new(simd, &[BALL; PACKET]).meet(simd, &rays);
-            assert_eq!(missed & (hit | unsure), 0);
+            let rays = RaySoa8::new(simd, rays);
+            assert_eq!(rays.in_safe_range(simd), 0xff);
+            let missed = SpherePacket::all(simd, &BALL).miss_mask(simd, &rays);
+            let PacketHit { hit, uncertain, t, .. } = SpherePacket::new(simd, &[BALL; PACKET]).intersect(simd, &rays);
+            assert_eq!(missed & (hit | uncertain), 0);
             let t = t.to_array(simd);
             let is_in = |bits: u32, lane: usize| bits >> lane & 1 != 0;
             *settled = core::array::from_fn(|lane| {
-                (is_in(missed, lane), is_in(unsure, lane), is_in(hit, lane).then_some(t[lane].to_bits()))
+                (is_in(missed, lane), is_in(uncertain, lane), is_in(hit, lane).then_some(t[lane].to_bits()))
             });
         }
     }
 
     fn settled(level: SimdLevel, rays: &Rays) -> Settled {
         let mut settled = [(false, false, None); PACKET];
-        Available::new(level).dispatch(Asked, rays, &mut settled);
+        DetectedSimd::new(level).dispatch(Asked, rays, &mut settled);
         settled
     }
 
@@ -196,9 +196,9 @@ mod tests {
         for level in SimdLevel::ALL {
             let (mut n_hits, mut n_misses) = (0, 0);
             for rays in &cases {
-                for ((ray, span), (missed, unsure, hit)) in rays.iter().zip(settled(*level, rays)) {
+                for ((ray, span), (missed, uncertain, hit)) in rays.iter().zip(settled(*level, rays)) {
                     let expected = BALL.intersect(ray, *span);
-                    assert_eq!((unsure, hit), (false, expected.map(f64::to_bits)), "{level:?}, {ray:?} {span:?}");
+                    assert_eq!((uncertain, hit), (false, expected.map(f64::to_bits)), "{level:?}, {ray:?} {span:?}");
                     n_hits += usize::from(hit.is_some());
                     n_misses += usize::from(missed);
                 }

@@ -4,7 +4,7 @@
 use core::mem::MaybeUninit;
 
 /// Room for so many items, in pages of 2 MiB where the system has them and it is large enough.
-pub(super) fn room_for<T>(count: usize) -> Vec<T> {
+pub(super) fn with_huge_pages<T>(count: usize) -> Vec<T> {
     #[cfg_attr(
         not(all(target_os = "linux", feature = "large-pages")),
         expect(unused_mut, reason = "advice changes it")
@@ -23,7 +23,7 @@ where
     P: Send,
 {
     let count = parts.iter().map(|(count, _)| count).sum();
-    let mut all = room_for(count);
+    let mut all = with_huge_pages(count);
     let mut rest = all.spare_capacity_mut();
     let mut rooms = Vec::with_capacity(parts.len());
     for (count, part) in parts {
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn there_is_room_of_any_size() {
         for count in [0, 1, 1000, 3 << 20] {
-            let mut room = room_for::<u64>(count);
+            let mut room = with_huge_pages::<u64>(count);
             assert!(room.capacity() >= count);
             room.extend(0..count as u64);
             assert!(room.iter().copied().eq(0..count as u64));

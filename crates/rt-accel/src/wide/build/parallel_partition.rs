@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::binning::{Best, Bins, Cut};
-use super::grow::{Extent, Rules, Set, scatter};
-use super::reference::Reference;
+use super::binning::{BestSplit, Bins, SplitPlane};
+use super::reference::PrimRef;
+use super::top_down::{BuildConfig, PrimInfo, Set, scatter};
 use crate::bvh::NodeBox;
 
 /// References that one thread handles at a time.
@@ -15,14 +15,14 @@ pub(super) const LARGE: usize = 4 * CHUNK;
 
 /// One chunk, and where its references go.
 struct Move<'a> {
-    from: &'a [Reference],
-    to: [&'a mut [Reference]; 2],
+    from: &'a [PrimRef],
+    to: [&'a mut [PrimRef]; 2],
 }
 
 /// As [`Set::split`]: bins may be filled in any order, and references keep theirs.
-pub(super) fn split<'a>(set: Set<'a>, rules: &Rules) -> [Set<'a>; 2] {
-    let Some(binning) = set.binning(rules) else { return set.halve() };
-    let fill = |chunk: &[Reference]| {
+pub(super) fn split<'a>(set: Set<'a>, config: &BuildConfig) -> [Set<'a>; 2] {
+    let Some(binning) = set.binning(config) else { return set.halve() };
+    let fill = |chunk: &[PrimRef]| {
         let mut bins = Bins::new();
         bins.reset(binning);
         bins.add(chunk);
@@ -32,12 +32,12 @@ pub(super) fn split<'a>(set: Set<'a>, rules: &Rules) -> [Set<'a>; 2] {
     let mut bins = Bins::new();
     bins.reset(binning);
     parts.iter().for_each(|part| bins.merge(part));
-    let Some(Best { cut, middle, bounds }) = bins.best_cut(rules.unit) else { return set.halve() };
+    let Some(BestSplit { cut, middle, bounds }) = bins.best_split(config.unit) else { return set.halve() };
     let centroids = partition(set.references, set.room, middle, &cut, &parts);
-    set.exchange(middle, [0, 1].map(|side| Extent { bounds: bounds[side], centroids: centroids[side] }))
+    set.exchange(middle, [0, 1].map(|side| PrimInfo { bounds: bounds[side], centroids: centroids[side] }))
 }
 
-fn partition(from: &[Reference], to: &mut [Reference], middle: usize, cut: &Cut, parts: &[Bins]) -> [NodeBox; 2] {
+fn partition(from: &[PrimRef], to: &mut [PrimRef], middle: usize, cut: &SplitPlane, parts: &[Bins]) -> [NodeBox; 2] {
     let (mut left, mut right) = to.split_at_mut(middle);
     let mut moves = Vec::with_capacity(parts.len());
     for (from, bins) in from.chunks(CHUNK).zip(parts) {
@@ -53,9 +53,9 @@ fn partition(from: &[Reference], to: &mut [Reference], middle: usize, cut: &Cut,
         .reduce(|| [NodeBox::EMPTY; 2], |a, b| [a[0].union(b[0]), a[1].union(b[1])])
 }
 
-impl Extent {
-    /// As [`Extent::of`], on several threads.
-    pub(super) fn of_many(references: &[Reference]) -> Self {
+impl PrimInfo {
+    /// As [`PrimInfo::of`], on several threads.
+    pub(super) fn of_many(references: &[PrimRef]) -> Self {
         references.par_chunks(CHUNK).map(Self::of).reduce(|| Self::EMPTY, Self::union)
     }
 }
@@ -63,24 +63,28 @@ impl Extent {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wide::build::binning::{AreaUnit, Axes};
-    use crate::{wide::build::cluster::Haste, wide::build::reference::Run, wide::build::tests::soup};
+    use crate::wide::build::binning::{Axes, NormalizedArea};
+    use crate::{wide::build::leaf_policy::LeafPolicy, wide::build::reference::Run, wide::build::tests::soup};
 
     #[test]
     fn chunks_are_cut_as_the_whole_is() {
         let cut = |in_chunks: bool, axes| {
             let mut references = soup(LARGE as u32 + 12_345, 9, 1.0);
-            let (mut room, mut order) =
-                (vec![Reference::NONE; references.len()], vec![Run::default(); references.len()]);
-            let extent = Extent::of(&references);
-            assert_eq!(Extent::of_many(&references), extent);
-            let rules =
-                Rules { unit: AreaUnit::new(&extent.bounds), axes, haste: Haste::LITTLE, pairs: true, max_leaf: 8 };
+            let (mut room, mut order) = (vec![PrimRef::NONE; references.len()], vec![Run::default(); references.len()]);
+            let extent = PrimInfo::of(&references);
+            assert_eq!(PrimInfo::of_many(&references), extent);
+            let config = BuildConfig {
+                unit: NormalizedArea::new(&extent.bounds),
+                axes,
+                leaf_policy: LeafPolicy::STRICT,
+                pairs: true,
+                max_leaf: 8,
+            };
             let set =
                 Set { references: &mut references, room: &mut room, order: &mut order, first: 0, extent, depth: 0 };
-            let sides = if in_chunks { split(set, &rules) } else { set.split(&rules, &mut Bins::new()) };
+            let sides = if in_chunks { split(set, &config) } else { set.split(&config, &mut Bins::new()) };
             sides.map(|side| {
-                let indices: Vec<_> = side.references.iter().map(Reference::index).collect();
+                let indices: Vec<_> = side.references.iter().map(PrimRef::index).collect();
                 (side.first, side.depth, side.extent, indices)
             })
         };

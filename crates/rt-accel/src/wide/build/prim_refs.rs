@@ -6,17 +6,17 @@ use glam::DVec3;
 use rt_geometry::{Primitives, padded_bounds};
 use rt_math::Aabb;
 
-use super::grow::Rules;
 use super::in_order;
-use super::reference::Reference;
+use super::reference::PrimRef;
+use super::top_down::BuildConfig;
 use crate::own_boxes::{checked_own_box, count};
-use crate::{BuildError, bvh::NodeBox, wide::leaf::Layouts, wide::pages::filled};
+use crate::{BuildError, bvh::NodeBox, wide::huge_pages::filled, wide::leaf::GeometryCounts};
 
 /// Primitives that one thread handles at a time.
 const RUN: u32 = 16384;
 
 /// What must be known of all primitives before anything can be made of one.
-pub(in crate::wide) struct Census {
+pub(in crate::wide) struct PrimStats {
     /// Primitives without bounds, by rising index.
     pub(in crate::wide) unbounded: Vec<u32>,
     /// Number of the others.
@@ -24,10 +24,10 @@ pub(in crate::wide) struct Census {
     /// Union of their own boxes.
     pub(in crate::wide) union: Aabb,
     /// Of the bounded primitives.
-    pub(in crate::wide) layouts: Layouts,
+    pub(in crate::wide) layouts: GeometryCounts,
 }
 
-impl Census {
+impl PrimStats {
     /// Looks at all primitives once.
     ///
     /// # Errors
@@ -46,7 +46,7 @@ impl Census {
         Ok(all)
     }
 
-    const EMPTY: Self = Self { unbounded: Vec::new(), bounded: 0, union: Aabb::EMPTY, layouts: Layouts::NONE };
+    const EMPTY: Self = Self { unbounded: Vec::new(), bounded: 0, union: Aabb::EMPTY, layouts: GeometryCounts::NONE };
 
     fn of_run<P: Primitives>(primitives: &P, run: Range<u32>) -> Result<Self, BuildError> {
         let mut all = Self::EMPTY;
@@ -55,7 +55,7 @@ impl Census {
                 Some(own) => {
                     all.bounded += 1;
                     all.union = all.union.union(own);
-                    all.layouts = all.layouts.and(Layouts::of(&primitives.geometry(index)));
+                    all.layouts = all.layouts.and(GeometryCounts::of(&primitives.geometry(index)));
                 }
                 None => all.unbounded.push(index),
             }
@@ -81,30 +81,30 @@ impl Census {
 
 /// What a tree grows over.
 pub(super) struct Gathered {
-    pub(super) references: Vec<Reference>,
+    pub(super) references: Vec<PrimRef>,
     /// Room for as many. What is in it means nothing.
-    pub(super) room: Vec<Reference>,
+    pub(super) room: Vec<PrimRef>,
 }
 
 /// References to all bounded primitives, to pairs of them where that is no worse.
-pub(super) fn references<P: Primitives>(primitives: &P, centre: DVec3, rules: &Rules) -> Gathered {
+pub(super) fn references<P: Primitives>(primitives: &P, centre: DVec3, config: &BuildConfig) -> Gathered {
     let count = primitives.len() as u32;
     let mut counts = vec![0; count.div_ceil(RUN) as usize];
     // Each run first where it would be if no primitives were joined.
     let runs = counts.iter_mut().enumerate().map(|(at, n)| (run(at, count), n));
     let parts = runs.map(|(run, n)| (run.len(), (run, n))).collect();
-    let mut room = filled(parts, Reference::NONE, |(run, count), room| {
+    let mut room = filled(parts, PrimRef::NONE, |(run, count), room| {
         let mut references = Vec::with_capacity(run.len());
         for index in run {
             if let Some(own) = padded_bounds(primitives, index) {
-                rules.push(&mut references, Reference::new(NodeBox::outward(&own, centre), index));
+                config.push(&mut references, PrimRef::new(NodeBox::outward(&own, centre), index));
             }
         }
         room[..references.len()].copy_from_slice(&references);
         *count = references.len();
     });
     let parts = room.chunks(RUN as usize).zip(counts).map(|(run, count)| (count, &run[..count])).collect();
-    let references = filled(parts, Reference::NONE, |from, to| to.copy_from_slice(from));
+    let references = filled(parts, PrimRef::NONE, |from, to| to.copy_from_slice(from));
     room.truncate(references.len());
     room.shrink_to_fit();
     Gathered { references, room }
@@ -152,8 +152,8 @@ mod tests {
     fn all_bounded_primitives_are_gathered_in_order_and_neighbours_in_pairs() {
         for count in [0, 1, RUN - 1, RUN, 3 * RUN + 5] {
             let cubes = Cubes(count);
-            let rules = Rules::new(&Census::of(&cubes).expect("few cubes").extent(), &BuildParams::default());
-            let Gathered { references, room } = references(&cubes, DVec3::ZERO, &rules);
+            let config = BuildConfig::new(&PrimStats::of(&cubes).expect("few cubes").extent(), &BuildParams::default());
+            let Gathered { references, room } = references(&cubes, DVec3::ZERO, &config);
             let mut expected: Vec<Run> = Vec::new();
             for first in (0..count).filter(|&index| cubes.bounds(index).is_some()) {
                 match expected.last_mut() {
@@ -161,7 +161,7 @@ mod tests {
                     _ => expected.push(Run { first, count: 1 }),
                 }
             }
-            assert!(references.iter().map(Reference::run).eq(expected));
+            assert!(references.iter().map(PrimRef::run).eq(expected));
             assert_eq!(room.len(), references.len());
         }
     }

@@ -4,7 +4,7 @@ use glam::Vec3A;
 use rt_geometry::{Primitives, padded_bounds};
 
 use super::WideBvh;
-use super::leaf::{Filling, MAX_LEAF};
+use super::leaf::{LeafWriter, MAX_LEAF};
 use super::node::Child;
 use crate::bvh::{Cell, NodeBox, encloses};
 use crate::{ValidationError, bounded_depth::MAX_DEPTH, own_boxes::validate_lists};
@@ -13,7 +13,7 @@ impl WideBvh {
     /// Checks all that can be checked without the primitives: every node has one parent, which comes before it, no leaf
     /// is too deep for the stack of a walk, boxes contain those below, leaves lie where they can be read, and lists name
     /// primitives, each once.
-    pub(super) fn check_shape(&self) -> Result<(), ValidationError> {
+    pub(super) fn validate_shape(&self) -> Result<(), ValidationError> {
         // Before anything is allocated or added up, as a saved tree may state any number.
         if u64::from(self.bounded) > self.leaves.most_primitives() {
             return Err(ValidationError::Count { built: self.bounded, given: self.unbounded.len() });
@@ -39,10 +39,10 @@ impl WideBvh {
     }
 
     /// Checks the shape, that every own box lies within the box of its leaf, and what filters are told about it.
-    pub(super) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
-        self.check_shape()?;
+    pub(super) fn validate_primitives<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
+        self.validate_shape()?;
         validate_lists(primitives, self.bounded + self.unbounded.len() as u32, &self.unbounded)?;
-        let filling = Filling { primitives, centre: self.centre, kind: self.leaves.kind };
+        let filling = LeafWriter { primitives, centre: self.centre, kind: self.leaves.kind };
         self.for_each_leaf(|leaf, bounds| {
             for &primitive in self.leaves.indices(leaf) {
                 let own = padded_bounds(primitives, primitive).ok_or(ValidationError::Misplaced { primitive })?;
@@ -134,7 +134,7 @@ mod tests {
         let mut tree = WideBvh::build(&Row(3)).expect("three boxes");
         let leaf = tree.leaves().next().expect("a leaf");
         tree.root = leaf;
-        assert_eq!(tree.check_shape(), Err(ValidationError::Node { node: 0 }));
+        assert_eq!(tree.validate_shape(), Err(ValidationError::Node { node: 0 }));
     }
 
     /// The list of what is named would take 4 GiB, and on 32 bits its length wraps.
@@ -143,19 +143,19 @@ mod tests {
         let mut tree = WideBvh::build(&Row(3)).expect("three boxes");
         tree.bounded = u32::MAX;
         tree.unbounded = vec![0];
-        assert_eq!(tree.check_shape(), Err(ValidationError::Count { built: u32::MAX, given: 1 }));
+        assert_eq!(tree.validate_shape(), Err(ValidationError::Count { built: u32::MAX, given: 1 }));
     }
 
     #[test]
     fn lanes_that_nobody_has_checked_cannot_be_passed() {
         let tree = WideBvh::build_with(&Row(3), &super::super::BuildParams { max_leaf: 1, ..Default::default() });
         let tree = tree.expect("three boxes");
-        assert_eq!(tree.check_shape(), Ok(()));
+        assert_eq!(tree.validate_shape(), Ok(()));
         let lane = (0..8).find(|&lane| tree.nodes[0].child_box(lane).is_none()).expect("three of eight lanes");
         for [low, high] in [[f32::NAN, f32::NAN], [0.0, f32::NAN], [1.0, 0.999_999_9]] {
             let mut damaged = tree.clone();
             (damaged.nodes[0].planes[0][lane], damaged.nodes[0].planes[1][lane]) = (low, high);
-            assert_eq!(damaged.check_shape(), Err(ValidationError::Node { node: 0 }), "{low} to {high}");
+            assert_eq!(damaged.validate_shape(), Err(ValidationError::Node { node: 0 }), "{low} to {high}");
         }
     }
 }
