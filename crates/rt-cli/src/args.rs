@@ -18,7 +18,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use rt_image::ImageFormat;
-use rt_scene_io::{InMemoryFile, Reason, StudioLights};
+use rt_scene_io::{InMemoryFile, LoadErrorKind, StudioLights};
 
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
 pub(crate) use converge::{Against, ConvergeArgs, Variation};
@@ -385,5 +385,5 @@ say) are not.";
 
 /// What is wrong with a word that should be one of those known, and which of them is nearest.
 fn unknown_word(kind: &'static str, found: &str, known: Vec<String>) -> String {
-    Reason::UnknownWord { kind, found: found.to_owned(), known }.to_string()
+    LoadErrorKind::UnknownWord { kind, found: found.to_owned(), known }.to_string()
 }

@@ -12,18 +12,18 @@ use std::fmt::Display;
 use rt_math::{AnimatedTransform, Transform};
 
 use super::camera::listed;
-use super::report::Report;
 use super::transform::refused_motion;
 use super::value::vector;
-use crate::format::{Node, SceneFile};
-use crate::{LoadOptions, Reason};
+use crate::diagnostics::Diagnostics;
+use crate::format::{Camera, Node, SceneFile};
+use crate::{LoadErrorKind, LoadOptions};
 
 /// What is seen of an animation in one picture.
 ///
 /// Places of what moves are told for the opening and the closing of the shutter. Where cameras differ, that is the time in
 /// which any of them is open, and each takes its part of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Exposure {
+pub(super) struct ShutterInterval {
     /// When the shutter opens and closes, in seconds.
     moments: [f64; 2],
     /// When it does, in parts of a frame; `None` if that has no meaning, as nothing is animated or no camera has a shutter.
@@ -31,16 +31,16 @@ pub(super) struct Exposure {
     part: Option<[f64; 2]>,
 }
 
-impl Exposure {
+impl ShutterInterval {
     /// How long the cameras of a file take in the scene.
-    pub(super) fn of(file: &SceneFile, options: &LoadOptions) -> Self {
+    pub(super) fn new(file: &SceneFile, cameras: &[(String, Camera)], options: &LoadOptions) -> Self {
         let is_timed = options.at_time.is_some() || is_animated(file);
         let is_sound = |[opens, closes]: &[f64; 2]| 0.0 <= *opens && opens <= closes && *closes <= 1.0;
-        let shutters = listed(file).filter_map(|(_, camera)| camera.shutter.map(|(opens, closes)| [opens, closes]));
+        let shutters = cameras.iter().filter_map(|(_, camera)| camera.shutter.map(|(opens, closes)| [opens, closes]));
         let all = shutters.filter(is_sound).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
         let part = all.filter(|_| is_timed);
         let of_part = LoadOptions { at_time: options.at_time.or(Some(0.0)), shutter: part, ..options.clone() };
-        Self { moments: of_part.exposure().unwrap_or_default(), part }
+        Self { moments: of_part.shutter_interval().unwrap_or_default(), part }
     }
 
     /// When the shutter opens, in seconds.
@@ -54,7 +54,7 @@ impl Exposure {
     }
 
     /// The shutter of a camera as a part of this exposure. Without one of its own it takes what it sees first.
-    pub(super) fn shutter(&self, given: Option<(f64, f64)>) -> [f64; 2] {
+    pub(super) fn relative(&self, given: Option<(f64, f64)>) -> [f64; 2] {
         match (self.part, given) {
             (None, None) => [0.0, 1.0],
             (None, Some((opens, closes))) => [opens, closes],
@@ -77,9 +77,9 @@ impl Exposure {
     /// Where something is when the shutter opens and, if that differs, closes, by its places at moments in seconds.
     pub(super) fn places(
         &self,
-        report: &mut Report,
+        report: &mut Diagnostics,
         path: impl Display,
-        at: impl Fn(f64) -> Result<Transform, Reason>,
+        at: impl Fn(f64) -> Result<Transform, LoadErrorKind>,
     ) -> Option<(Transform, Option<Transform>)> {
         let sound = |moment: f64| {
             let place = at(moment)?;

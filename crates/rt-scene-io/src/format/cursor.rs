@@ -18,14 +18,14 @@ pub(super) enum Key<'t> {
 
 /// A value in the text, and the path to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Value<'t> {
+pub(super) struct TextValue<'t> {
     pub(super) range: Range<usize>,
     pub(super) path: Vec<Key<'t>>,
 }
 
 /// A bracket that is open.
 #[derive(Clone, Debug)]
-pub(super) struct Frame<'t> {
+pub(super) struct OpenBracket<'t> {
     /// The beginning of the value: of the name before the bracket, if there is one.
     pub(super) start: usize,
     pub(super) bracket: u8,
@@ -41,23 +41,23 @@ pub(super) enum Token {
     Start,
     Open,
     Close,
-    FloatTexture,
+    Value,
     Mark,
 }
 
 /// A place between two tokens of the text.
 #[derive(Clone, Debug)]
-pub(super) struct Spot<'t> {
-    pub(super) frames: Vec<Frame<'t>>,
+pub(super) struct Cursor<'t> {
+    pub(super) frames: Vec<OpenBracket<'t>>,
     /// The value that ended last, and where it stood among its brackets: their number, and the place in the innermost one.
     last: Option<(Range<usize>, usize, Option<&'t str>, usize)>,
     pub(super) last_token: Token,
 }
 
-impl<'t> Spot<'t> {
+impl<'t> Cursor<'t> {
     /// The place behind all tokens that begin before a byte.
     pub(super) fn before(text: &'t str, byte: usize) -> Self {
-        let mut spot = Self { frames: Vec::new(), last: None, last_token: Token::Start };
+        let mut cursor = Self { frames: Vec::new(), last: None, last_token: Token::Start };
         let mut word: Option<Range<usize>> = None;
         let mut at = 0;
         while let Some((token, is_text)) = token(text, at) {
@@ -70,38 +70,45 @@ impl<'t> Spot<'t> {
                     let named = word.take().filter(|_| bracket == b'(');
                     let start = named.as_ref().map_or(token.start, |word| word.start);
                     let name = named.map(|word| &text[word]);
-                    spot.frames.push(Frame { start, bracket, bracket_at: token.start, name, key: None, index: 0 });
-                    spot.last_token = Token::Open;
+                    cursor.frames.push(OpenBracket {
+                        start,
+                        bracket,
+                        bracket_at: token.start,
+                        name,
+                        key: None,
+                        index: 0,
+                    });
+                    cursor.last_token = Token::Open;
                 }
                 b')' | b']' | b'}' => {
-                    if let Some(frame) = spot.frames.pop() {
-                        spot.ends(frame.start..token.end);
+                    if let Some(frame) = cursor.frames.pop() {
+                        cursor.ends(frame.start..token.end);
                     }
-                    spot.last_token = Token::Close;
+                    cursor.last_token = Token::Close;
                 }
                 b',' => {
-                    if let Some(frame) = spot.frames.last_mut() {
+                    if let Some(frame) = cursor.frames.last_mut() {
                         frame.key = None;
                         frame.index += 1;
                     }
-                    spot.last_token = Token::Mark;
+                    cursor.last_token = Token::Mark;
                 }
                 b':' => {
-                    if let (Some(frame), Some((last, ..))) = (spot.frames.last_mut(), &spot.last) {
+                    if let (Some(frame), Some((last, ..))) = (cursor.frames.last_mut(), &cursor.last) {
                         frame.key = Some(text[last.clone()].trim_matches('"'));
                     }
-                    spot.last_token = Token::Mark;
+                    cursor.last_token = Token::Mark;
                 }
                 _ => {
-                    spot.ends(token.clone());
-                    spot.last_token = Token::FloatTexture;
+                    cursor.ends(token.clone());
+                    cursor.last_token = Token::Value;
                     word = (!is_text).then_some(token);
                     continue;
                 }
             }
             word = None;
         }
-        spot
+        cursor
     }
 
     /// A value has ended. Its path is made when it is asked for: most texts have many values.
@@ -111,13 +118,13 @@ impl<'t> Spot<'t> {
     }
 
     /// The value that ended last.
-    pub(super) fn last(&self) -> Option<Value<'t>> {
+    pub(super) fn last(&self) -> Option<TextValue<'t>> {
         let (range, depth, key, index) = self.last.clone()?;
         let mut frames = self.frames.get(..depth)?.to_vec();
         if let Some(frame) = frames.last_mut() {
             (frame.key, frame.index) = (key, index);
         }
-        Some(Value { range, path: path_of(&frames) })
+        Some(TextValue { range, path: path_of(&frames) })
     }
 
     /// The path to the value that stands here or would stand here.
@@ -133,14 +140,14 @@ impl<'t> Spot<'t> {
     }
 
     /// The value of the innermost bracket, up to its end in the text.
-    pub(super) fn group(&self, text: &str) -> Option<Value<'t>> {
+    pub(super) fn group(&self, text: &str) -> Option<TextValue<'t>> {
         let mut outer = self.clone();
         let frame = outer.frames.pop()?;
-        Some(Value { range: frame.start..value_end(text, frame.bracket_at), path: outer.path() })
+        Some(TextValue { range: frame.start..value_end(text, frame.bracket_at), path: outer.path() })
     }
 }
 
-fn path_of<'t>(frames: &[Frame<'t>]) -> Vec<Key<'t>> {
+fn path_of<'t>(frames: &[OpenBracket<'t>]) -> Vec<Key<'t>> {
     let mut path = Vec::new();
     for frame in frames {
         path.extend(frame.name.map(Key::Name));
@@ -247,13 +254,13 @@ mod tests {
 
     fn path(text: &str) -> String {
         let byte = text.find('@').expect("a mark");
-        let spot = Spot::before(text, byte);
+        let cursor = Cursor::before(text, byte);
         let part = |key: &Key<'_>| match key {
             Key::Name(name) => (*name).to_owned(),
             Key::Index(index) => index.to_string(),
             Key::Argument(index) => format!("#{index}"),
         };
-        spot.path().iter().map(part).collect::<Vec<_>>().join(" ")
+        cursor.path().iter().map(part).collect::<Vec<_>>().join(" ")
     }
 
     #[test]
@@ -282,7 +289,7 @@ mod tests {
     #[test]
     fn the_last_value_is_known_with_its_path() {
         let text = "(a: rgb(1, 2), b: 3)";
-        let last = Spot::before(text, 14).last().expect("a value");
+        let last = Cursor::before(text, 14).last().expect("a value");
         assert_eq!((&text[last.range], last.path), ("rgb(1, 2)", vec![Key::Name("a")]));
     }
 }

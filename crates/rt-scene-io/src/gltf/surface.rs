@@ -26,12 +26,12 @@ use rt_shading::{
 
 /// A texture times a colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Tint {
+pub(super) struct ColorFactor {
     pub(super) texture: Option<TextureId>,
     pub(super) colour: Rgb,
 }
 
-impl Tint {
+impl ColorFactor {
     const fn plain(colour: Rgb) -> Self {
         Self { texture: None, colour }
     }
@@ -47,12 +47,12 @@ impl Tint {
 
 /// A number that may vary, and its mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Value {
+pub(super) struct FloatFactor {
     pub(super) scalar: FloatTexture,
     pub(super) mean: f64,
 }
 
-impl Value {
+impl FloatFactor {
     pub(super) const fn constant(value: f64) -> Self {
         Self { scalar: FloatTexture::Constant(value), mean: value }
     }
@@ -62,56 +62,56 @@ impl Value {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Base {
     MetallicRoughness {
-        color: Tint,
-        metallic: Value,
-        roughness: Value,
+        color: ColorFactor,
+        metallic: FloatFactor,
+        roughness: FloatFactor,
     },
     SpecularGlossiness {
         /// What shows the surface if there is but one colour.
-        color: Tint,
-        diffuse: Tint,
-        specular: Tint,
-        glossiness: Value,
+        color: ColorFactor,
+        diffuse: ColorFactor,
+        specular: ColorFactor,
+        glossiness: FloatFactor,
         mean_specular: Rgb,
     },
 }
 
 /// The surface of a glTF material.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Surface {
+pub(super) struct GltfSurface {
     pub(super) base: Base,
-    pub(super) emission: Tint,
+    pub(super) emission: ColorFactor,
     /// Index of refraction; 0 for facets that reflect all light.
     pub(super) ior: f64,
     /// Strength and colour of the reflection of what is no metal.
-    pub(super) specular: Value,
-    pub(super) specular_color: Tint,
+    pub(super) specular: FloatFactor,
+    pub(super) specular_color: ColorFactor,
     /// Share of the light that enters the surface and passes.
-    pub(super) transmission: Value,
+    pub(super) transmission: FloatFactor,
     /// Whether it passes a pane without thickness rather than a body.
     pub(super) is_thin: bool,
     /// White light that has gone so far in the body has this colour left.
     pub(super) attenuation: Option<(f64, Rgb)>,
     pub(super) dispersion: f64,
-    pub(super) coat: Value,
-    pub(super) coat_roughness: Value,
+    pub(super) coat: FloatFactor,
+    pub(super) coat_roughness: FloatFactor,
     pub(super) coat_relief: Option<Relief>,
-    pub(super) sheen_color: Tint,
-    pub(super) sheen_roughness: Value,
-    pub(super) anisotropy: Value,
+    pub(super) sheen_color: ColorFactor,
+    pub(super) sheen_roughness: FloatFactor,
+    pub(super) anisotropy: FloatFactor,
     pub(super) anisotropy_rotation: f64,
     pub(super) anisotropy_direction: Option<TextureId>,
     pub(super) unlit: bool,
 }
 
-impl Default for Surface {
+impl Default for GltfSurface {
     /// What the specification says where a file says nothing: a white, rough metal.
     fn default() -> Self {
-        let none = Value::constant(0.0);
-        let (color, full) = (Tint::plain(Rgb::WHITE), Value::constant(1.0));
+        let none = FloatFactor::constant(0.0);
+        let (color, full) = (ColorFactor::plain(Rgb::WHITE), FloatFactor::constant(1.0));
         Self {
             base: Base::MetallicRoughness { color, metallic: full, roughness: full },
-            emission: Tint::plain(Rgb::BLACK),
+            emission: ColorFactor::plain(Rgb::BLACK),
             ior: 1.5,
             specular: full,
             specular_color: color,
@@ -122,7 +122,7 @@ impl Default for Surface {
             coat: none,
             coat_roughness: none,
             coat_relief: None,
-            sheen_color: Tint::plain(Rgb::BLACK),
+            sheen_color: ColorFactor::plain(Rgb::BLACK),
             sheen_roughness: none,
             anisotropy: none,
             anisotropy_rotation: 0.0,
@@ -132,17 +132,17 @@ impl Default for Surface {
     }
 }
 
-impl Surface {
+impl GltfSurface {
     /// Its colour, how metallic and how rough it is in the mean. Of diffuse and specular colours, what reflects more than 4 %
     /// is metal to that degree.
-    fn plain(&self) -> (Tint, f64, f64) {
+    fn plain(&self) -> (ColorFactor, f64, f64) {
         match self.base {
             Base::MetallicRoughness { color, metallic, roughness } => (color, metallic.mean, roughness.mean),
             Base::SpecularGlossiness { color, glossiness, mean_specular, .. } => {
                 let metallic = ((mean_specular.max_component() - 0.04) / 0.96).clamp(0.0, 1.0);
                 let color = match color.texture {
                     Some(_) => color,
-                    None => Tint::plain(color.colour * (1.0 - metallic) + mean_specular * metallic),
+                    None => ColorFactor::plain(color.colour * (1.0 - metallic) + mean_specular * metallic),
                 };
                 (color, metallic, 1.0 - glossiness.mean)
             }
@@ -244,7 +244,7 @@ impl Surface {
 }
 
 /// The numbers that a plain base of these has everywhere.
-fn constants(metallic: Value, roughness: Value) -> Option<(f64, f64)> {
+fn constants(metallic: FloatFactor, roughness: FloatFactor) -> Option<(f64, f64)> {
     match (metallic.scalar, roughness.scalar) {
         (FloatTexture::Constant(metallic), FloatTexture::Constant(roughness)) => Some((metallic, roughness)),
         _ => None,
@@ -261,10 +261,10 @@ fn exponent(roughness: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn surface(metallic: f64, roughness: f64) -> Surface {
-        let color = Tint::plain(Rgb::new(0.8, 0.4, 0.2));
-        let (metallic, roughness) = (Value::constant(metallic), Value::constant(roughness));
-        Surface { base: Base::MetallicRoughness { color, metallic, roughness }, ..Surface::default() }
+    fn surface(metallic: f64, roughness: f64) -> GltfSurface {
+        let color = ColorFactor::plain(Rgb::new(0.8, 0.4, 0.2));
+        let (metallic, roughness) = (FloatFactor::constant(metallic), FloatFactor::constant(roughness));
+        GltfSurface { base: Base::MetallicRoughness { color, metallic, roughness }, ..GltfSurface::default() }
     }
 
     fn red(coefficient: ColorTexture) -> f64 {
@@ -302,13 +302,13 @@ mod tests {
 
     #[test]
     fn glass_and_unlit() {
-        let glass = Surface { transmission: Value::constant(1.0), ior: 1.3, ..surface(0.0, 0.0) };
+        let glass = GltfSurface { transmission: FloatFactor::constant(1.0), ior: 1.3, ..surface(0.0, 0.0) };
         let phong = glass.phong();
         assert!(phong.diffuse.is_zero());
         let transmission = phong.transmission.expect("light passes");
         assert_eq!((transmission.ior, transmission.fresnel, red(phong.mirror)), (1.3, true, 1.0));
         assert!(!glass.physical().encloses_body(), "a pane, unless it has a volume");
-        let unlit = Surface { unlit: true, ..surface(0.0, 0.5) };
+        let unlit = GltfSurface { unlit: true, ..surface(0.0, 0.5) };
         assert!(unlit.phong().diffuse.is_zero() && unlit.phong().ambient.is_zero());
         assert_eq!(red(unlit.phong().emission), 0.8);
         assert_eq!(unlit.physical(), Physical::Black);
@@ -317,8 +317,8 @@ mod tests {
     #[test]
     fn bodies_absorb_what_their_colour_says() {
         let attenuation = Some((2.0, Rgb::new(1.0, 0.5, 0.0)));
-        let transmission = Value::constant(1.0);
-        let glass = Surface { transmission, is_thin: false, attenuation, ..surface(0.0, 0.0) };
+        let transmission = FloatFactor::constant(1.0);
+        let glass = GltfSurface { transmission, is_thin: false, attenuation, ..surface(0.0, 0.0) };
         let absorption = glass.phong().transmission.expect("light passes").absorption;
         let left = absorption.map(|a| transcendental::exp(-2.0 * a));
         assert!((left.r - 1.0).abs() < 1e-12 && (left.g - 0.5).abs() < 1e-12 && left.b < 1e-5, "{left:?}");
@@ -328,15 +328,15 @@ mod tests {
     #[test]
     fn plain_surfaces_stay_plain() {
         assert!(matches!(surface(0.5, 0.5).physical(), Physical::MetallicRoughness { .. }));
-        let coated = Surface { coat: Value::constant(0.5), ..surface(0.5, 0.5) };
+        let coated = GltfSurface { coat: FloatFactor::constant(0.5), ..surface(0.5, 0.5) };
         assert!(matches!(coated.physical(), Physical::Layered(_)));
     }
 
     #[test]
     fn specular_glossiness_as_one_colour() {
         let of = |diffuse: f64, specular: Rgb, glossiness: f64| {
-            let (color, glossiness) = (Tint::plain(Rgb::gray(diffuse)), Value::constant(glossiness));
-            let specular_tint = Tint::plain(specular);
+            let (color, glossiness) = (ColorFactor::plain(Rgb::gray(diffuse)), FloatFactor::constant(glossiness));
+            let specular_tint = ColorFactor::plain(specular);
             let base = Base::SpecularGlossiness {
                 color,
                 diffuse: color,
@@ -344,7 +344,7 @@ mod tests {
                 glossiness,
                 mean_specular: specular,
             };
-            Surface { base, ..Surface::default() }.plain()
+            GltfSurface { base, ..GltfSurface::default() }.plain()
         };
         let (color, metallic, roughness) = of(0.5, Rgb::gray(0.04), 0.75);
         assert_eq!((color.colour, metallic, roughness), (Rgb::gray(0.5), 0.0, 0.25));

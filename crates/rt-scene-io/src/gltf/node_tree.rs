@@ -11,22 +11,22 @@ use rt_camera::{CameraSettings, FovAxis, Projection};
 use rt_math::{AnimatedTransform, DQuat, DVec3, Rgb, Transform, TransformError, transcendental::cos};
 use rt_shading::{Falloff, Light, LightKind, LightUnits};
 
-use super::{Part, buffers::Buffers, instancing, pose::Poses};
-use crate::{Content, LoadError, MaterialId, Model, NamedCamera, Node, Reason, Warning, limits};
+use super::{MeshPart, buffers::Buffers, instancing, node_pose::Poses};
+use crate::{Content, LoadError, LoadErrorKind, Model, NamedCamera, Node, limits};
 
 /// Walks the tree of the scene to be shown. `parts_of` gives the meshes of a node, with their materials.
 pub(super) fn walk(
     buffers: &Buffers<'_>,
     poses: &Poses<'_>,
     model: &mut Model,
-    mut parts_of: impl FnMut(&Source<'_>, &gltf::Mesh<'_>, &mut Model) -> Result<Vec<Part>, LoadError>,
+    mut parts_of: impl FnMut(&Source<'_>, &gltf::Mesh<'_>, &mut Model) -> Result<Vec<MeshPart>, LoadError>,
 ) -> Result<(), LoadError> {
     let (document, path) = (buffers.document(), buffers.path());
     let nodes: Vec<Source<'_>> = document.nodes().collect();
     let mut instances = 0;
     for root in roots(document, path)? {
-        let mut stack: Vec<Frame> = Vec::new();
-        stack.extend(open(&nodes[root], poses, &World::IDENTITY, model));
+        let mut stack: Vec<OpenNode> = Vec::new();
+        stack.extend(open(&nodes[root], poses, &WorldTransforms::IDENTITY, model));
         while let Some(mut frame) = stack.pop() {
             if let Some(child) = frame.children.pop() {
                 let world = frame.world;
@@ -51,22 +51,22 @@ pub(super) fn walk(
 }
 
 /// A node whose children are being visited.
-struct Frame {
+struct OpenNode {
     index: usize,
     node: Node,
-    world: World,
+    world: WorldTransforms,
     /// Still to be visited, last first.
     children: Vec<usize>,
 }
 
 /// Takes the space of a node to the world, when the shutter opens and when it closes.
 #[derive(Clone, Copy)]
-struct World {
+struct WorldTransforms {
     opens: Transform,
     closes: Transform,
 }
 
-impl World {
+impl WorldTransforms {
     const IDENTITY: Self = Self { opens: Transform::IDENTITY, closes: Transform::IDENTITY };
 
     fn compose(&self, node: &Node) -> Self {
@@ -78,7 +78,7 @@ impl World {
 }
 
 /// Starts a node, unless its transform is unusable.
-fn open(source: &Source<'_>, poses: &Poses<'_>, parent: &World, model: &mut Model) -> Option<Frame> {
+fn open(source: &Source<'_>, poses: &Poses<'_>, parent: &WorldTransforms, model: &mut Model) -> Option<OpenNode> {
     let parent_from_local = match transform(poses.opens.matrix(source.index())?) {
         Ok(transform) => transform,
         Err(error) => {
@@ -90,7 +90,7 @@ fn open(source: &Source<'_>, poses: &Poses<'_>, parent: &World, model: &mut Mode
     children.reverse();
     let moves_to = moves_to(source, poses, &parent_from_local, model);
     let node = Node { parent_from_local, moves_to, ..empty(source) };
-    Some(Frame { index: source.index(), world: parent.compose(&node), node, children })
+    Some(OpenNode { index: source.index(), world: parent.compose(&node), node, children })
 }
 
 /// Where a node goes while the shutter is open, if it goes anywhere.
@@ -114,14 +114,16 @@ fn roots(document: &Document, path: &Path) -> Result<Vec<usize>, LoadError> {
         for child in node.children() {
             if let Some(other) = parents[child.index()].replace(node.index()) {
                 let message = format!("has two parents, {other} and {}; the nodes must form trees", node.index());
-                return Err(Reason::Syntax(message).at(path, format!("nodes[{}]", child.index())));
+                return Err(LoadErrorKind::Syntax(message).at(path, format!("nodes[{}]", child.index())));
             }
         }
     }
     let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) else {
         let free: Vec<usize> = (0..parents.len()).filter(|i| parents[*i].is_none()).collect();
         if free.is_empty() && !parents.is_empty() {
-            return Err(Reason::Syntax("every node is below another: they form a cycle".to_owned()).at(path, "nodes"));
+            return Err(
+                LoadErrorKind::Syntax("every node is below another: they form a cycle".to_owned()).at(path, "nodes")
+            );
         }
         return Ok(free);
     };
@@ -131,7 +133,7 @@ fn roots(document: &Document, path: &Path) -> Result<Vec<usize>, LoadError> {
         if let Some(parent) = parents[node.index()] {
             let message =
                 format!("is a root of the scene, but also below the node {parent}; the nodes must form trees");
-            return Err(Reason::Syntax(message).at(path, format!("nodes[{}]", node.index())));
+            return Err(LoadErrorKind::Syntax(message).at(path, format!("nodes[{}]", node.index())));
         }
         if seen.insert(node.index()) {
             roots.push(node.index());
@@ -164,7 +166,7 @@ pub(super) fn transform(matrix: &Matrix) -> Result<Transform, TransformError> {
 fn place(
     source: &Source<'_>,
     node: &mut Node,
-    parts: &[Part],
+    parts: &[MeshPart],
     buffers: &Buffers<'_>,
     instances: &mut u64,
     model: &mut Model,
@@ -181,8 +183,7 @@ fn place(
     };
     *instances += placements.len() as u64;
     if *instances > limits::GLTF_INSTANCES {
-        let reason =
-            Reason::TooLarge { what: "the number of instances", value: *instances, limit: limits::GLTF_INSTANCES };
+        let reason = LoadErrorKind::too_large("the number of instances", *instances, limits::GLTF_INSTANCES);
         return Err(reason.at(buffers.path(), format!("nodes[{}].extensions.{}", source.index(), instancing::NAME)));
     }
     if lost > 0 {
@@ -199,19 +200,11 @@ fn place(
 
 /// A node without content at its parent's place.
 fn empty(source: &Source<'_>) -> Node {
-    Node {
-        name: source.name().unwrap_or_default().to_owned(),
-        parent_from_local: Transform::IDENTITY,
-        moves_to: None,
-        content: None,
-        material: MaterialId(0),
-        casts_shadow: true,
-        children: Vec::new(),
-    }
+    Node::empty(source.name().unwrap_or_default().to_owned(), Transform::IDENTITY)
 }
 
 /// One mesh stands at the node itself, several at children of it.
-fn place_mesh(node: &mut Node, parts: &[Part]) {
+fn place_mesh(node: &mut Node, parts: &[MeshPart]) {
     if let [(mesh, material)] = *parts {
         node.content = Some(Content::Mesh(mesh));
         node.material = material;
@@ -224,7 +217,7 @@ fn place_mesh(node: &mut Node, parts: &[Part]) {
     );
 }
 
-fn place_camera(source: &Source<'_>, document: &Document, world: &World, model: &mut Model) {
+fn place_camera(source: &Source<'_>, document: &Document, world: &WorldTransforms, model: &mut Model) {
     let Some(json) = source.camera().and_then(|camera| document.as_json().cameras.get(camera.index())) else { return };
     let projection = match (json.type_, &json.perspective, &json.orthographic) {
         (Checked::Valid(CameraType::Perspective), Some(camera), _) => {
@@ -299,5 +292,5 @@ fn warn(source: &Source<'_>, message: &str, model: &mut Model) {
         Some(name) => format!("node `{name}`"),
         None => format!("nodes[{}]", source.index()),
     };
-    model.warnings.push(Warning { place, message: message.to_owned() });
+    model.warn(place, message);
 }

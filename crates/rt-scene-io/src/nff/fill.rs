@@ -12,9 +12,9 @@
 use rt_math::Rgb;
 use rt_shading::{ColorTexture, Highlight, Phong, Transmission};
 
-use super::words::Words;
-use crate::flaw::Flaw;
+use crate::error::LineError;
 use crate::limits;
+use crate::text::tokenizer::Tokenizer;
 
 /// The numbers of an `f` statement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,20 +29,24 @@ pub(super) struct Fill {
 
 impl Fill {
     /// Reads what follows the keyword.
-    pub(super) fn read(words: &mut Words<'_>) -> Result<Self, Flaw> {
+    pub(super) fn read(tokens: &mut Tokenizer<'_>) -> Result<Self, LineError> {
         let fill = Self {
-            colour: words.colour("a part of the fill colour")?,
-            diffuse: words.share("Kd")?,
-            specular: words.share("Ks")?,
-            shine: words.share("the shine")?,
-            transmittance: words.share("the transmittance")?,
+            colour: tokens.color("a part of the fill colour")?,
+            diffuse: tokens.non_negative("Kd")?,
+            specular: tokens.non_negative("Ks")?,
+            shine: tokens.non_negative("the shine")?,
+            transmittance: tokens.non_negative("the transmittance")?,
             ior: f64::NAN,
         };
-        let line = words.peek().map_or(0, |word| word.line);
-        let ior = words.share("the index of refraction")?;
+        let line = tokens.peek_word().map_or(0, |word| word.line);
+        let ior = tokens.non_negative("the index of refraction")?;
         // Opaque surfaces may leave it at 0.
         if ior == 0.0 && fill.transmittance > 0.0 {
-            return Err(Flaw::new(line, ior, "is no index of refraction of what light passes through: give 1 or more"));
+            return Err(LineError::new(
+                line,
+                ior,
+                "is no index of refraction of what light passes through: give 1 or more",
+            ));
         }
         Ok(Self { ior, ..fill })
     }
@@ -83,7 +87,7 @@ mod tests {
     use super::*;
 
     fn fill(text: &str) -> Result<Fill, String> {
-        Fill::read(&mut Words::of(text)).map_err(|flaw| flaw.reason.to_string())
+        Fill::read(&mut Tokenizer::words(text)).map_err(|error| error.kind.to_string())
     }
 
     #[test]

@@ -3,12 +3,12 @@
 use rt_geometry::{Cone, Cylinder, Frustum, Shape, ShapeError, Sphere};
 use rt_math::{DMat3, DVec3, Frame, Transform};
 
-use super::words::Words;
-use crate::Reason;
-use crate::flaw::Flaw;
+use crate::LoadErrorKind;
+use crate::error::LineError;
+use crate::text::tokenizer::Tokenizer;
 
 /// A shape and where it stands.
-pub(super) struct Solid {
+pub(super) struct PlacedShape {
     pub(super) shape: Shape,
     pub(super) world_from_local: Transform,
     /// The file shows only its inside.
@@ -16,27 +16,27 @@ pub(super) struct Solid {
 }
 
 /// Reads what follows `s`: centre and radius.
-pub(super) fn sphere(words: &mut Words<'_>, line: usize) -> Result<Solid, Flaw> {
-    let centre = DVec3::from(words.numbers("a coordinate of the centre")?);
-    let radius = words.number("the radius of a sphere")?;
-    let sphere = Sphere::new(centre, radius.abs()).map_err(|error| Flaw { line, reason: error.into() })?;
-    Ok(Solid { shape: Shape::Sphere(sphere), world_from_local: Transform::IDENTITY, inside_out: radius < 0.0 })
+pub(super) fn sphere(tokens: &mut Tokenizer<'_>, line: usize) -> Result<PlacedShape, LineError> {
+    let centre = DVec3::from(tokens.numbers("a coordinate of the centre")?);
+    let radius = tokens.number("the radius of a sphere")?;
+    let sphere = Sphere::new(centre, radius.abs()).map_err(|error| LineError { line, kind: error.into() })?;
+    Ok(PlacedShape { shape: Shape::Sphere(sphere), world_from_local: Transform::IDENTITY, inside_out: radius < 0.0 })
 }
 
 /// Reads what follows `c`: the middle and radius of the base, then those of the apex. There are no caps.
-pub(super) fn cone(words: &mut Words<'_>, line: usize) -> Result<Solid, Flaw> {
-    let base = DVec3::from(words.numbers("a coordinate of the base")?);
-    let base_radius = words.number("the radius of the base")?;
-    let apex = DVec3::from(words.numbers("a coordinate of the apex")?);
-    let apex_radius = words.number("the radius of the apex")?;
-    let flaw = |value: String, rule: &str| Err(Flaw::new(line, value, rule));
+pub(super) fn cone(tokens: &mut Tokenizer<'_>, line: usize) -> Result<PlacedShape, LineError> {
+    let base = DVec3::from(tokens.numbers("a coordinate of the base")?);
+    let base_radius = tokens.number("the radius of the base")?;
+    let apex = DVec3::from(tokens.numbers("a coordinate of the apex")?);
+    let apex_radius = tokens.number("the radius of the apex")?;
+    let error = |value: String, rule: &str| Err(LineError::new(line, value, rule));
     let inside_out = base_radius < 0.0 || apex_radius < 0.0;
     if inside_out && (base_radius > 0.0 || apex_radius > 0.0) {
         let rule = "are the radii of one cone: both must have the same sign";
-        return flaw(format!("{base_radius} and {apex_radius}"), rule);
+        return error(format!("{base_radius} and {apex_radius}"), rule);
     }
     if base_radius == 0.0 && apex_radius == 0.0 {
-        return flaw("0 and 0".to_owned(), "are the radii of one cone: one of them must not be 0");
+        return error("0 and 0".to_owned(), "are the radii of one cone: one of them must not be 0");
     }
     let [base_radius, apex_radius] = [base_radius, apex_radius].map(f64::abs);
     // A cone of our own has its tip above.
@@ -47,15 +47,15 @@ pub(super) fn cone(words: &mut Words<'_>, line: usize) -> Result<Solid, Flaw> {
     };
     let axis = top - bottom;
     let Some(up) = axis.try_normalize() else {
-        return flaw(format!("{bottom}"), "is the middle of both ends of a cone: move one of them");
+        return error(format!("{bottom}"), "is the middle of both ends of a cone: move one of them");
     };
     let shape =
-        upright(bottom_radius, top_radius, axis.length()).map_err(|error| Flaw { line, reason: error.into() })?;
+        upright(bottom_radius, top_radius, axis.length()).map_err(|error| LineError { line, kind: error.into() })?;
     // The columns are where x, y and z of the cone point: y along its axis.
     let frame = Frame::from_z(up);
     let place = Transform::from_linear(DMat3::from_cols(frame.y, up, frame.x), bottom);
-    let world_from_local = place.map_err(|error| Flaw { line, reason: Reason::from(error) })?;
-    Ok(Solid { shape, world_from_local, inside_out })
+    let world_from_local = place.map_err(|error| LineError { line, kind: LoadErrorKind::from(error) })?;
+    Ok(PlacedShape { shape, world_from_local, inside_out })
 }
 
 /// The side of a cylinder, cone or frustum that stands on the plane y = 0.
@@ -74,11 +74,11 @@ mod tests {
     use super::*;
     use rt_math::Aabb;
 
-    fn read(text: &str) -> Result<Solid, String> {
-        cone(&mut Words::of(text), 1).map_err(|flaw| flaw.reason.to_string())
+    fn read(text: &str) -> Result<PlacedShape, String> {
+        cone(&mut Tokenizer::words(text), 1).map_err(|error| error.kind.to_string())
     }
 
-    fn bounds(solid: &Solid) -> Aabb {
+    fn bounds(solid: &PlacedShape) -> Aabb {
         solid.world_from_local.aabb(&Shape::bounds(&solid.shape).expect("bounded"))
     }
 

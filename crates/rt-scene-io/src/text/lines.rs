@@ -4,14 +4,14 @@ use std::borrow::Cow;
 
 /// A line with its number in the file, counted from 1, without surrounding white space.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Line<'a> {
-    pub(super) number: usize,
-    pub(super) text: Cow<'a, str>,
+pub(crate) struct Line<'a> {
+    pub(crate) number: usize,
+    pub(crate) text: Cow<'a, str>,
 }
 
 impl Line<'_> {
     /// The first word and the rest, trimmed.
-    pub(super) fn split(&self) -> (&str, &str) {
+    pub(crate) fn split(&self) -> (&str, &str) {
         match self.text.split_once(char::is_whitespace) {
             Some((keyword, rest)) => (keyword, rest.trim_start()),
             None => (&self.text, ""),
@@ -19,14 +19,14 @@ impl Line<'_> {
     }
 
     /// The words after the first, up to a comment.
-    pub(super) fn arguments(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn arguments(&self) -> impl Iterator<Item = &str> {
         self.split().1.split_whitespace().take_while(|word| !word.starts_with('#'))
     }
 }
 
 /// The text of a file: a byte order mark is dropped, the line ends of all systems become `\n`, and bytes that are not
 /// UTF-8 become U+FFFD. The second value is the number of the first line with such bytes.
-pub(super) fn decode(bytes: &[u8]) -> (Cow<'_, str>, Option<usize>) {
+pub(crate) fn decode(bytes: &[u8]) -> (Cow<'_, str>, Option<usize>) {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let bad = std::str::from_utf8(bytes).err().map(|error| {
         let good = &bytes[..error.valid_up_to()];
@@ -37,7 +37,7 @@ pub(super) fn decode(bytes: &[u8]) -> (Cow<'_, str>, Option<usize>) {
 }
 
 /// Lines that are neither empty nor comments; a line that ends in `\` is joined with the next.
-pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
+pub(crate) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let mut physical = text.split('\n').zip(1..);
     std::iter::from_fn(move || {
         loop {

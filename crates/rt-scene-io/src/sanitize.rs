@@ -4,9 +4,9 @@ use std::fmt::{self, Display, Write};
 
 /// Shows a value with its control characters written as escapes such as `\n` and `\u{1b}`: a file may call things by names that
 /// forge messages, or that terminals obey.
-pub(crate) struct OneLine<T>(pub(crate) T);
+pub(crate) struct SingleLine<T>(pub(crate) T);
 
-impl<T: Display> Display for OneLine<T> {
+impl<T: Display> Display for SingleLine<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(Escaped(f), "{}", self.0)
     }
@@ -33,8 +33,8 @@ mod tests {
 
     #[test]
     fn control_characters_are_written_out() {
-        assert_eq!(OneLine("a\nb\u{1b}[2Jc\r").to_string(), "a\\nb\\u{1b}[2Jc\\r");
-        assert_eq!(OneLine("Würfel „1“ \u{9b}x").to_string(), "Würfel „1“ \\u{9b}x");
-        assert_eq!(OneLine("").to_string(), "");
+        assert_eq!(SingleLine("a\nb\u{1b}[2Jc\r").to_string(), "a\\nb\\u{1b}[2Jc\\r");
+        assert_eq!(SingleLine("Würfel „1“ \u{9b}x").to_string(), "Würfel „1“ \\u{9b}x");
+        assert_eq!(SingleLine("").to_string(), "");
     }
 }

@@ -6,7 +6,7 @@ use serde::Deserialize;
 /// A material (glTF 2.0, section 5.19).
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
-pub(super) struct Description {
+pub(super) struct MaterialJson {
     pub(super) pbr_metallic_roughness: MetallicRoughness,
     pub(super) normal_texture: Option<TextureInfo>,
     pub(super) occlusion_texture: Option<TextureInfo>,
@@ -18,7 +18,7 @@ pub(super) struct Description {
     pub(super) extensions: Extensions,
 }
 
-impl Default for Description {
+impl Default for MaterialJson {
     fn default() -> Self {
         Self {
             pbr_metallic_roughness: MetallicRoughness::default(),
@@ -194,7 +194,7 @@ pub(super) struct Extensions {
     pub(super) volume: Option<Volume>,
 }
 
-impl Description {
+impl MaterialJson {
     /// Reads it from a material of the document.
     pub(super) fn of(material: &json::Material) -> Result<Self, serde_json::Error> {
         serde_json::from_value(serde_json::to_value(material)?)
@@ -249,7 +249,7 @@ mod tests {
     #[test]
     fn what_is_left_out_is_what_the_specification_says() {
         let material: json::Material = serde_json::from_str("{}").expect("a material");
-        let description = Description::of(&material).expect("a description");
+        let description = MaterialJson::of(&material).expect("a description");
         assert_eq!(description.pbr_metallic_roughness.metallic_factor, 1.0);
         assert_eq!((description.alpha_mode, description.alpha_cutoff), (AlphaMode::Opaque, 0.5));
         assert!(description.extensions.clearcoat.is_none() && !description.double_sided);
@@ -262,8 +262,8 @@ mod tests {
             "extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatTexture": {"index": 7}},
                 "KHR_materials_ior": {"ior": 1.25}, "KHR_materials_unlit": {}, "KHR_materials_volume": {}}}"#;
         let material: json::Material = serde_json::from_str(text).expect("a material");
-        let Description { alpha_mode, alpha_cutoff, double_sided, normal_texture, extensions, .. } =
-            Description::of(&material).expect("a description");
+        let MaterialJson { alpha_mode, alpha_cutoff, double_sided, normal_texture, extensions, .. } =
+            MaterialJson::of(&material).expect("a description");
         assert_eq!((alpha_mode, alpha_cutoff, double_sided), (AlphaMode::Mask, 0.25, true));
         let normal = normal_texture.expect("a normal map");
         assert_eq!((normal.index, normal.scale, normal.uv_set()), (3, 2.0, 1));

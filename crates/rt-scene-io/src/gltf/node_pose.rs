@@ -3,7 +3,7 @@
 use gltf::{Document, Mesh, Node, scene::Transform as Matrix};
 use rt_math::{DMat3, DQuat, DVec3};
 
-use crate::Reason;
+use crate::LoadErrorKind;
 
 /// What a channel of an animation changes at a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,15 +62,15 @@ impl Pose {
     }
 
     /// Changes a node. A matrix cannot be animated.
-    pub(super) fn set(&mut self, node: usize, property: Property, value: &[f64]) -> Result<(), Reason> {
+    pub(super) fn set(&mut self, node: usize, property: Property, value: &[f64]) -> Result<(), LoadErrorKind> {
         let count = self.nodes.len();
         let rule = || format!("is no node; there are {count}");
-        let posed = self.nodes.get_mut(node).ok_or_else(|| Reason::invalid(node, rule()))?;
+        let posed = self.nodes.get_mut(node).ok_or_else(|| LoadErrorKind::invalid(node, rule()))?;
         let value: Vec<f32> = value.iter().map(|x| *x as f32).collect();
         match (property, &mut posed.matrix) {
             (Property::Weights, _) => posed.weights = Some(value),
             (_, Matrix::Matrix { .. }) => {
-                return Err(Reason::invalid(node, "is a node with a matrix, which cannot be animated"));
+                return Err(LoadErrorKind::invalid(node, "is a node with a matrix, which cannot be animated"));
             }
             (Property::Translation, Matrix::Decomposed { translation, .. }) => translation.copy_from_slice(&value),
             (Property::Rotation, Matrix::Decomposed { rotation, .. }) => rotation.copy_from_slice(&value),

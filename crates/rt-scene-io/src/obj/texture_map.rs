@@ -4,7 +4,7 @@ use rt_shading::{Channel, UvMap};
 
 /// What follows `map_Kd` and its like.
 #[derive(Debug, PartialEq)]
-pub(super) struct Map {
+pub(super) struct TextureMap {
     /// As written, with slashes.
     pub(super) file: String,
     /// Whether the image ends at its edge rather than to repeat.
@@ -46,7 +46,7 @@ enum Arguments {
     Numbers,
 }
 
-impl Map {
+impl TextureMap {
     /// `None` if no file name is left beside the options. Some programs write options after the name.
     pub(super) fn parse(statement: &str) -> Option<Self> {
         let (offset, scale, ignored) = ([0.0; 2], [1.0; 2], Vec::new());
@@ -147,7 +147,7 @@ mod tests {
     use super::*;
 
     fn parsed(statement: &str) -> (String, bool, Vec<String>) {
-        let Map { file, clamp, ignored, .. } = Map::parse(statement).expect("a file name");
+        let TextureMap { file, clamp, ignored, .. } = TextureMap::parse(statement).expect("a file name");
         (file, clamp, ignored)
     }
 
@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn options_may_follow_the_name() {
-        let map = Map::parse("-imfchan r bump map.jpg -bm 1.5 -clamp on").expect("a file name");
+        let map = TextureMap::parse("-imfchan r bump map.jpg -bm 1.5 -clamp on").expect("a file name");
         assert_eq!(
             (map.file.as_str(), map.bump, map.channel, map.clamp),
             ("bump map.jpg", 1.5, Some(Channel::Red), true)
@@ -177,24 +177,24 @@ mod tests {
 
     #[test]
     fn offset_and_scale_move_the_coordinates() {
-        let map = Map::parse("-s 2 3 1 -o 0.5 a.png").expect("a file name");
+        let map = TextureMap::parse("-s 2 3 1 -o 0.5 a.png").expect("a file name");
         assert!(map.has_own_coordinates() && map.ignored.is_empty());
         assert_eq!(map.coordinates().rows, [[2.0, 0.0, 0.5], [0.0, 3.0, 0.0]]);
-        assert!(!Map::parse("-s 1 1 1 -o 0 a.png").expect("a file name").has_own_coordinates());
+        assert!(!TextureMap::parse("-s 1 1 1 -o 0 a.png").expect("a file name").has_own_coordinates());
     }
 
     #[test]
     fn the_height_of_bumps_and_the_channel_are_read() {
-        let map = Map::parse("-bm 0.3 -imfchan g bump.png").expect("a file name");
+        let map = TextureMap::parse("-bm 0.3 -imfchan g bump.png").expect("a file name");
         assert_eq!((map.bump, map.channel), (0.3, Some(Channel::Green)));
-        let map = Map::parse("-bm nan -imfchan l bump.png").expect("a file name");
+        let map = TextureMap::parse("-bm nan -imfchan l bump.png").expect("a file name");
         assert_eq!((map.bump, map.channel), (1.0, None));
     }
 
     #[test]
     fn options_without_a_name() {
-        assert_eq!(Map::parse("-s 1 2 3"), None);
-        assert_eq!(Map::parse("-clamp"), None);
-        assert_eq!(Map::parse(""), None);
+        assert_eq!(TextureMap::parse("-s 1 2 3"), None);
+        assert_eq!(TextureMap::parse("-clamp"), None);
+        assert_eq!(TextureMap::parse(""), None);
     }
 }

@@ -5,7 +5,7 @@ use rt_camera::Projection;
 
 use rt_math::{Aabb, DVec3, Rgb, Transform, transcendental};
 use rt_shading::emitter::Sides;
-use rt_shading::{ColorTexture, Falloff, Highlight, Light, LightKind, LightUnits, Phong, Physical};
+use rt_shading::{ColorTexture, Light, LightKind, Phong, Physical};
 
 use crate::bounds::tree_bounds;
 use crate::format::{self, CameraAnimation, CameraKey, Color, Interpolation, Material, Node, SceneFile, Shape, Step};
@@ -23,7 +23,7 @@ const STOCHASTIC_SPP: u64 = 64;
 /// model does not bring is left open.
 ///
 /// Choices are made for the model `at_rest`, which may be another pose of it.
-pub(crate) fn scene_around(
+pub(crate) fn scene_for_model(
     model: &Model,
     at_rest: &Model,
     reference: &str,
@@ -37,7 +37,7 @@ pub(crate) fn scene_around(
         add_ground(&mut file, &bounds, model);
         notes.push(format!("A ground plane was put under the model, at y = {}.", bounds.min.y));
     }
-    let exposure = options.exposure().unwrap_or_default();
+    let exposure = options.shutter_interval().unwrap_or_default();
     file.cameras = model.cameras.iter().map(|model| camera(model, exposure)).collect();
     file.background.clone_from(&model.background);
     if let Some([width, height]) = model.image_size {
@@ -76,7 +76,7 @@ pub(crate) fn scene_around(
 }
 
 /// True if the box around a model matters to what is chosen for it.
-pub(crate) const fn asks_for_bounds(model: &Model, options: &LoadOptions) -> bool {
+pub(crate) const fn needs_bounds(model: &Model, options: &LoadOptions) -> bool {
     options.ground || (model.is_photometric && !model.lights.is_empty())
 }
 
@@ -169,10 +169,7 @@ fn camera(camera: &NamedCamera, exposure: [f64; 2]) -> format::Camera {
     match camera.settings.projection {
         Projection::Perspective { fov, axis } => {
             written.fov = Some(fov.to_degrees());
-            written.fov_axis = Some(match axis {
-                rt_camera::FovAxis::Vertical => format::FovAxis::Vertical,
-                rt_camera::FovAxis::Horizontal => format::FovAxis::Horizontal,
-            });
+            written.fov_axis = Some(axis.into());
         }
         Projection::Orthographic { height } => written.orthographic = Some(height),
     }
@@ -190,21 +187,14 @@ fn light(light: &Light) -> format::Light {
     let name = light.name.clone();
     let intensity = Color::from_rgb(light.intensity.to_array());
     let casts_shadows = light.casts_shadows;
-    let units = match light.units {
-        LightUnits::Classical => format::LightUnits::Classical,
-        LightUnits::Physical => format::LightUnits::Physical,
-    };
-    let falloff = |falloff| match falloff {
-        Falloff::None => format::Falloff::None,
-        Falloff::InverseSquare => format::Falloff::InverseSquare,
-    };
+    let units = light.units.into();
     match light.kind {
         LightKind::Point { position, falloff: f, lamp_radius } => format::Light::Point {
             name,
             position: position.to_array(),
             intensity,
             units,
-            falloff: falloff(f),
+            falloff: f.into(),
             lamp_radius,
             casts_shadows,
         },
@@ -219,7 +209,7 @@ fn light(light: &Light) -> format::Light {
             outer: transcendental::acos(cos_outer).to_degrees().min(90.0),
             intensity,
             units,
-            falloff: falloff(f),
+            falloff: f.into(),
             casts_shadows,
         },
     }
@@ -237,14 +227,10 @@ pub(crate) fn physical_material(material: &SceneMaterial) -> Option<Material> {
         ColorTexture::Constant(rgb) => Some(Color::from_rgb(rgb.to_array()).into()),
         ColorTexture::Textured(..) => return None,
     };
-    let sides = match shines {
-        Sides::Front => format::Sides::Front,
-        Sides::Both => format::Sides::Both,
-    };
     let is_dark = emission.is_none();
     let written = match physical.as_ref()? {
         Physical::Black => {
-            Material::Light { radiance: emission.unwrap_or(format::ColorTexture::Gray(0.0)), shines: sides }
+            Material::Light { radiance: emission.unwrap_or(format::ColorTexture::Gray(0.0)), shines: (*shines).into() }
         }
         _ if !(is_dark || *shines == Sides::Both) => return None,
         Physical::Diffuse { albedo, roughness } => {
@@ -298,10 +284,7 @@ pub(crate) fn material(phong: &Phong) -> Material {
         diffuse: constant(phong.diffuse),
         specular: constant(phong.specular),
         exponent: Some(phong.exponent),
-        highlight: Some(match phong.highlight {
-            Highlight::Phong => format::Highlight::Phong,
-            Highlight::Blinn => format::Highlight::Blinn,
-        }),
+        highlight: Some(phong.highlight.into()),
         emission: constant(phong.emission),
         mirror: constant(phong.mirror),
         transmission: phong.transmission.and_then(|t| constant(t.coefficient)),
@@ -319,6 +302,7 @@ mod tests {
     use crate::resolve::resolve_with;
     use crate::{Content, Material, MaterialId, Node as SceneNode, Scene};
     use rt_geometry::{Cuboid, Shape};
+    use rt_shading::{Falloff, LightUnits};
     use std::path::Path;
 
     /// A box of side 2 around the origin, lit by these lights.
@@ -338,8 +322,8 @@ mod tests {
     }
 
     fn scene(model: Model, ground: bool) -> Scene {
-        let (mut file, _) = scene_around(&model, &model, "a.glb", &LoadOptions { ground, ..LoadOptions::default() });
-        resolve_with(&mut file, Path::new("a.glb"), &LoadOptions::default(), Some(("a.glb".to_owned(), model))).unwrap()
+        let (file, _) = scene_for_model(&model, &model, "a.glb", &LoadOptions { ground, ..LoadOptions::default() });
+        resolve_with(&file, Path::new("a.glb"), &LoadOptions::default(), Some(("a.glb".to_owned(), model))).unwrap().0
     }
 
     fn point(position: DVec3) -> LightKind {

@@ -1,42 +1,38 @@
 //! Limits on the size of the tree, measured before anyone unfolds it.
 
-use crate::{Content, Group, GroupId, Node, Reason, limits};
+use crate::{Content, Group, GroupId, LoadErrorKind, Node, limits};
 
 /// Depth of a tree and number of objects in it, instances unfolded.
 #[derive(Clone, Copy, Default)]
-struct Size {
+struct TreeSize {
     depth: u64,
     objects: u64,
 }
 
 /// Checks the limits for a tree and the groups that it places, each after those that it contains.
-pub(super) fn check(nodes: &[Node], groups: &[Group]) -> Result<(), Reason> {
+pub(super) fn check(nodes: &[Node], groups: &[Group]) -> Result<(), LoadErrorKind> {
     let mut sizes = Vec::with_capacity(groups.len());
     for group in groups {
         sizes.push(size(&group.nodes, &sizes));
     }
-    let Size { depth, objects } = size(nodes, &sizes);
+    let TreeSize { depth, objects } = size(nodes, &sizes);
     if depth > limits::NODE_DEPTH {
-        Err(Reason::TooLarge {
-            what: "the depth of the tree, instances unfolded,",
-            value: depth,
-            limit: limits::NODE_DEPTH,
-        })
+        Err(LoadErrorKind::too_large("the depth of the tree, instances unfolded,", depth, limits::NODE_DEPTH))
     } else if objects > limits::OBJECTS {
         let what = "the number of objects, instances unfolded,";
-        Err(Reason::TooLarge { what, value: objects, limit: limits::OBJECTS })
+        Err(LoadErrorKind::too_large(what, objects, limits::OBJECTS))
     } else {
         Ok(())
     }
 }
 
-fn size(nodes: &[Node], groups: &[Size]) -> Size {
-    let mut total = Size::default();
+fn size(nodes: &[Node], groups: &[TreeSize]) -> TreeSize {
+    let mut total = TreeSize::default();
     let mut open: Vec<(&Node, u64)> = nodes.iter().map(|node| (node, 1)).collect();
     while let Some((node, depth)) = open.pop() {
         let here = match node.content {
-            None => Size::default(),
-            Some(Content::Shape(_) | Content::Mesh(_)) => Size { depth: 0, objects: 1 },
+            None => TreeSize::default(),
+            Some(Content::Shape(_) | Content::Mesh(_)) => TreeSize { depth: 0, objects: 1 },
             Some(Content::Instance(GroupId(id))) => groups.get(id as usize).copied().unwrap_or_default(),
         };
         total.depth = total.depth.max(depth.saturating_add(here.depth));

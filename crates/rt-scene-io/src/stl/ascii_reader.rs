@@ -19,7 +19,7 @@ pub(super) fn begins_solid(line: &[u8]) -> bool {
 }
 
 /// The lines of a file. Each read gives one line at most; the line that begins a solid is replaced by [`SOLID`].
-pub(super) struct Lines<'a> {
+pub(super) struct AsciiReader<'a> {
     bytes: &'a [u8],
     /// Where the next line begins.
     next: usize,
@@ -29,7 +29,7 @@ pub(super) struct Lines<'a> {
     head: &'static [u8],
 }
 
-impl<'a> Lines<'a> {
+impl<'a> AsciiReader<'a> {
     pub(super) const fn of(bytes: &'a [u8]) -> Self {
         Self { bytes, next: 0, start: 0, head: &[] }
     }
@@ -68,7 +68,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-impl Read for Lines<'_> {
+impl Read for AsciiReader<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if !self.head.is_empty() {
             return self.head.read(buffer);
@@ -86,7 +86,7 @@ impl Read for Lines<'_> {
     }
 }
 
-impl Seek for Lines<'_> {
+impl Seek for AsciiReader<'_> {
     /// Goes back to the beginning of the solid, the one place that the reader asks for.
     fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
         if place != SeekFrom::Start(0) {

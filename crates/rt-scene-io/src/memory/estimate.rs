@@ -11,8 +11,10 @@ use std::fs::{self, File};
 use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use crate::budget::Reservation;
-use crate::{LoadError, LoadOptions, Model, NamedMesh, Node, Reason};
+use super::Reservation;
+use crate::error::ErrorAt;
+use crate::files::read_file;
+use crate::{LoadError, LoadErrorKind, LoadOptions, Model, NamedMesh, Node};
 
 /// A text is looked at in so many places,
 const PIECES: u64 = 32;
@@ -26,7 +28,7 @@ const NODE_BYTES: u64 = 1700;
 const LIST_BYTES: u64 = 1200;
 
 /// A file as far as it is looked at beforehand.
-pub(crate) struct Sample {
+pub(crate) struct FileSample {
     /// Size of the file in bytes.
     pub(crate) size: u64,
     /// Pieces from all over the file, in their order. The first one is its beginning, the others begin with a line if
@@ -34,7 +36,7 @@ pub(crate) struct Sample {
     pieces: Vec<Vec<u8>>,
 }
 
-impl Sample {
+impl FileSample {
     /// `None` for what is no regular file or cannot be read; whoever loads it says why.
     fn of(path: &Path, options: &LoadOptions) -> Option<Self> {
         if let Some(bytes) = options.content_of(path) {
@@ -81,8 +83,8 @@ impl Sample {
 }
 
 /// Sets aside what a scene file takes at its peak: the text, and its nodes as they are written and as they are resolved.
-pub(crate) fn reserve_scene(path: &Path, options: &LoadOptions) -> Result<Reservation, Reason> {
-    let bytes = options.memory.limit().and_then(|_| Sample::of(path, options)).map_or(0, |sample| {
+pub(crate) fn reserve_scene(path: &Path, options: &LoadOptions) -> Result<Reservation, LoadErrorKind> {
+    let bytes = options.memory.limit().and_then(|_| FileSample::of(path, options)).map_or(0, |sample| {
         let [nodes, lists] = sample.over_lines(elements);
         sample.size * 27 / 10 + NODE_BYTES * nodes + LIST_BYTES * lists
     });
@@ -107,21 +109,22 @@ fn elements(line: &[u8]) -> [u64; 2] {
     [records, lists]
 }
 
-/// Loads a model if the budget has room for the peak that is foreseen; what is left in the end is kept there.
-pub(crate) fn within(
+/// Reads and loads a model if the budget has room for its estimated peak, and charges the budget for the result.
+pub(crate) fn load_within_budget(
     path: &Path,
     options: &LoadOptions,
-    peak: impl FnOnce(&Sample) -> u64,
-    load: impl FnOnce() -> Result<Model, LoadError>,
+    peak: impl FnOnce(&FileSample) -> u64,
+    load: impl FnOnce(Vec<u8>) -> Result<Model, LoadError>,
 ) -> Result<Model, LoadError> {
-    let Some(sample) = options.memory.limit().and_then(|_| Sample::of(path, options)) else { return load() };
+    let load = || load(read_file(path, options).at(path, "")?);
+    let Some(sample) = options.memory.limit().and_then(|_| FileSample::of(path, options)) else { return load() };
     let what = format!("the model {}", path.display());
     let peak = peak(&sample);
     drop(sample);
-    let loading = options.memory.reserve(&what, peak).map_err(|reason| reason.at(path, ""))?;
+    let loading = options.memory.reserve(&what, peak).at(path, "")?;
     let model = load()?;
     drop(loading);
-    options.memory.keep(&what, memory(&model)).map_err(|reason| reason.at(path, ""))?;
+    options.memory.keep(&what, memory(&model)).at(path, "")?;
     Ok(model)
 }
 
@@ -148,10 +151,10 @@ pub(crate) fn tree_bytes(nodes: &[Node]) -> u64 {
 mod tests {
     use super::*;
 
-    fn sample(content: &str) -> Sample {
+    fn sample(content: &str) -> FileSample {
         let file = tempfile::NamedTempFile::new().expect("a file");
         fs::write(file.path(), content).expect("written");
-        Sample::of(file.path(), &LoadOptions::default()).expect("a regular file")
+        FileSample::of(file.path(), &LoadOptions::default()).expect("a regular file")
     }
 
     #[test]
@@ -189,7 +192,7 @@ mod tests {
 
     #[test]
     fn what_is_no_file_has_no_sample() {
-        let of = |path: &str| Sample::of(Path::new(path), &LoadOptions::default());
+        let of = |path: &str| FileSample::of(Path::new(path), &LoadOptions::default());
         assert!(of("/nonexistent").is_none() && of("/").is_none());
         assert_eq!(sample("").over_lines(|_| [1]), [0]);
     }

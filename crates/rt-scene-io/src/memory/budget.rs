@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::{MemoryError, Reason};
+use crate::{LoadErrorKind, MemoryError};
 
 /// Bytes of memory that loading may take: of what is loaded, and of what that needs on the way. The default is no limit.
 ///
@@ -21,12 +21,12 @@ pub struct MemoryBudget(Option<Arc<Account>>);
 #[derive(Debug)]
 struct Account {
     limit: u64,
-    entries: Mutex<Entries>,
+    entries: Mutex<AccountEntries>,
 }
 
 /// What is held now, by number.
 #[derive(Debug, Default)]
-struct Entries {
+struct AccountEntries {
     held: u64,
     next: u64,
     list: BTreeMap<u64, (String, u64)>,
@@ -56,12 +56,12 @@ impl MemoryBudget {
     }
 
     /// Sets bytes aside. `what` finishes the sentence "most of it is for ...".
-    pub(crate) fn reserve(&self, what: impl Display, bytes: u64) -> Result<Reservation, Reason> {
+    pub(crate) fn reserve(&self, what: impl Display, bytes: u64) -> Result<Reservation, LoadErrorKind> {
         let Some(account) = &self.0 else { return Ok(Reservation { account: None }) };
         let mut entries = account.entries();
         let predicted = entries.held.saturating_add(bytes);
         if predicted > account.limit {
-            return Err(entries.shortage(&what, bytes, account.limit));
+            return Err(entries.exceeded(&what, bytes, account.limit));
         }
         let number = entries.next;
         entries.next += 1;
@@ -72,25 +72,25 @@ impl MemoryBudget {
     }
 
     /// Asks whether so many bytes are left, without setting them aside.
-    pub(crate) fn check(&self, what: impl Display, bytes: u64) -> Result<(), Reason> {
+    pub(crate) fn check(&self, what: impl Display, bytes: u64) -> Result<(), LoadErrorKind> {
         self.reserve(what, bytes).map(drop)
     }
 
     /// Sets bytes aside for as long as the budget lasts.
-    pub(crate) fn keep(&self, what: impl Display, bytes: u64) -> Result<(), Reason> {
+    pub(crate) fn keep(&self, what: impl Display, bytes: u64) -> Result<(), LoadErrorKind> {
         // The entry stays, as nobody is left to take it out.
         self.reserve(what, bytes).map(|mut reservation| reservation.account = None)
     }
 }
 
 impl Account {
-    fn entries(&self) -> std::sync::MutexGuard<'_, Entries> {
+    fn entries(&self) -> std::sync::MutexGuard<'_, AccountEntries> {
         self.entries.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Entries {
-    fn shortage(&self, what: &impl Display, bytes: u64, budget: u64) -> Reason {
+impl AccountEntries {
+    fn exceeded(&self, what: &impl Display, bytes: u64, budget: u64) -> LoadErrorKind {
         let largest = self.list.values().max_by_key(|(_, bytes)| *bytes).filter(|(_, most)| *most > bytes);
         let (largest, most) = largest.cloned().unwrap_or_else(|| (what.to_string(), bytes));
         MemoryError { predicted: self.held.saturating_add(bytes), budget, largest, most }.into()

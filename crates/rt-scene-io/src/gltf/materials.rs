@@ -10,31 +10,31 @@ use rt_shading::{
 
 use super::{
     buffers::Buffers,
-    description::{AlphaMode, Description, SpecularGlossiness, TextureInfo},
-    material::{Base, Surface, Tint, Value},
-    primitive::Wants,
-    textures::{Pixels, Textures, UvSets, image_texture, push},
+    material_json::{AlphaMode, MaterialJson, SpecularGlossiness, TextureInfo},
+    primitive::RequiredAttributes,
+    surface::{Base, ColorFactor, FloatFactor, GltfSurface},
+    textures::{GltfTextures, PixelEncoding, UvSets, image_texture},
 };
-use crate::{LoadError, LoadOptions, MaterialId, Model, Reason, Warning};
+use crate::{LoadError, LoadErrorKind, LoadOptions, MaterialId, Model};
 
 /// A material as primitives need it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct UsedMaterial {
     pub(super) id: MaterialId,
     /// What the meshes must have for it.
-    pub(super) wants: Wants,
+    pub(super) required_attributes: RequiredAttributes,
 }
 
 /// The materials and textures of a document.
-pub(super) struct Appearance<'a> {
-    textures: Textures<'a>,
+pub(super) struct MaterialReader<'a> {
+    textures: GltfTextures<'a>,
     /// By index, and whether meshes bring colours.
     materials: HashMap<(Option<usize>, bool), UsedMaterial>,
 }
 
-impl<'a> Appearance<'a> {
+impl<'a> MaterialReader<'a> {
     pub(super) fn new(document: &'a Document, buffers: &'a Buffers<'a>, options: &'a LoadOptions) -> Self {
-        Self { textures: Textures::new(document, buffers, options), materials: HashMap::new() }
+        Self { textures: GltfTextures::new(document, buffers, options), materials: HashMap::new() }
     }
 
     /// The material of a primitive, which has colours at its vertices or not.
@@ -49,37 +49,43 @@ impl<'a> Appearance<'a> {
             return Ok(known);
         }
         let description = self.description(material)?;
-        let wants = wants(&description, has_colors);
+        let required_attributes = required_attributes(&description, has_colors);
         let place = match (material.name(), material.index()) {
             (Some(name), _) => format!("material `{name}`"),
             (None, index) => format!("materials[{}]", index.unwrap_or(0)),
         };
-        let uses_other_sets = description.textures().any(|texture| !wants.uv_sets.contains(&Some(texture.uv_set())));
-        let mut reader = Reader { textures: &mut self.textures, sets: wants.uv_sets, has_colors, place: &place, model };
+        let uses_other_sets =
+            description.textures().any(|texture| !required_attributes.uv_sets.contains(&Some(texture.uv_set())));
+        let mut reader = MaterialBuilder {
+            textures: &mut self.textures,
+            sets: required_attributes.uv_sets,
+            has_colors,
+            place: &place,
+            model,
+        };
         if uses_other_sets {
             reader.warn("its textures read more than two sets of coordinates; the others are read at the first");
         }
         let name = material.name().unwrap_or(if material.index().is_some() { "unnamed" } else { "default" });
         let named = reader.material(name, &description)?;
-        let id = MaterialId(model.materials.len() as u32);
-        model.materials.push(named);
-        let used = UsedMaterial { id, wants };
+        let id = model.add_material(named);
+        let used = UsedMaterial { id, required_attributes };
         self.materials.insert(key, used);
         Ok(used)
     }
 
-    fn description(&self, material: &Material<'_>) -> Result<Description, LoadError> {
-        let Some(index) = material.index() else { return Ok(Description::default()) };
+    fn description(&self, material: &Material<'_>) -> Result<MaterialJson, LoadError> {
+        let Some(index) = material.index() else { return Ok(MaterialJson::default()) };
         let json = &self.textures.document.as_json().materials[index];
         let refuse = |error: serde_json::Error| {
-            Reason::Syntax(error.to_string()).at(self.textures.path(), format!("materials[{index}]"))
+            LoadErrorKind::Syntax(error.to_string()).at(self.textures.path(), format!("materials[{index}]"))
         };
-        Description::of(json).map_err(refuse)
+        MaterialJson::of(json).map_err(refuse)
     }
 }
 
 /// What meshes must have for a material: up to two sets of texture coordinates, in the order of its textures.
-fn wants(description: &Description, has_colors: bool) -> Wants {
+fn required_attributes(description: &MaterialJson, has_colors: bool) -> RequiredAttributes {
     let mut uv_sets: UvSets = [None; 2];
     for set in description.textures().map(|texture| Some(texture.uv_set())) {
         if !uv_sets.contains(&set)
@@ -91,12 +97,12 @@ fn wants(description: &Description, has_colors: bool) -> Wants {
     let tangents = description.normals().is_some() || description.extensions.anisotropy.is_some();
     let along = description.normals().map(|texture| Some(texture.uv_set()));
     let along = uv_sets.iter().position(|set| Some(*set) == along).unwrap_or(0);
-    Wants { uv_sets, along, colors: has_colors, tangents }
+    RequiredAttributes { uv_sets, along, colors: has_colors, tangents }
 }
 
 /// Reads one material.
-struct Reader<'r, 'a> {
-    textures: &'r mut Textures<'a>,
+struct MaterialBuilder<'r, 'a> {
+    textures: &'r mut GltfTextures<'a>,
     sets: UvSets,
     has_colors: bool,
     /// For messages.
@@ -104,12 +110,12 @@ struct Reader<'r, 'a> {
     model: &'r mut Model,
 }
 
-impl Reader<'_, '_> {
+impl MaterialBuilder<'_, '_> {
     fn warn(&mut self, message: &str) {
-        self.model.warnings.push(Warning { place: self.place.to_owned(), message: message.to_owned() });
+        self.model.warn(self.place, message);
     }
 
-    fn material(&mut self, name: &str, description: &Description) -> Result<Named, LoadError> {
+    fn material(&mut self, name: &str, description: &MaterialJson) -> Result<Named, LoadError> {
         let surface = self.surface(description)?;
         let shines = if description.double_sided { Sides::Both } else { Sides::Front };
         let mut named = Named { physical: Some(surface.physical()), ..Named::new(name.to_owned(), surface.phong()) };
@@ -125,12 +131,12 @@ impl Reader<'_, '_> {
         Ok(named)
     }
 
-    fn surface(&mut self, description: &Description) -> Result<Surface, LoadError> {
+    fn surface(&mut self, description: &MaterialJson) -> Result<GltfSurface, LoadError> {
         let (pbr, all) = (&description.pbr_metallic_roughness, &description.extensions);
         let strength = all.emissive_strength.as_ref().map_or(1.0, |extension| extension.emissive_strength);
         let emissive = rgb(description.emissive_factor) * f64::from(strength.max(0.0));
         let metal_rough = pbr.metallic_roughness_texture.as_ref();
-        let mut surface = Surface {
+        let mut surface = GltfSurface {
             base: Base::MetallicRoughness {
                 color: self.tinted(pbr.base_color_texture.as_ref(), opaque(pbr.base_color_factor))?,
                 metallic: self.value(metal_rough, Channel::Blue, pbr.metallic_factor)?,
@@ -138,7 +144,7 @@ impl Reader<'_, '_> {
             },
             emission: self.tint(description.emissive_texture.as_ref(), emissive)?,
             unlit: all.unlit.is_some(),
-            ..Surface::default()
+            ..GltfSurface::default()
         };
         if surface.unlit {
             return Ok(surface);
@@ -161,7 +167,7 @@ impl Reader<'_, '_> {
     }
 
     /// What lies over the base.
-    fn read_layers(&mut self, description: &Description, surface: &mut Surface) -> Result<(), LoadError> {
+    fn read_layers(&mut self, description: &MaterialJson, surface: &mut GltfSurface) -> Result<(), LoadError> {
         let all = &description.extensions;
         if let Some(specular) = &all.specular {
             surface.specular =
@@ -184,13 +190,13 @@ impl Reader<'_, '_> {
             let texture = anisotropy.anisotropy_texture.as_ref();
             surface.anisotropy = self.value(texture, Channel::Blue, anisotropy.anisotropy_strength)?;
             surface.anisotropy_rotation = f64::from(anisotropy.anisotropy_rotation);
-            surface.anisotropy_direction = self.texture(texture, Pixels::Numbers)?;
+            surface.anisotropy_direction = self.texture(texture, PixelEncoding::Numbers)?;
         }
         Ok(())
     }
 
     /// What lies behind the surface.
-    fn read_body(&mut self, description: &Description, surface: &mut Surface) -> Result<(), LoadError> {
+    fn read_body(&mut self, description: &MaterialJson, surface: &mut GltfSurface) -> Result<(), LoadError> {
         let all = &description.extensions;
         if let Some(transmission) = &all.transmission {
             let texture = transmission.transmission_texture.as_ref();
@@ -219,32 +225,36 @@ impl Reader<'_, '_> {
             mean_specular: specular_factor,
         };
         let Some(info) = shine else { return Ok(base) };
-        let Some(shine) = self.textures.bitmap(info, Pixels::Colours, self.place, self.model)? else { return Ok(base) };
+        let Some(shine) = self.textures.bitmap(info, PixelEncoding::Colors, self.place, self.model)? else {
+            return Ok(base);
+        };
         let matt = match &other.diffuse_texture {
-            Some(info) => self.textures.bitmap(info, Pixels::Colours, self.place, self.model)?,
+            Some(info) => self.textures.bitmap(info, PixelEncoding::Colors, self.place, self.model)?,
             None => None,
         };
         let matt = matt.unwrap_or_else(|| Arc::new(Bitmap::opaque(1, 1, vec![[1.0; 3]])));
         let bitmap = sum_of(&matt, diffuse_factor, &shine, specular_factor);
         self.textures.count(&bitmap)?;
         let sampler = self.textures.document.textures().nth(info.index).map(|texture| texture.sampler());
-        let id = push(image_texture(Arc::new(bitmap), sampler.as_ref()), self.model);
+        let id = self.model.add_texture(image_texture(Arc::new(bitmap), sampler.as_ref()));
         if let Base::SpecularGlossiness { color, mean_specular, .. } = &mut base {
-            *color = Tint { texture: Some(id), colour: Rgb::WHITE };
+            *color = ColorFactor { texture: Some(id), colour: Rgb::WHITE };
             *mean_specular = specular_factor * mean(&shine);
         }
         Ok(base)
     }
 
     /// Glossiness stands in the alpha of an image of colours.
-    fn glossiness(&mut self, info: Option<&TextureInfo>, factor: f32) -> Result<Value, LoadError> {
+    fn glossiness(&mut self, info: Option<&TextureInfo>, factor: f32) -> Result<FloatFactor, LoadError> {
         let factor = f64::from(factor).clamp(0.0, 1.0);
-        let Some(texture) = self.texture(info, Pixels::Colours)? else { return Ok(Value::constant(factor)) };
+        let Some(texture) = self.texture(info, PixelEncoding::Colors)? else {
+            return Ok(FloatFactor::constant(factor));
+        };
         let alpha = self.model.textures[texture.0 as usize].bitmap().map_or(1.0, |bitmap| mean_alpha(bitmap));
-        Ok(Value { scalar: FloatTexture::Textured(texture, Channel::Alpha, factor), mean: factor * alpha })
+        Ok(FloatFactor { scalar: FloatTexture::Textured(texture, Channel::Alpha, factor), mean: factor * alpha })
     }
 
-    fn coverage(&mut self, description: &Description, surface: &Surface) -> Result<Coverage, LoadError> {
+    fn coverage(&mut self, description: &MaterialJson, surface: &GltfSurface) -> Result<Coverage, LoadError> {
         let gloss = description.extensions.specular_glossiness.as_ref().filter(|_| !surface.unlit);
         let pbr = &description.pbr_metallic_roughness;
         let (info, factor) = match gloss {
@@ -256,7 +266,7 @@ impl Reader<'_, '_> {
             AlphaMode::Mask => Alpha::Mask(f64::from(description.alpha_cutoff)),
             AlphaMode::Blend => Alpha::Blend,
         };
-        let texture = if alpha == Alpha::Opaque { None } else { self.texture(info, Pixels::Colours)? };
+        let texture = if alpha == Alpha::Opaque { None } else { self.texture(info, PixelEncoding::Colors)? };
         let texture = texture
             .filter(|id| self.model.textures[id.0 as usize].bitmap().is_some_and(|bitmap| !bitmap.alpha.is_empty()));
         let factor = f64::from(factor).clamp(0.0, 1.0);
@@ -271,7 +281,7 @@ impl Reader<'_, '_> {
     /// Occlusion is 1 + strength · (texture − 1): a texture of its own says that with one factor.
     fn occlusion(&mut self, info: &TextureInfo) -> Result<FloatTexture, LoadError> {
         let whole = FloatTexture::Constant(1.0);
-        let Some(texture) = self.texture(Some(info), Pixels::Numbers)? else { return Ok(whole) };
+        let Some(texture) = self.texture(Some(info), PixelEncoding::Numbers)? else { return Ok(whole) };
         let strength = info.strength.clamp(0.0, 1.0);
         if strength == 1.0 {
             return Ok(FloatTexture::Textured(texture, Channel::Red, 1.0));
@@ -294,10 +304,10 @@ impl Reader<'_, '_> {
         if let Some(bitmap) = texture.bitmap() {
             self.textures.count(bitmap)?;
         }
-        Ok(FloatTexture::Textured(push(texture, self.model), Channel::Red, 1.0))
+        Ok(FloatTexture::Textured(self.model.add_texture(texture), Channel::Red, 1.0))
     }
 
-    fn texture(&mut self, info: Option<&TextureInfo>, pixels: Pixels) -> Result<Option<TextureId>, LoadError> {
+    fn texture(&mut self, info: Option<&TextureInfo>, pixels: PixelEncoding) -> Result<Option<TextureId>, LoadError> {
         match info {
             Some(info) => self.textures.texture(info, pixels, self.sets, self.place, self.model),
             None => Ok(None),
@@ -306,35 +316,37 @@ impl Reader<'_, '_> {
 
     fn relief(&mut self, info: Option<&TextureInfo>) -> Result<Option<Relief>, LoadError> {
         let scale = info.map_or(1.0, |info| f64::from(info.scale));
-        Ok(self.texture(info, Pixels::Numbers)?.map(|texture| Relief { texture, scale }))
+        Ok(self.texture(info, PixelEncoding::Numbers)?.map(|texture| Relief { texture, scale }))
     }
 
-    fn tint(&mut self, info: Option<&TextureInfo>, colour: Rgb) -> Result<Tint, LoadError> {
-        let texture = if colour.is_black() { None } else { self.texture(info, Pixels::Colours)? };
-        Ok(Tint { texture, colour })
+    fn tint(&mut self, info: Option<&TextureInfo>, colour: Rgb) -> Result<ColorFactor, LoadError> {
+        let texture = if colour.is_black() { None } else { self.texture(info, PixelEncoding::Colors)? };
+        Ok(ColorFactor { texture, colour })
     }
 
     /// A colour that the colours of vertices multiply, if there are any.
-    fn tinted(&mut self, info: Option<&TextureInfo>, colour: Rgb) -> Result<Tint, LoadError> {
+    fn tinted(&mut self, info: Option<&TextureInfo>, colour: Rgb) -> Result<ColorFactor, LoadError> {
         let tint = self.tint(info, colour)?;
         if !self.has_colors || colour.is_black() {
             return Ok(tint);
         }
         let below = tint.texture.map(|id| Arc::new(self.model.textures[id.0 as usize].clone()));
-        Ok(Tint { texture: Some(push(Texture::VertexColor(below), self.model)), colour })
+        Ok(ColorFactor { texture: Some(self.model.add_texture(Texture::VertexColor(below))), colour })
     }
 
-    fn value(&mut self, info: Option<&TextureInfo>, channel: Channel, factor: f32) -> Result<Value, LoadError> {
+    fn value(&mut self, info: Option<&TextureInfo>, channel: Channel, factor: f32) -> Result<FloatFactor, LoadError> {
         let factor = f64::from(factor).clamp(0.0, 1.0);
         let info = info.filter(|_| factor > 0.0);
-        let Some(texture) = self.texture(info, Pixels::Numbers)? else { return Ok(Value::constant(factor)) };
+        let Some(texture) = self.texture(info, PixelEncoding::Numbers)? else {
+            return Ok(FloatFactor::constant(factor));
+        };
         let mean = self.model.textures[texture.0 as usize].bitmap().map_or(1.0, |bitmap| match channel {
             Channel::Red => mean(bitmap).r,
             Channel::Green => mean(bitmap).g,
             Channel::Blue => mean(bitmap).b,
             Channel::Alpha => mean_alpha(bitmap),
         });
-        Ok(Value { scalar: FloatTexture::Textured(texture, channel, factor), mean: factor * mean })
+        Ok(FloatFactor { scalar: FloatTexture::Textured(texture, channel, factor), mean: factor * mean })
     }
 }
 
