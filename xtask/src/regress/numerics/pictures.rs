@@ -14,38 +14,17 @@ use rt_shading::{
     Wrap,
 };
 
-use super::{Case, Conditions, Fallible, Found, Tally};
+use super::{Case, Conditions, Fallible, Found, Tally, cases};
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "S36",
-        title: "a smooth ball of 8×8 facets, lit from 80° aside",
-        expected: "Lambert's phase function, no dark facet",
-        tolerance: "2 %",
-        run: terminator,
-    },
-    Case {
-        id: "S47",
-        title: "all structures × all scene files (one-picture does it with the program)",
-        expected: "one checksum",
-        tolerance: "bits",
-        run: one_checksum,
-    },
-    Case {
-        id: "S70",
-        title: "texels that are NaN",
-        expected: "each sample of them counted and black, no other",
-        tolerance: "exact",
-        run: nan_texels,
-    },
-    Case {
-        id: "S71",
-        title: "images of 1×1, 1×65536 and 65536×1 pixels",
-        expected: "each pixel the same, alone or together, on any threads",
-        tolerance: "bits",
-        run: extreme_sizes,
-    },
-];
+cases! {
+    "S36", "a smooth ball of 8×8 facets, lit from 80° aside",
+        "Lambert's phase function, no dark facet", "2 %", terminator;
+    "S47", "all structures × all scene files (one-picture does it with the program)",
+        "one checksum", "bits", one_checksum;
+    "S70", "texels that are NaN", "each sample of them counted and black, no other", "exact", nan_texels;
+    "S71", "images of 1×1, 1×65536 and 65536×1 pixels",
+        "each pixel the same, alone or together, on any threads", "bits", extreme_sizes;
+}
 
 /// An orthographic view along −z of a square 2 units high, one sample in the middle of each pixel.
 fn facing(width: u32, height: u32, node: Node, phong: Phong) -> Scene {

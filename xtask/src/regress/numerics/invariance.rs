@@ -1,13 +1,13 @@
 //! Scenes in another size and another place.
 //!
-//! A thousandth of a number is rounded, so a scene at scale 10⁻³ is not quite the same scene. Most pixels do not see it.
-//! Two kinds do, in any program: those where a ray goes from small ball to small ball, as each mirror multiplies what
-//! rounding did before it by twice the distance over the radius, and those where a sample lies within rounding of an edge.
-//! Which pixels these are is found without what is under test: in the scene where it stands, larger and smaller by a few
-//! units in the last place ([`ULPS`]). The greatest change of a pixel over these is its *spread*. A pixel that is off by
-//! more than [`LIMIT`] has failed, unless it is off by no more than [`SPREADS`] times its spread; then it is counted as
-//! ill-conditioned and told with the result. More than one of these in [`PIXELS_OF_ONE`] pixels fail as a whole, or a
-//! renderer that decides by chance would pass.
+//! A thousandth of a number is rounded, so a scene at scale 10⁻³ is not quite the same scene. Most pixels do not
+//! change. Two kinds do in any program. Where a ray goes from small sphere to small sphere, each mirror multiplies
+//! earlier rounding by twice the distance over the radius. Elsewhere a sample lies within rounding of an edge.
+//! Such pixels are found without the code under test: in the unmoved scene, larger and smaller by a few units in the
+//! last place ([`ULPS`]). The maximum change of a pixel over these is its *spread*. A pixel that is off by more than
+//! [`LIMIT`] fails, unless it is off by at most [`SPREADS`] times its spread. Then it counts as ill-conditioned and is
+//! reported. More than one of these in [`PIXELS_OF_ONE`] pixels is a failure, or a renderer with random results would
+//! pass.
 
 use rayon::prelude::*;
 use rt_math::{DVec3, Rgb, Transform};
@@ -16,15 +16,13 @@ use rt_scene_io::Scene;
 use rt_shading::LightKind;
 use rt_tests::moved;
 
-use super::{Case, Conditions, Fallible, Found, Tally, pictures::small};
+use super::{Case, Conditions, Fallible, Found, Tally, cases, pictures::small};
 
-pub(super) const CASES: &[Case] = &[Case {
-    id: "S80",
-    title: "scene files scaled by 1e-3…1e3 and moved by 1e6",
-    expected: "the same radiance; at most 1 pixel in 1e5 ill-conditioned",
-    tolerance: "1e-9 abs, ill-conditioned 4 × what ±4 ulp of scale do",
-    run: invariance,
-}];
+cases! {
+    "S80", "scene files scaled by 1e-3…1e3 and moved by 1e6",
+        "the same radiance; at most 1 pixel in 1e5 ill-conditioned",
+        "1e-9 abs, ill-conditioned 4 × what ±4 ulp of scale do", invariance;
+}
 
 /// Greatest difference of the radiance in any component.
 const LIMIT: f64 = 1e-9;
@@ -38,7 +36,7 @@ const SPREADS: f64 = 4.0;
 /// One of so many pixels may be ill-conditioned.
 const PIXELS_OF_ONE: u64 = 100_000;
 
-/// How a pixel compares with the same one of the scene as it was.
+/// Comparison of a pixel with the same pixel of the unchanged scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Verdict {
     Same,

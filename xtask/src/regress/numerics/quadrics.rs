@@ -4,67 +4,29 @@ use rt_geometry::{Cylinder, DoubleCone, InfiniteCylinder, InteractionFlags, Shap
 use rt_math::{DVec3, Interval, Ray, transcendental::sincos};
 use rt_tests::Draw;
 
-use super::{Case, Conditions, FOUR_U, Found, Tally, Tolerance};
+use super::{Case, Conditions, FOUR_U, Found, Tally, Tolerance, cases};
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "S16",
-        title: "cylinders from afar, thin, and nearly along the axis",
-        expected: "999999.133974596218 and others",
-        tolerance: "4u",
-        run: far_cylinders,
-    },
-    Case {
-        id: "S17",
-        title: "rays parallel to a cylinder's axis",
-        expected: "caps to and including the rim; sides never",
-        tolerance: "bits",
-        run: along_the_axis,
-    },
-    Case {
-        id: "S18",
-        title: "rays at a cylinder's rim, between side and cap",
-        expected: "one hit, there",
-        tolerance: "0 leaks",
-        run: rim,
-    },
-    Case {
-        id: "S19",
-        title: "a ray along a cone's generator",
-        expected: "t = 1.03125 alone",
-        tolerance: "bits",
-        run: |_| cone(1.0, [-3.0, 0.5, 1.0], [1.0, 0.0, 1.0], &[1.03125], Tolerance::Bits),
-    },
-    Case {
-        id: "S20",
-        title: "a ray nearly along a cone's generator",
-        expected: "1.031249937572287, −33554432.03125",
-        tolerance: "4u",
-        run: |_| {
+cases! {
+    "S16", "cylinders from afar, thin, and nearly along the axis",
+        "999999.133974596218 and others", "4u", far_cylinders;
+    "S17", "rays parallel to a cylinder's axis", "caps to and including the rim; sides never", "bits", along_the_axis;
+    "S18", "rays at a cylinder's rim, between side and cap", "one hit, there", "0 leaks", rim;
+    "S19", "a ray along a cone's generator",
+        "t = 1.03125 alone", "bits", |_| cone(1.0, [-3.0, 0.5, 1.0], [1.0, 0.0, 1.0], &[1.03125], Tolerance::Bits);
+    "S20", "a ray nearly along a cone's generator", "1.031249937572287, −33554432.03125", "4u",
+        |_| {
             let direction = [1.0, 0.0, 1.0 + 1.0 / 8_388_608.0];
             let roots = [-33_554_432.031_25, 1.031_249_937_572_287_4];
             cone(1.0, [-3.0, 0.5, 1.0], direction, &roots, FOUR_U)
-        },
-    },
-    Case {
-        id: "S21",
-        title: "rays through the apex of a double cone",
-        expected: "one t, a finite normal against the ray",
-        tolerance: "4u",
-        run: apex,
-    },
-    Case {
-        id: "S22",
-        title: "a thin cone of slope 1e-4, and one from afar",
-        expected: "0.9999, 1.0001; 999999.031754163",
-        tolerance: "4u",
-        run: |_| {
+        };
+    "S21", "rays through the apex of a double cone", "one t, a finite normal against the ray", "4u", apex;
+    "S22", "a thin cone of slope 1e-4, and one from afar", "0.9999, 1.0001; 999999.031754163", "4u",
+        |_| {
             let thin = cone(1e-4, [-1.0, 0.0, 1.0], [1.0, 0.0, 0.0], &[0.9999, 1.0001], FOUR_U)?;
             let roots = [999_999.031_754_163_4, 1_000_000.968_245_836_6];
             Ok(thin.and(cone(1.0, [-1e6, 0.25, 1.0], [1.0, 0.0, 0.0], &roots, FOUR_U)?))
-        },
-    },
-];
+        };
+}
 
 const EVERYWHERE: Interval = Interval::new(f64::NEG_INFINITY, f64::INFINITY);
 

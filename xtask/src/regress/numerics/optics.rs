@@ -13,73 +13,20 @@ use rt_shading::{
 };
 use rt_tests::{Draw, ShapeSet};
 
-use super::{Case, Conditions, Found, Tally, Tolerance};
+use super::{Case, Conditions, Found, Tally, Tolerance, cases};
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "S49",
-        title: "a sphere of glass as dense as air",
-        expected: "the picture without it",
-        tolerance: "bits",
-        run: null_glass,
-    },
-    Case {
-        id: "S50",
-        title: "overlapping bodies of equal density",
-        expected: "seen as one body",
-        tolerance: "bits",
-        run: one_body,
-    },
-    Case {
-        id: "S51",
-        title: "the critical angle of glass ± 1e-12",
-        expected: "1 − R in [0, 2e-5), no NaN",
-        tolerance: "2e-5 abs",
-        run: critical_angle,
-    },
-    Case {
-        id: "S52",
-        title: "Brewster's angle of glass",
-        expected: "nothing of parallel light is reflected",
-        tolerance: "1e-30 abs",
-        run: brewster,
-    },
-    Case {
-        id: "S53",
-        title: "η = 1e3 and 1e-3, straight on",
-        expected: "F = 0.9960079880",
-        tolerance: "1e-10 abs",
-        run: extreme_density,
-    },
-    Case {
-        id: "S54",
-        title: "through a plate at 45° and a ball at 30°",
-        expected: "shift 0.3291423082, deviation 21.0575587310°",
-        tolerance: "1e-10 abs",
-        run: paths,
-    },
-    Case {
-        id: "S55",
-        title: "a plate with all its inner reflections",
-        expected: "R = 0.0769230769, T = 0.9230769231",
-        tolerance: "1e-10 abs",
-        run: plate,
-    },
-    Case {
-        id: "S56",
-        title: "1000 bounces in a box of mirrors of 0.999",
-        expected: "0.3676954248",
-        tolerance: "1e-12 abs",
-        run: mirror_box,
-    },
-    Case {
-        id: "S57",
-        title: "facing mirrors at 89.9999°, 1e4 deep",
-        expected: "the depth is reached, reported, and no more",
-        tolerance: "–",
-        run: facing_mirrors,
-    },
-];
+cases! {
+    "S49", "a sphere of glass as dense as air", "the picture without it", "bits", null_glass;
+    "S50", "overlapping bodies of equal density", "seen as one body", "bits", one_body;
+    "S51", "the critical angle of glass ± 1e-12", "1 − R in [0, 2e-5), no NaN", "2e-5 abs", critical_angle;
+    "S52", "Brewster's angle of glass", "nothing of parallel light is reflected", "1e-30 abs", brewster;
+    "S53", "η = 1e3 and 1e-3, straight on", "F = 0.9960079880", "1e-10 abs", extreme_density;
+    "S54", "through a plate at 45° and a ball at 30°",
+        "shift 0.3291423082, deviation 21.0575587310°", "1e-10 abs", paths;
+    "S55", "a plate with all its inner reflections", "R = 0.0769230769, T = 0.9230769231", "1e-10 abs", plate;
+    "S56", "1000 bounces in a box of mirrors of 0.999", "0.3676954248", "1e-12 abs", mirror_box;
+    "S57", "facing mirrors at 89.9999°, 1e4 deep", "the depth is reached, reported, and no more", "–", facing_mirrors;
+}
 
 const GLASS: f64 = 1.5;
 const WHITE: ColorTexture = ColorTexture::Constant(Rgb::WHITE);
@@ -104,7 +51,7 @@ fn glow(radiance: f64) -> Phong {
     Phong { emission: ColorTexture::Constant(Rgb::gray(radiance)), ..BARE }
 }
 
-/// Shapes and the rays that were asked for, each shape of the material of its number.
+/// Shapes, each with the material of its index, and all traced rays.
 struct World {
     set: ShapeSet,
     rays: Vec<Ray>,
@@ -127,7 +74,7 @@ impl Tracer for World {
     }
 }
 
-/// What is seen along a ray.
+/// Radiance along a ray, and the rays that were traced for it.
 struct Look {
     radiance: Rgb,
     rays: Vec<Ray>,

@@ -14,48 +14,21 @@ use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay, Transform, float::UNIT_ROUNDO
 use rt_tests::{Draw, icosphere};
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally,
+    Case, Conditions, Fallible, Found, Tally, cases,
     exact::Dyadic,
     scenes::{all_structures, key},
 };
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "S23",
-        title: "rays from inside closed meshes of 80·4ᵏ triangles, at edges and vertices",
-        expected: "0 misses",
-        tolerance: "0",
-        run: closed_meshes,
-    },
-    Case {
-        id: "S24",
-        title: "the same at offsets 0…1e7 and scales 1e-3…1e3, in place and as an instance",
-        expected: "0 misses",
-        tolerance: "0",
-        run: closed_meshes_elsewhere,
-    },
-    Case {
-        id: "S25",
-        title: "rays at the hub of a fan of 1e6 triangles",
-        expected: "the first of those at the least t, in all structures",
-        tolerance: "bits",
-        run: fan,
-    },
-    Case {
-        id: "S26",
-        title: "a mesh with T-junctions",
-        expected: "misses hit what closes the gap, and are within roundings of the edge; there are some",
-        tolerance: "0; 64u abs",
-        run: junctions,
-    },
-    Case {
-        id: "S27",
-        title: "slivers of aspect 1e12, edge-on and across",
-        expected: "a hit on itself with a sound normal, or a miss",
-        tolerance: "–",
-        run: slivers,
-    },
-];
+cases! {
+    "S23", "rays from inside closed meshes of 80·4ᵏ triangles, at edges and vertices", "0 misses", "0", closed_meshes;
+    "S24", "the same at offsets 0…1e7 and scales 1e-3…1e3, in place and as an instance",
+        "0 misses", "0", closed_meshes_elsewhere;
+    "S25", "rays at the hub of a fan of 1e6 triangles",
+        "the first of those at the least t, in all structures", "bits", fan;
+    "S26", "a mesh with T-junctions",
+        "misses hit what closes the gap, and are within roundings of the edge; there are some", "0; 64u abs", junctions;
+    "S27", "slivers of aspect 1e12, edge-on and across", "a hit on itself with a sound normal, or a miss", "–", slivers;
+}
 
 /// Triangles in `f64`, with shared corners.
 struct Facets {
@@ -139,7 +112,7 @@ fn closed_meshes_elsewhere(conditions: &Conditions) -> Found {
     Ok(all)
 }
 
-/// As [`misses`], for a mesh with vertices of `f32` under a transform, as scenes hold it.
+/// Counts [`misses`] of a mesh with `f32` vertices under a transform, as in a scene.
 fn misses_of_instance(sphere: &[DVec3], triangles: &[[usize; 3]], place: &Transform, rays: u64) -> Found {
     let data = MeshData {
         positions: sphere.iter().map(|vertex| vertex.as_vec3()).collect(),
@@ -204,7 +177,7 @@ struct Junction {
 }
 
 impl Junction {
-    /// Moves the corner away from the edge as far as `crack` on top, of which the gap knows nothing.
+    /// Moves the corner away from the edge by `crack` in addition, which the gap does not include.
     fn new(crack: f64) -> Fallible<Self> {
         let turn = Transform::rotate(DVec3::new(1.0, 0.4, -0.3), 0.7)?;
         let place = |x: f64, y: f64| turn.point(DVec3::new(x, y, 0.0));
@@ -224,9 +197,9 @@ impl Junction {
         Ray::new(origin, aim - origin)
     }
 
-    /// Holds that a ray hits the mesh or the triangle that closes it: together they have no T-junction, and so no leak, if signs at
-    /// shared edges are the same from both sides. Whatever slips through the gap must be within roundings of the edge, by exact
-    /// arithmetic, and something must.
+    /// Checks that each ray hits the mesh or the triangle that closes it. Together they have no T-junction, and so no
+    /// leak, if signs at shared edges are equal from both sides. Rays through the gap must be within roundings of the
+    /// edge, by exact arithmetic, and there must be some.
     fn hold(&self, rays: u64) -> Tally {
         let slipped = AtomicU64::new(0);
         let mut tally = Tally::of_all(rays, |index, tally| {

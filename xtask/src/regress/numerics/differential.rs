@@ -6,26 +6,16 @@ use rt_math::{Aabb, DVec3, Interval, Ray, Transform};
 use rt_tests::{Draw, Seams, ShapeKind, ShapeSet, span_at};
 
 use super::{
-    Case, Conditions, Found, Tally,
+    Case, Conditions, Found, Tally, cases,
     scenes::{Named, all_structures, key},
 };
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "differential",
-        title: "all structures × all shapes, random and adversarial rays",
-        expected: "closest, any and all hits of brute force",
-        tolerance: "bits",
-        run: every_shape,
-    },
-    Case {
-        id: "S46",
-        title: "mixed shapes at offsets 0…1e7 and scale 1e-4, adversarial rays",
-        expected: "the hits of brute force",
-        tolerance: "bits",
-        run: far_and_small,
-    },
-];
+cases! {
+    "differential", "all structures × all shapes, random and adversarial rays",
+        "closest, any and all hits of brute force", "bits", every_shape;
+    "S46", "mixed shapes at offsets 0…1e7 and scale 1e-4, adversarial rays",
+        "the hits of brute force", "bits", far_and_small;
+}
 
 /// Rays among which the seldom ones stand.
 const ALL_HITS_EVERY: u64 = 32;

@@ -1,12 +1,12 @@
-//! `stiff`: the cases at which ray tracers break, with what is exactly right.
+//! `numerics`: the cases at which ray tracers break, with what is exactly right.
 //!
 //! Each chapter is a file of its own with its list of cases; a case counts what it tried and what failed. Expected
 //! values are closed forms, or roots that were computed with 80 digits from the numbers as `f64` has them.
 
 use super::{
-    Unit,
-    suite::{self, Case, Conditions, Fallible, Found},
+    suite::{self, Case, Conditions, Fallible, Found, cases},
     tally::{FOUR_U, Tally, Tolerance},
+    unit::Unit,
 };
 
 mod accelerators;
@@ -39,7 +39,7 @@ static CHAPTERS: [&[Case]; 11] = [
 
 /// One unit per case.
 pub(super) fn units() -> impl Iterator<Item = Box<dyn Unit>> {
-    suite::units("stiff", &CHAPTERS)
+    suite::units("numerics", &CHAPTERS)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use serde::{Deserialize, de::DeserializeOwned};
 
 use crate::error::TaskError;
 
-/// What a scene asks for, without its objects.
+/// A scene without its objects.
 #[derive(Debug, Deserialize)]
 pub(super) struct Outline {
     pub name: String,
@@ -50,9 +50,9 @@ pub(super) struct Camera {
 #[derive(Debug, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub(super) enum Light {
-    /// Shines alike at any distance.
+    /// Point light without falloff.
     Point { p: [f64; 3], color: [f64; 3] },
-    /// Shines from the middle of a sphere of the scene, which does not shadow it.
+    /// Point light in the centre of a sphere of the scene, which does not shadow it.
     #[serde(rename = "sphere_light")]
     Sphere { p: [f64; 3], r: f64, color: [f64; 3] },
     /// A parallelogram.
@@ -73,9 +73,9 @@ pub(super) struct Material {
     /// Light of its own, in its colour.
     pub emit: f64,
     pub checker: Option<Checker>,
-    /// Whether `kr` is tinted by the colour.
+    /// True if the colour tints `kr`.
     pub kr_tint: bool,
-    /// What a lamp emits, which also reflects by its colour.
+    /// Emitted radiance; the surface also reflects by its colour.
     pub radiance: Option<[f64; 3]>,
 }
 

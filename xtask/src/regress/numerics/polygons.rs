@@ -4,45 +4,16 @@ use rt_geometry::{InsideRule, Polygon, PolygonError};
 use rt_math::{DVec3, Interval, Ray, Transform, float::difference_of_products, transcendental::sincos};
 use rt_tests::Draw;
 
-use super::{Case, Conditions, Found, Tally, exact::Dyadic};
+use super::{Case, Conditions, Found, Tally, cases, exact::Dyadic};
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "S28",
-        title: "the grid of Kettner et al. (2008) along a diagonal",
-        expected: "exact signs, one owner for each of 65536 points",
-        tolerance: "0",
-        run: kettner,
-    },
-    Case {
-        id: "S29",
-        title: "area of a concave pentagon by stratified rays",
-        expected: "10",
-        tolerance: "5 σ",
-        run: area,
-    },
-    Case {
-        id: "S30",
-        title: "the middle of a pentagram",
-        expected: "inside by winding, outside by even-odd",
-        tolerance: "bits",
-        run: pentagram,
-    },
-    Case {
-        id: "S31",
-        title: "a square with 1e5 corners along its sides",
-        expected: "the hits of a square",
-        tolerance: "bits",
-        run: collinear,
-    },
-    Case {
-        id: "S32",
-        title: "rays at the edge of two polygons",
-        expected: "exactly one owner",
-        tolerance: "0",
-        run: shared_edge,
-    },
-];
+cases! {
+    "S28", "the grid of Kettner et al. (2008) along a diagonal",
+        "exact signs, one owner for each of 65536 points", "0", kettner;
+    "S29", "area of a concave pentagon by stratified rays", "10", "5 σ", area;
+    "S30", "the middle of a pentagram", "inside by winding, outside by even-odd", "bits", pentagram;
+    "S31", "a square with 1e5 corners along its sides", "the hits of a square", "bits", collinear;
+    "S32", "rays at the edge of two polygons", "exactly one owner", "0", shared_edge;
+}
 
 const HALF_OPEN: [InsideRule; 2] = [InsideRule::Winding, InsideRule::EvenOdd];
 

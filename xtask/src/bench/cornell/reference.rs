@@ -2,21 +2,22 @@
 
 use rt_image::Image;
 
-/// Radiance above which a pixel sees the lamp.
-const LAMP: f32 = 1.0;
+/// Radiance above which a pixel sees the light.
+const LIGHT: f32 = 1.0;
 /// Added to squared radiance, so that relative errors of black pixels are finite.
 const DARK: f64 = 0.01;
 
-/// A reference. Pixels that see the lamp, and their neighbours, are left out: their error would be that of the lamp's edge.
+/// Reference image. Pixels that see the light are left out with their neighbours: their error would be that of its
+/// edge.
 #[derive(Debug)]
-pub(super) struct Yardstick {
+pub(super) struct ReferenceImage {
     reference: Image,
     is_kept: Vec<bool>,
     /// The mean squared error of the reference itself.
     variance: f64,
 }
 
-/// How far an image is from the reference, over all channels of the pixels that are kept.
+/// Errors of an image, over all channels of the pixels that are kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Errors {
     /// Without the reference's own; it may be negative if the image is as good.
@@ -27,15 +28,15 @@ pub(super) struct Errors {
     pub mean_ratio: f64,
 }
 
-impl Yardstick {
+impl ReferenceImage {
     /// `noise` is the root of the mean squared error of the reference itself.
     pub(super) fn new(reference: Image, noise: f64) -> Self {
         let (width, height) = (reference.width(), reference.height());
-        let is_lamp = |x: u32, y: u32| reference.pixel(x, y).is_some_and(|rgb| rgb.max_component() > f64::from(LAMP));
+        let is_light = |x: u32, y: u32| reference.pixel(x, y).is_some_and(|rgb| rgb.max_component() > f64::from(LIGHT));
         let near = |x: u32, end: u32| x.saturating_sub(1)..(x + 2).min(end);
-        let sees_lamp = |x: u32, y: u32| near(y, height).any(|y| near(x, width).any(|x| is_lamp(x, y)));
+        let sees_light = |x: u32, y: u32| near(y, height).any(|y| near(x, width).any(|x| is_light(x, y)));
         let is_kept =
-            (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| !sees_lamp(x, y)).collect();
+            (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| !sees_light(x, y)).collect();
         Self { reference, is_kept, variance: noise * noise }
     }
 
@@ -69,7 +70,7 @@ impl Yardstick {
 mod tests {
     use super::*;
 
-    /// A grey image; a lamp at the pixel, if any.
+    /// Grey image with a bright light at one pixel, if any.
     fn grey(width: u32, height: u32, level: f32, lamp: Option<usize>) -> Image {
         let mut film = Image::new(width, height, false);
         film.pixels_mut().fill([level; 3]);
@@ -81,20 +82,20 @@ mod tests {
 
     #[test]
     fn the_lamp_and_its_neighbours_are_left_out() {
-        let yardstick = Yardstick::new(grey(5, 4, 0.5, Some(6)), 0.0);
-        let kept: Vec<u8> = yardstick.is_kept.iter().map(|&is_kept| u8::from(is_kept)).collect();
+        let reference = ReferenceImage::new(grey(5, 4, 0.5, Some(6)), 0.0);
+        let kept: Vec<u8> = reference.is_kept.iter().map(|&is_kept| u8::from(is_kept)).collect();
         assert_eq!(kept, [0, 0, 0, 1, 1, 0, 0, 0, 1, 1, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1]);
         let mut image = grey(5, 4, 0.5, None);
         image.pixels_mut()[12] = [9.0; 3];
-        assert_eq!(yardstick.measure(&image), Some(Errors { mse: 0.0, relative_mse: 0.0, mean_ratio: 1.0 }));
+        assert_eq!(reference.measure(&image), Some(Errors { mse: 0.0, relative_mse: 0.0, mean_ratio: 1.0 }));
     }
 
     #[test]
     fn errors_are_means_without_the_noise_of_the_reference() {
-        let yardstick = Yardstick::new(grey(2, 2, 0.5, None), 0.25);
+        let reference = ReferenceImage::new(grey(2, 2, 0.5, None), 0.25);
         let mut image = grey(2, 2, 0.5, None);
         image.pixels_mut()[0] = [1.0, 0.5, 0.5];
-        let errors = yardstick.measure(&image).unwrap();
+        let errors = reference.measure(&image).unwrap();
         let mse = 0.25 / 12.0 - 0.0625;
         assert!((errors.mse - mse).abs() < 1e-15 && (errors.relative_mse - mse / 0.26).abs() < 1e-14, "{errors:?}");
         assert!((errors.mean_ratio - 6.5 / 6.0).abs() < 1e-15, "{errors:?}");
@@ -102,7 +103,7 @@ mod tests {
 
     #[test]
     fn other_sizes_and_lamps_alone_have_no_error() {
-        assert_eq!(Yardstick::new(grey(2, 2, 0.5, None), 0.0).measure(&grey(4, 1, 0.5, None)), None);
-        assert_eq!(Yardstick::new(grey(2, 2, 0.5, Some(0)), 0.0).measure(&grey(2, 2, 0.5, None)), None);
+        assert_eq!(ReferenceImage::new(grey(2, 2, 0.5, None), 0.0).measure(&grey(4, 1, 0.5, None)), None);
+        assert_eq!(ReferenceImage::new(grey(2, 2, 0.5, Some(0)), 0.0).measure(&grey(2, 2, 0.5, None)), None);
     }
 }

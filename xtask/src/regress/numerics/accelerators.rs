@@ -8,64 +8,23 @@ use rt_math::{Aabb, DVec3, Interval, Ray, transcendental::exp2};
 use rt_tests::{Draw, ShapeSet};
 
 use super::{
-    Case, Conditions, Found, Tally,
+    Case, Conditions, Found, Tally, cases,
     scenes::{Named, all_structures, key},
 };
 
-pub(super) const CASES: &[Case] = &[
-    Case { id: "S37", title: "nothing, in all structures", expected: "no hit", tolerance: "bits", run: nothing },
-    Case { id: "S38", title: "one primitive", expected: "the hits of brute force", tolerance: "bits", run: one },
-    Case {
-        id: "S39",
-        title: "1e6 identical spheres",
-        expected: "the first; depth ≤ 60, built in less than 2 s",
-        tolerance: "bits",
-        run: identical,
-    },
-    Case {
-        id: "S40",
-        title: "centroids at 2^−i, i ≤ 1074",
-        expected: "the hits of brute force; depth ≤ 60",
-        tolerance: "bits",
-        run: powers_of_two,
-    },
-    Case { id: "S41", title: "all in one plane", expected: "the hits of brute force", tolerance: "bits", run: flat },
-    Case {
-        id: "S42",
-        title: "teapot in a stadium: 1e6 boxes in one 1e9 times as large",
-        expected: "the hits of brute force; visits are printed",
-        tolerance: "bits",
-        run: stadium,
-    },
-    Case {
-        id: "S43",
-        title: "rays in the planes that structures split by",
-        expected: "the hits of brute force",
-        tolerance: "bits",
-        run: split_planes,
-    },
-    Case {
-        id: "S44",
-        title: "rays through the corners of 256³ cells",
-        expected: "the hits of brute force",
-        tolerance: "bits",
-        run: cell_corners,
-    },
-    Case {
-        id: "S45",
-        title: "a walk through 1e5 cells of a grid",
-        expected: "each sheet in its turn, at its place",
-        tolerance: "1e-3 cells",
-        run: long_walk,
-    },
-    Case {
-        id: "S48",
-        title: "the lazy hierarchy asked by 64 threads, 100 runs",
-        expected: "the same tree as by one",
-        tolerance: "bits",
-        run: lazy_threads,
-    },
-];
+cases! {
+    "S37", "nothing, in all structures", "no hit", "bits", nothing;
+    "S38", "one primitive", "the hits of brute force", "bits", one;
+    "S39", "1e6 identical spheres", "the first; depth ≤ 60, built in less than 2 s", "bits", identical;
+    "S40", "centroids at 2^−i, i ≤ 1074", "the hits of brute force; depth ≤ 60", "bits", powers_of_two;
+    "S41", "all in one plane", "the hits of brute force", "bits", flat;
+    "S42", "teapot in a stadium: 1e6 boxes in one 1e9 times as large",
+        "the hits of brute force; visits are printed", "bits", stadium;
+    "S43", "rays in the planes that structures split by", "the hits of brute force", "bits", split_planes;
+    "S44", "rays through the corners of 256³ cells", "the hits of brute force", "bits", cell_corners;
+    "S45", "a walk through 1e5 cells of a grid", "each sheet in its turn, at its place", "1e-3 cells", long_walk;
+    "S48", "the lazy hierarchy asked by 64 threads, 100 runs", "the same tree as by one", "bits", lazy_threads;
+}
 
 /// Deepest leaf that a tree may have.
 const MAX_DEPTH: usize = 60;
@@ -235,7 +194,7 @@ fn stadium(conditions: &Conditions) -> Found {
     Ok(tally)
 }
 
-/// Rays whose origin lies in a face of some node's box, or one step beside it, and that run along it.
+/// Rays along a face of a node's box, with an origin in the face or one step off it.
 fn split_planes(conditions: &Conditions) -> Found {
     let mut draw = Draw::new(43);
     let mut shapes = Vec::new();

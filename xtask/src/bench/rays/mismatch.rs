@@ -9,16 +9,16 @@ const RELATIVE: f32 = 1e-4;
 
 /// Hits that are not those of the reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub(super) struct Wrong {
+pub(super) struct Mismatches {
     /// The reference hits and we do not.
     pub leaks: usize,
     /// We hit and the reference does not.
     pub ghosts: usize,
-    /// Both hit, at parameters that differ by more than 10⁻⁴ t + ε. Nothing is asked of a shadow ray's.
+    /// Both hit, at parameters that differ by more than 10⁻⁴ t + ε. Shadow rays have no parameter.
     pub wrong_t: usize,
 }
 
-impl Wrong {
+impl Mismatches {
     /// Compares in `f32`, as all programs that read these files do.
     pub(super) fn count(reference: &[HitRecord], ours: &[HitRecord], query: Query, tolerance: f32) -> Self {
         let mut wrong = Self::default();
@@ -46,8 +46,8 @@ mod tests {
         let hit = |t| HitRecord { t, triangle: 0 };
         let reference = [hit(1.0), HitRecord::MISS, hit(10.0), hit(10.0), HitRecord::MISS];
         let ours = [HitRecord::MISS, hit(1.0), hit(10.0015), hit(9.998), HitRecord::MISS];
-        let wrong = |query| Wrong::count(&reference, &ours, query, 0.0007);
-        assert_eq!(wrong(Query::Closest), Wrong { leaks: 1, ghosts: 1, wrong_t: 1 });
-        assert_eq!(wrong(Query::Occluded), Wrong { leaks: 1, ghosts: 1, wrong_t: 0 });
+        let wrong = |query| Mismatches::count(&reference, &ours, query, 0.0007);
+        assert_eq!(wrong(Query::Closest), Mismatches { leaks: 1, ghosts: 1, wrong_t: 1 });
+        assert_eq!(wrong(Query::Occluded), Mismatches { leaks: 1, ghosts: 1, wrong_t: 0 });
     }
 }

@@ -6,31 +6,14 @@ use rt_geometry::{Cuboid, InteractionFlags, NoProbe, Shape, Sphere};
 use rt_math::{DVec3, Interval, Ray};
 use rt_tests::{Draw, SPAWN_SETUPS, ShapeSet, Spawned};
 
-use super::{Case, Conditions, Found, Tally};
+use super::{Case, Conditions, Found, Tally, cases};
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "S33",
-        title: "rays spawned from a triangle of scale 1e-6…1e6 at offsets 0…1e7, beneath a sheet",
-        expected: "no acne, no leaks",
-        tolerance: "0",
-        run: spawn_table,
-    },
-    Case {
-        id: "S34",
-        title: "a sphere within another, a gap of 1e-9 apart",
-        expected: "the inner one, at the gap",
-        tolerance: "0 leaks",
-        run: gap,
-    },
-    Case {
-        id: "S35",
-        title: "shadows between 100 boxes stacked 1e-7 apart at 1e3",
-        expected: "as the slope of the ray says",
-        tolerance: "0",
-        run: stack,
-    },
-];
+cases! {
+    "S33", "rays spawned from a triangle of scale 1e-6…1e6 at offsets 0…1e7, beneath a sheet",
+        "no acne, no leaks", "0", spawn_table;
+    "S34", "a sphere within another, a gap of 1e-9 apart", "the inner one, at the gap", "0 leaks", gap;
+    "S35", "shadows between 100 boxes stacked 1e-7 apart at 1e3", "as the slope of the ray says", "0", stack;
+}
 
 fn spawn_table(conditions: &Conditions) -> Found {
     let rays = conditions.count(30_000, 1_000_000);

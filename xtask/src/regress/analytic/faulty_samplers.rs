@@ -2,7 +2,7 @@
 
 use std::{f64::consts::PI, sync::Arc};
 
-use rt_camera::PixelSampler;
+use rt_camera::{PixelSampler, SamplerKind};
 use rt_geometry::{InsideRule, InteractionFlags, Plane, Polygon, RayKind, Shape};
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 use rt_shading::{
@@ -11,11 +11,23 @@ use rt_shading::{
     emitter::{EmitterRef, EmitterSet, LightSampling, Sides},
 };
 
-use super::{ALBEDO, Fallible, PATTERN, SPP, lamp, squares};
+use super::{
+    Fallible, closed_form,
+    lamp::{ALBEDO, Lamp},
+};
 
-/// The mean irradiance of the unit square under the lamp.
+/// Sample pattern and samples of each estimate with a fault.
+pub(super) const PATTERN: SamplerKind = SamplerKind::Jittered;
+pub(super) const SPP: u32 = 256;
+
+/// A unit square of light, 1 above the ground.
+pub(super) fn lamp() -> Lamp {
+    Lamp::square(1.0, 0.0)
+}
+
+/// Mean irradiance of the unit square under the light.
 pub(super) fn truth() -> f64 {
-    squares()
+    PI * closed_form::parallel_squares(1.0)
 }
 
 /// Says the same pair over and over.
@@ -80,7 +92,7 @@ pub(super) fn shifted(is_wrong: bool, seed: u64) -> Fallible<f64> {
     }
 }
 
-/// The ground, and the lamp over it.
+/// The ground, and the light over it.
 struct World([Shape; 2]);
 
 impl World {

@@ -4,83 +4,29 @@ use rt_geometry::{InteractionFlags, Shape, ShapeHit, Sphere, TransformedShape};
 use rt_math::{DVec3, Interval, Ray, Transform, TransformError, float::UNIT_ROUNDOFF, transcendental::exp2};
 use rt_tests::{Draw, ShapeKind, ShapeSet};
 
-use super::{Case, Conditions, FOUR_U, Found, Tally, Tolerance, exact::Dyadic, scenes::all_structures};
+use super::{Case, Conditions, FOUR_U, Found, Tally, Tolerance, cases, exact::Dyadic, scenes::all_structures};
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "S01",
-        title: "a sphere from 1e8 away, halfway to its silhouette",
-        expected: "99999999.133974596",
-        tolerance: "4u",
-        run: |_| root(1.0, [0.5, 0.0, -1e8], [0.0, 0.0, 1.0], 99_999_999.133_974_6, FOUR_U),
-    },
-    Case {
-        id: "S02",
-        title: "8 in front of a sphere of radius 1e8",
-        expected: "8",
-        tolerance: "1e-7 abs",
-        run: |_| root(1e8, [0.0, 0.0, -1e8 - 8.0], [0.0, 0.0, 1.0], 8.0, Tolerance::Absolute(1e-7)),
-    },
-    Case {
-        id: "S03",
-        title: "1 in front of a sphere of radius 1e6, aslant",
-        expected: "1.2500003515626977",
-        tolerance: "1e-9",
-        run: |_| {
+cases! {
+    "S01", "a sphere from 1e8 away, halfway to its silhouette",
+        "99999999.133974596", "4u", |_| root(1.0, [0.5, 0.0, -1e8], [0.0, 0.0, 1.0], 99_999_999.133_974_6, FOUR_U);
+    "S02", "8 in front of a sphere of radius 1e8",
+        "8", "1e-7 abs", |_| root(1e8, [0.0, 0.0, -1e8 - 8.0], [0.0, 0.0, 1.0], 8.0, Tolerance::Absolute(1e-7));
+    "S03", "1 in front of a sphere of radius 1e6, aslant", "1.2500003515626977", "1e-9",
+        |_| {
             let tolerance = Tolerance::Relative(1e-9);
             root(1e6, [0.0, 0.0, -1_000_001.0], [0.6, 0.0, 0.8], 1.250_000_351_562_697_6, tolerance)
-        },
-    },
-    Case {
-        id: "S04",
-        title: "a sphere of radius 1e-6 from 10 away",
-        expected: "9.9999991339745962",
-        tolerance: "4u",
-        run: |_| root(1e-6, [5e-7, 0.0, -10.0], [0.0, 0.0, 1.0], 9.999_999_133_974_596, FOUR_U),
-    },
-    Case {
-        id: "S05",
-        title: "tangents within a step of the silhouette",
-        expected: "a hit up to x = 1, the same in all structures",
-        tolerance: "bits",
-        run: tangents,
-    },
-    Case {
-        id: "S06",
-        title: "directions scaled by 2^k, k = −900…900, all shapes",
-        expected: "t scaled by 2^−k",
-        tolerance: "bits",
-        run: scaled_directions,
-    },
-    Case {
-        id: "S07",
-        title: "rays that start on the sphere",
-        expected: "out: nothing; in: the chord 2 cos θ",
-        tolerance: "1e-12 abs",
-        run: chords,
-    },
-    Case {
-        id: "S08",
-        title: "a sphere scaled by (1, 1e-6, 1e6) against exact arithmetic",
-        expected: "the same rays hit, at the same t",
-        tolerance: "1e12 u",
-        run: needle,
-    },
-    Case {
-        id: "S09",
-        title: "shapes under a mirroring transform",
-        expected: "the mirrored hits, normals outwards",
-        tolerance: "bits",
-        run: mirrored,
-    },
-    Case {
-        id: "S10",
-        title: "1000 turns by 1e-3 and back",
-        expected: "the identity",
-        tolerance: "1e-11 abs",
-        run: turns,
-    },
-];
+        };
+    "S04", "a sphere of radius 1e-6 from 10 away",
+        "9.9999991339745962", "4u", |_| root(1e-6, [5e-7, 0.0, -10.0], [0.0, 0.0, 1.0], 9.999_999_133_974_596, FOUR_U);
+    "S05", "tangents within a step of the silhouette",
+        "a hit up to x = 1, the same in all structures", "bits", tangents;
+    "S06", "directions scaled by 2^k, k = −900…900, all shapes", "t scaled by 2^−k", "bits", scaled_directions;
+    "S07", "rays that start on the sphere", "out: nothing; in: the chord 2 cos θ", "1e-12 abs", chords;
+    "S08", "a sphere scaled by (1, 1e-6, 1e6) against exact arithmetic",
+        "the same rays hit, at the same t", "1e12 u", needle;
+    "S09", "shapes under a mirroring transform", "the mirrored hits, normals outwards", "bits", mirrored;
+    "S10", "1000 turns by 1e-3 and back", "the identity", "1e-11 abs", turns;
+}
 
 fn unit_sphere() -> Result<Sphere, rt_geometry::ShapeError> {
     Sphere::new(DVec3::ZERO, 1.0)
@@ -190,7 +136,7 @@ impl ExactQuadratic {
         &(&self.b * &self.b) - &(&self.a * &self.c)
     }
 
-    /// How far the discriminant is from 0, as a part of what it is a difference of.
+    /// Relative distance of the discriminant from 0.
     fn margin(&self) -> f64 {
         self.discriminant().to_f64().abs() / (&self.b * &self.b).to_f64()
     }

@@ -4,45 +4,15 @@ use rt_geometry::{Cuboid, InteractionFlags, Plane, Shape};
 use rt_math::{DVec3, Interval, Ray, float::UNIT_ROUNDOFF};
 use rt_tests::{Draw, ShapeSet};
 
-use super::{Case, Conditions, Found, Tally, Tolerance, scenes::all_structures};
+use super::{Case, Conditions, Found, Tally, Tolerance, cases, scenes::all_structures};
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "S11",
-        title: "the diagonal of a box",
-        expected: "t = 1 on face x, then 2",
-        tolerance: "bits",
-        run: diagonal,
-    },
-    Case {
-        id: "S12",
-        title: "rays in the planes of a box's faces, ±0 across",
-        expected: "the box is closed: t = 1, 0, 0.5",
-        tolerance: "bits",
-        run: in_face_planes,
-    },
-    Case {
-        id: "S13",
-        title: "boxes of thickness 0 and 1e-300",
-        expected: "t = 1, the normal of the flat side",
-        tolerance: "bits",
-        run: flat_boxes,
-    },
-    Case {
-        id: "S14",
-        title: "a plane at a grazing angle of 1e-12",
-        expected: "t = 1e12",
-        tolerance: "2u",
-        run: horizon,
-    },
-    Case {
-        id: "S15",
-        title: "two coplanar planes",
-        expected: "the first everywhere",
-        tolerance: "bits",
-        run: coplanar,
-    },
-];
+cases! {
+    "S11", "the diagonal of a box", "t = 1 on face x, then 2", "bits", diagonal;
+    "S12", "rays in the planes of a box's faces, ±0 across", "the box is closed: t = 1, 0, 0.5", "bits", in_face_planes;
+    "S13", "boxes of thickness 0 and 1e-300", "t = 1, the normal of the flat side", "bits", flat_boxes;
+    "S14", "a plane at a grazing angle of 1e-12", "t = 1e12", "2u", horizon;
+    "S15", "two coplanar planes", "the first everywhere", "bits", coplanar;
+}
 
 fn unit_box() -> Result<Cuboid, rt_geometry::ShapeError> {
     Cuboid::new(DVec3::ZERO, DVec3::ONE)
