@@ -19,7 +19,7 @@ pub(super) fn run() -> Result<(), Failure> {
     table.add_row([
         "predicted memory",
         &memory,
-        "render, explain, check, convert, converge, merge, compare, develop",
+        "render, view, explain, check, convert, converge, merge, compare, develop",
         "--memory",
     ]);
     for limit in limits::ALL {
