@@ -1,4 +1,4 @@
-//! Leaves of boxes, for primitives of any kind: the filter is that of nodes.
+//! Leaves of boxes, for primitives of any kind: the test is that of nodes.
 
 use super::{FilterTRange, HitBounds, Lane, LeafMut, LeafTest, LeafView, RayF64};
 use crate::wide::packet_rays::{PacketSlabs, RayPacket};
@@ -17,7 +17,7 @@ pub(super) fn fill(block: &mut LeafMut<'_>, indices: &[u32], own: impl Fn(u32) -
     }
 }
 
-/// BuildConfig out whose box is missed; says of nothing that it is hit.
+/// Rejects primitives whose box is missed; no hit is certain.
 #[derive(Clone, Copy)]
 pub(in crate::wide) struct BoxTest {
     ray: RayF32,
