@@ -67,8 +67,7 @@ pub(super) struct Node {
 /// Bytes of a row of planes.
 const ROW: usize = size_of::<[f32; 8]>();
 
-/// Row of planes of a [`Node`]: twice the axis, plus 1 for upper planes. Only [`near`](Self::near) creates rows, so it
-/// is less than 6.
+/// Byte offset of a row of planes in a [`Node`]. Only [`near`](Self::near) creates rows, so it is that of one of six.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row(usize);
 
@@ -76,41 +75,19 @@ impl Row {
     /// Rows of the near planes by axis, for a direction with these sign bits.
     #[inline(always)]
     pub(super) const fn near([x, y, z]: [usize; 3]) -> [Self; 3] {
-        [Self(x & 1), Self(2 + (y & 1)), Self(4 + (z & 1))]
+        [Self((x & 1) * ROW), Self(2 * ROW + (y & 1) * ROW), Self(4 * ROW + (z & 1) * ROW)]
     }
 
     /// Row of the opposite planes of the same axis.
     #[inline(always)]
     pub(super) const fn opposite(self) -> Self {
-        Self(self.0 ^ 1)
-    }
-
-    #[inline(always)]
-    pub(super) const fn index(self) -> usize {
-        self.0
-    }
-}
-
-/// Byte offset of a [`Row`] in a [`Node`].
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RowOffset(usize);
-
-impl RowOffset {
-    /// Offsets of the rows of [`Row::near`].
-    #[inline(always)]
-    pub(super) const fn near([x, y, z]: [usize; 3]) -> [Self; 3] {
-        [Self((x & 1) * ROW), Self(2 * ROW + (y & 1) * ROW), Self(4 * ROW + (z & 1) * ROW)]
-    }
-
-    /// See [`Row::opposite`].
-    #[inline(always)]
-    pub(super) const fn opposite(self) -> Self {
         Self(self.0 ^ ROW)
     }
 
+    /// Twice the axis, plus 1 for upper planes.
     #[inline(always)]
-    pub(super) const fn row(self) -> Row {
-        Row(self.0 / ROW)
+    pub(super) const fn index(self) -> usize {
+        self.0 / ROW
     }
 }
 
@@ -123,25 +100,18 @@ impl Node {
 
     #[inline(always)]
     pub(super) fn row<S: Simd>(&self, simd: S, row: Row) -> S::F32x8 {
-        debug_assert!(row.0 < 6);
-        // SAFETY: a `Row` is less than 6.
-        simd.load(unsafe { self.planes.get_unchecked(row.0) })
-    }
-
-    /// [`row`](Self::row) at an offset.
-    #[inline(always)]
-    pub(super) fn row_at<S: Simd>(&self, simd: S, at: RowOffset) -> S::F32x8 {
-        debug_assert!(at.0 < size_of_val(&self.planes) && at.0.is_multiple_of(ROW));
-        // SAFETY: a `RowOffset` is where one of the six rows begins.
-        simd.load(unsafe { &*self.planes.as_ptr().byte_add(at.0) })
+        debug_assert!(row.0 < size_of_val(&self.planes) && row.0.is_multiple_of(ROW));
+        // SAFETY: a `Row` is the offset of one of the six rows.
+        simd.load(unsafe { &*self.planes.as_ptr().byte_add(row.0) })
     }
 
     /// One plane of a row in all lanes.
     #[inline(always)]
     pub(super) fn plane<S: Simd>(&self, simd: S, row: Row, lane: usize) -> S::F32x8 {
-        debug_assert!(row.0 < 6);
-        // SAFETY: a `Row` is less than 6.
-        simd.splat(unsafe { self.planes.get_unchecked(row.0) }[lane & 7])
+        debug_assert!(row.0 < size_of_val(&self.planes) && row.0.is_multiple_of(ROW));
+        // SAFETY: a `Row` is the offset of one of the six rows.
+        let planes = unsafe { &*self.planes.as_ptr().byte_add(row.0) };
+        simd.splat(planes[lane & 7])
     }
 
     pub(super) fn set(&mut self, lane: usize, bounds: &NodeBox, child: Child) {

@@ -31,7 +31,7 @@
 
 use rt_math::{DVec3, Interval, Ray};
 
-use super::node::{Node, Row, RowOffset};
+use super::node::{Node, Row};
 use super::simd::Simd;
 
 /// Relative outward rounding.
@@ -49,8 +49,8 @@ pub(super) struct RayF32 {
     scale: [f32; 4],
     near_shift: [f32; 4],
     far_shift: [f32; 4],
-    /// By axis: offset of the near planes in a node.
-    near: [RowOffset; 3],
+    /// By axis: row of the near planes in a node.
+    near: [Row; 3],
 }
 
 /// Sizes of trees and directions for which nothing over- or underflows.
@@ -161,7 +161,7 @@ impl RayF32 {
             scale: simd.to_f32(slabs.scale),
             near_shift: simd.to_f32(slabs.near_shift),
             far_shift: simd.to_f32(slabs.far_shift),
-            near: RowOffset::near([signs, signs >> 1, signs >> 2]),
+            near: Row::near([signs, signs >> 1, signs >> 2]),
         })
     }
 
@@ -180,7 +180,7 @@ impl RayF32 {
     /// Row of the near planes of an axis.
     #[inline(always)]
     pub(super) const fn near_row(&self, axis: usize) -> Row {
-        self.near[axis].row()
+        self.near[axis]
     }
 
     /// Entry into the boxes of a node, at `min` or later, and exit, at `max` or before. A box with its exit before its
@@ -188,12 +188,12 @@ impl RayF32 {
     #[inline(always)]
     pub(super) fn cross<S: Simd>(&self, simd: S, node: &Node, min: f32, max: f32) -> [S::F32x8; 2] {
         let [x, y, z] = self.near;
-        let enter_x = self.near(simd, 0, node.row_at(simd, x));
-        let enter_y = self.near(simd, 1, node.row_at(simd, y));
-        let enter_z = self.near(simd, 2, node.row_at(simd, z));
-        let leave_x = self.far(simd, 0, node.row_at(simd, x.opposite()));
-        let leave_y = self.far(simd, 1, node.row_at(simd, y.opposite()));
-        let leave_z = self.far(simd, 2, node.row_at(simd, z.opposite()));
+        let enter_x = self.near(simd, 0, node.row(simd, x));
+        let enter_y = self.near(simd, 1, node.row(simd, y));
+        let enter_z = self.near(simd, 2, node.row(simd, z));
+        let leave_x = self.far(simd, 0, node.row(simd, x.opposite()));
+        let leave_y = self.far(simd, 1, node.row(simd, y.opposite()));
+        let leave_z = self.far(simd, 2, node.row(simd, z.opposite()));
         let enter = simd.max(simd.max(enter_x, enter_y), simd.max(enter_z, simd.splat(min)));
         let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, simd.splat(max)));
         [enter, leave]

@@ -23,7 +23,7 @@ pub(in crate::wide) struct PrimStats {
     pub(in crate::wide) bounded: u32,
     /// Union of the padded bounds.
     pub(in crate::wide) union: Aabb,
-    /// Of the bounded primitives.
+    /// Counts of the bounded primitives.
     pub(in crate::wide) layouts: GeometryCounts,
 }
 

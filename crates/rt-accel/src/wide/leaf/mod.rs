@@ -478,6 +478,12 @@ pub(super) trait LeafTest: Copy {
         t_max: S::F32x8,
     ) -> HitBounds<S>;
 
+    /// Words of the header.
+    const HEADER: usize;
+
+    /// Numbers per primitive.
+    const NUMBERS: usize;
+
     /// True for leaves of spheres.
     const IS_SPHERE: bool = false;
 
@@ -487,7 +493,12 @@ pub(super) trait LeafTest: Copy {
         leaf.mask()
     }
 
-    fn index(leaf: LeafView<'_>, lane: Lane) -> u32;
+    /// Index of a primitive.
+    #[inline(always)]
+    fn index(leaf: LeafView<'_>, lane: Lane) -> u32 {
+        // SAFETY: indices follow the numbers of the leaf's kind, and the lane is less than 8.
+        unsafe { leaf.word(Self::HEADER + Self::NUMBERS * leaf.count + lane.index()) }
+    }
 
     /// Exact hit within the span, if the leaf holds an exact copy. Skips all rejections where the hit is `CERTAIN`.
     #[inline(always)]

@@ -143,6 +143,9 @@ impl<S: Simd> RayLanes<S> {
 }
 
 impl LeafTest for SphereTest {
+    const HEADER: usize = HEADER;
+    const NUMBERS: usize = NUMBERS;
+
     #[inline(always)]
     fn new<S: Simd>(simd: S, ray: &RayF64<'_, S>, _: &RayF32, span: FilterTRange, tree: &WideBvh) -> Self {
         let centre = simd.f64x4([tree.centre.x, tree.centre.y, tree.centre.z, 0.0]);
@@ -243,11 +246,5 @@ impl LeafTest for SphereTest {
             if row & 1 == 0 { simd.sub(centre, radius) } else { simd.add(centre, radius) }
         });
         hit & leaf.mask()
-    }
-
-    #[inline(always)]
-    fn index(leaf: LeafView<'_>, lane: Lane) -> u32 {
-        // SAFETY: indices follow the numbers, and the lane is less than 8.
-        unsafe { leaf.word(HEADER + NUMBERS * leaf.count + lane.index()) }
     }
 }

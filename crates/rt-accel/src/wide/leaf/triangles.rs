@@ -286,6 +286,9 @@ fn farthest<S: Simd>(simd: S, p: [S::F32x8; 3]) -> S::F32x8 {
 }
 
 impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
+    const HEADER: usize = HEADER;
+    const NUMBERS: usize = NUMBERS;
+
     #[inline(always)]
     fn is_exact(leaf: LeafView<'_>, lane: Lane) -> bool {
         // SAFETY: the first number, and the lane is less than 8.
@@ -368,12 +371,6 @@ impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
             }
         };
         rays.test(simd, &triangle, t_max, 0xff)
-    }
-
-    #[inline(always)]
-    fn index(leaf: LeafView<'_>, lane: Lane) -> u32 {
-        // SAFETY: indices follow the numbers, and the lane is less than 8.
-        unsafe { leaf.word(HEADER + NUMBERS * leaf.count + lane.index()) }
     }
 
     #[inline(always)]
