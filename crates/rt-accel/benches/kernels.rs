@@ -1,8 +1,8 @@
-//! What structures spend their time on, one thing at a time: the test of eight boxes, leaves of triangles and spheres,
-//! lists of spheres, and decisions in `f64`, by all instructions that the processor has.
+//! Benchmarks of single kernels at all SIMD levels: box tests, leaves of triangles and spheres, lists of spheres, and the
+//! exact test in `f64`.
 //!
-//! `cargo bench -p rt-accel --bench kernels` runs all; a filter such as `list` runs some. Rays are prepared anew for each
-//! query, as they are in a picture, so that the first numbers of a kind hold that as well.
+//! `cargo bench -p rt-accel --bench kernels` runs all; a filter such as `list` runs some. Each
+//! query prepares its ray, as in a render, so that all numbers include this.
 
 #![allow(missing_docs, reason = "criterion's macros generate public functions")]
 
@@ -83,7 +83,7 @@ fn point(words: [u64; 2]) -> DVec3 {
     DVec3::new(draw(0), draw(1), draw(2))
 }
 
-/// Spheres in a cube, of which a ray passes some ten whatever their number.
+/// Spheres in a cube, about ten of which a ray hits, for any count.
 fn spheres(count: u64) -> Solids {
     let radius = (2.0 / (count as f64)).sqrt().min(0.3);
     Solids((0..count).map(|i| Solid::Sphere(point([1, i]), radius)).collect())
@@ -101,7 +101,7 @@ fn boxes() -> Solids {
     Solids((0..16).map(|i| Solid::Box(Aabb::new(corner(i / 2) - 0.1, corner(i / 2) + 0.1))).collect())
 }
 
-/// Rays from around into a cube.
+/// Rays from all sides into a cube.
 fn rays() -> Vec<Ray> {
     let ray = |i| {
         let origin = point([2, i]).normalize_or(DVec3::X) * 3.0;
@@ -115,7 +115,14 @@ fn levels() -> impl Iterator<Item = SimdLevel> {
 }
 
 /// Times the closest and any hit of all rays.
-fn ask<A: Accelerator>(criterion: &mut Criterion, group: &str, id: &str, structure: &A, solids: &Solids, unit: u64) {
+fn bench_queries<A: Accelerator>(
+    criterion: &mut Criterion,
+    group: &str,
+    id: &str,
+    structure: &A,
+    solids: &Solids,
+    unit: u64,
+) {
     let rays = rays();
     let mut group = criterion.benchmark_group(group);
     group.throughput(Throughput::Elements(unit * N_RAYS as u64));
@@ -130,7 +137,7 @@ fn ask<A: Accelerator>(criterion: &mut Criterion, group: &str, id: &str, structu
     group.finish();
 }
 
-/// Brute force as it is defined, for an element of `ask`.
+/// Scalar brute force as an accelerator.
 struct InTurn;
 
 impl Accelerator for InTurn {
@@ -158,13 +165,13 @@ impl Accelerator for InTurn {
 fn lists(criterion: &mut Criterion) {
     for count in [2, 4, 8, 12, 16, 24, 32, 100, 1000] {
         let spheres = spheres(count);
-        ask(criterion, "list", &format!("f64/{count}"), &InTurn, &spheres, count);
+        bench_queries(criterion, "list", &format!("f64/{count}"), &InTurn, &spheres, count);
         for level in levels() {
             let list = Linear::build(&spheres).expect("spheres have bounds").with_level(level);
-            ask(criterion, "list", &format!("{}/{count}", level.name()), &list, &spheres, count);
+            bench_queries(criterion, "list", &format!("{}/{count}", level.name()), &list, &spheres, count);
         }
         let tree = WideBvh::build(&spheres).expect("spheres have bounds");
-        ask(criterion, "list", &format!("tree/{count}"), &tree, &spheres, count);
+        bench_queries(criterion, "list", &format!("tree/{count}"), &tree, &spheres, count);
     }
 }
 
@@ -174,16 +181,16 @@ fn nodes_and_leaves(criterion: &mut Criterion) {
     for (name, solids) in cases {
         for level in levels() {
             let tree = WideBvh::build(&solids).expect("all have bounds").with_level(level);
-            ask(criterion, name, level.name(), &tree, &solids, 1);
+            bench_queries(criterion, name, level.name(), &tree, &solids, 1);
         }
     }
 }
 
-/// What a survivor of the filters costs where its vertices are at hand.
-fn decisions(criterion: &mut Criterion) {
+/// Exact test of one triangle.
+fn exact_tests(criterion: &mut Criterion) {
     let rays = rays();
     let vertices = [DVec3::new(-1.0, -1.0, 0.1), DVec3::new(1.0, -0.9, 0.0), DVec3::new(0.0, 1.0, -0.1)];
-    let mut group = criterion.benchmark_group("decision");
+    let mut group = criterion.benchmark_group("exact");
     group.throughput(Throughput::Elements(N_RAYS as u64));
     group.bench_function("triangle", |bencher| {
         let intersect_primitive = |ray: &Ray| {
@@ -201,6 +208,6 @@ criterion_group! {
         .measurement_time(Duration::from_millis(500))
         .warm_up_time(Duration::from_millis(200))
         .sample_size(20);
-    targets = lists, nodes_and_leaves, decisions
+    targets = lists, nodes_and_leaves, exact_tests
 }
 criterion_main!(benches);

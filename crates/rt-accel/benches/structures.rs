@@ -1,4 +1,4 @@
-//! Building and asking each structure: random spheres in a cube, rays between random points around it.
+//! Build and traversal of some accelerators: random spheres in a cube, rays between random points around it.
 //!
 //! `cargo bench -p rt-accel` runs all; a filter such as `closest/bvh` runs some.
 
@@ -58,7 +58,7 @@ fn rays() -> Vec<Ray> {
         .collect()
 }
 
-fn ask<A: Accelerator>(criterion: &mut Criterion, name: &str, structure: &A, spheres: &Spheres) {
+fn bench_queries<A: Accelerator>(criterion: &mut Criterion, name: &str, structure: &A, spheres: &Spheres) {
     let rays = rays();
     let count = spheres.0.len();
     for query in ["closest", "occluded"] {
@@ -86,10 +86,10 @@ fn structures(criterion: &mut Criterion) {
     for count in [10, 1000, 100_000] {
         let spheres = spheres(count);
         if count <= 1000 {
-            ask(criterion, "linear", &Linear::build(&spheres).expect("spheres have bounds"), &spheres);
+            bench_queries(criterion, "linear", &Linear::build(&spheres).expect("spheres have bounds"), &spheres);
         }
-        ask(criterion, "grid", &UniformGrid::build(&spheres).expect("spheres have bounds"), &spheres);
-        ask(criterion, "bvh", &Bvh::build(&spheres).expect("spheres have bounds"), &spheres);
+        bench_queries(criterion, "grid", &UniformGrid::build(&spheres).expect("spheres have bounds"), &spheres);
+        bench_queries(criterion, "bvh", &Bvh::build(&spheres).expect("spheres have bounds"), &spheres);
     }
     let mut group = criterion.benchmark_group("build");
     group.sample_size(10);

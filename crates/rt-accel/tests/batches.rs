@@ -1,5 +1,4 @@
-//! Batches answer as single queries do: bundles of rays that go the same way, rays that do not, and a mix of both; in
-//! trees that the nearest caches hold, and in others.
+//! Batches give the results of single queries: for coherent bundles, incoherent rays and mixes, in small and large trees.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
@@ -17,8 +16,7 @@ use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
 use soup::{Solid, Soup, sheet};
 
-/// Rays in bundles of one to twenty, or of a hundred and more: each bundle starts as one ray, of which the others are
-/// neighbours, from the same place or from around it.
+/// Rays in bundles of 1 to 20, or of 100 and more: neighbours of one ray, with the same origin or nearby ones.
 fn bundles(soup: &Soup, n_rays: usize, draw: &mut Draw) -> Vec<(Ray, Interval)> {
     let world = Aabb::from_points(soup.0.iter().filter_map(Solid::bounds).flat_map(|bounds| [bounds.min, bounds.max]));
     let size = world.extent().max_element();
@@ -34,7 +32,7 @@ fn bundles(soup: &Soup, n_rays: usize, draw: &mut Draw) -> Vec<(Ray, Interval)> 
             }
         };
         let spread = draw.pick(&[0.0, 1e-9, 1e-3, 0.05]);
-        // In proportion to each component, or to the greatest, so that signs change.
+        // In proportion to each component, or to the maximum, so that signs change.
         let around = if draw.one_in(2) { ray.direction } else { DVec3::splat(ray.direction.abs().max_element()) };
         let width = if draw.one_in(2) { size * draw.pick(&[0.0, 1e-9, 0.01]) } else { 0.0 };
         let n = if draw.one_in(8) { 100 + draw.below(200) } else { 1 + draw.below(20) };
@@ -50,6 +48,19 @@ fn bundles(soup: &Soup, n_rays: usize, draw: &mut Draw) -> Vec<(Ray, Interval)> 
 
 fn key(hit: Option<Hit>) -> Option<(u64, u32, u32, [u64; 2])> {
     hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive, hit.uv.map(f64::to_bits)))
+}
+
+/// Traces a batch for closest and any hits.
+fn trace_batch<A: Accelerator, P: Primitives>(
+    accel: &A,
+    primitives: &P,
+    rays: &[(Ray, Interval)],
+    counters: &mut Counters,
+) -> (Vec<Option<Hit>>, Vec<bool>) {
+    let (mut hits, mut occluded) = (vec![None; rays.len()], vec![false; rays.len()]);
+    accel.closest_batch(primitives, rays, &mut hits, counters);
+    accel.occluded_batch(primitives, rays, &mut occluded, counters);
+    (hits, occluded)
 }
 
 /// Compares batches of all sizes with single queries.
@@ -74,13 +85,13 @@ fn compare<A: AcceleratorQueries>(name: &str, structure: &A, soup: &Soup, n_rays
     }
     assert!(n_hits > n_rays / 10, "{name}: {n_hits} hits");
     let (single, batched) = (single.total(), batched.total());
-    // What is looked at once for many rays is counted once, so that batches may do much less.
+    // Work shared by many rays is counted once, so batches may do much less.
     let is_no_more = |batched: u64, single: u64| batched as f64 <= 1.5 * single as f64 && 16 * batched > single;
     assert!(
         is_no_more(batched.nodes, single.nodes) && is_no_more(batched.tests, single.tests),
         "{name}: {single:?} {batched:?}"
     );
-    // Each answer has been decided about, and hardly anything else.
+    // Few exact hits are computed beyond the results.
     assert!(
         batched.hits >= n_hits as u64 && batched.hits as f64 <= 1.1 * single.hits as f64,
         "{name}: {n_hits} hits, {single:?} {batched:?}"
@@ -124,9 +135,9 @@ fn batches_through_small_trees_equal_single_queries() {
     }
 }
 
-/// The answers would be the same without shafts, and so would be counts of more than a fifth.
+/// Results do not depend on frustum culling, so this test counts nodes.
 #[test]
-fn what_none_of_many_rays_meets_is_looked_at_once() {
+fn bundles_are_culled_once() {
     let soup = Soup::spheres(2000, &mut Draw::new(7)).rounded();
     let ray = |x: usize| Ray::new(DVec3::new(0.1, 0.2, 5.0), DVec3::new(1e-5 * (1 + x) as f64, -0.1, -1.0));
     let rays: Vec<_> = (0..64).map(|x| (ray(x), Interval::FORWARD)).collect();
@@ -142,10 +153,10 @@ fn what_none_of_many_rays_meets_is_looked_at_once() {
     assert!(5 * together < apart, "{together} nodes instead of {apart}");
 }
 
-/// The answers would be the same without memory, and counts of nodes ten times as high: all rays start below a roof, or next
-/// to it, whether they agree or not. Of so few spheres nothing is found out by shafts.
+/// Results do not depend on the last occluder, so this test counts nodes. All rays start below a roof, or next to it,
+/// coherent or not. There are too few spheres for frustum culling.
 #[test]
-fn what_blocks_a_ray_is_asked_about_the_next() {
+fn the_last_occluder_is_tested_first() {
     let corners = [DVec3::new(-9.0, 2.0, -9.0), DVec3::new(9.0, 2.0, -9.0), DVec3::new(0.0, 2.0, 9.0)];
     let mut soups = [
         Soup(sheet(20, |x, z| DVec3::new(x, 0.1 * x * z, z)).collect()),
@@ -184,9 +195,10 @@ fn what_blocks_a_ray_is_asked_about_the_next() {
     }
 }
 
-/// The answers would be the same otherwise: triangles are put off that are hit for sure, and the sphere before them is not.
+/// Results do not depend on dropped candidates, so this test counts hits: triangles are certain hits, but the sphere before
+/// them is uncertain.
 #[test]
-fn what_others_have_beaten_is_not_decided_about() {
+fn candidates_beyond_the_closest_hit_are_dropped() {
     let facet = |z: f32| Solid::Facet([Vec3::new(-2.0, -2.0, z), Vec3::new(2.0, -2.0, z), Vec3::new(0.0, 3.0, z)]);
     let ray = |i: usize| Ray::new(DVec3::new(0.01 * i as f64, 0.0, 5.0), DVec3::new(1e-3, 1e-3, -1.0));
     let rays: Vec<_> = (0..8).map(|i| (ray(i), Interval::FORWARD)).collect();
@@ -203,7 +215,7 @@ fn what_others_have_beaten_is_not_decided_about() {
     }
 }
 
-/// Through trees of more than 8 MiB rays go side by side.
+/// Rays are interleaved in trees of more than 8 MiB.
 #[test]
 fn batches_through_large_trees_equal_single_queries() {
     let seed = Draw::run_seed();
@@ -239,7 +251,7 @@ fn batches_through_large_trees_equal_single_queries() {
     }
 }
 
-/// Rays for which no lanes are made, among others.
+/// Replaces some rays and spans by ones outside the range of the filters.
 fn with_odd_ones(mut rays: Vec<(Ray, Interval)>, draw: &mut Draw) -> Vec<(Ray, Interval)> {
     let odd = [
         Ray::new(DVec3::splat(1e300), DVec3::NEG_ONE),
@@ -261,9 +273,9 @@ fn with_odd_ones(mut rays: Vec<(Ray, Interval)>, draw: &mut Draw) -> Vec<(Ray, I
     rays
 }
 
-/// The last bit and the last test.
+/// Bit-identical results, and equal counters.
 #[test]
-fn handfuls_answer_and_count_as_brute_force() {
+fn small_sets_equal_brute_force() {
     let seed = Draw::run_seed();
     println!("batches: seed {seed}");
     let draw = &mut Draw::new(seed);
@@ -279,7 +291,7 @@ fn handfuls_answer_and_count_as_brute_force() {
         let soup = Soup((0..n).map(|_| draw.pick(&pool)).collect()).rounded();
         let scale = draw.pick(&[1.0, 1e-3, 1e12, 1e-30]);
         let mut soup = soup.scaled(scale).moved(DVec3::new(1.0, -0.7, 0.3) * draw.pick(&[0.0, 1e4]));
-        // Two at one place, and something without an end.
+        // Two that coincide, and one without bounds.
         if n > 2 {
             soup.0[n - 1] = soup.0[0];
             soup.0[1] = draw.pick(&[soup.0[1], Solid::Ground { height: -0.4 * scale }]);
@@ -297,19 +309,9 @@ fn handfuls_answer_and_count_as_brute_force() {
             while first < rays.len() {
                 let len = draw.pick(&[1, 3, 5, 8, 13, 64, 300]).min(rays.len() - first);
                 let rays = &rays[first..first + len];
-                let [mut of_all, mut of_some, mut of_linear] = [const { Vec::new() }; 3].map(|mut hits: Vec<_>| {
-                    hits.resize(len, None);
-                    hits
-                });
-                let mut blocked = vec![false; len];
-                all.closest_batch(&soup, rays, &mut of_all, &mut counted[0]);
-                all.occluded_batch(&soup, rays, &mut blocked, &mut counted[0]);
-                linear.closest_batch(&soup, rays, &mut of_linear, &mut counted[1]);
-                let mut blocked_by_linear = vec![false; len];
-                linear.occluded_batch(&soup, rays, &mut blocked_by_linear, &mut counted[1]);
-                some.closest_batch(&soup, rays, &mut of_some, &mut counted[2]);
-                let mut blocked_by_some = vec![false; len];
-                some.occluded_batch(&soup, rays, &mut blocked_by_some, &mut counted[2]);
+                let (of_all, blocked) = trace_batch(&all, &soup, rays, &mut counted[0]);
+                let (of_linear, blocked_by_linear) = trace_batch(&linear, &soup, rays, &mut counted[1]);
+                let (of_some, blocked_by_some) = trace_batch(&some, &soup, rays, &mut counted[2]);
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
                     let hit = brute_force::closest(&soup, ray, *span, &mut expected);
@@ -334,16 +336,16 @@ fn handfuls_answer_and_count_as_brute_force() {
     assert!(SmallSet::new(0..=SmallSet::CAPACITY as u32).is_none());
 }
 
-/// A set of which some are structures themselves, some block nothing, and hits are named by instances.
+/// A set with instances, with primitives that cast no shadow, and with hits that carry instance ids.
 struct Yard<'t, T> {
     things: Vec<Thing<'t, T>>,
-    /// How often a structure was asked for one ray.
-    n_asked: AtomicU32,
+    /// Single-ray queries of instances.
+    n_single: AtomicU32,
 }
 
 struct Thing<'t, T> {
     soup: &'t Soup,
-    /// The structure over the soup; without one the thing is the soup's only solid.
+    /// Accelerator of an instance; without one, the only solid of the soup.
     structure: Option<&'t T>,
     blocks: bool,
 }
@@ -366,7 +368,7 @@ impl<T: AcceleratorQueries> Primitives for Yard<'_, T> {
         let Thing { soup, structure, .. } = self.things[index as usize];
         let hit = match structure {
             Some(structure) => {
-                self.n_asked.fetch_add(1, Ordering::Relaxed);
+                self.n_single.fetch_add(1, Ordering::Relaxed);
                 structure.closest(soup, ray, span, probe)
             }
             None => soup.intersect(0, ray, span),
@@ -378,7 +380,7 @@ impl<T: AcceleratorQueries> Primitives for Yard<'_, T> {
         blocks
             && match structure {
                 Some(structure) => {
-                    self.n_asked.fetch_add(1, Ordering::Relaxed);
+                    self.n_single.fetch_add(1, Ordering::Relaxed);
                     structure.occluded(soup, ray, span, probe)
                 }
                 None => soup.occludes(0, ray, span),
@@ -409,7 +411,7 @@ impl<T: AcceleratorQueries> Primitives for Yard<'_, T> {
     }
 }
 
-/// As [`handfuls_answer_and_count_as_brute_force`], with structures among the members; trees over them answer alike.
+/// Compares small sets and trees that contain instances with brute force.
 fn compare_yards<T: AcceleratorQueries>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
     let draw = &mut Draw::new(seed);
     let mut n_hits = 0;
@@ -433,22 +435,16 @@ fn compare_yards<T: AcceleratorQueries>(seed: u64, build: fn(&Soup) -> T, counts
                 blocks: !draw.one_in(4),
             })
             .collect();
-        let yard = Yard { things, n_asked: AtomicU32::new(0) };
+        let yard = Yard { things, n_single: AtomicU32::new(0) };
         let everything = Soup(soups.iter().flat_map(|soup| soup.0.clone()).collect());
         let rays = with_odd_ones(bundles(&everything, 600, draw), draw);
         for level in levels() {
-            let handful = SmallSet::new(0..yard.len() as u32).unwrap().with_level(level);
+            let small_set = SmallSet::new(0..yard.len() as u32).unwrap().with_level(level);
             let wide = WideBvh::build(&yard).unwrap().with_level(level);
             let [mut counted, mut expected] = [Counters::default(); 2];
             for rays in rays.chunks(draw.pick(&[1, 5, 13, 64, 300])) {
-                let mut hits = vec![None; rays.len()];
-                let mut blocked = vec![false; rays.len()];
-                handful.closest_batch(&yard, rays, &mut hits, &mut counted);
-                handful.occluded_batch(&yard, rays, &mut blocked, &mut counted);
-                let mut wide_hits = vec![None; rays.len()];
-                let mut wide_blocked = vec![false; rays.len()];
-                wide.closest_batch(&yard, rays, &mut wide_hits, &mut NoProbe);
-                wide.occluded_batch(&yard, rays, &mut wide_blocked, &mut NoProbe);
+                let (hits, blocked) = trace_batch(&small_set, &yard, rays, &mut counted);
+                let (wide_hits, wide_blocked) = trace_batch(&wide, &yard, rays, &mut Counters::default());
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
                     let hit = brute_force::closest(&yard, ray, *span, &mut expected);
@@ -464,64 +460,64 @@ fn compare_yards<T: AcceleratorQueries>(seed: u64, build: fn(&Soup) -> T, counts
     assert!(n_hits > 5000, "{n_hits} hits");
 }
 
-/// The last bit; where a structure does the same for batches as for rays, the last test as well.
+/// Bit-identical results; equal counters where the instances' accelerator counts batches as single rays.
 #[test]
-fn structures_among_primitives_are_asked_for_batches_with_the_answers_of_single_queries() {
+fn batches_through_instances_equal_single_queries() {
     let seed = Draw::run_seed();
     println!("batches: seed {seed}");
     compare_yards(seed, |soup| Bvh::build(soup).unwrap(), true);
     compare_yards(seed, |soup| WideBvh::build(soup).unwrap(), false);
 }
 
-/// The answers would be the same if rays were passed on one by one.
+/// Results do not depend on batches of instances, so this test counts single-ray queries.
 #[test]
-fn packets_go_into_structures_together() {
+fn packets_enter_instances_together() {
     let draw = &mut Draw::new(3);
     let place = |i: usize| DVec3::new((i % 4) as f64, 0.0, (i / 4) as f64) * 2.5;
     let soups: Vec<Soup> = (0..12).map(|i| Soup::facets(draw).moved(place(i))).collect();
     let structures: Vec<WideBvh> = soups.iter().map(|soup| WideBvh::build(soup).unwrap()).collect();
     let thing = |(soup, structure)| Thing { soup, structure: Some(structure), blocks: true };
-    let yard = Yard { things: soups.iter().zip(&structures).map(thing).collect(), n_asked: AtomicU32::new(0) };
-    // Sixteen rays at a time that run beside each other, as those of a pixel do, and five more at the end.
+    let yard = Yard { things: soups.iter().zip(&structures).map(thing).collect(), n_single: AtomicU32::new(0) };
+    // Groups of sixteen neighbouring rays, as those of a pixel, and five more at the end.
     let eye = DVec3::new(3.7, 9.0, -6.0);
     let rays: Vec<_> = (0..16 * 400 + 5)
         .map(|i: u64| {
             let at = |k: u64| rt_math::random::unit(rt_math::random::hash(&[5, i / 16, k]));
-            let beside = DVec3::new((i % 4) as f64, 0.0, (i / 4 % 4) as f64) * 1e-3;
-            (Ray::new(eye, DVec3::new(8.0 * at(0), 0.0, 6.0 * at(1)) + beside - eye), Interval::FORWARD)
+            let neighbour = DVec3::new((i % 4) as f64, 0.0, (i / 4 % 4) as f64) * 1e-3;
+            (Ray::new(eye, DVec3::new(8.0 * at(0), 0.0, 6.0 * at(1)) + neighbour - eye), Interval::FORWARD)
         })
         .collect();
     for level in levels() {
         let tree = WideBvh::build(&yard).unwrap().with_level(level);
-        let handful = SmallSet::new(0..12).unwrap().with_level(level);
+        let small_set = SmallSet::new(0..12).unwrap().with_level(level);
         // A batch of four is a packet of four.
         for (wide, together) in [(true, rays.len()), (true, 4), (false, rays.len())] {
-            yard.n_asked.store(0, Ordering::Relaxed);
-            let (mut hits, mut blocked) = (vec![None; rays.len()], vec![false; rays.len()]);
-            let answers = hits.chunks_mut(together).zip(blocked.chunks_mut(together));
-            for (rays, (hits, blocked)) in rays.chunks(together).zip(answers) {
-                if wide {
-                    tree.closest_batch(&yard, rays, hits, &mut NoProbe);
-                    tree.occluded_batch(&yard, rays, blocked, &mut NoProbe);
+            yard.n_single.store(0, Ordering::Relaxed);
+            let (mut hits, mut blocked) = (Vec::new(), Vec::new());
+            for rays in rays.chunks(together) {
+                let counters = &mut Counters::default();
+                let (h, b) = if wide {
+                    trace_batch(&tree, &yard, rays, counters)
                 } else {
-                    handful.closest_batch(&yard, rays, hits, &mut NoProbe);
-                    handful.occluded_batch(&yard, rays, blocked, &mut NoProbe);
-                }
+                    trace_batch(&small_set, &yard, rays, counters)
+                };
+                hits.extend(h);
+                blocked.extend(b);
             }
-            let n_asked = yard.n_asked.load(Ordering::Relaxed);
+            let n_single = yard.n_single.load(Ordering::Relaxed);
             for (i, (ray, span)) in rays.iter().enumerate() {
                 let hit = brute_force::closest(&yard, ray, *span, &mut NoProbe);
                 assert_eq!((key(hits[i]), blocked[i]), (key(hit), hit.is_some()));
             }
             let n_hits = hits.iter().flatten().count();
-            assert!(n_hits > 2000 && (n_asked as usize) < rays.len() / 4, "{n_hits} hits, {n_asked} asked alone");
+            assert!(n_hits > 2000 && (n_single as usize) < rays.len() / 4, "{n_hits} hits, {n_single} single queries");
         }
     }
 }
 
-/// Lanes without a ray would be counted if they went on.
+/// Padding lanes would be counted if they were traced.
 #[test]
-fn lanes_without_a_ray_do_nothing() {
+fn padding_lanes_do_nothing() {
     let soups = [Soup::facets(&mut Draw::new(4)), Soup::spheres(300, &mut Draw::new(4)).rounded()];
     for soup in soups {
         for level in levels() {
@@ -551,27 +547,27 @@ fn lanes_without_a_ray_do_nothing() {
 }
 
 #[test]
-fn rays_beyond_the_answers_are_left_alone() {
+fn surplus_rays_and_outputs_stay_unchanged() {
     let soup = Soup::spheres(5, &mut Draw::new(3)).rounded();
     let rays = bundles(&soup, 20, &mut Draw::new(4));
-    let handful = SmallSet::new(0..5).unwrap();
+    let small_set = SmallSet::new(0..5).unwrap();
     for n in 0..20 {
         let mut hits = vec![None; n];
-        handful.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
+        small_set.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
         let mut more = vec![None; 30];
-        handful.closest_batch(&soup, &rays[..n], &mut more, &mut NoProbe);
+        small_set.closest_batch(&soup, &rays[..n], &mut more, &mut NoProbe);
         for (i, (ray, span)) in rays.iter().enumerate().take(n) {
-            let expected = key(handful.closest(&soup, ray, *span, &mut NoProbe));
+            let expected = key(small_set.closest(&soup, ray, *span, &mut NoProbe));
             assert_eq!((key(hits[i]), key(more[i])), (expected, expected));
         }
         assert!(more[n..].iter().all(Option::is_none));
     }
 }
 
-/// The sliver is met far outside of its own box by plain arithmetic, and a neighbour starts next to its plane: whether the
-/// kernel has to look at the start of the first ray was once decided by the second.
+/// Plain arithmetic hits the sliver far outside its padded bounds, and a neighbour starts next to its plane. The side test
+/// of the first ray once depended on the second.
 #[test]
-fn hits_on_a_sliver_do_not_depend_on_the_rays_beside() {
+fn hits_on_a_sliver_do_not_depend_on_neighbouring_rays() {
     let vertices = [
         [2.6940758228302, 3.7117247581481934, -0.0024276815820485353],
         [2.6944515705108643, 3.994624376296997, -0.0027274370659142733],
@@ -582,13 +578,13 @@ fn hits_on_a_sliver_do_not_depend_on_the_rays_beside() {
         DVec3::new(2.694509517098264, 2.528108834411083, -0.0028498073984306017),
         DVec3::new(2.2761795169135013e-5, 0.00013634008051077728, -1.901559655846305e-5),
     );
-    let beside =
+    let neighbour =
         Ray::new(DVec3::new(2.694728059667251, 2.121473740525947, -0.0030527670320567414), DVec3::new(-0.5, 1.0, -0.6));
     for level in levels() {
-        let handful = SmallSet::new([0]).unwrap().with_level(level);
-        let rays: Vec<_> = (0..8).map(|i| (if i == 3 { sliver } else { beside }, Interval::FORWARD)).collect();
+        let small_set = SmallSet::new([0]).unwrap().with_level(level);
+        let rays: Vec<_> = (0..8).map(|i| (if i == 3 { sliver } else { neighbour }, Interval::FORWARD)).collect();
         let mut hits = vec![None; 8];
-        handful.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
+        small_set.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
         for (i, (ray, span)) in rays.iter().enumerate() {
             assert_eq!(key(hits[i]), key(brute_force::closest(&soup, ray, *span, &mut NoProbe)), "ray {i}");
         }
@@ -596,10 +592,10 @@ fn hits_on_a_sliver_do_not_depend_on_the_rays_beside() {
     }
 }
 
-/// Counts how often it is asked.
-struct Busy<'a>(&'a Soup, AtomicU32);
+/// Counts scalar tests.
+struct Counting<'a>(&'a Soup, AtomicU32);
 
-impl Primitives for Busy<'_> {
+impl Primitives for Counting<'_> {
     fn len(&self) -> usize {
         self.0.len()
     }
@@ -615,11 +611,11 @@ impl Primitives for Busy<'_> {
     }
 }
 
-/// The answers would be the same if lanes settled nothing.
+/// Results do not depend on SIMD lanes, so this test counts scalar tests.
 #[test]
-fn lanes_leave_little_to_be_decided_ray_by_ray() {
+fn few_rays_need_the_scalar_test() {
     let draw = &mut Draw::new(11);
-    // A floor that is no coordinate plane, and two balls above it.
+    // An oblique floor, and two spheres above it.
     let corner = |x: f32, z: f32| Vec3::new(x, 0.1 * x - 0.05 * z, z);
     let floor = [
         [corner(-5.0, -5.0), corner(5.0, -5.0), corner(5.0, 5.0)],
@@ -630,7 +626,7 @@ fn lanes_leave_little_to_be_decided_ray_by_ray() {
     let (one, other) = (ball(-1.0), ball(1.0));
     let soup = Soup(vec![Solid::Facet(floor[0]), Solid::Round(one), Solid::Facet(floor[1]), Solid::Round(other)]);
     let up = DVec3::new(-0.1, 1.0, 0.05).normalize();
-    // From the eye, from the floor, from the balls, and from within them.
+    // From the eye, the floor, the spheres, and from inside them.
     let mut rays: Vec<(Ray, Interval)> = Vec::new();
     for _ in 0..400 {
         let eye = DVec3::new(0.3, 4.0, 6.0);
@@ -651,29 +647,29 @@ fn lanes_leave_little_to_be_decided_ray_by_ray() {
         rays.push((Ray::new(other.centre + draw.point() * 0.4, draw.point()), Interval::SPAWNED));
     }
     for level in levels() {
-        let handful = SmallSet::new(0..4).unwrap().with_level(level);
-        let busy = Busy(&soup, AtomicU32::new(0));
+        let small_set = SmallSet::new(0..4).unwrap().with_level(level);
+        let counting = Counting(&soup, AtomicU32::new(0));
         let mut hits = vec![None; rays.len()];
-        handful.closest_batch(&busy, &rays, &mut hits, &mut NoProbe);
-        handful.occluded_batch(&busy, &rays, &mut vec![false; rays.len()], &mut NoProbe);
+        small_set.closest_batch(&counting, &rays, &mut hits, &mut NoProbe);
+        small_set.occluded_batch(&counting, &rays, &mut vec![false; rays.len()], &mut NoProbe);
         for (hit, (ray, span)) in hits.iter().zip(&rays) {
             assert_eq!(key(*hit), key(brute_force::closest(&soup, ray, *span, &mut NoProbe)), "{ray:?} {span:?}");
         }
         let n_hits = hits.iter().flatten().count();
-        let n_asked = busy.1.load(Ordering::Relaxed);
-        assert!(n_hits > 700 && n_asked < 16, "{n_hits} hits, {n_asked} of {} asked ray by ray", 8 * rays.len());
+        let n_single = counting.1.load(Ordering::Relaxed);
+        assert!(n_hits > 700 && n_single < 16, "{n_hits} hits, {n_single} of {} scalar tests", 8 * rays.len());
     }
 }
 
-/// Rays that no filter is proven for, or that are not finite, among others.
+/// Rays outside the range of the filters, or not finite, among others.
 #[test]
 fn batches_with_odd_rays_equal_single_queries() {
     let soup = Soup::facets(&mut Draw::new(5));
     const N: usize = 72;
     let wide = WideBvh::build(&soup).unwrap();
-    // Its neighbours start beside it, so that what they have in common is more than a line.
+    // Neighbours start at an offset, so that the bundle is wider than a line.
     let good = Ray::new(DVec3::new(0.1, 3.0, 0.2), DVec3::NEG_Y);
-    let beside = |at: usize| Ray { origin: good.origin + DVec3::X * (0.01 * at as f64), ..good };
+    let neighbour = |at: usize| Ray { origin: good.origin + DVec3::X * (0.01 * at as f64), ..good };
     let odd = [
         Ray::new(DVec3::new(0.1, 1e30, 0.2), DVec3::NEG_Y),
         Ray::new(good.origin, DVec3::ZERO),
@@ -686,8 +682,9 @@ fn batches_with_odd_rays_equal_single_queries() {
             for span in
                 [Interval::FORWARD, Interval::new(-1.0, 5.0), Interval::new(2.0, 1.0), Interval::new(f64::NAN, 1.0)]
             {
-                let rays: Vec<_> =
-                    (0..N).map(|at| if at == place { (odd, span) } else { (beside(at), Interval::FORWARD) }).collect();
+                let rays: Vec<_> = (0..N)
+                    .map(|at| if at == place { (odd, span) } else { (neighbour(at), Interval::FORWARD) })
+                    .collect();
                 let mut hits = vec![None; N];
                 wide.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
                 for (at, (ray, span)) in rays.iter().enumerate() {

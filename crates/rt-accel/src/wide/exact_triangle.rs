@@ -1,5 +1,4 @@
-//! Decisions about triangles from their copies in leaves, three numbers at a time, to the bits of
-//! [`intersect_triangle`].
+//! Exact intersection with triangles of leaves, three numbers at a time, with the bits of [`intersect_triangle`].
 
 use rt_geometry::{Hit, WatertightRay, intersect_triangle};
 use rt_math::float::SIGN_ERROR_BOUND;
@@ -28,8 +27,6 @@ pub(super) struct LeafTriangle<'a> {
 }
 
 impl<'a> LeafTriangle<'a> {
-    /// Reads nothing yet.
-    ///
     /// # Safety
     ///
     /// The leaf must be one of triangles.
@@ -38,7 +35,6 @@ impl<'a> LeafTriangle<'a> {
         Self { leaf, lane, index }
     }
 
-    /// One corner of the triangle.
     #[inline(always)]
     fn corner<const VERTEX: usize>(self) -> [f32; 3] {
         const { assert!(VERTEX < 3) };
@@ -46,7 +42,7 @@ impl<'a> LeafTriangle<'a> {
         unsafe { corner(self.leaf, self.lane, VERTEX) }
     }
 
-    /// The hit within the span. What would rule it out is not looked at where it is `CERTAIN`.
+    /// Closest hit within the span. Skips all rejections where the hit is `CERTAIN`.
     #[inline(always)]
     pub(super) fn hit<S: Simd, const CERTAIN: bool>(
         self,
@@ -55,7 +51,7 @@ impl<'a> LeafTriangle<'a> {
         span: Interval,
     ) -> Option<Hit> {
         let edges = self.edge_functions(simd, exact);
-        // Areas of a hit that is certain are far from 0.
+        // Areas of a certain hit are far from 0.
         if !CERTAIN && !edges.is_certain {
             return self.intersect_scalar(exact.ray, span);
         }
@@ -82,7 +78,7 @@ impl<'a> LeafTriangle<'a> {
         Some(Hit { t: if enter > t { enter } else { t }, instance: 0, primitive: self.index, uv: [v, w] })
     }
 
-    /// All of it one by one.
+    /// Scalar fallback for uncertain signs.
     #[cold]
     #[inline(never)]
     fn intersect_scalar(self, ray: &Ray, span: Interval) -> Option<Hit> {
@@ -130,7 +126,7 @@ impl<'a> LeafTriangle<'a> {
         }
     }
 
-    /// The part of the span inside the own box; empty if it is passed by.
+    /// Part of the span inside the padded bounds; empty for a miss.
     #[inline(always)]
     fn clip<S: Simd>(self, simd: S, ray: &RayF64x4<S>, span: Interval) -> Interval {
         let a = to_f64(simd, self.corner::<0>());
@@ -152,14 +148,14 @@ impl<'a> LeafTriangle<'a> {
     }
 }
 
-/// A triangle as the ray sees it.
+/// Edge functions of a triangle in the space of the ray.
 struct EdgeFunctions {
-    /// Twice the areas of the triangles between the ray and the edges.
+    /// Twice the areas between the ray and the edges.
     areas: [f64; 3],
-    /// The sum of the areas times the depths of the opposite corners.
+    /// Sum of the areas times the depths of the opposite vertices.
     weighted: f64,
-    /// True if the signs of the areas are those of exact arithmetic.
+    /// True if the signs of the areas are exact.
     is_certain: bool,
-    /// Up to this `t`, rounding may decide on which side of the triangle the ray starts.
+    /// Up to this `t`, rounding may change the side of the triangle that the ray starts on.
     origin_side_bound: f64,
 }

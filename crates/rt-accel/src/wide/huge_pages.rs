@@ -1,9 +1,8 @@
-//! Room in large pages of memory: a structure that does not fit into the caches is looked for in fewer page tables, and
-//! made with fewer calls of the system.
+//! Allocation in huge pages, which saves page-table walks and system calls for trees that exceed the caches.
 
 use core::mem::MaybeUninit;
 
-/// Room for so many items, in pages of 2 MiB where the system has them and it is large enough.
+/// Allocates capacity in pages of 2 MiB, if the system has them and the capacity is large enough.
 pub(super) fn with_huge_pages<T>(count: usize) -> Vec<T> {
     #[cfg_attr(
         not(all(target_os = "linux", feature = "large-pages")),
@@ -15,8 +14,8 @@ pub(super) fn with_huge_pages<T>(count: usize) -> Vec<T> {
     room
 }
 
-/// Items part by part, each part filled where it stays and by one of several threads, which touches its memory first.
-/// What is not filled is `empty`.
+/// Fills a vector part by part in place, on several threads, each of which first touches its part. Unfilled items are
+/// `empty`.
 pub(super) fn filled<T, P>(parts: Vec<(usize, P)>, empty: T, fill: impl Fn(P, &mut [T]) + Sync + Send) -> Vec<T>
 where
     T: Clone + Send + Sync,
@@ -32,12 +31,12 @@ where
         rooms.push((part, room));
     }
     for_each(rooms, |(part, room)| fill(part, emptied(room, &empty)));
-    // SAFETY: the parts are so many items together, or the room would not have sufficed for them, and all have been written.
+    // SAFETY: the parts cover exactly `count` items, which fit the allocation, and all are written.
     unsafe { all.set_len(count) };
     all
 }
 
-/// The same room with this item everywhere.
+/// Writes an item everywhere.
 fn emptied<'r, T: Clone>(room: &'r mut [MaybeUninit<T>], empty: &T) -> &'r mut [T] {
     for item in &mut *room {
         item.write(empty.clone());
@@ -57,17 +56,17 @@ fn for_each<T: Send>(all: Vec<T>, each: impl Fn(T)) {
     all.into_iter().for_each(each);
 }
 
-/// Asks the system for large pages in memory that has not been touched. If it has none, nothing is lost.
+/// Requests huge pages for untouched memory. A failure is harmless.
 #[cfg(all(target_os = "linux", feature = "large-pages"))]
 fn advise<T>(memory: &mut [MaybeUninit<T>]) {
     const PAGE: usize = 2 << 20;
     let range = memory.as_mut_ptr_range();
     let offset = range.start.addr().next_multiple_of(PAGE) - range.start.addr();
-    // Whole pages alone: what is before and behind them would not be large.
+    // Whole pages only.
     let length = size_of_val(memory).saturating_sub(offset) / PAGE * PAGE;
     if length > 0 {
         let first = range.start.wrapping_byte_add(offset);
-        // SAFETY: these pages lie within the memory, which is borrowed, and the advice changes nothing that is in them.
+        // SAFETY: these pages lie within the borrowed memory, and the advice does not change their content.
         let _ = unsafe { rustix::mm::madvise(first.cast(), length, rustix::mm::Advice::LinuxHugepage) };
     }
 }

@@ -1,16 +1,16 @@
-//! F64x8 boxes side by side.
+//! Nodes of eight boxes.
 
 use super::simd::Simd;
 use crate::bvh::NodeBox;
 
-/// What is behind one box of a node: another node, or a leaf.
+/// Child of a node: another node, or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(transparent)]
 pub(super) struct Child(u32);
 
 impl Child {
-    /// Nodes, and cache lines of leaves, are numbered by 28 bits.
+    /// Limit of the 28-bit indices of nodes and cache lines.
     pub(super) const LIMIT: usize = 1 << 28;
 
     pub(super) const fn node(number: u32) -> Self {
@@ -22,7 +22,7 @@ impl Child {
         Self(line << 4 | count)
     }
 
-    /// The number of the node, or of the cache line.
+    /// Index of the node, or of the cache line.
     #[inline(always)]
     pub(super) const fn number(self) -> usize {
         (self.0 >> 4) as usize
@@ -39,7 +39,7 @@ impl Child {
         self.0 & 15 == 0
     }
 
-    /// What no node has behind it: there is nothing more to visit.
+    /// Ends a traversal: no node has this child.
     pub(super) const NONE: Self = Self(15);
 
     #[inline(always)]
@@ -53,8 +53,8 @@ impl Child {
     }
 }
 
-/// F64x8 boxes relative to the centre of the tree, rounded outward, and what is behind them. Boxes that nothing is
-/// behind are empty, and no ray passes them.
+/// Eight boxes relative to the centre of the tree, rounded outward, and their children. Boxes without a child are
+/// empty, and no ray hits them.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C, align(64))]
@@ -67,84 +67,51 @@ pub(super) struct Node {
 /// Bytes of a row of planes.
 const ROW: usize = size_of::<[f32; 8]>();
 
-/// Row of the planes of a [`Node`]: twice the axis, plus 1 for upper planes. Less than 6, as only [`near`](Self::near) makes
-/// rows.
+/// Byte offset of a row of planes in a [`Node`]. Only [`near`](Self::near) creates rows, so it is that of one of six.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row(usize);
 
 impl Row {
-    /// Rows of the near planes by axis, for a direction whose components have these sign bits.
-    #[inline(always)]
-    pub(super) const fn near([x, y, z]: [usize; 3]) -> [Self; 3] {
-        [Self(x & 1), Self(2 + (y & 1)), Self(4 + (z & 1))]
-    }
-
-    /// Row of the planes on the other side, of the same axis.
-    #[inline(always)]
-    pub(super) const fn opposite(self) -> Self {
-        Self(self.0 ^ 1)
-    }
-
-    /// Number of the row.
-    #[inline(always)]
-    pub(super) const fn index(self) -> usize {
-        self.0
-    }
-}
-
-/// A [`Row`] as the offset in bytes at which it begins in a [`Node`].
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RowOffset(usize);
-
-impl RowOffset {
-    /// Offsets of the rows of [`Row::near`].
+    /// Rows of the near planes by axis, for a direction with these sign bits.
     #[inline(always)]
     pub(super) const fn near([x, y, z]: [usize; 3]) -> [Self; 3] {
         [Self((x & 1) * ROW), Self(2 * ROW + (y & 1) * ROW), Self(4 * ROW + (z & 1) * ROW)]
     }
 
-    /// See [`Row::opposite`].
+    /// Row of the opposite planes of the same axis.
     #[inline(always)]
     pub(super) const fn opposite(self) -> Self {
         Self(self.0 ^ ROW)
     }
 
-    /// The row that begins there.
+    /// Twice the axis, plus 1 for upper planes.
     #[inline(always)]
-    pub(super) const fn row(self) -> Row {
-        Row(self.0 / ROW)
+    pub(super) const fn index(self) -> usize {
+        self.0 / ROW
     }
 }
 
 impl Node {
     pub(super) const EMPTY: Self = {
-        // Finite, as some formats of files know no other numbers.
+        // Finite, as some file formats have no infinity.
         let (low, high) = ([f32::MAX; 8], [f32::MIN; 8]);
         Self { planes: [low, high, low, high, low, high], children: [Child::node(0); 8] }
     };
 
-    /// F64x8 planes.
     #[inline(always)]
     pub(super) fn row<S: Simd>(&self, simd: S, row: Row) -> S::F32x8 {
-        debug_assert!(row.0 < 6);
-        // SAFETY: a `Row` is less than 6.
-        simd.load(unsafe { self.planes.get_unchecked(row.0) })
+        debug_assert!(row.0 < size_of_val(&self.planes) && row.0.is_multiple_of(ROW));
+        // SAFETY: a `Row` is the offset of one of the six rows.
+        simd.load(unsafe { &*self.planes.as_ptr().byte_add(row.0) })
     }
 
-    /// [`row`](Self::row) that begins at an offset.
-    #[inline(always)]
-    pub(super) fn row_at<S: Simd>(&self, simd: S, at: RowOffset) -> S::F32x8 {
-        debug_assert!(at.0 < size_of_val(&self.planes) && at.0.is_multiple_of(ROW));
-        // SAFETY: a `RowOffset` is where one of the six rows begins.
-        simd.load(unsafe { &*self.planes.as_ptr().byte_add(at.0) })
-    }
-
-    /// One plane of a row, eight times.
+    /// One plane of a row in all lanes.
     #[inline(always)]
     pub(super) fn plane<S: Simd>(&self, simd: S, row: Row, lane: usize) -> S::F32x8 {
-        debug_assert!(row.0 < 6);
-        // SAFETY: a `Row` is less than 6.
-        simd.splat(unsafe { self.planes.get_unchecked(row.0) }[lane & 7])
+        debug_assert!(row.0 < size_of_val(&self.planes) && row.0.is_multiple_of(ROW));
+        // SAFETY: a `Row` is the offset of one of the six rows.
+        let planes = unsafe { &*self.planes.as_ptr().byte_add(row.0) };
+        simd.splat(planes[lane & 7])
     }
 
     pub(super) fn set(&mut self, lane: usize, bounds: &NodeBox, child: Child) {
@@ -155,7 +122,7 @@ impl Node {
         self.children[lane] = child;
     }
 
-    /// The same node, where nodes are numbered from `first_node` and cache lines from `first_line`.
+    /// Shifts the indices of child nodes by `first_node`, and of leaves by `first_line`.
     pub(super) fn moved(mut self, first_node: usize, first_line: usize) -> Self {
         for child in &mut self.children {
             let first = if child.is_node() { first_node } else { first_line };
@@ -164,22 +131,21 @@ impl Node {
         self
     }
 
-    /// The bits of the children.
     #[inline(always)]
     pub(super) fn child_bits(&self) -> &[u32; 8] {
         // SAFETY: a child is a word and nothing else.
         unsafe { &*(&raw const self.children).cast() }
     }
 
-    /// The box of one child, `None` if there is no such child.
+    /// Box of a child; `None` for an empty lane.
     pub(super) fn child_box(&self, lane: usize) -> Option<NodeBox> {
         let side = |side: usize| [0, 1, 2].map(|axis| self.planes[2 * axis + side][lane]).into();
         let (min, max): (glam::Vec3A, glam::Vec3A) = (side(0), side(1));
         min.cmple(max).all().then_some(NodeBox { min, max })
     }
 
-    /// True if lanes without a child are those of an empty node: numbers that are inverted by little, or are no numbers, might
-    /// be passed.
+    /// True if lanes without a child equal those of an empty node. Boxes that are slightly inverted or NaN might be
+    /// hit.
     pub(super) fn is_empty_elsewhere(&self) -> bool {
         (0..8).all(|lane| {
             self.child_box(lane).is_some()
@@ -187,13 +153,13 @@ impl Node {
         })
     }
 
-    /// The children that exist, by lane.
+    /// Children by lane.
     pub(super) fn lanes(&self) -> impl Iterator<Item = (usize, Child)> + use<> {
         let all: [_; 8] = core::array::from_fn(|lane| self.child_box(lane).map(|_| (lane, self.children[lane])));
         all.into_iter().flatten()
     }
 
-    /// The children that exist, with their boxes.
+    /// Children with their boxes.
     pub(super) fn children(&self) -> impl Iterator<Item = (NodeBox, Child)> + '_ {
         (0..8).filter_map(|lane| Some((self.child_box(lane)?, self.children[lane])))
     }

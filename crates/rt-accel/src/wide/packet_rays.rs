@@ -1,4 +1,4 @@
-//! F64x8 rays side by side, a lane each.
+//! Eight rays as a structure of arrays, and coherent packets prepared for filters.
 
 use rt_geometry::WatertightRay;
 use rt_math::{BOUNDS_PADDING, DVec3, Interval, Ray};
@@ -18,7 +18,29 @@ pub(super) struct F64x8<S: Simd> {
     high: S::F64x4,
 }
 
+/// Wraps operations on four numbers as operations on eight.
+macro_rules! lane_wise {
+    ($($name:ident($($other:ident),*) = $half:ident;)*) => {$(
+        #[inline(always)]
+        pub(super) fn $name(self, simd: S $(, $other: Self)*) -> Self {
+            Self { low: simd.$half(self.low $(, $other.low)*), high: simd.$half(self.high $(, $other.high)*) }
+        }
+    )*};
+}
+
 impl<S: Simd> F64x8<S> {
+    lane_wise! {
+        add(other) = add_f64;
+        sub(other) = sub_f64;
+        mul(other) = mul_f64;
+        div(other) = div_f64;
+        min(other) = min_f64;
+        max(other) = max_f64;
+        sqrt() = sqrt_f64;
+        abs() = abs_f64;
+        select_by_sign(positive, negative) = select_by_sign;
+    }
+
     #[inline(always)]
     pub(super) fn new(simd: S, [a, b, c, d, e, f, g, h]: [f64; PACKET]) -> Self {
         Self { low: simd.f64x4([a, b, c, d]), high: simd.f64x4([e, f, g, h]) }
@@ -30,76 +52,34 @@ impl<S: Simd> F64x8<S> {
     }
 
     #[inline(always)]
-    pub(super) fn sub(self, simd: S, other: Self) -> Self {
-        Self { low: simd.sub_f64(self.low, other.low), high: simd.sub_f64(self.high, other.high) }
+    pub(super) fn splat3(simd: S, p: DVec3) -> [Self; 3] {
+        [Self::splat(simd, p.x), Self::splat(simd, p.y), Self::splat(simd, p.z)]
     }
 
+    /// Non-negative numbers with the signs of others.
     #[inline(always)]
-    pub(super) fn add(self, simd: S, other: Self) -> Self {
-        Self { low: simd.add_f64(self.low, other.low), high: simd.add_f64(self.high, other.high) }
+    pub(super) fn copysign(self, simd: S, sign: Self) -> Self {
+        sign.select_by_sign(simd, self, Self::splat(simd, 0.0).sub(simd, self))
     }
 
-    #[inline(always)]
-    pub(super) fn mul(self, simd: S, other: Self) -> Self {
-        Self { low: simd.mul_f64(self.low, other.low), high: simd.mul_f64(self.high, other.high) }
-    }
-
-    #[inline(always)]
-    pub(super) fn div(self, simd: S, other: Self) -> Self {
-        Self { low: simd.div_f64(self.low, other.low), high: simd.div_f64(self.high, other.high) }
-    }
-
-    #[inline(always)]
-    pub(super) fn sqrt(self, simd: S) -> Self {
-        Self { low: simd.sqrt_f64(self.low), high: simd.sqrt_f64(self.high) }
-    }
-
-    #[inline(always)]
-    pub(super) fn abs(self, simd: S) -> Self {
-        Self { low: simd.abs_f64(self.low), high: simd.abs_f64(self.high) }
-    }
-
-    #[inline(always)]
-    pub(super) fn max(self, simd: S, other: Self) -> Self {
-        Self { low: simd.max_f64(self.low, other.low), high: simd.max_f64(self.high, other.high) }
-    }
-
-    #[inline(always)]
-    pub(super) fn min(self, simd: S, other: Self) -> Self {
-        Self { low: simd.min_f64(self.low, other.low), high: simd.min_f64(self.high, other.high) }
-    }
-
-    /// The numbers, none of which is negative, with the signs of others.
-    #[inline(always)]
-    pub(super) fn copysign(self, simd: S, by: Self) -> Self {
-        by.select_by_sign(simd, self, Self::splat(simd, 0.0).sub(simd, self))
-    }
-
-    /// A bit for each of the eight, set where they are at most others; never where one is NaN.
+    /// A bit for each lane with `self ≤ other`; never where one is NaN.
     #[inline(always)]
     pub(super) fn le(self, simd: S, other: Self) -> u32 {
         simd.le_f64(self.low, other.low) | simd.le_f64(self.high, other.high) << 4
     }
 
-    /// A bit for each of the eight, set where they are less than others; never where one is NaN.
+    /// A bit for each lane with `self < other`; never where one is NaN.
     #[inline(always)]
     pub(super) fn lt(self, simd: S, other: Self) -> u32 {
         self.le(simd, other) & !other.le(simd, self)
     }
 
-    /// A bit for each of the eight, set where the sign is negative.
+    /// Sign bits.
     #[inline(always)]
     fn signs(self, simd: S) -> u32 {
         simd.signs(self.low) | simd.signs(self.high) << 4
     }
 
-    /// `a` where the sign is positive, otherwise `b`.
-    #[inline(always)]
-    pub(super) fn select_by_sign(self, simd: S, a: Self, b: Self) -> Self {
-        Self { low: simd.select_by_sign(self.low, a.low, b.low), high: simd.select_by_sign(self.high, a.high, b.high) }
-    }
-
-    /// The numbers by lane.
     #[inline(always)]
     pub(super) fn to_array(self, simd: S) -> [f64; PACKET] {
         let [a, b, c, d] = simd.to_f64_array(self.low);
@@ -107,41 +87,39 @@ impl<S: Simd> F64x8<S> {
         [a, b, c, d, e, f, g, h]
     }
 
-    /// The least of the eight; may be any of them if one is NaN.
+    /// Minimum of the lanes; any of them if one is NaN.
     #[inline(always)]
     fn reduce_min(self, simd: S) -> f64 {
         let [a, b, c, d] = simd.to_f64_array(simd.min_f64(self.low, self.high));
         a.min(b).min(c.min(d))
     }
 
-    /// The greatest of the eight; may be any of them if one is NaN.
+    /// Maximum of the lanes; any of them if one is NaN.
     #[inline(always)]
     fn reduce_max(self, simd: S) -> f64 {
         let [a, b, c, d] = simd.to_f64_array(simd.max_f64(self.low, self.high));
         a.max(b).max(c.max(d))
     }
 
-    /// The sum of the eight.
     #[inline(always)]
-    fn sum(self, simd: S) -> f64 {
+    fn reduce_sum(self, simd: S) -> f64 {
         let [a, b, c, d] = simd.to_f64_array(simd.add_f64(self.low, self.high));
         a + b + (c + d)
     }
 
-    /// Rounded to single precision.
     #[inline(always)]
     pub(super) fn to_f32(self, simd: S) -> S::F32x8 {
         simd.concat_to_f32(self.low, self.high)
     }
 
-    /// Single precision that is not above the numbers, as [`round_down`](super::ray::round_down) one by one.
+    /// SIMD version of [`round_down`](super::ray::round_down).
     #[inline(always)]
     fn round_down(self, simd: S) -> S::F32x8 {
         let below = self.mul(simd, Self::splat(simd, 1.0 - SLACK)).to_f32(simd);
         simd.max(simd.sub(below, simd.splat(f32::MIN_POSITIVE)), simd.splat(0.0))
     }
 
-    /// Single precision that is not below the numbers, as [`round_up`](super::ray::round_up) one by one.
+    /// SIMD version of [`round_up`](super::ray::round_up).
     #[inline(always)]
     fn round_up(self, simd: S) -> S::F32x8 {
         let above = self.mul(simd, Self::splat(simd, 1.0 + SLACK)).to_f32(simd);
@@ -149,28 +127,34 @@ impl<S: Simd> F64x8<S> {
     }
 }
 
-/// The greatest absolute value by ray.
+/// Differences of two vectors by lane.
+#[inline(always)]
+pub(super) fn sub3<S: Simd>(simd: S, a: [F64x8<S>; 3], b: [F64x8<S>; 3]) -> [F64x8<S>; 3] {
+    [a[0].sub(simd, b[0]), a[1].sub(simd, b[1]), a[2].sub(simd, b[2])]
+}
+
+/// Maximum absolute coordinate by ray.
 #[inline(always)]
 pub(super) fn max_abs<S: Simd>(simd: S, [x, y, z]: [F64x8<S>; 3]) -> F64x8<S> {
     x.abs(simd).max(simd, y.abs(simd)).max(simd, z.abs(simd))
 }
 
-/// Spans of eight rays as the filters of leaves see them; see [`FilterTRange`](super::leaf::FilterTRange).
+/// SIMD version of [`FilterTRange`](super::leaf::FilterTRange).
 #[derive(Clone, Copy)]
 pub(super) struct SpanLanes<S: Simd> {
     pub(super) min: [S::F32x8; 2],
     pub(super) max: S::F32x8,
 }
 
-/// By how much, relative to their greatest coordinates, boxes are widened that lie within own boxes.
+/// Padding of boxes that lie within padded bounds, relative to their maximum coordinate.
 pub(super) const INNER_PAD: f64 = 0.5 * BOUNDS_PADDING;
 
-/// F64x8 rays, whichever way they go.
+/// Eight rays of any directions.
 #[derive(Clone, Copy)]
 pub(super) struct RaySoa8<S: Simd> {
     pub(super) origin: [F64x8<S>; 3],
     pub(super) direction: [F64x8<S>; 3],
-    /// As [`SlabRay`](rt_math::SlabRay) has it.
+    /// Equals [`SlabRay::inverse`](rt_math::SlabRay).
     pub(super) inverse: [F64x8<S>; 3],
     pub(super) min: F64x8<S>,
     pub(super) max: F64x8<S>,
@@ -179,7 +163,7 @@ pub(super) struct RaySoa8<S: Simd> {
 impl<S: Simd> RaySoa8<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, rays: &[(Ray, Interval); PACKET]) -> Self {
-        // One by one, as arrays that are cleared first take longer.
+        // Not by loops over arrays, which would be cleared first.
         macro_rules! by_ray {
             (|$ray:pat_param, $span:pat_param| $number:expr) => {{
                 let [a, b, c, d, e, f, g, h] = rays;
@@ -202,21 +186,21 @@ impl<S: Simd> RaySoa8<S> {
         }
     }
 
-    /// Where boxes, each side `pad` farther out, are entered and left.
+    /// Entry into and exit from boxes whose sides are moved outward by `pad`.
     #[inline(always)]
     pub(super) fn cross_box(&self, simd: S, low: [F64x8<S>; 3], high: [F64x8<S>; 3], pad: F64x8<S>) -> [F64x8<S>; 2] {
         let (mut enter, mut leave) = (F64x8::splat(simd, f64::NEG_INFINITY), F64x8::splat(simd, f64::INFINITY));
         for axis in 0..3 {
             let one = low[axis].sub(simd, pad).sub(simd, self.origin[axis]).mul(simd, self.inverse[axis]);
             let other = high[axis].add(simd, pad).sub(simd, self.origin[axis]).mul(simd, self.inverse[axis]);
-            // In this order two NaNs are no constraint. After one the box may seem to be missed, and somebody else decides.
+            // In this order two NaNs are no constraint. After one the box may seem missed, and the scalar test resolves it.
             enter = one.min(simd, other).max(simd, enter);
             leave = one.max(simd, other).min(simd, leave);
         }
         [enter, leave]
     }
 
-    /// By axis: a bit for each ray that is steepest along it, as [`WatertightRay`] has it.
+    /// By axis: a bit for each ray with its largest direction component there, with the ties of [`WatertightRay`].
     #[inline(always)]
     pub(super) fn by_steepest_axis(&self, simd: S) -> [u32; 3] {
         let [x, y, z] = [self.direction[0].abs(simd), self.direction[1].abs(simd), self.direction[2].abs(simd)];
@@ -225,8 +209,7 @@ impl<S: Simd> RaySoa8<S> {
         [along_x, along_y, 0xff & !(along_x | along_y)]
     }
 
-    /// A bit for each ray that begins at 0 or later, and whose direction is of a length whose square is nowhere near the
-    /// t_max of what `f64` can hold.
+    /// A bit for each ray that starts at 0 or later, and whose squared length is far from the limits of `f64`.
     #[inline(always)]
     pub(super) fn in_safe_range(&self, simd: S) -> u32 {
         let [x, y, z] = self.direction;
@@ -237,31 +220,31 @@ impl<S: Simd> RaySoa8<S> {
     }
 }
 
-/// What becomes of eight rays where they may meet a primitive, the same or each another.
+/// Result of intersecting eight rays with one primitive, or with one each.
 pub(super) struct PacketHit<S: Simd> {
-    /// A bit for each ray that hits at `t`.
+    /// A bit for each ray that hits.
     pub(super) hit: u32,
-    /// A bit for each ray that somebody else must decide about; the others miss.
+    /// A bit for each ray that needs the scalar test; all others miss.
     pub(super) uncertain: u32,
     pub(super) t: F64x8<S>,
-    /// As a [`Hit`](rt_geometry::Hit) has them.
+    /// See [`Hit::uv`](rt_geometry::Hit).
     pub(super) uv: [F64x8<S>; 2],
 }
 
-/// F64x8 rays that go about the same way.
+/// A coherent packet of eight rays.
 pub(super) struct RayPacket<S: Simd> {
     pub(super) soa: RaySoa8<S>,
-    /// Axes in the order x, y, z of the first ray's own space.
+    /// Axes in the order x, y, z of the first ray's space; see [`WatertightRay`].
     pub(super) axes: [usize; 3],
-    /// A bit for each ray whose own space it is.
+    /// A bit for each ray with the same axes.
     pub(super) same_axis_mask: u32,
     pub(super) span: SpanLanes<S>,
-    /// What is entered after these does not matter, as [`Goal::limit`](super::query::Goal::limit) has it at first.
+    /// Initial [`RayState::t_max`](super::query::RayState::t_max) by ray.
     pub(super) t_max: S::F32x8,
     pub(super) boxes: PacketSlabs<S>,
 }
 
-/// Some rays, eight at most and one at least, a lane each; lanes without a ray repeat the first.
+/// Pads one to eight rays to a packet with copies of the first.
 #[inline(always)]
 pub(super) fn pad_to_packet(rays: &[(Ray, Interval)]) -> [(Ray, Interval); PACKET] {
     let mut lanes = [rays[0]; PACKET];
@@ -271,15 +254,14 @@ pub(super) fn pad_to_packet(rays: &[(Ray, Interval)]) -> [(Ray, Interval); PACKE
     lanes
 }
 
-/// How far directions that go about the same way may be apart, on each of the two axes across the steepest of one of them,
-/// where both are one along it.
+/// Maximum spread of coherent directions, on both axes across the largest component of the first, scaled to 1 along it.
 const MAX_SPREAD: f64 = 0.125;
 
-/// Greatest component of a direction across the steepest axis of one with which it [`is_coherent`]s, relative to that along it.
+/// Maximum shear of a direction along the axis of the first of a coherent packet.
 pub(super) const MAX_SHEAR: f64 = 1.0 + MAX_SPREAD;
 
-/// True if rays go about the same way. Signs of their directions are not asked for: of rays that go along an axis, hardly two
-/// have the same. Where products leave their range it may be true of others; [`RayPacket::new`] refuses those.
+/// True if the directions of all rays are close to each other. Their signs may differ, as those of rays along an axis do.
+/// May be true of others where products overflow; [`RayPacket::new`] rejects those.
 #[inline(always)]
 pub(super) fn is_coherent(rays: &[(Ray, Interval); PACKET]) -> bool {
     let size = rays[0].0.direction.abs();
@@ -292,26 +274,26 @@ pub(super) fn is_coherent(rays: &[(Ray, Interval); PACKET]) -> bool {
     }
 }
 
-/// True if rays go about the same way along the axis that `turned` puts last.
+/// Tests coherence along the axis that `turned` puts last.
 #[inline(always)]
 fn is_coherent_along(rays: &[(Ray, Interval); PACKET], turned: impl Fn(DVec3) -> [f64; 3]) -> bool {
     let [x, y, z] = turned(rays[0].0.direction);
     rays[1..].iter().all(|(ray, _)| {
         let [other_x, other_y, other_z] = turned(ray.direction);
-        // Not where one is no number.
+        // False for NaN.
         let most = MAX_SPREAD * (z * other_z);
         ((other_x * z - x * other_z).abs() <= most) & ((other_y * z - y * other_z).abs() <= most)
     })
 }
 
-/// The signs of a direction: through which sides it passes boxes.
+/// Octant of a direction, by its sign bits.
 #[inline(always)]
 pub(super) fn signs(d: DVec3) -> u32 {
     ((d.x.to_bits() >> 63) | (d.y.to_bits() >> 63) << 1 | (d.z.to_bits() >> 63) << 2) as u32
 }
 
 impl<S: Simd> RayPacket<S> {
-    /// Of rays that [`is_coherent`]; `None` where the filters are not proven.
+    /// Prepares rays for which [`is_coherent`] holds; `None` where the proofs of the filters do not apply.
     #[inline(always)]
     pub(super) fn new(simd: S, tree: &WideBvh, rays: &[(Ray, Interval); PACKET]) -> Option<Self> {
         let soa = RaySoa8::new(simd, rays);
@@ -321,13 +303,13 @@ impl<S: Simd> RayPacket<S> {
         let q = relative(simd, origin, tree.centre);
         let fastest = max_abs(simd, direction);
 
-        // What is not finite makes a NaN of this.
+        // NaN if anything is not finite.
         let sum = q[0].add(simd, q[1]).add(simd, q[2]).add(simd, min);
         let sum = sum.add(simd, direction[0]).add(simd, direction[1]).add(simd, direction[2]);
-        let nothing = sum.mul(simd, F64x8::splat(simd, 0.0)).sum(simd);
+        let zero = sum.mul(simd, F64x8::splat(simd, 0.0)).reduce_sum(simd);
         let farthest = max_abs(simd, q).reduce_max(simd);
         let begin = Interval { min: min.reduce_min(simd), max: f64::INFINITY };
-        let is_all_proven = filter_applies(fastest.reduce_min(simd), farthest, nothing, begin, tree.size)
+        let is_all_proven = filter_applies(fastest.reduce_min(simd), farthest, zero, begin, tree.size)
             & RANGE.contains(&fastest.reduce_max(simd));
         if !is_all_proven {
             return None;
@@ -342,7 +324,7 @@ impl<S: Simd> RayPacket<S> {
         Some(Self { soa, axes, same_axis_mask, span, t_max, boxes })
     }
 
-    /// The greatest coordinate of each origin, or more.
+    /// Upper bound of the maximum coordinate of each origin.
     #[inline(always)]
     pub(super) fn reach(simd: S, origin: [F64x8<S>; 3]) -> S::F32x8 {
         max_abs(simd, origin).round_up(simd)
@@ -351,21 +333,17 @@ impl<S: Simd> RayPacket<S> {
 
 /// Positions relative to a centre.
 #[inline(always)]
-pub(super) fn relative<S: Simd>(simd: S, [x, y, z]: [F64x8<S>; 3], centre: DVec3) -> [F64x8<S>; 3] {
-    [
-        x.sub(simd, F64x8::splat(simd, centre.x)),
-        y.sub(simd, F64x8::splat(simd, centre.y)),
-        z.sub(simd, F64x8::splat(simd, centre.z)),
-    ]
+pub(super) fn relative<S: Simd>(simd: S, positions: [F64x8<S>; 3], centre: DVec3) -> [F64x8<S>; 3] {
+    sub3(simd, positions, F64x8::splat3(simd, centre))
 }
 
-/// Through which sides eight rays pass boxes.
+/// Sides of boxes that eight rays enter by.
 #[derive(Clone, Copy)]
 struct Sides {
-    /// By axis: the row of the planes that are near for the first ray.
+    /// By axis: row of the planes that are near for the first ray.
     near_row: [Row; 3],
-    /// By axis: a bit for each ray for which these are the far ones.
-    turned: [u32; 3],
+    /// By axis: a bit for each ray for which they are far.
+    flipped: [u32; 3],
 }
 
 impl Sides {
@@ -374,18 +352,18 @@ impl Sides {
         let (x, y, z) = (direction[0].signs(simd), direction[1].signs(simd), direction[2].signs(simd));
         Self {
             near_row: Row::near([x as usize, y as usize, z as usize]),
-            turned: [unlike_first(x), unlike_first(y), unlike_first(z)],
+            flipped: [unlike_first(x), unlike_first(y), unlike_first(z)],
         }
     }
 }
 
-/// The lanes whose bit is not that of the first.
+/// Lanes whose bit differs from that of the first.
 #[inline(always)]
 const fn unlike_first(bits: u32) -> u32 {
     if bits & 1 == 0 { bits } else { 0xff & !bits }
 }
 
-/// F64x8 rays as the filter of boxes sees them.
+/// Slab coefficients of eight rays.
 #[derive(Clone, Copy)]
 pub(super) struct PacketSlabs<S: Simd> {
     scale: [S::F32x8; 3],
@@ -406,8 +384,8 @@ impl<S: Simd> PacketSlabs<S> {
         sides: Sides,
         min: S::F32x8,
     ) -> Self {
-        let nothing = simd.splat(0.0);
-        let mut this = Self { scale: [nothing; 3], near_shift: [nothing; 3], far_shift: [nothing; 3], sides, min };
+        let zero = simd.splat(0.0);
+        let mut this = Self { scale: [zero; 3], near_shift: [zero; 3], far_shift: [zero; 3], sides, min };
         for axis in 0..3 {
             let low = SlabCoeffs::new(simd, q[axis].low, inverse[axis].low, steepest.low, size);
             let high = SlabCoeffs::new(simd, q[axis].high, inverse[axis].high, steepest.high, size);
@@ -418,16 +396,15 @@ impl<S: Simd> PacketSlabs<S> {
         this
     }
 
-    /// True if all rays pass boxes through the same sides.
+    /// True if all rays are in the same octant.
     #[inline(always)]
     pub(super) fn is_same_octant(&self) -> bool {
-        let [x, y, z] = self.sides.turned;
+        let [x, y, z] = self.sides.flipped;
         x | y | z == 0
     }
 
-    /// Where the rays enter and leave one box, of which `plane` returns a row, as
-    /// [`RayF32::cross`](super::ray::RayF32::cross) has it. `SAME_OCTANT` takes fewer instructions, and is right only where
-    /// rays are.
+    /// Entry into and exit from one box, whose planes `plane` returns by row; equals
+    /// [`RayF32::cross`](super::ray::RayF32::cross) bit for bit. `SAME_OCTANT` requires [`is_same_octant`](Self::is_same_octant).
     #[inline(always)]
     pub(super) fn cross<const SAME_OCTANT: bool>(
         &self,
@@ -441,8 +418,8 @@ impl<S: Simd> PacketSlabs<S> {
         if !SAME_OCTANT {
             for axis in 0..3 {
                 let (one, other) = (near[axis], far[axis]);
-                near[axis] = simd.select(self.sides.turned[axis], other, one);
-                far[axis] = simd.select(self.sides.turned[axis], one, other);
+                near[axis] = simd.select(self.sides.flipped[axis], other, one);
+                far[axis] = simd.select(self.sides.flipped[axis], one, other);
             }
         }
         let enter_x = simd.mul_add(near[0], self.scale[0], self.near_shift[0]);
@@ -475,7 +452,7 @@ mod tests {
         DVec3::new(number(seed, k), number(seed, k + 1), number(seed, k + 2))
     }
 
-    /// Rays about along an axis or a diagonal.
+    /// Rays close to an axis or a diagonal.
     fn rays(seed: u64) -> [(Ray, Interval); PACKET] {
         let signs = DVec3::new(number(seed, 0), number(seed, 1), number(seed, 2)).signum();
         let along = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE, DVec3::new(1.0, 1.0, 0.0)][seed as usize % 5] * signs;
@@ -483,8 +460,8 @@ mod tests {
             let k = 10 * lane as u64;
             let jitter = vector(seed, k + 3) * [0.0, 1e-9, 0.06][seed as usize % 3];
             let direction = (along + jitter) * (1.5 + number(seed, k + 6));
-            let of_any_sign = DVec3::ZERO.copysign(vector(seed, k + 3));
-            let direction = DVec3::select(direction.cmpeq(DVec3::ZERO), of_any_sign, direction);
+            let signed_zero = DVec3::ZERO.copysign(vector(seed, k + 3));
+            let direction = DVec3::select(direction.cmpeq(DVec3::ZERO), signed_zero, direction);
             (Ray::new(vector(seed, k + 7) * 2.0, direction), Interval::FORWARD)
         })
     }
@@ -521,7 +498,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_of_any_signs_cross_boxes_as_each_by_itself() {
+    fn packets_cross_boxes_as_single_rays_do() {
         let boxes: Vec<_> = (0..8).map(|i| Aabb::from_points([vector(i, 90), vector(i, 95)])).collect();
         let tree = WideBvh::build(&Boxes(&boxes)).expect("eight boxes");
         for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
@@ -542,9 +519,9 @@ mod tests {
         }
     }
 
-    /// Their products say that they agree.
+    /// Products of such directions pass [`is_coherent`].
     #[test]
-    fn directions_out_of_all_range_make_no_packet() {
+    fn directions_out_of_range_are_rejected() {
         let tree = WideBvh::build(&Boxes(&[Aabb::from_points([DVec3::ZERO, DVec3::ONE])])).expect("one box");
         let refused = |level: SimdLevel, first: DVec3, other: DVec3| {
             let mut rays = [(Ray::new(DVec3::NEG_ONE, first), Interval::FORWARD); PACKET];
@@ -569,7 +546,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_agree_wherever_signs_change_and_not_where_they_part() {
+    fn coherence_ignores_signs_and_rejects_spread() {
         let with = |other: DVec3| {
             let mut rays = [(Ray::new(DVec3::ZERO, DVec3::new(0.01, -0.02, -3.0)), Interval::FORWARD); PACKET];
             rays[5].0.direction = other;

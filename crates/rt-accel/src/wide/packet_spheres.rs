@@ -1,18 +1,17 @@
-//! Spheres decided about for eight rays at a time: the operations of [`SphereKernel::intersect`] in lanes of `f64`, and so
-//! its bits.
+//! Intersection of eight rays with spheres: the operations of [`SphereKernel::intersect`] in lanes of `f64`, with the same
+//! bits.
 //!
-//! # Why the own box need not be looked at
+//! # Why the padded bounds need no test
 //!
-//! A hit counts if the ray passes the own box, and its `t` is raised to where that is entered
-//! ([`intersect_primitive`](rt_math::decide)). The slab test is monotone in the box. So where `t` lies between the times at which a
-//! smaller box within the own one is entered and left, the own box is passed as well, and is entered at `t` or before. The
-//! smallest box widened by half of what own boxes are widened by ([`INNER_PAD`]) is such a box; where the test fails,
-//! somebody else decides.
+//! A hit counts if the ray hits the padded bounds, and its `t` is raised to their entry
+//! ([`intersect_primitive`](rt_geometry::intersect_primitive)). The slab test is monotone in the box. So where `t` lies
+//! between entry into and exit from a smaller box within the padded bounds, these are hit as well, and entered at `t` or
+//! before. The tight bounds widened by half the padding ([`INNER_PAD`]) are such a box. Where that test fails, the scalar
+//! test resolves the ray.
 
 use rt_geometry::SphereKernel;
-use rt_math::DVec3;
 
-use super::packet_rays::{F64x8, INNER_PAD, PACKET, PacketHit, RaySoa8};
+use super::packet_rays::{F64x8, INNER_PAD, PACKET, PacketHit, RaySoa8, max_abs, sub3};
 use super::simd::Simd;
 
 /// A sphere for each of eight rays.
@@ -24,7 +23,7 @@ pub(super) struct SpherePacket<S: Simd> {
 impl<S: Simd> SpherePacket<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, spheres: &[SphereKernel; PACKET]) -> Self {
-        // One by one, as arrays that are cleared first take longer.
+        // Not by loops over arrays, which would be cleared first.
         macro_rules! by_sphere {
             (|$sphere:pat_param| $number:expr) => {{
                 let [a, b, c, d, e, f, g, h] = spheres;
@@ -45,24 +44,18 @@ impl<S: Simd> SpherePacket<S> {
         }
     }
 
-    /// The same sphere for all rays.
+    /// One sphere for all rays.
     #[inline(always)]
     pub(super) fn all(simd: S, sphere: &SphereKernel) -> Self {
-        let DVec3 { x, y, z } = sphere.centre;
-        Self {
-            centre: [F64x8::splat(simd, x), F64x8::splat(simd, y), F64x8::splat(simd, z)],
-            radius: F64x8::splat(simd, sphere.radius),
-        }
+        Self { centre: F64x8::splat3(simd, sphere.centre), radius: F64x8::splat(simd, sphere.radius) }
     }
 
-    /// From the centres to the origins.
     #[inline(always)]
     fn offsets(&self, simd: S, rays: &RaySoa8<S>) -> [F64x8<S>; 3] {
-        let [x, y, z] = rays.origin;
-        [x.sub(simd, self.centre[0]), y.sub(simd, self.centre[1]), z.sub(simd, self.centre[2])]
+        sub3(simd, rays.origin, self.centre)
     }
 
-    /// A bit for each [plain](RaySoa8::plain) ray that misses beyond doubt.
+    /// Rays in the [safe range](RaySoa8::in_safe_range) that certainly miss.
     #[inline(always)]
     pub(super) fn miss_mask(&self, simd: S, rays: &RaySoa8<S>) -> u32 {
         let f = self.offsets(simd, rays);
@@ -79,14 +72,14 @@ impl<S: Simd> SpherePacket<S> {
         passes_by | lies_behind
     }
 
-    /// Where plain rays meet the spheres first within their spans.
+    /// Closest hits within the spans of rays in the safe range.
     #[inline(always)]
     pub(super) fn intersect(&self, simd: S, rays: &RaySoa8<S>) -> PacketHit<S> {
         let f = self.offsets(simd, rays);
         let d = rays.direction;
         let r = self.radius;
         let a = dot(simd, d, d);
-        // Not subtracted from 0, which has another sign.
+        // A product, as 0 − 0 has another sign.
         let b = dot(simd, f, d).mul(simd, F64x8::splat(simd, -1.0));
         let ratio = b.div(simd, a);
         let closest = [
@@ -102,29 +95,24 @@ impl<S: Simd> SpherePacket<S> {
         let (t0, t1) = (c.div(simd, q), q.div(simd, a));
         let (near, far) = (t0.min(simd, t1), t0.max(simd, t1));
         // The sum turns −0 into 0.
-        let nothing = F64x8::splat(simd, 0.0);
-        let t = near.sub(simd, rays.min).add(simd, nothing).select_by_sign(simd, near, far);
+        let zero = F64x8::splat(simd, 0.0);
+        let t = near.sub(simd, rays.min).add(simd, zero).select_by_sign(simd, near, far);
 
         let [enter, leave] = self.inner_box(simd, rays);
         let crosses =
             F64x8::splat(simd, f64::MIN_POSITIVE).le(simd, root) & root.le(simd, F64x8::splat(simd, f64::MAX));
         let within = crosses & rays.min.le(simd, t) & t.le(simd, rays.max);
-        let touches = root.le(simd, nothing);
+        let touches = root.le(simd, zero);
         let hit = within & enter.le(simd, t) & t.le(simd, leave);
-        PacketHit { hit, uncertain: within & !hit | touches, t, uv: [nothing; 2] }
+        PacketHit { hit, uncertain: within & !hit | touches, t, uv: [zero; 2] }
     }
 
-    /// Where boxes within the own boxes are entered and left.
+    /// Entry into and exit from a box within the padded bounds.
     #[inline(always)]
     fn inner_box(&self, simd: S, rays: &RaySoa8<S>) -> [F64x8<S>; 2] {
-        let reach = [self.centre[0].abs(simd), self.centre[1].abs(simd), self.centre[2].abs(simd)];
-        let reach = reach[0].max(simd, reach[1]).max(simd, reach[2]).add(simd, self.radius);
+        let reach = max_abs(simd, self.centre).add(simd, self.radius);
         let pad = reach.mul(simd, F64x8::splat(simd, INNER_PAD));
-        let low = [
-            self.centre[0].sub(simd, self.radius),
-            self.centre[1].sub(simd, self.radius),
-            self.centre[2].sub(simd, self.radius),
-        ];
+        let low = sub3(simd, self.centre, [self.radius; 3]);
         let high = [
             self.centre[0].add(simd, self.radius),
             self.centre[1].add(simd, self.radius),
@@ -134,7 +122,7 @@ impl<S: Simd> SpherePacket<S> {
     }
 }
 
-/// As `DVec3::dot` adds up.
+/// Adds in the order of `DVec3::dot`.
 #[inline(always)]
 fn dot<S: Simd>(simd: S, a: [F64x8<S>; 3], b: [F64x8<S>; 3]) -> F64x8<S> {
     a[0].mul(simd, b[0]).add(simd, a[1].mul(simd, b[1])).add(simd, a[2].mul(simd, b[2]))
@@ -144,20 +132,20 @@ fn dot<S: Simd>(simd: S, a: [F64x8<S>; 3], b: [F64x8<S>; 3]) -> F64x8<S> {
 mod tests {
     use super::super::simd::{DetectedSimd, SimdLevel, WithSimd};
     use super::*;
-    use rt_math::{Interval, Ray};
+    use rt_math::{DVec3, Interval, Ray};
 
     const BALL: SphereKernel = SphereKernel { centre: DVec3::new(0.3, -0.2, 0.1), radius: 0.75 };
 
     type Rays = [(Ray, Interval); PACKET];
 
-    /// By ray: whether it is missed without more ado, whether it is left to others, and where it is hit.
-    type Settled = [(bool, bool, Option<u64>); PACKET];
+    /// By ray: certain miss, uncertain, and bits of `t`.
+    type Resolved = [(bool, bool, Option<u64>); PACKET];
 
-    struct Asked;
+    struct Intersect;
 
-    impl WithSimd<&Rays, &mut Settled> for Asked {
+    impl WithSimd<&Rays, &mut Resolved> for Intersect {
         #[inline(always)]
-        fn run<S: Simd>(self, simd: S, rays: &Rays, settled: &mut Settled) {
+        fn run<S: Simd>(self, simd: S, rays: &Rays, resolved: &mut Resolved) {
             let rays = RaySoa8::new(simd, rays);
             assert_eq!(rays.in_safe_range(simd), 0xff);
             let missed = SpherePacket::all(simd, &BALL).miss_mask(simd, &rays);
@@ -165,22 +153,22 @@ mod tests {
             assert_eq!(missed & (hit | uncertain), 0);
             let t = t.to_array(simd);
             let is_in = |bits: u32, lane: usize| bits >> lane & 1 != 0;
-            *settled = core::array::from_fn(|lane| {
+            *resolved = core::array::from_fn(|lane| {
                 (is_in(missed, lane), is_in(uncertain, lane), is_in(hit, lane).then_some(t[lane].to_bits()))
             });
         }
     }
 
-    fn settled(level: SimdLevel, rays: &Rays) -> Settled {
-        let mut settled = [(false, false, None); PACKET];
-        DetectedSimd::new(level).dispatch(Asked, rays, &mut settled);
-        settled
+    fn resolved(level: SimdLevel, rays: &Rays) -> Resolved {
+        let mut resolved = [(false, false, None); PACKET];
+        DetectedSimd::new(level).dispatch(Intersect, rays, &mut resolved);
+        resolved
     }
 
-    /// If lanes left all to others, the answers of structures would still be right.
+    /// Query results would also be right if all rays were uncertain.
     #[test]
-    fn lanes_settle_what_is_beyond_doubt_as_the_kernel_does() {
-        // From the axis through the centre to beyond the rim, from within, behind the first crossing, and before it.
+    fn certain_results_equal_the_kernel() {
+        // From the axis through the centre to beyond the rim, from inside, behind the first hit, and before it.
         let passing = |i: usize| {
             let origin = BALL.centre + DVec3::new(0.01 + 0.13 * i as f64, 0.0, 5.0);
             Ray::new(origin, DVec3::new(1e-3, 1e-3, -1.0))
@@ -196,7 +184,7 @@ mod tests {
         for level in SimdLevel::ALL {
             let (mut n_hits, mut n_misses) = (0, 0);
             for rays in &cases {
-                for ((ray, span), (missed, uncertain, hit)) in rays.iter().zip(settled(*level, rays)) {
+                for ((ray, span), (missed, uncertain, hit)) in rays.iter().zip(resolved(*level, rays)) {
                     let expected = BALL.intersect(ray, *span);
                     assert_eq!((uncertain, hit), (false, expected.map(f64::to_bits)), "{level:?}, {ray:?} {span:?}");
                     n_hits += usize::from(hit.is_some());
@@ -208,24 +196,24 @@ mod tests {
     }
 
     #[test]
-    fn rays_that_lead_away_from_the_surface_are_missed_without_more_ado() {
+    fn rays_that_leave_the_surface_are_certain_misses() {
         let leaving = core::array::from_fn(|i| {
             let normal = DVec3::new(0.1 * (i + 1) as f64, 0.5, 1.0).normalize();
             (Ray::new(BALL.centre + normal * (BALL.radius * (1.0 + 1e-14)), normal), Interval::SPAWNED)
         });
         for level in SimdLevel::ALL {
-            assert_eq!(settled(*level, &leaving), [(true, false, None); PACKET], "{level:?}");
+            assert_eq!(resolved(*level, &leaving), [(true, false, None); PACKET], "{level:?}");
         }
     }
 
     #[test]
-    fn tangents_are_left_to_others() {
+    fn tangents_are_uncertain() {
         let tangent = Ray::new(BALL.centre + DVec3::new(BALL.radius, 0.0, 5.0), DVec3::NEG_Z);
         let arm = tangent.origin - BALL.centre;
         assert_eq!(arm.x * arm.x, BALL.radius * BALL.radius, "a tangent to the bit");
         for level in SimdLevel::ALL {
-            let settled = settled(*level, &[(tangent, Interval::FORWARD); PACKET]);
-            assert_eq!(settled, [(false, true, None); PACKET], "{level:?}");
+            let resolved = resolved(*level, &[(tangent, Interval::FORWARD); PACKET]);
+            assert_eq!(resolved, [(false, true, None); PACKET], "{level:?}");
         }
     }
 }

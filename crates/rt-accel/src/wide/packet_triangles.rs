@@ -1,23 +1,22 @@
-//! Triangles decided about for eight rays at a time: the operations of [`WatertightRay::intersect`] in lanes of `f64`, and so
-//! its bits.
+//! Intersection of eight rays with a triangle: the operations of [`WatertightRay::intersect`] in lanes of `f64`, with the
+//! same bits.
 //!
-//! What plain arithmetic does not settle is left to somebody else: signs of areas that rounding may have turned, rays that
-//! start next to the triangle's plane unless they certainly lead away from it, and hits of which it takes the own box to
-//! tell whether they count (see [`round`](super::packet_spheres)). [`resolve_certain`] is for hits of which a filter is sure
-//! ([`triangles`](super::leaf)): there no sign is in doubt, and the own box itself is entered.
+//! The scalar test resolves signs of areas that rounding may have changed, rays that start next to the triangle's plane
+//! (unless they certainly leave it), and hits that depend on the padded bounds (see
+//! [`packet_spheres`](super::packet_spheres)). [`resolve_certain`] is for hits that a filter has confirmed
+//! ([`leaf`](super::leaf)): all signs are certain, and the ray hits the padded bounds.
 
 use rt_geometry::WatertightRay;
 use rt_math::float::{SIGN_ERROR_BOUND, UNIT_ROUNDOFF};
 use rt_math::{BOUNDS_PADDING, DVec3};
 
-use super::packet_rays::{F64x8, INNER_PAD, PacketHit, RaySoa8};
+use super::packet_rays::{F64x8, INNER_PAD, PacketHit, RaySoa8, sub3};
 use super::simd::Simd;
 
-/// A volume has the sign of its six rounded products if it is greater than this part of the sum of their sizes; more than
-/// the 7 roundings of Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
+/// Relative error bound of a volume as a sum of six rounded products; more than the 7 roundings of Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
 const VOLUME_ERROR_BOUND: f64 = 16.0 * UNIT_ROUNDOFF;
 
-/// One corner as the rays see it.
+/// A vertex in the space of the rays.
 #[derive(Clone, Copy)]
 struct RaySpaceVertex<S: Simd> {
     x: F64x8<S>,
@@ -25,7 +24,7 @@ struct RaySpaceVertex<S: Simd> {
     depth: F64x8<S>,
 }
 
-/// Which axes become x, y and z, and by what.
+/// Axes and shear of the space of the rays.
 struct Shear<S: Simd> {
     axes: [usize; 3],
     x: F64x8<S>,
@@ -54,7 +53,7 @@ impl<S: Simd> Shear<S> {
     }
 }
 
-/// Twice the area between the ray and an edge, and a bit for each ray for which its sign is certain.
+/// Twice the area between ray and edge, and a bit for each ray for which its sign is certain.
 #[inline(always)]
 fn area<S: Simd>(simd: S, a: &RaySpaceVertex<S>, b: &RaySpaceVertex<S>) -> (F64x8<S>, u32) {
     let (minuend, subtrahend) = (a.x.mul(simd, b.y), a.y.mul(simd, b.x));
@@ -63,7 +62,7 @@ fn area<S: Simd>(simd: S, a: &RaySpaceVertex<S>, b: &RaySpaceVertex<S>) -> (F64x
     (area, size.mul(simd, F64x8::splat(simd, SIGN_ERROR_BOUND)).lt(simd, area.abs(simd)))
 }
 
-/// Where the rays cross the plane of three corners, by the areas opposite of them, and the sum of these.
+/// `t` at the plane of three vertices, by the areas opposite of them, and the sum of the areas.
 #[inline(always)]
 fn crossing<S: Simd>(simd: S, [a, b, c]: [&RaySpaceVertex<S>; 3], [u, v, w]: [F64x8<S>; 3]) -> [F64x8<S>; 2] {
     let determinant = u.add(simd, v).add(simd, w);
@@ -71,15 +70,15 @@ fn crossing<S: Simd>(simd: S, [a, b, c]: [&RaySpaceVertex<S>; 3], [u, v, w]: [F6
     [weighted.div(simd, determinant), determinant]
 }
 
-/// Where plain rays that are steepest along `axis` meet a triangle within their spans. Says nothing of rays that are not
-/// `asked` about.
+/// Intersects the rays of a mask with a triangle within their spans. All must be in the safe range, with their largest
+/// component along `axis`. Results of other rays are meaningless.
 #[inline(always)]
 pub(super) fn intersect<S: Simd>(
     simd: S,
     vertices: &[DVec3; 3],
     axis: usize,
     rays: &RaySoa8<S>,
-    asked: u32,
+    mask: u32,
 ) -> Option<PacketHit<S>> {
     let [x, y, z] = [(axis + 1) % 3, (axis + 2) % 3, axis % 3];
     let shear = Shear::new(simd, [x, y, z], rays);
@@ -87,39 +86,39 @@ pub(super) fn intersect<S: Simd>(
     let a = shear.to_ray_space(simd, rays, vertices[0]);
     let b = shear.to_ray_space(simd, rays, vertices[1]);
     let c = shear.to_ray_space(simd, rays, vertices[2]);
-    let ((u, u_is_settled), (v, v_is_settled), (w, w_is_settled)) =
+    let ((u, u_is_certain), (v, v_is_certain), (w, w_is_certain)) =
         (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
-    let is_settled = u_is_settled & v_is_settled & w_is_settled;
-    let nothing = F64x8::splat(simd, 0.0);
-    let has_negative = u.lt(simd, nothing) | v.lt(simd, nothing) | w.lt(simd, nothing);
-    let has_positive = nothing.lt(simd, u) | nothing.lt(simd, v) | nothing.lt(simd, w);
-    let maybe = asked & !(is_settled & has_negative & has_positive);
-    if maybe == 0 {
+    let has_certain_signs = u_is_certain & v_is_certain & w_is_certain;
+    let zero = F64x8::splat(simd, 0.0);
+    let has_negative = u.lt(simd, zero) | v.lt(simd, zero) | w.lt(simd, zero);
+    let has_positive = zero.lt(simd, u) | zero.lt(simd, v) | zero.lt(simd, w);
+    let possible = mask & !(has_certain_signs & has_negative & has_positive);
+    if possible == 0 {
         return None;
     }
     let [t, determinant] = crossing(simd, [&a, &b, &c], [u, v, w]);
     let depths = a.depth.abs(simd).add(simd, b.depth.abs(simd)).add(simd, c.depth.abs(simd));
-    // A NaN is in doubt as well.
+    // NaN is uncertain.
     let is_certain = depths.mul(simd, F64x8::splat(simd, WatertightRay::ORIGIN_SIDE_BOUND)).lt(simd, t.abs(simd));
     let within = rays.min.le(simd, t) & t.le(simd, rays.max) & t.abs(simd).le(simd, F64x8::splat(simd, f64::MAX));
     let [enter, leave] = inner_box(simd, vertices, rays);
     let in_box = enter.le(simd, t) & t.le(simd, leave);
-    let decided = maybe & is_settled & is_certain;
-    let mut uncertain = maybe & !decided | decided & within & !in_box;
-    let next_to_the_plane = is_settled & !is_certain;
+    let resolved = possible & has_certain_signs & is_certain;
+    let mut uncertain = possible & !resolved | resolved & within & !in_box;
+    let next_to_the_plane = has_certain_signs & !is_certain;
     if uncertain & next_to_the_plane != 0 {
         uncertain &= !(next_to_the_plane & origin_beyond_plane(simd, vertices, rays, scale, determinant));
     }
     Some(PacketHit {
-        hit: decided & within & in_box,
+        hit: resolved & within & in_box,
         uncertain,
         t,
         uv: [v.div(simd, determinant), w.div(simd, determinant)],
     })
 }
 
-/// Where plain rays that go the same way, along these axes, meet a triangle that they certainly hit: `t`, and as much of the
-/// second and third vertex. The decision of [`intersect_triangle`](rt_geometry::intersect_triangle) without what could rule it out.
+/// `t` and barycentric coordinates of coherent rays that certainly hit: the operations of
+/// [`intersect_triangle`](rt_geometry::intersect_triangle) without its rejections.
 #[inline(always)]
 pub(super) fn resolve_certain<S: Simd>(
     simd: S,
@@ -134,7 +133,7 @@ pub(super) fn resolve_certain<S: Simd>(
     let c = shear.to_ray_space(simd, rays, vertices[2]);
     let ((u, _), (v, _), (w, _)) = (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
     let [mut t, determinant] = crossing(simd, [&a, &b, &c], [u, v, w]);
-    // No hit precedes where the own box is entered.
+    // No hit precedes the entry into the padded bounds.
     let [a, b, c] = vertices;
     let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
     let pad = low.abs().max(high.abs()).max_element() * BOUNDS_PADDING;
@@ -147,18 +146,16 @@ pub(super) fn resolve_certain<S: Simd>(
     [t, v.div(simd, determinant), w.div(simd, determinant)]
 }
 
-/// Where a box within the own box is entered and left.
+/// Entry into and exit from a box within the padded bounds.
 #[inline(always)]
 fn inner_box<S: Simd>(simd: S, &[a, b, c]: &[DVec3; 3], rays: &RaySoa8<S>) -> [F64x8<S>; 2] {
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     let pad = low.abs().max(high.abs()).max_element() * INNER_PAD;
-    let low = [F64x8::splat(simd, low.x), F64x8::splat(simd, low.y), F64x8::splat(simd, low.z)];
-    let high = [F64x8::splat(simd, high.x), F64x8::splat(simd, high.y), F64x8::splat(simd, high.z)];
-    rays.cross_box(simd, low, high, F64x8::splat(simd, pad))
+    rays.cross_box(simd, F64x8::splat3(simd, low), F64x8::splat3(simd, high), F64x8::splat(simd, pad))
 }
 
-/// A bit for each ray that passed the triangle's plane before it starts, beyond doubt. To be asked only of rays of whose `t`
-/// it is in doubt on which side they start: otherwise the kernel goes by `t`, which in slivers may say something else.
+/// Rays whose origin is certainly beyond the triangle's plane. Only for rays whose `t` leaves the side uncertain: for
+/// others the kernel uses the sign of `t`, which may differ in slivers.
 #[inline(always)]
 fn origin_beyond_plane<S: Simd>(
     simd: S,
@@ -178,22 +175,18 @@ fn origin_beyond_plane<S: Simd>(
     // Positive where volume, scale and determinant have an even number of minus signs.
     let turned = scale.select_by_sign(simd, determinant, F64x8::splat(simd, 0.0).sub(simd, determinant));
     let turned = turned.select_by_sign(simd, volume, F64x8::splat(simd, 0.0).sub(simd, volume));
-    // Where numbers may leave their range, somebody else decides.
+    // The scalar test resolves numbers that may over- or underflow.
     let is_ordinary = F64x8::splat(simd, 1e-200).lt(simd, size) & size.lt(simd, F64x8::splat(simd, 1e200));
     is_ordinary & size.mul(simd, F64x8::splat(simd, VOLUME_ERROR_BOUND)).lt(simd, turned)
 }
 
-/// From the origins to a corner.
+/// A vertex relative to the origins.
 #[inline(always)]
 fn rel_vertex<S: Simd>(simd: S, corner: DVec3, rays: &RaySoa8<S>) -> [F64x8<S>; 3] {
-    [
-        F64x8::splat(simd, corner.x).sub(simd, rays.origin[0]),
-        F64x8::splat(simd, corner.y).sub(simd, rays.origin[1]),
-        F64x8::splat(simd, corner.z).sub(simd, rays.origin[2]),
-    ]
+    sub3(simd, F64x8::splat3(simd, corner), rays.origin)
 }
 
-/// `z·(p × q)` of the first two coordinates, and the sum of the sizes of both products.
+/// `z·(p × q)` of the first two coordinates, and the sum of the absolute products.
 #[inline(always)]
 fn product<S: Simd>(simd: S, z: F64x8<S>, p: [F64x8<S>; 3], q: [F64x8<S>; 3]) -> (F64x8<S>, F64x8<S>) {
     let (minuend, subtrahend) = (p[0].mul(simd, q[1]), q[0].mul(simd, p[1]));
@@ -214,9 +207,9 @@ mod tests {
     type Rays = [(Ray, Interval); PACKET];
     type Certain = [[u64; 3]; PACKET];
 
-    struct Asked<'a>(&'a [DVec3; 3], &'a mut Certain);
+    struct Resolve<'a>(&'a [DVec3; 3], &'a mut Certain);
 
-    impl WithSimd<&Rays, ()> for Asked<'_> {
+    impl WithSimd<&Rays, ()> for Resolve<'_> {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S, rays: &Rays, (): ()) {
             let (axes, _) = WatertightRay::new(&rays[0].0).shear();
@@ -226,14 +219,14 @@ mod tests {
         }
     }
 
-    /// One of the 24 ways to exchange and turn round the axes.
+    /// Permutes and flips the axes in one of 24 ways.
     fn turned(p: DVec3, way: u64) -> DVec3 {
         let signs = [1, 2, 4].map(|bit| if (way / 3) & bit == 0 { 1.0 } else { -1.0 });
         let [x, y, z] = [0, 1, 2].map(|axis| p[(axis + way as usize) % 3]);
         DVec3::new(x, y, z) * DVec3::from(signs)
     }
 
-    /// Rays to the inside of a triangle, from so far in front of it; some along a plane of two axes.
+    /// Rays to the inside of a triangle from a distance; some parallel to a plane of two axes.
     fn rays_to([a, b, c]: &[DVec3; 3], distance: f64, seed: u64) -> Rays {
         let at = |lane: usize, k: u64| unit(hash(&[seed, lane as u64, k]));
         core::array::from_fn(|lane| {
@@ -245,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn certain_hits_are_those_of_the_kernel_to_the_last_bit() {
+    fn certain_hits_equal_the_kernel() {
         for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
             let (mut n_hits, mut n_raised) = (0, 0);
             for i in 0..4000 {
@@ -253,7 +246,7 @@ mod tests {
                 let corner = |k: u64| DVec3::new(at(k), at(k + 1), at(k + 2));
                 let triangle =
                     [corner(0), corner(0) + DVec3::X + 0.5 * corner(3), corner(0) + DVec3::Y + 0.5 * corner(6)];
-                // From so far away, rounding puts hits on what is flat and small before the own box.
+                // From so far away, rounding puts hits on flat small triangles before the padded bounds.
                 let (size, distance) = if i % 2 == 0 { (DVec3::ONE, 1.0) } else { (DVec3::new(1.0, 1.0, 0.0), 1e5) };
                 let triangle = triangle.map(|vertex| (vertex * size).as_vec3().as_dvec3());
                 let way = i / 2 % 24;
@@ -261,7 +254,7 @@ mod tests {
                     .map(|(ray, span)| (Ray::new(turned(ray.origin, way), turned(ray.direction, way)), span));
                 let triangle = triangle.map(|vertex| turned(vertex, way));
                 let mut certain = [[0; 3]; PACKET];
-                DetectedSimd::new(level).dispatch(Asked(&triangle, &mut certain), &rays, ());
+                DetectedSimd::new(level).dispatch(Resolve(&triangle, &mut certain), &rays, ());
                 for ((ray, span), bits) in rays.iter().zip(certain) {
                     let sheared = WatertightRay::new(ray);
                     let decided = intersect_triangle(triangle, 0, &SlabRay::new(ray), &sheared, *span);

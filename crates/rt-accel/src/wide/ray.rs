@@ -1,66 +1,67 @@
-//! A ray as the filters see it: eight boxes at a time, in `f32`.
+//! A ray prepared for conservative box tests: eight boxes at a time, in `f32`.
 //!
 //! # Why the culling is conservative
 //!
-//! Let `c` be the centre of the tree, `o` the origin of the ray, `v = fl(1/d)` on some axis, and `u = 2⁻⁵³`. An own box
-//! is entered through the plane `b` at `fl(fl(b − o)·v)`, which is within 3.1u of the real number `τ = (b − o)/d`, and
-//! left after at most `τ·(1 + 10u)` ([`Aabb::clip`](rt_math::Aabb::clip)). A node stores a plane `p`, an `f32`, of which
-//! [`NodeBox`](crate::bvh::NodeBox) promises that it lies at or before `b − c` where it is the near one, and at or behind
-//! it where it is the far one. Take `v > 0` and let `q = o − c`; for `v < 0` all signs turn around.
+//! Let `c` be the centre of the tree, `o` the origin of the ray, `v = fl(1/d)` on some axis, and `u = 2⁻⁵³`. Padded
+//! bounds are entered through the plane `b` at `fl(fl(b − o)·v)`, which is within 3.1u of the real number `τ = (b −
+//! o)/d`. They are left after at most `τ·(1 + 10u)` ([`Aabb::clip`](rt_math::Aabb::clip)). A node stores a plane `p` in
+//! `f32`. [`NodeBox`](crate::bvh::NodeBox) guarantees that a near plane lies at or before `b − c`, and a far plane at
+//! or behind it. Take `v > 0` and let `q = o − c`; for `v < 0` all signs are mirrored.
 //!
-//! The filter computes `fl32(p·n + s)`, with the `f32` number `n` = `fl32(v)` for both planes, and for near planes
-//! `s = fl32(−q·n − w)`, where `w` = 2⁻²²·(`|q|` + size of the tree)·`|n|`. As neither plane nor origin is farther from
-//! the centre than these, `w` is four times what each of three roundings may do: that of `v`, which is multiplied by
-//! `p − q`, that of `s`, and that of the result. So:
+//! The filter computes `fl32(p·n + s)`, with the `f32` number `n` = `fl32(v)` for both planes, and for near planes `s =
+//! fl32(−q·n − w)`, where `w` = 2⁻²²·(`|q|` + size of the tree)·`|n|`. As neither plane nor origin is farther from the
+//! centre than these, `w` is four times the error of each of three roundings: that of `v`, multiplied by `p − q`, that
+//! of `s`, and that of the result. So:
 //!
 //! * If `p − q ≤ 0` the result is at most 0, and spans begin at 0 or later.
-//! * Otherwise it is at most `τ − w/4`, less than what the own box computes: 3.1u of `τ` are far less than `w/4`.
+//! * Otherwise it is at most `τ − w/4`, less than the entry into the padded bounds: 3.1u of `τ` are far less than
+//! `w/4`.
 //!
-//! Far planes are the mirror image, with `s = fl32(−q·n + w)`: what is in front of the ray is left no earlier, and what is
-//! behind it was left by the own box as well. Rounding of `q` and of `w` is 2⁻²⁹ of `w`. Without a fused multiply-add `p·n`
-//! is rounded by itself, and `w` has 2⁻²¹ in place of 2⁻²².
+//! Far planes are the mirror image, with `s = fl32(−q·n + w)`. Boxes in front of the ray are left no earlier, and boxes
+//! behind it also have their padded bounds behind it. Rounding of `q` and of `w` is 2⁻²⁹ of `w`. Without a fused
+//! multiply-add `p·n` is rounded separately, and `w` has 2⁻²¹ in place of 2⁻²².
 //!
-//! **Directions that are nearly zero on an axis.** `|v|` is limited to 2⁶⁰ times the least of the three, which is one over
-//! the greatest component `D` of the direction. Entering later than the truth is impossible by that, as times in front of
-//! the ray become smaller. Leaving is: but half of `w`, which is left of it, makes every time of leaving at least
-//! 2³⁷·size/D, and as `|q| ≤ 2¹⁹·size`, the own box is left on the axis of `D` before that.
+//! **Directions that are nearly zero on an axis.** `|v|` is limited to 2⁶⁰ times the minimum of the three, which is one
+//! over the maximum component `D` of the direction. This lowers times in front of the ray, so an entry is never too
+//! late. An exit may be too early. But the remaining half of `w` makes every exit at least 2³⁷·size/D, and as `|q| ≤
+//! 2¹⁹·size`, the padded bounds are left on the axis of `D` before that.
 //!
-//! **Range.** All this needs numbers that neither over- nor underflow. [`RayF32::new`] refuses rays and trees out of
-//! proportion, which are walked in `f64`.
+//! **Range.** All numbers must neither over- nor underflow. [`RayF32::new`] rejects rays and trees out of range, which
+//! are traversed in `f64`.
 
 use rt_math::{DVec3, Interval, Ray};
 
-use super::node::{Node, Row, RowOffset};
+use super::node::{Node, Row};
 use super::simd::Simd;
 
-/// By how much numbers are moved outward, relative to what they are made of.
+/// Relative outward rounding.
 pub(super) const SLACK: f64 = 1.0 / (1 << 22) as f64;
 
-/// Greatest reciprocal, relative to that of the greatest component.
+/// Maximum reciprocal, relative to that of the maximum component.
 pub(super) const STEEPEST: f64 = (1u64 << 60) as f64;
 
-/// Farthest origin, in sizes of the tree.
+/// Maximum distance of an origin, in sizes of the tree.
 pub(super) const FARTHEST: f64 = (1 << 19) as f64;
 
-/// A ray prepared for boxes of `f32`: planes are passed at `plane·scale + shift`.
+/// A ray prepared for boxes of `f32`: it crosses planes at `plane·scale + shift`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RayF32 {
     scale: [f32; 4],
     near_shift: [f32; 4],
     far_shift: [f32; 4],
-    /// By axis: offset of the near planes in a node.
-    near: [RowOffset; 3],
+    /// By axis: row of the near planes in a node.
+    near: [Row; 3],
 }
 
-/// Least and greatest number of a tree or direction for which nothing over- or underflows.
+/// Sizes of trees and directions for which nothing over- or underflows.
 pub(super) const RANGE: core::ops::RangeInclusive<f64> = 1.0 / (1 << 24) as f64..=(1 << 24) as f64;
 
-/// A ray in `f64`, all axes side by side; the fourth lanes are 0, and 1 where they divide.
+/// A ray in `f64`, with all axes side by side. The fourth lane is 0, or 1 where it divides.
 #[derive(Clone, Copy)]
 pub(super) struct RayF64x4<S: Simd> {
     pub(super) origin: S::F64x4,
     pub(super) direction: S::F64x4,
-    /// As [`SlabRay`](rt_math::SlabRay) has it.
+    /// Equals [`SlabRay::inverse`](rt_math::SlabRay).
     pub(super) inverse: S::F64x4,
 }
 
@@ -74,15 +75,15 @@ impl<S: Simd> RayF64x4<S> {
     }
 }
 
-/// A number that is loaded by itself: compilers would make one load of several, which waits until all that callers have
-/// just stored in other pieces is in memory.
+/// Loads a number by itself. Compilers would combine several loads into a wide one, which stalls on narrow stores just
+/// before.
 #[inline(always)]
 fn alone(number: &f64) -> f64 {
     // SAFETY: a reference may be read.
     unsafe { core::ptr::from_ref(number).read_volatile() }
 }
 
-/// By what planes are multiplied, and what is added then: for the axes of one ray, or for one axis of four.
+/// Factor of planes and the addends of near and far planes: three axes of one ray, or one axis of four rays.
 pub(super) struct SlabCoeffs<S: Simd> {
     pub(super) scale: S::F64x4,
     pub(super) near_shift: S::F64x4,
@@ -90,8 +91,8 @@ pub(super) struct SlabCoeffs<S: Simd> {
 }
 
 impl<S: Simd> SlabCoeffs<S> {
-    /// Of the origin relative to the centre of a tree of this size, and the reciprocal of the direction, which is limited
-    /// to `steepest`. What it holds is to be rounded to `f32`.
+    /// Coefficients from an origin relative to the centre of a tree of this size, and the reciprocal of a direction,
+    /// limited to `steepest`. The caller rounds them to `f32`.
     #[inline(always)]
     pub(super) fn new(simd: S, q: S::F64x4, inverse: S::F64x4, steepest: S::F64x4, size: f64) -> Self {
         let slack = if S::FUSED { SLACK } else { 2.0 * SLACK };
@@ -109,8 +110,8 @@ impl<S: Simd> SlabCoeffs<S> {
     }
 }
 
-/// True if the filters are proven for a ray: by the greatest component of its direction, how far its origin is from the
-/// centre of a tree of that size, and a number that is 0 unless something is not finite.
+/// True if the proofs apply: by the maximum component of the direction, the distance of the origin from the centre of
+/// the tree, the size of the tree, and a number that is 0 unless anything is not finite.
 #[inline(always)]
 pub(super) fn filter_applies(fastest: f64, farthest: f64, nothing: f64, span: Interval, size: f64) -> bool {
     RANGE.contains(&fastest)
@@ -120,7 +121,7 @@ pub(super) fn filter_applies(fastest: f64, farthest: f64, nothing: f64, span: In
         & (nothing == 0.0)
 }
 
-/// The least of the first three, which are no NaNs.
+/// Minimum of the first three, none of which is NaN.
 #[inline(always)]
 fn least<S: Simd>(simd: S, a: S::F64x4) -> f64 {
     let turned = simd.min_f64(simd.yzx(a), simd.zxy(a));
@@ -128,7 +129,7 @@ fn least<S: Simd>(simd: S, a: S::F64x4) -> f64 {
     least
 }
 
-/// The greatest of the first three.
+/// Maximum of the first three.
 #[inline(always)]
 pub(super) fn greatest<S: Simd>(simd: S, a: S::F64x4) -> f64 {
     let turned = simd.max_f64(simd.yzx(a), simd.zxy(a));
@@ -137,12 +138,12 @@ pub(super) fn greatest<S: Simd>(simd: S, a: S::F64x4) -> f64 {
 }
 
 impl RayF32 {
-    /// For a tree of this centre and size, its greatest coordinate relative to the centre. `None` where the proof does
-    /// not hold.
+    /// Prepares a ray for a tree of this centre and size (its maximum coordinate relative to the centre). `None` where
+    /// the proof does not apply.
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, ray: &RayF64x4<S>, span: Interval, centre: DVec3, size: f64) -> Option<Self> {
         let q = simd.sub_f64(ray.origin, simd.f64x4([centre.x, centre.y, centre.z, 0.0]));
-        // Not where something is no number.
+        // False for NaN.
         let is_slow = simd.le_f64(simd.abs_f64(ray.direction), simd.f64x4([*RANGE.end(); 4]));
         let is_near = simd.le_f64(simd.abs_f64(q), simd.f64x4([FARTHEST * size; 4]));
         let least = least(simd, simd.abs_f64(ray.inverse));
@@ -160,17 +161,17 @@ impl RayF32 {
             scale: simd.to_f32(slabs.scale),
             near_shift: simd.to_f32(slabs.near_shift),
             far_shift: simd.to_f32(slabs.far_shift),
-            near: RowOffset::near([signs, signs >> 1, signs >> 2]),
+            near: Row::near([signs, signs >> 1, signs >> 2]),
         })
     }
 
-    /// Where near planes are passed, or before.
+    /// Lower bound of the `t` at near planes.
     #[inline(always)]
     pub(super) fn near<S: Simd>(&self, simd: S, axis: usize, planes: S::F32x8) -> S::F32x8 {
         simd.mul_add(planes, simd.splat(self.scale[axis]), simd.splat(self.near_shift[axis]))
     }
 
-    /// Where far planes are passed, or after.
+    /// Upper bound of the `t` at far planes.
     #[inline(always)]
     pub(super) fn far<S: Simd>(&self, simd: S, axis: usize, planes: S::F32x8) -> S::F32x8 {
         simd.mul_add(planes, simd.splat(self.scale[axis]), simd.splat(self.far_shift[axis]))
@@ -179,35 +180,34 @@ impl RayF32 {
     /// Row of the near planes of an axis.
     #[inline(always)]
     pub(super) const fn near_row(&self, axis: usize) -> Row {
-        self.near[axis].row()
+        self.near[axis]
     }
 
-    /// Where the boxes of a node are entered, at `min` or later, and left, at `max` or before. Those that are left
-    /// before they are entered are not passed.
+    /// Entry into the boxes of a node, at `min` or later, and exit, at `max` or before. A box with its exit before its
+    /// entry is missed.
     #[inline(always)]
     pub(super) fn cross<S: Simd>(&self, simd: S, node: &Node, min: f32, max: f32) -> [S::F32x8; 2] {
         let [x, y, z] = self.near;
-        let enter_x = self.near(simd, 0, node.row_at(simd, x));
-        let enter_y = self.near(simd, 1, node.row_at(simd, y));
-        let enter_z = self.near(simd, 2, node.row_at(simd, z));
-        let leave_x = self.far(simd, 0, node.row_at(simd, x.opposite()));
-        let leave_y = self.far(simd, 1, node.row_at(simd, y.opposite()));
-        let leave_z = self.far(simd, 2, node.row_at(simd, z.opposite()));
+        let enter_x = self.near(simd, 0, node.row(simd, x));
+        let enter_y = self.near(simd, 1, node.row(simd, y));
+        let enter_z = self.near(simd, 2, node.row(simd, z));
+        let leave_x = self.far(simd, 0, node.row(simd, x.opposite()));
+        let leave_y = self.far(simd, 1, node.row(simd, y.opposite()));
+        let leave_z = self.far(simd, 2, node.row(simd, z.opposite()));
         let enter = simd.max(simd.max(enter_x, enter_y), simd.max(enter_z, simd.splat(min)));
         let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, simd.splat(max)));
         [enter, leave]
     }
 }
 
-/// An `f32` that is not above `t`, which is not negative; infinite beyond the numbers of `f32`, where a ray that is proven meets
-/// nothing.
+/// Rounds a non-negative `t` down to `f32`; infinite beyond the range of `f32`, where the proofs allow no hits.
 #[inline(always)]
 pub(super) fn round_down(t: f64) -> f32 {
-    // Without a branch; what is taken off is more than rounding adds where numbers lose digits.
+    // Without a branch: the subtraction exceeds the rounding error of subnormal numbers.
     ((t * (1.0 - SLACK) - f64::from(f32::MIN_POSITIVE)) as f32).max(0.0)
 }
 
-/// An `f32` that is not below `t`, which is not negative.
+/// Rounds a non-negative `t` up to `f32`.
 #[inline(always)]
 pub(super) fn round_up(t: f64) -> f32 {
     ((t * (1.0 + SLACK)) as f32).max(f32::MIN_POSITIVE)
@@ -228,7 +228,7 @@ mod tests {
         f64::from_bits(((1023 + n) as u64) << 52)
     }
 
-    /// The numbers in [−1, 1) that belong to a seed.
+    /// Random numbers in [−1, 1).
     struct Draw {
         seed: u64,
         count: u64,
@@ -240,7 +240,7 @@ mod tests {
             2.0 * unit(hash(&[self.seed, self.count])) - 1.0
         }
 
-        /// Of sizes that differ by many powers of two, or 0.
+        /// A number of widely varying magnitude, or 0.
         fn stiff(&mut self) -> f64 {
             match (self.next() * 8.0) as i32 {
                 -7 => 0.0,
@@ -254,7 +254,7 @@ mod tests {
         }
     }
 
-    /// Where the filter enters and leaves the box in the first lane of a node; `None` where it is not proven.
+    /// Entry and exit for the first lane of a node; `None` where the proof does not apply.
     struct Cross<'a> {
         node: &'a Node,
         centre: DVec3,
@@ -292,7 +292,7 @@ mod tests {
                 let direction = if case % 2 == 0 {
                     draw.vector(Draw::stiff)
                 } else {
-                    // Towards the box, where it matters.
+                    // Toward the box, where culling is close.
                     own.centre() + own.extent() * draw.vector(Draw::next) * 0.5 - origin
                 };
                 let ray = Ray::new(origin, direction);

@@ -1,4 +1,4 @@
-//! New boxes, and new copies in the leaves, for the same tree.
+//! Refitting of boxes and leaves to moved primitives.
 
 use rt_geometry::Primitives;
 
@@ -9,7 +9,7 @@ use super::{BuildParams, WideBvh};
 use crate::{BuildError, Refit, bvh::NodeBox, own_boxes::validate_lists};
 
 impl Refit for WideBvh {
-    /// Leaves of triangles that no longer suit, as the scene has gone far from the origin, make it build a new tree.
+    /// Builds a new tree if another kind of leaf suits the triangles, as after a move far from the origin.
     fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
         let stats = PrimStats::of(primitives)?;
         let built = self.bounded + self.unbounded.len() as u32;
@@ -35,7 +35,7 @@ impl Refit for WideBvh {
 }
 
 impl WideBvh {
-    /// The box around a leaf, which is filled anew, or around what is below a node that has been fitted.
+    /// Refits a leaf, or joins the boxes of a node that is already fitted; returns the bounds.
     fn fit<P: Primitives>(&mut self, child: Child, filling: &LeafWriter<'_, P>) -> NodeBox {
         if child.is_node() {
             return self.nodes[child.number()].children().fold(NodeBox::EMPTY, |all, (bounds, _)| all.union(bounds));

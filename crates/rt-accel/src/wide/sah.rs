@@ -1,11 +1,11 @@
-//! What a tree is expected to cost.
+//! Expected cost of traversal.
 
 use super::build::{LEAF, NODE, PRIMITIVE};
 use super::node::Node;
 use crate::bvh::NodeBox;
 
-/// Expected cost of a ray that meets the box around all, where visiting a node is 1 (MacDonald and Booth 1990): by the
-/// ratio of the areas, it meets the others. `None` if that box has no area.
+/// Surface area heuristic (MacDonald and Booth 1990): the expected cost of a ray that hits the root's box, in node
+/// visits. `None` if that box has no area.
 pub(super) fn sah_cost(nodes: &[Node]) -> Option<f64> {
     let around = nodes.first()?.children().fold(NodeBox::EMPTY, |all, (bounds, _)| all.union(bounds));
     let mut sum = around.half_area() * f64::from(NODE);

@@ -1,5 +1,5 @@
-//! Walks in `f64`, one box at a time: for rays that filters are not proven for, and for all other queries. They are the
-//! scalar twin that tests hold the filters against.
+//! Traversal in `f64`, one box at a time: for rays outside the range of the filters, and for all other queries. Tests
+//! compare the filters with it.
 
 use core::ops::ControlFlow;
 
@@ -10,13 +10,13 @@ use super::node::{Child, Node};
 use super::{STACK, WideBvh};
 use crate::{RayQuery, RegionQuery, bvh::NodeRay};
 
-/// Children that were put off, with what they are ordered by: the farthest of a node lie deepest.
+/// Deferred children with their sort keys, the farthest of a node deepest.
 struct ScalarStack {
     entries: [(f64, Child, Place); STACK],
     len: usize,
 }
 
-/// The node that a child belongs to, and its lane.
+/// Parent node and lane of a child.
 type Place = (u32, u8);
 
 impl ScalarStack {
@@ -24,7 +24,7 @@ impl ScalarStack {
         Self { entries: [(0.0, Child::node(0), (0, 0)); STACK], len: 0 }
     }
 
-    /// Pushes an entry below those of the same node that are nearer; the entries of a node begin at `first`.
+    /// Inserts an entry in descending order among those of the same node, which begin at `first`.
     fn insert(&mut self, first: usize, entry: (f64, Child, Place)) {
         debug_assert!(self.len < STACK, "the tree is deeper than its builder promises");
         let end = self.len.min(STACK - 1);
@@ -42,7 +42,7 @@ impl ScalarStack {
 }
 
 impl WideBvh {
-    /// The leaves, in the order of their nodes.
+    /// Leaves in the order of their nodes.
     pub(super) fn leaves(&self) -> impl Iterator<Item = Child> + '_ {
         self.nodes.iter().flat_map(Node::children).filter_map(|(_, child)| (!child.is_node()).then_some(child))
     }
@@ -82,7 +82,7 @@ impl WideBvh {
         let mut stack = ScalarStack::new();
         stack.insert(0, (0.0, self.root, (u32::MAX, 0)));
         while let Some((_, child, place)) = stack.pop() {
-            // The query may have become more particular since.
+            // The query may have shrunk since the push.
             if self.box_at(place).is_some_and(|bounds| query.reach(&bounds).is_none()) {
                 continue;
             }
@@ -102,7 +102,7 @@ impl WideBvh {
         ControlFlow::Continue(())
     }
 
-    /// The box of a child in world space; `None` for that of the root.
+    /// World-space box of a child; `None` for the root.
     fn box_at(&self, (node, lane): Place) -> Option<Aabb> {
         let bounds = self.nodes.get(node as usize)?.child_box(usize::from(lane))?;
         Some(bounds.at(self.centre))

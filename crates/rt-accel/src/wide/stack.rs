@@ -1,11 +1,11 @@
-//! What a walk has put off, in memory that is not cleared first: clearing it would take as long as a few nodes.
+//! Traversal stack in uninitialised memory: clearing it would take as long as several nodes.
 
 use core::mem::MaybeUninit;
 
 use super::STACK;
 use super::node::Child;
 
-/// Memory of a stack, to be used again from ray to ray.
+/// Memory of a stack, reused from ray to ray.
 pub(super) struct StackStorage([MaybeUninit<u64>; STACK]);
 
 impl StackStorage {
@@ -15,11 +15,10 @@ impl StackStorage {
     }
 }
 
-/// Children that were put off, with the `t` at which their boxes are entered. Apart from its memory, so that its length
-/// stays in a register.
+/// Deferred children with the `t` at entry. Separate from its memory, so that the length stays in a register.
 pub(super) struct Stack<'r> {
     entries: &'r mut [MaybeUninit<u64>; STACK],
-    /// Entries below it have been written.
+    /// Entries below it are written.
     len: usize,
 }
 
@@ -29,23 +28,20 @@ impl<'r> Stack<'r> {
         Self { entries: &mut room.0, len: 0 }
     }
 
-    /// The sort key of a child: numbers that are not negative compare as their bits do.
+    /// Sort key of a child: bits of non-negative numbers compare as the numbers do.
     #[inline(always)]
     pub(super) fn key(enter: f32, child: Child) -> u64 {
         u64::from(enter.to_bits()) << 32 | u64::from(child.to_bits())
     }
 
-    /// Number of entries.
     #[inline(always)]
     pub(super) const fn len(&self) -> usize {
         self.len
     }
 
-    /// Changes the number of entries.
-    ///
     /// # Safety
     ///
-    /// All entries below `len` must have been written.
+    /// All entries below `len` must be written.
     #[inline(always)]
     pub(super) const unsafe fn set_len(&mut self, len: usize) {
         self.len = len;
@@ -55,8 +51,8 @@ impl<'r> Stack<'r> {
     ///
     /// # Safety
     ///
-    /// `at` must be less than [`STACK`]: so it is while each node of a walk puts off seven children at most, as no tree is
-    /// deeper than a seventh of the stack.
+    /// `at` must be less than [`STACK`]. This holds while each node pushes at most seven children, as no tree is deeper
+    /// than a seventh of the stack.
     #[inline(always)]
     pub(super) unsafe fn put(&mut self, at: usize, key: u64) {
         debug_assert!(at < STACK, "the tree is deeper than its builder promises");
@@ -76,8 +72,6 @@ impl<'r> Stack<'r> {
         unsafe { self.entries.get_unchecked(at).assume_init() }
     }
 
-    /// Appends an entry.
-    ///
     /// # Safety
     ///
     /// There must be fewer entries than [`STACK`], as for [`put`](Self::put).
@@ -88,7 +82,6 @@ impl<'r> Stack<'r> {
         self.len += 1;
     }
 
-    /// The child put off last.
     #[inline(always)]
     pub(super) fn pop(&mut self) -> Option<Child> {
         self.len = self.len.checked_sub(1)?;
@@ -96,7 +89,7 @@ impl<'r> Stack<'r> {
         Some(Child::from_bits(unsafe { self.get(self.len) } as u32))
     }
 
-    /// The child put off last that is entered at or before `t_max`.
+    /// Pops the last child that is entered at or before `t_max`.
     #[inline(always)]
     pub(super) fn pop_before(&mut self, t_max: f32) -> Option<Child> {
         while self.len > 0 {
@@ -110,7 +103,7 @@ impl<'r> Stack<'r> {
         None
     }
 
-    /// Inserts a key into those since `first`, which fall towards the end, so that the nearest is popped first.
+    /// Inserts a key into the descending ones from `first` on, so that the nearest is popped first.
     ///
     /// # Safety
     ///
@@ -118,7 +111,7 @@ impl<'r> Stack<'r> {
     #[inline(always)]
     pub(super) unsafe fn insert(&mut self, first: usize, key: u64) {
         let mut place = self.len;
-        // SAFETY: there is room, as the caller promises; all places are less than `len`.
+        // SAFETY: there is space, as the caller promises; all positions are less than `len`.
         unsafe {
             self.push(key);
             while place > first && self.get(place - 1) < key {

@@ -1,4 +1,4 @@
-//! Checks what the walks and their proofs rest on.
+//! Validation of the invariants that traversal and its proofs rely on.
 
 use glam::Vec3A;
 use rt_geometry::{Primitives, padded_bounds};
@@ -10,11 +10,11 @@ use crate::bvh::{Cell, NodeBox, encloses};
 use crate::{ValidationError, bounded_depth::MAX_DEPTH, own_boxes::validate_lists};
 
 impl WideBvh {
-    /// Checks all that can be checked without the primitives: every node has one parent, which comes before it, no leaf
-    /// is too deep for the stack of a walk, boxes contain those below, leaves lie where they can be read, and lists name
-    /// primitives, each once.
+    /// Validates everything that does not depend on the primitives. Every node has one parent, which precedes it; the
+    /// depth fits the traversal stack; boxes contain those of their children. Leaves lie within the memory, and list
+    /// each primitive once.
     pub(super) fn validate_shape(&self) -> Result<(), ValidationError> {
-        // Before anything is allocated or added up, as a saved tree may state any number.
+        // Before anything is allocated or summed, as a saved tree may contain any number.
         if u64::from(self.bounded) > self.leaves.most_primitives() {
             return Err(ValidationError::Count { built: self.bounded, given: self.unbounded.len() });
         }
@@ -38,7 +38,7 @@ impl WideBvh {
         }
     }
 
-    /// Checks the shape, that every own box lies within the box of its leaf, and what filters are told about it.
+    /// Validates the shape, and that boxes and leaves match the primitives.
     pub(super) fn validate_primitives<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.validate_shape()?;
         validate_lists(primitives, self.bounded + self.unbounded.len() as u32, &self.unbounded)?;
@@ -58,13 +58,13 @@ impl WideBvh {
         })
     }
 
-    /// Visits the leaves with their boxes, and checks the nodes on the way.
+    /// Visits all leaves with their boxes, and validates the nodes.
     fn for_each_leaf(
         &self,
         mut visit: impl FnMut(Child, &NodeBox) -> Result<(), ValidationError>,
     ) -> Result<(), ValidationError> {
         let everything = NodeBox { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
-        // A root that is something else would leave nodes behind that nobody has checked.
+        // With another root, nodes would remain unvalidated.
         if self.root != Child::node(0) {
             return Err(ValidationError::Node { node: 0 });
         }
@@ -87,7 +87,7 @@ impl WideBvh {
             let Some(node) = self.nodes.get(number).filter(|_| n_visited <= self.nodes.len()) else {
                 return Err(bad);
             };
-            // Filters must not be able to pass what nobody has checked.
+            // Filters must never hit an unvalidated child.
             if !node.is_empty_elsewhere() {
                 return Err(bad);
             }
@@ -137,7 +137,7 @@ mod tests {
         assert_eq!(tree.validate_shape(), Err(ValidationError::Node { node: 0 }));
     }
 
-    /// The list of what is named would take 4 GiB, and on 32 bits its length wraps.
+    /// The list of primitives would take 4 GiB, and on 32 bits its length wraps.
     #[test]
     fn more_primitives_than_leaves_have_room_for_are_refused() {
         let mut tree = WideBvh::build(&Row(3)).expect("three boxes");

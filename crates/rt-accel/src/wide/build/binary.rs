@@ -1,11 +1,11 @@
-//! The binary tree that the wide one is made of.
+//! Binary tree, an intermediate step of the builder.
 
 use glam::Vec3A;
 
 use super::collapse::{CollapsePlan, Costs};
 use crate::bvh::NodeBox;
 
-/// References below a node from which on its costs are kept: so many that it takes little room.
+/// Costs are kept for nodes of at least this many references.
 const LARGE: usize = 32;
 
 /// A node of the binary tree, in 32 bytes.
@@ -17,23 +17,23 @@ pub(super) struct BinaryNode {
     second: u32,
 }
 
-/// What a node of the binary tree stands for.
+/// Kind of a binary node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Content {
-    /// The numbers of both children.
+    /// Indices of both children.
     Inner([u32; 2]),
-    /// A run of references.
+    /// Consecutive references.
     Leaf {
-        /// Place of the first in the list.
+        /// First, in the order of all.
         first: u32,
-        /// Their number, from 1 to 8.
+        /// Count, from 1 to 8.
         count: u32,
     },
-    /// What this link of the forest leads to.
+    /// Index of a link to another tree.
     Link(u32),
 }
 
-/// No number of a node is as high: leaves and links are marked from here on.
+/// TopNode limit of node indices; leaves and links are marked by larger numbers.
 const MARKS: u32 = u32::MAX - 8;
 
 impl BinaryNode {
@@ -60,25 +60,25 @@ impl BinaryNode {
     }
 }
 
-/// A tree, or the part of one that was grown by one task: children come before their parent, the root last.
+/// A tree, or the part that one task built: children precede their parent, and the root is last.
 #[derive(Debug, Default)]
 pub(super) struct BinaryTree {
     pub(super) nodes: Vec<BinaryNode>,
-    /// For each node, how it is best collapsed.
+    /// Best collapse of each node.
     pub(super) plans: Vec<CollapsePlan>,
-    /// The costs of what is below large nodes, by rising number.
+    /// Costs of large nodes, by rising index.
     kept: Vec<(u32, Costs)>,
 }
 
 impl BinaryTree {
-    /// Remembers what is below the last node: `count` references.
+    /// Keeps the costs of the last node, which has `count` references.
     pub(super) fn keep(&mut self, costs: &Costs, count: usize) {
         if count >= LARGE {
             self.kept.push((self.root(), *costs));
         }
     }
 
-    /// The costs of what is below a node, if it is a large one.
+    /// Costs of a large node.
     pub(super) fn kept(&self, node: u32) -> Option<Costs> {
         let place = self.kept.binary_search_by_key(&node, |kept| kept.0).ok()?;
         Some(self.kept[place].1)

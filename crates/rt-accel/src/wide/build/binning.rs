@@ -1,5 +1,5 @@
-//! Where to cut a set of references in two: the surface area heuristic (MacDonald and Booth 1990) over bins of centroids
-//! (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007), on all three axes at once.
+//! Binned SAH: finds a split by the surface area heuristic (MacDonald and Booth 1990) over bins of centroids (Wald, "On
+//! fast Construction of SAH-based Bounding Volume Hierarchies", 2007), on all three axes at once.
 
 use glam::{BVec3A, Vec3A};
 
@@ -8,10 +8,10 @@ use crate::bvh::NodeBox;
 
 const MAX_BINS: usize = 32;
 
-/// Adding it rounds a small number to an integer, which then is the low bits of the sum.
+/// Addition of this constant rounds a small number to an integer in the low bits of the sum.
 const ROUNDING: f32 = 1.5 * (1u32 << 23) as f32;
 
-/// Half of the surface area in units of the scene, so that it neither overflows nor vanishes, whatever the scale.
+/// Half surface area in units of the scene, so that no scale over- or underflows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NormalizedArea(f32);
 
@@ -28,7 +28,7 @@ impl NormalizedArea {
     }
 }
 
-/// The map from centroids to bins.
+/// Mapping from centroids to bins.
 #[derive(Clone, Copy)]
 pub(super) struct BinMapping {
     least: Vec3A,
@@ -38,15 +38,15 @@ pub(super) struct BinMapping {
     axes: Axes,
 }
 
-/// The axes on which a cut is looked for.
+/// Axes on which splits are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Axes {
     All,
-    /// The one on which the centroids are farthest apart.
+    /// The axis with the largest extent of centroids.
     Widest,
 }
 
-/// A cut between two bins.
+/// A plane between two bins.
 #[derive(Clone, Copy)]
 pub(super) struct SplitPlane {
     axis: usize,
@@ -57,14 +57,14 @@ pub(super) struct SplitPlane {
 }
 
 impl BinMapping {
-    /// For `count` references whose centroids lie in this box.
+    /// Mapping for `count` references with centroids in this box.
     pub(super) fn new(centroids: &NodeBox, count: usize, axes: Axes) -> Self {
         let len = (4 + count / 8).min(MAX_BINS);
         let scale = Vec3A::splat(len as f32 * 0.99999) / (centroids.max - centroids.min);
         Self { least: centroids.min, scale: scale.min(Vec3A::splat(f32::MAX)), len, axes }
     }
 
-    /// The bin on each axis. All centroids are in bin 0 of an axis on which they coincide, or have no finite extent.
+    /// Bin on each axis; 0 on an axis without a finite extent.
     #[inline(always)]
     fn bins(&self, reference: &PrimRef) -> [u32; 3] {
         let position = (reference.centroid() - self.least) * self.scale;
@@ -84,7 +84,7 @@ impl SplitPlane {
         bin_at((position - 0.5) + ROUNDING)
     }
 
-    /// The side of a reference: 0 or 1.
+    /// Side of a reference: 0 or 1.
     #[inline(always)]
     pub(super) fn side(&self, reference: &PrimRef) -> usize {
         usize::from(self.bin(reference) >= self.first_right)
@@ -96,7 +96,7 @@ fn bin_at(rounded: f32) -> u32 {
     rounded.to_bits() % MAX_BINS as u32
 }
 
-/// Visits all, by turns from both halves: neighbours often share bins, and would wait for each other.
+/// Visits references alternately from both halves: neighbours often share a bin, which serialises their updates.
 #[inline(always)]
 fn in_two_streams(references: &[PrimRef], mut visit: impl FnMut(&PrimRef)) {
     let (front, back) = references.split_at(references.len() / 2);
@@ -108,14 +108,14 @@ fn in_two_streams(references: &[PrimRef], mut visit: impl FnMut(&PrimRef)) {
     last.iter().for_each(visit);
 }
 
-/// What the bins of all three axes hold.
+/// Bounds and counts of the bins on all three axes.
 pub(super) struct Bins {
     binning: BinMapping,
     boxes: [[NodeBox; 3]; MAX_BINS],
     counts: [[u32; 4]; MAX_BINS],
 }
 
-/// The cheapest cut, what it leaves on both sides.
+/// The split of minimum cost, and the bounds of both sides.
 pub(super) struct BestSplit {
     pub(super) cut: SplitPlane,
     /// Number of references on the left.
@@ -129,7 +129,7 @@ impl Bins {
         Self { binning, boxes: [[NodeBox::EMPTY; 3]; MAX_BINS], counts: [[0; 4]; MAX_BINS] }
     }
 
-    /// Empties the bins that are now in use.
+    /// Clears the bins in use.
     pub(super) fn reset(&mut self, binning: BinMapping) {
         self.binning = binning;
         self.boxes[..binning.len].fill([NodeBox::EMPTY; 3]);
@@ -158,7 +158,7 @@ impl Bins {
         }
     }
 
-    /// Adds what the bins of the same map hold.
+    /// Adds bins of the same mapping.
     #[cfg(feature = "parallel")]
     pub(super) fn merge(&mut self, other: &Self) {
         for bin in 0..self.binning.len {
@@ -174,7 +174,7 @@ impl Bins {
         self.counts[..cut.first_right as usize].iter().map(|counts| counts[cut.axis] as usize).sum()
     }
 
-    /// The cheapest cut with references on both sides; the first one in order of axes and bins where several are.
+    /// Split of minimum cost with references on both sides; the first in order of axes and bins among equals.
     pub(super) fn best_split(&self, unit: NormalizedArea) -> Option<BestSplit> {
         let len = self.binning.len;
         let areas = |boxes: &[NodeBox; 3]| Vec3A::from_array(core::array::from_fn(|axis| unit.area(&boxes[axis])));
@@ -192,7 +192,7 @@ impl Bins {
         for (bin, right_cost) in right_costs.iter().enumerate().take(len).skip(1) {
             boxes = core::array::from_fn(|axis| boxes[axis].union(self.boxes[bin - 1][axis]));
             counts += count(&self.counts[bin - 1]);
-            // NaN where one side is empty: an infinite area times zero.
+            // NaN for an empty side: an infinite area times zero.
             let costs = areas(&boxes) * counts + *right_cost;
             let is_less: BVec3A = costs.cmplt(least);
             least = Vec3A::select(is_less, costs, least);

@@ -1,6 +1,5 @@
-//! Which nodes of the binary tree become nodes of the wide one, and which leaves: the choice of least expected cost, by
-//! dynamic programming (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
-//! BVHs", 2017, section 4.1).
+//! Collapse of the binary tree into wide nodes of minimum expected cost, by dynamic programming (Ylitie, Karras and
+//! Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, section 4.1).
 //!
 //! ```text
 //!     C(n, 1) = min(leaf(n), area(n) · NODE + D(n, 8))
@@ -8,44 +7,43 @@
 //!     D(n, k) = min over j of C(left, j) + C(right, k − j)
 //! ```
 //!
-//! `C(n, k)` is the cost of what is below the binary node `n` if it is to become at most `k` children of a wide node,
-//! and `leaf(n)` is `area(n) · (LEAF + PRIMITIVE · count)` where the references fit into a leaf.
+//! `C(n, k)` is the minimum cost of the subtree of the binary node `n` as at most `k` children of a wide node, and
+//! `leaf(n)` is `area(n) · (LEAF + PRIMITIVE · count)` where the references fit into a leaf.
 
 /// Children of a wide node.
 pub(super) const WIDTH: usize = 8;
 
-/// Cost of visiting a node, the unit of the others.
+/// Cost of a node visit, the unit of costs.
 pub(in crate::wide) const NODE: f32 = 1.0;
 
-/// Cost of visiting a leaf: a test of eight primitives at once.
+/// Cost of a leaf visit: a test of eight primitives at once.
 pub(in crate::wide) const LEAF: f32 = 0.6;
 
-/// Cost of a primitive in a leaf: memory to read.
+/// Cost of a primitive in a leaf, for memory traffic.
 pub(in crate::wide) const PRIMITIVE: f32 = 0.1;
 
-/// The costs of what is below a binary node.
+/// Costs of a subtree of the binary tree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Costs {
-    /// C(n, k) for k from 1 to 8; no smaller number of children is dearer. The last repeats the one before.
+    /// C(n, k) for k from 1 to 8, not increasing in k. The last repeats the one before.
     of: [f32; WIDTH],
-    /// Number of references.
     count: u32,
 }
 
-/// How a binary node is best collapsed: four bits for each number of children from 1 to 7, lowest first.
+/// Best collapse of a binary node: four bits for each number of children from 1 to 7, lowest first.
 ///
-/// The bits are the part of the children that comes from the left side; 0 says that one child fewer is no dearer, or for
-/// one child, that it is a leaf.
+/// The bits are the number of children from the left side. 0 means that one child fewer costs no more or, for one
+/// child, a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct CollapsePlan(u32);
 
-/// What becomes of a binary node that was given some children of a wide node to be.
+/// Role of a binary node in a wide node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ChildSlot {
     Leaf,
-    /// A wide node, so many of whose children come from the left side.
+    /// A wide node, with this many children from the left side.
     Node(usize),
-    /// No child of its own: so many from each side.
+    /// No child itself; its sides provide these numbers of children.
     Open([usize; 2]),
 }
 
@@ -56,7 +54,7 @@ impl CollapsePlan {
         (self.0 >> (4 * (k - 1)) & 15) as usize
     }
 
-    /// What to do if up to `k` children are to be had, for k from 1 to 7.
+    /// Role with up to `k` children, for k from 1 to 7.
     pub(super) fn share(self, mut k: usize) -> ChildSlot {
         while k > 1 && self.at(k) == 0 {
             k -= 1;
@@ -70,21 +68,20 @@ impl CollapsePlan {
 }
 
 impl Costs {
-    /// Of nothing.
     pub(super) const NONE: Self = Self { of: [0.0; WIDTH], count: 0 };
 
     pub(super) fn leaf(area: f32, count: u32) -> Self {
         Self { of: [leaf_cost(area, count); WIDTH], count }
     }
 
-    /// The least cost as one child.
-    pub(super) fn whole(&self) -> f32 {
+    /// Minimum cost as one child.
+    pub(super) fn as_one(&self) -> f32 {
         self.of[0]
     }
 
-    /// The costs of a node of this area above two others.
+    /// Costs of the parent, of this area, of two nodes.
     pub(super) fn above(area: f32, [left, right]: [&Self; 2], max_leaf: usize) -> (Self, CollapsePlan) {
-        // Row k − 2 is D(n, k) for k from 2 to 8. Infinity stands where the right side would get no child.
+        // Row k − 2 is D(n, k) for k from 2 to 8. Infinity pads rows where the right side would get no child.
         let mut padded = [f32::INFINITY; 2 * WIDTH];
         padded[WIDTH..].copy_from_slice(&right.of);
         let (mut best, mut from_left) = ([f32::INFINITY; WIDTH], [1u32; WIDTH]);

@@ -1,4 +1,4 @@
-//! Builds the wide tree: a binary tree first, and from it the wide one of least expected cost.
+//! Builder: a binary tree by binned SAH, collapsed into the wide tree of minimum expected cost.
 
 mod binary;
 mod binning;
@@ -26,24 +26,23 @@ use parallel::SubtreeSet;
 pub use params::{BuildParams, Quality};
 use prim_refs::Gathered;
 pub(super) use prim_refs::PrimStats;
-use reference::{PrimRef, Run};
+use reference::{PrimRange, PrimRef};
 use reinsertion::ReinsertionParams;
-use top_down::{BuildConfig, PrimInfo, Set};
+use top_down::{BuildConfig, BuildRange, PrimInfo};
 use wide_nodes::WideBuilder;
 
-/// A tree whose nodes have up to eight children. The first node is the root, whose one child may be a leaf.
+/// A tree whose nodes have up to eight children. The first node is the root, which may have a leaf as its only child.
 #[derive(Debug, PartialEq)]
 pub(super) struct WideTree {
     /// Children come after their parents.
     pub(super) nodes: Vec<Node>,
-    /// The leaves in the order of nodes and lanes, part by part.
+    /// Leaves in the order of nodes and lanes, chunk by chunk.
     pub(super) listings: Vec<LeafOrder>,
-    /// Of the deepest leaf; those below the root have depth 1.
+    /// Depth of the deepest leaf; leaves below the root have depth 1.
     pub(super) depth: u32,
 }
 
-/// Builds the tree over the primitives that were counted, which is a pure function of them and the parameters; `None` if
-/// numbers run out.
+/// Builds the tree as a pure function of primitives and parameters; `None` if 28 bits cannot index nodes and leaves.
 pub(super) fn build<P: Primitives>(
     primitives: &P,
     stats: &PrimStats,
@@ -54,19 +53,25 @@ pub(super) fn build<P: Primitives>(
     over(prim_refs::references(primitives, stats.centre(), &config), &config, kind, params.quality)
 }
 
-/// Builds the tree over references.
 fn over(gathered: Gathered, config: &BuildConfig, kind: LeafKind, quality: Quality) -> Option<WideTree> {
-    let Gathered { mut references, mut room } = gathered;
+    let Gathered { mut references, mut scratch } = gathered;
     if references.is_empty() {
         return Some(WideTree { nodes: vec![Node::EMPTY], listings: Vec::new(), depth: 0 });
     }
     let extent = extent(&references);
     let mut order = with_huge_pages(references.len());
-    order.resize(references.len(), Run::default());
-    let set = Set { references: &mut references, room: &mut room, order: &mut order, first: 0, extent, depth: 0 };
+    order.resize(references.len(), PrimRange::default());
+    let set = BuildRange {
+        references: &mut references,
+        scratch: &mut scratch,
+        order: &mut order,
+        first: 0,
+        extent,
+        depth: 0,
+    };
     let mut forest = SubtreeSet::grow(set, config);
-    drop((references, room));
-    let grown = forest.whole;
+    drop((references, scratch));
+    let grown = forest.top;
     match quality {
         Quality::Low => {}
         Quality::Medium => forest.reinsert(&order, config, ReinsertionParams::MEDIUM),
@@ -76,19 +81,19 @@ fn over(gathered: Gathered, config: &BuildConfig, kind: LeafKind, quality: Quali
     if tree.depth <= MAX_DEPTH {
         return Some(tree);
     }
-    // What was moved down has taken something deep along.
-    forest.whole = grown;
+    // Reinsertion has made the tree too deep.
+    forest.top = grown;
     WideBuilder { forest: &forest, indices: &order, kind }.run()
 }
 
-/// Does as many things, on several threads, and lists what comes of them in order.
+/// Computes `count` results on several threads, in order.
 #[cfg(feature = "parallel")]
 pub(super) fn in_order<T: Send>(count: usize, each: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
     use rayon::prelude::*;
     (0..count).into_par_iter().map(each).collect()
 }
 
-/// Does as many things, and lists what comes of them in order.
+/// Computes `count` results in order.
 #[cfg(not(feature = "parallel"))]
 pub(super) fn in_order<T: Send>(count: usize, each: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
     (0..count).map(each).collect()

@@ -1,13 +1,13 @@
-//! Grows a tree over many references, on one thread or on several, with the same result.
+//! Parallel top-down build, with the result of one thread.
 
 use super::binary::{BinaryTree, Content};
 use super::binning::Bins;
 use super::collapse::{CollapsePlan, Costs};
-use super::reference::Run;
-use super::top_down::{BuildConfig, Set};
+use super::reference::PrimRange;
+use super::top_down::{BuildConfig, BuildRange};
 use crate::bvh::NodeBox;
 
-/// Sets of at most this size are one task: their references and nodes stay in the cache of one core.
+/// Ranges of at most this size are one task, whose references and nodes fit the cache of one core.
 const TASK: usize = 4096;
 
 /// Trees that are linked to each other.
@@ -15,73 +15,72 @@ const TASK: usize = 4096;
 pub(super) struct SubtreeSet {
     pub(super) trees: Vec<BinaryTree>,
     pub(super) links: Vec<SubtreeRef>,
-    /// Where to start.
-    pub(super) whole: SubtreeRef,
+    /// Root of the whole.
+    pub(super) top: SubtreeRef,
 }
 
-/// A node, and the costs of what is below.
+/// Root of a subtree, and its costs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SubtreeRef {
-    pub(super) place: Place,
+    pub(super) place: NodeRef,
     pub(super) costs: Costs,
 }
 
 /// A node of one of the trees.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct NodeRef {
     pub(super) tree: u32,
     pub(super) node: u32,
 }
 
-/// The upper part of a tree.
-enum Upper {
-    Inner(NodeBox, Box<[Upper; 2]>),
+/// TopNode part of the tree.
+enum TopNode {
+    Inner(NodeBox, Box<[TopNode; 2]>),
     Task(NodeBox, BinaryTree, Costs),
 }
 
 impl SubtreeSet {
-    /// Grows the trees over a set that is not empty.
-    pub(super) fn grow(set: Set<'_>, config: &BuildConfig) -> Self {
-        let mut forest = Self { trees: vec![BinaryTree::default()], links: Vec::new(), whole: SubtreeRef::NONE };
-        let (node, costs) = forest.gather(upper(set, config), config);
-        forest.whole = SubtreeRef { place: Place { tree: 0, node }, costs };
+    /// Builds the trees over a range that is not empty.
+    pub(super) fn grow(set: BuildRange<'_>, config: &BuildConfig) -> Self {
+        let mut forest = Self { trees: vec![BinaryTree::default()], links: Vec::new(), top: SubtreeRef::NONE };
+        let (node, costs) = forest.gather(build_top(set, config), config);
+        forest.top = SubtreeRef { place: NodeRef { tree: 0, node }, costs };
         forest
     }
 
-    /// Where to start.
-    pub(super) fn root(&self) -> Place {
-        self.follow(self.whole.place)
+    pub(super) fn root(&self) -> NodeRef {
+        self.follow(self.top.place)
     }
 
-    pub(super) fn content(&self, place: Place) -> Content {
+    pub(super) fn content(&self, place: NodeRef) -> Content {
         self.trees[place.tree as usize].nodes[place.node as usize].content()
     }
 
-    pub(super) fn bounds(&self, place: Place) -> NodeBox {
+    pub(super) fn bounds(&self, place: NodeRef) -> NodeBox {
         self.trees[place.tree as usize].nodes[place.node as usize].bounds()
     }
 
-    pub(super) fn plan(&self, place: Place) -> CollapsePlan {
+    pub(super) fn plan(&self, place: NodeRef) -> CollapsePlan {
         self.trees[place.tree as usize].plans[place.node as usize]
     }
 
-    /// The node of the other tree, if that is what a node stands for.
-    pub(super) fn follow(&self, place: Place) -> Place {
+    /// Follows links to the node of another tree.
+    pub(super) fn follow(&self, place: NodeRef) -> NodeRef {
         match self.content(place) {
             Content::Link(link) => self.follow(self.links[link as usize].place),
             Content::Inner(_) | Content::Leaf { .. } => place,
         }
     }
 
-    /// The costs of what is below a node. The recursion is as deep as the tree, which is bounded.
-    pub(super) fn costs(&self, place: Place, order: &[Run], config: &BuildConfig) -> Costs {
+    /// Costs of a node. The recursion is as deep as the tree, which is bounded.
+    pub(super) fn costs(&self, place: NodeRef, order: &[PrimRange], config: &BuildConfig) -> Costs {
         let area = config.unit.area(&self.bounds(place));
         match self.content(place) {
             Content::Inner(children) => {
                 if let Some(kept) = self.trees[place.tree as usize].kept(place.node) {
                     return kept;
                 }
-                let [left, right] = children.map(|node| self.costs(Place { node, ..place }, order, config));
+                let [left, right] = children.map(|node| self.costs(NodeRef { node, ..place }, order, config));
                 Costs::above(area, [&left, &right], config.max_leaf).0
             }
             Content::Leaf { first, count } => {
@@ -92,22 +91,22 @@ impl SubtreeSet {
         }
     }
 
-    /// Adds a link, and a leaf of the tree that leads there.
+    /// Adds a link, and a leaf of the tree that refers to it.
     pub(super) fn link(&mut self, bounds: &NodeBox, link: SubtreeRef, tree: usize) -> u32 {
         self.links.push(link);
         let content = Content::Link(self.links.len() as u32 - 1);
         self.trees[tree].push(bounds, content, CollapsePlan::LEAF)
     }
 
-    /// Adds the lower trees to the list, and the upper part to its first.
-    fn gather(&mut self, upper: Upper, config: &BuildConfig) -> (u32, Costs) {
-        match upper {
-            Upper::Task(bounds, lower, costs) => {
-                let place = Place { tree: self.trees.len() as u32, node: lower.root() };
+    /// Appends the lower trees, and adds the upper part to the first.
+    fn gather(&mut self, build_top: TopNode, config: &BuildConfig) -> (u32, Costs) {
+        match build_top {
+            TopNode::Task(bounds, lower, costs) => {
+                let place = NodeRef { tree: self.trees.len() as u32, node: lower.root() };
                 self.trees.push(lower);
                 (self.link(&bounds, SubtreeRef { place, costs }, 0), costs)
             }
-            Upper::Inner(bounds, children) => {
+            TopNode::Inner(bounds, children) => {
                 let [left, right] = *children;
                 let (left, left_costs) = self.gather(left, config);
                 let (right, right_costs) = self.gather(right, config);
@@ -118,23 +117,23 @@ impl SubtreeSet {
 }
 
 impl SubtreeRef {
-    const NONE: Self = Self { place: Place { tree: 0, node: 0 }, costs: Costs::NONE };
+    const NONE: Self = Self { place: NodeRef { tree: 0, node: 0 }, costs: Costs::NONE };
 }
 
 /// The recursion is as deep as the tree, which is bounded.
-fn upper(set: Set<'_>, config: &BuildConfig) -> Upper {
+fn build_top(set: BuildRange<'_>, config: &BuildConfig) -> TopNode {
     let bounds = set.extent.bounds;
     if set.references.len() <= TASK {
         let mut tree = BinaryTree::default();
         let (_, costs) = tree.grow(set, config, &mut Bins::new());
-        return Upper::Task(bounds, tree, costs);
+        return TopNode::Task(bounds, tree, costs);
     }
     let [left, right] = split(set, config);
-    let (left, right) = join(|| upper(left, config), || upper(right, config));
-    Upper::Inner(bounds, Box::new([left, right]))
+    let (left, right) = join(|| build_top(left, config), || build_top(right, config));
+    TopNode::Inner(bounds, Box::new([left, right]))
 }
 
-fn split<'a>(set: Set<'a>, config: &BuildConfig) -> [Set<'a>; 2] {
+fn split<'a>(set: BuildRange<'a>, config: &BuildConfig) -> [BuildRange<'a>; 2] {
     #[cfg(feature = "parallel")]
     if set.references.len() >= super::parallel_partition::LARGE {
         return super::parallel_partition::split(set, config);

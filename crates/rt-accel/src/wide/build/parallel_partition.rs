@@ -1,26 +1,26 @@
-//! Cuts a large set in two on several threads, with the same result as on one.
+//! Splits a large range on several threads, with the result of one thread.
 
 use rayon::prelude::*;
 
 use super::binning::{BestSplit, Bins, SplitPlane};
 use super::reference::PrimRef;
-use super::top_down::{BuildConfig, PrimInfo, Set, scatter};
+use super::top_down::{BuildConfig, BuildRange, PrimInfo, scatter};
 use crate::bvh::NodeBox;
 
-/// References that one thread handles at a time.
+/// References per task.
 const CHUNK: usize = 16384;
 
-/// Sets of fewer references are not worth the effort.
+/// Minimum references of a parallel split.
 pub(super) const LARGE: usize = 4 * CHUNK;
 
-/// One chunk, and where its references go.
+/// A chunk and the destinations of its references.
 struct Move<'a> {
     from: &'a [PrimRef],
     to: [&'a mut [PrimRef]; 2],
 }
 
-/// As [`Set::split`]: bins may be filled in any order, and references keep theirs.
-pub(super) fn split<'a>(set: Set<'a>, config: &BuildConfig) -> [Set<'a>; 2] {
+/// Parallel version of [`BuildRange::split`]. Bins may be filled in any order, and references keep theirs.
+pub(super) fn split<'a>(set: BuildRange<'a>, config: &BuildConfig) -> [BuildRange<'a>; 2] {
     let Some(binning) = set.binning(config) else { return set.halve() };
     let fill = |chunk: &[PrimRef]| {
         let mut bins = Bins::new();
@@ -33,7 +33,7 @@ pub(super) fn split<'a>(set: Set<'a>, config: &BuildConfig) -> [Set<'a>; 2] {
     bins.reset(binning);
     parts.iter().for_each(|part| bins.merge(part));
     let Some(BestSplit { cut, middle, bounds }) = bins.best_split(config.unit) else { return set.halve() };
-    let centroids = partition(set.references, set.room, middle, &cut, &parts);
+    let centroids = partition(set.references, set.scratch, middle, &cut, &parts);
     set.exchange(middle, [0, 1].map(|side| PrimInfo { bounds: bounds[side], centroids: centroids[side] }))
 }
 
@@ -54,7 +54,7 @@ fn partition(from: &[PrimRef], to: &mut [PrimRef], middle: usize, cut: &SplitPla
 }
 
 impl PrimInfo {
-    /// As [`PrimInfo::of`], on several threads.
+    /// Parallel version of [`PrimInfo::of`].
     pub(super) fn of_many(references: &[PrimRef]) -> Self {
         references.par_chunks(CHUNK).map(Self::of).reduce(|| Self::EMPTY, Self::union)
     }
@@ -64,13 +64,14 @@ impl PrimInfo {
 mod tests {
     use super::*;
     use crate::wide::build::binning::{Axes, NormalizedArea};
-    use crate::{wide::build::leaf_policy::LeafPolicy, wide::build::reference::Run, wide::build::tests::soup};
+    use crate::{wide::build::leaf_policy::LeafPolicy, wide::build::reference::PrimRange, wide::build::tests::soup};
 
     #[test]
     fn chunks_are_cut_as_the_whole_is() {
         let cut = |in_chunks: bool, axes| {
             let mut references = soup(LARGE as u32 + 12_345, 9, 1.0);
-            let (mut room, mut order) = (vec![PrimRef::NONE; references.len()], vec![Run::default(); references.len()]);
+            let (mut scratch, mut order) =
+                (vec![PrimRef::NONE; references.len()], vec![PrimRange::default(); references.len()]);
             let extent = PrimInfo::of(&references);
             assert_eq!(PrimInfo::of_many(&references), extent);
             let config = BuildConfig {
@@ -80,8 +81,14 @@ mod tests {
                 pairs: true,
                 max_leaf: 8,
             };
-            let set =
-                Set { references: &mut references, room: &mut room, order: &mut order, first: 0, extent, depth: 0 };
+            let set = BuildRange {
+                references: &mut references,
+                scratch: &mut scratch,
+                order: &mut order,
+                first: 0,
+                extent,
+                depth: 0,
+            };
             let sides = if in_chunks { split(set, &config) } else { set.split(&config, &mut Bins::new()) };
             sides.map(|side| {
                 let indices: Vec<_> = side.references.iter().map(PrimRef::index).collect();

@@ -1,4 +1,4 @@
-//! From primitives to references: what is common to all first, then one by one.
+//! References to primitives: statistics of all first, then one reference for each.
 
 use core::ops::Range;
 
@@ -12,27 +12,25 @@ use super::top_down::BuildConfig;
 use crate::own_boxes::{checked_own_box, count};
 use crate::{BuildError, bvh::NodeBox, wide::huge_pages::filled, wide::leaf::GeometryCounts};
 
-/// Primitives that one thread handles at a time.
+/// Primitives per task.
 const RUN: u32 = 16384;
 
-/// What must be known of all primitives before anything can be made of one.
+/// Statistics of all primitives.
 pub(in crate::wide) struct PrimStats {
     /// Primitives without bounds, by rising index.
     pub(in crate::wide) unbounded: Vec<u32>,
-    /// Number of the others.
+    /// Number of bounded primitives.
     pub(in crate::wide) bounded: u32,
-    /// Union of their own boxes.
+    /// Union of the padded bounds.
     pub(in crate::wide) union: Aabb,
-    /// Of the bounded primitives.
+    /// Counts of the bounded primitives.
     pub(in crate::wide) layouts: GeometryCounts,
 }
 
 impl PrimStats {
-    /// Looks at all primitives once.
-    ///
     /// # Errors
     ///
-    /// [`BuildError`] of the first primitive whose bounds are NaN, inverted or infinite, or if they are too many.
+    /// [`BuildError`] of the first primitive whose bounds are NaN, inverted or infinite, or if there are too many.
     pub(in crate::wide) fn of<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
         let count = count(primitives)?;
         let mut all = Self::EMPTY;
@@ -63,60 +61,60 @@ impl PrimStats {
         Ok(all)
     }
 
-    /// The centre of the tree.
+    /// Centre of the tree.
     pub(in crate::wide) fn centre(&self) -> DVec3 {
         if self.bounded == 0 { DVec3::ZERO } else { self.union.centre() }
     }
 
-    /// A box around all, relative to the centre.
+    /// Bounds of all, relative to the centre.
     pub(in crate::wide) fn extent(&self) -> NodeBox {
         NodeBox::outward(&self.union, self.centre())
     }
 
-    /// The greatest coordinate relative to the centre.
+    /// Maximum coordinate relative to the centre.
     pub(in crate::wide) fn size(&self) -> f64 {
         if self.bounded == 0 { 0.0 } else { self.extent().max_abs() }
     }
 }
 
-/// What a tree grows over.
+/// Input of the top-down build.
 pub(super) struct Gathered {
     pub(super) references: Vec<PrimRef>,
-    /// Room for as many. What is in it means nothing.
-    pub(super) room: Vec<PrimRef>,
+    /// Scratch space of the same length, with arbitrary content.
+    pub(super) scratch: Vec<PrimRef>,
 }
 
-/// References to all bounded primitives, to pairs of them where that is no worse.
+/// References to all bounded primitives, merged in pairs where that costs no more.
 pub(super) fn references<P: Primitives>(primitives: &P, centre: DVec3, config: &BuildConfig) -> Gathered {
     let count = primitives.len() as u32;
     let mut counts = vec![0; count.div_ceil(RUN) as usize];
-    // Each run first where it would be if no primitives were joined.
+    // Each task first writes where its references belong without merging.
     let runs = counts.iter_mut().enumerate().map(|(at, n)| (run(at, count), n));
     let parts = runs.map(|(run, n)| (run.len(), (run, n))).collect();
-    let mut room = filled(parts, PrimRef::NONE, |(run, count), room| {
+    let mut scratch = filled(parts, PrimRef::NONE, |(run, count), scratch| {
         let mut references = Vec::with_capacity(run.len());
         for index in run {
             if let Some(own) = padded_bounds(primitives, index) {
                 config.push(&mut references, PrimRef::new(NodeBox::outward(&own, centre), index));
             }
         }
-        room[..references.len()].copy_from_slice(&references);
+        scratch[..references.len()].copy_from_slice(&references);
         *count = references.len();
     });
-    let parts = room.chunks(RUN as usize).zip(counts).map(|(run, count)| (count, &run[..count])).collect();
+    let parts = scratch.chunks(RUN as usize).zip(counts).map(|(run, count)| (count, &run[..count])).collect();
     let references = filled(parts, PrimRef::NONE, |from, to| to.copy_from_slice(from));
-    room.truncate(references.len());
-    room.shrink_to_fit();
-    Gathered { references, room }
+    scratch.truncate(references.len());
+    scratch.shrink_to_fit();
+    Gathered { references, scratch }
 }
 
-/// The primitives of a run, of so many.
+/// Range of a task.
 fn run(at: usize, count: u32) -> Range<u32> {
     let first = at as u32 * RUN;
     first..first.saturating_add(RUN).min(count)
 }
 
-/// Does the same for all runs of primitives, in order.
+/// Maps all ranges of primitives, in order.
 fn in_runs<T: Send>(count: u32, each: impl Fn(Range<u32>) -> T + Sync + Send) -> Vec<T> {
     in_order(count.div_ceil(RUN) as usize, |at| each(run(at, count)))
 }
@@ -127,9 +125,9 @@ mod tests {
     use rt_math::{Interval, Ray};
 
     use super::*;
-    use crate::{wide::BuildParams, wide::build::reference::Run};
+    use crate::{wide::BuildParams, wide::build::reference::PrimRange};
 
-    /// Unit cubes in a row, two of each but for the last; every seventh has no bounds, and none of the second run has.
+    /// Unit cubes in a row, in pairs but for the last. Every seventh has no bounds, and none of the second range has.
     struct Cubes(u32);
 
     impl Primitives for Cubes {
@@ -153,16 +151,18 @@ mod tests {
         for count in [0, 1, RUN - 1, RUN, 3 * RUN + 5] {
             let cubes = Cubes(count);
             let config = BuildConfig::new(&PrimStats::of(&cubes).expect("few cubes").extent(), &BuildParams::default());
-            let Gathered { references, room } = references(&cubes, DVec3::ZERO, &config);
-            let mut expected: Vec<Run> = Vec::new();
+            let Gathered { references, scratch } = references(&cubes, DVec3::ZERO, &config);
+            let mut expected: Vec<PrimRange> = Vec::new();
             for first in (0..count).filter(|&index| cubes.bounds(index).is_some()) {
                 match expected.last_mut() {
-                    Some(last) if first % 2 == 1 && *last == (Run { first: first - 1, count: 1 }) => last.count = 2,
-                    _ => expected.push(Run { first, count: 1 }),
+                    Some(last) if first % 2 == 1 && *last == (PrimRange { first: first - 1, count: 1 }) => {
+                        last.count = 2
+                    }
+                    _ => expected.push(PrimRange { first, count: 1 }),
                 }
             }
             assert!(references.iter().map(PrimRef::run).eq(expected));
-            assert_eq!(room.len(), references.len());
+            assert_eq!(scratch.len(), references.len());
         }
     }
 }

@@ -1,13 +1,13 @@
-//! A primitive while the tree grows over it.
+//! Reference to a primitive during the build.
 
 use glam::{Vec3A, Vec4};
 
 use crate::bvh::NodeBox;
 
-/// A box and the one or two primitives in it, in 32 bytes.
+/// Bounds of one or two primitives in 32 bytes.
 ///
-/// The fourth lane of each corner holds half of the first index, in the mantissa of a number from 1 to 2: one that
-/// arithmetic on the whole corner cannot turn into a denormal number or a NaN, which slow down some processors.
+/// The fourth lane of each corner holds half of the first index, in the mantissa of a number from 1 to 2. Arithmetic on
+/// the whole corner cannot turn it into a denormal number or a NaN, which are slow on some processors.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct PrimRef {
@@ -15,9 +15,9 @@ pub(super) struct PrimRef {
     max: [f32; 4],
 }
 
-/// Primitives that follow each other.
+/// Consecutive primitives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Run {
+pub(super) struct PrimRange {
     pub(super) first: u32,
     /// 1 or 2.
     pub(super) count: u32,
@@ -25,23 +25,22 @@ pub(super) struct Run {
 
 const ONE: u32 = 1.0f32.to_bits();
 
-/// Set where there are two primitives.
+/// Flag of two primitives.
 const PAIR: u32 = 1 << 16;
 
 impl PrimRef {
-    /// Stands where there is none.
     pub(super) const NONE: Self = Self { min: [0.0; 4], max: [0.0; 4] };
 
-    /// The box must not be empty. Zeros lose their sign, so that the least of several is the same in any order.
+    /// The box must not be empty. Zeros lose their sign, so that minima do not depend on the order.
     #[inline(always)]
     pub(super) fn new(bounds: NodeBox, index: u32) -> Self {
         let tagged = |corner: Vec3A, half: u32| (corner + Vec3A::ZERO).extend(f32::from_bits(ONE | half)).to_array();
         Self { min: tagged(bounds.min, index & 0xffff), max: tagged(bounds.max, index >> 16) }
     }
 
-    /// Both primitives of two references, of which the second follows the first, in one box.
+    /// Merges two consecutive primitives in one box.
     #[inline(always)]
-    pub(super) fn pair(&self, bounds: &NodeBox) -> Self {
+    pub(super) fn merge(&self, bounds: &NodeBox) -> Self {
         let tagged = |corner: Vec3A, tag: u32| corner.extend(f32::from_bits(tag)).to_array();
         Self { min: tagged(bounds.min, self.min[3].to_bits() | PAIR), max: tagged(bounds.max, self.max[3].to_bits()) }
     }
@@ -51,7 +50,7 @@ impl PrimRef {
         NodeBox { min: Vec3A::from_vec4(Vec4::from_array(self.min)), max: Vec3A::from_vec4(Vec4::from_array(self.max)) }
     }
 
-    /// The index of the first primitive.
+    /// Index of the first primitive.
     #[inline(always)]
     pub(super) fn index(&self) -> u32 {
         let half = |corner: [f32; 4]| corner[3].to_bits() & 0xffff;
@@ -59,17 +58,16 @@ impl PrimRef {
     }
 
     #[inline(always)]
-    pub(super) fn run(&self) -> Run {
-        Run { first: self.index(), count: 1 + u32::from(self.min[3].to_bits() & PAIR != 0) }
+    pub(super) fn run(&self) -> PrimRange {
+        PrimRange { first: self.index(), count: 1 + u32::from(self.min[3].to_bits() & PAIR != 0) }
     }
 
-    /// Twice the centre of the box, which orders references just as well.
+    /// Twice the centre of the box, for sorting.
     #[inline(always)]
     pub(super) fn centroid(&self) -> Vec3A {
         Vec3A::from_vec4(Vec4::from_array(self.min) + Vec4::from_array(self.max))
     }
 
-    /// One coordinate of the centroid.
     #[inline(always)]
     pub(super) fn centroid_on(&self, axis: usize) -> f32 {
         self.min[axis] + self.max[axis]

@@ -1,7 +1,6 @@
-//! Improves a binary tree: takes out subtrees one by one, largest first, and puts each back where the sum of all areas
-//! becomes least (Bittner, Hapala and Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies", 2013),
-//! searching from where it was (Meister and Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization",
-//! 2018).
+//! Reinsertion: removes subtrees, largest first, and inserts each where the sum of all areas becomes minimal (Bittner,
+//! Hapala and Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies", 2013). The search starts at
+//! the former position (Meister and Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", 2018).
 //!
 //! ```text
 //!          a                     a
@@ -16,26 +15,25 @@ use std::collections::BinaryHeap;
 use super::binary::{BinaryTree, Content};
 use super::binning::NormalizedArea;
 use super::collapse::{CollapsePlan, Costs};
-use super::parallel::{Place, SubtreeRef, SubtreeSet};
-use super::reference::Run;
+use super::parallel::{NodeRef, SubtreeRef, SubtreeSet};
+use super::reference::PrimRange;
 use super::top_down::BuildConfig;
 use crate::{bounded_depth::MAX_DEPTH, bvh::NodeBox};
 
-/// How much is done.
+/// Extent of reinsertion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ReinsertionParams {
-    /// So many of the largest nodes are opened; what is below the others stays as it is.
-    pub(super) opened: usize,
-    /// The part of the nodes that is moved each time.
-    pub(super) moved: f64,
-    /// Times that the nodes are gone through.
-    pub(super) passes: usize,
+    /// Maximum nodes of the optimised upper tree; subtrees below stay unchanged.
+    pub(super) max_nodes: usize,
+    /// Ratio of nodes that each iteration moves.
+    pub(super) ratio: f64,
+    pub(super) iterations: usize,
 }
 
 impl ReinsertionParams {
-    /// Finds large primitives among small ones, in one or two milliseconds whatever the scene.
-    pub(super) const MEDIUM: Self = Self { opened: 1024, moved: 1.0, passes: 1 };
-    pub(super) const HIGH: Self = Self { opened: usize::MAX, moved: 0.15, passes: 3 };
+    /// Finds large primitives among small ones, in one or two milliseconds for any scene.
+    pub(super) const MEDIUM: Self = Self { max_nodes: 1024, ratio: 1.0, iterations: 1 };
+    pub(super) const HIGH: Self = Self { max_nodes: usize::MAX, ratio: 0.15, iterations: 3 };
 }
 
 const NONE: u32 = u32::MAX;
@@ -44,49 +42,49 @@ struct Node {
     bounds: NodeBox,
     area: f32,
     parent: u32,
-    /// The children, if it has been opened.
+    /// Children, if the node is part of the upper tree.
     children: Option<[u32; 2]>,
-    /// What it was made of.
-    place: Place,
+    /// Original node.
+    place: NodeRef,
 }
 
-/// A tree that knows its parents; the root is the first.
+/// TopNode tree with parent links; the root is first.
 struct ParentLinkedBvh {
     nodes: Vec<Node>,
     unit: NormalizedArea,
-    /// Nodes yet to be searched, and what is gained at them at most; empty between searches.
+    /// Nodes to be searched, with an upper bound of the gain; empty between searches.
     pending: Vec<(f32, u32)>,
 }
 
 impl SubtreeSet {
-    /// Improves the tree, unless it could not be made better.
-    pub(super) fn reinsert(&mut self, order: &[Run], config: &BuildConfig, effort: ReinsertionParams) {
-        let mut linked = ParentLinkedBvh::new(self, config.unit, effort.opened);
-        for _ in 0..effort.passes {
-            if !linked.pass(effort.moved) {
+    /// Optimises the tree; keeps the original if that is not more expensive.
+    pub(super) fn reinsert(&mut self, order: &[PrimRange], config: &BuildConfig, params: ReinsertionParams) {
+        let mut linked = ParentLinkedBvh::new(self, config.unit, params.max_nodes);
+        for _ in 0..params.iterations {
+            if !linked.pass(params.ratio) {
                 break;
             }
         }
         match linked.collapse(self, order, config) {
-            Some(better) if better.costs.whole() < self.whole.costs.whole() => self.whole = better,
+            Some(better) if better.costs.as_one() < self.top.costs.as_one() => self.top = better,
             _ => {}
         }
     }
 }
 
 impl ParentLinkedBvh {
-    fn new(forest: &SubtreeSet, unit: NormalizedArea, opened: usize) -> Self {
+    fn new(forest: &SubtreeSet, unit: NormalizedArea, max_nodes: usize) -> Self {
         let mut linked = Self { nodes: Vec::new(), unit, pending: Vec::new() };
         linked.push(forest, forest.root(), NONE);
-        // The largest first; areas that are no numbers come before all.
+        // Largest first; NaN areas precede all.
         let key = |area: f32, number: u32| (area.to_bits(), core::cmp::Reverse(number));
         let mut largest = BinaryHeap::from([key(linked.area(0), 0)]);
-        for _ in 0..opened {
+        for _ in 0..max_nodes {
             let Some((_, core::cmp::Reverse(number))) = largest.pop() else { break };
             let place = linked.node(number).place;
             let Content::Inner(children) = forest.content(place) else { continue };
             let children = children.map(|node| {
-                let child = linked.push(forest, forest.follow(Place { node, ..place }), number);
+                let child = linked.push(forest, forest.follow(NodeRef { node, ..place }), number);
                 largest.push(key(linked.area(child), child));
                 child
             });
@@ -95,13 +93,13 @@ impl ParentLinkedBvh {
         linked
     }
 
-    fn push(&mut self, forest: &SubtreeSet, place: Place, parent: u32) -> u32 {
+    fn push(&mut self, forest: &SubtreeSet, place: NodeRef, parent: u32) -> u32 {
         let bounds = forest.bounds(place);
         self.nodes.push(Node { bounds, area: self.unit.area(&bounds), parent, children: None, place });
         self.nodes.len() as u32 - 1
     }
 
-    /// Moves the largest nodes, and says whether any was moved.
+    /// Reinserts the largest nodes; true if any was moved.
     fn pass(&mut self, moved: f64) -> bool {
         let mut largest: Vec<_> = (1..self.nodes.len() as u32).map(|number| (self.area(number), number)).collect();
         let count = (self.nodes.len() as f64 * moved).ceil() as usize;
@@ -126,15 +124,15 @@ impl ParentLinkedBvh {
         self.node(number).children
     }
 
-    /// The other child of the parent; not for the root.
+    /// Other child of the parent; not for the root.
     fn sibling(&self, number: u32) -> u32 {
         self.children(self.node(number).parent).map_or(0, |[a, b]| if a == number { b } else { a })
     }
 
-    /// Puts a node where it is best, if that is elsewhere.
+    /// Moves a node to its best position, if that is elsewhere.
     fn reinsert_node(&mut self, moved: u32) -> bool {
         let parent = self.node(moved).parent;
-        // A child of the root stays: there is no node above to take its sibling.
+        // A child of the root stays, as removal needs a grandparent.
         if parent == NONE || self.node(parent).parent == NONE {
             return false;
         }
@@ -146,18 +144,18 @@ impl ParentLinkedBvh {
         best.is_some()
     }
 
-    /// The node that it should be the sibling of, if anything is gained.
+    /// Best new sibling, if there is a gain.
     fn best_place(&mut self, moved: u32) -> Option<u32> {
         let Node { bounds, area, parent, .. } = *self.node(moved);
         let sibling = self.sibling(moved);
         let (mut best, mut place) = (0.0, None);
-        // What taking it out saves below the pivot, and the box of what is then left in that.
+        // Area saved by removal below the pivot, and the remaining bounds of the pivot.
         let (mut saved, mut rest) = (self.area(parent), self.node(sibling).bounds);
         let (mut pivot, mut side) = (parent, sibling);
         loop {
             self.pending.push((saved, side));
             while let Some((saved, target)) = self.pending.pop() {
-                // No place below gains more.
+                // No position below gains more.
                 if !(saved - area > best) {
                     continue;
                 }
@@ -182,14 +180,14 @@ impl ParentLinkedBvh {
         }
     }
 
-    /// Puts the sibling in the parent's place.
+    /// Replaces the parent by the sibling.
     fn remove(&mut self, moved: u32) {
         let (parent, sibling) = (self.node(moved).parent, self.sibling(moved));
         self.replace(parent, sibling);
         self.refit(self.node(sibling).parent);
     }
 
-    /// Puts a node above `place` and `moved`.
+    /// Inserts a node, with `above` as the parent of both.
     fn insert(&mut self, moved: u32, above: u32, place: u32) {
         self.replace(place, above);
         self.nodes[above as usize].children = Some([place, moved]);
@@ -199,7 +197,7 @@ impl ParentLinkedBvh {
         self.refit(above);
     }
 
-    /// Makes the parent of `old` that of `new`.
+    /// Replaces a child of a parent.
     fn replace(&mut self, old: u32, new: u32) {
         let parent = self.node(old).parent;
         if let Some(Node { children: Some(children), .. }) = self.nodes.get_mut(parent as usize) {
@@ -208,7 +206,7 @@ impl ParentLinkedBvh {
         self.nodes[new as usize].parent = parent;
     }
 
-    /// Fits the boxes of a node and of all above it to their children.
+    /// Refits the bounds of a node and its ancestors.
     fn refit(&mut self, mut number: u32) {
         while let Some([a, b]) = self.nodes.get(number as usize).and_then(|_| self.children(number)) {
             let bounds = self.node(a).bounds.union(self.node(b).bounds);
@@ -219,8 +217,8 @@ impl ParentLinkedBvh {
         }
     }
 
-    /// The best way to collapse the tree, unless it has become too deep. What was not opened is linked to.
-    fn collapse(&self, forest: &mut SubtreeSet, order: &[Run], config: &BuildConfig) -> Option<SubtreeRef> {
+    /// Collapses the tree, unless it has become too deep. Unopened subtrees become links.
+    fn collapse(&self, forest: &mut SubtreeSet, order: &[PrimRange], config: &BuildConfig) -> Option<SubtreeRef> {
         let mut from_root = Vec::with_capacity(self.nodes.len());
         let mut pending = vec![(0, 0)];
         while let Some((number, depth)) = pending.pop() {
@@ -250,7 +248,7 @@ impl ParentLinkedBvh {
             };
         }
         let (node, costs) = made[0];
-        Some(SubtreeRef { place: Place { tree: tree as u32, node }, costs })
+        Some(SubtreeRef { place: NodeRef { tree: tree as u32, node }, costs })
     }
 }
 
@@ -263,7 +261,7 @@ mod tests {
     #[test]
     fn a_leaf_far_from_its_sibling_moves_to_its_neighbour() {
         // From (((0, 100), 1), 101) to ((0, 1), (100, 101)).
-        let order = [0, 1, 2, 3].map(|first| Run { first, count: 1 });
+        let order = [0, 1, 2, 3].map(|first| PrimRange { first, count: 1 });
         let unit = NormalizedArea::new(&NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(102.0) });
         let config = BuildConfig {
             unit,
@@ -285,8 +283,8 @@ mod tests {
             (number, bounds, costs)
         });
         let (node, _, costs) = whole.expect("four leaves");
-        let whole = SubtreeRef { place: Place { tree: 0, node }, costs };
-        let mut forest = SubtreeSet { trees: vec![tree], links: Vec::new(), whole };
+        let whole = SubtreeRef { place: NodeRef { tree: 0, node }, costs };
+        let mut forest = SubtreeSet { trees: vec![tree], links: Vec::new(), top: whole };
         let mut linked = ParentLinkedBvh::new(&forest, unit, usize::MAX);
         while (1..7).any(|number| linked.reinsert_node(number)) {}
         let inner = linked.nodes.iter().filter(|node| node.children.is_some());
@@ -294,7 +292,7 @@ mod tests {
         lengths.sort_unstable_by(f32::total_cmp);
         assert_eq!(lengths, [2.0, 2.0, 102.0]);
         assert!(
-            linked.collapse(&mut forest, &order, &config).is_some_and(|better| better.costs.whole() <= costs.whole())
+            linked.collapse(&mut forest, &order, &config).is_some_and(|better| better.costs.as_one() <= costs.as_one())
         );
     }
 }

@@ -1,4 +1,4 @@
-//! What must hold of every tree.
+//! Invariants of every tree.
 
 use glam::Vec3A;
 use rt_math::random::{hash, unit};
@@ -10,8 +10,8 @@ fn build(references: &[PrimRef], params: &BuildParams) -> WideTree {
     let config = BuildConfig::new(&extent(references).bounds, params);
     let mut list = Vec::new();
     references.iter().for_each(|&reference| config.push(&mut list, reference));
-    let room = vec![PrimRef::NONE; list.len()];
-    over(Gathered { references: list, room }, &config, LeafKind::Boxes, params.quality).expect("few nodes")
+    let scratch = vec![PrimRef::NONE; list.len()];
+    over(Gathered { references: list, scratch }, &config, LeafKind::Boxes, params.quality).expect("few nodes")
 }
 
 /// Boxes of all sizes, some of them flat, some with the same centre.
@@ -39,7 +39,7 @@ fn contains(outer: &NodeBox, inner: &NodeBox) -> bool {
     outer.min.cmple(inner.min).all() && outer.max.cmpge(inner.max).all()
 }
 
-/// Checks what is below a node, and returns the depth of the deepest leaf.
+/// Checks a subtree, and returns the depth of its deepest leaf.
 fn check_node(nodes: &[Node], number: usize, within: Option<&NodeBox>, leaf: &mut impl FnMut(Child, &NodeBox)) -> u32 {
     let mut depth = 0;
     for (bounds, child) in nodes[number].children() {
@@ -119,7 +119,7 @@ fn nasty_sets_are_bounded() {
     let sets = [
         points(300_000, |_| Vec3A::splat(0.1)),
         points(10_000, |i| Vec3A::X * f32::from_bits(i % 3000)),
-        // Ever smaller distances, which bins cut off one by one.
+        // Ever smaller distances, which bins split off one by one.
         points(5000, |i| Vec3A::splat(f32::from_bits((i % 250) << 23))),
         points(5000, |i| [Vec3A::splat(f32::MAX), Vec3A::splat(f32::MIN), Vec3A::ZERO][i as usize % 3]),
         points(5000, |i| [Vec3A::INFINITY, Vec3A::NEG_INFINITY, Vec3A::ZERO][i as usize % 3]),

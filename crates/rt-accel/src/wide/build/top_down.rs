@@ -1,4 +1,4 @@
-//! Grows a binary tree from the root down, and the costs of collapsing it from the leaves up.
+//! Top-down build of the binary tree; costs of its collapse are computed bottom-up.
 
 use glam::Vec3A;
 
@@ -7,22 +7,22 @@ use super::binning::{Axes, BestSplit, BinMapping, Bins, NormalizedArea, SplitPla
 use super::collapse::{CollapsePlan, Costs};
 use super::leaf_policy::LeafPolicy;
 use super::params::{BuildParams, Quality};
-use super::reference::{PrimRef, Run};
+use super::reference::{PrimRange, PrimRef};
 use crate::{bounded_depth::leaves_room_for_halving, bvh::NodeBox};
 
-/// What all sets have in common.
+/// Configuration of a build.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BuildConfig {
     pub(super) unit: NormalizedArea,
     pub(super) axes: Axes,
     pub(super) leaf_policy: LeafPolicy,
-    /// True if neighbours in the list are joined before the tree grows.
+    /// True if neighbours in the list are merged before the build.
     pub(super) pairs: bool,
     pub(super) max_leaf: usize,
 }
 
 impl BuildConfig {
-    /// For primitives within this box.
+    /// Configuration for primitives within this box.
     pub(super) fn new(extent: &NodeBox, params: &BuildParams) -> Self {
         let (axes, leaf_policy) = match params.quality {
             Quality::Low => (Axes::Widest, LeafPolicy::GREEDY),
@@ -34,24 +34,24 @@ impl BuildConfig {
     }
 }
 
-/// A set of references that will become a leaf or a node.
-pub(super) struct Set<'a> {
-    /// The references, and room to put them in another order.
+/// Consecutive references that become a leaf or a node.
+pub(super) struct BuildRange<'a> {
+    /// References, and scratch space to reorder them.
     pub(super) references: &'a mut [PrimRef],
-    pub(super) room: &'a mut [PrimRef],
-    /// What the leaves list.
-    pub(super) order: &'a mut [Run],
-    /// Place of the set in the list of all.
+    pub(super) scratch: &'a mut [PrimRef],
+    /// Primitives in the order of leaves.
+    pub(super) order: &'a mut [PrimRange],
+    /// Index of the first in the order of all.
     pub(super) first: u32,
     pub(super) extent: PrimInfo,
     pub(super) depth: u32,
 }
 
-/// Where the references of a set are.
+/// Bounds of references and of their centroids.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PrimInfo {
     pub(super) bounds: NodeBox,
-    /// Around all centroids, on the scale of [`PrimRef::centroid`].
+    /// Bounds of [`PrimRef::centroid`].
     pub(super) centroids: NodeBox,
 }
 
@@ -71,8 +71,8 @@ impl PrimInfo {
     }
 }
 
-/// Copies each reference to its side, and returns the boxes of the centroids on both. No branch depends on the side,
-/// which cannot be foreseen.
+/// Copies each reference to its side, and returns the bounds of the centroids on both. Branch-free, as the side is
+/// unpredictable.
 pub(super) fn scatter(references: &[PrimRef], cut: &SplitPlane, sides: [&mut [PrimRef]; 2]) -> [NodeBox; 2] {
     const AWAY: [[f32; 2]; 2] = [[0.0, f32::INFINITY], [f32::INFINITY, 0.0]];
     let mut centroids = [NodeBox::EMPTY; 2];
@@ -95,8 +95,8 @@ fn include(bounds: NodeBox, point: Vec3A) -> NodeBox {
     NodeBox { min: bounds.min.min(point), max: bounds.max.max(point) }
 }
 
-impl<'a> Set<'a> {
-    /// Cuts a set of two or more references in two.
+impl<'a> BuildRange<'a> {
+    /// Splits a range of two or more references.
     pub(super) fn split(self, config: &BuildConfig, bins: &mut Bins) -> [Self; 2] {
         let best = self.binning(config).and_then(|binning| {
             bins.reset(binning);
@@ -109,25 +109,25 @@ impl<'a> Set<'a> {
         }
     }
 
-    /// The map to bins, unless the depth that halving needs has been used up.
+    /// Mapping to bins, unless the remaining depth only allows median splits.
     pub(super) fn binning(&self, config: &BuildConfig) -> Option<BinMapping> {
         let count = self.references.len();
         leaves_room_for_halving(count, self.depth).then(|| BinMapping::new(&self.extent.centroids, count, config.axes))
     }
 
-    /// Moves the references over, those on the left of the cut first, in the order in which they were.
+    /// Moves the references of the left side first, in stable order.
     fn partition(self, BestSplit { cut, middle, bounds }: &BestSplit) -> [Self; 2] {
-        let (left, right) = self.room.split_at_mut(*middle);
+        let (left, right) = self.scratch.split_at_mut(*middle);
         let centroids = scatter(self.references, cut, [left, right]);
         self.exchange(*middle, [0, 1].map(|side| PrimInfo { bounds: bounds[side], centroids: centroids[side] }))
     }
 
-    /// Goes on with what was moved over.
+    /// Swaps references and scratch space.
     pub(super) fn exchange(self, middle: usize, extents: [PrimInfo; 2]) -> [Self; 2] {
-        Set { references: self.room, room: self.references, ..self }.divide(middle, extents)
+        BuildRange { references: self.scratch, scratch: self.references, ..self }.divide(middle, extents)
     }
 
-    /// Cuts at the median centroid of the widest axis; by order alone if all centroids coincide.
+    /// Splits at the median centroid of the widest axis, or by order if all centroids coincide.
     pub(super) fn halve(self) -> [Self; 2] {
         let spread = self.extent.centroids.max - self.extent.centroids.min;
         let middle = self.references.len() / 2;
@@ -144,14 +144,21 @@ impl<'a> Set<'a> {
 
     fn divide(self, middle: usize, extents: [PrimInfo; 2]) -> [Self; 2] {
         let (left, right) = self.references.split_at_mut(middle);
-        let (left_room, right_room) = self.room.split_at_mut(middle);
+        let (left_room, right_room) = self.scratch.split_at_mut(middle);
         let (left_order, right_order) = self.order.split_at_mut(middle);
         let depth = self.depth + 1;
         [
-            Set { references: left, room: left_room, order: left_order, first: self.first, extent: extents[0], depth },
-            Set {
+            BuildRange {
+                references: left,
+                scratch: left_room,
+                order: left_order,
+                first: self.first,
+                extent: extents[0],
+                depth,
+            },
+            BuildRange {
                 references: right,
-                room: right_room,
+                scratch: right_room,
                 order: right_order,
                 first: self.first + middle as u32,
                 extent: extents[1],
@@ -168,8 +175,8 @@ impl BinaryTree {
         self.root()
     }
 
-    /// Adds the tree over a set that is not empty. The recursion is as deep as the tree, which is bounded.
-    pub(super) fn grow(&mut self, set: Set<'_>, config: &BuildConfig, bins: &mut Bins) -> (u32, Costs) {
+    /// Builds the tree over a range that is not empty. The recursion is as deep as the tree, which is bounded.
+    pub(super) fn grow(&mut self, set: BuildRange<'_>, config: &BuildConfig, bins: &mut Bins) -> (u32, Costs) {
         let bounds = set.extent.bounds;
         let count = set.references.len();
         let area = config.unit.area(&bounds);
@@ -188,7 +195,7 @@ impl BinaryTree {
         (node, costs)
     }
 
-    /// Adds a node above two others.
+    /// Adds the parent of two nodes.
     pub(super) fn join(
         &mut self,
         bounds: &NodeBox,

@@ -1,48 +1,46 @@
-//! Turns the binary tree into the wide one, as planned: the uppermost nodes first, then what hangs below them, part by
-//! part and on several threads.
+//! Creates the wide nodes as planned: the uppermost first, then the subtrees below them in chunks, on several threads.
 
 use super::binary::Content;
 use super::collapse::{ChildSlot, WIDTH};
-use super::parallel::{Place, SubtreeSet};
-use super::reference::Run;
+use super::parallel::{NodeRef, SubtreeSet};
+use super::reference::PrimRange;
 use super::{WideTree, in_order};
 use crate::wide::huge_pages::filled;
 use crate::wide::leaf::{LeafKind, LeafOrder};
 use crate::wide::node::{Child, Node};
 
-/// Nodes down to this depth, up to 73, are made before those below, which are up to 512 parts.
+/// Nodes down to this depth, at most 73, precede the at most 512 chunks below.
 const TOP: u32 = 3;
 
-/// A wide node to be made.
+/// A wide node to be created.
 #[derive(Clone, Copy)]
 struct PendingNode {
-    place: Place,
-    /// How many of the children come from the left side.
+    place: NodeRef,
+    /// Number of children from the left side.
     from_left: usize,
     depth: u32,
-    /// The node above, and which child of it this one is; both 0 for the first of a part.
+    /// Parent and lane; both 0 for the first node of a chunk.
     parent: (usize, usize),
 }
 
 pub(super) struct WideBuilder<'a> {
     pub(super) forest: &'a SubtreeSet,
-    /// Indices of primitives, by place.
-    pub(super) indices: &'a [Run],
+    pub(super) indices: &'a [PrimRange],
     pub(super) kind: LeafKind,
 }
 
-/// Nodes in depth-first order, numbered from 0, and the leaves among their children, in the order of these.
+/// Nodes in depth-first order with chunk-local indices, and the leaves among their children in order.
 #[derive(Default)]
 struct Chunk {
     nodes: Vec<Node>,
     listing: LeafOrder,
     depth: u32,
-    /// What was put off: the nodes whose numbers are yet to be known.
+    /// Nodes below the chunk.
     deferred: Vec<PendingNode>,
 }
 
 impl WideBuilder<'_> {
-    /// The whole tree, `None` if numbers run out.
+    /// Creates all nodes; `None` if 28 bits cannot index nodes and leaves.
     pub(super) fn run(&self) -> Option<WideTree> {
         let root = self.forest.root();
         let first = PendingNode { place: root, from_left: 0, depth: 1, parent: (0, 0) };
@@ -55,8 +53,8 @@ impl WideBuilder<'_> {
         join(top, below)
     }
 
-    /// A node whose only child is a leaf of everything.
-    fn single_leaf(&self, root: Place) -> Chunk {
+    /// A node with one leaf of everything as its only child.
+    fn single_leaf(&self, root: NodeRef) -> Chunk {
         let mut part = Chunk { depth: 1, ..Chunk::default() };
         let mut node = Node::EMPTY;
         node.set(0, &self.forest.bounds(root), self.leaf(&mut part.listing, root));
@@ -64,7 +62,7 @@ impl WideBuilder<'_> {
         part
     }
 
-    /// The nodes from one on, down to a depth.
+    /// Nodes from the first down to a depth.
     fn part(&self, first: PendingNode, down_to: u32) -> Chunk {
         let mut part = Chunk::default();
         let mut pending = vec![first];
@@ -88,7 +86,7 @@ impl WideBuilder<'_> {
         let mut node = Node::EMPTY;
         let mut lane = 0;
         let first_pending = pending.len();
-        // The shares that are yet to be looked at, the next one last.
+        // Pending child slots, the next one last.
         let mut shares = [(place, 0); WIDTH];
         let mut len = self.open(place, [from_left, WIDTH - from_left], &mut shares);
         while len > 0 {
@@ -111,23 +109,23 @@ impl WideBuilder<'_> {
         part.nodes.push(node);
     }
 
-    /// Lists both sides of a node with their shares, the left one last, and says how many there are.
-    fn open(&self, place: Place, [of_left, of_right]: [usize; 2], shares: &mut [(Place, usize)]) -> usize {
+    /// Lists both sides of a node with their numbers of children, the left one last; returns their count.
+    fn open(&self, place: NodeRef, [of_left, of_right]: [usize; 2], shares: &mut [(NodeRef, usize)]) -> usize {
         let Content::Inner([left, right]) = self.forest.content(place) else { return 0 };
-        shares[0] = (self.forest.follow(Place { node: right, ..place }), of_right);
-        shares[1] = (self.forest.follow(Place { node: left, ..place }), of_left);
+        shares[0] = (self.forest.follow(NodeRef { node: right, ..place }), of_right);
+        shares[1] = (self.forest.follow(NodeRef { node: left, ..place }), of_left);
         2
     }
 
-    fn leaf(&self, listing: &mut LeafOrder, place: Place) -> Child {
+    fn leaf(&self, listing: &mut LeafOrder, place: NodeRef) -> Child {
         let first = listing.order.len();
         self.list(place, &mut listing.order);
         listing.order[first..].sort_unstable();
         listing.close(first, self.kind)
     }
 
-    /// Lists what is below a node that becomes a leaf.
-    fn list(&self, place: Place, order: &mut Vec<u32>) {
+    /// Lists the primitives of a leaf.
+    fn list(&self, place: NodeRef, order: &mut Vec<u32>) {
         match self.forest.content(place) {
             Content::Leaf { first, count } => {
                 for run in &self.indices[first as usize..][..count as usize] {
@@ -139,7 +137,7 @@ impl WideBuilder<'_> {
             }
             Content::Inner(children) => {
                 for node in children {
-                    self.list(self.forest.follow(Place { node, ..place }), order);
+                    self.list(self.forest.follow(NodeRef { node, ..place }), order);
                 }
             }
             Content::Link(_) => {}
@@ -147,7 +145,7 @@ impl WideBuilder<'_> {
     }
 }
 
-/// Numbers the parts one after the other, and hangs them below the nodes that were made first.
+/// Concatenates chunks below the uppermost nodes, and shifts their indices.
 fn join(mut top: Chunk, below: Vec<Chunk>) -> Option<WideTree> {
     let (mut first_node, mut first_line, mut depth) = (top.nodes.len(), top.listing.n_lines, top.depth);
     let mut listings = vec![top.listing];

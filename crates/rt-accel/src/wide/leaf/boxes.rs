@@ -1,4 +1,4 @@
-//! Leaves of boxes, for primitives of any kind: the filter is that of nodes.
+//! Leaves of boxes, for primitives of any kind: the test is that of nodes.
 
 use super::{FilterTRange, HitBounds, Lane, LeafMut, LeafTest, LeafView, RayF64};
 use crate::wide::packet_rays::{PacketSlabs, RayPacket};
@@ -17,7 +17,7 @@ pub(super) fn fill(block: &mut LeafMut<'_>, indices: &[u32], own: impl Fn(u32) -
     }
 }
 
-/// BuildConfig out whose box is missed; says of nothing that it is hit.
+/// Rejects primitives whose box is missed; no hit is certain.
 #[derive(Clone, Copy)]
 pub(in crate::wide) struct BoxTest {
     ray: RayF32,
@@ -25,6 +25,9 @@ pub(in crate::wide) struct BoxTest {
 }
 
 impl LeafTest for BoxTest {
+    const HEADER: usize = 0;
+    const NUMBERS: usize = NUMBERS;
+
     #[inline(always)]
     fn new<S: Simd>(_: S, _: &RayF64<'_, S>, boxes: &RayF32, span: FilterTRange, _: &WideBvh) -> Self {
         Self { ray: *boxes, min: span.min() }
@@ -64,11 +67,5 @@ impl LeafTest for BoxTest {
         let plane = |row: Row| simd.splat(unsafe { leaf.number(row.index() * leaf.count + lane.index()) });
         let [enter, leave] = rays.cross::<false>(simd, plane, t_max);
         HitBounds { possible: simd.le(enter, leave), certain: 0, t_min: enter, t_max: leave }
-    }
-
-    #[inline(always)]
-    fn index(leaf: LeafView<'_>, lane: Lane) -> u32 {
-        // SAFETY: indices follow the numbers, and the lane is less than 8.
-        unsafe { leaf.word(NUMBERS * leaf.count + lane.index()) }
     }
 }

@@ -1,8 +1,8 @@
-//! What leaves hold: plain numbers side by side, that a filter rules primitives out by, eight at a time.
+//! Leaves: copies of primitives for conservative tests, eight at a time.
 //!
-//! A leaf of n primitives is a block of 32-bit words that begins at a cache line: the header of its kind, then one number
-//! of each primitive after the other, then the next number of each, and at last their indices. F64x8 numbers are read at
-//! a time; those that belong to what comes after are not looked at.
+//! A leaf of n primitives is a block of 32-bit words, aligned to a cache line: a header, then each number of all
+//! primitives (structure of arrays), then their indices. Loads of eight numbers may read beyond a row; these lanes are
+//! masked.
 
 mod boxes;
 mod spheres;
@@ -25,13 +25,13 @@ use super::ray::{RayF32, RayF64x4, SLACK};
 use super::simd::Simd;
 use crate::{bvh::NodeBox, wide::huge_pages::filled};
 
-/// Most primitives in a leaf.
+/// Maximum primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 8;
 
 /// Words in a cache line.
 const LINE: usize = 16;
 
-/// Cache lines of the greatest leaf.
+/// Cache lines of the largest leaf.
 const MAX_LINES: usize = 6;
 
 /// Lane of a primitive in its leaf, or of a ray in its packet: less than 8.
@@ -39,58 +39,55 @@ const MAX_LINES: usize = 6;
 pub(super) struct Lane(usize);
 
 impl Lane {
-    /// The last three bits of a number.
+    /// Uses the last three bits of a number.
     #[inline(always)]
     pub(super) const fn new(number: usize) -> Self {
         Self(number & 7)
     }
 
-    /// The number.
     #[inline(always)]
     pub(super) const fn index(self) -> usize {
         self.0
     }
 }
 
-/// A cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C, align(64))]
 pub(super) struct CacheLine([u32; LINE]);
 
-/// What the leaves of a tree hold.
+/// Kind of copies in the leaves of a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum LeafKind {
-    /// The vertices of triangles as they are, which decide; some primitives may be something else.
+    /// Exact vertices of triangles, for exact tests; some primitives may be of other types.
     Watertight,
-    /// The vertices of triangles relative to the centre of the tree, rounded; some primitives may be something else.
+    /// Vertices of triangles relative to the centre of the tree, rounded; some primitives may be of other types.
     Triangles,
-    /// Centres relative to that of the tree, and radii, rounded: of spheres, and of balls around what else there is.
+    /// Rounded centres, relative to that of the tree, and radii; other primitives have bounding spheres.
     Spheres,
     /// Boxes relative to the centre of the tree, rounded outward.
     Boxes,
 }
 
-/// Vertices are taken as they are if the tree is no farther from the origin than this many of its sizes. Farther off
-/// a filter sees better what is relative to the centre.
+/// Leaves hold exact vertices up to this distance of the tree from the origin, in sizes of the tree. Farther away,
+/// vertices relative to the centre lose fewer digits.
 const NEAR: f64 = 64.0;
 
-/// Of how many spheres, or triangles, one primitive may be something else, for which their leaves still suit.
+/// Minimum ratio of triangles, or spheres, to all other primitives of a tree with leaves of that kind.
 const MAJORITY_RATIO: u64 = 3;
 
-/// What some primitives are.
+/// Number of primitives by kind of geometry.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct GeometryCounts {
     n_spheres: u64,
-    /// Of triangles, those of which copies decide.
+    /// Triangles with exact copies.
     n_watertight: u64,
     n_triangles: u64,
     n_others: u64,
 }
 
 impl GeometryCounts {
-    /// Of no primitives at all.
     pub(super) const NONE: Self = Self { n_spheres: 0, n_watertight: 0, n_triangles: 0, n_others: 0 };
 
     #[inline(always)]
@@ -113,7 +110,7 @@ impl GeometryCounts {
 }
 
 impl LeafKind {
-    /// The most particular kind that suits all primitives, or most of them if those are spheres or triangles.
+    /// Most specific kind that suits all primitives, or a large majority of triangles or spheres.
     pub(super) fn of(layouts: GeometryCounts, centre: DVec3, size: f64) -> Self {
         let GeometryCounts { n_spheres, n_watertight, n_triangles, n_others } = layouts;
         let n = n_spheres + n_triangles + n_others;
@@ -129,13 +126,12 @@ impl LeafKind {
         }
     }
 
-    /// Cache lines of a leaf of so many primitives.
     const fn lines(self, count: usize) -> usize {
         let (header, numbers) = self.shape();
         (header + (numbers + 1) * count).div_ceil(LINE)
     }
 
-    /// Words before the numbers, and numbers of each primitive.
+    /// Words of the header, and numbers per primitive.
     const fn shape(self) -> (usize, usize) {
         match self {
             Self::Watertight | Self::Triangles => (triangles::HEADER, triangles::NUMBERS),
@@ -166,7 +162,7 @@ impl CacheLine {
     }
 }
 
-/// A leaf to be filled.
+/// A leaf under construction.
 struct LeafMut<'a> {
     words: &'a mut [u32],
     count: usize,
@@ -183,19 +179,19 @@ impl LeafMut<'_> {
     }
 }
 
-/// Which primitives leaves that follow each other list.
+/// Primitives of consecutive leaves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct LeafOrder {
     /// Primitives, leaf by leaf.
     pub(super) order: Vec<u32>,
-    /// How many each leaf has, from 1 to 8.
+    /// Primitives of each leaf, from 1 to 8.
     pub(super) sizes: Vec<u8>,
-    /// Cache lines of all.
+    /// Total cache lines.
     pub(super) n_lines: usize,
 }
 
 impl LeafOrder {
-    /// Makes a leaf of the primitives from `first` on.
+    /// Ends a leaf that begins at primitive `first`.
     pub(super) fn close(&mut self, first: usize, kind: LeafKind) -> Child {
         let count = self.order.len() - first;
         let leaf = Child::leaf(self.n_lines as u32, count as u32);
@@ -204,7 +200,7 @@ impl LeafOrder {
         leaf
     }
 
-    /// The primitives of each leaf.
+    /// Primitives of each leaf.
     pub(super) fn leaves(&self) -> impl Iterator<Item = &[u32]> {
         let mut rest = &self.order[..];
         self.sizes.iter().map(move |&size| {
@@ -215,21 +211,21 @@ impl LeafOrder {
     }
 }
 
-/// What fills leaves.
+/// Copies primitives into leaves.
 pub(super) struct LeafWriter<'a, P> {
     pub(super) primitives: &'a P,
-    /// Of the tree.
+    /// Centre of the tree.
     pub(super) centre: DVec3,
     pub(super) kind: LeafKind,
 }
 
 impl<P: Primitives> LeafWriter<'_, P> {
-    /// The own box, relative to the centre.
+    /// Padded bounds relative to the centre.
     pub(super) fn own(&self, index: u32) -> NodeBox {
         padded_bounds(self.primitives, index).map_or(NodeBox::EMPTY, |own| NodeBox::outward(&own, self.centre))
     }
 
-    /// Fills the first of these lines, which are empty, with a leaf of 1 to 8 primitives; returns how many it takes.
+    /// Fills a leaf of 1 to 8 primitives at the start of cleared lines; returns its number of lines.
     fn fill(&self, indices: &[u32], lines: &mut [CacheLine]) -> usize {
         let (header, numbers) = self.kind.shape();
         let count = indices.len();
@@ -248,9 +244,8 @@ impl<P: Primitives> LeafWriter<'_, P> {
 }
 
 impl Leaves {
-    /// All leaves that are listed, one after the other.
     pub(super) fn new<P: Primitives>(filling: &LeafWriter<'_, P>, listings: &[LeafOrder]) -> Self {
-        // Filters read eight numbers at the end of the last leaf as well.
+        // Loads of eight numbers extend beyond the last leaf.
         const SPARE: usize = MAX_LEAF.div_ceil(LINE);
         let nothing = LeafOrder::default();
         let mut parts: Vec<_> = listings.iter().map(|listing| (listing.n_lines, listing)).collect();
@@ -264,14 +259,14 @@ impl Leaves {
         Self { kind: filling.kind, lines }
     }
 
-    /// True if the leaf holds the numbers of the primitives that it lists.
+    /// True if the leaf equals a copy of its primitives.
     pub(super) fn fits<P: Primitives>(&self, leaf: Child, filling: &LeafWriter<'_, P>) -> bool {
         let mut anew = [CacheLine::default(); MAX_LINES];
         let n_lines = filling.fill(self.indices(leaf), &mut anew);
         self.lines[leaf.number()..].starts_with(&anew[..n_lines])
     }
 
-    /// Fills a leaf with the numbers of its primitives as they are now.
+    /// Copies the primitives of a leaf again.
     pub(super) fn refill<P: Primitives>(&mut self, leaf: Child, filling: &LeafWriter<'_, P>) {
         let mut anew = [CacheLine::default(); MAX_LINES];
         let n_lines = filling.fill(self.indices(leaf), &mut anew);
@@ -282,7 +277,7 @@ impl Leaves {
         self.lines.capacity() * size_of::<CacheLine>()
     }
 
-    /// The indices in a leaf, which ends within the list.
+    /// Primitives of a leaf that lies within the lines.
     #[inline]
     pub(super) fn indices(&self, leaf: Child) -> &[u32] {
         let (header, numbers) = self.kind.shape();
@@ -290,12 +285,12 @@ impl Leaves {
         self.words().get(first..first + leaf.count()).unwrap_or(&[])
     }
 
-    /// True if all that filters may read of this leaf is there.
+    /// True if all words that filters read of the leaf exist.
     pub(super) fn contain(&self, leaf: Child) -> bool {
         lines_contain(self.lines.len(), self.kind, leaf)
     }
 
-    /// Most primitives that leaves in these lines can list.
+    /// Upper bound of primitives in all leaves.
     pub(super) const fn most_primitives(&self) -> u64 {
         self.lines.len() as u64 * LINE as u64
     }
@@ -305,17 +300,15 @@ impl Leaves {
         CacheLine::words(&self.lines)
     }
 
-    /// Where a leaf begins.
+    /// Address of a leaf.
     #[inline(always)]
     pub(super) fn line(&self, leaf: Child) -> *const CacheLine {
         self.lines.as_ptr().wrapping_add(leaf.number())
     }
 
-    /// Words of a leaf, for filters of the kind of these leaves.
-    ///
     /// # Safety
     ///
-    /// [`contain`](Self::contain) must be true of the leaf, as it is of all that builders have made and loaders have checked.
+    /// [`contain`](Self::contain) must be true of the leaf, as builders and loaders check.
     #[inline(always)]
     pub(super) unsafe fn view(&self, leaf: Child) -> LeafView<'_> {
         debug_assert!(self.contain(leaf), "leaves are checked when they are made and when they are loaded");
@@ -323,9 +316,9 @@ impl Leaves {
     }
 }
 
-/// True if lines of this number contain all that filters may read of a leaf: eight words from any number on.
+/// True if all words that filters read of a leaf exist: eight from any number on.
 ///
-/// The end is computed with 64 bits. It would wrap with 32, as the number of a line has 28 bits and a line has 16 words.
+/// The end is computed with 64 bits. It would wrap with 32, as a line has 16 words and its index 28 bits.
 fn lines_contain(n_lines: usize, kind: LeafKind, leaf: Child) -> bool {
     let (header, numbers) = kind.shape();
     let words = header + numbers * leaf.count() + MAX_LEAF;
@@ -333,7 +326,7 @@ fn lines_contain(n_lines: usize, kind: LeafKind, leaf: Child) -> bool {
     (1..=MAX_LEAF).contains(&leaf.count()) && end <= n_lines as u64 * LINE as u64
 }
 
-/// A leaf to be read. Made only of leaves that [`Leaves::contain`].
+/// A leaf for reading; [`Leaves::contain`] holds for it.
 #[derive(Clone, Copy)]
 pub(super) struct LeafView<'a> {
     words: &'a [u32],
@@ -342,20 +335,16 @@ pub(super) struct LeafView<'a> {
 }
 
 impl LeafView<'_> {
-    /// Word `at` of the leaf.
-    ///
     /// # Safety
     ///
     /// With the header and the numbers of the leaf's kind, `at` must be less than `header + numbers·count + 8`.
     #[inline(always)]
     unsafe fn word(&self, at: usize) -> u32 {
         debug_assert!(self.first + at < self.words.len());
-        // SAFETY: the leaf is one that `Leaves::contain`, and the caller keeps to it.
+        // SAFETY: `Leaves::contain` holds, and the caller promises the rest.
         unsafe { *self.words.get_unchecked(self.first + at) }
     }
 
-    /// Word `at` of the leaf as a number.
-    ///
     /// # Safety
     ///
     /// See [`word`](Self::word).
@@ -365,7 +354,7 @@ impl LeafView<'_> {
         f32::from_bits(unsafe { self.word(at) })
     }
 
-    /// F64x8 numbers from word `at` of the leaf on, of which the first `count` are those asked for.
+    /// Eight numbers, the first `count` of which belong to the primitives.
     ///
     /// # Safety
     ///
@@ -384,28 +373,27 @@ impl LeafView<'_> {
     }
 }
 
-/// What a filter says about the primitives of a leaf, a bit for each.
+/// Result of a conservative test, a bit for each primitive or ray.
 pub(super) struct HitBounds<S: Simd> {
-    /// Not missed for sure.
+    /// Not certainly missed.
     pub(super) possible: u32,
-    /// Hit for sure, within the span and first at a `t` between `near` and `far`.
+    /// Certainly hit within the span, closest between `t_min` and `t_max`.
     pub(super) certain: u32,
     /// Bounds of `t`; meaningful for `certain` hits.
     pub(super) t_min: S::F32x8,
     pub(super) t_max: S::F32x8,
 }
 
-/// The span of a query, as filters see it.
+/// Span of a query, rounded for filters.
 #[derive(Clone, Copy)]
 pub(super) struct FilterTRange {
-    /// Between the first two a number is neither certainly before nor certainly after the begin; what is not after the third
-    /// is within the whole span.
+    /// Begin rounded down and up, end rounded down; the fourth is spare.
     numbers: [f32; 4],
 }
 
 impl FilterTRange {
-    /// Of a span that does not begin before 0: as [`round_down`](super::ray::round_down) and
-    /// [`round_up`](super::ray::round_up) have it, side by side.
+    /// Applies [`round_down`](super::ray::round_down) and [`round_up`](super::ray::round_up) to a span of non-negative
+    /// numbers.
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, span: Interval) -> Self {
         let Interval { min, max } = span;
@@ -415,13 +403,12 @@ impl FilterTRange {
         Self { numbers: simd.to_f32(simd.max_f64(numbers, simd.f64x4([0.0; 4]))) }
     }
 
-    /// Not after the begin.
+    /// Begin, rounded down.
     #[inline(always)]
     pub(super) const fn min(&self) -> f32 {
         self.numbers[0]
     }
 
-    /// The same eight times.
     #[inline(always)]
     fn splat<S: Simd>(&self, simd: S) -> SpanLanes<S> {
         let [at_most_min, at_least_min, at_most_max, _] = self.numbers;
@@ -429,15 +416,15 @@ impl FilterTRange {
     }
 }
 
-/// A ray, prepared for those who decide.
+/// A ray prepared for exact tests.
 pub(super) struct RayF64<'r, S: Simd> {
     pub(super) ray: &'r Ray,
     pub(super) lanes: RayF64x4<S>,
-    /// Along which the ray is steepest.
+    /// Axis of the largest direction component.
     pub(super) axis: usize,
-    /// The first two: as [`WatertightRay`](rt_geometry::WatertightRay) has them.
+    /// Shear in the first two lanes; equals that of [`WatertightRay`](rt_geometry::WatertightRay).
     pub(super) shear: S::F64x4,
-    /// As [`WatertightRay`](rt_geometry::WatertightRay) has it.
+    /// Equals the scale of [`WatertightRay`](rt_geometry::WatertightRay).
     pub(super) scale: f64,
 }
 
@@ -451,37 +438,38 @@ impl<'r, S: Simd> RayF64<'r, S> {
         Self { ray, lanes, axis, shear, scale }
     }
 
-    /// The axes in the order x, y, z of the ray's own space.
+    /// Axes in the order x, y, z of the ray's space.
     #[inline(always)]
     pub(super) fn axes(&self) -> [usize; 3] {
         AXES[self.axis & 3]
     }
 }
 
-/// Axes by the last of them, in cyclic order; the fourth is spare, so that two bits are a number of the list.
+/// Cyclic order of axes by the last; the fourth row is spare, so that two bits index the table.
 const AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 
-/// BuildConfig primitives out, and sees to it that somebody decides about the others.
+/// Conservative `f32` test of leaves. Rejects most primitives and forwards the rest to the exact `f64` test.
 pub(super) trait LeafTest: Copy {
-    /// True if the leaf holds all that it takes to decide about this primitive, so that nobody else is asked, or counts the hits.
+    /// True if the leaf holds an exact copy, so that the primitive is tested, and its hits are counted, without the
+    /// tester.
     #[inline(always)]
     fn is_exact(_: LeafView<'_>, _: Lane) -> bool {
         false
     }
 
-    /// Prepares a ray, of which it is handed what others have prepared.
+    /// Prepares one ray.
     fn new<S: Simd>(simd: S, ray: &RayF64<'_, S>, boxes: &RayF32, span: FilterTRange, tree: &WideBvh) -> Self;
 
-    /// Judges the primitives of a leaf; what is hit after `t_max` is missed.
+    /// Tests the primitives of a leaf; hits after `t_max` are misses.
     fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, t_max: f32) -> HitBounds<S>;
 
-    /// The filters of eight rays, a lane each.
+    /// Eight rays prepared for this test.
     type Packet<S: Simd>;
 
-    /// Prepares eight rays.
+    /// Prepares a packet.
     fn packet<S: Simd>(simd: S, rays: &RayPacket<S>, tree: &WideBvh) -> Self::Packet<S>;
 
-    /// Judges one primitive of a leaf for eight rays: the bits are those of rays.
+    /// Tests one primitive of a leaf with eight rays, a bit for each.
     fn test_packet<S: Simd>(
         simd: S,
         filters: &Self::Packet<S>,
@@ -490,20 +478,29 @@ pub(super) trait LeafTest: Copy {
         t_max: S::F32x8,
     ) -> HitBounds<S>;
 
-    /// True if leaves hold spheres.
+    /// Words of the header.
+    const HEADER: usize;
+
+    /// Numbers per primitive.
+    const NUMBERS: usize;
+
+    /// True for leaves of spheres.
     const IS_SPHERE: bool = false;
 
-    /// The primitives of a leaf that rays of a shaft may meet, a bit for each; all, unless a filter knows better.
+    /// Primitives of a leaf that rays in a frustum may hit, a bit for each.
     #[inline(always)]
     fn cull_by_frustum<S: Simd>(_: S, _: &BundleFrustum<S>, leaf: LeafView<'_>) -> u32 {
         leaf.mask()
     }
 
-    /// The index of a primitive.
-    fn index(leaf: LeafView<'_>, lane: Lane) -> u32;
+    /// Index of a primitive.
+    #[inline(always)]
+    fn index(leaf: LeafView<'_>, lane: Lane) -> u32 {
+        // SAFETY: indices follow the numbers of the leaf's kind, and the lane is less than 8.
+        unsafe { leaf.word(Self::HEADER + Self::NUMBERS * leaf.count + lane.index()) }
+    }
 
-    /// Decides where a primitive is hit within the span, where leaves hold all that it takes. What would rule it out need
-    /// not be looked at where the hit is `CERTAIN`.
+    /// Exact hit within the span, if the leaf holds an exact copy. Skips all rejections where the hit is `CERTAIN`.
     #[inline(always)]
     fn exact_hit<S: Simd, const CERTAIN: bool>(
         _: S,
@@ -515,8 +512,8 @@ pub(super) trait LeafTest: Copy {
         None
     }
 
-    /// As [`exact_hit`](Self::exact_hit) for rays of a packet, of those whose own space it is and for which the hit is certain:
-    /// `t`, and as much of the second and third vertex. Meaningless for the others.
+    /// `t` and barycentric coordinates by ray, for rays of a packet that share the axes of the first and certainly hit
+    /// an exact copy. Meaningless for others.
     #[inline(always)]
     fn exact_packet_hits<S: Simd>(simd: S, _: LeafView<'_>, _: Lane, _: &RayPacket<S>) -> [F64x8<S>; 3] {
         [F64x8::splat(simd, 0.0); 3]
@@ -546,7 +543,7 @@ mod tests {
     use crate::wide::ray::{round_down, round_up};
     use crate::wide::simd::{DetectedSimd, SimdLevel, WithSimd};
 
-    /// On 32 bits the end of such a leaf wrapped, so that a saved tree with it passed the check and was read out of bounds.
+    /// On 32 bits the end of such a leaf wrapped, so that a saved tree passed validation and was read out of bounds.
     #[test]
     fn a_leaf_whose_end_wraps_at_32_bits_is_not_contained() {
         for kind in [LeafKind::Watertight, LeafKind::Triangles, LeafKind::Spheres, LeafKind::Boxes] {
@@ -555,7 +552,7 @@ mod tests {
                 let last = Child::leaf(Child::LIMIT as u32 - 1, count as u32);
                 let words = header + numbers * count + MAX_LEAF;
                 let wrapped = (last.number() as u32).wrapping_mul(LINE as u32).wrapping_add(words as u32);
-                // Less than a line does not reach 2³².
+                // A leaf of less than a line does not reach 2³².
                 assert_eq!(wrapped < 1000, words >= LINE, "{kind:?} of {count}: {wrapped}");
                 assert!(!lines_contain(1000, kind, last), "{kind:?} of {count}");
                 assert!(lines_contain(Child::LIMIT + MAX_LINES, kind, last), "{kind:?} of {count}: it is there");

@@ -1,16 +1,16 @@
-//! Leaves of spheres: how far the ray passes from the centre, in `f32` with a margin.
+//! Leaves of spheres: distance of the ray from the centre, in `f32` with an error margin.
 //!
-//! # Why the filter is right
+//! # Why the filter is conservative
 //!
-//! Let `X` be the sum of the greatest coordinates of the origin and of the leaf, both relative to the centre of the tree,
-//! and `v = 2⁻²⁴`. Centre and origin are rounded and subtracted, to within `4v·X` on each axis; the direction, its
-//! square, the projection and the perpendicular that is left add some `20v·X`. So the distance `l` of the ray from the
-//! centre is computed to within `δ = 64v·X`, which also covers the rounding of the radius `r` (which is part of the
-//! greatest coordinate). A ray hits if `l < r − δ` and misses if `l > r + δ`. Where it hits, `r² − l²` is off by at most
-//! `4(r + δ)·δ`, the projection by `24v·X`, and the `t` of the first root follows.
+//! Let `X` be the sum of the maximum coordinates of the origin and of the leaf, both relative to the centre of the
+//! tree, and `v = 2⁻²⁴`. Centre and origin are rounded and subtracted, to within `4v·X` on each axis. The direction,
+//! its square, the projection and the remaining perpendicular add some `20v·X`. So the distance `l` of the ray from the
+//! centre is computed to within `δ = 64v·X`. This also covers the rounding of the radius `r`, which is part of the
+//! maximum coordinate. A ray hits if `l < r − δ` and misses if `l > r + δ`. For a hit, `r² − l²` is off by at most `4(r
+//! + δ)·δ` and the projection by `24v·X`, which bounds the `t` of the first root.
 //!
-//! What is no sphere lies in a ball around its own box. It is missed where the ball is, and where the ball is missed in
-//! the span; of nothing else can be said that it is hit.
+//! Other primitives have spheres around their padded bounds. They are missed where that sphere is missed within the
+//! span, and never certainly hit.
 
 use glam::DVec3;
 use rt_geometry::{PrimitiveGeometry, Primitives, padded_bounds};
@@ -20,7 +20,7 @@ use crate::wide::packet_rays::{F64x8, RayPacket, SpanLanes, relative};
 use crate::wide::ray::{RayF32, greatest, round_up};
 use crate::{wide::WideBvh, wide::frustum::BundleFrustum, wide::simd::Simd};
 
-/// The greatest coordinate that a sphere reaches.
+/// Maximum coordinate of all spheres.
 pub(super) const HEADER: usize = 1;
 
 /// Centre and radius.
@@ -29,7 +29,7 @@ pub(super) const NUMBERS: usize = 4;
 /// `δ/X`
 const MARGIN: f32 = 64.0 / (1 << 24) as f32;
 
-/// Where `δ` is less, squares may vanish, and nothing but a miss by the outer square is certain.
+/// For smaller `δ` squares may vanish, and only a miss of the outer square is certain.
 const LEAST: f32 = 1.0 / (1u64 << 50) as f32;
 
 pub(super) fn fill<P: Primitives>(block: &mut LeafMut<'_>, primitives: &P, indices: &[u32], centre: DVec3) {
@@ -49,20 +49,20 @@ pub(super) fn fill<P: Primitives>(block: &mut LeafMut<'_>, primitives: &P, indic
     block.set_header(0, round_up(greatest));
 }
 
-/// Centre and radius of a ball around the own box of what is no sphere. The sign of the radius tells: it is negative.
+/// Centre and negated radius of a sphere around the padded bounds of another primitive.
 fn ball_around<P: Primitives>(primitives: &P, index: u32, centre: DVec3) -> (DVec3, f64) {
     padded_bounds(primitives, index)
         .map_or((DVec3::NAN, f64::NAN), |own| (own.centre() - centre, -0.5 * own.extent().length()))
 }
 
-/// Distance of the ray from centres, with three answers.
+/// Distance of the ray from centres, with three results.
 #[derive(Clone, Copy)]
 pub(in crate::wide) struct SphereTest {
     origin: [f32; 4],
     direction: [f32; 4],
-    /// One over the length of the direction.
+    /// Reciprocal length of the direction.
     inverse_length: f32,
-    /// Greatest coordinate of the origin.
+    /// Maximum coordinate of the origin.
     reach: f32,
     span: FilterTRange,
 }
@@ -72,21 +72,21 @@ fn dot<S: Simd>(simd: S, a: [S::F32x8; 3], b: [S::F32x8; 3]) -> S::F32x8 {
     simd.mul_add(a[2], b[2], simd.mul_add(a[1], b[1], simd.mul(a[0], b[0])))
 }
 
-/// The square root, 0 for what is negative.
+/// Square root, 0 for a negative number.
 #[inline(always)]
 fn root<S: Simd>(simd: S, x: S::F32x8) -> S::F32x8 {
     simd.sqrt(simd.max(x, simd.splat(0.0)))
 }
 
-/// Spheres of one leaf, side by side.
+/// Spheres of a leaf in lanes.
 struct SphereLanes<S: Simd> {
     centre: [S::F32x8; 3],
-    /// Negative for balls around what is no sphere.
+    /// Negative for bounding spheres of other primitives.
     radius: S::F32x8,
     greatest: f32,
 }
 
-/// One ray eight times, or eight rays.
+/// One ray in all lanes, or eight rays.
 pub(in crate::wide) struct RayLanes<S: Simd> {
     origin: [S::F32x8; 3],
     direction: [S::F32x8; 3],
@@ -127,7 +127,7 @@ impl<S: Simd> RayLanes<S> {
         let longest = simd.add(root(simd, simd.add(half_chord_squared, slack)), margin);
         let shortest = simd.sub(root(simd, simd.sub(half_chord_squared, slack)), margin);
         let to_t = self.inverse_length;
-        // A rounding or two of the largest number in sight.
+        // One or two roundings of the largest number.
         let rounding = simd.mul(simd.mul(margin, to_t), simd.splat(0.125));
         let near = simd.sub(simd.mul(simd.sub(along, longest), to_t), rounding);
         let far = simd.add(simd.mul(simd.sub(along, shortest), to_t), rounding);
@@ -143,6 +143,9 @@ impl<S: Simd> RayLanes<S> {
 }
 
 impl LeafTest for SphereTest {
+    const HEADER: usize = HEADER;
+    const NUMBERS: usize = NUMBERS;
+
     #[inline(always)]
     fn new<S: Simd>(simd: S, ray: &RayF64<'_, S>, _: &RayF32, span: FilterTRange, tree: &WideBvh) -> Self {
         let centre = simd.f64x4([tree.centre.x, tree.centre.y, tree.centre.z, 0.0]);
@@ -243,11 +246,5 @@ impl LeafTest for SphereTest {
             if row & 1 == 0 { simd.sub(centre, radius) } else { simd.add(centre, radius) }
         });
         hit & leaf.mask()
-    }
-
-    #[inline(always)]
-    fn index(leaf: LeafView<'_>, lane: Lane) -> u32 {
-        // SAFETY: indices follow the numbers, and the lane is less than 8.
-        unsafe { leaf.word(HEADER + NUMBERS * leaf.count + lane.index()) }
     }
 }

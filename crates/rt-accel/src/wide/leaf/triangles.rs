@@ -1,57 +1,58 @@
-//! Leaves of triangles: the edge functions of the watertight test, in `f32` with a margin.
+//! Leaves of triangles: the edge functions of the watertight test, in `f32` with an error margin.
 //!
-//! # Why the filter is right
+//! # Why the filter is conservative
 //!
-//! Let `A` be the greatest coordinate of the origin, `e` the greatest extent of a triangle of the leaf along an axis, `Z` the
-//! depth of the first vertex along the packet's axis, from the origin, and `v = 2⁻²⁴`. Seen along the ray
-//! ([`WatertightRay`](rt_geometry::WatertightRay)) edges are no longer than `(1 + s)e = 2⅛e`, as shears are at most `s = 9/8`: in a
-//! packet the axis is the steepest of one ray only ([`MAX_SHEAR`]).
+//! Let `A` be the maximum coordinate of the origin, `e` the maximum extent of a triangle of the leaf along an axis, `Z`
+//! the depth of the first vertex along the packet's axis, from the origin, and `v = 2⁻²⁴`. In the space of the ray
+//! ([`WatertightRay`](rt_geometry::WatertightRay)) edges are no longer than `(1 + s)e = 2⅛e`. Shears are at most `s =
+//! 9/8`: the axis of a packet is that of its first ray ([`MAX_SHEAR`]).
 //!
-//! **Two kinds of errors.** Rounding the origin and the shear shifts what is seen of all three vertices alike, by
-//! `σ ≤ (1 + s)v·A + s·v·|Z|`. All else is independent: differences, products and sums are each rounded, and are no greater
-//! than what is seen and `s·(|Z| + e)`; the shear is off by `s·v·e` more from vertex to vertex. Of vertices that are seen
+//! **Two kinds of errors.** Rounding the origin and the shear shifts all three vertices alike, by `σ ≤ (1 + s)v·A +
+//! s·v·|Z|`. All other errors are independent. Differences, products and sums are each rounded, and are no greater than
+//! the vertices in ray space and `s·(|Z| + e)`. The shear is off by `s·v·e` more from vertex to vertex. For vertices
 //! within `r` of the ray, all this together is at most `ε = v(3s|Z| + 4s·e + 2r) = v(3⅜|Z| + 4½e + 2r)`.
 //!
-//! **What they do to an edge function.** The shift changes it by no more than `2σ·2⅛e`, as it is the product of the shift and
-//! the edge. The independent errors and the rounding of the function itself change it by no more than
-//! `i = 4r·ε + 2ε² + 4v·r²`. If the ray hits the triangle, the vertices are seen within `r = 2⅛e + σ` of it, shifted; `CLOSE`
-//! makes it `r = 2⅜e`, as they were computed. With either, and as the computed `|Z|` is itself off by `v·A`, all changes are
-//! at most
+//! **Effect on an edge function.** The shift changes it by at most `2σ·2⅛e`, the product of the shift and the edge. The
+//! independent errors and the rounding of the function itself change it by at most `i = 4r·ε + 2ε² + 4v·r²`. If the ray
+//! hits the triangle, the vertices lie within `r = 2⅛e + σ` of it, shifted; `CLOSE` makes it `r = 2⅜e`, as computed.
+//! With either, and as the computed `|Z|` is itself off by `v·A`, all changes are at most
 //!
 //! ```text
 //!   9.1 v·e·A + 37 v·e·|Z| + 111 v·e² + (38 |Z|² + 29 A|Z|)v² + 83 v³·A²
 //!     <   m = 10 v·e·A + 44 v·e·|Z| + 120 v·e² + (64 |Z|² + 32 A|Z|)v² + 96 v³·A²
 //! ```
 //!
-//! with a twentieth of `m` to spare. The last three numbers matter where triangles are so small that `σ` is greater than `e`.
+//! with a twentieth of `m` to spare. The last three terms matter for triangles so small that `σ` is greater than `e`.
 //!
-//! **Misses.** If the ray hits the triangle, the exact functions are all at least 0 or all at most 0: those that were computed
-//! are all at least `−m`, or all at most `m`.
+//! **Misses.** If the ray hits the triangle, the exact functions are all at least 0 or all at most 0. The computed ones
+//! are then all at least `−m`, or all at most `m`.
 //!
-//! **Hits.** If the vertices are seen within `2⅜e` and all three functions are at least `m` or at most `−m`, these are their
-//! true signs, and so are the exact signs of the `f64` kernel, whose vertices are much closer to the truth. There no sign is in
-//! doubt: the functions are at least `m/20`, or eight ninths of that along the kernel's own axis, and rounding does less than
-//! `2⁻⁴⁶·e²` to them.
+//! **Hits.** If the vertices lie within `2⅜e` and all three functions are at least `m` or at most `−m`, their signs are
+//! exact. So are those of the `f64` kernel, whose vertices are much more accurate. They are also certain there: the
+//! functions are at least `m/20`, or eight ninths of that along the kernel's own axis, and rounding changes them by
+//! less than `2⁻⁴⁶·e²`.
 //!
-//! **Where they are hit.** True weights are between 0 and 1, so that errors of the functions by `i` change the depth by at most
-//! `5i·e/|det|`, with the determinant as it was computed. The shift of the ray changes it by the product of the shift and the
-//! triangle's normal, whose components are at most `e²`, over the true determinant: by at most `3v·e²(A + s|Z| + s·e)/|det|`, where
-//! `|det|` is less than the computed one by a factor of `(m − i)/m` at most, and `m − i` is at least `v·e(10A + 11|Z| + 9½e)`. So it is at most
-//! `⅜m·e/|det|` of the computed one. Rounding the weighted mean adds less than `v(8|Z| + 16e)`. The own box holds the true hit, and
-//! its slab test is off by some 2⁻⁵³ of `t`, which is far less.
+//! **Bounds of `t`.** True weights are between 0 and 1, so errors of the functions by `i` change the depth by at most
+//! `5i·e/|det|`, with the computed determinant. The shift of the ray changes it by the product of the shift and the
+//! triangle's normal, whose components are at most `e²`, over the true determinant: by at most `3v·e²(A + s|Z| +
+//! s·e)/|det|`. There `|det|` is less than the computed one by a factor of at most `(m − i)/m`, and `m − i` is at least
+//! `v·e(10A + 11|Z| + 9½e)`. So it is at most `⅜m·e/|det|` of the computed one. Rounding the weighted mean adds less
+//! than `v(8|Z| + 16e)`. The padded bounds contain the true hit, and their slab test is off by some 2⁻⁵³ of `t`, which
+//! is far less.
 //!
-//! **Rounded vertices**, relative to a centre, are off by `v·G` each, where `G` is their greatest coordinate, and are seen by
-//! `δ ≤ 2⅛v·G` aside, independently. `e` is the extent of the rounded triangle, of which all of the above is true. The exact
-//! functions differ from its functions by at most `4(2⅜e + δ + σ + ε)δ + 2δ²`, and where the ray hits the exact triangle, `r` is
-//! greater by `δ`, which adds hardly more than `4ε·δ`. Together that is less than what `m` grows by where `|Z| + G` stands for `|Z|`.
+//! **Rounded vertices**, relative to a centre, are off by `v·G` each, where `G` is their maximum coordinate, and move
+//! by `δ ≤ 2⅛v·G` in ray space, independently. `e` is the extent of the rounded triangle, for which all of the above
+//! holds. The exact functions differ from its functions by at most `4(2⅜e + δ + σ + ε)δ + 2δ²`. Where the ray hits the
+//! exact triangle, `r` is greater by `δ`, which adds hardly more than `4ε·δ`. Together that is less than the growth of
+//! `m` if `|Z| + G` replaces `|Z|`.
 //!
-//! **Tiny triangles.** Products of edges may lose digits where they are below 2⁻¹²⁶, as where a triangle of 10⁻¹⁵ lies at the
-//! origin of its coordinates and the ray starts beside it. `m` has 2⁻⁸⁰ more, next to which that is nothing.
+//! **Tiny triangles.** Products of edges may lose digits below 2⁻¹²⁶, as for a triangle of 10⁻¹⁵ at the origin of its
+//! coordinates with a ray that starts nearby. `m` includes 2⁻⁸⁰ more, which dwarfs that.
 //!
-//! **Huge ones.** Nothing leaves the range of `f32`: rays and trees for which it might are not asked of filters
+//! **Huge triangles.** Nothing leaves the range of `f32`: rays and trees that might are not filtered
 //! ([`RANGE`](crate::wide::ray::RANGE), [`FARTHEST`](crate::wide::ray::FARTHEST)).
 //!
-//! **The others.** What is no triangle has vertices that are no numbers: it is neither missed nor hit for sure.
+//! **Other primitives** have NaN vertices: they are neither certainly missed nor certainly hit.
 
 use glam::{DVec3, Vec3};
 use rt_geometry::{Hit, PrimitiveGeometry, Primitives};
@@ -62,19 +63,19 @@ use crate::wide::packet_rays::{F64x8, MAX_SHEAR, RayPacket, SpanLanes, relative 
 use crate::wide::ray::{RayF32, greatest, round_up};
 use crate::{wide::WideBvh, wide::exact_triangle::LeafTriangle, wide::packet_triangles, wide::simd::Simd};
 
-/// Greatest extent of a triangle along an axis, and greatest coordinate.
+/// Maximum extent of a triangle along an axis, and maximum coordinate.
 pub(super) const HEADER: usize = 2;
 
 /// Three coordinates of three vertices.
 pub(super) const NUMBERS: usize = 9;
 
-/// The error of one rounding, relative to the number.
+/// Relative error of one rounding.
 const V: f32 = 1.0 / (1 << 24) as f32;
 
-/// Farthest from the ray, in greatest extents, where a vertex may be seen for anything to be sure.
+/// Maximum distance of a vertex from the ray for a certain result, in maximum extents.
 const CLOSE: f32 = 1.25 + MAX_SHEAR as f32;
 
-/// The parts of the margin: of `e·A`, `e·|Z|`, `e²`, `A·|Z|`, `Z²` and `A²`.
+/// Terms of the margin: of `e·A`, `e·|Z|`, `e²`, `A·|Z|`, `Z²` and `A²`.
 const OF_REACH: f32 = 10.0 * V;
 const OF_DEPTH: f32 = 44.0 * V;
 const OF_EXTENT: f32 = 120.0 * V;
@@ -82,13 +83,13 @@ const OF_REACH_AND_DEPTH: f32 = 32.0 * V * V;
 const OF_DEPTH_SQUARED: f32 = 64.0 * V * V;
 const OF_REACH_SQUARED: f32 = 96.0 * V * V * V;
 
-/// Added to the margin: of triangles so small that products of their edges lose digits, or vanish, nothing is certain.
+/// Added to the margin: tiny triangles, whose edge products may lose digits or vanish, are uncertain.
 const LEAST: f32 = 1.0 / (1u128 << 80) as f32;
 
-/// Stand for vertices of what is no triangle: a filter knows nothing of it.
+/// Vertices of a primitive that is not a triangle.
 const UNKNOWN: [Vec3; 3] = [Vec3::NAN; 3];
 
-/// Fills a leaf with vertices relative to a centre, or with exact ones where there is none.
+/// Fills a leaf with vertices relative to a centre, or with exact ones if there is none.
 pub(super) fn fill<P: Primitives>(block: &mut LeafMut<'_>, primitives: &P, indices: &[u32], centre: Option<DVec3>) {
     let mut greatest = Vec3::ZERO;
     let mut extent = Vec3::ZERO;
@@ -116,7 +117,7 @@ pub(super) fn fill<P: Primitives>(block: &mut LeafMut<'_>, primitives: &P, indic
     block.set_header(1, greatest.max_element());
 }
 
-/// One coordinate of the three corners of a triangle.
+/// One coordinate of the three vertices of a triangle.
 ///
 /// # Safety
 ///
@@ -129,7 +130,7 @@ pub(in crate::wide) unsafe fn coordinates(leaf: LeafView<'_>, lane: Lane, axis: 
     unsafe { [leaf.number(at), leaf.number(at + 3 * leaf.count), leaf.number(at + 6 * leaf.count)] }
 }
 
-/// One corner of a triangle, exact where the leaves are [`LeafKind::ExactTriangle`].
+/// One vertex of a triangle, exact in leaves of [`LeafKind::Watertight`](super::LeafKind).
 ///
 /// # Safety
 ///
@@ -142,17 +143,17 @@ pub(in crate::wide) unsafe fn corner(leaf: LeafView<'_>, lane: Lane, vertex: usi
     unsafe { [leaf.number(at), leaf.number(at + leaf.count), leaf.number(at + 2 * leaf.count)] }
 }
 
-/// The watertight test with three answers. Where leaves hold exact `EXACT` it decides about them as well.
+/// The watertight test with three results. Leaves of `EXACT` copies are also intersected exactly.
 #[derive(Clone, Copy)]
 pub(in crate::wide) struct TriangleTest<const EXACT: bool> {
-    /// In the order x, y, z of the ray's own space.
+    /// In the order x, y, z of the ray's space.
     origin: [f32; 4],
-    /// The last of these.
+    /// Last of the axes.
     axis: usize,
-    /// Of x and y.
+    /// Shear of x and y.
     shear: [f32; 4],
     scale: f32,
-    /// Greatest coordinate of the origin.
+    /// Maximum coordinate of the origin.
     reach: f32,
     span: FilterTRange,
 }
@@ -172,7 +173,7 @@ unsafe fn load_coordinates<S: Simd>(simd: S, leaf: LeafView<'_>, axis: usize) ->
     }
 }
 
-/// One coordinate of the three vertices of one triangle, eight times.
+/// Broadcasts one coordinate of the three vertices of one triangle.
 ///
 /// # Safety
 ///
@@ -184,18 +185,18 @@ unsafe fn splat_coordinates<S: Simd>(simd: S, leaf: LeafView<'_>, lane: Lane, ax
     [simd.splat(a), simd.splat(b), simd.splat(c)]
 }
 
-/// Triangles of one leaf, side by side: coordinates of their vertices in the order of the axes of the ray.
+/// Triangles in lanes: coordinates of their vertices in the order of the axes of the ray.
 struct TriangleLanes<S: Simd> {
     x: [S::F32x8; 3],
     y: [S::F32x8; 3],
     z: [S::F32x8; 3],
-    /// Greatest extent of one of them along an axis.
+    /// Maximum extent of a triangle along an axis.
     extent: f32,
-    /// Greatest coordinate if they are rounded, otherwise 0.
+    /// Maximum coordinate if they are rounded, otherwise 0.
     rounded: f32,
 }
 
-/// One ray eight times, or eight rays that go about the same way.
+/// One ray in all lanes, or a coherent packet.
 pub(in crate::wide) struct RayLanes<S: Simd> {
     origin: [S::F32x8; 3],
     shear: [S::F32x8; 2],
@@ -225,7 +226,7 @@ impl<S: Simd> RayLanes<S> {
         let least = simd.min(simd.min(u, v), w);
         let greatest = simd.max(simd.max(u, v), w);
         let negative = simd.sub(simd.splat(0.0), margin);
-        // Not where they are no numbers.
+        // False for NaN.
         let quick_reject = simd.lt(least, negative) & simd.lt(margin, greatest);
         let possible = !quick_reject & mask;
         if possible == 0 {
@@ -256,13 +257,13 @@ impl<S: Simd> RayLanes<S> {
     }
 }
 
-/// Three vertices of eight triangles relative to the origin, along one axis.
+/// Vertices relative to the origin, along one axis.
 #[inline(always)]
 fn relative<S: Simd>(simd: S, positions: [S::F32x8; 3], origin: S::F32x8) -> [S::F32x8; 3] {
     [simd.sub(positions[0], origin), simd.sub(positions[1], origin), simd.sub(positions[2], origin)]
 }
 
-/// Three vertices of eight triangles, shifted across the ray.
+/// Vertices sheared along the ray.
 #[inline(always)]
 fn sheared<S: Simd>(simd: S, across: [S::F32x8; 3], along: [S::F32x8; 3], shear: S::F32x8) -> [S::F32x8; 3] {
     [
@@ -272,19 +273,22 @@ fn sheared<S: Simd>(simd: S, across: [S::F32x8; 3], along: [S::F32x8; 3], shear:
     ]
 }
 
-/// Twice the area between the ray and an edge.
+/// Twice the area between ray and edge.
 #[inline(always)]
 fn edge_function<S: Simd>(simd: S, from: [S::F32x8; 2], to: [S::F32x8; 2]) -> S::F32x8 {
     simd.mul_sub(from[0], to[1], simd.mul(from[1], to[0]))
 }
 
-/// The greatest distance of three numbers from 0.
+/// Maximum absolute value of three numbers.
 #[inline(always)]
 fn farthest<S: Simd>(simd: S, p: [S::F32x8; 3]) -> S::F32x8 {
     simd.max(simd.max(simd.abs(p[0]), simd.abs(p[1])), simd.abs(p[2]))
 }
 
 impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
+    const HEADER: usize = HEADER;
+    const NUMBERS: usize = NUMBERS;
+
     #[inline(always)]
     fn is_exact(leaf: LeafView<'_>, lane: Lane) -> bool {
         // SAFETY: the first number, and the lane is less than 8.
@@ -308,7 +312,7 @@ impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
     #[inline(always)]
     fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, t_max: f32) -> HitBounds<S> {
         let [x, y, z] = AXES[self.axis & 3];
-        // SAFETY: leaves that this filter is for are of triangles, with two words before the numbers; axes are of the list.
+        // SAFETY: the leaves are of triangles, with two header words, and the axes are from the table.
         let triangles = unsafe {
             TriangleLanes {
                 x: load_coordinates(simd, leaf, x),
@@ -356,7 +360,7 @@ impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
         lane: Lane,
         t_max: S::F32x8,
     ) -> HitBounds<S> {
-        // SAFETY: as in `tester`; `across` has made the axes modulo 3.
+        // SAFETY: as in `test`; `packet` has reduced the axes modulo 3.
         let triangle = unsafe {
             TriangleLanes {
                 x: splat_coordinates(simd, leaf, lane, axes[0]),
@@ -370,12 +374,6 @@ impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
     }
 
     #[inline(always)]
-    fn index(leaf: LeafView<'_>, lane: Lane) -> u32 {
-        // SAFETY: indices follow the numbers, and the lane is less than 8.
-        unsafe { leaf.word(HEADER + NUMBERS * leaf.count + lane.index()) }
-    }
-
-    #[inline(always)]
     fn exact_hit<S: Simd, const CERTAIN: bool>(
         simd: S,
         leaf: LeafView<'_>,
@@ -383,13 +381,13 @@ impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
         ray: &RayF64<'_, S>,
         span: Interval,
     ) -> Option<Hit> {
-        // SAFETY: leaves that this filter is for are of triangles.
+        // SAFETY: the leaves of this test are of triangles.
         unsafe { LeafTriangle::new(leaf, lane, Self::index(leaf, lane)) }.hit::<S, CERTAIN>(simd, ray, span)
     }
 
     #[inline(always)]
     fn exact_packet_hits<S: Simd>(simd: S, leaf: LeafView<'_>, lane: Lane, rays: &RayPacket<S>) -> [F64x8<S>; 3] {
-        // SAFETY: leaves that this filter is for are of triangles.
+        // SAFETY: the leaves of this test are of triangles.
         let vertices = [0, 1, 2].map(|vertex| unsafe { corner(leaf, lane, vertex) }.map(f64::from).into());
         packet_triangles::resolve_certain(simd, &vertices, rays.axes, &rays.soa)
     }
@@ -453,7 +451,7 @@ mod tests {
         }
     }
 
-    /// How often filters were sure, ruled something out, and left it to others.
+    /// Number of certain hits, of certain misses, and of uncertain results.
     type Counts = [u32; 3];
 
     struct Bracketed<'a>(&'a WideBvh, &'a Facets, &'a mut Counts);

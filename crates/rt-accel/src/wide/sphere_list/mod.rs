@@ -22,7 +22,7 @@ const LANES: usize = 8;
 /// Blocks that are filtered before any of their spheres is tested exactly.
 const GROUP: usize = 32;
 
-/// F64x8 spheres relative to the centre of the list.
+/// Eight spheres relative to the centre of the list.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C, align(64))]
