@@ -3,13 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Color, Sides};
+use super::default_values::{is_yes, is_zero, white, yes};
+use super::{Color, EmissionSides};
 
 /// A light. Without `falloff: inverse_square` its strength is the same at any distance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Light {
-    /// Shines from a point in all directions.
+    /// Emits from a point in all directions.
     Point {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -31,18 +32,18 @@ pub enum Light {
         /// Falloff with the distance.
         #[serde(default)]
         falloff: Falloff,
-        /// Surfaces nearer to the light than this do not shadow it: the lamp that it stands in.
+        /// Distance from the light up to which surfaces cast no shadow, such as the bulb around it.
         ///
-        /// Unit: units of the scene. Default: `0`. Example: `lamp_radius: 0.1`.
-        #[serde(default, skip_serializing_if = "is_zero")]
-        lamp_radius: f64,
+        /// Unit: units of the scene. Default: `0`. Example: `shadow_near: 0.1`.
+        #[serde(default, skip_serializing_if = "is_zero", alias = "lamp_radius")]
+        shadow_near: f64,
         /// True if objects cast shadows in its light.
         ///
         /// Default: `true`. Example: `casts_shadows: false`.
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
         casts_shadows: bool,
     },
-    /// Shines in one direction from infinitely far away, like the sun.
+    /// Emits in one direction from infinitely far away, like the sun.
     Directional {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -67,7 +68,7 @@ pub enum Light {
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
         casts_shadows: bool,
     },
-    /// Shines from a point in a cone.
+    /// Emits from a point into a cone.
     Spot {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -76,7 +77,7 @@ pub enum Light {
         ///
         /// Unit: units of the scene. Example: `position: (0, 4, 0)`.
         position: [f64; 3],
-        /// The direction in which it shines; any length but 0.
+        /// Axis of the cone; any length but 0.
         ///
         /// Unit: none. Example: `direction: (0, -1, 0)`.
         direction: [f64; 3],
@@ -85,7 +86,7 @@ pub enum Light {
         /// Unit: degrees.
         #[serde(default = "inner")]
         inner: f64,
-        /// Angle in degrees from the axis beyond which there is no light; at least `inner`, at most 90.
+        /// Angle from the axis beyond which there is no light; at least `inner`, at most 90.
         ///
         /// Unit: degrees.
         #[serde(default = "outer")]
@@ -109,7 +110,7 @@ pub enum Light {
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
         casts_shadows: bool,
     },
-    /// A rectangle or parallelogram that shines.
+    /// An area light: a rectangle or parallelogram.
     Quad {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -118,7 +119,7 @@ pub enum Light {
         ///
         /// Unit: units of the scene. Example: `corner: (-1, 3, -1)`.
         corner: [f64; 3],
-        /// The two edges from there. It shines to the side from which the second is reached from the first counter-clockwise.
+        /// The two edges from there. The front is the side from which the second edge follows the first counter-clockwise.
         ///
         /// Unit: units of the scene. Example: `edges: ((2, 0, 0), (0, 0, 2))`.
         edges: ([f64; 3], [f64; 3]),
@@ -128,10 +129,10 @@ pub enum Light {
         #[serde(default = "white", alias = "color", alias = "colour")]
         radiance: Color,
         /// Sides that emit.
-        #[serde(default)]
-        shines: Sides,
+        #[serde(default, alias = "shines")]
+        emission_sides: EmissionSides,
     },
-    /// A disk that shines.
+    /// An area light: a disk.
     Disk {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -155,10 +156,10 @@ pub enum Light {
         #[serde(default = "white", alias = "color", alias = "colour")]
         radiance: Color,
         /// Sides that emit.
-        #[serde(default)]
-        shines: Sides,
+        #[serde(default, alias = "shines")]
+        emission_sides: EmissionSides,
     },
-    /// A ball that shines.
+    /// An area light: a sphere.
     Sphere {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -178,7 +179,7 @@ pub enum Light {
         #[serde(default = "white", alias = "color", alias = "colour")]
         radiance: Color,
     },
-    /// A tube that shines.
+    /// An area light: a cylinder.
     Cylinder {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -200,7 +201,7 @@ pub enum Light {
         /// Unit: radiance.
         #[serde(default = "white", alias = "color", alias = "colour")]
         radiance: Color,
-        /// True if its ends are closed, and emit as well.
+        /// True if its ends are closed, and emit too.
         ///
         /// Default: `true`. Example: `caps: false`.
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
@@ -211,7 +212,7 @@ pub enum Light {
     Ambient(Color),
 }
 
-/// Meaning of the intensity of a light without extent.
+/// Unit of the intensity of a point, directional or spot light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LightUnits {
@@ -219,7 +220,7 @@ pub enum LightUnits {
     #[default]
     Classical,
     /// Radiant or luminous intensity, and irradiance: a diffuse surface of albedo 1, lit straight by 1, has the radiance 1/π.
-    /// Lights with extent, emissive materials and images around the scene are in the same units.
+    /// Area lights, emissive materials and environment images are in the same units.
     Physical,
 }
 
@@ -227,18 +228,18 @@ pub enum LightUnits {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Falloff {
-    /// Not at all: the classical ray tracer's light.
+    /// None, as in classical ray tracing.
     #[default]
     None,
     /// With the square of the distance, as real light does.
     InverseSquare,
 }
 
-/// Light from the directions in which rays hit nothing.
+/// Radiance of rays that leave the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Background {
-    /// The same everywhere.
+    /// The same radiance in all directions.
     Constant(Color),
     /// From one colour straight down to another straight up.
     Gradient {
@@ -251,8 +252,7 @@ pub enum Background {
         /// Unit: radiance.
         top: Color,
     },
-    /// An equirectangular image all around, which lights the scene as well: its middle is seen along −z, its upper edge is
-    /// straight up.
+    /// An equirectangular image all around, which lights the scene. Its middle is seen along −z, its upper edge is straight up.
     Image {
         /// Path of a PNG, JPEG, HDR or EXR file, relative to the folder of the scene file.
         ///
@@ -271,10 +271,6 @@ pub enum Background {
     },
 }
 
-fn white() -> Color {
-    Color::Gray(1.0)
-}
-
 fn inner() -> f64 {
     20.0
 }
@@ -283,22 +279,7 @@ fn outer() -> f64 {
     30.0
 }
 
-fn yes() -> bool {
-    true
-}
-
-// Serde hands the field by reference.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
-fn is_yes(value: &bool) -> bool {
-    *value
-}
-
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
 fn is_classical(units: &LightUnits) -> bool {
     *units == LightUnits::Classical
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }

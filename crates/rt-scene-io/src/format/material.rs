@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::default_values::{gray, is_zero, one};
 use super::spelling::{self, Spelled};
 use super::{Color, ColorTexture};
 
@@ -11,7 +12,7 @@ use super::{Color, ColorTexture};
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[allow(clippy::large_enum_variant, reason = "a file has few materials")]
 pub enum Material {
-    /// The classical surface of Phong and Whitted. Coefficients that are left out keep their defaults.
+    /// Phong's surface, with mirror and transmission as in Whitted's model. Missing coefficients keep their defaults.
     Phong {
         /// Colour of the surface: a factor for `ambient` and `diffuse`.
         ///
@@ -69,14 +70,13 @@ pub enum Material {
         /// Default: `false`. Example: `fresnel: true`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         fresnel: Option<bool>,
-        /// Absorption inside per unit of way: light falls by exp(−absorption · length).
+        /// Absorption inside per unit of length: light falls by exp(−absorption · length).
         ///
         /// Unit: per unit of length. Default: `0`. Example: `absorption: (0.2, 0.05, 0.1)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         absorption: Option<Color>,
-        /// Rank where transparent bodies overlap: the body of the greatest number is there, among equals the one that light
-        /// entered last. Bodies that touch, such as a glass and the water in it, must overlap. Used with
-        /// `transmission`.
+        /// Rank where dielectrics overlap: the one with the greatest number counts, and among equals the one that light entered
+        /// last. Touching dielectrics, such as a glass and the water in it, must overlap. Used with `transmission`.
         ///
         /// Unit: none. Default: `0`. Example: `priority: 1`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -84,15 +84,15 @@ pub enum Material {
         /// Sides that emit, if it has `emission`.
         ///
         /// Default: `both`.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        shines: Option<Sides>,
+        #[serde(default, skip_serializing_if = "Option::is_none", alias = "shines")]
+        emission_sides: Option<EmissionSides>,
     },
     /// A diffuse surface.
     Diffuse {
         /// Part of the light that is reflected.
         ///
         /// Unit: share of light. Example: `albedo: (0.8, 0.1, 0.1)`.
-        #[serde(default = "half", alias = "color", alias = "colour")]
+        #[serde(default = "gray::<50>", alias = "color", alias = "colour")]
         albedo: ColorTexture,
         /// 0 for paper, 1 for dust (Oren, Nayar 1994).
         ///
@@ -110,12 +110,12 @@ pub enum Material {
         /// Part of the light that is reflected diffusely.
         ///
         /// Unit: share of light.
-        #[serde(default = "black")]
+        #[serde(default = "gray::<0>")]
         diffuse: ColorTexture,
         /// Part of the light along the normal that the highlight reflects.
         ///
         /// Unit: share of light.
-        #[serde(default = "half")]
+        #[serde(default = "gray::<50>")]
         specular: ColorTexture,
         /// Exponent of the highlight, from 0 to 10⁷.
         ///
@@ -128,10 +128,10 @@ pub enum Material {
         /// Part of the light that is reflected.
         ///
         /// Unit: share of light.
-        #[serde(default = "white", alias = "color", alias = "colour")]
+        #[serde(default = "gray::<100>", alias = "color", alias = "colour")]
         reflectance: ColorTexture,
     },
-    /// A body of glass, water or anything clear.
+    /// A dielectric such as glass or water.
     Glass {
         /// Index of refraction of the inside, where that of air is 1.
         ///
@@ -146,14 +146,14 @@ pub enum Material {
         /// Share of light that is left after it passes through the surface.
         ///
         /// Unit: share of light.
-        #[serde(default = "white")]
+        #[serde(default = "gray::<100>")]
         transmittance: ColorTexture,
-        /// Absorption inside per unit of way: light falls by exp(−absorption · length).
+        /// Absorption inside per unit of length: light falls by exp(−absorption · length).
         ///
         /// Unit: per unit of length. Default: `0`. Example: `absorption: (0.2, 0.05, 0.1)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         absorption: Option<Color>,
-        /// Rank where transparent bodies overlap, as for `phong`.
+        /// Rank where dielectrics overlap, as for `phong`.
         ///
         /// Unit: none.
         #[serde(default)]
@@ -187,7 +187,7 @@ pub enum Material {
         /// Colour of the diffuse part, or of the metal.
         ///
         /// Unit: share of light. Example: `base_color: image(file: "wood.png")`.
-        #[serde(default = "white", alias = "color", alias = "colour")]
+        #[serde(default = "gray::<100>", alias = "color", alias = "colour")]
         base_color: ColorTexture,
         /// 0 for plastic, 1 for metal.
         ///
@@ -215,19 +215,19 @@ pub enum Material {
         /// Share of light that is left after it crosses the pane once along the normal.
         ///
         /// Unit: share of light.
-        #[serde(default = "white")]
+        #[serde(default = "gray::<100>")]
         transmittance: ColorTexture,
     },
-    /// A lamp: it shines and reflects nothing.
+    /// An emitter that reflects nothing.
     Light {
         /// Radiance.
         ///
         /// Unit: radiance. Example: `radiance: (10, 8, 6)`.
-        #[serde(default = "white", alias = "color", alias = "colour", alias = "emission")]
+        #[serde(default = "gray::<100>", alias = "color", alias = "colour", alias = "emission")]
         radiance: ColorTexture,
         /// Sides that emit.
-        #[serde(default)]
-        shines: Sides,
+        #[serde(default, alias = "shines")]
+        emission_sides: EmissionSides,
     },
     /// Several materials at once, each with its weight. Weights of sum 1 blend them; weights of 1 lay them over each other. Glass
     /// cannot be part of it.
@@ -303,7 +303,7 @@ impl Material {
 /// Sides of a surface that emit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Sides {
+pub enum EmissionSides {
     /// The outside; of flat shapes, the side that they face.
     #[default]
     Front,
@@ -332,33 +332,12 @@ pub enum Metal {
     Titanium,
 }
 
-fn half() -> ColorTexture {
-    ColorTexture::Gray(0.5)
-}
-
-fn black() -> ColorTexture {
-    ColorTexture::Gray(0.0)
-}
-
-fn white() -> ColorTexture {
-    ColorTexture::Gray(1.0)
-}
-
 fn exponent() -> f64 {
     32.0
 }
 
 fn crown_glass() -> f64 {
     1.5
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 /// Shape of the highlight.
