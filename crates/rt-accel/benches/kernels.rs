@@ -114,57 +114,53 @@ fn levels() -> impl Iterator<Item = SimdLevel> {
     SimdLevel::ALL.iter().copied().filter(|level| level.is_available())
 }
 
+/// Times the closest and any hit of all rays, with an accelerator.
+fn bench_accelerator<A: Accelerator>(
+    criterion: &mut Criterion,
+    group: &str,
+    id: &str,
+    accelerator: &A,
+    solids: &Solids,
+    unit: u64,
+) {
+    let closest = |ray: &Ray| accelerator.closest(solids, ray, Interval::FORWARD, &mut NoProbe);
+    let occluded = |ray: &Ray| accelerator.occluded(solids, ray, Interval::FORWARD, &mut NoProbe);
+    bench_queries(criterion, group, id, closest, occluded, unit);
+}
+
 /// Times the closest and any hit of all rays.
-fn ask<A: Accelerator>(criterion: &mut Criterion, group: &str, id: &str, structure: &A, solids: &Solids, unit: u64) {
+fn bench_queries(
+    criterion: &mut Criterion,
+    group: &str,
+    id: &str,
+    closest: impl Fn(&Ray) -> Option<Hit>,
+    occluded: impl Fn(&Ray) -> bool,
+    unit: u64,
+) {
     let rays = rays();
     let mut group = criterion.benchmark_group(group);
     group.throughput(Throughput::Elements(unit * N_RAYS as u64));
     group.bench_function(BenchmarkId::new("closest", id), |bencher| {
-        let closest = |ray| structure.closest(solids, black_box(ray), Interval::FORWARD, &mut NoProbe);
-        bencher.iter(|| rays.iter().filter_map(closest).map(|hit| hit.t).sum::<f64>());
+        bencher.iter(|| rays.iter().filter_map(|ray| closest(black_box(ray))).map(|hit| hit.t).sum::<f64>());
     });
     group.bench_function(BenchmarkId::new("occluded", id), |bencher| {
-        let occluded = |ray: &&Ray| structure.occluded(solids, black_box(ray), Interval::FORWARD, &mut NoProbe);
-        bencher.iter(|| rays.iter().filter(occluded).count());
+        bencher.iter(|| rays.iter().filter(|ray| occluded(black_box(ray))).count());
     });
     group.finish();
-}
-
-/// Brute force as it is defined, for an element of `ask`.
-struct InTurn;
-
-impl Accelerator for InTurn {
-    fn closest<P: Primitives, S: rt_accel::Probe>(
-        &self,
-        primitives: &P,
-        ray: &Ray,
-        span: Interval,
-        probe: &mut S,
-    ) -> Option<Hit> {
-        brute_force::closest(primitives, ray, span, probe)
-    }
-
-    fn occluded<P: Primitives, S: rt_accel::Probe>(
-        &self,
-        primitives: &P,
-        ray: &Ray,
-        span: Interval,
-        probe: &mut S,
-    ) -> bool {
-        brute_force::occluded(primitives, ray, span, probe)
-    }
 }
 
 fn lists(criterion: &mut Criterion) {
     for count in [2, 4, 8, 12, 16, 24, 32, 100, 1000] {
         let spheres = spheres(count);
-        ask(criterion, "list", &format!("f64/{count}"), &InTurn, &spheres, count);
+        let closest = |ray: &Ray| brute_force::closest(&spheres, ray, Interval::FORWARD, &mut NoProbe);
+        let occluded = |ray: &Ray| brute_force::occluded(&spheres, ray, Interval::FORWARD, &mut NoProbe);
+        bench_queries(criterion, "list", &format!("f64/{count}"), closest, occluded, count);
         for level in levels() {
             let list = Linear::build(&spheres).expect("spheres have bounds").with_level(level);
-            ask(criterion, "list", &format!("{}/{count}", level.name()), &list, &spheres, count);
+            bench_accelerator(criterion, "list", &format!("{}/{count}", level.name()), &list, &spheres, count);
         }
         let tree = WideBvh::build(&spheres).expect("spheres have bounds");
-        ask(criterion, "list", &format!("tree/{count}"), &tree, &spheres, count);
+        bench_accelerator(criterion, "list", &format!("tree/{count}"), &tree, &spheres, count);
     }
 }
 
@@ -174,7 +170,7 @@ fn nodes_and_leaves(criterion: &mut Criterion) {
     for (name, solids) in cases {
         for level in levels() {
             let tree = WideBvh::build(&solids).expect("all have bounds").with_level(level);
-            ask(criterion, name, level.name(), &tree, &solids, 1);
+            bench_accelerator(criterion, name, level.name(), &tree, &solids, 1);
         }
     }
 }

@@ -4,8 +4,8 @@ use rt_geometry::{Hit, PrimitiveGeometry, Primitives};
 use rt_math::{Aabb, Interval, Ray, SlabRay};
 
 /// Axis-aligned boxes as primitives: for callers who have boxes only, or whose objects are asked in a callback of
-/// [`visit_candidates`](crate::AcceleratorQueries::visit_candidates) or
-/// [`visit_overlapping`](crate::AcceleratorQueries::visit_overlapping).
+/// [`visit_candidates`](crate::Accelerator::visit_candidates) or
+/// [`visit_overlapping`](crate::Accelerator::visit_overlapping).
 ///
 /// A ray that starts in a box hits it at once.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -78,44 +78,48 @@
 
 mod accelerator;
 mod any;
+mod axis;
 mod bih;
-mod bounded_depth;
+mod binned_sah;
 mod boxes;
 pub mod brute_force;
 mod bsp;
 mod bvh;
-mod coordinate;
+#[cfg(feature = "serde")]
+mod checked_serde;
 mod error;
+mod frustum;
 mod grid;
 #[cfg(any(doc, doctest))]
 pub mod guide;
 mod kd;
 mod linear;
-mod own_boxes;
-mod partition;
+mod node_ref;
+mod prim_bounds;
 mod ray_query;
 mod region;
 mod region_query;
-#[cfg(feature = "serde")]
-mod saved;
+mod space_partition;
 mod stats;
-mod structure;
+mod top_down;
+mod traversal;
 mod tree;
 mod volume_tree;
 pub mod wide;
 
-pub use accelerator::Accelerator;
+pub use accelerator::{Accelerator, Refit};
 pub use any::{AcceleratorKind, AcceleratorVisitor, AnyAccelerator};
-pub use bih::{Bih, LazyBih};
+pub use bih::{Bih, lazy::LazyBih};
 pub use boxes::Boxes;
 pub use bsp::BspTree;
 pub use bvh::{Bvh, SplitMethod};
 pub use error::{BuildError, ValidationError};
+pub use frustum::{Frustum, FrustumError};
 pub use grid::UniformGrid;
 pub use kd::KdTree;
 pub use linear::Linear;
 pub use ray_query::RayQuery;
-pub use region::{Ball, Frustum, FrustumError, Region};
+pub use region::{Region, SphereRegion};
 pub use region_query::{PointHit, RegionQuery};
 pub use rt_geometry::{
     BatchKernel, ClosestPoint, Counters, Hit, NoProbe, PrimitiveGeometry, Primitives, Probe, RayCounts, RayKind,
@@ -123,6 +127,5 @@ pub use rt_geometry::{
 };
 pub use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay};
 pub use stats::BuildStats;
-pub use structure::{AcceleratorQueries, Refit};
 pub use volume_tree::{BoundingCylinder, BoundingSphere, BoundingVolume, CylinderTree, SphereTree, VolumeTree};
 pub use wide::WideBvh;

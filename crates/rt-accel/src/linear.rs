@@ -2,13 +2,11 @@
 
 use core::ops::ControlFlow;
 
-use crate::{
-    Accelerator, AcceleratorQueries, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError, brute_force,
-};
+use crate::{Accelerator, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError, brute_force};
 use rt_geometry::{Hit, Primitives, Probe};
 use rt_math::{Aabb, Interval, Ray};
 
-use crate::own_boxes::{checked_own_box, count};
+use crate::prim_bounds::{checked_padded_bounds, count};
 use crate::wide::{SimdLevel, SmallSet, SphereList};
 
 /// Tests every primitive in turn. O(n) per ray; 16 bytes for each of more than a few spheres, and no memory otherwise.
@@ -37,7 +35,7 @@ impl Linear {
         let mut linear =
             Self { primitives: count(primitives)?, unbounded: 0, spheres: None, level: SimdLevel::default() };
         for index in 0..linear.primitives {
-            if checked_own_box(primitives, index)?.is_none() {
+            if checked_padded_bounds(primitives, index)?.is_none() {
                 linear.unbounded += 1;
             }
         }
@@ -129,24 +127,22 @@ impl Accelerator for Linear {
             *blocked = self.occluded(primitives, ray, *span, probe);
         }
     }
-}
 
-impl AcceleratorQueries for Linear {
-    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+    fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
         for index in 0..self.primitives {
-            query.offer(primitives, index, probe)?;
+            query.test_primitive(primitives, index, probe)?;
         }
         ControlFlow::Continue(())
     }
 
-    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+    fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
         for index in 0..self.primitives {
-            query.offer(index, |_| true)?;
+            query.test_primitive(index, |_| true)?;
         }
         ControlFlow::Continue(())
     }
@@ -191,4 +187,4 @@ impl Refit for Linear {
 }
 
 #[cfg(feature = "serde")]
-crate::saved::saved_and_checked!(Linear, Linear::check_shape);
+crate::checked_serde::impl_checked_serde!(Linear, Linear::check_shape);

@@ -6,7 +6,7 @@ use core::ops::ControlFlow;
 use rt_geometry::{Hit, Primitives, Probe, intersect_primitive, occludes_primitive, padded_bounds};
 use rt_math::{Interval, Ray, SlabRay};
 
-/// A question about a ray. A [`AcceleratorQueries`](crate::AcceleratorQueries) offers it primitives, and it says how far along the ray
+/// A question about a ray. An [`Accelerator`](crate::Accelerator) offers it primitives, and it says how far along the ray
 /// it is worth to go on.
 pub trait RayQuery {
     /// The ray.
@@ -16,18 +16,19 @@ pub trait RayQuery {
     fn span(&self) -> Interval;
 
     /// Takes a primitive into account; offering it again changes nothing. `Break` once nothing can change the answer.
-    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()>;
+    fn test_primitive<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S)
+    -> ControlFlow<()>;
 
     /// Offers all that are listed.
     #[inline(always)]
-    fn offer_all<P: Primitives, S: Probe>(
+    fn test_leaf<P: Primitives, S: Probe>(
         &mut self,
         primitives: &P,
         indices: &[u32],
         probe: &mut S,
     ) -> ControlFlow<()> {
         for &index in indices {
-            self.offer(primitives, index, probe)?;
+            self.test_primitive(primitives, index, probe)?;
         }
         ControlFlow::Continue(())
     }
@@ -67,7 +68,12 @@ impl RayQuery for Closest {
     }
 
     #[inline(always)]
-    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+    fn test_primitive<P: Primitives, S: Probe>(
+        &mut self,
+        primitives: &P,
+        index: u32,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
         if let Some(hit) = intersect_primitive(primitives, index, &self.ray, self.span, probe)
             && self.hit.is_none_or(|nearest| hit.precedes(&nearest))
         {
@@ -79,19 +85,19 @@ impl RayQuery for Closest {
 }
 
 /// Is anything hit? Yes is `Break`.
-pub(crate) struct Any {
+pub(crate) struct AnyHit {
     ray: SlabRay,
     span: Interval,
 }
 
-impl Any {
+impl AnyHit {
     #[inline]
     pub(crate) fn new(ray: &Ray, span: Interval) -> Self {
         Self { ray: SlabRay::new(ray), span }
     }
 }
 
-impl RayQuery for Any {
+impl RayQuery for AnyHit {
     #[inline(always)]
     fn ray(&self) -> &SlabRay {
         &self.ray
@@ -103,7 +109,12 @@ impl RayQuery for Any {
     }
 
     #[inline(always)]
-    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+    fn test_primitive<P: Primitives, S: Probe>(
+        &mut self,
+        primitives: &P,
+        index: u32,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
         if occludes_primitive(primitives, index, &self.ray, self.span, probe) {
             ControlFlow::Break(())
         } else {
@@ -137,13 +148,13 @@ fn for_each_hit<P: Primitives, S: Probe>(
 }
 
 /// Which are all the hits? Collected in any order, possibly twice.
-pub(crate) struct All<'h> {
+pub(crate) struct AllHits<'h> {
     ray: SlabRay,
     span: Interval,
     hits: &'h mut Vec<Hit>,
 }
 
-impl<'h> All<'h> {
+impl<'h> AllHits<'h> {
     pub(crate) fn new(ray: &Ray, span: Interval, hits: &'h mut Vec<Hit>) -> Self {
         hits.clear();
         Self { ray: SlabRay::new(ray), span, hits }
@@ -169,7 +180,7 @@ fn is_same(a: &Hit, b: &Hit) -> bool {
     (a.t, a.instance, a.primitive) == (b.t, b.instance, b.primitive)
 }
 
-impl RayQuery for All<'_> {
+impl RayQuery for AllHits<'_> {
     fn ray(&self) -> &SlabRay {
         &self.ray
     }
@@ -178,7 +189,12 @@ impl RayQuery for All<'_> {
         self.span
     }
 
-    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+    fn test_primitive<P: Primitives, S: Probe>(
+        &mut self,
+        primitives: &P,
+        index: u32,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
         let (ray, span) = (self.ray, self.span);
         for_each_hit(primitives, index, &ray, span, probe, |hit| {
             // The list grows only if it is not repetitions that fill it.
@@ -194,7 +210,7 @@ impl RayQuery for All<'_> {
 }
 
 /// Which are the first few hits?
-pub(crate) struct First<'h> {
+pub(crate) struct FirstHits<'h> {
     ray: SlabRay,
     /// Ends at the last hit that there is room for, inclusively.
     span: Interval,
@@ -203,7 +219,7 @@ pub(crate) struct First<'h> {
     pub(crate) found: usize,
 }
 
-impl<'h> First<'h> {
+impl<'h> FirstHits<'h> {
     pub(crate) fn new(ray: &Ray, span: Interval, hits: &'h mut [Option<Hit>]) -> Self {
         hits.fill(None);
         Self { ray: SlabRay::new(ray), span, hits, found: 0 }
@@ -229,7 +245,7 @@ impl<'h> First<'h> {
     }
 }
 
-impl RayQuery for First<'_> {
+impl RayQuery for FirstHits<'_> {
     fn ray(&self) -> &SlabRay {
         &self.ray
     }
@@ -238,7 +254,12 @@ impl RayQuery for First<'_> {
         self.span
     }
 
-    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+    fn test_primitive<P: Primitives, S: Probe>(
+        &mut self,
+        primitives: &P,
+        index: u32,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
         if self.hits.is_empty() {
             return ControlFlow::Break(());
         }
@@ -270,7 +291,12 @@ impl<F: FnMut(u32, Interval) -> ControlFlow<(), f64>> RayQuery for Candidates<F>
         self.span
     }
 
-    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+    fn test_primitive<P: Primitives, S: Probe>(
+        &mut self,
+        primitives: &P,
+        index: u32,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
         probe.test();
         let inside = match padded_bounds(primitives, index) {
             Some(own) => own.clip(&self.ray, self.span),

@@ -8,30 +8,30 @@ use rt_math::Aabb;
 
 use crate::Region;
 
-/// A question about a part of space. A [`AcceleratorQueries`](crate::AcceleratorQueries) offers it primitives, and it says which boxes
+/// A question about a part of space. An [`Accelerator`](crate::Accelerator) offers it primitives, and it says which boxes
 /// are worth looking into.
 pub trait RegionQuery {
-    /// A box around all that can still matter. It may shrink from offer to offer if `offer` ignores its `owns`.
+    /// A box around all that can still matter. It may shrink from offer to offer if `test_primitive` ignores its `is_owner`.
     fn bounds(&self) -> Aabb;
 
     /// Where it is best to begin. May be NaN where that is nowhere in particular.
-    fn focus(&self) -> DVec3;
+    fn query_point(&self) -> DVec3;
 
     /// How far off a box is; the smaller, the sooner it should be looked into. `None` if nothing in it can matter.
     /// Monotone: a box within another is no nearer. A structure that keeps primitives in several places must not leave
     /// out by this what overlaps the `bounds`.
-    fn reach(&self, aabb: &Aabb) -> Option<f64>;
+    fn distance_to(&self, aabb: &Aabb) -> Option<f64>;
 
-    /// Takes a primitive into account. A structure that keeps it in several places may offer it from each: `owns` says
+    /// Takes a primitive into account. A structure that keeps it in several places may offer it from each: `is_owner` says
     /// of a point whether it belongs to the place that offers, and is true of exactly one of them. `Break` once nothing
     /// can change the answer.
-    fn offer(&mut self, index: u32, owns: impl FnOnce(DVec3) -> bool) -> ControlFlow<()>;
+    fn test_primitive(&mut self, index: u32, is_owner: impl FnOnce(DVec3) -> bool) -> ControlFlow<()>;
 
     /// Offers all that are listed, from the only place that lists them.
     #[inline]
-    fn offer_all(&mut self, indices: &[u32]) -> ControlFlow<()> {
+    fn test_leaf(&mut self, indices: &[u32]) -> ControlFlow<()> {
         for &index in indices {
-            self.offer(index, |_| true)?;
+            self.test_primitive(index, |_| true)?;
         }
         ControlFlow::Continue(())
     }
@@ -55,18 +55,18 @@ impl<P: Primitives, R: Region, F: FnMut(u32) -> ControlFlow<()>> RegionQuery for
         self.region.bounds()
     }
 
-    fn focus(&self) -> DVec3 {
+    fn query_point(&self) -> DVec3 {
         self.region.bounds().centre()
     }
 
-    fn reach(&self, aabb: &Aabb) -> Option<f64> {
+    fn distance_to(&self, aabb: &Aabb) -> Option<f64> {
         self.region.overlaps(aabb).then_some(0.0)
     }
 
-    fn offer(&mut self, index: u32, owns: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
+    fn test_primitive(&mut self, index: u32, is_owner: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
         let overlaps = match self.primitives.bounds(index) {
             // The least corner of what the box has in common with the region's belongs to one place only.
-            Some(bounds) => self.region.overlaps(&bounds) && owns(bounds.min.max(self.region.bounds().min)),
+            Some(bounds) => self.region.overlaps(&bounds) && is_owner(bounds.min.max(self.region.bounds().min)),
             None => true,
         };
         if overlaps { (self.visit)(index) } else { ControlFlow::Continue(()) }
@@ -109,19 +109,19 @@ impl<P: ClosestPoint> RegionQuery for Nearest<'_, P> {
     fn bounds(&self) -> Aabb {
         // Half a rounding error more than the root is enough for squares to compare alike.
         let radius = self.limit.sqrt().next_up();
-        crate::Ball { centre: self.point, radius }.bounds()
+        crate::SphereRegion { centre: self.point, radius }.bounds()
     }
 
-    fn focus(&self) -> DVec3 {
+    fn query_point(&self) -> DVec3 {
         self.point
     }
 
-    fn reach(&self, aabb: &Aabb) -> Option<f64> {
+    fn distance_to(&self, aabb: &Aabb) -> Option<f64> {
         let distance = aabb.distance_squared(self.point);
         (distance <= self.limit).then_some(distance)
     }
 
-    fn offer(&mut self, index: u32, _owns: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
+    fn test_primitive(&mut self, index: u32, _owns: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
         let Some(point) = self.primitives.nearest_point(index, self.point) else { return ControlFlow::Continue(()) };
         // As for hits: nothing is nearer than its own box, so that every box around that is looked into in time.
         let own = padded_bounds(self.primitives, index).map_or(0.0, |own| own.distance_squared(self.point));

@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::{SimdLevel, SmallSet};
 use rt_accel::{
-    Aabb, Accelerator, AcceleratorQueries, BatchKernel, Bvh, Counters, DVec3, Hit, Interval, Linear, NoProbe,
-    PrimitiveGeometry, Primitives, Probe, Ray, SphereKernel, WideBvh, brute_force,
+    Aabb, Accelerator, BatchKernel, Bvh, Counters, DVec3, Hit, Interval, Linear, NoProbe, PrimitiveGeometry,
+    Primitives, Probe, Ray, SphereKernel, WideBvh, brute_force,
 };
 use rt_math::Vec3;
 use soup::draw::Draw;
@@ -53,7 +53,7 @@ fn key(hit: Option<Hit>) -> Option<(u64, u32, u32, [u64; 2])> {
 }
 
 /// Compares batches of all sizes with single queries.
-fn compare<A: AcceleratorQueries>(name: &str, structure: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {
+fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {
     let rays = bundles(soup, n_rays, draw);
     let (mut n_hits, mut first) = (0, 0);
     let (mut single, mut batched) = (Counters::default(), Counters::default());
@@ -348,7 +348,7 @@ struct Thing<'t, T> {
     blocks: bool,
 }
 
-impl<T: AcceleratorQueries> Primitives for Yard<'_, T> {
+impl<T: Accelerator> Primitives for Yard<'_, T> {
     fn len(&self) -> usize {
         self.things.len()
     }
@@ -410,7 +410,7 @@ impl<T: AcceleratorQueries> Primitives for Yard<'_, T> {
 }
 
 /// As [`handfuls_answer_and_count_as_brute_force`], with structures among the members; trees over them answer alike.
-fn compare_yards<T: AcceleratorQueries>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
+fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
     let draw = &mut Draw::new(seed);
     let mut n_hits = 0;
     for round in 0..40 {

@@ -5,9 +5,9 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator, Bih, BspTree, BuildError, CylinderTree,
-    DVec3, Hit, Interval, KdTree, LazyBih, Linear, NoProbe, Primitives, Ray, SphereKernel, SphereTree, UniformGrid,
-    ValidationError, WideBvh, brute_force,
+    Aabb, Accelerator, AcceleratorKind, AnyAccelerator, Bih, BspTree, BuildError, CylinderTree, DVec3, Hit, Interval,
+    KdTree, LazyBih, Linear, NoProbe, Primitives, Ray, SphereKernel, SphereTree, UniformGrid, ValidationError, WideBvh,
+    brute_force,
     wide::{BuildParams, SimdLevel},
 };
 use soup::draw::Draw;

@@ -5,8 +5,8 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, AcceleratorQueries, Bih, BuildError, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, LazyBih,
-    Linear, NoProbe, Primitives, Refit, SphereTree, SplitMethod, WideBvh, brute_force,
+    Aabb, Accelerator, Bih, BuildError, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, LazyBih, Linear, NoProbe,
+    Primitives, Refit, SphereTree, SplitMethod, WideBvh, brute_force,
 };
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};

@@ -5,8 +5,8 @@
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator, Bih, BuildError, Bvh, CylinderTree, DVec3,
-    Interval, LazyBih, Linear, NoProbe, Ray, SphereTree, SplitMethod,
+    Aabb, Accelerator, AcceleratorKind, AnyAccelerator, Bih, BuildError, Bvh, CylinderTree, DVec3, Interval, LazyBih,
+    Linear, NoProbe, Ray, SphereTree, SplitMethod,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -36,10 +36,7 @@ fn mutations(text: &str) -> impl Iterator<Item = String> {
     })
 }
 
-fn check<S: AcceleratorQueries + Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(
-    structure: &S,
-    soup: &Soup,
-) {
+fn check<S: Accelerator + Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(structure: &S, soup: &Soup) {
     let text = serde_json::to_string(structure).unwrap();
     let loaded: S = serde_json::from_str(&text).unwrap();
     assert_eq!(&loaded, structure);

@@ -1,6 +1,6 @@
 //! The one function through which every hit is accepted.
 
-use crate::{Hit, Primitives, Probe, TriangleHit, WatertightRay};
+use crate::{Hit, Primitives, Probe, ShapeHit, WatertightRay};
 use rt_math::DVec3;
 use rt_math::{Aabb, Interval, Ray, SlabRay};
 
@@ -57,7 +57,7 @@ pub fn intersect_triangle(
     sheared: &WatertightRay,
     span: Interval,
 ) -> Option<Hit> {
-    let TriangleHit { t, uv } = sheared.intersect(vertices, span)?;
+    let ShapeHit { t, uv } = sheared.intersect(vertices, span)?;
     let entry = Aabb::from_points(vertices).padded().clip(ray, span)?.min;
     Some(Hit { t: raised(t, entry), instance: 0, primitive: index, uv })
 }

@@ -1,16 +1,7 @@
 //! Meshes from strips, fans and faces with many corners.
 
-use crate::{MeshData, MeshError, triangulator::Triangulator};
+use crate::{MeshData, MeshError, triangulator::Face, triangulator::Triangulator};
 use rt_math::Vec3;
-
-/// A flat face of a mesh by the indices of its corners, counter-clockwise seen from the front.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Face<'a> {
-    /// The corners of the outline: at least three.
-    pub outline: &'a [u32],
-    /// The corners of each hole, in either direction.
-    pub holes: &'a [Vec<u32>],
-}
 
 /// The triangles of a strip: each vertex after the second makes one with the two before it. Every other one is turned
 /// around, so that all have the orientation of the first.

@@ -39,7 +39,7 @@ impl Triangle {
     /// direction. See [`WatertightRay`] for the test.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
-        WatertightRay::new(ray).intersect(self.vertices, span).map(ShapeHit::from)
+        WatertightRay::new(ray).intersect(self.vertices, span)
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).

@@ -1,11 +1,20 @@
 //! Polygons to triangles: fans where the polygon is convex, ear clipping where it is not.
 
-use crate::{Face, area::polygon_area_vector};
+use crate::area::polygon_area_vector;
 use earcut::Earcut;
 use rt_math::{DVec3, Frame, Vec3};
 
 /// A corner that turns by less than this part of the sharpest one lies on a straight edge.
 const STRAIGHT: f64 = 1.0 / 1024.0;
+
+/// A flat face of a mesh by the indices of its corners, counter-clockwise seen from the front.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Face<'a> {
+    /// The corners of the outline: at least three.
+    pub outline: &'a [u32],
+    /// The corners of each hole, in either direction.
+    pub holes: &'a [Vec<u32>],
+}
 
 /// Cuts faces into triangles. It keeps its buffers from one face to the next.
 pub(crate) struct Triangulator {

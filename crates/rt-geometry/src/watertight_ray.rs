@@ -1,18 +1,10 @@
 //! The watertight triangle test, shared by single triangles, meshes and structures that keep copies of them.
 
+use crate::ShapeHit;
 use robust::{Coord3D, orient3d};
 use rt_math::DVec3;
 use rt_math::float::{difference_of_products, is_sign_certain};
 use rt_math::{Interval, Ray};
-
-/// Where a ray meets a triangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TriangleHit {
-    /// Ray parameter.
-    pub t: f64,
-    /// Barycentric weights of the second and third vertex.
-    pub uv: [f64; 2],
-}
 
 /// A ray prepared for many triangle tests: the affine map that takes the ray to the positive z axis.
 ///
@@ -67,7 +59,7 @@ impl WatertightRay {
     /// The hit on a triangle within the closed `span`, with the barycentric weights of the second and third vertex.
     /// Edges and vertices belong to the triangle; both sides are hit; `None` if it is seen exactly edge-on.
     #[inline(always)]
-    pub fn intersect(&self, vertices: [DVec3; 3], span: Interval) -> Option<TriangleHit> {
+    pub fn intersect(&self, vertices: [DVec3; 3], span: Interval) -> Option<ShapeHit> {
         let seen = self.see(vertices);
         let [u, v, w] = seen.areas;
         // Without short cuts: the signs are as good as random, and a mispredicted branch costs more than the test.
@@ -167,10 +159,10 @@ impl RaySpaceTriangle {
     }
 
     #[inline(always)]
-    fn hit(&self) -> TriangleHit {
+    fn hit(&self) -> ShapeHit {
         let ([u, v, w], [a, b, c]) = (self.areas, self.depths);
         let t = (u * a + v * b + w * c) / self.determinant;
-        TriangleHit { t, uv: [v / self.determinant, w / self.determinant] }
+        ShapeHit { t, uv: [v / self.determinant, w / self.determinant] }
     }
 }
 

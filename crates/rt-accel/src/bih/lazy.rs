@@ -1,8 +1,8 @@
 //! The hierarchy that is built where rays go.
 
-mod node;
 #[cfg(feature = "serde")]
-mod saved;
+mod checked_serde;
+mod node;
 mod validate;
 
 use core::ops::ControlFlow;
@@ -10,14 +10,10 @@ use core::ops::ControlFlow;
 use rt_geometry::{Primitives, Probe};
 use rt_math::Aabb;
 
-use super::bounds_of;
-use super::walk::{Hierarchy, Step, search, walk};
-use crate::own_boxes::{PrimBounds, validate_lists};
-use crate::{
-    AcceleratorQueries, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError,
-    structure::accelerator_by_walk,
-};
-use node::{Known, LazyNode};
+use super::traverse::{BihNode, Hierarchy, traverse_ray, traverse_region};
+use crate::prim_bounds::{PrimBounds, validate_lists};
+use crate::{Accelerator, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError};
+use node::{LazyNode, NodeState};
 
 /// A [`Bih`](crate::Bih) whose nodes are split when a query first comes to them.
 ///
@@ -48,27 +44,27 @@ impl LazyBih {
     /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
         let boxes = PrimBounds::collect(primitives)?;
-        let (bounds, primitives) = (bounds_of(&boxes), (boxes.bounded.len() + boxes.unbounded.len()) as u32);
-        Ok(Self { bounds, root: LazyNode::waiting(boxes.bounded, bounds, 0), unbounded: boxes.unbounded, primitives })
+        let (bounds, primitives) = (boxes.finite_union(), (boxes.bounded.len() + boxes.unbounded.len()) as u32);
+        Ok(Self { bounds, root: LazyNode::unsplit(boxes.bounded, bounds, 0), unbounded: boxes.unbounded, primitives })
     }
 
     /// Splits what is still to be split, as if rays had gone everywhere.
     pub fn complete(&self) {
         let mut pending = vec![&self.root];
         while let Some(node) = pending.pop() {
-            if let Step::Node(_, children) = node.step() {
+            if let BihNode::Inner(_, children) = node.resolve() {
                 pending.extend(children);
             }
         }
     }
 
     /// Visits every node as far as it is known, depth first, with its box and its depth.
-    fn for_each_node<'s>(&'s self, mut visit: impl FnMut(&Known<'s>, Aabb, u32)) {
+    fn for_each_node<'s>(&'s self, mut visit: impl FnMut(&NodeState<'s>, Aabb, u32)) {
         let mut pending = vec![(&self.root, self.bounds, 0)];
         while let Some((node, bounds, depth)) = pending.pop() {
-            let known = node.known();
-            visit(&known, bounds, depth);
-            if let Known::Split(Step::Node(planes, children)) = known {
+            let state = node.state();
+            visit(&state, bounds, depth);
+            if let NodeState::Split(BihNode::Inner(planes, children)) = state {
                 pending.extend([1, 0].map(|side| (children[side], planes.cut(side, bounds), depth + 1)));
             }
         }
@@ -76,7 +72,7 @@ impl LazyBih {
 }
 
 impl<'h> Hierarchy<'h> for &'h LazyBih {
-    type Way = &'h LazyNode;
+    type Node = &'h LazyNode;
 
     fn bounds(self) -> &'h Aabb {
         &self.bounds
@@ -95,29 +91,29 @@ impl<'h> Hierarchy<'h> for &'h LazyBih {
     }
 
     #[inline(always)]
-    fn follow(self, way: &'h LazyNode) -> Step<'h, &'h LazyNode> {
-        way.step()
+    fn resolve(self, node: &'h LazyNode) -> BihNode<'h, &'h LazyNode> {
+        node.resolve()
     }
 }
 
-impl AcceleratorQueries for LazyBih {
-    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+impl Accelerator for LazyBih {
+    fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
-        walk(self, primitives, query, probe)
+        traverse_ray(self, primitives, query, probe)
     }
 
-    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
-        search(self, query)
+    fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        traverse_region(self, query)
     }
 
     /// Of its present state.
     fn memory(&self) -> usize {
         let mut heap = self.unbounded.capacity() * size_of::<u32>();
-        self.for_each_node(|known, _, _| heap += known.heap());
+        self.for_each_node(|state, _, _| heap += state.heap());
         size_of::<Self>() + heap
     }
 
@@ -129,9 +125,9 @@ impl AcceleratorQueries for LazyBih {
             references: self.primitives as usize - self.unbounded.len(),
             ..BuildStats::default()
         };
-        self.for_each_node(|known, _, depth| {
+        self.for_each_node(|state, _, depth| {
             stats.max_depth = stats.max_depth.max(depth as usize);
-            if known.is_inner() {
+            if state.is_inner() {
                 stats.nodes += 1;
             } else if stats.references > 0 {
                 stats.leaves += 1;
@@ -163,5 +159,3 @@ impl Refit for LazyBih {
         Ok(())
     }
 }
-
-accelerator_by_walk!(LazyBih);

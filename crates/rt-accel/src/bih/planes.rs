@@ -11,27 +11,27 @@
 
 use rt_math::{Aabb, FAR_FACTOR, SlabRay};
 
-use crate::coordinate::Coordinate;
+use crate::axis::Axis;
 
 /// The planes of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Planes {
-    pub(super) axis: Coordinate,
+    pub(super) axis: Axis,
     /// Where the left side ends and where the right side begins. These may overlap, or leave a gap.
     pub(super) at: [f64; 2],
 }
 
 /// The parameters between which a ray is inside something, not yet compared with each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stretch {
+pub(super) struct TRange {
     pub(super) enter: f64,
     pub(super) leave: f64,
 }
 
 impl Planes {
     /// The tightest planes around the boxes of either side.
-    pub(super) fn around(axis: Coordinate, left: &Aabb, right: &Aabb) -> Self {
+    pub(super) fn around(axis: Axis, left: &Aabb, right: &Aabb) -> Self {
         Self { axis, at: [left.max[axis as usize], right.min[axis as usize]] }
     }
 
@@ -60,15 +60,15 @@ impl Planes {
 
     /// The part of a stretch of the ray that is on a side.
     #[inline(always)]
-    pub(super) fn clip(&self, ray: &SlabRay, side: usize, stretch: Stretch) -> Stretch {
+    pub(super) fn clip(&self, ray: &SlabRay, side: usize, stretch: TRange) -> TRange {
         let axis = self.axis as usize;
         let t = (self.at[side] - ray.ray.origin[axis]) * ray.inverse[axis];
         // A NaN fails both comparisons and keeps the old value.
         if side == self.near(ray) {
             let t_far = t * FAR_FACTOR;
-            Stretch { leave: if t_far < stretch.leave { t_far } else { stretch.leave }, ..stretch }
+            TRange { leave: if t_far < stretch.leave { t_far } else { stretch.leave }, ..stretch }
         } else {
-            Stretch { enter: if t > stretch.enter { t } else { stretch.enter }, ..stretch }
+            TRange { enter: if t > stretch.enter { t } else { stretch.enter }, ..stretch }
         }
     }
 }

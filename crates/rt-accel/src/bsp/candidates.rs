@@ -51,7 +51,7 @@ fn unit(vector: DVec3) -> Option<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::partition::Cut;
+    use crate::space_partition::SplitPlane;
 
     fn suggested(layout: PrimitiveGeometry, own: Aabb, neighbour: DVec3) -> Vec<Candidate> {
         let mut all = Vec::new();
@@ -69,9 +69,9 @@ mod tests {
             let plane = all[7].plane;
             assert!((plane.normal - DVec3::splat(1.0 / 3f64.sqrt())).length() < 1e-15, "{plane:?}");
             assert!((plane.offset / scale - 1.0 / 3f64.sqrt()).abs() < 1e-15, "{plane:?}");
-            assert_eq!(plane.sides(&own), [true; 2]);
-            assert_eq!(all[6].plane.sides(&own), [false, true]);
-            assert_eq!(all[8].plane.sides(&own), [true, false]);
+            assert_eq!(plane.classify(&own), [true; 2]);
+            assert_eq!(all[6].plane.classify(&own), [false, true]);
+            assert_eq!(all[8].plane.classify(&own), [true, false]);
         }
     }
 

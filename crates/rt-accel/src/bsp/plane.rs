@@ -19,14 +19,14 @@
 //! `R` is increased by what covers the underflow of `E` and of the products. Rays with numbers so great that something
 //! overflows, and those that stay within the bounds forever, are answered by exhaustion.
 //!
-//! [`Cut::sides`] allows for four times the rounding of `f` at a corner: for its own, for that of [`Cut::is_above`]
+//! [`SplitPlane::classify`] allows for four times the rounding of `f` at a corner: for its own, for that of [`SplitPlane::is_above`]
 //! anywhere in the box, and as much again.
 
 use glam::DVec3;
 use rt_math::float::{UNIT_ROUNDOFF, gamma};
 use rt_math::{Aabb, Interval, SlabRay};
 
-use crate::partition::{Crossing, Cut};
+use crate::space_partition::{PlaneHit, SplitPlane};
 
 /// The uncertainty of a crossing relative to the magnitudes of its terms.
 const UNCERTAINTY: f64 = 128.0 * UNIT_ROUNDOFF;
@@ -77,7 +77,7 @@ pub(crate) struct PlaneRay {
     reach: f64,
 }
 
-impl Cut for Plane {
+impl SplitPlane for Plane {
     type Ray = PlaneRay;
 
     fn prepare(ray: &SlabRay, bounds: &Aabb, inside: Interval) -> Option<PlaneRay> {
@@ -92,14 +92,14 @@ impl Cut for Plane {
     }
 
     #[inline(always)]
-    fn crossing(&self, ray: &PlaneRay) -> Crossing {
+    fn plane_hit(&self, ray: &PlaneRay) -> PlaneHit {
         let height = self.normal.dot(ray.origin) - self.offset;
         let slope = self.normal.dot(ray.direction);
         let uncertainty = UNCERTAINTY * (ray.reach + self.offset.abs());
         let from_above = slope < 0.0;
         let height = if from_above { -height } else { height };
         let slope = slope.abs();
-        Crossing { from_above, near_max: (uncertainty - height) / slope, far_min: (-uncertainty - height) / slope }
+        PlaneHit { from_above, near_max: (uncertainty - height) / slope, far_min: (-uncertainty - height) / slope }
     }
 
     #[inline(always)]
@@ -108,7 +108,7 @@ impl Cut for Plane {
     }
 
     #[inline(always)]
-    fn sides(&self, aabb: &Aabb) -> [bool; 2] {
+    fn classify(&self, aabb: &Aabb) -> [bool; 2] {
         let [low, high] = Self::heights(self.normal, aabb);
         let uncertainty = uncertainty(self.normal, aabb, self.offset);
         // A NaN is on both sides.
@@ -116,7 +116,7 @@ impl Cut for Plane {
     }
 
     /// On each axis as far as the rest of the box lets the plane reach.
-    fn divide(&self, cell: &Aabb) -> [Aabb; 2] {
+    fn split_bounds(&self, cell: &Aabb) -> [Aabb; 2] {
         let mut parts = [*cell; 2];
         let [low, high] = Self::heights(self.normal, cell);
         for axis in 0..3 {
@@ -137,11 +137,11 @@ impl Cut for Plane {
         parts
     }
 
-    fn divides_exactly(&self) -> bool {
+    fn is_tight(&self) -> bool {
         self.normal.to_array().iter().filter(|&&n| n != 0.0).count() == 1
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid(&self) -> bool {
         (self.normal.length_squared() - 1.0).abs() < 1e-9 && self.offset.is_finite()
     }
 }
@@ -214,16 +214,16 @@ mod tests {
         let mut n_sides = [0; 2];
         for i in 0..2_000_000 {
             let Case { own, bounds, ray, plane } = case(i);
-            if !(bounds.is_finite() && crate::ray_query::is_finite(&ray) && plane.is_sound()) {
+            if !(bounds.is_finite() && crate::ray_query::is_finite(&ray) && plane.is_valid()) {
                 continue;
             }
             let slab_ray = SlabRay::new(&ray);
-            let [below, above] = plane.sides(&own);
+            let [below, above] = plane.classify(&own);
             assert!(below || above, "case {i}: {own:?} is nowhere: {plane:?}");
             for span in [Interval::FORWARD, Interval::new(-3.0, 2.0), Interval::new(f64::NEG_INFINITY, f64::INFINITY)] {
                 let Some(outer) = bounds.clip(&slab_ray, span) else { continue };
                 let Some(prepared) = Plane::prepare(&slab_ray, &bounds, outer) else { continue };
-                let Crossing { from_above, near_max, far_min } = plane.crossing(&prepared);
+                let PlaneHit { from_above, near_max, far_min } = plane.plane_hit(&prepared);
                 assert!(!(far_min > near_max), "case {i}: {plane:?} {ray:?}");
                 let Some(inside) = own.clip(&slab_ray, span).filter(|_| below != above) else { continue };
                 if above == from_above {
@@ -242,10 +242,10 @@ mod tests {
         let mut n_one_sided = 0;
         for i in 0..200_000 {
             let Case { own, plane, .. } = case(i);
-            if !(own.is_finite() && plane.is_sound()) {
+            if !(own.is_finite() && plane.is_valid()) {
                 continue;
             }
-            let sides = plane.sides(&own);
+            let sides = plane.classify(&own);
             let draw = |k| unit(hash(&[i, 20, k]));
             let weights = DVec3::new(draw(0), draw(1), draw(2));
             let inside = (own.min + (own.max - own.min) * weights).clamp(own.min, own.max);
@@ -261,9 +261,13 @@ mod tests {
     fn planes_around_a_box_do_not_touch_it() {
         for i in 0..100_000 {
             let Case { own, plane, .. } = case(i);
-            if own.is_finite() && plane.is_sound() {
+            if own.is_finite() && plane.is_valid() {
                 let [under, over] = Plane::around(plane.normal, &own);
-                assert_eq!((under.sides(&own), over.sides(&own)), ([false, true], [true, false]), "case {i}: {own:?}");
+                assert_eq!(
+                    (under.classify(&own), over.classify(&own)),
+                    ([false, true], [true, false]),
+                    "case {i}: {own:?}"
+                );
             }
         }
     }
@@ -275,7 +279,7 @@ mod tests {
         for (start, direction, t) in [(DVec3::ZERO, DVec3::X, 5.0 / 0.6), (DVec3::ONE * 9.0, DVec3::NEG_Y, 7.6 / 0.8)] {
             let ray = SlabRay::new(&Ray::new(start, direction));
             let prepared = Plane::prepare(&ray, &bounds, Interval::new(0.0, 20.0)).expect("an ordinary ray");
-            let crossing = plane.crossing(&prepared);
+            let crossing = plane.plane_hit(&prepared);
             assert_eq!(crossing.from_above, direction == DVec3::NEG_Y);
             assert!((crossing.near_max - t).abs() < 1e-11 && (crossing.far_min - t).abs() < 1e-11, "{crossing:?}");
         }
@@ -290,10 +294,10 @@ mod tests {
     fn cells_shrink_as_far_as_the_plane_allows() {
         let cell = Aabb::new(DVec3::ZERO, DVec3::ONE);
         let corner = Plane { normal: DVec3::splat(1.0 / 3f64.sqrt()), offset: 0.5 / 3f64.sqrt() };
-        let [below, above] = corner.divide(&cell);
+        let [below, above] = corner.split_bounds(&cell);
         assert!((below.max - 0.5).abs().max_element() < 1e-15 && above == cell, "{below:?} {above:?}");
         let axial = Plane { normal: DVec3::NEG_Y, offset: -0.25 };
-        let [below, above] = axial.divide(&cell);
+        let [below, above] = axial.split_bounds(&cell);
         assert_eq!((below.min, below.max), (DVec3::Y * 0.25, DVec3::ONE));
         assert_eq!((above.min, above.max), (DVec3::ZERO, DVec3::new(1.0, 0.25, 1.0)));
     }

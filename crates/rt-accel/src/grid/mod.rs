@@ -1,22 +1,19 @@
 //! Uniform grid.
 
-mod axis;
+mod dda;
+mod grid_axis;
 mod resolution;
-mod walk;
 
 use core::ops::{ControlFlow, RangeInclusive};
 
 use rt_geometry::{Primitives, Probe, padded_bounds};
 use rt_math::{Aabb, Interval, SlabRay};
 
-use crate::own_boxes::{PrimBounds, validate_lists};
-use crate::{
-    AcceleratorQueries, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError, ray_query::is_finite,
-    structure::accelerator_by_walk,
-};
-use axis::Axis;
+use crate::prim_bounds::{PrimBounds, validate_lists};
+use crate::{Accelerator, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError, ray_query::is_finite};
+use dda::Dda;
+use grid_axis::GridAxis;
 use resolution::{MAX_CELLS, cubical, suitable_cells};
-use walk::Walk;
 
 /// Most references to primitives of any grid: 4 GiB.
 const MAX_REFERENCES: u64 = 1 << 30;
@@ -31,7 +28,7 @@ const MAX_REFERENCES: u64 = 1 << 30;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct UniformGrid {
     bounds: Aabb,
-    axes: [Axis; 3],
+    axes: [GridAxis; 3],
     /// Where the list of each cell starts in `indices`, and at the end, where the last one ends.
     starts: Vec<u32>,
     /// Primitives cell by cell, by rising index.
@@ -73,7 +70,7 @@ impl UniformGrid {
     }
 
     /// Sorts references by cell, counting first.
-    fn fill(boxes: PrimBounds, axes: [Axis; 3]) -> Result<Self, BuildError> {
+    fn fill(boxes: PrimBounds, axes: [GridAxis; 3]) -> Result<Self, BuildError> {
         let cells = axes.iter().fold(1u64, |product, axis| product.saturating_mul(u64::from(axis.cells)));
         for (count, limit) in [(cells, MAX_CELLS), (n_references(&boxes, &axes), MAX_REFERENCES)] {
             if count > limit {
@@ -110,7 +107,7 @@ impl UniformGrid {
     #[cfg(feature = "serde")]
     fn check_shape(&self) -> Result<(), ValidationError> {
         let cells = self.axes.iter().try_fold(1u64, |product, axis| product.checked_mul(u64::from(axis.cells)));
-        let is_divided = self.axes.iter().all(Axis::is_sound);
+        let is_divided = self.axes.iter().all(GridAxis::is_valid);
         let ends = [self.starts.first(), self.starts.last()].map(|end| end.map(|&end| end as usize));
         let n_starts = cells.filter(|&cells| cells > 0).and_then(|cells| cells.checked_add(1));
         let is_listed = n_starts == Some(self.starts.len() as u64)
@@ -134,21 +131,21 @@ impl UniformGrid {
 
     /// How the ray meets the grid.
     #[inline(always)]
-    fn passage(&self, ray: &SlabRay, span: Interval) -> Passage {
+    fn grid_entry(&self, ray: &SlabRay, span: Interval) -> GridEntry {
         let resolves = |axis: usize| self.axes[axis].resolves(ray.ray.origin[axis], ray.ray.direction[axis]);
         if !(is_finite(&ray.ray) && resolves(0) && resolves(1) && resolves(2)) {
-            return Passage::Unresolved;
+            return GridEntry::Unresolved;
         }
         match self.bounds.clip(ray, span) {
-            None => Passage::Missed,
-            Some(inside) if inside.max.is_finite() => Passage::Inside(inside),
-            Some(_) => Passage::Unresolved,
+            None => GridEntry::Missed,
+            Some(inside) if inside.max.is_finite() => GridEntry::Inside(inside),
+            Some(_) => GridEntry::Unresolved,
         }
     }
 }
 
 /// How a ray meets the grid.
-enum Passage {
+enum GridEntry {
     /// It hits no bounded primitive.
     Missed,
     /// All its hits are in cells along this part of it.
@@ -157,11 +154,11 @@ enum Passage {
     Unresolved,
 }
 
-fn divide(bounds: &Aabb, resolution: [u32; 3]) -> [Axis; 3] {
-    core::array::from_fn(|axis| Axis::new(bounds.min[axis], bounds.max[axis], resolution[axis]))
+fn divide(bounds: &Aabb, resolution: [u32; 3]) -> [GridAxis; 3] {
+    core::array::from_fn(|axis| GridAxis::new(bounds.min[axis], bounds.max[axis], resolution[axis]))
 }
 
-fn n_references(boxes: &PrimBounds, axes: &[Axis; 3]) -> u64 {
+fn n_references(boxes: &PrimBounds, axes: &[GridAxis; 3]) -> u64 {
     let n_cells = |own: &Aabb| {
         (0..3)
             .map(|axis| axes[axis].insertion_range(own.min[axis], own.max[axis]))
@@ -170,13 +167,13 @@ fn n_references(boxes: &PrimBounds, axes: &[Axis; 3]) -> u64 {
     boxes.bounded.iter().fold(0, |sum, (_, own)| sum.saturating_add(n_cells(own)))
 }
 
-fn for_each_cell(axes: &[Axis; 3], own: &Aabb, mut visit: impl FnMut(usize)) {
+fn for_each_cell(axes: &[GridAxis; 3], own: &Aabb, mut visit: impl FnMut(usize)) {
     let ranges = core::array::from_fn(|axis| axes[axis].insertion_range(own.min[axis], own.max[axis]));
     for_each_in(axes, ranges, |_, cell| visit(cell));
 }
 
 /// Visits cells with their numbers along x, y and z, and in the list of all.
-fn for_each_in(axes: &[Axis; 3], ranges: [RangeInclusive<u32>; 3], mut visit: impl FnMut([u32; 3], usize)) {
+fn for_each_in(axes: &[GridAxis; 3], ranges: [RangeInclusive<u32>; 3], mut visit: impl FnMut([u32; 3], usize)) {
     let [x, y, z] = ranges;
     for k in z {
         for j in y.clone() {
@@ -188,40 +185,40 @@ fn for_each_in(axes: &[Axis; 3], ranges: [RangeInclusive<u32>; 3], mut visit: im
     }
 }
 
-impl AcceleratorQueries for UniformGrid {
-    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+impl Accelerator for UniformGrid {
+    fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
-        query.offer_all(primitives, &self.unbounded, probe)?;
-        match self.passage(query.ray(), query.span()) {
-            Passage::Missed => {}
-            Passage::Inside(inside) => {
+        query.test_leaf(primitives, &self.unbounded, probe)?;
+        match self.grid_entry(query.ray(), query.span()) {
+            GridEntry::Missed => {}
+            GridEntry::Inside(inside) => {
                 let ray = *query.ray();
-                let mut walk = Walk::new(&self.axes, &ray, inside);
+                let mut walk = Dda::new(&self.axes, &ray, inside);
                 loop {
                     probe.node();
-                    query.offer_all(primitives, self.list(walk.cell()), probe)?;
+                    query.test_leaf(primitives, self.list(walk.cell()), probe)?;
                     if !walk.advance(query.span().max) {
                         break;
                     }
                 }
             }
-            Passage::Unresolved => {
+            GridEntry::Unresolved => {
                 for index in 0..self.primitives {
-                    query.offer(primitives, index, probe)?;
+                    query.test_primitive(primitives, index, probe)?;
                 }
             }
         }
         ControlFlow::Continue(())
     }
 
-    /// Shell by shell around the cell of the focus.
-    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
-        query.offer_all(&self.unbounded)?;
-        let focus = query.focus();
+    /// CellShell by shell around the cell of the focus.
+    fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        query.test_leaf(&self.unbounded)?;
+        let focus = query.query_point();
         let start = core::array::from_fn(|axis| self.axes[axis].index(focus[axis]));
         for distance in 0.. {
             let bounds = query.bounds();
@@ -231,7 +228,7 @@ impl AcceleratorQueries for UniformGrid {
             let ranges = core::array::from_fn(|axis| {
                 self.axes[axis].index(bounds.min[axis])..=self.axes[axis].index(bounds.max[axis])
             });
-            if !self.search_shell(&Shell { start, distance }, &ranges, query)? {
+            if !self.search_shell(&CellShell { start, distance }, &ranges, query)? {
                 break;
             }
         }
@@ -289,19 +286,18 @@ impl AcceleratorQueries for UniformGrid {
     }
 }
 
-accelerator_by_walk!(UniformGrid);
 #[cfg(feature = "serde")]
-crate::saved::saved_and_checked!(UniformGrid, UniformGrid::check_shape);
+crate::checked_serde::impl_checked_serde!(UniformGrid, UniformGrid::check_shape);
 
 /// The cells whose numbers differ from those of a starting cell by `distance` on one axis, and by no more on others.
-struct Shell {
+struct CellShell {
     start: [u32; 3],
     distance: u32,
 }
 
-impl Shell {
+impl CellShell {
     /// The part of a range of numbers that is no farther away than the shell.
-    fn reach(&self, axis: usize, range: &RangeInclusive<u32>) -> RangeInclusive<u32> {
+    fn clamped_range(&self, axis: usize, range: &RangeInclusive<u32>) -> RangeInclusive<u32> {
         let (start, distance) = (self.start[axis], self.distance);
         start.saturating_sub(distance).max(*range.start())..=start.saturating_add(distance).min(*range.end())
     }
@@ -323,16 +319,16 @@ impl UniformGrid {
     /// Offers what lies in the cells of a shell within the ranges. False if all further shells are out of range.
     fn search_shell<Q: RegionQuery>(
         &self,
-        shell: &Shell,
+        shell: &CellShell,
         ranges: &[RangeInclusive<u32>; 3],
         query: &mut Q,
     ) -> ControlFlow<(), bool> {
         if !shell.is_needed(ranges) {
             return ControlFlow::Continue(false);
         }
-        let x_range = shell.reach(0, &ranges[0]);
-        for z in shell.reach(2, &ranges[2]) {
-            for y in shell.reach(1, &ranges[1]) {
+        let x_range = shell.clamped_range(0, &ranges[0]);
+        for z in shell.clamped_range(2, &ranges[2]) {
+            for y in shell.clamped_range(1, &ranges[1]) {
                 let is_side = shell.is_on(2, z) || shell.is_on(1, y);
                 let row = (z as usize * self.axes[1].cells as usize + y as usize) * self.axes[0].cells as usize;
                 let mut visit = |x: u32| self.search_cell(row + x as usize, [x, y, z], query);
@@ -350,7 +346,8 @@ impl UniformGrid {
 
     fn search_cell<Q: RegionQuery>(&self, cell: usize, place: [u32; 3], query: &mut Q) -> ControlFlow<()> {
         for &index in self.list(cell) {
-            query.offer(index, |point| (0..3).all(|axis| self.axes[axis].index(point[axis]) == place[axis]))?;
+            query
+                .test_primitive(index, |point| (0..3).all(|axis| self.axes[axis].index(point[axis]) == place[axis]))?;
         }
         ControlFlow::Continue(())
     }

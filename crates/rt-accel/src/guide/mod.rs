@@ -10,7 +10,7 @@
 //! | [`kd`] | a tree of planes along the axes |
 //! | [`bsp`] | a tree of planes of any direction |
 //! | [`bih`] | a tree of pairs of planes, built at once or where rays go |
-//! | [`choosing`] | which one to take |
+//! | [`choosing_an_accelerator`] | which one to take |
 //!
 //! # The pictures
 //!
@@ -37,7 +37,7 @@
 pub mod bih;
 pub mod bsp;
 pub mod bvh;
-pub mod choosing;
+pub mod choosing_an_accelerator;
 pub mod grid;
 pub mod kd;
 pub mod linear;

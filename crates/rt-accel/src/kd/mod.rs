@@ -6,9 +6,9 @@ mod split;
 use rt_geometry::Primitives;
 
 use crate::BuildError;
-use crate::partition::{Partition, structure_by_partition};
+use crate::space_partition::{BspPartition, accelerator_by_partition};
 use plane::AxisPlane;
-pub(crate) use split::SurfaceArea;
+pub(crate) use split::SahSplit;
 
 /// A tree that cuts space in two by planes at right angles to the axes (Bentley 1975): O(log n) per ray, with the
 /// fewest visits of all where primitives do not overlap, as in most meshes of rooms and buildings.
@@ -24,7 +24,7 @@ pub(crate) use split::SurfaceArea;
 /// without the feature `parallel`. With the feature `serde`, save it in a format that keeps every bit of an `f64`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct KdTree(pub(crate) Partition<AxisPlane>);
+pub struct KdTree(pub(crate) BspPartition<AxisPlane>);
 
 impl KdTree {
     /// Builds the tree: O(n log n) time, 45 to 100 bytes per primitive afterwards.
@@ -33,8 +33,8 @@ impl KdTree {
     ///
     /// [`BuildError`] if bounds are NaN, inverted or infinite, or there are too many primitives.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
-        Ok(Self(Partition::build(primitives, &SurfaceArea)?))
+        Ok(Self(BspPartition::build(primitives, &SahSplit)?))
     }
 }
 
-structure_by_partition!(KdTree);
+accelerator_by_partition!(KdTree);

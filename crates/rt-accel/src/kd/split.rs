@@ -8,9 +8,10 @@
 use glam::DVec3;
 use rt_math::Aabb;
 
-use super::plane::{Axis, AxisPlane};
-use crate::bounded_depth::leaves_room_for_halving;
-use crate::partition::{Chooser, Shape, Task};
+use super::plane::AxisPlane;
+use crate::axis::Axis;
+use crate::space_partition::{SahCost, SplitHeuristic, Task};
+use crate::traversal::depth_allows_median_split;
 
 /// From this number of boxes on, bins are looked at and not all faces.
 const MIN_BINNED: usize = 32;
@@ -19,10 +20,10 @@ const BINS: usize = 32;
 
 /// Cuts by the surface area heuristic (MacDonald and Booth 1990), and evenly once those cuts have used up the depth
 /// that halving needs.
-pub(crate) struct SurfaceArea;
+pub(crate) struct SahSplit;
 
-impl Chooser<AxisPlane> for SurfaceArea {
-    fn choose(&self, boxes: &[(u32, Aabb)], task: &Task<AxisPlane>) -> Option<AxisPlane> {
+impl SplitHeuristic<AxisPlane> for SahSplit {
+    fn find_split(&self, boxes: &[(u32, Aabb)], task: &Task<AxisPlane>) -> Option<AxisPlane> {
         let count = task.items.len();
         let faces = |axis: Axis| {
             let axis = axis as usize;
@@ -31,8 +32,8 @@ impl Chooser<AxisPlane> for SurfaceArea {
                 (own.min[axis], own.max[axis])
             })
         };
-        if leaves_room_for_halving(count, task.depth) {
-            let mut search = Search::new(task, Objective::Area(Shape::of(&task.cell)?));
+        if depth_allows_median_split(count, task.depth) {
+            let mut search = Search::new(task, Objective::Area(SahCost::of(&task.cell)?));
             for axis in Axis::ALL {
                 if count < MIN_BINNED { search.sweep(axis, faces(axis)) } else { search.bin(axis, faces(axis)) }
             }
@@ -48,7 +49,7 @@ impl Chooser<AxisPlane> for SurfaceArea {
 /// What makes a cut good.
 enum Objective {
     /// Few tests expected for a ray through the cell.
-    Area(Shape),
+    Area(SahCost),
     /// Few boxes on the fuller side.
     Balance,
 }
@@ -71,17 +72,17 @@ impl<'t> Search<'t> {
 
     /// Looks at the two planes at the ends of a gap between faces, where so many boxes have begun and so many ended.
     /// The ends of the cell are no faces.
-    fn gap(&mut self, axis: Axis, last: f64, first: f64, begun: u32, ended: u32) {
+    fn evaluate_gap(&mut self, axis: Axis, last: f64, first: f64, begun: u32, ended: u32) {
         let (min, max) = (self.cell.min[axis as usize], self.cell.max[axis as usize]);
         let planes = [(last > min, last.next_up()), (first < max, first.next_down())];
         for (is_face, position) in planes {
             if is_face && min < position && position < max {
-                self.consider(AxisPlane { position, axis }, begun, self.count - ended);
+                self.evaluate(AxisPlane { position, axis }, begun, self.count - ended);
             }
         }
     }
 
-    fn consider(&mut self, plane: AxisPlane, below: u32, above: u32) {
+    fn evaluate(&mut self, plane: AxisPlane, below: u32, above: u32) {
         let cost = match &self.objective {
             Objective::Area(shape) => {
                 let (min, max) = (self.cell.min[plane.axis as usize], self.cell.max[plane.axis as usize]);
@@ -113,7 +114,7 @@ impl<'t> Search<'t> {
             }
             let next = |faces: &[f64], place: usize| faces.get(place).copied().unwrap_or(max);
             let first = next(&starts, begun).min(next(&ends, ended)).min(max);
-            self.gap(axis, last, first, begun as u32, ended as u32);
+            self.evaluate_gap(axis, last, first, begun as u32, ended as u32);
             if first >= max {
                 return;
             }
@@ -148,12 +149,12 @@ impl<'t> Search<'t> {
         }
         let mut last = min;
         for bin in bins.iter().filter(|bin| bin.first <= bin.last) {
-            self.gap(axis, last, bin.first, begun, ended);
+            self.evaluate_gap(axis, last, bin.first, begun, ended);
             begun += bin.starts;
             ended += bin.ends;
             last = bin.last;
         }
-        self.gap(axis, last, max, begun, ended);
+        self.evaluate_gap(axis, last, max, begun, ended);
     }
 }
 
@@ -179,12 +180,19 @@ impl Bin {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::partition::Cut;
+    use crate::space_partition::SplitPlane;
     use rt_math::random::{hash, unit};
 
     fn task(boxes: &[(u32, Aabb)], depth: u32) -> Task<AxisPlane> {
         let cell = boxes.iter().fold(Aabb::EMPTY, |all, (_, own)| all.union(*own));
-        Task { items: (0..boxes.len() as u32).collect(), cell, walls: Vec::new(), depth, path: 1, budget: 1 << 20 }
+        Task {
+            items: (0..boxes.len() as u32).collect(),
+            cell,
+            clip_planes: Vec::new(),
+            depth,
+            path: 1,
+            budget: 1 << 20,
+        }
     }
 
     fn row(places: impl IntoIterator<Item = f64>) -> Vec<(u32, Aabb)> {
@@ -193,7 +201,7 @@ mod tests {
     }
 
     fn counts(boxes: &[(u32, Aabb)], plane: &AxisPlane) -> [usize; 2] {
-        [0, 1].map(|side| boxes.iter().filter(|(_, own)| plane.sides(own)[side]).count())
+        [0, 1].map(|side| boxes.iter().filter(|(_, own)| plane.classify(own)[side]).count())
     }
 
     #[test]
@@ -201,7 +209,7 @@ mod tests {
         for n in [4, 100] {
             let step = |i: u32| f64::from(i) * 2.0 / f64::from(n);
             let boxes = row((0..n).map(step).chain((0..n).map(|i| 50.0 + step(i))));
-            let plane = SurfaceArea.choose(&boxes, &task(&boxes, 0)).expect("two clusters");
+            let plane = SahSplit.find_split(&boxes, &task(&boxes, 0)).expect("two clusters");
             let position = plane.position;
             let last = boxes[n as usize - 1].1.max.x;
             assert!(position == last.next_up() || position == 50f64.next_down(), "{plane:?}");
@@ -213,7 +221,7 @@ mod tests {
     fn empty_space_is_cut_off_at_the_last_face_before_it() {
         let boxes = row((0..40).map(|i| f64::from(i) * 0.01));
         let wide = Task { cell: Aabb::new(DVec3::ZERO, DVec3::new(100.0, 1.0, 1.0)), ..task(&boxes, 0) };
-        let plane = SurfaceArea.choose(&boxes, &wide).expect("emptiness");
+        let plane = SahSplit.find_split(&boxes, &wide).expect("emptiness");
         let position = plane.position;
         assert_eq!((plane.axis, position), (Axis::X, boxes[39].1.max.x.next_up()));
     }
@@ -222,16 +230,16 @@ mod tests {
     fn what_cannot_be_parted_is_not_cut() {
         for n in [1, 2, 31, 1000] {
             let same = row((0..n).map(|_| 3.0));
-            assert_eq!(SurfaceArea.choose(&same, &task(&same, 0)), None);
-            assert_eq!(SurfaceArea.choose(&same, &task(&same, 59)), None);
+            assert_eq!(SahSplit.find_split(&same, &task(&same, 0)), None);
+            assert_eq!(SahSplit.find_split(&same, &task(&same, 59)), None);
         }
-        assert_eq!(SurfaceArea.choose(&[], &task(&[], 0)), None);
+        assert_eq!(SahSplit.find_split(&[], &task(&[], 0)), None);
     }
 
     #[test]
     fn lopsided_sets_are_halved_when_depth_runs_out() {
         let boxes = row([1e6].into_iter().chain((0..1000).map(|i| 2.0 * f64::from(i))));
-        let sides_at = |depth| SurfaceArea.choose(&boxes, &task(&boxes, depth)).map(|plane| counts(&boxes, &plane));
+        let sides_at = |depth| SahSplit.find_split(&boxes, &task(&boxes, depth)).map(|plane| counts(&boxes, &plane));
         assert_eq!(sides_at(0), Some([1000, 1]));
         assert_eq!(sides_at(55), Some([500, 501]));
     }
@@ -248,7 +256,7 @@ mod tests {
                 .collect();
             let task = task(&boxes, 0);
             let best = |by_bins: bool| {
-                let mut search = Search::new(&task, Objective::Area(Shape::of(&task.cell).expect("a box")));
+                let mut search = Search::new(&task, Objective::Area(SahCost::of(&task.cell).expect("a box")));
                 for axis in Axis::ALL {
                     let faces = boxes.iter().map(|(_, own)| (own.min[axis as usize], own.max[axis as usize]));
                     if by_bins { search.bin(axis, faces) } else { search.sweep(axis, faces) }
@@ -256,7 +264,7 @@ mod tests {
                 let plane = search.best.expect("a cut");
                 let [below, above] = counts(&boxes, &plane).map(|count| count as u32);
                 let mut again = Search::new(&task, search.objective);
-                again.consider(plane, below, above);
+                again.evaluate(plane, below, above);
                 assert_eq!(again.cost, search.cost, "{plane:?}");
                 search.cost
             };

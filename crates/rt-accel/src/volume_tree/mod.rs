@@ -1,11 +1,11 @@
 //! Trees of bounding volumes other than boxes.
 
-mod chord;
 mod cylinder;
+mod quadric;
 mod sphere;
 mod split;
+mod traverse;
 mod volume;
-mod walk;
 
 use core::ops::ControlFlow;
 
@@ -13,8 +13,8 @@ use rt_geometry::{Primitives, Probe};
 use rt_math::Aabb;
 
 use crate::{
-    AcceleratorQueries, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError, own_boxes::PrimBounds,
-    ray_query::is_finite, structure::accelerator_by_walk, tree::Tree,
+    Accelerator, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError, prim_bounds::PrimBounds,
+    ray_query::is_finite, tree::Tree,
 };
 pub use cylinder::BoundingCylinder;
 pub use sphere::BoundingSphere;
@@ -50,7 +50,7 @@ impl<V: BoundingVolume> VolumeTree<V> {
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
         let boxes = PrimBounds::collect(primitives)?;
         let measure = split::around::<V>(&boxes.bounded).measure();
-        Ok(Self { tree: Tree::grow(boxes, measure, split::split) })
+        Ok(Self { tree: Tree::build(boxes, measure, split::split) })
     }
 
     /// Visits the volumes of all nodes and leaves but the root, depth first, with their depth.
@@ -67,24 +67,24 @@ impl<V: BoundingVolume> VolumeTree<V> {
     }
 }
 
-impl<V: BoundingVolume> AcceleratorQueries for VolumeTree<V> {
-    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+impl<V: BoundingVolume> Accelerator for VolumeTree<V> {
+    fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
-        query.offer_all(primitives, &self.tree.unbounded, probe)?;
+        query.test_leaf(primitives, &self.tree.unbounded, probe)?;
         if is_finite(&query.ray().ray) {
-            self.descend(primitives, query, probe)
+            self.traverse_bounded(primitives, query, probe)
         } else {
-            query.offer_all(primitives, &self.tree.indices, probe)
+            query.test_leaf(primitives, &self.tree.indices, probe)
         }
     }
 
-    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
-        query.offer_all(&self.tree.unbounded)?;
-        self.descend_region(query)
+    fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        query.test_leaf(&self.tree.unbounded)?;
+        self.traverse_bounded_region(query)
     }
 
     fn memory(&self) -> usize {
@@ -111,5 +111,3 @@ impl<V: BoundingVolume> Refit for VolumeTree<V> {
         self.tree.refit(primitives, |_, sides| sides.map(|boxes| V::around(boxes.iter().copied()))).map(drop)
     }
 }
-
-accelerator_by_walk!(VolumeTree<V>, V: BoundingVolume);

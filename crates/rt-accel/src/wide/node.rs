@@ -1,7 +1,7 @@
 //! F64x8 boxes side by side.
 
 use super::simd::Simd;
-use crate::bvh::NodeBox;
+use crate::bvh::Aabb32;
 
 /// What is behind one box of a node: another node, or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,7 +147,7 @@ impl Node {
         simd.splat(unsafe { self.planes.get_unchecked(row.0) }[lane & 7])
     }
 
-    pub(super) fn set(&mut self, lane: usize, bounds: &NodeBox, child: Child) {
+    pub(super) fn set(&mut self, lane: usize, bounds: &Aabb32, child: Child) {
         for axis in 0..3 {
             self.planes[2 * axis][lane] = bounds.min[axis];
             self.planes[2 * axis + 1][lane] = bounds.max[axis];
@@ -172,10 +172,10 @@ impl Node {
     }
 
     /// The box of one child, `None` if there is no such child.
-    pub(super) fn child_box(&self, lane: usize) -> Option<NodeBox> {
+    pub(super) fn child_box(&self, lane: usize) -> Option<Aabb32> {
         let side = |side: usize| [0, 1, 2].map(|axis| self.planes[2 * axis + side][lane]).into();
         let (min, max): (glam::Vec3A, glam::Vec3A) = (side(0), side(1));
-        min.cmple(max).all().then_some(NodeBox { min, max })
+        min.cmple(max).all().then_some(Aabb32 { min, max })
     }
 
     /// True if lanes without a child are those of an empty node: numbers that are inverted by little, or are no numbers, might
@@ -194,7 +194,7 @@ impl Node {
     }
 
     /// The children that exist, with their boxes.
-    pub(super) fn children(&self) -> impl Iterator<Item = (NodeBox, Child)> + '_ {
+    pub(super) fn children(&self) -> impl Iterator<Item = (Aabb32, Child)> + '_ {
         (0..8).filter_map(|lane| Some((self.child_box(lane)?, self.children[lane])))
     }
 }

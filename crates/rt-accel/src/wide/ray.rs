@@ -5,7 +5,7 @@
 //! Let `c` be the centre of the tree, `o` the origin of the ray, `v = fl(1/d)` on some axis, and `u = 2⁻⁵³`. An own box
 //! is entered through the plane `b` at `fl(fl(b − o)·v)`, which is within 3.1u of the real number `τ = (b − o)/d`, and
 //! left after at most `τ·(1 + 10u)` ([`Aabb::clip`](rt_math::Aabb::clip)). A node stores a plane `p`, an `f32`, of which
-//! [`NodeBox`](crate::bvh::NodeBox) promises that it lies at or before `b − c` where it is the near one, and at or behind
+//! [`Aabb32`](crate::bvh::Aabb32) promises that it lies at or before `b − c` where it is the near one, and at or behind
 //! it where it is the far one. Take `v > 0` and let `q = o − c`; for `v < 0` all signs turn around.
 //!
 //! The filter computes `fl32(p·n + s)`, with the `f32` number `n` = `fl32(v)` for both planes, and for near planes
@@ -221,7 +221,7 @@ mod tests {
     use super::super::node::Child;
     use super::super::simd::{DetectedSimd, SimdLevel, WithSimd};
     use super::*;
-    use crate::bvh::NodeBox;
+    use crate::bvh::Aabb32;
 
     /// 2ⁿ, for n from −1022 to 1023.
     fn power_of_two(n: i32) -> f64 {
@@ -284,7 +284,7 @@ mod tests {
                 let size = power_of_two((draw.next() * 20.0) as i32);
                 let corners = [0, 1].map(|_| centre + draw.vector(Draw::next) * size * 0.5);
                 let own = Aabb::from_points(corners).padded();
-                let inner = NodeBox::outward(&own, centre);
+                let inner = Aabb32::enclosing(&own, centre);
                 let size = size.max(inner.max_abs());
                 let mut node = Node::EMPTY;
                 node.set(0, &inner, Child::node(0));

@@ -6,8 +6,8 @@ use rt_geometry::{Primitives, padded_bounds};
 use super::WideBvh;
 use super::leaf::{LeafWriter, MAX_LEAF};
 use super::node::Child;
-use crate::bvh::{Cell, NodeBox, encloses};
-use crate::{ValidationError, bounded_depth::MAX_DEPTH, own_boxes::validate_lists};
+use crate::bvh::Aabb32;
+use crate::{ValidationError, prim_bounds::validate_lists, traversal::MAX_DEPTH};
 
 impl WideBvh {
     /// Checks all that can be checked without the primitives: every node has one parent, which comes before it, no leaf
@@ -46,7 +46,7 @@ impl WideBvh {
         self.for_each_leaf(|leaf, bounds| {
             for &primitive in self.leaves.indices(leaf) {
                 let own = padded_bounds(primitives, primitive).ok_or(ValidationError::Misplaced { primitive })?;
-                if !encloses(bounds, &own, &Cell::EVERYWHERE, self.centre) {
+                if !bounds.encloses(&own, self.centre) {
                     return Err(ValidationError::Outside { primitive });
                 }
             }
@@ -61,9 +61,9 @@ impl WideBvh {
     /// Visits the leaves with their boxes, and checks the nodes on the way.
     fn for_each_leaf(
         &self,
-        mut visit: impl FnMut(Child, &NodeBox) -> Result<(), ValidationError>,
+        mut visit: impl FnMut(Child, &Aabb32) -> Result<(), ValidationError>,
     ) -> Result<(), ValidationError> {
-        let everything = NodeBox { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
+        let everything = Aabb32 { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
         // A root that is something else would leave nodes behind that nobody has checked.
         if self.root != Child::node(0) {
             return Err(ValidationError::Node { node: 0 });

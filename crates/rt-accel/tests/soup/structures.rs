@@ -1,8 +1,8 @@
 //! All structures over the same primitives.
 
 use rt_accel::{
-    Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator, Bvh, Counters, Hit, Interval, Linear, NoProbe,
-    Primitives, Ray, UniformGrid, brute_force,
+    Accelerator, AcceleratorKind, AnyAccelerator, Bvh, Counters, Hit, Interval, Linear, NoProbe, Primitives, Ray,
+    UniformGrid, brute_force,
 };
 
 /// One of each kind, brute force first.

@@ -1,11 +1,7 @@
 //! Parts of space that can be searched for primitives.
 
-mod frustum;
-
 use glam::DVec3;
 use rt_math::Aabb;
-
-pub use frustum::{Frustum, FrustumError};
 
 /// A part of space.
 pub trait Region {
@@ -39,14 +35,14 @@ impl Region for Aabb {
 
 /// All points within a radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ball {
+pub struct SphereRegion {
     /// Its centre.
     pub centre: DVec3,
     /// Its radius; a ball of negative or NaN radius is empty.
     pub radius: f64,
 }
 
-impl Region for Ball {
+impl Region for SphereRegion {
     fn bounds(&self) -> Aabb {
         // Rounded outward, so that a box which touches the ball touches this one.
         let [min, max] = [self.centre - self.radius, self.centre + self.radius];

@@ -43,4 +43,4 @@
 //!
 //! [`AnyAccelerator`](crate::AnyAccelerator) chooses while the program runs, for one `match` in each query. Measure with your
 //! own primitives: [`Counters`](crate::Counters) count nodes and tests, and
-//! [`build_stats`](crate::AcceleratorQueries::build_stats) tells what was built.
+//! [`build_stats`](crate::Accelerator::build_stats) tells what was built.

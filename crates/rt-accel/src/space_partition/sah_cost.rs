@@ -16,12 +16,12 @@ const EMPTY_BONUS: f64 = 0.5;
 
 /// The proportions of a box.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shape {
+pub(crate) struct SahCost {
     /// By axis: the area of the two faces at right angles to it, relative to that of all six.
     ends: DVec3,
 }
 
-impl Shape {
+impl SahCost {
     /// `None` if the cell is a point. Extents are halved against overflow.
     pub(crate) fn of(cell: &Aabb) -> Option<Self> {
         let half = cell.max * 0.5 - cell.min * 0.5;
@@ -64,18 +64,18 @@ mod tests {
 
     #[test]
     fn halves_of_boxes_have_their_area() {
-        let shape = Shape::of(&Aabb::new(DVec3::ZERO, DVec3::new(2.0, 1.0, 1.0))).expect("a box");
+        let shape = SahCost::of(&Aabb::new(DVec3::ZERO, DVec3::new(2.0, 1.0, 1.0))).expect("a box");
         assert!((shape.probability(DVec3::X, 0.5) - 0.6).abs() < 1e-15, "6 of 10");
         assert!((shape.probability(DVec3::NEG_Y, 0.5) - 0.7).abs() < 1e-15, "7 of 10");
         assert!((shape.probability(DVec3::Z, 1.0) - 1.0).abs() < 1e-15);
-        let cube = Shape::of(&Aabb::new(DVec3::ZERO, DVec3::ONE)).expect("a box");
+        let cube = SahCost::of(&Aabb::new(DVec3::ZERO, DVec3::ONE)).expect("a box");
         let prism = (3.0 + 2f64.sqrt()) / 6.0;
         assert!((cube.probability(DVec3::new(1.0, 1.0, 0.0).normalize(), 0.5) - prism).abs() < 1e-15);
     }
 
     #[test]
     fn halving_pays_and_slivers_do_not() {
-        let cube = Shape::of(&Aabb::new(DVec3::ZERO, DVec3::ONE)).expect("a box");
+        let cube = SahCost::of(&Aabb::new(DVec3::ZERO, DVec3::ONE)).expect("a box");
         assert!(cube.cost(DVec3::X, 0.5, 10.0, 10.0) < 20.0);
         assert!(cube.cost(DVec3::X, 0.5, 2.0, 2.0) < 4.0 && cube.cost(DVec3::X, 0.5, 1.0, 1.0) > 2.0);
         assert!(cube.cost(DVec3::X, 0.5, 0.0, 20.0) < cube.cost(DVec3::X, 0.5, 1.0, 19.0), "empty space");
@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn flat_cells_and_extreme_ones_have_a_shape() {
-        let half = |cell: Aabb| Shape::of(&cell).map(|shape| shape.probability(DVec3::X, 0.5));
+        let half = |cell: Aabb| SahCost::of(&cell).map(|shape| shape.probability(DVec3::X, 0.5));
         assert_eq!(half(Aabb::new(DVec3::ONE, DVec3::ONE)), None);
         let about_half = |p: Option<f64>| p.is_some_and(|p| (p - 0.5).abs() < 1e-11);
         assert!(about_half(half(Aabb::new(DVec3::ZERO, DVec3::X))), "a line");

@@ -1,6 +1,8 @@
 //! Nodes in depth-first order.
 
-use crate::{ValidationError, bounded_depth::MAX_DEPTH};
+use crate::node_ref::NodeRef;
+use crate::top_down::TreeNode;
+use crate::{ValidationError, traversal::MAX_DEPTH};
 
 /// A part of space. What lies below the cut of a node is the next node.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -8,12 +10,37 @@ use crate::{ValidationError, bounded_depth::MAX_DEPTH};
 pub(crate) enum Node<C> {
     /// Two parts.
     Split {
-        cut: C,
+        plane: C,
         /// Number of the node above the cut.
         above: u32,
     },
     /// One part, and where its run of primitives is.
     Leaf { first: u32, count: u32 },
+}
+
+impl<C: Send> TreeNode for Node<C> {
+    type Payload = C;
+
+    fn inner(plane: C) -> Self {
+        Self::Split { plane, above: 0 }
+    }
+
+    fn leaf(first: u32, count: u32) -> Option<Self> {
+        Some(Self::Leaf { first, count })
+    }
+
+    fn link(&mut self, children: [NodeRef; 2]) {
+        if let Self::Split { above, .. } = self {
+            *above = children[1].first;
+        }
+    }
+
+    fn shift(&mut self, nodes: u32, indices: u32) {
+        match self {
+            Self::Split { above, .. } => *above += nodes,
+            Self::Leaf { first, .. } => *first += indices,
+        }
+    }
 }
 
 /// Checks that the nodes are a tree in depth-first order that no walk can fall out of, with leaves of `n_references`
@@ -54,7 +81,7 @@ mod tests {
     use super::*;
 
     const fn split(above: u32) -> Node<()> {
-        Node::Split { cut: (), above }
+        Node::Split { plane: (), above }
     }
 
     const fn leaf(first: u32, count: u32) -> Node<()> {

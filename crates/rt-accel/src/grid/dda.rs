@@ -2,12 +2,12 @@
 
 use rt_math::{Interval, SlabRay};
 
-use super::axis::Axis;
+use super::grid_axis::GridAxis;
 
 /// A ray on its way through the cells (Amanatides and Woo 1987), with one change: the parameters at which it crosses
 /// planes are computed from the planes' numbers, never accumulated.
-pub(super) struct Walk<'a> {
-    axes: &'a [Axis; 3],
+pub(super) struct Dda<'a> {
+    axes: &'a [GridAxis; 3],
     origin: [f64; 3],
     inverse: [f64; 3],
     /// Number of the next plane to cross.
@@ -23,10 +23,10 @@ pub(super) struct Walk<'a> {
     exit: f64,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> Dda<'a> {
     /// Starts in the cell at the beginning of `inside`, the part of the ray within the bounds of the grid.
     #[inline]
-    pub(super) fn new(axes: &'a [Axis; 3], ray: &SlabRay, inside: Interval) -> Self {
+    pub(super) fn new(axes: &'a [GridAxis; 3], ray: &SlabRay, inside: Interval) -> Self {
         let (origin, direction) = (ray.ray.origin.to_array(), ray.ray.direction.to_array());
         let strides = [1, axes[0].cells as usize, axes[0].cells as usize * axes[1].cells as usize];
         let mut walk = Self {

@@ -5,7 +5,7 @@ use core::fmt;
 use glam::DVec3;
 use rt_math::{Aabb, float::gamma};
 
-use super::Region;
+use crate::Region;
 
 /// The space that up to six planes enclose: the view of a camera, or a rectangle dragged over a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]

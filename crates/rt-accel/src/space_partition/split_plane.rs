@@ -8,7 +8,7 @@
 //!
 //! * The interval of the root is that of the box around everything, which contains `E` as the slab test is monotone.
 //! * Let a cut split the interval `[a, b]` of a node into `[a, min(b, near_max)]` and `[max(a, far_min), b]`. If the
-//!   primitive lies on one side only, `E` is in the interval of that side: that is what [`Cut::crossing`] promises, and
+//!   primitive lies on one side only, `E` is in the interval of that side: that is what [`SplitPlane::plane_hit`] promises, and
 //!   each kind of cut proves. If it lies on both sides, then `E` is at or after `far_min` and in the far interval, or
 //!   before `far_min ≤ near_max` and in the near one.
 //! * A NaN is no constraint, for it fails every comparison.
@@ -22,7 +22,7 @@ use glam::DVec3;
 use rt_math::{Aabb, Interval, SlabRay};
 
 /// Divides space into what is below it and what is above it. The border belongs to both sides.
-pub(crate) trait Cut: Copy + Debug + PartialEq + Send + Sync {
+pub(crate) trait SplitPlane: Copy + Debug + PartialEq + Send + Sync {
     /// A ray prepared for many cuts.
     type Ray: Copy;
 
@@ -30,29 +30,29 @@ pub(crate) trait Cut: Copy + Debug + PartialEq + Send + Sync {
     /// does not hold for it, so that every primitive has to be asked.
     fn prepare(ray: &SlabRay, bounds: &Aabb, inside: Interval) -> Option<Self::Ray>;
 
-    /// Where the ray changes sides. For every box that [`sides`](Self::sides) puts on one side only, the entry `E` of
+    /// Where the ray changes sides. For every box that [`classify`](Self::sides) puts on one side only, the entry `E` of
     /// the slab test is `≤ near_max` if that is the near side, and `≥ far_min` if that is the far side.
-    fn crossing(&self, ray: &Self::Ray) -> Crossing;
+    fn plane_hit(&self, ray: &Self::Ray) -> PlaneHit;
 
     /// The side that owns a point.
     fn is_above(&self, point: DVec3) -> bool;
 
     /// Whether a box has anything below and above: at least on the sides that own one of its points.
-    fn sides(&self, aabb: &Aabb) -> [bool; 2];
+    fn classify(&self, aabb: &Aabb) -> [bool; 2];
 
     /// Boxes around the parts of `cell` below and above.
-    fn divide(&self, cell: &Aabb) -> [Aabb; 2];
+    fn split_bounds(&self, cell: &Aabb) -> [Aabb; 2];
 
-    /// True if the boxes of [`divide`](Self::divide) are the parts of `cell`, and not only around them.
-    fn divides_exactly(&self) -> bool;
+    /// True if the boxes of [`divide`](Self::split_bounds) are the parts of `cell`, and not only around them.
+    fn is_tight(&self) -> bool;
 
     /// True if all numbers are such that the proofs hold.
-    fn is_sound(&self) -> bool;
+    fn is_valid(&self) -> bool;
 }
 
 /// Where a ray changes sides. `far_min ≤ near_max`, unless one is NaN, which is no constraint.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Crossing {
+pub(crate) struct PlaneHit {
     /// True if the ray comes from above.
     pub(crate) from_above: bool,
     /// The near side need not be looked at after this.
