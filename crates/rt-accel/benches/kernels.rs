@@ -1,4 +1,4 @@
-//! What structures spend their time on, one thing at a time: the test of eight boxes, leaves of triangles and spheres,
+//! What accelerators spend their time on, one thing at a time: the test of eight boxes, leaves of triangles and spheres,
 //! lists of spheres, and decisions in `f64`, by all instructions that the processor has.
 //!
 //! `cargo bench -p rt-accel --bench kernels` runs all; a filter such as `list` runs some. Rays are prepared anew for each

@@ -1,4 +1,4 @@
-//! Building and asking each structure: random spheres in a cube, rays between random points around it.
+//! Building and asking each accelerator: random spheres in a cube, rays between random points around it.
 //!
 //! `cargo bench -p rt-accel` runs all; a filter such as `closest/bvh` runs some.
 

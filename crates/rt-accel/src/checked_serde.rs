@@ -1,8 +1,8 @@
-//! Saving structures, and loading them again without trusting what is loaded.
+//! Serialisation of accelerators, with checks on loading.
 
-/// Implements serde's traits for a structure that derives them under `serde(remote = "Self")`: what is loaded must pass
-/// a check, so that no walk ever follows a number that leads nowhere. That it fits the primitives is for
-/// [`Accelerator::validate`](crate::Accelerator::validate) to say.
+/// Implements serde's traits for an accelerator that derives them under `serde(remote = "Self")`. Loaded data must pass
+/// `$check`, so that no traversal follows an invalid index; [`Accelerator::validate`](crate::Accelerator::validate)
+/// checks that it fits the primitives.
 macro_rules! impl_checked_serde {
     ($structure:ty, $check:expr $(, $($parameter:ident: $bound:path),+)?) => {
         impl $(<$($parameter: $bound + serde::Serialize),+>)? serde::Serialize for $structure {

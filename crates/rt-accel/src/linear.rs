@@ -1,4 +1,4 @@
-//! All primitives for every ray: the best structure for a handful of them.
+//! Linear search: the best accelerator for up to about ten primitives.
 
 use core::ops::ControlFlow;
 
@@ -9,24 +9,25 @@ use rt_math::{Aabb, Interval, Ray};
 use crate::prim_bounds::{checked_padded_bounds, count};
 use crate::wide::{SimdLevel, SmallSet, SphereList};
 
-/// Tests every primitive in turn. O(n) per ray; 16 bytes for each of more than a few spheres, and no memory otherwise.
+/// Tests every primitive in turn. O(n) per ray; 16 bytes per sphere if there are more than 16 primitives and all are
+/// spheres, otherwise no memory.
 ///
-/// Where all of more than 16 are spheres, eight at a time are tested in `f32`, and in `f64` those that a ray may meet. Batches
-/// ask up to 16 as a [`SmallSet`], for eight rays at a time. Answers and [`Counters`](crate::Counters) are those of
-/// [`brute_force`], to the last bit and the last test; what structures among the primitives count by themselves is less in batches.
+/// More than 16 spheres are tested eight at a time in `f32`, and those that a ray may hit in `f64`. Batches test up to
+/// 16 primitives with eight rays at a time, as a [`SmallSet`]. Results and [`Counters`](crate::Counters) are those of
+/// [`brute_force`], bit for bit; accelerators among the primitives may count less in batches.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct Linear {
     primitives: u32,
     unbounded: u32,
-    /// All primitives once more, if that helps.
+    /// Copy of all primitives, if they are many spheres.
     spheres: Option<SphereList>,
     #[cfg_attr(feature = "serde", serde(skip))]
     level: SimdLevel,
 }
 
 impl Linear {
-    /// Checks the bounds of all primitives, as other structures do, and copies them if they are spheres.
+    /// Checks the bounds of all primitives, and copies them if they are many spheres.
     ///
     /// # Errors
     ///
@@ -43,8 +44,8 @@ impl Linear {
         Ok(linear)
     }
 
-    /// The same list, asked by other instructions: for tests and comparisons, as the best that the processor has are
-    /// chosen when it is built. What the processor does not have is replaced by the portable level.
+    /// Sets the instruction set, for tests and comparisons; the default is the best of the processor. Unavailable
+    /// levels are replaced by the portable one.
     #[must_use]
     pub fn with_level(mut self, level: SimdLevel) -> Self {
         self.spheres = self.spheres.map(|spheres| spheres.with_level(level));
@@ -52,7 +53,7 @@ impl Linear {
         self
     }
 
-    /// All primitives, where they are few and no list of spheres.
+    /// All primitives, if they are few and not a list of spheres.
     fn small_set(&self) -> Option<SmallSet> {
         let are_few = self.spheres.is_none() && self.primitives as usize <= SmallSet::CAPACITY;
         are_few.then(|| SmallSet::new(0..self.primitives)).flatten().map(|few| few.with_level(self.level))
@@ -85,7 +86,7 @@ impl Accelerator for Linear {
         probe: &mut S,
     ) -> Option<Hit> {
         match &self.spheres {
-            Some(spheres) => spheres.trace(primitives, ray, span, probe),
+            Some(spheres) => spheres.closest(primitives, ray, span, probe),
             None => brute_force::closest(primitives, ray, span, probe),
         }
     }
@@ -93,7 +94,7 @@ impl Accelerator for Linear {
     #[inline]
     fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         match &self.spheres {
-            Some(spheres) => spheres.trace(primitives, ray, span, probe),
+            Some(spheres) => spheres.occluded(primitives, ray, span, probe),
             None => brute_force::occluded(primitives, ray, span, probe),
         }
     }
@@ -165,12 +166,12 @@ impl Accelerator for Linear {
             return Err(ValidationError::Count { built: self.primitives, given: primitives.len() });
         }
         match &self.spheres {
-            Some(spheres) => spheres.validate(primitives),
+            Some(spheres) => spheres.check(primitives),
             None => Ok(()),
         }
     }
 
-    /// There are none.
+    /// Visits nothing: a list has no boxes.
     fn for_each_box(&self, _visit: impl FnMut(Aabb, u32)) {}
 }
 

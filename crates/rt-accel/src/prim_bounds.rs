@@ -1,4 +1,4 @@
-//! The boxes that all structures are built from.
+//! Padded bounds of the primitives, from which all accelerators are built.
 
 use glam::DVec3;
 use rt_geometry::{Primitives, padded_bounds};
@@ -9,9 +9,9 @@ use crate::{BuildError, ValidationError};
 /// Bounded primitive and its padded bounds.
 pub(crate) type Item = (u32, Aabb);
 
-/// The padded box of every bounded primitive, and the list of the others.
+/// Padded bounds of all bounded primitives, and the list of the others.
 pub(crate) struct PrimBounds {
-    /// Bounded primitives with the box that decides about hits on them, by rising index.
+    /// Bounded primitives by rising index.
     pub(crate) bounded: Vec<Item>,
     /// Unbounded primitives, by rising index.
     pub(crate) unbounded: Vec<u32>,
@@ -41,7 +41,7 @@ impl PrimBounds {
     }
 }
 
-/// The number of primitives, if 32 bits can number them and one number is left over.
+/// Number of primitives, if 32 bits can index them with one value left over.
 pub(crate) fn count<P: Primitives>(primitives: &P) -> Result<u32, BuildError> {
     let limit = u32::MAX - 1;
     match u32::try_from(primitives.len()) {
@@ -50,7 +50,7 @@ pub(crate) fn count<P: Primitives>(primitives: &P) -> Result<u32, BuildError> {
     }
 }
 
-/// The own box of a primitive, `None` if it is unbounded.
+/// Padded bounds of a primitive, `None` if it is unbounded.
 pub(crate) fn checked_padded_bounds<P: Primitives>(primitives: &P, index: u32) -> Result<Option<Aabb>, BuildError> {
     match padded_bounds(primitives, index) {
         Some(own) if own.is_empty() || !own.is_finite() => {

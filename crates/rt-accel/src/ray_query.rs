@@ -1,4 +1,4 @@
-//! What can be asked about a ray. The only place where structures and primitives meet.
+//! Queries along a ray. The only place where accelerators test primitives.
 
 use core::cmp::Ordering;
 use core::ops::ControlFlow;
@@ -6,20 +6,19 @@ use core::ops::ControlFlow;
 use rt_geometry::{Hit, Primitives, Probe, intersect_primitive, occludes_primitive, padded_bounds};
 use rt_math::{Interval, Ray, SlabRay};
 
-/// A question about a ray. An [`Accelerator`](crate::Accelerator) offers it primitives, and it says how far along the ray
-/// it is worth to go on.
+/// Query along a ray. An [`Accelerator`](crate::Accelerator) passes it primitives to test; the query reports how much
+/// of the ray can still matter.
 pub trait RayQuery {
-    /// The ray.
     fn ray(&self) -> &SlabRay;
 
-    /// The part of the ray that can still matter. `max` may shrink from offer to offer; `min` stays.
+    /// Part of the ray that can still matter. `max` may shrink from test to test; `min` is constant.
     fn span(&self) -> Interval;
 
-    /// Takes a primitive into account; offering it again changes nothing. `Break` once nothing can change the answer.
+    /// Tests a primitive. Repeated tests have no effect. `Break` once the result is final.
     fn test_primitive<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S)
     -> ControlFlow<()>;
 
-    /// Offers all that are listed.
+    /// Tests all primitives of a list.
     #[inline(always)]
     fn test_leaf<P: Primitives, S: Probe>(
         &mut self,
@@ -34,17 +33,17 @@ pub trait RayQuery {
     }
 }
 
-/// True if all numbers of the ray are finite. The arithmetic that culls is proven for such rays only; others are
-/// answered by exhaustion, which keeps the results of all structures equal.
+/// True if all components of the ray are finite. The culling arithmetic is proven for such rays only; other rays are
+/// tested against every primitive, so that all accelerators return the same results.
 #[inline]
 pub(crate) fn is_finite(ray: &Ray) -> bool {
     ray.origin.is_finite() && ray.direction.is_finite()
 }
 
-/// What is hit first?
+/// Closest hit.
 pub(crate) struct Closest {
     ray: SlabRay,
-    /// Ends at the nearest hit, inclusively: an equally near primitive of lower index must still be found.
+    /// Ends at the closest hit, inclusive: an equally near primitive of lower index must still be found.
     span: Interval,
     pub(crate) hit: Option<Hit>,
 }
@@ -84,7 +83,7 @@ impl RayQuery for Closest {
     }
 }
 
-/// Is anything hit? Yes is `Break`.
+/// Any hit. `Break` means that the ray is occluded.
 pub(crate) struct AnyHit {
     ray: SlabRay,
     span: Interval,
@@ -123,11 +122,11 @@ impl RayQuery for AnyHit {
     }
 }
 
-/// Hits of one primitive at so many numbers in a row are those of something that fills space, which has no end of
-/// them.
+/// Maximum number of hits of one primitive at successive floating-point numbers. More belong to a primitive that fills
+/// space and has no end of hits.
 const MOST_IN_A_ROW: u32 = 8;
 
-/// The hits of one primitive, by rising `t`, until `visit` breaks.
+/// Visits the hits of one primitive by rising `t`, until `visit` breaks.
 #[inline]
 fn for_each_hit<P: Primitives, S: Probe>(
     primitives: &P,
@@ -147,7 +146,7 @@ fn for_each_hit<P: Primitives, S: Probe>(
     }
 }
 
-/// Which are all the hits? Collected in any order, possibly twice.
+/// All hits, collected in any order, possibly twice.
 pub(crate) struct AllHits<'h> {
     ray: SlabRay,
     span: Interval,
@@ -160,7 +159,7 @@ impl<'h> AllHits<'h> {
         Self { ray: SlabRay::new(ray), span, hits }
     }
 
-    /// Puts the hits in order, each once.
+    /// Sorts the hits and removes duplicates.
     pub(crate) fn finish(&mut self) {
         self.hits.sort_unstable_by(|a, b| {
             if a.precedes(b) {
@@ -175,7 +174,7 @@ impl<'h> AllHits<'h> {
     }
 }
 
-/// True for the same hit found twice.
+/// True if both records are of one hit.
 fn is_same(a: &Hit, b: &Hit) -> bool {
     (a.t, a.instance, a.primitive) == (b.t, b.instance, b.primitive)
 }
@@ -197,7 +196,7 @@ impl RayQuery for AllHits<'_> {
     ) -> ControlFlow<()> {
         let (ray, span) = (self.ray, self.span);
         for_each_hit(primitives, index, &ray, span, probe, |hit| {
-            // The list grows only if it is not repetitions that fill it.
+            // Grow the list only if duplicates do not fill it.
             if self.hits.len() == self.hits.capacity() {
                 self.finish();
                 self.hits.reserve(1 + self.hits.len() / 2);
@@ -209,12 +208,12 @@ impl RayQuery for AllHits<'_> {
     }
 }
 
-/// Which are the first few hits?
+/// The first hits, up to the length of a slice.
 pub(crate) struct FirstHits<'h> {
     ray: SlabRay,
-    /// Ends at the last hit that there is room for, inclusively.
+    /// Ends at the last hit once the slice is full, inclusive.
     span: Interval,
-    /// The first `found` are filled, in order.
+    /// The first `found` elements are set, in order.
     hits: &'h mut [Option<Hit>],
     pub(crate) found: usize,
 }
@@ -225,7 +224,7 @@ impl<'h> FirstHits<'h> {
         Self { ray: SlabRay::new(ray), span, hits, found: 0 }
     }
 
-    /// Puts a hit in its place; `Break` if there is no room for it, nor for what comes after it.
+    /// Inserts a hit in order. `Break` if neither this hit nor a later one fits.
     fn insert(&mut self, hit: Hit) -> ControlFlow<()> {
         let filled = &self.hits[..self.found];
         let place = filled.partition_point(|known| known.is_some_and(|known| known.precedes(&hit)));
@@ -269,7 +268,7 @@ impl RayQuery for FirstHits<'_> {
     }
 }
 
-/// Whose boxes does the ray pass?
+/// Primitives whose padded bounds the ray passes.
 pub(crate) struct Candidates<F> {
     ray: SlabRay,
     span: Interval,

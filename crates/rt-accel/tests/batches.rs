@@ -34,7 +34,7 @@ fn bundles(soup: &Soup, n_rays: usize, draw: &mut Draw) -> Vec<(Ray, Interval)> 
             }
         };
         let spread = draw.pick(&[0.0, 1e-9, 1e-3, 0.05]);
-        // In proportion to each component, or to the greatest, so that signs change.
+        // In proportion to each component, or to the largest, so that signs change.
         let around = if draw.one_in(2) { ray.direction } else { DVec3::splat(ray.direction.abs().max_element()) };
         let width = if draw.one_in(2) { size * draw.pick(&[0.0, 1e-9, 0.01]) } else { 0.0 };
         let n = if draw.one_in(8) { 100 + draw.below(200) } else { 1 + draw.below(20) };
@@ -334,16 +334,16 @@ fn handfuls_answer_and_count_as_brute_force() {
     assert!(SmallSet::new(0..=SmallSet::CAPACITY as u32).is_none());
 }
 
-/// A set of which some are structures themselves, some block nothing, and hits are named by instances.
+/// A set of which some are accelerators themselves, some block nothing, and hits are named by instances.
 struct Yard<'t, T> {
     things: Vec<Thing<'t, T>>,
-    /// How often a structure was asked for one ray.
+    /// How often an accelerator was asked for one ray.
     n_asked: AtomicU32,
 }
 
 struct Thing<'t, T> {
     soup: &'t Soup,
-    /// The structure over the soup; without one the thing is the soup's only solid.
+    /// The accelerator over the soup; without one the thing is the soup's only solid.
     structure: Option<&'t T>,
     blocks: bool,
 }
@@ -409,7 +409,7 @@ impl<T: Accelerator> Primitives for Yard<'_, T> {
     }
 }
 
-/// As [`handfuls_answer_and_count_as_brute_force`], with structures among the members; trees over them answer alike.
+/// As [`handfuls_answer_and_count_as_brute_force`], with accelerators among the members; trees over them answer alike.
 fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
     let draw = &mut Draw::new(seed);
     let mut n_hits = 0;
@@ -464,7 +464,7 @@ fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool)
     assert!(n_hits > 5000, "{n_hits} hits");
 }
 
-/// The last bit; where a structure does the same for batches as for rays, the last test as well.
+/// The last bit; where an accelerator does the same for batches as for rays, the last test as well.
 #[test]
 fn structures_among_primitives_are_asked_for_batches_with_the_answers_of_single_queries() {
     let seed = Draw::run_seed();
@@ -568,7 +568,7 @@ fn rays_beyond_the_answers_are_left_alone() {
     }
 }
 
-/// The sliver is met far outside of its own box by plain arithmetic, and a neighbour starts next to its plane: whether the
+/// The sliver is met far outside of its padded bounds by plain arithmetic, and a neighbour starts next to its plane: whether the
 /// kernel has to look at the start of the first ray was once decided by the second.
 #[test]
 fn hits_on_a_sliver_do_not_depend_on_the_rays_beside() {
@@ -619,7 +619,7 @@ impl Primitives for Busy<'_> {
 #[test]
 fn lanes_leave_little_to_be_decided_ray_by_ray() {
     let draw = &mut Draw::new(11);
-    // A floor that is no coordinate plane, and two balls above it.
+    // A floor that is no coordinate plane, and two spheres above it.
     let corner = |x: f32, z: f32| Vec3::new(x, 0.1 * x - 0.05 * z, z);
     let floor = [
         [corner(-5.0, -5.0), corner(5.0, -5.0), corner(5.0, 5.0)],
@@ -630,7 +630,7 @@ fn lanes_leave_little_to_be_decided_ray_by_ray() {
     let (one, other) = (ball(-1.0), ball(1.0));
     let soup = Soup(vec![Solid::Facet(floor[0]), Solid::Round(one), Solid::Facet(floor[1]), Solid::Round(other)]);
     let up = DVec3::new(-0.1, 1.0, 0.05).normalize();
-    // From the eye, from the floor, from the balls, and from within them.
+    // From the eye, from the floor, from the spheres, and from within them.
     let mut rays: Vec<(Ray, Interval)> = Vec::new();
     for _ in 0..400 {
         let eye = DVec3::new(0.3, 4.0, 6.0);

@@ -1,4 +1,4 @@
-//! Sets of primitives, spans and rays that break structures which were only tried on pleasant ones.
+//! Sets of primitives, spans and rays that break accelerators which were only tried on pleasant ones.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests fail by panicking and print what they tried")]
 

@@ -1,4 +1,4 @@
-//! Every structure gives the bits of brute force, on rays that look for the seams.
+//! Every accelerator gives the bits of brute force, on rays that look for the seams.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests fail by panicking and print what they tried")]
 

@@ -1,4 +1,4 @@
-//! Every query has the same answer whatever the structure, and it is the one that the definition gives.
+//! Every query has the same answer whatever the accelerator, and it is the one that the definition gives.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
@@ -272,7 +272,7 @@ fn nearest_points_are_those_of_exhaustive_search() {
     }
 }
 
-/// A query must not look at everything: that is what the structure is for.
+/// A query must not look at everything: that is what the accelerator is for.
 #[test]
 fn queries_look_at_a_small_part_only() {
     struct Counting<'a>(&'a Soup, std::sync::atomic::AtomicUsize);

@@ -1,4 +1,4 @@
-//! Structures follow primitives that move.
+//! Accelerators follow primitives that move.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
@@ -45,7 +45,7 @@ fn check<R: Refit + Clone + PartialEq + core::fmt::Debug>(name: &str, build: imp
     refusals(name, &built, &start);
 }
 
-/// What cannot be fitted leaves the structure as it was.
+/// What cannot be fitted leaves the accelerator as it was.
 fn refusals<R: Refit + Clone + PartialEq + core::fmt::Debug>(name: &str, built: &R, start: &Soup) {
     let mut structure = built.clone();
     let mut fewer = start.clone();

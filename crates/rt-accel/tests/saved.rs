@@ -1,4 +1,4 @@
-//! Structures survive being saved; what was tampered with is refused, or answers without panicking.
+//! Accelerators survive being saved; what was tampered with is refused, or answers without panicking.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests fail by panicking and print what they tried")]
 

@@ -38,7 +38,7 @@ impl Cone {
         self.0.bounds()
     }
 
-    /// How far the cone reaches in a direction: the greatest dot product with one of its points.
+    /// How far the cone reaches in a direction: the largest dot product with one of its points.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.0.support(direction)
     }

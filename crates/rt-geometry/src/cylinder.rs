@@ -4,7 +4,7 @@ use crate::error::{ShapeError, check_coordinates, check_radius};
 use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, lateral::Lateral, truncated::Truncated};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
-/// A cylinder around the y axis, from a bottom to a top: a closed solid with caps, or an open tube without. Its normal
+/// A cylinder around the y axis, from a bottom to a top: a closed solid with caps, or an open cylinder without. Its normal
 /// points outwards, away from the axis on the side.
 ///
 /// Texture coordinates on the side: `u` runs once around +y as on a [`Sphere`](crate::Sphere), with +z at ½, and `v`
@@ -37,7 +37,7 @@ impl Cylinder {
         [self.0.bottom, self.0.top]
     }
 
-    /// True for a closed solid, false for an open tube.
+    /// True for a closed solid, false for an open cylinder.
     pub const fn has_caps(&self) -> bool {
         self.0.caps
     }
@@ -47,7 +47,7 @@ impl Cylinder {
         self.0.bounds()
     }
 
-    /// How far the cylinder reaches in a direction: the greatest dot product with one of its points.
+    /// How far the cylinder reaches in a direction: the largest dot product with one of its points.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.0.support(direction)
     }
@@ -218,7 +218,7 @@ mod tests {
             }
         }
 
-        /// A tube differs from a solid only in what the caps hide.
+        /// A cylinder differs from a solid only in what the caps hide.
         #[test]
         fn caps_only_add_hits(from in vector(4.0), to in vector(2.0)) {
             let ray = Ray::new(from, to - from);

@@ -47,7 +47,7 @@ impl Disk {
         Aabb::new(-reach, reach)
     }
 
-    /// How far the disk reaches in a direction: the greatest dot product with one of its points.
+    /// How far the disk reaches in a direction: the largest dot product with one of its points.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.radius * DVec3::new(direction.x, 0.0, direction.z).length()
     }

@@ -35,7 +35,7 @@ pub enum ShapeError {
     ClosedHole {
         /// Radius of the ring.
         radius: f64,
-        /// Radius of the tube.
+        /// Radius of the cylinder.
         tube_radius: f64,
     },
     /// A box whose minimum exceeds its maximum.

@@ -46,7 +46,7 @@ impl Frustum {
         self.0.bounds()
     }
 
-    /// How far the frustum reaches in a direction: the greatest dot product with one of its points.
+    /// How far the frustum reaches in a direction: the largest dot product with one of its points.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.0.support(direction)
     }

@@ -177,8 +177,8 @@ impl ShadowRays<'_> {
         Ray { origin: self.origin_towards(direction), direction, time }
     }
 
-    /// The shading normal tells which side is lit: a light just below a facet still lights the smooth surface that the
-    /// facet stands for.
+    /// The shading normal tells which side is lit: a light just below a triangle still lights the smooth surface that the
+    /// triangle stands for.
     #[inline(always)]
     fn origin_towards(&self, direction: DVec3) -> DVec3 {
         let side = direction.dot(self.surface.shading_normal);

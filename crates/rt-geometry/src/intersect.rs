@@ -6,20 +6,20 @@ use rt_math::{Aabb, Interval, Ray, SlabRay};
 
 /// The box that decides about hits on a primitive: its bounds, padded. `None` if it is unbounded.
 ///
-/// Structures must cull with boxes that contain this one.
+/// Accelerators must cull with boxes that contain this one.
 pub fn padded_bounds<P: Primitives>(primitives: &P, index: u32) -> Option<Aabb> {
     primitives.bounds(index).map(|bounds| bounds.padded())
 }
 
 /// The hit of primitive `index` within `span`, or `None`.
 ///
-/// The **own-box rule**: a hit counts only if the ray also passes the primitive's [`padded_bounds`], and its `t` is raised
-/// to the entry into that box if rounding put it before. Brute force and all structures accept hits through this
+/// The **padded-bounds rule**: a hit counts only if the ray also passes the primitive's [`padded_bounds`], and its `t` is raised
+/// to the entry into that box if rounding put it before. Brute force and all accelerators accept hits through this
 /// function alone. As the slab test is monotone in the box, every box around `padded_bounds` is entered at or before the
-/// accepted `t`, so a structure that prunes only what starts strictly behind the best hit returns the bits of brute
+/// accepted `t`, so an accelerator that prunes only what starts strictly behind the best hit returns the bits of brute
 /// force, ties included.
 ///
-/// The kernel runs first: most offers are misses, and the box is looked at for hits only.
+/// The kernel runs first: most tests are misses, and the box is looked at for hits only.
 #[inline(always)]
 pub fn intersect_primitive<P: Primitives, S: Probe>(
     primitives: &P,
@@ -32,7 +32,7 @@ pub fn intersect_primitive<P: Primitives, S: Probe>(
     intersect_primitive_uncounted(primitives, index, &ray.ray, span, probe)
 }
 
-/// As [`intersect_primitive`], of a primitive that the caller has counted as offered.
+/// As [`intersect_primitive`], of a primitive that the caller has counted as tested.
 #[inline(always)]
 pub fn intersect_primitive_uncounted<P: Primitives, S: Probe>(
     primitives: &P,
@@ -82,7 +82,7 @@ pub fn occludes_primitive<P: Primitives, S: Probe>(
     occludes_primitive_uncounted(primitives, index, &ray.ray, span, probe)
 }
 
-/// As [`occludes_primitive`], of a primitive that the caller has counted as offered.
+/// As [`occludes_primitive`], of a primitive that the caller has counted as tested.
 #[inline(always)]
 pub fn occludes_primitive_uncounted<P: Primitives, S: Probe>(
     primitives: &P,
@@ -138,9 +138,9 @@ pub fn occludes_primitive_batch<P: Primitives, S: Probe>(
     }
 }
 
-/// Where the ray enters the own box within `span`: at once if there is no box, `None` if it passes the box by.
+/// Where the ray enters the padded bounds within `span`: at once if there is no box, `None` if it passes the box by.
 ///
-/// Apart from the loops over offers, where it would be in the way of their misses. Reciprocals are taken here once more: a
+/// Apart from the loops over tests, where it would be in the way of their misses. Reciprocals are taken here once more: a
 /// prepared ray would be copied for every offer, and few are hits.
 #[inline(never)]
 fn padded_bounds_entry<P: Primitives>(primitives: &P, index: u32, ray: &Ray, span: Interval) -> Option<f64> {

@@ -20,7 +20,7 @@
 //! [`InfiniteCylinder`], [`Cone`], [`DoubleCone`], [`Frustum`], [`Disk`], [`Rectangle`], [`Torus`], the enum [`Shape`]),
 //! shapes under affine maps ([`TransformedShape`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets ([`Spheres`]), their tests in
 //! `f64`, and the geometry of a hit.
-//! **Does not own** structures that find the first of many hits (rt-accel), materials and light (rt-shading), or
+//! **Does not own** accelerators that find the first of many hits (rt-accel), materials and light (rt-shading), or
 //! files (rt-scene-io).
 //!
 //! All tests are total: a ray that misses, has a NaN or has no direction gives `None`. In and out are decided without

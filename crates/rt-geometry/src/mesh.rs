@@ -314,7 +314,7 @@ mod tests {
         }
     }
 
-    /// A ball of facets around the origin, with the normals of the sphere.
+    /// A sphere of facets around the origin, with the normals of the sphere.
     fn faceted_ball(around: u32, up: u32) -> TriangleMesh {
         let vertex = |i: u32| {
             let (column, row) = (i % around, i / around);
@@ -332,7 +332,7 @@ mod tests {
         build(MeshData { normals: positions.clone(), positions, triangles, ..MeshData::default() }).0
     }
 
-    /// An orthographic view along −z of a ball in light of strength 1: the mean of cos θ over the ball's image, with
+    /// An orthographic view along −z of a sphere in light of strength 1: the mean of cos θ over the sphere's image, with
     /// nothing where a shadow ray is blocked, and the number of points that are turned to the light but blocked.
     fn lit(mesh: &TriangleMesh, light: DVec3, start: impl Fn(&SurfaceInteraction) -> Ray) -> (f64, usize) {
         const SIDE: i32 = 100;

@@ -56,7 +56,7 @@ impl ClosestPoint for TriangleMesh {
 }
 
 impl ClosestPoint for Spheres {
-    /// A point of the surface, also from within the ball; `None` for a NaN and if there is no such sphere.
+    /// A point of the surface, also from within the sphere; `None` for a NaN and if there is no such sphere.
     fn nearest_point(&self, index: u32, point: DVec3) -> Option<DVec3> {
         let nearest = nearest_on_sphere(self.as_slice().get(index as usize)?, point);
         point.is_finite().then_some(nearest)

@@ -13,7 +13,7 @@ pub enum PrimitiveGeometry {
     /// Only the primitive itself knows its shape.
     Opaque,
     /// Exactly a triangle: `intersect` is [`WatertightRay::intersect`](crate::WatertightRay::intersect) of these vertices and
-    /// names the hit (instance 0, primitive `index`), and `bounds` is the smallest box around them. A structure may
+    /// names the hit (instance 0, primitive `index`), and `bounds` is the smallest box around them. An accelerator may
     /// keep a copy and decide by it ([`intersect_triangle`](crate::intersect_triangle)); `occludes` agrees with it.
     ExactTriangle([Vec3; 3]),
     /// Three vertices in the order of the primitive.
@@ -22,7 +22,7 @@ pub enum PrimitiveGeometry {
     Sphere(DVec3, f64),
     /// Exactly a sphere: `intersect` is [`SphereKernel::intersect`](crate::SphereKernel::intersect), and names the hit
     /// (instance 0, primitive `index`, `uv` 0); `occludes` agrees with it; `bounds` contains the box of the centre plus and
-    /// minus the radius, as rounded. A structure may decide by these numbers.
+    /// minus the radius, as rounded. An accelerator may decide by these numbers.
     ExactSphere(SphereKernel),
     /// An axis-aligned box.
     Box(Aabb),
@@ -37,7 +37,7 @@ pub enum BatchKernel {
     /// [`SphereKernel::intersect`](crate::SphereKernel::intersect), with `uv` 0. `bounds` contains the box of the centre plus and minus the
     /// radius, as rounded.
     Sphere(SphereKernel),
-    /// The primitive is a structure, which answers many rays faster together than one by one:
+    /// The primitive is an accelerator, which answers many rays faster together than one by one:
     /// [`Primitives::intersect_batch`]. Each level of wide trees within each other takes some 100 KiB of the stack in batches.
     Instance,
     /// [`Primitives::intersect`] alone, ray by ray.
@@ -45,7 +45,7 @@ pub enum BatchKernel {
 }
 
 /// An indexed set of primitives. Shapes of this project implement it, and so can anyone:
-/// [`bounds`](Self::bounds) and [`intersect`](Self::intersect) are all that a structure needs.
+/// [`bounds`](Self::bounds) and [`intersect`](Self::intersect) are all that an accelerator needs.
 ///
 /// # Contract
 ///
@@ -62,12 +62,12 @@ pub trait Primitives: Sync {
         self.len() == 0
     }
 
-    /// Box around primitive `index`, in the space of the set. `None` for an unbounded primitive (structures keep
+    /// Box around primitive `index`, in the space of the set. `None` for an unbounded primitive (accelerators keep
     /// those in a list of their own); a NaN or inverted box is a build error.
     fn bounds(&self, index: u32) -> Option<Aabb>;
 
     /// The one kernel that decides, in `f64`: the first hit of primitive `index` within the closed `span`, `None` on
-    /// a miss. Callers go through [`intersect_primitive`](crate::decide), which adds the own-box rule.
+    /// a miss. Callers go through [`intersect_primitive`](crate::decide), which adds the padded-bounds rule.
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit>;
 
     /// True if primitive `index` blocks the ray anywhere in `span`. Override it where there is a faster answer, or
@@ -77,19 +77,19 @@ pub trait Primitives: Sync {
         self.intersect(index, ray, span).is_some()
     }
 
-    /// As [`intersect`](Self::intersect), for primitives that are structures themselves and report their inner work.
+    /// As [`intersect`](Self::intersect), for primitives that are accelerators themselves and report their inner work.
     #[inline(always)]
     fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, _probe: &mut S) -> Option<Hit> {
         self.intersect(index, ray, span)
     }
 
-    /// As [`occludes`](Self::occludes), for primitives that are structures themselves and report their inner work.
+    /// As [`occludes`](Self::occludes), for primitives that are accelerators themselves and report their inner work.
     #[inline(always)]
     fn occludes_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, _probe: &mut S) -> bool {
         self.occludes(index, ray, span)
     }
 
-    /// What decides about primitive `index`, for structures that ask it for many rays at a time; by default what
+    /// What decides about primitive `index`, for accelerators that ask it for many rays at a time; by default what
     /// [`geometry`](Self::geometry) promises.
     #[inline]
     fn batch_kernel(&self, index: u32) -> BatchKernel {

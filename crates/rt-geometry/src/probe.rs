@@ -39,16 +39,16 @@ pub trait Probe {
     /// A ray of this kind is about to be traced; what follows belongs to it.
     #[inline]
     fn ray(&mut self, _kind: RayKind) {}
-    /// A node (or grid cell) of a structure is visited.
+    /// A node (or grid cell) of an accelerator is visited.
     #[inline]
     fn node(&mut self) {}
-    /// A primitive is offered in a visited leaf.
+    /// A primitive is tested in a visited leaf.
     #[inline]
     fn test(&mut self) {}
-    /// An offered primitive was hit within the span.
+    /// An tested primitive was hit within the span.
     #[inline]
     fn hit(&mut self) {}
-    /// So many nodes were visited, primitives offered, and of those hit: as calls of the methods for one.
+    /// So many nodes were visited, primitives tested, and of those hit: as calls of the methods for one.
     #[inline]
     fn work(&mut self, nodes: u64, tests: u64, hits: u64) {
         (0..nodes).for_each(|_| self.node());
@@ -88,7 +88,7 @@ pub struct RayStats {
     pub rays: u64,
     /// Nodes or cells visited.
     pub nodes: u64,
-    /// Primitives offered in visited leaves.
+    /// Primitives tested in visited leaves.
     pub tests: u64,
     /// Offered primitives that were hit.
     pub hits: u64,

@@ -45,7 +45,7 @@ impl Rectangle {
         Aabb::new(-self.corner(), self.corner())
     }
 
-    /// How far the rectangle reaches in a direction: the greatest dot product with one of its points.
+    /// How far the rectangle reaches in a direction: the largest dot product with one of its points.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.corner().dot(direction.abs())
     }

@@ -77,7 +77,7 @@ impl Shape {
         }
     }
 
-    /// The support function: the greatest dot product of a direction with a point of the shape, up to rounding;
+    /// The support function: the largest dot product of a direction with a point of the shape, up to rounding;
     /// `None` for infinite shapes.
     pub(crate) fn support(&self, direction: DVec3) -> Option<f64> {
         match self {

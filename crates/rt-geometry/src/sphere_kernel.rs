@@ -1,4 +1,4 @@
-//! The test of spheres, shared by single spheres, sets of them and structures that decide about several rays at once.
+//! The test of spheres, shared by single spheres, sets of them and accelerators that decide about several rays at once.
 
 use rt_math::DVec3;
 use rt_math::float::{gamma, power_of_two_scale};
@@ -19,7 +19,7 @@ pub struct SphereKernel {
 
 impl SphereKernel {
     /// By what the square of a distance is multiplied so that it is certainly not more than the truth, and the square of
-    /// a radius so that it is not less: for structures that decide as [`intersect`](Self::intersect) does.
+    /// a radius so that it is not less: for accelerators that decide as [`intersect`](Self::intersect) does.
     pub const REJECTION_BOUNDS: [f64; 2] = [1.0 - REJECTION, 1.0 + REJECTION];
 
     /// The first of the two crossings within `span`. `None` on a miss, and for rays without a direction.
@@ -30,7 +30,7 @@ impl SphereKernel {
     /// lengths rather than of squares, and the smaller root from c/q.
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<f64> {
-        // Most offers end here, so that this much is worth being repeated wherever a sphere is tested.
+        // Most tests end here, so that this much is worth being repeated wherever a sphere is tested.
         if self.quick_reject(ray, span) { None } else { self.crossing(ray, span) }
     }
 

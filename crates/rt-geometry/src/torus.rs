@@ -8,10 +8,10 @@ use rt_math::{Aabb, DVec3, Interval, Ray};
 use std::f64::consts::TAU;
 
 /// A ring around the y axis: the surface at distance `tube_radius` from a circle of `radius` in the plane y = 0. Its
-/// normal points out of the tube.
+/// normal points out of the cylinder.
 ///
 /// Texture coordinates: `u` runs once around +y as on a [`Sphere`](crate::Sphere), with +z at ½; `v` runs around the
-/// tube, upwards on the outside with ½ at its middle, and has its seam on the inside.
+/// cylinder, upwards on the outside with ½ at its middle, and has its seam on the inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Torus {
     radius: f64,
@@ -19,10 +19,10 @@ pub struct Torus {
 }
 
 impl Torus {
-    /// The ring with this radius of its middle circle and this radius of its tube.
+    /// The ring with this radius of its middle circle and this radius of its cylinder.
     ///
     /// # Errors
-    /// If a radius is not positive (at least 1e-60) or not finite, or if the tube is so thick that it closes the hole:
+    /// If a radius is not positive (at least 1e-60) or not finite, or if the cylinder is so thick that it closes the hole:
     /// the surface would pass through itself.
     pub fn new(radius: f64, tube_radius: f64) -> Result<Self, ShapeError> {
         check_radius(radius)?;
@@ -34,12 +34,12 @@ impl Torus {
         }
     }
 
-    /// Radius of the circle in the middle of the tube.
+    /// Radius of the circle in the middle of the cylinder.
     pub const fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// Radius of the tube, less than [`radius`](Self::radius).
+    /// Radius of the cylinder, less than [`radius`](Self::radius).
     pub const fn tube_radius(&self) -> f64 {
         self.tube_radius
     }
@@ -51,14 +51,14 @@ impl Torus {
         Aabb::new(-reach, reach)
     }
 
-    /// How far the torus reaches in a direction: the greatest dot product with one of its points.
+    /// How far the torus reaches in a direction: the largest dot product with one of its points.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.radius * DVec3::new(direction.x, 0.0, direction.z).length() + self.tube_radius * direction.length()
     }
 
     /// The first of up to four crossings within `span`. `None` on a miss, and for rays without a direction.
     ///
-    /// The quartic is never expanded, as its coefficients would swallow a thin tube. The excess of `Chord::excess`
+    /// The quartic is never expanded, as its coefficients would swallow a thin cylinder. The excess of `Chord::excess`
     /// has the sign of the quartic and is evaluated from geometry; the zeros of its slope split the ray into stretches
     /// where it is monotone, and in each of them a change of sign brackets one root.
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
@@ -136,7 +136,7 @@ impl<'a> Chord<'a> {
         self.t_middle + s / self.speed
     }
 
-    /// The squared distance from the middle circle of the tube less its squared radius: negative inside.
+    /// The squared distance from the middle circle of the cylinder less its squared radius: negative inside.
     fn excess(&self, s: f64) -> f64 {
         let p = self.at(s);
         let outwards = (p.x * p.x + p.z * p.z).sqrt() - self.torus.radius;
@@ -288,7 +288,7 @@ mod tests {
         let outside = |x: f64| crossings(torus(1.0, 0.25), &Ray::new(DVec3::new(x, 0.0, -3.0), DVec3::Z));
         assert_eq!(outside(1.25f64.next_up()).len(), 0);
         assert_eq!(outside(1.25 - 1e-12).len(), 2);
-        // Along the inside of the ring: through the tube, or cut by its inner wall.
+        // Along the inside of the ring: through the cylinder, or cut by its inner wall.
         assert_eq!(outside(0.75 + 1e-12).len(), 2);
         assert_eq!(outside(0.75 - 1e-12).len(), 4);
     }
@@ -337,7 +337,7 @@ mod tests {
         ) {
             let ten_to = |x: f64| rt_math::transcendental::pow(10.0, x);
             let torus = torus(radius, radius * ten_to(log_thickness));
-            // Towards a point inside the tube.
+            // Towards a point inside the cylinder.
             let on_circle = DVec3::new(to.x, 0.0, to.z).normalize_or(DVec3::X) * radius;
             let inside = on_circle + to * (0.5 * torus.tube_radius());
             let ray = Ray::new(from * (10.0 * ten_to(log_far)), inside - from * (10.0 * ten_to(log_far)));

@@ -1,4 +1,4 @@
-//! The watertight triangle test, shared by single triangles, meshes and structures that keep copies of them.
+//! The watertight triangle test, shared by single triangles, meshes and accelerators that keep copies of them.
 
 use crate::ShapeHit;
 use robust::{Coord3D, orient3d};

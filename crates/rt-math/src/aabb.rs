@@ -4,7 +4,7 @@ use crate::{Interval, Ray, float::gamma};
 use glam::DVec3;
 
 /// The slab test multiplies the far side of a box by this, which covers its own rounding (Ize, "Robust BVH Ray
-/// Traversal", JCGT 2(2), 2013). Structures whose boxes stand for own boxes must do the same, or more.
+/// Traversal", JCGT 2(2), 2013). Accelerators whose boxes stand for padded bounds must do the same, or more.
 pub const FAR_FACTOR: f64 = 1.0 + 2.0 * gamma(3);
 
 /// Own boxes are widened by this part of their greatest coordinate, so that the box never removes a hit that the
@@ -107,7 +107,7 @@ impl Aabb {
         2.0 * (e.x * e.y + e.y * e.z + e.z * e.x)
     }
 
-    /// Greatest magnitude of any coordinate.
+    /// Largest magnitude of any coordinate.
     #[inline]
     pub fn max_abs(&self) -> f64 {
         self.min.abs().max(self.max.abs()).max_element()
@@ -136,7 +136,7 @@ impl Aabb {
     ///
     /// The slab test (Williams et al. 2005) with the far side moved out by a rounding error. `0 · ∞`, a ray in the
     /// plane of a face, is NaN and imposes no constraint, so the box is closed. Each operation is monotone in the
-    /// box: a larger box is never entered later nor left earlier. On that the equality of all structures rests.
+    /// box: a larger box is never entered later nor left earlier. On that the equality of all accelerators rests.
     #[inline(always)]
     pub fn clip(&self, ray: &SlabRay, span: Interval) -> Option<Interval> {
         let Interval { min: mut enter, max: mut leave } = span;

@@ -27,7 +27,7 @@ const ROUNDINGS: f64 = 256.0;
 ///
 /// Both are taken apart into translation, rotation and stretch by the polar decomposition (Shoemake and Duff 1992); the rotation
 /// is then interpolated along the shortest arc at constant speed (Shoemake 1985), the others along straight lines. So rigid
-/// motions stay rigid, and no moment is singular: a mean of two positive definite stretches is positive definite.
+/// motions stay rigid, and no time is singular: a mean of two positive definite stretches is positive definite.
 ///
 /// ```
 /// use rt_math::{DVec3, AnimatedTransform, Transform};
@@ -51,7 +51,7 @@ pub struct AnimatedTransform {
 /// Why no motion leads from one transform to another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AnimatedTransformError {
-    /// One of them mirrors and the other does not: all would be flat at some moment.
+    /// One of them mirrors and the other does not: all would be flat at some time.
     Mirrors,
     /// One of them cannot be taken apart: its numbers are too large, too small, or too different.
     Decomposition,
@@ -94,7 +94,7 @@ impl AnimatedTransform {
         &self.end
     }
 
-    /// The map at a moment, by its bits that of the start or end there, and beyond; that of the start for a NaN.
+    /// The map at a time, bit-identical to that of the start or end there, and beyond; that of the start for a NaN.
     pub fn at(&self, time: f64) -> Transform {
         if !(time > 0.0) {
             return self.start;
@@ -122,10 +122,10 @@ impl AnimatedTransform {
         spherical(from, to, self.angle, time)
     }
 
-    /// A box around the image of a box at all moments from 0 to 1. Empty stays empty.
+    /// A box around the image of a box at all times from 0 to 1. Empty stays empty.
     ///
     /// Without a turn each point runs along a straight line, and the box around both ends contains it. Otherwise time is cut
-    /// into parts of length 2h around moments m. A point is `T(τ) + x(τ)` with `x = R·S·p`; as `|R'·v| ≤ ω·|v|`, with the speed
+    /// into parts of length 2h around times m. A point is `T(τ) + x(τ)` with `x = R·S·p`; as `|R'·v| ≤ ω·|v|`, with the speed
     /// ω of the turn, and `S'` is constant,
     ///
     /// ```text
@@ -178,7 +178,7 @@ pub(crate) fn angle_between(from: DQuat, to: DQuat) -> f64 {
     2.0 * atan2((to - from).length(), (to + from).length())
 }
 
-/// Shoemake's spherical interpolation of unit quaternions with this angle between them, at a moment from 0 to 1.
+/// Shoemake's spherical interpolation of unit quaternions with this angle between them, at a time from 0 to 1.
 pub(crate) fn spherical(from: DQuat, to: DQuat, angle: f64, time: f64) -> DQuat {
     let (from, to) = (DVec4::from(from), DVec4::from(to));
     let (before, after) = (sin((1.0 - time) * angle), sin(time * angle));

@@ -48,7 +48,7 @@ impl AnimatedTransformChain {
         Self { outer: Some(Arc::new((self, *first))), last: Transform::IDENTITY }
     }
 
-    /// The map at a moment.
+    /// The map at a time.
     pub fn at(&self, time: f64) -> Transform {
         let (mut chain, mut map) = (self, self.last);
         while let Some((outer, motion)) = chain.outer.as_deref() {
@@ -58,7 +58,7 @@ impl AnimatedTransformChain {
         map
     }
 
-    /// A box around the image of a box at all moments from 0 to 1; the box around its image if nothing moves. Each map takes a
+    /// A box around the image of a box at all times from 0 to 1; the box around its image if nothing moves. Each map takes a
     /// box that contains what the maps before it make of the points. Empty stays empty.
     pub fn aabb(&self, aabb: &Aabb) -> Aabb {
         let (mut chain, mut sum) = (self, self.last.aabb(aabb));

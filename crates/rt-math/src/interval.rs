@@ -38,7 +38,7 @@ impl Interval {
     /// The smallest of two ordered candidates (`near <= far`) that lies in the interval.
     ///
     /// Which candidate is chosen depends on `max` only through "is it still in": shrinking `max` never reveals
-    /// another hit. The equality of all acceleration structures rests on this.
+    /// another hit. The equality of all acceleration accelerators rests on this.
     #[inline]
     pub fn first(&self, near: f64, far: f64) -> Option<f64> {
         let t = if near >= self.min { near } else { far };

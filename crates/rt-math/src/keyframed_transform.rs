@@ -17,11 +17,11 @@ use glam::{DMat3, DQuat, DVec3, DVec4};
 /// Times that a velocity is halved before it is taken to be none.
 const MAX_HALVINGS: u32 = 64;
 
-/// A map at any moment, by keys.
+/// A map at any time, by keys.
 ///
 /// Between two keys, a straight way is that of a [`AnimatedTransform`]. A smooth one leads translations and stretches along cubic curves,
 /// and rotations along Bézier curves of spherical interpolations (Shoemake 1985), whose velocities are continuous at all times.
-/// Stretches stay definite, so that no moment is singular.
+/// Stretches stay definite, so that no time is singular.
 ///
 /// ```
 /// use rt_math::{DVec3, Interpolation, Keyframes, Transform, KeyframedTransform};
@@ -53,7 +53,7 @@ struct Velocity {
     stretch: DMat3,
 }
 
-/// Why there is no map at every moment.
+/// Why there is no map at every time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeyframedTransformError {
     /// There are as many times (the first number) as this, but as many maps (the second).
@@ -95,7 +95,7 @@ impl KeyframedTransform {
         Ok(all)
     }
 
-    /// The map at a moment. At a key, and before the first and after the last, it is that of the key, by its bits.
+    /// The map at a time. At a key, and before the first and after the last, it is that of the key, by its bits.
     pub fn at(&self, time: f64) -> Transform {
         match self.timeline.find(time) {
             KeyframePosition::Key(key) => self.keys[key],

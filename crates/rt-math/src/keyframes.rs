@@ -59,7 +59,7 @@ impl fmt::Display for KeyframesError {
 
 impl core::error::Error for KeyframesError {}
 
-/// Where a moment lies among keys.
+/// Where a time lies among keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum KeyframePosition {
     /// What the key of this index holds is all that counts.
@@ -96,7 +96,7 @@ impl Keyframes {
         self.interpolation
     }
 
-    /// A point that is given at each key, at any moment: before the first and after the last key, that of the key.
+    /// A point that is given at each key, at any time: before the first and after the last key, that of the key.
     ///
     /// The origin if there are fewer points than keys.
     pub fn point(&self, points: &[DVec3], time: f64) -> DVec3 {
@@ -118,8 +118,8 @@ impl Keyframes {
         }
     }
 
-    /// A number that is given at each key, at any moment, as [`point`](Self::point); but it never leaves the range of the two
-    /// keys around the moment, and rests where it turns back (Fritsch and Butland 1984).
+    /// A number that is given at each key, at any time, as [`point`](Self::point); but it never leaves the range of the two
+    /// keys around the time, and rests where it turns back (Fritsch and Butland 1984).
     ///
     /// Zero if there are fewer numbers than keys.
     pub fn number(&self, numbers: &[f64], time: f64) -> f64 {
@@ -145,7 +145,7 @@ impl Keyframes {
         }
     }
 
-    /// Where a moment lies. A NaN comes before all.
+    /// Where a time lies. A NaN comes before all.
     pub(crate) fn find(&self, time: f64) -> KeyframePosition {
         let after = self.times.partition_point(|key| *key <= time);
         let Some(before) = after.checked_sub(1) else { return KeyframePosition::Key(0) };

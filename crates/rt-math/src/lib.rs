@@ -5,15 +5,15 @@
 //! ```text
 //!        p(t) = origin + t · direction          a ray; t is the same number in every space
 //!
-//!   Primitives ──── decide() ──── Accelerator   who is hit first?  one function answers, for every structure
+//!   Primitives ──── decide() ──── Accelerator   who is hit first?  one function answers, for every accelerator
 //! ```
 //!
 //! **Owns** [`Ray`], [`Interval`], [`Aabb`] and its slab test, [`Transform`] (an affine map kept in both
 //! directions), [`AnimatedTransform`] and [`KeyframedTransform`] (such that change with time), [`Rgb`], [`Frame`], the statistics ([`Probe`], [`Counters`]), the hash that all random numbers come
 //! from ([`random`]), and the contracts [`Primitives`], [`ClosestPoint`], [`Accelerator`] and
-//! [`Sampler`], and the tests of triangles ([`WatertightRay`]) and spheres ([`SphereKernel`]), which structures may run on
+//! [`Sampler`], and the tests of triangles ([`WatertightRay`]) and spheres ([`SphereKernel`]), which accelerators may run on
 //! copies of them.
-//! **Does not own** any other shape, nor any structure, light or camera.
+//! **Does not own** any other shape, nor any accelerator, light or camera.
 //!
 //! Everything is `f64`. Functions whose last bit differs between platforms come from [`transcendental`].
 //!

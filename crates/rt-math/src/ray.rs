@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// A half-line `origin + t · direction`, at one moment of the shutter.
+/// A half-line `origin + t · direction`, at one time of the shutter.
 ///
 /// The direction **need not be unit**: transforms leave its length alone, so that the parameter `t` of a point is the
 /// same number in world and in local space.

@@ -26,7 +26,7 @@ use node::{LazyNode, NodeState};
 /// depends on the primitives in it alone: the tree is the same whatever the order of the rays. It is the only
 /// structure whose queries allocate.
 ///
-/// Copies, comparisons and statistics are of its state at that moment.
+/// Copies, comparisons and statistics are of its state at that time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LazyBih {
     /// Around all bounded primitives.

@@ -3,11 +3,11 @@
 //! # Why the culling is conservative
 //!
 //! The left side of a node is everything below a plane, the right side everything above another one, and the planes
-//! are those of own boxes: a side is a box that is infinite but for one face, and the own boxes below the node lie in
+//! are those of padded bounds: a side is a box that is infinite but for one face, and the padded bounds below the node lie in
 //! it. A ray is clipped to the sides that it descends through one after the other, by the operations of
 //! [`Aabb::clip`], `fl(fl(b − o)·v)` and the far factor. These are monotone in `b`, and so are minimum and maximum.
 //! Hence for every finite ray, **bit for bit**: what is left of the span contains what [`Aabb::clip`] leaves of it for
-//! each own box below. `0 · ∞`, a ray within a plane, is NaN and no constraint, as it is there.
+//! each padded bounds below. `0 · ∞`, a ray within a plane, is NaN and no constraint, as it is there.
 
 use rt_math::{Aabb, FAR_FACTOR, SlabRay};
 

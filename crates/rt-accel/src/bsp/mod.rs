@@ -12,12 +12,12 @@ use plane::Plane;
 pub(crate) use split::SampledPlanes;
 
 /// A tree that cuts space in two by planes that the primitives suggest (Fuchs, Kedem and Naylor, "On visible surface
-/// generation by a priori tree structures", 1980): of triangles, their own planes; of spheres, tangent planes and such
-/// through the centre that face another; of everything, the faces of own boxes.
+/// generation by a priori tree accelerators", 1980): of triangles, their own planes; of spheres, tangent planes and such
+/// through the centre that face another; of everything, the faces of padded bounds.
 ///
 /// Candidates of some primitives are compared by the surface area heuristic, with a sample of the others (after Ize,
 /// Wald and Parker, "Ray Tracing with the BSP Tree", 2008). Primitives are never split: they are listed on both sides of
-/// a plane that their own box touches or comes within rounding of. Choose it where long walls stand at odd angles and
+/// a plane that their padded bounds touches or comes within rounding of. Choose it where long walls stand at odd angles and
 /// what is between them is small; otherwise a [`KdTree`](crate::KdTree) builds faster and costs less per node.
 ///
 /// No leaf is deeper than 60, and cuts and references together are at most 16 per primitive and 4096 more. Primitives that no
@@ -87,7 +87,7 @@ mod tests {
         DVec3::new(unit(hash(&[i, k])), unit(hash(&[i, k + 1])), unit(hash(&[i, k + 2]))) * 2.0 - 1.0
     }
 
-    /// The walks, over cuts that no heuristic would choose.
+    /// The traversals, over cuts that no heuristic would choose.
     #[test]
     fn trees_of_haphazard_planes_equal_brute_force() {
         for (scale, offset) in [(1.0, 0.0), (1e-4, 1e3), (1.0, 1e7), (1e30, 0.0)] {

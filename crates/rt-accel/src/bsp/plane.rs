@@ -3,8 +3,8 @@
 //! # Why crossings are conservative
 //!
 //! Let `u` be the unit roundoff, `f(p) = n·p − w` for real numbers, with `n` of unit length but for rounding, `o` and `d`
-//! the origin and direction of a ray, `M` the greatest magnitudes of coordinates in the box around everything, and
-//! `R = max (|oᵢ| + Mᵢ)`. Let `E` be where the slab test enters an own box.
+//! the origin and direction of a ray, `M` the largest magnitudes of coordinates in the box around everything, and
+//! `R = max (|oᵢ| + Mᵢ)`. Let `E` be where the slab test enters padded bounds.
 //!
 //! * `E` has the error of three roundings at the near planes, and at most 12 `u` at the far ones, where the far factor
 //!   adds to them. So on each axis the ray at `E` is within `13 u·R` of the box. Where the slab test takes the inverse
@@ -17,7 +17,7 @@
 //!   its negative a lower one if `B < 0`. The same holds above, with the signs turned around.
 //!
 //! `R` is increased by what covers the underflow of `E` and of the products. Rays with numbers so great that something
-//! overflows, and those that stay within the bounds forever, are answered by exhaustion.
+//! overflows, and those that stay within the bounds forever, are tested against every primitive.
 //!
 //! [`SplitPlane::classify`] allows for four times the rounding of `f` at a corner: for its own, for that of [`SplitPlane::is_above`]
 //! anywhere in the box, and as much again.
@@ -34,7 +34,7 @@ const UNCERTAINTY: f64 = 128.0 * UNIT_ROUNDOFF;
 /// The uncertainty of a side relative to the magnitudes of its terms.
 const SIDE_UNCERTAINTY: f64 = gamma(16);
 
-/// Greatest magnitude for which no sum of products with unit vectors overflows.
+/// Largest magnitude for which no sum of products with unit vectors overflows.
 const LARGEST: f64 = 1e300;
 
 /// All points with `normal · p = offset`; above is where the normal points.

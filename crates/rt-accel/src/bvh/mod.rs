@@ -38,11 +38,11 @@ pub enum SplitMethod {
     Spatial,
 }
 
-/// A binary tree of boxes: O(log n) per ray for most scenes, whatever the sizes of the primitives.
+/// Binary tree of boxes: O(log n) per ray for most scenes, for any sizes of primitives.
 ///
-/// Built from the root down by one of the [`SplitMethod`]s. Nodes are cache lines of 64 bytes that hold the boxes of both children as `f32`, relative to the centre of the
-/// tree and rounded outward; all culling arithmetic is `f64`. No leaf is deeper than 60, so that a traversal needs a
-/// small fixed stack and never allocates.
+/// Built top-down by a [`SplitMethod`]. Nodes are cache lines of 64 bytes that hold the boxes of both children as
+/// `f32`, relative to the centre of the tree and rounded outward; all culling arithmetic is `f64`. No leaf is deeper
+/// than 60, so that a traversal needs a small fixed stack and never allocates.
 ///
 /// The tree is a pure function of the primitives, with or without the feature `parallel`.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,14 +52,14 @@ pub struct Bvh {
     /// Bounded primitives, leaf by leaf.
     indices: Vec<u32>,
     root: NodeRef,
-    /// World position that the boxes are relative to.
+    /// Origin of all boxes in world space.
     centre: DVec3,
     unbounded: Vec<u32>,
     leaves: usize,
     max_depth: u32,
-    /// Number of bounded primitives, each of which is listed at least once.
+    /// Number of bounded primitives.
     bounded: u32,
-    /// Cells of the references to primitives that are listed several times.
+    /// Cells of the references to primitives with several references.
     split_refs: Vec<SplitRef>,
 }
 
@@ -73,11 +73,11 @@ impl Bvh {
         Self::build_with(primitives, SplitMethod::default())
     }
 
-    /// Builds the tree by this method.
+    /// Builds the tree by a given method.
     ///
     /// # Errors
     ///
-    /// As [`build`](Self::build).
+    /// Those of [`build`](Self::build).
     pub fn build_with<P: Primitives>(primitives: &P, method: SplitMethod) -> Result<Self, BuildError> {
         let PrimBounds { bounded, unbounded, union } = PrimBounds::collect(primitives)?;
         let centre = if bounded.is_empty() { DVec3::ZERO } else { union.centre() };
@@ -100,7 +100,7 @@ impl Bvh {
         })
     }
 
-    /// In visits of a node.
+    /// Expected cost by the surface area heuristic, in visits of a node.
     fn sah_cost(&self) -> Option<f64> {
         let boxes = |node: &Node| [0, 1].map(|side| (node.child_box(side).half_area(), node.children[side].count));
         let [left, right] = [0, 1].map(|side| self.nodes.first().map(|root| root.child_box(side)));

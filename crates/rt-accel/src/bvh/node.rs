@@ -1,22 +1,22 @@
-//! Boxes of `f32` that are entered no later and left no earlier than the `f64` boxes inside them.
+//! Boxes of `f32` that a ray enters no later and leaves no earlier than the `f64` boxes inside them.
 //!
 //! # Why the culling is conservative
 //!
 //! Let `c` be the centre of the tree, `o` the origin of a ray, `v = fl(1/d)` on some axis, and `fl` rounding to the
-//! nearest `f64`. [`Aabb::clip`] enters an own box through the plane `b` at `fl(fl(b − o)·v)`. A node stores the
+//! nearest `f64`. [`Aabb::clip`] enters padded bounds through the plane `b` at `fl(fl(b − o)·v)`. A node stores the
 //! plane `p`, an `f32`, and the ray a shifted origin `q`, and the node is entered at `fl(fl(p − q)·v)`: the same two
 //! operations. Take `v > 0`, where the near plane is the lower one.
 //!
-//! * [`Aabb32::enclosing`] rounds so that `p ≤ b − c` holds for the real numbers.
-//! * [`SlabRay32::new`] rounds so that `q ≥ o − c` holds for the real numbers, as the rounded difference is at most half
+//! * [`Aabb32::enclosing`] rounds so that `p ≤ b − c` holds for real numbers.
+//! * [`SlabRay32::new`] rounds so that `q ≥ o − c` holds for real numbers, as the rounded difference is at most half
 //!   a step off and `q` is one step above it.
 //! * So `p − q ≤ b − o`, and as rounding and multiplication by `v > 0` are monotone, the node is entered no later.
 //!
 //! For `v < 0` and for far planes all signs turn around, and the far factor is one more monotone operation, which is
 //! applied after the minimum of three for that reason. `0 · ∞` gives NaN, no constraint, where the ray lies in a plane
-//! of the own box; then `p − q` is zero or has the sign of a ray inside the node's slab, which is no constraint
-//! either. Hence for every finite ray, **bit for bit**: `enter(node) ≤ enter(own box)` and `leave(node) ≥
-//! leave(own box)`. There is no tolerance to choose, and a scene far from the origin is as good as one at it: `p` and
+//! of the padded bounds; then `p − q` is zero or has the sign of a ray inside the node's slab, which is no constraint
+//! either. Hence for every finite ray, **bit for bit**: `enter(node) ≤ enter(padded bounds)` and `leave(node) ≥
+//! leave(padded bounds)`. There is no tolerance to choose, and a scene far from the origin is as good as one at it: `p` and
 //! `q` are small numbers there.
 
 use core::cmp::Ordering;
@@ -29,10 +29,10 @@ use crate::node_ref::NodeRef;
 use crate::top_down::TreeNode;
 use crate::traversal::Descent;
 
-/// The far factor of what lies behind the origin of a ray.
+/// Far factor behind the origin of a ray.
 const BEHIND_FACTOR: f64 = 2.0 - FAR_FACTOR;
 
-/// A box relative to the centre of its tree.
+/// Box relative to the centre of its tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Aabb32 {
     pub(crate) min: Vec3A,
@@ -43,7 +43,7 @@ impl Aabb32 {
     /// Neutral element of [`union`](Self::union).
     pub(crate) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
-    /// A box around `aabb − centre`.
+    /// Smallest box that contains `aabb − centre`, but for a rounding step.
     #[inline]
     pub(crate) fn enclosing(aabb: &Aabb, centre: DVec3) -> Self {
         let (min, max) = (aabb.min - centre, aabb.max - centre);
@@ -60,7 +60,7 @@ impl Aabb32 {
         Self { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
-    /// The box in world space, around all `aabb` that it was made of: as those are made of `f64`, rounding the sums
+    /// Box in world space. Contains all `aabb` that the box was made from: these are `f64`, so that rounding the sums
     /// cannot pass them.
     pub(crate) fn at(&self, centre: DVec3) -> Aabb {
         Aabb::new(centre + self.min.as_dvec3(), centre + self.max.as_dvec3())
@@ -79,7 +79,7 @@ impl Aabb32 {
         ]
     }
 
-    /// Greatest magnitude of any coordinate.
+    /// Largest magnitude of any coordinate.
     pub(crate) fn max_abs(&self) -> f64 {
         f64::from(self.min.abs().max(self.max.abs()).max_element())
     }
@@ -154,12 +154,12 @@ fn above(difference: f64) -> f32 {
     -below(-difference)
 }
 
-/// Two boxes side by side and what is behind them: one cache line.
+/// Bounds and references of both children: one cache line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    /// By axis, by side (lower, upper), by child.
+    /// Indexed by axis, side (lower, upper) and child.
     planes: [[[f32; 2]; 2]; 3],
     pub(super) children: [NodeRef; 2],
 }
@@ -195,7 +195,7 @@ impl TreeNode for Node {
     }
 }
 
-/// A ray prepared for the boxes of one tree.
+/// Ray prepared for the slab tests of one tree.
 pub(crate) struct SlabRay32 {
     /// Subtracted from near planes.
     near: [f64; 3],
@@ -225,7 +225,8 @@ impl SlabRay32 {
         Self { near: shifted(true), far: shifted(false), inverse, near_side }
     }
 
-    /// Where the ray enters and leaves one box; the box is missed if the interval is empty or begins after `span`.
+    /// Parameters at which the ray enters and leaves a box. It misses the box if the interval is empty or begins after
+    /// `span`.
     #[inline(always)]
     pub(crate) fn cross(&self, bounds: &Aabb32, span: Interval) -> Interval {
         let sides = [bounds.min.to_array(), bounds.max.to_array()];
@@ -240,7 +241,7 @@ impl SlabRay32 {
         Interval { min: enter, max: outward(leave) }
     }
 
-    /// Where the ray enters and leaves the two boxes, within `span`. A box is missed if `enter > leave`.
+    /// Parameters at which the ray enters and leaves both boxes, within `span`. It misses a box if `enter > leave`.
     #[inline(always)]
     pub(super) fn clip(&self, node: &Node, span: Interval) -> ChildHits {
         let mut enter = [span.min; 2];
@@ -260,13 +261,13 @@ impl SlabRay32 {
     }
 }
 
-/// Farther out by a rounding error; behind the origin, that is closer to 0.
+/// Moves a far parameter outward by a rounding error.
 #[inline(always)]
 fn outward(t_far: f64) -> f64 {
     t_far * if t_far < 0.0 { BEHIND_FACTOR } else { FAR_FACTOR }
 }
 
-/// Where a ray crosses the two boxes of a node.
+/// Intersections of a ray with the boxes of a node.
 pub(super) struct ChildHits {
     enter: [f64; 2],
     leave: [f64; 2],

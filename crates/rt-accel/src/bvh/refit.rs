@@ -1,4 +1,4 @@
-//! New boxes for the same tree.
+//! Refitting: new boxes for the same topology.
 
 use rt_geometry::Primitives;
 
@@ -9,7 +9,7 @@ use crate::prim_bounds::{PrimBounds, validate_lists};
 use crate::{BuildError, Refit};
 
 impl Refit for Bvh {
-    /// A primitive that several leaves list is within each of them from then on.
+    /// A primitive with several references lies within each of their leaves from then on.
     fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
         let built = self.bounded + self.unbounded.len() as u32;
         let PrimBounds { bounded, union, .. } = PrimBounds::collect(primitives)?;
@@ -30,7 +30,7 @@ impl Refit for Bvh {
 }
 
 impl Bvh {
-    /// The box around a leaf, or around what is below a node that has been fitted.
+    /// Bounds of a leaf, or of a node whose children are fitted.
     fn box_around(&self, child: NodeRef, boxes: &[Aabb32]) -> Aabb32 {
         if child.count > 0 {
             let listed = self.leaf(child).iter().map(|&index| boxes[index as usize]);

@@ -2,7 +2,7 @@
 //!
 //! # Why no primitive is lost
 //!
-//! A reference is the part of a primitive's box on one side of every plane that has cut it. Let a ray pass the own box
+//! A reference is the part of a primitive's box on one side of every plane that has cut it. Let a ray pass the padded bounds
 //! of a primitive, entering it at `e` as `intersect_primitive` sees it. Some reference is entered no later than `e`: the whole box
 //! is (see `node.rs`), and when a plane cuts a reference that is, one of the two parts is. Take a direction in which
 //! the left part comes first. It is entered where the whole was, and left where the whole was left or at `leave(s)`, the
@@ -26,16 +26,16 @@ use crate::binned_sah::{
 use crate::top_down::{Split, Subtree, build_top_down};
 use crate::traversal::depth_allows_median_split;
 
-/// References may outnumber primitives by this part of them.
+/// Maximum number of additional references, relative to the number of primitives.
 const MOST_REPEATED: f64 = 0.5;
 
-/// Planes are tried only where the boxes of both sides overlap by this part of the area of the whole scene (Stich,
-/// Friedrich and Dietrich 2009).
+/// Spatial splits are evaluated only where the boxes of both sides overlap by this fraction of the area of the scene
+/// (Stich, Friedrich and Dietrich 2009).
 const OVERLAP: f64 = 1e-5;
 
-/// The part of space that is left to a reference by the planes that have cut its primitive, half open: the lower
-/// planes belong to it. Relative to the centre of the tree. The least and the greatest `f32` stand for no plane at all,
-/// as not every format that trees are saved in knows infinity.
+/// Part of space of a reference, bounded by the planes that have cut its primitive. Half open: the lower planes belong
+/// to it. Relative to the centre of the tree. The extreme finite `f32` stand for missing planes, as not every
+/// serialisation format knows infinity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SplitCell {
@@ -55,7 +55,7 @@ impl SplitCell {
         })
     }
 
-    /// The part of a box in the cell, a step wider, so that it contains what lies in the planes after any rounding.
+    /// Part of a box in the cell, one step wider, so that it contains points in the planes after any rounding.
     pub(super) fn clip(&self, whole: &Aabb32) -> Aabb32 {
         whole.intersection(Aabb32 {
             min: Vec3A::from_array(self.min.map(f32::next_down)),
@@ -71,11 +71,11 @@ impl SplitCell {
     }
 }
 
-/// The cell of a reference to a primitive that has several.
+/// Cell of a reference to a primitive with several references.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SplitRef {
-    /// Place of the reference in the list of all.
+    /// Position in the list of all references.
     pub(super) position: u32,
     pub(super) cell: SplitCell,
 }
@@ -199,7 +199,7 @@ fn proper_half_area(bounds: &Aabb32) -> f64 {
     if bounds.min.cmple(bounds.max).all() { bounds.half_area() } else { 0.0 }
 }
 
-/// A plane to cut at.
+/// Candidate plane.
 struct SpatialSplit {
     axis: usize,
     place: f32,
@@ -207,7 +207,7 @@ struct SpatialSplit {
     cost: f64,
 }
 
-/// On which side of a plane a box lies; `None` if the plane cuts through it.
+/// Side of a plane that contains a box; `None` if the plane cuts it.
 fn side(bounds: &Aabb32, axis: usize, place: f32) -> Option<usize> {
     if bounds.min[axis] >= place {
         Some(1)
@@ -219,8 +219,8 @@ fn side(bounds: &Aabb32, axis: usize, place: f32) -> Option<usize> {
 }
 
 impl SpatialSplit {
-    /// The cheapest of the planes that divide `bounds` evenly, if it leaves both sides with fewer references than there
-    /// are, and repeats at most `spare` of them.
+    /// The cheapest of the planes that divide `bounds` evenly. Both sides must have fewer references than the set, and
+    /// at most `spare` of them may be repeated.
     fn best(refs: &[PrimRef], bounds: &Aabb32, spare: usize) -> Option<Self> {
         let mut best: Option<Self> = None;
         for axis in 0..3 {
@@ -260,7 +260,7 @@ impl SpatialSplit {
     }
 }
 
-/// What lies on both sides of each of a row of planes.
+/// Bounds and number of references on both sides of each plane.
 struct Sweep {
     left: [Bin<Aabb32>; BINS - 1],
     right: [Bin<Aabb32>; BINS - 1],
@@ -268,7 +268,7 @@ struct Sweep {
 
 impl Sweep {
     fn over(refs: &[PrimRef], axis: usize, planes: &[f32; BINS - 1]) -> Self {
-        // The slab between two planes holds parts of references; counts are of those that begin or end in it.
+        // Slabs between planes hold parts of references; counts are of references that begin or end in a slab.
         let mut slabs = [Aabb32::EMPTY; BINS];
         let [mut begin, mut end] = [[0u32; BINS]; 2];
         for prim_ref in refs {

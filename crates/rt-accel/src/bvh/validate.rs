@@ -1,4 +1,4 @@
-//! Checks what the proof of the traversal rests on.
+//! Checks the assumptions of the traversal.
 
 use glam::{DVec3, Vec3A};
 use rt_geometry::{Primitives, padded_bounds};
@@ -10,12 +10,12 @@ use super::spatial::SplitCell;
 use crate::{ValidationError, node_ref::NodeRef, prim_bounds::validate_lists, traversal::MAX_DEPTH};
 
 impl Bvh {
-    /// Checks all that can be checked without the primitives: every node has one parent, no leaf is too deep for the
-    /// stack of a walk, boxes contain those below, leaves list each reference once, and lists name primitives.
+    /// Checks everything that is independent of the primitives: each node has one parent, no leaf is too deep for the
+    /// traversal stack, boxes contain their children, leaves list each reference once, and all indices are valid.
     pub(super) fn check_shape(&self) -> Result<(), ValidationError> {
         let mut n_listed = 0;
         self.for_each_leaf(|leaf, _| {
-            // Leaves follow one another, so that these sums show gaps and repetitions.
+            // Leaves are consecutive, so that these sums reveal gaps and repetitions.
             if leaf.first as usize != n_listed {
                 return Err(ValidationError::Misplaced {
                     primitive: self.indices.get(n_listed).copied().unwrap_or_default(),
@@ -39,8 +39,8 @@ impl Bvh {
         Ok(())
     }
 
-    /// Checks the shape, and that boxes contain what they are around: every bounded primitive is in exactly one leaf
-    /// inside of which its own box lies, or in several that each contain its part of a tiling of space.
+    /// Checks the shape and all bounds: each bounded primitive is in exactly one leaf that contains its padded bounds,
+    /// or in several that contain its part of a tiling of space each.
     pub(super) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.check_shape()?;
         let count = self.bounded as usize + self.unbounded.len();
@@ -119,8 +119,8 @@ impl Bvh {
     }
 }
 
-/// True if every point belongs to exactly one of the cells. They come from planes that cut all of space, or all of
-/// what one side of another such plane leaves, so there is always one that separates some from the others.
+/// True if every point belongs to exactly one of the cells. Each cell results from planes that cut all of space, or one
+/// side of another such plane. So one plane always separates some cells from the others.
 fn tile_space(cells: Vec<SplitCell>) -> bool {
     let mut pending = vec![(SplitCell::EVERYWHERE, cells)];
     while let Some((whole, cells)) = pending.pop() {

@@ -1,4 +1,4 @@
-//! The walk of a ray from cell to cell, in order.
+//! The traversal of a ray from cell to cell, in order.
 
 use rt_math::{Interval, SlabRay};
 

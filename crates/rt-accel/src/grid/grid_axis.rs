@@ -2,13 +2,13 @@
 //!
 //! # Why no primitive is skipped
 //!
-//! A hit with the own box `[a, b]` on this axis has a parameter `τ`, the entry into that box, at which the ray is
-//! within a few roundings of `[a, b]` on every axis. The walk, in product form, is at `τ` in a cell whose planes
+//! A hit with the padded bounds `[a, b]` on this axis has a parameter `τ`, the entry into that box, at which the ray is
+//! within a few roundings of `[a, b]` on every axis. The traversal, in product form, is at `τ` in a cell whose planes
 //! `[p, q]` the ray is within a few roundings of as well. Both are bounded by 32 unit roundoffs of `clamped_range`, the sum of
 //! the magnitudes of the ray's origin and the grid's coordinates, errors of the start and of the insertion included.
 //! So `[a, b]` and `[p, q]` touch when both are widened by that, and as primitives are inserted widened by
 //! [`WIDENING`] of a cell, the cell lists the primitive if `32 u · clamped_range` is less. [`GridAxis::resolves`] asks for three
-//! times that in half of the widening. Rays that fail, which start some 10⁹ cells away, are answered by exhaustion.
+//! times that in half of the widening. Rays that fail, which start some 10⁹ cells away, are tested against every primitive.
 //!
 //! All this takes `τ` to be finite. It is where the ray leaves the bounds of the grid at a finite parameter; the slab
 //! test then also keeps rays that move by nothing along this axis, because their inverse direction is infinite, to
@@ -24,7 +24,7 @@ use rt_math::float::UNIT_ROUNDOFF;
 /// Boxes are inserted wider by this part of a cell on each side.
 const WIDENING: f64 = 1.0 / 256.0;
 
-/// Cells are no smaller than this part of the greatest coordinate, so that rays from well outside are resolved.
+/// Cells are no smaller than this part of the largest coordinate, so that rays from well outside are resolved.
 const FINEST: f64 = 1.0 / (1u64 << 32) as f64;
 
 /// Equal cells along one coordinate.
@@ -34,7 +34,7 @@ pub(super) struct GridAxis {
     min: f64,
     cell: f64,
     pub(super) cells: u32,
-    /// Greatest magnitude of a coordinate in the grid.
+    /// Largest magnitude of a coordinate in the grid.
     magnitude: f64,
 }
 
@@ -57,7 +57,7 @@ impl GridAxis {
         self.cells > 0 && self.cell >= 0.0 && !self.min.is_nan() && self.magnitude >= 0.0
     }
 
-    /// Axis of the lower plane of cell `index`: a product, so that errors do not add up along a walk.
+    /// Axis of the lower plane of cell `index`: a product, so that errors do not add up along a traversal.
     #[inline(always)]
     pub(super) fn plane(&self, index: u32) -> f64 {
         self.min + f64::from(index) * self.cell
@@ -92,7 +92,7 @@ impl GridAxis {
         planes_where(&|plane| plane < min)..=planes_where(&|plane| plane <= max)
     }
 
-    /// True if the walk of a ray with this origin and direction is certain to find what the ray hits.
+    /// True if the traversal of a ray with this origin and direction is certain to find what the ray hits.
     #[inline(always)]
     pub(super) fn resolves(&self, origin: f64, direction: f64) -> bool {
         if self.cells == 1 {

@@ -18,10 +18,10 @@ use resolution::{MAX_CELLS, cubical, suitable_cells};
 /// Most references to primitives of any grid: 4 GiB.
 const MAX_REFERENCES: u64 = 1 << 30;
 
-/// A box of equal cells, each with a list of the primitives in it: the fastest structure to build, and a good one
+/// A box of equal cells, each with a list of the primitives in it: the fastest accelerator to build, and a good one
 /// where primitives are of similar size and evenly spread.
 ///
-/// Rays walk from cell to cell (Amanatides and Woo 1987). A primitive in several cells is offered in each of them.
+/// Rays walk from cell to cell (Amanatides and Woo 1987). A primitive in several cells is tested in each of them.
 /// Where a few small primitives lie in a large scene they all share one cell ("teapot in a stadium"): prefer
 /// [`Bvh`](crate::Bvh) there.
 #[derive(Clone, Debug, PartialEq)]
@@ -252,7 +252,7 @@ impl Accelerator for UniformGrid {
         }
     }
 
-    /// Each bounded primitive lies within the grid and is listed in every cell that its own box touches.
+    /// Each bounded primitive lies within the grid and is listed in every cell that its padded bounds touches.
     fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         validate_lists(primitives, self.primitives, &self.unbounded)?;
         for primitive in 0..self.primitives {
@@ -316,7 +316,7 @@ impl CellShell {
 }
 
 impl UniformGrid {
-    /// Offers what lies in the cells of a shell within the ranges. False if all further shells are out of range.
+    /// Tests what lies in the cells of a shell within the ranges. False if all further shells are out of range.
     fn search_shell<Q: RegionQuery>(
         &self,
         shell: &CellShell,

@@ -13,10 +13,10 @@ pub(crate) use split::SahSplit;
 /// A tree that cuts space in two by planes at right angles to the axes (Bentley 1975): O(log n) per ray, with the
 /// fewest visits of all where primitives do not overlap, as in most meshes of rooms and buildings.
 ///
-/// Built from the root down by the surface area heuristic with a bonus for cutting off empty space, at planes next to
-/// the faces of own boxes (Wald and Havran, "On building fast kd-trees for ray tracing, and on doing that in O(N log
-/// N)", 2006). A primitive is listed in every leaf that it touches, and offered from each: a ray may meet it several
-/// times, and where primitives overlap much a [`Bvh`](crate::Bvh) is smaller and faster. A walk goes from leaf to leaf
+/// Built top-down by the surface area heuristic with a bonus for cutting off empty space, at planes next to
+/// the faces of padded bounds (Wald and Havran, "On building fast kd-trees for ray tracing, and on doing that in O(N log
+/// N)", 2006). A primitive is listed in every leaf that it touches, and tested from each: a ray may meet it several
+/// times, and where primitives overlap much a [`Bvh`](crate::Bvh) is smaller and faster. A traversal goes from leaf to leaf
 /// in strict order, and ends at the first hit that lies before the next leaf. Primitives that move need a new tree.
 ///
 /// No leaf is deeper than 60, and cuts and references together are at most 16 per primitive and 4096 more. Primitives that no

@@ -3,7 +3,7 @@
 //! # Why crossings are conservative
 //!
 //! On the axis of a plane at `s`, let `o` be the origin of a ray, `v = fl(1/d)`, and `fl` rounding to the nearest
-//! `f64`. [`Aabb::clip`] enters an own box `[b₋, b₊]` no earlier than `fl(fl(b₋ − o)·v)` and leaves it no later than
+//! `f64`. [`Aabb::clip`] enters padded bounds `[b₋, b₊]` no earlier than `fl(fl(b₋ − o)·v)` and leaves it no later than
 //! `fl(fl(fl(b₊ − o)·v)·FAR_FACTOR)`, for `v > 0`. A crossing takes the same operations to the plane, at `ts = fl(fl(s −
 //! o)·v)`, and each of them is monotone:
 //!

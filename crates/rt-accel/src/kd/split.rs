@@ -1,4 +1,4 @@
-//! Where to cut a part of space: the surface area heuristic at the faces of own boxes.
+//! Where to cut a part of space: the surface area heuristic at the faces of padded bounds.
 //!
 //! Along an axis the numbers of boxes below and above a plane change at faces only, and between two faces the cost has no
 //! minimum. So the best plane of such a gap is next to one of its ends: just past the last face

@@ -6,8 +6,8 @@ use super::node::Node;
 use super::split_plane::SplitPlane;
 use crate::BuildStats;
 
-/// A binary space partition with cuts of one kind: leaves tile all of space, and a primitive is listed in every leaf
-/// that its own box touches.
+/// Binary space partition by planes of type `C`. Leaves tile all of space, and a primitive is listed in every leaf that
+/// its padded bounds touch.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct BspPartition<C> {
@@ -15,7 +15,7 @@ pub(crate) struct BspPartition<C> {
     pub(super) nodes: Vec<Node<C>>,
     /// Bounded primitives leaf by leaf, by rising index in each.
     pub(super) indices: Vec<u32>,
-    /// The box around all own boxes.
+    /// Union of all padded bounds.
     pub(super) bounds: Aabb,
     pub(super) unbounded: Vec<u32>,
     pub(super) primitives: u32,
@@ -42,7 +42,7 @@ impl<C: SplitPlane> BspPartition<C> {
         }
     }
 
-    /// Visits a box around every part of the box around everything, the whole first.
+    /// Visits the bounds of all parts of the scene's bounds, the whole first.
     pub(crate) fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
         if self.indices.is_empty() {
             return;

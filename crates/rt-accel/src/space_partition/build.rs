@@ -8,29 +8,29 @@ use crate::prim_bounds::{Item, PrimBounds};
 use crate::top_down::{MIN_FORKED, Split, Subtree, build_top_down};
 use crate::{BuildError, traversal::MAX_DEPTH};
 
-/// Cuts and references that a tree may have per primitive, beyond that, and in all.
+/// Maximum number of planes and references per primitive, in addition, and in total.
 const MOST_PER_PRIMITIVE: u64 = 16;
 const MOST_BESIDES: u64 = 4096;
 const MOST: u64 = 1 << 31;
 
-/// Decides where to cut. A pure function of its arguments, so that the tree is one of the primitives.
+/// Selects splitting planes. A pure function of its arguments, so that the tree depends on the primitives alone.
 pub(crate) trait SplitHeuristic<C>: Sync {
-    /// A cut that pays, or `None` where there should be a leaf.
+    /// The best plane, or `None` for a leaf.
     fn find_split(&self, boxes: &[Item], task: &Task<C>) -> Option<C>;
 }
 
-/// A part of space that will become a leaf or a split.
+/// Part of space that becomes a leaf or a split.
 pub(crate) struct Task<C> {
-    /// Places in the list of boxes of those that touch the part, rising.
+    /// Positions in the list of boxes of those that touch the part, rising.
     pub(crate) items: Vec<u32>,
-    /// A box around the part, within the box around everything.
+    /// Bounds of the part, within those of the scene.
     pub(crate) cell: Aabb,
-    /// What else bounds the part: cuts that boxes do not tell of, and whether the part is above them.
+    /// Planes that bound the part although `cell` does not show it, and whether the part is above them.
     pub(crate) clip_planes: Vec<(C, bool)>,
     pub(crate) depth: u32,
-    /// Which part it is: the way down from the root, bit by bit after a leading 1.
+    /// Path from the root: a leading 1, then one bit per level.
     pub(crate) path: u64,
-    /// Cuts and references that there may be in the part.
+    /// Remaining number of planes and references.
     pub(crate) budget: u64,
 }
 
@@ -48,7 +48,7 @@ impl<C: SplitPlane> Task<C> {
         }
     }
 
-    /// The parts below and above a cut, or the task itself if they would take more than the budget.
+    /// Parts below and above a plane, or the task itself if they exceed the budget.
     fn divide(self, plane: C, boxes: &[Item]) -> Result<[Self; 2], Self> {
         let mut lists = [Vec::with_capacity(self.items.len()), Vec::new()];
         for &item in &self.items {

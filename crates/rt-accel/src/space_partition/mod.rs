@@ -1,4 +1,4 @@
-//! Trees that cut space in two again and again (Fuchs, Kedem and Naylor 1980), whatever it is that cuts.
+//! Binary space partitions (Fuchs, Kedem and Naylor 1980) by planes of any kind.
 
 mod bsp_partition;
 mod build;
@@ -14,7 +14,7 @@ pub(crate) use node::Node;
 pub(crate) use sah_cost::SahCost;
 pub(crate) use split_plane::{PlaneHit, SplitPlane};
 
-/// Makes a [`Accelerator`](crate::Accelerator) of a type with one unnamed field, a partition.
+/// Implements [`Accelerator`](crate::Accelerator) for a type with one unnamed field, a partition.
 macro_rules! accelerator_by_partition {
     ($accelerator:ty) => {
         impl $crate::Accelerator for $accelerator {
@@ -39,8 +39,8 @@ macro_rules! accelerator_by_partition {
                 self.0.build_stats()
             }
 
-            /// Every bounded primitive is listed in all leaves that its own box touches, the leaves are those of a
-            /// tree, and none is too deep for the stack of a walk.
+            /// Checks that each bounded primitive is listed in all leaves that its padded bounds touch, that the leaves
+            /// form a tree, and that no leaf is too deep for the traversal stack.
             fn validate<P: rt_geometry::Primitives>(&self, primitives: &P) -> Result<(), $crate::ValidationError> {
                 self.0.validate(primitives)
             }

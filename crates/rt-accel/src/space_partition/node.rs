@@ -4,17 +4,17 @@ use crate::node_ref::NodeRef;
 use crate::top_down::TreeNode;
 use crate::{ValidationError, traversal::MAX_DEPTH};
 
-/// A part of space. What lies below the cut of a node is the next node.
+/// Part of space. The child below the plane is the next node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Node<C> {
-    /// Two parts.
+    /// Inner node.
     Split {
         plane: C,
-        /// Number of the node above the cut.
+        /// Index of the child above the plane.
         above: u32,
     },
-    /// One part, and where its run of primitives is.
+    /// Leaf with its range of primitive indices.
     Leaf { first: u32, count: u32 },
 }
 
@@ -43,13 +43,12 @@ impl<C: Send> TreeNode for Node<C> {
     }
 }
 
-/// Checks that the nodes are a tree in depth-first order that no walk can fall out of, with leaves of `n_references`
-/// in all.
+/// Checks that the nodes are a tree in depth-first order with valid references and leaves of `n_references` in total.
 ///
 /// # Errors
-/// The first node that is not where it should be, or too deep.
+/// The first node that is out of order or too deep.
 pub(crate) fn check_order<C>(nodes: &[Node<C>], n_references: usize) -> Result<(), ValidationError> {
-    // Nodes that are yet to come, the next one last, with their depths.
+    // Expected nodes, the next one last, with their depths.
     let mut expected = vec![(0, 0)];
     let mut next_first = 0;
     for (number, node) in (0..).zip(nodes) {

@@ -1,28 +1,27 @@
-//! What a cut is worth: the surface area heuristic (MacDonald and Booth 1990).
+//! Cost of a splitting plane: the surface area heuristic (MacDonald and Booth 1990).
 
 use glam::DVec3;
 use rt_math::Aabb;
 
-/// An axis on which a cell has no extent counts as having this part of its longest one, so that its other extents
-/// still count.
+/// Minimum extent of a cell on an axis relative to its longest one, so that flat cells have proportions.
 const THINNEST: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Cost of visiting a node relative to that of testing a primitive.
 const NODE_COST: f64 = 1.0;
 
-/// What cutting off empty space is worth beyond the tests it saves (Wald and Havran 2006): so much of the cost, times
-/// the fraction that is cut off. A fixed bonus would pay for slivers.
+/// Bonus for cutting off empty space (Wald and Havran 2006): this fraction of the cost, times the fraction of the cell
+/// that is cut off. A fixed bonus would favour slivers.
 const EMPTY_BONUS: f64 = 0.5;
 
-/// The proportions of a box.
+/// Proportions of a box.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SahCost {
-    /// By axis: the area of the two faces at right angles to it, relative to that of all six.
+    /// Indexed by axis: area of the two perpendicular faces, relative to that of all six.
     ends: DVec3,
 }
 
 impl SahCost {
-    /// `None` if the cell is a point. Extents are halved against overflow.
+    /// `None` if the cell is a point. Extents are halved to avoid overflow.
     pub(crate) fn of(cell: &Aabb) -> Option<Self> {
         let half = cell.max * 0.5 - cell.min * 0.5;
         let longest = half.max_element();
@@ -34,17 +33,17 @@ impl SahCost {
         Some(Self { ends: ends / ends.element_sum() })
     }
 
-    /// The ratio of the surface area of a part to that of the whole (a mean over all rays: Santaló 1976), where the
-    /// part has the same outline in direction `normal`, of unit length, and `fraction` of the extent along it. Exact for
-    /// the parts of a box at right angles to an axis.
+    /// Ratio of the surface area of a part to that of the whole (a mean over all rays: Santaló 1976), where the part
+    /// has the same outline in direction `normal`, of unit length, and `fraction` of the extent along it. Exact for
+    /// parts of a box between axis-aligned planes.
     fn probability(&self, normal: DVec3, fraction: f64) -> f64 {
-        // The area of the outline of a box is the sum of those of its faces.
+        // The outline of a box has the summed area of those of its faces.
         let outline = self.ends.dot(normal.abs());
         outline + fraction * (1.0 - outline)
     }
 
-    /// The expected cost of a ray through the cell, after a cut at right angles to `normal` that leaves `fraction` of
-    /// the cell and `below` primitives on the one side, and `above` on the other. A leaf costs 1 for each primitive.
+    /// Expected cost of a ray through the cell, after a split at right angles to `normal` that leaves `fraction` of the
+    /// cell and `below` primitives on one side, and `above` on the other. A leaf costs 1 per primitive.
     pub(crate) fn cost(&self, normal: DVec3, fraction: f64, below: f64, above: f64) -> f64 {
         let cut_off = if below == 0.0 {
             fraction

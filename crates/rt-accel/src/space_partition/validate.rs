@@ -1,4 +1,4 @@
-//! Checks what the proof of the walks rests on.
+//! Checks the assumptions of the traversal.
 
 use rt_geometry::{Primitives, padded_bounds};
 
@@ -33,8 +33,7 @@ impl<C: SplitPlane> BspPartition<C> {
         Ok(())
     }
 
-    /// Checks all that can be checked without the primitives: enough for walks to end, and to ask for no primitive
-    /// that was not there.
+    /// Checks everything that is independent of the primitives: traversals end, and all primitive indices are valid.
     pub(crate) fn check(&self) -> Result<(), ValidationError> {
         check_order(&self.nodes, self.indices.len())?;
         for (number, node) in (0..).zip(&self.nodes) {
@@ -64,7 +63,7 @@ mod saved {
     }
 
     impl<'de, C: SplitPlane + Deserialize<'de>> Deserialize<'de> for BspPartition<C> {
-        /// Refuses what could lead a walk astray.
+        /// Refuses invalid references.
         fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
             let partition = Self::deserialize(deserializer)?;
             partition.check().map_err(D::Error::custom)?;
@@ -81,7 +80,7 @@ mod tests {
     use rt_geometry::Hit;
     use rt_math::{Aabb, Interval, Ray};
 
-    /// Boxes in a row, 0.5 wide and 1 apart.
+    /// Row of boxes, 0.5 wide and 1 apart.
     struct Row;
 
     impl Primitives for Row {

@@ -1,4 +1,4 @@
-//! Binary trees in one list each, for structures whose nodes are of `f64` numbers.
+//! Binary trees with `f64` payloads.
 
 mod validate;
 
@@ -6,7 +6,7 @@ use crate::node_ref::NodeRef;
 use crate::prim_bounds::{Item, PrimBounds};
 use crate::top_down::{SliceSplit, Subtree, TreeNode, build_in_place};
 
-/// What a structure knows about both sides of a node, and what is behind them.
+/// Payload and children of an inner node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Node<C> {
@@ -30,8 +30,8 @@ impl<C: Send> TreeNode for Node<C> {
     }
 }
 
-/// A binary tree: nodes in depth-first order, the left side first, and leaves as consecutive runs. A node and all that
-/// is below it are therefore consecutive as well, in both lists.
+/// Binary tree. Nodes are in depth-first order, the left child first, and leaves are consecutive ranges of indices. So
+/// each subtree is consecutive in both lists.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Tree<C> {
@@ -77,7 +77,7 @@ impl<C> Tree<C> {
         (self.indices.len() + self.unbounded.len()) as u32
     }
 
-    /// Bytes held on the heap.
+    /// Heap memory in bytes.
     pub(crate) fn heap(&self) -> usize {
         self.nodes.capacity() * size_of::<Node<C>>()
             + (self.indices.capacity() + self.unbounded.capacity()) * size_of::<u32>()

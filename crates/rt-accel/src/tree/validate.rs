@@ -1,4 +1,4 @@
-//! Checks, measures and fits trees.
+//! Validation, statistics and refitting of trees.
 
 use core::ops::Range;
 
@@ -10,7 +10,7 @@ use crate::node_ref::NodeRef;
 use crate::prim_bounds::{PrimBounds, validate_lists};
 use crate::{BuildError, BuildStats, ValidationError, traversal::MAX_DEPTH};
 
-/// Where in the list of indices the primitives below each node are.
+/// Ranges of the primitive indices below each node.
 pub(crate) struct LeafRanges(Vec<Range<usize>>);
 
 impl LeafRanges {
@@ -33,7 +33,7 @@ impl<C> Tree<C> {
         leaf_ranges
     }
 
-    /// Visits every child of every node, depth first, with what `step` makes of what its parent was visited with.
+    /// Visits all nodes and leaves depth first. `step` computes the state of a child from that of its parent.
     pub(crate) fn for_each_child<T: Copy>(
         &self,
         root: T,
@@ -64,7 +64,7 @@ impl<C> Tree<C> {
         }
     }
 
-    /// Checks that the tree is as a builder makes it: nodes and leaves in order, none too deep, each primitive once.
+    /// Checks order and depth of nodes and leaves, and that each primitive is listed once.
     pub(crate) fn check_shape(&self) -> Result<(), ValidationError> {
         let (mut n_nodes, mut n_placed) = (0, 0);
         let mut pending = vec![(self.root, 0, 0)];
@@ -91,7 +91,7 @@ impl<C> Tree<C> {
         self.check_indices()
     }
 
-    /// Checks that the lists number all primitives, and each of them once.
+    /// Checks that each primitive is listed once.
     fn check_indices(&self) -> Result<(), ValidationError> {
         let mut is_listed = vec![false; self.indices.len() + self.unbounded.len()];
         for &primitive in self.indices.iter().chain(&self.unbounded) {
@@ -103,8 +103,8 @@ impl<C> Tree<C> {
         Ok(())
     }
 
-    /// Checks the shape, the lists, and that `encloses` holds for what each node knows of a side and the own box of
-    /// every primitive on it.
+    /// Checks shape and lists, and that `encloses` holds for each side of each node and the padded bounds of all
+    /// primitives below.
     pub(crate) fn validate<P: Primitives>(
         &self,
         primitives: &P,
@@ -127,7 +127,7 @@ impl<C> Tree<C> {
         Ok(())
     }
 
-    /// Gives every node what `fit` makes of it and of the own boxes on its two sides, as they are now. Returns these.
+    /// Recomputes the payload of every node by `fit`, from the current padded bounds on both sides. Returns these.
     pub(crate) fn refit<P: Primitives>(
         &mut self,
         primitives: &P,
@@ -173,7 +173,7 @@ mod tests {
         }
     }
 
-    /// Halves down to four, and keeps the box around each side.
+    /// Splits at the middle down to four primitives; the payload is the bounds of both sides.
     fn tree() -> Tree<[Aabb; 2]> {
         let boxes = PrimBounds::collect(&Row(0.5)).expect("boxes");
         Tree::build(boxes, (), |items, (), _| {

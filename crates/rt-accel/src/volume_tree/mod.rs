@@ -22,9 +22,9 @@ pub use volume::BoundingVolume;
 
 /// A binary tree of volumes of one shape, each around all primitives below: O(log n) per ray for most scenes.
 ///
-/// As the first hierarchies were made (Whitted 1980; Rubin and Whitted 1980), built from the root down by the surface
-/// area heuristic for the volume at hand. Volumes enclose the own boxes of primitives, not the primitives, as the
-/// equality of all structures asks for; boxes are therefore the tightest, and [`Bvh`](crate::Bvh) is faster on nearly
+/// As the first hierarchies were made (Whitted 1980; Rubin and Whitted 1980), built top-down by the surface
+/// area heuristic for the volume at hand. Volumes enclose the padded bounds of primitives, not the primitives, as the
+/// equality of all accelerators asks for; boxes are therefore the tightest, and [`Bvh`](crate::Bvh) is faster on nearly
 /// every scene. Take this one to see by how much, or for a shape of volume that suits a scene better than boxes do.
 ///
 /// No leaf is deeper than 60. The tree is a pure function of the primitives.

@@ -1,35 +1,35 @@
-//! The part of a ray inside a ball or a round tube, as wide as own boxes need it.
+//! The part of a ray inside a sphere or a cylinder, as wide as padded bounds need it.
 //!
 //! # Why the culling is conservative
 //!
-//! Round volumes are not monotone as boxes are: the chord of a larger ball, computed, may begin later. So they are
+//! Round volumes are not monotone as boxes are: the chord of a larger sphere, computed, may begin later. So they are
 //! widened by more than all rounding together. Let `u` be the unit roundoff, `o` and `d` the origin and direction of a
-//! ray, and let a volume with centre `c` contain some own boxes. `distance_to` is `|o − c|₁` and the size of the volume, so
-//! that no plane `b` of these boxes has `|b − o| > distance_to` on its axis.
+//! ray, and let a volume with centre `c` contain some padded bounds. `reach` is `|o − c|₁` and the size of the volume, so
+//! that no plane `b` of these boxes has `|b − o| > reach` on its axis.
 //!
-//! **The own box.** Let [`Aabb::clip`](rt_math::Aabb::clip) let the ray pass an own box, entered at `τ`. Then the point
-//! `o + τd`, of real numbers, is no farther than `16u·distance_to` from that box, because on each axis one of these holds.
+//! **The padded bounds.** Let [`Aabb::clip`](rt_math::Aabb::clip) let the ray pass padded bounds, entered at `τ`. Then the point
+//! `o + τd`, of real numbers, is no farther than `16u·reach` from that box, because on each axis one of these holds.
 //!
 //! * `fl(1/d)` is finite. Then `τ` is not before the entry into the slab, `(b − o)/d` with three relative errors `u`, nor
-//!   after the exit, with these and the far factor. That is `11u·distance_to` at most; what underflows adds `2⁻¹⁰⁷⁴ |d|`.
-//! * It is infinite. Then `|d| < 2⁻¹⁰²³`, and `o` itself is in the slab. On the axis with the greatest `|d|`, which is
-//!   of the first kind, `|τ| ≤ 2 distance_to / max|d|`: the ray moves by far less than `u·distance_to` here.
+//!   after the exit, with these and the far factor. That is `11u·reach` at most; what underflows adds `2⁻¹⁰⁷⁴ |d|`.
+//! * It is infinite. Then `|d| < 2⁻¹⁰²³`, and `o` itself is in the slab. On the axis with the largest `|d|`, which is
+//!   of the first kind, `|τ| ≤ 2 reach / max|d|`: the ray moves by far less than `u·reach` here.
 //!
-//! Both need `max|d|` between 2⁻⁴⁰⁰ and 2⁵⁰⁰ and `distance_to` between 2⁻⁴⁰⁰ and 2⁴⁰⁰, so that parameters do not overflow and
+//! Both need `max|d|` between 2⁻⁴⁰⁰ and 2⁵⁰⁰ and `reach` between 2⁻⁴⁰⁰ and 2⁴⁰⁰, so that parameters do not overflow and
 //! underflow means nothing, and so do the squares below. [`error_margin`] refuses all other numbers, infinities and NaN
 //! included; such volumes count as hit.
 //!
-//! **The chord.** So the point is within `R + 16u·distance_to` of the centre of the ball or the axis of the tube, and `τ` is
-//! inside the chord of that radius. With [`error_margin`] `e = 128u·distance_to` we compute the chord of `R + e`. The parameter of
-//! the point closest to the centre is off by `8u|o − c|/|d|`, and its distance `w` by `12u·distance_to`; the square root is
-//! taken of `(R + e)² − w²`, which therefore exceeds its real counterpart with `R + 16u·distance_to`, its own rounding of
-//! `4u(R + e)²` included. All other errors are of parameters, some `10u·distance_to/|d|` together, and a second `e/|d|` makes
+//! **The chord.** So the point is within `R + 16u·reach` of the centre of the sphere or the axis of the cylinder, and `τ` is
+//! inside the chord of that radius. With [`error_margin`] `e = 128u·reach` we compute the chord of `R + e`. The parameter of
+//! the point closest to the centre is off by `8u|o − c|/|d|`, and its distance `w` by `12u·reach`; the square root is
+//! taken of `(R + e)² − w²`, which therefore exceeds its real counterpart with `R + 16u·reach`, its own rounding of
+//! `4u(R + e)²` included. All other errors are of parameters, some `10u·reach/|d|` together, and a second `e/|d|` makes
 //! the chord longer at either end by more than that. If the root does not exist, no such point does.
 //!
-//! For a tube, `o − c` and `d` are those across it. If `|d|` across is less than `2⁻⁶⁰ max|d|`, the point is as far from
-//! the axis as `o` is, within `u·distance_to`, and there is no more to ask.
+//! For a cylinder, `o − c` and `d` are those across it. If `|d|` across is less than `2⁻⁶⁰ max|d|`, the point is as far from
+//! the axis as `o` is, within `u·reach`, and there is no more to ask.
 //!
-//! Hence for every finite ray: what [`clip`](rt_math::Aabb::clip) lets pass an own box is not culled, and its entry is
+//! Hence for every finite ray: what [`clip`](rt_math::Aabb::clip) lets pass padded bounds is not culled, and its entry is
 //! no earlier than the one into the volume.
 
 use glam::DVec3;
@@ -51,8 +51,8 @@ pub(super) fn error_margin(ray: &Ray, offset: DVec3, size: f64) -> Option<f64> {
     is_tame.then_some(128.0 * UNIT_ROUNDOFF * reach)
 }
 
-/// Where the distance from the centre, or for a tube from its axis, is at most `radius`, widened by `error_margin`; `None` if
-/// nowhere. For a tube, the components of `offset` and `direction` along it are 0, and `speed` is the greatest
+/// Where the distance from the centre, or for a cylinder from its axis, is at most `radius`, widened by `error_margin`; `None` if
+/// nowhere. For a cylinder, the components of `offset` and `direction` along it are 0, and `speed` is the largest
 /// component of the whole direction.
 #[inline(always)]
 pub(super) fn chord(offset: DVec3, direction: DVec3, speed: f64, radius: f64, error_margin: f64) -> Option<Interval> {
@@ -81,7 +81,7 @@ pub(super) fn entry(inside: Interval, span: Interval) -> Option<f64> {
 }
 
 /// A number no less than the distance whose square was computed, with five roundings in all and whatever underflowed.
-/// Where it overflowed this is the greatest number, for which [`error_margin`] refuses every ray.
+/// Where it overflowed this is the largest number, for which [`error_margin`] refuses every ray.
 pub(super) fn sqrt_up(square: f64) -> f64 {
     (square.sqrt() * (1.0 + 16.0 * UNIT_ROUNDOFF) + exp2(-511)).min(f64::MAX)
 }
@@ -133,9 +133,9 @@ mod tests {
         let bits = hash(&[i, 1002]);
         match bits % 4 {
             0 => {}
-            // Through a corner, which is where the ball around one box touches it.
+            // Through a corner, which is where the sphere around one box touches it.
             1 => direction = own.corners()[(bits >> 8) as usize % 8] - origin,
-            // Through the corner and along the tangent of that ball, or nearly so.
+            // Through the corner and along the tangent of that sphere, or nearly so.
             2 => {
                 let corner = own.corners()[(bits >> 8) as usize % 8];
                 direction = (corner - own.centre()).normalize_or(DVec3::X).any_orthonormal_vector() * size;
@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn widening_is_needed() {
-        // The same chord without a margin culls rays that pass own boxes: the test above would notice.
+        // The same chord without a margin culls rays that pass padded bounds: the test above would notice.
         let mut n_culled = 0;
         for i in 0..100_000 {
             let own = boxes(i)[0];

@@ -8,7 +8,7 @@ use rt_math::{Aabb, Interval, SlabRay};
 use super::quadric::{chord, entry, error_margin, sqrt_up};
 use super::volume::BoundingVolume;
 
-/// A ball around the centre of some boxes.
+/// A sphere around the centre of some boxes.
 ///
 /// Balls are small and hit or missed by one distance, but they are poor at enclosing: one around a cube has 2.7 times
 /// its volume, and one around something long and thin is mostly empty.

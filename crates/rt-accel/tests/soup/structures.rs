@@ -1,4 +1,4 @@
-//! All structures over the same primitives.
+//! All accelerators over the same primitives.
 
 use rt_accel::{
     Accelerator, AcceleratorKind, AnyAccelerator, Bvh, Counters, Hit, Interval, Linear, NoProbe, Primitives, Ray,
@@ -46,7 +46,7 @@ impl Structures {
     }
 }
 
-/// Primitives offered per ray.
+/// Primitives tested per ray.
 pub(crate) fn tests_per_ray<A: Accelerator, P: Primitives>(structure: &A, primitives: &P, rays: &[Ray]) -> f64 {
     let mut counters = Counters::default();
     for ray in rays {

@@ -13,7 +13,7 @@ use crate::prim_bounds::Item;
 #[derive(Debug)]
 pub(in crate::bih) struct LazyNode {
     kind: OnceLock<SplitNode>,
-    /// `None` from the moment when somebody has begun to split it.
+    /// `None` from the time when somebody has begun to split it.
     unsplit: Mutex<Option<Box<Unsplit>>>,
 }
 
