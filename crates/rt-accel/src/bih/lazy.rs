@@ -1,4 +1,4 @@
-//! The hierarchy that is built where rays go.
+//! Bounding interval hierarchy that is built on demand.
 
 #[cfg(feature = "serde")]
 mod checked_serde;
@@ -15,21 +15,21 @@ use crate::prim_bounds::{PrimBounds, validate_lists};
 use crate::{Accelerator, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError};
 use node::{LazyNode, NodeState};
 
-/// A [`Bih`](crate::Bih) whose nodes are split when a query first comes to them.
+/// [`Bih`](crate::Bih) whose nodes are split at the first visit.
 ///
-/// Building it takes O(n), and parts of the scene that no ray ever enters are never sorted: take it for a first
-/// picture as soon as possible, or for scenes of which little is seen. Once every node has been visited it is the full
-/// tree and does the same work for every query. It begins with 56 bytes per primitive and ends with 40 to 60, some three
-/// times as many as the full tree: nodes lie apart.
+/// Building takes O(n), and parts of the scene without rays are never sorted: recommended for a first image as soon as
+/// possible, or for scenes of which little is visible. After a visit of every node it is the full tree with the same
+/// counters. Memory is 56 bytes per primitive at first and 40 to 60 at the end, about three times that of the full
+/// tree, because nodes are allocated separately.
 ///
-/// Any number of threads may ask at once. A node is split once, by whoever comes first while others wait, and into what
-/// depends on the primitives in it alone: the tree is the same whatever the order of the rays. It is the only
-/// structure whose queries allocate.
+/// Any number of threads may query at once. A node is split once, by the first thread, while others wait. The split
+/// depends on its primitives alone, so that the tree is independent of the order of rays. It is the only accelerator
+/// whose queries allocate.
 ///
-/// Copies, comparisons and statistics are of its state at that time.
+/// Copies, comparisons and statistics are of the current state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LazyBih {
-    /// Around all bounded primitives.
+    /// Bounds of all bounded primitives.
     bounds: Aabb,
     root: LazyNode,
     unbounded: Vec<u32>,
@@ -37,7 +37,7 @@ pub struct LazyBih {
 }
 
 impl LazyBih {
-    /// Collects the boxes of all primitives and nothing else: O(n).
+    /// Collects the padded bounds of all primitives: O(n).
     ///
     /// # Errors
     ///
@@ -48,7 +48,7 @@ impl LazyBih {
         Ok(Self { bounds, root: LazyNode::unsplit(boxes.bounded, bounds, 0), unbounded: boxes.unbounded, primitives })
     }
 
-    /// Splits what is still to be split, as if rays had gone everywhere.
+    /// Splits all remaining nodes.
     pub fn complete(&self) {
         let mut pending = vec![&self.root];
         while let Some(node) = pending.pop() {
@@ -58,7 +58,7 @@ impl LazyBih {
         }
     }
 
-    /// Visits every node as far as it is known, depth first, with its box and its depth.
+    /// Visits all existing nodes depth first, with bounds and depth.
     fn for_each_node<'s>(&'s self, mut visit: impl FnMut(&NodeState<'s>, Aabb, u32)) {
         let mut pending = vec![(&self.root, self.bounds, 0)];
         while let Some((node, bounds, depth)) = pending.pop() {
@@ -110,14 +110,14 @@ impl Accelerator for LazyBih {
         traverse_region(self, query)
     }
 
-    /// Of its present state.
+    /// Describes the current state.
     fn memory(&self) -> usize {
         let mut heap = self.unbounded.capacity() * size_of::<u32>();
         self.for_each_node(|state, _, _| heap += state.heap());
         size_of::<Self>() + heap
     }
 
-    /// Of its present state: what has not been split counts as a leaf.
+    /// Describes the current state: an unsplit node counts as a leaf.
     fn build_stats(&self) -> BuildStats {
         let mut stats = BuildStats {
             primitives: self.primitives as usize,
@@ -136,13 +136,13 @@ impl Accelerator for LazyBih {
         stats
     }
 
-    /// As far as it has been split.
+    /// Checks the existing nodes.
     fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         validate_lists(primitives, self.primitives, &self.unbounded)?;
         validate::check(self, primitives)
     }
 
-    /// Of its present state.
+    /// Describes the current state.
     fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
         if self.primitives as usize > self.unbounded.len() {
             self.for_each_node(|_, aabb, depth| visit(aabb, depth));
@@ -151,7 +151,7 @@ impl Accelerator for LazyBih {
 }
 
 impl Refit for LazyBih {
-    /// Starts anew, as nothing that has been split is worth more than splitting it again.
+    /// Rebuilds, as building is no slower than refitting.
     fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
         let fresh = Self::build(primitives)?;
         validate_lists(primitives, self.primitives, &self.unbounded).map_err(BuildError::Changed)?;

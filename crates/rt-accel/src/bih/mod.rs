@@ -17,20 +17,19 @@ use crate::{Accelerator, BuildError, BuildStats, RayQuery, Refit, RegionQuery, V
 use planes::Planes;
 use traverse::{BihNode, Hierarchy};
 
-/// A binary tree that keeps two planes per node: where its left side ends and where its right side begins.
+/// Binary tree with two planes per node: the end of its left side and the beginning of its right side.
 ///
-/// Wächter and Keller, "Instant Ray Tracing: The Bounding Interval Hierarchy" (EGSR 2006). It is built about as fast as
-/// a list is sorted, because a cell is halved without weighing any cost: take it where the scene changes all the time
-/// and there are few rays to ask about each state. Each primitive is listed once, and a query takes O(log n) nodes for
-/// most scenes, about as many as of a [`Bvh`](crate::Bvh), but tests ten times as many primitives: leaves are bounded
-/// on few sides. [`LazyBih`] is the same tree, built where
-/// rays go.
+/// Wächter and Keller, "Instant Ray Tracing: The Bounding Interval Hierarchy" (EGSR 2006). Building takes about as long
+/// as sorting a list, because a cell is halved without evaluating costs: recommended for scenes that change constantly,
+/// with few rays per state. Each primitive is listed once. A query takes O(log n) nodes for most scenes, about as many
+/// as of a [`Bvh`](crate::Bvh), but tests ten times as many primitives: leaves are bounded on few sides.
+/// [`LazyBih`](crate::LazyBih) is the same tree, built on demand.
 ///
 /// No leaf is deeper than 60 and none has more than 4 primitives.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bih {
-    /// Around all bounded primitives.
+    /// Bounds of all bounded primitives.
     bounds: Aabb,
     tree: Tree<Planes>,
 }
@@ -111,7 +110,7 @@ impl Accelerator for Bih {
 }
 
 impl Refit for Bih {
-    /// O(n log n), but a fraction of the time of building.
+    /// O(n log n), in a fraction of the build time.
     fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
         let boxes = self.tree.refit(primitives, |planes, sides| {
             let [left, right] = sides.map(|boxes| boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union));

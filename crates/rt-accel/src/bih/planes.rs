@@ -1,28 +1,28 @@
-//! Two planes that clip the two sides of a node.
+//! Planes that clip the two sides of a node.
 //!
 //! # Why the culling is conservative
 //!
-//! The left side of a node is everything below a plane, the right side everything above another one, and the planes
-//! are those of padded bounds: a side is a box that is infinite but for one face, and the padded bounds below the node lie in
-//! it. A ray is clipped to the sides that it descends through one after the other, by the operations of
-//! [`Aabb::clip`], `fl(fl(b − o)·v)` and the far factor. These are monotone in `b`, and so are minimum and maximum.
-//! Hence for every finite ray, **bit for bit**: what is left of the span contains what [`Aabb::clip`] leaves of it for
-//! each padded bounds below. `0 · ∞`, a ray within a plane, is NaN and no constraint, as it is there.
+//! The left side of a node is everything below a plane, the right side everything above another one, and the planes are
+//! faces of padded bounds: a side is a box that is infinite but for one face, and contains the padded bounds below the
+//! node. A ray is clipped to the sides on its path one after the other, by the operations of [`Aabb::clip`], `fl(fl(b −
+//! o)·v)` and the far factor. These are monotone in `b`, and so are minimum and maximum. Hence for every finite ray,
+//! **bit for bit**: the remaining range contains that of [`Aabb::clip`] for all padded bounds below. `0 · ∞`, a ray
+//! within a plane, is NaN and no constraint, as it is there.
 
 use rt_math::{Aabb, FAR_FACTOR, SlabRay};
 
 use crate::axis::Axis;
 
-/// The planes of a node.
+/// Planes of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Planes {
     pub(super) axis: Axis,
-    /// Where the left side ends and where the right side begins. These may overlap, or leave a gap.
+    /// End of the left side and beginning of the right side. These may overlap, or leave a gap.
     pub(super) at: [f64; 2],
 }
 
-/// The parameters between which a ray is inside something, not yet compared with each other.
+/// Parameters between which a ray is inside a region. Empty if `enter > leave`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TRange {
     pub(super) enter: f64,
@@ -41,7 +41,7 @@ impl Planes {
         if side == 0 { own.max[axis] <= self.at[0] } else { own.min[axis] >= self.at[1] }
     }
 
-    /// The part of a box that is on a side.
+    /// Part of a box on a side.
     pub(super) fn cut(&self, side: usize, mut aabb: Aabb) -> Aabb {
         let axis = self.axis as usize;
         if side == 0 {
@@ -52,13 +52,13 @@ impl Planes {
         aabb
     }
 
-    /// The side that the ray comes to first.
+    /// Side that the ray enters first.
     #[inline(always)]
     pub(super) fn near(&self, ray: &SlabRay) -> usize {
         usize::from(ray.inverse[self.axis as usize].is_sign_negative())
     }
 
-    /// The part of a stretch of the ray that is on a side.
+    /// Part of a range on a side.
     #[inline(always)]
     pub(super) fn clip(&self, ray: &SlabRay, side: usize, stretch: TRange) -> TRange {
         let axis = self.axis as usize;

@@ -1,4 +1,4 @@
-//! Where to cut a set of boxes in two: the global heuristic of Wächter and Keller.
+//! Selection of splits: the global heuristic of Wächter and Keller.
 
 use rt_math::Aabb;
 
@@ -9,18 +9,17 @@ use crate::prim_bounds::Item;
 use crate::top_down::SliceSplit;
 use crate::traversal::depth_allows_median_split;
 
-/// Most primitives in a leaf.
+/// Maximum number of primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 4;
 
-/// A cell that has been halved so often without dividing anything holds things too small for it.
+/// Maximum number of halvings of a cell that divide nothing.
 const MOST_EMPTY_HALVES: u32 = 256;
 
-/// Reorders `items` and cuts them in two, or returns `None` where they should be a leaf: a pure function.
+/// Reorders `items` and splits them, or returns `None` for a leaf. A pure function.
 ///
-/// The cell of a node is halved across its longest side, and items go where their centres are. An empty half is
-/// dropped and the other one halved again, so that planes lie on a regular grid over the whole scene wherever items
-/// are. Where halving divides nothing, because all centres coincide, and where it has used up the depth that is left,
-/// the set is halved instead of the cell.
+/// Halves the cell of a node across its longest side, and items go to the side of their centre. An empty half is
+/// dropped and the other one halved again, so that planes lie on a regular grid over the whole scene. Where all centres
+/// coincide, and where the remaining depth is needed for it, the set is split at the median instead.
 pub(super) fn split(items: &mut [Item], cell: &Aabb, depth: u32) -> Option<SliceSplit<Planes, Aabb>> {
     if items.len() <= MAX_LEAF {
         return None;
@@ -40,7 +39,7 @@ pub(super) fn split(items: &mut [Item], cell: &Aabb, depth: u32) -> Option<Slice
     Some(SliceSplit { middle, payload: Planes::around(axis, &left, &right), states })
 }
 
-/// Two halves of a cell with something in both.
+/// Halves of a cell, neither of them empty.
 struct Halves {
     axis: Axis,
     plane: f64,

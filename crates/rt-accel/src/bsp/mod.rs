@@ -11,18 +11,18 @@ use crate::space_partition::{BspPartition, accelerator_by_partition};
 use plane::Plane;
 pub(crate) use split::SampledPlanes;
 
-/// A tree that cuts space in two by planes that the primitives suggest (Fuchs, Kedem and Naylor, "On visible surface
-/// generation by a priori tree accelerators", 1980): of triangles, their own planes; of spheres, tangent planes and such
-/// through the centre that face another; of everything, the faces of padded bounds.
+/// Binary partition of space by planes of the geometry (Fuchs, Kedem and Naylor, "On visible surface generation by a
+/// priori tree structures", 1980): planes of triangles; planes through the centre of a sphere and tangent planes that
+/// face another primitive; faces of padded bounds.
 ///
 /// Candidates of some primitives are compared by the surface area heuristic, with a sample of the others (after Ize,
-/// Wald and Parker, "Ray Tracing with the BSP Tree", 2008). Primitives are never split: they are listed on both sides of
-/// a plane that their padded bounds touches or comes within rounding of. Choose it where long walls stand at odd angles and
-/// what is between them is small; otherwise a [`KdTree`](crate::KdTree) builds faster and costs less per node.
+/// Wald and Parker, "Ray Tracing with the BSP Tree", 2008). Primitives are never split: they are listed on both sides
+/// of a plane that their padded bounds touch within rounding. Recommended for long walls at odd angles with small
+/// objects between them; otherwise a [`KdTree`](crate::KdTree) builds faster and costs less per node.
 ///
-/// No leaf is deeper than 60, and cuts and references together are at most 16 per primitive and 4096 more. Primitives that no
-/// plane can separate share a leaf, however many they are. The tree is a pure function of the primitives, with or
-/// without the feature `parallel`. With the feature `serde`, save it in a format that keeps every bit of an `f64`.
+/// No leaf is deeper than 60, and planes and references together are at most 16 per primitive and 4096 more. Primitives
+/// that no plane can separate share a leaf. The tree is a pure function of the primitives, with or without the feature
+/// `parallel`. With the feature `serde`, use a format that keeps every bit of an `f64`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BspTree(pub(crate) BspPartition<Plane>);
@@ -69,7 +69,7 @@ mod tests {
         }
     }
 
-    /// Cuts through or next to some box, in any direction.
+    /// Splits through or next to some box, in any direction.
     struct Haphazard;
 
     impl SplitHeuristic<Plane> for Haphazard {
@@ -87,7 +87,7 @@ mod tests {
         DVec3::new(unit(hash(&[i, k])), unit(hash(&[i, k + 1])), unit(hash(&[i, k + 2]))) * 2.0 - 1.0
     }
 
-    /// The traversals, over cuts that no heuristic would choose.
+    /// Checks the traversal with planes that no heuristic would select.
     #[test]
     fn trees_of_haphazard_planes_equal_brute_force() {
         for (scale, offset) in [(1.0, 0.0), (1e-4, 1e3), (1.0, 1e7), (1e30, 0.0)] {

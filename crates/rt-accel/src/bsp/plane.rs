@@ -2,9 +2,9 @@
 //!
 //! # Why crossings are conservative
 //!
-//! Let `u` be the unit roundoff, `f(p) = n·p − w` for real numbers, with `n` of unit length but for rounding, `o` and `d`
-//! the origin and direction of a ray, `M` the largest magnitudes of coordinates in the box around everything, and
-//! `R = max (|oᵢ| + Mᵢ)`. Let `E` be where the slab test enters padded bounds.
+//! Let `u` be the unit roundoff, `f(p) = n·p − w` for real numbers, with `n` of unit length but for rounding, `o` and
+//! `d` the origin and direction of a ray, `M` the largest magnitudes of coordinates in the bounds of the scene, and `R
+//! = max (|oᵢ| + Mᵢ)`. Let `E` be the parameter at which the slab test enters padded bounds.
 //!
 //! * `E` has the error of three roundings at the near planes, and at most 12 `u` at the far ones, where the far factor
 //!   adds to them. So on each axis the ray at `E` is within `13 u·R` of the box. Where the slab test takes the inverse
@@ -16,8 +16,8 @@
 //!   `e` = 128 `u`·(R + |w|) the quotient `(e − A)/|B|` is, with its roundings, an upper bound of `E` if `B > 0`, and
 //!   its negative a lower one if `B < 0`. The same holds above, with the signs turned around.
 //!
-//! `R` is increased by what covers the underflow of `E` and of the products. Rays with numbers so great that something
-//! overflows, and those that stay within the bounds forever, are tested against every primitive.
+//! `R` is increased by a bound on the underflow of `E` and of the products. Rays whose products may overflow, and those
+//! that stay within the bounds forever, are tested against every primitive.
 //!
 //! [`SplitPlane::classify`] allows for four times the rounding of `f` at a corner: for its own, for that of [`SplitPlane::is_above`]
 //! anywhere in the box, and as much again.
@@ -28,16 +28,16 @@ use rt_math::{Aabb, Interval, SlabRay};
 
 use crate::space_partition::{PlaneHit, SplitPlane};
 
-/// The uncertainty of a crossing relative to the magnitudes of its terms.
+/// Uncertainty of an intersection relative to the magnitudes of its terms.
 const UNCERTAINTY: f64 = 128.0 * UNIT_ROUNDOFF;
 
-/// The uncertainty of a side relative to the magnitudes of its terms.
+/// Uncertainty of a side relative to the magnitudes of its terms.
 const SIDE_UNCERTAINTY: f64 = gamma(16);
 
 /// Largest magnitude for which no sum of products with unit vectors overflows.
 const LARGEST: f64 = 1e300;
 
-/// All points with `normal · p = offset`; above is where the normal points.
+/// Plane of all points with `normal · p = offset`; above is the side of the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Plane {
@@ -46,14 +46,14 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
-    /// Distances of the nearest and the farthest point of a box along the normal, from the origin.
+    /// Distances along the normal of the nearest and the farthest point of a box, from the origin.
     pub(super) fn heights(normal: DVec3, aabb: &Aabb) -> [f64; 2] {
         let farthest = DVec3::select(normal.cmpge(DVec3::ZERO), aabb.max, aabb.min);
         let nearest = DVec3::select(normal.cmpge(DVec3::ZERO), aabb.min, aabb.max);
         [normal.dot(nearest), normal.dot(farthest)]
     }
 
-    /// The two planes with this normal that a box fits between, and just so that it touches neither.
+    /// The two planes with this normal that are closest to a box on either side without touching it.
     pub(super) fn around(normal: DVec3, aabb: &Aabb) -> [Self; 2] {
         let [low, high] = Self::heights(normal, aabb);
         let gap = 4.0 * uncertainty(normal, aabb, low.abs().max(high.abs()));
@@ -61,13 +61,13 @@ impl Plane {
     }
 }
 
-/// The uncertainty of the sides of points in a box.
+/// Uncertainty of the sides of points in a box.
 fn uncertainty(normal: DVec3, aabb: &Aabb, offset: f64) -> f64 {
     let greatest = aabb.min.abs().max(aabb.max.abs());
     SIDE_UNCERTAINTY * (normal.abs().dot(greatest) + offset.abs()) + f64::MIN_POSITIVE
 }
 
-/// A ray prepared for planes.
+/// Ray prepared for planes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlaneRay {
     origin: DVec3,
@@ -115,14 +115,14 @@ impl SplitPlane for Plane {
         [!(low - self.offset > uncertainty), !(high - self.offset < -uncertainty)]
     }
 
-    /// On each axis as far as the rest of the box lets the plane reach.
+    /// Clips each axis as far as the rest of the box allows.
     fn split_bounds(&self, cell: &Aabb) -> [Aabb; 2] {
         let mut parts = [*cell; 2];
         let [low, high] = Self::heights(self.normal, cell);
         for axis in 0..3 {
             let n = self.normal[axis];
             let (near, far) = if n > 0.0 { (cell.min[axis], cell.max[axis]) } else { (cell.max[axis], cell.min[axis]) };
-            // Where the plane meets the edges along this axis that reach farthest below, and farthest above.
+            // Intersect the plane with the edges along this axis that reach farthest below, and farthest above.
             let last_below = (self.offset - (low - n * near)) / n;
             let first_above = (self.offset - (high - n * far)) / n;
             let within = |x: f64, instead: f64| if x > cell.min[axis] && x < cell.max[axis] { x } else { instead };
@@ -208,7 +208,7 @@ mod tests {
         Case { own, bounds, ray: Ray::new(origin, direction), plane }
     }
 
-    /// The proof at the top of this file, tried on hostile numbers.
+    /// Checks the proof at the top of this file with hostile numbers.
     #[test]
     fn boxes_on_one_side_are_entered_within_the_interval_of_that_side() {
         let mut n_sides = [0; 2];

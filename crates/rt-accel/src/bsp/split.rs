@@ -1,4 +1,4 @@
-//! Where to cut a part of space: the best of some planes, by the surface area heuristic.
+//! Selection of splitting planes: the best candidate by the surface area heuristic.
 
 use glam::DVec3;
 use rt_geometry::Primitives;
@@ -10,14 +10,13 @@ use super::plane::Plane;
 use crate::space_partition::{SahCost, SplitHeuristic, SplitPlane, Task};
 use crate::traversal::depth_allows_median_split;
 
-/// Primitives that are asked for planes.
+/// Number of primitives that propose planes.
 const N_PROPOSERS: usize = 8;
 
-/// Primitives that planes are tried on.
+/// Number of primitives that planes are evaluated on.
 const SAMPLE: usize = 256;
 
-/// Cuts by the surface area heuristic, and as evenly as candidates allow once those cuts have used up the depth that
-/// this needs.
+/// Splits by the surface area heuristic, and as evenly as candidates allow once the remaining depth is needed for this.
 pub(crate) struct SampledPlanes<'p, P> {
     pub(crate) primitives: &'p P,
 }
@@ -30,7 +29,7 @@ impl<P: Primitives> SplitHeuristic<Plane> for SampledPlanes<'_, P> {
         }
         let step = count.div_ceil(SAMPLE);
         let sample: Vec<_> = task.items.iter().step_by(step).map(|&item| boxes[item as usize].1).collect();
-        // Twice the levels of exact halving, as it will not be exact.
+        // Twice the levels of exact median splits, as splits will not be exact.
         let by_area = depth_allows_median_split(count, task.depth + count.ilog2());
         let weight = count as f64 / sample.len() as f64;
         let mut search = Search {
@@ -58,17 +57,17 @@ impl<P: Primitives> SplitHeuristic<Plane> for SampledPlanes<'_, P> {
     }
 }
 
-/// The search for the best plane.
+/// Search for the best plane.
 struct Search<'t> {
     shape: SahCost,
     by_area: bool,
     cell: &'t Aabb,
-    /// Points all over the cell.
+    /// Sample points in the cell.
     sample_points: Vec<DVec3>,
     sample: Vec<Aabb>,
-    /// How many primitives one of the sample stands for.
+    /// Number of primitives per sampled one.
     weight: f64,
-    /// What a plane has to stay below: the cost of a leaf, later of the best plane.
+    /// Upper bound of the cost: that of a leaf, later that of the best plane.
     cost: f64,
     best: Option<Plane>,
 }
@@ -81,7 +80,7 @@ impl Search<'_> {
         }
         let fraction = if candidate.is_axial {
             let [low, high] = Plane::heights(plane.normal, self.cell);
-            // Halves, as the extent may be too large to be a number.
+            // Halves, as the extent may overflow.
             (plane.offset * 0.5 - low * 0.5) / (high * 0.5 - low * 0.5)
         } else {
             let n_below = self.sample_points.iter().filter(|&&place| !plane.is_above(place)).count();
@@ -105,11 +104,11 @@ impl Search<'_> {
     }
 }
 
-/// Points that tell how large a part of a cell is.
+/// Number of points that estimate volumes of parts of a cell.
 const N_SAMPLE_POINTS: u32 = 32;
 
-/// Points spread evenly over the box around a cell, those within the cell: an additive recurrence with powers of the
-/// root of `x⁴ = x + 1` (Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
+/// Evenly distributed points in the bounds of a cell, filtered to those within the cell: an additive recurrence with
+/// powers of the root of `x⁴ = x + 1` (Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
 fn sample_points(task: &Task<Plane>) -> Vec<DVec3> {
     const STEP: DVec3 = DVec3::new(0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3);
     let Aabb { min, max } = task.cell;

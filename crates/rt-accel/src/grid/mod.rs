@@ -15,21 +15,20 @@ use dda::Dda;
 use grid_axis::GridAxis;
 use resolution::{MAX_CELLS, cubical, suitable_cells};
 
-/// Most references to primitives of any grid: 4 GiB.
+/// Maximum number of references to primitives: 4 GiB.
 const MAX_REFERENCES: u64 = 1 << 30;
 
-/// A box of equal cells, each with a list of the primitives in it: the fastest accelerator to build, and a good one
-/// where primitives are of similar size and evenly spread.
+/// Box of equal cells with a list of primitives each: the fastest accelerator to build, and a good one for evenly
+/// distributed primitives of similar size.
 ///
-/// Rays walk from cell to cell (Amanatides and Woo 1987). A primitive in several cells is tested in each of them.
-/// Where a few small primitives lie in a large scene they all share one cell ("teapot in a stadium"): prefer
-/// [`Bvh`](crate::Bvh) there.
+/// Rays traverse the grid cell by cell (Amanatides and Woo 1987), and test a primitive in each of its cells. A few
+/// small primitives in a large scene share one cell ("teapot in a stadium"): prefer [`Bvh`](crate::Bvh) there.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct UniformGrid {
     bounds: Aabb,
     axes: [GridAxis; 3],
-    /// Where the list of each cell starts in `indices`, and at the end, where the last one ends.
+    /// Start of the list of each cell in `indices`, and the end of the last one.
     starts: Vec<u32>,
     /// Primitives cell by cell, by rising index.
     indices: Vec<u32>,
@@ -38,8 +37,8 @@ pub struct UniformGrid {
 }
 
 impl UniformGrid {
-    /// Builds a grid with some six nearly cubical cells per primitive, fewer where primitives are so large that they
-    /// would fill too many.
+    /// Builds a grid with about six nearly cubical cells per primitive, fewer where large primitives would fill too
+    /// many.
     ///
     /// # Errors
     ///
@@ -58,18 +57,18 @@ impl UniformGrid {
     }
 
     /// Builds a grid with this number of cells along x, y and z. Zeros count as one, and cells that `f64` coordinates
-    /// cannot tell apart are merged: [`build_stats`](Self::build_stats) says how many there are.
+    /// cannot distinguish are merged: see [`resolution`](Self::resolution).
     ///
     /// # Errors
     ///
-    /// As [`build`](Self::build), and [`BuildError::TooMany`] for more than 2²⁶ cells or 2³⁰ references.
+    /// Those of [`build`](Self::build), and [`BuildError::TooMany`] for more than 2²⁶ cells or 2³⁰ references.
     pub fn with_resolution<P: Primitives>(primitives: &P, resolution: [u32; 3]) -> Result<Self, BuildError> {
         let boxes = PrimBounds::collect(primitives)?;
         let axes = divide(&boxes.union, resolution);
         Self::fill(boxes, axes)
     }
 
-    /// Sorts references by cell, counting first.
+    /// Counting sort of references by cell.
     fn fill(boxes: PrimBounds, axes: [GridAxis; 3]) -> Result<Self, BuildError> {
         let cells = axes.iter().fold(1u64, |product, axis| product.saturating_mul(u64::from(axis.cells)));
         for (count, limit) in [(cells, MAX_CELLS), (n_references(&boxes, &axes), MAX_REFERENCES)] {
@@ -86,7 +85,7 @@ impl UniformGrid {
             total += *start;
             *start = total;
         }
-        // Each list is filled from its end, so that its end has become its start when all is done.
+        // Fill each list from its end, so that its end becomes its start.
         let mut indices = vec![0; total as usize];
         for (index, own) in boxes.bounded.iter().rev() {
             for_each_cell(&axes, own, |cell| {
@@ -103,7 +102,7 @@ impl UniformGrid {
         self.axes.map(|axis| axis.cells)
     }
 
-    /// Checks all that can be checked without the primitives.
+    /// Checks everything that is independent of the primitives.
     #[cfg(feature = "serde")]
     fn check_shape(&self) -> Result<(), ValidationError> {
         let cells = self.axes.iter().try_fold(1u64, |product, axis| product.checked_mul(u64::from(axis.cells)));
@@ -122,14 +121,14 @@ impl UniformGrid {
         }
     }
 
-    /// The primitives listed in a cell.
+    /// Primitives of a cell.
     #[inline(always)]
     fn list(&self, cell: usize) -> &[u32] {
         let [start, end] = [self.starts[cell], self.starts[cell + 1]];
         &self.indices[start as usize..end as usize]
     }
 
-    /// How the ray meets the grid.
+    /// Intersects a ray with the bounds of the grid.
     #[inline(always)]
     fn grid_entry(&self, ray: &SlabRay, span: Interval) -> GridEntry {
         let resolves = |axis: usize| self.axes[axis].resolves(ray.ray.origin[axis], ray.ray.direction[axis]);
@@ -144,13 +143,13 @@ impl UniformGrid {
     }
 }
 
-/// How a ray meets the grid.
+/// Intersection of a ray with the bounds of the grid.
 enum GridEntry {
-    /// It hits no bounded primitive.
+    /// The ray hits no bounded primitive.
     Missed,
-    /// All its hits are in cells along this part of it.
+    /// All hits are in the cells along this part of the ray.
     Inside(Interval),
-    /// Rounding hides which cells it crosses: every primitive has to be asked.
+    /// Rounding hides the cells on the path: every primitive has to be tested.
     Unresolved,
 }
 
@@ -172,7 +171,7 @@ fn for_each_cell(axes: &[GridAxis; 3], own: &Aabb, mut visit: impl FnMut(usize))
     for_each_in(axes, ranges, |_, cell| visit(cell));
 }
 
-/// Visits cells with their numbers along x, y and z, and in the list of all.
+/// Visits cells with their indices along x, y and z, and in the list of all.
 fn for_each_in(axes: &[GridAxis; 3], ranges: [RangeInclusive<u32>; 3], mut visit: impl FnMut([u32; 3], usize)) {
     let [x, y, z] = ranges;
     for k in z {
@@ -215,7 +214,7 @@ impl Accelerator for UniformGrid {
         ControlFlow::Continue(())
     }
 
-    /// CellShell by shell around the cell of the focus.
+    /// Visits cells in shells around that of the query point.
     fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
         query.test_leaf(&self.unbounded)?;
         let focus = query.query_point();
@@ -252,7 +251,8 @@ impl Accelerator for UniformGrid {
         }
     }
 
-    /// Each bounded primitive lies within the grid and is listed in every cell that its padded bounds touches.
+    /// Checks that each bounded primitive lies within the grid and is listed in every cell that its padded bounds
+    /// touch.
     fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         validate_lists(primitives, self.primitives, &self.unbounded)?;
         for primitive in 0..self.primitives {
@@ -289,14 +289,14 @@ impl Accelerator for UniformGrid {
 #[cfg(feature = "serde")]
 crate::checked_serde::impl_checked_serde!(UniformGrid, UniformGrid::check_shape);
 
-/// The cells whose numbers differ from those of a starting cell by `distance` on one axis, and by no more on others.
+/// Cells whose indices differ from those of a starting cell by `distance` on one axis, and by no more on others.
 struct CellShell {
     start: [u32; 3],
     distance: u32,
 }
 
 impl CellShell {
-    /// The part of a range of numbers that is no farther away than the shell.
+    /// Part of an index range that is no farther away than the shell.
     fn clamped_range(&self, axis: usize, range: &RangeInclusive<u32>) -> RangeInclusive<u32> {
         let (start, distance) = (self.start[axis], self.distance);
         start.saturating_sub(distance).max(*range.start())..=start.saturating_add(distance).min(*range.end())
@@ -316,7 +316,7 @@ impl CellShell {
 }
 
 impl UniformGrid {
-    /// Tests what lies in the cells of a shell within the ranges. False if all further shells are out of range.
+    /// Tests the primitives in the cells of a shell within the ranges. False if all further shells are out of range.
     fn search_shell<Q: RegionQuery>(
         &self,
         shell: &CellShell,
@@ -336,7 +336,7 @@ impl UniformGrid {
                     x_range.clone().try_for_each(visit)?;
                     continue;
                 }
-                // Between the sides of the shell, only the two ends of a row are on it.
+                // Between the sides of the shell, only the two ends of a row belong to it.
                 let ends = [shell.start[0].checked_sub(shell.distance), shell.start[0].checked_add(shell.distance)];
                 ends.into_iter().flatten().filter(|x| x_range.contains(x)).try_for_each(&mut visit)?;
             }

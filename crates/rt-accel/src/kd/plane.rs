@@ -1,4 +1,4 @@
-//! Planes at right angles to an axis.
+//! Axis-aligned planes.
 //!
 //! # Why crossings are conservative
 //!
@@ -11,9 +11,10 @@
 //! * A box that lies below only, `b₊ < s`, is entered at `E ≤ fl(fl(fl(b₊ − o)·v)·FAR_FACTOR) ≤ fl(ts·FAR_FACTOR) ≤
 //!   near_max`. That is the greater of this and `ts`, which differ where `ts < 0`, so that `far_min ≤ near_max`.
 //!
-//! For `v < 0` the sides and all signs turn around. `0 · ∞` gives NaN where a ray lies in the plane, and no constraint.
-//! Where it lies in the face of a box that is off the plane, `ts` is infinite, of the sign that does not constrain the
-//! side of the box. So the promise of [`SplitPlane::plane_hit`] holds for every finite ray, **bit for bit**.
+//! For `v < 0` the sides and all signs are exchanged. `0 · ∞` gives NaN where a ray lies in the plane, and no
+//! constraint. Where the ray lies in a face of a box off the plane, `ts` is infinite, with the sign that does not
+//! constrain the side of the box. So the contract of [`SplitPlane::plane_hit`] holds for every finite ray, **bit for
+//! bit**.
 
 use glam::DVec3;
 use rt_math::{Aabb, FAR_FACTOR, Interval, SlabRay};
@@ -21,7 +22,7 @@ use rt_math::{Aabb, FAR_FACTOR, Interval, SlabRay};
 use crate::axis::Axis;
 use crate::space_partition::{PlaneHit, SplitPlane};
 
-/// All points with one coordinate of a given value. Packed, so that a node has 16 bytes.
+/// Plane of all points with one coordinate of a given value. Packed, so that a node has 16 bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(Rust, packed(4))]
@@ -33,7 +34,7 @@ pub(crate) struct AxisPlane {
 impl SplitPlane for AxisPlane {
     type Ray = SlabRay;
 
-    /// Every finite ray will do.
+    /// Accepts every finite ray.
     #[inline]
     fn prepare(ray: &SlabRay, _bounds: &Aabb, _inside: Interval) -> Option<SlabRay> {
         Some(*ray)
@@ -89,8 +90,8 @@ mod tests {
         assert_eq!(size_of::<Node<AxisPlane>>(), 16);
     }
 
-    /// The proof at the top of this file, tried on numbers that round, cancel, overflow and give NaN: bit for bit, and
-    /// without a tolerance.
+    /// Checks the proof at the top of this file with numbers that round, cancel, overflow and give NaN, without
+    /// tolerance.
     #[test]
     fn boxes_on_one_side_are_entered_within_the_interval_of_that_side() {
         let values =

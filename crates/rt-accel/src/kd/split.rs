@@ -1,9 +1,9 @@
-//! Where to cut a part of space: the surface area heuristic at the faces of padded bounds.
+//! Selection of splitting planes: the surface area heuristic at the faces of padded bounds.
 //!
-//! Along an axis the numbers of boxes below and above a plane change at faces only, and between two faces the cost has no
-//! minimum. So the best plane of such a gap is next to one of its ends: just past the last face
-//! before, or just before the first face after, where it touches neither box (planes *in* a face would leave the box on
-//! both sides). In small parts all gaps are looked at; in large ones those between bins, whose ends are still faces.
+//! Along an axis the numbers of boxes below and above a plane change at faces only, and between two faces the cost has
+//! no minimum. So the best plane of such a gap is next to one of its ends: just past the last face before, or just
+//! before the first face after, where it touches neither box (planes *in* a face would leave the box on both sides). In
+//! small parts all gaps are evaluated; in large ones those between bins, whose ends are still faces.
 
 use glam::DVec3;
 use rt_math::Aabb;
@@ -13,13 +13,13 @@ use crate::axis::Axis;
 use crate::space_partition::{SahCost, SplitHeuristic, Task};
 use crate::traversal::depth_allows_median_split;
 
-/// From this number of boxes on, bins are looked at and not all faces.
+/// Minimum number of boxes for binning; fewer are swept.
 const MIN_BINNED: usize = 32;
 
 const BINS: usize = 32;
 
-/// Cuts by the surface area heuristic (MacDonald and Booth 1990), and evenly once those cuts have used up the depth
-/// that halving needs.
+/// Splits by the surface area heuristic (MacDonald and Booth 1990), and evenly once the remaining depth is needed for
+/// median splits.
 pub(crate) struct SahSplit;
 
 impl SplitHeuristic<AxisPlane> for SahSplit {
@@ -46,20 +46,20 @@ impl SplitHeuristic<AxisPlane> for SahSplit {
     }
 }
 
-/// What makes a cut good.
+/// Quantity to minimise.
 enum Objective {
-    /// Few tests expected for a ray through the cell.
+    /// Expected cost of a ray through the cell.
     Area(SahCost),
-    /// Few boxes on the fuller side.
+    /// Number of boxes on the fuller side.
     Balance,
 }
 
-/// The search for the best cut.
+/// Search for the best plane.
 struct Search<'t> {
     cell: &'t Aabb,
     count: u32,
     objective: Objective,
-    /// What a cut has to stay below: the cost of a leaf, later of the best cut.
+    /// Upper bound of the cost: that of a leaf, later that of the best plane.
     cost: f64,
     best: Option<AxisPlane>,
 }
@@ -70,8 +70,8 @@ impl<'t> Search<'t> {
         Self { cell: &task.cell, count, objective, cost: f64::from(count), best: None }
     }
 
-    /// Looks at the two planes at the ends of a gap between faces, where so many boxes have begun and so many ended.
-    /// The ends of the cell are no faces.
+    /// Evaluates the two planes at the ends of a gap between faces, with the numbers of boxes that have begun and
+    /// ended. The ends of the cell are not faces.
     fn evaluate_gap(&mut self, axis: Axis, last: f64, first: f64, begun: u32, ended: u32) {
         let (min, max) = (self.cell.min[axis as usize], self.cell.max[axis as usize]);
         let planes = [(last > min, last.next_up()), (first < max, first.next_down())];
@@ -86,7 +86,7 @@ impl<'t> Search<'t> {
         let cost = match &self.objective {
             Objective::Area(shape) => {
                 let (min, max) = (self.cell.min[plane.axis as usize], self.cell.max[plane.axis as usize]);
-                // Halves, as the extent may be too large to be a number.
+                // Halves, as the extent may overflow.
                 let fraction = (plane.position * 0.5 - min * 0.5) / (max * 0.5 - min * 0.5);
                 shape.cost(DVec3::AXES[plane.axis as usize], fraction, f64::from(below), f64::from(above))
             }
@@ -98,7 +98,7 @@ impl<'t> Search<'t> {
         }
     }
 
-    /// Looks at all gaps.
+    /// Evaluates all gaps.
     fn sweep(&mut self, axis: Axis, faces: impl ExactSizeIterator<Item = (f64, f64)>) {
         let (mut starts, mut ends): (Vec<_>, Vec<_>) = faces.unzip();
         starts.sort_unstable_by(f64::total_cmp);
@@ -122,10 +122,10 @@ impl<'t> Search<'t> {
         }
     }
 
-    /// Looks at the gaps between equal bins.
+    /// Evaluates the gaps between equal bins.
     fn bin(&mut self, axis: Axis, faces: impl Iterator<Item = (f64, f64)>) {
         let (min, max) = (self.cell.min[axis as usize], self.cell.max[axis as usize]);
-        // Monotone whatever the extent: if it is infinite, there is one bin, as the cast of NaN is 0. The inverse of a
+        // Monotone for any extent: if it is infinite, there is one bin, as the cast of NaN is 0. The inverse of a
         // denormal extent would be infinite.
         let extent = max - min;
         let place = |x: f64| (((x - min) / extent * BINS as f64) as usize).min(BINS - 1);
@@ -158,7 +158,7 @@ impl<'t> Search<'t> {
     }
 }
 
-/// The faces within an interval of coordinates.
+/// Faces within an interval of coordinates.
 #[derive(Clone, Copy)]
 struct Bin {
     starts: u32,
@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(sides_at(55), Some([500, 501]));
     }
 
-    /// The counts that a search goes by are those of the boxes.
+    /// The counts of a search are those of the boxes.
     #[test]
     fn bins_are_nearly_as_good_as_all_faces() {
         for seed in 0..50 {

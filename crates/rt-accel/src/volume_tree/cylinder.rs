@@ -1,4 +1,4 @@
-//! Cylinders along the axes.
+//! Axis-aligned bounding cylinders.
 
 use core::f64::consts::PI;
 
@@ -9,22 +9,22 @@ use super::quadric::{chord, entry, error_margin, sqrt_up};
 use super::volume::BoundingVolume;
 use crate::axis::Axis;
 
-/// A cylinder with caps along the x, y or z axis, whichever makes the smallest surface.
+/// Cylinder with caps along the x, y or z axis, with the smallest surface of the three.
 ///
-/// It fits what is long or flat as well as a box does, and what stands upright and round better.
+/// Fits long and flat contents as well as a box does, and upright round contents better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoundingCylinder {
     axis: Axis,
     centre: DVec3,
-    /// `f64::MAX` where there is no better number.
+    /// `f64::MAX` on overflow.
     radius: f64,
-    /// Where the caps are on the axis.
+    /// Coordinates of the caps on the axis.
     caps: [f64; 2],
 }
 
 impl BoundingCylinder {
-    /// The number of the axis that it is parallel to.
+    /// Index of its axis.
     pub fn axis(&self) -> usize {
         self.axis as usize
     }
@@ -44,7 +44,7 @@ impl BoundingCylinder {
         self.caps
     }
 
-    /// Where the ray is between the caps. As the slab test, it is monotone: see [`Aabb::clip`].
+    /// Part of the ray between the caps. Monotone as the slab test: see [`Aabb::clip`].
     #[inline(always)]
     fn between_caps(&self, ray: &SlabRay) -> Interval {
         let (origin, inverse) = (ray.ray.origin[self.axis as usize], ray.inverse[self.axis as usize]);
@@ -59,15 +59,14 @@ impl BoundingCylinder {
     }
 }
 
-/// The part of a vector across an axis.
+/// Part of a vector at right angles to an axis.
 #[inline(always)]
 fn across(axis: Axis, mut vector: DVec3) -> DVec3 {
     vector[axis as usize] = 0.0;
     vector
 }
 
-/// The squares of the distances from the lines through a point, along x, y and z, to the farthest edges of a box around
-/// it.
+/// Squared distances from the lines through a point, along x, y and z, to the farthest edges of a box around it.
 fn reach_squared(centre: DVec3, aabb: &Aabb) -> DVec3 {
     let farthest = (centre - aabb.min).max(aabb.max - centre);
     let square = farthest * farthest;

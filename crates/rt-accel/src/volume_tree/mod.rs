@@ -1,4 +1,4 @@
-//! Trees of bounding volumes other than boxes.
+//! Trees of spheres, cylinders and other bounding volumes.
 
 mod cylinder;
 mod quadric;
@@ -20,12 +20,12 @@ pub use cylinder::BoundingCylinder;
 pub use sphere::BoundingSphere;
 pub use volume::BoundingVolume;
 
-/// A binary tree of volumes of one shape, each around all primitives below: O(log n) per ray for most scenes.
+/// Binary tree of bounding volumes of one shape: O(log n) per ray for most scenes.
 ///
-/// As the first hierarchies were made (Whitted 1980; Rubin and Whitted 1980), built top-down by the surface
-/// area heuristic for the volume at hand. Volumes enclose the padded bounds of primitives, not the primitives, as the
-/// equality of all accelerators asks for; boxes are therefore the tightest, and [`Bvh`](crate::Bvh) is faster on nearly
-/// every scene. Take this one to see by how much, or for a shape of volume that suits a scene better than boxes do.
+/// Hierarchies of this kind were the first (Whitted 1980; Rubin and Whitted 1980); this one is built top-down by the
+/// surface area heuristic for the volume. Volumes enclose the padded bounds of primitives, as all accelerators must
+/// return identical results. Boxes are therefore the tightest volumes, and [`Bvh`](crate::Bvh) is faster on nearly
+/// every scene. Recommended for comparisons, and for volumes that fit a scene better than boxes.
 ///
 /// No leaf is deeper than 60. The tree is a pure function of the primitives.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,14 +99,14 @@ impl<V: BoundingVolume> Accelerator for VolumeTree<V> {
         self.tree.validate(primitives, |volumes, side, own| volumes[side].encloses(own))
     }
 
-    /// Of the boxes around its volumes.
+    /// Visits the boxes around its volumes.
     fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
         self.for_each_volume(|volume, depth| visit(volume.bounds(), depth));
     }
 }
 
 impl<V: BoundingVolume> Refit for VolumeTree<V> {
-    /// O(n log n), but a fraction of the time of building.
+    /// O(n log n), in a fraction of the build time.
     fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
         self.tree.refit(primitives, |_, sides| sides.map(|boxes| V::around(boxes.iter().copied()))).map(drop)
     }

@@ -1,14 +1,15 @@
-//! The part of a ray inside a sphere or a cylinder, as wide as padded bounds need it.
+//! Intersection of a ray with a sphere or a cylinder, widened for padded bounds.
 //!
 //! # Why the culling is conservative
 //!
-//! Round volumes are not monotone as boxes are: the chord of a larger sphere, computed, may begin later. So they are
+//! Round volumes are not monotone as boxes are: the computed chord of a larger sphere may begin later. So they are
 //! widened by more than all rounding together. Let `u` be the unit roundoff, `o` and `d` the origin and direction of a
-//! ray, and let a volume with centre `c` contain some padded bounds. `reach` is `|o − c|₁` and the size of the volume, so
+//! ray, and let a volume with centre `c` contain padded bounds. `reach` is `|o − c|₁` plus the size of the volume, so
 //! that no plane `b` of these boxes has `|b − o| > reach` on its axis.
 //!
-//! **The padded bounds.** Let [`Aabb::clip`](rt_math::Aabb::clip) let the ray pass padded bounds, entered at `τ`. Then the point
-//! `o + τd`, of real numbers, is no farther than `16u·reach` from that box, because on each axis one of these holds.
+//! **The padded bounds.** Let [`Aabb::clip`](rt_math::Aabb::clip) let the ray pass padded bounds, entered at `τ`. Then
+//! the point `o + τd`, of real numbers, is no farther than `16u·reach` from that box, because on each axis one of these
+//! holds.
 //!
 //! * `fl(1/d)` is finite. Then `τ` is not before the entry into the slab, `(b − o)/d` with three relative errors `u`, nor
 //!   after the exit, with these and the far factor. That is `11u·reach` at most; what underflows adds `2⁻¹⁰⁷⁴ |d|`.
@@ -29,8 +30,8 @@
 //! For a cylinder, `o − c` and `d` are those across it. If `|d|` across is less than `2⁻⁶⁰ max|d|`, the point is as far from
 //! the axis as `o` is, within `u·reach`, and there is no more to ask.
 //!
-//! Hence for every finite ray: what [`clip`](rt_math::Aabb::clip) lets pass padded bounds is not culled, and its entry is
-//! no earlier than the one into the volume.
+//! Hence for every finite ray: padded bounds that pass [`clip`](rt_math::Aabb::clip) are not culled, and their entry is
+//! no earlier than the entry into the volume.
 
 use glam::DVec3;
 use rt_math::float::UNIT_ROUNDOFF;
@@ -41,7 +42,7 @@ const fn exp2(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
-/// How far hits and rounding can be outside of a volume of this size, or `None` where the arithmetic over- or
+/// Maximum distance of hits from a volume of this size, by rounding, or `None` where the arithmetic over- or
 /// underflows. `offset` is from its centre to the origin of the ray.
 #[inline(always)]
 pub(super) fn error_margin(ray: &Ray, offset: DVec3, size: f64) -> Option<f64> {
@@ -51,9 +52,9 @@ pub(super) fn error_margin(ray: &Ray, offset: DVec3, size: f64) -> Option<f64> {
     is_tame.then_some(128.0 * UNIT_ROUNDOFF * reach)
 }
 
-/// Where the distance from the centre, or for a cylinder from its axis, is at most `radius`, widened by `error_margin`; `None` if
-/// nowhere. For a cylinder, the components of `offset` and `direction` along it are 0, and `speed` is the largest
-/// component of the whole direction.
+/// Part of the ray whose distance from the centre, or for a cylinder from its axis, is at most `radius`, widened by
+/// `error_margin`. For a cylinder, the components of `offset` and `direction` along it are 0, and `speed` is the
+/// largest component of the whole direction.
 #[inline(always)]
 pub(super) fn chord(offset: DVec3, direction: DVec3, speed: f64, radius: f64, error_margin: f64) -> Option<Interval> {
     let grown = radius + error_margin;
@@ -72,7 +73,7 @@ pub(super) fn chord(offset: DVec3, direction: DVec3, speed: f64, radius: f64, er
     Some(Interval::new(closest - half, closest + half))
 }
 
-/// Where a span begins that is cut to where the ray is inside; `None` if nothing is left of it.
+/// Beginning of the intersection of two intervals; `None` if it is empty.
 #[inline(always)]
 pub(super) fn entry(inside: Interval, span: Interval) -> Option<f64> {
     let enter = if inside.min > span.min { inside.min } else { span.min };
@@ -80,8 +81,8 @@ pub(super) fn entry(inside: Interval, span: Interval) -> Option<f64> {
     (enter <= leave).then_some(enter)
 }
 
-/// A number no less than the distance whose square was computed, with five roundings in all and whatever underflowed.
-/// Where it overflowed this is the largest number, for which [`error_margin`] refuses every ray.
+/// Upper bound of the square root of a computed square, with five roundings and underflow. The largest finite number on
+/// overflow, for which [`error_margin`] rejects every ray.
 pub(super) fn sqrt_up(square: f64) -> f64 {
     (square.sqrt() * (1.0 + 16.0 * UNIT_ROUNDOFF) + exp2(-511)).min(f64::MAX)
 }
@@ -114,7 +115,7 @@ mod tests {
         DVec3::from_array([0, 1, 2].map(|axis| hostile([i, k, axis], scale)))
     }
 
-    /// Some boxes of one or many sizes, one of them to ask about.
+    /// Boxes of one or many sizes; the first one is tested.
     fn boxes(i: u64) -> Vec<Aabb> {
         let scale = [1.0, 1e-4, 1e3, 1e7, 1e300, 1e-300, 1e154, 1e-154, 1e120, 1e-120, 1e-310][(i % 11) as usize];
         let offset = f64::min([0.0, 1.0, 1e7, 1e15][(i / 11 % 4) as usize] * scale, 1e300);
@@ -133,7 +134,7 @@ mod tests {
         let bits = hash(&[i, 1002]);
         match bits % 4 {
             0 => {}
-            // Through a corner, which is where the sphere around one box touches it.
+            // Through a corner, where the sphere around one box touches it.
             1 => direction = own.corners()[(bits >> 8) as usize % 8] - origin,
             // Through the corner and along the tangent of that sphere, or nearly so.
             2 => {
@@ -155,7 +156,7 @@ mod tests {
         Ray::new(origin, direction * [1.0, 1.0, 1e-200, 1e200, 1e-100, 1e100, 1e-20, 1e300][(bits >> 48) as usize % 8])
     }
 
-    /// The proof at the top of this file, tried on hostile numbers: bit for bit, and without a tolerance.
+    /// Checks the proof at the top of this file with hostile numbers, without tolerance.
     fn try_out<V: BoundingVolume>() {
         let (mut n_hits, mut n_culled, mut n_late) = (0, 0, 0);
         for i in 0..600_000 {
@@ -196,7 +197,7 @@ mod tests {
 
     #[test]
     fn widening_is_needed() {
-        // The same chord without a margin culls rays that pass padded bounds: the test above would notice.
+        // Without a margin the chord culls rays that pass padded bounds, so that the test above would fail.
         let mut n_culled = 0;
         for i in 0..100_000 {
             let own = boxes(i)[0];

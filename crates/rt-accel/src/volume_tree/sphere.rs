@@ -1,4 +1,4 @@
-//! Balls.
+//! Bounding spheres.
 
 use core::f64::consts::PI;
 
@@ -8,15 +8,15 @@ use rt_math::{Aabb, Interval, SlabRay};
 use super::quadric::{chord, entry, error_margin, sqrt_up};
 use super::volume::BoundingVolume;
 
-/// A sphere around the centre of some boxes.
+/// Sphere around the centre of some boxes.
 ///
-/// Balls are small and hit or missed by one distance, but they are poor at enclosing: one around a cube has 2.7 times
-/// its volume, and one around something long and thin is mostly empty.
+/// Spheres have few numbers and a cheap test, but enclose poorly: one around a cube has 2.7 times its volume, and one
+/// around long and thin contents is mostly empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoundingSphere {
     centre: DVec3,
-    /// `f64::MAX` where there is no better number.
+    /// `f64::MAX` on overflow.
     radius: f64,
 }
 
@@ -32,7 +32,7 @@ impl BoundingSphere {
     }
 }
 
-/// The square of the distance from a point to the farthest corner of a box around it.
+/// Squared distance from a point to the farthest corner of a box around it.
 fn reach_squared(centre: DVec3, aabb: &Aabb) -> f64 {
     (centre - aabb.min).max(aabb.max - centre).length_squared()
 }

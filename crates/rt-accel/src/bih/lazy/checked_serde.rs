@@ -1,4 +1,4 @@
-//! Saves a hierarchy as it is, part split and part not, and checks what is loaded.
+//! Serialisation of the current state, with checks on loading.
 
 use rt_math::Aabb;
 use serde::de::Error;
@@ -12,7 +12,7 @@ use crate::{ValidationError, prim_bounds::Item, traversal::MAX_DEPTH};
 #[derive(Serialize, Deserialize)]
 struct Saved {
     bounds: Aabb,
-    /// Depth first, the left side first: which are below which follows from that.
+    /// Depth first, the left child first, which defines the topology.
     nodes: Vec<SavedNode>,
     unbounded: Vec<u32>,
 }
@@ -63,7 +63,7 @@ impl Saved {
     fn restore(self) -> Result<LazyBih, ValidationError> {
         let primitives = self.check_lists()?;
         let depths = self.check_shape()?;
-        // From the end: what is below a node has been made when the node is.
+        // Backward, so that the children of a node exist.
         let mut made = Vec::new();
         for (node, depth) in self.nodes.into_iter().zip(depths).rev() {
             let node = match node {
@@ -80,7 +80,7 @@ impl Saved {
         Ok(LazyBih { bounds: self.bounds, root, unbounded: self.unbounded, primitives })
     }
 
-    /// Checks that the lists number all primitives, and each of them once; returns how many there are.
+    /// Checks that each primitive is listed once; returns their number.
     fn check_lists(&self) -> Result<u32, ValidationError> {
         let lists: Vec<_> =
             self.nodes.iter().flat_map(SavedNode::listed).chain(self.unbounded.iter().copied()).collect();
@@ -94,7 +94,7 @@ impl Saved {
         Ok(is_listed.len() as u32)
     }
 
-    /// Checks that the nodes make one tree, which will not become too deep; returns their depths.
+    /// Checks that the nodes are one tree whose depth will stay within the limit; returns their depths.
     fn check_shape(&self) -> Result<Vec<u32>, ValidationError> {
         let mut depths = Vec::with_capacity(self.nodes.len());
         let mut pending = vec![0];
@@ -111,7 +111,7 @@ impl Saved {
                     if let Some(&(primitive, _)) = items.iter().find(|(_, own)| !is_box(own)) {
                         return Err(ValidationError::Outside { primitive });
                     }
-                    // Halving needs that much, and no builder leaves less.
+                    // Median splits need that depth, and no builder leaves less.
                     depth + items.len().next_power_of_two().ilog2()
                 }
             };

@@ -1,4 +1,4 @@
-//! A node that does not know what it is until somebody asks.
+//! Node that is split at the first visit.
 
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -7,17 +7,17 @@ use rt_math::Aabb;
 use crate::bih::{planes::Planes, split::split, traverse::BihNode};
 use crate::prim_bounds::Item;
 
-/// First it has a list, then it is split and the list is gone.
+/// Node of a lazy hierarchy: first a list of primitives, after the split a leaf or an inner node.
 ///
-/// Copies, comparisons and the end of it recurse, no deeper than the tree, which is bounded.
+/// Copying, comparing and dropping recurse, at most as deep as the tree.
 #[derive(Debug)]
 pub(in crate::bih) struct LazyNode {
     kind: OnceLock<SplitNode>,
-    /// `None` from the time when somebody has begun to split it.
+    /// `None` as soon as a thread has begun to split the node.
     unsplit: Mutex<Option<Box<Unsplit>>>,
 }
 
-/// All that splitting a node depends on.
+/// Input of the split.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Unsplit {
     pub(super) items: Vec<Item>,
@@ -25,7 +25,7 @@ pub(super) struct Unsplit {
     depth: u32,
 }
 
-/// What a node was split into.
+/// Result of the split.
 #[derive(Clone, Debug, PartialEq)]
 enum SplitNode {
     Leaf(Box<[u32]>),
@@ -38,11 +38,11 @@ struct Inner {
     children: [LazyNode; 2],
 }
 
-/// What is known of a node.
+/// Current state of a node.
 pub(super) enum NodeState<'n> {
-    /// It has not been split. As long as this exists nobody will.
+    /// Not split. The lock keeps other threads from splitting it.
     Unsplit(MutexGuard<'n, Option<Box<Unsplit>>>),
-    /// What it was split into.
+    /// Result of the split.
     Split(BihNode<'n, &'n LazyNode>),
 }
 
@@ -61,7 +61,7 @@ impl LazyNode {
         Self { kind: OnceLock::from(SplitNode::Node(Box::new(Inner { planes, children }))), unsplit: Mutex::new(None) }
     }
 
-    /// What it leads to; it is split if it has not been.
+    /// Splits the node if necessary.
     #[inline(always)]
     pub(super) fn resolve(&self) -> BihNode<'_, &Self> {
         match self.kind() {
@@ -72,11 +72,11 @@ impl LazyNode {
 
     #[inline(always)]
     fn kind(&self) -> &SplitNode {
-        // Only one thread at a time gets to take the list, and once only.
+        // Only one thread takes the list, once.
         self.kind.get_or_init(|| self.lock().take().map_or(SplitNode::Leaf(Box::default()), |unsplit| unsplit.split()))
     }
 
-    /// What is known of it, without splitting it. Waits if it is just being split.
+    /// Current state, without splitting the node. Waits for a split in progress.
     pub(super) fn state(&self) -> NodeState<'_> {
         let unsplit = self.lock();
         if unsplit.is_some() {
@@ -87,7 +87,7 @@ impl LazyNode {
     }
 
     fn lock(&self) -> MutexGuard<'_, Option<Box<Unsplit>>> {
-        // Nobody who holds the lock can leave the list half changed.
+        // No holder of the lock can leave the list half changed.
         self.unsplit.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -114,7 +114,7 @@ impl NodeState<'_> {
         matches!(self, Self::Split(BihNode::Inner(..)))
     }
 
-    /// Bytes held on the heap, but for those of what is below.
+    /// Heap memory in bytes, without that of children.
     pub(super) fn heap(&self) -> usize {
         match self {
             Self::Unsplit(unsplit) => unsplit
@@ -127,7 +127,7 @@ impl NodeState<'_> {
 }
 
 impl Clone for LazyNode {
-    /// A copy of its present state.
+    /// Copies the current state.
     fn clone(&self) -> Self {
         let unsplit = self.lock().clone();
         let kind = if unsplit.is_some() { OnceLock::new() } else { OnceLock::from(self.kind().clone()) };
@@ -136,9 +136,9 @@ impl Clone for LazyNode {
 }
 
 impl PartialEq for LazyNode {
-    /// True if both are in the same state, and so are all below.
+    /// True if both nodes are in the same state, and so are their children.
     fn eq(&self, other: &Self) -> bool {
-        // One lock at a time, as the other node may be the same one.
+        // One lock at a time, as both may be the same node.
         let mine = self.lock().clone();
         let is_same = *other.lock() == mine;
         is_same && (mine.is_some() || self.kind() == other.kind())

@@ -1,4 +1,4 @@
-//! Checks a hierarchy as far as it is known.
+//! Validation of the existing nodes.
 
 use rt_geometry::{Primitives, padded_bounds};
 use rt_math::Aabb;
@@ -7,7 +7,8 @@ use super::LazyBih;
 use super::node::NodeState;
 use crate::{ValidationError, bih::traverse::BihNode, traversal::MAX_DEPTH};
 
-/// Each primitive is in one leaf or waits in one node, between all planes above, and the boxes that wait are right.
+/// Checks that each primitive is in one leaf or one unsplit node, between all planes above, and that stored bounds are
+/// current.
 pub(super) fn check<P: Primitives>(bih: &LazyBih, primitives: &P) -> Result<(), ValidationError> {
     let mut check = Check { primitives, is_placed: vec![false; bih.primitives as usize] };
     let mut verdict = Ok(());
