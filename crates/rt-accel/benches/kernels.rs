@@ -1,5 +1,5 @@
-//! What accelerators spend their time on, one thing at a time: the test of eight boxes, leaves of triangles and spheres,
-//! lists of spheres, and decisions in `f64`, by all instructions that the processor has.
+//! Kernels of accelerators one by one: the test of eight boxes, leaves of triangles and spheres, lists of spheres, and
+//! exact tests in `f64`, for all instruction sets of the processor.
 //!
 //! `cargo bench -p rt-accel --bench kernels` runs all; a filter such as `list` runs some. Rays are prepared anew for each
 //! query, as they are in a picture, so that the first numbers of a kind hold that as well.
@@ -175,7 +175,7 @@ fn nodes_and_leaves(criterion: &mut Criterion) {
     }
 }
 
-/// What a survivor of the filters costs where its vertices are at hand.
+/// Exact test with given vertices.
 fn decisions(criterion: &mut Criterion) {
     let rays = rays();
     let vertices = [DVec3::new(-1.0, -1.0, 0.1), DVec3::new(1.0, -0.9, 0.0), DVec3::new(0.0, 1.0, -0.1)];

@@ -19,87 +19,77 @@ pub trait AcceleratorVisitor {
     fn visit<T: Accelerator>(self, accelerator: &T) -> Self::Output;
 }
 
-/// Kind of accelerator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum AcceleratorKind {
-    /// Brute force.
-    Linear,
-    /// Uniform grid.
-    Grid,
-    /// Binary tree of boxes.
-    Bvh,
-    /// Tree of boxes with eight children per node.
-    Wide,
-    /// Tree of axis-aligned planes.
-    Kd,
-    /// Tree of planes of any direction.
-    Bsp,
-    /// Tree of spheres.
-    Spheres,
-    /// Tree of cylinders.
-    Cylinders,
-    /// Bounding interval hierarchy.
-    Bih,
-    /// Bounding interval hierarchy that is built on demand.
-    BihLazy,
-}
-
-impl AcceleratorKind {
-    /// All kinds.
-    pub const ALL: &[Self] = &[
-        Self::Linear,
-        Self::Grid,
-        Self::Bvh,
-        Self::Wide,
-        Self::Kd,
-        Self::Bsp,
-        Self::Spheres,
-        Self::Cylinders,
-        Self::Bih,
-        Self::BihLazy,
-    ];
-
-    /// Short name in lower case.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Linear => "linear",
-            Self::Grid => "grid",
-            Self::Bvh => "bvh",
-            Self::Wide => "wide",
-            Self::Kd => "kd",
-            Self::Bsp => "bsp",
-            Self::Spheres => "spheres",
-            Self::Cylinders => "cylinders",
-            Self::Bih => "bih",
-            Self::BihLazy => "bih-lazy",
+/// Defines the enums over all kinds from one list.
+macro_rules! accelerators {
+    ($($(#[$doc:meta])* $name:ident($accelerator:ty) = $text:literal,)+) => {
+        /// Kind of accelerator.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum AcceleratorKind {
+            $($(#[$doc])* $name,)+
         }
-    }
+
+        impl AcceleratorKind {
+            /// All kinds.
+            pub const ALL: &[Self] = &[$(Self::$name),+];
+
+            /// Short name in lower case.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$name => $text,)+
+                }
+            }
+        }
+
+        /// Accelerator of a kind that is chosen at run time, at the cost of one `match` per query.
+        #[derive(Clone, Debug, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        pub enum AnyAccelerator {
+            $($(#[$doc])* $name($accelerator),)+
+        }
+
+        impl AnyAccelerator {
+            /// Builds an accelerator with the defaults of its kind.
+            ///
+            /// # Errors
+            ///
+            /// Those of the builder of that kind.
+            pub fn build<P: Primitives>(kind: AcceleratorKind, primitives: &P) -> Result<Self, BuildError> {
+                Ok(match kind {
+                    $(AcceleratorKind::$name => Self::$name(<$accelerator>::build(primitives)?),)+
+                })
+            }
+
+            /// Kind of the accelerator.
+            pub const fn kind(&self) -> AcceleratorKind {
+                match self {
+                    $(Self::$name(_) => AcceleratorKind::$name,)+
+                }
+            }
+        }
+    };
 }
 
-/// Accelerator of a kind that is chosen at run time, at the cost of one `match` per query.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum AnyAccelerator {
+accelerators! {
     /// Brute force.
-    Linear(Linear),
+    Linear(Linear) = "linear",
     /// Uniform grid.
-    Grid(UniformGrid),
+    Grid(UniformGrid) = "grid",
     /// Binary tree of boxes.
-    Bvh(Bvh),
+    Bvh(Bvh) = "bvh",
     /// Tree of boxes with eight children per node.
-    Wide(WideBvh),
+    Wide(WideBvh) = "wide",
     /// Tree of axis-aligned planes.
-    Kd(KdTree),
+    Kd(KdTree) = "kd",
     /// Tree of planes of any direction.
-    Bsp(BspTree),
+    Bsp(BspTree) = "bsp",
     /// Tree of spheres.
-    Spheres(SphereTree),
+    Spheres(SphereTree) = "spheres",
     /// Tree of cylinders.
-    Cylinders(CylinderTree),
+    Cylinders(CylinderTree) = "cylinders",
     /// Bounding interval hierarchy.
-    Bih(Bih),
+    Bih(Bih) = "bih",
     /// Bounding interval hierarchy that is built on demand.
-    BihLazy(LazyBih),
+    BihLazy(LazyBih) = "bih-lazy",
 }
 
 /// Evaluates an expression for the accelerator of the kind at hand.
@@ -121,26 +111,6 @@ macro_rules! dispatch {
 }
 
 impl AnyAccelerator {
-    /// Builds an accelerator with the defaults of its kind.
-    ///
-    /// # Errors
-    ///
-    /// Those of the builder of that kind.
-    pub fn build<P: Primitives>(kind: AcceleratorKind, primitives: &P) -> Result<Self, BuildError> {
-        Ok(match kind {
-            AcceleratorKind::Linear => Self::Linear(Linear::build(primitives)?),
-            AcceleratorKind::Grid => Self::Grid(UniformGrid::build(primitives)?),
-            AcceleratorKind::Bvh => Self::Bvh(Bvh::build(primitives)?),
-            AcceleratorKind::Wide => Self::Wide(WideBvh::build(primitives)?),
-            AcceleratorKind::Kd => Self::Kd(KdTree::build(primitives)?),
-            AcceleratorKind::Bsp => Self::Bsp(BspTree::build(primitives)?),
-            AcceleratorKind::Spheres => Self::Spheres(SphereTree::build(primitives)?),
-            AcceleratorKind::Cylinders => Self::Cylinders(CylinderTree::build(primitives)?),
-            AcceleratorKind::Bih => Self::Bih(Bih::build(primitives)?),
-            AcceleratorKind::BihLazy => Self::BihLazy(LazyBih::build(primitives)?),
-        })
-    }
-
     /// Builds an accelerator of a given quality. Affects [`WideBvh`] only; other kinds use their defaults.
     ///
     /// # Errors
@@ -173,22 +143,6 @@ impl AnyAccelerator {
     /// Passes the concrete accelerator to a visitor: one `match` for many queries.
     pub fn accept<V: AcceleratorVisitor>(&self, visitor: V) -> V::Output {
         dispatch!(self, accelerator => visitor.visit(accelerator))
-    }
-
-    /// Kind of the accelerator.
-    pub const fn kind(&self) -> AcceleratorKind {
-        match self {
-            Self::Linear(_) => AcceleratorKind::Linear,
-            Self::Grid(_) => AcceleratorKind::Grid,
-            Self::Bvh(_) => AcceleratorKind::Bvh,
-            Self::Wide(_) => AcceleratorKind::Wide,
-            Self::Kd(_) => AcceleratorKind::Kd,
-            Self::Bsp(_) => AcceleratorKind::Bsp,
-            Self::Spheres(_) => AcceleratorKind::Spheres,
-            Self::Cylinders(_) => AcceleratorKind::Cylinders,
-            Self::Bih(_) => AcceleratorKind::Bih,
-            Self::BihLazy(_) => AcceleratorKind::BihLazy,
-        }
     }
 }
 

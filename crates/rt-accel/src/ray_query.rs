@@ -9,6 +9,7 @@ use rt_math::{Interval, Ray, SlabRay};
 /// Query along a ray. An [`Accelerator`](crate::Accelerator) passes it primitives to test; the query reports how much
 /// of the ray can still matter.
 pub trait RayQuery {
+    /// Ray of the query.
     fn ray(&self) -> &SlabRay;
 
     /// Part of the ray that can still matter. `max` may shrink from test to test; `min` is constant.

@@ -80,7 +80,7 @@ fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, n_rays: usize
         is_no_more(batched.nodes, single.nodes) && is_no_more(batched.tests, single.tests),
         "{name}: {single:?} {batched:?}"
     );
-    // Each answer has been decided about, and hardly anything else.
+    // Each result had an exact test, with hardly any others.
     assert!(
         batched.hits >= n_hits as u64 && batched.hits as f64 <= 1.1 * single.hits as f64,
         "{name}: {n_hits} hits, {single:?} {batched:?}"
@@ -337,7 +337,7 @@ fn handfuls_answer_and_count_as_brute_force() {
 /// A set of which some are accelerators themselves, some block nothing, and hits are named by instances.
 struct Yard<'t, T> {
     things: Vec<Thing<'t, T>>,
-    /// How often an accelerator was asked for one ray.
+    /// Number of queries of an accelerator for one ray.
     n_asked: AtomicU32,
 }
 
@@ -409,7 +409,7 @@ impl<T: Accelerator> Primitives for Yard<'_, T> {
     }
 }
 
-/// As [`handfuls_answer_and_count_as_brute_force`], with accelerators among the members; trees over them answer alike.
+/// [`handfuls_answer_and_count_as_brute_force`] with accelerators among the members, and trees over them.
 fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
     let draw = &mut Draw::new(seed);
     let mut n_hits = 0;
@@ -482,7 +482,7 @@ fn packets_go_into_structures_together() {
     let structures: Vec<WideBvh> = soups.iter().map(|soup| WideBvh::build(soup).unwrap()).collect();
     let thing = |(soup, structure)| Thing { soup, structure: Some(structure), blocks: true };
     let yard = Yard { things: soups.iter().zip(&structures).map(thing).collect(), n_asked: AtomicU32::new(0) };
-    // Sixteen rays at a time that run beside each other, as those of a pixel do, and five more at the end.
+    // Sixteen adjacent rays at a time, as of a pixel, and five more at the end.
     let eye = DVec3::new(3.7, 9.0, -6.0);
     let rays: Vec<_> = (0..16 * 400 + 5)
         .map(|i: u64| {
@@ -596,7 +596,7 @@ fn hits_on_a_sliver_do_not_depend_on_the_rays_beside() {
     }
 }
 
-/// Counts how often it is asked.
+/// Counts its tests.
 struct Busy<'a>(&'a Soup, AtomicU32);
 
 impl Primitives for Busy<'_> {
@@ -671,7 +671,7 @@ fn batches_with_odd_rays_equal_single_queries() {
     let soup = Soup::facets(&mut Draw::new(5));
     const N: usize = 72;
     let wide = WideBvh::build(&soup).unwrap();
-    // Its neighbours start beside it, so that what they have in common is more than a line.
+    // Its neighbours start next to it, so that their common bounds are more than a line.
     let good = Ray::new(DVec3::new(0.1, 3.0, 0.2), DVec3::NEG_Y);
     let beside = |at: usize| Ray { origin: good.origin + DVec3::X * (0.01 * at as f64), ..good };
     let odd = [

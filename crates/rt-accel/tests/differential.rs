@@ -18,7 +18,7 @@ fn n_rays() -> usize {
     std::env::var("RT_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000)
 }
 
-/// What a comparison went through.
+/// Counts of a comparison.
 struct Outcome {
     n_hits: usize,
     /// Part of all primitives that were tested: 1 if nothing was culled, and the comparison says nothing.

@@ -45,7 +45,7 @@ fn check<R: Refit + Clone + PartialEq + core::fmt::Debug>(name: &str, build: imp
     refusals(name, &built, &start);
 }
 
-/// What cannot be fitted leaves the accelerator as it was.
+/// Rejected refits leave the accelerator unchanged.
 fn refusals<R: Refit + Clone + PartialEq + core::fmt::Debug>(name: &str, built: &R, start: &Soup) {
     let mut structure = built.clone();
     let mut fewer = start.clone();

@@ -77,7 +77,7 @@ fn lists_of_spheres_can_be_saved() {
     let linear = Linear::build(&spheres).unwrap();
     assert!(linear.memory() > 16 * 21);
     check(&linear, &spheres);
-    // A sphere where there is none would be asked for by its number.
+    // An invalid sphere would be tested by its index.
     let text = serde_json::to_string(&linear).unwrap();
     let with_another = text.replacen(&serde_json::to_string(&f32::MIN).unwrap(), "1.0", 1);
     assert_ne!(with_another, text);

@@ -50,6 +50,7 @@
 
 mod area;
 mod bracketed_root;
+mod capped_quadric;
 mod closest_point;
 mod cone;
 mod cuboid;
@@ -62,7 +63,6 @@ mod hit;
 mod infinite_cylinder;
 mod interaction;
 mod intersect;
-mod lateral;
 mod mesh;
 mod mesh_data;
 mod mesh_faces;
@@ -72,6 +72,7 @@ mod plane;
 mod polygon;
 mod primitives;
 mod probe;
+mod quadric_side;
 mod rectangle;
 mod shape;
 mod sphere;
@@ -81,7 +82,6 @@ mod torus;
 mod transformed_shape;
 mod triangle;
 mod triangulator;
-mod truncated;
 mod watertight_ray;
 
 pub use closest_point::ClosestPoint;

@@ -1,17 +1,17 @@
 //! Tori.
 
 use crate::error::{ShapeError, check_radius};
-use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, bracketed_root::bracketed_root, lateral::longitude};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, bracketed_root::bracketed_root, quadric_side::azimuth};
 use rt_math::float::{UNIT_ROUNDOFF, cross, gamma, power_of_two_scale};
 use rt_math::transcendental::{atan2, cbrt};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 use std::f64::consts::TAU;
 
 /// A ring around the y axis: the surface at distance `tube_radius` from a circle of `radius` in the plane y = 0. Its
-/// normal points out of the cylinder.
+/// normal points out of the tube.
 ///
 /// Texture coordinates: `u` runs once around +y as on a [`Sphere`](crate::Sphere), with +z at ½; `v` runs around the
-/// cylinder, upwards on the outside with ½ at its middle, and has its seam on the inside.
+/// tube, upwards on the outside with ½ at its middle, and has its seam on the inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Torus {
     radius: f64,
@@ -19,10 +19,10 @@ pub struct Torus {
 }
 
 impl Torus {
-    /// The ring with this radius of its middle circle and this radius of its cylinder.
+    /// The ring with this radius of its middle circle and this radius of its tube.
     ///
     /// # Errors
-    /// If a radius is not positive (at least 1e-60) or not finite, or if the cylinder is so thick that it closes the hole:
+    /// If a radius is not positive (at least 1e-60) or not finite, or if the tube is so thick that it closes the hole:
     /// the surface would pass through itself.
     pub fn new(radius: f64, tube_radius: f64) -> Result<Self, ShapeError> {
         check_radius(radius)?;
@@ -34,12 +34,12 @@ impl Torus {
         }
     }
 
-    /// Radius of the circle in the middle of the cylinder.
+    /// Radius of the circle in the middle of the tube.
     pub const fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// Radius of the cylinder, less than [`radius`](Self::radius).
+    /// Radius of the tube, less than [`radius`](Self::radius).
     pub const fn tube_radius(&self) -> f64 {
         self.tube_radius
     }
@@ -51,23 +51,23 @@ impl Torus {
         Aabb::new(-reach, reach)
     }
 
-    /// How far the torus reaches in a direction: the largest dot product with one of its points.
+    /// Support function: the largest dot product of a direction with a point of the torus.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.radius * DVec3::new(direction.x, 0.0, direction.z).length() + self.tube_radius * direction.length()
     }
 
-    /// The first of up to four crossings within `span`. `None` on a miss, and for rays without a direction.
+    /// First of up to four intersections within `span`. `None` on a miss, and for rays without a direction.
     ///
-    /// The quartic is never expanded, as its coefficients would swallow a thin cylinder. The excess of `Chord::excess`
-    /// has the sign of the quartic and is evaluated from geometry; the zeros of its slope split the ray into stretches
-    /// where it is monotone, and in each of them a change of sign brackets one root.
+    /// The quartic is never expanded, as its coefficients would cancel for a thin tube. `Chord::excess` has the sign of
+    /// the quartic and is evaluated from geometry; the roots of its slope split the ray into intervals in which it is
+    /// monotone, and a change of sign in an interval brackets one root.
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let chord = Chord::new(self, ray)?;
         let splits = chord.splits();
         let mut start = (splits[0], chord.excess(splits[0]));
         for &split in &splits[1..] {
             let end = (split, chord.excess(split));
-            // On the surface counts as inside: a ray that touches it meets it twice at the same place.
+            // The surface counts as inside: a tangent ray hits it twice at the same parameter.
             if (start.1 > 0.0) != (end.1 > 0.0) {
                 let s = bracketed_root(|s| chord.excess(s), [start.0, end.0], UNIT_ROUNDOFF * self.tube_radius);
                 let t = chord.t_from_arc(s);
@@ -91,7 +91,7 @@ impl Torus {
         let point = away * self.radius + normal * self.tube_radius;
         // The kernel sees the point after it is moved to the middle of its chord and back.
         let point_error = normal.abs() * (gamma(24) * (self.radius + self.tube_radius));
-        let uv = if needs.uv { [longitude(away), 0.5 + atan2(on_ray.y, outwards) / TAU] } else { [0.0; 2] };
+        let uv = if needs.uv { [azimuth(away), 0.5 + atan2(on_ray.y, outwards) / TAU] } else { [0.0; 2] };
         SurfaceInteraction::flat(point, point_error, normal, uv)
     }
 }
@@ -99,7 +99,7 @@ impl Torus {
 /// The part of a ray near a torus, by the signed distance s from where the ray is nearest to the centre.
 struct Chord<'a> {
     torus: &'a Torus,
-    /// Where the ray is nearest to the centre: perpendicular to the direction.
+    /// Point of the ray nearest to the centre: perpendicular to the direction.
     middle: DVec3,
     /// The unit direction.
     towards: DVec3,
@@ -136,7 +136,7 @@ impl<'a> Chord<'a> {
         self.t_middle + s / self.speed
     }
 
-    /// The squared distance from the middle circle of the cylinder less its squared radius: negative inside.
+    /// The squared distance from the middle circle of the tube less its squared radius: negative inside.
     fn excess(&self, s: f64) -> f64 {
         let p = self.at(s);
         let outwards = (p.x * p.x + p.z * p.z).sqrt() - self.torus.radius;
@@ -180,7 +180,7 @@ impl<'a> Chord<'a> {
         ]
     }
 
-    /// Where the slope changes its sign; an end if it does not.
+    /// Root of the slope; an end of the interval without a change of sign.
     fn zero_of_slope(&self, a: f64, b: f64) -> f64 {
         if (self.slope(a) > 0.0) == (self.slope(b) > 0.0) {
             return b;
@@ -210,7 +210,7 @@ mod tests {
         found
     }
 
-    /// Roots of the quartic in 80-digit arithmetic, of the very numbers given.
+    /// Roots of the quartic in 80-digit arithmetic, for exactly these numbers.
     #[test]
     fn known_roots_keep_their_digits() {
         type Case<'a> = (f64, [f64; 3], [f64; 3], &'a [f64]);
@@ -288,7 +288,7 @@ mod tests {
         let outside = |x: f64| crossings(torus(1.0, 0.25), &Ray::new(DVec3::new(x, 0.0, -3.0), DVec3::Z));
         assert_eq!(outside(1.25f64.next_up()).len(), 0);
         assert_eq!(outside(1.25 - 1e-12).len(), 2);
-        // Along the inside of the ring: through the cylinder, or cut by its inner wall.
+        // Along the inside of the ring: through the tube, or cut by its inner wall.
         assert_eq!(outside(0.75 + 1e-12).len(), 2);
         assert_eq!(outside(0.75 - 1e-12).len(), 4);
     }
@@ -337,7 +337,7 @@ mod tests {
         ) {
             let ten_to = |x: f64| rt_math::transcendental::pow(10.0, x);
             let torus = torus(radius, radius * ten_to(log_thickness));
-            // Towards a point inside the cylinder.
+            // Towards a point inside the tube.
             let on_circle = DVec3::new(to.x, 0.0, to.z).normalize_or(DVec3::X) * radius;
             let inside = on_circle + to * (0.5 * torus.tube_radius());
             let ray = Ray::new(from * (10.0 * ten_to(log_far)), inside - from * (10.0 * ten_to(log_far)));

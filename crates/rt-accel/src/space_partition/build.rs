@@ -117,8 +117,8 @@ impl<C: SplitPlane> BspPartition<C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
     use crate::{Accelerator, BspTree, KdTree};
+    use glam::DVec3;
     use rt_geometry::Hit;
     use rt_math::random::{hash, unit};
     use rt_math::{Interval, Ray};

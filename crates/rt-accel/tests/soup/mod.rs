@@ -111,7 +111,7 @@ impl Soup {
         Self(solids)
     }
 
-    /// As a mesh has them.
+    /// Triangles as of a mesh.
     pub(crate) fn facets(draw: &mut Draw) -> Self {
         let facet = |solid| match solid {
             Solid::Triangle(vertices) => Solid::Facet(vertices.map(|vertex| vertex.as_vec3())),
