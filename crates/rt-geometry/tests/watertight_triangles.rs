@@ -31,7 +31,7 @@ fn leaks(offset: f64, scale: f64, target: Target, rays: u64) -> (usize, usize) {
     assert_eq!((vertices.len(), triangles.len()), (42, 80));
     let centre = DVec3::new(offset, offset * 0.75, -offset);
     // On a grid coarse enough for the middles of edges to be exact as well.
-    let place = |v: &DVec3| (*v * GRID).kernel() / GRID * scale + centre;
+    let place = |v: &DVec3| (*v * GRID).round() / GRID * scale + centre;
     let vertices: Vec<DVec3> = vertices.iter().map(place).collect();
     let draw = |ray: u64, k: u64| random::unit(random::hash(&[ray, k]));
     let (mut watertight, mut plain) = (0, 0);
