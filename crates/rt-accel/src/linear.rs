@@ -86,7 +86,7 @@ impl Accelerator for Linear {
         probe: &mut S,
     ) -> Option<Hit> {
         match &self.spheres {
-            Some(spheres) => spheres.closest(primitives, ray, span, probe),
+            Some(spheres) => spheres.trace(primitives, ray, span, probe),
             None => brute_force::closest(primitives, ray, span, probe),
         }
     }
@@ -94,7 +94,7 @@ impl Accelerator for Linear {
     #[inline]
     fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         match &self.spheres {
-            Some(spheres) => spheres.occluded(primitives, ray, span, probe),
+            Some(spheres) => spheres.trace(primitives, ray, span, probe),
             None => brute_force::occluded(primitives, ray, span, probe),
         }
     }
@@ -166,7 +166,7 @@ impl Accelerator for Linear {
             return Err(ValidationError::Count { built: self.primitives, given: primitives.len() });
         }
         match &self.spheres {
-            Some(spheres) => spheres.check(primitives),
+            Some(spheres) => spheres.validate(primitives),
             None => Ok(()),
         }
     }

@@ -11,7 +11,7 @@ use crate::{Aabb, AnimatedTransform, Transform};
 ///
 /// let moved = |x: f64| Transform::translate(DVec3::X * x);
 /// let walk = AnimatedTransform::new(&Transform::IDENTITY, &moved(1.0))?;
-/// let chain = AnimatedTransformChain::still(moved(5.0)).compose_animated(&walk).compose(&moved(0.25));
+/// let chain = AnimatedTransformChain::constant(moved(5.0)).compose_animated(&walk).compose(&moved(0.25));
 /// assert_eq!(chain.at(0.5).point(DVec3::ZERO).x, 5.75);
 /// assert!(chain.as_constant().is_none());
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -6,7 +6,7 @@ use super::build::PrimStats;
 use super::leaf::{LeafKind, LeafWriter};
 use super::node::{Child, Node};
 use super::{BuildParams, WideBvh};
-use crate::{BuildError, Refit, bvh::NodeBox, own_boxes::validate_lists};
+use crate::{BuildError, Refit, bvh::Aabb32, prim_bounds::validate_lists};
 
 impl Refit for WideBvh {
     /// Leaves of triangles that no longer suit, as the scene has gone far from the origin, make it build a new tree.
@@ -36,11 +36,11 @@ impl Refit for WideBvh {
 
 impl WideBvh {
     /// The box around a leaf, which is filled anew, or around what is below a node that has been fitted.
-    fn fit<P: Primitives>(&mut self, child: Child, filling: &LeafWriter<'_, P>) -> NodeBox {
+    fn fit<P: Primitives>(&mut self, child: Child, filling: &LeafWriter<'_, P>) -> Aabb32 {
         if child.is_node() {
-            return self.nodes[child.number()].children().fold(NodeBox::EMPTY, |all, (bounds, _)| all.union(bounds));
+            return self.nodes[child.number()].children().fold(Aabb32::EMPTY, |all, (bounds, _)| all.union(bounds));
         }
         self.leaves.refill(child, filling);
-        self.leaves.indices(child).iter().map(|&index| filling.own(index)).fold(NodeBox::EMPTY, NodeBox::union)
+        self.leaves.indices(child).iter().map(|&index| filling.own(index)).fold(Aabb32::EMPTY, Aabb32::union)
     }
 }

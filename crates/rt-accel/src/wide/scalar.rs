@@ -8,7 +8,7 @@ use rt_math::{Aabb, Interval};
 
 use super::node::{Child, Node};
 use super::{STACK, WideBvh};
-use crate::{RayQuery, RegionQuery, bvh::NodeRay};
+use crate::{RayQuery, RegionQuery, bvh::SlabRay32};
 
 /// Children that were put off, with what they are ordered by: the farthest of a node lie deepest.
 struct ScalarStack {
@@ -53,7 +53,7 @@ impl WideBvh {
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
-        let node_ray = NodeRay::new(query.ray(), self.centre);
+        let node_ray = SlabRay32::new(query.ray(), self.centre);
         let mut stack = ScalarStack::new();
         stack.insert(0, (f64::NEG_INFINITY, self.root, (0, 0)));
         while let Some((enter, child, _)) = stack.pop() {
@@ -62,7 +62,7 @@ impl WideBvh {
                 continue;
             }
             if !child.is_node() {
-                query.offer_all(primitives, self.leaves.indices(child), probe)?;
+                query.test_leaf(primitives, self.leaves.indices(child), probe)?;
                 continue;
             }
             let Some(node) = self.nodes.get(child.number()) else { continue };
@@ -83,18 +83,18 @@ impl WideBvh {
         stack.insert(0, (0.0, self.root, (u32::MAX, 0)));
         while let Some((_, child, place)) = stack.pop() {
             // The query may have become more particular since.
-            if self.box_at(place).is_some_and(|bounds| query.reach(&bounds).is_none()) {
+            if self.box_at(place).is_some_and(|bounds| query.distance_to(&bounds).is_none()) {
                 continue;
             }
             if !child.is_node() {
-                query.offer_all(self.leaves.indices(child))?;
+                query.test_leaf(self.leaves.indices(child))?;
                 continue;
             }
             let Some(node) = self.nodes.get(child.number()) else { continue };
             let first = stack.len;
             for lane in 0..8 {
                 let place = (child.number() as u32, lane);
-                if let Some(reach) = self.box_at(place).and_then(|bounds| query.reach(&bounds)) {
+                if let Some(reach) = self.box_at(place).and_then(|bounds| query.distance_to(&bounds)) {
                     stack.insert(first, (reach, node.children[usize::from(lane)], place));
                 }
             }

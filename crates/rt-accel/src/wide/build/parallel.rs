@@ -5,7 +5,7 @@ use super::binning::Bins;
 use super::collapse::{CollapsePlan, Costs};
 use super::reference::Run;
 use super::top_down::{BuildConfig, Set};
-use crate::bvh::NodeBox;
+use crate::bvh::Aabb32;
 
 /// Sets of at most this size are one task: their references and nodes stay in the cache of one core.
 const TASK: usize = 4096;
@@ -35,8 +35,8 @@ pub(super) struct Place {
 
 /// The upper part of a tree.
 enum Upper {
-    Inner(NodeBox, Box<[Upper; 2]>),
-    Task(NodeBox, BinaryTree, Costs),
+    Inner(Aabb32, Box<[Upper; 2]>),
+    Task(Aabb32, BinaryTree, Costs),
 }
 
 impl SubtreeSet {
@@ -57,7 +57,7 @@ impl SubtreeSet {
         self.trees[place.tree as usize].nodes[place.node as usize].content()
     }
 
-    pub(super) fn bounds(&self, place: Place) -> NodeBox {
+    pub(super) fn bounds(&self, place: Place) -> Aabb32 {
         self.trees[place.tree as usize].nodes[place.node as usize].bounds()
     }
 
@@ -93,7 +93,7 @@ impl SubtreeSet {
     }
 
     /// Adds a link, and a leaf of the tree that leads there.
-    pub(super) fn link(&mut self, bounds: &NodeBox, link: SubtreeRef, tree: usize) -> u32 {
+    pub(super) fn link(&mut self, bounds: &Aabb32, link: SubtreeRef, tree: usize) -> u32 {
         self.links.push(link);
         let content = Content::Link(self.links.len() as u32 - 1);
         self.trees[tree].push(bounds, content, CollapsePlan::LEAF)

@@ -2,7 +2,7 @@
 
 use glam::{Vec3A, Vec4};
 
-use crate::bvh::NodeBox;
+use crate::bvh::Aabb32;
 
 /// A box and the one or two primitives in it, in 32 bytes.
 ///
@@ -34,21 +34,21 @@ impl PrimRef {
 
     /// The box must not be empty. Zeros lose their sign, so that the least of several is the same in any order.
     #[inline(always)]
-    pub(super) fn new(bounds: NodeBox, index: u32) -> Self {
+    pub(super) fn new(bounds: Aabb32, index: u32) -> Self {
         let tagged = |corner: Vec3A, half: u32| (corner + Vec3A::ZERO).extend(f32::from_bits(ONE | half)).to_array();
         Self { min: tagged(bounds.min, index & 0xffff), max: tagged(bounds.max, index >> 16) }
     }
 
     /// Both primitives of two references, of which the second follows the first, in one box.
     #[inline(always)]
-    pub(super) fn pair(&self, bounds: &NodeBox) -> Self {
+    pub(super) fn pair(&self, bounds: &Aabb32) -> Self {
         let tagged = |corner: Vec3A, tag: u32| corner.extend(f32::from_bits(tag)).to_array();
         Self { min: tagged(bounds.min, self.min[3].to_bits() | PAIR), max: tagged(bounds.max, self.max[3].to_bits()) }
     }
 
     #[inline(always)]
-    pub(super) fn bounds(&self) -> NodeBox {
-        NodeBox { min: Vec3A::from_vec4(Vec4::from_array(self.min)), max: Vec3A::from_vec4(Vec4::from_array(self.max)) }
+    pub(super) fn bounds(&self) -> Aabb32 {
+        Aabb32 { min: Vec3A::from_vec4(Vec4::from_array(self.min)), max: Vec3A::from_vec4(Vec4::from_array(self.max)) }
     }
 
     /// The index of the first primitive.
@@ -83,7 +83,7 @@ mod tests {
     #[test]
     fn the_index_survives() {
         for index in [0, 1, 0xffff, 0x1_0000, 0xdead_beef, u32::MAX] {
-            let bounds = NodeBox { min: Vec3A::splat(-1.5), max: Vec3A::new(0.25, f32::INFINITY, 1e-45) };
+            let bounds = Aabb32 { min: Vec3A::splat(-1.5), max: Vec3A::new(0.25, f32::INFINITY, 1e-45) };
             let reference = PrimRef::new(bounds, index);
             assert_eq!((reference.bounds(), reference.index()), (bounds, index));
         }
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn zeros_have_one_sign() {
-        let reference = PrimRef::new(NodeBox { min: Vec3A::splat(-0.0), max: Vec3A::ZERO }, 0);
+        let reference = PrimRef::new(Aabb32 { min: Vec3A::splat(-0.0), max: Vec3A::ZERO }, 0);
         assert_eq!(reference.bounds().min.x.to_bits(), 0);
     }
 }

@@ -19,7 +19,7 @@ use super::collapse::{CollapsePlan, Costs};
 use super::parallel::{Place, SubtreeRef, SubtreeSet};
 use super::reference::Run;
 use super::top_down::BuildConfig;
-use crate::{bounded_depth::MAX_DEPTH, bvh::NodeBox};
+use crate::{bvh::Aabb32, traversal::MAX_DEPTH};
 
 /// How much is done.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +41,7 @@ impl ReinsertionParams {
 const NONE: u32 = u32::MAX;
 
 struct Node {
-    bounds: NodeBox,
+    bounds: Aabb32,
     area: f32,
     parent: u32,
     /// The children, if it has been opened.
@@ -264,7 +264,7 @@ mod tests {
     fn a_leaf_far_from_its_sibling_moves_to_its_neighbour() {
         // From (((0, 100), 1), 101) to ((0, 1), (100, 101)).
         let order = [0, 1, 2, 3].map(|first| Run { first, count: 1 });
-        let unit = NormalizedArea::new(&NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(102.0) });
+        let unit = NormalizedArea::new(&Aabb32 { min: Vec3A::ZERO, max: Vec3A::splat(102.0) });
         let config = BuildConfig {
             unit,
             axes: crate::wide::build::binning::Axes::All,
@@ -274,7 +274,7 @@ mod tests {
         };
         let mut tree = BinaryTree::default();
         let leaves = [0.0, 100.0, 1.0, 101.0].into_iter().zip(0..).map(|(x, first)| {
-            let bounds = NodeBox { min: Vec3A::X * x, max: Vec3A::new(x + 1.0, 1.0, 1.0) };
+            let bounds = Aabb32 { min: Vec3A::X * x, max: Vec3A::new(x + 1.0, 1.0, 1.0) };
             let number = tree.push(&bounds, Content::Leaf { first, count: 1 }, CollapsePlan::LEAF);
             (number, bounds, Costs::leaf(unit.area(&bounds), 1))
         });

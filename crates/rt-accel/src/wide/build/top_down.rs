@@ -8,7 +8,7 @@ use super::collapse::{CollapsePlan, Costs};
 use super::leaf_policy::LeafPolicy;
 use super::params::{BuildParams, Quality};
 use super::reference::{PrimRef, Run};
-use crate::{bounded_depth::leaves_room_for_halving, bvh::NodeBox};
+use crate::{bvh::Aabb32, traversal::depth_allows_median_split};
 
 /// What all sets have in common.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +23,7 @@ pub(super) struct BuildConfig {
 
 impl BuildConfig {
     /// For primitives within this box.
-    pub(super) fn new(extent: &NodeBox, params: &BuildParams) -> Self {
+    pub(super) fn new(extent: &Aabb32, params: &BuildParams) -> Self {
         let (axes, leaf_policy) = match params.quality {
             Quality::Low => (Axes::Widest, LeafPolicy::GREEDY),
             Quality::Medium => (Axes::All, LeafPolicy::LOOSE),
@@ -50,13 +50,13 @@ pub(super) struct Set<'a> {
 /// Where the references of a set are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PrimInfo {
-    pub(super) bounds: NodeBox,
+    pub(super) bounds: Aabb32,
     /// Around all centroids, on the scale of [`PrimRef::centroid`].
-    pub(super) centroids: NodeBox,
+    pub(super) centroids: Aabb32,
 }
 
 impl PrimInfo {
-    pub(super) const EMPTY: Self = Self { bounds: NodeBox::EMPTY, centroids: NodeBox::EMPTY };
+    pub(super) const EMPTY: Self = Self { bounds: Aabb32::EMPTY, centroids: Aabb32::EMPTY };
 
     pub(super) fn of(references: &[PrimRef]) -> Self {
         references.iter().fold(Self::EMPTY, |all, reference| Self {
@@ -73,9 +73,9 @@ impl PrimInfo {
 
 /// Copies each reference to its side, and returns the boxes of the centroids on both. No branch depends on the side,
 /// which cannot be foreseen.
-pub(super) fn scatter(references: &[PrimRef], cut: &SplitPlane, sides: [&mut [PrimRef]; 2]) -> [NodeBox; 2] {
+pub(super) fn scatter(references: &[PrimRef], cut: &SplitPlane, sides: [&mut [PrimRef]; 2]) -> [Aabb32; 2] {
     const AWAY: [[f32; 2]; 2] = [[0.0, f32::INFINITY], [f32::INFINITY, 0.0]];
-    let mut centroids = [NodeBox::EMPTY; 2];
+    let mut centroids = [Aabb32::EMPTY; 2];
     let mut next = [0; 2];
     for reference in references {
         let side = cut.side(reference);
@@ -91,8 +91,8 @@ pub(super) fn scatter(references: &[PrimRef], cut: &SplitPlane, sides: [&mut [Pr
 }
 
 #[inline(always)]
-fn include(bounds: NodeBox, point: Vec3A) -> NodeBox {
-    NodeBox { min: bounds.min.min(point), max: bounds.max.max(point) }
+fn include(bounds: Aabb32, point: Vec3A) -> Aabb32 {
+    Aabb32 { min: bounds.min.min(point), max: bounds.max.max(point) }
 }
 
 impl<'a> Set<'a> {
@@ -112,7 +112,8 @@ impl<'a> Set<'a> {
     /// The map to bins, unless the depth that halving needs has been used up.
     pub(super) fn binning(&self, config: &BuildConfig) -> Option<BinMapping> {
         let count = self.references.len();
-        leaves_room_for_halving(count, self.depth).then(|| BinMapping::new(&self.extent.centroids, count, config.axes))
+        depth_allows_median_split(count, self.depth)
+            .then(|| BinMapping::new(&self.extent.centroids, count, config.axes))
     }
 
     /// Moves the references over, those on the left of the cut first, in the order in which they were.
@@ -162,7 +163,7 @@ impl<'a> Set<'a> {
 }
 
 impl BinaryTree {
-    pub(super) fn push(&mut self, bounds: &NodeBox, content: Content, plan: CollapsePlan) -> u32 {
+    pub(super) fn push(&mut self, bounds: &Aabb32, content: Content, plan: CollapsePlan) -> u32 {
         self.nodes.push(BinaryNode::new(bounds, content));
         self.plans.push(plan);
         self.root()
@@ -191,7 +192,7 @@ impl BinaryTree {
     /// Adds a node above two others.
     pub(super) fn join(
         &mut self,
-        bounds: &NodeBox,
+        bounds: &Aabb32,
         children: [u32; 2],
         costs: [&Costs; 2],
         config: &BuildConfig,

@@ -23,7 +23,7 @@ use super::packet_rays::{F64x8, RayPacket, SpanLanes};
 use super::query::{Output, PrimitiveTester};
 use super::ray::{RayF32, RayF64x4, SLACK};
 use super::simd::Simd;
-use crate::{bvh::NodeBox, wide::huge_pages::filled};
+use crate::{bvh::Aabb32, wide::huge_pages::filled};
 
 /// Most primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 8;
@@ -225,8 +225,8 @@ pub(super) struct LeafWriter<'a, P> {
 
 impl<P: Primitives> LeafWriter<'_, P> {
     /// The own box, relative to the centre.
-    pub(super) fn own(&self, index: u32) -> NodeBox {
-        padded_bounds(self.primitives, index).map_or(NodeBox::EMPTY, |own| NodeBox::outward(&own, self.centre))
+    pub(super) fn own(&self, index: u32) -> Aabb32 {
+        padded_bounds(self.primitives, index).map_or(Aabb32::EMPTY, |own| Aabb32::enclosing(&own, self.centre))
     }
 
     /// Fills the first of these lines, which are empty, with a leaf of 1 to 8 primitives; returns how many it takes.
