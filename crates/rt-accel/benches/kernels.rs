@@ -114,6 +114,20 @@ fn levels() -> impl Iterator<Item = SimdLevel> {
     SimdLevel::ALL.iter().copied().filter(|level| level.is_available())
 }
 
+/// Times the closest and any hit of all rays, with an accelerator.
+fn bench_accelerator<A: Accelerator>(
+    criterion: &mut Criterion,
+    group: &str,
+    id: &str,
+    accelerator: &A,
+    solids: &Solids,
+    unit: u64,
+) {
+    let closest = |ray: &Ray| accelerator.closest(solids, ray, Interval::FORWARD, &mut NoProbe);
+    let occluded = |ray: &Ray| accelerator.occluded(solids, ray, Interval::FORWARD, &mut NoProbe);
+    bench_queries(criterion, group, id, closest, occluded, unit);
+}
+
 /// Times the closest and any hit of all rays.
 fn bench_queries<A: Accelerator>(
     criterion: &mut Criterion,
@@ -127,12 +141,10 @@ fn bench_queries<A: Accelerator>(
     let mut group = criterion.benchmark_group(group);
     group.throughput(Throughput::Elements(unit * N_RAYS as u64));
     group.bench_function(BenchmarkId::new("closest", id), |bencher| {
-        let closest = |ray| structure.closest(solids, black_box(ray), Interval::FORWARD, &mut NoProbe);
-        bencher.iter(|| rays.iter().filter_map(closest).map(|hit| hit.t).sum::<f64>());
+        bencher.iter(|| rays.iter().filter_map(|ray| closest(black_box(ray))).map(|hit| hit.t).sum::<f64>());
     });
     group.bench_function(BenchmarkId::new("occluded", id), |bencher| {
-        let occluded = |ray: &&Ray| structure.occluded(solids, black_box(ray), Interval::FORWARD, &mut NoProbe);
-        bencher.iter(|| rays.iter().filter(occluded).count());
+        bencher.iter(|| rays.iter().filter(|ray| occluded(black_box(ray))).count());
     });
     group.finish();
 }

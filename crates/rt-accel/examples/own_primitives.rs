@@ -7,10 +7,7 @@
 use std::error::Error;
 use std::time::Instant;
 
-use rt_accel::{
-    Aabb, Accelerator, AcceleratorQueries, Bvh, Counters, DVec3, Hit, Interval, Linear, NoProbe, Primitives, Ray,
-    UniformGrid,
-};
+use rt_accel::{Aabb, Accelerator, Bvh, Counters, DVec3, Hit, Interval, Linear, NoProbe, Primitives, Ray, UniformGrid};
 
 /// A flat disc: a centre, a unit normal, and a radius.
 struct Disc {

@@ -1,13 +1,13 @@
-//! Boxes and nothing else.
+//! Boxes as primitives.
 
 use rt_geometry::{Hit, PrimitiveGeometry, Primitives};
 use rt_math::{Aabb, Interval, Ray, SlabRay};
 
-/// Axis-aligned boxes as primitives: for callers who have boxes only, or whose objects are asked in a callback of
-/// [`visit_candidates`](crate::AcceleratorQueries::visit_candidates) or
-/// [`visit_overlapping`](crate::AcceleratorQueries::visit_overlapping).
+/// Axis-aligned boxes as primitives: for callers with boxes only, or with objects that are tested in a callback of
+/// [`visit_candidates`](crate::Accelerator::visit_candidates) or
+/// [`visit_overlapping`](crate::Accelerator::visit_overlapping).
 ///
-/// A ray that starts in a box hits it at once.
+/// A ray that starts in a box hits it at its origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Boxes<'b>(pub &'b [Aabb]);
 

@@ -1,6 +1,6 @@
-//! Each primitive in turn, in `f64`: what all structures are compared with.
+//! Brute force: tests each primitive in turn, in `f64`.
 //!
-//! The answers are right by definition, so that tests hold everything else against them, [`Linear`](crate::Linear) too:
+//! Reference of all tests, also for [`Linear`](crate::Linear), which has faster paths:
 //!
 //! ```
 //! use rt_accel::{Aabb, Accelerator, Boxes, DVec3, Interval, NoProbe, Ray, WideBvh, brute_force};
@@ -18,19 +18,19 @@ use rt_geometry::{Hit, Primitives, Probe};
 use rt_math::{Interval, Ray};
 
 use crate::RayQuery;
-use crate::ray_query::{Any, Closest};
+use crate::ray_query::{AnyHit, Closest};
 
-/// The first hit within `span`, the least by (t, instance, primitive); `None` on a miss. Tests every primitive.
+/// The closest hit within `span`, the smallest by (t, instance, primitive). Tests every primitive.
 pub fn closest<P: Primitives, S: Probe>(primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
     let mut query = Closest::new(ray, span);
     for index in 0..primitives.len() as u32 {
-        let _ = query.offer(primitives, index, probe);
+        let _ = query.test_primitive(primitives, index, probe);
     }
     query.hit
 }
 
-/// True if anything is hit within `span`. Tests the primitives up to the first that is.
+/// True if any primitive is hit within `span`. Tests the primitives up to the first hit.
 pub fn occluded<P: Primitives, S: Probe>(primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-    let mut query = Any::new(ray, span);
-    (0..primitives.len() as u32).any(|index| query.offer(primitives, index, probe).is_break())
+    let mut query = AnyHit::new(ray, span);
+    (0..primitives.len() as u32).any(|index| query.test_primitive(primitives, index, probe).is_break())
 }

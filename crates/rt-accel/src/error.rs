@@ -1,29 +1,29 @@
-//! Why a structure cannot be built, or does not fit its primitives.
+//! Errors of building and of validation.
 
 use core::fmt;
 
 use rt_math::Aabb;
 
-/// Why no structure can be built over a set of primitives.
+/// Reason why no accelerator can be built over a set of primitives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// The bounds of a primitive are not a box: a corner is NaN, `min` exceeds `max`, or a side is infinite (or too
-    /// large to be padded). An unbounded primitive must return `None` instead of an infinite box.
+    /// The bounds of a primitive are not a box: a corner is NaN, `min` exceeds `max`, or a side is infinite or too
+    /// large to be padded. An unbounded primitive must return `None` instead of an infinite box.
     BadBounds {
-        /// Which primitive.
+        /// Index of the primitive.
         index: u32,
-        /// What its `bounds` returned.
+        /// Result of its `bounds`.
         bounds: Aabb,
     },
-    /// More primitives, cells or references to primitives than the structure can number.
+    /// More primitives, cells or references than indices.
     TooMany {
-        /// How many there are.
+        /// Actual number.
         count: u64,
-        /// How many there may be.
+        /// Maximum number.
         limit: u64,
     },
-    /// The primitives are not those that a structure was built over, so that it cannot be fitted to them.
+    /// The accelerator was built over other primitives, and cannot be refitted to these.
     Changed(ValidationError),
 }
 
@@ -50,32 +50,32 @@ impl fmt::Display for BuildError {
 
 impl core::error::Error for BuildError {}
 
-/// How a structure fails to fit a set of primitives. Structures straight from their builder never do; one that is
-/// asked about primitives which have changed since may.
+/// Mismatch between an accelerator and a set of primitives. Occurs only if the primitives have changed since the
+/// accelerator was built, or if it was damaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ValidationError {
-    /// The structure was built over another number of primitives.
+    /// The accelerator was built over a different number of primitives.
     Count {
         /// Number of primitives at build time.
         built: u32,
         /// Number of primitives now.
         given: usize,
     },
-    /// A primitive cannot be found where its bounds put it: in no leaf or in several, missing in a cell that it
-    /// overlaps, or bounded but kept in the list of unbounded ones (and the reverse).
+    /// A primitive is not listed according to its bounds: in no leaf or in several, missing in a cell that it overlaps,
+    /// or in the list of unbounded primitives although it is bounded (and the reverse).
     Misplaced {
-        /// Which primitive.
+        /// Index of the primitive.
         primitive: u32,
     },
-    /// The own box of a primitive reaches out of a box above it.
+    /// The padded bounds of a primitive exceed an enclosing box.
     Outside {
-        /// Which primitive.
+        /// Index of the primitive.
         primitive: u32,
     },
-    /// A box reaches out of the one above it, or a reference points nowhere.
+    /// A box exceeds that of its parent, or a reference is invalid.
     Node {
-        /// Which node.
+        /// Index of the node.
         node: u32,
     },
     /// A leaf lies too deep for the traversal stack.

@@ -1,4 +1,4 @@
-//! # rt-accel: chapter 6, acceleration structures
+//! # rt-accel: chapter 6, acceleration accelerators
 //!
 //! ```text
 //!     closest(ray) = min over all primitives of (t, instance, primitive)      always the same bits
@@ -24,21 +24,21 @@
 //! | [`Bih`] | O(n log n), a tenth to a fifth of `Bvh` | under 20 | O(log n) nodes, 1.5 to 5 times the work of `Bvh` | scenes that change all the time |
 //! | [`LazyBih`] | O(n), the rest while rays arrive | 56 before, 40 to 60 after | as `Bih` | first pictures of scenes of which little is seen |
 //!
-//! Numbers are of 10³ to 10⁵ primitives; `docs/COSTS.md` of the repository has them all. The [`guide`] explains each
-//! structure with pictures.
+//! Ranges are for 10³ to 10⁵ primitives; `docs/COSTS.md` of the repository lists all measurements. The [`guide`]
+//! explains each accelerator with images.
 //!
-//! **All give the same answer as [`brute_force`], bit for bit**, ties included, for every ray: hits are accepted through
-//! [`rt_geometry::intersect_primitive`] alone, and what is culled provably cannot win. The modules of the sources state the proofs, and
-//! the tests try them on rays through vertices, edges and corners, along walls, and next to all of these. Primitives
-//! without bounds, such as infinite planes, are kept in a list and tested against every ray.
+//! **All return the results of [`brute_force`], bit for bit**, ties included, for every ray: hits are accepted through
+//! [`rt_geometry::intersect_primitive`] alone, and culled primitives provably cannot win. The proofs are in the source
+//! files; the tests check them with rays through vertices, edges and corners, along walls, and one rounding step off
+//! these. Primitives without bounds, such as infinite planes, are tested against every ray.
 //!
-//! **Owns** the structures, their builders and traversals. **Does not own** any shape: a structure holds indices and
-//! boxes, and borrows the caller's [`Primitives`] for each query. Nothing allocates, locks or fails during a query; only
-//! [`LazyBih`] does the first two, where it splits a node.
+//! **Owns** the accelerators, their builders and traversals. **Does not own** shapes: an accelerator holds indices and
+//! boxes, and borrows the caller's [`Primitives`] for each query. No query allocates, locks or fails, except that
+//! [`LazyBih`] allocates and locks where it splits a node.
 //!
-//! Types of `rt-math` that are needed to use the crate are re-exported, so that it is the only dependency to name.
-//! With the feature `parallel` (on by default) trees are built on all threads; with `large-pages` (on by default) Linux is
-//! asked to keep large trees in pages of 2 MiB. The result is the same without them.
+//! Types of `rt-math` in the public interface are re-exported, so that a program only has to depend on this crate. With
+//! the feature `parallel` (default), trees are built on all threads; with `large-pages` (default), Linux is requested
+//! to use 2 MiB pages for large trees. Neither changes results.
 //!
 //! # Tracing your own primitives
 //!
@@ -78,44 +78,48 @@
 
 mod accelerator;
 mod any;
+mod axis;
 mod bih;
-mod bounded_depth;
+mod binned_sah;
 mod boxes;
 pub mod brute_force;
 mod bsp;
 mod bvh;
-mod coordinate;
+#[cfg(feature = "serde")]
+mod checked_serde;
 mod error;
+mod frustum;
 mod grid;
 #[cfg(any(doc, doctest))]
 pub mod guide;
 mod kd;
 mod linear;
-mod own_boxes;
-mod partition;
+mod node_ref;
+mod prim_bounds;
 mod ray_query;
 mod region;
 mod region_query;
-#[cfg(feature = "serde")]
-mod saved;
+mod space_partition;
 mod stats;
-mod structure;
+mod top_down;
+mod traversal;
 mod tree;
 mod volume_tree;
 pub mod wide;
 
-pub use accelerator::Accelerator;
+pub use accelerator::{Accelerator, Refit};
 pub use any::{AcceleratorKind, AcceleratorVisitor, AnyAccelerator};
-pub use bih::{Bih, LazyBih};
+pub use bih::{Bih, lazy::LazyBih};
 pub use boxes::Boxes;
 pub use bsp::BspTree;
 pub use bvh::{Bvh, SplitMethod};
 pub use error::{BuildError, ValidationError};
+pub use frustum::{Frustum, FrustumError};
 pub use grid::UniformGrid;
 pub use kd::KdTree;
 pub use linear::Linear;
 pub use ray_query::RayQuery;
-pub use region::{Ball, Frustum, FrustumError, Region};
+pub use region::{Region, SphereRegion};
 pub use region_query::{PointHit, RegionQuery};
 pub use rt_geometry::{
     BatchKernel, ClosestPoint, Counters, Hit, NoProbe, PrimitiveGeometry, Primitives, Probe, RayCounts, RayKind,
@@ -123,6 +127,5 @@ pub use rt_geometry::{
 };
 pub use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay};
 pub use stats::BuildStats;
-pub use structure::{AcceleratorQueries, Refit};
 pub use volume_tree::{BoundingCylinder, BoundingSphere, BoundingVolume, CylinderTree, SphereTree, VolumeTree};
 pub use wide::WideBvh;

@@ -1,34 +1,33 @@
-//! All primitives for every ray: the best structure for a handful of them.
+//! Linear search: the best accelerator for up to about ten primitives.
 
 use core::ops::ControlFlow;
 
-use crate::{
-    Accelerator, AcceleratorQueries, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError, brute_force,
-};
+use crate::{Accelerator, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError, brute_force};
 use rt_geometry::{Hit, Primitives, Probe};
 use rt_math::{Aabb, Interval, Ray};
 
-use crate::own_boxes::{checked_own_box, count};
+use crate::prim_bounds::{checked_padded_bounds, count};
 use crate::wide::{SimdLevel, SmallSet, SphereList};
 
-/// Tests every primitive in turn. O(n) per ray; 16 bytes for each of more than a few spheres, and no memory otherwise.
+/// Tests every primitive in turn. O(n) per ray; 16 bytes per sphere if there are more than 16 primitives and all are
+/// spheres, otherwise no memory.
 ///
-/// Where all of more than 16 are spheres, eight at a time are tested in `f32`, and in `f64` those that a ray may meet. Batches
-/// ask up to 16 as a [`SmallSet`], for eight rays at a time. Answers and [`Counters`](crate::Counters) are those of
-/// [`brute_force`], to the last bit and the last test; what structures among the primitives count by themselves is less in batches.
+/// More than 16 spheres are tested eight at a time in `f32`, and those that a ray may hit in `f64`. Batches test up to
+/// 16 primitives with eight rays at a time, as a [`SmallSet`]. Results and [`Counters`](crate::Counters) are those of
+/// [`brute_force`], bit for bit; accelerators among the primitives may count less in batches.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct Linear {
     primitives: u32,
     unbounded: u32,
-    /// All primitives once more, if that helps.
+    /// Copy of all primitives, if they are many spheres.
     spheres: Option<SphereList>,
     #[cfg_attr(feature = "serde", serde(skip))]
     level: SimdLevel,
 }
 
 impl Linear {
-    /// Checks the bounds of all primitives, as other structures do, and copies them if they are spheres.
+    /// Checks the bounds of all primitives, and copies them if they are many spheres.
     ///
     /// # Errors
     ///
@@ -37,7 +36,7 @@ impl Linear {
         let mut linear =
             Self { primitives: count(primitives)?, unbounded: 0, spheres: None, level: SimdLevel::default() };
         for index in 0..linear.primitives {
-            if checked_own_box(primitives, index)?.is_none() {
+            if checked_padded_bounds(primitives, index)?.is_none() {
                 linear.unbounded += 1;
             }
         }
@@ -45,8 +44,8 @@ impl Linear {
         Ok(linear)
     }
 
-    /// The same list, asked by other instructions: for tests and comparisons, as the best that the processor has are
-    /// chosen when it is built. What the processor does not have is replaced by the portable level.
+    /// Sets the instruction set, for tests and comparisons; the default is the best of the processor. Unavailable
+    /// levels are replaced by the portable one.
     #[must_use]
     pub fn with_level(mut self, level: SimdLevel) -> Self {
         self.spheres = self.spheres.map(|spheres| spheres.with_level(level));
@@ -54,7 +53,7 @@ impl Linear {
         self
     }
 
-    /// All primitives, where they are few and no list of spheres.
+    /// All primitives, if they are few and not a list of spheres.
     fn small_set(&self) -> Option<SmallSet> {
         let are_few = self.spheres.is_none() && self.primitives as usize <= SmallSet::CAPACITY;
         are_few.then(|| SmallSet::new(0..self.primitives)).flatten().map(|few| few.with_level(self.level))
@@ -129,24 +128,22 @@ impl Accelerator for Linear {
             *blocked = self.occluded(primitives, ray, *span, probe);
         }
     }
-}
 
-impl AcceleratorQueries for Linear {
-    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+    fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
         for index in 0..self.primitives {
-            query.offer(primitives, index, probe)?;
+            query.test_primitive(primitives, index, probe)?;
         }
         ControlFlow::Continue(())
     }
 
-    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+    fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
         for index in 0..self.primitives {
-            query.offer(index, |_| true)?;
+            query.test_primitive(index, |_| true)?;
         }
         ControlFlow::Continue(())
     }
@@ -174,7 +171,7 @@ impl AcceleratorQueries for Linear {
         }
     }
 
-    /// There are none.
+    /// Visits nothing: a list has no boxes.
     fn for_each_box(&self, _visit: impl FnMut(Aabb, u32)) {}
 }
 
@@ -191,4 +188,4 @@ impl Refit for Linear {
 }
 
 #[cfg(feature = "serde")]
-crate::saved::saved_and_checked!(Linear, Linear::check_shape);
+crate::checked_serde::impl_checked_serde!(Linear, Linear::check_shape);

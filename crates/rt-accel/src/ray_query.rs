@@ -1,4 +1,4 @@
-//! What can be asked about a ray. The only place where structures and primitives meet.
+//! Queries along a ray. The only place where accelerators test primitives.
 
 use core::cmp::Ordering;
 use core::ops::ControlFlow;
@@ -6,44 +6,45 @@ use core::ops::ControlFlow;
 use rt_geometry::{Hit, Primitives, Probe, intersect_primitive, occludes_primitive, padded_bounds};
 use rt_math::{Interval, Ray, SlabRay};
 
-/// A question about a ray. A [`AcceleratorQueries`](crate::AcceleratorQueries) offers it primitives, and it says how far along the ray
-/// it is worth to go on.
+/// Query along a ray. An [`Accelerator`](crate::Accelerator) passes it primitives to test; the query reports how much
+/// of the ray can still matter.
 pub trait RayQuery {
-    /// The ray.
+    /// Ray of the query.
     fn ray(&self) -> &SlabRay;
 
-    /// The part of the ray that can still matter. `max` may shrink from offer to offer; `min` stays.
+    /// Part of the ray that can still matter. `max` may shrink from test to test; `min` is constant.
     fn span(&self) -> Interval;
 
-    /// Takes a primitive into account; offering it again changes nothing. `Break` once nothing can change the answer.
-    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()>;
+    /// Tests a primitive. Repeated tests have no effect. `Break` once the result is final.
+    fn test_primitive<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S)
+    -> ControlFlow<()>;
 
-    /// Offers all that are listed.
+    /// Tests all primitives of a list.
     #[inline(always)]
-    fn offer_all<P: Primitives, S: Probe>(
+    fn test_leaf<P: Primitives, S: Probe>(
         &mut self,
         primitives: &P,
         indices: &[u32],
         probe: &mut S,
     ) -> ControlFlow<()> {
         for &index in indices {
-            self.offer(primitives, index, probe)?;
+            self.test_primitive(primitives, index, probe)?;
         }
         ControlFlow::Continue(())
     }
 }
 
-/// True if all numbers of the ray are finite. The arithmetic that culls is proven for such rays only; others are
-/// answered by exhaustion, which keeps the results of all structures equal.
+/// True if all components of the ray are finite. The culling arithmetic is proven for such rays only; other rays are
+/// tested against every primitive, so that all accelerators return the same results.
 #[inline]
 pub(crate) fn is_finite(ray: &Ray) -> bool {
     ray.origin.is_finite() && ray.direction.is_finite()
 }
 
-/// What is hit first?
+/// Closest hit.
 pub(crate) struct Closest {
     ray: SlabRay,
-    /// Ends at the nearest hit, inclusively: an equally near primitive of lower index must still be found.
+    /// Ends at the closest hit, inclusive: an equally near primitive of lower index must still be found.
     span: Interval,
     pub(crate) hit: Option<Hit>,
 }
@@ -67,7 +68,12 @@ impl RayQuery for Closest {
     }
 
     #[inline(always)]
-    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+    fn test_primitive<P: Primitives, S: Probe>(
+        &mut self,
+        primitives: &P,
+        index: u32,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
         if let Some(hit) = intersect_primitive(primitives, index, &self.ray, self.span, probe)
             && self.hit.is_none_or(|nearest| hit.precedes(&nearest))
         {
@@ -78,20 +84,20 @@ impl RayQuery for Closest {
     }
 }
 
-/// Is anything hit? Yes is `Break`.
-pub(crate) struct Any {
+/// Any hit. `Break` means that the ray is occluded.
+pub(crate) struct AnyHit {
     ray: SlabRay,
     span: Interval,
 }
 
-impl Any {
+impl AnyHit {
     #[inline]
     pub(crate) fn new(ray: &Ray, span: Interval) -> Self {
         Self { ray: SlabRay::new(ray), span }
     }
 }
 
-impl RayQuery for Any {
+impl RayQuery for AnyHit {
     #[inline(always)]
     fn ray(&self) -> &SlabRay {
         &self.ray
@@ -103,7 +109,12 @@ impl RayQuery for Any {
     }
 
     #[inline(always)]
-    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+    fn test_primitive<P: Primitives, S: Probe>(
+        &mut self,
+        primitives: &P,
+        index: u32,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
         if occludes_primitive(primitives, index, &self.ray, self.span, probe) {
             ControlFlow::Break(())
         } else {
@@ -112,11 +123,11 @@ impl RayQuery for Any {
     }
 }
 
-/// Hits of one primitive at so many numbers in a row are those of something that fills space, which has no end of
-/// them.
+/// Maximum number of hits of one primitive at successive floating-point numbers. More belong to a primitive that fills
+/// space and has no end of hits.
 const MOST_IN_A_ROW: u32 = 8;
 
-/// The hits of one primitive, by rising `t`, until `visit` breaks.
+/// Visits the hits of one primitive by rising `t`, until `visit` breaks.
 #[inline]
 fn for_each_hit<P: Primitives, S: Probe>(
     primitives: &P,
@@ -136,20 +147,20 @@ fn for_each_hit<P: Primitives, S: Probe>(
     }
 }
 
-/// Which are all the hits? Collected in any order, possibly twice.
-pub(crate) struct All<'h> {
+/// All hits, collected in any order, possibly twice.
+pub(crate) struct AllHits<'h> {
     ray: SlabRay,
     span: Interval,
     hits: &'h mut Vec<Hit>,
 }
 
-impl<'h> All<'h> {
+impl<'h> AllHits<'h> {
     pub(crate) fn new(ray: &Ray, span: Interval, hits: &'h mut Vec<Hit>) -> Self {
         hits.clear();
         Self { ray: SlabRay::new(ray), span, hits }
     }
 
-    /// Puts the hits in order, each once.
+    /// Sorts the hits and removes duplicates.
     pub(crate) fn finish(&mut self) {
         self.hits.sort_unstable_by(|a, b| {
             if a.precedes(b) {
@@ -164,12 +175,12 @@ impl<'h> All<'h> {
     }
 }
 
-/// True for the same hit found twice.
+/// True if both records are of one hit.
 fn is_same(a: &Hit, b: &Hit) -> bool {
     (a.t, a.instance, a.primitive) == (b.t, b.instance, b.primitive)
 }
 
-impl RayQuery for All<'_> {
+impl RayQuery for AllHits<'_> {
     fn ray(&self) -> &SlabRay {
         &self.ray
     }
@@ -178,10 +189,15 @@ impl RayQuery for All<'_> {
         self.span
     }
 
-    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+    fn test_primitive<P: Primitives, S: Probe>(
+        &mut self,
+        primitives: &P,
+        index: u32,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
         let (ray, span) = (self.ray, self.span);
         for_each_hit(primitives, index, &ray, span, probe, |hit| {
-            // The list grows only if it is not repetitions that fill it.
+            // Grow the list only if duplicates do not fill it.
             if self.hits.len() == self.hits.capacity() {
                 self.finish();
                 self.hits.reserve(1 + self.hits.len() / 2);
@@ -193,23 +209,23 @@ impl RayQuery for All<'_> {
     }
 }
 
-/// Which are the first few hits?
-pub(crate) struct First<'h> {
+/// The first hits, up to the length of a slice.
+pub(crate) struct FirstHits<'h> {
     ray: SlabRay,
-    /// Ends at the last hit that there is room for, inclusively.
+    /// Ends at the last hit once the slice is full, inclusive.
     span: Interval,
-    /// The first `found` are filled, in order.
+    /// The first `found` elements are set, in order.
     hits: &'h mut [Option<Hit>],
     pub(crate) found: usize,
 }
 
-impl<'h> First<'h> {
+impl<'h> FirstHits<'h> {
     pub(crate) fn new(ray: &Ray, span: Interval, hits: &'h mut [Option<Hit>]) -> Self {
         hits.fill(None);
         Self { ray: SlabRay::new(ray), span, hits, found: 0 }
     }
 
-    /// Puts a hit in its place; `Break` if there is no room for it, nor for what comes after it.
+    /// Inserts a hit in order. `Break` if neither this hit nor a later one fits.
     fn insert(&mut self, hit: Hit) -> ControlFlow<()> {
         let filled = &self.hits[..self.found];
         let place = filled.partition_point(|known| known.is_some_and(|known| known.precedes(&hit)));
@@ -229,7 +245,7 @@ impl<'h> First<'h> {
     }
 }
 
-impl RayQuery for First<'_> {
+impl RayQuery for FirstHits<'_> {
     fn ray(&self) -> &SlabRay {
         &self.ray
     }
@@ -238,7 +254,12 @@ impl RayQuery for First<'_> {
         self.span
     }
 
-    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+    fn test_primitive<P: Primitives, S: Probe>(
+        &mut self,
+        primitives: &P,
+        index: u32,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
         if self.hits.is_empty() {
             return ControlFlow::Break(());
         }
@@ -248,7 +269,7 @@ impl RayQuery for First<'_> {
     }
 }
 
-/// Whose boxes does the ray pass?
+/// Primitives whose padded bounds the ray passes.
 pub(crate) struct Candidates<F> {
     ray: SlabRay,
     span: Interval,
@@ -270,7 +291,12 @@ impl<F: FnMut(u32, Interval) -> ControlFlow<(), f64>> RayQuery for Candidates<F>
         self.span
     }
 
-    fn offer<P: Primitives, S: Probe>(&mut self, primitives: &P, index: u32, probe: &mut S) -> ControlFlow<()> {
+    fn test_primitive<P: Primitives, S: Probe>(
+        &mut self,
+        primitives: &P,
+        index: u32,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
         probe.test();
         let inside = match padded_bounds(primitives, index) {
             Some(own) => own.clip(&self.ray, self.span),

@@ -1,4 +1,4 @@
-//! What can be asked about a part of space: which primitives are in it, and which is nearest.
+//! Queries in a region: overlapping primitives, and the nearest point.
 
 use core::ops::ControlFlow;
 
@@ -8,36 +8,36 @@ use rt_math::Aabb;
 
 use crate::Region;
 
-/// A question about a part of space. A [`AcceleratorQueries`](crate::AcceleratorQueries) offers it primitives, and it says which boxes
-/// are worth looking into.
+/// Query in a region. An [`Accelerator`](crate::Accelerator) passes it primitives to test; the query reports the boxes
+/// that can still matter.
 pub trait RegionQuery {
-    /// A box around all that can still matter. It may shrink from offer to offer if `offer` ignores its `owns`.
+    /// Bounds of everything that can still matter. They may shrink from test to test if `test_primitive` ignores
+    /// `is_owner`.
     fn bounds(&self) -> Aabb;
 
-    /// Where it is best to begin. May be NaN where that is nowhere in particular.
-    fn focus(&self) -> DVec3;
+    /// Point to start from. May be NaN.
+    fn query_point(&self) -> DVec3;
 
-    /// How far off a box is; the smaller, the sooner it should be looked into. `None` if nothing in it can matter.
-    /// Monotone: a box within another is no nearer. A structure that keeps primitives in several places must not leave
-    /// out by this what overlaps the `bounds`.
-    fn reach(&self, aabb: &Aabb) -> Option<f64>;
+    /// Distance of a box, by which boxes are visited in rising order; `None` if nothing in it can matter. Monotone: a
+    /// box within another is no nearer. An accelerator that lists primitives several times must not cull boxes that
+    /// overlap `bounds` by this.
+    fn distance_to(&self, aabb: &Aabb) -> Option<f64>;
 
-    /// Takes a primitive into account. A structure that keeps it in several places may offer it from each: `owns` says
-    /// of a point whether it belongs to the place that offers, and is true of exactly one of them. `Break` once nothing
-    /// can change the answer.
-    fn offer(&mut self, index: u32, owns: impl FnOnce(DVec3) -> bool) -> ControlFlow<()>;
+    /// Tests a primitive. An accelerator that lists it in several cells may test it in each: `is_owner` is true for a
+    /// point if the current cell owns it, and exactly one cell owns a point. `Break` once the result is final.
+    fn test_primitive(&mut self, index: u32, is_owner: impl FnOnce(DVec3) -> bool) -> ControlFlow<()>;
 
-    /// Offers all that are listed, from the only place that lists them.
+    /// Tests all primitives of a list that are listed nowhere else.
     #[inline]
-    fn offer_all(&mut self, indices: &[u32]) -> ControlFlow<()> {
+    fn test_leaf(&mut self, indices: &[u32]) -> ControlFlow<()> {
         for &index in indices {
-            self.offer(index, |_| true)?;
+            self.test_primitive(index, |_| true)?;
         }
         ControlFlow::Continue(())
     }
 }
 
-/// Which primitives have boxes that overlap a region?
+/// Primitives whose bounds overlap a region.
 pub(crate) struct Overlapping<'p, P, R, F> {
     primitives: &'p P,
     region: R,
@@ -55,40 +55,40 @@ impl<P: Primitives, R: Region, F: FnMut(u32) -> ControlFlow<()>> RegionQuery for
         self.region.bounds()
     }
 
-    fn focus(&self) -> DVec3 {
+    fn query_point(&self) -> DVec3 {
         self.region.bounds().centre()
     }
 
-    fn reach(&self, aabb: &Aabb) -> Option<f64> {
+    fn distance_to(&self, aabb: &Aabb) -> Option<f64> {
         self.region.overlaps(aabb).then_some(0.0)
     }
 
-    fn offer(&mut self, index: u32, owns: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
+    fn test_primitive(&mut self, index: u32, is_owner: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
         let overlaps = match self.primitives.bounds(index) {
-            // The least corner of what the box has in common with the region's belongs to one place only.
-            Some(bounds) => self.region.overlaps(&bounds) && owns(bounds.min.max(self.region.bounds().min)),
+            // The minimum corner of the intersection of both boxes is owned by exactly one cell.
+            Some(bounds) => self.region.overlaps(&bounds) && is_owner(bounds.min.max(self.region.bounds().min)),
             None => true,
         };
         if overlaps { (self.visit)(index) } else { ControlFlow::Continue(()) }
     }
 }
 
-/// The answer to a nearest-point query.
+/// Result of a nearest-point query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointHit {
     /// The nearest point of any primitive.
     pub point: DVec3,
-    /// How far away it is.
+    /// Distance from the query point.
     pub distance: f64,
-    /// Whose point it is; the lower index where several are equally near.
+    /// Primitive of the point; the lowest index on a tie.
     pub primitive: u32,
 }
 
-/// Which primitive comes nearest to a point?
+/// The primitive nearest to a point.
 pub(crate) struct Nearest<'p, P> {
     primitives: &'p P,
     point: DVec3,
-    /// The square of the radius, later of the distance found. What is equally near must still be found.
+    /// Square of the radius, later of the smallest distance. Inclusive: an equally near primitive must still be found.
     limit: f64,
     found: Option<(u32, DVec3)>,
 }
@@ -107,23 +107,23 @@ impl<'p, P: ClosestPoint> Nearest<'p, P> {
 
 impl<P: ClosestPoint> RegionQuery for Nearest<'_, P> {
     fn bounds(&self) -> Aabb {
-        // Half a rounding error more than the root is enough for squares to compare alike.
+        // The square of a root that is half a rounding error larger is no less than the limit.
         let radius = self.limit.sqrt().next_up();
-        crate::Ball { centre: self.point, radius }.bounds()
+        crate::SphereRegion { centre: self.point, radius }.bounds()
     }
 
-    fn focus(&self) -> DVec3 {
+    fn query_point(&self) -> DVec3 {
         self.point
     }
 
-    fn reach(&self, aabb: &Aabb) -> Option<f64> {
+    fn distance_to(&self, aabb: &Aabb) -> Option<f64> {
         let distance = aabb.distance_squared(self.point);
         (distance <= self.limit).then_some(distance)
     }
 
-    fn offer(&mut self, index: u32, _owns: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
+    fn test_primitive(&mut self, index: u32, _owns: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
         let Some(point) = self.primitives.nearest_point(index, self.point) else { return ControlFlow::Continue(()) };
-        // As for hits: nothing is nearer than its own box, so that every box around that is looked into in time.
+        // No point counts as nearer than the padded bounds, so that no box around them is culled too early.
         let own = padded_bounds(self.primitives, index).map_or(0.0, |own| own.distance_squared(self.point));
         let distance = point.distance_squared(self.point).max(own);
         let wins =

@@ -1,6 +1,6 @@
-//! The size and shape of a structure.
+//! Size and shape of an accelerator.
 
-/// What a builder made. Times are the caller's to take.
+/// Size and shape of an accelerator. Build times are left to the caller.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BuildStats {
     /// Primitives, bounded or not.
@@ -15,8 +15,8 @@ pub struct BuildStats {
     pub max_depth: usize,
     /// References to primitives in all leaves or cells: the number of bounded primitives for a tree, more for a grid.
     pub references: usize,
-    /// Expected cost of a ray that meets the box around all, by the surface area heuristic (MacDonald and Booth 1990):
-    /// visiting a node is 1, and a leaf costs what its builder takes it for, so that only trees of the same kind can be
-    /// compared. `None` for structures that are not built by it, and where there is no area.
+    /// Expected cost of a ray that hits the bounds of the scene, by the surface area heuristic (MacDonald and Booth
+    /// 1990), in visits of a node. Costs of leaves depend on the builder, so that only trees of one kind are
+    /// comparable. `None` for accelerators without the heuristic, and for scenes without area.
     pub sah_cost: Option<f64>,
 }

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::{SimdLevel, SmallSet};
 use rt_accel::{
-    Aabb, Accelerator, AcceleratorQueries, BatchKernel, Bvh, Counters, DVec3, Hit, Interval, Linear, NoProbe,
-    PrimitiveGeometry, Primitives, Probe, Ray, SphereKernel, WideBvh, brute_force,
+    Aabb, Accelerator, BatchKernel, Bvh, Counters, DVec3, Hit, Interval, Linear, NoProbe, PrimitiveGeometry,
+    Primitives, Probe, Ray, SphereKernel, WideBvh, brute_force,
 };
 use rt_math::Vec3;
 use soup::draw::Draw;
@@ -64,7 +64,7 @@ fn trace_batch<A: Accelerator, P: Primitives>(
 }
 
 /// Compares batches of all sizes with single queries.
-fn compare<A: AcceleratorQueries>(name: &str, structure: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {
+fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {
     let rays = bundles(soup, n_rays, draw);
     let (mut n_hits, mut first) = (0, 0);
     let (mut single, mut batched) = (Counters::default(), Counters::default());
@@ -350,7 +350,7 @@ struct Thing<'t, T> {
     blocks: bool,
 }
 
-impl<T: AcceleratorQueries> Primitives for Yard<'_, T> {
+impl<T: Accelerator> Primitives for Yard<'_, T> {
     fn len(&self) -> usize {
         self.things.len()
     }

@@ -1,13 +1,13 @@
-//! Sets of primitives, spans and rays that break structures which were only tried on pleasant ones.
+//! Sets of primitives, spans and rays that break accelerators which were only tried on pleasant ones.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests fail by panicking and print what they tried")]
 
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator, Bih, BspTree, BuildError, CylinderTree,
-    DVec3, Hit, Interval, KdTree, LazyBih, Linear, NoProbe, Primitives, Ray, SphereKernel, SphereTree, UniformGrid,
-    ValidationError, WideBvh, brute_force,
+    Aabb, Accelerator, AcceleratorKind, AnyAccelerator, Bih, BspTree, BuildError, CylinderTree, DVec3, Hit, Interval,
+    KdTree, LazyBih, Linear, NoProbe, Primitives, Ray, SphereKernel, SphereTree, UniformGrid, ValidationError, WideBvh,
+    brute_force,
     wide::{BuildParams, SimdLevel},
 };
 use soup::draw::Draw;
@@ -467,7 +467,7 @@ fn no_leaf_of_any_tree_is_too_deep_or_too_full() {
     }
 }
 
-/// Seen in single precision the ray goes through the centre, though it passes a hundred radii beside it.
+/// In single precision the ray passes through the centre, although it misses it by a hundred radii.
 #[test]
 fn a_ray_through_the_rounded_centre_of_a_tiny_sphere_misses_it() {
     let sphere = |centre: [f64; 3], radius: f64| Solid::Sphere { centre: centre.into(), radius };
@@ -487,8 +487,8 @@ fn a_ray_through_the_rounded_centre_of_a_tiny_sphere_misses_it() {
     }
 }
 
-/// Rays that pass beside the centre, or beside the sphere, also where the squares of such ways are nothing in `f32`; first
-/// with the whole ray, then with a span that ends between both crossings, and with one that begins there.
+/// Rays that miss the centre or the sphere, also where the squares of such distances underflow in `f32`: with the whole
+/// ray, with a span that ends between both intersections, and with one that begins there.
 #[test]
 fn spheres_whose_squares_vanish_are_hit_and_missed_as_they_are() {
     let ball = |centre: DVec3, radius: f64| Solid::Round(SphereKernel { centre, radius });

@@ -1,12 +1,12 @@
-//! Every structure gives the bits of brute force, on rays that look for the seams.
+//! Every accelerator gives the bits of brute force, on rays that look for the seams.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests fail by panicking and print what they tried")]
 
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, AcceleratorQueries, Bih, BspTree, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, KdTree,
-    LazyBih, Linear, NoProbe, Primitives, Ray, SphereTree, SplitMethod, UniformGrid, WideBvh, brute_force,
+    Aabb, Accelerator, Bih, BspTree, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, KdTree, LazyBih, Linear,
+    NoProbe, Primitives, Ray, SphereTree, SplitMethod, UniformGrid, WideBvh, brute_force,
     wide::{BuildParams, Quality, SimdLevel},
 };
 use soup::draw::Draw;
@@ -18,7 +18,7 @@ fn n_rays() -> usize {
     std::env::var("RT_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000)
 }
 
-/// What a comparison went through.
+/// Counts of a comparison.
 struct Outcome {
     n_hits: usize,
     /// Part of all primitives that were tested: 1 if nothing was culled, and the comparison says nothing.
@@ -27,7 +27,7 @@ struct Outcome {
     nodes: f64,
 }
 
-fn compare<A: AcceleratorQueries>(name: &str, structure: &A, soup: &Soup, seed: u64) -> Outcome {
+fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, seed: u64) -> Outcome {
     let world = Aabb::from_points(soup.0.iter().filter_map(Solid::bounds).flat_map(|bounds| [bounds.min, bounds.max]));
     let mut draw = Draw::new(seed);
     let mut n_hits = 0;
@@ -66,7 +66,7 @@ fn scenes(seed: u64) -> Vec<(String, Soup)> {
     scenes
 }
 
-fn compare_all<A: AcceleratorQueries>(name: &str, most_tested: f64, build: impl Fn(&Soup) -> A) {
+fn compare_all<A: Accelerator>(name: &str, most_tested: f64, build: impl Fn(&Soup) -> A) {
     let seed = Draw::run_seed();
     println!("{name}: seed {seed}");
     let mut total = 0;

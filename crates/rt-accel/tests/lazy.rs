@@ -7,9 +7,7 @@ mod soup;
 use std::ops::ControlFlow;
 use std::sync::Barrier;
 
-use rt_accel::{
-    Aabb, Accelerator, AcceleratorQueries, Bih, Counters, DVec3, Interval, LazyBih, NoProbe, Primitives, Ray,
-};
+use rt_accel::{Aabb, Accelerator, Bih, Counters, DVec3, Interval, LazyBih, NoProbe, Primitives, Ray};
 use soup::Soup;
 use soup::draw::Draw;
 use soup::rays::adversarial;
@@ -70,7 +68,7 @@ fn it_does_the_same_work_as_the_full_tree() {
     assert_eq!(boxes(&lazy), boxes(&full));
 }
 
-fn boxes(structure: &impl AcceleratorQueries) -> Vec<(Aabb, u32)> {
+fn boxes(structure: &impl Accelerator) -> Vec<(Aabb, u32)> {
     let mut all = Vec::new();
     structure.for_each_box(|aabb, depth| all.push((aabb, depth)));
     all

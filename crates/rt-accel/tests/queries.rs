@@ -1,4 +1,4 @@
-//! Every query has the same answer whatever the structure, and it is the one that the definition gives.
+//! Every query has the same answer whatever the accelerator, and it is the one that the definition gives.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use rt_accel::{
-    Aabb, Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator, Ball, Boxes, Bvh, ClosestPoint, DVec3,
-    Frustum, Hit, Interval, NoProbe, Primitives, Ray, Region, SplitMethod,
+    Aabb, Accelerator, AcceleratorKind, AnyAccelerator, Boxes, Bvh, ClosestPoint, DVec3, Frustum, Hit, Interval,
+    NoProbe, Primitives, Ray, Region, SphereRegion, SplitMethod,
 };
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
@@ -169,7 +169,7 @@ fn overlaps_are_found_once_each() {
         } else {
             Aabb::new(corner, corner + draw.point().abs() * draw.pick(&[0.0, 0.1, 2.0]))
         };
-        let ball = Ball { centre: draw.point() * 1.5, radius: draw.pick(&[-1.0, 0.0, 0.1, 0.5, 3.0]) };
+        let ball = SphereRegion { centre: draw.point() * 1.5, radius: draw.pick(&[-1.0, 0.0, 0.1, 0.5, 3.0]) };
         let frustum = frustum(&mut draw);
         let expect = |overlaps: &dyn Fn(&Aabb) -> bool| -> BTreeSet<u32> {
             (0..soup.len() as u32).filter(|&i| soup.bounds(i).is_none_or(|bounds| overlaps(&bounds))).collect()
@@ -201,7 +201,7 @@ fn spatial_splits_do_not_repeat_overlaps() {
     let mut draw = Draw::new(22);
     let mut n_found = 0;
     for _ in 0..3000 {
-        let ball = Ball { centre: DVec3::splat(1e6) + draw.point(), radius: draw.pick(&[0.0, 0.01, 0.3]) };
+        let ball = SphereRegion { centre: DVec3::splat(1e6) + draw.point(), radius: draw.pick(&[0.0, 0.01, 0.3]) };
         // Touches the corner of a stick's box.
         let corner = sticks.bounds(draw.below(300) as u32).unwrap().max;
         for region in [ball.bounds(), Aabb::new(corner, corner)] {
@@ -272,7 +272,7 @@ fn nearest_points_are_those_of_exhaustive_search() {
     }
 }
 
-/// A query must not look at everything: that is what the structure is for.
+/// A query must not look at everything: that is what the accelerator is for.
 #[test]
 fn queries_look_at_a_small_part_only() {
     struct Counting<'a>(&'a Soup, std::sync::atomic::AtomicUsize);
@@ -306,7 +306,7 @@ fn queries_look_at_a_small_part_only() {
         };
         let nearest =
             looked_at(&|| assert!(structure.nearest_point(&counting, DVec3::splat(0.1), f64::INFINITY).is_some()));
-        let ball = Ball { centre: DVec3::splat(0.2), radius: 0.03 };
+        let ball = SphereRegion { centre: DVec3::splat(0.2), radius: 0.03 };
         let overlaps = looked_at(&|| structure.visit_overlapping(&counting, &ball, |_| ControlFlow::Continue(())));
         let name = structure.kind().name();
         assert!(nearest < 400 && overlaps < 800, "{name}: {nearest} for the nearest, {overlaps} for a ball");

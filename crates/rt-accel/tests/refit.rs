@@ -1,12 +1,12 @@
-//! Structures follow primitives that move.
+//! Accelerators follow primitives that move.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, AcceleratorQueries, Bih, BuildError, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, LazyBih,
-    Linear, NoProbe, Primitives, Refit, SphereTree, SplitMethod, WideBvh, brute_force,
+    Aabb, Accelerator, Bih, BuildError, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, LazyBih, Linear, NoProbe,
+    Primitives, Refit, SphereTree, SplitMethod, WideBvh, brute_force,
 };
 use soup::draw::Draw;
 use soup::rays::{Query, adversarial};
@@ -45,7 +45,7 @@ fn check<R: Refit + Clone + PartialEq + core::fmt::Debug>(name: &str, build: imp
     refusals(name, &built, &start);
 }
 
-/// What cannot be fitted leaves the structure as it was.
+/// Rejected refits leave the accelerator unchanged.
 fn refusals<R: Refit + Clone + PartialEq + core::fmt::Debug>(name: &str, built: &R, start: &Soup) {
     let mut structure = built.clone();
     let mut fewer = start.clone();

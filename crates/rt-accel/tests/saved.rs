@@ -1,12 +1,12 @@
-//! Structures survive being saved; what was tampered with is refused, or answers without panicking.
+//! Accelerators survive being saved; what was tampered with is refused, or answers without panicking.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests fail by panicking and print what they tried")]
 
 mod soup;
 
 use rt_accel::{
-    Aabb, Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator, Bih, BuildError, Bvh, CylinderTree, DVec3,
-    Interval, LazyBih, Linear, NoProbe, Ray, SphereTree, SplitMethod,
+    Aabb, Accelerator, AcceleratorKind, AnyAccelerator, Bih, BuildError, Bvh, CylinderTree, DVec3, Interval, LazyBih,
+    Linear, NoProbe, Ray, SphereTree, SplitMethod,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -36,10 +36,7 @@ fn mutations(text: &str) -> impl Iterator<Item = String> {
     })
 }
 
-fn check<S: AcceleratorQueries + Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(
-    structure: &S,
-    soup: &Soup,
-) {
+fn check<S: Accelerator + Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(structure: &S, soup: &Soup) {
     let text = serde_json::to_string(structure).unwrap();
     let loaded: S = serde_json::from_str(&text).unwrap();
     assert_eq!(&loaded, structure);
@@ -80,7 +77,7 @@ fn lists_of_spheres_can_be_saved() {
     let linear = Linear::build(&spheres).unwrap();
     assert!(linear.memory() > 16 * 21);
     check(&linear, &spheres);
-    // A sphere where there is none would be asked for by its number.
+    // An invalid sphere would be tested by its index.
     let text = serde_json::to_string(&linear).unwrap();
     let with_another = text.replacen(&serde_json::to_string(&f32::MIN).unwrap(), "1.0", 1);
     assert_ne!(with_another, text);

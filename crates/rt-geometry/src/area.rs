@@ -1,16 +1,16 @@
-//! The area vector of a triangle, zero exactly when the triangle has no area.
+//! Area vectors of triangles and polygons, zero exactly for those without area.
 
 use rt_math::DVec3;
 use rt_math::float::two_product;
 
-/// Below this sine of its least angle, a triangle counts as a sliver: a plain cross product would keep fewer than
+/// Sine of the smallest angle below which a triangle counts as a sliver: a plain cross product would keep fewer than
 /// twelve digits of the normal.
 const SLIVER: f64 = 1e-3;
 
 /// Twice the area times the unit normal, on the side from which the vertices run counter-clockwise. Zero if and only
 /// if the vertices are exactly collinear (while nothing over- or underflows).
 ///
-/// The two shorter edges are multiplied; slivers are computed without rounding.
+/// Multiplies the two shorter edges; slivers are computed without rounding.
 #[inline]
 pub(crate) fn area_vector(vertices: [DVec3; 3]) -> DVec3 {
     let [a, b, c] = vertices;
@@ -28,14 +28,14 @@ pub(crate) fn area_vector(vertices: [DVec3; 3]) -> DVec3 {
     if area.length_squared() > sliver { area } else { exact_area_vector(vertices) }
 }
 
-/// The relative error that [`area_vector`] stays below.
+/// Upper bound of the relative error of [`area_vector`].
 const AREA_ERROR: f64 = 1e-12;
 
 /// Newell's normal: twice the area enclosed by a polygon times its unit normal, on the side from which it runs
 /// counter-clockwise; defined for concave and bent polygons as well (Tampieri, Graphics Gems III, 1992). `None` if
-/// rounding cannot tell it from zero.
+/// rounding could make it zero.
 ///
-/// It is summed over the fan of triangles from the first corner, each of which is computed without cancellation.
+/// Sums over the fan of triangles from the first corner, each of which is computed without cancellation.
 pub(crate) fn polygon_area_vector(vertices: &[DVec3]) -> Option<DVec3> {
     let (hub, rim) = vertices.split_first()?;
     let (mut sum, mut magnitude) = (DVec3::ZERO, 0.0);
@@ -66,8 +66,8 @@ fn exact_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
     DVec3::new(component(1, 2), component(2, 0), component(0, 1))
 }
 
-/// The sum of up to twelve numbers with the exact sign: they are held as a list of non-overlapping parts
-/// (Shewchuk, "Adaptive Precision Floating-Point Arithmetic", 1997, Grow-Expansion).
+/// Sum of up to twelve numbers with the exact sign, as a list of non-overlapping parts (Shewchuk, "Adaptive Precision
+/// Floating-Point Arithmetic", 1997, Grow-Expansion).
 fn exact_sum(terms: impl Iterator<Item = f64>) -> f64 {
     let mut parts = [0.0; 12];
     for (count, term) in terms.enumerate().take(12) {

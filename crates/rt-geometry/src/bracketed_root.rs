@@ -1,12 +1,12 @@
-//! Zeros of functions of one variable that are known to change their sign.
+//! Root finding in one variable within a bracket.
 
-/// Ordinary functions need ten steps.
+/// Maximum number of interpolation steps; ordinary functions need ten.
 const MAX_INTERPOLATIONS: u32 = 40;
 
-/// A zero of `f` between `a` and `b`, where its signs differ, to the last digits: within `tolerance`, or two
-/// neighbouring numbers. The bracket shrinks in every step, so that no function leads astray.
+/// Root of `f` between `a` and `b`, where its signs differ, to the last digits: within `tolerance`, or two neighbouring
+/// numbers. The bracket shrinks in every step for any function.
 ///
-/// After [`MAX_INTERPOLATIONS`] steps it bisects: the work is bounded for any function.
+/// Bisects after [`MAX_INTERPOLATIONS`] steps, which bounds the work for any function.
 ///
 /// Inverse quadratic interpolation where it is safe, bisection elsewhere (Chandrupatla, "A new hybrid
 /// quadratic/bisection algorithm for finding the zero of a nonlinear function without using derivatives", 1997).
@@ -17,7 +17,7 @@ pub(crate) fn bracketed_root(f: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2], t
     loop {
         let t = a + fraction * (b - a);
         let ft = f(t);
-        // `c` is the end that is given up, `a` the newest one.
+        // `c` is the discarded end, `a` the newest one.
         let (c, fc);
         if (ft < 0.0) == (fa < 0.0) {
             (c, fc) = (a, fa);
@@ -72,7 +72,7 @@ mod tests {
         }
     }
 
-    /// A zero of such a high order that interpolation does not get ahead.
+    /// Root of such a high order that interpolation fails.
     #[test]
     fn the_work_is_bounded() {
         let steps = Cell::new(0);

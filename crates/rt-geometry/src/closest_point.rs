@@ -1,11 +1,11 @@
-//! The contract of primitives that know which of their points is nearest.
+//! Interface of primitives for nearest-point queries.
 
 use crate::Primitives;
 use rt_math::DVec3;
 
-/// Primitives that a nearest-point query can be asked about.
+/// Primitives that support nearest-point queries.
 pub trait ClosestPoint: Primitives {
-    /// The point of primitive `index` that is nearest to `point`, in the space of the set; any one of several.
-    /// `None` if the primitive has no such point, which takes it out of the query.
+    /// Point of primitive `index` that is nearest to `point`, in the space of the set; any one of several. `None`
+    /// excludes the primitive from the query.
     fn nearest_point(&self, index: u32, point: DVec3) -> Option<DVec3>;
 }

@@ -1,15 +1,15 @@
 //! Finite cones.
 
 use crate::error::{ShapeError, check_length, check_radius};
-use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, lateral::Lateral, truncated::Truncated};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, capped_quadric::CappedQuadric, quadric_side::QuadricSide};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
-/// A cone that stands on the plane y = 0 with its apex above: a closed solid with a cap below, or open without. Its
-/// normal points outwards, away from the axis on the side; at the apex it is opposite to the ray that arrives.
+/// Cone that stands on the plane y = 0 with its apex above: a closed solid with a cap below, or open without. Its
+/// normal points outwards, away from the axis on the side; at the apex it is opposite to the incident ray.
 ///
 /// Texture coordinates are those of a [`Cylinder`](crate::Cylinder).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cone(Truncated);
+pub struct Cone(CappedQuadric);
 
 impl Cone {
     /// The cone with its base of this radius at y = 0 and its apex at y = `height`; only its side if it has no `caps`.
@@ -19,8 +19,8 @@ impl Cone {
     pub fn new(radius: f64, height: f64, caps: bool) -> Result<Self, ShapeError> {
         check_radius(radius)?;
         check_length("height", height)?;
-        let side = Lateral { height, radius: 0.0, slope: -radius / height };
-        Ok(Self(Truncated { side, bottom: 0.0, top: height, caps }))
+        let side = QuadricSide { height, radius: 0.0, slope: -radius / height };
+        Ok(Self(CappedQuadric { side, bottom: 0.0, top: height, caps }))
     }
 
     /// Height of the apex, positive.
@@ -38,12 +38,12 @@ impl Cone {
         self.0.bounds()
     }
 
-    /// How far the cone reaches in a direction: the greatest dot product with one of its points.
+    /// Support function: the largest dot product of a direction with a point of the cone.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.0.support(direction)
     }
 
-    /// The first crossing of the surface within `span`. `None` on a miss, and for rays without a direction. See
+    /// First intersection within `span`. `None` on a miss, and for rays without a direction. See
     /// [`DoubleCone`](crate::DoubleCone) for the arithmetic.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
@@ -132,7 +132,7 @@ mod tests {
             }
         }
 
-        /// A ray towards a point inside meets the solid, and leaves it again.
+        /// A ray towards a point inside enters the solid and leaves it again.
         #[test]
         fn a_solid_is_entered_and_left(from in vector(20.0), x in -0.4..0.4f64, y in 0.01..1.0f64, z in -0.2..0.2f64) {
             let ray = Ray::new(from, DVec3::new(x, y, z) - from);

@@ -50,7 +50,7 @@ impl Cuboid {
         self.bounds
     }
 
-    /// Where the ray enters the box, or where it leaves it if the entry is before `span`. `None` on a miss, and for
+    /// Parameter at which the ray enters the box, or leaves it if the entry is before `span`. `None` on a miss, and for
     /// rays without a direction. At an edge the face of the lowest axis wins.
     ///
     /// The slab test (Williams et al. 2005) without any widening: two boxes that share a face compute the same `t` for
@@ -94,8 +94,8 @@ impl Cuboid {
         point[axis] = if greater { max[axis] } else { min[axis] };
         let mut normal = DVec3::ZERO;
         normal[axis] = if greater { 1.0 } else { -1.0 };
-        // The point is exact across its face. The bound makes room for a ray that leaves a face at coordinate 0,
-        // where the next number is too near to tell apart.
+        // The point is exact across its face. The bound is for a ray that leaves a face at coordinate 0, where
+        // neighbouring numbers are too close to distinguish.
         let point_error = DVec3::splat(gamma(3) * self.bounds.max_abs());
         let uv = if needs.uv { self.face_uv(point, axis, greater) } else { [0.0; 2] };
         SurfaceInteraction::flat(point, point_error, normal, uv)
@@ -174,7 +174,8 @@ mod tests {
     #[test]
     fn textures_are_upright_from_outside() {
         let big = Cuboid::new(DVec3::ZERO, DVec3::splat(4.0)).expect("a box");
-        // Each row: viewer, view direction, and what is seen at a quarter of the way right and up from the lower left.
+        // Rows: viewer, view direction, and the expected values at a quarter of the way right and up from the lower
+        // left.
         let rows = [
             ([1.0, 1.0, 9.0], [0.0, 0.0, -1.0]),
             ([3.0, 1.0, -9.0], [0.0, 0.0, 1.0]),
@@ -231,7 +232,7 @@ mod tests {
             prop_assert!(surface.uv.iter().all(|x| (0.0..=1.0).contains(x)));
         }
 
-        /// Aimed at the edge that two boxes share, at any rounding, a ray meets one of them.
+        /// A ray at the common edge of two boxes hits one of them for any rounding.
         #[test]
         fn no_ray_slips_between_neighbours(from in point(10.0), shared in -3.0..3.0f64, at in -0.9..0.9f64) {
             prop_assume!(from.z > 1.5);

@@ -1,17 +1,17 @@
 //! Finite cylinders.
 
 use crate::error::{ShapeError, check_coordinates, check_radius};
-use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, lateral::Lateral, truncated::Truncated};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, capped_quadric::CappedQuadric, quadric_side::QuadricSide};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
-/// A cylinder around the y axis, from a bottom to a top: a closed solid with caps, or an open tube without. Its normal
+/// Cylinder around the y axis, from a bottom to a top: a closed solid with caps, or an open surface without. Its normal
 /// points outwards, away from the axis on the side.
 ///
 /// Texture coordinates on the side: `u` runs once around +y as on a [`Sphere`](crate::Sphere), with +z at ½, and `v`
 /// from 0 at the bottom to 1 at the top. On the caps they run from 0 to 1 over the square around the disk, upright and
 /// unmirrored from outside: `v` runs along −z on the top and along +z on the bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cylinder(Truncated);
+pub struct Cylinder(CappedQuadric);
 
 impl Cylinder {
     /// The cylinder x² + z² ≤ radius² with `bottom` ≤ y ≤ `top`; only its side if it has no `caps`.
@@ -24,7 +24,7 @@ impl Cylinder {
         if bottom >= top {
             return Err(ShapeError::NoHeight { bottom, top });
         }
-        Ok(Self(Truncated { side: Lateral { height: bottom, radius, slope: 0.0 }, bottom, top, caps }))
+        Ok(Self(CappedQuadric { side: QuadricSide { height: bottom, radius, slope: 0.0 }, bottom, top, caps }))
     }
 
     /// The radius, positive.
@@ -37,7 +37,7 @@ impl Cylinder {
         [self.0.bottom, self.0.top]
     }
 
-    /// True for a closed solid, false for an open tube.
+    /// True for a closed solid, false for an open surface.
     pub const fn has_caps(&self) -> bool {
         self.0.caps
     }
@@ -47,15 +47,15 @@ impl Cylinder {
         self.0.bounds()
     }
 
-    /// How far the cylinder reaches in a direction: the greatest dot product with one of its points.
+    /// Support function: the largest dot product of a direction with a point of the cylinder.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.0.support(direction)
     }
 
-    /// The first crossing of the surface within `span`. `None` on a miss, and for rays without a direction.
+    /// First intersection within `span`. `None` on a miss, and for rays without a direction.
     ///
-    /// The circle that the side is from above is met as a sphere is: by the distance L at which the ray passes the
-    /// axis, from (r − L)(r + L). A ray along the axis meets the caps alone, to and including their rims.
+    /// The side is intersected as a circle in the plane across the axis: by the distance L of the ray from the axis,
+    /// from (r − L)(r + L). A ray along the axis hits the caps alone, rims included.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         self.0.intersect(ray, span)
@@ -218,7 +218,7 @@ mod tests {
             }
         }
 
-        /// A tube differs from a solid only in what the caps hide.
+        /// An open cylinder differs from a solid only where the caps hide its inside.
         #[test]
         fn caps_only_add_hits(from in vector(4.0), to in vector(2.0)) {
             let ray = Ray::new(from, to - from);

@@ -47,12 +47,12 @@ impl Disk {
         Aabb::new(-reach, reach)
     }
 
-    /// How far the disk reaches in a direction: the greatest dot product with one of its points.
+    /// Support function: the largest dot product of a direction with a point of the disk.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.radius * DVec3::new(direction.x, 0.0, direction.z).length()
     }
 
-    /// Where the ray crosses the disk, from either side. `None` if it passes by or is parallel, also within the disk.
+    /// Intersection from either side. `None` if the ray misses the disk or is parallel, also within it.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let t = -ray.origin.y / ray.direction.y;
@@ -75,8 +75,8 @@ impl Disk {
 
 /// The hit point on a disk at a height, and its error.
 ///
-/// The point is exact across the disk. The bound makes room for a ray that leaves one at height 0, where the next
-/// number is too near to tell apart.
+/// The point is exact across the disk. The bound is for a ray that leaves a disk at height 0, where neighbouring
+/// numbers are too close to distinguish.
 pub(crate) fn on_disk(ray: &Ray, t: f64, y: f64, radius: f64) -> (DVec3, DVec3) {
     let on_ray = ray.at(t);
     let distance = DVec3::new(on_ray.x, 0.0, on_ray.z).length();

@@ -1,16 +1,16 @@
 //! Infinite double cones.
 
 use crate::error::{ShapeError, check_length};
-use crate::lateral::{Lateral, longitude};
+use crate::quadric_side::{QuadricSide, azimuth};
 use crate::{InteractionFlags, ShapeHit, SurfaceInteraction};
 use rt_math::{Interval, Ray};
 
-/// Two endless cones around the y axis that meet in their apex at the origin; the normal points away from the axis, at
-/// the apex against the ray that arrives. It has no bounds.
+/// Two infinite cones around the y axis with a common apex at the origin; the normal points away from the axis, at the
+/// apex against the incident ray. It has no bounds.
 ///
 /// Texture coordinates: `u` runs once around +y as on a [`Sphere`](crate::Sphere), with +z at ½; `v` is y, a length.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DoubleCone(Lateral);
+pub struct DoubleCone(QuadricSide);
 
 impl DoubleCone {
     /// The cone x² + z² = slope²·y²: at height 1 it is `slope` wide from the axis.
@@ -19,7 +19,7 @@ impl DoubleCone {
     /// If the slope is not positive (at least 1e-60) or not finite.
     pub fn new(slope: f64) -> Result<Self, ShapeError> {
         check_length("slope", slope)?;
-        Ok(Self(Lateral { height: 0.0, radius: 0.0, slope }))
+        Ok(Self(QuadricSide { height: 0.0, radius: 0.0, slope }))
     }
 
     /// The radius at height 1, positive.
@@ -27,8 +27,8 @@ impl DoubleCone {
         self.0.slope
     }
 
-    /// The first crossing of the surface within `span`. `None` on a miss, for rays within the surface, and for rays
-    /// without a direction.
+    /// First intersection within `span`. `None` on a miss, for rays within the surface, and for rays without a
+    /// direction.
     ///
     /// With k the slope and vectors across the axis, the crossings solve a·t² − 2b·t + c = 0 with
     /// a = d·d − k²d_y², b = k²o_y·d_y − o·d and c = o·o − k²o_y², whose digits are kept where the terms cancel. The
@@ -43,7 +43,7 @@ impl DoubleCone {
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let mut surface = self.0.surface(ray, hit.t, [f64::NEG_INFINITY, f64::INFINITY]);
         if needs.uv {
-            surface.uv = [longitude(surface.point), surface.point.y];
+            surface.uv = [azimuth(surface.point), surface.point.y];
         }
         surface
     }
@@ -115,7 +115,7 @@ mod tests {
                 let normal = cone(0.5).surface(&ray, &hit, InteractionFlags::ALL).geometric_normal;
                 assert!((normal.length() - 1.0).abs() < 1e-15, "{direction}: {normal}");
             } else {
-                // Beside the cone the ray may pass the apex by rounding, inside it cannot.
+                // Outside the cone the ray may miss the apex by rounding, inside it cannot.
                 assert!(DVec3::new(direction.x, 0.0, direction.z).length() > 0.5 * direction.y.abs(), "{direction}");
             }
         }
@@ -159,7 +159,7 @@ mod tests {
             }
         }
 
-        /// A steep ray crosses from one nappe to the other, whatever rounding says.
+        /// A steep ray crosses from one nappe to the other for any rounding.
         #[test]
         fn steep_rays_meet_both_nappes(from in vector(10.0), dx in -0.9..0.9f64) {
             let found = hits(1.0, from.into(), [dx * 0.7, 1.0, dx * 0.7]);

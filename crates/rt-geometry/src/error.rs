@@ -1,8 +1,8 @@
-//! What can be wrong with a shape.
+//! Errors of shapes.
 
 use rt_math::DVec3;
 
-/// Why a shape cannot be made. Each variant holds the offending value.
+/// Reason why a shape cannot be made, with the offending value.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ShapeError {
     /// A coordinate is NaN, infinite, or beyond the range in which kernels keep their precision.
@@ -22,7 +22,7 @@ pub enum ShapeError {
         /// Height of the top.
         top: f64,
     },
-    /// A ring whose hole is negative or leaves nothing of it.
+    /// A ring whose hole is negative or as large as the ring.
     #[error("inner radius {inner} must be at least 0 and less than the radius {outer}")]
     BadInnerRadius {
         /// Radius of the hole.
@@ -67,7 +67,7 @@ pub(crate) fn check_coordinates(points: impl IntoIterator<Item = DVec3>) -> Resu
     }
 }
 
-/// Least radius or length: its square and the square of that stay far from underflow.
+/// Minimum radius or length: its square and the square of that stay far from underflow.
 const MIN_LENGTH: f64 = 1e-60;
 
 /// Checks a radius: positive and finite.
@@ -76,7 +76,7 @@ pub(crate) fn check_radius(radius: f64) -> Result<(), ShapeError> {
     if radius >= MIN_LENGTH { Ok(()) } else { Err(ShapeError::BadRadius(radius)) }
 }
 
-/// Checks a length or slope other than a radius: positive and finite. `what` it is goes into the message.
+/// Checks a length or slope other than a radius: positive and finite. `what` names it in the message.
 pub(crate) fn check_length(what: &'static str, length: f64) -> Result<(), ShapeError> {
     check_coordinates([DVec3::splat(length)])?;
     if length >= MIN_LENGTH { Ok(()) } else { Err(ShapeError::BadLength(what, length)) }

@@ -1,19 +1,19 @@
 //! Frusta: cones without their tip.
 
 use crate::error::{ShapeError, check_length, check_radius};
-use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, lateral::Lateral, truncated::Truncated};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, capped_quadric::CappedQuadric, quadric_side::QuadricSide};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
-/// A cone cut off at both ends that stands on the plane y = 0: a closed solid with caps, or open without. Its normal
+/// Cone cut off at both ends that stands on the plane y = 0: a closed solid with caps, or open without. Its normal
 /// points outwards, away from the axis on the side.
 ///
 /// Texture coordinates are those of a [`Cylinder`](crate::Cylinder).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frustum(Truncated);
+pub struct Frustum(CappedQuadric);
 
 impl Frustum {
-    /// The solid from a disk at y = 0 to one at y = `height`; only its side if it has no `caps`. Either disk may be
-    /// the larger one; a tip is for a [`Cone`](crate::Cone).
+    /// Solid from a disk at y = 0 to one at y = `height`; only its side without `caps`. Either disk may be the larger
+    /// one; for a tip use [`Cone`](crate::Cone).
     ///
     /// # Errors
     /// If a radius or the height is not positive (at least 1e-60), or not finite.
@@ -24,11 +24,11 @@ impl Frustum {
         let slope = (top_radius - bottom_radius) / height;
         // Near the smaller end a rounding error matters most.
         let side = if bottom_radius < top_radius {
-            Lateral { height: 0.0, radius: bottom_radius, slope }
+            QuadricSide { height: 0.0, radius: bottom_radius, slope }
         } else {
-            Lateral { height, radius: top_radius, slope }
+            QuadricSide { height, radius: top_radius, slope }
         };
-        Ok(Self(Truncated { side, bottom: 0.0, top: height, caps }))
+        Ok(Self(CappedQuadric { side, bottom: 0.0, top: height, caps }))
     }
 
     /// Height of the upper end, positive.
@@ -46,12 +46,12 @@ impl Frustum {
         self.0.bounds()
     }
 
-    /// How far the frustum reaches in a direction: the greatest dot product with one of its points.
+    /// Support function: the largest dot product of a direction with a point of the frustum.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.0.support(direction)
     }
 
-    /// The first crossing of the surface within `span`. `None` on a miss, and for rays without a direction. See
+    /// First intersection within `span`. `None` on a miss, and for rays without a direction. See
     /// [`DoubleCone`](crate::DoubleCone) for the arithmetic.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {

@@ -1,26 +1,35 @@
-//! The small record of a hit.
+//! Records of a hit.
 
-/// Where a ray met a primitive: small, and filled once per candidate. The full geometry of the surface is computed
-/// for the winner alone.
+/// Hit on a primitive, with what is needed to compute the [`SurfaceInteraction`](crate::SurfaceInteraction) of the
+/// closest one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Ray parameter; the same in every space.
     pub t: f64,
-    /// Which object of the upper level; 0 where there is one level only.
+    /// Index of the instance; 0 without instances.
     pub instance: u32,
-    /// Which primitive within the object.
+    /// Index of the primitive within the instance.
     pub primitive: u32,
-    /// Parameters on the primitive, for the shape to rebuild the surface from: barycentric weights of the second and
-    /// third vertex of a triangle, otherwise whatever the shape documents.
+    /// Parameters on the primitive: barycentric weights of the second and third vertex of a triangle, otherwise as
+    /// documented by the shape.
     pub uv: [f64; 2],
 }
 
 impl Hit {
-    /// True if this hit wins over `other`: nearer, or equally near and of the lower (instance, primitive).
-    ///
-    /// This total order makes the answer independent of the order in which a structure offers primitives.
+    /// True if this hit wins over `other`: nearer, or equally near with the lower (instance, primitive). This total order
+    /// makes the closest hit independent of the order of tests.
     #[inline]
     pub fn precedes(&self, other: &Self) -> bool {
         self.t < other.t || (self.t == other.t && (self.instance, self.primitive) < (other.instance, other.primitive))
     }
+}
+
+/// Hit on a single shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeHit {
+    /// Ray parameter.
+    pub t: f64,
+    /// Parameters on the surface: barycentric weights of the second and third vertex for triangles, `[face, 0]` for
+    /// boxes and for solids with caps, `[distance along the ray, 0]` for tori, unused otherwise.
+    pub uv: [f64; 2],
 }

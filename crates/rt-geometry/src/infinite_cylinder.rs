@@ -1,15 +1,15 @@
 //! Infinite cylinders.
 
 use crate::error::{ShapeError, check_radius};
-use crate::lateral::{Lateral, longitude};
+use crate::quadric_side::{QuadricSide, azimuth};
 use crate::{InteractionFlags, ShapeHit, SurfaceInteraction};
 use rt_math::{Interval, Ray};
 
-/// An endless cylinder around the y axis; its normal points outwards. It has no bounds.
+/// Infinite cylinder around the y axis; its normal points outwards. It has no bounds.
 ///
 /// Texture coordinates: `u` runs once around +y as on a [`Sphere`](crate::Sphere), with +z at ½; `v` is y, a length.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InfiniteCylinder(Lateral);
+pub struct InfiniteCylinder(QuadricSide);
 
 impl InfiniteCylinder {
     /// The cylinder x² + z² = radius².
@@ -18,7 +18,7 @@ impl InfiniteCylinder {
     /// If the radius is not positive (at least 1e-60) or not finite.
     pub fn new(radius: f64) -> Result<Self, ShapeError> {
         check_radius(radius)?;
-        Ok(Self(Lateral { height: 0.0, radius, slope: 0.0 }))
+        Ok(Self(QuadricSide { height: 0.0, radius, slope: 0.0 }))
     }
 
     /// The radius, positive.
@@ -26,8 +26,8 @@ impl InfiniteCylinder {
         self.0.radius
     }
 
-    /// The first crossing of the surface within `span`. `None` on a miss, for rays along the axis, also within the
-    /// surface, and for rays without a direction. See [`Cylinder`](crate::Cylinder) for the arithmetic.
+    /// First intersection within `span`. `None` on a miss, for rays along the axis, also within the surface, and for
+    /// rays without a direction. See [`Cylinder`](crate::Cylinder) for the arithmetic.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let t = self.0.first_crossing(ray, span, |_| true)?;
@@ -38,7 +38,7 @@ impl InfiniteCylinder {
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let mut surface = self.0.surface(ray, hit.t, [f64::NEG_INFINITY, f64::INFINITY]);
         if needs.uv {
-            surface.uv = [longitude(surface.point), surface.point.y];
+            surface.uv = [azimuth(surface.point), surface.point.y];
         }
         surface
     }
@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn stiff_cases_keep_their_digits() {
         let cases = [
-            // Far and oblique: the ray passes the axis at a distance that its coordinates hide.
+            // Far and oblique: the distance of the ray from the axis is small compared with its coordinates.
             (1.0, [-8e5 - 0.3, 0.0, -6e5 + 0.4], [0.8, 0.0, 0.6], [999_999.133_974_596_2, 1_000_000.866_025_403_8]),
             (1e-3, [5e-4, 0.0, 100.0], [0.0, 0.0, -1.0], [99.999_133_974_596_22, 100.000_866_025_403_8]),
             // Nearly along the axis.
@@ -104,7 +104,7 @@ mod tests {
     }
 
     proptest! {
-        /// The same as the circle that it is from above, wherever the ray is along the axis.
+        /// Intersections are those of the circle in the plane across the axis, at any height.
         #[test]
         fn height_does_not_matter(
             x in -5.0..5.0f64, z in -5.0..5.0f64, dx in -1.0..1.0f64, dz in -1.0..1.0f64, y in -1e9..1e9f64, dy in -9.0..9.0f64,

@@ -1,43 +1,43 @@
-//! The full geometry of a hit, computed once, for the winner.
+//! Full geometry of a hit, computed once, for the closest one.
 
 use rt_math::float::gamma;
 use rt_math::{DMat3, DVec3, Ray, Transform, Vec3};
 
-/// What the consumer of a [`SurfaceInteraction`] will look at, so that the rest is left out.
+/// Parts of a [`SurfaceInteraction`] to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InteractionFlags {
     /// Texture coordinates; left `[0, 0]` otherwise.
     pub uv: bool,
     /// Interpolated normals; the geometric normal otherwise.
     pub shading_normal: bool,
-    /// What only some meshes have; left [`VertexAttributes::default`] otherwise.
+    /// Attributes that only some meshes have; otherwise [`VertexAttributes::default`].
     pub detail: bool,
 }
 
 impl InteractionFlags {
     /// Everything.
     pub const ALL: Self = Self { uv: true, shading_normal: true, detail: true };
-    /// Nothing but the point and the geometric normal.
+    /// Only the point and the geometric normal.
     pub const NONE: Self = Self { uv: false, shading_normal: false, detail: false };
 }
 
-/// What only some meshes have at their vertices, interpolated.
+/// Interpolated attributes that only some meshes have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VertexAttributes {
     /// The second set of texture coordinates; (0, 0) without.
     pub second_uv: [f32; 2],
     /// Colour of the vertices, which multiplies that of the material; linear, white without.
     pub color: [f32; 3],
-    /// Direction in which `u` of the normal map rises, of any length, in the space of the surface; zero without.
+    /// Direction of rising `u` of the normal map, of any length, in the space of the surface; zero without.
     pub tangent: Vec3,
     /// True if `v` rises against the cross product of normal and tangent.
     pub is_mirrored: bool,
-    /// The shading normal as it was before a normal map turned it; zero if none did.
+    /// Shading normal before normal mapping; zero without a normal map.
     pub smooth_normal: Vec3,
 }
 
 impl VertexAttributes {
-    /// What stands for everything that a mesh does not have.
+    /// Attributes of a mesh without any.
     pub const NONE: Self = Self {
         second_uv: [0.0; 2],
         color: [1.0; 3],
@@ -53,16 +53,16 @@ impl Default for VertexAttributes {
     }
 }
 
-/// The surface around a hit, in the space that the shape was asked in.
+/// Surface around a hit, in the space of the ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceInteraction {
     /// The hit point, re-projected on the surface.
     pub point: DVec3,
-    /// How far rounding may have put `point` off the surface, and how far off it may look to the shape's own test, per
-    /// axis. Sliding along the surface does not count.
+    /// Bound on the distance of `point` from the surface by rounding, and on its apparent distance in the shape's own
+    /// test, per axis. Excludes errors within the surface.
     pub point_error: DVec3,
-    /// Where shadow rays start: `point`, or for interpolated normals the point lifted to the surface that these
-    /// normals suggest, so that flat triangles do not shadow themselves in bands (Hanika 2021).
+    /// Origin of shadow rays: `point`, or for interpolated normals the point lifted to the smooth surface of these
+    /// normals, which avoids shadow bands on flat triangles (Hanika 2021).
     pub shadow_point: DVec3,
     /// Unit normal of the actual surface, on its front side: outside of closed shapes; for triangles the side from
     /// which the vertices run counter-clockwise.
@@ -71,20 +71,20 @@ pub struct SurfaceInteraction {
     pub shading_normal: DVec3,
     /// Texture coordinates; `v` runs upwards.
     pub uv: [f64; 2],
-    /// What only some meshes have.
+    /// Attributes that only some meshes have.
     pub detail: VertexAttributes,
 }
 
 impl SurfaceInteraction {
-    /// A surface that is shaded as it is, with a unit normal.
+    /// Surface with a unit normal that is also its shading normal.
     #[inline]
     pub const fn flat(point: DVec3, point_error: DVec3, normal: DVec3, uv: [f64; 2]) -> Self {
         let detail = VertexAttributes::NONE;
         Self { point, point_error, shadow_point: point, geometric_normal: normal, shading_normal: normal, uv, detail }
     }
 
-    /// The same surface seen from the target space of a transform. Normals are unit again; the error bound includes
-    /// the rounding of the map, and of the way back that a spawned ray takes.
+    /// Surface in the target space of a transform. Normals are unit again; the error bound includes the rounding of the
+    /// map, and of the inverse map of a spawned ray.
     pub fn transformed(&self, target_from_source: &Transform) -> Self {
         let (point, error) = target_from_source.point_with_error(self.point, self.point_error);
         let point_error = error + return_error(self.point, point, target_from_source);
@@ -108,8 +108,9 @@ impl SurfaceInteraction {
         Self { point, point_error, shadow_point, geometric_normal, shading_normal, uv: self.uv, detail }
     }
 
-    /// A ray that leaves the surface in `direction`: its origin is moved along the geometric normal, to the side of
-    /// the direction, by the error bound of the hit point, so that it cannot meet the same surface again by rounding.
+    /// Ray that leaves the surface in `direction`. Its origin is moved along the geometric normal, to the side of the
+    /// direction, by the error bound of the hit point, so that rounding cannot make it hit the same surface again.
+    /// Pharr, Jakob, Humphreys, PBR 4th ed., section 6.8.6.
     ///
     /// Pharr, Jakob, Humphreys, PBR 4th ed., section 6.8.6.
     #[inline(always)]
@@ -129,15 +130,15 @@ impl SurfaceInteraction {
         self.shadow_rays(direction.dot(self.shading_normal) < 0.0).towards(direction, time)
     }
 
-    /// Where shadow rays to many lights start, most of which lie on the side of the shading normal, or all on the other
-    /// one if it `is_seen_from_behind`.
+    /// Origin of shadow rays to many lights, most of which are on the side of the shading normal, or all on the other
+    /// one if `is_seen_from_behind`.
     #[inline(always)]
     pub fn shadow_rays(&self, is_seen_from_behind: bool) -> ShadowRays<'_> {
         let is_behind = is_seen_from_behind;
         ShadowRays { surface: self, is_behind, origin: self.shadow_origin(if is_behind { -1.0 } else { 1.0 }) }
     }
 
-    /// The origin of shadow rays to one `side`, the back if that is negative. `shadow_point` is for that side only to which
+    /// Origin of shadow rays to one `side`, the back if that is negative. `shadow_point` applies to the side to which
     /// it is lifted.
     #[inline(always)]
     fn shadow_origin(&self, side: f64) -> DVec3 {
@@ -154,12 +155,12 @@ impl SurfaceInteraction {
     }
 }
 
-/// Shadow rays from one point of a surface to its lights: what they have in common is computed once.
+/// Shadow rays from one point of a surface to its lights, with common parts computed once.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowRays<'s> {
     surface: &'s SurfaceInteraction,
     is_behind: bool,
-    /// The origin of rays to the side where most lights are.
+    /// Origin of rays to the side with most lights.
     origin: DVec3,
 }
 
@@ -177,8 +178,7 @@ impl ShadowRays<'_> {
         Ray { origin: self.origin_towards(direction), direction, time }
     }
 
-    /// The shading normal tells which side is lit: a light just below a facet still lights the smooth surface that the
-    /// facet stands for.
+    /// The shading normal determines the lit side: a light just below a triangle still lights the smooth surface.
     #[inline(always)]
     fn origin_towards(&self, direction: DVec3) -> DVec3 {
         let side = direction.dot(self.surface.shading_normal);
@@ -186,11 +186,12 @@ impl ShadowRays<'_> {
     }
 }
 
-/// The next numbers in the direction of `side`, and a number itself where that is 0. Makes up for the rounding of a sum.
+/// Moves each component to the next number in the direction of `side`, unless that is 0. Compensates the rounding of a
+/// sum.
 ///
-/// What is added to a number is more than half the distance to its greater neighbour, and hardly more than all of it, so that
-/// the sum is rounded there; and taken off, to the lesser neighbour, also where that is nearer by a power of two: Rump, Zimmermann, Boldo and Melquiond,
-/// "Computing Predecessor and Successor in Rounding to Nearest", BIT 49, 2009, algorithm 1.
+/// The increment is more than half the distance to the larger neighbour and hardly more than all of it, so that the sum
+/// is rounded there. The same holds for the smaller neighbour, also across a power of two: Rump, Zimmermann, Boldo and
+/// Melquiond, "Computing Predecessor and Successor in Rounding to Nearest", BIT 49, 2009, algorithm 1.
 #[inline(always)]
 fn rounded_towards(point: DVec3, side: DVec3) -> DVec3 {
     /// Steps of numbers below this one may underflow.
@@ -207,9 +208,9 @@ fn rounded_towards(point: DVec3, side: DVec3) -> DVec3 {
     }
 }
 
-/// How far from where it was a point is when it is mapped back to the source, as a length in the target space. The
-/// two directions of a transform are rounded apart, so the way back is measured; the second term bounds how much it
-/// varies nearby.
+/// Distance of a point from its origin after mapping to the source and back, as a length in the target space. The two
+/// directions of a transform are rounded independently, so the distance is measured; the second term bounds its
+/// variation nearby.
 fn return_error(source: DVec3, target: DVec3, target_from_source: &Transform) -> DVec3 {
     let there = absolute(target_from_source.linear());
     let back = absolute(target_from_source.inverse().linear());

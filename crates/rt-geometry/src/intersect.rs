@@ -1,25 +1,25 @@
-//! The one function through which every hit is accepted.
+//! Intersection of rays with primitives: the only functions that accept hits.
 
-use crate::{Hit, Primitives, Probe, TriangleHit, WatertightRay};
+use crate::{Hit, Primitives, Probe, ShapeHit, WatertightRay};
 use rt_math::DVec3;
 use rt_math::{Aabb, Interval, Ray, SlabRay};
 
-/// The box that decides about hits on a primitive: its bounds, padded. `None` if it is unbounded.
+/// Padded bounds of a primitive, which the ray of every hit passes. `None` if it is unbounded.
 ///
-/// Structures must cull with boxes that contain this one.
+/// Accelerators must cull with boxes that contain this one.
 pub fn padded_bounds<P: Primitives>(primitives: &P, index: u32) -> Option<Aabb> {
     primitives.bounds(index).map(|bounds| bounds.padded())
 }
 
-/// The hit of primitive `index` within `span`, or `None`.
+/// Hit of primitive `index` within `span`.
 ///
-/// The **own-box rule**: a hit counts only if the ray also passes the primitive's [`padded_bounds`], and its `t` is raised
-/// to the entry into that box if rounding put it before. Brute force and all structures accept hits through this
-/// function alone. As the slab test is monotone in the box, every box around `padded_bounds` is entered at or before the
-/// accepted `t`, so a structure that prunes only what starts strictly behind the best hit returns the bits of brute
-/// force, ties included.
+/// The **padded-bounds rule**: a hit counts only if the ray also passes the primitive's [`padded_bounds`], and its `t`
+/// is raised to the entry into that box if rounding put it before. Brute force and all accelerators accept hits through
+/// this function alone. As the slab test is monotone in the box, every box around `padded_bounds` is entered at or
+/// before the accepted `t`. So an accelerator that prunes only what starts strictly behind the best hit returns the
+/// bits of brute force, ties included.
 ///
-/// The kernel runs first: most offers are misses, and the box is looked at for hits only.
+/// The kernel runs first: most tests are misses, and the bounds are tested for hits only.
 #[inline(always)]
 pub fn intersect_primitive<P: Primitives, S: Probe>(
     primitives: &P,
@@ -32,7 +32,7 @@ pub fn intersect_primitive<P: Primitives, S: Probe>(
     intersect_primitive_uncounted(primitives, index, &ray.ray, span, probe)
 }
 
-/// As [`intersect_primitive`], of a primitive that the caller has counted as offered.
+/// [`intersect_primitive`] of a primitive that is already counted as tested.
 #[inline(always)]
 pub fn intersect_primitive_uncounted<P: Primitives, S: Probe>(
     primitives: &P,
@@ -44,32 +44,33 @@ pub fn intersect_primitive_uncounted<P: Primitives, S: Probe>(
     let hit = primitives.intersect_with_stats(index, ray, span, probe)?;
     let entry = padded_bounds_entry(primitives, index, ray, span)?;
     probe.hit();
-    Some(Hit { t: raised(hit.t, entry), ..hit })
+    Some(Hit { t: max_t(hit.t, entry), ..hit })
 }
 
-/// As [`intersect_primitive_uncounted`], of a primitive whose layout is [`PrimitiveGeometry::ExactTriangle`](crate::PrimitiveGeometry::Watertight),
-/// from a copy of its vertices: the same bits without asking the primitives. `sheared` is made of the same ray.
+/// [`intersect_primitive_uncounted`] of a primitive with the geometry
+/// [`PrimitiveGeometry::ExactTriangle`](crate::PrimitiveGeometry::ExactTriangle), from a copy of its vertices, with
+/// identical results. `watertight_ray` is prepared from the same ray.
 #[inline(always)]
 pub fn intersect_triangle(
     vertices: [DVec3; 3],
     index: u32,
     ray: &SlabRay,
-    sheared: &WatertightRay,
+    watertight_ray: &WatertightRay,
     span: Interval,
 ) -> Option<Hit> {
-    let TriangleHit { t, uv } = sheared.intersect(vertices, span)?;
+    let ShapeHit { t, uv } = watertight_ray.intersect(vertices, span)?;
     let entry = Aabb::from_points(vertices).padded().clip(ray, span)?.min;
-    Some(Hit { t: raised(t, entry), instance: 0, primitive: index, uv })
+    Some(Hit { t: max_t(t, entry), instance: 0, primitive: index, uv })
 }
 
-/// The later of a hit and the entry into its box; the hit where they are equal, as `f64::max` may return either zero.
+/// Maximum of a hit and the entry into its bounds; the hit if they are equal, as `f64::max` may return either zero.
 #[inline(always)]
-fn raised(t: f64, entry: f64) -> f64 {
+fn max_t(t: f64, entry: f64) -> f64 {
     if entry > t { entry } else { t }
 }
 
-/// True if primitive `index` blocks the ray within `span`: exactly when [`intersect_primitive`] would find a hit on a primitive
-/// whose `occludes` agrees with its `intersect`.
+/// True if primitive `index` occludes the ray within `span`: exactly when [`intersect_primitive`] finds a hit, for
+/// primitives whose `occludes` agrees with `intersect`.
 #[inline(always)]
 pub fn occludes_primitive<P: Primitives, S: Probe>(
     primitives: &P,
@@ -82,7 +83,7 @@ pub fn occludes_primitive<P: Primitives, S: Probe>(
     occludes_primitive_uncounted(primitives, index, &ray.ray, span, probe)
 }
 
-/// As [`occludes_primitive`], of a primitive that the caller has counted as offered.
+/// [`occludes_primitive`] of a primitive that is already counted as tested.
 #[inline(always)]
 pub fn occludes_primitive_uncounted<P: Primitives, S: Probe>(
     primitives: &P,
@@ -99,8 +100,8 @@ pub fn occludes_primitive_uncounted<P: Primitives, S: Probe>(
     blocked
 }
 
-/// As [`intersect_primitive_uncounted`] for many rays, with the same results: `hits[i]` answers `rays[i]`. Rays beyond the shorter slice are
-/// left alone.
+/// [`intersect_primitive_uncounted`] for many rays, with identical results: `hits[i]` belongs to `rays[i]`. Ignores
+/// rays beyond the shorter slice.
 pub fn intersect_primitive_batch<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
@@ -114,14 +115,14 @@ pub fn intersect_primitive_batch<P: Primitives, S: Probe>(
         match padded_bounds_entry(primitives, index, ray, *span) {
             Some(entry) => {
                 probe.hit();
-                hit.t = raised(hit.t, entry);
+                hit.t = max_t(hit.t, entry);
             }
             None => *answer = None,
         }
     }
 }
 
-/// As [`occludes_primitive_uncounted`] for many rays, with the same results.
+/// [`occludes_primitive_uncounted`] for many rays, with identical results.
 pub fn occludes_primitive_batch<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
@@ -138,10 +139,10 @@ pub fn occludes_primitive_batch<P: Primitives, S: Probe>(
     }
 }
 
-/// Where the ray enters the own box within `span`: at once if there is no box, `None` if it passes the box by.
+/// Parameter at which the ray enters the padded bounds within `span`: its beginning without bounds, `None` on a miss.
 ///
-/// Apart from the loops over offers, where it would be in the way of their misses. Reciprocals are taken here once more: a
-/// prepared ray would be copied for every offer, and few are hits.
+/// Not inlined into loops over tests, most of which miss. Computes the reciprocals again: a prepared ray would be
+/// copied for every test, and few are hits.
 #[inline(never)]
 fn padded_bounds_entry<P: Primitives>(primitives: &P, index: u32, ray: &Ray, span: Interval) -> Option<f64> {
     match padded_bounds(primitives, index) {
@@ -155,7 +156,7 @@ mod tests {
     use super::*;
     use crate::{Counters, NoProbe};
 
-    /// A kernel that reports a hit at a fixed `t`, whatever the ray.
+    /// Kernel that reports a hit at a fixed `t` for any ray.
     struct Fixed(f64, Option<Aabb>);
 
     impl Primitives for Fixed {
@@ -180,13 +181,13 @@ mod tests {
     }
 
     #[test]
-    fn a_hit_outside_its_own_box_does_not_count() {
+    fn a_hit_outside_its_padded_bounds_does_not_count() {
         assert_eq!(ask(&Fixed(1.5, BOX), DVec3::X, Interval::FORWARD), None);
         assert_eq!(ask(&Fixed(1.5, BOX), DVec3::ONE, Interval::FORWARD), Some(1.5));
     }
 
     #[test]
-    fn t_is_raised_to_the_entry_into_the_own_box() {
+    fn t_is_raised_to_the_entry_into_the_padded_bounds() {
         let t = ask(&Fixed(0.5, BOX), DVec3::ONE, Interval::FORWARD).expect("a hit");
         assert!((t - 1.0).abs() < 1e-11 && t > 0.5, "{t}");
         assert_eq!(ask(&Fixed(0.5, BOX), DVec3::ONE, Interval::new(0.0, 0.9)), None, "raised out of the span");

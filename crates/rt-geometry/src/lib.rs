@@ -20,7 +20,7 @@
 //! [`InfiniteCylinder`], [`Cone`], [`DoubleCone`], [`Frustum`], [`Disk`], [`Rectangle`], [`Torus`], the enum [`Shape`]),
 //! shapes under affine maps ([`TransformedShape`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets ([`Spheres`]), their tests in
 //! `f64`, and the geometry of a hit.
-//! **Does not own** structures that find the first of many hits (rt-accel), materials and light (rt-shading), or
+//! **Does not own** accelerators that find the first of many hits (rt-accel), materials and light (rt-shading), or
 //! files (rt-scene-io).
 //!
 //! All tests are total: a ray that misses, has a NaN or has no direction gives `None`. In and out are decided without
@@ -50,6 +50,7 @@
 
 mod area;
 mod bracketed_root;
+mod capped_quadric;
 mod closest_point;
 mod cone;
 mod cuboid;
@@ -62,7 +63,6 @@ mod hit;
 mod infinite_cylinder;
 mod interaction;
 mod intersect;
-mod lateral;
 mod mesh;
 mod mesh_data;
 mod mesh_faces;
@@ -72,6 +72,7 @@ mod plane;
 mod polygon;
 mod primitives;
 mod probe;
+mod quadric_side;
 mod rectangle;
 mod shape;
 mod sphere;
@@ -81,7 +82,6 @@ mod torus;
 mod transformed_shape;
 mod triangle;
 mod triangulator;
-mod truncated;
 mod watertight_ray;
 
 pub use closest_point::ClosestPoint;
@@ -92,7 +92,7 @@ pub use disk::Disk;
 pub use double_cone::DoubleCone;
 pub use error::ShapeError;
 pub use frustum::Frustum;
-pub use hit::Hit;
+pub use hit::{Hit, ShapeHit};
 pub use infinite_cylinder::InfiniteCylinder;
 pub use interaction::{InteractionFlags, ShadowRays, SurfaceInteraction, VertexAttributes};
 pub use intersect::{
@@ -101,18 +101,19 @@ pub use intersect::{
 };
 pub use mesh::TriangleMesh;
 pub use mesh_data::MeshData;
-pub use mesh_faces::{Face, fan, strip};
+pub use mesh_faces::{fan, strip};
 pub use mesh_repair::{MeshError, MeshRepairs};
 pub use plane::Plane;
 pub use polygon::{InsideRule, Polygon, PolygonError};
 pub use primitives::{BatchKernel, PrimitiveGeometry, Primitives};
 pub use probe::{Counters, NoProbe, Probe, RayCounts, RayKind, RayStats};
 pub use rectangle::Rectangle;
-pub use shape::{Shape, ShapeHit};
+pub use shape::Shape;
 pub use sphere::Sphere;
 pub use sphere_kernel::SphereKernel;
 pub use spheres::Spheres;
 pub use torus::Torus;
 pub use transformed_shape::TransformedShape;
 pub use triangle::Triangle;
-pub use watertight_ray::{TriangleHit, WatertightRay};
+pub use triangulator::Face;
+pub use watertight_ray::WatertightRay;

@@ -7,7 +7,7 @@ use crate::{
 };
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
-/// A validated triangle mesh: a set of [`Primitives`], one for each triangle.
+/// Validated triangle mesh: a set of [`Primitives`], one for each triangle.
 ///
 /// Its normals have unit length, and all of its triangles have an area.
 #[derive(Clone, Debug)]
@@ -16,18 +16,18 @@ pub struct TriangleMesh {
     bounds: Aabb,
 }
 
-/// What the normals of the vertices say about a point of a triangle.
+/// Shading normal and lifted point of a point of a triangle.
 struct Smooth {
     /// Unit, on the same side as the geometric one.
     normal: DVec3,
     shadow_point: DVec3,
-    /// True if it has been turned to get there.
+    /// True if the normal was flipped for this.
     is_turned: bool,
 }
 
 impl TriangleMesh {
-    /// Validates the arrays and mends what can be mended. Triangles keep their order; the index of a primitive counts
-    /// those that were kept.
+    /// Validates the arrays and repairs them where possible. Triangles keep their order; primitive indices count the
+    /// remaining triangles.
     ///
     /// # Errors
     /// If an index or the length of an array is wrong, or there are too many.
@@ -60,7 +60,7 @@ impl TriangleMesh {
             + size_of_val(tangents.as_slice())
     }
 
-    /// As [`Primitives::intersect`], for a ray that was prepared once for many triangles.
+    /// [`Primitives::intersect`] for a ray that was prepared once for many triangles.
     #[inline]
     pub fn intersect_sheared(&self, index: u32, ray: &WatertightRay, span: Interval) -> Option<Hit> {
         let triangle = *self.data.triangles.get(index as usize)?;
@@ -68,7 +68,7 @@ impl TriangleMesh {
         Some(Hit { t: hit.t, instance: 0, primitive: index, uv: hit.uv })
     }
 
-    /// The surface at a hit of this mesh with this ray; `None` for a hit on a primitive that it does not have.
+    /// Surface at a hit of this mesh with this ray; `None` for an invalid primitive index.
     #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceInteraction> {
         let triangle = *self.data.triangles.get(hit.primitive as usize)?;
@@ -87,13 +87,13 @@ impl TriangleMesh {
             // The cross product turns with the normal.
             detail.is_mirrored ^= smooth.is_turned;
         }
-        // Once all is known, so that it is written where it is needed, and not moved there.
+        // Last, so that it is constructed in place and not moved.
         Some(SurfaceInteraction { point, point_error, shadow_point, geometric_normal, shading_normal, uv, detail })
     }
 
-    /// The interpolated normal and the point that it suggests: the mean of the projections of the hit point on the tangent planes
-    /// of the vertices, as far as they lie on the side that the ray came from (Hanika, "Hacking the Shadow Terminator", Ray
-    /// Tracing Gems II, 2021). `None` if the normals of the vertices cancel out.
+    /// Interpolated normal and the lifted point: the mean of the projections of the hit point on the tangent planes of
+    /// the vertices, as far as they are on the side of the ray (Hanika, "Hacking the Shadow Terminator", Ray Tracing
+    /// Gems II, 2021). `None` if the normals of the vertices cancel.
     #[inline(always)]
     fn smooth(
         &self,
@@ -136,8 +136,8 @@ impl TriangleMesh {
         detail
     }
 
-    /// Texture coordinates of both sets at a hit of this mesh, and how much of the surface the colours of its vertices cover
-    /// there: 1 without colours. `None` for a hit on a primitive that it does not have.
+    /// Texture coordinates of both sets at a hit of this mesh, and the alpha of its vertex colours there: 1 without
+    /// colours. `None` for an invalid primitive index.
     pub fn coverage_at(&self, hit: &Hit) -> Option<([[f64; 2]; 2], f64)> {
         let triangle = *self.data.triangles.get(hit.primitive as usize)?;
         let weights = weights(hit.uv);
@@ -152,7 +152,7 @@ impl TriangleMesh {
         [corner(a), corner(b), corner(c)]
     }
 
-    /// The vertices of a triangle, in the space of the mesh; `None` if there is no such one.
+    /// Vertices of a triangle, in the space of the mesh; `None` for an invalid index.
     pub fn vertices(&self, index: u32) -> Option<[DVec3; 3]> {
         self.data.triangles.get(index as usize).map(|triangle| self.corners(*triangle))
     }
@@ -163,7 +163,7 @@ impl TriangleMesh {
     }
 }
 
-/// The value between those at the corners; `None` if the mesh has none.
+/// Interpolated value; `None` if the mesh has none.
 fn interpolated<const N: usize>(values: &[[f32; N]], triangle: [u32; 3], weights: [f64; 3]) -> Option<[f64; N]> {
     if values.is_empty() {
         return None;
@@ -211,7 +211,7 @@ mod tests {
         TriangleMesh::build(data).expect("a mesh")
     }
 
-    /// Two triangles that make the unit square in z = 0, facing +z.
+    /// Two triangles of the unit square in z = 0, facing +z.
     fn square() -> MeshData {
         MeshData {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y],
@@ -314,7 +314,7 @@ mod tests {
         }
     }
 
-    /// A ball of facets around the origin, with the normals of the sphere.
+    /// Tessellated sphere around the origin, with the normals of the sphere.
     fn faceted_ball(around: u32, up: u32) -> TriangleMesh {
         let vertex = |i: u32| {
             let (column, row) = (i % around, i / around);
@@ -332,8 +332,8 @@ mod tests {
         build(MeshData { normals: positions.clone(), positions, triangles, ..MeshData::default() }).0
     }
 
-    /// An orthographic view along −z of a ball in light of strength 1: the mean of cos θ over the ball's image, with
-    /// nothing where a shadow ray is blocked, and the number of points that are turned to the light but blocked.
+    /// Orthographic view along −z of a sphere in light of strength 1: the mean of cos θ over the sphere's image, with
+    /// zero where a shadow ray is occluded, and the number of occluded points that face the light.
     fn lit(mesh: &TriangleMesh, light: DVec3, start: impl Fn(&SurfaceInteraction) -> Ray) -> (f64, usize) {
         const SIDE: i32 = 100;
         let (mut sum, mut covered, mut dark) = (0.0, 0, 0);

@@ -1,11 +1,11 @@
-//! The plain arrays that meshes are made from.
+//! Vertex and index arrays of meshes.
 
 use rt_math::transcendental::atan2;
 use rt_math::{DVec3, Vec3};
 use std::cmp::Ordering;
 use std::collections::HashMap;
 
-/// The plain arrays of a mesh, as files hold them. Vertices stay `f32` in local space.
+/// Arrays of a mesh, as files hold them. Vertices stay `f32` in local space.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
     /// Vertex positions.
@@ -18,21 +18,21 @@ pub struct MeshData {
     pub uvs: Vec<[f32; 2]>,
     /// A second set of texture coordinates, or empty.
     pub second_uvs: Vec<[f32; 2]>,
-    /// One colour for each position: linear red, green and blue, and how much the surface covers; or empty.
+    /// One colour for each position: linear red, green and blue, and alpha; or empty.
     pub colors: Vec<[f32; 4]>,
-    /// One tangent for each position (any non-zero length), along which `u` of the normal map rises, or empty. The last
-    /// number is 1 if the cross product of normal and tangent points to where `v` rises, and −1 if it points away.
+    /// One tangent for each position (any non-zero length), in the direction of rising `u` of the normal map, or empty.
+    /// The last number is 1 if the cross product of normal and tangent points to rising `v`, and −1 otherwise.
     pub tangents: Vec<[f32; 4]>,
 }
 
 impl MeshData {
-    /// Replaces the normals by smooth ones: the mean of the normals of all triangles around a vertex, weighted by
-    /// their angle there (Thürmer, Wüthrich, "Computing Vertex Normals from Polygonal Facets", 1998), so that it does
-    /// not depend on how a flat face was cut into triangles.
+    /// Replaces the normals by smooth ones: the mean of the normals of all triangles around a vertex, weighted by their
+    /// angle there (Thürmer, Wüthrich, "Computing Vertex Normals from Polygonal Facets", 1998). They are independent of
+    /// the triangulation of flat faces.
     ///
-    /// Vertices at the same position share their normal, lest seams between texture charts show. Triangles that name
-    /// missing vertices are passed over; vertices that only they or no triangles touch get a zero normal, which
-    /// [`TriangleMesh::build`](crate::TriangleMesh::build) mends where it matters.
+    /// Vertices at the same position share their normal, so that seams between texture charts stay invisible. Triangles
+    /// with invalid vertices are skipped; vertices without valid triangles get a zero normal, which
+    /// [`TriangleMesh::build`](crate::TriangleMesh::build) replaces where necessary.
     pub fn smooth_normals(&mut self) {
         let mut sums: HashMap<[u32; 3], DVec3> = HashMap::new();
         for triangle in &self.triangles {
@@ -53,11 +53,11 @@ impl MeshData {
 }
 
 impl MeshData {
-    /// True if every edge of a triangle is met by one of another that runs the other way, so that the mesh encloses space (or is
+    /// True if every edge of a triangle has a counterpart of opposite direction, so that the mesh encloses space (or is
     /// empty). Vertices at the same position are one.
     ///
-    /// Each edge adds its hash and its reverse takes it off, so that nothing is stored: an open mesh is taken for closed once in
-    /// 2⁶⁴.
+    /// Each edge adds its hash and its reverse subtracts it, so that nothing is stored: the probability of taking an
+    /// open mesh for closed is 2⁻⁶⁴.
     pub fn is_closed(&self) -> bool {
         let sum = self.triangles.iter().fold(0u64, |sum, triangle| {
             let Some(corners) = corner_positions(&self.positions, *triangle) else { return sum };
@@ -81,7 +81,7 @@ fn edge_hash((from, to): ([u32; 3], [u32; 3])) -> u64 {
     }
 }
 
-/// The corners of a triangle; `None` if it names a vertex that is not there.
+/// Corners of a triangle; `None` for an invalid vertex.
 fn corner_positions(positions: &[Vec3], triangle: [u32; 3]) -> Option<[Vec3; 3]> {
     let corner = |i: u32| positions.get(i as usize).copied();
     Some([corner(triangle[0])?, corner(triangle[1])?, corner(triangle[2])?])
@@ -122,7 +122,7 @@ mod tests {
         mesh.triangles[3].swap(0, 1);
         assert!(!mesh.is_closed(), "one triangle faces the other way");
         mesh.triangles[3].swap(0, 1);
-        // Seams: vertices of its own for one triangle, at the same places.
+        // Seams: separate vertices for one triangle, at the same positions.
         let corners = mesh.triangles[5];
         mesh.positions.extend(corners.map(|i| mesh.positions[i as usize]));
         mesh.triangles[5] = [8, 9, 10];
@@ -139,7 +139,7 @@ mod tests {
             whole.smooth_normals();
             whole.normals
         };
-        // Each triangle gets vertices of its own, as after splitting by texture coordinate.
+        // Separate vertices for each triangle, as after splitting by texture coordinate.
         cut.positions = cut.triangles.iter().flatten().map(|&i| cut.positions[i as usize]).collect();
         let corners: Vec<u32> = cut.triangles.iter().flatten().copied().collect();
         cut.triangles = (0..12).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();

@@ -1,19 +1,10 @@
 //! Meshes from strips, fans and faces with many corners.
 
-use crate::{MeshData, MeshError, triangulator::Triangulator};
+use crate::{MeshData, MeshError, triangulator::Face, triangulator::Triangulator};
 use rt_math::Vec3;
 
-/// A flat face of a mesh by the indices of its corners, counter-clockwise seen from the front.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Face<'a> {
-    /// The corners of the outline: at least three.
-    pub outline: &'a [u32],
-    /// The corners of each hole, in either direction.
-    pub holes: &'a [Vec<u32>],
-}
-
-/// The triangles of a strip: each vertex after the second makes one with the two before it. Every other one is turned
-/// around, so that all have the orientation of the first.
+/// Triangles of a strip: each vertex after the second forms one with the two before it. Every other one is flipped, so
+/// that all have the orientation of the first.
 ///
 /// ```text
 ///   0───2───4       (0 1 2) (1 3 2) (2 3 4)
@@ -24,24 +15,24 @@ pub fn strip(order: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     order.windows(3).enumerate().map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] })
 }
 
-/// The triangles of a fan: each vertex after the second makes one with the vertex before it and the first, which is
-/// named last.
+/// Triangles of a fan: each vertex after the second forms one with the vertex before it and the first, which is named
+/// last.
 pub fn fan(order: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     let (hub, rim) = order.split_at(order.len().min(1));
     rim.windows(2).flat_map(|pair| hub.iter().map(|hub| [pair[0], pair[1], *hub]))
 }
 
 impl MeshData {
-    /// Most corners of a face: cutting one into triangles may take time with the square of their number.
+    /// Maximum number of corners of a face: triangulation may take quadratic time.
     pub const MAX_CORNERS: usize = 100_000;
 
-    /// The mesh of a triangle strip, and how many of its triangles are left out because a vertex is repeated: that is
-    /// how strips are stitched together, not a mistake.
+    /// Mesh of a triangle strip, and the number of triangles that are left out because a vertex is repeated, which is
+    /// the usual way to join strips.
     pub fn from_strip(positions: Vec<Vec3>) -> (Self, usize) {
         Self::stitched(positions, |order| strip(order).collect())
     }
 
-    /// The mesh of a triangle fan, and how many of its triangles are left out because a vertex is repeated.
+    /// Mesh of a triangle fan, and the number of triangles that are left out because a vertex is repeated.
     pub fn from_fan(positions: Vec<Vec3>) -> (Self, usize) {
         Self::stitched(positions, |order| fan(order).collect())
     }
@@ -58,15 +49,15 @@ impl MeshData {
         (Self { positions, triangles, ..Self::default() }, left_out)
     }
 
-    /// The mesh of flat faces, which may be concave and have holes. They are cut into triangles in the planes of their
-    /// outlines: convex ones into fans, others by ear clipping (Meisters, "Polygons have ears", 1975; Eberly,
-    /// "Triangulation by Ear Clipping", 2002).
+    /// Mesh of flat faces, which may be concave and have holes. They are triangulated in the planes of their outlines:
+    /// convex ones as fans, others by ear clipping (Meisters, "Polygons have ears", 1975; Eberly, "Triangulation by Ear
+    /// Clipping", 2002).
     ///
-    /// A face whose outline has no area, or with a NaN or infinite corner, becomes the fan of its outline, of which
-    /// [`TriangleMesh::build`](crate::TriangleMesh::build) drops and counts what cannot be used.
+    /// A face whose outline has no area, or with a NaN or infinite corner, becomes the fan of its outline.
+    /// [`TriangleMesh::build`](crate::TriangleMesh::build) drops and counts unusable triangles.
     ///
     /// # Errors
-    /// If a ring has fewer than three corners or names a vertex that is not there, or a face has more than
+    /// If a ring has fewer than three corners or an invalid vertex, or a face has more than
     /// [`MAX_CORNERS`](Self::MAX_CORNERS).
     pub fn from_polygons<'a>(
         positions: Vec<Vec3>,
@@ -137,7 +128,7 @@ mod tests {
         assert_eq!((fan.triangles, left_out), (vec![[1, 2, 0], [3, 4, 0]], 1));
     }
 
-    /// A ray at the vertex that all triangles share hits them all at the same place; the first one wins.
+    /// A ray at the vertex of all triangles hits them all at the same parameter; the first one wins.
     #[test]
     fn the_hub_of_a_huge_fan_is_hit_on_its_first_triangle() {
         const RIM: u32 = 100_000;
@@ -156,7 +147,7 @@ mod tests {
         assert!(hits().all(|hit| hit.t == 2.0) && hits().count() == RIM as usize);
         let first = |best: Option<Hit>, hit: Hit| best.filter(|best| best.t <= hit.t).or(Some(hit));
         assert_eq!(hits().fold(None, first).map(|hit| hit.primitive), Some(0));
-        // From the side, the hub may be rounded off the ray, but some triangle is hit.
+        // From the side, the ray may miss the hub by rounding, but hits some triangle.
         for k in 0..20 {
             let origin = DVec3::new(0.1 * f64::from(k), -0.3, 3.0);
             let ray = Ray::new(origin, hub.as_dvec3() - origin);

@@ -1,28 +1,28 @@
-//! Validation of meshes: what is refused, what is mended.
+//! Validation and repair of meshes.
 
 use crate::MeshData;
 use crate::area::{area_vector, unit_normal};
 use rt_math::{DVec3, Vec3};
 
-/// Why a mesh cannot be made.
+/// Reason why a mesh cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MeshError {
-    /// A triangle names a vertex that is not there.
+    /// A triangle has an invalid vertex index.
     #[error("triangle {triangle} refers to vertex {vertex}, but there are {count}")]
     BadIndex {
-        /// Which triangle.
+        /// Index of the triangle.
         triangle: usize,
-        /// The vertex that it names.
+        /// Vertex index.
         vertex: u32,
         /// Number of vertices.
         count: usize,
     },
-    /// A face names a vertex that is not there.
+    /// A face has an invalid vertex index.
     #[error("face {face} refers to vertex {vertex}, but there are {count}")]
     BadCorner {
-        /// Which face.
+        /// Index of the face.
         face: usize,
-        /// The vertex that it names.
+        /// Vertex index.
         vertex: u32,
         /// Number of vertices.
         count: usize,
@@ -30,19 +30,19 @@ pub enum MeshError {
     /// A face whose outline or one of whose holes has fewer than three corners.
     #[error("face {face} has a ring of {count} corners: it needs at least 3")]
     TooFewCorners {
-        /// Which face.
+        /// Index of the face.
         face: usize,
-        /// How many corners the ring has.
+        /// Number of corners of the ring.
         count: usize,
     },
-    /// A face with more corners than can be cut in reasonable time.
+    /// A face with too many corners.
     #[error("face {face} has {count} corners; at most {limit} are accepted")]
     TooManyCorners {
-        /// Which face.
+        /// Index of the face.
         face: usize,
-        /// How many corners it has.
+        /// Number of corners.
         count: usize,
-        /// How many it may have.
+        /// Maximum number.
         limit: usize,
     },
     /// The number of normals, texture coordinates, colours or tangents differs from that of positions.
@@ -50,9 +50,9 @@ pub enum MeshError {
     CountMismatch {
         /// "normals", "texture coordinates", "colours" or "tangents".
         what: &'static str,
-        /// How many there are.
+        /// Actual number.
         count: usize,
-        /// How many there should be.
+        /// Expected number.
         positions: usize,
     },
     /// More than 2³² − 1 vertices or triangles.
@@ -60,7 +60,7 @@ pub enum MeshError {
     TooLarge,
 }
 
-/// What was mended when a mesh was made.
+/// Repairs of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MeshRepairs {
     /// Triangles without area (repeated or collinear vertices), dropped.
@@ -73,11 +73,11 @@ pub struct MeshRepairs {
     pub bad_uvs: usize,
     /// Colours with a NaN, infinite or negative part, replaced by opaque white.
     pub bad_colors: usize,
-    /// Zero or non-finite tangents, left zero: no normal map shows there.
+    /// Zero or non-finite tangents, set to zero: the normal map has no effect there.
     pub bad_tangents: usize,
 }
 
-/// Refuses arrays that do not fit together, drops triangles that cannot be hit, makes all normals unit.
+/// Rejects arrays of inconsistent lengths, drops triangles that cannot be hit, and normalizes all normals.
 pub(crate) fn mend(data: &mut MeshData) -> Result<MeshRepairs, MeshError> {
     check_counts(data)?;
     let mut repairs = MeshRepairs::default();
@@ -135,7 +135,7 @@ fn drop_bad_triangles(data: &mut MeshData, repairs: &mut MeshRepairs) {
     });
 }
 
-/// Normals that no triangle uses are left alone.
+/// Keeps the normals of unused vertices.
 fn mend_normals(data: &mut MeshData, repairs: &mut MeshRepairs) {
     if data.normals.is_empty() {
         return;
@@ -155,7 +155,7 @@ fn mend_normals(data: &mut MeshData, repairs: &mut MeshRepairs) {
     }
 }
 
-/// Makes them unit. Those that no triangle uses count as well.
+/// Normalizes them, also those of unused vertices.
 fn mend_tangents(data: &mut MeshData, repairs: &mut MeshRepairs) {
     for [x, y, z, side] in &mut data.tangents {
         let unit = Vec3::new(*x, *y, *z).as_dvec3().normalize_or_zero().as_vec3();

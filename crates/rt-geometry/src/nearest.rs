@@ -1,13 +1,13 @@
-//! The point of a surface that is nearest to a given point.
+//! Nearest points of surfaces.
 
 use crate::{ClosestPoint, Sphere, Spheres, TriangleMesh, area::unit_normal};
 use rt_math::DVec3;
 
-/// The point of a triangle that is nearest to `point`.
+/// Point of a triangle nearest to `point`.
 ///
-/// Ericson, "Real-Time Collision Detection", 2005, section 5.1.5, sorts the point into the Voronoi region of a vertex,
-/// an edge or the face. Here the best point of the three edges is set against the foot in the face, so that a sliver,
-/// where rounding confuses the regions, costs no more than the rounding of a foot.
+/// Ericson, "Real-Time Collision Detection", 2005, section 5.1.5, classifies the point by Voronoi regions of the
+/// vertices, the edges and the face. Here the best point of the three edges is compared with the foot in the face, so
+/// that a sliver, where rounding confuses the regions, costs only the rounding of a foot.
 pub(crate) fn nearest_on_triangle(vertices: [DVec3; 3], point: DVec3) -> DVec3 {
     let [a, b, c] = vertices;
     let edges = [[a, b], [b, c], [c, a]].map(|[from, to]| nearest_on_segment(from, to, point));
@@ -41,14 +41,14 @@ fn foot_in_face([a, b, c]: [DVec3; 3], point: DVec3) -> Option<DVec3> {
     (is_left(a, b) && is_left(b, c) && is_left(c, a)).then_some(foot)
 }
 
-/// The point of a sphere's surface that is nearest to `point`; for the centre, the topmost one.
+/// Point of a sphere's surface nearest to `point`; for the centre, the topmost one.
 pub(crate) fn nearest_on_sphere(sphere: &Sphere, point: DVec3) -> DVec3 {
     let outwards = (point - sphere.centre()).try_normalize().unwrap_or(DVec3::Y);
     sphere.centre() + outwards * sphere.radius()
 }
 
 impl ClosestPoint for TriangleMesh {
-    /// A point of the triangle, edges included; `None` for a NaN and if there is no such triangle.
+    /// Point of the triangle, edges included; `None` for a NaN and for an invalid index.
     fn nearest_point(&self, index: u32, point: DVec3) -> Option<DVec3> {
         let nearest = nearest_on_triangle(self.vertices(index)?, point);
         point.is_finite().then_some(nearest)
@@ -56,7 +56,7 @@ impl ClosestPoint for TriangleMesh {
 }
 
 impl ClosestPoint for Spheres {
-    /// A point of the surface, also from within the ball; `None` for a NaN and if there is no such sphere.
+    /// Point of the surface, also from within the sphere; `None` for a NaN and for an invalid index.
     fn nearest_point(&self, index: u32, point: DVec3) -> Option<DVec3> {
         let nearest = nearest_on_sphere(self.as_slice().get(index as usize)?, point);
         point.is_finite().then_some(nearest)
@@ -142,7 +142,7 @@ mod tests {
             let distance = nearest.distance(point);
             let best = sampled(vertices).map(|sample| sample.distance(point)).fold(f64::INFINITY, f64::min);
             prop_assert!(distance <= best + 1e-14, "{distance} {best}");
-            // And it is one of its points: no farther from a sample than samples are from each other.
+            // The result is a point of the triangle: no farther from a sample than samples are from each other.
             let beside = sampled(vertices).map(|sample| sample.distance(nearest)).fold(f64::INFINITY, f64::min);
             prop_assert!(beside <= 3.5 / 60.0, "{beside}");
         }

@@ -36,9 +36,9 @@ impl Plane {
         self.normal
     }
 
-    /// Where the ray crosses the plane. `None` if it is parallel, also when it runs within the plane.
+    /// Intersection with the plane. `None` if the ray is parallel, also within the plane.
     ///
-    /// There is no least angle: a grazing ray meets the plane far away, up to the horizon.
+    /// Grazing rays of any angle hit the plane far away, up to the horizon.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let t = self.normal.dot(self.point - ray.origin) / self.normal.dot(ray.direction);
@@ -58,7 +58,8 @@ impl Plane {
         SurfaceInteraction::flat(point, point_error, normal, uv)
     }
 
-    /// From the ray's parts: the hit point is rounded to the grid of its largest coordinate, the parts are not.
+    /// Computed from origin and direction: the hit point is rounded to the grid of its largest coordinate, these are
+    /// not.
     fn uv(&self, ray: &Ray, t: f64) -> [f64; 2] {
         let frame = Frame::from_z(self.normal);
         let (origin, direction) = (ray.origin - self.point, ray.direction);

@@ -1,34 +1,34 @@
-//! The contract of anything that rays can be traced against.
+//! Interface of everything that rays can be traced against.
 
 use crate::{Hit, Probe, SphereKernel};
 use rt_math::{Aabb, Interval, Ray};
 use rt_math::{DVec3, Vec3};
 
-/// Plain numbers of a primitive that a wide leaf filter can pack, or nothing.
+/// Geometry of a primitive for SIMD tests in leaves.
 ///
-/// Filters rule out what these numbers say is missed, and rely on it that a primitive is hit, and occludes, where they
-/// say that it is hit by a wide margin. Primitives that can be hit without casting a shadow are `Opaque`.
+/// SIMD tests cull primitives by these numbers, and rely on a hit and on occlusion where these numbers imply a hit by a
+/// wide margin. Primitives that can be hit without casting a shadow are `Opaque`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PrimitiveGeometry {
-    /// Only the primitive itself knows its shape.
+    /// Unknown geometry: only the primitive's own test applies.
     Opaque,
-    /// Exactly a triangle: `intersect` is [`WatertightRay::intersect`](crate::WatertightRay::intersect) of these vertices and
-    /// names the hit (instance 0, primitive `index`), and `bounds` is the smallest box around them. A structure may
-    /// keep a copy and decide by it ([`intersect_triangle`](crate::intersect_triangle)); `occludes` agrees with it.
+    /// Exactly a triangle: `intersect` is [`WatertightRay::intersect`](crate::WatertightRay::intersect) of these
+    /// vertices, with instance 0 and primitive `index`, and `bounds` is the smallest box around them. An accelerator
+    /// may test a copy instead ([`intersect_triangle`](crate::intersect_triangle)); `occludes` agrees with it.
     ExactTriangle([Vec3; 3]),
     /// Three vertices in the order of the primitive.
     Triangle([DVec3; 3]),
     /// Centre and radius.
     Sphere(DVec3, f64),
-    /// Exactly a sphere: `intersect` is [`SphereKernel::intersect`](crate::SphereKernel::intersect), and names the hit
-    /// (instance 0, primitive `index`, `uv` 0); `occludes` agrees with it; `bounds` contains the box of the centre plus and
-    /// minus the radius, as rounded. A structure may decide by these numbers.
+    /// Exactly a sphere: `intersect` is [`SphereKernel::intersect`](crate::SphereKernel::intersect), with instance 0,
+    /// primitive `index` and `uv` 0; `occludes` agrees with it; `bounds` contains the box of the centre plus and minus
+    /// the radius, as rounded. An accelerator may test these numbers instead.
     ExactSphere(SphereKernel),
     /// An axis-aligned box.
     Box(Aabb),
 }
 
-/// What decides about a primitive that is asked for many rays at a time.
+/// Exact test of a primitive for many rays at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BatchKernel {
     /// [`WatertightRay::intersect`](crate::WatertightRay::intersect) of these vertices. The primitive's `bounds` are the smallest box
@@ -37,19 +37,18 @@ pub enum BatchKernel {
     /// [`SphereKernel::intersect`](crate::SphereKernel::intersect), with `uv` 0. `bounds` contains the box of the centre plus and minus the
     /// radius, as rounded.
     Sphere(SphereKernel),
-    /// The primitive is a structure, which answers many rays faster together than one by one:
-    /// [`Primitives::intersect_batch`]. Each level of wide trees within each other takes some 100 KiB of the stack in batches.
+    /// The primitive is an accelerator, which traces many rays faster together: [`Primitives::intersect_batch`]. Each
+    /// level of nested wide trees takes some 100 KiB of the stack in batches.
     Instance,
     /// [`Primitives::intersect`] alone, ray by ray.
     Single,
 }
 
-/// An indexed set of primitives. Shapes of this project implement it, and so can anyone:
-/// [`bounds`](Self::bounds) and [`intersect`](Self::intersect) are all that a structure needs.
+/// Indexed set of primitives. Accelerators require [`bounds`](Self::bounds) and [`intersect`](Self::intersect) only.
 ///
 /// # Contract
 ///
-/// * Indices run from 0 to `len() - 1`; all answers are pure functions of their arguments.
+/// * Indices are 0 to `len() - 1`; all results are pure functions of the arguments.
 /// * `intersect` returns the first hit at or after `span.min`, if it is not after `span.max`: shrinking `span.max`
 ///   may drop the hit, but never reveals another one ([`Interval::first`] does this for two roots).
 /// * `bounds` contains every point that `intersect` can report, up to rounding.
@@ -62,35 +61,34 @@ pub trait Primitives: Sync {
         self.len() == 0
     }
 
-    /// Box around primitive `index`, in the space of the set. `None` for an unbounded primitive (structures keep
-    /// those in a list of their own); a NaN or inverted box is a build error.
+    /// Bounds of primitive `index`, in the space of the set. `None` for an unbounded primitive, which accelerators list
+    /// separately; a NaN or inverted box is a build error.
     fn bounds(&self, index: u32) -> Option<Aabb>;
 
-    /// The one kernel that decides, in `f64`: the first hit of primitive `index` within the closed `span`, `None` on
-    /// a miss. Callers go through [`intersect_primitive`](crate::decide), which adds the own-box rule.
+    /// Exact kernel in `f64`: the first hit of primitive `index` within the closed `span`, `None` on a miss. Callers
+    /// use [`intersect_primitive`](crate::intersect_primitive), which adds the padded-bounds rule.
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit>;
 
-    /// True if primitive `index` blocks the ray anywhere in `span`. Override it where there is a faster answer, or
-    /// where something is visible without casting a shadow.
+    /// True if primitive `index` occludes the ray within `span`. Override it if there is a faster test, or for
+    /// primitives that are visible without casting shadows.
     #[inline(always)]
     fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
         self.intersect(index, ray, span).is_some()
     }
 
-    /// As [`intersect`](Self::intersect), for primitives that are structures themselves and report their inner work.
+    /// [`intersect`](Self::intersect) with statistics, for primitives that are accelerators.
     #[inline(always)]
     fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, _probe: &mut S) -> Option<Hit> {
         self.intersect(index, ray, span)
     }
 
-    /// As [`occludes`](Self::occludes), for primitives that are structures themselves and report their inner work.
+    /// [`occludes`](Self::occludes) with statistics, for primitives that are accelerators.
     #[inline(always)]
     fn occludes_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, _probe: &mut S) -> bool {
         self.occludes(index, ray, span)
     }
 
-    /// What decides about primitive `index`, for structures that ask it for many rays at a time; by default what
-    /// [`geometry`](Self::geometry) promises.
+    /// Exact test of primitive `index` for many rays at a time; the default follows from [`geometry`](Self::geometry).
     #[inline]
     fn batch_kernel(&self, index: u32) -> BatchKernel {
         match self.geometry(index) {
@@ -106,29 +104,31 @@ pub trait Primitives: Sync {
         [0, index]
     }
 
-    /// False if primitive `index` blocks no ray, whatever it is: [`occludes`](Self::occludes) is never true. Otherwise `occludes`
+    /// False if primitive `index` occludes no ray: [`occludes`](Self::occludes) is never true. Otherwise `occludes`
     /// agrees with the [`batch_kernel`](Self::batch_kernel), if that is a triangle or a sphere.
     #[inline]
     fn blocks(&self, _index: u32) -> bool {
         true
     }
 
-    /// As [`intersect_with_stats`](Self::intersect_with_stats) for many rays, with the same hits: `hits[i]` answers `rays[i]`, whatever it was
-    /// before. Rays beyond the shorter slice are left alone. Inner work may be less, and is counted as it is.
+    /// [`intersect_with_stats`](Self::intersect_with_stats) for many rays, with identical hits: `hits[i]` belongs to
+    /// `rays[i]` and is overwritten. Ignores rays beyond the shorter slice. Statistics may be lower, and are those of
+    /// the work done.
     fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
         for ((ray, span), hit) in rays.iter().zip(hits) {
             *hit = self.intersect_with_stats(index, ray, *span, probe);
         }
     }
 
-    /// As [`occludes_with_stats`](Self::occludes_with_stats) for many rays, with the same results; `blocked[i]` answers `rays[i]`.
+    /// [`occludes_with_stats`](Self::occludes_with_stats) for many rays, with identical results; `blocked[i]` belongs
+    /// to `rays[i]`.
     fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
         for ((ray, span), blocked) in rays.iter().zip(blocked) {
             *blocked = self.occludes_with_stats(index, ray, *span, probe);
         }
     }
 
-    /// The numbers of primitive `index`, if it is of a kind that wide filters know.
+    /// Geometry of primitive `index`, for SIMD tests.
     fn geometry(&self, _index: u32) -> PrimitiveGeometry {
         PrimitiveGeometry::Opaque
     }

@@ -1,8 +1,8 @@
-//! Statistics: what was done, counted in `u64` so that nothing wraps, and free when nobody asks.
+//! Statistics of queries, counted in `u64` against overflow, without cost if unused.
 
 use core::ops::AddAssign;
 
-/// Why a ray was traced.
+/// Kind of ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RayKind {
@@ -34,21 +34,21 @@ impl RayKind {
     }
 }
 
-/// Receives what a query does. Every method does nothing by default, so an implementation pays for what it counts.
+/// Receiver of statistics. Every method does nothing by default.
 pub trait Probe {
     /// A ray of this kind is about to be traced; what follows belongs to it.
     #[inline]
     fn ray(&mut self, _kind: RayKind) {}
-    /// A node (or grid cell) of a structure is visited.
+    /// A node (or grid cell) of an accelerator is visited.
     #[inline]
     fn node(&mut self) {}
-    /// A primitive is offered in a visited leaf.
+    /// A primitive is tested in a visited leaf.
     #[inline]
     fn test(&mut self) {}
-    /// An offered primitive was hit within the span.
+    /// A tested primitive was hit within the span.
     #[inline]
     fn hit(&mut self) {}
-    /// So many nodes were visited, primitives offered, and of those hit: as calls of the methods for one.
+    /// Adds numbers of nodes, tests and hits, as repeated calls of the other methods.
     #[inline]
     fn work(&mut self, nodes: u64, tests: u64, hits: u64) {
         (0..nodes).for_each(|_| self.node());
@@ -66,7 +66,7 @@ impl Probe for NoProbe {
     fn work(&mut self, _: u64, _: u64, _: u64) {}
 }
 
-/// Counts rays by kind and nothing else.
+/// Counts rays by kind only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayCounts {
     /// Rays by kind, in the order of [`RayKind::ALL`].
@@ -80,7 +80,7 @@ impl Probe for RayCounts {
     }
 }
 
-/// What the rays of one kind cost.
+/// Statistics of the rays of one kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RayStats {
@@ -88,9 +88,9 @@ pub struct RayStats {
     pub rays: u64,
     /// Nodes or cells visited.
     pub nodes: u64,
-    /// Primitives offered in visited leaves.
+    /// Primitives tested in visited leaves.
     pub tests: u64,
-    /// Offered primitives that were hit.
+    /// Tested primitives that were hit.
     pub hits: u64,
 }
 
@@ -118,7 +118,7 @@ impl Default for Counters {
 }
 
 impl Counters {
-    /// What the rays of `kind` cost.
+    /// Statistics of the rays of `kind`.
     pub fn of(&self, kind: RayKind) -> RayStats {
         self.by_kind[kind as usize]
     }
@@ -134,7 +134,7 @@ impl Counters {
 }
 
 impl From<RayCounts> for Counters {
-    /// The rays are known, all else is 0.
+    /// Counts of rays, with zero for everything else.
     #[inline]
     fn from(counts: RayCounts) -> Self {
         let mut counters = Self::default();

@@ -45,13 +45,13 @@ impl Rectangle {
         Aabb::new(-self.corner(), self.corner())
     }
 
-    /// How far the rectangle reaches in a direction: the greatest dot product with one of its points.
+    /// Support function: the largest dot product of a direction with a point of the rectangle.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.corner().dot(direction.abs())
     }
 
-    /// Where the ray crosses the rectangle, from either side, edges included. `None` if it passes by or is parallel,
-    /// also within the rectangle.
+    /// Intersection from either side, edges included. `None` if the ray misses the rectangle or is parallel, also
+    /// within it.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let t = -ray.origin.y / ray.direction.y;
@@ -66,8 +66,8 @@ impl Rectangle {
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let (on_ray, corner) = (ray.at(hit.t), self.corner());
         let point = DVec3::new(on_ray.x.clamp(-corner.x, corner.x), 0.0, on_ray.z.clamp(-corner.z, corner.z));
-        // The point is exact across the plane. The bound makes room for a ray that leaves it at coordinate 0, where
-        // the next number is too near to tell apart.
+        // The point is exact across the plane. The bound is for a ray that leaves it at coordinate 0, where
+        // neighbouring numbers are too close to distinguish.
         let point_error = DVec3::Y * (gamma(3) * corner.max_element());
         let uv = if needs.uv { [0.5 + point.x / self.width, 0.5 - point.z / self.depth] } else { [0.0; 2] };
         SurfaceInteraction::flat(point, point_error, DVec3::Y, uv)

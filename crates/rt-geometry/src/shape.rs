@@ -2,28 +2,10 @@
 
 use crate::{
     Cone, Cuboid, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, InteractionFlags, Plane, Polygon, Rectangle,
-    Sphere, SurfaceInteraction, Torus, Triangle, TriangleHit,
+    ShapeHit, Sphere, SurfaceInteraction, Torus, Triangle,
 };
 use rt_math::{Aabb, DVec3, Interval, Ray};
 use std::sync::Arc;
-
-/// A hit on a single shape.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShapeHit {
-    /// Ray parameter.
-    pub t: f64,
-    /// Parameters for the shape to rebuild the surface from: barycentric weights of the second and third vertex for
-    /// triangles, `[face, 0]` for boxes and for solids with caps, `[distance along the ray, 0]` for tori, unused
-    /// otherwise.
-    pub uv: [f64; 2],
-}
-
-impl From<TriangleHit> for ShapeHit {
-    #[inline(always)]
-    fn from(TriangleHit { t, uv }: TriangleHit) -> Self {
-        Self { t, uv }
-    }
-}
 
 /// Any single shape, in its own local space.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +38,27 @@ pub enum Shape {
     Torus(Torus),
 }
 
+/// Evaluates an expression for the shape at hand.
+macro_rules! dispatch {
+    ($any:expr, $shape:ident => $value:expr) => {
+        match $any {
+            Shape::Sphere($shape) => $value,
+            Shape::Cuboid($shape) => $value,
+            Shape::Plane($shape) => $value,
+            Shape::Triangle($shape) => $value,
+            Shape::Polygon($shape) => $value,
+            Shape::Cylinder($shape) => $value,
+            Shape::InfiniteCylinder($shape) => $value,
+            Shape::DoubleCone($shape) => $value,
+            Shape::Cone($shape) => $value,
+            Shape::Frustum($shape) => $value,
+            Shape::Disk($shape) => $value,
+            Shape::Rectangle($shape) => $value,
+            Shape::Torus($shape) => $value,
+        }
+    };
+}
+
 impl Shape {
     /// A box around the shape; `None` for the infinite ones: planes, infinite cylinders and double cones.
     pub fn bounds(&self) -> Option<Aabb> {
@@ -74,7 +77,7 @@ impl Shape {
         }
     }
 
-    /// The support function: the greatest dot product of a direction with a point of the shape, up to rounding;
+    /// The support function: the largest dot product of a direction with a point of the shape, up to rounding;
     /// `None` for infinite shapes.
     pub(crate) fn support(&self, direction: DVec3) -> Option<f64> {
         match self {
@@ -101,40 +104,12 @@ impl Shape {
     /// or without a direction.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
-        match self {
-            Self::Sphere(sphere) => sphere.intersect(ray, span),
-            Self::Cuboid(axis_box) => axis_box.intersect(ray, span),
-            Self::Plane(plane) => plane.intersect(ray, span),
-            Self::Triangle(triangle) => triangle.intersect(ray, span),
-            Self::Polygon(polygon) => polygon.intersect(ray, span),
-            Self::Cylinder(cylinder) => cylinder.intersect(ray, span),
-            Self::InfiniteCylinder(cylinder) => cylinder.intersect(ray, span),
-            Self::DoubleCone(cone) => cone.intersect(ray, span),
-            Self::Cone(cone) => cone.intersect(ray, span),
-            Self::Frustum(frustum) => frustum.intersect(ray, span),
-            Self::Disk(disk) => disk.intersect(ray, span),
-            Self::Rectangle(rectangle) => rectangle.intersect(ray, span),
-            Self::Torus(torus) => torus.intersect(ray, span),
-        }
+        dispatch!(self, shape => shape.intersect(ray, span))
     }
 
-    /// The surface at a hit of this shape with this ray.
+    /// Surface at a hit of this shape with this ray.
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
-        match self {
-            Self::Sphere(sphere) => sphere.surface(ray, hit, needs),
-            Self::Cuboid(axis_box) => axis_box.surface(ray, hit, needs),
-            Self::Plane(plane) => plane.surface(ray, hit, needs),
-            Self::Triangle(triangle) => triangle.surface(ray, hit, needs),
-            Self::Polygon(polygon) => polygon.surface(ray, hit, needs),
-            Self::Cylinder(cylinder) => cylinder.surface(ray, hit, needs),
-            Self::InfiniteCylinder(cylinder) => cylinder.surface(ray, hit, needs),
-            Self::DoubleCone(cone) => cone.surface(ray, hit, needs),
-            Self::Cone(cone) => cone.surface(ray, hit, needs),
-            Self::Frustum(frustum) => frustum.surface(ray, hit, needs),
-            Self::Disk(disk) => disk.surface(ray, hit, needs),
-            Self::Rectangle(rectangle) => rectangle.surface(ray, hit, needs),
-            Self::Torus(torus) => torus.surface(ray, hit, needs),
-        }
+        dispatch!(self, shape => shape.surface(ray, hit, needs))
     }
 }
 

@@ -42,13 +42,13 @@ impl Sphere {
         Aabb::new(min.map(f64::next_down), max.map(f64::next_up))
     }
 
-    /// As rays meet it.
+    /// Its intersection kernel.
     #[inline(always)]
-    pub const fn round(&self) -> SphereKernel {
+    pub const fn kernel(&self) -> SphereKernel {
         self.0
     }
 
-    /// The first of the two crossings within `span`, as [`SphereKernel`] finds it. `None` on a miss, and for rays without a
+    /// First of the two intersections within `span`, by [`SphereKernel`]. `None` on a miss, and for rays without a
     /// direction.
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
@@ -60,7 +60,7 @@ impl Sphere {
     #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let f = (ray.origin - self.0.centre) + ray.direction * hit.t;
-        // From so far away that rounding puts the hit on the centre, the best guess is the side of the viewer.
+        // If rounding puts a faraway hit on the centre, use the side of the viewer.
         let normal = f.try_normalize().unwrap_or_else(|| -ray.direction.normalize_or(DVec3::Y));
         let point = self.0.centre + normal * self.0.radius;
         let point_error = normal.abs() * (self.0.radius * gamma(10)) + point.abs() * (2.0 * UNIT_ROUNDOFF);
@@ -191,8 +191,8 @@ mod tests {
     }
 
     proptest! {
-        /// Rays that are made to pass at a given distance hit if that is below the radius, by more than the rounding
-        /// of the ray itself, and miss above.
+        /// Rays at a given distance hit if that is below the radius, by more than the rounding of the ray itself, and
+        /// miss above.
         #[test]
         fn the_distance_of_the_ray_decides(
             towards in direction(), other in direction(), log_radius in -6.0..6.0f64, log_back in -2.0..7.0f64,

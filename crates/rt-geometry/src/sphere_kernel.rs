@@ -1,14 +1,14 @@
-//! The test of spheres, shared by single spheres, sets of them and structures that decide about several rays at once.
+//! Exact ray-sphere test, for single spheres, sets of spheres and the SIMD tests of accelerators.
 
 use rt_math::DVec3;
 use rt_math::float::{gamma, power_of_two_scale};
 use rt_math::{Interval, Ray};
 
-/// The quick rejection must not lose a hit to its own rounding. Its three dot products, their products and their
-/// difference are off by fewer than 24 roundings of their terms.
+/// Bound on the rounding of the quick rejection: its three dot products, their products and their difference have fewer
+/// than 24 roundings of their terms.
 const REJECTION: f64 = gamma(24);
 
-/// A sphere as rays meet it. The radius is positive, and neither squares to infinity nor to 0.
+/// Sphere for intersection. The radius is positive, and its square neither overflows nor underflows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereKernel {
     /// The centre.
@@ -18,11 +18,11 @@ pub struct SphereKernel {
 }
 
 impl SphereKernel {
-    /// By what the square of a distance is multiplied so that it is certainly not more than the truth, and the square of
-    /// a radius so that it is not less: for structures that decide as [`intersect`](Self::intersect) does.
+    /// Factors that make the square of a distance a lower bound and the square of a radius an upper bound: for
+    /// accelerators with the arithmetic of [`intersect`](Self::intersect).
     pub const REJECTION_BOUNDS: [f64; 2] = [1.0 - REJECTION, 1.0 + REJECTION];
 
-    /// The first of the two crossings within `span`. `None` on a miss, and for rays without a direction.
+    /// First of the two intersections within `span`. `None` on a miss, and for rays without a direction.
     ///
     /// With f from the centre to the ray's origin, the crossings solve a·t² − 2b·t + c = 0. Three cancellations are
     /// avoided: the discriminant is taken from the ray's closest approach to the centre (Haines, Günther,
@@ -30,11 +30,11 @@ impl SphereKernel {
     /// lengths rather than of squares, and the smaller root from c/q.
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<f64> {
-        // Most offers end here, so that this much is worth being repeated wherever a sphere is tested.
+        // Most tests end here.
         if self.quick_reject(ray, span) { None } else { self.crossing(ray, span) }
     }
 
-    /// True only if the ray misses beyond doubt: it starts outside and passes by, or leads away.
+    /// True only if the ray certainly misses: it starts outside, and passes by or leads away.
     #[inline(always)]
     fn quick_reject(&self, ray: &Ray, span: Interval) -> bool {
         let d = ray.direction;
@@ -42,7 +42,7 @@ impl SphereKernel {
         let (a, b, ff, rr) = (d.dot(d), -f.dot(d), f.dot(f), self.radius * self.radius);
         // Positive only if the origin is outside.
         let excess = ff * Self::REJECTION_BOUNDS[0] - rr * Self::REJECTION_BOUNDS[1];
-        // Of directions whose square is about to leave the range of numbers, nothing is beyond doubt.
+        // Never certain for directions whose square may over- or underflow.
         let passes_by = b * b < a * excess && (1e-100..1e100).contains(&a);
         let lies_behind = excess > 0.0 && b < 0.0 && span.min >= 0.0;
         passes_by | lies_behind

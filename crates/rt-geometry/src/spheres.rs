@@ -3,12 +3,12 @@
 use crate::{Hit, InteractionFlags, PrimitiveGeometry, Primitives, ShapeHit, Sphere, SurfaceInteraction};
 use rt_math::{Aabb, Interval, Ray};
 
-/// Many spheres in one space, for scenes that hold nothing else.
+/// Set of spheres in one space, for scenes without other objects.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spheres(Vec<Sphere>);
 
 impl Spheres {
-    /// The set of these spheres; the index of a primitive is its place in the list.
+    /// Set of these spheres; primitive indices are positions in the list.
     pub const fn new(spheres: Vec<Sphere>) -> Self {
         Self(spheres)
     }
@@ -18,8 +18,8 @@ impl Spheres {
         &self.0
     }
 
-    /// The surface at a hit of this set with this ray; `None` for a hit on a primitive that it does not have.
-    // Always, as a surface that is returned by memory is copied from there before it has all arrived.
+    /// Surface at a hit of this set with this ray; `None` for an invalid primitive index.
+    // Inlined: returning a surface through memory would copy it before it is complete.
     #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceInteraction> {
         let sphere = self.0.get(hit.primitive as usize)?;
@@ -47,7 +47,7 @@ impl Primitives for Spheres {
     fn geometry(&self, index: u32) -> PrimitiveGeometry {
         self.0
             .get(index as usize)
-            .map_or(PrimitiveGeometry::Opaque, |sphere| PrimitiveGeometry::ExactSphere(sphere.round()))
+            .map_or(PrimitiveGeometry::Opaque, |sphere| PrimitiveGeometry::ExactSphere(sphere.kernel()))
     }
 }
 
@@ -69,7 +69,7 @@ mod tests {
         assert_eq!(set.surface(&ray, &hit, needs), Some(sphere(3.0).surface(&ray, &alone, needs)));
         assert_eq!(set.surface(&ray, &Hit { primitive: 2, ..hit }, needs), None);
         assert_eq!((set.len(), set.bounds(1)), (2, Some(sphere(3.0).bounds())));
-        assert_eq!(set.geometry(1), PrimitiveGeometry::ExactSphere(sphere(3.0).round()));
+        assert_eq!(set.geometry(1), PrimitiveGeometry::ExactSphere(sphere(3.0).kernel()));
         assert_eq!((set.bounds(2), set.intersect(2, &ray, Interval::FORWARD)), (None, None), "not there");
     }
 }

@@ -1,7 +1,7 @@
 //! Tori.
 
 use crate::error::{ShapeError, check_radius};
-use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, bracketed_root::bracketed_root, lateral::longitude};
+use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, bracketed_root::bracketed_root, quadric_side::azimuth};
 use rt_math::float::{UNIT_ROUNDOFF, cross, gamma, power_of_two_scale};
 use rt_math::transcendental::{atan2, cbrt};
 use rt_math::{Aabb, DVec3, Interval, Ray};
@@ -51,23 +51,23 @@ impl Torus {
         Aabb::new(-reach, reach)
     }
 
-    /// How far the torus reaches in a direction: the greatest dot product with one of its points.
+    /// Support function: the largest dot product of a direction with a point of the torus.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.radius * DVec3::new(direction.x, 0.0, direction.z).length() + self.tube_radius * direction.length()
     }
 
-    /// The first of up to four crossings within `span`. `None` on a miss, and for rays without a direction.
+    /// First of up to four intersections within `span`. `None` on a miss, and for rays without a direction.
     ///
-    /// The quartic is never expanded, as its coefficients would swallow a thin tube. The excess of `Chord::excess`
-    /// has the sign of the quartic and is evaluated from geometry; the zeros of its slope split the ray into stretches
-    /// where it is monotone, and in each of them a change of sign brackets one root.
+    /// The quartic is never expanded, as its coefficients would cancel for a thin tube. `Chord::excess` has the sign of
+    /// the quartic and is evaluated from geometry; the roots of its slope split the ray into intervals in which it is
+    /// monotone, and a change of sign in an interval brackets one root.
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let chord = Chord::new(self, ray)?;
         let splits = chord.splits();
         let mut start = (splits[0], chord.excess(splits[0]));
         for &split in &splits[1..] {
             let end = (split, chord.excess(split));
-            // On the surface counts as inside: a ray that touches it meets it twice at the same place.
+            // The surface counts as inside: a tangent ray hits it twice at the same parameter.
             if (start.1 > 0.0) != (end.1 > 0.0) {
                 let s = bracketed_root(|s| chord.excess(s), [start.0, end.0], UNIT_ROUNDOFF * self.tube_radius);
                 let t = chord.t_from_arc(s);
@@ -91,7 +91,7 @@ impl Torus {
         let point = away * self.radius + normal * self.tube_radius;
         // The kernel sees the point after it is moved to the middle of its chord and back.
         let point_error = normal.abs() * (gamma(24) * (self.radius + self.tube_radius));
-        let uv = if needs.uv { [longitude(away), 0.5 + atan2(on_ray.y, outwards) / TAU] } else { [0.0; 2] };
+        let uv = if needs.uv { [azimuth(away), 0.5 + atan2(on_ray.y, outwards) / TAU] } else { [0.0; 2] };
         SurfaceInteraction::flat(point, point_error, normal, uv)
     }
 }
@@ -99,7 +99,7 @@ impl Torus {
 /// The part of a ray near a torus, by the signed distance s from where the ray is nearest to the centre.
 struct Chord<'a> {
     torus: &'a Torus,
-    /// Where the ray is nearest to the centre: perpendicular to the direction.
+    /// Point of the ray nearest to the centre: perpendicular to the direction.
     middle: DVec3,
     /// The unit direction.
     towards: DVec3,
@@ -180,7 +180,7 @@ impl<'a> Chord<'a> {
         ]
     }
 
-    /// Where the slope changes its sign; an end if it does not.
+    /// Root of the slope; an end of the interval without a change of sign.
     fn zero_of_slope(&self, a: f64, b: f64) -> f64 {
         if (self.slope(a) > 0.0) == (self.slope(b) > 0.0) {
             return b;
@@ -210,7 +210,7 @@ mod tests {
         found
     }
 
-    /// Roots of the quartic in 80-digit arithmetic, of the very numbers given.
+    /// Roots of the quartic in 80-digit arithmetic, for exactly these numbers.
     #[test]
     fn known_roots_keep_their_digits() {
         type Case<'a> = (f64, [f64; 3], [f64; 3], &'a [f64]);

@@ -4,7 +4,7 @@ use crate::{Cuboid, InteractionFlags, Plane, Shape, ShapeHit, Sphere, SurfaceInt
 use rt_math::{Aabb, DMat3, DVec3, Interval, Ray, Transform};
 use std::sync::Arc;
 
-/// A shape somewhere in the world: rays are taken to its local space, where the parameter `t` is the same.
+/// Shape with a transform: rays are mapped to its local space, where the parameter `t` is the same.
 ///
 /// Its front is the image of the local front, also under a mirroring map.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct TransformedShape {
 }
 
 impl TransformedShape {
-    /// The shape, moved by a transform.
+    /// Shape with a transform.
     pub const fn new(shape: Shape, world_from_local: Transform) -> Self {
         Self { shape, world_from_local }
     }
@@ -24,7 +24,7 @@ impl TransformedShape {
         &self.shape
     }
 
-    /// Where it stands.
+    /// Transform from local to world space.
     pub const fn world_from_local(&self) -> &Transform {
         &self.world_from_local
     }
@@ -32,8 +32,8 @@ impl TransformedShape {
     /// The smallest box in world space around the shape, widened by the rounding of the transform. `None` for infinite
     /// shapes.
     ///
-    /// A world coordinate of a point is its dot product with a row of the linear part, plus the translation: the shape
-    /// reaches as far along the axis as its support function says for that row.
+    /// A world coordinate of a point is its dot product with a row of the linear part, plus the translation: the extent
+    /// along the axis is the support function of that row.
     pub fn bounds(&self) -> Option<Aabb> {
         let map = &self.world_from_local;
         let local = self.shape.bounds()?;
@@ -60,9 +60,9 @@ impl TransformedShape {
         self.shape.surface(&local, hit, needs).transformed(&self.world_from_local)
     }
 
-    /// A world-space shape that looks the same in all respects, texture coordinates included: anything that is only
-    /// moved, a sphere that is scaled alike along all axes, a box that is scaled along its axes without mirroring, a
-    /// triangle under any map that does not mirror, a plane or polygon that is shifted. `None` if there is none.
+    /// Equivalent world-space shape, texture coordinates included: any translated shape, a uniformly scaled sphere, a
+    /// box that is scaled along its axes without mirroring, a triangle under any map that does not mirror, a translated
+    /// plane or polygon. `None` without one.
     pub fn bake_transform(&self) -> Option<Shape> {
         let linear = self.world_from_local.linear();
         let scale = diagonal(&linear).filter(|scale| scale.min_element() > 0.0);
@@ -76,9 +76,8 @@ impl TransformedShape {
         if keeps_uv { self.bake_transform_ignoring_uv() } else { None }
     }
 
-    /// A world-space shape with the same points and the same front, but maybe other texture coordinates: a sphere
-    /// that stays round, a box that is scaled along its axes, any plane, any triangle, any polygon that rounding does
-    /// not bend out of its shape. `None` if there is none.
+    /// Equivalent world-space shape with perhaps other texture coordinates: a sphere that stays round, a box that is
+    /// scaled along its axes, any plane, any triangle, any polygon that rounding keeps flat. `None` without one.
     pub fn bake_transform_ignoring_uv(&self) -> Option<Shape> {
         let map = &self.world_from_local;
         match &self.shape {
@@ -97,18 +96,18 @@ impl TransformedShape {
             }
             Shape::Triangle(triangle) => {
                 let [a, b, c] = triangle.vertices().map(|v| map.point(v));
-                // A mirror turns the winding around: two vertices change places, so that the front stays.
+                // A mirroring map reverses the winding: exchanging two vertices preserves the front.
                 let vertices = if map.flips_handedness() { [a, c, b] } else { [a, b, c] };
                 Triangle::new(vertices).ok().map(Shape::Triangle)
             }
             Shape::Polygon(polygon) => polygon.mapped(map).map(Arc::new).map(Shape::Polygon),
-            // All others stand at the origin of their local space, along its axes.
+            // All others are at the origin of their local space, along its axes.
             _ => None,
         }
     }
 }
 
-/// The diagonal of a matrix that has nothing else.
+/// Diagonal of a diagonal matrix.
 fn diagonal(m: &DMat3) -> Option<DVec3> {
     let diagonal = DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z);
     (*m == DMat3::from_diagonal(diagonal)).then_some(diagonal)
@@ -161,7 +160,7 @@ mod tests {
                 let (Some(expected), Some((hit, surface))) = (expected, found) else { continue };
                 prop_assume!((hit.t - expected.t).abs() < 1e-6);
                 let point = map.point(local.at(expected.t));
-                // Grazing rays may be met a little earlier or later.
+                // Intersections of grazing rays may differ slightly.
                 let slid = (hit.t - expected.t).abs() * ray.direction.length();
                 prop_assert!((surface.point - point).length() < 1e-7 + 2.0 * slid);
                 prop_assert!((surface.geometric_normal.length() - 1.0).abs() < 1e-15);

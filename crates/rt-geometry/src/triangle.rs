@@ -6,7 +6,7 @@ use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, WatertightRay};
 use rt_math::float::{UNIT_ROUNDOFF, gamma};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
-/// A flat triangle; its front is the side from which the vertices run counter-clockwise.
+/// Triangle; its front is the side from which the vertices run counter-clockwise.
 ///
 /// A hit holds its barycentric coordinates: the weights of the second and third vertex, which are the texture coordinates
 /// as well. They are exactly 0 or 1 for a ray that passes exactly through a vertex.
@@ -39,7 +39,7 @@ impl Triangle {
     /// direction. See [`WatertightRay`] for the test.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
-        WatertightRay::new(ray).intersect(self.vertices, span).map(ShapeHit::from)
+        WatertightRay::new(ray).intersect(self.vertices, span)
     }
 
     /// The surface at a hit of [`intersect`](Self::intersect).
@@ -57,8 +57,8 @@ pub(crate) fn weights([v, w]: [f64; 2]) -> [f64; 3] {
 
 /// The point with these barycentric weights, and the bound on its error per axis.
 ///
-/// The first part bounds the rounding of the sum (PBR 4th ed., section 6.8.5). The second is for the test that a ray
-/// spawned there undergoes: its shear mixes the axes, so its error is governed by the largest extent.
+/// The first part bounds the rounding of the sum (PBR 4th ed., section 6.8.5). The second is for the test of a ray that
+/// is spawned there: its shear mixes the axes, so its error depends on the largest extent.
 #[inline]
 pub(crate) fn point_at(vertices: [DVec3; 3], weights: [f64; 3]) -> (DVec3, DVec3) {
     let [a, b, c] = [0, 1, 2].map(|i| vertices[i] * weights[i]);

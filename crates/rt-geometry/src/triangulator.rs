@@ -1,13 +1,22 @@
-//! Polygons to triangles: fans where the polygon is convex, ear clipping where it is not.
+//! Triangulation of polygons: fans for convex polygons, ear clipping for others.
 
-use crate::{Face, area::polygon_area_vector};
+use crate::area::polygon_area_vector;
 use earcut::Earcut;
 use rt_math::{DVec3, Frame, Vec3};
 
-/// A corner that turns by less than this part of the sharpest one lies on a straight edge.
+/// Corners that turn by less than this fraction of the sharpest one lie on a straight edge.
 const STRAIGHT: f64 = 1.0 / 1024.0;
 
-/// Cuts faces into triangles. It keeps its buffers from one face to the next.
+/// A flat face of a mesh by the indices of its corners, counter-clockwise seen from the front.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Face<'a> {
+    /// The corners of the outline: at least three.
+    pub outline: &'a [u32],
+    /// The corners of each hole, in either direction.
+    pub holes: &'a [Vec<u32>],
+}
+
+/// Triangulates faces. Keeps its buffers from one face to the next.
 pub(crate) struct Triangulator {
     earcut: Earcut<f64>,
     /// The corners of all rings in a row, as indices, in space and in the plane of the face.
@@ -33,8 +42,7 @@ impl Triangulator {
     /// Appends the triangles of a face, with the orientation of its outline.
     ///
     /// A face whose outline has no area, or with a NaN or infinite corner, becomes the fan of its outline: the mesh
-    /// drops and counts the triangles that it cannot use. All rings must have at least three corners, and these must be
-    /// valid indices.
+    /// drops and counts unusable triangles. All rings must have at least three corners with valid indices.
     pub(crate) fn append(&mut self, positions: &[Vec3], face: &Face<'_>, triangles: &mut Vec<[u32; 3]>) {
         let n = face.outline.len();
         let mut start = 0;
@@ -55,8 +63,9 @@ impl Triangulator {
                 return;
             }
         }
-        // Most programs begin the fan at the first corner, which shows where a face is not quite flat. From the notch of a
-        // quadrilateral, or from a corner on a straight edge, all triangles of the fan lie inside and no corner is lost.
+        // Most programs begin the fan at the first corner, which is visible on faces that are not quite flat. From the
+        // notch of a quadrilateral, or from a corner on a straight edge, all triangles of the fan are inside and no
+        // corner is lost.
         let corner = |i: usize| face.outline[(start + i) % n];
         triangles.extend((1..n - 1).map(|i| [corner(0), corner(i), corner(i + 1)]));
     }
@@ -74,8 +83,8 @@ impl Triangulator {
         }));
     }
 
-    /// Projects all rings on the plane of the outline's normal, where that runs counter-clockwise. False if it has no
-    /// area or anything is not finite.
+    /// Projects all rings on the plane of the outline's normal, in which it runs counter-clockwise. False without area
+    /// or for non-finite corners.
     fn project(&mut self, positions: &[Vec3], face: &Face<'_>) -> bool {
         self.corners.clear();
         self.corners.extend_from_slice(face.outline);
@@ -129,15 +138,15 @@ mod tests {
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| positions[i as usize].as_dvec3());
             let cross = (b - a).cross(c - a);
-            // Signed: a triangle with the wrong orientation, or outside of the polygon, shows in the sum.
+            // Signed: triangles with the wrong orientation or outside of the polygon change the sum.
             assert!(cross.dot(normal) > 0.0, "{t:?} is turned over");
             cross.length() / 2.0
         };
         (triangles.iter().map(area).sum(), triangles.len())
     }
 
-    /// The fan began at the corner that turned least, so that faces which are not quite flat differed from what other
-    /// programs show of them.
+    /// The fan began at the corner with the smallest turn, so that faces which are not quite flat differed from other
+    /// programs.
     #[test]
     fn the_fan_of_a_convex_face_begins_at_its_first_corner() {
         let bent = [[-1.01, 0.0, 0.99], [-0.99, 0.0, -1.04], [-1.02, 1.99, -1.04], [-1.02, 1.99, 0.99]];
@@ -187,7 +196,7 @@ mod tests {
 
     #[test]
     fn a_bent_quadrilateral_with_a_straight_corner_keeps_both_triangles() {
-        // Seen from above, the second corner lies on the line between its neighbours; ear clipping would drop it.
+        // From above, the second corner lies on the line between its neighbours; ear clipping would drop it.
         let (_, count) = triangulated(&[[0., 0., 0.], [1., 0., 0.25], [2., 0., 0.], [1., 2., 0.]]);
         assert_eq!(count, 2);
     }

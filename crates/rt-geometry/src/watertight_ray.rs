@@ -1,54 +1,46 @@
-//! The watertight triangle test, shared by single triangles, meshes and structures that keep copies of them.
+//! Watertight ray-triangle test, for single triangles, meshes and accelerators.
 
+use crate::ShapeHit;
 use robust::{Coord3D, orient3d};
 use rt_math::DVec3;
 use rt_math::float::{difference_of_products, is_sign_certain};
 use rt_math::{Interval, Ray};
 
-/// Where a ray meets a triangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TriangleHit {
-    /// Ray parameter.
-    pub t: f64,
-    /// Barycentric weights of the second and third vertex.
-    pub uv: [f64; 2],
-}
-
-/// A ray prepared for many triangle tests: the affine map that takes the ray to the positive z axis.
+/// Ray prepared for many triangle tests: the affine map that takes the ray to the positive z axis.
 ///
 /// Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, in `f64`. A vertex is mapped by a
-/// function of that vertex and the ray alone, so triangles that share it agree on where it lies, and the sides of the
-/// edges are decided with exact signs: no ray slips through an edge or a vertex of a closed mesh. On which side of a
-/// triangle a ray starts is decided exactly as well, so that one that starts in its plane meets it at 0.
+/// function of that vertex and the ray alone, so that triangles with a common vertex agree on its position. The sides
+/// of edges are computed with exact signs: no ray passes through an edge or a vertex of a closed mesh. The side of a
+/// triangle on which a ray starts is exact as well, so that a ray that starts in its plane hits it at 0.
 #[derive(Clone, Copy, Debug)]
 pub struct WatertightRay {
     origin: DVec3,
-    /// Which axes become x, y and z: the direction is largest along the last, and the order is cyclic.
+    /// Axes that become x, y and z: the direction is largest along the last, and the order is cyclic.
     axes: [usize; 3],
     shear_x: f64,
     shear_y: f64,
     scale_z: f64,
 }
 
-/// By the axis that becomes z.
+/// Indexed by the axis that becomes z.
 const CYCLIC: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 impl WatertightRay {
-    /// If `t` is at most this part of the sum of the distances of the vertices along the ray, it is looked at exactly on
-    /// which side of the triangle the ray starts.
+    /// If `t` is at most this fraction of the sum of the distances of the vertices along the ray, the side of the
+    /// triangle on which the ray starts is computed exactly.
     pub const ORIGIN_SIDE_BOUND: f64 = 1.0 / (1 << 16) as f64;
 
-    /// Prepares a ray. One without a direction misses everything.
+    /// Prepares a ray. A ray without a direction misses everything.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         Self::with_inverse(ray, ray.direction.recip())
     }
 
-    /// Prepares a ray of which the reciprocals of the direction are known.
+    /// Prepares a ray with known reciprocals of the direction.
     #[inline(always)]
     pub fn with_inverse(ray: &Ray, inverse: DVec3) -> Self {
         let size = ray.direction.abs();
-        // Without branches, as directions are as good as random.
+        // Branch-free, as directions are random.
         let axis = if size.y > size.z { 1 } else { 2 };
         let axis = if (size.x > size.y) & (size.x > size.z) { 0 } else { axis };
         let axes = CYCLIC[axis];
@@ -57,32 +49,32 @@ impl WatertightRay {
         Self { origin: ray.origin, axes, shear_x: d.x * scale_z, shear_y: d.y * scale_z, scale_z }
     }
 
-    /// A point as the ray sees it: x and y across the ray, z the ray parameter.
+    /// Point in ray space: x and y across the ray, z the ray parameter.
     #[inline(always)]
     pub fn map(&self, point: DVec3) -> DVec3 {
         let p = permuted(point - self.origin, self.axes);
         DVec3::new(p.x - self.shear_x * p.z, p.y - self.shear_y * p.z, p.z * self.scale_z)
     }
 
-    /// The hit on a triangle within the closed `span`, with the barycentric weights of the second and third vertex.
-    /// Edges and vertices belong to the triangle; both sides are hit; `None` if it is seen exactly edge-on.
+    /// Hit on a triangle within the closed `span`, with the barycentric weights of the second and third vertex. Edges
+    /// and vertices belong to the triangle; both sides are hit; `None` exactly edge-on.
     #[inline(always)]
-    pub fn intersect(&self, vertices: [DVec3; 3], span: Interval) -> Option<TriangleHit> {
-        let seen = self.see(vertices);
-        let [u, v, w] = seen.areas;
-        // Without short cuts: the signs are as good as random, and a mispredicted branch costs more than the test.
+    pub fn intersect(&self, vertices: [DVec3; 3], span: Interval) -> Option<ShapeHit> {
+        let ray_space = self.to_ray_space(vertices);
+        let [u, v, w] = ray_space.areas;
+        // No early exit: the signs are random, and a mispredicted branch costs more than the test.
         let outside = ((u < 0.0) | (v < 0.0) | (w < 0.0)) & ((u > 0.0) | (v > 0.0) | (w > 0.0));
-        if outside | (seen.determinant == 0.0) {
+        if outside | (ray_space.determinant == 0.0) {
             return None;
         }
-        let mut hit = seen.hit();
-        if seen.origin_side_uncertain(hit.t) {
-            hit.t = self.exact_origin_side(vertices, hit.t, seen.determinant);
+        let mut hit = ray_space.hit();
+        if ray_space.origin_side_uncertain(hit.t) {
+            hit.t = self.exact_origin_side(vertices, hit.t, ray_space.determinant);
         }
         (span.contains(hit.t) & hit.t.is_finite()).then_some(hit)
     }
 
-    /// The `t` of a plane that the ray starts next to, on the side on which it is: 0 if the ray starts in the plane.
+    /// Parameter of a plane next to the origin of the ray, on the correct side: 0 if the ray starts in the plane.
     #[cold]
     #[inline(never)]
     fn exact_origin_side(&self, vertices: [DVec3; 3], t: f64, determinant: f64) -> f64 {
@@ -102,7 +94,7 @@ impl WatertightRay {
     }
 
     #[inline(always)]
-    fn see(&self, vertices: [DVec3; 3]) -> RaySpaceTriangle {
+    fn to_ray_space(&self, vertices: [DVec3; 3]) -> RaySpaceTriangle {
         let [a, b, c] = [self.map(vertices[0]), self.map(vertices[1]), self.map(vertices[2])];
         // Side by side, as vectors: each coordinate of the three vertices twice, turned by one and by two.
         let (x_one, y_one) = ([c.x, a.x, b.x, 0.0], [c.y, a.y, b.y, 0.0]);
@@ -119,8 +111,8 @@ impl WatertightRay {
         RaySpaceTriangle { areas, determinant: u + v + w, depths: [a.z, b.z, c.z] }
     }
 
-    /// Which axes become x, y and z, the multiples of z that x and y lose, and the factor of z: for filters that do the
-    /// same in less precision.
+    /// Axes that become x, y and z, the multiples of z that x and y lose, and the factor of z: for SIMD tests of lower
+    /// precision.
     #[inline(always)]
     pub const fn shear(&self) -> ([usize; 3], [f64; 3]) {
         (self.axes, [self.shear_x, self.shear_y, self.scale_z])
@@ -137,7 +129,7 @@ fn differences(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
 }
 
-/// Where a sign is in doubt.
+/// Exact computation of uncertain signs.
 #[cold]
 #[inline(never)]
 fn exact_areas([cx, cy, ax, ay, bx, by]: [f64; 6]) -> [f64; 3] {
@@ -148,18 +140,18 @@ fn exact_areas([cx, cy, ax, ay, bx, by]: [f64; 6]) -> [f64; 3] {
     ]
 }
 
-/// A triangle as the ray sees it.
+/// Triangle in ray space.
 struct RaySpaceTriangle {
     /// Twice the areas of the triangles between the ray and the edges, with exact signs.
     areas: [f64; 3],
-    /// Their sum.
+    /// Sum of the areas.
     determinant: f64,
     /// Ray parameters of the vertices.
     depths: [f64; 3],
 }
 
 impl RaySpaceTriangle {
-    /// True if rounding may decide on which side of the triangle the ray starts.
+    /// True if rounding may change the side of the triangle on which the ray starts.
     #[inline(always)]
     fn origin_side_uncertain(&self, t: f64) -> bool {
         let [a, b, c] = self.depths;
@@ -167,10 +159,10 @@ impl RaySpaceTriangle {
     }
 
     #[inline(always)]
-    fn hit(&self) -> TriangleHit {
+    fn hit(&self) -> ShapeHit {
         let ([u, v, w], [a, b, c]) = (self.areas, self.depths);
         let t = (u * a + v * b + w * c) / self.determinant;
-        TriangleHit { t, uv: [v / self.determinant, w / self.determinant] }
+        ShapeHit { t, uv: [v / self.determinant, w / self.determinant] }
     }
 }
 

@@ -20,7 +20,7 @@ fn owners(polygons: &[Polygon], ray: &Ray) -> usize {
     polygons.iter().filter(|polygon| polygon.intersect(ray, Interval::FORWARD).is_some()).count()
 }
 
-/// Four polygons in a tilted plane around a corner, all that the centre of the picture sees: two of them concave.
+/// Four polygons in a tilted plane around a corner, which fill the centre of the image: two of them concave.
 fn tiles(rule: impl Fn(usize) -> InsideRule, offset: f64) -> ([Polygon; 4], [DVec3; 3]) {
     let tilt = Transform::rotate(DVec3::new(1.0, 0.4, -0.3), 0.7).expect("an axis");
     let place = |x: f64, y: f64| tilt.point(DVec3::new(x, y, 0.0)) + DVec3::new(offset, -offset, 0.7 * offset);
@@ -169,7 +169,7 @@ fn misses_at_a_junction(corner_in_edge: bool, rule: InsideRule) -> usize {
     (0..50_000).filter(missed).count()
 }
 
-/// A corner that lies on an edge is a gap as wide as its rounding, unless the edge has that corner as well.
+/// A corner on an edge is a gap as wide as its rounding, unless the edge has that corner as well.
 #[test]
 fn a_junction_is_tight_if_the_edge_has_its_corner() {
     for rule in HALF_OPEN {
@@ -178,8 +178,7 @@ fn a_junction_is_tight_if_the_edge_has_its_corner() {
     }
 }
 
-/// Rounding dents the image of a straight edge with many corners, so half-planes alone would cut more off than they
-/// should.
+/// Rounding dents the image of a straight edge with many corners, so that half-planes alone would cut off too much.
 #[test]
 fn convex_polygons_with_corners_on_a_straight_edge_have_no_gap() {
     let (along, across) = (DVec3::new(1.0, 2.0, 1.0), DVec3::new(3.0, -1.0, 2.0));

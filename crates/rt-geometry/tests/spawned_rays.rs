@@ -1,4 +1,4 @@
-//! Rays that leave a surface neither meet it again by rounding nor jump over what is close to it.
+//! Spawned rays neither hit their own surface by rounding nor pass over nearby surfaces.
 
 use proptest::prelude::*;
 use rt_geometry::{
@@ -36,7 +36,7 @@ fn shapes(scale: f64, offset: f64) -> [Shape; 5] {
     [sphere, solid, Shape::Plane(plane), Shape::Triangle(triangle), Shape::Polygon(polygon)]
 }
 
-/// Shapes around the y axis that no ray which leaves on the outside meets again.
+/// Shapes around the y axis that no ray which leaves on the outside hits again.
 fn convex_around_the_axis(scale: f64) -> Vec<Shape> {
     let mut shapes = vec![
         Shape::InfiniteCylinder(InfiniteCylinder::new(scale).expect("a cylinder")),
@@ -187,8 +187,8 @@ fn curved(scale: f64) -> Vec<Curved> {
     convex.chain(tori).chain([Curved { shape: cone, is_convex: false, enclosure: None }]).collect()
 }
 
-/// Of rays spawned outwards from a shape: how many meet it again where they start, and how many miss what encloses it;
-/// and of rays spawned inwards, how many miss the other wall. The shape has one size as it is, another after the map.
+/// Counts rays spawned outwards from a shape that hit it again at their origin, or miss its enclosure; and rays spawned
+/// inwards that miss the other wall. The shape has different sizes before and after the map.
 fn acne_and_leaks_of(curved: &Curved, map: Transform, [size, extent]: [f64; 2]) -> [usize; 3] {
     let placed = TransformedShape::new(curved.shape.clone(), map);
     let enclosure =
@@ -203,7 +203,7 @@ fn acne_and_leaks_of(curved: &Curved, map: Transform, [size, extent]: [f64; 2]) 
         let surface = placed.surface(&arriving, &hit, InteractionFlags::ALL);
         let towards = upwards(surface.geometric_normal, draw(ray, 6), draw(ray, 7));
         let leaving = surface.spawn_ray(towards, 0.0);
-        // A shape with a hollow is met again, but not where the ray starts.
+        // A concave shape is hit again, but not at the origin of the ray.
         let again = placed.intersect(&leaving, Interval::FORWARD);
         acne += usize::from(again.is_some_and(|hit| curved.is_convex || hit.t < 1e-7 * extent));
         if let Some(enclosure) = &enclosure {

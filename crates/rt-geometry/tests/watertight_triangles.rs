@@ -6,14 +6,14 @@ use rt_tests::icosphere;
 
 const GRID: f64 = (1u32 << 18) as f64;
 
-/// What the rays are aimed at.
+/// Targets of the rays.
 #[derive(Clone, Copy, Debug)]
 enum Target {
     EdgeMiddle,
     Vertex,
 }
 
-/// The usual test (Möller, Trumbore 1997), which decides with rounded products.
+/// Möller-Trumbore test (1997), which uses rounded products.
 fn plain_test([a, b, c]: [DVec3; 3], ray: &Ray) -> bool {
     let (e, f) = (b - a, c - a);
     let p = ray.direction.cross(f);
@@ -66,7 +66,7 @@ fn no_ray_leaves_a_closed_mesh() {
     }
 }
 
-/// Rays that start on a triangle met it a rounding error before they began, and missed it.
+/// Regression: rays that start on a triangle missed it, because it lay a rounding error before their origin.
 #[test]
 fn a_ray_that_starts_in_the_plane_of_a_triangle_meets_it_at_zero() {
     let draw = |i: u64, k: u64| (random::unit(random::hash(&[i, k])) * 2.0 - 1.0) as f32;

@@ -3,26 +3,26 @@
 use crate::{Interval, Ray, float::gamma};
 use glam::DVec3;
 
-/// The slab test multiplies the far side of a box by this, which covers its own rounding (Ize, "Robust BVH Ray
-/// Traversal", JCGT 2(2), 2013). Structures whose boxes stand for own boxes must do the same, or more.
+/// Factor of the far side of a box in the slab test, which covers its rounding (Ize, "Robust BVH Ray Traversal", JCGT
+/// 2(2), 2013). Accelerators whose boxes replace padded bounds must widen by at least as much.
 pub const FAR_FACTOR: f64 = 1.0 + 2.0 * gamma(3);
 
-/// Own boxes are widened by this part of their greatest coordinate, so that the box never removes a hit that the
-/// kernel found a rounding error outside it.
+/// Padding of bounds relative to their largest coordinate, so that the box never removes a hit that the kernel found a
+/// rounding error outside it.
 pub const BOUNDS_PADDING: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// A closed axis-aligned box. Empty when `min > max` on any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {
-    /// Least corner.
+    /// Minimum corner.
     pub min: DVec3,
-    /// Greatest corner.
+    /// Maximum corner.
     pub max: DVec3,
 }
 
 impl Aabb {
-    /// The box that contains nothing, and the neutral element of [`union`](Self::union).
+    /// Empty box, the neutral element of [`union`](Self::union).
     pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
     /// The box from `min` to `max`.
@@ -78,15 +78,15 @@ impl Aabb {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    /// Square of the distance from a point to the nearest point of the box; 0 inside. Monotone, also in its rounding:
-    /// never greater for a larger box.
+    /// Squared distance from a point to the nearest point of the box; 0 inside. Monotone, also in its rounding: never
+    /// larger for a larger box.
     #[inline]
     pub fn distance_squared(&self, point: DVec3) -> f64 {
         let outside = (self.min - point).max(point - self.max).max(DVec3::ZERO);
         outside.x * outside.x + outside.y * outside.y + outside.z * outside.z
     }
 
-    /// The middle of the box. Meaningless for an empty box.
+    /// Centre of the box. Meaningless for an empty box.
     #[inline]
     pub fn centre(&self) -> DVec3 {
         self.min * 0.5 + self.max * 0.5
@@ -107,20 +107,20 @@ impl Aabb {
         2.0 * (e.x * e.y + e.y * e.z + e.z * e.x)
     }
 
-    /// Greatest magnitude of any coordinate.
+    /// Largest magnitude of any coordinate.
     #[inline]
     pub fn max_abs(&self) -> f64 {
         self.min.abs().max(self.max.abs()).max_element()
     }
 
-    /// The box widened on all sides by 2⁻⁴⁰ of its greatest coordinate.
+    /// Box widened on all sides by 2⁻⁴⁰ of its largest coordinate.
     #[inline]
     pub fn padded(&self) -> Self {
         let pad = DVec3::splat(self.max_abs() * BOUNDS_PADDING);
         Self { min: self.min - pad, max: self.max + pad }
     }
 
-    /// The eight corners, in no promised order.
+    /// The eight corners, in unspecified order.
     pub fn corners(&self) -> [DVec3; 8] {
         core::array::from_fn(|i| {
             let pick = |bit: usize, low: f64, high: f64| if i & bit == 0 { low } else { high };
@@ -135,8 +135,8 @@ impl Aabb {
     /// The part of `span` in which the ray is inside the box; `None` if there is none.
     ///
     /// The slab test (Williams et al. 2005) with the far side moved out by a rounding error. `0 · ∞`, a ray in the
-    /// plane of a face, is NaN and imposes no constraint, so the box is closed. Each operation is monotone in the
-    /// box: a larger box is never entered later nor left earlier. On that the equality of all structures rests.
+    /// plane of a face, is NaN and imposes no constraint, so the box is closed. Each operation is monotone in the box:
+    /// a larger box is never entered later nor left earlier. The equality of all accelerators depends on this.
     #[inline(always)]
     pub fn clip(&self, ray: &SlabRay, span: Interval) -> Option<Interval> {
         let Interval { min: mut enter, max: mut leave } = span;
@@ -161,7 +161,7 @@ impl Aabb {
     }
 }
 
-/// A ray with the reciprocals of its direction, prepared once for many slab tests.
+/// Ray with the reciprocals of its direction, prepared for many slab tests.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabRay {
     /// The ray itself.

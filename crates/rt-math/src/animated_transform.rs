@@ -1,4 +1,4 @@
-//! Affine maps that change with time.
+//! Affine transforms that change with time.
 //!
 //! ```text
 //!   M(τ) = T(τ) · R(τ) · S(τ),    T, S linear in τ,  R along the shortest arc
@@ -13,21 +13,23 @@ use crate::{
 };
 use glam::{DMat3, DQuat, DVec3, DVec4};
 
-/// Steps of the polar decomposition. Each halves what is far from 1 and squares the rest: a condition number of 10¹² takes 45.
+/// Maximum steps of the polar decomposition. Each halves large errors and squares small ones: a condition number of
+/// 10¹² takes 45.
 const MAX_STEPS: u32 = 100;
 
-/// Parts that a turn is divided into where bounds are computed.
+/// Number of time intervals of a rotation in bounds.
 const PARTS: u32 = 32;
 
-/// Roundings between the bounds of a turning point and the point that a ray is taken to, in units of its distance; fewer than
-/// 64, and those of the rotation's parts.
+/// Bound on the roundings between the bounds of a rotating point and the transformed point, relative to its distance:
+/// fewer than 64, and those of the rotation's parts.
 const ROUNDINGS: f64 = 256.0;
 
-/// A map that goes from one transform at time 0 to another at time 1.
+/// Transform that changes from one value at time 0 to another at time 1.
 ///
-/// Both are taken apart into translation, rotation and stretch by the polar decomposition (Shoemake and Duff 1992); the rotation
-/// is then interpolated along the shortest arc at constant speed (Shoemake 1985), the others along straight lines. So rigid
-/// motions stay rigid, and no moment is singular: a mean of two positive definite stretches is positive definite.
+/// Both are decomposed into translation, rotation and stretch by the polar decomposition (Shoemake and Duff 1992); the
+/// rotation is interpolated along the shortest arc at constant speed (Shoemake 1985), the others linearly. So rigid
+/// motions stay rigid, and the transform is never singular: a mean of two positive definite stretches is positive
+/// definite.
 ///
 /// ```
 /// use rt_math::{DVec3, AnimatedTransform, Transform};
@@ -43,17 +45,17 @@ pub struct AnimatedTransform {
     start: Transform,
     end: Transform,
     rotations: [DQuat; 2],
-    /// Angle between the rotations as quaternions, half of that by which the motion turns: 0 to π/2.
+    /// Angle between the rotations as quaternions, half the angle of the rotation: 0 to π/2.
     angle: f64,
     stretches: [DMat3; 2],
 }
 
-/// Why no motion leads from one transform to another.
+/// Reason why two transforms cannot be interpolated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AnimatedTransformError {
-    /// One of them mirrors and the other does not: all would be flat at some moment.
+    /// Only one of them mirrors: the transform would be singular at some time.
     Mirrors,
-    /// One of them cannot be taken apart: its numbers are too large, too small, or too different.
+    /// One of them has no polar decomposition: its numbers are too large, too small, or too different.
     Decomposition,
 }
 
@@ -69,17 +71,17 @@ impl fmt::Display for AnimatedTransformError {
 impl core::error::Error for AnimatedTransformError {}
 
 impl AnimatedTransform {
-    /// The motion from `start` at time 0 to `end` at time 1, turning by at most half a turn.
+    /// Interpolates from `start` at time 0 to `end` at time 1, rotating by at most half a turn.
     ///
     /// # Errors
-    /// [`AnimatedTransformError`] if one of the two mirrors and the other does not, or has no polar decomposition.
+    /// [`AnimatedTransformError`] if only one of them mirrors, or one has no polar decomposition.
     pub fn new(start: &Transform, end: &Transform) -> Result<Self, AnimatedTransformError> {
         if start.flips_handedness() != end.flips_handedness() {
             return Err(AnimatedTransformError::Mirrors);
         }
-        let (from, first) = polar(&start.linear()).ok_or(AnimatedTransformError::Decomposition)?;
-        let (to, second) = polar(&end.linear()).ok_or(AnimatedTransformError::Decomposition)?;
-        let to = nearer(from, to);
+        let (from, first) = polar_decomposition(&start.linear()).ok_or(AnimatedTransformError::Decomposition)?;
+        let (to, second) = polar_decomposition(&end.linear()).ok_or(AnimatedTransformError::Decomposition)?;
+        let to = shortest_arc(from, to);
         let angle = angle_between(from, to);
         Ok(Self { start: *start, end: *end, rotations: [from, to], angle, stretches: [first, second] })
     }
@@ -94,7 +96,7 @@ impl AnimatedTransform {
         &self.end
     }
 
-    /// The map at a moment, by its bits that of the start or end there, and beyond; that of the start for a NaN.
+    /// Transform at a time: exactly that of the start or end there and beyond, and that of the start for a NaN.
     pub fn at(&self, time: f64) -> Transform {
         if !(time > 0.0) {
             return self.start;
@@ -104,36 +106,36 @@ impl AnimatedTransform {
         }
         let [first, second] = self.stretches;
         let translation = self.start.translation().lerp(self.end.translation(), time);
-        composed(translation, self.rotation(time), first * (1.0 - time) + second * time)
+        compose_trs(translation, self.rotation(time), first * (1.0 - time) + second * time)
     }
 
-    /// The rotations at both ends as quaternions, of which the second is the nearer one of its pair.
+    /// Rotations at both ends as quaternions with a positive dot product.
     pub(crate) const fn rotations(&self) -> [DQuat; 2] {
         self.rotations
     }
 
-    /// The symmetric stretches at both ends: negative definite for maps that mirror.
+    /// Symmetric stretches at both ends: negative definite for mirroring transforms.
     pub(crate) const fn stretches(&self) -> [DMat3; 2] {
         self.stretches
     }
 
     fn rotation(&self, time: f64) -> DQuat {
         let [from, to] = self.rotations;
-        spherical(from, to, self.angle, time)
+        slerp(from, to, self.angle, time)
     }
 
-    /// A box around the image of a box at all moments from 0 to 1. Empty stays empty.
+    /// Bounds of the image of a box over times 0 to 1. Empty stays empty.
     ///
-    /// Without a turn each point runs along a straight line, and the box around both ends contains it. Otherwise time is cut
-    /// into parts of length 2h around moments m. A point is `T(τ) + x(τ)` with `x = R·S·p`; as `|R'·v| ≤ ω·|v|`, with the speed
-    /// ω of the turn, and `S'` is constant,
+    /// Without a rotation each point moves along a straight line, and the union of both ends contains it. Otherwise
+    /// time is divided into intervals of length 2h around times m. A point is `T(τ) + x(τ)` with `x = R·S·p`; as
+    /// `|R'·v| ≤ ω·|v|`, with the angular speed ω, and `S'` is constant,
     ///
     /// ```text
     /// |x(τ) − x(m)| ≤ h·max |x'| ≤ h·(ω·max(|S(0)·p|, |S(1)·p|) + |(S(1) − S(0))·p|),
     /// ```
     ///
-    /// where the norms are convex in `p`, so that they are greatest at corners of the box. What `x(m)` gives is widened by that,
-    /// and moved by the translations at both ends of the part, between which `T` is straight.
+    /// where the norms are convex in `p`, so that they are largest at corners of the box. The bounds of `x(m)` are
+    /// widened by that, and moved by the translations at both ends of the interval, between which `T` is linear.
     pub fn aabb(&self, aabb: &Aabb) -> Aabb {
         if aabb.is_empty() {
             return Aabb::EMPTY;
@@ -162,35 +164,35 @@ impl AnimatedTransform {
     }
 }
 
-/// The map that stretches first, then turns, then moves.
-pub(crate) fn composed(translation: DVec3, rotation: DQuat, stretch: DMat3) -> Transform {
+/// Composes a stretch, then a rotation, then a translation.
+pub(crate) fn compose_trs(translation: DVec3, rotation: DQuat, stretch: DMat3) -> Transform {
     let rotation = DMat3::from_quat(rotation);
     Transform::from_parts(rotation * stretch, stretch.inverse() * rotation.transpose(), translation)
 }
 
-/// The one of a quaternion and its negative, which are the same rotation, that is nearer to another.
-pub(crate) fn nearer(from: DQuat, to: DQuat) -> DQuat {
+/// The quaternion or its negative, which represent the same rotation: the one closer to `from`.
+pub(crate) fn shortest_arc(from: DQuat, to: DQuat) -> DQuat {
     if from.dot(to) < 0.0 { -to } else { to }
 }
 
-/// The angle between unit quaternions, half of that by which the one turns to become the other.
+/// Angle between unit quaternions, half the angle of the rotation between them.
 pub(crate) fn angle_between(from: DQuat, to: DQuat) -> f64 {
     2.0 * atan2((to - from).length(), (to + from).length())
 }
 
-/// Shoemake's spherical interpolation of unit quaternions with this angle between them, at a moment from 0 to 1.
-pub(crate) fn spherical(from: DQuat, to: DQuat, angle: f64, time: f64) -> DQuat {
+/// Spherical linear interpolation (Shoemake) of unit quaternions with this angle between them, at a time from 0 to 1.
+pub(crate) fn slerp(from: DQuat, to: DQuat, angle: f64, time: f64) -> DQuat {
     let (from, to) = (DVec4::from(from), DVec4::from(to));
     let (before, after) = (sin((1.0 - time) * angle), sin(time * angle));
     let sum = if before + after > 0.0 { from * before + to * after } else { from };
     DQuat::from_vec4(sum / sum.length())
 }
 
-/// The rotation and the symmetric stretch whose product a map is. The stretch is negative definite for a map that mirrors.
+/// Polar decomposition into a rotation and a symmetric stretch, which is negative definite for a mirroring transform.
 ///
-/// Newton's iteration for the orthogonal factor (Higham 1986): the mean of a matrix and its inverse transpose comes nearer to it,
-/// and is it in the end.
-fn polar(linear: &DMat3) -> Option<(DQuat, DMat3)> {
+/// Newton's iteration for the orthogonal factor (Higham 1986): the mean of a matrix and its inverse transpose converges
+/// to it.
+fn polar_decomposition(linear: &DMat3) -> Option<(DQuat, DMat3)> {
     let scale = linear.to_cols_array().into_iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
     if !(scale > 0.0 && scale.is_finite()) {
         return None;
@@ -209,7 +211,7 @@ fn polar(linear: &DMat3) -> Option<(DQuat, DMat3)> {
     }
     let rotation = DQuat::from_mat3(&orthogonal);
     let rotation = DQuat::from_vec4(DVec4::from(rotation) / rotation.length());
-    // By the rotation that the quaternion gives, so that both together are the map.
+    // Computed from the rounded rotation, so that the product is the transform.
     let stretch = DMat3::from_quat(rotation).transpose() * *linear;
     let stretch = (stretch + stretch.transpose()) * 0.5;
     let error = (DMat3::from_quat(rotation) * stretch - *linear).to_cols_array();
@@ -314,7 +316,7 @@ mod tests {
 
         #[test]
         fn the_parts_make_the_map(transform in transform()) {
-            let (rotation, stretch) = polar(&transform.linear()).expect("a rotation");
+            let (rotation, stretch) = polar_decomposition(&transform.linear()).expect("a rotation");
             let product = DMat3::from_quat(rotation) * stretch;
             prop_assert!(largest(product - transform.linear()) < 1e-13);
             prop_assert!(stretch.determinant() > 0.0 && (rotation.length() - 1.0).abs() < 1e-15);
@@ -349,7 +351,7 @@ mod tests {
             ends in [transform(), transform(), transform(), transform()], still in transform(), time in 0.0..1.0f64, a in vector(2.0), b in vector(2.0),
         ) {
             let [outer, inner] = [0, 2].map(|i| AnimatedTransform::new(&ends[i], &ends[i + 1]).expect("a motion"));
-            let chain = AnimatedTransformChain::still(still).compose_animated(&outer).compose(&still).compose_animated(&inner);
+            let chain = AnimatedTransformChain::constant(still).compose_animated(&outer).compose(&still).compose_animated(&inner);
             let expected = still.point(outer.at(time).point(still.point(inner.at(time).point(a))));
             prop_assert!((chain.at(time).point(a) - expected).length() < 1e-9 * (1.0 + expected.length()));
             prop_assert!(chain.aabb(&Aabb::from_points([a, b])).contains(chain.at(time).point(a)));

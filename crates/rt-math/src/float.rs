@@ -34,8 +34,8 @@ fn split(a: f64) -> (f64, f64) {
 
 /// `a·b − c·d` with the exact sign, and 0 only when it is exactly 0.
 ///
-/// The plain expression answers where its error bound settles the sign; otherwise Kahan's algorithm (Jeannerod,
-/// Louvet, Muller 2013: relative error at most 2u). Over- and underflow void the promise.
+/// Uses the plain expression where its error bound proves the sign; otherwise Kahan's algorithm (Jeannerod, Louvet,
+/// Muller 2013: relative error at most 2u). Assumes no over- and underflow.
 #[inline]
 pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let (ab, cd) = (a * b, c * d);
@@ -48,11 +48,11 @@ pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     (ab - cd) + (ab_error - cd_error)
 }
 
-/// The rounded difference of two rounded products has the sign of what is not rounded if it is greater than this part of
-/// the sum of their sizes: each product is off by at most u of itself and the difference by u of itself.
+/// Bound relative to the sum of magnitudes above which the rounded difference of two rounded products has the exact
+/// sign: each product has a relative error of at most u, and so has the difference.
 pub const SIGN_ERROR_BOUND: f64 = 4.0 * UNIT_ROUNDOFF;
 
-/// True if the rounded difference of two rounded products has the sign of what is not rounded.
+/// True if the rounded difference of two rounded products has the exact sign.
 #[inline(always)]
 pub fn is_sign_certain(difference: f64, minuend: f64, subtrahend: f64) -> bool {
     difference.abs() > SIGN_ERROR_BOUND * (minuend.abs() + subtrahend.abs())
@@ -68,9 +68,8 @@ pub fn cross(a: DVec3, b: DVec3) -> DVec3 {
     )
 }
 
-/// A power of two, exact to multiply with, that brings a direction whose square may leave the range of `f64` to a length
-/// near 1, and 1 for all directions of ordinary length: what is `t` along the direction times this factor is `t` times
-/// the factor along the direction itself.
+/// Power of two that scales a direction whose square may over- or underflow to a length near 1; 1 for directions of
+/// ordinary length. A parameter `t` along the scaled direction is `t` times the factor along the direction itself.
 #[inline]
 pub fn power_of_two_scale(direction: DVec3) -> f64 {
     let size = direction.abs().max_element();

@@ -9,19 +9,20 @@ pub struct Frame {
     pub x: DVec3,
     /// Second tangent.
     pub y: DVec3,
-    /// The axis that the frame was made from.
+    /// Axis that the frame was built from.
     pub z: DVec3,
 }
 
 impl Frame {
-    /// More than rounding makes of a component that is 0, even far from the origin, and less than what shapes are made with.
+    /// Larger than rounding errors of a component that is 0, also far from the origin, and smaller than intended
+    /// slopes.
     const TURN: f64 = 1.0 / (1 << 20) as f64;
 
-    /// A frame whose `z` is the unit vector `z`, without a branch on its direction. Wherever `z` points, a small change of it
-    /// changes the tangents little, but where `z.z` is −2⁻²⁰: at 0, where walls that stand upright are, rounding must not turn
-    /// them round.
+    /// Frame with this unit vector as `z`, without a branch on its direction. The tangents change continuously with
+    /// `z`, except at `z.z` = −2⁻²⁰. The jump is not at 0, so that rounding does not flip the tangents of upright
+    /// walls.
     ///
-    /// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017, who have them turn at 0.
+    /// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017, with the jump at 0.
     pub fn from_z(z: DVec3) -> Self {
         let sign = 1.0f64.copysign(z.z + Self::TURN);
         let a = -1.0 / (sign + z.z);

@@ -3,9 +3,9 @@
 /// The closed interval `[min, max]` of ray parameters in which a hit counts. Empty when `min > max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// Least parameter that counts.
+    /// Minimum parameter.
     pub min: f64,
-    /// Greatest parameter that counts.
+    /// Maximum parameter.
     pub max: f64,
 }
 
@@ -13,10 +13,10 @@ impl Interval {
     /// Everything from the origin on: `[0, ∞]`.
     pub const FORWARD: Self = Self { min: 0.0, max: f64::INFINITY };
 
-    /// Everything in front of an origin that stands off a surface.
+    /// Everything in front of the origin of a spawned ray.
     ///
-    /// Where hit points are exact, as on a floor at height 0, that distance may be the smallest of numbers, and the
-    /// parameter of a hit on the same floor underflows to 0. So 0 and what is next to it does not count.
+    /// For exact hit points, as on a floor at height 0, the offset of the origin may be the smallest number, and the
+    /// parameter of a hit on the same floor underflows to 0. So 0 and its neighbour are excluded.
     pub const SPAWNED: Self = Self { min: f64::MIN_POSITIVE, max: f64::INFINITY };
 
     /// From the origin of a shadow ray to its target: up to 1, as its direction is `target - origin`, and otherwise as
@@ -37,8 +37,8 @@ impl Interval {
 
     /// The smallest of two ordered candidates (`near <= far`) that lies in the interval.
     ///
-    /// Which candidate is chosen depends on `max` only through "is it still in": shrinking `max` never reveals
-    /// another hit. The equality of all acceleration structures rests on this.
+    /// `max` only decides if the chosen candidate is still in the interval: shrinking it never reveals another hit. The
+    /// equality of all accelerators depends on this.
     #[inline]
     pub fn first(&self, near: f64, far: f64) -> Option<f64> {
         let t = if near >= self.min { near } else { far };

@@ -1,4 +1,4 @@
-//! Affine maps that pass through given ones at given times.
+//! Affine transforms interpolated between keyframes.
 //!
 //! ```text
 //!   M(t) = T(t) · R(t) · S(t),   each through those of the keys, along lines and arcs or along cubic curves
@@ -8,20 +8,20 @@ use core::fmt;
 
 use crate::{
     AnimatedTransform, AnimatedTransformError, Interpolation, Keyframes, Transform,
-    animated_transform::{angle_between, composed, nearer, spherical},
+    animated_transform::{angle_between, compose_trs, shortest_arc, slerp},
     keyframes::{KeyframePosition, bezier},
     transcendental::{atan2, sincos},
 };
 use glam::{DMat3, DQuat, DVec3, DVec4};
 
-/// Times that a velocity is halved before it is taken to be none.
+/// Maximum halvings of a velocity before it is set to zero.
 const MAX_HALVINGS: u32 = 64;
 
-/// A map at any moment, by keys.
+/// Transform interpolated between keyframes.
 ///
-/// Between two keys, a straight way is that of a [`AnimatedTransform`]. A smooth one leads translations and stretches along cubic curves,
-/// and rotations along Bézier curves of spherical interpolations (Shoemake 1985), whose velocities are continuous at all times.
-/// Stretches stay definite, so that no moment is singular.
+/// [`Interpolation::Linear`] uses an [`AnimatedTransform`] between two keys. [`Interpolation::Smooth`] interpolates
+/// translations and stretches along cubic curves, and rotations along Bézier curves of spherical interpolations
+/// (Shoemake 1985), with continuous velocities. Stretches stay definite, so that the transform is never singular.
 ///
 /// ```
 /// use rt_math::{DVec3, Interpolation, Keyframes, Transform, KeyframedTransform};
@@ -38,13 +38,13 @@ const MAX_HALVINGS: u32 = 64;
 pub struct KeyframedTransform {
     timeline: Keyframes,
     keys: Vec<Transform>,
-    /// From each key to the next.
-    ways: Vec<AnimatedTransform>,
-    /// At each key, if the curves are smooth.
+    /// Segments between neighbouring keys.
+    segments: Vec<AnimatedTransform>,
+    /// Velocities at the keys, for smooth interpolation.
     velocities: Vec<Velocity>,
 }
 
-/// What changes in a unit of time, of the three parts of a map.
+/// Rates of change of the three parts of a transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Velocity {
     translation: DVec3,
@@ -53,12 +53,12 @@ struct Velocity {
     stretch: DMat3,
 }
 
-/// Why there is no map at every moment.
+/// Reason why keys cannot be interpolated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeyframedTransformError {
-    /// There are as many times (the first number) as this, but as many maps (the second).
+    /// The number of times (first) differs from the number of transforms (second).
     Count(usize, usize),
-    /// No motion leads from the key before to the one with this index.
+    /// The transforms of the previous key and of the key with this index cannot be interpolated.
     AnimatedTransform(usize, AnimatedTransformError),
 }
 
@@ -74,50 +74,51 @@ impl fmt::Display for KeyframedTransformError {
 impl core::error::Error for KeyframedTransformError {}
 
 impl KeyframedTransform {
-    /// The maps at the times of the keys.
+    /// Interpolates between transforms at the times of the keys.
     ///
     /// # Errors
-    /// [`KeyframedTransformError`] if there are not as many maps as times, or one of two neighbours mirrors and the other does not, or
-    /// one has no polar decomposition.
+    /// [`KeyframedTransformError`] if the numbers of transforms and times differ, or only one of two neighbours
+    /// mirrors, or one has no polar decomposition.
     pub fn new(timeline: Keyframes, keys: Vec<Transform>) -> Result<Self, KeyframedTransformError> {
         if timeline.times().len() != keys.len() {
             return Err(KeyframedTransformError::Count(timeline.times().len(), keys.len()));
         }
-        let way = |key: usize| {
+        let segment = |key: usize| {
             AnimatedTransform::new(&keys[key], &keys[key + 1])
                 .map_err(|error| KeyframedTransformError::AnimatedTransform(key + 1, error))
         };
-        let ways = (0..keys.len() - 1).map(way).collect::<Result<Vec<_>, _>>()?;
-        let mut all = Self { timeline, keys, ways, velocities: Vec::new() };
-        if all.timeline.interpolation() == Interpolation::Smooth && !all.ways.is_empty() {
+        let segments = (0..keys.len() - 1).map(segment).collect::<Result<Vec<_>, _>>()?;
+        let mut all = Self { timeline, keys, segments, velocities: Vec::new() };
+        if all.timeline.interpolation() == Interpolation::Smooth && !all.segments.is_empty() {
             all.velocities = (0..all.keys.len()).map(|key| all.velocity(key)).collect();
         }
         Ok(all)
     }
 
-    /// The map at a moment. At a key, and before the first and after the last, it is that of the key, by its bits.
+    /// Transform at a time. At a key, and before the first and after the last, exactly that of the key.
     pub fn at(&self, time: f64) -> Transform {
         match self.timeline.find(time) {
             KeyframePosition::Key(key) => self.keys[key],
             KeyframePosition::Between(key, s) => match self.timeline.interpolation() {
                 Interpolation::Step => self.keys[key],
-                Interpolation::Linear => self.ways[key].at(s),
+                Interpolation::Linear => self.segments[key].at(s),
                 Interpolation::Smooth => self.on_curve(key, s),
             },
         }
     }
 
     fn velocity(&self, key: usize) -> Velocity {
-        let per_time = |way: usize| 1.0 / self.timeline.span(way);
-        let translation =
-            |way: usize| (self.keys[way + 1].translation() - self.keys[way].translation()) * per_time(way);
-        let rotation = |way: usize| {
-            let [from, to] = self.ways[way].rotations();
-            logarithm(from.conjugate() * to) * per_time(way)
+        let per_time = |segment: usize| 1.0 / self.timeline.span(segment);
+        let translation = |segment: usize| {
+            (self.keys[segment + 1].translation() - self.keys[segment].translation()) * per_time(segment)
         };
-        let stretch = |way: usize| {
-            let [from, to] = self.ways[way].stretches();
-            (to - from) * per_time(way)
+        let rotation = |segment: usize| {
+            let [from, to] = self.segments[segment].rotations();
+            logarithm(from.conjugate() * to) * per_time(segment)
+        };
+        let stretch = |segment: usize| {
+            let [from, to] = self.segments[segment].stretches();
+            (to - from) * per_time(segment)
         };
         Velocity {
             translation: self.timeline.velocity(key, translation),
@@ -126,16 +127,16 @@ impl KeyframedTransform {
         }
     }
 
-    /// The velocity of the stretch at a key, halved until the control points beside the key are as definite as the stretch is.
-    /// All of the curve is then: it is a mean of its control points.
+    /// Velocity of the stretch at a key, halved until the adjacent control points are as definite as the stretch is.
+    /// The whole curve is then definite, as a mean of its control points.
     fn definite(&self, key: usize, velocity: DMat3) -> DMat3 {
-        let stretch = match self.ways.get(key) {
-            Some(way) => way.stretches()[0],
-            None => self.ways[key - 1].stretches()[1],
+        let stretch = match self.segments.get(key) {
+            Some(segment) => segment.stretches()[0],
+            None => self.segments[key - 1].stretches()[1],
         };
         let sign = if stretch.determinant() < 0.0 { -1.0 } else { 1.0 };
-        let before = key.checked_sub(1).map_or(0.0, |way| self.timeline.span(way));
-        let after = if key < self.ways.len() { self.timeline.span(key) } else { 0.0 };
+        let before = key.checked_sub(1).map_or(0.0, |segment| self.timeline.span(segment));
+        let after = if key < self.segments.len() { self.timeline.span(key) } else { 0.0 };
         let mut velocity = velocity;
         for _ in 0..MAX_HALVINGS {
             let controls = [stretch - velocity * (before / 3.0), stretch + velocity * (after / 3.0)];
@@ -151,27 +152,27 @@ impl KeyframedTransform {
         let [from, to] = [self.velocities[key], self.velocities[key + 1]];
         let places = [self.keys[key], self.keys[key + 1]].map(|key| key.translation());
         let translation = bezier(self.timeline.controls(key, places, [from.translation, to.translation]), s);
-        let stretches = self.ways[key].stretches();
+        let stretches = self.segments[key].stretches();
         let stretch = bezier(self.timeline.controls(key, stretches, [from.stretch, to.stretch]), s);
         let third = self.timeline.span(key) / 3.0;
-        let [first, last] = self.ways[key].rotations();
+        let [first, last] = self.segments[key].rotations();
         let out = first * exponential(from.rotation * third);
         let into = last * exponential(to.rotation * -third);
-        composed(translation, casteljau([first, out, into, last], s), stretch)
+        compose_trs(translation, casteljau([first, out, into, last], s), stretch)
     }
 }
 
 /// De Casteljau's construction by spherical interpolations.
 fn casteljau([a, b, c, d]: [DQuat; 4], s: f64) -> DQuat {
     let between = |from: DQuat, to: DQuat| {
-        let to = nearer(from, to);
-        spherical(from, to, angle_between(from, to), s)
+        let to = shortest_arc(from, to);
+        slerp(from, to, angle_between(from, to), s)
     };
     let [ab, bc, cd] = [between(a, b), between(b, c), between(c, d)];
     between(between(ab, bc), between(bc, cd))
 }
 
-/// Angle in radians times axis of the rotation that a unit quaternion stands for, which turns by at most half a turn.
+/// Rotation vector (angle in radians times axis) of a unit quaternion, for at most half a turn.
 fn logarithm(rotation: DQuat) -> DVec3 {
     let [x, y, z, w] = rotation.to_array();
     let (axis, w) = if w < 0.0 { (DVec3::new(-x, -y, -z), -w) } else { (DVec3::new(x, y, z), w) };
@@ -179,7 +180,7 @@ fn logarithm(rotation: DQuat) -> DVec3 {
     if sine > 0.0 { axis * (2.0 * atan2(sine, w) / sine) } else { DVec3::ZERO }
 }
 
-/// The rotation about a vector by as many radians as it is long.
+/// Rotation of a rotation vector.
 fn exponential(vector: DVec3) -> DQuat {
     let angle = vector.length();
     if !(angle > 0.0 && angle.is_finite()) {

@@ -1,4 +1,4 @@
-//! Keys in time, and curves through what they hold.
+//! Keyframes in time, and curves through their values.
 //!
 //! ```text
 //!   key 0          key 1     key 2                  p(s) = (1−s)³·p₀ + 3s(1−s)²·c₀ + 3s²(1−s)·c₁ + s³·p₁
@@ -16,27 +16,27 @@ use glam::DVec3;
 /// Largest magnitude of a time.
 const MAX_TIME: f64 = 1e60;
 
-/// What happens between two keys.
+/// Interpolation between two keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interpolation {
-    /// The earlier key holds.
+    /// Value of the earlier key.
     Step,
-    /// A straight line at constant speed.
+    /// Linear interpolation.
     #[default]
     Linear,
-    /// A cubic curve whose speed is continuous at all times: it starts and ends at rest, and at each key between has the
-    /// velocity of the parabola through this key and its two neighbours (Catmull and Rom 1974; Overhauser 1968).
+    /// Cubic curve with continuous velocity: zero at the first and last key, and at each other key that of the parabola
+    /// through this key and its two neighbours (Catmull and Rom 1974; Overhauser 1968).
     Smooth,
 }
 
-/// Moments at which something is given.
+/// Times of keyframes and their interpolation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Keyframes {
     times: Vec<f64>,
     interpolation: Interpolation,
 }
 
-/// Why numbers are no times of keys.
+/// Reason why numbers are not valid times of keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KeyframesError {
     /// There is no key.
@@ -59,12 +59,12 @@ impl fmt::Display for KeyframesError {
 
 impl core::error::Error for KeyframesError {}
 
-/// Where a moment lies among keys.
+/// Position of a time among keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum KeyframePosition {
-    /// What the key of this index holds is all that counts.
+    /// Exactly the key of this index.
     Key(usize),
-    /// This part, from 0 to 1, of the way from the key of this index to the next.
+    /// Fraction, from 0 to 1, of the segment from the key of this index to the next.
     Between(usize, f64),
 }
 
@@ -72,7 +72,7 @@ impl Keyframes {
     /// Keys at these times, which must rise.
     ///
     /// # Errors
-    /// [`KeyframesError`] if there are none, or one is beyond all measure or not later than the one before it.
+    /// [`KeyframesError`] if there are none, or one exceeds 10⁶⁰ in magnitude or is not later than the one before it.
     pub fn new(times: Vec<f64>, interpolation: Interpolation) -> Result<Self, KeyframesError> {
         if times.is_empty() {
             return Err(KeyframesError::Empty);
@@ -91,12 +91,12 @@ impl Keyframes {
         &self.times
     }
 
-    /// What happens between two keys.
+    /// Interpolation between two keys.
     pub const fn interpolation(&self) -> Interpolation {
         self.interpolation
     }
 
-    /// A point that is given at each key, at any moment: before the first and after the last key, that of the key.
+    /// Interpolates points of the keys at any time: before the first and after the last key, those of the key.
     ///
     /// The origin if there are fewer points than keys.
     pub fn point(&self, points: &[DVec3], time: f64) -> DVec3 {
@@ -118,8 +118,8 @@ impl Keyframes {
         }
     }
 
-    /// A number that is given at each key, at any moment, as [`point`](Self::point); but it never leaves the range of the two
-    /// keys around the moment, and rests where it turns back (Fritsch and Butland 1984).
+    /// Interpolates numbers of the keys at any time, as [`point`](Self::point), but never leaves the range of the two
+    /// adjacent keys, and has zero velocity at extrema (Fritsch and Butland 1984).
     ///
     /// Zero if there are fewer numbers than keys.
     pub fn number(&self, numbers: &[f64], time: f64) -> f64 {
@@ -145,7 +145,7 @@ impl Keyframes {
         }
     }
 
-    /// Where a moment lies. A NaN comes before all.
+    /// Position of a time. A NaN is before all keys.
     pub(crate) fn find(&self, time: f64) -> KeyframePosition {
         let after = self.times.partition_point(|key| *key <= time);
         let Some(before) = after.checked_sub(1) else { return KeyframePosition::Key(0) };
@@ -161,8 +161,8 @@ impl Keyframes {
         self.times[key + 1] - self.times[key]
     }
 
-    /// The velocity at a key, by the slopes from keys to the next: nothing at the first and last, and that of the parabola
-    /// through three keys elsewhere.
+    /// Velocity at a key, from the slopes of segments: zero at the first and last, and that of the parabola through
+    /// three keys elsewhere.
     pub(crate) fn velocity<V>(&self, key: usize, slope: impl Fn(usize) -> V) -> V
     where
         V: Add<Output = V> + Mul<f64, Output = V>,
@@ -175,7 +175,7 @@ impl Keyframes {
         slope(key - 1) * (1.0 - share) + slope(key) * share
     }
 
-    /// As [`velocity`](Self::velocity), but small enough for the curve to be monotone: a weighted harmonic mean.
+    /// [`velocity`](Self::velocity) limited for a monotone curve: a weighted harmonic mean.
     fn monotone_velocity(&self, key: usize, slope: impl Fn(usize) -> f64) -> f64 {
         if key == 0 || key + 1 == self.times.len() {
             return 0.0;

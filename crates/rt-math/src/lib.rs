@@ -1,19 +1,18 @@
 //! # rt-math: chapter 5, transformations
 //!
-//! The vocabulary that every other crate speaks, and the contracts between them:
+//! Types and arithmetic of all other crates:
 //!
 //! ```text
 //!        p(t) = origin + t · direction          a ray; t is the same number in every space
 //!
-//!   Primitives ──── decide() ──── Accelerator   who is hit first?  one function answers, for every structure
+//!        world ◀── world_from_local ── local    products cancel: a_from_b · b_from_c = a_from_c
 //! ```
 //!
-//! **Owns** [`Ray`], [`Interval`], [`Aabb`] and its slab test, [`Transform`] (an affine map kept in both
-//! directions), [`AnimatedTransform`] and [`KeyframedTransform`] (such that change with time), [`Rgb`], [`Frame`], the statistics ([`Probe`], [`Counters`]), the hash that all random numbers come
-//! from ([`random`]), and the contracts [`Primitives`], [`ClosestPoint`], [`Accelerator`] and
-//! [`Sampler`], and the tests of triangles ([`WatertightRay`]) and spheres ([`SphereKernel`]), which structures may run on
-//! copies of them.
-//! **Does not own** any other shape, nor any structure, light or camera.
+//! **Owns** [`Ray`], [`Interval`], [`Aabb`] and its slab test, [`Transform`] (an affine map with its inverse),
+//! [`AnimatedTransform`] and [`KeyframedTransform`] (transforms that change with time), [`Rgb`], [`Frame`], error-free
+//! arithmetic ([`float`]), the hash behind all random numbers ([`random`]), and the interface [`Sampler`].
+//!
+//! **Does not own** shapes and their intersection (rt-geometry), accelerators, lights or cameras.
 //!
 //! Everything is `f64`. Functions whose last bit differs between platforms come from [`transcendental`].
 //!

@@ -1,4 +1,4 @@
-//! Random numbers as a hash: no state, so any thread can draw any number at any time.
+//! Random numbers by hashing: no state, so that any thread can compute any number in any order.
 
 /// Mixes words into 64 well-distributed bits.
 ///
@@ -10,7 +10,7 @@ pub fn hash(words: &[u64]) -> u64 {
     })
 }
 
-/// A bijection of 64-bit words in which every input bit flips about half of the output bits.
+/// Bijection of 64-bit words in which every input bit flips about half of the output bits.
 #[inline]
 pub fn mix(word: u64) -> u64 {
     let word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -32,8 +32,8 @@ pub fn permute(index: u32, length: u32, seed: u64) -> u32 {
 
 /// A pseudo-random permutation of `0..length` (after Kensler 2013).
 ///
-/// It is a bijection of the next power of two, repeated until it lands in the range, and a rotation of the range, by
-/// which every index is equally likely to come to every position.
+/// Consists of a bijection of the next power of two, iterated until the result is in the range (cycle walking, Black
+/// and Rogaway), and a rotation of the range, by which every index is equally likely to have every position.
 #[derive(Clone, Copy, Debug)]
 pub struct Permutation {
     length: u32,
@@ -45,7 +45,7 @@ pub struct Permutation {
 }
 
 impl Permutation {
-    /// The permutation of `0..length` that belongs to `seed`.
+    /// Permutation of `0..length` for this `seed`.
     #[inline]
     pub fn new(length: u32, seed: u64) -> Self {
         let bits = if length <= 1 { 1 } else { (length - 1).ilog2() + 1 };
@@ -54,7 +54,7 @@ impl Permutation {
         Self { length, mask: u32::MAX >> (32 - bits), half: (bits / 2).max(1), rotation, key }
     }
 
-    /// Where `index` comes to; 0 in an empty range. Indices beyond the range start again from its beginning.
+    /// Position of `index`; 0 in an empty range. Indices beyond the range wrap around.
     #[inline]
     pub fn position(&self, index: u32) -> u32 {
         if self.length <= 1 {
@@ -65,7 +65,7 @@ impl Permutation {
         self.settled(value[0])
     }
 
-    /// Where the indices from `first` on come to, side by side: each [`position`](Self::position).
+    /// Positions of consecutive indices from `first` on: each [`position`](Self::position).
     #[inline]
     pub fn positions(&self, first: u32, positions: &mut [u32]) {
         const SIDE_BY_SIDE: usize = 16;
@@ -86,7 +86,7 @@ impl Permutation {
         }
     }
 
-    /// Takes numbers below the next power of two to others of them.
+    /// Bijection of the numbers below the next power of two.
     #[inline(always)]
     fn scramble<const N: usize>(&self, values: &mut [u32; N]) {
         // Xor, odd multiplication and xor-shift are bijections. Multiplication carries changes to higher bits and
@@ -102,7 +102,7 @@ impl Permutation {
         }
     }
 
-    /// The place in the range of a number that has been scrambled, once more and again if it is not in the range.
+    /// Cycle walking: repeats the bijection until the number is in the range.
     #[inline(always)]
     fn settled(&self, value: u32) -> u32 {
         let mut value = [value];
@@ -173,7 +173,7 @@ mod tests {
         }
     }
 
-    /// Short ranges once had a favourite position for each index, and pairs that never came together.
+    /// Regression: short ranges had a favourite position for each index, and pairs that never occurred together.
     #[test]
     fn permutations_of_short_ranges_are_equally_likely() {
         let seeds = 20_000;

@@ -2,17 +2,17 @@
 
 use glam::DVec3;
 
-/// A half-line `origin + t · direction`, at one moment of the shutter.
+/// A half-line `origin + t · direction`, at one time of the shutter.
 ///
-/// The direction **need not be unit**: transforms leave its length alone, so that the parameter `t` of a point is the
-/// same number in world and in local space.
+/// The direction **need not be unit**: transforms preserve the parameter `t` of a point instead of the length, so that
+/// `t` is the same in world and in local space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Start of the ray, in the space that the ray is expressed in.
     pub origin: DVec3,
     /// Direction, of any non-zero length.
     pub direction: DVec3,
-    /// KeyframePosition, 0 to 1, at which the ray is cast. Only moving things look at it.
+    /// Time of the ray within the shutter interval, 0 to 1. Only moving objects depend on it.
     pub time: f64,
 }
 

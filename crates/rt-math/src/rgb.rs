@@ -4,7 +4,7 @@ use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
 
 /// Linear light in the primaries of Rec. 709 / sRGB: radiance, or a dimensionless reflectance.
 ///
-/// It stays linear until the film is developed. Components may be negative or infinite; nothing clamps here.
+/// Linear until the film is developed. Components may be negative or infinite; nothing is clamped.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rgb {
@@ -47,7 +47,7 @@ impl Rgb {
         0.2126 * self.r + 0.7152 * self.g + 0.0722 * self.b
     }
 
-    /// The greatest component.
+    /// Maximum component.
     pub fn max_component(self) -> f64 {
         self.r.max(self.g).max(self.b)
     }

@@ -1,9 +1,9 @@
-//! The contract of sample generators.
+//! Interface of sample generators.
 
 /// A stream of sample coordinates for one sample of one pixel.
 ///
-/// Every number is a pure function of (seed, pixel, sample, dimension): each call takes the next dimension, and no
-/// call looks at what was drawn elsewhere. rt-camera implements it; integrators consume it.
+/// Every number is a pure function of (seed, pixel, sample, dimension): each call uses the next dimension. Implemented
+/// by rt-camera, used by integrators.
 pub trait Sampler {
     /// The next coordinate, in `[0, 1)`.
     fn next_1d(&mut self) -> f64;

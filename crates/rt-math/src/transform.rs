@@ -1,15 +1,15 @@
-//! Affine maps, kept in both directions.
+//! Affine transforms with their inverses.
 
 use core::fmt;
 
 use crate::{Aabb, Ray, float::gamma, transcendental::sincos};
 use glam::{DMat3, DQuat, DVec3};
 
-/// Largest condition number of an accepted transform: beyond 10¹², a ray taken to local space keeps fewer than four
-/// digits. In the Frobenius norm, which is measured here, that may be up to three times as much.
+/// Maximum condition number of a transform: beyond 10¹², a ray in local space keeps fewer than four digits. In the
+/// Frobenius norm, which is used here, it may be up to three times as much.
 const MAX_CONDITION: f64 = 3e12;
 
-/// An invertible affine map `p ↦ L·p + T`, with the inverse of `L` beside it.
+/// Invertible affine map `p ↦ L·p + T`, stored with the inverse of `L`.
 ///
 /// Named target-from-source: `world_from_local.point(p)` takes a local point to the world. The inverse subtracts the
 /// translation *before* it multiplies, which is exact for nearby points and keeps scenes far from the origin sharp.
@@ -20,7 +20,7 @@ pub struct Transform {
     translation: DVec3,
 }
 
-/// Why a matrix is not a usable transform.
+/// Reason why a matrix is not a usable transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TransformError {
     /// A component is NaN or infinite.
@@ -52,7 +52,7 @@ impl fmt::Display for TransformError {
 impl core::error::Error for TransformError {}
 
 impl Transform {
-    /// The map that changes nothing.
+    /// Identity.
     pub const IDENTITY: Self =
         Self { linear: DMat3::IDENTITY, linear_inverse: DMat3::IDENTITY, translation: DVec3::ZERO };
 
@@ -172,7 +172,7 @@ impl Transform {
         Ok(Self { linear, linear_inverse, translation })
     }
 
-    /// The map of a linear part, its inverse, and a translation, which the caller has checked.
+    /// Transform of a linear part, its inverse, and a translation, which the caller has checked.
     pub(crate) const fn from_parts(linear: DMat3, linear_inverse: DMat3, translation: DVec3) -> Self {
         Self { linear, linear_inverse, translation }
     }
@@ -182,7 +182,7 @@ impl Transform {
         Self { linear, linear_inverse: linear.transpose(), translation: DVec3::ZERO }
     }
 
-    /// The map that applies `first` and then this one: `a_from_b.compose(&b_from_c)` is `a_from_c`.
+    /// Product that applies `first` and then this one: `a_from_b.compose(&b_from_c)` is `a_from_c`.
     pub fn compose(&self, first: &Self) -> Self {
         Self {
             linear: self.linear * first.linear,
@@ -191,7 +191,7 @@ impl Transform {
         }
     }
 
-    /// The map in the other direction.
+    /// Inverse.
     pub fn inverse(&self) -> Self {
         Self {
             linear: self.linear_inverse,
@@ -205,7 +205,7 @@ impl Transform {
         self.linear
     }
 
-    /// The translation `T`: where the source's origin goes.
+    /// The translation `T`: the image of the source's origin.
     pub const fn translation(&self) -> DVec3 {
         self.translation
     }
@@ -221,7 +221,7 @@ impl Transform {
         self.linear.determinant() < 0.0
     }
 
-    /// The factor by which the map scales all lengths, if it is the same in all directions (to 10⁻¹²).
+    /// Uniform scale factor, if lengths scale equally in all directions (to 10⁻¹²).
     pub fn uniform_scale(&self) -> Option<f64> {
         let gram = self.linear.transpose() * self.linear;
         let square = (gram.x_axis.x + gram.y_axis.y + gram.z_axis.z) / 3.0;
@@ -253,14 +253,13 @@ impl Transform {
         self.linear_inverse.transpose() * n
     }
 
-    /// A ray, source to target; `t` keeps its meaning.
+    /// A ray, source to target, with the same `t`.
     #[inline]
     pub fn ray(&self, ray: &Ray) -> Ray {
         Ray { origin: self.point(ray.origin), direction: self.vector(ray.direction), time: ray.time }
     }
 
-    /// The box around the image of a box, source to target, widened by the rounding error of its corners. Empty
-    /// stays empty.
+    /// Bounds of the image of a box, source to target, widened by the rounding error of its corners. Empty stays empty.
     pub fn aabb(&self, aabb: &Aabb) -> Aabb {
         if aabb.is_empty() {
             return Aabb::EMPTY;
@@ -296,7 +295,7 @@ impl Transform {
         self.linear.transpose() * n
     }
 
-    /// A ray, target to source; `t` keeps its meaning.
+    /// A ray, target to source, with the same `t`.
     #[inline]
     pub fn inverse_ray(&self, ray: &Ray) -> Ray {
         Ray { origin: self.inverse_point(ray.origin), direction: self.inverse_vector(ray.direction), time: ray.time }

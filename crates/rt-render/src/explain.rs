@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeSet, fmt};
 
-use rt_accel::{AcceleratorQueries as _, AnyAccelerator};
+use rt_accel::{Accelerator as _, AnyAccelerator};
 use rt_geometry::{Primitives as _, Shape};
 use rt_math::DVec3;
 use rt_scene_io::{Integrator, LightSampling};

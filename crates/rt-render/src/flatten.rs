@@ -47,7 +47,7 @@ pub(crate) fn flatten(
         group_sizes: vec![None; scene.groups.len()],
         levels: Levels { textures: textures(scene), ..Levels::default() },
     };
-    let level = Level { assembly_from_parent: AnimatedTransformChain::still(plan_from_world), ..Level::TOP };
+    let level = Level { assembly_from_parent: AnimatedTransformChain::constant(plan_from_world), ..Level::TOP };
     let top = flattener.assembly(&scene.nodes, level)?;
     Ok((top, flattener.levels))
 }
@@ -125,7 +125,7 @@ struct Level {
 
 impl Level {
     const TOP: Self = Self {
-        assembly_from_parent: AnimatedTransformChain::still(Transform::IDENTITY),
+        assembly_from_parent: AnimatedTransformChain::constant(Transform::IDENTITY),
         casts_shadow: true,
         depth: 0,
         within_group: false,
@@ -137,7 +137,7 @@ impl Level {
         bounds: Option<Aabb>,
         geometry: impl FnOnce(Option<Box<Transform>>) -> InstanceGeometry,
     ) -> (InstanceGeometry, Option<Aabb>) {
-        match self.assembly_from_parent.as_still() {
+        match self.assembly_from_parent.as_constant() {
             Some(transform) if transform.is_identity() => (geometry(None), bounds),
             Some(transform) => (geometry(Some(Box::new(*transform))), bounds.map(|bounds| transform.aabb(&bounds))),
             None => {
@@ -279,7 +279,7 @@ impl<'s> Flattener<'s> {
                 Some(Content::Instance(id)) => {
                     let group = group_of(self.scene, node, id)?;
                     // A group that moves as a whole is moved as a whole.
-                    let is_still = here.assembly_from_parent.as_still().is_some();
+                    let is_still = here.assembly_from_parent.as_constant().is_some();
                     if here.within_group || (is_still && self.group_uses[id.0 as usize] == 1) {
                         open.push((group.nodes.iter(), here));
                     } else {
@@ -306,7 +306,7 @@ impl<'s> Flattener<'s> {
     }
 
     fn shape_part(&self, node: &Node, shape: &Shape, here: &Level) -> Result<Part, RenderError> {
-        let turned = here.assembly_from_parent.as_still().filter(|transform| !transform.is_identity());
+        let turned = here.assembly_from_parent.as_constant().filter(|transform| !transform.is_identity());
         let (geometry, bounds) = if let Some(transform) = turned {
             let placed = TransformedShape::new(shape.clone(), *transform);
             let baked = if self.shows_uv(node) { placed.bake_transform() } else { placed.bake_transform_ignoring_uv() };
@@ -348,7 +348,7 @@ impl<'s> Flattener<'s> {
         if count <= DISSOLVED
             && holes.is_none()
             && !has_relief
-            && here.assembly_from_parent.as_still().is_some_and(Transform::is_identity)
+            && here.assembly_from_parent.as_constant().is_some_and(Transform::is_identity)
         {
             let facet = |index| {
                 let bounds = Primitives::bounds(&*named.mesh, index);

@@ -21,7 +21,7 @@ mod shaft;
 
 use core::ops::ControlFlow;
 
-use rt_accel::{AcceleratorQueries as _, AnyAccelerator};
+use rt_accel::{Accelerator as _, AnyAccelerator};
 use rt_camera::ViewVolume;
 use rt_geometry::{Hit, padded_bounds};
 use rt_math::{Interval, Ray};

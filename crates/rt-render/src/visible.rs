@@ -2,7 +2,7 @@
 
 use core::ops::ControlFlow;
 
-use rt_accel::{Accelerator, AcceleratorQueries as _, AnyAccelerator, BuildError, Region, wide::SmallSet};
+use rt_accel::{Accelerator, AnyAccelerator, BuildError, Region, wide::SmallSet};
 use rt_camera::ViewVolume;
 use rt_geometry::{BatchKernel, Hit, PrimitiveGeometry, Primitives, Probe, SphereKernel, padded_bounds};
 use rt_math::{Aabb, DVec3, Interval, Ray};

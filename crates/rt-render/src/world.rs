@@ -486,7 +486,7 @@ impl Primitives for Parts<'_> {
 
     fn batch_kernel(&self, index: u32) -> BatchKernel {
         match &self.parts[index as usize].geometry {
-            InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.round()),
+            InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.kernel()),
             InstanceGeometry::Facet(mesh, triangle) => mesh.batch_kernel(*triangle),
             geometry if geometry.is_structure() => BatchKernel::Instance,
             _ => BatchKernel::Single,
@@ -523,7 +523,7 @@ impl Primitives for Parts<'_> {
         match &part.geometry {
             _ if !part.casts_shadow => PrimitiveGeometry::Opaque,
             InstanceGeometry::Shape(Shape::Sphere(sphere)) if self.is_flat => {
-                PrimitiveGeometry::ExactSphere(sphere.round())
+                PrimitiveGeometry::ExactSphere(sphere.kernel())
             }
             InstanceGeometry::Shape(Shape::Sphere(sphere)) => {
                 PrimitiveGeometry::Sphere(sphere.centre(), sphere.radius())

@@ -27,7 +27,7 @@ pub(crate) fn tree_bounds(nodes: &[Node], groups: &[Group], meshes: &[NamedMesh]
 /// The box around nodes, in the space of their parent. Trees may be deep, so the walk keeps its own stack.
 fn measure(nodes: &[Node], groups: &[Aabb], meshes: &[NamedMesh]) -> Aabb {
     let mut sum = Aabb::EMPTY;
-    let here = AnimatedTransformChain::still(Transform::IDENTITY);
+    let here = AnimatedTransformChain::constant(Transform::IDENTITY);
     let mut open: Vec<(&Node, AnimatedTransformChain)> = nodes.iter().map(|node| (node, here.clone())).collect();
     while let Some((node, outer)) = open.pop() {
         // A motion that cannot be interpolated is ignored.

@@ -7,8 +7,8 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use rt_accel::{
-    Aabb, Accelerator, AnyAccelerator, Ball, Bvh, Counters, DVec3, Hit, Interval, ClosestPoint, NoProbe, Primitives, Ray,
-    Refit, AcceleratorQueries, AcceleratorKind,
+    Aabb, Accelerator, AnyAccelerator, SphereRegion, Bvh, Counters, DVec3, Hit, Interval, ClosestPoint, NoProbe, Primitives, Ray,
+    Refit, AcceleratorKind,
 };
 
 /// An upright trunk: where it stands, how thick and how high it is.
@@ -117,7 +117,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("The nearest trunk is number {}, {:.2} m away.", nearest.primitive, nearest.distance);
     }
     let mut n_near = 0;
-    bvh.visit_overlapping(&forest, &Ball { centre: me, radius: 10.0 }, |_| {
+    bvh.visit_overlapping(&forest, &SphereRegion { centre: me, radius: 10.0 }, |_| {
         n_near += 1;
         ControlFlow::Continue(())
     });

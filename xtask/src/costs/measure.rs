@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use rt_accel::{AcceleratorKind, AcceleratorQueries as _, AnyAccelerator, Bvh};
+use rt_accel::{Accelerator as _, AcceleratorKind, AnyAccelerator, Bvh};
 use rt_geometry::Primitives;
 
 use super::{

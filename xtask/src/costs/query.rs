@@ -1,7 +1,7 @@
 //! Tracing a part of a set of rays, to count or to time.
 
 use cpu_time::ThreadTime;
-use rt_accel::{AcceleratorQueries, AcceleratorVisitor, AnyAccelerator};
+use rt_accel::{Accelerator, AcceleratorVisitor, AnyAccelerator};
 use rt_geometry::RayStats;
 use rt_geometry::{Counters, Hit, NoProbe, Primitives, Probe, RayKind};
 
@@ -72,7 +72,7 @@ struct Trace<'a, P, S, F> {
 impl<P: Primitives, S: Probe, F: FnMut(Answer)> AcceleratorVisitor for Trace<'_, P, S, F> {
     type Output = ();
 
-    fn visit<T: AcceleratorQueries>(self, structure: &T) {
+    fn visit<T: Accelerator>(self, structure: &T) {
         let Self { primitives, sample, probe, mut answered } = self;
         for place in sample.places() {
             let (ray, span) = &sample.set.rays[place];

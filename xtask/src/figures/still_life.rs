@@ -1,9 +1,6 @@
 //! A few spheres of three sizes on a table, and what structures make of them.
 
-use rt_accel::{
-    Accelerator, AcceleratorKind, AcceleratorQueries as _, AnyAccelerator, CylinderTree, Interval, NoProbe, Ray,
-    SphereTree,
-};
+use rt_accel::{Accelerator, AcceleratorKind, AnyAccelerator, CylinderTree, Interval, NoProbe, Ray, SphereTree};
 use rt_geometry::{Sphere, Spheres};
 use rt_math::DVec3;
 

@@ -1,8 +1,8 @@
-//! The hierarchy that is built where rays go.
+//! Bounding interval hierarchy that is built on demand.
 
-mod node;
 #[cfg(feature = "serde")]
-mod saved;
+mod checked_serde;
+mod node;
 mod validate;
 
 use core::ops::ControlFlow;
@@ -10,30 +10,26 @@ use core::ops::ControlFlow;
 use rt_geometry::{Primitives, Probe};
 use rt_math::Aabb;
 
-use super::bounds_of;
-use super::walk::{Hierarchy, Step, search, walk};
-use crate::own_boxes::{PrimBounds, validate_lists};
-use crate::{
-    AcceleratorQueries, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError,
-    structure::accelerator_by_walk,
-};
-use node::{Known, LazyNode};
+use super::traverse::{BihNode, Hierarchy, traverse_ray, traverse_region};
+use crate::prim_bounds::{PrimBounds, validate_lists};
+use crate::{Accelerator, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError};
+use node::{LazyNode, NodeState};
 
-/// A [`Bih`](crate::Bih) whose nodes are split when a query first comes to them.
+/// [`Bih`](crate::Bih) whose nodes are split at the first visit.
 ///
-/// Building it takes O(n), and parts of the scene that no ray ever enters are never sorted: take it for a first
-/// picture as soon as possible, or for scenes of which little is seen. Once every node has been visited it is the full
-/// tree and does the same work for every query. It begins with 56 bytes per primitive and ends with 40 to 60, some three
-/// times as many as the full tree: nodes lie apart.
+/// Building takes O(n), and parts of the scene without rays are never sorted: recommended for a first image as soon as
+/// possible, or for scenes of which little is visible. After a visit of every node it is the full tree with the same
+/// counters. Memory is 56 bytes per primitive at first and 40 to 60 at the end, about three times that of the full
+/// tree, because nodes are allocated separately.
 ///
-/// Any number of threads may ask at once. A node is split once, by whoever comes first while others wait, and into what
-/// depends on the primitives in it alone: the tree is the same whatever the order of the rays. It is the only
-/// structure whose queries allocate.
+/// Any number of threads may query at once. A node is split once, by the first thread, while others wait. The split
+/// depends on its primitives alone, so that the tree is independent of the order of rays. It is the only accelerator
+/// whose queries allocate.
 ///
-/// Copies, comparisons and statistics are of its state at that moment.
+/// Copies, comparisons and statistics are of the current state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LazyBih {
-    /// Around all bounded primitives.
+    /// Bounds of all bounded primitives.
     bounds: Aabb,
     root: LazyNode,
     unbounded: Vec<u32>,
@@ -41,34 +37,34 @@ pub struct LazyBih {
 }
 
 impl LazyBih {
-    /// Collects the boxes of all primitives and nothing else: O(n).
+    /// Collects the padded bounds of all primitives: O(n).
     ///
     /// # Errors
     ///
     /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
         let boxes = PrimBounds::collect(primitives)?;
-        let (bounds, primitives) = (bounds_of(&boxes), (boxes.bounded.len() + boxes.unbounded.len()) as u32);
-        Ok(Self { bounds, root: LazyNode::waiting(boxes.bounded, bounds, 0), unbounded: boxes.unbounded, primitives })
+        let (bounds, primitives) = (boxes.finite_union(), (boxes.bounded.len() + boxes.unbounded.len()) as u32);
+        Ok(Self { bounds, root: LazyNode::unsplit(boxes.bounded, bounds, 0), unbounded: boxes.unbounded, primitives })
     }
 
-    /// Splits what is still to be split, as if rays had gone everywhere.
+    /// Splits all remaining nodes.
     pub fn complete(&self) {
         let mut pending = vec![&self.root];
         while let Some(node) = pending.pop() {
-            if let Step::Node(_, children) = node.step() {
+            if let BihNode::Inner(_, children) = node.resolve() {
                 pending.extend(children);
             }
         }
     }
 
-    /// Visits every node as far as it is known, depth first, with its box and its depth.
-    fn for_each_node<'s>(&'s self, mut visit: impl FnMut(&Known<'s>, Aabb, u32)) {
+    /// Visits all existing nodes depth first, with bounds and depth.
+    fn for_each_node<'s>(&'s self, mut visit: impl FnMut(&NodeState<'s>, Aabb, u32)) {
         let mut pending = vec![(&self.root, self.bounds, 0)];
         while let Some((node, bounds, depth)) = pending.pop() {
-            let known = node.known();
-            visit(&known, bounds, depth);
-            if let Known::Split(Step::Node(planes, children)) = known {
+            let state = node.state();
+            visit(&state, bounds, depth);
+            if let NodeState::Split(BihNode::Inner(planes, children)) = state {
                 pending.extend([1, 0].map(|side| (children[side], planes.cut(side, bounds), depth + 1)));
             }
         }
@@ -76,7 +72,7 @@ impl LazyBih {
 }
 
 impl<'h> Hierarchy<'h> for &'h LazyBih {
-    type Way = &'h LazyNode;
+    type Node = &'h LazyNode;
 
     fn bounds(self) -> &'h Aabb {
         &self.bounds
@@ -95,33 +91,33 @@ impl<'h> Hierarchy<'h> for &'h LazyBih {
     }
 
     #[inline(always)]
-    fn follow(self, way: &'h LazyNode) -> Step<'h, &'h LazyNode> {
-        way.step()
+    fn resolve(self, node: &'h LazyNode) -> BihNode<'h, &'h LazyNode> {
+        node.resolve()
     }
 }
 
-impl AcceleratorQueries for LazyBih {
-    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+impl Accelerator for LazyBih {
+    fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
-        walk(self, primitives, query, probe)
+        traverse_ray(self, primitives, query, probe)
     }
 
-    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
-        search(self, query)
+    fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        traverse_region(self, query)
     }
 
-    /// Of its present state.
+    /// Describes the current state.
     fn memory(&self) -> usize {
         let mut heap = self.unbounded.capacity() * size_of::<u32>();
-        self.for_each_node(|known, _, _| heap += known.heap());
+        self.for_each_node(|state, _, _| heap += state.heap());
         size_of::<Self>() + heap
     }
 
-    /// Of its present state: what has not been split counts as a leaf.
+    /// Describes the current state: an unsplit node counts as a leaf.
     fn build_stats(&self) -> BuildStats {
         let mut stats = BuildStats {
             primitives: self.primitives as usize,
@@ -129,9 +125,9 @@ impl AcceleratorQueries for LazyBih {
             references: self.primitives as usize - self.unbounded.len(),
             ..BuildStats::default()
         };
-        self.for_each_node(|known, _, depth| {
+        self.for_each_node(|state, _, depth| {
             stats.max_depth = stats.max_depth.max(depth as usize);
-            if known.is_inner() {
+            if state.is_inner() {
                 stats.nodes += 1;
             } else if stats.references > 0 {
                 stats.leaves += 1;
@@ -140,13 +136,13 @@ impl AcceleratorQueries for LazyBih {
         stats
     }
 
-    /// As far as it has been split.
+    /// Checks the existing nodes.
     fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         validate_lists(primitives, self.primitives, &self.unbounded)?;
         validate::check(self, primitives)
     }
 
-    /// Of its present state.
+    /// Describes the current state.
     fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
         if self.primitives as usize > self.unbounded.len() {
             self.for_each_node(|_, aabb, depth| visit(aabb, depth));
@@ -155,7 +151,7 @@ impl AcceleratorQueries for LazyBih {
 }
 
 impl Refit for LazyBih {
-    /// Starts anew, as nothing that has been split is worth more than splitting it again.
+    /// Rebuilds, as building is no slower than refitting.
     fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
         let fresh = Self::build(primitives)?;
         validate_lists(primitives, self.primitives, &self.unbounded).map_err(BuildError::Changed)?;
@@ -163,5 +159,3 @@ impl Refit for LazyBih {
         Ok(())
     }
 }
-
-accelerator_by_walk!(LazyBih);

@@ -1,39 +1,35 @@
 //! Bounding interval hierarchy.
 
-mod lazy;
+pub(crate) mod lazy;
 mod planes;
 mod split;
-mod walk;
+mod traverse;
 
 use core::ops::ControlFlow;
 
-use glam::DVec3;
 use rt_geometry::{Primitives, Probe};
 use rt_math::Aabb;
 
-use crate::tree::{Child, Place, Tree};
-use crate::{
-    AcceleratorQueries, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError, own_boxes::PrimBounds,
-    structure::accelerator_by_walk,
-};
-pub use lazy::LazyBih;
+use crate::node_ref::NodeRef;
+use crate::prim_bounds::{PrimBounds, validate_union};
+use crate::tree::{NodeKind, Tree};
+use crate::{Accelerator, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError};
 use planes::Planes;
-use walk::{Hierarchy, Step};
+use traverse::{BihNode, Hierarchy};
 
-/// A binary tree that keeps two planes per node: where its left side ends and where its right side begins.
+/// Binary tree with two planes per node: the end of its left side and the beginning of its right side.
 ///
-/// Wächter and Keller, "Instant Ray Tracing: The Bounding Interval Hierarchy" (EGSR 2006). It is built about as fast as
-/// a list is sorted, because a cell is halved without weighing any cost: take it where the scene changes all the time
-/// and there are few rays to ask about each state. Each primitive is listed once, and a query takes O(log n) nodes for
-/// most scenes, about as many as of a [`Bvh`](crate::Bvh), but tests ten times as many primitives: leaves are bounded
-/// on few sides. [`LazyBih`] is the same tree, built where
-/// rays go.
+/// Wächter and Keller, "Instant Ray Tracing: The Bounding Interval Hierarchy" (EGSR 2006). Building takes about as long
+/// as sorting a list, because a cell is halved without evaluating costs: recommended for scenes that change constantly,
+/// with few rays per state. Each primitive is listed once. A query takes O(log n) nodes for most scenes, about as many
+/// as of a [`Bvh`](crate::Bvh), but tests ten times as many primitives: leaves are bounded on few sides.
+/// [`LazyBih`](crate::LazyBih) is the same tree, built on demand.
 ///
 /// No leaf is deeper than 60 and none has more than 4 primitives.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bih {
-    /// Around all bounded primitives.
+    /// Bounds of all bounded primitives.
     bounds: Aabb,
     tree: Tree<Planes>,
 }
@@ -46,13 +42,13 @@ impl Bih {
     /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
         let boxes = PrimBounds::collect(primitives)?;
-        let bounds = bounds_of(&boxes);
-        Ok(Self { bounds, tree: Tree::grow(boxes, bounds, split::split) })
+        let bounds = boxes.finite_union();
+        Ok(Self { bounds, tree: Tree::build(boxes, bounds, split::split) })
     }
 }
 
 impl<'h> Hierarchy<'h> for &'h Bih {
-    type Way = Child;
+    type Node = NodeRef;
 
     fn bounds(self) -> &'h Aabb {
         &self.bounds
@@ -66,31 +62,31 @@ impl<'h> Hierarchy<'h> for &'h Bih {
         self.tree.primitives()
     }
 
-    fn root(self) -> Child {
+    fn root(self) -> NodeRef {
         self.tree.root
     }
 
     #[inline(always)]
-    fn follow(self, way: Child) -> Step<'h, Child> {
-        match self.tree.place(way) {
-            Place::Leaf(indices) => Step::Leaf(indices),
-            Place::Node(node) => Step::Node(&node.content, node.children),
+    fn resolve(self, node: NodeRef) -> BihNode<'h, NodeRef> {
+        match self.tree.resolve(node) {
+            NodeKind::Leaf(indices) => BihNode::Leaf(indices),
+            NodeKind::Inner(node) => BihNode::Inner(&node.payload, node.children),
         }
     }
 }
 
-impl AcceleratorQueries for Bih {
-    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+impl Accelerator for Bih {
+    fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
-        walk::walk(self, primitives, query, probe)
+        traverse::traverse_ray(self, primitives, query, probe)
     }
 
-    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
-        walk::search(self, query)
+    fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        traverse::traverse_region(self, query)
     }
 
     fn memory(&self) -> usize {
@@ -103,7 +99,7 @@ impl AcceleratorQueries for Bih {
 
     fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.tree.validate(primitives, Planes::encloses)?;
-        encloses_all(&self.bounds, primitives)
+        validate_union(&self.bounds, primitives)
     }
 
     fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
@@ -113,31 +109,14 @@ impl AcceleratorQueries for Bih {
     }
 }
 
-accelerator_by_walk!(Bih);
-
-/// The box around all; around the origin if there is nothing, so that it can be saved.
-fn bounds_of(boxes: &PrimBounds) -> Aabb {
-    if boxes.bounded.is_empty() { Aabb::new(DVec3::ZERO, DVec3::ZERO) } else { boxes.union }
-}
-
 impl Refit for Bih {
-    /// O(n log n), but a fraction of the time of building.
+    /// O(n log n), in a fraction of the build time.
     fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
         let boxes = self.tree.refit(primitives, |planes, sides| {
             let [left, right] = sides.map(|boxes| boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union));
             Planes::around(planes.axis, &left, &right)
         })?;
-        self.bounds = bounds_of(&boxes);
+        self.bounds = boxes.finite_union();
         Ok(())
-    }
-}
-
-/// Checks that a box contains the own boxes of all bounded primitives.
-fn encloses_all<P: Primitives>(bounds: &Aabb, primitives: &P) -> Result<(), ValidationError> {
-    let reaches_out =
-        |&index: &u32| rt_geometry::padded_bounds(primitives, index).is_some_and(|own| !bounds.encloses(&own));
-    match (0..primitives.len() as u32).find(reaches_out) {
-        Some(primitive) => Err(ValidationError::Outside { primitive }),
-        None => Ok(()),
     }
 }

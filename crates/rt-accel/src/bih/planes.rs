@@ -1,37 +1,37 @@
-//! Two planes that clip the two sides of a node.
+//! Planes that clip the two sides of a node.
 //!
 //! # Why the culling is conservative
 //!
-//! The left side of a node is everything below a plane, the right side everything above another one, and the planes
-//! are those of own boxes: a side is a box that is infinite but for one face, and the own boxes below the node lie in
-//! it. A ray is clipped to the sides that it descends through one after the other, by the operations of
-//! [`Aabb::clip`], `fl(fl(b − o)·v)` and the far factor. These are monotone in `b`, and so are minimum and maximum.
-//! Hence for every finite ray, **bit for bit**: what is left of the span contains what [`Aabb::clip`] leaves of it for
-//! each own box below. `0 · ∞`, a ray within a plane, is NaN and no constraint, as it is there.
+//! The left side of a node is everything below a plane, the right side everything above another one, and the planes are
+//! faces of padded bounds: a side is a box that is infinite but for one face, and contains the padded bounds below the
+//! node. A ray is clipped to the sides on its path one after the other, by the operations of [`Aabb::clip`], `fl(fl(b −
+//! o)·v)` and the far factor. These are monotone in `b`, and so are minimum and maximum. Hence for every finite ray,
+//! **bit for bit**: the remaining range contains that of [`Aabb::clip`] for all padded bounds below. `0 · ∞`, a ray
+//! within a plane, is NaN and no constraint, as it is there.
 
 use rt_math::{Aabb, FAR_FACTOR, SlabRay};
 
-use crate::coordinate::Coordinate;
+use crate::axis::Axis;
 
-/// The planes of a node.
+/// Planes of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Planes {
-    pub(super) axis: Coordinate,
-    /// Where the left side ends and where the right side begins. These may overlap, or leave a gap.
+    pub(super) axis: Axis,
+    /// End of the left side and beginning of the right side. These may overlap, or leave a gap.
     pub(super) at: [f64; 2],
 }
 
-/// The parameters between which a ray is inside something, not yet compared with each other.
+/// Parameters between which a ray is inside a region. Empty if `enter > leave`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stretch {
+pub(super) struct TRange {
     pub(super) enter: f64,
     pub(super) leave: f64,
 }
 
 impl Planes {
     /// The tightest planes around the boxes of either side.
-    pub(super) fn around(axis: Coordinate, left: &Aabb, right: &Aabb) -> Self {
+    pub(super) fn around(axis: Axis, left: &Aabb, right: &Aabb) -> Self {
         Self { axis, at: [left.max[axis as usize], right.min[axis as usize]] }
     }
 
@@ -41,7 +41,7 @@ impl Planes {
         if side == 0 { own.max[axis] <= self.at[0] } else { own.min[axis] >= self.at[1] }
     }
 
-    /// The part of a box that is on a side.
+    /// Part of a box on a side.
     pub(super) fn cut(&self, side: usize, mut aabb: Aabb) -> Aabb {
         let axis = self.axis as usize;
         if side == 0 {
@@ -52,23 +52,23 @@ impl Planes {
         aabb
     }
 
-    /// The side that the ray comes to first.
+    /// Side that the ray enters first.
     #[inline(always)]
     pub(super) fn near(&self, ray: &SlabRay) -> usize {
         usize::from(ray.inverse[self.axis as usize].is_sign_negative())
     }
 
-    /// The part of a stretch of the ray that is on a side.
+    /// Part of a range on a side.
     #[inline(always)]
-    pub(super) fn clip(&self, ray: &SlabRay, side: usize, stretch: Stretch) -> Stretch {
+    pub(super) fn clip(&self, ray: &SlabRay, side: usize, stretch: TRange) -> TRange {
         let axis = self.axis as usize;
         let t = (self.at[side] - ray.ray.origin[axis]) * ray.inverse[axis];
         // A NaN fails both comparisons and keeps the old value.
         if side == self.near(ray) {
             let t_far = t * FAR_FACTOR;
-            Stretch { leave: if t_far < stretch.leave { t_far } else { stretch.leave }, ..stretch }
+            TRange { leave: if t_far < stretch.leave { t_far } else { stretch.leave }, ..stretch }
         } else {
-            Stretch { enter: if t > stretch.enter { t } else { stretch.enter }, ..stretch }
+            TRange { enter: if t > stretch.enter { t } else { stretch.enter }, ..stretch }
         }
     }
 }

@@ -1,45 +1,47 @@
-//! Where to cut a set of boxes in two: the global heuristic of Wächter and Keller.
+//! Selection of splits: the global heuristic of Wächter and Keller.
 
 use rt_math::Aabb;
 
 use super::planes::Planes;
-use crate::tree::{Cut, Item, halve, partition};
-use crate::{bounded_depth::leaves_room_for_halving, coordinate::Coordinate};
+use crate::axis::Axis;
+use crate::binned_sah::{bounds_of, centroid_bounds, median_split, partition};
+use crate::prim_bounds::Item;
+use crate::top_down::SliceSplit;
+use crate::traversal::depth_allows_median_split;
 
-/// Most primitives in a leaf.
+/// Maximum number of primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 4;
 
-/// A cell that has been halved so often without dividing anything holds things too small for it.
+/// Maximum number of halvings of a cell that divide nothing.
 const MOST_EMPTY_HALVES: u32 = 256;
 
-/// Reorders `items` and cuts them in two, or returns `None` where they should be a leaf: a pure function.
+/// Reorders `items` and splits them, or returns `None` for a leaf. A pure function.
 ///
-/// The cell of a node is halved across its longest side, and items go where their centres are. An empty half is
-/// dropped and the other one halved again, so that planes lie on a regular grid over the whole scene wherever items
-/// are. Where halving divides nothing, because all centres coincide, and where it has used up the depth that is left,
-/// the set is halved instead of the cell.
-pub(super) fn split(items: &mut [Item], cell: &Aabb, depth: u32) -> Option<Cut<Planes, Aabb>> {
+/// Halves the cell of a node across its longest side, and items go to the side of their centre. An empty half is
+/// dropped and the other one halved again, so that planes lie on a regular grid over the whole scene. Where all centres
+/// coincide, and where the remaining depth is needed for it, the set is split at the median instead.
+pub(super) fn split(items: &mut [Item], cell: &Aabb, depth: u32) -> Option<SliceSplit<Planes, Aabb>> {
     if items.len() <= MAX_LEAF {
         return None;
     }
-    let centres = Aabb::from_points(items.iter().map(|(_, own)| own.centre()));
-    let halves = if leaves_room_for_halving(items.len(), depth) { halve_cell(*cell, &centres) } else { None };
-    let (axis, middle, sides) = match halves {
+    let centres = centroid_bounds(items);
+    let halves = if depth_allows_median_split(items.len(), depth) { halve_cell(*cell, &centres) } else { None };
+    let (axis, middle, states) = match halves {
         Some(Halves { axis, plane, cells }) => {
             (axis, partition(items, |(_, own)| own.centre()[axis as usize] < plane), cells)
         }
         None => {
-            let axis = Coordinate::ALL[centres.extent().max_position()];
-            (axis, halve(items, &centres), [*cell; 2])
+            let axis = Axis::ALL[centres.extent().max_position()];
+            (axis, median_split(items, &centres), [*cell; 2])
         }
     };
-    let [left, right] = [&items[..middle], &items[middle..]].map(union);
-    Some(Cut { middle, content: Planes::around(axis, &left, &right), sides })
+    let [left, right] = [&items[..middle], &items[middle..]].map(bounds_of);
+    Some(SliceSplit { middle, payload: Planes::around(axis, &left, &right), states })
 }
 
-/// Two halves of a cell with something in both.
+/// Halves of a cell, neither of them empty.
 struct Halves {
-    axis: Coordinate,
+    axis: Axis,
     plane: f64,
     cells: [Aabb; 2],
 }
@@ -59,12 +61,8 @@ fn halve_cell(mut cell: Aabb, centres: &Aabb) -> Option<Halves> {
         } else if plane <= centres.min[axis] {
             cell = upper;
         } else {
-            return Some(Halves { axis: Coordinate::ALL[axis], plane, cells: [lower, upper] });
+            return Some(Halves { axis: Axis::ALL[axis], plane, cells: [lower, upper] });
         }
     }
     None
-}
-
-fn union(items: &[Item]) -> Aabb {
-    items.iter().fold(Aabb::EMPTY, |all, (_, own)| all.union(*own))
 }

@@ -1,4 +1,4 @@
-//! The planes that a primitive suggests.
+//! Candidate planes of a primitive.
 
 use glam::DVec3;
 use rt_geometry::{PrimitiveGeometry, SphereKernel};
@@ -6,7 +6,7 @@ use rt_math::Aabb;
 
 use super::plane::Plane;
 
-/// A plane to try.
+/// Candidate plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Candidate {
     pub(super) plane: Plane,
@@ -14,7 +14,7 @@ pub(super) struct Candidate {
     pub(super) is_axial: bool,
 }
 
-/// Visits all planes that a primitive suggests; some face `neighbour`, the centre of another one.
+/// Visits all candidate planes of a primitive; some face `neighbour`, the centre of another one.
 pub(super) fn for_each(layout: PrimitiveGeometry, own: &Aabb, neighbour: DVec3, mut visit: impl FnMut(Candidate)) {
     for plane in DVec3::AXES.into_iter().flat_map(|normal| Plane::around(normal, own)) {
         visit(Candidate { plane, is_axial: true });
@@ -37,12 +37,12 @@ pub(super) fn for_each(layout: PrimitiveGeometry, own: &Aabb, neighbour: DVec3, 
     }
 }
 
-/// The normal of a triangle, whatever its size; `None` if it has no area.
+/// Normal of a triangle of any size; `None` without area.
 fn normal_of([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
     unit(unit(b - a)?.cross(unit(c - a)?))
 }
 
-/// A vector of length 1 and the same direction, whatever the length.
+/// Normalizes a vector of any length.
 fn unit(vector: DVec3) -> Option<DVec3> {
     let greatest = vector.abs().max_element();
     (greatest > 0.0).then(|| vector / greatest).and_then(DVec3::try_normalize)
@@ -51,7 +51,7 @@ fn unit(vector: DVec3) -> Option<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::partition::Cut;
+    use crate::space_partition::SplitPlane;
 
     fn suggested(layout: PrimitiveGeometry, own: Aabb, neighbour: DVec3) -> Vec<Candidate> {
         let mut all = Vec::new();
@@ -69,9 +69,9 @@ mod tests {
             let plane = all[7].plane;
             assert!((plane.normal - DVec3::splat(1.0 / 3f64.sqrt())).length() < 1e-15, "{plane:?}");
             assert!((plane.offset / scale - 1.0 / 3f64.sqrt()).abs() < 1e-15, "{plane:?}");
-            assert_eq!(plane.sides(&own), [true; 2]);
-            assert_eq!(all[6].plane.sides(&own), [false, true]);
-            assert_eq!(all[8].plane.sides(&own), [true, false]);
+            assert_eq!(plane.classify(&own), [true; 2]);
+            assert_eq!(all[6].plane.classify(&own), [false, true]);
+            assert_eq!(all[8].plane.classify(&own), [true, false]);
         }
     }
 

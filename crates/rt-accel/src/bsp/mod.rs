@@ -7,25 +7,25 @@ mod split;
 use rt_geometry::Primitives;
 
 use crate::BuildError;
-use crate::partition::{Partition, structure_by_partition};
+use crate::space_partition::{BspPartition, accelerator_by_partition};
 use plane::Plane;
-pub(crate) use split::Sampled;
+pub(crate) use split::SampledPlanes;
 
-/// A tree that cuts space in two by planes that the primitives suggest (Fuchs, Kedem and Naylor, "On visible surface
-/// generation by a priori tree structures", 1980): of triangles, their own planes; of spheres, tangent planes and such
-/// through the centre that face another; of everything, the faces of own boxes.
+/// Binary partition of space by planes of the geometry (Fuchs, Kedem and Naylor, "On visible surface generation by a
+/// priori tree structures", 1980): planes of triangles; planes through the centre of a sphere and tangent planes that
+/// face another primitive; faces of padded bounds.
 ///
 /// Candidates of some primitives are compared by the surface area heuristic, with a sample of the others (after Ize,
-/// Wald and Parker, "Ray Tracing with the BSP Tree", 2008). Primitives are never split: they are listed on both sides of
-/// a plane that their own box touches or comes within rounding of. Choose it where long walls stand at odd angles and
-/// what is between them is small; otherwise a [`KdTree`](crate::KdTree) builds faster and costs less per node.
+/// Wald and Parker, "Ray Tracing with the BSP Tree", 2008). Primitives are never split: they are listed on both sides
+/// of a plane that their padded bounds touch within rounding. Recommended for long walls at odd angles with small
+/// objects between them; otherwise a [`KdTree`](crate::KdTree) builds faster and costs less per node.
 ///
-/// No leaf is deeper than 60, and cuts and references together are at most 16 per primitive and 4096 more. Primitives that no
-/// plane can separate share a leaf, however many they are. The tree is a pure function of the primitives, with or
-/// without the feature `parallel`. With the feature `serde`, save it in a format that keeps every bit of an `f64`.
+/// No leaf is deeper than 60, and planes and references together are at most 16 per primitive and 4096 more. Primitives
+/// that no plane can separate share a leaf. The tree is a pure function of the primitives, with or without the feature
+/// `parallel`. With the feature `serde`, use a format that keeps every bit of an `f64`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct BspTree(pub(crate) Partition<Plane>);
+pub struct BspTree(pub(crate) BspPartition<Plane>);
 
 impl BspTree {
     /// Builds the tree: O(n log n) time, 110 to 210 bytes per primitive afterwards.
@@ -34,17 +34,17 @@ impl BspTree {
     ///
     /// [`BuildError`] if bounds are NaN, inverted or infinite, or there are too many primitives.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
-        Ok(Self(Partition::build(primitives, &Sampled { primitives })?))
+        Ok(Self(BspPartition::build(primitives, &SampledPlanes { primitives })?))
     }
 }
 
-structure_by_partition!(BspTree);
+accelerator_by_partition!(BspTree);
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::partition::{Chooser, Task};
-    use crate::{Accelerator, AcceleratorQueries, Ball, Linear};
+    use crate::space_partition::{SplitHeuristic, Task};
+    use crate::{Accelerator, Linear, SphereRegion};
     use core::ops::ControlFlow;
     use glam::DVec3;
     use rt_geometry::{Counters, Hit, NoProbe};
@@ -69,11 +69,11 @@ mod tests {
         }
     }
 
-    /// Cuts through or next to some box, in any direction.
+    /// Splits through or next to some box, in any direction.
     struct Haphazard;
 
-    impl Chooser<Plane> for Haphazard {
-        fn choose(&self, boxes: &[(u32, Aabb)], task: &Task<Plane>) -> Option<Plane> {
+    impl SplitHeuristic<Plane> for Haphazard {
+        fn find_split(&self, boxes: &[(u32, Aabb)], task: &Task<Plane>) -> Option<Plane> {
             let draw = |k: u64| unit(hash(&[task.path, k]));
             let normal = (DVec3::new(draw(0), draw(1), draw(2)) - 0.5).try_normalize()?;
             let own = boxes[*task.items.get((draw(3) * task.items.len() as f64) as usize)? as usize].1;
@@ -87,7 +87,7 @@ mod tests {
         DVec3::new(unit(hash(&[i, k])), unit(hash(&[i, k + 1])), unit(hash(&[i, k + 2]))) * 2.0 - 1.0
     }
 
-    /// The walks, over cuts that no heuristic would choose.
+    /// Checks the traversal with planes that no heuristic would select.
     #[test]
     fn trees_of_haphazard_planes_equal_brute_force() {
         for (scale, offset) in [(1.0, 0.0), (1e-4, 1e3), (1.0, 1e7), (1e30, 0.0)] {
@@ -97,7 +97,7 @@ mod tests {
                     .map(|i| Aabb::from_points([place(vector(i, 0)), place(vector(i, 0) + 0.2 * vector(i, 3))]))
                     .collect(),
             );
-            let tree = BspTree(Partition::build(&chests, &Haphazard).expect("boxes"));
+            let tree = BspTree(BspPartition::build(&chests, &Haphazard).expect("boxes"));
             assert_eq!(tree.validate(&chests), Ok(()));
             assert!(tree.build_stats().leaves > 100, "{:?}", tree.build_stats());
             let linear = Linear::build(&chests).expect("boxes");
@@ -128,9 +128,9 @@ mod tests {
     fn searches_of_haphazard_planes_find_everything_once() {
         let chests =
             Chests((0..300).map(|i| Aabb::from_points([vector(i, 0), vector(i, 0) + 0.3 * vector(i, 3)])).collect());
-        let tree = BspTree(Partition::build(&chests, &Haphazard).expect("boxes"));
+        let tree = BspTree(BspPartition::build(&chests, &Haphazard).expect("boxes"));
         let linear = Linear::build(&chests).expect("boxes");
-        fn found(structure: &impl AcceleratorQueries, chests: &Chests, ball: &Ball) -> Vec<u32> {
+        fn found(structure: &impl Accelerator, chests: &Chests, ball: &SphereRegion) -> Vec<u32> {
             let mut found = Vec::new();
             structure.visit_overlapping(chests, ball, |index| {
                 found.push(index);
@@ -140,7 +140,7 @@ mod tests {
             found
         }
         for i in 0..2000 {
-            let ball = Ball { centre: vector(i, 9), radius: 0.5 * unit(hash(&[i, 12])) };
+            let ball = SphereRegion { centre: vector(i, 9), radius: 0.5 * unit(hash(&[i, 12])) };
             assert_eq!(found(&tree, &chests, &ball), found(&linear, &chests, &ball), "{ball:?}");
         }
     }

@@ -2,9 +2,9 @@
 //!
 //! # Why crossings are conservative
 //!
-//! Let `u` be the unit roundoff, `f(p) = n·p − w` for real numbers, with `n` of unit length but for rounding, `o` and `d`
-//! the origin and direction of a ray, `M` the greatest magnitudes of coordinates in the box around everything, and
-//! `R = max (|oᵢ| + Mᵢ)`. Let `E` be where the slab test enters an own box.
+//! Let `u` be the unit roundoff, `f(p) = n·p − w` for real numbers, with `n` of unit length but for rounding, `o` and
+//! `d` the origin and direction of a ray, `M` the largest magnitudes of coordinates in the bounds of the scene, and `R
+//! = max (|oᵢ| + Mᵢ)`. Let `E` be the parameter at which the slab test enters padded bounds.
 //!
 //! * `E` has the error of three roundings at the near planes, and at most 12 `u` at the far ones, where the far factor
 //!   adds to them. So on each axis the ray at `E` is within `13 u·R` of the box. Where the slab test takes the inverse
@@ -16,28 +16,28 @@
 //!   `e` = 128 `u`·(R + |w|) the quotient `(e − A)/|B|` is, with its roundings, an upper bound of `E` if `B > 0`, and
 //!   its negative a lower one if `B < 0`. The same holds above, with the signs turned around.
 //!
-//! `R` is increased by what covers the underflow of `E` and of the products. Rays with numbers so great that something
-//! overflows, and those that stay within the bounds forever, are answered by exhaustion.
+//! `R` is increased by a bound on the underflow of `E` and of the products. Rays whose products may overflow, and those
+//! that stay within the bounds forever, are tested against every primitive.
 //!
-//! [`Cut::sides`] allows for four times the rounding of `f` at a corner: for its own, for that of [`Cut::is_above`]
+//! [`SplitPlane::classify`] allows for four times the rounding of `f` at a corner: for its own, for that of [`SplitPlane::is_above`]
 //! anywhere in the box, and as much again.
 
 use glam::DVec3;
 use rt_math::float::{UNIT_ROUNDOFF, gamma};
 use rt_math::{Aabb, Interval, SlabRay};
 
-use crate::partition::{Crossing, Cut};
+use crate::space_partition::{PlaneHit, SplitPlane};
 
-/// The uncertainty of a crossing relative to the magnitudes of its terms.
+/// Uncertainty of an intersection relative to the magnitudes of its terms.
 const UNCERTAINTY: f64 = 128.0 * UNIT_ROUNDOFF;
 
-/// The uncertainty of a side relative to the magnitudes of its terms.
+/// Uncertainty of a side relative to the magnitudes of its terms.
 const SIDE_UNCERTAINTY: f64 = gamma(16);
 
-/// Greatest magnitude for which no sum of products with unit vectors overflows.
+/// Largest magnitude for which no sum of products with unit vectors overflows.
 const LARGEST: f64 = 1e300;
 
-/// All points with `normal · p = offset`; above is where the normal points.
+/// Plane of all points with `normal · p = offset`; above is the side of the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Plane {
@@ -46,14 +46,14 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
-    /// Distances of the nearest and the farthest point of a box along the normal, from the origin.
+    /// Distances along the normal of the nearest and the farthest point of a box, from the origin.
     pub(super) fn heights(normal: DVec3, aabb: &Aabb) -> [f64; 2] {
         let farthest = DVec3::select(normal.cmpge(DVec3::ZERO), aabb.max, aabb.min);
         let nearest = DVec3::select(normal.cmpge(DVec3::ZERO), aabb.min, aabb.max);
         [normal.dot(nearest), normal.dot(farthest)]
     }
 
-    /// The two planes with this normal that a box fits between, and just so that it touches neither.
+    /// The two planes with this normal that are closest to a box on either side without touching it.
     pub(super) fn around(normal: DVec3, aabb: &Aabb) -> [Self; 2] {
         let [low, high] = Self::heights(normal, aabb);
         let gap = 4.0 * uncertainty(normal, aabb, low.abs().max(high.abs()));
@@ -61,13 +61,13 @@ impl Plane {
     }
 }
 
-/// The uncertainty of the sides of points in a box.
+/// Uncertainty of the sides of points in a box.
 fn uncertainty(normal: DVec3, aabb: &Aabb, offset: f64) -> f64 {
     let greatest = aabb.min.abs().max(aabb.max.abs());
     SIDE_UNCERTAINTY * (normal.abs().dot(greatest) + offset.abs()) + f64::MIN_POSITIVE
 }
 
-/// A ray prepared for planes.
+/// Ray prepared for planes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlaneRay {
     origin: DVec3,
@@ -77,7 +77,7 @@ pub(crate) struct PlaneRay {
     reach: f64,
 }
 
-impl Cut for Plane {
+impl SplitPlane for Plane {
     type Ray = PlaneRay;
 
     fn prepare(ray: &SlabRay, bounds: &Aabb, inside: Interval) -> Option<PlaneRay> {
@@ -92,14 +92,14 @@ impl Cut for Plane {
     }
 
     #[inline(always)]
-    fn crossing(&self, ray: &PlaneRay) -> Crossing {
+    fn plane_hit(&self, ray: &PlaneRay) -> PlaneHit {
         let height = self.normal.dot(ray.origin) - self.offset;
         let slope = self.normal.dot(ray.direction);
         let uncertainty = UNCERTAINTY * (ray.reach + self.offset.abs());
         let from_above = slope < 0.0;
         let height = if from_above { -height } else { height };
         let slope = slope.abs();
-        Crossing { from_above, near_max: (uncertainty - height) / slope, far_min: (-uncertainty - height) / slope }
+        PlaneHit { from_above, near_max: (uncertainty - height) / slope, far_min: (-uncertainty - height) / slope }
     }
 
     #[inline(always)]
@@ -108,21 +108,21 @@ impl Cut for Plane {
     }
 
     #[inline(always)]
-    fn sides(&self, aabb: &Aabb) -> [bool; 2] {
+    fn classify(&self, aabb: &Aabb) -> [bool; 2] {
         let [low, high] = Self::heights(self.normal, aabb);
         let uncertainty = uncertainty(self.normal, aabb, self.offset);
         // A NaN is on both sides.
         [!(low - self.offset > uncertainty), !(high - self.offset < -uncertainty)]
     }
 
-    /// On each axis as far as the rest of the box lets the plane reach.
-    fn divide(&self, cell: &Aabb) -> [Aabb; 2] {
+    /// Clips each axis as far as the rest of the box allows.
+    fn split_bounds(&self, cell: &Aabb) -> [Aabb; 2] {
         let mut parts = [*cell; 2];
         let [low, high] = Self::heights(self.normal, cell);
         for axis in 0..3 {
             let n = self.normal[axis];
             let (near, far) = if n > 0.0 { (cell.min[axis], cell.max[axis]) } else { (cell.max[axis], cell.min[axis]) };
-            // Where the plane meets the edges along this axis that reach farthest below, and farthest above.
+            // Intersect the plane with the edges along this axis that reach farthest below, and farthest above.
             let last_below = (self.offset - (low - n * near)) / n;
             let first_above = (self.offset - (high - n * far)) / n;
             let within = |x: f64, instead: f64| if x > cell.min[axis] && x < cell.max[axis] { x } else { instead };
@@ -137,11 +137,11 @@ impl Cut for Plane {
         parts
     }
 
-    fn divides_exactly(&self) -> bool {
+    fn is_tight(&self) -> bool {
         self.normal.to_array().iter().filter(|&&n| n != 0.0).count() == 1
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid(&self) -> bool {
         (self.normal.length_squared() - 1.0).abs() < 1e-9 && self.offset.is_finite()
     }
 }
@@ -208,22 +208,22 @@ mod tests {
         Case { own, bounds, ray: Ray::new(origin, direction), plane }
     }
 
-    /// The proof at the top of this file, tried on hostile numbers.
+    /// Checks the proof at the top of this file with hostile numbers.
     #[test]
     fn boxes_on_one_side_are_entered_within_the_interval_of_that_side() {
         let mut n_sides = [0; 2];
         for i in 0..2_000_000 {
             let Case { own, bounds, ray, plane } = case(i);
-            if !(bounds.is_finite() && crate::ray_query::is_finite(&ray) && plane.is_sound()) {
+            if !(bounds.is_finite() && crate::ray_query::is_finite(&ray) && plane.is_valid()) {
                 continue;
             }
             let slab_ray = SlabRay::new(&ray);
-            let [below, above] = plane.sides(&own);
+            let [below, above] = plane.classify(&own);
             assert!(below || above, "case {i}: {own:?} is nowhere: {plane:?}");
             for span in [Interval::FORWARD, Interval::new(-3.0, 2.0), Interval::new(f64::NEG_INFINITY, f64::INFINITY)] {
                 let Some(outer) = bounds.clip(&slab_ray, span) else { continue };
                 let Some(prepared) = Plane::prepare(&slab_ray, &bounds, outer) else { continue };
-                let Crossing { from_above, near_max, far_min } = plane.crossing(&prepared);
+                let PlaneHit { from_above, near_max, far_min } = plane.plane_hit(&prepared);
                 assert!(!(far_min > near_max), "case {i}: {plane:?} {ray:?}");
                 let Some(inside) = own.clip(&slab_ray, span).filter(|_| below != above) else { continue };
                 if above == from_above {
@@ -242,10 +242,10 @@ mod tests {
         let mut n_one_sided = 0;
         for i in 0..200_000 {
             let Case { own, plane, .. } = case(i);
-            if !(own.is_finite() && plane.is_sound()) {
+            if !(own.is_finite() && plane.is_valid()) {
                 continue;
             }
-            let sides = plane.sides(&own);
+            let sides = plane.classify(&own);
             let draw = |k| unit(hash(&[i, 20, k]));
             let weights = DVec3::new(draw(0), draw(1), draw(2));
             let inside = (own.min + (own.max - own.min) * weights).clamp(own.min, own.max);
@@ -261,9 +261,13 @@ mod tests {
     fn planes_around_a_box_do_not_touch_it() {
         for i in 0..100_000 {
             let Case { own, plane, .. } = case(i);
-            if own.is_finite() && plane.is_sound() {
+            if own.is_finite() && plane.is_valid() {
                 let [under, over] = Plane::around(plane.normal, &own);
-                assert_eq!((under.sides(&own), over.sides(&own)), ([false, true], [true, false]), "case {i}: {own:?}");
+                assert_eq!(
+                    (under.classify(&own), over.classify(&own)),
+                    ([false, true], [true, false]),
+                    "case {i}: {own:?}"
+                );
             }
         }
     }
@@ -275,7 +279,7 @@ mod tests {
         for (start, direction, t) in [(DVec3::ZERO, DVec3::X, 5.0 / 0.6), (DVec3::ONE * 9.0, DVec3::NEG_Y, 7.6 / 0.8)] {
             let ray = SlabRay::new(&Ray::new(start, direction));
             let prepared = Plane::prepare(&ray, &bounds, Interval::new(0.0, 20.0)).expect("an ordinary ray");
-            let crossing = plane.crossing(&prepared);
+            let crossing = plane.plane_hit(&prepared);
             assert_eq!(crossing.from_above, direction == DVec3::NEG_Y);
             assert!((crossing.near_max - t).abs() < 1e-11 && (crossing.far_min - t).abs() < 1e-11, "{crossing:?}");
         }
@@ -290,10 +294,10 @@ mod tests {
     fn cells_shrink_as_far_as_the_plane_allows() {
         let cell = Aabb::new(DVec3::ZERO, DVec3::ONE);
         let corner = Plane { normal: DVec3::splat(1.0 / 3f64.sqrt()), offset: 0.5 / 3f64.sqrt() };
-        let [below, above] = corner.divide(&cell);
+        let [below, above] = corner.split_bounds(&cell);
         assert!((below.max - 0.5).abs().max_element() < 1e-15 && above == cell, "{below:?} {above:?}");
         let axial = Plane { normal: DVec3::NEG_Y, offset: -0.25 };
-        let [below, above] = axial.divide(&cell);
+        let [below, above] = axial.split_bounds(&cell);
         assert_eq!((below.min, below.max), (DVec3::Y * 0.25, DVec3::ONE));
         assert_eq!((above.min, above.max), (DVec3::ZERO, DVec3::new(1.0, 0.25, 1.0)));
     }

@@ -1,44 +1,51 @@
-//! Boxes of `f32` that are entered no later and left no earlier than the `f64` boxes inside them.
+//! Boxes of `f32` that a ray enters no later and leaves no earlier than the `f64` boxes inside them.
 //!
 //! # Why the culling is conservative
 //!
 //! Let `c` be the centre of the tree, `o` the origin of a ray, `v = fl(1/d)` on some axis, and `fl` rounding to the
-//! nearest `f64`. [`Aabb::clip`] enters an own box through the plane `b` at `fl(fl(b − o)·v)`. A node stores the
+//! nearest `f64`. [`Aabb::clip`] enters padded bounds through the plane `b` at `fl(fl(b − o)·v)`. A node stores the
 //! plane `p`, an `f32`, and the ray a shifted origin `q`, and the node is entered at `fl(fl(p − q)·v)`: the same two
 //! operations. Take `v > 0`, where the near plane is the lower one.
 //!
-//! * [`NodeBox::outward`] rounds so that `p ≤ b − c` holds for the real numbers.
-//! * [`NodeRay::new`] rounds so that `q ≥ o − c` holds for the real numbers, as the rounded difference is at most half
+//! * [`Aabb32::enclosing`] rounds so that `p ≤ b − c` holds for real numbers.
+//! * [`SlabRay32::new`] rounds so that `q ≥ o − c` holds for real numbers, as the rounded difference is at most half
 //!   a step off and `q` is one step above it.
 //! * So `p − q ≤ b − o`, and as rounding and multiplication by `v > 0` are monotone, the node is entered no later.
 //!
 //! For `v < 0` and for far planes all signs turn around, and the far factor is one more monotone operation, which is
 //! applied after the minimum of three for that reason. `0 · ∞` gives NaN, no constraint, where the ray lies in a plane
-//! of the own box; then `p − q` is zero or has the sign of a ray inside the node's slab, which is no constraint
-//! either. Hence for every finite ray, **bit for bit**: `enter(node) ≤ enter(own box)` and `leave(node) ≥
-//! leave(own box)`. There is no tolerance to choose, and a scene far from the origin is as good as one at it: `p` and
+//! of the padded bounds; then `p − q` is zero or has the sign of a ray inside the node's slab, which is no constraint
+//! either. Hence for every finite ray, **bit for bit**: `enter(node) ≤ enter(padded bounds)` and `leave(node) ≥
+//! leave(padded bounds)`. There is no tolerance to choose, and a scene far from the origin is as good as one at it: `p` and
 //! `q` are small numbers there.
+
+use core::cmp::Ordering;
 
 use glam::{DVec3, Vec3A};
 use rt_math::{Aabb, FAR_FACTOR, Interval, SlabRay};
 
-/// The far factor of what lies behind the origin of a ray.
+use crate::binned_sah::{BINS, BuildBounds};
+use crate::node_ref::NodeRef;
+use crate::top_down::TreeNode;
+use crate::traversal::Descent;
+
+/// Far factor behind the origin of a ray.
 const BEHIND_FACTOR: f64 = 2.0 - FAR_FACTOR;
 
-/// A box relative to the centre of its tree.
+/// Box relative to the centre of its tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct NodeBox {
+pub(crate) struct Aabb32 {
     pub(crate) min: Vec3A,
     pub(crate) max: Vec3A,
 }
 
-impl NodeBox {
-    /// The neutral element of [`union`](Self::union).
+impl Aabb32 {
+    /// Neutral element of [`union`](Self::union).
     pub(crate) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
-    /// A box around `aabb − centre`.
+    /// Smallest box that contains `aabb − centre`, but for a rounding step.
     #[inline]
-    pub(crate) fn outward(aabb: &Aabb, centre: DVec3) -> Self {
+    pub(crate) fn enclosing(aabb: &Aabb, centre: DVec3) -> Self {
         let (min, max) = (aabb.min - centre, aabb.max - centre);
         Self { min: Vec3A::from_array(min.to_array().map(below)), max: Vec3A::from_array(max.to_array().map(above)) }
     }
@@ -53,13 +60,26 @@ impl NodeBox {
         Self { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
-    /// The box in world space, around all `aabb` that it was made of: as those are made of `f64`, rounding the sums
+    /// Box in world space. Contains all `aabb` that the box was made from: these are `f64`, so that rounding the sums
     /// cannot pass them.
     pub(crate) fn at(&self, centre: DVec3) -> Aabb {
         Aabb::new(centre + self.min.as_dvec3(), centre + self.max.as_dvec3())
     }
 
-    /// Greatest magnitude of any coordinate.
+    /// True if the box contains `aabb − centre`, without rounding.
+    pub(crate) fn encloses(&self, aabb: &Aabb, centre: DVec3) -> bool {
+        (0..3).all(|axis| self.encloses_on(axis, aabb, centre) == [true; 2])
+    }
+
+    /// Containment at the lower and the upper face of an axis.
+    pub(super) fn encloses_on(&self, axis: usize, aabb: &Aabb, centre: DVec3) -> [bool; 2] {
+        [
+            is_at_most(self.min[axis], aabb.min[axis], centre[axis]),
+            is_at_most(-self.max[axis], -aabb.max[axis], -centre[axis]),
+        ]
+    }
+
+    /// Largest magnitude of any coordinate.
     pub(crate) fn max_abs(&self) -> f64 {
         f64::from(self.min.abs().max(self.max.abs()).max_element())
     }
@@ -68,6 +88,56 @@ impl NodeBox {
     pub(crate) fn half_area(&self) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.max[axis]) - f64::from(self.min[axis]));
         x * y + y * z + z * x
+    }
+}
+
+/// `plane ≤ b − c` for real numbers: the rounded difference decides, or where it is equal, its error.
+fn is_at_most(plane: f32, b: f64, c: f64) -> bool {
+    let difference = b - c;
+    // Knuth's exact error of a difference (TAOCP 2, 4.2.2, theorem B).
+    let c_part = b - difference;
+    let error = (b - (difference + c_part)) + (c_part - c);
+    let plane = f64::from(plane);
+    plane < difference || (plane == difference && error >= 0.0)
+}
+
+impl BuildBounds for Aabb32 {
+    type Vector = Vec3A;
+
+    const EMPTY: Self = Self::EMPTY;
+
+    #[inline(always)]
+    fn union(self, other: Self) -> Self {
+        self.union(other)
+    }
+
+    #[inline(always)]
+    fn include(self, point: Vec3A) -> Self {
+        Self { min: self.min.min(point), max: self.max.max(point) }
+    }
+
+    /// Twice the centre.
+    #[inline(always)]
+    fn centroid(&self) -> Vec3A {
+        self.min + self.max
+    }
+
+    fn widest_axis(&self) -> (usize, bool) {
+        let extent = self.max - self.min;
+        (extent.max_position(), extent.cmpgt(Vec3A::ZERO).any())
+    }
+
+    fn order(a: Vec3A, b: Vec3A, axis: usize) -> Ordering {
+        a[axis].total_cmp(&b[axis])
+    }
+
+    fn bin_scale(&self) -> Vec3A {
+        Vec3A::splat(BINS as f32) / (self.max - self.min)
+    }
+
+    #[inline(always)]
+    fn bin(&self, scale: Vec3A, point: Vec3A) -> [usize; 3] {
+        ((point - self.min) * scale).to_array().map(|x| (x as usize).min(BINS - 1))
     }
 }
 
@@ -84,53 +154,49 @@ fn above(difference: f64) -> f32 {
     -below(-difference)
 }
 
-/// What is behind one box of a node: a run of primitives, or another node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Child {
-    /// Start of the run in the list of indices, or the number of the node.
-    pub(super) first: u32,
-    /// Length of the run; 0 for a node.
-    pub(super) count: u32,
-}
-
-impl Child {
-    pub(super) const fn node(number: u32) -> Self {
-        Self { first: number, count: 0 }
-    }
-
-    pub(super) const fn leaf(first: u32, count: u32) -> Self {
-        Self { first, count }
-    }
-}
-
-/// Two boxes side by side and what is behind them: one cache line.
+/// Bounds and references of both children: one cache line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    /// By axis, by side (lower, upper), by child.
+    /// Indexed by axis, side (lower, upper) and child.
     planes: [[[f32; 2]; 2]; 3],
-    pub(super) children: [Child; 2],
+    pub(super) children: [NodeRef; 2],
 }
 
 impl Node {
-    pub(super) fn new(boxes: [NodeBox; 2], children: [Child; 2]) -> Self {
+    pub(super) fn new(boxes: [Aabb32; 2], children: [NodeRef; 2]) -> Self {
         let planes = core::array::from_fn(|axis| {
             [[boxes[0].min[axis], boxes[1].min[axis]], [boxes[0].max[axis], boxes[1].max[axis]]]
         });
         Self { planes, children }
     }
 
-    /// The box of one child.
-    pub(super) fn child_box(&self, child: usize) -> NodeBox {
+    /// Bounds of a child, relative to the centre of the tree.
+    pub(super) fn child_box(&self, child: usize) -> Aabb32 {
         let side = |side: usize| Vec3A::from_array(self.planes.map(|axis| axis[side][child]));
-        NodeBox { min: side(0), max: side(1) }
+        Aabb32 { min: side(0), max: side(1) }
     }
 }
 
-/// A ray prepared for the boxes of one tree.
-pub(crate) struct NodeRay {
+impl TreeNode for Node {
+    type Payload = [Aabb32; 2];
+
+    fn inner(bounds: [Aabb32; 2]) -> Self {
+        Self::new(bounds, [NodeRef::node(0); 2])
+    }
+
+    fn link(&mut self, children: [NodeRef; 2]) {
+        self.children = children;
+    }
+
+    fn shift(&mut self, nodes: u32, indices: u32) {
+        self.children = self.children.map(|child| child.shifted(nodes, indices));
+    }
+}
+
+/// Ray prepared for the slab tests of one tree.
+pub(crate) struct SlabRay32 {
     /// Subtracted from near planes.
     near: [f64; 3],
     /// Subtracted from far planes.
@@ -140,7 +206,7 @@ pub(crate) struct NodeRay {
     near_side: [usize; 3],
 }
 
-impl NodeRay {
+impl SlabRay32 {
     /// `ray` must be finite.
     #[inline]
     pub(crate) fn new(ray: &SlabRay, centre: DVec3) -> Self {
@@ -159,9 +225,10 @@ impl NodeRay {
         Self { near: shifted(true), far: shifted(false), inverse, near_side }
     }
 
-    /// Where the ray enters and leaves one box; the box is missed if the interval is empty or begins after `span`.
+    /// Parameters at which the ray enters and leaves a box. It misses the box if the interval is empty or begins after
+    /// `span`.
     #[inline(always)]
-    pub(crate) fn cross(&self, bounds: &NodeBox, span: Interval) -> Interval {
+    pub(crate) fn cross(&self, bounds: &Aabb32, span: Interval) -> Interval {
         let sides = [bounds.min.to_array(), bounds.max.to_array()];
         let (mut enter, mut leave) = (span.min, f64::INFINITY);
         for (axis, near_side) in self.near_side.into_iter().enumerate() {
@@ -174,9 +241,9 @@ impl NodeRay {
         Interval { min: enter, max: outward(leave) }
     }
 
-    /// Where the ray enters and leaves the two boxes, within `span`. A box is missed if `enter > leave`.
+    /// Parameters at which the ray enters and leaves both boxes, within `span`. It misses a box if `enter > leave`.
     #[inline(always)]
-    pub(super) fn clip(&self, node: &Node, span: Interval) -> Crossings {
+    pub(super) fn clip(&self, node: &Node, span: Interval) -> ChildHits {
         let mut enter = [span.min; 2];
         let mut leave = [f64::INFINITY; 2];
         for axis in 0..3 {
@@ -190,36 +257,37 @@ impl NodeRay {
                 leave[child] = if t_far < leave[child] { t_far } else { leave[child] };
             }
         }
-        Crossings { enter, leave: leave.map(outward), limit: span.max }
+        ChildHits { enter, leave: leave.map(outward), limit: span.max }
     }
 }
 
-/// Farther out by a rounding error; behind the origin, that is closer to 0.
+/// Moves a far parameter outward by a rounding error.
 #[inline(always)]
 fn outward(t_far: f64) -> f64 {
     t_far * if t_far < 0.0 { BEHIND_FACTOR } else { FAR_FACTOR }
 }
 
-/// Where a ray crosses the two boxes of a node.
-pub(super) struct Crossings {
-    pub(super) enter: [f64; 2],
+/// Intersections of a ray with the boxes of a node.
+pub(super) struct ChildHits {
+    enter: [f64; 2],
     leave: [f64; 2],
     limit: f64,
 }
 
-impl Crossings {
+impl ChildHits {
     /// True if the ray passes the box of `child` within the span. A NaN is a miss.
     #[inline(always)]
     fn hits(&self, child: usize) -> bool {
         (self.enter[child] <= self.leave[child]) & (self.enter[child] <= self.limit)
     }
 
-    /// The child that is entered first, and whether the other one is hit as well; `None` if neither is.
+    /// Children in the order in which the ray enters them, with the distances of entry.
     #[inline(always)]
-    pub(super) fn nearer(&self) -> Option<(usize, bool)> {
+    pub(super) fn nearer_first(&self, children: [NodeRef; 2]) -> Option<Descent<(f64, NodeRef)>> {
         let hits = [self.hits(0), self.hits(1)];
-        let near = hits[1] & (!hits[0] | (self.enter[1] < self.enter[0]));
-        (hits[0] | hits[1]).then_some((usize::from(near), hits[0] & hits[1]))
+        let near = usize::from(hits[1] & (!hits[0] | (self.enter[1] < self.enter[0])));
+        let [next, deferred] = [near, near ^ 1].map(|side| (self.enter[side], children[side]));
+        (hits[0] | hits[1]).then_some(Descent { next, deferred, is_deferred: hits[0] & hits[1] })
     }
 }
 
@@ -298,12 +366,12 @@ mod tests {
                 continue;
             }
             let slab_ray = SlabRay::new(&ray);
-            let inner = NodeBox::outward(&own, centre);
-            let outer = inner.union(NodeBox::outward(&Aabb::new(point(3), point(3)), centre));
-            let node = Node::new([inner, outer], [Child::node(0); 2]);
+            let inner = Aabb32::enclosing(&own, centre);
+            let outer = inner.union(Aabb32::enclosing(&Aabb::new(point(3), point(3)), centre));
+            let node = Node::new([inner, outer], [NodeRef::node(0); 2]);
             for span in [Interval::FORWARD, Interval::new(-3.0, 2.0), Interval::new(f64::NEG_INFINITY, f64::INFINITY)] {
                 let Some(expected) = own.clip(&slab_ray, span) else { continue };
-                let crossings = NodeRay::new(&slab_ray, centre).clip(&node, span);
+                let crossings = SlabRay32::new(&slab_ray, centre).clip(&node, span);
                 for child in 0..2 {
                     let (enter, leave) = (crossings.enter[child], crossings.leave[child].min(span.max));
                     assert!(crossings.hits(child), "case {i}: {ray:?} misses what contains {own:?}");
@@ -321,11 +389,20 @@ mod tests {
         let centre = DVec3::splat(1e7);
         let boxes = [0.0, 1.5].map(|x| {
             let corner = centre + DVec3::new(x, 0.0, 0.0);
-            NodeBox::outward(&Aabb::new(corner, corner + 1.0), centre)
+            Aabb32::enclosing(&Aabb::new(corner, corner + 1.0), centre)
         });
-        let node = Node::new(boxes, [Child::node(0); 2]);
+        let node = Node::new(boxes, [NodeRef::node(0); 2]);
         let ray = Ray::new(centre + DVec3::new(1.000_01, 0.5, -3.0), DVec3::Z);
-        let crossings = NodeRay::new(&SlabRay::new(&ray), centre).clip(&node, Interval::FORWARD);
-        assert_eq!(crossings.nearer(), None);
+        let crossings = SlabRay32::new(&SlabRay::new(&ray), centre).clip(&node, Interval::FORWARD);
+        assert!(crossings.nearer_first(node.children).is_none());
+    }
+
+    #[test]
+    fn containment_is_decided_without_rounding() {
+        // 1 − 2⁻⁶⁰ rounds to 1; the real number is below it.
+        let tiny = 1.0 / (1u64 << 60) as f64;
+        assert!(!is_at_most(1.0, 1.0, tiny));
+        assert!(is_at_most(1.0, 1.0, -tiny) && is_at_most(1.0, 1.0, 0.0));
+        assert!(!is_at_most(1.0, f64::NAN, 0.0));
     }
 }

@@ -1,22 +1,23 @@
-//! New boxes for the same tree.
+//! Refitting: new boxes for the same topology.
 
 use rt_geometry::Primitives;
 
 use super::Bvh;
-use super::node::{Child, Node, NodeBox};
-use crate::own_boxes::{PrimBounds, validate_lists};
+use super::node::{Aabb32, Node};
+use crate::node_ref::NodeRef;
+use crate::prim_bounds::{PrimBounds, validate_lists};
 use crate::{BuildError, Refit};
 
 impl Refit for Bvh {
-    /// A primitive that several leaves list is within each of them from then on.
+    /// A primitive with several references lies within each of their leaves from then on.
     fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
         let built = self.bounded + self.unbounded.len() as u32;
         let PrimBounds { bounded, union, .. } = PrimBounds::collect(primitives)?;
         validate_lists(primitives, built, &self.unbounded).map_err(BuildError::Changed)?;
         self.centre = if bounded.is_empty() { self.centre } else { union.centre() };
-        let mut boxes = vec![NodeBox::EMPTY; built as usize];
+        let mut boxes = vec![Aabb32::EMPTY; built as usize];
         for (index, own) in &bounded {
-            boxes[*index as usize] = NodeBox::outward(own, self.centre);
+            boxes[*index as usize] = Aabb32::enclosing(own, self.centre);
         }
         // Children come after their parents.
         for number in (0..self.nodes.len()).rev() {
@@ -29,11 +30,11 @@ impl Refit for Bvh {
 }
 
 impl Bvh {
-    /// The box around a leaf, or around what is below a node that has been fitted.
-    fn box_around(&self, child: Child, boxes: &[NodeBox]) -> NodeBox {
+    /// Bounds of a leaf, or of a node whose children are fitted.
+    fn box_around(&self, child: NodeRef, boxes: &[Aabb32]) -> Aabb32 {
         if child.count > 0 {
             let listed = self.leaf(child).iter().map(|&index| boxes[index as usize]);
-            return listed.fold(NodeBox::EMPTY, NodeBox::union);
+            return listed.fold(Aabb32::EMPTY, Aabb32::union);
         }
         let node = &self.nodes[child.first as usize];
         node.child_box(0).union(node.child_box(1))

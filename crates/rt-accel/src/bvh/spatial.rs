@@ -2,7 +2,7 @@
 //!
 //! # Why no primitive is lost
 //!
-//! A reference is the part of a primitive's box on one side of every plane that has cut it. Let a ray pass the own box
+//! A reference is the part of a primitive's box on one side of every plane that has cut it. Let a ray pass the padded bounds
 //! of a primitive, entering it at `e` as `intersect_primitive` sees it. Some reference is entered no later than `e`: the whole box
 //! is (see `node.rs`), and when a plane cuts a reference that is, one of the two parts is. Take a direction in which
 //! the left part comes first. It is entered where the whole was, and left where the whole was left or at `leave(s)`, the
@@ -11,34 +11,39 @@
 //! because far planes are seen from an origin that is farther back, and moved outward on either side of `t` = 0. A ray
 //! along the plane meets no constraint in it, and passes at least the part that its origin lies in.
 //!
-//! The parts of a primitive tile space: each has a [`Cell`], bounded by nothing but the planes that have cut it. So a
+//! The parts of a primitive tile space: each has a [`SplitCell`], bounded by nothing but the planes that have cut it. So a
 //! point belongs to exactly one part, by which a search of space visits each primitive once.
+
+use core::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use glam::{DVec3, Vec3A};
 
-use super::build::{Parent, Subtree};
-use super::node::{Child, NodeBox};
-use super::split::{BINS, Bin, Binning, Cut, Item, centroid_box, halve, is_leaf, partition, union};
-use crate::bounded_depth::leaves_room_for_halving;
+use super::node::{Aabb32, Node};
+use crate::binned_sah::{
+    BINS, Bin, BuildItem, best_split, bounds_of, centroid_bounds, is_leaf, median_split, partition,
+};
+use crate::top_down::{Split, Subtree, build_top_down};
+use crate::traversal::depth_allows_median_split;
 
-/// References may outnumber primitives by this part of them.
+/// Maximum number of additional references, relative to the number of primitives.
 const MOST_REPEATED: f64 = 0.5;
 
-/// Planes are tried only where the boxes of both sides overlap by this part of the area of the whole scene (Stich,
-/// Friedrich and Dietrich 2009).
+/// Spatial splits are evaluated only where the boxes of both sides overlap by this fraction of the area of the scene
+/// (Stich, Friedrich and Dietrich 2009).
 const OVERLAP: f64 = 1e-5;
 
-/// The part of space that is left to a reference by the planes that have cut its primitive, half open: the lower
-/// planes belong to it. Relative to the centre of the tree. The least and the greatest `f32` stand for no plane at all,
-/// as not every format that trees are saved in knows infinity.
+/// Part of space of a reference, bounded by the planes that have cut its primitive. Half open: the lower planes belong
+/// to it. Relative to the centre of the tree. The extreme finite `f32` stand for missing planes, as not every
+/// serialisation format knows infinity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Cell {
+pub(crate) struct SplitCell {
     pub(super) min: [f32; 3],
     pub(super) max: [f32; 3],
 }
 
-impl Cell {
+impl SplitCell {
     pub(crate) const EVERYWHERE: Self = Self { min: [f32::MIN; 3], max: [f32::MAX; 3] };
 
     /// True if the cell owns a point.
@@ -50,9 +55,9 @@ impl Cell {
         })
     }
 
-    /// The part of a box in the cell, a step wider, so that it contains what lies in the planes after any rounding.
-    pub(super) fn clip(&self, whole: &NodeBox) -> NodeBox {
-        whole.intersection(NodeBox {
+    /// Part of a box in the cell, one step wider, so that it contains points in the planes after any rounding.
+    pub(super) fn clip(&self, whole: &Aabb32) -> Aabb32 {
+        whole.intersection(Aabb32 {
             min: Vec3A::from_array(self.min.map(f32::next_down)),
             max: Vec3A::from_array(self.max.map(f32::next_up)),
         })
@@ -66,147 +71,144 @@ impl Cell {
     }
 }
 
-/// The cell of a reference to a primitive that has several.
+/// Cell of a reference to a primitive with several references.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Piece {
-    /// Place of the reference in the list of all.
+pub(super) struct SplitRef {
+    /// Position in the list of all references.
     pub(super) position: u32,
-    pub(super) cell: Cell,
+    pub(super) cell: SplitCell,
 }
 
-/// A part of a primitive while the tree grows.
+/// Part of a primitive during construction.
 #[derive(Clone, Copy)]
-struct Reference {
-    item: Item,
-    whole: NodeBox,
-    cell: Cell,
+struct PrimRef {
+    index: u32,
+    bounds: Aabb32,
+    /// Bounds of the whole primitive.
+    whole: Aabb32,
+    cell: SplitCell,
 }
 
-impl AsRef<Item> for Reference {
-    fn as_ref(&self) -> &Item {
-        &self.item
+impl BuildItem for PrimRef {
+    type Bounds = Aabb32;
+
+    fn bounds(&self) -> &Aabb32 {
+        &self.bounds
+    }
+
+    fn index(&self) -> u32 {
+        self.index
     }
 }
 
-impl Reference {
-    /// The parts on both sides of a plane that cuts through.
+impl PrimRef {
+    /// Parts on both sides of a plane that cuts through.
     fn cut(&self, axis: usize, plane: f32) -> [Self; 2] {
-        self.cell.cut(axis, plane).map(|cell| {
-            let bounds = cell.clip(&self.whole);
-            Self { item: Item { bounds, ..self.item }, cell, ..*self }
-        })
+        self.cell.cut(axis, plane).map(|cell| Self { bounds: cell.clip(&self.whole), cell, ..*self })
     }
 }
 
-/// A tree, and what its leaves list.
-pub(super) struct SpatialTree {
-    pub(super) subtree: Subtree,
-    pub(super) indices: Vec<u32>,
-    /// By rising position.
-    pub(super) pieces: Vec<Piece>,
-}
-
+/// Set of references that becomes a leaf or a node.
 struct Task {
-    references: Vec<Reference>,
-    bounds: NodeBox,
+    refs: Vec<PrimRef>,
+    bounds: Aabb32,
     depth: u32,
-    parent: Parent,
 }
 
-/// Grows the tree over `items`, which must not be empty.
-pub(super) fn build(items: &[Item]) -> SpatialTree {
-    let bounds = union(items);
-    let references = items.iter().map(|&item| Reference { item, whole: item.bounds, cell: Cell::EVERYWHERE }).collect();
-    let mut tree =
-        SpatialTree { subtree: Subtree::new(), indices: Vec::with_capacity(items.len()), pieces: Vec::new() };
-    let mut spare = (items.len() as f64 * MOST_REPEATED) as usize;
-    let least_overlap = bounds.half_area() * OVERLAP;
-    let mut pending = vec![Task { references, bounds, depth: 0, parent: Parent::None }];
-    while let Some(task) = pending.pop() {
-        let Task { references, bounds, depth, parent } = task;
-        match split(references, &bounds, depth, &mut spare, least_overlap) {
-            Err(references) => tree.leaf(&references, parent, depth),
-            Ok(([left, right], bounds)) => {
-                let [left_of, right_of] = tree.subtree.attach_node(parent, bounds);
-                let depth = depth + 1;
-                pending.push(Task { references: right, bounds: bounds[1], depth, parent: right_of });
-                pending.push(Task { references: left, bounds: bounds[0], depth, parent: left_of });
+/// Builds the tree, and the cells of split primitives by rising position.
+pub(super) fn build(items: &[(u32, Aabb32)]) -> (Subtree<Node>, Vec<SplitRef>) {
+    let bounds = bounds_of(items);
+    let whole_ref = |&(index, whole): &_| PrimRef { index, bounds: whole, whole, cell: SplitCell::EVERYWHERE };
+    let spare = AtomicUsize::new((items.len() as f64 * MOST_REPEATED) as usize);
+    let min_overlap = bounds.half_area() * OVERLAP;
+    let cells = Mutex::new(Vec::new());
+    let task = Task { refs: items.iter().map(whole_ref).collect(), bounds, depth: 0 };
+    let tree = build_top_down(task, &|task: Task, indices| {
+        let depth = task.depth + 1;
+        match split(task.refs, &task.bounds, task.depth, &spare, min_overlap) {
+            Ok((sides, bounds)) => {
+                let [left, right] = sides;
+                let tasks =
+                    [Task { refs: left, bounds: bounds[0], depth }, Task { refs: right, bounds: bounds[1], depth }];
+                Some(Split { payload: bounds, tasks, is_large: false })
+            }
+            Err(leaf) => {
+                let mut cells = cells.lock().unwrap_or_else(PoisonError::into_inner);
+                for PrimRef { index, cell, .. } in leaf {
+                    if cell != SplitCell::EVERYWHERE {
+                        cells.push(SplitRef { position: indices.len() as u32, cell });
+                    }
+                    indices.push(index);
+                }
+                None
             }
         }
-    }
-    tree
+    });
+    let mut cells = cells.into_inner().unwrap_or_else(PoisonError::into_inner);
+    cells.shrink_to_fit();
+    (tree, cells)
 }
 
-impl SpatialTree {
-    fn leaf(&mut self, references: &[Reference], parent: Parent, depth: u32) {
-        let first = self.indices.len() as u32;
-        for reference in references {
-            if reference.cell != Cell::EVERYWHERE {
-                self.pieces.push(Piece { position: self.indices.len() as u32, cell: reference.cell });
-            }
-            self.indices.push(reference.item.index);
-        }
-        self.subtree.attach_leaf(parent, Child::leaf(first, references.len() as u32), depth);
-    }
-}
+/// Two sets of references and their bounds.
+type Sides = ([Vec<PrimRef>; 2], [Aabb32; 2]);
 
-/// Two sets of references and the boxes around them.
-type Sides = ([Vec<Reference>; 2], [NodeBox; 2]);
-
-/// The cheapest way to cut a set in two, or the set as it is where it should be a leaf. Uses up `spare` references.
+/// The cheapest split of a set, or the set itself where a leaf costs no more. Uses up `spare` references.
 fn split(
-    mut references: Vec<Reference>,
-    bounds: &NodeBox,
+    mut refs: Vec<PrimRef>,
+    bounds: &Aabb32,
     depth: u32,
-    spare: &mut usize,
-    least_overlap: f64,
-) -> Result<Sides, Vec<Reference>> {
-    let centroids = centroid_box(&references);
-    let (mut cut, mut plane) = (None, None);
-    if references.len() > 1 && leaves_room_for_halving(references.len(), depth) {
-        cut = Binning::new(&centroids).best_cut(&references);
-        let overlap = |cut: &Cut| cut.bounds[0].intersection(cut.bounds[1]);
-        if cut.as_ref().is_none_or(|cut| proper_half_area(&overlap(cut)) > least_overlap) {
-            plane = Plane::best(&references, bounds, *spare);
+    spare: &AtomicUsize,
+    min_overlap: f64,
+) -> Result<Sides, Vec<PrimRef>> {
+    let centroids = centroid_bounds(&refs);
+    let binned = best_split(&refs, &centroids, depth, bin_cost);
+    let mut plane = None;
+    if refs.len() > 1 && depth_allows_median_split(refs.len(), depth) {
+        let overlap = binned.as_ref().map(|split| split.bounds[0].intersection(split.bounds[1]));
+        if overlap.is_none_or(|overlap| proper_half_area(&overlap) > min_overlap) {
+            plane = SpatialSplit::best(&refs, bounds, spare.load(Ordering::Relaxed));
         }
     }
-    let costs = [cut.as_ref().map(|cut| cut.cost), plane.as_ref().map(|plane| plane.cost)];
-    if references.len() < 2 || is_leaf(references.len(), bounds, costs.into_iter().flatten().reduce(f64::min)) {
-        return Err(references);
+    let costs = [binned.as_ref().map(|split| split.cost), plane.as_ref().map(|plane| plane.cost)];
+    if is_leaf(refs.len(), bounds.half_area(), costs.into_iter().flatten().reduce(f64::min)) {
+        return Err(refs);
     }
-    if let Some(plane) = plane.filter(|plane| cut.as_ref().is_none_or(|cut| plane.cost < cut.cost)) {
-        let sides = plane.divide(&references);
-        *spare -= sides[0].len() + sides[1].len() - references.len();
-        let bounds = sides.each_ref().map(|side| union(side));
+    if let Some(plane) = plane.filter(|plane| binned.as_ref().is_none_or(|split| plane.cost < split.cost)) {
+        let sides = plane.divide(&refs);
+        spare.fetch_sub(sides[0].len() + sides[1].len() - refs.len(), Ordering::Relaxed);
+        let bounds = sides.each_ref().map(|side| bounds_of(side));
         return Ok((sides, bounds));
     }
-    let (middle, bounds) = match cut {
-        Some(cut) => (partition(&mut references, |item| cut.binning.bin(item)[cut.axis] < cut.bin), cut.bounds),
-        None => {
-            let halves = halve(&mut references, &centroids);
-            (halves.middle, halves.bounds)
-        }
+    let (middle, bounds) = match binned {
+        Some(split) => (partition(&mut refs, |item| split.is_left(item)), Some(split.bounds)),
+        None => (median_split(&mut refs, &centroids), None),
     };
-    let right = references.split_off(middle);
-    Ok(([references, right], bounds))
+    let right = refs.split_off(middle);
+    let bounds = bounds.unwrap_or_else(|| [bounds_of(&refs), bounds_of(&right)]);
+    Ok(([refs, right], bounds))
+}
+
+/// Area times number of primitives.
+pub(super) fn bin_cost(bin: &Bin<Aabb32>) -> f64 {
+    bin.bounds.half_area() * f64::from(bin.count)
 }
 
 /// Half of the surface area, 0 for an empty box.
-fn proper_half_area(bounds: &NodeBox) -> f64 {
+fn proper_half_area(bounds: &Aabb32) -> f64 {
     if bounds.min.cmple(bounds.max).all() { bounds.half_area() } else { 0.0 }
 }
 
-/// A plane to cut at.
-struct Plane {
+/// Candidate plane.
+struct SpatialSplit {
     axis: usize,
     place: f32,
     /// Area times number of references, summed over both sides.
     cost: f64,
 }
 
-/// On which side of a plane a box lies; `None` if the plane cuts through it.
-fn side(bounds: &NodeBox, axis: usize, place: f32) -> Option<usize> {
+/// Side of a plane that contains a box; `None` if the plane cuts it.
+fn side(bounds: &Aabb32, axis: usize, place: f32) -> Option<usize> {
     if bounds.min[axis] >= place {
         Some(1)
     } else if bounds.max[axis] <= place {
@@ -216,10 +218,10 @@ fn side(bounds: &NodeBox, axis: usize, place: f32) -> Option<usize> {
     }
 }
 
-impl Plane {
-    /// The cheapest of the planes that divide `bounds` evenly, if it leaves both sides with fewer references than there
-    /// are, and repeats at most `spare` of them.
-    fn best(references: &[Reference], bounds: &NodeBox, spare: usize) -> Option<Self> {
+impl SpatialSplit {
+    /// The cheapest of the planes that divide `bounds` evenly. Both sides must have fewer references than the set, and
+    /// at most `spare` of them may be repeated.
+    fn best(refs: &[PrimRef], bounds: &Aabb32, spare: usize) -> Option<Self> {
         let mut best: Option<Self> = None;
         for axis in 0..3 {
             let step = (bounds.max[axis] - bounds.min[axis]) / BINS as f32;
@@ -227,13 +229,13 @@ impl Plane {
             if !(step > 0.0 && step.is_finite()) {
                 continue;
             }
-            let Sweep { left, right } = Sweep::over(references, axis, &planes);
+            let Sweep { left, right } = Sweep::over(refs, axis, &planes);
             for (i, &place) in planes.iter().enumerate() {
                 let counts = [left[i].count, right[i].count].map(|count| count as usize);
-                let n = references.len();
+                let n = refs.len();
                 let is_allowed =
                     counts.iter().all(|&count| 0 < count && count < n) && counts[0] + counts[1] <= n + spare;
-                let cost = left[i].cost() + right[i].cost();
+                let cost = bin_cost(&left[i]) + bin_cost(&right[i]);
                 if is_allowed && best.as_ref().is_none_or(|best| cost < best.cost) {
                     best = Some(Self { axis, place, cost });
                 }
@@ -242,13 +244,13 @@ impl Plane {
         best
     }
 
-    fn divide(&self, references: &[Reference]) -> [Vec<Reference>; 2] {
+    fn divide(&self, refs: &[PrimRef]) -> [Vec<PrimRef>; 2] {
         let mut sides = [Vec::new(), Vec::new()];
-        for reference in references {
-            match side(&reference.item.bounds, self.axis, self.place) {
-                Some(side) => sides[side].push(*reference),
+        for prim_ref in refs {
+            match side(&prim_ref.bounds, self.axis, self.place) {
+                Some(side) => sides[side].push(*prim_ref),
                 None => {
-                    for (side, part) in sides.iter_mut().zip(reference.cut(self.axis, self.place)) {
+                    for (side, part) in sides.iter_mut().zip(prim_ref.cut(self.axis, self.place)) {
                         side.push(part);
                     }
                 }
@@ -258,19 +260,19 @@ impl Plane {
     }
 }
 
-/// What lies on both sides of each of a row of planes.
+/// Bounds and number of references on both sides of each plane.
 struct Sweep {
-    left: [Bin; BINS - 1],
-    right: [Bin; BINS - 1],
+    left: [Bin<Aabb32>; BINS - 1],
+    right: [Bin<Aabb32>; BINS - 1],
 }
 
 impl Sweep {
-    fn over(references: &[Reference], axis: usize, planes: &[f32; BINS - 1]) -> Self {
-        // The slab between two planes holds parts of references; counts are of those that begin or end in it.
-        let mut slabs = [NodeBox::EMPTY; BINS];
+    fn over(refs: &[PrimRef], axis: usize, planes: &[f32; BINS - 1]) -> Self {
+        // Slabs between planes hold parts of references; counts are of references that begin or end in a slab.
+        let mut slabs = [Aabb32::EMPTY; BINS];
         let [mut begin, mut end] = [[0u32; BINS]; 2];
-        for reference in references {
-            let bounds = reference.item.bounds;
+        for prim_ref in refs {
+            let bounds = prim_ref.bounds;
             let first = planes.partition_point(|&plane| side(&bounds, axis, plane) == Some(1));
             let last = planes.partition_point(|&plane| side(&bounds, axis, plane) != Some(0)).max(first);
             begin[first] += 1;
@@ -306,12 +308,12 @@ mod tests {
     use super::*;
 
     /// Long boxes that cross: `n` along x and `n` along y.
-    fn lattice(n: u32) -> Vec<Item> {
+    fn lattice(n: u32) -> Vec<(u32, Aabb32)> {
         let item = |index: u32| {
             let at = (index / 2) as f32;
             let (long, thin) = (Vec3A::new(n as f32, 0.5, 0.5), Vec3A::new(0.5, n as f32, 0.5));
             let (min, size) = if index.is_multiple_of(2) { (Vec3A::Y * at, long) } else { (Vec3A::X * at, thin) };
-            Item { bounds: NodeBox { min, max: min + size }, index }
+            (index, Aabb32 { min, max: min + size })
         };
         (0..2 * n).map(item).collect()
     }
@@ -319,7 +321,7 @@ mod tests {
     #[test]
     fn crossing_boxes_are_cut_within_the_allowance() {
         let items = lattice(64);
-        let tree = build(&items);
+        let (tree, _) = build(&items);
         assert!(tree.indices.len() > items.len() + 20, "{} references", tree.indices.len());
         assert!(tree.indices.len() <= items.len() + items.len() / 2);
         let listed: std::collections::BTreeSet<_> = tree.indices.iter().collect();
@@ -331,19 +333,19 @@ mod tests {
         let items: Vec<_> = (0..1000u32)
             .map(|index| {
                 let min = Vec3A::new((index % 10) as f32, (index / 10 % 10) as f32, (index / 100) as f32);
-                Item { bounds: NodeBox { min, max: min + 0.5 }, index }
+                (index, Aabb32 { min, max: min + 0.5 })
             })
             .collect();
-        assert_eq!(build(&items).pieces, []);
+        assert_eq!(build(&items).1, []);
     }
 
     #[test]
     fn each_point_belongs_to_one_cell_of_a_primitive() {
         let items = lattice(32);
-        let tree = build(&items);
+        let (tree, split_refs) = build(&items);
         let cells = |index: u32| {
-            let pieces = tree.pieces.iter().filter(|piece| tree.indices[piece.position as usize] == index);
-            pieces.map(|piece| piece.cell).collect::<Vec<_>>()
+            let of_primitive = split_refs.iter().filter(|split_ref| tree.indices[split_ref.position as usize] == index);
+            of_primitive.map(|split_ref| split_ref.cell).collect::<Vec<_>>()
         };
         let cut: Vec<_> = (0..64).map(cells).filter(|cells| !cells.is_empty()).collect();
         assert!(cut.len() > 5);

@@ -1,4 +1,4 @@
-//! Walks: down to the nearer child first, back to the one that was put off.
+//! Traversal along rays and through regions.
 
 use core::ops::ControlFlow;
 
@@ -6,91 +6,75 @@ use rt_geometry::{Primitives, Probe};
 use rt_math::Aabb;
 
 use super::Bvh;
-use super::node::{Child, NodeRay};
-use crate::{RayQuery, RegionQuery, bounded_depth::Stack};
+use super::node::SlabRay32;
+use crate::node_ref::NodeRef;
+use crate::traversal::{traverse, traverse_by_distance};
+use crate::{RayQuery, RegionQuery};
 
 impl Bvh {
-    pub(super) fn descend<P: Primitives, Q: RayQuery, S: Probe>(
+    pub(super) fn traverse_bounded<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
-        let node_ray = NodeRay::new(query.ray(), self.centre);
-        let mut stack = Stack::new((0.0, Child::leaf(0, 0)));
-        let mut child = self.root;
-        loop {
-            if child.count > 0 {
-                query.offer_all(primitives, self.leaf(child), probe)?;
-            } else if let Some(node) = self.nodes.get(child.first as usize) {
-                probe.node();
-                let crossings = node_ray.clip(node, query.span());
-                if let Some((near, both)) = crossings.nearer() {
-                    let far = near ^ 1;
-                    stack.push_if(both, (crossings.enter[far], node.children[far]));
-                    child = node.children[near];
-                    continue;
+        let node_ray = SlabRay32::new(query.ray(), self.centre);
+        traverse(
+            query,
+            (0.0, self.root),
+            |query, (_, child)| {
+                if child.count > 0 {
+                    query.test_leaf(primitives, self.leaf(child), probe)?;
+                } else if let Some(node) = self.nodes.get(child.first as usize) {
+                    probe.node();
+                    return ControlFlow::Continue(node_ray.clip(node, query.span()).nearer_first(node.children));
                 }
-            }
-            child = loop {
-                let Some((enter, child)) = stack.pop() else { return ControlFlow::Continue(()) };
-                // Strictly: an equally near primitive of lower index must still be found.
-                if enter <= query.span().max {
-                    break child;
-                }
-            };
-        }
+                ControlFlow::Continue(None)
+            },
+            // Inclusive: an equally near primitive of lower index must still be found.
+            |query, entry| (entry.0 <= query.span().max).then_some(entry),
+        )
     }
 
-    /// How far off a box is, if anything in it can matter. Where primitives are listed several times, the query's box
-    /// decides, as the corner that tells which of the places offers them lies in it, but maybe not in the region.
-    fn reach<Q: RegionQuery>(&self, query: &Q, bounds: &Aabb) -> Option<f64> {
-        if self.pieces.is_empty() {
-            query.reach(bounds)
+    /// Distance of bounds, unless the query culls them. With spatial splits only the bounding box of the query may cull:
+    /// the corner that identifies the owner of a primitive lies in it, but perhaps not in the region.
+    fn distance_to<Q: RegionQuery>(&self, query: &Q, bounds: &Aabb) -> Option<f64> {
+        if self.split_refs.is_empty() {
+            query.distance_to(bounds)
         } else {
-            query.bounds().overlaps(bounds).then(|| bounds.distance_squared(query.focus()))
+            query.bounds().overlaps(bounds).then(|| bounds.distance_squared(query.query_point()))
         }
     }
 
-    fn offer_leaf<Q: RegionQuery>(&self, leaf: Child, query: &mut Q) -> ControlFlow<()> {
-        if self.pieces.is_empty() {
-            return query.offer_all(self.leaf(leaf));
+    fn test_region_leaf<Q: RegionQuery>(&self, leaf: NodeRef, query: &mut Q) -> ControlFlow<()> {
+        if self.split_refs.is_empty() {
+            return query.test_leaf(self.leaf(leaf));
         }
-        let first = self.pieces.partition_point(|piece| piece.position < leaf.first);
-        let mut pieces = self.pieces[first..].iter().peekable();
+        let first = self.split_refs.partition_point(|split_ref| split_ref.position < leaf.first);
+        let mut split_refs = self.split_refs[first..].iter().peekable();
         for (position, &index) in (leaf.first..).zip(self.leaf(leaf)) {
-            let piece = pieces.next_if(|piece| piece.position == position);
-            query.offer(index, |point| piece.is_none_or(|piece| piece.cell.owns(point, self.centre)))?;
+            let split_ref = split_refs.next_if(|split_ref| split_ref.position == position);
+            query.test_primitive(index, |point| {
+                split_ref.is_none_or(|split_ref| split_ref.cell.owns(point, self.centre))
+            })?;
         }
         ControlFlow::Continue(())
     }
 
-    pub(super) fn descend_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
-        let mut stack = Stack::new((Aabb::EMPTY, Child::leaf(0, 0)));
-        let mut child = self.root;
-        loop {
-            if child.count > 0 {
-                self.offer_leaf(child, query)?;
-            } else if let Some(node) = self.nodes.get(child.first as usize) {
-                let boxes = [0, 1].map(|side| node.child_box(side).at(self.centre));
-                let reach = boxes.map(|bounds| self.reach(query, &bounds));
-                let near = match reach {
-                    [Some(left), Some(right)] => Some(usize::from(right < left)),
-                    [left, right] => left.map(|_| 0).or(right.map(|_| 1)),
-                };
-                if let Some(near) = near {
-                    stack.push_if(reach[near ^ 1].is_some(), (boxes[near ^ 1], node.children[near ^ 1]));
-                    child = node.children[near];
-                    continue;
+    pub(super) fn traverse_bounded_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        traverse_by_distance(
+            query,
+            (self.root, Aabb::EMPTY),
+            |query, (child, _)| {
+                if child.count > 0 {
+                    self.test_region_leaf(child, query)?;
                 }
-            }
-            child = loop {
-                let Some((bounds, child)) = stack.pop() else { return ControlFlow::Continue(()) };
-                // The query may have become more particular since.
-                if self.reach(query, &bounds).is_some() {
-                    break child;
-                }
-            };
-        }
+                let node = self.nodes.get(child.first as usize).filter(|_| child.count == 0);
+                ControlFlow::Continue(
+                    node.map(|node| [0, 1].map(|side| (node.children[side], node.child_box(side).at(self.centre)))),
+                )
+            },
+            |query, bounds| self.distance_to(query, bounds),
+        )
     }
 }

@@ -1,21 +1,21 @@
-//! Checks what the proof of the traversal rests on.
+//! Checks the assumptions of the traversal.
 
 use glam::{DVec3, Vec3A};
 use rt_geometry::{Primitives, padded_bounds};
 use rt_math::Aabb;
 
 use super::Bvh;
-use super::node::{Child, NodeBox};
-use super::spatial::Cell;
-use crate::{ValidationError, bounded_depth::MAX_DEPTH, own_boxes::validate_lists};
+use super::node::Aabb32;
+use super::spatial::SplitCell;
+use crate::{ValidationError, node_ref::NodeRef, prim_bounds::validate_lists, traversal::MAX_DEPTH};
 
 impl Bvh {
-    /// Checks all that can be checked without the primitives: every node has one parent, no leaf is too deep for the
-    /// stack of a walk, boxes contain those below, leaves list each reference once, and lists name primitives.
+    /// Checks everything that is independent of the primitives: each node has one parent, no leaf is too deep for the
+    /// traversal stack, boxes contain their children, leaves list each reference once, and all indices are valid.
     pub(super) fn check_shape(&self) -> Result<(), ValidationError> {
         let mut n_listed = 0;
         self.for_each_leaf(|leaf, _| {
-            // Leaves follow one another, so that these sums show gaps and repetitions.
+            // Leaves are consecutive, so that these sums reveal gaps and repetitions.
             if leaf.first as usize != n_listed {
                 return Err(ValidationError::Misplaced {
                     primitive: self.indices.get(n_listed).copied().unwrap_or_default(),
@@ -32,28 +32,28 @@ impl Bvh {
         if n_listed != self.indices.len() || count > u64::from(u32::MAX) {
             return Err(ValidationError::Count { built: self.bounded, given: n_listed });
         }
-        let is_sorted = self.pieces.is_sorted_by(|a, b| a.position < b.position);
-        if !is_sorted || self.pieces.last().is_some_and(|piece| piece.position as usize >= self.indices.len()) {
-            return Err(ValidationError::Count { built: self.indices.len() as u32, given: self.pieces.len() });
+        let is_sorted = self.split_refs.is_sorted_by(|a, b| a.position < b.position);
+        if !is_sorted || self.split_refs.last().is_some_and(|piece| piece.position as usize >= self.indices.len()) {
+            return Err(ValidationError::Count { built: self.indices.len() as u32, given: self.split_refs.len() });
         }
         Ok(())
     }
 
-    /// Checks the shape, and that boxes contain what they are around: every bounded primitive is in exactly one leaf
-    /// inside of which its own box lies, or in several that each contain its part of a tiling of space.
+    /// Checks the shape and all bounds: each bounded primitive is in exactly one leaf that contains its padded bounds,
+    /// or in several that contain its part of a tiling of space each.
     pub(super) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.check_shape()?;
         let count = self.bounded as usize + self.unbounded.len();
         validate_lists(primitives, count as u32, &self.unbounded)?;
         let mut is_placed = vec![false; count];
         self.unbounded.iter().for_each(|&primitive| is_placed[primitive as usize] = true);
-        let mut pieces = self.pieces.iter().peekable();
-        let mut cells: Vec<(u32, Cell)> = Vec::new();
+        let mut split_refs = self.split_refs.iter().peekable();
+        let mut cells: Vec<(u32, SplitCell)> = Vec::new();
         self.for_each_leaf(|leaf, bounds| {
             for (position, &primitive) in (leaf.first..).zip(self.leaf(leaf)) {
-                let cell = pieces.next_if(|piece| piece.position == position).map(|piece| piece.cell);
+                let cell = split_refs.next_if(|piece| piece.position == position).map(|piece| piece.cell);
                 let own = padded_bounds(primitives, primitive).ok_or(ValidationError::Misplaced { primitive })?;
-                if !encloses(bounds, &own, &cell.unwrap_or(Cell::EVERYWHERE), self.centre) {
+                if !encloses_part(bounds, &own, &cell.unwrap_or(SplitCell::EVERYWHERE), self.centre) {
                     return Err(ValidationError::Outside { primitive });
                 }
                 match cell {
@@ -81,9 +81,9 @@ impl Bvh {
     /// Visits the leaves from left to right, with their boxes, and checks the nodes on the way.
     fn for_each_leaf(
         &self,
-        mut visit: impl FnMut(Child, &NodeBox) -> Result<(), ValidationError>,
+        mut visit: impl FnMut(NodeRef, &Aabb32) -> Result<(), ValidationError>,
     ) -> Result<(), ValidationError> {
-        let everything = NodeBox { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
+        let everything = Aabb32 { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
         let mut pending = vec![(self.root, everything, 0)];
         let mut n_visited = 0;
         while let Some((child, bounds, depth)) = pending.pop() {
@@ -119,10 +119,10 @@ impl Bvh {
     }
 }
 
-/// True if every point belongs to exactly one of the cells. They come from planes that cut all of space, or all of
-/// what one side of another such plane leaves, so there is always one that separates some from the others.
-fn tile_space(cells: Vec<Cell>) -> bool {
-    let mut pending = vec![(Cell::EVERYWHERE, cells)];
+/// True if every point belongs to exactly one of the cells. Each cell results from planes that cut all of space, or one
+/// side of another such plane. So one plane always separates some cells from the others.
+fn tile_space(cells: Vec<SplitCell>) -> bool {
+    let mut pending = vec![(SplitCell::EVERYWHERE, cells)];
     while let Some((whole, cells)) = pending.pop() {
         if let [cell] = cells[..] {
             if cell == whole {
@@ -147,27 +147,17 @@ fn tile_space(cells: Vec<Cell>) -> bool {
 }
 
 /// True if `outer` contains the part of `aabb − centre` in a cell, without rounding.
-pub(crate) fn encloses(outer: &NodeBox, aabb: &Aabb, cell: &Cell, centre: DVec3) -> bool {
+fn encloses_part(outer: &Aabb32, aabb: &Aabb, cell: &SplitCell, centre: DVec3) -> bool {
     (0..3).all(|axis| {
-        (is_at_most(outer.min[axis], aabb.min[axis], centre[axis]) || outer.min[axis] < cell.min[axis])
-            && (is_at_most(-outer.max[axis], -aabb.max[axis], -centre[axis]) || outer.max[axis] > cell.max[axis])
+        let [lower, upper] = outer.encloses_on(axis, aabb, centre);
+        (lower || outer.min[axis] < cell.min[axis]) && (upper || outer.max[axis] > cell.max[axis])
     })
-}
-
-/// `plane ≤ b − c` for the real numbers: the rounded difference decides, or where it is equal, its error.
-fn is_at_most(plane: f32, b: f64, c: f64) -> bool {
-    let difference = b - c;
-    // Knuth's exact error of a difference (TAOCP 2, 4.2.2, theorem B).
-    let c_part = b - difference;
-    let error = (b - (difference + c_part)) + (c_part - c);
-    let plane = f64::from(plane);
-    plane < difference || (plane == difference && error >= 0.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{AcceleratorQueries, bvh::node::Node};
+    use crate::{Accelerator, bvh::node::Node};
     use rt_geometry::Hit;
     use rt_math::{Interval, Ray};
 
@@ -197,7 +187,7 @@ mod tests {
         let shrunk = |bvh: &mut Bvh, number: usize| {
             let node = &mut bvh.nodes[number];
             let [left, right] = [0, 1].map(|side| node.child_box(side));
-            let smaller = NodeBox { max: left.max - 0.3, ..left };
+            let smaller = Aabb32 { max: left.max - 0.3, ..left };
             *node = Node::new([smaller, right], node.children);
         };
         assert_eq!(damaged(|bvh| shrunk(bvh, 0)), Err(ValidationError::Node { node: 1 }), "does not contain its child");
@@ -206,26 +196,17 @@ mod tests {
         assert!(matches!(verdict, Err(ValidationError::Outside { .. })), "{verdict:?}");
         let verdict = damaged(|bvh| bvh.indices[1] = bvh.indices[0]);
         assert!(matches!(verdict, Err(ValidationError::Misplaced { .. })), "{verdict:?}");
-        let verdict = damaged(|bvh| bvh.nodes[0].children[0] = Child::leaf(0, 0));
+        let verdict = damaged(|bvh| bvh.nodes[0].children[0] = NodeRef::leaf(0, 0));
         assert!(verdict.is_err(), "a loop: {verdict:?}");
         assert_eq!(
-            damaged(|bvh| bvh.nodes[0].children[0] = Child::node(9999)),
+            damaged(|bvh| bvh.nodes[0].children[0] = NodeRef::node(9999)),
             Err(ValidationError::Node { node: 9999 })
         );
-        let verdict = damaged(|bvh| bvh.nodes[0].children[1] = Child::leaf(99, 5));
+        let verdict = damaged(|bvh| bvh.nodes[0].children[1] = NodeRef::leaf(99, 5));
         assert!(verdict.is_err(), "a leaf past the end: {verdict:?}");
         assert_eq!(
             damaged(|bvh| bvh.centre.x += 0.01).map_err(|e| matches!(e, ValidationError::Outside { .. })),
             Err(true)
         );
-    }
-
-    #[test]
-    fn containment_is_decided_without_rounding() {
-        // 1 − 2⁻⁶⁰ rounds to 1; the real number is below it.
-        let tiny = 1.0 / (1u64 << 60) as f64;
-        assert!(!is_at_most(1.0, 1.0, tiny));
-        assert!(is_at_most(1.0, 1.0, -tiny) && is_at_most(1.0, 1.0, 0.0));
-        assert!(!is_at_most(1.0, f64::NAN, 0.0));
     }
 }

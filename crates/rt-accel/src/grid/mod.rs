@@ -1,38 +1,34 @@
 //! Uniform grid.
 
-mod axis;
+mod dda;
+mod grid_axis;
 mod resolution;
-mod walk;
 
 use core::ops::{ControlFlow, RangeInclusive};
 
 use rt_geometry::{Primitives, Probe, padded_bounds};
 use rt_math::{Aabb, Interval, SlabRay};
 
-use crate::own_boxes::{PrimBounds, validate_lists};
-use crate::{
-    AcceleratorQueries, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError, ray_query::is_finite,
-    structure::accelerator_by_walk,
-};
-use axis::Axis;
+use crate::prim_bounds::{PrimBounds, validate_lists};
+use crate::{Accelerator, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError, ray_query::is_finite};
+use dda::Dda;
+use grid_axis::GridAxis;
 use resolution::{MAX_CELLS, cubical, suitable_cells};
-use walk::Walk;
 
-/// Most references to primitives of any grid: 4 GiB.
+/// Maximum number of references to primitives: 4 GiB.
 const MAX_REFERENCES: u64 = 1 << 30;
 
-/// A box of equal cells, each with a list of the primitives in it: the fastest structure to build, and a good one
-/// where primitives are of similar size and evenly spread.
+/// Box of equal cells with a list of primitives each: the fastest accelerator to build, and a good one for evenly
+/// distributed primitives of similar size.
 ///
-/// Rays walk from cell to cell (Amanatides and Woo 1987). A primitive in several cells is offered in each of them.
-/// Where a few small primitives lie in a large scene they all share one cell ("teapot in a stadium"): prefer
-/// [`Bvh`](crate::Bvh) there.
+/// Rays traverse the grid cell by cell (Amanatides and Woo 1987), and test a primitive in each of its cells. A few
+/// small primitives in a large scene share one cell ("teapot in a stadium"): prefer [`Bvh`](crate::Bvh) there.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct UniformGrid {
     bounds: Aabb,
-    axes: [Axis; 3],
-    /// Where the list of each cell starts in `indices`, and at the end, where the last one ends.
+    axes: [GridAxis; 3],
+    /// Start of the list of each cell in `indices`, and the end of the last one.
     starts: Vec<u32>,
     /// Primitives cell by cell, by rising index.
     indices: Vec<u32>,
@@ -41,8 +37,8 @@ pub struct UniformGrid {
 }
 
 impl UniformGrid {
-    /// Builds a grid with some six nearly cubical cells per primitive, fewer where primitives are so large that they
-    /// would fill too many.
+    /// Builds a grid with about six nearly cubical cells per primitive, fewer where large primitives would fill too
+    /// many.
     ///
     /// # Errors
     ///
@@ -61,19 +57,19 @@ impl UniformGrid {
     }
 
     /// Builds a grid with this number of cells along x, y and z. Zeros count as one, and cells that `f64` coordinates
-    /// cannot tell apart are merged: [`build_stats`](Self::build_stats) says how many there are.
+    /// cannot distinguish are merged: see [`resolution`](Self::resolution).
     ///
     /// # Errors
     ///
-    /// As [`build`](Self::build), and [`BuildError::TooMany`] for more than 2²⁶ cells or 2³⁰ references.
+    /// Those of [`build`](Self::build), and [`BuildError::TooMany`] for more than 2²⁶ cells or 2³⁰ references.
     pub fn with_resolution<P: Primitives>(primitives: &P, resolution: [u32; 3]) -> Result<Self, BuildError> {
         let boxes = PrimBounds::collect(primitives)?;
         let axes = divide(&boxes.union, resolution);
         Self::fill(boxes, axes)
     }
 
-    /// Sorts references by cell, counting first.
-    fn fill(boxes: PrimBounds, axes: [Axis; 3]) -> Result<Self, BuildError> {
+    /// Counting sort of references by cell.
+    fn fill(boxes: PrimBounds, axes: [GridAxis; 3]) -> Result<Self, BuildError> {
         let cells = axes.iter().fold(1u64, |product, axis| product.saturating_mul(u64::from(axis.cells)));
         for (count, limit) in [(cells, MAX_CELLS), (n_references(&boxes, &axes), MAX_REFERENCES)] {
             if count > limit {
@@ -89,7 +85,7 @@ impl UniformGrid {
             total += *start;
             *start = total;
         }
-        // Each list is filled from its end, so that its end has become its start when all is done.
+        // Fill each list from its end, so that its end becomes its start.
         let mut indices = vec![0; total as usize];
         for (index, own) in boxes.bounded.iter().rev() {
             for_each_cell(&axes, own, |cell| {
@@ -106,11 +102,11 @@ impl UniformGrid {
         self.axes.map(|axis| axis.cells)
     }
 
-    /// Checks all that can be checked without the primitives.
+    /// Checks everything that is independent of the primitives.
     #[cfg(feature = "serde")]
     fn check_shape(&self) -> Result<(), ValidationError> {
         let cells = self.axes.iter().try_fold(1u64, |product, axis| product.checked_mul(u64::from(axis.cells)));
-        let is_divided = self.axes.iter().all(Axis::is_sound);
+        let is_divided = self.axes.iter().all(GridAxis::is_valid);
         let ends = [self.starts.first(), self.starts.last()].map(|end| end.map(|&end| end as usize));
         let n_starts = cells.filter(|&cells| cells > 0).and_then(|cells| cells.checked_add(1));
         let is_listed = n_starts == Some(self.starts.len() as u64)
@@ -125,43 +121,43 @@ impl UniformGrid {
         }
     }
 
-    /// The primitives listed in a cell.
+    /// Primitives of a cell.
     #[inline(always)]
     fn list(&self, cell: usize) -> &[u32] {
         let [start, end] = [self.starts[cell], self.starts[cell + 1]];
         &self.indices[start as usize..end as usize]
     }
 
-    /// How the ray meets the grid.
+    /// Intersects a ray with the bounds of the grid.
     #[inline(always)]
-    fn passage(&self, ray: &SlabRay, span: Interval) -> Passage {
+    fn grid_entry(&self, ray: &SlabRay, span: Interval) -> GridEntry {
         let resolves = |axis: usize| self.axes[axis].resolves(ray.ray.origin[axis], ray.ray.direction[axis]);
         if !(is_finite(&ray.ray) && resolves(0) && resolves(1) && resolves(2)) {
-            return Passage::Unresolved;
+            return GridEntry::Unresolved;
         }
         match self.bounds.clip(ray, span) {
-            None => Passage::Missed,
-            Some(inside) if inside.max.is_finite() => Passage::Inside(inside),
-            Some(_) => Passage::Unresolved,
+            None => GridEntry::Missed,
+            Some(inside) if inside.max.is_finite() => GridEntry::Inside(inside),
+            Some(_) => GridEntry::Unresolved,
         }
     }
 }
 
-/// How a ray meets the grid.
-enum Passage {
-    /// It hits no bounded primitive.
+/// Intersection of a ray with the bounds of the grid.
+enum GridEntry {
+    /// The ray hits no bounded primitive.
     Missed,
-    /// All its hits are in cells along this part of it.
+    /// All hits are in the cells along this part of the ray.
     Inside(Interval),
-    /// Rounding hides which cells it crosses: every primitive has to be asked.
+    /// Rounding hides the cells on the path: every primitive has to be tested.
     Unresolved,
 }
 
-fn divide(bounds: &Aabb, resolution: [u32; 3]) -> [Axis; 3] {
-    core::array::from_fn(|axis| Axis::new(bounds.min[axis], bounds.max[axis], resolution[axis]))
+fn divide(bounds: &Aabb, resolution: [u32; 3]) -> [GridAxis; 3] {
+    core::array::from_fn(|axis| GridAxis::new(bounds.min[axis], bounds.max[axis], resolution[axis]))
 }
 
-fn n_references(boxes: &PrimBounds, axes: &[Axis; 3]) -> u64 {
+fn n_references(boxes: &PrimBounds, axes: &[GridAxis; 3]) -> u64 {
     let n_cells = |own: &Aabb| {
         (0..3)
             .map(|axis| axes[axis].insertion_range(own.min[axis], own.max[axis]))
@@ -170,13 +166,13 @@ fn n_references(boxes: &PrimBounds, axes: &[Axis; 3]) -> u64 {
     boxes.bounded.iter().fold(0, |sum, (_, own)| sum.saturating_add(n_cells(own)))
 }
 
-fn for_each_cell(axes: &[Axis; 3], own: &Aabb, mut visit: impl FnMut(usize)) {
+fn for_each_cell(axes: &[GridAxis; 3], own: &Aabb, mut visit: impl FnMut(usize)) {
     let ranges = core::array::from_fn(|axis| axes[axis].insertion_range(own.min[axis], own.max[axis]));
     for_each_in(axes, ranges, |_, cell| visit(cell));
 }
 
-/// Visits cells with their numbers along x, y and z, and in the list of all.
-fn for_each_in(axes: &[Axis; 3], ranges: [RangeInclusive<u32>; 3], mut visit: impl FnMut([u32; 3], usize)) {
+/// Visits cells with their indices along x, y and z, and in the list of all.
+fn for_each_in(axes: &[GridAxis; 3], ranges: [RangeInclusive<u32>; 3], mut visit: impl FnMut([u32; 3], usize)) {
     let [x, y, z] = ranges;
     for k in z {
         for j in y.clone() {
@@ -188,40 +184,40 @@ fn for_each_in(axes: &[Axis; 3], ranges: [RangeInclusive<u32>; 3], mut visit: im
     }
 }
 
-impl AcceleratorQueries for UniformGrid {
-    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+impl Accelerator for UniformGrid {
+    fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
-        query.offer_all(primitives, &self.unbounded, probe)?;
-        match self.passage(query.ray(), query.span()) {
-            Passage::Missed => {}
-            Passage::Inside(inside) => {
+        query.test_leaf(primitives, &self.unbounded, probe)?;
+        match self.grid_entry(query.ray(), query.span()) {
+            GridEntry::Missed => {}
+            GridEntry::Inside(inside) => {
                 let ray = *query.ray();
-                let mut walk = Walk::new(&self.axes, &ray, inside);
+                let mut walk = Dda::new(&self.axes, &ray, inside);
                 loop {
                     probe.node();
-                    query.offer_all(primitives, self.list(walk.cell()), probe)?;
+                    query.test_leaf(primitives, self.list(walk.cell()), probe)?;
                     if !walk.advance(query.span().max) {
                         break;
                     }
                 }
             }
-            Passage::Unresolved => {
+            GridEntry::Unresolved => {
                 for index in 0..self.primitives {
-                    query.offer(primitives, index, probe)?;
+                    query.test_primitive(primitives, index, probe)?;
                 }
             }
         }
         ControlFlow::Continue(())
     }
 
-    /// Shell by shell around the cell of the focus.
-    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
-        query.offer_all(&self.unbounded)?;
-        let focus = query.focus();
+    /// Visits cells in shells around that of the query point.
+    fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        query.test_leaf(&self.unbounded)?;
+        let focus = query.query_point();
         let start = core::array::from_fn(|axis| self.axes[axis].index(focus[axis]));
         for distance in 0.. {
             let bounds = query.bounds();
@@ -231,7 +227,7 @@ impl AcceleratorQueries for UniformGrid {
             let ranges = core::array::from_fn(|axis| {
                 self.axes[axis].index(bounds.min[axis])..=self.axes[axis].index(bounds.max[axis])
             });
-            if !self.search_shell(&Shell { start, distance }, &ranges, query)? {
+            if !self.search_shell(&CellShell { start, distance }, &ranges, query)? {
                 break;
             }
         }
@@ -255,7 +251,8 @@ impl AcceleratorQueries for UniformGrid {
         }
     }
 
-    /// Each bounded primitive lies within the grid and is listed in every cell that its own box touches.
+    /// Checks that each bounded primitive lies within the grid and is listed in every cell that its padded bounds
+    /// touch.
     fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         validate_lists(primitives, self.primitives, &self.unbounded)?;
         for primitive in 0..self.primitives {
@@ -289,19 +286,18 @@ impl AcceleratorQueries for UniformGrid {
     }
 }
 
-accelerator_by_walk!(UniformGrid);
 #[cfg(feature = "serde")]
-crate::saved::saved_and_checked!(UniformGrid, UniformGrid::check_shape);
+crate::checked_serde::impl_checked_serde!(UniformGrid, UniformGrid::check_shape);
 
-/// The cells whose numbers differ from those of a starting cell by `distance` on one axis, and by no more on others.
-struct Shell {
+/// Cells whose indices differ from those of a starting cell by `distance` on one axis, and by no more on others.
+struct CellShell {
     start: [u32; 3],
     distance: u32,
 }
 
-impl Shell {
-    /// The part of a range of numbers that is no farther away than the shell.
-    fn reach(&self, axis: usize, range: &RangeInclusive<u32>) -> RangeInclusive<u32> {
+impl CellShell {
+    /// Part of an index range that is no farther away than the shell.
+    fn clamped_range(&self, axis: usize, range: &RangeInclusive<u32>) -> RangeInclusive<u32> {
         let (start, distance) = (self.start[axis], self.distance);
         start.saturating_sub(distance).max(*range.start())..=start.saturating_add(distance).min(*range.end())
     }
@@ -320,19 +316,19 @@ impl Shell {
 }
 
 impl UniformGrid {
-    /// Offers what lies in the cells of a shell within the ranges. False if all further shells are out of range.
+    /// Tests the primitives in the cells of a shell within the ranges. False if all further shells are out of range.
     fn search_shell<Q: RegionQuery>(
         &self,
-        shell: &Shell,
+        shell: &CellShell,
         ranges: &[RangeInclusive<u32>; 3],
         query: &mut Q,
     ) -> ControlFlow<(), bool> {
         if !shell.is_needed(ranges) {
             return ControlFlow::Continue(false);
         }
-        let x_range = shell.reach(0, &ranges[0]);
-        for z in shell.reach(2, &ranges[2]) {
-            for y in shell.reach(1, &ranges[1]) {
+        let x_range = shell.clamped_range(0, &ranges[0]);
+        for z in shell.clamped_range(2, &ranges[2]) {
+            for y in shell.clamped_range(1, &ranges[1]) {
                 let is_side = shell.is_on(2, z) || shell.is_on(1, y);
                 let row = (z as usize * self.axes[1].cells as usize + y as usize) * self.axes[0].cells as usize;
                 let mut visit = |x: u32| self.search_cell(row + x as usize, [x, y, z], query);
@@ -340,7 +336,7 @@ impl UniformGrid {
                     x_range.clone().try_for_each(visit)?;
                     continue;
                 }
-                // Between the sides of the shell, only the two ends of a row are on it.
+                // Between the sides of the shell, only the two ends of a row belong to it.
                 let ends = [shell.start[0].checked_sub(shell.distance), shell.start[0].checked_add(shell.distance)];
                 ends.into_iter().flatten().filter(|x| x_range.contains(x)).try_for_each(&mut visit)?;
             }
@@ -350,7 +346,8 @@ impl UniformGrid {
 
     fn search_cell<Q: RegionQuery>(&self, cell: usize, place: [u32; 3], query: &mut Q) -> ControlFlow<()> {
         for &index in self.list(cell) {
-            query.offer(index, |point| (0..3).all(|axis| self.axes[axis].index(point[axis]) == place[axis]))?;
+            query
+                .test_primitive(index, |point| (0..3).all(|axis| self.axes[axis].index(point[axis]) == place[axis]))?;
         }
         ControlFlow::Continue(())
     }

@@ -1,22 +1,22 @@
-//! How many cells.
+//! Resolution of a grid.
 
 use glam::DVec3;
 use rt_math::transcendental::cbrt;
 
-/// Cells per primitive. Traversal of a grid is cheap compared to its tests, so there may be more cells than primitives
-/// (Wald et al., "Ray Tracing Animated Scenes using Coherent Grid Traversal", 2006, find 4 to 8 good).
+/// Cells per primitive. Traversal is cheap compared with tests, so that there may be more cells than primitives (Wald
+/// et al., "Ray Tracing Animated Scenes using Coherent Grid Traversal", 2006, recommend 4 to 8).
 const DENSITY: u64 = 6;
 
-/// Most cells of any grid: 256 MiB of offsets.
+/// Maximum number of cells: 256 MiB of offsets.
 pub(super) const MAX_CELLS: u64 = 1 << 26;
 
-/// Number of cells that suits so many primitives.
+/// Number of cells for this number of primitives.
 pub(super) fn suitable_cells(primitives: usize) -> u64 {
     (DENSITY * primitives as u64).clamp(1, MAX_CELLS)
 }
 
-/// Cells along each axis that are as close to cubes as `cells` cells allow. Axes shorter than such a cube have one
-/// cell, and the others share what that leaves over.
+/// Number of nearly cubical cells along each axis, at most `cells` in total. Axes shorter than such a cube have one
+/// cell, and the others share the remaining factor.
 pub(super) fn cubical(extent: DVec3, cells: u64) -> [u32; 3] {
     let longest = extent.max_element();
     // Only proportions matter; without a finite extent there are none.

@@ -1,4 +1,4 @@
-//! Tree of planes at right angles to the axes.
+//! Tree of axis-aligned planes.
 
 mod plane;
 mod split;
@@ -6,25 +6,25 @@ mod split;
 use rt_geometry::Primitives;
 
 use crate::BuildError;
-use crate::partition::{Partition, structure_by_partition};
+use crate::space_partition::{BspPartition, accelerator_by_partition};
 use plane::AxisPlane;
-pub(crate) use split::SurfaceArea;
+pub(crate) use split::SahSplit;
 
-/// A tree that cuts space in two by planes at right angles to the axes (Bentley 1975): O(log n) per ray, with the
-/// fewest visits of all where primitives do not overlap, as in most meshes of rooms and buildings.
+/// Binary partition of space by axis-aligned planes (Bentley 1975): O(log n) per ray, with the fewest visits of all
+/// where primitives do not overlap, as in most meshes of rooms and buildings.
 ///
-/// Built from the root down by the surface area heuristic with a bonus for cutting off empty space, at planes next to
-/// the faces of own boxes (Wald and Havran, "On building fast kd-trees for ray tracing, and on doing that in O(N log
-/// N)", 2006). A primitive is listed in every leaf that it touches, and offered from each: a ray may meet it several
-/// times, and where primitives overlap much a [`Bvh`](crate::Bvh) is smaller and faster. A walk goes from leaf to leaf
-/// in strict order, and ends at the first hit that lies before the next leaf. Primitives that move need a new tree.
+/// Built top-down by the surface area heuristic with a bonus for cutting off empty space, at planes next to the faces
+/// of padded bounds (Wald and Havran, "On building fast kd-trees for ray tracing, and on doing that in O(N log N)",
+/// 2006). A primitive is listed in every leaf that it touches, and tested in each. Where primitives overlap much, a
+/// [`Bvh`](crate::Bvh) is smaller and faster. A traversal visits leaves in strict order, and ends at the first hit
+/// before the next leaf. Moving primitives require a new tree.
 ///
-/// No leaf is deeper than 60, and cuts and references together are at most 16 per primitive and 4096 more. Primitives that no
-/// plane can separate share a leaf, however many they are. The tree is a pure function of the primitives, with or
-/// without the feature `parallel`. With the feature `serde`, save it in a format that keeps every bit of an `f64`.
+/// No leaf is deeper than 60, and planes and references together are at most 16 per primitive and 4096 more. Primitives
+/// that no plane can separate share a leaf. The tree is a pure function of the primitives, with or without the feature
+/// `parallel`. With the feature `serde`, use a format that keeps every bit of an `f64`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct KdTree(pub(crate) Partition<AxisPlane>);
+pub struct KdTree(pub(crate) BspPartition<AxisPlane>);
 
 impl KdTree {
     /// Builds the tree: O(n log n) time, 45 to 100 bytes per primitive afterwards.
@@ -33,8 +33,8 @@ impl KdTree {
     ///
     /// [`BuildError`] if bounds are NaN, inverted or infinite, or there are too many primitives.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
-        Ok(Self(Partition::build(primitives, &SurfaceArea)?))
+        Ok(Self(BspPartition::build(primitives, &SahSplit)?))
     }
 }
 
-structure_by_partition!(KdTree);
+accelerator_by_partition!(KdTree);

@@ -1,9 +1,9 @@
-//! Planes at right angles to an axis.
+//! Axis-aligned planes.
 //!
 //! # Why crossings are conservative
 //!
 //! On the axis of a plane at `s`, let `o` be the origin of a ray, `v = fl(1/d)`, and `fl` rounding to the nearest
-//! `f64`. [`Aabb::clip`] enters an own box `[b₋, b₊]` no earlier than `fl(fl(b₋ − o)·v)` and leaves it no later than
+//! `f64`. [`Aabb::clip`] enters padded bounds `[b₋, b₊]` no earlier than `fl(fl(b₋ − o)·v)` and leaves it no later than
 //! `fl(fl(fl(b₊ − o)·v)·FAR_FACTOR)`, for `v > 0`. A crossing takes the same operations to the plane, at `ts = fl(fl(s −
 //! o)·v)`, and each of them is monotone:
 //!
@@ -11,29 +11,18 @@
 //! * A box that lies below only, `b₊ < s`, is entered at `E ≤ fl(fl(fl(b₊ − o)·v)·FAR_FACTOR) ≤ fl(ts·FAR_FACTOR) ≤
 //!   near_max`. That is the greater of this and `ts`, which differ where `ts < 0`, so that `far_min ≤ near_max`.
 //!
-//! For `v < 0` the sides and all signs turn around. `0 · ∞` gives NaN where a ray lies in the plane, and no constraint.
-//! Where it lies in the face of a box that is off the plane, `ts` is infinite, of the sign that does not constrain the
-//! side of the box. So the promise of [`Cut::crossing`] holds for every finite ray, **bit for bit**.
+//! For `v < 0` the sides and all signs are exchanged. `0 · ∞` gives NaN where a ray lies in the plane, and no
+//! constraint. Where the ray lies in a face of a box off the plane, `ts` is infinite, with the sign that does not
+//! constrain the side of the box. So the contract of [`SplitPlane::plane_hit`] holds for every finite ray, **bit for
+//! bit**.
 
 use glam::DVec3;
 use rt_math::{Aabb, FAR_FACTOR, Interval, SlabRay};
 
-use crate::partition::{Crossing, Cut};
+use crate::axis::Axis;
+use crate::space_partition::{PlaneHit, SplitPlane};
 
-/// Which coordinate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) enum Axis {
-    X,
-    Y,
-    Z,
-}
-
-impl Axis {
-    pub(super) const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
-}
-
-/// All points with one coordinate of a given value. Packed, so that a node has 16 bytes.
+/// Plane of all points with one coordinate of a given value. Packed, so that a node has 16 bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(Rust, packed(4))]
@@ -42,22 +31,22 @@ pub(crate) struct AxisPlane {
     pub(crate) axis: Axis,
 }
 
-impl Cut for AxisPlane {
+impl SplitPlane for AxisPlane {
     type Ray = SlabRay;
 
-    /// Every finite ray will do.
+    /// Accepts every finite ray.
     #[inline]
     fn prepare(ray: &SlabRay, _bounds: &Aabb, _inside: Interval) -> Option<SlabRay> {
         Some(*ray)
     }
 
     #[inline(always)]
-    fn crossing(&self, ray: &SlabRay) -> Crossing {
+    fn plane_hit(&self, ray: &SlabRay) -> PlaneHit {
         let axis = self.axis as usize;
         let inverse = ray.inverse[axis];
         let t = (self.position - ray.ray.origin[axis]) * inverse;
         let later = t * FAR_FACTOR;
-        Crossing { from_above: inverse.is_sign_negative(), near_max: if later > t { later } else { t }, far_min: t }
+        PlaneHit { from_above: inverse.is_sign_negative(), near_max: if later > t { later } else { t }, far_min: t }
     }
 
     #[inline(always)]
@@ -67,23 +56,23 @@ impl Cut for AxisPlane {
 
     /// A box that touches the plane is on both sides.
     #[inline(always)]
-    fn sides(&self, aabb: &Aabb) -> [bool; 2] {
+    fn classify(&self, aabb: &Aabb) -> [bool; 2] {
         let axis = self.axis as usize;
         [aabb.min[axis] <= self.position, aabb.max[axis] >= self.position]
     }
 
-    fn divide(&self, cell: &Aabb) -> [Aabb; 2] {
+    fn split_bounds(&self, cell: &Aabb) -> [Aabb; 2] {
         let mut parts = [*cell; 2];
         parts[0].max[self.axis as usize] = self.position;
         parts[1].min[self.axis as usize] = self.position;
         parts
     }
 
-    fn divides_exactly(&self) -> bool {
+    fn is_tight(&self) -> bool {
         true
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid(&self) -> bool {
         let position = self.position;
         position.is_finite()
     }
@@ -92,7 +81,7 @@ impl Cut for AxisPlane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::partition::Node;
+    use crate::space_partition::Node;
     use rt_math::Ray;
     use rt_math::random::hash;
 
@@ -101,8 +90,8 @@ mod tests {
         assert_eq!(size_of::<Node<AxisPlane>>(), 16);
     }
 
-    /// The proof at the top of this file, tried on numbers that round, cancel, overflow and give NaN: bit for bit, and
-    /// without a tolerance.
+    /// Checks the proof at the top of this file with numbers that round, cancel, overflow and give NaN, without
+    /// tolerance.
     #[test]
     fn boxes_on_one_side_are_entered_within_the_interval_of_that_side() {
         let values =
@@ -126,9 +115,9 @@ mod tests {
             };
             let plane = AxisPlane { position, axis };
             let ray = SlabRay::new(&ray);
-            let Crossing { from_above, near_max, far_min } = plane.crossing(&ray);
+            let PlaneHit { from_above, near_max, far_min } = plane.plane_hit(&ray);
             assert!(!(far_min > near_max), "case {i}: {plane:?} {ray:?}");
-            let [below, above] = plane.sides(&own);
+            let [below, above] = plane.classify(&own);
             for span in [Interval::FORWARD, Interval::new(-3.0, 2.0), Interval::new(f64::NEG_INFINITY, f64::INFINITY)] {
                 let Some(inside) = own.clip(&ray, span).filter(|_| below != above) else { continue };
                 if above == from_above {
@@ -147,7 +136,7 @@ mod tests {
         let plane = AxisPlane { position: 2.0, axis: Axis::Y };
         for zero in [0.0, -0.0] {
             let crossing =
-                |y| plane.crossing(&SlabRay::new(&Ray::new(DVec3::new(0.0, y, 0.0), DVec3::new(1.0, zero, 0.0))));
+                |y| plane.plane_hit(&SlabRay::new(&Ray::new(DVec3::new(0.0, y, 0.0), DVec3::new(1.0, zero, 0.0))));
             let within = crossing(2.0);
             assert!(within.near_max.is_nan() && within.far_min.is_nan());
             let [above, below] = [crossing(2.5), crossing(1.5)];

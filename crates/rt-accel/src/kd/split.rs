@@ -1,28 +1,29 @@
-//! Where to cut a part of space: the surface area heuristic at the faces of own boxes.
+//! Selection of splitting planes: the surface area heuristic at the faces of padded bounds.
 //!
-//! Along an axis the numbers of boxes below and above a plane change at faces only, and between two faces the cost has no
-//! minimum. So the best plane of such a gap is next to one of its ends: just past the last face
-//! before, or just before the first face after, where it touches neither box (planes *in* a face would leave the box on
-//! both sides). In small parts all gaps are looked at; in large ones those between bins, whose ends are still faces.
+//! Along an axis the numbers of boxes below and above a plane change at faces only, and between two faces the cost has
+//! no minimum. So the best plane of such a gap is next to one of its ends: just past the last face before, or just
+//! before the first face after, where it touches neither box (planes *in* a face would leave the box on both sides). In
+//! small parts all gaps are evaluated; in large ones those between bins, whose ends are still faces.
 
 use glam::DVec3;
 use rt_math::Aabb;
 
-use super::plane::{Axis, AxisPlane};
-use crate::bounded_depth::leaves_room_for_halving;
-use crate::partition::{Chooser, Shape, Task};
+use super::plane::AxisPlane;
+use crate::axis::Axis;
+use crate::space_partition::{SahCost, SplitHeuristic, Task};
+use crate::traversal::depth_allows_median_split;
 
-/// From this number of boxes on, bins are looked at and not all faces.
+/// Minimum number of boxes for binning; fewer are swept.
 const MIN_BINNED: usize = 32;
 
 const BINS: usize = 32;
 
-/// Cuts by the surface area heuristic (MacDonald and Booth 1990), and evenly once those cuts have used up the depth
-/// that halving needs.
-pub(crate) struct SurfaceArea;
+/// Splits by the surface area heuristic (MacDonald and Booth 1990), and evenly once the remaining depth is needed for
+/// median splits.
+pub(crate) struct SahSplit;
 
-impl Chooser<AxisPlane> for SurfaceArea {
-    fn choose(&self, boxes: &[(u32, Aabb)], task: &Task<AxisPlane>) -> Option<AxisPlane> {
+impl SplitHeuristic<AxisPlane> for SahSplit {
+    fn find_split(&self, boxes: &[(u32, Aabb)], task: &Task<AxisPlane>) -> Option<AxisPlane> {
         let count = task.items.len();
         let faces = |axis: Axis| {
             let axis = axis as usize;
@@ -31,8 +32,8 @@ impl Chooser<AxisPlane> for SurfaceArea {
                 (own.min[axis], own.max[axis])
             })
         };
-        if leaves_room_for_halving(count, task.depth) {
-            let mut search = Search::new(task, Objective::Area(Shape::of(&task.cell)?));
+        if depth_allows_median_split(count, task.depth) {
+            let mut search = Search::new(task, Objective::Area(SahCost::of(&task.cell)?));
             for axis in Axis::ALL {
                 if count < MIN_BINNED { search.sweep(axis, faces(axis)) } else { search.bin(axis, faces(axis)) }
             }
@@ -45,20 +46,20 @@ impl Chooser<AxisPlane> for SurfaceArea {
     }
 }
 
-/// What makes a cut good.
+/// Quantity to minimise.
 enum Objective {
-    /// Few tests expected for a ray through the cell.
-    Area(Shape),
-    /// Few boxes on the fuller side.
+    /// Expected cost of a ray through the cell.
+    Area(SahCost),
+    /// Number of boxes on the fuller side.
     Balance,
 }
 
-/// The search for the best cut.
+/// Search for the best plane.
 struct Search<'t> {
     cell: &'t Aabb,
     count: u32,
     objective: Objective,
-    /// What a cut has to stay below: the cost of a leaf, later of the best cut.
+    /// Upper bound of the cost: that of a leaf, later that of the best plane.
     cost: f64,
     best: Option<AxisPlane>,
 }
@@ -69,23 +70,23 @@ impl<'t> Search<'t> {
         Self { cell: &task.cell, count, objective, cost: f64::from(count), best: None }
     }
 
-    /// Looks at the two planes at the ends of a gap between faces, where so many boxes have begun and so many ended.
-    /// The ends of the cell are no faces.
-    fn gap(&mut self, axis: Axis, last: f64, first: f64, begun: u32, ended: u32) {
+    /// Evaluates the two planes at the ends of a gap between faces, with the numbers of boxes that have begun and
+    /// ended. The ends of the cell are not faces.
+    fn evaluate_gap(&mut self, axis: Axis, last: f64, first: f64, begun: u32, ended: u32) {
         let (min, max) = (self.cell.min[axis as usize], self.cell.max[axis as usize]);
         let planes = [(last > min, last.next_up()), (first < max, first.next_down())];
         for (is_face, position) in planes {
             if is_face && min < position && position < max {
-                self.consider(AxisPlane { position, axis }, begun, self.count - ended);
+                self.evaluate(AxisPlane { position, axis }, begun, self.count - ended);
             }
         }
     }
 
-    fn consider(&mut self, plane: AxisPlane, below: u32, above: u32) {
+    fn evaluate(&mut self, plane: AxisPlane, below: u32, above: u32) {
         let cost = match &self.objective {
             Objective::Area(shape) => {
                 let (min, max) = (self.cell.min[plane.axis as usize], self.cell.max[plane.axis as usize]);
-                // Halves, as the extent may be too large to be a number.
+                // Halves, as the extent may overflow.
                 let fraction = (plane.position * 0.5 - min * 0.5) / (max * 0.5 - min * 0.5);
                 shape.cost(DVec3::AXES[plane.axis as usize], fraction, f64::from(below), f64::from(above))
             }
@@ -97,7 +98,7 @@ impl<'t> Search<'t> {
         }
     }
 
-    /// Looks at all gaps.
+    /// Evaluates all gaps.
     fn sweep(&mut self, axis: Axis, faces: impl ExactSizeIterator<Item = (f64, f64)>) {
         let (mut starts, mut ends): (Vec<_>, Vec<_>) = faces.unzip();
         starts.sort_unstable_by(f64::total_cmp);
@@ -113,7 +114,7 @@ impl<'t> Search<'t> {
             }
             let next = |faces: &[f64], place: usize| faces.get(place).copied().unwrap_or(max);
             let first = next(&starts, begun).min(next(&ends, ended)).min(max);
-            self.gap(axis, last, first, begun as u32, ended as u32);
+            self.evaluate_gap(axis, last, first, begun as u32, ended as u32);
             if first >= max {
                 return;
             }
@@ -121,10 +122,10 @@ impl<'t> Search<'t> {
         }
     }
 
-    /// Looks at the gaps between equal bins.
+    /// Evaluates the gaps between equal bins.
     fn bin(&mut self, axis: Axis, faces: impl Iterator<Item = (f64, f64)>) {
         let (min, max) = (self.cell.min[axis as usize], self.cell.max[axis as usize]);
-        // Monotone whatever the extent: if it is infinite, there is one bin, as the cast of NaN is 0. The inverse of a
+        // Monotone for any extent: if it is infinite, there is one bin, as the cast of NaN is 0. The inverse of a
         // denormal extent would be infinite.
         let extent = max - min;
         let place = |x: f64| (((x - min) / extent * BINS as f64) as usize).min(BINS - 1);
@@ -148,16 +149,16 @@ impl<'t> Search<'t> {
         }
         let mut last = min;
         for bin in bins.iter().filter(|bin| bin.first <= bin.last) {
-            self.gap(axis, last, bin.first, begun, ended);
+            self.evaluate_gap(axis, last, bin.first, begun, ended);
             begun += bin.starts;
             ended += bin.ends;
             last = bin.last;
         }
-        self.gap(axis, last, max, begun, ended);
+        self.evaluate_gap(axis, last, max, begun, ended);
     }
 }
 
-/// The faces within an interval of coordinates.
+/// Faces within an interval of coordinates.
 #[derive(Clone, Copy)]
 struct Bin {
     starts: u32,
@@ -179,12 +180,19 @@ impl Bin {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::partition::Cut;
+    use crate::space_partition::SplitPlane;
     use rt_math::random::{hash, unit};
 
     fn task(boxes: &[(u32, Aabb)], depth: u32) -> Task<AxisPlane> {
         let cell = boxes.iter().fold(Aabb::EMPTY, |all, (_, own)| all.union(*own));
-        Task { items: (0..boxes.len() as u32).collect(), cell, walls: Vec::new(), depth, path: 1, budget: 1 << 20 }
+        Task {
+            items: (0..boxes.len() as u32).collect(),
+            cell,
+            clip_planes: Vec::new(),
+            depth,
+            path: 1,
+            budget: 1 << 20,
+        }
     }
 
     fn row(places: impl IntoIterator<Item = f64>) -> Vec<(u32, Aabb)> {
@@ -193,7 +201,7 @@ mod tests {
     }
 
     fn counts(boxes: &[(u32, Aabb)], plane: &AxisPlane) -> [usize; 2] {
-        [0, 1].map(|side| boxes.iter().filter(|(_, own)| plane.sides(own)[side]).count())
+        [0, 1].map(|side| boxes.iter().filter(|(_, own)| plane.classify(own)[side]).count())
     }
 
     #[test]
@@ -201,7 +209,7 @@ mod tests {
         for n in [4, 100] {
             let step = |i: u32| f64::from(i) * 2.0 / f64::from(n);
             let boxes = row((0..n).map(step).chain((0..n).map(|i| 50.0 + step(i))));
-            let plane = SurfaceArea.choose(&boxes, &task(&boxes, 0)).expect("two clusters");
+            let plane = SahSplit.find_split(&boxes, &task(&boxes, 0)).expect("two clusters");
             let position = plane.position;
             let last = boxes[n as usize - 1].1.max.x;
             assert!(position == last.next_up() || position == 50f64.next_down(), "{plane:?}");
@@ -213,7 +221,7 @@ mod tests {
     fn empty_space_is_cut_off_at_the_last_face_before_it() {
         let boxes = row((0..40).map(|i| f64::from(i) * 0.01));
         let wide = Task { cell: Aabb::new(DVec3::ZERO, DVec3::new(100.0, 1.0, 1.0)), ..task(&boxes, 0) };
-        let plane = SurfaceArea.choose(&boxes, &wide).expect("emptiness");
+        let plane = SahSplit.find_split(&boxes, &wide).expect("emptiness");
         let position = plane.position;
         assert_eq!((plane.axis, position), (Axis::X, boxes[39].1.max.x.next_up()));
     }
@@ -222,21 +230,21 @@ mod tests {
     fn what_cannot_be_parted_is_not_cut() {
         for n in [1, 2, 31, 1000] {
             let same = row((0..n).map(|_| 3.0));
-            assert_eq!(SurfaceArea.choose(&same, &task(&same, 0)), None);
-            assert_eq!(SurfaceArea.choose(&same, &task(&same, 59)), None);
+            assert_eq!(SahSplit.find_split(&same, &task(&same, 0)), None);
+            assert_eq!(SahSplit.find_split(&same, &task(&same, 59)), None);
         }
-        assert_eq!(SurfaceArea.choose(&[], &task(&[], 0)), None);
+        assert_eq!(SahSplit.find_split(&[], &task(&[], 0)), None);
     }
 
     #[test]
     fn lopsided_sets_are_halved_when_depth_runs_out() {
         let boxes = row([1e6].into_iter().chain((0..1000).map(|i| 2.0 * f64::from(i))));
-        let sides_at = |depth| SurfaceArea.choose(&boxes, &task(&boxes, depth)).map(|plane| counts(&boxes, &plane));
+        let sides_at = |depth| SahSplit.find_split(&boxes, &task(&boxes, depth)).map(|plane| counts(&boxes, &plane));
         assert_eq!(sides_at(0), Some([1000, 1]));
         assert_eq!(sides_at(55), Some([500, 501]));
     }
 
-    /// The counts that a search goes by are those of the boxes.
+    /// The counts of a search are those of the boxes.
     #[test]
     fn bins_are_nearly_as_good_as_all_faces() {
         for seed in 0..50 {
@@ -248,7 +256,7 @@ mod tests {
                 .collect();
             let task = task(&boxes, 0);
             let best = |by_bins: bool| {
-                let mut search = Search::new(&task, Objective::Area(Shape::of(&task.cell).expect("a box")));
+                let mut search = Search::new(&task, Objective::Area(SahCost::of(&task.cell).expect("a box")));
                 for axis in Axis::ALL {
                     let faces = boxes.iter().map(|(_, own)| (own.min[axis as usize], own.max[axis as usize]));
                     if by_bins { search.bin(axis, faces) } else { search.sweep(axis, faces) }
@@ -256,7 +264,7 @@ mod tests {
                 let plane = search.best.expect("a cut");
                 let [below, above] = counts(&boxes, &plane).map(|count| count as u32);
                 let mut again = Search::new(&task, search.objective);
-                again.consider(plane, below, above);
+                again.evaluate(plane, below, above);
                 assert_eq!(again.cost, search.cost, "{plane:?}");
                 search.cost
             };

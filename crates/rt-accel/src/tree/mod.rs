@@ -1,73 +1,75 @@
-//! Binary trees in one list each, for structures whose nodes are of `f64` numbers.
+//! Binary trees with `f64` payloads.
 
-mod grow;
-mod shape;
+mod validate;
 
-pub(crate) use grow::{Cut, halve, partition};
+use crate::node_ref::NodeRef;
+use crate::prim_bounds::{Item, PrimBounds};
+use crate::top_down::{SliceSplit, Subtree, TreeNode, build_in_place};
 
-use rt_math::Aabb;
-
-/// A primitive and its own box.
-pub(crate) type Item = (u32, Aabb);
-
-/// What is behind one side of a node: a run of primitives, or another node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Child {
-    /// Start of the run in the list of indices, or the number of the node.
-    pub(crate) first: u32,
-    /// Length of the run; 0 for a node.
-    pub(crate) count: u32,
-}
-
-impl Child {
-    pub(crate) const fn node(number: u32) -> Self {
-        Self { first: number, count: 0 }
-    }
-
-    pub(crate) const fn leaf(first: u32, count: u32) -> Self {
-        Self { first, count }
-    }
-}
-
-/// What a structure knows about both sides of a node, and what is behind them.
+/// Payload and children of an inner node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Node<C> {
-    pub(crate) content: C,
-    pub(crate) children: [Child; 2],
+    pub(crate) payload: C,
+    pub(crate) children: [NodeRef; 2],
 }
 
-/// A binary tree: nodes in depth-first order, the left side first, and leaves as consecutive runs. A node and all that
-/// is below it are therefore consecutive as well, in both lists.
+impl<C: Send> TreeNode for Node<C> {
+    type Payload = C;
+
+    fn inner(payload: C) -> Self {
+        Self { payload, children: [NodeRef::node(0); 2] }
+    }
+
+    fn link(&mut self, children: [NodeRef; 2]) {
+        self.children = children;
+    }
+
+    fn shift(&mut self, nodes: u32, indices: u32) {
+        self.children = self.children.map(|child| child.shifted(nodes, indices));
+    }
+}
+
+/// Binary tree. Nodes are in depth-first order, the left child first, and leaves are consecutive ranges of indices. So
+/// each subtree is consecutive in both lists.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Tree<C> {
     pub(crate) nodes: Vec<Node<C>>,
-    pub(crate) root: Child,
+    pub(crate) root: NodeRef,
     /// Bounded primitives, leaf by leaf.
     pub(crate) indices: Vec<u32>,
     pub(crate) unbounded: Vec<u32>,
 }
 
-/// What a step down a tree leads to.
-pub(crate) enum Place<'t, C> {
-    /// Some primitives.
+impl<C: Send> Tree<C> {
+    /// Builds the tree over all bounded primitives: see [`build_in_place`].
+    pub(crate) fn build<S: Send>(
+        boxes: PrimBounds,
+        state: S,
+        split: impl Fn(&mut [Item], &S, u32) -> Option<SliceSplit<C, S>> + Sync,
+    ) -> Self {
+        let mut items = boxes.bounded;
+        let Subtree { nodes, indices, root, .. } = build_in_place(&mut items, state, split);
+        Self { nodes, root, indices, unbounded: boxes.unbounded }
+    }
+}
+
+/// Node or leaf behind a reference.
+pub(crate) enum NodeKind<'t, C> {
     Leaf(&'t [u32]),
-    /// Two more steps.
-    Node(&'t Node<C>),
+    Inner(&'t Node<C>),
 }
 
 impl<C> Tree<C> {
-    /// What is behind a child.
     #[inline(always)]
-    pub(crate) fn place(&self, child: Child) -> Place<'_, C> {
+    pub(crate) fn resolve(&self, child: NodeRef) -> NodeKind<'_, C> {
         if child.count == 0
             && let Some(node) = self.nodes.get(child.first as usize)
         {
-            return Place::Node(node);
+            return NodeKind::Inner(node);
         }
-        Place::Leaf(&self.indices[child.first as usize..][..child.count as usize])
+        NodeKind::Leaf(&self.indices[child.first as usize..][..child.count as usize])
     }
 
     /// Number of primitives, bounded or not.
@@ -75,7 +77,7 @@ impl<C> Tree<C> {
         (self.indices.len() + self.unbounded.len()) as u32
     }
 
-    /// Bytes held on the heap.
+    /// Heap memory in bytes.
     pub(crate) fn heap(&self) -> usize {
         self.nodes.capacity() * size_of::<Node<C>>()
             + (self.indices.capacity() + self.unbounded.capacity()) * size_of::<u32>()
@@ -83,4 +85,4 @@ impl<C> Tree<C> {
 }
 
 #[cfg(feature = "serde")]
-crate::saved::saved_and_checked!(Tree<C>, Tree::check_shape, C: Sized);
+crate::checked_serde::impl_checked_serde!(Tree<C>, Tree::check_shape, C: Sized);

@@ -1,30 +1,30 @@
-//! Cylinders along the axes.
+//! Axis-aligned bounding cylinders.
 
 use core::f64::consts::PI;
 
 use glam::DVec3;
 use rt_math::{Aabb, FAR_FACTOR, Interval, SlabRay};
 
-use super::chord::{chord, entry, margin, root_above};
+use super::quadric::{chord, entry, error_margin, sqrt_up};
 use super::volume::BoundingVolume;
-use crate::coordinate::Coordinate;
+use crate::axis::Axis;
 
-/// A cylinder with caps along the x, y or z axis, whichever makes the smallest surface.
+/// Cylinder with caps along the x, y or z axis, with the smallest surface of the three.
 ///
-/// It fits what is long or flat as well as a box does, and what stands upright and round better.
+/// Fits long and flat contents as well as a box does, and upright round contents better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoundingCylinder {
-    axis: Coordinate,
+    axis: Axis,
     centre: DVec3,
-    /// `f64::MAX` where there is no better number.
+    /// `f64::MAX` on overflow.
     radius: f64,
-    /// Where the caps are on the axis.
+    /// Coordinates of the caps on the axis.
     caps: [f64; 2],
 }
 
 impl BoundingCylinder {
-    /// The number of the axis that it is parallel to.
+    /// Index of its axis.
     pub fn axis(&self) -> usize {
         self.axis as usize
     }
@@ -44,7 +44,7 @@ impl BoundingCylinder {
         self.caps
     }
 
-    /// Where the ray is between the caps. As the slab test, it is monotone: see [`Aabb::clip`].
+    /// Part of the ray between the caps. Monotone as the slab test: see [`Aabb::clip`].
     #[inline(always)]
     fn between_caps(&self, ray: &SlabRay) -> Interval {
         let (origin, inverse) = (ray.ray.origin[self.axis as usize], ray.inverse[self.axis as usize]);
@@ -59,15 +59,14 @@ impl BoundingCylinder {
     }
 }
 
-/// The part of a vector across an axis.
+/// Part of a vector at right angles to an axis.
 #[inline(always)]
-fn across(axis: Coordinate, mut vector: DVec3) -> DVec3 {
+fn across(axis: Axis, mut vector: DVec3) -> DVec3 {
     vector[axis as usize] = 0.0;
     vector
 }
 
-/// The squares of the distances from the lines through a point, along x, y and z, to the farthest edges of a box around
-/// it.
+/// Squared distances from the lines through a point, along x, y and z, to the farthest edges of a box around it.
 fn reach_squared(centre: DVec3, aabb: &Aabb) -> DVec3 {
     let farthest = (centre - aabb.min).max(aabb.max - centre);
     let square = farthest * farthest;
@@ -79,9 +78,9 @@ impl BoundingVolume for BoundingCylinder {
         let union = boxes.clone().fold(Aabb::EMPTY, Aabb::union);
         let centre = union.centre();
         let reach = boxes.fold(DVec3::ZERO, |most, own| most.max(reach_squared(centre, &own)));
-        let [x, y, z] = Coordinate::ALL.map(|axis| {
+        let [x, y, z] = Axis::ALL.map(|axis| {
             let caps = [union.min[axis as usize], union.max[axis as usize]];
-            Self { axis, centre, radius: root_above(reach[axis as usize]), caps }
+            Self { axis, centre, radius: sqrt_up(reach[axis as usize]), caps }
         });
         let smaller = |a: Self, b: Self| if b.measure() < a.measure() { b } else { a };
         smaller(smaller(x, y), z)
@@ -91,20 +90,20 @@ impl BoundingVolume for BoundingCylinder {
         let axis = self.axis as usize;
         self.caps[0] <= aabb.min[axis]
             && aabb.max[axis] <= self.caps[1]
-            && root_above(reach_squared(self.centre, aabb)[axis]) <= self.radius
+            && sqrt_up(reach_squared(self.centre, aabb)[axis]) <= self.radius
     }
 
     #[inline(always)]
     fn enter(&self, ray: &SlabRay, span: Interval) -> Option<f64> {
         let between = self.between_caps(ray);
         let offset = ray.ray.origin - self.centre;
-        let inside = match margin(&ray.ray, offset, self.radius + (self.caps[1] - self.caps[0])) {
+        let inside = match error_margin(&ray.ray, offset, self.radius + (self.caps[1] - self.caps[0])) {
             None => between,
-            Some(margin) => {
+            Some(error_margin) => {
                 let direction = ray.ray.direction;
                 let speed = direction.abs().max_element();
                 let [offset, direction] = [offset, direction].map(|vector| across(self.axis, vector));
-                let inside = chord(offset, direction, speed, self.radius, margin)?;
+                let inside = chord(offset, direction, speed, self.radius, error_margin)?;
                 Interval::new(between.min.max(inside.min), between.max.min(inside.max))
             }
         };

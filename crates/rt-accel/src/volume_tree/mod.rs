@@ -1,11 +1,11 @@
-//! Trees of bounding volumes other than boxes.
+//! Trees of spheres, cylinders and other bounding volumes.
 
-mod chord;
 mod cylinder;
+mod quadric;
 mod sphere;
 mod split;
+mod traverse;
 mod volume;
-mod walk;
 
 use core::ops::ControlFlow;
 
@@ -13,19 +13,19 @@ use rt_geometry::{Primitives, Probe};
 use rt_math::Aabb;
 
 use crate::{
-    AcceleratorQueries, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError, own_boxes::PrimBounds,
-    ray_query::is_finite, structure::accelerator_by_walk, tree::Tree,
+    Accelerator, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError, prim_bounds::PrimBounds,
+    ray_query::is_finite, tree::Tree,
 };
 pub use cylinder::BoundingCylinder;
 pub use sphere::BoundingSphere;
 pub use volume::BoundingVolume;
 
-/// A binary tree of volumes of one shape, each around all primitives below: O(log n) per ray for most scenes.
+/// Binary tree of bounding volumes of one shape: O(log n) per ray for most scenes.
 ///
-/// As the first hierarchies were made (Whitted 1980; Rubin and Whitted 1980), built from the root down by the surface
-/// area heuristic for the volume at hand. Volumes enclose the own boxes of primitives, not the primitives, as the
-/// equality of all structures asks for; boxes are therefore the tightest, and [`Bvh`](crate::Bvh) is faster on nearly
-/// every scene. Take this one to see by how much, or for a shape of volume that suits a scene better than boxes do.
+/// Hierarchies of this kind were the first (Whitted 1980; Rubin and Whitted 1980); this one is built top-down by the
+/// surface area heuristic for the volume. Volumes enclose the padded bounds of primitives, as all accelerators must
+/// return identical results. Boxes are therefore the tightest volumes, and [`Bvh`](crate::Bvh) is faster on nearly
+/// every scene. Recommended for comparisons, and for volumes that fit a scene better than boxes.
 ///
 /// No leaf is deeper than 60. The tree is a pure function of the primitives.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +50,7 @@ impl<V: BoundingVolume> VolumeTree<V> {
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
         let boxes = PrimBounds::collect(primitives)?;
         let measure = split::around::<V>(&boxes.bounded).measure();
-        Ok(Self { tree: Tree::grow(boxes, measure, split::split) })
+        Ok(Self { tree: Tree::build(boxes, measure, split::split) })
     }
 
     /// Visits the volumes of all nodes and leaves but the root, depth first, with their depth.
@@ -67,24 +67,24 @@ impl<V: BoundingVolume> VolumeTree<V> {
     }
 }
 
-impl<V: BoundingVolume> AcceleratorQueries for VolumeTree<V> {
-    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+impl<V: BoundingVolume> Accelerator for VolumeTree<V> {
+    fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
-        query.offer_all(primitives, &self.tree.unbounded, probe)?;
+        query.test_leaf(primitives, &self.tree.unbounded, probe)?;
         if is_finite(&query.ray().ray) {
-            self.descend(primitives, query, probe)
+            self.traverse_bounded(primitives, query, probe)
         } else {
-            query.offer_all(primitives, &self.tree.indices, probe)
+            query.test_leaf(primitives, &self.tree.indices, probe)
         }
     }
 
-    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
-        query.offer_all(&self.tree.unbounded)?;
-        self.descend_region(query)
+    fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        query.test_leaf(&self.tree.unbounded)?;
+        self.traverse_bounded_region(query)
     }
 
     fn memory(&self) -> usize {
@@ -99,17 +99,15 @@ impl<V: BoundingVolume> AcceleratorQueries for VolumeTree<V> {
         self.tree.validate(primitives, |volumes, side, own| volumes[side].encloses(own))
     }
 
-    /// Of the boxes around its volumes.
+    /// Visits the boxes around its volumes.
     fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
         self.for_each_volume(|volume, depth| visit(volume.bounds(), depth));
     }
 }
 
 impl<V: BoundingVolume> Refit for VolumeTree<V> {
-    /// O(n log n), but a fraction of the time of building.
+    /// O(n log n), in a fraction of the build time.
     fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
         self.tree.refit(primitives, |_, sides| sides.map(|boxes| V::around(boxes.iter().copied()))).map(drop)
     }
 }
-
-accelerator_by_walk!(VolumeTree<V>, V: BoundingVolume);

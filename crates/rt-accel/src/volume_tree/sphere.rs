@@ -1,22 +1,22 @@
-//! Balls.
+//! Bounding spheres.
 
 use core::f64::consts::PI;
 
 use glam::DVec3;
 use rt_math::{Aabb, Interval, SlabRay};
 
-use super::chord::{chord, entry, margin, root_above};
+use super::quadric::{chord, entry, error_margin, sqrt_up};
 use super::volume::BoundingVolume;
 
-/// A ball around the centre of some boxes.
+/// Sphere around the centre of some boxes.
 ///
-/// Balls are small and hit or missed by one distance, but they are poor at enclosing: one around a cube has 2.7 times
-/// its volume, and one around something long and thin is mostly empty.
+/// Spheres have few numbers and a cheap test, but enclose poorly: one around a cube has 2.7 times its volume, and one
+/// around long and thin contents is mostly empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoundingSphere {
     centre: DVec3,
-    /// `f64::MAX` where there is no better number.
+    /// `f64::MAX` on overflow.
     radius: f64,
 }
 
@@ -32,7 +32,7 @@ impl BoundingSphere {
     }
 }
 
-/// The square of the distance from a point to the farthest corner of a box around it.
+/// Squared distance from a point to the farthest corner of a box around it.
 fn reach_squared(centre: DVec3, aabb: &Aabb) -> f64 {
     (centre - aabb.min).max(aabb.max - centre).length_squared()
 }
@@ -40,19 +40,19 @@ fn reach_squared(centre: DVec3, aabb: &Aabb) -> f64 {
 impl BoundingVolume for BoundingSphere {
     fn around(boxes: impl Iterator<Item = Aabb> + Clone) -> Self {
         let centre = boxes.clone().fold(Aabb::EMPTY, Aabb::union).centre();
-        Self { centre, radius: root_above(boxes.fold(0.0, |most: f64, own| most.max(reach_squared(centre, &own)))) }
+        Self { centre, radius: sqrt_up(boxes.fold(0.0, |most: f64, own| most.max(reach_squared(centre, &own)))) }
     }
 
     fn encloses(&self, aabb: &Aabb) -> bool {
-        root_above(reach_squared(self.centre, aabb)) <= self.radius
+        sqrt_up(reach_squared(self.centre, aabb)) <= self.radius
     }
 
     #[inline(always)]
     fn enter(&self, ray: &SlabRay, span: Interval) -> Option<f64> {
         let offset = ray.ray.origin - self.centre;
-        let Some(margin) = margin(&ray.ray, offset, self.radius) else { return Some(span.min) };
+        let Some(error_margin) = error_margin(&ray.ray, offset, self.radius) else { return Some(span.min) };
         let direction = ray.ray.direction;
-        entry(chord(offset, direction, direction.abs().max_element(), self.radius, margin)?, span)
+        entry(chord(offset, direction, direction.abs().max_element(), self.radius, error_margin)?, span)
     }
 
     fn bounds(&self) -> Aabb {

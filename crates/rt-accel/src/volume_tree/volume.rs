@@ -1,31 +1,31 @@
-//! What a tree of volumes asks of them.
+//! Interface of bounding volumes.
 
 use core::fmt::Debug;
 
 use rt_math::{Aabb, Interval, SlabRay};
 
-/// A volume that a [`VolumeTree`](crate::VolumeTree) is made of.
+/// Bounding volume of a [`VolumeTree`](crate::VolumeTree).
 ///
 /// # Contract
 ///
-/// The tree gives the bits of brute force if [`enter`](Self::enter) culls no ray that passes the box of a primitive
-/// inside; the implementations here come with a proof. It is memory safe and ends in any case.
+/// The tree returns the bits of brute force if [`enter`](Self::enter) culls no ray that passes the padded bounds of a
+/// primitive inside; the implementations here have a proof. Memory safety and termination do not depend on it.
 pub trait BoundingVolume: Copy + Debug + PartialEq + Send + Sync {
-    /// A volume around some boxes, all of which are finite. Any volume for none.
+    /// Volume around finite boxes. Any volume for none.
     fn around(boxes: impl Iterator<Item = Aabb> + Clone) -> Self;
 
-    /// True if the box is inside, as it is for those that the volume was made around.
+    /// True if the box is inside. Holds for the boxes that the volume was built from.
     fn encloses(&self, aabb: &Aabb) -> bool;
 
-    /// Where within `span` the ray is inside for the first time, or `None` if it never is.
+    /// First parameter within `span` at which the ray is inside; `None` if it never is.
     ///
-    /// Conservative for finite rays: where [`Aabb::clip`] leaves something of the span for a box inside, the entry is
-    /// no later than the beginning of that. `span.min` is always a right answer.
+    /// Conservative for finite rays: if [`Aabb::clip`] returns an interval for a box inside, the entry is no later than
+    /// its beginning. `span.min` is always valid.
     fn enter(&self, ray: &SlabRay, span: Interval) -> Option<f64>;
 
-    /// A box around it; sides may be infinite.
+    /// Bounds; sides may be infinite.
     fn bounds(&self) -> Aabb;
 
-    /// A number proportional to how likely rays are to hit it: the surface area, for convex volumes.
+    /// Proportional to the probability of a hit: the surface area, for convex volumes.
     fn measure(&self) -> f64;
 }

@@ -19,7 +19,7 @@ use super::simd::{Simd, WithSimd};
 use super::single_ray::{TraversalStats, traverse};
 use super::stack::StackStorage;
 use super::{STACK, WideBvh};
-use crate::AcceleratorQueries;
+use crate::Accelerator;
 
 /// Interleaved rays: enough to outlast a cache miss, few enough to stay in the first-level cache.
 const N_IN_FLIGHT: usize = 16;

@@ -21,7 +21,7 @@ use super::packet_rays::signs;
 use super::query::take_lane;
 use super::ray::{FARTHEST, RANGE, SLACK, STEEPEST, round_down, round_up};
 use super::simd::Simd;
-use crate::bvh::NodeBox;
+use crate::bvh::Aabb32;
 
 /// Padding of primitives is less than this part of the distance of the tree's centre from the origin.
 const OF_OFFSET: f32 = 1.0 / (1u64 << 38) as f32;
@@ -71,7 +71,7 @@ impl<S: Simd> BundleFrustum<S> {
             return None;
         }
         let pad = DVec3::splat(tree.size * SLACK);
-        let outline = NodeBox::outward(&Aabb::new(low - pad, high + pad), DVec3::ZERO);
+        let outline = Aabb32::enclosing(&Aabb::new(low - pad, high + pad), DVec3::ZERO);
         let least = fastest.max(DVec3::splat(fastest.max_element() / STEEPEST)).recip() * (1.0 - SLACK);
         let greatest = slowest.max(DVec3::splat(slowest.max_element() / STEEPEST)).recip() * (1.0 + SLACK);
         let mut this = Self {

@@ -39,10 +39,7 @@ mod validate;
 use core::hint::select_unpredictable;
 use core::ops::ControlFlow;
 
-use crate::{
-    Accelerator, AcceleratorQueries, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError,
-    bounded_depth::MAX_DEPTH,
-};
+use crate::{Accelerator, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError, traversal::MAX_DEPTH};
 use rt_geometry::{Hit, Primitives, Probe};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
@@ -181,7 +178,7 @@ impl WideBvh {
             return self.descend(primitives, query, probe);
         }
         for leaf in self.leaves() {
-            query.offer_all(primitives, self.leaves.indices(leaf), probe)?;
+            query.test_leaf(primitives, self.leaves.indices(leaf), probe)?;
         }
         ControlFlow::Continue(())
     }
@@ -240,21 +237,19 @@ impl Accelerator for WideBvh {
     ) {
         self.trace_batch(primitives, rays, occluded, probe);
     }
-}
 
-impl AcceleratorQueries for WideBvh {
-    fn walk<P: Primitives, Q: RayQuery, S: Probe>(
+    fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
-        query.offer_all(primitives, &self.unbounded, probe)?;
+        query.test_leaf(primitives, &self.unbounded, probe)?;
         self.walk_bounded(primitives, query, probe)
     }
 
-    fn search<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
-        query.offer_all(&self.unbounded)?;
+    fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        query.test_leaf(&self.unbounded)?;
         self.descend_region(query)
     }
 
@@ -294,4 +289,4 @@ impl AcceleratorQueries for WideBvh {
 }
 
 #[cfg(feature = "serde")]
-crate::saved::saved_and_checked!(WideBvh, WideBvh::validate_shape);
+crate::checked_serde::impl_checked_serde!(WideBvh, WideBvh::validate_shape);

@@ -1,7 +1,7 @@
 //! Nodes of eight boxes.
 
 use super::simd::Simd;
-use crate::bvh::NodeBox;
+use crate::bvh::Aabb32;
 
 /// Child of a node: another node, or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,7 +114,7 @@ impl Node {
         simd.splat(planes[lane & 7])
     }
 
-    pub(super) fn set(&mut self, lane: usize, bounds: &NodeBox, child: Child) {
+    pub(super) fn set(&mut self, lane: usize, bounds: &Aabb32, child: Child) {
         for axis in 0..3 {
             self.planes[2 * axis][lane] = bounds.min[axis];
             self.planes[2 * axis + 1][lane] = bounds.max[axis];
@@ -141,7 +141,7 @@ impl Node {
     pub(super) fn child_box(&self, lane: usize) -> Option<NodeBox> {
         let side = |side: usize| [0, 1, 2].map(|axis| self.planes[2 * axis + side][lane]).into();
         let (min, max): (glam::Vec3A, glam::Vec3A) = (side(0), side(1));
-        min.cmple(max).all().then_some(NodeBox { min, max })
+        min.cmple(max).all().then_some(Aabb32 { min, max })
     }
 
     /// True if lanes without a child equal those of an empty node. Boxes that are slightly inverted or NaN might be

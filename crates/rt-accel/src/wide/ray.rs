@@ -221,7 +221,7 @@ mod tests {
     use super::super::node::Child;
     use super::super::simd::{DetectedSimd, SimdLevel, WithSimd};
     use super::*;
-    use crate::bvh::NodeBox;
+    use crate::bvh::Aabb32;
 
     /// 2ⁿ, for n from −1022 to 1023.
     fn power_of_two(n: i32) -> f64 {
@@ -284,7 +284,7 @@ mod tests {
                 let size = power_of_two((draw.next() * 20.0) as i32);
                 let corners = [0, 1].map(|_| centre + draw.vector(Draw::next) * size * 0.5);
                 let own = Aabb::from_points(corners).padded();
-                let inner = NodeBox::outward(&own, centre);
+                let inner = Aabb32::enclosing(&own, centre);
                 let size = size.max(inner.max_abs());
                 let mut node = Node::EMPTY;
                 node.set(0, &inner, Child::node(0));

@@ -6,7 +6,7 @@ use super::build::PrimStats;
 use super::leaf::{LeafKind, LeafWriter};
 use super::node::{Child, Node};
 use super::{BuildParams, WideBvh};
-use crate::{BuildError, Refit, bvh::NodeBox, own_boxes::validate_lists};
+use crate::{BuildError, Refit, bvh::Aabb32, prim_bounds::validate_lists};
 
 impl Refit for WideBvh {
     /// Builds a new tree if another kind of leaf suits the triangles, as after a move far from the origin.
@@ -38,9 +38,9 @@ impl WideBvh {
     /// Refits a leaf, or joins the boxes of a node that is already fitted; returns the bounds.
     fn fit<P: Primitives>(&mut self, child: Child, filling: &LeafWriter<'_, P>) -> NodeBox {
         if child.is_node() {
-            return self.nodes[child.number()].children().fold(NodeBox::EMPTY, |all, (bounds, _)| all.union(bounds));
+            return self.nodes[child.number()].children().fold(Aabb32::EMPTY, |all, (bounds, _)| all.union(bounds));
         }
         self.leaves.refill(child, filling);
-        self.leaves.indices(child).iter().map(|&index| filling.own(index)).fold(NodeBox::EMPTY, NodeBox::union)
+        self.leaves.indices(child).iter().map(|&index| filling.own(index)).fold(Aabb32::EMPTY, Aabb32::union)
     }
 }

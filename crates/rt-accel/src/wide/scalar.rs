@@ -8,7 +8,7 @@ use rt_math::{Aabb, Interval};
 
 use super::node::{Child, Node};
 use super::{STACK, WideBvh};
-use crate::{RayQuery, RegionQuery, bvh::NodeRay};
+use crate::{RayQuery, RegionQuery, bvh::SlabRay32};
 
 /// Deferred children with their sort keys, the farthest of a node deepest.
 struct ScalarStack {
@@ -53,7 +53,7 @@ impl WideBvh {
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
-        let node_ray = NodeRay::new(query.ray(), self.centre);
+        let node_ray = SlabRay32::new(query.ray(), self.centre);
         let mut stack = ScalarStack::new();
         stack.insert(0, (f64::NEG_INFINITY, self.root, (0, 0)));
         while let Some((enter, child, _)) = stack.pop() {
@@ -62,7 +62,7 @@ impl WideBvh {
                 continue;
             }
             if !child.is_node() {
-                query.offer_all(primitives, self.leaves.indices(child), probe)?;
+                query.test_leaf(primitives, self.leaves.indices(child), probe)?;
                 continue;
             }
             let Some(node) = self.nodes.get(child.number()) else { continue };
@@ -87,14 +87,14 @@ impl WideBvh {
                 continue;
             }
             if !child.is_node() {
-                query.offer_all(self.leaves.indices(child))?;
+                query.test_leaf(self.leaves.indices(child))?;
                 continue;
             }
             let Some(node) = self.nodes.get(child.number()) else { continue };
             let first = stack.len;
             for lane in 0..8 {
                 let place = (child.number() as u32, lane);
-                if let Some(reach) = self.box_at(place).and_then(|bounds| query.reach(&bounds)) {
+                if let Some(reach) = self.box_at(place).and_then(|bounds| query.distance_to(&bounds)) {
                     stack.insert(first, (reach, node.children[usize::from(lane)], place));
                 }
             }

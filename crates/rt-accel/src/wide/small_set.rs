@@ -1,7 +1,6 @@
 //! A few primitives without a tree: spheres and triangles are intersected with eight rays at once, instances with whole
 //! batches.
 
-use crate::Accelerator;
 use rt_geometry::{BatchKernel, Hit, Primitives, Probe};
 use rt_math::{Interval, Ray};
 
@@ -24,7 +23,7 @@ const INSTANCE_BATCH: usize = 1024;
 /// and counts the work of a batch.
 ///
 /// ```
-/// use rt_accel::{Aabb, Accelerator, Boxes, DVec3, Interval, NoProbe, Ray, wide::SmallSet};
+/// use rt_accel::{Aabb, Boxes, DVec3, Interval, NoProbe, Ray, wide::SmallSet};
 ///
 /// let boxes = [0.0, 2.0, 4.0].map(|x| Aabb::new(DVec3::splat(x), DVec3::splat(x + 1.0)));
 /// let all_but_the_first = SmallSet::new([2, 1]).expect("within the capacity");
@@ -312,8 +311,9 @@ impl<O: Output> Batch<'_, O> {
     }
 }
 
-impl Accelerator for SmallSet {
-    fn closest<P: Primitives, S: Probe>(
+impl SmallSet {
+    /// Closest hit of the members within `span`.
+    pub fn closest<P: Primitives, S: Probe>(
         &self,
         primitives: &P,
         ray: &Ray,
@@ -323,11 +323,13 @@ impl Accelerator for SmallSet {
         Tester { primitives, probe }.test_all(self.indices(), ray, span)
     }
 
-    fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+    /// True if any member occludes the ray within `span`.
+    pub fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         Tester { primitives, probe }.test_all(self.indices(), ray, span)
     }
 
-    fn closest_batch<P: Primitives, S: Probe>(
+    /// [`closest`](Self::closest) for many rays, with identical results.
+    pub fn closest_batch<P: Primitives, S: Probe>(
         &self,
         primitives: &P,
         rays: &[(Ray, Interval)],
@@ -337,7 +339,8 @@ impl Accelerator for SmallSet {
         self.trace_batch(primitives, rays, hits, probe);
     }
 
-    fn occluded_batch<P: Primitives, S: Probe>(
+    /// [`occluded`](Self::occluded) for many rays, with identical results.
+    pub fn occluded_batch<P: Primitives, S: Probe>(
         &self,
         primitives: &P,
         rays: &[(Ray, Interval)],

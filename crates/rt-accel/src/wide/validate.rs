@@ -6,8 +6,8 @@ use rt_geometry::{Primitives, padded_bounds};
 use super::WideBvh;
 use super::leaf::{LeafWriter, MAX_LEAF};
 use super::node::Child;
-use crate::bvh::{Cell, NodeBox, encloses};
-use crate::{ValidationError, bounded_depth::MAX_DEPTH, own_boxes::validate_lists};
+use crate::bvh::Aabb32;
+use crate::{ValidationError, prim_bounds::validate_lists, traversal::MAX_DEPTH};
 
 impl WideBvh {
     /// Validates everything that does not depend on the primitives. Every node has one parent, which precedes it; the
@@ -46,7 +46,7 @@ impl WideBvh {
         self.for_each_leaf(|leaf, bounds| {
             for &primitive in self.leaves.indices(leaf) {
                 let own = padded_bounds(primitives, primitive).ok_or(ValidationError::Misplaced { primitive })?;
-                if !encloses(bounds, &own, &Cell::EVERYWHERE, self.centre) {
+                if !bounds.encloses(&own, self.centre) {
                     return Err(ValidationError::Outside { primitive });
                 }
             }
@@ -61,7 +61,7 @@ impl WideBvh {
     /// Visits all leaves with their boxes, and validates the nodes.
     fn for_each_leaf(
         &self,
-        mut visit: impl FnMut(Child, &NodeBox) -> Result<(), ValidationError>,
+        mut visit: impl FnMut(Child, &Aabb32) -> Result<(), ValidationError>,
     ) -> Result<(), ValidationError> {
         let everything = NodeBox { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
         // With another root, nodes would remain unvalidated.

@@ -1,6 +1,6 @@
-//! Primitives to build structures over: simple kernels, one of them deliberately bad.
+//! Primitives to build accelerators over: simple kernels, one of them deliberately bad.
 //!
-//! The equality of structures must hold for any kernel that keeps the contract of `Primitives`, so accuracy does not
+//! The equality of accelerators must hold for any kernel that keeps the contract of `Primitives`, so accuracy does not
 //! matter here.
 
 #![allow(dead_code, reason = "each test binary uses another part of this module")]
@@ -21,7 +21,7 @@ pub(crate) enum Solid {
         centre: DVec3,
         radius: f64,
     },
-    /// A sphere about which structures may decide.
+    /// A sphere about which accelerators may decide.
     Round(SphereKernel),
     Box(Aabb),
     Triangle([DVec3; 3]),
@@ -98,7 +98,7 @@ impl Soup {
         Self(solids)
     }
 
-    /// A ball of triangles that share vertices, and small ones around it.
+    /// A sphere of triangles that share vertices, and small ones around it.
     pub(crate) fn triangles(draw: &mut Draw) -> Self {
         let bumps = |x: f64, z: f64| DVec3::new(x, (x * z).abs() - 0.5, z);
         let mut solids: Vec<_> = sheet(12, bumps).collect();
@@ -111,7 +111,7 @@ impl Soup {
         Self(solids)
     }
 
-    /// As a mesh has them.
+    /// Triangles as of a mesh.
     pub(crate) fn facets(draw: &mut Draw) -> Self {
         let facet = |solid| match solid {
             Solid::Triangle(vertices) => Solid::Facet(vertices.map(|vertex| vertex.as_vec3())),
@@ -120,7 +120,7 @@ impl Soup {
         Self(Self::triangles(draw).0.into_iter().map(facet).collect())
     }
 
-    /// The same, where structures may decide about spheres.
+    /// The same, where accelerators may decide about spheres.
     pub(crate) fn rounded(self) -> Self {
         let round = |solid| match solid {
             Solid::Sphere { centre, radius } => Solid::Round(SphereKernel { centre, radius }),

@@ -1,8 +1,8 @@
-//! All structures over the same primitives.
+//! All accelerators over the same primitives.
 
 use rt_accel::{
-    Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator, Bvh, Counters, Hit, Interval, Linear, NoProbe,
-    Primitives, Ray, UniformGrid, brute_force,
+    Accelerator, AcceleratorKind, AnyAccelerator, Bvh, Counters, Hit, Interval, Linear, NoProbe, Primitives, Ray,
+    UniformGrid, brute_force,
 };
 
 /// One of each kind, brute force first.
@@ -46,7 +46,7 @@ impl Structures {
     }
 }
 
-/// Primitives offered per ray.
+/// Primitives tested per ray.
 pub(crate) fn tests_per_ray<A: Accelerator, P: Primitives>(structure: &A, primitives: &P, rays: &[Ray]) -> f64 {
     let mut counters = Counters::default();
     for ray in rays {

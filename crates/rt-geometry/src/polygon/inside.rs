@@ -1,10 +1,10 @@
-//! Inside or outside: the three rules of the lecture.
+//! Point-in-polygon rules.
 
 use crate::WatertightRay;
 use rt_math::DVec3;
 use rt_math::float::difference_of_products;
 
-/// What counts as the inside of a polygon.
+/// Definition of the inside of a polygon.
 ///
 /// A polygon that does not cross itself has the same inside under all three, but for its edge:
 ///
@@ -13,14 +13,14 @@ use rt_math::float::difference_of_products;
 /// | `Convex` | belongs to the polygon, as for triangles: where two meet, both are hit, at the same place |
 /// | `Winding`, `EvenOdd` | belongs to one of two polygons that share it in a plane, never to both or neither |
 ///
-/// The second is the half-open rule. It answers for a ray that is moved from the edge by less than any number, to the
+/// The second is the half-open rule. It decides as if the ray were moved from the edge by less than any number, to the
 /// same side for all polygons, so it leaves no gap between polygons in different planes either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum InsideRule {
-    /// For convex polygons: the common part of the half-planes along the edges.
+    /// For convex polygons: the intersection of the half-planes of the edges.
     ///
     /// Rounding may dent the image of a convex polygon by the width of a rounding error, most easily at corners on a
-    /// straight edge. Where the half-planes disagree, the winding number is asked.
+    /// straight edge. Where the half-planes disagree, the winding number decides.
     Convex,
     /// The outline winds around the point a number of times other than zero (Sunday, "Inclusion of a Point in a
     /// Polygon", 2001). All of a pentagram is inside.
@@ -31,7 +31,7 @@ pub enum InsideRule {
 }
 
 impl InsideRule {
-    /// Whether the ray passes inside the rings, as it sees them.
+    /// True if the ray passes inside the rings, in ray space.
     pub(super) fn is_inside<'r>(self, rings: impl Iterator<Item = &'r [DVec3]>, ray: &WatertightRay) -> bool {
         let mut sides = Sides::default();
         match self {
@@ -48,19 +48,19 @@ impl InsideRule {
     }
 }
 
-/// Where the origin of the image lies with respect to the edges.
+/// Position of the image's origin relative to the edges.
 #[derive(Default)]
 struct Sides {
     /// Edges that cross the positive x axis upwards, less those that cross it downwards.
     winding: i64,
-    /// Whether the origin is strictly to the left of any edge.
+    /// True if the origin is strictly to the left of any edge.
     left: bool,
-    /// Whether it is strictly to the right of any.
+    /// True if the origin is strictly to the right of any edge.
     right: bool,
 }
 
 impl Sides {
-    /// Looks at all edges of a ring; `left` and `right` are filled in for `ALL` only.
+    /// Adds all edges of a ring; sets `left` and `right` for `ALL` only.
     fn add_ring<const ALL: bool>(&mut self, ring: &[DVec3], ray: &WatertightRay) {
         let Some(last) = ring.last() else { return };
         let mut a = ray.map(*last);

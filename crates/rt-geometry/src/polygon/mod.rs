@@ -14,24 +14,24 @@ use rt_math::{Aabb, DVec3, Frame, Interval, Ray, Transform};
 
 /// A flat polygon: an outline and holes in it. Its front is the side from which the outline runs counter-clockwise.
 ///
-/// The ray is cut with the plane of the polygon, which gives `t`. Whether the hit counts is not asked of that point,
-/// which is rounded, but of the ray: all corners are mapped as [`WatertightRay`] maps those of triangles, and the
-/// [`InsideRule`] looks for the origin of the image with exact signs. Polygons and triangles that share corners in one
-/// space share their image, so no ray slips through between them, at edges or at corners, however they are tilted.
+/// The intersection with the plane of the polygon gives `t`. The inside test does not use that rounded point, but the
+/// ray: all corners are mapped as [`WatertightRay`] maps those of triangles, and the [`InsideRule`] locates the origin
+/// of the image with exact signs. Polygons and triangles with common corners in one space share their image, so that no
+/// ray passes between them, at edges or at corners, for any tilt.
 ///
 /// Corners may lie off the plane by a millionth of the diameter. They are projected on it for `t` and the surface, but
-/// keep their places for what is inside, lest gaps open to the neighbours.
+/// not for the inside test, which avoids gaps to the neighbours.
 ///
 /// The texture coordinates run from 0 to 1 along the tangents that [`Frame::from_z`] gives for the normal (x and y for
 /// a polygon that faces +z), over the smallest box with such sides around the outline and holes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polygon {
     vertices: Box<[DVec3]>,
-    /// Where each ring ends in `vertices`: the outline, then the holes.
+    /// End of each ring in `vertices`: the outline, then the holes.
     ring_ends: Box<[usize]>,
     rule: InsideRule,
     plane: Plane,
-    /// Whether corners lie off the plane by more than rounding.
+    /// True if corners lie off the plane by more than rounding.
     bent: bool,
     bounds: Aabb,
     uv_min: [f64; 2],
@@ -41,8 +41,8 @@ pub struct Polygon {
 impl Polygon {
     /// The polygon with this outline and these holes. Rings are closed: the last corner is joined to the first.
     ///
-    /// Outline and holes may run either way and may cross themselves where the rule allows it. Under
-    /// [`InsideRule::Winding`] each hole is turned to run against the outline, so that it is left out.
+    /// Outline and holes may have either orientation and may cross themselves where the rule allows it. Under
+    /// [`InsideRule::Winding`] each hole is oriented against the outline, so that it is left out.
     ///
     /// # Errors
     /// If a ring has fewer than three corners, a number is not finite or too large, the outline has no area, a corner
@@ -79,7 +79,7 @@ impl Polygon {
         starts.zip(&self.ring_ends).map(|(start, &end)| &self.vertices[start..end])
     }
 
-    /// What counts as inside.
+    /// Inside rule.
     pub const fn rule(&self) -> InsideRule {
         self.rule
     }
@@ -99,7 +99,7 @@ impl Polygon {
         size_of::<Self>() + size_of_val(&*self.vertices) + size_of_val(&*self.ring_ends)
     }
 
-    /// The polygon under a map, with the image of its front; `None` if rounding bends it out of its shape.
+    /// Polygon under a map, with the image of its front; `None` if rounding bends it.
     pub(crate) fn mapped(&self, map: &Transform) -> Option<Self> {
         let mut rings = self.rings().map(|ring| {
             let mut ring: Vec<DVec3> = ring.iter().map(|v| map.point(*v)).collect();
@@ -111,12 +111,12 @@ impl Polygon {
         Self::new(rings.next()?, rings.collect(), self.rule).ok()
     }
 
-    /// The greatest dot product of a direction with a point of the polygon.
+    /// Support function: the largest dot product of a direction with a point of the polygon.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         self.extremes().map(|v| v.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The points whose convex hull holds all hits.
+    /// Points whose convex hull contains all hits.
     fn extremes(&self) -> impl Iterator<Item = DVec3> {
         let Self { plane, bent, .. } = self;
         let foot = |v: &DVec3| *v - plane.normal() * plane.normal().dot(*v - plane.point());
@@ -124,8 +124,8 @@ impl Polygon {
         self.vertices.iter().copied().chain(feet)
     }
 
-    /// Where the ray crosses the polygon, from either side; `None` on a miss, when it is parallel to the plane, and for
-    /// rays without a direction. Takes time in proportion to the number of corners.
+    /// Intersection from either side; `None` on a miss, for rays parallel to the plane, and for rays without a
+    /// direction. Takes linear time in the number of corners.
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let hit = self.plane.intersect(ray, span)?;
         self.rule.is_inside(self.rings(), &WatertightRay::new(ray)).then_some(hit)
@@ -139,7 +139,7 @@ impl Polygon {
     }
 }
 
-/// Least value and extent of the corners along the tangents of the plane, from its point.
+/// Minimum and extent of the corners along the tangents of the plane, relative to its point.
 fn extent_along_tangents(vertices: &[DVec3], plane: &Plane) -> ([f64; 2], [f64; 2]) {
     let frame = Frame::from_z(plane.normal());
     let local = Aabb::from_points(vertices.iter().map(|v| frame.to_local(*v - plane.point())));

@@ -4,10 +4,10 @@ use crate::{Plane, ShapeError, area::area_vector, error::check_coordinates};
 use rt_math::float::gamma;
 use rt_math::{Aabb, DVec3};
 
-/// Most that a corner may lie off the plane, as a part of the diameter.
+/// Maximum distance of a corner from the plane, relative to the diameter.
 const FLATNESS: f64 = 1e-6;
 
-/// Why a polygon cannot be made. Each variant holds the offending value.
+/// Reason why a polygon cannot be made, with the offending value.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PolygonError {
     /// The outline or a hole with fewer than three corners.
@@ -15,7 +15,7 @@ pub enum PolygonError {
     TooFewVertices {
         /// 0 for the outline, then the holes.
         ring: usize,
-        /// How many corners it has.
+        /// Number of corners.
         count: usize,
     },
     /// A coordinate that no shape can have.
@@ -30,7 +30,7 @@ pub enum PolygonError {
          more than a millionth of its diameter {diameter}: cut it into flat parts"
     )]
     NotFlat {
-        /// The corner that is farthest off.
+        /// Index of the farthest corner.
         vertex: DVec3,
         /// Its distance from the plane.
         distance: f64,
@@ -90,15 +90,15 @@ pub(super) fn check_convex(outline: &[DVec3], holes: &[Vec<DVec3>], normal: DVec
     Ok(())
 }
 
-/// Whether an edge joins a corner to itself.
+/// True if an edge joins a corner to itself.
 fn is_standing(way: Option<std::cmp::Ordering>) -> bool {
     way == Some(std::cmp::Ordering::Equal)
 }
 
-/// How well the corners lie in the plane.
+/// Flatness of the corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Flatness {
-    /// As well as they can be represented.
+    /// Flat but for rounding.
     Flat,
     /// Within the tolerance.
     Bent,

@@ -1,4 +1,4 @@
-//! Known values, areas, and what is refused. How polygons share edges is tested in `tests/shared_edges.rs`.
+//! Known values, areas and rejected input. `tests/shared_edges.rs` tests shared edges of polygons.
 
 use super::*;
 use crate::Triangle;
@@ -83,7 +83,7 @@ fn half_open_polygons_have_their_left_and_lower_edges_and_convex_ones_all() {
 #[test]
 fn a_concave_pentagon_covers_its_area() {
     const ROWS: u32 = 512;
-    // Only cells on the two slanted edges are left to chance: twice their length in cells, a variance of 1/4 each.
+    // Only cells on the two slanted edges are uncertain: twice their length in cells, a variance of 1/4 each.
     let cell = 4.0 / f64::from(ROWS);
     let deviation = cell * cell / 2.0 * (2.0 * 2.0 * 13f64.sqrt() / cell).sqrt();
     let slant = DVec3::new(0.3, -0.2, -1.0);

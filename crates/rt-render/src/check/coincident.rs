@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-use rt_accel::{AcceleratorQueries, Boxes, Bvh};
+use rt_accel::{Accelerator, Boxes, Bvh};
 use rt_geometry::{Shape, Sphere, TransformedShape};
 use rt_math::{Aabb, DVec3};
 

@@ -11,7 +11,7 @@
 
 use core::ops::ControlFlow;
 
-use rt_accel::{AcceleratorQueries as _, AnyAccelerator, Region};
+use rt_accel::{Accelerator as _, AnyAccelerator, Region};
 use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay};
 use rt_shading::{Light, LightKind};
 

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
-use rt_accel::{AcceleratorKind, AcceleratorQueries, AnyAccelerator};
+use rt_accel::{Accelerator, AcceleratorKind, AnyAccelerator};
 use rt_geometry::TriangleMesh;
 
 use super::{

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use rt_accel::{AcceleratorQueries as _, AnyAccelerator, BuildStats};
+use rt_accel::{Accelerator as _, AnyAccelerator, BuildStats};
 use serde::Serialize;
 
 use super::{mismatch::Mismatches, trace::Query};

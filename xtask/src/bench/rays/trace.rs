@@ -1,7 +1,7 @@
 //! Tracing a set of rays, compiled for each structure, so that no ray pays for the choice.
 
 use rayon::prelude::*;
-use rt_accel::{AcceleratorQueries, AcceleratorVisitor, AnyAccelerator, NoProbe};
+use rt_accel::{Accelerator, AcceleratorVisitor, AnyAccelerator, NoProbe};
 use rt_geometry::{Hit, TriangleMesh};
 use rt_math::{Interval, Ray};
 
@@ -90,7 +90,7 @@ struct Trace<'a, A> {
 impl<A: Answer> AcceleratorVisitor for Trace<'_, A> {
     type Output = ();
 
-    fn visit<T: AcceleratorQueries>(self, structure: &T) {
+    fn visit<T: Accelerator>(self, structure: &T) {
         let Self { mesh, method, rays, answers } = self;
         let share = method.batch.unwrap_or(SHARE);
         let shares = rays.par_chunks(share).zip(answers.par_chunks_mut(share));

@@ -2,7 +2,7 @@
 
 use std::{f64::consts::FRAC_1_SQRT_2, time::Instant};
 
-use rt_accel::{Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator, LazyBih, UniformGrid};
+use rt_accel::{Accelerator, AcceleratorKind, AnyAccelerator, LazyBih, UniformGrid};
 use rt_geometry::{Counters, Cuboid, Hit, NoProbe, Primitives, Shape, Sphere, Triangle};
 use rt_math::{Aabb, DVec3, Interval, Ray, transcendental::exp2};
 use rt_tests::{Draw, ShapeSet};

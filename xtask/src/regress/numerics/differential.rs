@@ -106,7 +106,7 @@ impl Trial<'_> {
 
 /// The bits of all hits in order.
 fn all_hits<P: Primitives>(structure: &Named, primitives: &P, ray: &Ray, span: Interval) -> Vec<Option<[u64; 5]>> {
-    use rt_accel::AcceleratorQueries;
+    use rt_accel::Accelerator;
     let mut hits: Vec<Hit> = Vec::new();
     structure.structure.all_hits(primitives, ray, span, &mut hits, &mut NoProbe);
     hits.into_iter().map(|hit| key(Some(hit))).collect()

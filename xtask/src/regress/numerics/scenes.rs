@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use rt_accel::{Accelerator, AcceleratorKind, AcceleratorQueries, AnyAccelerator};
+use rt_accel::{Accelerator, AcceleratorKind, AnyAccelerator};
 use rt_geometry::{Counters, Hit, NoProbe, Primitives};
 use rt_math::{Interval, Ray};
 

@@ -1,145 +1,146 @@
-//! A node that does not know what it is until somebody asks.
+//! Node that is split at the first visit.
 
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use rt_math::Aabb;
 
-use crate::{bih::planes::Planes, bih::split::split, bih::walk::Step, tree::Item};
+use crate::bih::{planes::Planes, split::split, traverse::BihNode};
+use crate::prim_bounds::Item;
 
-/// First it has a list, then it is split and the list is gone.
+/// Node of a lazy hierarchy: first a list of primitives, after the split a leaf or an inner node.
 ///
-/// Copies, comparisons and the end of it recurse, no deeper than the tree, which is bounded.
+/// Copying, comparing and dropping recurse, at most as deep as the tree.
 #[derive(Debug)]
 pub(in crate::bih) struct LazyNode {
-    found: OnceLock<Found>,
-    /// `None` from the moment when somebody has begun to split it.
-    waiting: Mutex<Option<Box<Waiting>>>,
+    kind: OnceLock<SplitNode>,
+    /// `None` as soon as a thread has begun to split the node.
+    unsplit: Mutex<Option<Box<Unsplit>>>,
 }
 
-/// All that splitting a node depends on.
+/// Input of the split.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Waiting {
+pub(super) struct Unsplit {
     pub(super) items: Vec<Item>,
     pub(super) cell: Aabb,
     depth: u32,
 }
 
-/// What a node was split into.
+/// Result of the split.
 #[derive(Clone, Debug, PartialEq)]
-enum Found {
+enum SplitNode {
     Leaf(Box<[u32]>),
-    Node(Box<Sides>),
+    Node(Box<Inner>),
 }
 
 #[derive(Clone, Debug, PartialEq)]
-struct Sides {
+struct Inner {
     planes: Planes,
     children: [LazyNode; 2],
 }
 
-/// What is known of a node.
-pub(super) enum Known<'n> {
-    /// It has not been split. As long as this exists nobody will.
-    Waiting(MutexGuard<'n, Option<Box<Waiting>>>),
-    /// What it was split into.
-    Split(Step<'n, &'n LazyNode>),
+/// Current state of a node.
+pub(super) enum NodeState<'n> {
+    /// Not split. The lock keeps other threads from splitting it.
+    Unsplit(MutexGuard<'n, Option<Box<Unsplit>>>),
+    /// Result of the split.
+    Split(BihNode<'n, &'n LazyNode>),
 }
 
 impl LazyNode {
-    pub(super) fn waiting(items: Vec<Item>, cell: Aabb, depth: u32) -> Self {
-        Self { found: OnceLock::new(), waiting: Mutex::new(Some(Box::new(Waiting { items, cell, depth }))) }
+    pub(super) fn unsplit(items: Vec<Item>, cell: Aabb, depth: u32) -> Self {
+        Self { kind: OnceLock::new(), unsplit: Mutex::new(Some(Box::new(Unsplit { items, cell, depth }))) }
     }
 
     #[cfg(feature = "serde")]
     pub(super) fn leaf(indices: Vec<u32>) -> Self {
-        Self { found: OnceLock::from(Found::Leaf(indices.into())), waiting: Mutex::new(None) }
+        Self { kind: OnceLock::from(SplitNode::Leaf(indices.into())), unsplit: Mutex::new(None) }
     }
 
     #[cfg(feature = "serde")]
     pub(super) fn inner(planes: Planes, children: [Self; 2]) -> Self {
-        Self { found: OnceLock::from(Found::Node(Box::new(Sides { planes, children }))), waiting: Mutex::new(None) }
+        Self { kind: OnceLock::from(SplitNode::Node(Box::new(Inner { planes, children }))), unsplit: Mutex::new(None) }
     }
 
-    /// What it leads to; it is split if it has not been.
+    /// Splits the node if necessary.
     #[inline(always)]
-    pub(super) fn step(&self) -> Step<'_, &Self> {
-        match self.found() {
-            Found::Leaf(indices) => Step::Leaf(indices),
-            Found::Node(sides) => Step::Node(&sides.planes, sides.children.each_ref()),
+    pub(super) fn resolve(&self) -> BihNode<'_, &Self> {
+        match self.kind() {
+            SplitNode::Leaf(indices) => BihNode::Leaf(indices),
+            SplitNode::Node(sides) => BihNode::Inner(&sides.planes, sides.children.each_ref()),
         }
     }
 
     #[inline(always)]
-    fn found(&self) -> &Found {
-        // Only one thread at a time gets to take the list, and once only.
-        self.found.get_or_init(|| self.lock().take().map_or(Found::Leaf(Box::default()), |waiting| waiting.split()))
+    fn kind(&self) -> &SplitNode {
+        // Only one thread takes the list, once.
+        self.kind.get_or_init(|| self.lock().take().map_or(SplitNode::Leaf(Box::default()), |unsplit| unsplit.split()))
     }
 
-    /// What is known of it, without splitting it. Waits if it is just being split.
-    pub(super) fn known(&self) -> Known<'_> {
-        let waiting = self.lock();
-        if waiting.is_some() {
-            return Known::Waiting(waiting);
+    /// Current state, without splitting the node. Waits for a split in progress.
+    pub(super) fn state(&self) -> NodeState<'_> {
+        let unsplit = self.lock();
+        if unsplit.is_some() {
+            return NodeState::Unsplit(unsplit);
         }
-        drop(waiting);
-        Known::Split(self.step())
+        drop(unsplit);
+        NodeState::Split(self.resolve())
     }
 
-    fn lock(&self) -> MutexGuard<'_, Option<Box<Waiting>>> {
-        // Nobody who holds the lock can leave the list half changed.
-        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, Option<Box<Unsplit>>> {
+        // No holder of the lock can leave the list half changed.
+        self.unsplit.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Waiting {
-    fn split(mut self) -> Found {
+impl Unsplit {
+    fn split(mut self) -> SplitNode {
         match split(&mut self.items, &self.cell, self.depth) {
-            None => Found::Leaf(self.items.iter().map(|&(index, _)| index).collect()),
+            None => SplitNode::Leaf(self.items.iter().map(|&(index, _)| index).collect()),
             Some(cut) => {
                 let right = self.items.split_off(cut.middle);
                 let mut left = self.items;
                 left.shrink_to_fit();
-                let [left_cell, right_cell] = cut.sides;
+                let [left_cell, right_cell] = cut.states;
                 let depth = self.depth + 1;
-                let children = [LazyNode::waiting(left, left_cell, depth), LazyNode::waiting(right, right_cell, depth)];
-                Found::Node(Box::new(Sides { planes: cut.content, children }))
+                let children = [LazyNode::unsplit(left, left_cell, depth), LazyNode::unsplit(right, right_cell, depth)];
+                SplitNode::Node(Box::new(Inner { planes: cut.payload, children }))
             }
         }
     }
 }
 
-impl Known<'_> {
+impl NodeState<'_> {
     pub(super) fn is_inner(&self) -> bool {
-        matches!(self, Self::Split(Step::Node(..)))
+        matches!(self, Self::Split(BihNode::Inner(..)))
     }
 
-    /// Bytes held on the heap, but for those of what is below.
+    /// Heap memory in bytes, without that of children.
     pub(super) fn heap(&self) -> usize {
         match self {
-            Self::Waiting(waiting) => waiting
+            Self::Unsplit(unsplit) => unsplit
                 .as_ref()
-                .map_or(0, |waiting| size_of::<Waiting>() + waiting.items.capacity() * size_of::<Item>()),
-            Self::Split(Step::Leaf(indices)) => size_of_val(*indices),
-            Self::Split(Step::Node(..)) => size_of::<Sides>(),
+                .map_or(0, |unsplit| size_of::<Unsplit>() + unsplit.items.capacity() * size_of::<Item>()),
+            Self::Split(BihNode::Leaf(indices)) => size_of_val(*indices),
+            Self::Split(BihNode::Inner(..)) => size_of::<Inner>(),
         }
     }
 }
 
 impl Clone for LazyNode {
-    /// A copy of its present state.
+    /// Copies the current state.
     fn clone(&self) -> Self {
-        let waiting = self.lock().clone();
-        let found = if waiting.is_some() { OnceLock::new() } else { OnceLock::from(self.found().clone()) };
-        Self { found, waiting: Mutex::new(waiting) }
+        let unsplit = self.lock().clone();
+        let kind = if unsplit.is_some() { OnceLock::new() } else { OnceLock::from(self.kind().clone()) };
+        Self { kind, unsplit: Mutex::new(unsplit) }
     }
 }
 
 impl PartialEq for LazyNode {
-    /// True if both are in the same state, and so are all below.
+    /// True if both nodes are in the same state, and so are their children.
     fn eq(&self, other: &Self) -> bool {
-        // One lock at a time, as the other node may be the same one.
+        // One lock at a time, as both may be the same node.
         let mine = self.lock().clone();
         let is_same = *other.lock() == mine;
-        is_same && (mine.is_some() || self.found() == other.found())
+        is_same && (mine.is_some() || self.kind() == other.kind())
     }
 }

@@ -1,19 +1,20 @@
-//! Checks a hierarchy as far as it is known.
+//! Validation of the existing nodes.
 
 use rt_geometry::{Primitives, padded_bounds};
 use rt_math::Aabb;
 
 use super::LazyBih;
-use super::node::Known;
-use crate::{ValidationError, bih::walk::Step, bounded_depth::MAX_DEPTH};
+use super::node::NodeState;
+use crate::{ValidationError, bih::traverse::BihNode, traversal::MAX_DEPTH};
 
-/// Each primitive is in one leaf or waits in one node, between all planes above, and the boxes that wait are right.
+/// Checks that each primitive is in one leaf or one unsplit node, between all planes above, and that stored bounds are
+/// current.
 pub(super) fn check<P: Primitives>(bih: &LazyBih, primitives: &P) -> Result<(), ValidationError> {
     let mut check = Check { primitives, is_placed: vec![false; bih.primitives as usize] };
     let mut verdict = Ok(());
-    bih.for_each_node(|known, bounds, depth| {
+    bih.for_each_node(|state, bounds, depth| {
         if verdict.is_ok() {
-            verdict = check.node(known, &bounds, depth);
+            verdict = check.node(state, &bounds, depth);
         }
     });
     verdict?;
@@ -32,15 +33,17 @@ struct Check<'p, P> {
 }
 
 impl<P: Primitives> Check<'_, P> {
-    fn node(&mut self, known: &Known<'_>, bounds: &Aabb, depth: u32) -> Result<(), ValidationError> {
+    fn node(&mut self, state: &NodeState<'_>, bounds: &Aabb, depth: u32) -> Result<(), ValidationError> {
         if depth > MAX_DEPTH {
             return Err(ValidationError::Depth { depth });
         }
-        match known {
-            Known::Split(Step::Node(..)) => Ok(()),
-            Known::Split(Step::Leaf(indices)) => indices.iter().try_for_each(|&index| self.inside(index, &[bounds])),
-            Known::Waiting(waiting) => {
-                let mut items = waiting.iter().flat_map(|waiting| &waiting.items);
+        match state {
+            NodeState::Split(BihNode::Inner(..)) => Ok(()),
+            NodeState::Split(BihNode::Leaf(indices)) => {
+                indices.iter().try_for_each(|&index| self.inside(index, &[bounds]))
+            }
+            NodeState::Unsplit(unsplit) => {
+                let mut items = unsplit.iter().flat_map(|unsplit| &unsplit.items);
                 items.try_for_each(|(index, own)| self.inside(*index, &[bounds, own]))
             }
         }

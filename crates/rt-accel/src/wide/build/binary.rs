@@ -3,7 +3,7 @@
 use glam::Vec3A;
 
 use super::collapse::{CollapsePlan, Costs};
-use crate::bvh::NodeBox;
+use crate::bvh::Aabb32;
 
 /// Costs are kept for nodes of at least this many references.
 const LARGE: usize = 32;
@@ -37,7 +37,7 @@ pub(super) enum Content {
 const MARKS: u32 = u32::MAX - 8;
 
 impl BinaryNode {
-    pub(super) fn new(bounds: &NodeBox, content: Content) -> Self {
+    pub(super) fn new(bounds: &Aabb32, content: Content) -> Self {
         let (first, second) = match content {
             Content::Inner([left, right]) => (left, right),
             Content::Leaf { first, count } => (first, MARKS + count),
@@ -46,8 +46,8 @@ impl BinaryNode {
         Self { min: bounds.min.to_array(), first, max: bounds.max.to_array(), second }
     }
 
-    pub(super) fn bounds(&self) -> NodeBox {
-        NodeBox { min: Vec3A::from_array(self.min), max: Vec3A::from_array(self.max) }
+    pub(super) fn bounds(&self) -> Aabb32 {
+        Aabb32 { min: Vec3A::from_array(self.min), max: Vec3A::from_array(self.max) }
     }
 
     #[inline(always)]

@@ -4,7 +4,7 @@
 use glam::{BVec3A, Vec3A};
 
 use super::reference::PrimRef;
-use crate::bvh::NodeBox;
+use crate::bvh::Aabb32;
 
 const MAX_BINS: usize = 32;
 
@@ -16,13 +16,13 @@ const ROUNDING: f32 = 1.5 * (1u32 << 23) as f32;
 pub(super) struct NormalizedArea(f32);
 
 impl NormalizedArea {
-    pub(super) fn new(scene: &NodeBox) -> Self {
+    pub(super) fn new(scene: &Aabb32) -> Self {
         Self((1.0 / (scene.max - scene.min).max_element()).clamp(f32::MIN_POSITIVE, 1e37))
     }
 
     /// Infinite or NaN for an empty box.
     #[inline(always)]
-    pub(super) fn area(self, bounds: &NodeBox) -> f32 {
+    pub(super) fn area(self, bounds: &Aabb32) -> f32 {
         let edges = (bounds.max - bounds.min) * self.0;
         edges.dot(glam::Vec3Swizzles::yzx(edges))
     }
@@ -111,7 +111,7 @@ fn in_two_streams(references: &[PrimRef], mut visit: impl FnMut(&PrimRef)) {
 /// Bounds and counts of the bins on all three axes.
 pub(super) struct Bins {
     binning: BinMapping,
-    boxes: [[NodeBox; 3]; MAX_BINS],
+    boxes: [[Aabb32; 3]; MAX_BINS],
     counts: [[u32; 4]; MAX_BINS],
 }
 
@@ -120,19 +120,19 @@ pub(super) struct BestSplit {
     pub(super) cut: SplitPlane,
     /// Number of references on the left.
     pub(super) middle: usize,
-    pub(super) bounds: [NodeBox; 2],
+    pub(super) bounds: [Aabb32; 2],
 }
 
 impl Bins {
     pub(super) fn new() -> Self {
-        let binning = BinMapping::new(&NodeBox::EMPTY, 0, Axes::All);
-        Self { binning, boxes: [[NodeBox::EMPTY; 3]; MAX_BINS], counts: [[0; 4]; MAX_BINS] }
+        let binning = BinMapping::new(&Aabb32::EMPTY, 0, Axes::All);
+        Self { binning, boxes: [[Aabb32::EMPTY; 3]; MAX_BINS], counts: [[0; 4]; MAX_BINS] }
     }
 
     /// Clears the bins in use.
     pub(super) fn reset(&mut self, binning: BinMapping) {
         self.binning = binning;
-        self.boxes[..binning.len].fill([NodeBox::EMPTY; 3]);
+        self.boxes[..binning.len].fill([Aabb32::EMPTY; 3]);
         self.counts[..binning.len].fill([0; 4]);
     }
 
@@ -177,17 +177,17 @@ impl Bins {
     /// Split of minimum cost with references on both sides; the first in order of axes and bins among equals.
     pub(super) fn best_split(&self, unit: NormalizedArea) -> Option<BestSplit> {
         let len = self.binning.len;
-        let areas = |boxes: &[NodeBox; 3]| Vec3A::from_array(core::array::from_fn(|axis| unit.area(&boxes[axis])));
+        let areas = |boxes: &[Aabb32; 3]| Vec3A::from_array(core::array::from_fn(|axis| unit.area(&boxes[axis])));
         let count = |counts: &[u32; 4]| Vec3A::from_array(core::array::from_fn(|axis| counts[axis] as i32 as f32));
 
         let mut right_costs = [Vec3A::ZERO; MAX_BINS];
-        let (mut boxes, mut counts) = ([NodeBox::EMPTY; 3], Vec3A::ZERO);
+        let (mut boxes, mut counts) = ([Aabb32::EMPTY; 3], Vec3A::ZERO);
         for bin in (1..len).rev() {
             boxes = core::array::from_fn(|axis| boxes[axis].union(self.boxes[bin][axis]));
             counts += count(&self.counts[bin]);
             right_costs[bin] = areas(&boxes) * counts;
         }
-        let (mut boxes, mut counts) = ([NodeBox::EMPTY; 3], Vec3A::ZERO);
+        let (mut boxes, mut counts) = ([Aabb32::EMPTY; 3], Vec3A::ZERO);
         let (mut least, mut place) = (Vec3A::INFINITY, Vec3A::ZERO);
         for (bin, right_cost) in right_costs.iter().enumerate().take(len).skip(1) {
             boxes = core::array::from_fn(|axis| boxes[axis].union(self.boxes[bin - 1][axis]));
@@ -203,7 +203,7 @@ impl Bins {
     }
 
     fn at(&self, axis: usize, bin: usize) -> BestSplit {
-        let union = |boxes: &[[NodeBox; 3]]| boxes.iter().fold(NodeBox::EMPTY, |all, bins| all.union(bins[axis]));
+        let union = |boxes: &[[Aabb32; 3]]| boxes.iter().fold(Aabb32::EMPTY, |all, bins| all.union(bins[axis]));
         let (left, right) = self.boxes[..self.binning.len].split_at(bin);
         let cut = self.binning.cut(axis, bin as u32);
         BestSplit { cut, middle: self.left_of(&cut), bounds: [union(left), union(right)] }

@@ -72,7 +72,7 @@ mod tests {
     use crate::{bvh::NodeBox, wide::build::reference::PrimRange};
 
     fn at(x: f32, index: u32) -> PrimRef {
-        PrimRef::new(NodeBox { min: Vec3A::new(x, 0.0, 0.0), max: Vec3A::new(x + 1.0, 1.0, 0.0) }, index)
+        PrimRef::new(Aabb32 { min: Vec3A::new(x, 0.0, 0.0), max: Vec3A::new(x + 1.0, 1.0, 0.0) }, index)
     }
 
     fn paired(references: Vec<PrimRef>, max_leaf: usize) -> Vec<PrimRange> {
@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn sets_become_leaves_as_hastily_as_they_may() {
-        let unit = NormalizedArea::new(&NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(10.0) });
+        let unit = NormalizedArea::new(&Aabb32 { min: Vec3A::ZERO, max: Vec3A::splat(10.0) });
         let is_leaf = |leaf_policy, set: &[PrimRef]| {
             let config = BuildConfig { unit, axes: Axes::All, leaf_policy, pairs: false, max_leaf: 8 };
             let extent = crate::wide::build::top_down::PrimInfo::of(set);
@@ -119,7 +119,7 @@ mod tests {
         ] {
             assert_eq!(hastes.map(|leaf_policy| is_leaf(leaf_policy, &set)), expected, "{set:?}");
         }
-        let point = |index| PrimRef::new(NodeBox { min: Vec3A::ONE, max: Vec3A::ONE }, index);
+        let point = |index| PrimRef::new(Aabb32 { min: Vec3A::ONE, max: Vec3A::ONE }, index);
         let points: Vec<_> = (0..4).map(point).collect();
         assert_eq!(hastes.map(|leaf_policy| is_leaf(leaf_policy, &points)), [true; 3], "without area");
     }

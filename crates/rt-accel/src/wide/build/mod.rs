@@ -16,7 +16,7 @@ mod wide_nodes;
 
 use rt_geometry::Primitives;
 
-use crate::bounded_depth::MAX_DEPTH;
+use crate::traversal::MAX_DEPTH;
 
 use super::huge_pages::with_huge_pages;
 use super::leaf::{LeafKind, LeafOrder};

@@ -37,7 +37,7 @@ pub(super) fn split<'a>(set: BuildRange<'a>, config: &BuildConfig) -> [BuildRang
     set.exchange(middle, [0, 1].map(|side| PrimInfo { bounds: bounds[side], centroids: centroids[side] }))
 }
 
-fn partition(from: &[PrimRef], to: &mut [PrimRef], middle: usize, cut: &SplitPlane, parts: &[Bins]) -> [NodeBox; 2] {
+fn partition(from: &[PrimRef], to: &mut [PrimRef], middle: usize, cut: &SplitPlane, parts: &[Bins]) -> [Aabb32; 2] {
     let (mut left, mut right) = to.split_at_mut(middle);
     let mut moves = Vec::with_capacity(parts.len());
     for (from, bins) in from.chunks(CHUNK).zip(parts) {
@@ -50,7 +50,7 @@ fn partition(from: &[PrimRef], to: &mut [PrimRef], middle: usize, cut: &SplitPla
     moves
         .into_par_iter()
         .map(|Move { from, to }| scatter(from, cut, to))
-        .reduce(|| [NodeBox::EMPTY; 2], |a, b| [a[0].union(b[0]), a[1].union(b[1])])
+        .reduce(|| [Aabb32::EMPTY; 2], |a, b| [a[0].union(b[0]), a[1].union(b[1])])
 }
 
 impl PrimInfo {

@@ -9,8 +9,8 @@ use rt_math::Aabb;
 use super::in_order;
 use super::reference::PrimRef;
 use super::top_down::BuildConfig;
-use crate::own_boxes::{checked_own_box, count};
-use crate::{BuildError, bvh::NodeBox, wide::huge_pages::filled, wide::leaf::GeometryCounts};
+use crate::prim_bounds::{checked_padded_bounds, count};
+use crate::{BuildError, bvh::Aabb32, wide::huge_pages::filled, wide::leaf::GeometryCounts};
 
 /// Primitives per task.
 const RUN: u32 = 16384;
@@ -49,7 +49,7 @@ impl PrimStats {
     fn of_run<P: Primitives>(primitives: &P, run: Range<u32>) -> Result<Self, BuildError> {
         let mut all = Self::EMPTY;
         for index in run {
-            match checked_own_box(primitives, index)? {
+            match checked_padded_bounds(primitives, index)? {
                 Some(own) => {
                     all.bounded += 1;
                     all.union = all.union.union(own);
@@ -95,7 +95,7 @@ pub(super) fn references<P: Primitives>(primitives: &P, centre: DVec3, config: &
         let mut references = Vec::with_capacity(run.len());
         for index in run {
             if let Some(own) = padded_bounds(primitives, index) {
-                config.push(&mut references, PrimRef::new(NodeBox::outward(&own, centre), index));
+                config.push(&mut references, PrimRef::new(Aabb32::enclosing(&own, centre), index));
             }
         }
         scratch[..references.len()].copy_from_slice(&references);

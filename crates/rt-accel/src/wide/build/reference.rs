@@ -2,7 +2,7 @@
 
 use glam::{Vec3A, Vec4};
 
-use crate::bvh::NodeBox;
+use crate::bvh::Aabb32;
 
 /// Bounds of one or two primitives in 32 bytes.
 ///
@@ -33,7 +33,7 @@ impl PrimRef {
 
     /// The box must not be empty. Zeros lose their sign, so that minima do not depend on the order.
     #[inline(always)]
-    pub(super) fn new(bounds: NodeBox, index: u32) -> Self {
+    pub(super) fn new(bounds: Aabb32, index: u32) -> Self {
         let tagged = |corner: Vec3A, half: u32| (corner + Vec3A::ZERO).extend(f32::from_bits(ONE | half)).to_array();
         Self { min: tagged(bounds.min, index & 0xffff), max: tagged(bounds.max, index >> 16) }
     }
@@ -46,8 +46,8 @@ impl PrimRef {
     }
 
     #[inline(always)]
-    pub(super) fn bounds(&self) -> NodeBox {
-        NodeBox { min: Vec3A::from_vec4(Vec4::from_array(self.min)), max: Vec3A::from_vec4(Vec4::from_array(self.max)) }
+    pub(super) fn bounds(&self) -> Aabb32 {
+        Aabb32 { min: Vec3A::from_vec4(Vec4::from_array(self.min)), max: Vec3A::from_vec4(Vec4::from_array(self.max)) }
     }
 
     /// Index of the first primitive.
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn the_index_survives() {
         for index in [0, 1, 0xffff, 0x1_0000, 0xdead_beef, u32::MAX] {
-            let bounds = NodeBox { min: Vec3A::splat(-1.5), max: Vec3A::new(0.25, f32::INFINITY, 1e-45) };
+            let bounds = Aabb32 { min: Vec3A::splat(-1.5), max: Vec3A::new(0.25, f32::INFINITY, 1e-45) };
             let reference = PrimRef::new(bounds, index);
             assert_eq!((reference.bounds(), reference.index()), (bounds, index));
         }
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn zeros_have_one_sign() {
-        let reference = PrimRef::new(NodeBox { min: Vec3A::splat(-0.0), max: Vec3A::ZERO }, 0);
+        let reference = PrimRef::new(Aabb32 { min: Vec3A::splat(-0.0), max: Vec3A::ZERO }, 0);
         assert_eq!(reference.bounds().min.x.to_bits(), 0);
     }
 }

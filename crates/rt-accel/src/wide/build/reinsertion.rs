@@ -18,7 +18,7 @@ use super::collapse::{CollapsePlan, Costs};
 use super::parallel::{NodeRef, SubtreeRef, SubtreeSet};
 use super::reference::PrimRange;
 use super::top_down::BuildConfig;
-use crate::{bounded_depth::MAX_DEPTH, bvh::NodeBox};
+use crate::{bvh::Aabb32, traversal::MAX_DEPTH};
 
 /// Extent of reinsertion.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,7 @@ impl ReinsertionParams {
 const NONE: u32 = u32::MAX;
 
 struct Node {
-    bounds: NodeBox,
+    bounds: Aabb32,
     area: f32,
     parent: u32,
     /// Children, if the node is part of the upper tree.
@@ -272,7 +272,7 @@ mod tests {
         };
         let mut tree = BinaryTree::default();
         let leaves = [0.0, 100.0, 1.0, 101.0].into_iter().zip(0..).map(|(x, first)| {
-            let bounds = NodeBox { min: Vec3A::X * x, max: Vec3A::new(x + 1.0, 1.0, 1.0) };
+            let bounds = Aabb32 { min: Vec3A::X * x, max: Vec3A::new(x + 1.0, 1.0, 1.0) };
             let number = tree.push(&bounds, Content::Leaf { first, count: 1 }, CollapsePlan::LEAF);
             (number, bounds, Costs::leaf(unit.area(&bounds), 1))
         });

@@ -4,7 +4,7 @@ use glam::Vec3A;
 use rt_math::random::{hash, unit};
 
 use super::*;
-use crate::{bvh::NodeBox, wide::node::Child, wide::sah::sah_cost};
+use crate::{bvh::Aabb32, wide::node::Child, wide::sah::sah_cost};
 
 fn build(references: &[PrimRef], params: &BuildParams) -> WideTree {
     let config = BuildConfig::new(&extent(references).bounds, params);
@@ -20,13 +20,13 @@ pub(super) fn soup(count: u32, seed: u64, scale: f32) -> Vec<PrimRef> {
         let draw = |axis| unit(hash(&[seed, u64::from(index), axis])) as f32;
         let centre = Vec3A::new((draw(0) * 40.0).round(), draw(1) * 20.0, draw(2) * 3.0) - 10.0;
         let reach = Vec3A::new(draw(3), draw(4), (draw(5) * 2.0).floor()) * if draw(6) < 0.02 { 9.0 } else { 0.2 };
-        PrimRef::new(NodeBox { min: (centre - reach) * scale, max: (centre + reach) * scale }, index)
+        PrimRef::new(Aabb32 { min: (centre - reach) * scale, max: (centre + reach) * scale }, index)
     };
     (0..count).map(reference).collect()
 }
 
 fn points(count: u32, place: impl Fn(u32) -> Vec3A) -> Vec<PrimRef> {
-    (0..count).map(|index| PrimRef::new(NodeBox { min: place(index), max: place(index) }, index)).collect()
+    (0..count).map(|index| PrimRef::new(Aabb32 { min: place(index), max: place(index) }, index)).collect()
 }
 
 fn with_quality(quality: Quality) -> BuildParams {
@@ -35,7 +35,7 @@ fn with_quality(quality: Quality) -> BuildParams {
 
 const QUALITIES: [Quality; 3] = [Quality::Low, Quality::Medium, Quality::High];
 
-fn contains(outer: &NodeBox, inner: &NodeBox) -> bool {
+fn contains(outer: &Aabb32, inner: &Aabb32) -> bool {
     outer.min.cmple(inner.min).all() && outer.max.cmpge(inner.max).all()
 }
 
@@ -133,7 +133,7 @@ fn nasty_sets_are_bounded() {
 
 #[test]
 fn ten_boxes_in_two_heaps_become_two_leaves() {
-    let heap = |min: Vec3A| NodeBox { min, max: min + Vec3A::new(8.0, 0.0, 4.0) };
+    let heap = |min: Vec3A| Aabb32 { min, max: min + Vec3A::new(8.0, 0.0, 4.0) };
     let heaps = [heap(Vec3A::ZERO), heap(Vec3A::X * 100.0)];
     let references: Vec<_> = (0..10).map(|index| PrimRef::new(heaps[index as usize % 2], index)).collect();
     let tree = build(&references, &BuildParams::default());

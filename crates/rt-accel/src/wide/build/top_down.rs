@@ -56,7 +56,7 @@ pub(super) struct PrimInfo {
 }
 
 impl PrimInfo {
-    pub(super) const EMPTY: Self = Self { bounds: NodeBox::EMPTY, centroids: NodeBox::EMPTY };
+    pub(super) const EMPTY: Self = Self { bounds: Aabb32::EMPTY, centroids: Aabb32::EMPTY };
 
     pub(super) fn of(references: &[PrimRef]) -> Self {
         references.iter().fold(Self::EMPTY, |all, reference| Self {
@@ -75,7 +75,7 @@ impl PrimInfo {
 /// unpredictable.
 pub(super) fn scatter(references: &[PrimRef], cut: &SplitPlane, sides: [&mut [PrimRef]; 2]) -> [NodeBox; 2] {
     const AWAY: [[f32; 2]; 2] = [[0.0, f32::INFINITY], [f32::INFINITY, 0.0]];
-    let mut centroids = [NodeBox::EMPTY; 2];
+    let mut centroids = [Aabb32::EMPTY; 2];
     let mut next = [0; 2];
     for reference in references {
         let side = cut.side(reference);
@@ -91,8 +91,8 @@ pub(super) fn scatter(references: &[PrimRef], cut: &SplitPlane, sides: [&mut [Pr
 }
 
 #[inline(always)]
-fn include(bounds: NodeBox, point: Vec3A) -> NodeBox {
-    NodeBox { min: bounds.min.min(point), max: bounds.max.max(point) }
+fn include(bounds: Aabb32, point: Vec3A) -> Aabb32 {
+    Aabb32 { min: bounds.min.min(point), max: bounds.max.max(point) }
 }
 
 impl<'a> BuildRange<'a> {
@@ -112,7 +112,8 @@ impl<'a> BuildRange<'a> {
     /// Mapping to bins, unless the remaining depth only allows median splits.
     pub(super) fn binning(&self, config: &BuildConfig) -> Option<BinMapping> {
         let count = self.references.len();
-        leaves_room_for_halving(count, self.depth).then(|| BinMapping::new(&self.extent.centroids, count, config.axes))
+        depth_allows_median_split(count, self.depth)
+            .then(|| BinMapping::new(&self.extent.centroids, count, config.axes))
     }
 
     /// Moves the references of the left side first, in stable order.
@@ -169,7 +170,7 @@ impl<'a> BuildRange<'a> {
 }
 
 impl BinaryTree {
-    pub(super) fn push(&mut self, bounds: &NodeBox, content: Content, plan: CollapsePlan) -> u32 {
+    pub(super) fn push(&mut self, bounds: &Aabb32, content: Content, plan: CollapsePlan) -> u32 {
         self.nodes.push(BinaryNode::new(bounds, content));
         self.plans.push(plan);
         self.root()
@@ -198,7 +199,7 @@ impl BinaryTree {
     /// Adds the parent of two nodes.
     pub(super) fn join(
         &mut self,
-        bounds: &NodeBox,
+        bounds: &Aabb32,
         children: [u32; 2],
         costs: [&Costs; 2],
         config: &BuildConfig,

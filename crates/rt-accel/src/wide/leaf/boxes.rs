@@ -2,12 +2,12 @@
 
 use super::{FilterTRange, HitBounds, Lane, LeafMut, LeafTest, LeafView, RayF64};
 use crate::wide::packet_rays::{PacketSlabs, RayPacket};
-use crate::{bvh::NodeBox, wide::WideBvh, wide::node::Row, wide::ray::RayF32, wide::simd::Simd};
+use crate::{bvh::Aabb32, wide::WideBvh, wide::node::Row, wide::ray::RayF32, wide::simd::Simd};
 
 /// Lower and upper plane of each axis.
 pub(super) const NUMBERS: usize = 6;
 
-pub(super) fn fill(block: &mut LeafMut<'_>, indices: &[u32], own: impl Fn(u32) -> NodeBox) {
+pub(super) fn fill(block: &mut LeafMut<'_>, indices: &[u32], own: impl Fn(u32) -> Aabb32) {
     for (lane, &index) in indices.iter().enumerate() {
         let own = own(index);
         for axis in 0..3 {

@@ -23,7 +23,7 @@ use super::packet_rays::{F64x8, RayPacket, SpanLanes};
 use super::query::{Output, PrimitiveTester};
 use super::ray::{RayF32, RayF64x4, SLACK};
 use super::simd::Simd;
-use crate::{bvh::NodeBox, wide::huge_pages::filled};
+use crate::{bvh::Aabb32, wide::huge_pages::filled};
 
 /// Maximum primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 8;

@@ -6,7 +6,7 @@ use rt_geometry::{
 };
 use rt_math::{Interval, Ray};
 
-use crate::ray_query::{Any, Closest};
+use crate::ray_query::{AnyHit, Closest};
 use crate::{RayQuery, brute_force, wide::WideBvh};
 
 /// Exact tests of the caller's primitives.
@@ -63,7 +63,7 @@ impl<P: Primitives, S: Probe> PrimitiveTester<Option<Hit>> for Tester<'_, P, S> 
 
     fn test_all(&mut self, indices: &[u32], ray: &Ray, span: Interval) -> Option<Hit> {
         let mut query = Closest::new(ray, span);
-        let _ = query.offer_all(self.primitives, indices, self.probe);
+        let _ = query.test_leaf(self.primitives, indices, self.probe);
         query.hit
     }
 
@@ -88,7 +88,7 @@ impl<P: Primitives, S: Probe> PrimitiveTester<bool> for Tester<'_, P, S> {
     }
 
     fn test_all(&mut self, indices: &[u32], ray: &Ray, span: Interval) -> bool {
-        Any::new(ray, span).offer_all(self.primitives, indices, self.probe).is_break()
+        AnyHit::new(ray, span).test_leaf(self.primitives, indices, self.probe).is_break()
     }
 
     fn brute_force(&mut self, ray: &Ray, span: Interval) -> bool {
@@ -96,6 +96,6 @@ impl<P: Primitives, S: Probe> PrimitiveTester<bool> for Tester<'_, P, S> {
     }
 
     fn traverse_f64(&mut self, tree: &WideBvh, ray: &Ray, span: Interval) -> bool {
-        tree.walk_bounded(self.primitives, &mut Any::new(ray, span), self.probe).is_break()
+        tree.walk_bounded(self.primitives, &mut AnyHit::new(ray, span), self.probe).is_break()
     }
 }

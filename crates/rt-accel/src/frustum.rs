@@ -1,34 +1,34 @@
-//! What a camera sees, as planes.
+//! View frusta.
 
 use core::fmt;
 
 use glam::DVec3;
 use rt_math::{Aabb, float::gamma};
 
-use super::Region;
+use crate::Region;
 
-/// The space that up to six planes enclose: the view of a camera, or a rectangle dragged over a picture.
+/// Convex region between six planes: the view of a camera, or a rectangle selected in an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
-    /// `(n, w)`: the inside is where `n · p + w ≥ 0`.
+    /// `(n, w)`: points with `n · p + w ≥ 0` are inside.
     planes: [(DVec3, f64); 6],
     bounds: Aabb,
 }
 
-/// Why there is no frustum.
+/// Reason why corners do not define a frustum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum FrustumError {
     /// A corner is not finite.
     Corner {
-        /// Which corner.
+        /// Index of the corner.
         corner: usize,
-        /// Its position.
+        /// Position of the corner.
         position: DVec3,
     },
     /// The corners do not enclose a volume: some lie on the wrong side of a face.
     NotConvex {
-        /// Which face, in the order left, right, bottom, top, near, far.
+        /// Index of the face, in the order left, right, bottom, top, near, far.
         face: usize,
     },
 }
@@ -51,7 +51,7 @@ impl core::error::Error for FrustumError {}
 const FACES: [[usize; 3]; 6] = [[0, 2, 4], [1, 5, 3], [0, 4, 1], [2, 3, 6], [0, 1, 2], [4, 6, 5]];
 
 impl Frustum {
-    /// The frustum with eight corners: bit 0 of the index is right, bit 1 top, bit 2 far. Mirrored corners are as good.
+    /// Frustum with eight corners: bit 0 of the index is right, bit 1 top, bit 2 far. Mirrored corners are valid.
     ///
     /// # Errors
     /// If a corner is not finite, or the corners do not enclose a volume.
@@ -64,7 +64,7 @@ impl Frustum {
         for (face, [a, b, c]) in FACES.into_iter().enumerate() {
             let normal = (corners[b] - corners[a]).cross(corners[c] - corners[a]);
             let normal = if mirrored { -normal } else { normal }.normalize_or_zero();
-            // The plane is moved out until all corners are inside, by rounding or because a face is a little bent.
+            // Move the plane outward until all corners are inside, against rounding and slightly bent faces.
             let heights = corners.map(|corner| normal.dot(corner));
             let least = heights.into_iter().fold(f64::INFINITY, f64::min);
             let height = heights[a];
@@ -83,7 +83,7 @@ impl Region for Frustum {
         self.bounds
     }
 
-    /// False only if the box lies outside one of the planes, or outside the box around the frustum.
+    /// False only if the box lies outside one of the planes, or outside the bounds of the frustum.
     fn overlaps(&self, aabb: &Aabb) -> bool {
         self.bounds.overlaps(aabb)
             && self.planes.iter().all(|&(normal, offset)| {
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
     use rt_math::random::{hash, unit};
 
-    /// Looks along −z from the origin, 90° wide and high, from 1 to 10.
+    /// View along −z from the origin, 90° wide and high, from 1 to 10.
     fn view(mirror: f64) -> Frustum {
         let corners = core::array::from_fn(|i| {
             let depth = if i & 4 == 0 { 1.0 } else { 10.0 };

@@ -1,19 +1,20 @@
-//! Checks, measures and fits trees.
+//! Validation, statistics and refitting of trees.
 
 use core::ops::Range;
 
 use rt_geometry::{Primitives, padded_bounds};
 use rt_math::Aabb;
 
-use super::{Child, Tree};
-use crate::own_boxes::{PrimBounds, validate_lists};
-use crate::{BuildError, BuildStats, ValidationError, bounded_depth::MAX_DEPTH};
+use super::Tree;
+use crate::node_ref::NodeRef;
+use crate::prim_bounds::{PrimBounds, validate_lists};
+use crate::{BuildError, BuildStats, ValidationError, traversal::MAX_DEPTH};
 
-/// Where in the list of indices the primitives below each node are.
-pub(crate) struct Runs(Vec<Range<usize>>);
+/// Ranges of the primitive indices below each node.
+pub(crate) struct LeafRanges(Vec<Range<usize>>);
 
-impl Runs {
-    pub(crate) fn below(&self, child: Child) -> Range<usize> {
+impl LeafRanges {
+    pub(crate) fn below(&self, child: NodeRef) -> Range<usize> {
         if child.count == 0 {
             self.0[child.first as usize].clone()
         } else {
@@ -23,28 +24,28 @@ impl Runs {
 }
 
 impl<C> Tree<C> {
-    pub(crate) fn runs(&self) -> Runs {
-        let mut runs = Runs(vec![0..0; self.nodes.len()]);
+    pub(crate) fn leaf_ranges(&self) -> LeafRanges {
+        let mut leaf_ranges = LeafRanges(vec![0..0; self.nodes.len()]);
         for (number, node) in self.nodes.iter().enumerate().rev() {
-            let [left, right] = node.children.map(|child| runs.below(child));
-            runs.0[number] = left.start..right.end;
+            let [left, right] = node.children.map(|child| leaf_ranges.below(child));
+            leaf_ranges.0[number] = left.start..right.end;
         }
-        runs
+        leaf_ranges
     }
 
-    /// Visits every child of every node, depth first, with what `step` makes of what its parent was visited with.
+    /// Visits all nodes and leaves depth first. `step` computes the state of a child from that of its parent.
     pub(crate) fn for_each_child<T: Copy>(
         &self,
         root: T,
         step: impl Fn(&C, usize, T) -> T,
-        mut visit: impl FnMut(Child, T, u32),
+        mut visit: impl FnMut(NodeRef, T, u32),
     ) {
         let mut pending = vec![(self.root, root, 0)];
         while let Some((child, carried, depth)) = pending.pop() {
             visit(child, carried, depth);
             let Some(node) = self.nodes.get(child.first as usize).filter(|_| child.count == 0) else { continue };
             for side in [1, 0] {
-                pending.push((node.children[side], step(&node.content, side, carried), depth + 1));
+                pending.push((node.children[side], step(&node.payload, side, carried), depth + 1));
             }
         }
     }
@@ -63,7 +64,7 @@ impl<C> Tree<C> {
         }
     }
 
-    /// Checks that the tree is as a builder makes it: nodes and leaves in order, none too deep, each primitive once.
+    /// Checks order and depth of nodes and leaves, and that each primitive is listed once.
     pub(crate) fn check_shape(&self) -> Result<(), ValidationError> {
         let (mut n_nodes, mut n_placed) = (0, 0);
         let mut pending = vec![(self.root, 0, 0)];
@@ -90,7 +91,7 @@ impl<C> Tree<C> {
         self.check_indices()
     }
 
-    /// Checks that the lists number all primitives, and each of them once.
+    /// Checks that each primitive is listed once.
     fn check_indices(&self) -> Result<(), ValidationError> {
         let mut is_listed = vec![false; self.indices.len() + self.unbounded.len()];
         for &primitive in self.indices.iter().chain(&self.unbounded) {
@@ -102,8 +103,8 @@ impl<C> Tree<C> {
         Ok(())
     }
 
-    /// Checks the shape, the lists, and that `encloses` holds for what each node knows of a side and the own box of
-    /// every primitive on it.
+    /// Checks shape and lists, and that `encloses` holds for each side of each node and the padded bounds of all
+    /// primitives below.
     pub(crate) fn validate<P: Primitives>(
         &self,
         primitives: &P,
@@ -114,11 +115,11 @@ impl<C> Tree<C> {
         let own =
             |&primitive: &u32| padded_bounds(primitives, primitive).ok_or(ValidationError::Misplaced { primitive });
         let boxes = self.indices.iter().map(own).collect::<Result<Vec<_>, _>>()?;
-        let runs = self.runs();
+        let leaf_ranges = self.leaf_ranges();
         for node in &self.nodes {
             for side in 0..2 {
-                let run = runs.below(node.children[side]);
-                if let Some(outside) = run.clone().find(|&place| !encloses(&node.content, side, &boxes[place])) {
+                let run = leaf_ranges.below(node.children[side]);
+                if let Some(outside) = run.clone().find(|&place| !encloses(&node.payload, side, &boxes[place])) {
                     return Err(ValidationError::Outside { primitive: self.indices[outside] });
                 }
             }
@@ -126,7 +127,7 @@ impl<C> Tree<C> {
         Ok(())
     }
 
-    /// Gives every node what `fit` makes of it and of the own boxes on its two sides, as they are now. Returns these.
+    /// Recomputes the payload of every node by `fit`, from the current padded bounds on both sides. Returns these.
     pub(crate) fn refit<P: Primitives>(
         &mut self,
         primitives: &P,
@@ -139,9 +140,9 @@ impl<C> Tree<C> {
             by_index[index as usize] = own;
         }
         let in_order: Vec<_> = self.indices.iter().map(|&index| by_index[index as usize]).collect();
-        let runs = self.runs();
+        let leaf_ranges = self.leaf_ranges();
         for node in &mut self.nodes {
-            node.content = fit(&node.content, node.children.map(|child| &in_order[runs.below(child)]));
+            node.payload = fit(&node.payload, node.children.map(|child| &in_order[leaf_ranges.below(child)]));
         }
         Ok(boxes)
     }
@@ -150,7 +151,9 @@ impl<C> Tree<C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{AcceleratorQueries, Bih, tree::Node};
+    use crate::binned_sah::bounds_of;
+    use crate::top_down::SliceSplit;
+    use crate::{Accelerator, Bih, tree::Node};
     use glam::DVec3;
     use rt_geometry::Hit;
     use rt_math::{Interval, Ray};
@@ -170,14 +173,13 @@ mod tests {
         }
     }
 
-    /// Halves down to four, and keeps the box around each side.
+    /// Splits at the middle down to four primitives; the payload is the bounds of both sides.
     fn tree() -> Tree<[Aabb; 2]> {
-        let union = |items: &[crate::tree::Item]| items.iter().fold(Aabb::EMPTY, |all, (_, own)| all.union(*own));
         let boxes = PrimBounds::collect(&Row(0.5)).expect("boxes");
-        Tree::grow(boxes, (), |items, (), _| {
+        Tree::build(boxes, (), |items, (), _| {
             let middle = items.len() / 2;
-            let content = [union(&items[..middle]), union(&items[middle..])];
-            (items.len() > 4).then_some(crate::tree::Cut { middle, content, sides: [(); 2] })
+            let payload = [bounds_of(&items[..middle]), bounds_of(&items[middle..])];
+            (items.len() > 4).then_some(SliceSplit { middle, payload, states: [(); 2] })
         })
     }
 
@@ -194,18 +196,18 @@ mod tests {
 
     #[test]
     fn damage_is_found() {
-        let reaches_out = damaged(|tree| tree.nodes[0].content[1].max.x -= 0.1);
+        let reaches_out = damaged(|tree| tree.nodes[0].payload[1].max.x -= 0.1);
         assert_eq!(reaches_out, Err(ValidationError::Outside { primitive: 99 }));
         assert_eq!(damaged(|tree| tree.indices[1] = 0), Err(ValidationError::Misplaced { primitive: 0 }));
         assert_eq!(damaged(|tree| tree.indices[1] = 4000), Err(ValidationError::Misplaced { primitive: 4000 }));
         let fewer = ValidationError::Count { built: 100, given: 101 };
         assert_eq!(damaged(|tree| tree.unbounded.clear()), Err(fewer));
         let is_node = |verdict: Result<(), ValidationError>| matches!(verdict, Err(ValidationError::Node { .. }));
-        assert!(is_node(damaged(|tree| tree.nodes[0].children[0] = Child::node(0))), "a loop");
-        assert!(is_node(damaged(|tree| tree.nodes[0].children[1] = Child::node(9999))), "a node past the end");
+        assert!(is_node(damaged(|tree| tree.nodes[0].children[0] = NodeRef::node(0))), "a loop");
+        assert!(is_node(damaged(|tree| tree.nodes[0].children[1] = NodeRef::node(9999))), "a node past the end");
         assert!(is_node(damaged(|tree| tree.nodes[0].children.swap(0, 1))), "out of order");
-        assert!(is_node(damaged(|tree| tree.root = Child::leaf(0, 100))), "nodes that nothing leads to");
-        assert!(is_node(damaged(|tree| tree.root = Child::leaf(0, u32::MAX))), "a leaf past the end");
+        assert!(is_node(damaged(|tree| tree.root = NodeRef::leaf(0, 100))), "nodes that nothing leads to");
+        assert!(is_node(damaged(|tree| tree.root = NodeRef::leaf(0, u32::MAX))), "a leaf past the end");
         assert!(is_node(damaged(|tree| tree.nodes.clear())), "no nodes");
         assert!(is_node(damaged(|tree| tree.nodes.truncate(10))), "nodes are missing");
     }
@@ -214,12 +216,12 @@ mod tests {
     fn trees_deeper_than_the_stack_are_refused() {
         let boxes = [Aabb::new(DVec3::splat(-1e9), DVec3::splat(1e9)); 2];
         let mut tree = tree();
-        tree.root = Child::node(0);
+        tree.root = NodeRef::node(0);
         // Each node has one primitive on its left side and all others on its right.
         tree.nodes = (0..99)
             .map(|i| {
-                let right = if i == 98 { Child::leaf(99, 1) } else { Child::node(i + 1) };
-                Node { content: boxes, children: [Child::leaf(i, 1), right] }
+                let right = if i == 98 { NodeRef::leaf(99, 1) } else { NodeRef::node(i + 1) };
+                Node { payload: boxes, children: [NodeRef::leaf(i, 1), right] }
             })
             .collect();
         assert_eq!(verdict(&tree, &Row(0.5)), Err(ValidationError::Depth { depth: 61 }));

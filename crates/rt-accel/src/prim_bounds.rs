@@ -1,14 +1,18 @@
-//! The boxes that all structures are built from.
+//! Padded bounds of the primitives, from which all accelerators are built.
 
+use glam::DVec3;
 use rt_geometry::{Primitives, padded_bounds};
 use rt_math::Aabb;
 
 use crate::{BuildError, ValidationError};
 
-/// The padded box of every bounded primitive, and the list of the others.
+/// Bounded primitive and its padded bounds.
+pub(crate) type Item = (u32, Aabb);
+
+/// Padded bounds of all bounded primitives, and the list of the others.
 pub(crate) struct PrimBounds {
-    /// Bounded primitives with the box that decides about hits on them, by rising index.
-    pub(crate) bounded: Vec<(u32, Aabb)>,
+    /// Bounded primitives by rising index.
+    pub(crate) bounded: Vec<Item>,
     /// Unbounded primitives, by rising index.
     pub(crate) unbounded: Vec<u32>,
     /// Union of all boxes.
@@ -20,7 +24,7 @@ impl PrimBounds {
         let count = count(primitives)?;
         let mut all = Self { bounded: Vec::with_capacity(count as usize), unbounded: Vec::new(), union: Aabb::EMPTY };
         for index in 0..count {
-            match checked_own_box(primitives, index)? {
+            match checked_padded_bounds(primitives, index)? {
                 Some(own) => {
                     all.union = all.union.union(own);
                     all.bounded.push((index, own));
@@ -30,9 +34,14 @@ impl PrimBounds {
         }
         Ok(all)
     }
+
+    /// Union of all bounds; a point at the origin without any, as not every serialisation format knows infinity.
+    pub(crate) fn finite_union(&self) -> Aabb {
+        if self.bounded.is_empty() { Aabb::new(DVec3::ZERO, DVec3::ZERO) } else { self.union }
+    }
 }
 
-/// The number of primitives, if 32 bits can number them and one number is left over.
+/// Number of primitives, if 32 bits can index them with one value left over.
 pub(crate) fn count<P: Primitives>(primitives: &P) -> Result<u32, BuildError> {
     let limit = u32::MAX - 1;
     match u32::try_from(primitives.len()) {
@@ -41,14 +50,23 @@ pub(crate) fn count<P: Primitives>(primitives: &P) -> Result<u32, BuildError> {
     }
 }
 
-/// The own box of a primitive, `None` if it is unbounded.
-pub(crate) fn checked_own_box<P: Primitives>(primitives: &P, index: u32) -> Result<Option<Aabb>, BuildError> {
+/// Padded bounds of a primitive, `None` if it is unbounded.
+pub(crate) fn checked_padded_bounds<P: Primitives>(primitives: &P, index: u32) -> Result<Option<Aabb>, BuildError> {
     match padded_bounds(primitives, index) {
         Some(own) if own.is_empty() || !own.is_finite() => {
             let bounds = primitives.bounds(index).unwrap_or(own);
             Err(BuildError::BadBounds { index, bounds })
         }
         own => Ok(own),
+    }
+}
+
+/// Checks that `bounds` contains the padded bounds of all bounded primitives.
+pub(crate) fn validate_union<P: Primitives>(bounds: &Aabb, primitives: &P) -> Result<(), ValidationError> {
+    let is_outside = |&index: &u32| padded_bounds(primitives, index).is_some_and(|own| !bounds.encloses(&own));
+    match (0..primitives.len() as u32).find(is_outside) {
+        Some(primitive) => Err(ValidationError::Outside { primitive }),
+        None => Ok(()),
     }
 }
 

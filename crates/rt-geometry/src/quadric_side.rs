@@ -1,4 +1,4 @@
-//! The curved side that cylinders, cones and frusta share.
+//! Curved side of cylinders, cones and frusta.
 
 use crate::SurfaceInteraction;
 use rt_math::float::{difference_of_products, gamma, power_of_two_scale, two_product};
@@ -6,24 +6,24 @@ use rt_math::transcendental::atan2;
 use rt_math::{DVec3, Interval, Ray};
 use std::f64::consts::TAU;
 
-/// The points with x² + z² = ρ(y)², where the radius ρ changes linearly with the height: an infinite cylinder
-/// (slope 0) or an infinite double cone. Inside is where x² + z² is less.
+/// Points with x² + z² = ρ(y)², where the radius ρ changes linearly with the height: an infinite cylinder (slope 0) or
+/// an infinite double cone. The inside has smaller x² + z².
 ///
-/// Heights are measured from where the radius is given, so that ρ is accurate near there: at the apex of a cone.
+/// Heights are relative to that of the given radius, so that ρ is accurate near there: at the apex of a cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lateral {
-    /// A height.
+pub(crate) struct QuadricSide {
+    /// Height of `radius`.
     pub(crate) height: f64,
-    /// The radius at that height.
+    /// Radius at `height`.
     pub(crate) radius: f64,
-    /// How much the radius grows with the height.
+    /// Change of the radius per height.
     pub(crate) slope: f64,
 }
 
-/// The part of a ray inside of a [`Lateral`].
+/// Part of a ray inside a [`QuadricSide`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Inside {
-    /// All of it: it runs along the axis or along a straight line of the surface.
+    /// The whole ray: it runs along the axis or along a straight line of the surface.
     Everywhere,
     /// From the first parameter to the second. One may be infinite.
     Between(f64, f64),
@@ -31,14 +31,14 @@ pub(crate) enum Inside {
     Beyond(f64, f64),
 }
 
-impl Lateral {
+impl QuadricSide {
     /// The radius at a height; negative beyond the apex.
     #[inline]
     pub(crate) fn radius_at(&self, y: f64) -> f64 {
         self.radius + self.slope * (y - self.height)
     }
 
-    /// Where the ray is inside; `None` if nowhere, and for rays with a NaN.
+    /// Part of the ray inside; `None` if it is empty, and for rays with a NaN.
     ///
     /// With the radius ρ + σ·t along the ray, the crossings solve a·t² − 2b·t + c = 0. Each cancellation of the
     /// textbook form is avoided: a, b and c are sums of products without loss of digits, the smaller root is c/q, and
@@ -55,7 +55,7 @@ impl Lateral {
         let reach = length(difference_of_products(rho, d.x, sigma, o.x), difference_of_products(rho, d.z, sigma, o.z));
         let moment = difference_of_products(o.x, d.z, o.z, d.x).abs();
         let discriminant = (reach - moment) * (reach + moment);
-        // A ray that is steeper than the cone crosses it whatever rounding says.
+        // A ray that is steeper than the cone crosses it for any rounding.
         if !discriminant.is_finite() || (a > 0.0 && discriminant < 0.0) {
             return None;
         }
@@ -69,18 +69,18 @@ impl Lateral {
         Some(if a < 0.0 { Inside::Beyond(near, far) } else { Inside::Between(near, far) })
     }
 
-    /// The first crossing of the surface within `span` that is `wanted`.
+    /// First intersection within `span` that is `wanted`.
     #[inline]
     pub(crate) fn first_crossing(&self, ray: &Ray, span: Interval, wanted: impl Fn(f64) -> bool) -> Option<f64> {
         let (Inside::Between(near, far) | Inside::Beyond(near, far)) = self.inside(ray)? else { return None };
-        // The choice does not look at `span.max`: shrinking it reveals nothing.
+        // The choice is independent of `span.max`: shrinking it reveals no other hit.
         let t = [near, far].into_iter().find(|&t| t >= span.min && t.is_finite() && wanted(t))?;
         (t <= span.max).then_some(t)
     }
 
-    /// The surface at a crossing with the ray, at a height between `bottom` and `top`; texture coordinates are left 0.
+    /// Surface at an intersection with the ray, at a height between `bottom` and `top`, without texture coordinates.
     ///
-    /// The normal points away from the axis. At an apex there is none: there it is opposite to the ray.
+    /// The normal points away from the axis; at an apex it is opposite to the ray.
     pub(crate) fn surface(&self, ray: &Ray, t: f64, [bottom, top]: [f64; 2]) -> SurfaceInteraction {
         let on_ray = ray.at(t);
         let rho = self.radius_at(on_ray.y);
@@ -91,7 +91,7 @@ impl Lateral {
         let radius = self.radius_at(y).abs();
         let towards_viewer = -ray.direction.normalize_or(DVec3::Y);
         let across = |v: DVec3| DVec3::new(v.x, 0.0, v.z).try_normalize();
-        // From so far away that rounding puts the hit on the axis, the best guess is the side of the viewer.
+        // If rounding puts a faraway hit on the axis, use the side of the viewer.
         let away = across(on_ray).or_else(|| across(towards_viewer)).unwrap_or(DVec3::Z);
         let normal = if radius > 0.0 { (away - DVec3::Y * slope) / stretch.sqrt() } else { towards_viewer };
         let point = away * radius + DVec3::Y * y;
@@ -101,8 +101,8 @@ impl Lateral {
     }
 }
 
-/// Once around +y, from −z over −x, +z (where it is ½) and +x.
-pub(crate) fn longitude(point: DVec3) -> f64 {
+/// Azimuth around +y as a texture coordinate, from −z over −x, +z (where it is ½) and +x.
+pub(crate) fn azimuth(point: DVec3) -> f64 {
     0.5 + atan2(point.x, point.z) / TAU
 }
 
@@ -111,8 +111,8 @@ fn length(x: f64, z: f64) -> f64 {
     (x * x + z * z).sqrt()
 }
 
-/// The dot product of two vectors, to the last digits even if its terms cancel: where they do, with the errors of all
-/// products and sums added up apart (Ogita, Rump, Oishi, "Accurate Sum and Dot Product", 2005, algorithm 5.3).
+/// Dot product of two vectors, to the last digits even if its terms cancel: then with the errors of all products and
+/// sums added separately (Ogita, Rump, Oishi, "Accurate Sum and Dot Product", 2005, algorithm 5.3).
 #[inline]
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     let terms = [a[0] * b[0], a[1] * b[1], a[2] * b[2]];

@@ -1,36 +1,37 @@
-//! The part of a ray inside a ball or a round tube, as wide as own boxes need it.
+//! Intersection of a ray with a sphere or a cylinder, widened for padded bounds.
 //!
 //! # Why the culling is conservative
 //!
-//! Round volumes are not monotone as boxes are: the chord of a larger ball, computed, may begin later. So they are
+//! Round volumes are not monotone as boxes are: the computed chord of a larger sphere may begin later. So they are
 //! widened by more than all rounding together. Let `u` be the unit roundoff, `o` and `d` the origin and direction of a
-//! ray, and let a volume with centre `c` contain some own boxes. `reach` is `|o − c|₁` and the size of the volume, so
+//! ray, and let a volume with centre `c` contain padded bounds. `reach` is `|o − c|₁` plus the size of the volume, so
 //! that no plane `b` of these boxes has `|b − o| > reach` on its axis.
 //!
-//! **The own box.** Let [`Aabb::clip`](rt_math::Aabb::clip) let the ray pass an own box, entered at `τ`. Then the point
-//! `o + τd`, of real numbers, is no farther than `16u·reach` from that box, because on each axis one of these holds.
+//! **The padded bounds.** Let [`Aabb::clip`](rt_math::Aabb::clip) let the ray pass padded bounds, entered at `τ`. Then
+//! the point `o + τd`, of real numbers, is no farther than `16u·reach` from that box, because on each axis one of these
+//! holds.
 //!
 //! * `fl(1/d)` is finite. Then `τ` is not before the entry into the slab, `(b − o)/d` with three relative errors `u`, nor
 //!   after the exit, with these and the far factor. That is `11u·reach` at most; what underflows adds `2⁻¹⁰⁷⁴ |d|`.
-//! * It is infinite. Then `|d| < 2⁻¹⁰²³`, and `o` itself is in the slab. On the axis with the greatest `|d|`, which is
+//! * It is infinite. Then `|d| < 2⁻¹⁰²³`, and `o` itself is in the slab. On the axis with the largest `|d|`, which is
 //!   of the first kind, `|τ| ≤ 2 reach / max|d|`: the ray moves by far less than `u·reach` here.
 //!
 //! Both need `max|d|` between 2⁻⁴⁰⁰ and 2⁵⁰⁰ and `reach` between 2⁻⁴⁰⁰ and 2⁴⁰⁰, so that parameters do not overflow and
-//! underflow means nothing, and so do the squares below. [`margin`] refuses all other numbers, infinities and NaN
+//! underflow means nothing, and so do the squares below. [`error_margin`] refuses all other numbers, infinities and NaN
 //! included; such volumes count as hit.
 //!
-//! **The chord.** So the point is within `R + 16u·reach` of the centre of the ball or the axis of the tube, and `τ` is
-//! inside the chord of that radius. With [`margin`] `e = 128u·reach` we compute the chord of `R + e`. The parameter of
+//! **The chord.** So the point is within `R + 16u·reach` of the centre of the sphere or the axis of the cylinder, and `τ` is
+//! inside the chord of that radius. With [`error_margin`] `e = 128u·reach` we compute the chord of `R + e`. The parameter of
 //! the point closest to the centre is off by `8u|o − c|/|d|`, and its distance `w` by `12u·reach`; the square root is
 //! taken of `(R + e)² − w²`, which therefore exceeds its real counterpart with `R + 16u·reach`, its own rounding of
 //! `4u(R + e)²` included. All other errors are of parameters, some `10u·reach/|d|` together, and a second `e/|d|` makes
 //! the chord longer at either end by more than that. If the root does not exist, no such point does.
 //!
-//! For a tube, `o − c` and `d` are those across it. If `|d|` across is less than `2⁻⁶⁰ max|d|`, the point is as far from
+//! For a cylinder, `o − c` and `d` are those across it. If `|d|` across is less than `2⁻⁶⁰ max|d|`, the point is as far from
 //! the axis as `o` is, within `u·reach`, and there is no more to ask.
 //!
-//! Hence for every finite ray: what [`clip`](rt_math::Aabb::clip) lets pass an own box is not culled, and its entry is
-//! no earlier than the one into the volume.
+//! Hence for every finite ray: padded bounds that pass [`clip`](rt_math::Aabb::clip) are not culled, and their entry is
+//! no earlier than the entry into the volume.
 
 use glam::DVec3;
 use rt_math::float::UNIT_ROUNDOFF;
@@ -41,22 +42,22 @@ const fn exp2(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
-/// How far hits and rounding can be outside of a volume of this size, or `None` where the arithmetic over- or
+/// Maximum distance of hits from a volume of this size, by rounding, or `None` where the arithmetic over- or
 /// underflows. `offset` is from its centre to the origin of the ray.
 #[inline(always)]
-pub(super) fn margin(ray: &Ray, offset: DVec3, size: f64) -> Option<f64> {
+pub(super) fn error_margin(ray: &Ray, offset: DVec3, size: f64) -> Option<f64> {
     let speed = ray.direction.abs().max_element();
     let reach = offset.abs().element_sum() + size;
     let is_tame = (speed >= exp2(-400)) & (speed <= exp2(500)) & (reach >= exp2(-400)) & (reach <= exp2(400));
     is_tame.then_some(128.0 * UNIT_ROUNDOFF * reach)
 }
 
-/// Where the distance from the centre, or for a tube from its axis, is at most `radius`, widened by `margin`; `None` if
-/// nowhere. For a tube, the components of `offset` and `direction` along it are 0, and `speed` is the greatest
-/// component of the whole direction.
+/// Part of the ray whose distance from the centre, or for a cylinder from its axis, is at most `radius`, widened by
+/// `error_margin`. For a cylinder, the components of `offset` and `direction` along it are 0, and `speed` is the
+/// largest component of the whole direction.
 #[inline(always)]
-pub(super) fn chord(offset: DVec3, direction: DVec3, speed: f64, radius: f64, margin: f64) -> Option<Interval> {
-    let grown = radius + margin;
+pub(super) fn chord(offset: DVec3, direction: DVec3, speed: f64, radius: f64, error_margin: f64) -> Option<Interval> {
+    let grown = radius + error_margin;
     if direction.abs().max_element() < exp2(-60) * speed {
         let is_inside = offset.length_squared() <= grown * grown;
         return is_inside.then_some(Interval::new(f64::NEG_INFINITY, f64::INFINITY));
@@ -68,11 +69,11 @@ pub(super) fn chord(offset: DVec3, direction: DVec3, speed: f64, radius: f64, ma
     if half_squared < 0.0 {
         return None;
     }
-    let half = (half_squared.sqrt() + margin) / rate.sqrt();
+    let half = (half_squared.sqrt() + error_margin) / rate.sqrt();
     Some(Interval::new(closest - half, closest + half))
 }
 
-/// Where a span begins that is cut to where the ray is inside; `None` if nothing is left of it.
+/// Beginning of the intersection of two intervals; `None` if it is empty.
 #[inline(always)]
 pub(super) fn entry(inside: Interval, span: Interval) -> Option<f64> {
     let enter = if inside.min > span.min { inside.min } else { span.min };
@@ -80,9 +81,9 @@ pub(super) fn entry(inside: Interval, span: Interval) -> Option<f64> {
     (enter <= leave).then_some(enter)
 }
 
-/// A number no less than the distance whose square was computed, with five roundings in all and whatever underflowed.
-/// Where it overflowed this is the greatest number, for which [`margin`] refuses every ray.
-pub(super) fn root_above(square: f64) -> f64 {
+/// Upper bound of the square root of a computed square, with five roundings and underflow. The largest finite number on
+/// overflow, for which [`error_margin`] rejects every ray.
+pub(super) fn sqrt_up(square: f64) -> f64 {
     (square.sqrt() * (1.0 + 16.0 * UNIT_ROUNDOFF) + exp2(-511)).min(f64::MAX)
 }
 
@@ -114,7 +115,7 @@ mod tests {
         DVec3::from_array([0, 1, 2].map(|axis| hostile([i, k, axis], scale)))
     }
 
-    /// Some boxes of one or many sizes, one of them to ask about.
+    /// Boxes of one or many sizes; the first one is tested.
     fn boxes(i: u64) -> Vec<Aabb> {
         let scale = [1.0, 1e-4, 1e3, 1e7, 1e300, 1e-300, 1e154, 1e-154, 1e120, 1e-120, 1e-310][(i % 11) as usize];
         let offset = f64::min([0.0, 1.0, 1e7, 1e15][(i / 11 % 4) as usize] * scale, 1e300);
@@ -133,9 +134,9 @@ mod tests {
         let bits = hash(&[i, 1002]);
         match bits % 4 {
             0 => {}
-            // Through a corner, which is where the ball around one box touches it.
+            // Through a corner, where the sphere around one box touches it.
             1 => direction = own.corners()[(bits >> 8) as usize % 8] - origin,
-            // Through the corner and along the tangent of that ball, or nearly so.
+            // Through the corner and along the tangent of that sphere, or nearly so.
             2 => {
                 let corner = own.corners()[(bits >> 8) as usize % 8];
                 direction = (corner - own.centre()).normalize_or(DVec3::X).any_orthonormal_vector() * size;
@@ -155,7 +156,7 @@ mod tests {
         Ray::new(origin, direction * [1.0, 1.0, 1e-200, 1e200, 1e-100, 1e100, 1e-20, 1e300][(bits >> 48) as usize % 8])
     }
 
-    /// The proof at the top of this file, tried on hostile numbers: bit for bit, and without a tolerance.
+    /// Checks the proof at the top of this file with hostile numbers, without tolerance.
     fn try_out<V: BoundingVolume>() {
         let (mut n_hits, mut n_culled, mut n_late) = (0, 0, 0);
         for i in 0..600_000 {
@@ -196,14 +197,14 @@ mod tests {
 
     #[test]
     fn widening_is_needed() {
-        // The same chord without a margin culls rays that pass own boxes: the test above would notice.
+        // Without a margin the chord culls rays that pass padded bounds, so that the test above would fail.
         let mut n_culled = 0;
         for i in 0..100_000 {
             let own = boxes(i)[0];
             let ray = hostile_ray(i, &own);
             let sphere = BoundingSphere::around([own].into_iter());
             let (offset, slab_ray) = (ray.origin - sphere.centre(), SlabRay::new(&ray));
-            let bare = margin(&ray, offset, sphere.radius())
+            let bare = error_margin(&ray, offset, sphere.radius())
                 .is_some_and(|_| chord(offset, ray.direction, 1.0, sphere.radius(), 0.0).is_none());
             n_culled += usize::from(bare && own.clip(&slab_ray, WHOLE).is_some());
         }
@@ -213,8 +214,8 @@ mod tests {
     #[test]
     fn a_chord_has_the_length_it_should() {
         let unit = |origin: DVec3, direction: DVec3| {
-            let margin = margin(&Ray::new(origin, direction), origin, 1.0).expect("ordinary numbers");
-            chord(origin, direction, direction.abs().max_element(), 1.0, margin)
+            let error_margin = error_margin(&Ray::new(origin, direction), origin, 1.0).expect("ordinary numbers");
+            chord(origin, direction, direction.abs().max_element(), 1.0, error_margin)
         };
         let inside = unit(DVec3::X * -3.0, DVec3::X * 2.0).expect("through the centre");
         assert!((inside.min - 1.0).abs() < 1e-12 && (inside.max - 2.0).abs() < 1e-12, "{inside:?}");
@@ -229,7 +230,7 @@ mod tests {
     fn numbers_beyond_the_proof_are_refused() {
         let tame = |origin: f64, direction: f64, size: f64| {
             let ray = Ray::new(DVec3::X * origin, DVec3::X * direction);
-            margin(&ray, ray.origin, size).is_some()
+            error_margin(&ray, ray.origin, size).is_some()
         };
         assert!(tame(1e7, 1e100, 1e-300) && tame(0.0, 1e-100, 1.0));
         assert!(!tame(1e200, 1.0, 1.0) && !tame(0.0, 1.0, f64::INFINITY) && !tame(f64::NAN, 1.0, 1.0));

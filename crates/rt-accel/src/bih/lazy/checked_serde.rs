@@ -1,24 +1,25 @@
-//! Saves a hierarchy as it is, part split and part not, and checks what is loaded.
+//! Serialisation of the current state, with checks on loading.
 
 use rt_math::Aabb;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::LazyBih;
-use super::node::{Known, LazyNode};
-use crate::{ValidationError, bih::planes::Planes, bih::walk::Step, bounded_depth::MAX_DEPTH, tree::Item};
+use super::node::{LazyNode, NodeState};
+use crate::bih::{planes::Planes, traverse::BihNode};
+use crate::{ValidationError, prim_bounds::Item, traversal::MAX_DEPTH};
 
 #[derive(Serialize, Deserialize)]
 struct Saved {
     bounds: Aabb,
-    /// Depth first, the left side first: which are below which follows from that.
+    /// Depth first, the left child first, which defines the topology.
     nodes: Vec<SavedNode>,
     unbounded: Vec<u32>,
 }
 
 #[derive(Serialize, Deserialize)]
 enum SavedNode {
-    Waiting { items: Vec<Item>, cell: Aabb },
+    Unsplit { items: Vec<Item>, cell: Aabb },
     Leaf(Vec<u32>),
     Node(Planes),
 }
@@ -26,18 +27,18 @@ enum SavedNode {
 impl Serialize for LazyBih {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut nodes = Vec::new();
-        self.for_each_node(|known, _, _| nodes.push(SavedNode::of(known)));
+        self.for_each_node(|state, _, _| nodes.push(SavedNode::of(state)));
         Saved { bounds: self.bounds, nodes, unbounded: self.unbounded.clone() }.serialize(serializer)
     }
 }
 
 impl SavedNode {
-    fn of(known: &Known<'_>) -> Self {
-        match known {
-            Known::Split(Step::Node(planes, _)) => Self::Node(**planes),
-            Known::Split(Step::Leaf(indices)) => Self::Leaf(indices.to_vec()),
-            Known::Waiting(waiting) => match waiting.as_ref() {
-                Some(waiting) => Self::Waiting { items: waiting.items.clone(), cell: waiting.cell },
+    fn of(state: &NodeState<'_>) -> Self {
+        match state {
+            NodeState::Split(BihNode::Inner(planes, _)) => Self::Node(**planes),
+            NodeState::Split(BihNode::Leaf(indices)) => Self::Leaf(indices.to_vec()),
+            NodeState::Unsplit(unsplit) => match unsplit.as_ref() {
+                Some(unsplit) => Self::Unsplit { items: unsplit.items.clone(), cell: unsplit.cell },
                 None => Self::Leaf(Vec::new()),
             },
         }
@@ -45,7 +46,7 @@ impl SavedNode {
 
     fn listed(&self) -> Vec<u32> {
         match self {
-            Self::Waiting { items, .. } => items.iter().map(|&(index, _)| index).collect(),
+            Self::Unsplit { items, .. } => items.iter().map(|&(index, _)| index).collect(),
             Self::Leaf(indices) => indices.clone(),
             Self::Node(_) => Vec::new(),
         }
@@ -62,11 +63,11 @@ impl Saved {
     fn restore(self) -> Result<LazyBih, ValidationError> {
         let primitives = self.check_lists()?;
         let depths = self.check_shape()?;
-        // From the end: what is below a node has been made when the node is.
+        // Backward, so that the children of a node exist.
         let mut made = Vec::new();
         for (node, depth) in self.nodes.into_iter().zip(depths).rev() {
             let node = match node {
-                SavedNode::Waiting { items, cell } => LazyNode::waiting(items, cell, depth),
+                SavedNode::Unsplit { items, cell } => LazyNode::unsplit(items, cell, depth),
                 SavedNode::Leaf(indices) => LazyNode::leaf(indices),
                 SavedNode::Node(planes) => match (made.pop(), made.pop()) {
                     (Some(left), Some(right)) => LazyNode::inner(planes, [left, right]),
@@ -79,7 +80,7 @@ impl Saved {
         Ok(LazyBih { bounds: self.bounds, root, unbounded: self.unbounded, primitives })
     }
 
-    /// Checks that the lists number all primitives, and each of them once; returns how many there are.
+    /// Checks that each primitive is listed once; returns their number.
     fn check_lists(&self) -> Result<u32, ValidationError> {
         let lists: Vec<_> =
             self.nodes.iter().flat_map(SavedNode::listed).chain(self.unbounded.iter().copied()).collect();
@@ -93,7 +94,7 @@ impl Saved {
         Ok(is_listed.len() as u32)
     }
 
-    /// Checks that the nodes make one tree, which will not become too deep; returns their depths.
+    /// Checks that the nodes are one tree whose depth will stay within the limit; returns their depths.
     fn check_shape(&self) -> Result<Vec<u32>, ValidationError> {
         let mut depths = Vec::with_capacity(self.nodes.len());
         let mut pending = vec![0];
@@ -105,12 +106,12 @@ impl Saved {
                     depth + 1
                 }
                 SavedNode::Leaf(_) => depth,
-                SavedNode::Waiting { items, .. } => {
+                SavedNode::Unsplit { items, .. } => {
                     let is_box = |own: &Aabb| own.is_finite() && !own.is_empty();
                     if let Some(&(primitive, _)) = items.iter().find(|(_, own)| !is_box(own)) {
                         return Err(ValidationError::Outside { primitive });
                     }
-                    // Halving needs that much, and no builder leaves less.
+                    // Median splits need that depth, and no builder leaves less.
                     depth + items.len().next_power_of_two().ilog2()
                 }
             };

@@ -1,28 +1,54 @@
 //! Nodes in depth-first order.
 
-use crate::{ValidationError, bounded_depth::MAX_DEPTH};
+use crate::node_ref::NodeRef;
+use crate::top_down::TreeNode;
+use crate::{ValidationError, traversal::MAX_DEPTH};
 
-/// A part of space. What lies below the cut of a node is the next node.
+/// Part of space. The child below the plane is the next node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Node<C> {
-    /// Two parts.
+    /// Inner node.
     Split {
-        cut: C,
-        /// Number of the node above the cut.
+        plane: C,
+        /// Index of the child above the plane.
         above: u32,
     },
-    /// One part, and where its run of primitives is.
+    /// Leaf with its range of primitive indices.
     Leaf { first: u32, count: u32 },
 }
 
-/// Checks that the nodes are a tree in depth-first order that no walk can fall out of, with leaves of `n_references`
-/// in all.
+impl<C: Send> TreeNode for Node<C> {
+    type Payload = C;
+
+    fn inner(plane: C) -> Self {
+        Self::Split { plane, above: 0 }
+    }
+
+    fn leaf(first: u32, count: u32) -> Option<Self> {
+        Some(Self::Leaf { first, count })
+    }
+
+    fn link(&mut self, children: [NodeRef; 2]) {
+        if let Self::Split { above, .. } = self {
+            *above = children[1].first;
+        }
+    }
+
+    fn shift(&mut self, nodes: u32, indices: u32) {
+        match self {
+            Self::Split { above, .. } => *above += nodes,
+            Self::Leaf { first, .. } => *first += indices,
+        }
+    }
+}
+
+/// Checks that the nodes are a tree in depth-first order with valid references and leaves of `n_references` in total.
 ///
 /// # Errors
-/// The first node that is not where it should be, or too deep.
+/// The first node that is out of order or too deep.
 pub(crate) fn check_order<C>(nodes: &[Node<C>], n_references: usize) -> Result<(), ValidationError> {
-    // Nodes that are yet to come, the next one last, with their depths.
+    // Expected nodes, the next one last, with their depths.
     let mut expected = vec![(0, 0)];
     let mut next_first = 0;
     for (number, node) in (0..).zip(nodes) {
@@ -54,7 +80,7 @@ mod tests {
     use super::*;
 
     const fn split(above: u32) -> Node<()> {
-        Node::Split { cut: (), above }
+        Node::Split { plane: (), above }
     }
 
     const fn leaf(first: u32, count: u32) -> Node<()> {

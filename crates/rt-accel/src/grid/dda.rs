@@ -1,32 +1,32 @@
-//! The walk of a ray from cell to cell, in order.
+//! Traversal of a ray from cell to cell (3D-DDA).
 
 use rt_math::{Interval, SlabRay};
 
-use super::axis::Axis;
+use super::grid_axis::GridAxis;
 
-/// A ray on its way through the cells (Amanatides and Woo 1987), with one change: the parameters at which it crosses
-/// planes are computed from the planes' numbers, never accumulated.
-pub(super) struct Walk<'a> {
-    axes: &'a [Axis; 3],
+/// Traversal state (Amanatides and Woo 1987), with one change: intersections with planes are computed from the indices
+/// of the planes, never accumulated.
+pub(super) struct Dda<'a> {
+    axes: &'a [GridAxis; 3],
     origin: [f64; 3],
     inverse: [f64; 3],
-    /// Number of the next plane to cross.
+    /// Index of the next plane to cross.
     plane: [u32; 3],
-    /// The plane that is not crossed any more: the outer one of the last cell.
+    /// Index of the outer plane of the last cell, which is not crossed.
     last: [u32; 3],
-    /// Parameter of the next crossing; ∞ if there is none.
+    /// Parameter of the next plane; ∞ without one.
     next_t: [f64; 3],
-    /// What a crossing adds to the number of the cell, modulo 2⁶⁴.
+    /// Increment of the cell index at a plane, modulo 2⁶⁴.
     stride: [usize; 3],
     cell: usize,
-    /// Where the ray leaves the bounds of the grid.
+    /// Parameter at which the ray leaves the bounds of the grid.
     exit: f64,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> Dda<'a> {
     /// Starts in the cell at the beginning of `inside`, the part of the ray within the bounds of the grid.
     #[inline]
-    pub(super) fn new(axes: &'a [Axis; 3], ray: &SlabRay, inside: Interval) -> Self {
+    pub(super) fn new(axes: &'a [GridAxis; 3], ray: &SlabRay, inside: Interval) -> Self {
         let (origin, direction) = (ray.ray.origin.to_array(), ray.ray.direction.to_array());
         let strides = [1, axes[0].cells as usize, axes[0].cells as usize * axes[1].cells as usize];
         let mut walk = Self {
@@ -41,7 +41,7 @@ impl<'a> Walk<'a> {
             exit: inside.max,
         };
         for axis in 0..3 {
-            // A direction whose inverse is infinite moves nowhere, as in the slab test.
+            // A direction whose inverse is infinite counts as zero, as in the slab test.
             let is_parallel = walk.inverse[axis].is_infinite();
             let start = if is_parallel { origin[axis] } else { origin[axis] + inside.min * direction[axis] };
             let index = axes[axis].index(start);
@@ -62,7 +62,7 @@ impl<'a> Walk<'a> {
         walk
     }
 
-    /// Number of the current cell.
+    /// Index of the current cell.
     #[inline(always)]
     pub(super) fn cell(&self) -> usize {
         self.cell

@@ -1,9 +1,9 @@
-//! Saving structures, and loading them again without trusting what is loaded.
+//! Serialisation of accelerators, with checks on loading.
 
-/// Implements serde's traits for a structure that derives them under `serde(remote = "Self")`: what is loaded must pass
-/// a check, so that no walk ever follows a number that leads nowhere. That it fits the primitives is for
-/// [`AcceleratorQueries::validate`](crate::AcceleratorQueries::validate) to say.
-macro_rules! saved_and_checked {
+/// Implements serde's traits for an accelerator that derives them under `serde(remote = "Self")`. Loaded data must pass
+/// `$check`, so that no traversal follows an invalid index; [`Accelerator::validate`](crate::Accelerator::validate)
+/// checks that it fits the primitives.
+macro_rules! impl_checked_serde {
     ($structure:ty, $check:expr $(, $($parameter:ident: $bound:path),+)?) => {
         impl $(<$($parameter: $bound + serde::Serialize),+>)? serde::Serialize for $structure {
             fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -21,4 +21,4 @@ macro_rules! saved_and_checked {
     };
 }
 
-pub(crate) use saved_and_checked;
+pub(crate) use impl_checked_serde;

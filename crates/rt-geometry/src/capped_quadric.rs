@@ -1,20 +1,20 @@
 //! Cylinders, cones and frusta: a curved side between two heights, with or without caps.
 
 use crate::disk::{cap_uv, on_disk};
-use crate::lateral::{Inside, Lateral, longitude};
+use crate::quadric_side::{Inside, QuadricSide, azimuth};
 use crate::{InteractionFlags, ShapeHit, SurfaceInteraction};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
-/// The part of a [`Lateral`] between two heights: a closed solid if it has caps, else an open surface with two sides.
+/// Part of a [`QuadricSide`] between two heights: a closed solid with caps, else an open surface with two sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Truncated {
-    pub(crate) side: Lateral,
+pub(crate) struct CappedQuadric {
+    pub(crate) side: QuadricSide,
     pub(crate) bottom: f64,
     pub(crate) top: f64,
     pub(crate) caps: bool,
 }
 
-/// What is hit, as the `uv[0]` of a hit.
+/// Face of a hit, stored in its `uv[0]`.
 #[derive(Clone, Copy)]
 enum Face {
     Side = 0,
@@ -32,14 +32,14 @@ impl Face {
     }
 }
 
-impl Truncated {
+impl CappedQuadric {
     pub(crate) fn bounds(&self) -> Aabb {
         let reach = self.side.radius_at(self.bottom).max(self.side.radius_at(self.top));
         let reach = DVec3::new(reach.next_up(), 0.0, reach.next_up());
         Aabb::new(DVec3::Y * self.bottom - reach, DVec3::Y * self.top + reach)
     }
 
-    /// How far the shape reaches in a direction: one of its rims is farthest.
+    /// Support function: the farthest point is on one of the rims.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         let across = DVec3::new(direction.x, 0.0, direction.z).length();
         let rim = |y: f64| direction.y * y + across * self.side.radius_at(y);
@@ -57,8 +57,8 @@ impl Truncated {
         }
     }
 
-    /// The solid is convex: a ray is inside where it is inside of the side and between the caps, as for a box. So no
-    /// ray slips between the side and a cap, and one through a rim meets one of the two: the side if they tie.
+    /// The solid is convex: a ray is inside where it is inside the side and between the caps, as for a box. So no ray
+    /// passes between the side and a cap, and one through a rim hits one of the two: the side on a tie.
     fn intersect_solid(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let (mut enter, mut leave) = self.inside_of_side(ray)?;
         let (mut enter_face, mut leave_face) = (Face::Side, Face::Side);
@@ -86,7 +86,7 @@ impl Truncated {
         Some(ShapeHit { t, uv: [f64::from(face as u8), 0.0] })
     }
 
-    /// Of the two nappes of a cone, a steep ray is in the wanted one where its radius is positive.
+    /// Part of the ray inside the side. A steep ray is in the nappe of positive radius.
     fn inside_of_side(&self, ray: &Ray) -> Option<(f64, f64)> {
         Some(match self.side.inside(ray)? {
             Inside::Everywhere => (f64::NEG_INFINITY, f64::INFINITY),
@@ -112,7 +112,7 @@ impl Truncated {
         let mut surface = self.side.surface(ray, t, [self.bottom, self.top]);
         if needs.uv {
             let height = (surface.point.y - self.bottom) / (self.top - self.bottom);
-            surface.uv = [longitude(surface.point), height];
+            surface.uv = [azimuth(surface.point), height];
         }
         surface
     }

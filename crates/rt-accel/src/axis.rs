@@ -1,14 +1,14 @@
-//! One of three.
+//! Coordinate axes.
 
-/// The coordinate that a plane is perpendicular to.
+/// Axis that a plane is perpendicular to, or that a volume is parallel to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) enum Coordinate {
+pub(crate) enum Axis {
     X,
     Y,
     Z,
 }
 
-impl Coordinate {
+impl Axis {
     pub(crate) const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
 }

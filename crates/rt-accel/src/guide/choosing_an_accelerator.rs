@@ -1,4 +1,4 @@
-//! Which structure to take.
+//! Recommendations.
 //!
 //! ```text
 //!     up to ten primitives? ──────────── yes ─▶ Linear
@@ -22,7 +22,7 @@
 //! | a volume of your own | [`VolumeTree`](crate::VolumeTree) | one trait to implement |
 //! | a test to write | [`brute_force`](crate::brute_force) | it is right by definition |
 //!
-//! All answer alike, to the last bit, so that a choice can be changed at any time without changing a picture:
+//! All return identical results, so that the choice never changes an image:
 //!
 //! ```
 //! use rt_accel::{Aabb, Accelerator, AnyAccelerator, Boxes, DVec3, Interval, NoProbe, Ray, AcceleratorKind, brute_force};
@@ -35,12 +35,12 @@
 //! let ray = Ray::new(DVec3::new(-1.0, 0.3, 0.2), DVec3::new(1.0, 0.2, 0.1));
 //! let expected = brute_force::closest(&boxes, &ray, Interval::FORWARD, &mut NoProbe);
 //! for kind in AcceleratorKind::ALL {
-//!     let structure = AnyAccelerator::build(*kind, &boxes)?;
-//!     assert_eq!(structure.closest(&boxes, &ray, Interval::FORWARD, &mut NoProbe), expected);
+//!     let accelerator = AnyAccelerator::build(*kind, &boxes)?;
+//!     assert_eq!(accelerator.closest(&boxes, &ray, Interval::FORWARD, &mut NoProbe), expected);
 //! }
 //! # Ok::<(), rt_accel::BuildError>(())
 //! ```
 //!
-//! [`AnyAccelerator`](crate::AnyAccelerator) chooses while the program runs, for one `match` in each query. Measure with your
-//! own primitives: [`Counters`](crate::Counters) count nodes and tests, and
-//! [`build_stats`](crate::AcceleratorQueries::build_stats) tells what was built.
+//! [`AnyAccelerator`](crate::AnyAccelerator) chooses at run time, for one `match` per query. Measure with your own
+//! primitives: [`Counters`](crate::Counters) count nodes and tests, and
+//! [`build_stats`](crate::Accelerator::build_stats) describes the result of a build.

@@ -2,17 +2,17 @@
 //!
 //! # Why no primitive is skipped
 //!
-//! A hit with the own box `[a, b]` on this axis has a parameter `τ`, the entry into that box, at which the ray is
-//! within a few roundings of `[a, b]` on every axis. The walk, in product form, is at `τ` in a cell whose planes
+//! A hit with the padded bounds `[a, b]` on this axis has a parameter `τ`, the entry into that box, at which the ray is
+//! within a few roundings of `[a, b]` on every axis. The traversal, in product form, is at `τ` in a cell whose planes
 //! `[p, q]` the ray is within a few roundings of as well. Both are bounded by 32 unit roundoffs of `reach`, the sum of
-//! the magnitudes of the ray's origin and the grid's coordinates, errors of the start and of the insertion included.
-//! So `[a, b]` and `[p, q]` touch when both are widened by that, and as primitives are inserted widened by
-//! [`WIDENING`] of a cell, the cell lists the primitive if `32 u · reach` is less. [`Axis::resolves`] asks for three
-//! times that in half of the widening. Rays that fail, which start some 10⁹ cells away, are answered by exhaustion.
+//! the magnitudes of the ray's origin and the grid's coordinates, errors of the start and of the insertion included. So
+//! `[a, b]` and `[p, q]` touch when both are widened by that. Primitives are inserted widened by [`WIDENING`] of a
+//! cell, so that the cell lists the primitive if `32 u · reach` is less. [`GridAxis::resolves`] requires three times
+//! that in half of the widening. Rays that fail, which start some 10⁹ cells away, are tested against every primitive.
 //!
-//! All this takes `τ` to be finite. It is where the ray leaves the bounds of the grid at a finite parameter; the slab
-//! test then also keeps rays that move by nothing along this axis, because their inverse direction is infinite, to
-//! boxes that contain their origin's coordinate.
+//! The proof assumes a finite `τ`. It is finite where the ray leaves the bounds of the grid at a finite parameter. Rays
+//! whose inverse direction is infinite on this axis count as not moving; the slab test keeps them to boxes that contain
+//! their origin's coordinate.
 //!
 //! The outermost cells reach to infinity, so that rounding cannot push a ray out of the grid before it has left the
 //! bounds. An axis of one cell has no planes and nothing to prove.
@@ -21,25 +21,25 @@ use core::ops::RangeInclusive;
 
 use rt_math::float::UNIT_ROUNDOFF;
 
-/// Boxes are inserted wider by this part of a cell on each side.
+/// Widening of inserted boxes on each side, in cells.
 const WIDENING: f64 = 1.0 / 256.0;
 
-/// Cells are no smaller than this part of the greatest coordinate, so that rays from well outside are resolved.
+/// Minimum size of a cell relative to the largest coordinate, so that rays from well outside are resolved.
 const FINEST: f64 = 1.0 / (1u64 << 32) as f64;
 
 /// Equal cells along one coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Axis {
+pub(super) struct GridAxis {
     min: f64,
     cell: f64,
     pub(super) cells: u32,
-    /// Greatest magnitude of a coordinate in the grid.
+    /// Largest magnitude of a coordinate in the grid.
     magnitude: f64,
 }
 
-impl Axis {
-    /// Divides `[min, max]` into about `wanted` cells: at least 1, and no more than coordinates can tell apart.
+impl GridAxis {
+    /// Divides `[min, max]` into about `wanted` cells: at least 1, and no more than coordinates can distinguish.
     pub(super) fn new(min: f64, max: f64, wanted: u32) -> Self {
         let extent = max - min;
         let magnitude = min.abs().max(max.abs());
@@ -51,13 +51,13 @@ impl Axis {
         Self { min, cell: extent / f64::from(cells), cells, magnitude }
     }
 
-    /// True if the axis has cells, and coordinates are numbers.
+    /// True for a positive number of cells without NaN.
     #[cfg(feature = "serde")]
-    pub(super) fn is_sound(&self) -> bool {
+    pub(super) fn is_valid(&self) -> bool {
         self.cells > 0 && self.cell >= 0.0 && !self.min.is_nan() && self.magnitude >= 0.0
     }
 
-    /// Coordinate of the lower plane of cell `index`: a product, so that errors do not add up along a walk.
+    /// Coordinate of the lower plane of cell `index`: a product, so that errors do not accumulate.
     #[inline(always)]
     pub(super) fn plane(&self, index: u32) -> f64 {
         self.min + f64::from(index) * self.cell
@@ -92,7 +92,7 @@ impl Axis {
         planes_where(&|plane| plane < min)..=planes_where(&|plane| plane <= max)
     }
 
-    /// True if the walk of a ray with this origin and direction is certain to find what the ray hits.
+    /// True if the traversal of a ray with this origin and direction certainly visits the cells of its hits.
     #[inline(always)]
     pub(super) fn resolves(&self, origin: f64, direction: f64) -> bool {
         if self.cells == 1 {
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn planes_and_indices_agree() {
-        let axis = Axis::new(-1.0, 3.0, 8);
+        let axis = GridAxis::new(-1.0, 3.0, 8);
         assert_eq!(axis.cells, 8);
         assert_eq!((axis.plane(0), axis.plane(8)), (-1.0, 3.0));
         assert_eq!(
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn cells_touching_a_box_list_it() {
-        let axis = Axis::new(1e5, 1e5 + 7.0, 100);
+        let axis = GridAxis::new(1e5, 1e5 + 7.0, 100);
         for i in 0..100 {
             let (min, max) = (axis.plane(i).next_up(), axis.plane(i + 1));
             assert_eq!(axis.touched_range(min, max), i..=(i + 1).min(99));
@@ -132,16 +132,16 @@ mod tests {
 
     #[test]
     fn degenerate_extents_have_one_cell() {
-        assert_eq!(Axis::new(0.0, 0.0, 50).cells, 1);
-        assert_eq!(Axis::new(1e7, 1e7 + 1e-9, 50).cells, 1);
-        assert_eq!(Axis::new(f64::MIN, f64::MAX, 50).cells, 1);
-        assert_eq!(Axis::new(f64::INFINITY, f64::NEG_INFINITY, 50).cells, 1, "the bounds of nothing");
-        assert_eq!(Axis::new(0.0, 1.0, 0).cells, 1);
+        assert_eq!(GridAxis::new(0.0, 0.0, 50).cells, 1);
+        assert_eq!(GridAxis::new(1e7, 1e7 + 1e-9, 50).cells, 1);
+        assert_eq!(GridAxis::new(f64::MIN, f64::MAX, 50).cells, 1);
+        assert_eq!(GridAxis::new(f64::INFINITY, f64::NEG_INFINITY, 50).cells, 1, "the bounds of nothing");
+        assert_eq!(GridAxis::new(0.0, 1.0, 0).cells, 1);
     }
 
     #[test]
     fn distant_and_extreme_rays_are_not_resolved() {
-        let axis = Axis::new(0.0, 1.0, 10);
+        let axis = GridAxis::new(0.0, 1.0, 10);
         assert!(axis.resolves(0.5, 1.0) && axis.resolves(1e6, -0.0));
         assert!(!axis.resolves(1e15, 1.0), "too far");
         assert!(!axis.resolves(0.5, f64::MAX), "parameters underflow");

@@ -1,12 +1,12 @@
-//! Checks what the proof of the walks rests on.
+//! Checks the assumptions of the traversal.
 
 use rt_geometry::{Primitives, padded_bounds};
 
 use super::node::check_order;
-use super::{Cut, Node, Partition};
-use crate::{ValidationError, own_boxes::validate_lists};
+use super::{BspPartition, Node, SplitPlane};
+use crate::{ValidationError, prim_bounds::validate_lists};
 
-impl<C: Cut> Partition<C> {
+impl<C: SplitPlane> BspPartition<C> {
     pub(crate) fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.check()?;
         validate_lists(primitives, self.primitives, &self.unbounded)?;
@@ -18,9 +18,9 @@ impl<C: Cut> Partition<C> {
             let mut pending = vec![0];
             while let Some(number) = pending.pop() {
                 match self.nodes[number as usize] {
-                    Node::Split { cut, above } => {
+                    Node::Split { plane, above } => {
                         let children = [number + 1, above];
-                        pending.extend((0..2).filter(|&side| cut.sides(&own)[side]).map(|side| children[side]));
+                        pending.extend((0..2).filter(|&side| plane.classify(&own)[side]).map(|side| children[side]));
                     }
                     Node::Leaf { first, count } => {
                         if self.leaf(first, count).binary_search(&primitive).is_err() {
@@ -33,13 +33,12 @@ impl<C: Cut> Partition<C> {
         Ok(())
     }
 
-    /// Checks all that can be checked without the primitives: enough for walks to end, and to ask for no primitive
-    /// that was not there.
+    /// Checks everything that is independent of the primitives: traversals end, and all primitive indices are valid.
     pub(crate) fn check(&self) -> Result<(), ValidationError> {
         check_order(&self.nodes, self.indices.len())?;
         for (number, node) in (0..).zip(&self.nodes) {
-            if let Node::Split { cut, .. } = node
-                && !cut.is_sound()
+            if let Node::Split { plane, .. } = node
+                && !plane.is_valid()
             {
                 return Err(ValidationError::Node { node: number });
             }
@@ -53,18 +52,18 @@ impl<C: Cut> Partition<C> {
 
 #[cfg(feature = "serde")]
 mod saved {
-    use super::{Cut, Partition};
+    use super::{BspPartition, SplitPlane};
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-    impl<C: Cut + Serialize> Serialize for Partition<C> {
+    impl<C: SplitPlane + Serialize> Serialize for BspPartition<C> {
         fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
             Self::serialize(self, serializer)
         }
     }
 
-    impl<'de, C: Cut + Deserialize<'de>> Deserialize<'de> for Partition<C> {
-        /// Refuses what could lead a walk astray.
+    impl<'de, C: SplitPlane + Deserialize<'de>> Deserialize<'de> for BspPartition<C> {
+        /// Refuses invalid references.
         fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
             let partition = Self::deserialize(deserializer)?;
             partition.check().map_err(D::Error::custom)?;
@@ -76,12 +75,12 @@ mod saved {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BspTree, KdTree, bounded_depth::MAX_DEPTH};
+    use crate::{BspTree, KdTree, traversal::MAX_DEPTH};
     use glam::DVec3;
     use rt_geometry::Hit;
     use rt_math::{Aabb, Interval, Ray};
 
-    /// Boxes in a row, 0.5 wide and 1 apart.
+    /// Row of boxes, 0.5 wide and 1 apart.
     struct Row;
 
     impl Primitives for Row {
@@ -96,15 +95,15 @@ mod tests {
         }
     }
 
-    fn damage_is_found<C: Cut>(good: &Partition<C>) {
+    fn damage_is_found<C: SplitPlane>(good: &BspPartition<C>) {
         assert_eq!(good.validate(&Row), Ok(()));
-        let verdict = |damage: &dyn Fn(&mut Partition<C>)| {
+        let verdict = |damage: &dyn Fn(&mut BspPartition<C>)| {
             let mut tree = good.clone();
             damage(&mut tree);
             tree.validate(&Row)
         };
         let is_misplaced = |verdict| matches!(verdict, Err(ValidationError::Misplaced { .. }));
-        let root = |tree: &mut Partition<C>, number: u32| match &mut tree.nodes[0] {
+        let root = |tree: &mut BspPartition<C>, number: u32| match &mut tree.nodes[0] {
             Node::Split { above, .. } => *above = number,
             Node::Leaf { .. } => panic!("a leaf of all"),
         };
@@ -120,10 +119,10 @@ mod tests {
         assert!(verdict(&|tree| _ = tree.indices.pop()).is_err(), "a reference lost");
         assert_eq!(verdict(&|tree| tree.primitives = 99), Err(ValidationError::Misplaced { primitive: 99 }));
         assert_eq!(verdict(&|tree| tree.bounds.max.x -= 1.0), Err(ValidationError::Outside { primitive: 99 }));
-        let comb = |tree: &mut Partition<C>| {
-            let Node::Split { cut, .. } = tree.nodes[0] else { return };
+        let comb = |tree: &mut BspPartition<C>| {
+            let Node::Split { plane, .. } = tree.nodes[0] else { return };
             let depth = MAX_DEPTH + 1;
-            tree.nodes = (0..depth).map(|level| Node::Split { cut, above: 2 * depth - level }).collect();
+            tree.nodes = (0..depth).map(|level| Node::Split { plane, above: 2 * depth - level }).collect();
             tree.nodes.extend((0..=depth).map(|_| Node::Leaf { first: 0, count: 0 }));
             tree.indices.clear();
         };
@@ -145,12 +144,12 @@ mod tests {
     #[test]
     fn cuts_that_are_no_planes_are_found() {
         let mut tree = KdTree::build(&Row).expect("boxes").0;
-        let Node::Split { cut, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
-        cut.position = f64::NAN;
+        let Node::Split { plane, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
+        plane.position = f64::NAN;
         assert_eq!(tree.validate(&Row), Err(ValidationError::Node { node: 0 }));
         let mut tree = BspTree::build(&Row).expect("boxes").0;
-        let Node::Split { cut, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
-        cut.normal *= 2.0;
+        let Node::Split { plane, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
+        plane.normal *= 2.0;
         assert_eq!(tree.validate(&Row), Err(ValidationError::Node { node: 0 }));
     }
 

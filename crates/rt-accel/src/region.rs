@@ -1,18 +1,14 @@
-//! Parts of space that can be searched for primitives.
-
-mod frustum;
+//! Regions of space to search for primitives.
 
 use glam::DVec3;
 use rt_math::Aabb;
 
-pub use frustum::{Frustum, FrustumError};
-
-/// A part of space.
+/// Region of space.
 pub trait Region {
-    /// A box around it; sides may be infinite. It must not change.
+    /// Bounds; sides may be infinite. Must be constant.
     fn bounds(&self) -> Aabb;
 
-    /// True if it has a point in common with a box. May be true for a box that lies just outside.
+    /// True if the region and a box have a point in common. May be true for a box just outside.
     fn overlaps(&self, aabb: &Aabb) -> bool;
 }
 
@@ -39,16 +35,16 @@ impl Region for Aabb {
 
 /// All points within a radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ball {
-    /// Its centre.
+pub struct SphereRegion {
+    /// Centre.
     pub centre: DVec3,
-    /// Its radius; a ball of negative or NaN radius is empty.
+    /// Radius; a sphere of negative or NaN radius is empty.
     pub radius: f64,
 }
 
-impl Region for Ball {
+impl Region for SphereRegion {
     fn bounds(&self) -> Aabb {
-        // Rounded outward, so that a box which touches the ball touches this one.
+        // Rounded outward, so that every box that touches the sphere touches its bounds.
         let [min, max] = [self.centre - self.radius, self.centre + self.radius];
         Aabb::new(
             DVec3::from_array(min.to_array().map(f64::next_down)),
