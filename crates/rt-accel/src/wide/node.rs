@@ -138,7 +138,7 @@ impl Node {
     }
 
     /// Box of a child; `None` for an empty lane.
-    pub(super) fn child_box(&self, lane: usize) -> Option<NodeBox> {
+    pub(super) fn child_box(&self, lane: usize) -> Option<Aabb32> {
         let side = |side: usize| [0, 1, 2].map(|axis| self.planes[2 * axis + side][lane]).into();
         let (min, max): (glam::Vec3A, glam::Vec3A) = (side(0), side(1));
         min.cmple(max).all().then_some(Aabb32 { min, max })
@@ -160,7 +160,7 @@ impl Node {
     }
 
     /// Children with their boxes.
-    pub(super) fn children(&self) -> impl Iterator<Item = (NodeBox, Child)> + '_ {
+    pub(super) fn children(&self) -> impl Iterator<Item = (Aabb32, Child)> + '_ {
         (0..8).filter_map(|lane| Some((self.child_box(lane)?, self.children[lane])))
     }
 }

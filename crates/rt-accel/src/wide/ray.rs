@@ -5,7 +5,7 @@
 //! Let `c` be the centre of the tree, `o` the origin of the ray, `v = fl(1/d)` on some axis, and `u = 2⁻⁵³`. Padded
 //! bounds are entered through the plane `b` at `fl(fl(b − o)·v)`, which is within 3.1u of the real number `τ = (b −
 //! o)/d`. They are left after at most `τ·(1 + 10u)` ([`Aabb::clip`](rt_math::Aabb::clip)). A node stores a plane `p` in
-//! `f32`. [`NodeBox`](crate::bvh::NodeBox) guarantees that a near plane lies at or before `b − c`, and a far plane at
+//! `f32`. [`Aabb32`](crate::bvh::Aabb32) guarantees that a near plane lies at or before `b − c`, and a far plane at
 //! or behind it. Take `v > 0` and let `q = o − c`; for `v < 0` all signs are mirrored.
 //!
 //! The filter computes `fl32(p·n + s)`, with the `f32` number `n` = `fl32(v)` for both planes, and for near planes `s =

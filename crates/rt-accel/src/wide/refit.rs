@@ -36,7 +36,7 @@ impl Refit for WideBvh {
 
 impl WideBvh {
     /// Refits a leaf, or joins the boxes of a node that is already fitted; returns the bounds.
-    fn fit<P: Primitives>(&mut self, child: Child, filling: &LeafWriter<'_, P>) -> NodeBox {
+    fn fit<P: Primitives>(&mut self, child: Child, filling: &LeafWriter<'_, P>) -> Aabb32 {
         if child.is_node() {
             return self.nodes[child.number()].children().fold(Aabb32::EMPTY, |all, (bounds, _)| all.union(bounds));
         }

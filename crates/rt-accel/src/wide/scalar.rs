@@ -83,7 +83,7 @@ impl WideBvh {
         stack.insert(0, (0.0, self.root, (u32::MAX, 0)));
         while let Some((_, child, place)) = stack.pop() {
             // The query may have shrunk since the push.
-            if self.box_at(place).is_some_and(|bounds| query.reach(&bounds).is_none()) {
+            if self.box_at(place).is_some_and(|bounds| query.distance_to(&bounds).is_none()) {
                 continue;
             }
             if !child.is_node() {

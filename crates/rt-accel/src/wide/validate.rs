@@ -63,7 +63,7 @@ impl WideBvh {
         &self,
         mut visit: impl FnMut(Child, &Aabb32) -> Result<(), ValidationError>,
     ) -> Result<(), ValidationError> {
-        let everything = NodeBox { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
+        let everything = Aabb32 { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY };
         // With another root, nodes would remain unvalidated.
         if self.root != Child::node(0) {
             return Err(ValidationError::Node { node: 0 });

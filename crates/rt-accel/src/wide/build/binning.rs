@@ -58,7 +58,7 @@ pub(super) struct SplitPlane {
 
 impl BinMapping {
     /// Mapping for `count` references with centroids in this box.
-    pub(super) fn new(centroids: &NodeBox, count: usize, axes: Axes) -> Self {
+    pub(super) fn new(centroids: &Aabb32, count: usize, axes: Axes) -> Self {
         let len = (4 + count / 8).min(MAX_BINS);
         let scale = Vec3A::splat(len as f32 * 0.99999) / (centroids.max - centroids.min);
         Self { least: centroids.min, scale: scale.min(Vec3A::splat(f32::MAX)), len, axes }

@@ -69,14 +69,14 @@ mod tests {
 
     use super::*;
     use crate::wide::build::binning::{Axes, NormalizedArea};
-    use crate::{bvh::NodeBox, wide::build::reference::PrimRange};
+    use crate::{bvh::Aabb32, wide::build::reference::PrimRange};
 
     fn at(x: f32, index: u32) -> PrimRef {
         PrimRef::new(Aabb32 { min: Vec3A::new(x, 0.0, 0.0), max: Vec3A::new(x + 1.0, 1.0, 0.0) }, index)
     }
 
     fn paired(references: Vec<PrimRef>, max_leaf: usize) -> Vec<PrimRange> {
-        let unit = NormalizedArea::new(&NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(10.0) });
+        let unit = NormalizedArea::new(&Aabb32 { min: Vec3A::ZERO, max: Vec3A::splat(10.0) });
         let config = BuildConfig { unit, axes: Axes::All, leaf_policy: LeafPolicy::STRICT, pairs: true, max_leaf };
         let mut list = Vec::new();
         references.into_iter().for_each(|reference| config.push(&mut list, reference));

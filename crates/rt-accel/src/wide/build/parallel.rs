@@ -5,7 +5,7 @@ use super::binning::Bins;
 use super::collapse::{CollapsePlan, Costs};
 use super::reference::PrimRange;
 use super::top_down::{BuildConfig, BuildRange};
-use crate::bvh::NodeBox;
+use crate::bvh::Aabb32;
 
 /// Ranges of at most this size are one task, whose references and nodes fit the cache of one core.
 const TASK: usize = 4096;
@@ -35,8 +35,8 @@ pub(super) struct NodeRef {
 
 /// TopNode part of the tree.
 enum TopNode {
-    Inner(NodeBox, Box<[TopNode; 2]>),
-    Task(NodeBox, BinaryTree, Costs),
+    Inner(Aabb32, Box<[TopNode; 2]>),
+    Task(Aabb32, BinaryTree, Costs),
 }
 
 impl SubtreeSet {
@@ -56,7 +56,7 @@ impl SubtreeSet {
         self.trees[place.tree as usize].nodes[place.node as usize].content()
     }
 
-    pub(super) fn bounds(&self, place: NodeRef) -> NodeBox {
+    pub(super) fn bounds(&self, place: NodeRef) -> Aabb32 {
         self.trees[place.tree as usize].nodes[place.node as usize].bounds()
     }
 
@@ -92,7 +92,7 @@ impl SubtreeSet {
     }
 
     /// Adds a link, and a leaf of the tree that refers to it.
-    pub(super) fn link(&mut self, bounds: &NodeBox, link: SubtreeRef, tree: usize) -> u32 {
+    pub(super) fn link(&mut self, bounds: &Aabb32, link: SubtreeRef, tree: usize) -> u32 {
         self.links.push(link);
         let content = Content::Link(self.links.len() as u32 - 1);
         self.trees[tree].push(bounds, content, CollapsePlan::LEAF)

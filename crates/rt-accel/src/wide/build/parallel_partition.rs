@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::binning::{BestSplit, Bins, SplitPlane};
 use super::reference::PrimRef;
 use super::top_down::{BuildConfig, BuildRange, PrimInfo, scatter};
-use crate::bvh::NodeBox;
+use crate::bvh::Aabb32;
 
 /// References per task.
 const CHUNK: usize = 16384;

@@ -67,8 +67,8 @@ impl PrimStats {
     }
 
     /// Bounds of all, relative to the centre.
-    pub(in crate::wide) fn extent(&self) -> NodeBox {
-        NodeBox::outward(&self.union, self.centre())
+    pub(in crate::wide) fn extent(&self) -> Aabb32 {
+        Aabb32::enclosing(&self.union, self.centre())
     }
 
     /// Maximum coordinate relative to the centre.

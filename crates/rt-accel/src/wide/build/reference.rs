@@ -40,7 +40,7 @@ impl PrimRef {
 
     /// Merges two consecutive primitives in one box.
     #[inline(always)]
-    pub(super) fn merge(&self, bounds: &NodeBox) -> Self {
+    pub(super) fn merge(&self, bounds: &Aabb32) -> Self {
         let tagged = |corner: Vec3A, tag: u32| corner.extend(f32::from_bits(tag)).to_array();
         Self { min: tagged(bounds.min, self.min[3].to_bits() | PAIR), max: tagged(bounds.max, self.max[3].to_bits()) }
     }

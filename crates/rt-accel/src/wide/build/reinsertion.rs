@@ -262,7 +262,7 @@ mod tests {
     fn a_leaf_far_from_its_sibling_moves_to_its_neighbour() {
         // From (((0, 100), 1), 101) to ((0, 1), (100, 101)).
         let order = [0, 1, 2, 3].map(|first| PrimRange { first, count: 1 });
-        let unit = NormalizedArea::new(&NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(102.0) });
+        let unit = NormalizedArea::new(&Aabb32 { min: Vec3A::ZERO, max: Vec3A::splat(102.0) });
         let config = BuildConfig {
             unit,
             axes: crate::wide::build::binning::Axes::All,

@@ -8,7 +8,7 @@ use super::collapse::{CollapsePlan, Costs};
 use super::leaf_policy::LeafPolicy;
 use super::params::{BuildParams, Quality};
 use super::reference::{PrimRange, PrimRef};
-use crate::{bounded_depth::leaves_room_for_halving, bvh::NodeBox};
+use crate::{bvh::Aabb32, traversal::depth_allows_median_split};
 
 /// Configuration of a build.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +23,7 @@ pub(super) struct BuildConfig {
 
 impl BuildConfig {
     /// Configuration for primitives within this box.
-    pub(super) fn new(extent: &NodeBox, params: &BuildParams) -> Self {
+    pub(super) fn new(extent: &Aabb32, params: &BuildParams) -> Self {
         let (axes, leaf_policy) = match params.quality {
             Quality::Low => (Axes::Widest, LeafPolicy::GREEDY),
             Quality::Medium => (Axes::All, LeafPolicy::LOOSE),
@@ -50,9 +50,9 @@ pub(super) struct BuildRange<'a> {
 /// Bounds of references and of their centroids.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PrimInfo {
-    pub(super) bounds: NodeBox,
+    pub(super) bounds: Aabb32,
     /// Bounds of [`PrimRef::centroid`].
-    pub(super) centroids: NodeBox,
+    pub(super) centroids: Aabb32,
 }
 
 impl PrimInfo {
@@ -73,7 +73,7 @@ impl PrimInfo {
 
 /// Copies each reference to its side, and returns the bounds of the centroids on both. Branch-free, as the side is
 /// unpredictable.
-pub(super) fn scatter(references: &[PrimRef], cut: &SplitPlane, sides: [&mut [PrimRef]; 2]) -> [NodeBox; 2] {
+pub(super) fn scatter(references: &[PrimRef], cut: &SplitPlane, sides: [&mut [PrimRef]; 2]) -> [Aabb32; 2] {
     const AWAY: [[f32; 2]; 2] = [[0.0, f32::INFINITY], [f32::INFINITY, 0.0]];
     let mut centroids = [Aabb32::EMPTY; 2];
     let mut next = [0; 2];

@@ -221,8 +221,8 @@ pub(super) struct LeafWriter<'a, P> {
 
 impl<P: Primitives> LeafWriter<'_, P> {
     /// Padded bounds relative to the centre.
-    pub(super) fn own(&self, index: u32) -> NodeBox {
-        padded_bounds(self.primitives, index).map_or(NodeBox::EMPTY, |own| NodeBox::outward(&own, self.centre))
+    pub(super) fn own(&self, index: u32) -> Aabb32 {
+        padded_bounds(self.primitives, index).map_or(Aabb32::EMPTY, |own| Aabb32::enclosing(&own, self.centre))
     }
 
     /// Fills a leaf of 1 to 8 primitives at the start of cleared lines; returns its number of lines.
