@@ -76,7 +76,7 @@ impl Renderer {
     }
 
     /// Renders `scene` to `output` in `folder`, without a word. Colours are rounded to the nearest byte unless `args` say
-    /// otherwise, so that pictures can be compared byte by byte.
+    /// otherwise, so that images can be compared byte by byte.
     pub(crate) fn render<'a>(
         &self,
         folder: &Path,

@@ -1,9 +1,7 @@
 //! Where code may be unsafe: in one module of one crate.
 
-use std::fs;
-
 use super::report::Report;
-use crate::{error::TaskError, workspace::Workspace};
+use crate::{error::TaskError, files, workspace::Workspace};
 
 /// The crate that denies unsafe code and does not forbid it, for the sake of one module.
 const CRATE: &str = "crates/rt-accel/src/lib.rs";
@@ -12,7 +10,7 @@ const MODULE: &str = "crates/rt-accel/src/wide/mod.rs";
 pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
     let mut report = Report::default();
     for path in workspace.files("", ".rs")? {
-        let source = fs::read_to_string(&path).map_err(TaskError::file(&path))?;
+        let source = files::read(&path)?;
         let path = workspace.relative(&path).to_string();
         report.breaches.extend(breach(&path, &source).map(|what| format!("{path}: {what}")));
     }
