@@ -61,16 +61,14 @@ pub(crate) const REPORT: [ReportRow; 3] = [
     ReportRow { scene: "scenes/report/mound1000.ron", spheres: 1000, shadow_rays: 23.4e6, seconds: 681.0 },
 ];
 
-/// Renders `scene` in `folder` with these arguments and reads its statistics; the inner `Err` is a failed render.
+/// Renders `scene` in `folder` with these arguments and reads its statistics.
 pub(crate) fn measure(
     renderer: &Renderer,
     folder: &Path,
     scene: &Path,
     args: &[&str],
-) -> Result<Result<Statistics, String>, TaskError> {
+) -> Result<Statistics, TaskError> {
     let args = ["--stats", "stats.json"].iter().chain(args).copied();
-    if let Err(problem) = renderer.render(folder, scene, "picture.png", args)?.succeeded() {
-        return Ok(Err(problem));
-    }
-    files::read_json(&folder.join("stats.json")).map(Ok)
+    renderer.render(folder, scene, "picture.png", args)?;
+    files::read_json(&folder.join("stats.json"))
 }

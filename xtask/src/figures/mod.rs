@@ -67,7 +67,7 @@ fn guide(workspace: &Workspace) -> Result<(), TaskError> {
 
 /// Renders a scene to a small PNG file and returns its bytes.
 fn image(renderer: &Renderer, folder: &Path, scene: &Path, name: &str, options: &[&str]) -> Result<Vec<u8>, TaskError> {
-    renderer.render(folder, scene, name, options.iter().copied())?.succeeded().map_err(TaskError::Other)?;
+    renderer.render(folder, scene, name, options.iter().copied())?;
     let path = folder.join(name);
     let image = image::open(&path).map_err(|source| TaskError::Image { path: path.clone(), source })?;
     let bytes = compact::png(&image.to_rgb8()).map_err(|source| TaskError::Image { path: path.clone(), source })?;

@@ -67,7 +67,7 @@ impl Unit for BadInput {
         format!("bad-input/{}", self.name)
     }
 
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         // The output goes to a folder of its own, where nothing must appear.
         let output = folder.join("output");
         fs::create_dir(&output).map_err(TaskError::file(&output))?;
@@ -82,7 +82,6 @@ impl Unit for BadInput {
         args.extend(self.args);
         let run = context.renderer.run(folder, args)?;
 
-        let mut findings = Findings::default();
         if run.exit != Exit::Code(self.code) {
             findings.problem(format!("{} instead of exit code {}", run.exit, self.code));
         }
@@ -98,6 +97,6 @@ impl Unit for BadInput {
         if !findings.problems.is_empty() {
             findings.note(run.log.trim());
         }
-        Ok(findings)
+        Ok(())
     }
 }

@@ -29,25 +29,24 @@ impl Unit for Golden {
         self.folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let case = GoldenCase::load(&self.folder)?;
-        let mut findings = Findings::default();
-        if let Some(actual) = render(context, folder, &self.folder, &case, "actual.png", &mut findings)? {
+        if let Some(actual) = render(context, folder, &self.folder, &case, "actual.png", findings)? {
             let actual = open(&actual)?;
-            self.compare(context, folder, &case, &actual, &mut findings)?;
+            self.compare(context, folder, &case, &actual, findings)?;
             if let Some(reference) = &case.reference {
-                near_reference(context, &self.folder, reference, &actual, &mut findings)?;
+                near_reference(context, &self.folder, reference, &actual, findings)?;
             }
         }
         if let Some(truth) = &case.truth
-            && let Some(linear) = render(context, folder, &self.folder, &case, "actual.pfm", &mut findings)?
+            && let Some(linear) = render(context, folder, &self.folder, &case, "actual.pfm", findings)?
         {
-            near_truth(&linear, truth, &mut findings)?;
+            near_truth(&linear, truth, findings)?;
         }
-        Ok(match case.known_failure {
-            Some(reason) => known_failure(findings, &reason),
-            None => findings,
-        })
+        if let Some(reason) = case.known_failure {
+            *findings = known_failure(std::mem::take(findings), &reason);
+        }
+        Ok(())
     }
 }
 
@@ -93,10 +92,10 @@ fn render(
 ) -> Result<Option<PathBuf>, TaskError> {
     let scene = case.scene_path(case_folder, &context.workspace.root);
     let args = case.args.iter().map(String::as_str);
-    match context.renderer.render(folder, &scene, output, args)?.succeeded() {
+    match context.renderer.render(folder, &scene, output, args) {
         Ok(()) => Ok(Some(folder.join(output))),
-        Err(problem) => {
-            findings.problem(problem);
+        Err(error) => {
+            findings.problem(error.to_string());
             Ok(None)
         }
     }

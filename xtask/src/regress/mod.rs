@@ -122,9 +122,11 @@ fn run_unit(unit: &dyn Unit, context: &Context, folder: &Path) -> Outcome {
     let started = Instant::now();
     let name = unit.name();
     let folder = folder.join(&name);
-    let found = fs::create_dir_all(&folder).map_err(TaskError::file(&folder)).and_then(|()| unit.run(context, &folder));
-    let mut findings =
-        found.unwrap_or_else(|error| Findings { problems: vec![error.to_string()], ..Findings::default() });
+    let mut findings = Findings::default();
+    let created = fs::create_dir_all(&folder).map_err(TaskError::file(&folder));
+    if let Err(error) = created.and_then(|()| unit.run(context, &folder, &mut findings)) {
+        findings.problem(error.to_string());
+    }
     if let Some(reason) = &findings.skipped {
         rt_tests::report_skipped(format_args!("regress::{name}"), reason);
     }

@@ -114,21 +114,20 @@ impl Unit for SameImage {
         self.name.clone()
     }
 
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
-        let mut findings = Findings::default();
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let [quality, brute_force_quality, others_quality]: [&[&str]; 3] =
             if context.full { [&[], &["--spp", "1"], &["--spp", "4"]] } else { [REDUCED, REDUCED, REDUCED_OTHERS] };
-        let first = self.compare(context, folder, quality, &variants(), &mut findings)?;
+        let first = self.compare(context, folder, quality, &variants(), findings)?;
         if let Some(first) = first {
-            self.compare_shards(context, folder, quality, &first, &mut findings)?;
+            self.compare_shards(context, folder, quality, &first, findings)?;
         }
-        self.compare(context, folder, brute_force_quality, &brute_force(), &mut findings)?;
+        self.compare(context, folder, brute_force_quality, &brute_force(), findings)?;
         for (index, integrator) in integrators(self.turn, context.full).enumerate() {
             // Neighbours in the list of scenes, which are alike, get other accelerators.
             let variants = integrator_variants(integrator, self.turn * INTEGRATORS_AT_A_TIME + index);
-            self.compare(context, folder, others_quality, &variants, &mut findings)?;
+            self.compare(context, folder, others_quality, &variants, findings)?;
         }
-        Ok(findings)
+        Ok(())
     }
 }
 
@@ -145,10 +144,10 @@ impl SameImage {
         let mut first: Option<Vec<u8>> = None;
         for variant in variants {
             let args = quality.iter().chain(variant).copied();
-            let run = context.renderer.render(folder, &self.scene, "linear.pfm", args)?;
+            let run = context.renderer.render(folder, &self.scene, "linear.pfm", args);
             let variant = variant.join(" ");
-            if let Err(problem) = run.succeeded() {
-                findings.problem(format!("{variant}: {problem}"));
+            if let Err(error) = run {
+                findings.problem(format!("{variant}: {error}"));
                 continue;
             }
             let bytes = read(&folder.join("linear.pfm"))?;
@@ -171,16 +170,10 @@ impl SameImage {
     ) -> Result<(), TaskError> {
         for (shard, part) in [("2/2", "2.part"), ("1/2", "1.part")] {
             let args = quality.iter().copied().chain(["--shard", shard, "--threads", "2"]);
-            if let Err(problem) = context.renderer.render(folder, &self.scene, part, args)?.succeeded() {
-                findings.problem(format!("--shard {shard}: {problem}"));
-                return Ok(());
-            }
+            context.renderer.render(folder, &self.scene, part, args)?;
         }
-        let merged = context.renderer.run(folder, ["merge", "1.part", "2.part", "-o", "linear.pfm"])?;
-        match merged.succeeded() {
-            Ok(()) => check_run(first, &read(&folder.join("linear.pfm"))?, "two shards", findings),
-            Err(problem) => findings.problem(format!("merge: {problem}")),
-        }
+        context.renderer.run(folder, ["merge", "1.part", "2.part", "-o", "linear.pfm"])?.succeeded()?;
+        check_run(first, &read(&folder.join("linear.pfm"))?, "two shards", findings);
         Ok(())
     }
 }

@@ -69,10 +69,11 @@ impl Unit for Entry {
         true
     }
 
-    fn run(&self, context: &Context, _: &Path) -> Result<Findings, TaskError> {
+    fn run(&self, context: &Context, _: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let conditions = Conditions { full: context.full, workspace: &context.workspace };
         let checks = (self.case.run)(&conditions).map_err(TaskError::other)?;
-        Ok(self.case.findings(checks))
+        *findings = self.case.findings(checks);
+        Ok(())
     }
 }
 

@@ -25,19 +25,16 @@ impl Unit for Table1Counts {
         format!("table1/{}", self.0.spheres)
     }
 
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let scene = context.workspace.root.join(self.0.scene);
         let mut args = vec!["--accel", "linear"];
         if !context.full {
             args.extend(REDUCED);
         }
-        let mut findings = Findings::default();
-        match measure(&context.renderer, folder, &scene, &args)? {
-            Ok(statistics) if context.full => check(self.0, &statistics, REPORT_PRIMARY, true, &mut findings),
-            Ok(statistics) => check(self.0, &statistics, REDUCED_PRIMARY, false, &mut findings),
-            Err(problem) => findings.problem(problem),
-        }
-        Ok(findings)
+        let statistics = measure(&context.renderer, folder, &scene, &args)?;
+        let rays = if context.full { REPORT_PRIMARY } else { REDUCED_PRIMARY };
+        check(self.0, &statistics, rays, context.full, findings);
+        Ok(())
     }
 }
 

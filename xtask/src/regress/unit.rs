@@ -26,7 +26,7 @@ pub(super) trait Unit: Sync {
     }
 
     /// Runs in `folder`, which is empty and its own.
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError>;
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError>;
 }
 
 /// Findings of a unit.

@@ -86,8 +86,7 @@ impl TileRenderer<'_> {
         let renderer = Renderer::new(self.program.path.clone(), TIMEOUT);
         let args = arguments(tile, JITTERED, COUNTED_SPP, "0");
         let args: Vec<&str> = args.iter().map(String::as_str).collect();
-        let counted = statistics::measure(&renderer, &self.program.folder, self.scene, &args)?;
-        let Statistics { rays, .. } = counted.map_err(TaskError::Other)?;
+        let Statistics { rays, .. } = statistics::measure(&renderer, &self.program.folder, self.scene, &args)?;
         Ok(rays.total.rays as f64 / f64::from(COUNTED_SPP * TILE_PIXELS))
     }
 

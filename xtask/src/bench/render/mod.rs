@@ -120,7 +120,7 @@ fn convert_elsewhere(description: &Path, scene: &Path) -> Result<(), TaskError> 
 fn count_rays(program: &Program, scene: &Path, options: &RenderOptions) -> Result<Statistics, TaskError> {
     let renderer = Renderer::new(program.path.clone(), TIMEOUT);
     let accel = accel(options);
-    statistics::measure(&renderer, &program.folder, scene, &accel)?.map_err(TaskError::Other)
+    statistics::measure(&renderer, &program.folder, scene, &accel)
 }
 
 fn runs(

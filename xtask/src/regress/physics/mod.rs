@@ -97,16 +97,9 @@ impl Unit for PairUnit {
         format!("physics/{}", self.pair_name())
     }
 
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
-        let mut findings = Findings::default();
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let pair = Pair::load(&self.folder)?;
-        let (ours, reference) = match both(context, folder, &self.folder, &pair)? {
-            Ok(both) => both,
-            Err(problem) => {
-                findings.problem(problem);
-                return Ok(findings);
-            }
-        };
+        let (ours, reference) = both(context, folder, &self.folder, &pair)?;
         let comparison = Comparison::of(&ours, &reference, pair.tolerance());
         let differs = !comparison.problems.is_empty();
         match pair.expect {
@@ -142,7 +135,7 @@ impl Unit for PairUnit {
         let row = PairRow { name, is_own, kind, note, comparison, verdict };
         findings.note(row.line());
         findings.pair = Some(row);
-        Ok(findings)
+        Ok(())
     }
 }
 
@@ -154,10 +147,9 @@ impl Unit for NoSharedPairs {
         "physics/beside-the-project".to_owned()
     }
 
-    fn run(&self, _: &Context, _: &Path) -> Result<Findings, TaskError> {
-        let mut findings = Findings::default();
+    fn run(&self, _: &Context, _: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         findings.note(format!("skipped: {SHARED} is not here"));
-        Ok(findings)
+        Ok(())
     }
 }
 
@@ -173,18 +165,11 @@ impl Unit for PlantedFault {
         "physics/planted-fault".to_owned()
     }
 
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
-        let mut findings = Findings::default();
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         for name in SOUND {
             let pair_folder = context.workspace.root.join(OWN).join(name);
             let pair = Pair::load(&pair_folder)?;
-            let (ours, reference) = match both(context, folder, &pair_folder, &pair)? {
-                Ok(both) => both,
-                Err(problem) => {
-                    findings.problem(format!("{name}: {problem}"));
-                    continue;
-                }
-            };
+            let (ours, reference) = both(context, folder, &pair_folder, &pair)?;
             for (factor, is_sound) in [(1.0, true), (FAULT, false), (1.0 / FAULT, false)] {
                 let problems = Comparison::of(&ours, &reference.scaled([factor; 3]), pair.tolerance()).problems;
                 if problems.is_empty() != is_sound {
@@ -193,7 +178,7 @@ impl Unit for PlantedFault {
                 }
             }
         }
-        Ok(findings)
+        Ok(())
     }
 }
 
@@ -227,49 +212,40 @@ impl Convention {
     }
 }
 
-/// Our means and those of the reference; the inner error is a failed render.
+/// Our means and those of the reference.
 fn both(
     context: &Context,
     folder: &Path,
     pair_folder: &Path,
     pair: &Pair,
-) -> Result<Result<(BlockMeans, BlockMeans), String>, TaskError> {
+) -> Result<(BlockMeans, BlockMeans), TaskError> {
     let effort = effort(context.full);
     let series = pair.series(pair_folder, effort);
-    let ours = match render(context, folder, &series, pair.block)? {
-        Ok(renders) => renders,
-        Err(problem) => return Ok(Err(problem)),
-    };
+    let ours = render(context, folder, &series, pair.block)?;
     let shape = |renders: &[Blocks]| renders.first().map_or([0; 2], |render| [render.rows, render.columns]);
     let (reference, expected) = if pair.is_of_ours_alone() {
-        match render(context, folder, &pair.reference_series(pair_folder, effort), pair.block)? {
-            Ok(renders) => (BlockMeans::of_seeds(&renders), shape(&renders)),
-            Err(problem) => return Ok(Err(format!("the reference: {problem}"))),
-        }
+        let renders = render(context, folder, &pair.reference_series(pair_folder, effort), pair.block)?;
+        (BlockMeans::of_seeds(&renders), shape(&renders))
     } else {
         BlockMeans::load(pair_folder)?
     };
     let [rows, columns] = shape(&ours);
     if [rows, columns] != expected {
         let [expected_rows, expected_columns] = expected;
-        return Ok(Err(format!("{columns}×{rows} blocks instead of {expected_columns}×{expected_rows}")));
+        let problem = format!("{columns}×{rows} blocks instead of {expected_columns}×{expected_rows}");
+        return Err(TaskError::Other(problem));
     }
     // The mean of a block that one sample has lit as brightly as the brightest pixel.
     let samples = f64::from(series.spp.unwrap_or(1)) * f64::from(series.seeds) * (pair.block * pair.block) as f64;
     let event = ours.iter().fold(0.0, |most: f64, render| most.max(render.brightest)) / samples;
-    Ok(Ok((BlockMeans::of_seeds(&ours).with_rare_events(&reference, event), reference)))
+    Ok((BlockMeans::of_seeds(&ours).with_rare_events(&reference, event), reference))
 }
 
-/// Renders a series in `folder`; the inner error is a failed render.
-fn render(
-    context: &Context,
-    folder: &Path,
-    series: &Series,
-    block: usize,
-) -> Result<Result<Vec<Blocks>, String>, TaskError> {
+/// Renders a series in `folder`.
+fn render(context: &Context, folder: &Path, series: &Series, block: usize) -> Result<Vec<Blocks>, TaskError> {
     const OUTPUT: &str = "image.pfm";
     if series.seeds == 0 || block == 0 {
-        return Ok(Err("seeds and block must be 1 or more".to_owned()));
+        return Err(TaskError::Other("seeds and block must be 1 or more".to_owned()));
     }
     let output = folder.join(OUTPUT);
     let mut renders: Vec<Blocks> = Vec::new();
@@ -280,15 +256,12 @@ fn render(
             args.extend(["--spp".to_owned(), spp.to_string()]);
         }
         args.extend(series.args.iter().cloned());
-        let run = context.renderer.render(folder, &series.scene, OUTPUT, args.iter().map(String::as_str))?;
-        if let Err(problem) = run.succeeded() {
-            return Ok(Err(format!("seed {seed}: {problem}")));
-        }
+        context.renderer.render(folder, &series.scene, OUTPUT, args.iter().map(String::as_str))?;
         let film = rt_image::read_image(&output).map_err(TaskError::other)?;
         renders.push(Blocks::of_film(&film, block));
     }
     fs::remove_file(&output).map_err(TaskError::file(&output))?;
-    Ok(Ok(renders))
+    Ok(renders)
 }
 
 #[cfg(test)]
