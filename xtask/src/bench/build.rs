@@ -70,14 +70,12 @@ pub(crate) fn wrapped_rustc() -> Option<ExitCode> {
     Some(if used.status.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Builds into an empty folder, prints the table, and with `--write` writes the page.
+/// Builds into an empty folder, without downloads if an earlier build has made them. Prints the table, and with `--write` writes the page.
 pub(super) fn run(workspace: &Workspace, options: &BuildOptions) -> Result<(), TaskError> {
     let folder = workspace.fresh_folder("bench-build")?;
     let log = folder.join("rustc.log");
     let this = env::current_exe().map_err(TaskError::other)?;
     let BuildOptions { package, profile, .. } = options;
-    let mut fetch = cargo();
-    crate::workspace::output_of(fetch.args(["fetch", "--locked"]).current_dir(&workspace.root))?;
     let mut command = cargo();
     command.args(["build", "--locked", "--package", package, "--profile", profile, "--target-dir"]).arg(&folder);
     command.current_dir(&workspace.root).env("RUSTC_WRAPPER", this).env(LOG, &log).env("CARGO_INCREMENTAL", "1");
@@ -155,8 +153,8 @@ fn page(options: &BuildOptions, table: &Table, provenance: &str) -> String {
     let BuildOptions { package, profile, .. } = options;
     format!(
         "# Build time\n\n\
-         Cold build of `{package}` by the profile `{profile}`, with all dependencies, into an empty target folder; downloads are \
-         not counted. Written by `cargo xtask bench build --package {package} --profile {profile} --write` on {provenance}.\n\n\
+         Cold build of `{package}` by the profile `{profile}`, with all dependencies, into an empty target folder, after all \
+         downloads. Written by `cargo xtask bench build --package {package} --profile {profile} --write` on {provenance}.\n\n\
          CPU seconds are those of rustc and of the linkers that it starts, in the program and in the system. Wall seconds \
          of packages overlap; those in the last row are of the whole build.\n\n\
          {table}"

@@ -3,7 +3,7 @@
 use super::report::Report;
 use crate::{error::TaskError, files, workspace::Workspace};
 
-/// Fewer lines cannot say what a library owns and what it does not, and show an example.
+/// Minimum number of lines for the tasks of a library and an example.
 const MIN_LINES_OF_LIBRARY: usize = 25;
 const MIN_LINES_OF_PROGRAM: usize = 8;
 
@@ -23,7 +23,7 @@ pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
     Ok(report)
 }
 
-/// What the front page of a crate lacks.
+/// Missing parts of the front page of a crate.
 fn missing(source: &str, is_library: bool) -> Vec<&'static str> {
     let page: Vec<&str> = source.lines().take_while(|line| line.starts_with("//!")).collect();
     let says = |words: &str| page.iter().any(|line| line.contains(words));

@@ -1,4 +1,4 @@
-//! Pages that are made of the source must be up to date.
+//! Generated pages: they must be up to date.
 
 use rt_scene_io::format::{json_schema, reference_page};
 
@@ -23,7 +23,7 @@ pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
     Ok(report)
 }
 
-/// What is wrong with a page.
+/// First difference of a page from its source.
 fn breach(name: &str, command: &str, text: &str, expected: &str) -> Option<String> {
     // Line ends depend on how the files were checked out.
     let differing = text.lines().zip(expected.lines()).position(|(text, expected)| text != expected);

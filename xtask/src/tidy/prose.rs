@@ -64,10 +64,8 @@ pub(super) fn banned(block: &[Line]) -> Vec<Line> {
     let mut found = Vec::new();
     for (line, paragraph) in paragraphs(block) {
         let text = without_code(&paragraph).to_lowercase();
-        let words: Vec<&str> = text
-            .split(|c: char| !c.is_alphanumeric() && !"-'’".contains(c))
-            .filter(|word| !word.is_empty())
-            .collect();
+        let words: Vec<&str> =
+            text.split(|c: char| !c.is_alphanumeric() && !"-'’".contains(c)).filter(|word| !word.is_empty()).collect();
         for (banned, instead, _) in BANNED.iter().filter(|(_, _, scope)| *scope != Scope::Names) {
             let sequence: Vec<&str> = banned.split(' ').collect();
             let times = words.windows(sequence.len()).filter(|window| *window == sequence).count();

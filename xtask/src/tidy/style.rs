@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{error::TaskError, files, workspace::Workspace};
 
-/// Files that must spell out what they look for.
+/// Files that contain the words that they search for.
 const TABLES: [&str; 2] = ["tidy/banned_words.rs", "tidy/names.rs"];
 
 /// Pages that record the past.
