@@ -64,9 +64,9 @@ impl Draw {
         self.above(DVec3::Z, -1.0)
     }
 
-    /// A unit vector whose cosine to the unit `normal` is uniform from `least_cosine` to 1.
-    pub fn above(&mut self, normal: DVec3, least_cosine: f64) -> DVec3 {
-        let cosine = self.between(least_cosine, 1.0);
+    /// A unit vector whose cosine to the unit `normal` is uniform from `min_cosine` to 1.
+    pub fn above(&mut self, normal: DVec3, min_cosine: f64) -> DVec3 {
+        let cosine = self.between(min_cosine, 1.0);
         let (sin, cos) = sincos(TAU * self.unit());
         let ring = ((1.0 - cosine) * (1.0 + cosine)).max(0.0).sqrt();
         Frame::from_z(normal).from_local(DVec3::new(ring * cos, ring * sin, cosine))

@@ -6,9 +6,9 @@
 //!   xtask ────────┘
 //! ```
 //!
-//! **Owns** generators of shapes, meshes, scenes and rays for the tests or tasks of more than one crate, and the
-//! reports of tests that cannot run. Tests of the whole workspace are in the folder `tests`. **Does not own** expected
-//! values: those are in the tests.
+//! **Owns** generators of shapes, meshes, scenes and rays for tests and tasks of several crates, and the reports of
+//! skipped tests. Tests of the whole workspace are in the folder `tests`. **Does not own** expected values: those are
+//! in the tests.
 //!
 //! ```
 //! use rt_tests::{Draw, icosphere};

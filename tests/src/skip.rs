@@ -70,8 +70,8 @@ pub fn skipped_file() -> Option<PathBuf> {
 /// File or folder of test data outside of the workspace, in the folder `RT_SHARED`; `None` if it is missing. The
 /// default folder is `shared` next to the workspace.
 pub fn shared(name: impl AsRef<Path>) -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    let folder = env::var_os(SHARED).map_or_else(beside, PathBuf::from);
+    let default = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    let folder = env::var_os(SHARED).map_or_else(default, PathBuf::from);
     Some(folder.join(name)).filter(|path| path.exists())
 }
 

@@ -1,4 +1,4 @@
-//! A picture is a function of scene, settings and seed: threads and structures change no bit of it, whatever is drawn at random.
+//! An image is a function of scene, settings and seed: threads and accelerators change no bit of it, whatever is drawn at random.
 
 use std::path::Path;
 
@@ -101,10 +101,10 @@ fn the_seed_changes_the_picture() {
     let mut scene = scene();
     for integrator in INTEGRATORS {
         scene.settings.integrator = integrator;
-        let pictures = [1, 2].map(|seed| {
+        let images = [1, 2].map(|seed| {
             scene.settings.seed = seed;
             bits(&scene, 0)
         });
-        assert_ne!(pictures[0], pictures[1], "{}", integrator.name());
+        assert_ne!(images[0], images[1], "{}", integrator.name());
     }
 }

@@ -15,7 +15,7 @@ fn scene_files() -> Vec<PathBuf> {
         let folder = std::fs::read_dir(scenes_folder().join(chapter)).expect("the chapter's folder");
         let paths = folder.map(|entry| entry.expect("an entry").path());
         let is_scene = |path: &PathBuf| {
-            path.extension().is_some_and(|ending| ["ron", "nff", "pbrt"].iter().any(|known| ending == *known))
+            path.extension().is_some_and(|extension| ["ron", "nff", "pbrt"].iter().any(|known| extension == *known))
         };
         files.extend(paths.filter(is_scene));
     }

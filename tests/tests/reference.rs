@@ -1,4 +1,4 @@
-//! Pictures made by another renderer, with their own noise estimate.
+//! Images made by another renderer, with their own noise estimate.
 //!
 //! The reference images are not part of this repository: where they are missing, the tests are reported as skipped.
 
@@ -33,7 +33,7 @@ struct Estimate {
 impl Estimate {
     /// Theirs, with the standard errors that they state.
     fn of_reference(name: &str) -> Option<Self> {
-        let reference = |ending: &str| shared_or_skip(format!("reference/{name}.{ending}"));
+        let reference = |extension: &str| shared_or_skip(format!("reference/{name}.{extension}"));
         let (mean, stderr) = (reference("exr")?, reference("stderr.exr")?);
         let mean = read_image(&mean).expect("a readable reference");
         let stderr = read_image(&stderr).expect("readable standard errors");
@@ -115,7 +115,7 @@ fn direct_light_of_a_point_light_agrees_with_mitsuba() {
 }
 
 #[test]
-fn direct_light_of_a_lamp_agrees_with_mitsuba() {
+fn direct_light_of_an_area_light_agrees_with_mitsuba() {
     let Some(theirs) = Estimate::of_reference("cornell-direct") else { return };
     assert_agree(&Estimate::of_seeds("lecture/cornell-direct.ron", 16, 8), &theirs);
 }

@@ -14,7 +14,8 @@ fn no_scene_leaves_it_to_rounding_which_of_two_surfaces_is_seen() {
     for chapter in ["report", "lecture", "gallery", "spd"] {
         for entry in std::fs::read_dir(scenes.join(chapter)).expect("the chapter's folder") {
             let file = entry.expect("an entry").path();
-            if file.extension().is_none_or(|ending| ending != "ron" && ending != "nff" && ending != "pbrt") {
+            if file.extension().is_none_or(|extension| extension != "ron" && extension != "nff" && extension != "pbrt")
+            {
                 continue;
             }
             let scene = rt_scene_io::load(&file, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));

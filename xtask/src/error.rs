@@ -11,7 +11,7 @@ pub(crate) enum TaskError {
     #[error("{}: {source}", path.display())]
     File { path: PathBuf, source: io::Error },
     #[error("{}: {source}", path.display())]
-    Picture { path: PathBuf, source: image::ImageError },
+    Image { path: PathBuf, source: image::ImageError },
     #[error("{}: {source}", path.display())]
     Toml { path: PathBuf, source: toml::de::Error },
     #[error("{}: {source}", path.display())]
@@ -23,6 +23,10 @@ pub(crate) enum TaskError {
 }
 
 impl TaskError {
+    pub(crate) fn other(error: impl std::fmt::Display) -> Self {
+        Self::Other(error.to_string())
+    }
+
     /// Names the file that an I/O error is about.
     pub(crate) fn file(path: &Path) -> impl FnOnce(io::Error) -> Self + use<> {
         let path = path.to_path_buf();

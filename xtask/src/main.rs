@@ -27,7 +27,7 @@ mod bench;
 mod costs;
 mod error;
 mod figures;
-mod marked_block;
+mod files;
 mod matrix;
 mod number;
 mod process;
@@ -61,9 +61,9 @@ enum Task {
     Tidy(tidy::TidyOptions),
     /// Measure rays per second and build times.
     Bench(Box<bench::BenchOptions>),
-    /// Measure what each structure costs on scenes of growing size.
+    /// Measure the costs of each accelerator on scenes of growing size.
     Costs(costs::CostsOptions),
-    /// Render the pictures in the guide of rt-accel, or measure the plot in the README.
+    /// Render the images in the guide of rt-accel, or measure the plot in the README.
     Figures(figures::FiguresOptions),
     /// Write the Standard Procedural Databases as NFF files.
     Spd(spd::SpdOptions),

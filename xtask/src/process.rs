@@ -24,7 +24,7 @@ pub(crate) struct Usage {
     pub wall_seconds: f64,
     /// In the program and in the system, over all threads.
     pub cpu_seconds: f64,
-    /// Greatest resident memory. Before a process becomes the program it shares the memory of this one, and that counts
+    /// Maximum resident memory. Before a process becomes the program it shares the memory of this one, and that counts
     /// as well: no run takes less than [`empty`](Program::empty) says.
     pub bytes: u64,
 }

@@ -76,14 +76,14 @@ impl Renderer {
     }
 
     /// Renders `scene` to `output` in `folder`, without a word. Colours are rounded to the nearest byte unless `args` say
-    /// otherwise, so that pictures can be compared byte by byte.
+    /// otherwise, so that images can be compared byte by byte.
     pub(crate) fn render<'a>(
         &self,
         folder: &Path,
         scene: &'a Path,
         output: &'a str,
         args: impl IntoIterator<Item = &'a str>,
-    ) -> Result<Run, TaskError> {
+    ) -> Result<(), TaskError> {
         let mut all: Vec<&OsStr> = vec!["render".as_ref(), scene.as_ref(), "-o".as_ref(), output.as_ref()];
         all.push("--quiet".as_ref());
         let args: Vec<&OsStr> = args.into_iter().map(OsStr::new).collect();
@@ -91,16 +91,19 @@ impl Renderer {
             all.extend(["--dither", "none"].map(OsStr::new));
         }
         all.extend(args);
-        self.run(folder, all)
+        self.run(folder, all)?.succeeded()
     }
 }
 
 impl Run {
     /// `Ok` if the program ended with code 0, else what went wrong with the end of what it printed.
-    pub(crate) fn succeeded(&self) -> Result<(), String> {
+    pub(crate) fn succeeded(&self) -> Result<(), TaskError> {
         match self.exit {
             Exit::Code(0) => Ok(()),
-            exit => Err(format!("{exit}: {}", self.log.trim().lines().last().unwrap_or("no message"))),
+            exit => {
+                let last = self.log.trim().lines().last().unwrap_or("no message");
+                Err(TaskError::Other(format!("{exit}: {last}")))
+            }
         }
     }
 }
@@ -150,8 +153,8 @@ mod tests {
     fn code_and_output_are_reported() {
         let run = shell("echo out; echo err >&2; exit 3", Duration::from_secs(60));
         assert_eq!((run.exit, run.log.as_str()), (Exit::Code(3), "out\nerr\n"));
-        assert_eq!(run.succeeded(), Err("exit code 3: err".to_owned()));
-        assert_eq!(shell("true", Duration::from_secs(60)).succeeded(), Ok(()));
+        assert_eq!(run.succeeded().unwrap_err().to_string(), "exit code 3: err");
+        assert!(shell("true", Duration::from_secs(60)).succeeded().is_ok());
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! The renderer's statistics file, as far as tasks read it, and the report's figures to compare with.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::{error::TaskError, renderer::Renderer};
+use crate::{error::TaskError, files, renderer::Renderer};
 
 /// Contents of the file that `--stats` writes.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
@@ -31,13 +31,14 @@ pub(crate) struct Cost {
 
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 pub(crate) struct Shading {
-    pub shadow_rays_spared: u64,
+    #[serde(alias = "shadow_rays_spared")]
+    pub shadow_rays_skipped: u64,
 }
 
 impl Statistics {
-    /// Shadow rays as the report counts them: also those that ours need not trace.
+    /// Shadow rays as the report counts them, with those that are skipped here.
     pub(crate) fn shadow_rays(&self) -> u64 {
-        self.rays.shadow.rays + self.shading.shadow_rays_spared
+        self.rays.shadow.rays + self.shading.shadow_rays_skipped
     }
 }
 
@@ -60,18 +61,14 @@ pub(crate) const REPORT: [ReportRow; 3] = [
     ReportRow { scene: "scenes/report/mound1000.ron", spheres: 1000, shadow_rays: 23.4e6, seconds: 681.0 },
 ];
 
-/// Renders `scene` in `folder` with these arguments and reads its statistics; `Err` in the inside if rendering fails.
+/// Renders `scene` in `folder` with these arguments and reads its statistics.
 pub(crate) fn measure(
     renderer: &Renderer,
     folder: &Path,
     scene: &Path,
     args: &[&str],
-) -> Result<Result<Statistics, String>, TaskError> {
+) -> Result<Statistics, TaskError> {
     let args = ["--stats", "stats.json"].iter().chain(args).copied();
-    if let Err(problem) = renderer.render(folder, scene, "picture.png", args)?.succeeded() {
-        return Ok(Err(problem));
-    }
-    let path = folder.join("stats.json");
-    let text = fs::read_to_string(&path).map_err(TaskError::file(&path))?;
-    serde_json::from_str(&text).map(Ok).map_err(|source| TaskError::Json { path, source })
+    renderer.render(folder, scene, "picture.png", args)?;
+    files::read_json(&folder.join("stats.json"))
 }

@@ -3,14 +3,13 @@
 //! Counts come from a render that counts, times from one that does not.
 
 use std::{
-    fs,
     path::Path,
     time::{Duration, Instant},
 };
 
 use crate::{
     error::TaskError,
-    marked_block,
+    files,
     number::grouped,
     renderer::Renderer,
     statistics::{REPORT, REPORT_PRIMARY, ReportRow, Statistics, measure},
@@ -30,7 +29,7 @@ pub(crate) struct Table1Options {
 
 /// Our figures for a row.
 #[derive(Debug)]
-struct Row {
+struct Table1Row {
     report: &'static ReportRow,
     counts: Statistics,
     linear_seconds: f64,
@@ -44,19 +43,16 @@ pub(crate) fn run(workspace: &Workspace, options: &Table1Options) -> Result<(), 
     let mut rows = Vec::new();
     for report in &REPORT {
         let scene = workspace.root.join(report.scene);
-        let counts = measure(&renderer, &folder, &scene, &["--accel", "linear"])?.map_err(TaskError::Other)?;
+        let counts = measure(&renderer, &folder, &scene, &["--accel", "linear"])?;
         let linear_seconds = time(&renderer, &folder, &scene, "linear")?;
         let auto_seconds = time(&renderer, &folder, &scene, "auto")?;
-        rows.push(Row { report, counts, linear_seconds, auto_seconds });
+        rows.push(Table1Row { report, counts, linear_seconds, auto_seconds });
     }
     let table = table(&rows).to_string();
     print!("{table}");
     if options.write {
         let path = workspace.root.join("README.md");
-        let readme = fs::read_to_string(&path).map_err(TaskError::file(&path))?;
-        let replaced = marked_block::replace(&readme, "table1", &table)
-            .map_err(|problem| TaskError::Other(format!("README.md {problem}")))?;
-        fs::write(&path, replaced).map_err(TaskError::file(&path))?;
+        files::replace_block(&path, "table1", &table)?;
     }
     Ok(())
 }
@@ -64,13 +60,12 @@ pub(crate) fn run(workspace: &Workspace, options: &Table1Options) -> Result<(), 
 /// Wall-clock seconds of the whole program on one thread.
 fn time(renderer: &Renderer, folder: &Path, scene: &Path, accel: &str) -> Result<f64, TaskError> {
     let started = Instant::now();
-    let run = renderer.render(folder, scene, "picture.png", ["--threads", "1", "--accel", accel])?;
+    renderer.render(folder, scene, "picture.png", ["--threads", "1", "--accel", accel])?;
     let seconds = started.elapsed().as_secs_f64();
-    run.succeeded().map_err(TaskError::Other)?;
     Ok(seconds)
 }
 
-fn table(rows: &[Row]) -> Table {
+fn table(rows: &[Table1Row]) -> Table {
     let header = [
         "spheres",
         "",
@@ -83,7 +78,7 @@ fn table(rows: &[Row]) -> Table {
         "time, automatic",
     ];
     let mut table = Table::new(2, header);
-    for Row { report, counts, linear_seconds, auto_seconds } in rows {
+    for Table1Row { report, counts, linear_seconds, auto_seconds } in rows {
         let shadow = format!("{:.2} million", report.shadow_rays * 1e-6);
         let (spheres, primary) = (report.spheres.to_string(), grouped(REPORT_PRIMARY));
         let seconds = format!("{} s", report.seconds);

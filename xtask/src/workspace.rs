@@ -89,13 +89,13 @@ impl Workspace {
         Ok(folder)
     }
 
-    /// Builds the renderer as users get it, for measurements, and returns the program.
+    /// Builds the renderer by the release profile, for measurements, and returns the program.
     pub(crate) fn build_release_renderer(&self) -> Result<PathBuf, TaskError> {
         self.build_program("release", "release")
     }
 
-    /// Builds the renderer by the profile of this task and returns the program. It gives the pictures of any other profile, and all
-    /// crates that the task has as well are there.
+    /// Builds the renderer by the profile of this task and returns the program. It gives the images of any other
+    /// profile, and shares compiled crates with the task.
     pub(crate) fn build_renderer(&self) -> Result<PathBuf, TaskError> {
         let (profile, folder) = if cfg!(debug_assertions) { ("dev", "debug") } else { ("release", "release") };
         self.build_program(profile, folder)
@@ -103,7 +103,7 @@ impl Workspace {
 
     fn build_program(&self, profile: &str, folder: &str) -> Result<PathBuf, TaskError> {
         let mut command = cargo();
-        // With this task, so that features of shared crates are those that it was built with, and none is compiled again.
+        // Together with this task, for equal features of shared crates: none is compiled again.
         command.args(["build", "--profile", profile, "--package", "rt-cli", "--package", "xtask"]);
         command.current_dir(&self.root);
         output_of(&mut command)?;
@@ -128,16 +128,16 @@ impl Workspace {
         hash.map_or_else(|| "unknown".to_owned(), |hash| hash.trim().to_owned())
     }
 
-    /// `path` as it reads from the root; unchanged if it lies elsewhere.
+    /// `path` relative to the root; unchanged if it lies elsewhere.
     pub(crate) fn relative<'p>(&self, path: &'p Path) -> std::path::Display<'p> {
         path.strip_prefix(&self.root).unwrap_or(path).display()
     }
 
-    /// All files below `folder`, a path from the root, whose names end with `ending`; sorted.
+    /// All files below `folder`, a path from the root, whose names end with `extension`; sorted.
     ///
-    /// Hidden files are passed over, but for the folders `.cargo` and `.ci`, and so are build products, which cargo marks
-    /// with a tag (<https://bford.info/cachedir/>).
-    pub(crate) fn files(&self, folder: &str, ending: &str) -> Result<Vec<PathBuf>, TaskError> {
+    /// Skips hidden files, but for the folders `.cargo` and `.ci`, and build products, which cargo marks with a tag
+    /// (<https://bford.info/cachedir/>).
+    pub(crate) fn files(&self, folder: &str, extension: &str) -> Result<Vec<PathBuf>, TaskError> {
         let mut found = Vec::new();
         let mut folders = vec![self.root.join(folder)];
         while let Some(folder) = folders.pop() {
@@ -152,7 +152,7 @@ impl Workspace {
                 }
                 if path.is_dir() {
                     folders.push(path);
-                } else if name.ends_with(ending) {
+                } else if name.ends_with(extension) {
                     found.push(path);
                 }
             }

@@ -15,6 +15,7 @@ use wait4::{ResUse, Wait4 as _};
 
 use crate::{
     error::TaskError,
+    files,
     table::Table,
     workspace::{Workspace, cargo},
 };
@@ -57,7 +58,7 @@ pub(crate) fn wrapped_rustc() -> Option<ExitCode> {
         eprintln!("error: {} cannot be run", rustc.display());
         return Some(ExitCode::FAILURE);
     };
-    // Questions about the compiler have no name of a crate, or this one.
+    // Calls that query the compiler have no crate name, or this one.
     let is_crate = args.windows(2).any(|pair| pair[0] == "--crate-name" && pair[1] != "___");
     if let (true, Ok(package)) = (is_crate, env::var("CARGO_PKG_NAME")) {
         let Seconds { cpu, wall } = Seconds::of(&used, started);
@@ -69,14 +70,12 @@ pub(crate) fn wrapped_rustc() -> Option<ExitCode> {
     Some(if used.status.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Builds into an empty folder, prints the table, and with `--write` writes the page.
+/// Builds into an empty folder, without downloads if an earlier build has made them. Prints the table, and with `--write` writes the page.
 pub(super) fn run(workspace: &Workspace, options: &BuildOptions) -> Result<(), TaskError> {
     let folder = workspace.fresh_folder("bench-build")?;
     let log = folder.join("rustc.log");
-    let this = env::current_exe().map_err(|error| TaskError::Other(error.to_string()))?;
+    let this = env::current_exe().map_err(TaskError::other)?;
     let BuildOptions { package, profile, .. } = options;
-    let mut fetch = cargo();
-    crate::workspace::output_of(fetch.args(["fetch", "--locked"]).current_dir(&workspace.root))?;
     let mut command = cargo();
     command.args(["build", "--locked", "--package", package, "--profile", profile, "--target-dir"]).arg(&folder);
     command.current_dir(&workspace.root).env("RUSTC_WRAPPER", this).env(LOG, &log).env("CARGO_INCREMENTAL", "1");
@@ -88,14 +87,14 @@ pub(super) fn run(workspace: &Workspace, options: &BuildOptions) -> Result<(), T
         return Err(failed(used.status.to_string()));
     }
     let all = Seconds::of(&used, started);
-    let text = fs::read_to_string(&log).map_err(TaskError::file(&log))?;
+    let text = files::read(&log)?;
     let packages = read_log(&text);
     fs::remove_dir_all(&folder).map_err(TaskError::file(&folder))?;
     print!("{}", table(&packages, all, 0.0));
     if options.write {
         let path = workspace.root.join("docs/BUILD-TIME.md");
         let page = page(options, &table(&packages, all, LISTED_SECONDS), &workspace.provenance());
-        fs::write(&path, page).map_err(TaskError::file(&path))?;
+        files::write(&path, page)?;
         println!("wrote {}", workspace.relative(Path::new(&path)));
     }
     Ok(())
@@ -127,7 +126,7 @@ fn read_log(log: &str) -> BTreeMap<&str, Seconds> {
     packages
 }
 
-/// A row per package, the longest first; those below `least` seconds are added up.
+/// A row per package, the longest first; those below `min_cpu` seconds are added up.
 fn table(packages: &BTreeMap<&str, Seconds>, all: Seconds, min_cpu: f64) -> Table {
     let mut table = Table::new(1, ["package", "CPU s", "wall s"]);
     let mut row = |name: &str, seconds: Seconds| {
@@ -154,8 +153,8 @@ fn page(options: &BuildOptions, table: &Table, provenance: &str) -> String {
     let BuildOptions { package, profile, .. } = options;
     format!(
         "# Build time\n\n\
-         Cold build of `{package}` by the profile `{profile}`, with all dependencies, into an empty target folder; downloads are \
-         not counted. Written by `cargo xtask bench build --package {package} --profile {profile} --write` on {provenance}.\n\n\
+         Cold build of `{package}` by the profile `{profile}`, with all dependencies, into an empty target folder, after all \
+         downloads. Written by `cargo xtask bench build --package {package} --profile {profile} --write` on {provenance}.\n\n\
          CPU seconds are those of rustc and of the linkers that it starts, in the program and in the system. Wall seconds \
          of packages overlap; those in the last row are of the whole build.\n\n\
          {table}"

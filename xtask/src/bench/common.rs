@@ -21,7 +21,7 @@ pub(crate) fn run_release_build() -> Result<(), TaskError> {
 
 /// Prints the results as JSON on standard output, and the table on standard error.
 pub(super) fn print(results: &impl Serialize, table: &impl Display) -> Result<(), TaskError> {
-    let json = serde_json::to_string_pretty(results).map_err(|error| TaskError::Other(error.to_string()))?;
+    let json = serde_json::to_string_pretty(results).map_err(TaskError::other)?;
     println!("{json}");
     eprint!("{table}");
     Ok(())

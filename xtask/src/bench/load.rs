@@ -13,7 +13,8 @@ use serde_json::json;
 
 use super::{common::print, timing_stats::Spread};
 use crate::{
-    error::TaskError, number::three_digits, process::Program, scenes::rock_data, table::Table, workspace::Workspace,
+    error::TaskError, files, number::three_digits, process::Program, scenes::rock_data, table::Table,
+    workspace::Workspace,
 };
 
 /// Options of `bench load`.
@@ -37,9 +38,9 @@ struct LoadResult {
     bytes: u64,
     /// From the first byte to the arrays of the mesh.
     load_seconds: Spread,
-    /// The structure over it.
+    /// The accelerator over it.
     build_seconds: Spread,
-    /// Greatest resident memory of the process, structure included.
+    /// Maximum resident memory of the process, accelerator included.
     peak_bytes: u64,
 }
 
@@ -52,11 +53,11 @@ struct LoadResults {
 /// Times in the renderer's statistics.
 #[derive(Debug, Deserialize)]
 struct Timed {
-    seconds: Seconds,
+    seconds: LoadSeconds,
 }
 
 #[derive(Debug, Deserialize)]
-struct Seconds {
+struct LoadSeconds {
     load: f64,
     build: f64,
 }
@@ -95,11 +96,9 @@ fn write_obj(mesh: &MeshData, mut file: impl Write) -> std::io::Result<()> {
 }
 
 fn write_glb(mesh: &MeshData, mut file: impl Write) -> std::io::Result<()> {
-    let (least, greatest) = mesh
-        .positions
-        .iter()
-        .fold((rt_math::Vec3::INFINITY, rt_math::Vec3::NEG_INFINITY), |(least, greatest), position| {
-            (least.min(*position), greatest.max(*position))
+    let (min, max) =
+        mesh.positions.iter().fold((rt_math::Vec3::INFINITY, rt_math::Vec3::NEG_INFINITY), |(min, max), position| {
+            (min.min(*position), max.max(*position))
         });
     let (positions, indices) = (12 * mesh.positions.len(), 12 * mesh.triangles.len());
     let document = json!({
@@ -111,7 +110,7 @@ fn write_glb(mesh: &MeshData, mut file: impl Write) -> std::io::Result<()> {
         ],
         "accessors": [
             {"bufferView": 0, "componentType": 5126, "count": mesh.positions.len(), "type": "VEC3",
-             "min": least.to_array(), "max": greatest.to_array()},
+             "min": min.to_array(), "max": max.to_array()},
             {"bufferView": 1, "componentType": 5125, "count": 3 * mesh.triangles.len(), "type": "SCALAR"},
         ],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
@@ -147,9 +146,7 @@ fn measure(program: &Program, path: &Path, reps: u32) -> Result<LoadResult, Task
     let (mut load, mut build, mut peak_bytes) = (Vec::new(), Vec::new(), 0);
     for _ in 0..reps {
         peak_bytes = program.run(&args)?.bytes.max(peak_bytes);
-        let text = fs::read_to_string(&stats).map_err(TaskError::file(&stats))?;
-        let Timed { seconds } =
-            serde_json::from_str(&text).map_err(|source| TaskError::Json { path: stats.clone(), source })?;
+        let Timed { seconds } = files::read_json(&stats)?;
         load.push(seconds.load);
         build.push(seconds.build);
     }

@@ -1,4 +1,4 @@
-//! `bench`: how fast rays are traced and pictures rendered.
+//! `bench`: speed of rays, images, loading and building.
 //!
 //! ```text
 //!   cargo xtask bench                    every structure on scenes that are made here
@@ -10,8 +10,7 @@
 //!   cargo xtask bench convert JSON SCENE the scene file of such a description
 //! ```
 //!
-//! All figures go to standard output as JSON, and the table for people to standard error. Only ratios of one run are
-//! worth comparing between machines.
+//! All results go to standard output as JSON, and a table to standard error. Compare ratios of one run only.
 
 pub(crate) use build::wrapped_rustc;
 pub(crate) use common::run_release_build;
@@ -41,7 +40,7 @@ pub(crate) struct BenchOptions {
 enum Benchmark {
     /// Trace rays from neutral files, and count wrong hits.
     Rays(rays::RayOptions),
-    /// Render whole pictures from neutral descriptions, as processes of their own.
+    /// Render whole images from neutral descriptions, as processes of their own.
     Render(render::RenderOptions),
     /// Measure error and efficiency on the Cornell box against an image.
     Cornell(cornell::CornellOptions),

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// The middle, the least and the greatest of several measurements; NaN of none.
+/// Median, minimum and maximum of several measurements; NaN without any.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Spread {
     pub median: f64,

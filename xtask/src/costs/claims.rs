@@ -6,7 +6,7 @@ use super::{
 };
 use crate::number::{grouped, three_digits};
 
-/// One line for each claim that the figures can answer.
+/// One line for each claim that was measured.
 pub(super) fn of(costs: &Costs) -> Vec<String> {
     let claims = [brute_force, even_spheres, cube_root, logarithm, stadium, fewest, loose, planes, intervals, lazy];
     claims.into_iter().filter_map(|claim| claim(costs)).collect()
@@ -15,13 +15,13 @@ pub(super) fn of(costs: &Costs) -> Vec<String> {
 const TREES: [&str; 8] = ["bvh", "wide", "spheres", "cylinders", "kd", "bsp", "bih", "bih-lazy"];
 
 impl Costs {
-    /// A structure on the largest scene of a name.
+    /// An accelerator on the largest scene of a name.
     fn largest(&self, scene: &str, structure: &str) -> Option<&Figure> {
         let figures = self.figures.iter().filter(|figure| (figure.scene, figure.structure) == (scene, structure));
         figures.max_by_key(|figure| figure.primitives)
     }
 
-    /// The largest scene of each name, with two structures on it.
+    /// The largest scene of each name, with two accelerators on it.
     fn pairs(&self, a: &str, b: &str) -> Vec<(&Figure, &Figure)> {
         let mut scenes: Vec<&str> = Vec::new();
         for figure in &self.figures {
@@ -45,7 +45,7 @@ fn verdict(holds: usize, of: usize) -> String {
     }
 }
 
-/// The least and the greatest of some numbers.
+/// The minimum and the maximum of some numbers.
 fn range(numbers: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
     let numbers: Vec<f64> = numbers.into_iter().collect();
     Some((numbers.iter().copied().reduce(f64::min)?, numbers.iter().copied().reduce(f64::max)?))
@@ -89,7 +89,7 @@ fn even_spheres(costs: &Costs) -> Option<String> {
 fn cube_root(costs: &Costs) -> Option<String> {
     let slope = costs.growth("mound", "grid")?.work;
     Some(format!(
-        "**A grid walks through ∛n cells** (the lecture): the work of a ray on `mound` grows as n^{:.2} ± {:.2}, where \
+        "**A ray in a grid visits ∛n cells** (the lecture): the work of a ray on `mound` grows as n^{:.2} ± {:.2}, where \
          ∛n would be 0.33 for rays that cross everything; most end at a surface before.",
         slope.exponent, slope.error
     ))
@@ -98,18 +98,18 @@ fn cube_root(costs: &Costs) -> Option<String> {
 fn logarithm(costs: &Costs) -> Option<String> {
     let sizes: Vec<usize> =
         costs.figures.iter().filter(|figure| figure.scene == "mound").map(|figure| figure.primitives).collect();
-    let (least, most) = (*sizes.iter().min()? as f64, *sizes.iter().max()? as f64);
+    let (min, most) = (*sizes.iter().min()? as f64, *sizes.iter().max()? as f64);
     let log = rt_math::transcendental::log;
-    let expected = log(log(most) / log(least)) / log(most / least);
+    let expected = log(log(most) / log(min)) / log(most / min);
     let slopes = |structure: &str| {
         let slopes = costs.growth.iter().filter(|growth| growth.structure == structure);
-        let (least, greatest) = range(slopes.map(|growth| growth.work.exponent))?;
-        Some(format!("`{structure}` {least:.2} to {greatest:.2}"))
+        let (min, max) = range(slopes.map(|growth| growth.work.exponent))?;
+        Some(format!("`{structure}` {min:.2} to {max:.2}"))
     };
     let slopes: Vec<String> = TREES.iter().filter_map(|tree| slopes(tree)).collect();
     Some(format!(
         "**Hierarchies need O(log n)** (the lecture): over these sizes log n looks like n^{expected:.2}, and √n would be \
-         n^0.50. The work of a ray grows with exponents of {}, the least and the greatest of all scenes.",
+         n^0.50. The work of a ray grows with exponents of {}, the minimum and the maximum of all scenes.",
         slopes.join(", ")
     ))
 }
@@ -134,7 +134,7 @@ fn fewest(costs: &Costs) -> Option<String> {
     if scenes.is_empty() {
         return None;
     }
-    let least = |cost: fn(&RayFigure) -> f64| {
+    let min = |cost: fn(&RayFigure) -> f64| {
         let best = |scene: &str| {
             let cost = |figure: &Figure| figure.rays.iter().map(cost).sum::<f64>();
             let figures = TREES.iter().filter_map(|tree| costs.largest(scene, tree));
@@ -145,22 +145,22 @@ fn fewest(costs: &Costs) -> Option<String> {
     let list = |winners: &[(&str, &str)]| {
         winners.iter().map(|(scene, structure)| format!("{scene} `{structure}`")).collect::<Vec<_>>().join(", ")
     };
-    let (nodes, tests) = (least(RayFigure::nodes_per_ray), least(RayFigure::tests_per_ray));
+    let (nodes, tests) = (min(RayFigure::nodes_per_ray), min(RayFigure::tests_per_ray));
     let holds = nodes.iter().filter(|(_, structure)| *structure == "kd").count();
     Some(format!(
         "**The kd-tree visits the fewest nodes of all trees** (the lecture): the fewest nodes are visited on {}; the fewest \
-         primitives are tested on {}. It {}. A visit of `wide` looks at eight boxes, one of `bvh` at two, \
-         one of `kd` at one plane.",
+         primitives are tested on {}. It {}. A visit of `wide` tests eight boxes, one of `bvh` two, \
+         one of `kd` one plane.",
         list(&nodes),
         list(&tests),
         verdict(holds, nodes.len())
     ))
 }
 
-/// Ratios of one structure to another, as a range over all scenes.
+/// Ratios of one accelerator to another, as a range over all scenes.
 fn ratios(costs: &Costs, a: &str, b: &str, cost: fn(&Figure) -> f64) -> Option<String> {
-    let (least, greatest) = range(costs.pairs(a, b).into_iter().map(|(a, b)| cost(a) / cost(b)))?;
-    Some(format!("{} to {}", three_digits(least), three_digits(greatest)))
+    let (min, max) = range(costs.pairs(a, b).into_iter().map(|(a, b)| cost(a) / cost(b)))?;
+    Some(format!("{} to {}", three_digits(min), three_digits(max)))
 }
 
 fn loose(costs: &Costs) -> Option<String> {
@@ -193,7 +193,7 @@ fn intervals(costs: &Costs) -> Option<String> {
     let builds = pairs.iter().filter(|(bih, bvh)| bih.build_seconds < bvh.build_seconds).count();
     let walks = pairs.iter().filter(|(bih, bvh)| bih.work() > bvh.work()).count();
     Some(format!(
-        "**A bounding interval hierarchy is built faster than a tree of boxes and walked slower** (Wächter and Keller): \
+        "**A bounding interval hierarchy is built faster than a tree of boxes and traversed more slowly** (Wächter and Keller): \
          `bih` takes {} times the build time of `bvh`, {} times its memory and {} times its nodes and tests. For the build \
          it {}, for the work it {}.",
         ratios(costs, "bih", "bvh", |figure| figure.build_seconds)?,
@@ -204,21 +204,21 @@ fn intervals(costs: &Costs) -> Option<String> {
     ))
 }
 
-/// Build and first picture; NaN without primary rays.
-fn first_picture(figure: &Figure) -> f64 {
+/// Build and first image; NaN without primary rays.
+fn first_image(figure: &Figure) -> f64 {
     figure.build_seconds + figure.of("primary").map_or(f64::NAN, |rays| rays.first_seconds)
 }
 
 fn lazy(costs: &Costs) -> Option<String> {
     let pairs = costs.pairs("bih-lazy", "bih");
     let rays = pairs.first()?.0.of("primary")?.rays;
-    let holds = pairs.iter().filter(|(lazy, full)| first_picture(lazy) < first_picture(full)).count();
+    let holds = pairs.iter().filter(|(lazy, full)| first_image(lazy) < first_image(full)).count();
     Some(format!(
-        "**Building where rays go shows the first picture sooner** (Wächter and Keller): build and {} first primary \
+        "**Building where rays go shows the first image sooner** (Wächter and Keller): build and {} first primary \
          rays take {} times as long with `bih-lazy` as with `bih`, and {} times as long as with `bvh`. Against `bih` it {}.",
         grouped(rays as u64),
-        ratios(costs, "bih-lazy", "bih", first_picture)?,
-        ratios(costs, "bih-lazy", "bvh", first_picture)?,
+        ratios(costs, "bih-lazy", "bih", first_image)?,
+        ratios(costs, "bih-lazy", "bvh", first_image)?,
         verdict(holds, pairs.len())
     ))
 }

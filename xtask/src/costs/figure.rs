@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 
-/// One structure on one scene.
+/// One accelerator on one scene.
 #[derive(Debug, Serialize)]
 pub(crate) struct Figure {
     pub scene: &'static str,
     pub primitives: usize,
     pub structure: &'static str,
-    /// Least time of a build, on all threads.
+    /// Minimum time of a build, on all threads.
     pub build_seconds: f64,
     /// Bytes held after all rays have been traced.
     pub bytes: usize,
@@ -19,7 +19,7 @@ pub(crate) struct Figure {
     pub rays: Vec<RayFigure>,
 }
 
-/// Rays of one kind through one structure of one scene.
+/// Rays of one kind through one accelerator of one scene.
 #[derive(Debug, Serialize)]
 pub(crate) struct RayFigure {
     pub kind: &'static str,
@@ -30,9 +30,9 @@ pub(crate) struct RayFigure {
     pub nodes: u64,
     /// Primitives tested by all rays together.
     pub tests: u64,
-    /// Least time of all rays together, on one thread.
+    /// Minimum time of all rays together, on one thread.
     pub seconds: f64,
-    /// Time of the first pass, which counts and in which a lazy structure builds itself.
+    /// Time of the first pass, which counts and in which a lazy accelerator builds itself.
     pub first_seconds: f64,
 }
 

@@ -32,7 +32,7 @@ pub(super) struct Costs {
     pub growth: Vec<Growth>,
 }
 
-/// Growth of every structure on every scene with three sizes or more.
+/// Growth of every accelerator on every scene with three sizes or more.
 pub(super) fn of(figures: &[Figure]) -> Vec<Growth> {
     let mut growth = Vec::new();
     for (index, first) in figures.iter().enumerate() {

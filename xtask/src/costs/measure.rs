@@ -7,7 +7,7 @@ use rt_geometry::Primitives;
 
 use super::{
     figure::{Figure, RayFigure},
-    query::{Answer, Sample, count, time},
+    query::{RayAnswer, RaySample, count, time},
 };
 use crate::{
     error::TaskError,
@@ -17,14 +17,14 @@ use crate::{
     },
 };
 
-/// A structure that needs more nodes and tests than this for all rays of a set is given fewer rays.
+/// An accelerator that needs more nodes and tests than this for all rays of a set is given fewer rays.
 const AFFORDABLE: f64 = 5e7;
 /// Rays to find out with.
 const PILOT: usize = 50;
 /// Builds that take longer than this many seconds together are not repeated.
 const PATIENCE: f64 = 2.0;
 
-/// Measures every structure on one scene.
+/// Measures every accelerator on one scene.
 ///
 /// Traces `rays` rays of each kind, at most; random rays are one of the kinds if `with_random`.
 pub(crate) fn scene<P: Surfaces>(
@@ -52,11 +52,11 @@ pub(crate) fn scene<P: Surfaces>(
         figures.push(figure(scene, &structure, build_seconds, rays));
         structures.push(structure);
     }
-    // Structures take turns, so that a machine that slows down meanwhile slows them all.
+    // Accelerators take turns, so that a machine that slows down meanwhile slows them all.
     for _ in 0..repeats {
         for (structure, figure) in structures.iter().zip(&mut figures) {
             for (set, figure) in sets.iter().zip(&mut figure.rays) {
-                let seconds = time(structure, &scene.primitives, Sample { set, rays: figure.rays });
+                let seconds = time(structure, &scene.primitives, RaySample { set, rays: figure.rays });
                 figure.seconds = figure.seconds.min(seconds);
             }
         }
@@ -70,16 +70,16 @@ fn build<P: Primitives>(
     primitives: &P,
     repeats: u32,
 ) -> Result<(AnyAccelerator, f64), TaskError> {
-    let mut least = f64::INFINITY;
+    let mut min = f64::INFINITY;
     let mut spent = 0.0;
     for repeat in 1.. {
         let started = Instant::now();
-        let structure = AnyAccelerator::build(kind, primitives).map_err(not_built)?;
+        let structure = AnyAccelerator::build(kind, primitives).map_err(TaskError::other)?;
         let seconds = started.elapsed().as_secs_f64();
-        least = least.min(seconds);
+        min = min.min(seconds);
         spent += seconds;
         if repeat >= repeats || spent > PATIENCE {
-            return Ok((structure, least));
+            return Ok((structure, min));
         }
     }
     Err(TaskError::Other("there are no repeats".into()))
@@ -87,25 +87,25 @@ fn build<P: Primitives>(
 
 fn ray_sets<P: Surfaces>(scene: &Scene<P>, count: u32) -> Result<[RaySet; 3], TaskError> {
     let primary = rays::primary(&scene.view, count);
-    let bvh = Bvh::build(&scene.primitives).map_err(not_built)?;
+    let bvh = Bvh::build(&scene.primitives).map_err(TaskError::other)?;
     let surfaces = rays::surfaces(&scene.primitives, &bvh, &primary);
     let shadow = rays::shadow(&scene.view, &surfaces, count);
     let diffuse = rays::diffuse(&surfaces, &primary, count);
     Ok([primary, shadow, diffuse])
 }
 
-/// Counts, and compares the answers with those of the first structure.
+/// Counts, and compares the answers with those of the first accelerator.
 fn first_pass<P: Primitives>(
     structure: &AnyAccelerator,
     scene: &Scene<P>,
     set: &RaySet,
-    expected: &mut Vec<Answer>,
+    expected: &mut Vec<RayAnswer>,
 ) -> Result<RayFigure, TaskError> {
     let started = Instant::now();
-    let pilot = Sample { set, rays: set.rays.len().min(PILOT) };
+    let pilot = RaySample { set, rays: set.rays.len().min(PILOT) };
     let (_, tally) = count(structure, &scene.primitives, pilot);
     let work = (tally.nodes + tally.tests) as f64 / pilot.rays as f64;
-    let sample = Sample { set, rays: set.rays.len().min((AFFORDABLE / work) as usize).max(pilot.rays) };
+    let sample = RaySample { set, rays: set.rays.len().min((AFFORDABLE / work) as usize).max(pilot.rays) };
     let (answers, tally) = count(structure, &scene.primitives, sample);
     let first_seconds = started.elapsed().as_secs_f64();
     if expected.is_empty() {
@@ -115,7 +115,7 @@ fn first_pass<P: Primitives>(
         let (scene, kind, name) = (scene.name, set.kind, structure.kind().name());
         return Err(TaskError::Other(format!("{scene}, {kind} rays: {name} gives another answer")));
     }
-    let hits = answers.iter().filter(|answer| **answer != Answer::Miss).count();
+    let hits = answers.iter().filter(|answer| **answer != RayAnswer::Miss).count();
     let (nodes, tests) = (tally.nodes, tally.tests);
     Ok(RayFigure { kind: set.kind, rays: sample.rays, hits, nodes, tests, seconds: f64::INFINITY, first_seconds })
 }
@@ -139,10 +139,6 @@ fn figure<P: Primitives>(
         max_depth: stats.max_depth,
         rays,
     }
-}
-
-fn not_built(error: rt_accel::BuildError) -> TaskError {
-    TaskError::Other(error.to_string())
 }
 
 #[cfg(test)]
@@ -175,7 +171,7 @@ mod tests {
         let mut expected = Vec::new();
         first_pass(&structure, &scene, &set, &mut expected).unwrap();
         first_pass(&structure, &scene, &set, &mut expected).unwrap();
-        expected[57] = Answer::Blocked;
+        expected[57] = RayAnswer::Blocked;
         assert!(first_pass(&structure, &scene, &set, &mut expected).is_err());
     }
 }

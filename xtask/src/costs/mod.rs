@@ -1,4 +1,4 @@
-//! `costs`: what each structure costs on scenes of growing size, and how fast the costs grow.
+//! `costs`: costs of each accelerator on scenes of growing size, and their growth.
 //!
 //! Owns the measurements, `target/costs/costs.json`, and `docs/COSTS.md`. Nodes, tests and bytes are the same in every
 //! run; times are not, and only their ratios are worth comparing between machines.
@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::{bench::run_release_build, error::TaskError, scenes, workspace::Workspace};
+use crate::{bench::run_release_build, error::TaskError, files, scenes, workspace::Workspace};
 
 mod claims;
 mod figure;
@@ -60,8 +60,7 @@ pub(crate) fn run(workspace: &Workspace, options: &CostsOptions) -> Result<(), T
     print!("{}", page::terminal(&costs));
     if options.write {
         let path = workspace.root.join("docs/COSTS.md");
-        fs::write(&path, page::markdown(&costs, options.full, workspace.relative(model), &workspace.provenance()))
-            .map_err(TaskError::file(&path))?;
+        files::write(&path, page::markdown(&costs, options.full, workspace.relative(model), &workspace.provenance()))?;
     }
     Ok(())
 }
@@ -71,7 +70,7 @@ fn figures(model: &Path, options: &CostsOptions) -> Result<Vec<Figure>, TaskErro
     for size in SIZES.into_iter().take(if options.full { 4 } else { 3 }) {
         eprintln!("about {size} primitives ...");
         figures.extend(measure::scene(&scenes::mound(size)?, options.rays, options.repeats, false)?);
-        figures.extend(measure::scene(&scenes::balls(size)?, options.rays, options.repeats, false)?);
+        figures.extend(measure::scene(&scenes::sphereflake(size)?, options.rays, options.repeats, false)?);
         figures.extend(measure::scene(&scenes::tree(size)?, options.rays, options.repeats, false)?);
         figures.extend(measure::scene(&scenes::gears(size)?, options.rays, options.repeats, false)?);
         figures.extend(measure::scene(&scenes::rock(size)?, options.rays, options.repeats, false)?);

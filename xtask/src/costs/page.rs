@@ -19,19 +19,19 @@ pub(super) fn terminal(costs: &Costs) -> String {
 pub(super) fn markdown(costs: &Costs, full: bool, model: impl Display, provenance: &str) -> String {
     let command = if full { "cargo xtask costs --full --write" } else { "cargo xtask costs --write" };
     let mut text = format!(
-        "# What each structure costs\n\n\
-         Written by `{command}` on {provenance}. Nodes, tests and bytes are the same in every run and on every machine. Times \
-         vary with the machine and its load: only their ratios say anything about structures. Rays are traced on one \
-         thread, trees are built on all. All structures gave the same answers, to the last bit, on every ray that is \
-         counted here; where a ray costs very much, fewer of them are.\n\n\
-         * `mound`: the report's heap of overlapping spheres of similar size, in half a ball.\n\
+        "# Costs of the accelerators\n\n\
+         Written by `{command}` on {provenance}. Nodes, tests and bytes are equal in every run and on every machine. Times \
+         vary with the machine and its load: compare their ratios only. Rays are traced on one thread, trees are built \
+         on all. All accelerators gave the same answers, bit for bit, on every counted ray. Where rays are very \
+         expensive, fewer of them are traced.\n\n\
+         * `mound`: the report's heap of overlapping spheres of similar size, in a half sphere.\n\
          * `balls`, `tree`, `gears`: after Haines, \"A Proposal for Standard Graphics Environments\", 1987. Spheres on \
            spheres; frusta and spheres that fork; gear wheels of thin triangles.\n\
          * `rock`: a closed mesh of small triangles.\n\
          * `stadium`: such a rock in the middle of a stadium a thousand times its size; the camera looks at the rock.\n\
-         * `model`: a mesh that somebody made, `{model}`.\n\n\
-         `bih-lazy` is measured after its rays have been traced once, but for its build, which is only the beginning of \
-         one. Shadow rays ask whether anything is hit, the others for the first hit; diffuse rays are incoherent.\n\n\
+         * `model`: the mesh `{model}`.\n\n\
+         `bih-lazy` is measured after its rays have been traced once; its build time is that of the start of a build. \
+         Shadow rays are any-hit queries, the others closest-hit queries; diffuse rays are incoherent.\n\n\
          ## Claims\n\n"
     );
     text.extend(claims::of(costs).into_iter().map(|claim| format!("* {claim}\n")));

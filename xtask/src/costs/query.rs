@@ -9,12 +9,12 @@ use crate::scenes::rays::RaySet;
 
 /// Rays spread evenly over a set.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sample<'r> {
+pub(super) struct RaySample<'r> {
     pub set: &'r RaySet,
     pub rays: usize,
 }
 
-impl Sample<'_> {
+impl RaySample<'_> {
     /// The place in the set of each ray of the sample.
     pub(super) fn places(self) -> impl Iterator<Item = usize> {
         (0..self.rays).map(move |index| index * self.set.rays.len() / self.rays)
@@ -23,13 +23,13 @@ impl Sample<'_> {
 
 /// Exact answer to a ray: the closest hit, or for shadow rays the presence of a hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Answer {
+pub(super) enum RayAnswer {
     Miss,
     Blocked,
     Hit { t: u64, instance: u32, primitive: u32 },
 }
 
-impl Answer {
+impl RayAnswer {
     fn closest(hit: Option<Hit>) -> Self {
         hit.map_or(Self::Miss, |hit| Self::Hit { t: hit.t.to_bits(), instance: hit.instance, primitive: hit.primitive })
     }
@@ -43,33 +43,38 @@ impl Answer {
 pub(super) fn count<P: Primitives>(
     structure: &AnyAccelerator,
     primitives: &P,
-    sample: Sample<'_>,
-) -> (Vec<Answer>, RayStats) {
+    sample: RaySample<'_>,
+) -> (Vec<RayAnswer>, RayStats) {
     let (mut answers, mut counters) = (Vec::with_capacity(sample.rays), Counters::default());
     // The kind is a formality: each sample has counters of its own.
     counters.ray(RayKind::Primary);
-    structure.accept(Trace { primitives, sample, probe: &mut counters, answered: |answer| answers.push(answer) });
+    structure.accept(CountedTrace {
+        primitives,
+        sample,
+        probe: &mut counters,
+        answered: |answer| answers.push(answer),
+    });
     (answers, counters.total())
 }
 
 /// Seconds for all answers, by the clock of the thread: other processes do not count.
-pub(super) fn time<P: Primitives>(structure: &AnyAccelerator, primitives: &P, sample: Sample<'_>) -> f64 {
+pub(super) fn time<P: Primitives>(structure: &AnyAccelerator, primitives: &P, sample: RaySample<'_>) -> f64 {
     let mut hits = 0;
-    let answered = |answer| hits += usize::from(answer != Answer::Miss);
+    let answered = |answer| hits += usize::from(answer != RayAnswer::Miss);
     let started = ThreadTime::now();
-    structure.accept(Trace { primitives, sample, probe: &mut NoProbe, answered });
+    structure.accept(CountedTrace { primitives, sample, probe: &mut NoProbe, answered });
     std::hint::black_box(hits);
     started.elapsed().as_secs_f64()
 }
 
-struct Trace<'a, P, S, F> {
+struct CountedTrace<'a, P, S, F> {
     primitives: &'a P,
-    sample: Sample<'a>,
+    sample: RaySample<'a>,
     probe: &'a mut S,
     answered: F,
 }
 
-impl<P: Primitives, S: Probe, F: FnMut(Answer)> AcceleratorVisitor for Trace<'_, P, S, F> {
+impl<P: Primitives, S: Probe, F: FnMut(RayAnswer)> AcceleratorVisitor for CountedTrace<'_, P, S, F> {
     type Output = ();
 
     fn visit<T: Accelerator>(self, structure: &T) {
@@ -77,9 +82,9 @@ impl<P: Primitives, S: Probe, F: FnMut(Answer)> AcceleratorVisitor for Trace<'_,
         for place in sample.places() {
             let (ray, span) = &sample.set.rays[place];
             answered(if sample.set.any {
-                Answer::any(structure.occluded(primitives, ray, *span, probe))
+                RayAnswer::any(structure.occluded(primitives, ray, *span, probe))
             } else {
-                Answer::closest(structure.closest(primitives, ray, *span, probe))
+                RayAnswer::closest(structure.closest(primitives, ray, *span, probe))
             });
         }
     }

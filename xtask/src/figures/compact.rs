@@ -1,18 +1,18 @@
-//! Pictures of few bytes.
+//! Images of few bytes.
 
 use image::{
     ExtendedColorType, ImageEncoder, ImageResult, RgbImage,
     codecs::png::{CompressionType, FilterType, PngEncoder},
 };
 
-/// A PNG file of a picture with 32 steps for each colour, between which its compression finds much in common.
-pub(super) fn png(picture: &RgbImage) -> ImageResult<Vec<u8>> {
-    let coarse: Vec<u8> = picture.as_raw().iter().copied().map(coarse).collect();
+/// A PNG file of an image with 32 steps for each colour, between which its compression finds much in common.
+pub(super) fn png(image: &RgbImage) -> ImageResult<Vec<u8>> {
+    let coarse: Vec<u8> = image.as_raw().iter().copied().map(coarse).collect();
     let mut bytes = Vec::new();
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::NoFilter).write_image(
         &coarse,
-        picture.width(),
-        picture.height(),
+        image.width(),
+        image.height(),
         ExtendedColorType::Rgb8,
     )?;
     Ok(bytes)
@@ -36,8 +36,8 @@ mod tests {
 
     #[test]
     fn the_file_holds_the_picture() {
-        let picture = RgbImage::from_fn(5, 4, |x, y| image::Rgb([(x * 50) as u8, (y * 60) as u8, 255]));
-        let read = image::load_from_memory(&png(&picture).unwrap()).unwrap().to_rgb8();
-        assert!(read.as_raw().iter().zip(picture.as_raw()).all(|(a, b)| *a == coarse(*b)));
+        let image = RgbImage::from_fn(5, 4, |x, y| image::Rgb([(x * 50) as u8, (y * 60) as u8, 255]));
+        let read = image::load_from_memory(&png(&image).unwrap()).unwrap().to_rgb8();
+        assert!(read.as_raw().iter().zip(image.as_raw()).all(|(a, b)| *a == coarse(*b)));
     }
 }

@@ -19,7 +19,7 @@ pub(super) fn run(workspace: &Workspace) -> Result<(), TaskError> {
     let scene = scene.to_string_lossy();
     let args = ["converge", &*scene, "-o", "cornell"].into_iter().chain(OPTIONS.split(' '));
     let run = renderer.run(&folder, args)?;
-    run.succeeded().map_err(TaskError::Other)?;
+    run.succeeded()?;
     print!("{}", run.log);
     let (from, to) = (folder.join("cornell/converge.svg"), workspace.root.join(PLOT));
     if let Some(folder) = to.parent() {

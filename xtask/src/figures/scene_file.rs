@@ -74,7 +74,7 @@ fn write_wire(text: &mut String, wire: &Wire) {
 }
 
 /// Spheres to look at the cost of.
-pub(super) fn of_balls(scene: &Scene<Spheres>) -> String {
+pub(super) fn of_sphereflake(scene: &Scene<Spheres>) -> String {
     let middle = scene.view.centre();
     let eye = middle + DVec3::new(0.4, 0.5, 1.0).normalize() * (1.2 * scene.view.extent().length());
     let mut text = format!(

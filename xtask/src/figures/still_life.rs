@@ -1,4 +1,4 @@
-//! A few spheres of three sizes on a table, and what structures make of them.
+//! A few spheres of three sizes on a table, and the nodes of accelerators over them.
 
 use rt_accel::{Accelerator, AcceleratorKind, AnyAccelerator, CylinderTree, Interval, NoProbe, Ray, SphereTree};
 use rt_geometry::{Sphere, Spheres};
@@ -24,23 +24,23 @@ pub(super) const SPHERES: [(f64, f64, f64); 13] = [
     (2.7, 2.6, 0.2),
 ];
 
-/// The lines around the parts of a structure of this kind.
+/// The lines around the parts of an accelerator of this kind.
 pub(super) fn wires(kind: AcceleratorKind) -> Result<Wires, TaskError> {
     let sphere = |&(x, z, radius): &(f64, f64, f64)| Sphere::new(DVec3::new(x, radius, z), radius);
-    let spheres = SPHERES.iter().map(sphere).collect::<Result<_, _>>().map_err(other)?;
+    let spheres = SPHERES.iter().map(sphere).collect::<Result<_, _>>().map_err(TaskError::other)?;
     let primitives = Spheres::new(spheres);
     let mut wires = Wires::default();
     match kind {
         AcceleratorKind::Spheres => SphereTree::build(&primitives)
-            .map_err(other)?
+            .map_err(TaskError::other)?
             .for_each_volume(|volume, depth| around_sphere(volume.centre(), volume.radius(), depth, &mut wires)),
         AcceleratorKind::Cylinders => {
-            CylinderTree::build(&primitives).map_err(other)?.for_each_volume(|volume, depth| {
+            CylinderTree::build(&primitives).map_err(TaskError::other)?.for_each_volume(|volume, depth| {
                 around_cylinder(volume.axis(), volume.centre(), volume.radius(), volume.caps(), depth, &mut wires);
             })
         }
         _ => {
-            let structure = AnyAccelerator::build(kind, &primitives).map_err(other)?;
+            let structure = AnyAccelerator::build(kind, &primitives).map_err(TaskError::other)?;
             // What is lazy shows what one ray has made of it, which falls on the large sphere on the left.
             let (x, z, _) = SPHERES[0];
             let ray = Ray::new(DVec3::new(x, 5.0, z), DVec3::NEG_Y);
@@ -49,10 +49,6 @@ pub(super) fn wires(kind: AcceleratorKind) -> Result<Wires, TaskError> {
         }
     }
     Ok(wires)
-}
-
-fn other(error: impl std::fmt::Display) -> TaskError {
-    TaskError::Other(error.to_string())
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 
 use super::unit::{Context, Findings, Unit};
-use crate::{error::TaskError, renderer::Exit};
+use crate::{error::TaskError, files, renderer::Exit};
 
 const USAGE: i32 = 2;
 const BAD_INPUT: i32 = 3;
@@ -22,76 +22,40 @@ struct BadInput {
 
 const SPHERE: &str = "(nodes: [(shape: sphere())])";
 
+/// Name, scene, options, exit code, and text that the message must contain.
 const CASES: [BadInput; 12] = [
-    BadInput { name: "missing-file", scene: None, args: &[], code: BAD_INPUT, message: "scene.ron" },
-    BadInput { name: "empty-file", scene: Some(""), args: &[], code: BAD_INPUT, message: "empty" },
-    BadInput {
-        name: "unknown-field",
-        scene: Some("(\n  nodes: [\n    (shape: sphere(raduis: 1))])"),
-        args: &[],
-        code: BAD_INPUT,
-        message: "did you mean `radius`",
-    },
-    BadInput {
-        name: "unclosed",
-        scene: Some("(nodes: [\n(shape: sphere())"),
-        args: &[],
-        code: BAD_INPUT,
-        message: "scene.ron:2:",
-    },
-    BadInput {
-        name: "nan",
-        scene: Some("(nodes: [(shape: sphere(center: (NaN, 0, 0)))])"),
-        args: &[],
-        code: BAD_INPUT,
-        message: "NaN",
-    },
-    BadInput {
-        name: "negative-radius",
-        scene: Some("(nodes: [(shape: sphere(radius: -1))])"),
-        args: &[],
-        code: BAD_INPUT,
-        message: "-1",
-    },
-    BadInput {
-        name: "zero-size",
-        scene: Some("(film: (size: (0, 48)), nodes: [(shape: sphere())])"),
-        args: &[],
-        code: BAD_INPUT,
-        message: "0",
-    },
-    BadInput {
-        name: "camera-along-up",
-        scene: Some("(camera: (look_from: (0, 5, 0)), nodes: [(shape: sphere())])"),
-        args: &[],
-        code: BAD_INPUT,
-        message: "up",
-    },
-    BadInput {
-        name: "missing-texture",
-        scene: Some(
-            "(materials: {\"a\": phong(color: image(file: \"none.png\"))}, nodes: [(shape: sphere(), material: \"a\")])",
-        ),
-        args: &[],
-        code: BAD_INPUT,
-        message: "none.png",
-    },
-    BadInput {
-        name: "unwritable-output",
-        scene: Some(SPHERE),
-        args: &["-o", "no-such-folder/output.png"],
-        code: BAD_OUTPUT,
-        message: "no-such-folder",
-    },
-    BadInput {
-        name: "unknown-option",
-        scene: Some(SPHERE),
-        args: &["--no-such-option"],
-        code: USAGE,
-        message: "--no-such-option",
-    },
-    BadInput { name: "zero-spp", scene: Some(SPHERE), args: &["--spp", "0"], code: USAGE, message: "0" },
+    bad("missing-file", None, &[], BAD_INPUT, "scene.ron"),
+    bad("empty-file", Some(""), &[], BAD_INPUT, "empty"),
+    bad(
+        "unknown-field",
+        Some("(\n  nodes: [\n    (shape: sphere(raduis: 1))])"),
+        &[],
+        BAD_INPUT,
+        "did you mean `radius`",
+    ),
+    bad("unclosed", Some("(nodes: [\n(shape: sphere())"), &[], BAD_INPUT, "scene.ron:2:"),
+    bad("nan", Some("(nodes: [(shape: sphere(center: (NaN, 0, 0)))])"), &[], BAD_INPUT, "NaN"),
+    bad("negative-radius", Some("(nodes: [(shape: sphere(radius: -1))])"), &[], BAD_INPUT, "-1"),
+    bad("zero-size", Some("(film: (size: (0, 48)), nodes: [(shape: sphere())])"), &[], BAD_INPUT, "0"),
+    bad("camera-along-up", Some("(camera: (look_from: (0, 5, 0)), nodes: [(shape: sphere())])"), &[], BAD_INPUT, "up"),
+    bad("missing-texture", Some(TEXTURED), &[], BAD_INPUT, "none.png"),
+    bad("unwritable-output", Some(SPHERE), &["-o", "no-such-folder/output.png"], BAD_OUTPUT, "no-such-folder"),
+    bad("unknown-option", Some(SPHERE), &["--no-such-option"], USAGE, "--no-such-option"),
+    bad("zero-spp", Some(SPHERE), &["--spp", "0"], USAGE, "0"),
 ];
+
+const TEXTURED: &str =
+    "(materials: {\"a\": phong(color: image(file: \"none.png\"))}, nodes: [(shape: sphere(), material: \"a\")])";
+
+const fn bad(
+    name: &'static str,
+    scene: Option<&'static str>,
+    args: &'static [&'static str],
+    code: i32,
+    message: &'static str,
+) -> BadInput {
+    BadInput { name, scene, args, code, message }
+}
 
 /// One unit per case.
 pub(super) fn units() -> impl Iterator<Item = Box<dyn Unit>> {
@@ -103,13 +67,13 @@ impl Unit for BadInput {
         format!("bad-input/{}", self.name)
     }
 
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         // The output goes to a folder of its own, where nothing must appear.
         let output = folder.join("output");
         fs::create_dir(&output).map_err(TaskError::file(&output))?;
         if let Some(scene) = self.scene {
             let path = folder.join("scene.ron");
-            fs::write(&path, scene).map_err(TaskError::file(&path))?;
+            files::write(&path, scene)?;
         }
         let mut args = vec!["render", "scene.ron"];
         if !self.args.contains(&"-o") {
@@ -118,7 +82,6 @@ impl Unit for BadInput {
         args.extend(self.args);
         let run = context.renderer.run(folder, args)?;
 
-        let mut findings = Findings::default();
         if run.exit != Exit::Code(self.code) {
             findings.problem(format!("{} instead of exit code {}", run.exit, self.code));
         }
@@ -134,6 +97,6 @@ impl Unit for BadInput {
         if !findings.problems.is_empty() {
             findings.note(run.log.trim());
         }
-        Ok(findings)
+        Ok(())
     }
 }

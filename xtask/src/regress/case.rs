@@ -1,65 +1,62 @@
 //! Description of a golden case: `case.toml`.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::error::TaskError;
+use crate::{error::TaskError, files};
 
 /// A golden case as written. Everything has a default.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(crate) struct Case {
+pub(crate) struct GoldenCase {
     /// The scene, relative to the case's folder or else to the workspace; by default `scene.ron`.
     pub scene: Option<PathBuf>,
     /// Arguments for `render` after the scene.
     pub args: Vec<String>,
-    /// Difference of a channel, of 255, that is let pass.
+    /// Allowed difference of a channel, of 255.
     pub tolerance: u8,
-    /// Pixels that may differ by more.
+    /// Number of pixels that may differ by more.
     pub max_outliers: u64,
-    /// Why the case is known to fail. It is an error if it passes.
+    /// Reason of a known failure. It is an error if the case passes.
     pub known_failure: Option<String>,
-    /// The mean radiance, if theory gives it.
-    pub truth: Option<Truth>,
-    /// Another program's picture of the same scene.
-    pub reference: Option<Reference>,
+    /// Mean radiance in closed form.
+    pub truth: Option<KnownMean>,
+    /// Another program's image of the same scene.
+    pub reference: Option<GoldenReference>,
 }
 
 /// Closed form of the mean radiance over all pixels.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Truth {
+pub(crate) struct KnownMean {
     /// Linear red, green, blue.
     pub mean: [f64; 3],
-    /// Greatest absolute deviation of a component.
+    /// Maximum absolute deviation of a component.
     pub tolerance: f64,
     /// Source of the value.
     pub note: String,
 }
 
-/// A picture to be near to.
+/// An independent image of the scene, with tolerances.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Reference {
+pub(crate) struct GoldenReference {
     /// The file, relative to the case's folder or else to the workspace.
     pub image: PathBuf,
-    /// Greatest RMSE, of 1.
+    /// Maximum RMSE, of 1.
     pub max_rmse: f64,
     /// A pixel is an outlier if a channel differs by more than this, of 255.
     pub tolerance: u8,
-    /// Greatest share of outliers, of 1.
+    /// Maximum share of outliers, of 1.
     pub max_outlier_share: f64,
 }
 
-impl Case {
+impl GoldenCase {
     /// Reads `case.toml` in `folder`.
     pub(crate) fn load(folder: &Path) -> Result<Self, TaskError> {
         let path = folder.join("case.toml");
-        let text = fs::read_to_string(&path).map_err(TaskError::file(&path))?;
+        let text = files::read(&path)?;
         toml::from_str(&text).map_err(|source| TaskError::Toml { path, source })
     }
 
@@ -80,19 +77,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_empty_file_asks_for_equality() {
-        let case: Case = toml::from_str("").unwrap();
+    fn an_empty_file_requires_equality() {
+        let case: GoldenCase = toml::from_str("").unwrap();
         assert_eq!((case.tolerance, case.max_outliers, case.known_failure), (0, 0, None));
     }
 
     #[test]
     fn a_misspelt_key_is_an_error() {
-        assert!(toml::from_str::<Case>("tolerence = 3").is_err());
+        assert!(toml::from_str::<GoldenCase>("tolerence = 3").is_err());
     }
 
     #[test]
     fn all_keys_are_read() {
-        let case: Case = toml::from_str(
+        let case: GoldenCase = toml::from_str(
             r#"
             scene = "a.ron"
             args = ["--spp", "4"]

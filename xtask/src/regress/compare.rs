@@ -2,14 +2,14 @@
 
 use image::{Rgba, RgbaImage};
 
-/// The difference between two pictures of one size.
+/// The difference between two images of one size.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Difference {
     /// Pixels with a channel that differs by more than the tolerance.
     pub outliers: u64,
     /// All pixels.
     pub pixels: u64,
-    /// The pixel that differs most, the first in reading order; `None` if the pictures are equal.
+    /// The pixel that differs most, the first in reading order; `None` if the images are equal.
     pub worst: Option<WorstPixel>,
     /// Root of the mean squared difference over all pixels and channels, of 1.
     pub rmse: f64,
@@ -20,13 +20,13 @@ pub(crate) struct Difference {
 pub(crate) struct WorstPixel {
     pub x: u32,
     pub y: u32,
-    /// Greatest difference of a channel, of 255.
+    /// Maximum difference of a channel, of 255.
     pub difference: u8,
     pub expected: [u8; 4],
     pub actual: [u8; 4],
 }
 
-/// Pictures that cannot be compared pixel by pixel.
+/// Images that cannot be compared pixel by pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected {}×{} pixels, got {}×{}", expected.0, expected.1, actual.0, actual.1)]
 pub(crate) struct SizesDiffer {
@@ -43,7 +43,7 @@ impl Difference {
         let mut difference = Self { outliers: 0, pixels: 0, worst: None, rmse: 0.0 };
         let mut squares = 0_u64;
         for ((x, y, expected), actual) in expected.enumerate_pixels().zip(actual.pixels()) {
-            let of_pixel = greatest(expected, actual);
+            let of_pixel = max_difference(expected, actual);
             difference.pixels += 1;
             difference.outliers += u64::from(of_pixel > tolerance);
             squares += squared(expected, actual);
@@ -62,8 +62,8 @@ impl Difference {
     }
 }
 
-/// Greatest difference of a channel.
-pub(crate) fn greatest(a: &Rgba<u8>, b: &Rgba<u8>) -> u8 {
+/// Maximum difference of a channel.
+pub(crate) fn max_difference(a: &Rgba<u8>, b: &Rgba<u8>) -> u8 {
     let differences = a.0.iter().zip(b.0).map(|(&a, b)| a.abs_diff(b));
     differences.max().unwrap_or(0)
 }

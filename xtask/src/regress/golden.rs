@@ -1,11 +1,11 @@
-//! Golden images: `tests/golden/<case>/` holds a scene with one idea and the picture that it must give.
+//! Golden images: `tests/golden/<case>/` holds a scene with one idea and its expected image.
 
 use std::path::{Path, PathBuf};
 
 use image::RgbaImage;
 
 use super::{
-    case::{Case, Reference, Truth, locate},
+    case::{GoldenCase, GoldenReference, KnownMean, locate},
     compare::Difference,
     panels::three_panels,
     unit::{Context, Findings, Unit},
@@ -29,25 +29,24 @@ impl Unit for Golden {
         self.folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
-        let case = Case::load(&self.folder)?;
-        let mut findings = Findings::default();
-        if let Some(actual) = render(context, folder, &self.folder, &case, "actual.png", &mut findings)? {
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
+        let case = GoldenCase::load(&self.folder)?;
+        if let Some(actual) = render(context, folder, &self.folder, &case, "actual.png", findings)? {
             let actual = open(&actual)?;
-            self.compare(context, folder, &case, &actual, &mut findings)?;
+            self.compare(context, folder, &case, &actual, findings)?;
             if let Some(reference) = &case.reference {
-                near_reference(context, &self.folder, reference, &actual, &mut findings)?;
+                near_reference(context, &self.folder, reference, &actual, findings)?;
             }
         }
         if let Some(truth) = &case.truth
-            && let Some(linear) = render(context, folder, &self.folder, &case, "actual.pfm", &mut findings)?
+            && let Some(linear) = render(context, folder, &self.folder, &case, "actual.pfm", findings)?
         {
-            near_truth(&linear, truth, &mut findings)?;
+            near_truth(&linear, truth, findings)?;
         }
-        Ok(match case.known_failure {
-            Some(reason) => known_failure(findings, &reason),
-            None => findings,
-        })
+        if let Some(reason) = case.known_failure {
+            *findings = known_failure(std::mem::take(findings), &reason);
+        }
+        Ok(())
     }
 }
 
@@ -56,22 +55,22 @@ impl Golden {
         &self,
         context: &Context,
         folder: &Path,
-        case: &Case,
+        case: &GoldenCase,
         actual: &RgbaImage,
         findings: &mut Findings,
     ) -> Result<(), TaskError> {
         let path = self.folder.join("expected.png");
         if path.exists() {
             let expected = open(&path)?;
-            let picture = folder.join("diff.png");
-            save(&three_panels(&expected, actual), &picture)?;
-            findings.picture = Some(picture);
-            match judge(&expected, actual, case) {
+            let image = folder.join("diff.png");
+            save(&three_panels(&expected, actual), &image)?;
+            findings.image = Some(image);
+            match check(&expected, actual, case) {
                 Ok(()) => return Ok(()),
                 Err(problem) => findings.problem(problem),
             }
         } else {
-            findings.picture = Some(folder.join("actual.png"));
+            findings.image = Some(folder.join("actual.png"));
             findings.problem("there is no expected.png");
         }
         if context.bless && case.known_failure.is_none() {
@@ -82,28 +81,28 @@ impl Golden {
     }
 }
 
-/// Renders the case to `output` in `folder`; `None`, with a problem found, if that fails.
+/// Renders the case to `output` in `folder`; `None`, with a problem, if that fails.
 fn render(
     context: &Context,
     folder: &Path,
     case_folder: &Path,
-    case: &Case,
+    case: &GoldenCase,
     output: &str,
     findings: &mut Findings,
 ) -> Result<Option<PathBuf>, TaskError> {
     let scene = case.scene_path(case_folder, &context.workspace.root);
     let args = case.args.iter().map(String::as_str);
-    match context.renderer.render(folder, &scene, output, args)?.succeeded() {
+    match context.renderer.render(folder, &scene, output, args) {
         Ok(()) => Ok(Some(folder.join(output))),
-        Err(problem) => {
-            findings.problem(problem);
+        Err(error) => {
+            findings.problem(error.to_string());
             Ok(None)
         }
     }
 }
 
 /// Compares within the bounds of the case.
-fn judge(expected: &RgbaImage, actual: &RgbaImage, case: &Case) -> Result<(), String> {
+fn check(expected: &RgbaImage, actual: &RgbaImage, case: &GoldenCase) -> Result<(), String> {
     let difference = Difference::of(expected, actual, case.tolerance).map_err(|error| error.to_string())?;
     if difference.outliers <= case.max_outliers { Ok(()) } else { Err(difference.to_string()) }
 }
@@ -111,7 +110,7 @@ fn judge(expected: &RgbaImage, actual: &RgbaImage, case: &Case) -> Result<(), St
 fn near_reference(
     context: &Context,
     case_folder: &Path,
-    reference: &Reference,
+    reference: &GoldenReference,
     actual: &RgbaImage,
     findings: &mut Findings,
 ) -> Result<(), TaskError> {
@@ -128,9 +127,9 @@ fn near_reference(
     Ok(())
 }
 
-fn near_truth(linear: &Path, truth: &Truth, findings: &mut Findings) -> Result<(), TaskError> {
-    let picture = rt_image::read_image(linear).map_err(|error| TaskError::Other(error.to_string()))?;
-    let mean = mean(picture.pixels());
+fn near_truth(linear: &Path, truth: &KnownMean, findings: &mut Findings) -> Result<(), TaskError> {
+    let image = rt_image::read_image(linear).map_err(TaskError::other)?;
+    let mean = mean(image.pixels());
     let near = mean.iter().zip(truth.mean).all(|(mean, truth_mean)| (mean - truth_mean).abs() <= truth.tolerance);
     let line = format!("mean radiance {mean:?}, {} gives {:?} ± {}", truth.note, truth.mean, truth.tolerance);
     if near {
@@ -146,25 +145,25 @@ fn mean(pixels: &[[f32; 3]]) -> [f64; 3] {
     sums.map(|sum| sum / pixels.len() as f64)
 }
 
-/// Turns the verdict round: what is known to fail must fail.
+/// Inverts the verdict of a known failure.
 fn known_failure(findings: Findings, reason: &str) -> Findings {
-    let Findings { problems, mut notes, picture, skipped, .. } = findings;
+    let Findings { problems, mut notes, image, skipped, .. } = findings;
     if problems.is_empty() {
         let problem = format!("passes, although it is known to fail ({reason}): remove `known_failure`");
-        return Findings { problems: vec![problem], notes, picture, skipped, ..Findings::default() };
+        return Findings { problems: vec![problem], notes, image, skipped, ..Findings::default() };
     }
     notes.push(format!("known failure: {reason}"));
     notes.extend(problems);
-    Findings { notes, picture, skipped, ..Findings::default() }
+    Findings { notes, image, skipped, ..Findings::default() }
 }
 
 pub(super) fn open(path: &Path) -> Result<RgbaImage, TaskError> {
-    let picture = image::open(path).map_err(|source| TaskError::Picture { path: path.to_path_buf(), source })?;
-    Ok(picture.into_rgba8())
+    let image = image::open(path).map_err(|source| TaskError::Image { path: path.to_path_buf(), source })?;
+    Ok(image.into_rgba8())
 }
 
-pub(super) fn save(picture: &RgbaImage, path: &Path) -> Result<(), TaskError> {
-    picture.save(path).map_err(|source| TaskError::Picture { path: path.to_path_buf(), source })
+pub(super) fn save(image: &RgbaImage, path: &Path) -> Result<(), TaskError> {
+    image.save(path).map_err(|source| TaskError::Image { path: path.to_path_buf(), source })
 }
 
 #[cfg(test)]
@@ -183,17 +182,17 @@ mod tests {
     #[test]
     fn one_changed_pixel_fails_by_default() {
         let (expected, actual) = pair();
-        assert_eq!(judge(&expected, &expected, &Case::default()), Ok(()));
-        let problem = judge(&expected, &actual, &Case::default()).unwrap_err();
+        assert_eq!(check(&expected, &expected, &GoldenCase::default()), Ok(()));
+        let problem = check(&expected, &actual, &GoldenCase::default()).unwrap_err();
         assert!(problem.contains("worst by 3 at (1, 2)"), "{problem}");
     }
 
     #[test]
     fn tolerance_and_outliers_let_it_pass() {
         let (expected, actual) = pair();
-        assert!(judge(&expected, &actual, &Case { tolerance: 2, ..Case::default() }).is_err());
-        assert!(judge(&expected, &actual, &Case { tolerance: 3, ..Case::default() }).is_ok());
-        assert!(judge(&expected, &actual, &Case { max_outliers: 1, ..Case::default() }).is_ok());
+        assert!(check(&expected, &actual, &GoldenCase { tolerance: 2, ..GoldenCase::default() }).is_err());
+        assert!(check(&expected, &actual, &GoldenCase { tolerance: 3, ..GoldenCase::default() }).is_ok());
+        assert!(check(&expected, &actual, &GoldenCase { max_outliers: 1, ..GoldenCase::default() }).is_ok());
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Kills: a render that is killed at any moment goes on from its checkpoint to the bits of one that is not.
+//! Kills: a render that is killed at any time continues from its checkpoint, bit-identical to one that was not killed.
 
 use std::{
     fs,
@@ -14,73 +14,45 @@ use crate::{
     renderer::{Exit, Renderer},
 };
 
-/// A way to render, which keeps its own kind of checkpoint.
+/// A render with its own kind of checkpoint.
 struct Kills {
     name: &'static str,
     scene: &'static str,
-    options: &'static [&'static str],
+    /// Options of `render`, separated by spaces.
+    options: &'static str,
 }
 
 /// Tile by tile, pass by pass with light paths before each, growing passes, and passes of some pixels.
 const ALL: [Kills; 6] = [
-    Kills {
-        name: "kills/path",
-        scene: "scenes/lecture/cornell-full.ron",
-        options: &["--size", "128x128", "--spp", "64"],
-    },
-    Kills {
-        name: "kills/whitted",
-        scene: "scenes/report/mound100.ron",
-        options: &["--size", "320x240", "--spp", "64", "--aov", "samples=samples.pfm"],
-    },
-    Kills {
-        name: "kills/caustics",
-        scene: "scenes/gallery/caustics.ron",
-        options: &["--size", "96x72", "--spp", "32", "--passes", "8"],
-    },
-    Kills {
-        name: "kills/target-error",
-        scene: "scenes/lecture/cornell-direct.ron",
-        options: &["--size", "96x96", "--target-error", "10%", "--aov", "samples=samples.pfm"],
-    },
-    Kills {
-        name: "kills/target-error-pixels",
-        scene: "scenes/lecture/cornell-direct.ron",
-        options: &[
-            "--size",
-            "96x96",
-            "--target-error",
-            "20%",
-            "--target-error-pixels",
-            "100%",
-            "--spp",
-            "1024",
-            "--aov",
-            "samples=samples.pfm",
-        ],
-    },
-    Kills {
-        name: "kills/two-stage",
-        scene: "scenes/lecture/cornell-direct.ron",
-        options: &[
-            "--size",
-            "64x64",
-            "--target-error",
-            "20%",
-            "--target-error-pixels",
-            "100%",
-            "--two-stage",
-            "--spp",
-            "1024",
-        ],
-    },
+    kills("kills/path", "scenes/lecture/cornell-full.ron", "--size 128x128 --spp 64"),
+    kills("kills/whitted", "scenes/report/mound100.ron", "--size 320x240 --spp 64 --aov samples=samples.pfm"),
+    kills("kills/caustics", "scenes/gallery/caustics.ron", "--size 96x72 --spp 32 --passes 8"),
+    kills(
+        "kills/target-error",
+        "scenes/lecture/cornell-direct.ron",
+        "--size 96x96 --target-error 10% --aov samples=samples.pfm",
+    ),
+    kills(
+        "kills/target-error-pixels",
+        "scenes/lecture/cornell-direct.ron",
+        "--size 96x96 --target-error 20% --target-error-pixels 100% --spp 1024 --aov samples=samples.pfm",
+    ),
+    kills(
+        "kills/two-stage",
+        "scenes/lecture/cornell-direct.ron",
+        "--size 64x64 --target-error 20% --target-error-pixels 100% --two-stage --spp 1024",
+    ),
 ];
+
+const fn kills(name: &'static str, scene: &'static str, options: &'static str) -> Kills {
+    Kills { name, scene, options }
+}
 
 /// Kills of each, and at full size.
 const REDUCED: u64 = 3;
 const FULL: u64 = 20;
 
-/// Runs that one picture takes at most: each of them but the last is killed.
+/// Maximum number of runs per image; each of them but the last is killed.
 const MOST_RUNS: u64 = 100;
 
 pub(super) fn units() -> impl Iterator<Item = Box<dyn Unit>> {
@@ -92,23 +64,18 @@ impl Unit for Kills {
         self.name.to_owned()
     }
 
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
-        let mut findings = Findings::default();
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let scene = context.workspace.root.join(self.scene);
         let started = Instant::now();
-        let whole = context.renderer.render(folder, &scene, "picture.pfm", self.options.iter().copied())?;
+        context.renderer.render(folder, &scene, "picture.pfm", self.options.split(' '))?;
         let seconds = started.elapsed().as_secs_f64();
-        if let Err(problem) = whole.succeeded() {
-            findings.problem(problem);
-            return Ok(findings);
-        }
         let expected = files(folder)?;
         let wanted = if context.full { FULL } else { REDUCED };
-        let (mut kills, mut different, mut picture) = (0, 0, 0);
+        let (mut kills, mut different, mut image) = (0, 0, 0);
         while kills < wanted {
-            picture += 1;
+            image += 1;
             clear(folder)?;
-            let killed = self.finish(&context.renderer, folder, &scene, seconds, picture)?;
+            let killed = self.finish(&context.renderer, folder, &scene, seconds, image)?;
             kills += killed;
             let found = files(folder)?;
             if found != expected {
@@ -117,7 +84,7 @@ impl Unit for Kills {
                 };
                 different += killed.max(1);
                 findings.problem(format!(
-                    "picture {picture}, killed {killed} times, is not that of one run: {:?} instead of {:?}",
+                    "picture {image}, killed {killed} times, is not that of one run: {:?} instead of {:?}",
                     names(&found, &expected),
                     names(&expected, &found)
                 ));
@@ -131,7 +98,7 @@ impl Unit for Kills {
             failed: different,
             worst: None,
         });
-        Ok(findings)
+        Ok(())
     }
 }
 
@@ -143,21 +110,21 @@ impl Kills {
         folder: &Path,
         scene: &Path,
         seconds: f64,
-        picture: u64,
+        image: u64,
     ) -> Result<u64, TaskError> {
         let scene = scene.to_string_lossy();
         let mut args = vec!["render", &scene, "-o", "picture.pfm", "--quiet", "--resume", "--checkpoint-every", "5ms"];
-        args.extend(self.options);
+        args.extend(self.options.split(' '));
         for run in 0..MOST_RUNS {
-            let moment = seconds * unit(hash(&[picture, run]));
-            match renderer.run_at_most(folder, &args, Duration::from_secs_f64(moment))?.exit {
+            let seconds_to_kill = seconds * unit(hash(&[image, run]));
+            match renderer.run_at_most(folder, &args, Duration::from_secs_f64(seconds_to_kill))?.exit {
                 Exit::TimedOut(_) => {}
                 Exit::Code(0) => return Ok(run),
-                exit => return Err(TaskError::Other(format!("run {run} of picture {picture}: {exit}"))),
+                exit => return Err(TaskError::Other(format!("run {run} of picture {image}: {exit}"))),
             }
         }
         let last = renderer.run(folder, &args)?;
-        last.succeeded().map_err(TaskError::Other)?;
+        last.succeeded()?;
         Ok(MOST_RUNS)
     }
 }

@@ -1,4 +1,4 @@
-//! Heckbert's minray scene against an independent program's picture of it.
+//! Heckbert's minray scene against an independent program's image of it.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use image::RgbaImage;
 
 use super::{
     compare::Difference,
-    compare::greatest,
+    compare::max_difference,
     golden::open,
     golden::save,
     panels,
@@ -14,7 +14,7 @@ use super::{
 };
 use crate::error::TaskError;
 
-/// In the folder of shared test data, as it is no part of the workspace.
+/// Reference in the folder of shared test data, outside of the workspace.
 const REFERENCE: &str = "reference/minray-512.png";
 const SCENE: &str = "scenes/lecture/minray.ron";
 const MAX_RMSE: f64 = 1.0 / 255.0;
@@ -29,31 +29,26 @@ impl Unit for Minray {
         "minray".to_owned()
     }
 
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
-        let mut findings = Findings::default();
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let Some(reference) = rt_tests::shared(REFERENCE) else {
             findings.skip(format!("there is no shared/{REFERENCE}"));
-            return Ok(findings);
+            return Ok(());
         };
         let scene = context.workspace.root.join(SCENE);
-        let run = context.renderer.render(folder, &scene, "actual.png", ["--size", "512x512"])?;
-        if let Err(problem) = run.succeeded() {
-            findings.problem(problem);
-            return Ok(findings);
-        }
+        context.renderer.render(folder, &scene, "actual.png", ["--size", "512x512"])?;
         let (expected, actual) = (open(&reference)?, open(&folder.join("actual.png"))?);
-        let picture = folder.join("diff.png");
-        save(&panels::three_panels(&expected, &actual), &picture)?;
-        findings.picture = Some(picture);
+        let image = folder.join("diff.png");
+        save(&panels::three_panels(&expected, &actual), &image)?;
+        findings.image = Some(image);
         match Difference::of(&expected, &actual, TOLERANCE) {
-            Ok(difference) => judge(&expected, &actual, &difference, &mut findings),
+            Ok(difference) => check(&expected, &actual, &difference, findings),
             Err(error) => findings.problem(error.to_string()),
         }
-        Ok(findings)
+        Ok(())
     }
 }
 
-fn judge(expected: &RgbaImage, actual: &RgbaImage, difference: &Difference, findings: &mut Findings) {
+fn check(expected: &RgbaImage, actual: &RgbaImage, difference: &Difference, findings: &mut Findings) {
     findings.note(difference.to_string());
     if difference.rmse >= MAX_RMSE {
         findings.problem("the RMSE is not below 1/255");
@@ -64,7 +59,7 @@ fn judge(expected: &RgbaImage, actual: &RgbaImage, difference: &Difference, find
     let off = expected.enumerate_pixels().zip(actual.pixels());
     let stray = off
         .filter(|((x, y, expected_pixel), actual_pixel)| {
-            greatest(expected_pixel, actual_pixel) > TOLERANCE && !on_edge(expected, *x, *y)
+            max_difference(expected_pixel, actual_pixel) > TOLERANCE && !on_edge(expected, *x, *y)
         })
         .count();
     if stray > 0 {
@@ -72,13 +67,13 @@ fn judge(expected: &RgbaImage, actual: &RgbaImage, difference: &Difference, find
     }
 }
 
-/// True if the picture changes by more than the tolerance within the 3×3 pixels around this one.
-fn on_edge(picture: &RgbaImage, x: u32, y: u32) -> bool {
-    let centre = picture.get_pixel(x, y);
-    let columns = x.saturating_sub(1)..=(x + 1).min(picture.width() - 1);
+/// True if the image changes by more than the tolerance within the 3×3 pixels around this one.
+fn on_edge(image: &RgbaImage, x: u32, y: u32) -> bool {
+    let centre = image.get_pixel(x, y);
+    let columns = x.saturating_sub(1)..=(x + 1).min(image.width() - 1);
     columns
-        .flat_map(|x| (y.saturating_sub(1)..=(y + 1).min(picture.height() - 1)).map(move |y| (x, y)))
-        .any(|(x, y)| greatest(picture.get_pixel(x, y), centre) > TOLERANCE)
+        .flat_map(|x| (y.saturating_sub(1)..=(y + 1).min(image.height() - 1)).map(move |y| (x, y)))
+        .any(|(x, y)| max_difference(image.get_pixel(x, y), centre) > TOLERANCE)
 }
 
 #[cfg(test)]
@@ -95,7 +90,7 @@ mod tests {
     fn problems(actual: &RgbaImage) -> Vec<String> {
         let mut findings = Findings::default();
         let difference = Difference::of(&halves(), actual, TOLERANCE).unwrap();
-        judge(&halves(), actual, &difference, &mut findings);
+        check(&halves(), actual, &difference, &mut findings);
         findings.problems
     }
 

@@ -1,7 +1,6 @@
-//! `regress`: does the renderer still do what it did, and what theory says?
+//! `regress`: comparison with golden images, theory and independent references.
 //!
-//! Owns the loop over units of work and the verdict. Each kind of unit is a file of its own: golden images, and
-//! checks that need no blessed picture.
+//! Owns the loop over units and the verdict. Each kind of unit is a file.
 
 use std::{
     fs,
@@ -12,24 +11,24 @@ use std::{
 use rayon::prelude::*;
 
 use self::unit::{Context, Findings, Outcome, Unit, Verdict, count, summary};
-use crate::{error::TaskError, renderer::Renderer, workspace::Workspace};
+use crate::{error::TaskError, files, renderer::Renderer, workspace::Workspace};
 
 mod analytic;
 mod bad_inputs;
 mod case;
+mod checks;
 mod compare;
 mod golden;
 mod kills;
 mod minray;
 mod numerics;
-mod one_picture;
 mod panels;
 mod physics;
 mod report;
+mod same_image;
 mod suite;
 mod table1_counts;
-mod tally;
-mod trials;
+mod trial_table;
 mod unit;
 
 /// A render that takes longer than this hangs.
@@ -40,9 +39,9 @@ const FULL_TIMEOUT: Duration = Duration::from_secs(2 * 3600);
 /// Options of `regress`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RegressOptions {
-    /// Run only what has this in its name.
+    /// Run only units with this in their name.
     filter: Option<String>,
-    /// Replace the expected pictures that differ, list them, and still fail.
+    /// Replace the expected images that differ, list them, and still fail.
     #[arg(long)]
     bless: bool,
     /// Run checks at full size: hours instead of minutes.
@@ -54,7 +53,7 @@ pub(crate) struct RegressOptions {
     /// Write the table of all pairs of `physics` into docs/PHYSICS.md.
     #[arg(long, requires = "full")]
     write: bool,
-    /// The program under test, instead of a build of what is here by the profile of this task.
+    /// The program under test; by default a build by the profile of this task.
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
     /// Renders at the same time; by default one per processor.
@@ -85,18 +84,18 @@ pub(crate) fn run(workspace: Workspace, options: &RegressOptions) -> Result<bool
     let renderer = Renderer::new(program, if options.full { FULL_TIMEOUT } else { TIMEOUT });
     let context = Context { workspace, renderer, bless: options.bless, full: options.full };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs).build();
-    let pool = pool.map_err(|error| TaskError::Other(error.to_string()))?;
+    let pool = pool.map_err(TaskError::other)?;
     let (alone, together): (Vec<_>, Vec<_>) = units.into_iter().partition(|unit| unit.runs_in_process());
     let run = |unit: &dyn Unit| run_unit(unit, &context, &folder);
     let mut outcomes: Vec<Outcome> = pool.install(|| together.par_iter().map(|unit| run(unit.as_ref())).collect());
     outcomes.extend(alone.iter().map(|unit| pool.install(|| run(unit.as_ref()))));
 
     let page = folder.join("index.html");
-    fs::write(&page, report::html(&outcomes)?).map_err(TaskError::file(&page))?;
-    if let Some(table) = trials::table(&outcomes) {
+    files::write(&page, report::html(&outcomes)?)?;
+    if let Some(table) = trial_table::table(&outcomes) {
         println!("\n{table}");
         let path = folder.join("trials.md");
-        fs::write(&path, table.to_string()).map_err(TaskError::file(&path))?;
+        files::write(&path, table.to_string())?;
     }
     physics::finish(&context.workspace, &outcomes, &folder, options.full, options.write)?;
     println!("{}; see {}", summary(&outcomes), context.workspace.relative(&page));
@@ -108,7 +107,7 @@ fn units(workspace: &Workspace, options: &RegressOptions) -> Result<Vec<Box<dyn 
     // The long ones come first, so that they do not run alone at the end.
     units.push(Box::new(minray::Minray));
     units.extend(table1_counts::units());
-    units.extend(one_picture::units(workspace)?);
+    units.extend(same_image::units(workspace)?);
     units.extend(kills::units());
     units.extend(bad_inputs::units());
     units.extend(physics::units(workspace, options.pairs.as_deref())?);
@@ -118,14 +117,16 @@ fn units(workspace: &Workspace, options: &RegressOptions) -> Result<Vec<Box<dyn 
     Ok(units)
 }
 
-/// Runs one unit. Whatever goes wrong is a finding, so that it does not hide the other units.
+/// Runs one unit. Errors are findings, so that the other units run.
 fn run_unit(unit: &dyn Unit, context: &Context, folder: &Path) -> Outcome {
     let started = Instant::now();
     let name = unit.name();
     let folder = folder.join(&name);
-    let found = fs::create_dir_all(&folder).map_err(TaskError::file(&folder)).and_then(|()| unit.run(context, &folder));
-    let mut findings =
-        found.unwrap_or_else(|error| Findings { problems: vec![error.to_string()], ..Findings::default() });
+    let mut findings = Findings::default();
+    let created = fs::create_dir_all(&folder).map_err(TaskError::file(&folder));
+    if let Err(error) = created.and_then(|()| unit.run(context, &folder, &mut findings)) {
+        findings.problem(error.to_string());
+    }
     if let Some(reason) = &findings.skipped {
         rt_tests::report_skipped(format_args!("regress::{name}"), reason);
     }

@@ -1,11 +1,11 @@
-//! One page that shows every picture, failures first. It needs no other file.
+//! HTML page with all images, failures first, without further files.
 
 use std::fs;
 
 use base64::{Engine, prelude::BASE64_STANDARD};
 
 use super::{
-    trials,
+    trial_table,
     unit::{Outcome, Verdict, count, summary},
 };
 use crate::error::TaskError;
@@ -35,7 +35,7 @@ pub(super) fn html(outcomes: &[Outcome]) -> Result<String, TaskError> {
     for outcome in in_order {
         page.push_str(&section(outcome)?);
     }
-    if let Some(table) = trials::table(outcomes) {
+    if let Some(table) = trial_table::table(outcomes) {
         page.push_str(&format!("<pre>{}</pre>\n", escape(&table.to_string())));
     }
     Ok(page)
@@ -44,7 +44,7 @@ pub(super) fn html(outcomes: &[Outcome]) -> Result<String, TaskError> {
 fn section(outcome: &Outcome) -> Result<String, TaskError> {
     let class = outcome.verdict().name();
     let lines: Vec<&str> = outcome.findings.lines().collect();
-    let picture = match &outcome.findings.picture {
+    let image = match &outcome.findings.image {
         Some(path) => {
             let bytes = fs::read(path).map_err(TaskError::file(path))?;
             format!("<img alt=\"\" src=\"data:image/png;base64,{}\">\n", BASE64_STANDARD.encode(bytes))
@@ -52,14 +52,14 @@ fn section(outcome: &Outcome) -> Result<String, TaskError> {
         None => String::new(),
     };
     Ok(format!(
-        "<section class=\"{class}\">\n<h2>{} ({class}, {:.1} s)</h2>\n<pre>{}</pre>\n{picture}</section>\n",
+        "<section class=\"{class}\">\n<h2>{} ({class}, {:.1} s)</h2>\n<pre>{}</pre>\n{image}</section>\n",
         escape(&outcome.name),
         outcome.seconds,
         escape(&lines.join("\n")),
     ))
 }
 
-/// Text as HTML shows it literally.
+/// Escapes text for HTML.
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_skipped_is_told_apart_from_what_passed() {
+    fn skipped_units_are_distinct_from_passed_ones() {
         let mut skipped = outcome("absent", &[]);
         skipped.findings.skip("no reference");
         let page = html(&[outcome("good", &[]), skipped]).unwrap();
@@ -90,12 +90,12 @@ mod tests {
     }
 
     #[test]
-    fn pictures_are_embedded() {
+    fn images_are_embedded() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         fs::write(&path, b"abc").unwrap();
         let mut outcome = outcome("a", &[]);
-        outcome.findings.picture = Some(path);
+        outcome.findings.image = Some(path);
         assert!(html(&[outcome]).unwrap().contains("data:image/png;base64,YWJj"));
     }
 }

@@ -1,9 +1,9 @@
-//! Suites: chapters of named cases, each of which counts what it tried and what failed.
+//! Suites: chapters of named cases, which count trials and failures.
 
 use std::{error::Error, path::Path};
 
 use super::{
-    tally::Tally,
+    checks::Checks,
     unit::{Context, Findings, Trial, Unit},
 };
 use crate::{error::TaskError, workspace::Workspace};
@@ -12,7 +12,7 @@ use crate::{error::TaskError, workspace::Workspace};
 pub(super) type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 /// Checks of a case.
-pub(super) type Found = Fallible<Tally>;
+pub(super) type CaseResult = Fallible<Checks>;
 
 /// A named case.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +21,7 @@ pub(super) struct Case {
     pub title: &'static str,
     pub expected: &'static str,
     pub tolerance: &'static str,
-    pub run: fn(&Conditions) -> Found,
+    pub run: fn(&Conditions) -> CaseResult,
 }
 
 /// Declares the cases of a chapter: id, title, expected value, tolerance, function.
@@ -69,26 +69,27 @@ impl Unit for Entry {
         true
     }
 
-    fn run(&self, context: &Context, _: &Path) -> Result<Findings, TaskError> {
+    fn run(&self, context: &Context, _: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let conditions = Conditions { full: context.full, workspace: &context.workspace };
-        let tally = (self.case.run)(&conditions).map_err(|error| TaskError::Other(error.to_string()))?;
-        Ok(self.case.findings(tally))
+        let checks = (self.case.run)(&conditions).map_err(TaskError::other)?;
+        *findings = self.case.findings(checks);
+        Ok(())
     }
 }
 
 impl Case {
-    fn findings(&self, tally: Tally) -> Findings {
+    fn findings(&self, checks: Checks) -> Findings {
         let mut findings = Findings::default();
-        if tally.failed > 0 {
-            findings.problem(format!("{} of {} failed", tally.failed, tally.tried));
+        if checks.failed > 0 {
+            findings.problem(format!("{} of {} failed", checks.failed, checks.tried));
         }
-        if tally.tried == 0 {
+        if checks.tried == 0 {
             findings.problem("nothing was tried");
         }
-        findings.problems.extend(tally.problems);
-        findings.notes = tally.notes;
+        findings.problems.extend(checks.problems);
+        findings.notes = checks.notes;
         let Self { title, expected, tolerance, .. } = *self;
-        let Tally { tried, failed, worst, .. } = tally;
+        let Checks { tried, failed, worst, .. } = checks;
         findings.trial = Some(Trial { title, expected, tolerance, tried, failed, worst });
         findings
     }
@@ -100,12 +101,12 @@ mod tests {
 
     #[test]
     fn a_case_that_tries_nothing_or_fails_does_not_pass() {
-        let case = Case { id: "", title: "", expected: "", tolerance: "", run: |_| Ok(Tally::default()) };
-        assert_eq!(case.findings(Tally::default()).problems, ["nothing was tried"]);
-        let mut tally = Tally::default();
-        tally.check(true, String::new);
-        tally.check(false, || "wrong".to_owned());
-        let findings = case.findings(tally);
+        let case = Case { id: "", title: "", expected: "", tolerance: "", run: |_| Ok(Checks::default()) };
+        assert_eq!(case.findings(Checks::default()).problems, ["nothing was tried"]);
+        let mut checks = Checks::default();
+        checks.check(true, String::new);
+        checks.check(false, || "wrong".to_owned());
+        let findings = case.findings(checks);
         assert_eq!(findings.problems, ["1 of 2 failed", "wrong"]);
         assert_eq!(findings.trial.map(|trial| (trial.tried, trial.failed)), Some((2, 1)));
     }

@@ -19,14 +19,14 @@ pub(super) trait Unit: Sync {
     /// Unique; slashes make folders.
     fn name(&self) -> String;
 
-    /// True if it calls the crates on all processors rather than the program: it then runs alone, so that its seconds
-    /// are its own.
+    /// True if it calls the crates on all processors instead of the program. It then runs alone, for meaningful
+    /// seconds.
     fn runs_in_process(&self) -> bool {
         false
     }
 
     /// Runs in `folder`, which is empty and its own.
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError>;
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError>;
 }
 
 /// Findings of a unit.
@@ -37,16 +37,16 @@ pub(super) struct Findings {
     /// Further lines of the report.
     pub notes: Vec<String>,
     /// Image for the report.
-    pub picture: Option<PathBuf>,
+    pub image: Option<PathBuf>,
     /// Row of the table of trials.
     pub trial: Option<Trial>,
-    /// Reason for which the unit could not run, or not all of it.
+    /// Reason of a unit that could not run completely.
     pub skipped: Option<String>,
     /// Comparison of an image with an independent reference, for the table of pairs.
-    pub pair: Option<physics::Row>,
+    pub pair: Option<physics::PairRow>,
 }
 
-/// Something that was tried many times.
+/// Counts of something that was tried many times.
 #[derive(Debug)]
 pub(super) struct Trial {
     pub title: &'static str,
@@ -55,7 +55,7 @@ pub(super) struct Trial {
     pub tolerance: &'static str,
     pub tried: u64,
     pub failed: u64,
-    /// Greatest error, in the measure of the tolerance; `None` where there is nothing to measure.
+    /// Maximum error, in the measure of the tolerance; `None` where there is nothing to measure.
     pub worst: Option<f64>,
 }
 
@@ -64,7 +64,7 @@ impl Findings {
         self.problems.push(problem.into());
     }
 
-    /// All that is worth a line, problems first.
+    /// Lines of the report, problems first.
     pub(super) fn lines(&self) -> impl Iterator<Item = &str> {
         self.problems.iter().chain(&self.skipped).chain(&self.notes).map(String::as_str)
     }
@@ -73,12 +73,12 @@ impl Findings {
         self.notes.push(note.into());
     }
 
-    /// States that the unit cannot run here, and why: something that not everybody has is not there.
+    /// Skips the unit for want of something that is not everywhere available.
     pub(super) fn skip(&mut self, reason: impl Into<String>) {
         self.skipped = Some(reason.into());
     }
 
-    /// Makes a problem of a skip where everything must run, which is for `RT_REQUIRE_ALL=1` to say.
+    /// Turns a skip into a problem if `all` must run (`RT_REQUIRE_ALL=1`).
     pub(super) fn require(&mut self, all: bool) {
         if all && let Some(reason) = self.skipped.take() {
             self.problem(format!("must not be skipped, as {} is 1: {reason}", rt_tests::REQUIRE_ALL));

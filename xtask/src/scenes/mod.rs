@@ -1,22 +1,22 @@
 //! Scenes to measure with, of any size, and rays through them: even and uneven, spheres, solids and triangles.
 
-mod balls;
 mod gears;
 mod model;
 mod mound;
 pub(crate) mod rays;
 mod rock;
 mod scene;
+mod sphereflake;
 mod stadium;
 mod tree;
 
-pub(crate) use balls::balls;
 pub(crate) use gears::gears;
 pub(crate) use model::model;
 pub(crate) use mound::mound;
 pub(crate) use rock::{data as rock_data, rock};
 pub(crate) use scene::{Scene, Surfaces};
-use scene::{Solids, mesh, nearest, other};
+use scene::{Solids, mesh, nearest};
+pub(crate) use sphereflake::sphereflake;
 pub(crate) use stadium::stadium;
 pub(crate) use tree::tree;
 
@@ -27,11 +27,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scenes_have_about_the_size_that_was_asked_for() {
+    fn scenes_have_about_the_wanted_size() {
         for wanted in [1_000, 10_000] {
             let sizes = [
                 mound(wanted).unwrap().primitives.len(),
-                balls(wanted).unwrap().primitives.len(),
+                sphereflake(wanted).unwrap().primitives.len(),
                 tree(wanted).unwrap().primitives.len(),
                 gears(wanted).unwrap().primitives.len(),
                 rock(wanted).unwrap().primitives.len(),
@@ -52,7 +52,7 @@ mod tests {
             assert!(surfaces.len() > 10, "{}: {} hits", scene.name, surfaces.len());
         }
         seen(&mound(500).unwrap());
-        seen(&balls(500).unwrap());
+        seen(&sphereflake(500).unwrap());
         seen(&tree(500).unwrap());
         seen(&gears(500).unwrap());
         seen(&rock(500).unwrap());

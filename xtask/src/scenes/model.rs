@@ -5,13 +5,13 @@ use std::path::Path;
 use rt_geometry::{MeshData, TriangleMesh};
 use rt_math::Vec3;
 
-use super::{Scene, mesh, other};
+use super::{Scene, mesh};
 use crate::error::TaskError;
 
 /// All triangles of an OBJ file.
 pub(crate) fn model(path: &Path) -> Result<Scene<TriangleMesh>, TaskError> {
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ..tobj::LoadOptions::default() };
-    let (models, _) = tobj::load_obj(path, &options).map_err(other)?;
+    let (models, _) = tobj::load_obj(path, &options).map_err(TaskError::other)?;
     let mut data = MeshData::default();
     for tobj::Model { mesh, .. } in &models {
         let first = data.positions.len() as u32;

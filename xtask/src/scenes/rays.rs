@@ -20,14 +20,14 @@ pub(crate) struct RaySet {
 
 /// A point that sees the whole box, and how to look at it.
 #[derive(Debug)]
-struct View {
+struct CameraView {
     eye: DVec3,
     middle: DVec3,
     right: DVec3,
     up: DVec3,
 }
 
-impl View {
+impl CameraView {
     fn of(bounds: &Aabb) -> Self {
         let middle = (bounds.min + bounds.max) * 0.5;
         let size = (bounds.max - bounds.min).length();
@@ -44,7 +44,7 @@ impl View {
 
 /// Rays from a camera in front of the box, row by row.
 pub(crate) fn primary(bounds: &Aabb, count: u32) -> RaySet {
-    let view = View::of(bounds);
+    let view = CameraView::of(bounds);
     let side = count.isqrt().max(1);
     let ray = |index: u32| {
         let [x, y] = [index % side, index / side].map(|i| 2.0 * (f64::from(i) + 0.5) / f64::from(side) - 1.0);
@@ -56,9 +56,9 @@ pub(crate) fn primary(bounds: &Aabb, count: u32) -> RaySet {
 
 /// Rays from the hits of the primary rays to a light above the camera.
 pub(crate) fn shadow(bounds: &Aabb, surfaces: &[SurfaceInteraction], count: u32) -> RaySet {
-    let view = View::of(bounds);
-    let lamp = view.eye + view.up + view.right;
-    let ray = |surface: &SurfaceInteraction| (surface.spawn_shadow_ray(lamp, 0.0), Interval::SEGMENT);
+    let view = CameraView::of(bounds);
+    let light = view.eye + view.up + view.right;
+    let ray = |surface: &SurfaceInteraction| (surface.spawn_shadow_ray(light, 0.0), Interval::SEGMENT);
     RaySet { kind: "shadow", any: true, rays: cycled(surfaces, count).map(|(_, surface)| ray(surface)).collect() }
 }
 
@@ -106,7 +106,7 @@ fn cycled(surfaces: &[SurfaceInteraction], count: u32) -> impl Iterator<Item = (
     (0..u64::from(count)).zip(surfaces.iter().cycle())
 }
 
-/// A random point of the unit sphere: one of the unit ball, found by rejection, moved outwards.
+/// A random point of the unit sphere: a point inside it, found by rejection, moved outwards.
 fn on_sphere(index: u64) -> DVec3 {
     let candidate = |attempt: u64| {
         let [x, y, z] = [0, 1, 2].map(|axis| 2.0 * unit(hash(&[index, attempt, axis])) - 1.0);

@@ -81,11 +81,7 @@ pub(super) fn nearest(wanted: usize, members: Range<u32>, size: impl Fn(u32) -> 
 }
 
 pub(super) fn mesh(data: MeshData) -> Result<TriangleMesh, TaskError> {
-    TriangleMesh::build(data).map(|(mesh, _)| mesh).map_err(other)
-}
-
-pub(super) fn other(error: impl std::fmt::Display) -> TaskError {
-    TaskError::Other(error.to_string())
+    TriangleMesh::build(data).map(|(mesh, _)| mesh).map_err(TaskError::other)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use rt_geometry::{Frustum, Shape, Sphere, TransformedShape};
 use rt_math::{DMat3, DVec3, Frame, Transform, transcendental::sincos};
 
-use super::{Scene, Solids, nearest, other};
+use super::{Scene, Solids, nearest};
 use crate::error::TaskError;
 
 /// Length and thickness of a branch relative to its parent.
@@ -45,12 +45,12 @@ impl Branch {
     }
 
     fn solids(&self) -> Result<[TransformedShape; 2], TaskError> {
-        let frustum = Frustum::new(self.radius, self.radius * SHRINK, self.length, false).map_err(other)?;
+        let frustum = Frustum::new(self.radius, self.radius * SHRINK, self.length, false).map_err(TaskError::other)?;
         // A frustum stands along y.
         let axes = DMat3::from_cols(self.frame.y, self.frame.z, self.frame.x);
-        let stand = Transform::from_linear(axes, self.foot).map_err(other)?;
-        let joint = Sphere::new(self.tip(), self.radius * SHRINK).map_err(other)?;
-        let stay = Transform::from_linear(DMat3::IDENTITY, DVec3::ZERO).map_err(other)?;
+        let stand = Transform::from_linear(axes, self.foot).map_err(TaskError::other)?;
+        let joint = Sphere::new(self.tip(), self.radius * SHRINK).map_err(TaskError::other)?;
+        let stay = Transform::from_linear(DMat3::IDENTITY, DVec3::ZERO).map_err(TaskError::other)?;
         Ok([TransformedShape::new(Shape::Frustum(frustum), stand), TransformedShape::new(Shape::Sphere(joint), stay)])
     }
 

@@ -8,7 +8,7 @@ use rt_math::{
     transcendental::sincos,
 };
 
-use super::nff::{Fill, Nff, View};
+use super::nff::{Fill, Nff, NffView};
 
 const TEETH: u32 = 36;
 /// Corners of the outline: four for each tooth.
@@ -27,7 +27,7 @@ pub(super) fn gears(size: u32) -> Nff {
     let side = f64::from(size);
     let middle = DVec3::new(side - 1.0, side - 1.0, (side - 1.0) * LAYER / 2.0);
     let reach = side + 1.0;
-    let view = View { from: middle + DVec3::new(-1.1, -1.9, 1.6) * (1.25 * reach), at: middle, up: DVec3::Z };
+    let view = NffView { from: middle + DVec3::new(-1.1, -1.9, 1.6) * (1.25 * reach), at: middle, up: DVec3::Z };
     let lights = [(-2.0, -3.0, 4.0), (3.0, -2.0, 3.0), (0.0, -4.0, 2.0), (-3.0, 2.0, 4.0), (2.0, 3.0, 3.0)]
         .map(|(x, y, z)| middle + DVec3::new(x, y, z) * reach);
     let mut file = Nff::new(&format!("gears, size {size}"), &view, &lights);

@@ -6,20 +6,20 @@
 //!   cargo xtask spd balls --size 4 -o b.nff   one, of the size that the paper measures
 //! ```
 //!
-//! Balls, tetra and rings have the coordinates of the original databases. Gears, tree and mountain follow the paper,
-//! which gives their parts and the number of objects.
+//! The databases `balls`, `tetra` and `rings` have the original coordinates. The others follow the paper, which gives
+//! their parts and the number of objects.
 
 use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use crate::{error::TaskError, workspace::Workspace};
+use crate::{error::TaskError, files, workspace::Workspace};
 
-mod balls;
 mod gears;
 mod mountain;
 mod nff;
 mod rings;
+mod sphereflake;
 mod tetra;
 mod tree;
 
@@ -42,10 +42,11 @@ pub(crate) struct SpdOptions {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Database {
     /// Spheres on spheres on spheres: (9^(size + 1) − 1) / 8.
-    Balls,
+    #[value(name = "balls")]
+    Sphereflake,
     /// Gears of glass: size³ of 146 polygons.
     Gears,
-    /// A fractal mountain of 2 · 4^size triangles, and four balls of glass.
+    /// A fractal mountain of 2 · 4^size triangles, and four spheres of glass.
     Mountain,
     /// Interlocked rings: size layers of 1, 4, 9, ... sets of 60 cylinders and spheres.
     Rings,
@@ -56,11 +57,11 @@ enum Database {
 }
 
 impl Database {
-    const ALL: [Self; 6] = [Self::Balls, Self::Gears, Self::Mountain, Self::Rings, Self::Tetra, Self::Tree];
+    const ALL: [Self; 6] = [Self::Sphereflake, Self::Gears, Self::Mountain, Self::Rings, Self::Tetra, Self::Tree];
 
     const fn name(self) -> &'static str {
         match self {
-            Self::Balls => "balls",
+            Self::Sphereflake => "balls",
             Self::Gears => "gears",
             Self::Mountain => "mountain",
             Self::Rings => "rings",
@@ -72,7 +73,7 @@ impl Database {
     /// The size that the paper measures: some ten thousand objects.
     const fn size_of_paper(self) -> u32 {
         match self {
-            Self::Balls | Self::Gears => 4,
+            Self::Sphereflake | Self::Gears => 4,
             Self::Mountain | Self::Tetra => 6,
             Self::Rings => 7,
             Self::Tree => 11,
@@ -82,7 +83,7 @@ impl Database {
     /// The size of the file in scenes/spd: less than 100 kB.
     const fn small_size(self) -> u32 {
         match self {
-            Self::Balls => 3,
+            Self::Sphereflake => 3,
             Self::Gears => 1,
             Self::Mountain | Self::Tetra => 4,
             Self::Rings => 2,
@@ -93,7 +94,7 @@ impl Database {
     /// Sizes with at most some million objects.
     const fn sizes(self) -> RangeInclusive<u32> {
         match self {
-            Self::Balls => 0..=7,
+            Self::Sphereflake => 0..=7,
             Self::Gears => 1..=30,
             Self::Mountain => 0..=10,
             Self::Rings => 1..=60,
@@ -104,7 +105,7 @@ impl Database {
 
     fn generate(self, size: u32) -> Nff {
         match self {
-            Self::Balls => balls::balls(size),
+            Self::Sphereflake => sphereflake::sphereflake(size),
             Self::Gears => gears::gears(size),
             Self::Mountain => mountain::mountain(size),
             Self::Rings => rings::rings(size),
@@ -114,7 +115,7 @@ impl Database {
     }
 }
 
-/// Writes one database, or the small ones that come along.
+/// Writes one database, or the small ones of the project.
 pub(crate) fn run(workspace: &Workspace, options: &SpdOptions) -> Result<(), TaskError> {
     let Some(database) = options.database else {
         let folder = workspace.root.join("scenes/spd");
@@ -127,9 +128,9 @@ pub(crate) fn run(workspace: &Workspace, options: &SpdOptions) -> Result<(), Tas
     let size = options.size.unwrap_or_else(|| database.size_of_paper());
     let sizes = database.sizes();
     if !sizes.contains(&size) {
-        let (least, most) = sizes.into_inner();
+        let (min, most) = sizes.into_inner();
         let name = database.name();
-        return Err(TaskError::Other(format!("{name} of size {size}: give a size from {least} to {most}")));
+        return Err(TaskError::Other(format!("{name} of size {size}: give a size from {min} to {most}")));
     }
     let output = options.output.clone().unwrap_or_else(|| Path::new(database.name()).with_extension("nff"));
     write(database, size, &output)
@@ -137,7 +138,7 @@ pub(crate) fn run(workspace: &Workspace, options: &SpdOptions) -> Result<(), Tas
 
 fn write(database: Database, size: u32, output: &Path) -> Result<(), TaskError> {
     let file = database.generate(size);
-    fs::write(output, file.text()).map_err(TaskError::file(output))?;
+    files::write(output, file.text())?;
     println!("{}: size {size}, {} objects", output.display(), file.objects());
     Ok(())
 }
@@ -163,9 +164,9 @@ mod tests {
     fn databases_are_those_of_the_original_generators() {
         let Some(folder) = rt_tests::shared_or_skip("data/nff-spd") else { return };
         let cases = [
-            (Database::Balls, 1),
-            (Database::Balls, 2),
-            (Database::Balls, 3),
+            (Database::Sphereflake, 1),
+            (Database::Sphereflake, 2),
+            (Database::Sphereflake, 3),
             (Database::Rings, 2),
             (Database::Tetra, 2),
             (Database::Tetra, 4),

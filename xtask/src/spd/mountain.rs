@@ -1,11 +1,11 @@
-//! A fractal mountain under four balls of glass.
+//! A fractal mountain under four spheres of glass.
 
 use rt_math::{
     DVec3,
     random::{hash, unit},
 };
 
-use super::nff::{Fill, Nff, View};
+use super::nff::{Fill, Nff, NffView};
 
 /// Displacement of a height relative to the distance of its two neighbours.
 const ROUGHNESS: f64 = 0.42;
@@ -16,7 +16,7 @@ const ROUGHNESS: f64 = 0.42;
 ///
 /// The paper gives the numbers of objects; the heights are ours.
 pub(super) fn mountain(size: u32) -> Nff {
-    let view = View { from: DVec3::new(-1.7, -1.3, 1.25), at: DVec3::new(0.0, 0.0, 0.12), up: DVec3::Z };
+    let view = NffView { from: DVec3::new(-1.7, -1.3, 1.25), at: DVec3::new(0.0, 0.0, 0.12), up: DVec3::Z };
     let mut file = Nff::new(&format!("mountain, size {size}"), &view, &[DVec3::new(-10.0, 5.0, 12.0)]);
     let cells = 1usize << size;
     let heights = heights(size);

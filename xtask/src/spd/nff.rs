@@ -34,7 +34,7 @@ impl Fill {
 
 /// Camera of a square image, 45 degrees wide, before a blue sky.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct View {
+pub(super) struct NffView {
     pub(super) from: DVec3,
     pub(super) at: DVec3,
     pub(super) up: DVec3,
@@ -59,9 +59,9 @@ fn vector(v: DVec3) -> String {
 
 impl Nff {
     /// A file that begins with a comment, the sky, the view and the lights.
-    pub(super) fn new(comment: &str, view: &View, lights: &[DVec3]) -> Self {
+    pub(super) fn new(comment: &str, view: &NffView, lights: &[DVec3]) -> Self {
         let mut file = Self::default();
-        let View { from, at, up } = view;
+        let NffView { from, at, up } = view;
         file.line(format_args!("# {comment}\nb 0.078 0.361 0.753"));
         file.line(format_args!("v\nfrom {}\nat {}\nup {}", vector(*from), vector(*at), vector(*up)));
         file.line(format_args!("angle 45\nhither 0.01\nresolution 512 512"));
@@ -83,7 +83,7 @@ impl Nff {
         self.line(format_args!("f {colour} {diffuse} {specular} {shine} {transmittance} {ior}"));
     }
 
-    /// A ball.
+    /// A sphere.
     pub(super) fn sphere(&mut self, centre: DVec3, radius: f64) {
         self.spheres += 1;
         self.line(format_args!("s {} {}", vector(centre), number(radius)));

@@ -4,11 +4,11 @@ use std::f64::consts::TAU;
 
 use rt_math::{DVec3, transcendental::sincos};
 
-use super::nff::{Fill, Nff, View};
+use super::nff::{Fill, Nff, NffView};
 
 /// From the middle of a ring to a corner, and the radius of its tube.
 const RING: f64 = 0.930995;
-const TUBE: f64 = 0.07412;
+const RADIUS_OF_CYLINDERS: f64 = 0.07412;
 /// The colours of the rings of a set.
 const COLOURS: [[f64; 3]; 6] =
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]];
@@ -22,7 +22,7 @@ pub(super) fn rings(size: u32) -> Nff {
     let layer = layer_distance();
     let place = |x: f64, z: f64| DVec3::new(x * grown, -layer, z * grown);
     let middle = place(-1.0, 0.5);
-    let view = View { from: middle, at: middle + DVec3::Y, up: DVec3::Z };
+    let view = NffView { from: middle, at: middle + DVec3::Y, up: DVec3::Z };
     let mut file =
         Nff::new(&format!("rings, size {size}"), &view, &[place(3.0, 3.0), place(-4.0, 1.0), place(2.0, -4.0)]);
     file.fill(&Fill::matte([1.0; 3], 1.0));
@@ -53,8 +53,8 @@ fn set(file: &mut Nff, middle: DVec3) {
             middle + (right * cos + up * sin) * RING
         };
         for i in 0..5 {
-            file.cone((corner(i), TUBE), (corner((i + 4) % 5), TUBE));
-            file.sphere(corner(i), TUBE);
+            file.cone((corner(i), RADIUS_OF_CYLINDERS), (corner((i + 4) % 5), RADIUS_OF_CYLINDERS));
+            file.sphere(corner(i), RADIUS_OF_CYLINDERS);
         }
     }
 }

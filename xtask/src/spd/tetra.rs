@@ -2,11 +2,11 @@
 
 use rt_math::DVec3;
 
-use super::nff::{Fill, Nff, View};
+use super::nff::{Fill, Nff, NffView};
 
 /// A tetrahedron of half its size in each corner of a tetrahedron, and so on: 4^size triangles.
 pub(super) fn tetra(size: u32) -> Nff {
-    let view = View {
+    let view = NffView {
         from: DVec3::new(1.02285, -3.17715, -2.17451),
         at: DVec3::new(-0.004103, -0.004103, 0.216539),
         up: DVec3::new(-0.816497, -0.816497, 0.816497),

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use rt_math::{DVec3, Frame, transcendental::sincos};
 
-use super::nff::{Fill, Nff, View};
+use super::nff::{Fill, Nff, NffView};
 
 /// Between a branch and those that grow from it.
 const FORK_DEGREES: [f64; 2] = [22.0, 34.0];
@@ -20,7 +20,7 @@ const TURN: f64 = 0.381_966;
 ///
 /// The paper gives the numbers of objects; angles and lengths are ours.
 pub(super) fn tree(size: u32) -> Nff {
-    let view = View { from: DVec3::new(4.5, 0.4, 2.0), at: DVec3::new(0.0, 0.0, 1.5), up: DVec3::Z };
+    let view = NffView { from: DVec3::new(4.5, 0.4, 2.0), at: DVec3::new(0.0, 0.0, 1.5), up: DVec3::Z };
     let lights = [
         (30.0, 30.0, 40.0),
         (30.0, -30.0, 40.0),

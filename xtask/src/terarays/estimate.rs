@@ -12,8 +12,8 @@ use rt_math::transcendental::{exp, log};
 use rt_render::student_t;
 
 use super::{
-    claim::{RAYS, SPP, TILE_PIXELS, TILES},
-    unit::{BEST_SPP, Unit},
+    lecture_numbers::{RAYS, SPP, TILE_PIXELS, TILES},
+    tile_job::{BEST_SPP, TileResult},
 };
 
 const METHODS: usize = BEST_SPP.len();
@@ -21,7 +21,7 @@ const CONFIDENCE: f64 = 0.95;
 
 /// A positive number and the interval that holds what it estimates in 95 of 100 cases; `None` of fewer than two tiles.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Estimate {
+pub(super) struct TileEstimate {
     pub value: f64,
     pub interval: Option<[f64; 2]>,
 }
@@ -30,23 +30,23 @@ pub(super) struct Estimate {
 #[derive(Debug)]
 pub(super) struct Whole {
     pub tiles: usize,
-    /// Processor seconds of all of the lecture's primary rays and what they lead to.
-    pub seconds: Estimate,
+    /// CPU seconds of all of the lecture's primary rays and what they lead to.
+    pub seconds: TileEstimate,
     /// Rays of all kinds that this takes.
-    pub rays: Estimate,
-    pub rays_per_second: Estimate,
-    /// Processor seconds of [`RAYS`] rays of all kinds.
-    pub claimed_rays_seconds: Estimate,
+    pub rays: TileEstimate,
+    pub rays_per_second: TileEstimate,
+    /// CPU seconds of [`RAYS`] rays of all kinds.
+    pub claimed_rays_seconds: TileEstimate,
     /// Root of the mean squared error of a channel of a pixel.
-    pub rmse: Estimate,
+    pub rmse: TileEstimate,
     /// RMSE of the best method at each of [`BEST_SPP`].
-    pub best_rmse: [Estimate; METHODS],
+    pub best_rmse: [TileEstimate; METHODS],
     /// Convergence rate: k of `error ~ N⁻ᵏ`; `None` if the error does not fall.
-    pub exponent: Option<Estimate>,
+    pub exponent: Option<TileEstimate>,
     /// Samples per pixel with which the best method reaches `rmse`; `None` if its error does not fall.
-    pub best_spp: Option<Estimate>,
-    /// Processor seconds of these.
-    pub best_seconds: Option<Estimate>,
+    pub best_spp: Option<TileEstimate>,
+    /// CPU seconds of these.
+    pub best_seconds: Option<TileEstimate>,
 }
 
 /// Means over tiles.
@@ -59,7 +59,7 @@ struct Means {
     best_mse: [f64; METHODS],
 }
 
-impl Estimate {
+impl TileEstimate {
     /// Quotient of `numerator` and the estimated quantity.
     pub(super) fn inverse(self, numerator: f64) -> Self {
         let interval = self.interval.map(|[low, high]| [numerator / high, numerator / low]);
@@ -69,7 +69,7 @@ impl Estimate {
 
 impl Whole {
     /// `None` if nothing was measured.
-    pub(super) fn of(units: &[Unit]) -> Option<Self> {
+    pub(super) fn of(units: &[TileResult]) -> Option<Self> {
         let tiles: Vec<Means> = units.iter().map(Means::of).collect();
         let estimate = |of: &dyn Fn(&Means) -> Option<f64>| jackknife(&tiles, of);
         Some(Self {
@@ -92,7 +92,7 @@ impl Whole {
 }
 
 impl Means {
-    fn of(unit: &Unit) -> Self {
+    fn of(unit: &TileResult) -> Self {
         Self {
             seconds: unit.jittered.cpu_seconds,
             rays: unit.rays_per_sample * f64::from(SPP * TILE_PIXELS),
@@ -115,9 +115,9 @@ impl Means {
     }
 
     /// Log variance of the best method against log samples; `None` if it does not fall.
-    fn line(&self) -> Option<Line> {
+    fn line(&self) -> Option<FittedLine> {
         let points = BEST_SPP.iter().zip(self.best_mse).map(|(&spp, mse)| [log(f64::from(spp)), log(mse)]);
-        Line::fit(&points.collect::<Vec<_>>()).filter(|line| line.slope < 0.0)
+        FittedLine::fit(&points.collect::<Vec<_>>()).filter(|line| line.slope < 0.0)
     }
 
     fn best_spp(&self) -> Option<f64> {
@@ -134,26 +134,27 @@ impl Means {
 
 /// A straight line through a point.
 #[derive(Clone, Copy, Debug)]
-struct Line {
+struct FittedLine {
     x: f64,
     y: f64,
     slope: f64,
 }
 
-impl Line {
+impl FittedLine {
     /// The line of least squares; `None` if it would not be finite.
     fn fit(points: &[[f64; 2]]) -> Option<Self> {
         let count = points.len() as f64;
         let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
         let (x, y) = (mean(0), mean(1));
-        let moment = |axis: usize| points.iter().map(|point| (point[0] - x) * (point[axis] - mean(axis))).sum::<f64>();
-        let slope = moment(1) / moment(0);
+        let covariance =
+            |axis: usize| points.iter().map(|point| (point[0] - x) * (point[axis] - mean(axis))).sum::<f64>();
+        let slope = covariance(1) / covariance(0);
         (slope.is_finite() && y.is_finite()).then_some(Self { x, y, slope })
     }
 }
 
 /// Value of `of` for the means over all tiles, with an interval of its logarithm. `None` unless the value is positive.
-fn jackknife(tiles: &[Means], of: &dyn Fn(&Means) -> Option<f64>) -> Option<Estimate> {
+fn jackknife(tiles: &[Means], of: &dyn Fn(&Means) -> Option<f64>) -> Option<TileEstimate> {
     let count = tiles.len() as f64;
     let sum = tiles.iter().copied().reduce(|sum, tile| sum.zip(tile, |a, b| a + b))?;
     let positive = |means: &Means| of(means).filter(|value| value.is_finite() && *value > 0.0);
@@ -168,7 +169,7 @@ fn jackknife(tiles: &[Means], of: &dyn Fn(&Means) -> Option<f64>) -> Option<Esti
         let half = student_t(CONFIDENCE, count - 1.0) * error;
         Some([value * exp(-half), value * exp(half)])
     };
-    Some(Estimate { value, interval: if tiles.len() < 2 { None } else { interval() } })
+    Some(TileEstimate { value, interval: if tiles.len() < 2 { None } else { interval() } })
 }
 
 #[cfg(test)]
@@ -176,21 +177,21 @@ mod tests {
     use rt_math::random::{hash, unit as random};
 
     use super::{
-        super::{claim::Tile, unit::Measured},
+        super::{lecture_numbers::Tile, tile_job::Measured},
         *,
     };
 
     /// A tile of which the best method is half as fast, and reaches with `N` samples the variance `1 / N^power`.
-    fn unit(seconds: f64, mse: f64, power: f64) -> Unit {
+    fn unit(seconds: f64, mse: f64, power: f64) -> TileResult {
         let best = BEST_SPP.map(|spp| Measured {
             cpu_seconds: 2.0 * seconds * f64::from(spp) / f64::from(SPP),
             mse: exp(-power * log(f64::from(spp))),
         });
         let jittered = Measured { cpu_seconds: seconds, mse };
-        Unit { tile: Tile::nth(0).unwrap(), rays_per_sample: 10.0, jittered, best }
+        TileResult { tile: Tile::nth(0).unwrap(), rays_per_sample: 10.0, jittered, best }
     }
 
-    fn is_near(estimate: Estimate, expected: f64) -> bool {
+    fn is_near(estimate: TileEstimate, expected: f64) -> bool {
         (estimate.value / expected - 1.0).abs() < 1e-12
     }
 
@@ -236,7 +237,7 @@ mod tests {
         // Seconds from 1 to 3, evenly: the mean is 2.
         let seconds = |trial: u64, tile: u64| 1.0 + 2.0 * random(hash(&[trial, tile]));
         let holds = |trial: &u64| {
-            let units: Vec<Unit> = (0..10).map(|tile| unit(seconds(*trial, tile), 1e-8, 1.0)).collect();
+            let units: Vec<TileResult> = (0..10).map(|tile| unit(seconds(*trial, tile), 1e-8, 1.0)).collect();
             let [low, high] = Whole::of(&units).unwrap().seconds.interval.unwrap();
             (low..high).contains(&(2.0 * f64::from(TILES)))
         };

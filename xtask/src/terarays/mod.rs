@@ -1,25 +1,22 @@
-//! `terarays`: how long the lecture's trillion rays take here.
+//! `terarays`: time of the lecture's trillion rays on this machine.
 //!
 //! Owns `target/terarays`, with the measured tiles, and `docs/TERARAYS.md`. The image would take days. A random sample
 //! of its tiles is rendered instead, each as in the whole image, and more of them with each run.
 
-use std::{
-    fs,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
-use crate::{error::TaskError, process::Program, workspace::Workspace};
+use crate::{error::TaskError, files, process::Program, workspace::Workspace};
 
-mod claim;
 mod estimate;
-mod ledger;
+mod lecture_numbers;
 mod page;
-mod unit;
+mod progress_file;
+mod tile_job;
 
-use claim::Tile;
 use estimate::Whole;
-use ledger::{Conditions, Ledger};
-use unit::{Laboratory, Unit};
+use lecture_numbers::Tile;
+use progress_file::{ProgressFile, RunConditions};
+use tile_job::{TileRenderer, TileResult};
 
 const SCENE: &str = "scenes/lecture/cornell.ron";
 
@@ -41,34 +38,34 @@ pub(crate) struct TeraraysOptions {
 pub(crate) fn run(workspace: &Workspace, options: &TeraraysOptions) -> Result<(), TaskError> {
     let path = workspace.build_release_renderer()?;
     let scene = workspace.root.join(SCENE);
-    let conditions = Conditions::here(&path, &scene)?;
+    let conditions = RunConditions::here(&path, &scene)?;
     let processor = conditions.processor.clone();
     let folder = if options.fresh { workspace.fresh_folder("terarays")? } else { workspace.folder("terarays")? };
-    let mut ledger = Ledger::open(folder.join("state.json"), conditions)?;
+    let mut progress_file = ProgressFile::open(folder.join("state.json"), conditions)?;
     let program = Program { path, folder };
-    let laboratory = Laboratory { program: &program, scene: &scene };
-    work(&mut ledger, options.budget, |tile| laboratory.measure(tile))?;
+    let renderer = TileRenderer { program: &program, scene: &scene };
+    work(&mut progress_file, options.budget, |tile| renderer.measure(tile))?;
     let nothing = || TaskError::Other("nothing has been measured yet: give it time by --budget 60s".to_owned());
-    let whole = Whole::of(ledger.units()).ok_or_else(nothing)?;
+    let whole = Whole::of(progress_file.units()).ok_or_else(nothing)?;
     print!("{}", page::table(&whole));
     if options.write {
         let path = workspace.root.join("docs/TERARAYS.md");
-        fs::write(&path, page::markdown(&whole, &processor, &workspace.commit())).map_err(TaskError::file(&path))?;
+        files::write(&path, page::markdown(&whole, &processor, &workspace.commit()))?;
     }
     Ok(())
 }
 
-/// Measures tile after tile until time is up or the image whole.
+/// Measures tile after tile until the time is up or the image is complete.
 fn work(
-    ledger: &mut Ledger,
+    progress_file: &mut ProgressFile,
     budget: Duration,
-    measure: impl Fn(Tile) -> Result<Unit, TaskError>,
+    measure: impl Fn(Tile) -> Result<TileResult, TaskError>,
 ) -> Result<(), TaskError> {
     let started = Instant::now();
     while started.elapsed() < budget
-        && let Some(tile) = ledger.next()
+        && let Some(tile) = progress_file.next()
     {
-        ledger.append(measure(tile)?)?;
+        progress_file.append(measure(tile)?)?;
     }
     Ok(())
 }
@@ -77,12 +74,14 @@ fn work(
 mod tests {
     use std::cell::RefCell;
 
-    use super::{unit::Measured, *};
+    use std::fs;
 
-    fn conditions(folder: &std::path::Path) -> Conditions {
+    use super::{tile_job::Measured, *};
+
+    fn conditions(folder: &std::path::Path) -> RunConditions {
         let scene = folder.join("scene");
         fs::write(&scene, "scene").unwrap();
-        Conditions::here(&scene, &scene).unwrap()
+        RunConditions::here(&scene, &scene).unwrap()
     }
 
     #[test]
@@ -92,14 +91,14 @@ mod tests {
         let measured = RefCell::new(Vec::new());
         // Killed when so many tiles are measured.
         let run = |most: usize, budget: Duration| {
-            let mut ledger = Ledger::open(folder.path().join("state.json"), conditions.clone()).unwrap();
-            let result = work(&mut ledger, budget, |tile| {
+            let mut progress_file = ProgressFile::open(folder.path().join("state.json"), conditions.clone()).unwrap();
+            let result = work(&mut progress_file, budget, |tile| {
                 if measured.borrow().len() == most {
                     return Err(TaskError::Other("killed".to_owned()));
                 }
                 measured.borrow_mut().push(tile);
                 let one = Measured { cpu_seconds: 1.0, mse: 1.0 };
-                Ok(Unit { tile, rays_per_sample: 9.0, jittered: one, best: [one; 3] })
+                Ok(TileResult { tile, rays_per_sample: 9.0, jittered: one, best: [one; 3] })
             });
             result.is_err()
         };
@@ -113,13 +112,14 @@ mod tests {
     #[test]
     fn a_short_budget_is_one_tile() {
         let folder = tempfile::tempdir().unwrap();
-        let mut ledger = Ledger::open(folder.path().join("state.json"), conditions(folder.path())).unwrap();
+        let mut progress_file =
+            ProgressFile::open(folder.path().join("state.json"), conditions(folder.path())).unwrap();
         let slow = |tile| {
             std::thread::sleep(Duration::from_millis(5));
             let one = Measured { cpu_seconds: 1.0, mse: 1.0 };
-            Ok(Unit { tile, rays_per_sample: 9.0, jittered: one, best: [one; 3] })
+            Ok(TileResult { tile, rays_per_sample: 9.0, jittered: one, best: [one; 3] })
         };
-        work(&mut ledger, Duration::from_millis(1), slow).unwrap();
-        assert_eq!(ledger.units().len(), 1);
+        work(&mut progress_file, Duration::from_millis(1), slow).unwrap();
+        assert_eq!(progress_file.units().len(), 1);
     }
 }

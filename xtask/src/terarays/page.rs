@@ -1,9 +1,9 @@
 //! Results as a Markdown page.
 
 use super::{
-    claim::{PRIMARY_RAYS, RAYS, SECONDS, SIZE, STRATA, TILE_PIXELS, TILES},
-    estimate::{Estimate, Whole},
-    unit::{BEST, BEST_SPP},
+    estimate::{TileEstimate, Whole},
+    lecture_numbers::{PRIMARY_RAYS, RAYS, SECONDS, SIZE, STRATA, TILE_PIXELS, TILES},
+    tile_job::{BEST, BEST_SPP},
 };
 use crate::{
     number::{grouped, three_digits},
@@ -18,7 +18,7 @@ pub(super) fn table(whole: &Whole) -> Table {
     let all = grouped(u64::from(SIZE) * u64::from(SIZE));
     let part = format!("{} %: {} of {all} pixels", three_digits(100.0 * done), grouped(pixels));
     table.push(["part of the image that was rendered", &part, ""]);
-    let mut row = |name: &str, estimate: Option<Estimate>, show: fn(f64) -> String| {
+    let mut row = |name: &str, estimate: Option<TileEstimate>, show: fn(f64) -> String| {
         let value = estimate.map_or_else(|| "the error does not fall".to_owned(), |estimate| show(estimate.value));
         let interval = estimate.and_then(|estimate| estimate.interval);
         let interval = interval.map(|[low, high]| format!("{} to {}", show(low), show(high)));
@@ -51,7 +51,7 @@ pub(super) fn markdown(whole: &Whole, processor: &str, commit: &str) -> String {
          Written by `cargo xtask terarays --write` on one {processor}, with one thread, at commit {commit}. The command works for as long as \
          `--budget` says and goes on where it stopped: `cargo xtask terarays --budget 8h --write` makes the intervals \
          narrower.\n\n{}\n\
-         The scene is `scenes/lecture/cornell.ron`: the published geometry, reflectances and lamp, paths with a shadow ray at \
+         The scene is `scenes/lecture/cornell.ron`: the published geometry, reflectances and light, paths with a shadow ray at \
          each hit, at most 14 bounces, and Russian roulette. The lecture does not say how long its paths were, nor what it \
          counts as a ray. Here \"rays of all kinds\" are the primary, bounced and shadow rays that are traced. The whole image \
          is that of all primary rays with all that they lead to.\n\n\
@@ -101,8 +101,8 @@ fn superscript(exponent: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::{
-        super::claim::Tile,
-        super::unit::{Measured, Unit},
+        super::lecture_numbers::Tile,
+        super::tile_job::{Measured, TileResult},
         *,
     };
 
@@ -122,7 +122,7 @@ mod tests {
     fn the_table_has_estimates_and_intervals() {
         let units = [0.9, 1.1].map(|seconds| {
             let measured = |spp: u32| Measured { cpu_seconds: seconds, mse: 1.0 / f64::from(spp) };
-            Unit {
+            TileResult {
                 tile: Tile::nth(0).unwrap(),
                 rays_per_sample: 10.0,
                 jittered: measured(STRATA * STRATA),

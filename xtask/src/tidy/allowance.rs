@@ -1,9 +1,9 @@
 //! Breaches that remain of rules that came late: a count per crate and rule, which may only fall.
 
-use std::{collections::BTreeMap, fmt::Write as _, fs};
+use std::{collections::BTreeMap, fmt::Write as _};
 
 use super::report::Report;
-use crate::{error::TaskError, workspace::Workspace};
+use crate::{error::TaskError, files, workspace::Workspace};
 
 const FILE: &str = "xtask/tidy-allowance.toml";
 
@@ -21,11 +21,11 @@ type Allowance = BTreeMap<String, BTreeMap<String, usize>>;
 /// Compares with the allowance. With `lower`, writes the file anew if no count has risen.
 pub(super) fn check(workspace: &Workspace, breaches: &Breaches, lower: bool) -> Result<Report, TaskError> {
     let path = workspace.root.join(FILE);
-    let text = if path.exists() { fs::read_to_string(&path).map_err(TaskError::file(&path))? } else { String::new() };
+    let text = files::read_if_present(&path)?;
     let allowed = toml::from_str(&text).map_err(|source| TaskError::Toml { path: path.clone(), source })?;
     let report = compare(breaches, &allowed);
     if lower && report.breaches.is_empty() {
-        fs::write(&path, page(breaches)).map_err(TaskError::file(&path))?;
+        files::write(&path, page(breaches))?;
     }
     Ok(report)
 }

@@ -1,7 +1,6 @@
-//! Who depends on whom.
+//! Dependencies between the crates.
 //!
-//! Siblings do not know each other: structures do not know shapes, shading does not know structures, cameras do not
-//! know light.
+//! Siblings are independent: shading does not depend on accelerators, nor cameras on light.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,10 +23,10 @@ const GRAPH: [(&str, &[&str]); 9] = [
     ("rt-cli", &["rt-camera", "rt-image", "rt-math", "rt-render", "rt-scene-io"]),
 ];
 
-/// Crates that may use any other, as nothing depends on them.
+/// Crates that may use any other: no crate depends on them.
 const ABOVE_ALL: [&str; 2] = ["xtask", "rt-tests"];
 
-/// All that an outsider gets who adds `rt-accel` without its default features.
+/// All packages of `rt-accel` without its default features.
 const ACCEL_TREE: [&str; 14] = [
     "earcut",
     "glam",
@@ -79,7 +78,7 @@ fn edges(packages: &[Package]) -> Vec<String> {
     breaches
 }
 
-/// Crates in the output of `cargo tree` that should not be there.
+/// Packages in the output of `cargo tree` that are not allowed.
 fn strangers(tree: &str) -> Vec<&str> {
     let names: BTreeSet<&str> = tree.lines().filter_map(|line| line.split_whitespace().next()).collect();
     names.into_iter().filter(|name| !ACCEL_TREE.contains(name)).collect()

@@ -1,13 +1,11 @@
 //! The first page of each crate's documentation.
 
-use std::fs;
-
 use super::report::Report;
-use crate::{error::TaskError, workspace::Workspace};
+use crate::{error::TaskError, files, workspace::Workspace};
 
-/// Fewer lines cannot say what a library owns and what it does not, and show an example.
-const LEAST_LINES_OF_LIBRARY: usize = 25;
-const LEAST_LINES_OF_PROGRAM: usize = 8;
+/// Minimum number of lines for the tasks of a library and an example.
+const MIN_LINES_OF_LIBRARY: usize = 25;
+const MIN_LINES_OF_PROGRAM: usize = 8;
 
 pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
     let mut report = Report::default();
@@ -18,19 +16,19 @@ pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
         }
         let library = folder.join("src/lib.rs");
         let (page, is_library) = if library.exists() { (library, true) } else { (folder.join("src/main.rs"), false) };
-        let source = fs::read_to_string(&page).map_err(TaskError::file(&page))?;
+        let source = files::read(&page)?;
         let missing = missing(&source, is_library);
         report.breaches.extend(missing.into_iter().map(|what| format!("{}: {what}", workspace.relative(&page))));
     }
     Ok(report)
 }
 
-/// What the front page of a crate lacks.
+/// Missing parts of the front page of a crate.
 fn missing(source: &str, is_library: bool) -> Vec<&'static str> {
     let page: Vec<&str> = source.lines().take_while(|line| line.starts_with("//!")).collect();
     let says = |words: &str| page.iter().any(|line| line.contains(words));
     let mut missing = Vec::new();
-    if page.len() < if is_library { LEAST_LINES_OF_LIBRARY } else { LEAST_LINES_OF_PROGRAM } {
+    if page.len() < if is_library { MIN_LINES_OF_LIBRARY } else { MIN_LINES_OF_PROGRAM } {
         missing.push("the front page is too short");
     }
     if !says("**Owns**") || !says("**Does not own**") {
@@ -54,7 +52,7 @@ mod tests {
     use super::*;
 
     fn page(example: &str) -> String {
-        let text = "//! text\n".repeat(LEAST_LINES_OF_LIBRARY);
+        let text = "//! text\n".repeat(MIN_LINES_OF_LIBRARY);
         format!("//! # c\n{text}//! **Owns** a. **Does not own** b.\n//! ```text\n//! picture\n//! ```\n{example}\n")
     }
 

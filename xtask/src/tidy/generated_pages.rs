@@ -1,11 +1,9 @@
-//! Pages that are made of the source must be up to date.
-
-use std::fs;
+//! Generated pages: they must be up to date.
 
 use rt_scene_io::format::{json_schema, reference_page};
 
 use super::report::Report;
-use crate::{error::TaskError, workspace::Workspace};
+use crate::{error::TaskError, files, workspace::Workspace};
 
 /// A file, the command that writes it, and the function that does.
 type Page = (&'static str, &'static str, fn() -> String);
@@ -19,14 +17,13 @@ pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
     let mut report = Report::default();
     for (name, command, make) in PAGES {
         let path = workspace.root.join(name);
-        let text =
-            if path.exists() { fs::read_to_string(&path).map_err(TaskError::file(&path))? } else { String::new() };
+        let text = files::read_if_present(&path)?;
         report.breaches.extend(breach(name, command, &text, &make()));
     }
     Ok(report)
 }
 
-/// What is wrong with a page.
+/// First difference of a page from its source.
 fn breach(name: &str, command: &str, text: &str, expected: &str) -> Option<String> {
     // Line ends depend on how the files were checked out.
     let differing = text.lines().zip(expected.lines()).position(|(text, expected)| text != expected);

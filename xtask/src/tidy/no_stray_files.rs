@@ -1,9 +1,7 @@
 //! Things that must be there.
 
-use std::fs;
-
 use super::report::Report;
-use crate::{error::TaskError, workspace::Workspace};
+use crate::{error::TaskError, files, workspace::Workspace};
 
 const FILES: [&str; 6] =
     ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"];
@@ -16,7 +14,7 @@ pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
     let absent = FILES.iter().filter(|file| !workspace.root.join(file).exists());
     report.breaches.extend(absent.map(|file| format!("there is no {file}")));
     for scene in workspace.files("scenes", ".ron")? {
-        let text = fs::read_to_string(&scene).map_err(TaskError::file(&scene))?;
+        let text = files::read(&scene)?;
         if !text.starts_with("//") {
             report.breaches.push(format!("{}: no comment says what it shows", workspace.relative(&scene)));
         }

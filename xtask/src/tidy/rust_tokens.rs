@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn strings_characters_and_lifetimes_are_told_apart() {
+    fn strings_characters_and_lifetimes_are_distinct() {
         let source = r##"f::<'a>('b', '\'', "c \" d", r#"e " f"#, b"g", 1.5e3, 0..n, r#type) // h"##;
         let all = tokens(source);
         let of = |kind| texts(&all.iter().filter(|token| token.kind == kind).copied().collect::<Vec<_>>());

@@ -17,7 +17,7 @@ pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
         command.args(["tree", "--locked", "--prefix", "none", "--format", "{p}|{f}"]).args(arguments);
         output_of(command.current_dir(&workspace.root))
     };
-    // What `cargo xtask` compiles, and what `cargo test --workspace` does.
+    // Packages of `cargo xtask`, and of `cargo test --workspace`.
     let task = tree(&["--package", "xtask", "--edges", "normal,build"])?;
     let tests = tree(&["--workspace", "--edges", "normal,build,dev"])?;
     Ok(Report { breaches: disagreements(&builds(&task), &builds(&tests)), ..Report::default() })

@@ -1,9 +1,7 @@
 //! The length of source files: one idea per file.
 
-use std::fs;
-
 use super::report::Report;
-use crate::{error::TaskError, workspace::Workspace};
+use crate::{error::TaskError, files, workspace::Workspace};
 
 const LONG: usize = 400;
 const TOO_LONG: usize = 700;
@@ -11,7 +9,7 @@ const TOO_LONG: usize = 700;
 pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
     let mut report = Report::default();
     for path in workspace.files("", ".rs")? {
-        let source = fs::read_to_string(&path).map_err(TaskError::file(&path))?;
+        let source = files::read(&path)?;
         let lines = source.lines().count();
         let line = format!("{}: {lines} lines", workspace.relative(&path));
         if lines > TOO_LONG {

@@ -2,7 +2,6 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    fs,
     path::{Path, PathBuf},
 };
 
@@ -11,9 +10,9 @@ use super::{
     import_graph, names, prose,
     rust_tokens::{Kind, code_outside_tests, tokens},
 };
-use crate::{error::TaskError, workspace::Workspace};
+use crate::{error::TaskError, files, workspace::Workspace};
 
-/// Files that must spell out what they look for.
+/// Files that contain the words that they search for.
 const TABLES: [&str; 2] = ["tidy/banned_words.rs", "tidy/names.rs"];
 
 /// Pages that record the past.
@@ -26,7 +25,7 @@ pub(super) fn breaches(workspace: &Workspace) -> Result<Breaches, TaskError> {
         let Some(folder) = package.manifest_path.parent() else { continue };
         let mut sources = BTreeMap::new();
         for path in workspace.files(&workspace.relative(folder).to_string(), ".rs")? {
-            let source = fs::read_to_string(&path).map_err(TaskError::file(&path))?;
+            let source = files::read(&path)?;
             sources.insert(path, source);
         }
         let mut found = Found { workspace, rules: BTreeMap::new() };
@@ -47,7 +46,7 @@ pub(super) fn breaches(workspace: &Workspace) -> Result<Breaches, TaskError> {
         if HISTORY.iter().any(|name| path.ends_with(name)) {
             continue;
         }
-        let text = fs::read_to_string(&path).map_err(TaskError::file(&path))?;
+        let text = files::read(&path)?;
         let lines: Vec<_> = text.lines().enumerate().map(|(line, text)| (line + 1, text.to_owned())).collect();
         for (line, breach) in prose::banned(&lines) {
             pages.add("words", &path, line, breach);

@@ -5,7 +5,7 @@ use std::fs;
 use super::report::Report;
 use crate::{error::TaskError, workspace::Workspace};
 
-/// Folders that start an absolute path on somebody's machine.
+/// Folders at the start of absolute paths.
 const MACHINE_FOLDERS: [&str; 6] = ["work", "home", "tmp", "root", "mnt", "Users"];
 
 /// Settings that replace the public registry.
@@ -16,7 +16,7 @@ pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
     for path in workspace.files("", "")? {
         let bytes = fs::read(&path).map_err(TaskError::file(&path))?;
         let Ok(text) = String::from_utf8(bytes) else { continue };
-        // This file has to spell out what it looks for.
+        // This file contains the words that it searches for.
         if path.ends_with("tidy/tracked_text.rs") {
             continue;
         }
@@ -29,7 +29,7 @@ pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
     Ok(report)
 }
 
-/// What ties a line to one machine, if anything.
+/// Part of a line that is specific to one machine.
 fn tied(line: &str) -> Option<&'static str> {
     if MACHINE_FOLDERS.iter().any(|folder| names_folder(line, folder)) {
         Some("an absolute path")

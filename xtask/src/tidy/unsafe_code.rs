@@ -1,25 +1,23 @@
-//! Where code may be unsafe: in one module of one crate.
-
-use std::fs;
+//! Unsafe code: allowed in one module of one crate.
 
 use super::report::Report;
-use crate::{error::TaskError, workspace::Workspace};
+use crate::{error::TaskError, files, workspace::Workspace};
 
-/// The crate that denies unsafe code and does not forbid it, for the sake of one module.
+/// Crate that denies unsafe code without forbidding it, because of one module.
 const CRATE: &str = "crates/rt-accel/src/lib.rs";
 const MODULE: &str = "crates/rt-accel/src/wide/mod.rs";
 
 pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
     let mut report = Report::default();
     for path in workspace.files("", ".rs")? {
-        let source = fs::read_to_string(&path).map_err(TaskError::file(&path))?;
+        let source = files::read(&path)?;
         let path = workspace.relative(&path).to_string();
         report.breaches.extend(breach(&path, &source).map(|what| format!("{path}: {what}")));
     }
     Ok(report)
 }
 
-/// What is wrong about a source file.
+/// Breach in a source file.
 fn breach(path: &str, source: &str) -> Option<&'static str> {
     let has_line = |start: &str| source.lines().any(|line| line.starts_with(start));
     let is_root = path.starts_with("crates/") && (path.ends_with("/src/lib.rs") || path.ends_with("/src/main.rs"));

@@ -78,7 +78,7 @@ fn figure(
     let runs: Vec<(Usage, Errors)> = (1..=options.seeds)
         .map(|seed| {
             let used = render(program, scene, options, (threads, spp, seed))?;
-            let errors = reference.measure(&read(&program.folder.join(PICTURE))?);
+            let errors = reference.measure(&read(&program.folder.join(IMAGE))?);
             let other_size =
                 || TaskError::Other(format!("{}: this has another size than {SCENE}", options.reference.display()));
             Ok((used, errors.ok_or_else(other_size)?))
@@ -99,7 +99,7 @@ fn figure(
 }
 
 /// Radiance in single precision, so that no error is that of the file.
-const PICTURE: &str = "picture.pfm";
+const IMAGE: &str = "picture.pfm";
 
 fn render(
     program: &Program,
@@ -109,7 +109,7 @@ fn render(
 ) -> Result<Usage, TaskError> {
     let scene = scene.to_string_lossy();
     let [spp, seed, passes] = [spp, seed, options.passes].map(|number| number.to_string());
-    let mut args = vec!["render", &scene, "-o", PICTURE, "--quiet", "--spp", &spp, "--seed", &seed];
+    let mut args = vec!["render", &scene, "-o", IMAGE, "--quiet", "--spp", &spp, "--seed", &seed];
     args.extend(["--sampler", &options.sampler, "--passes", &passes]);
     let threads = threads.map(|threads| threads.to_string());
     args.extend(threads.iter().flat_map(|threads| ["--threads", threads]));
@@ -117,5 +117,5 @@ fn render(
 }
 
 fn read(path: &Path) -> Result<Image, TaskError> {
-    read_image(path).map_err(|error| TaskError::Other(error.to_string()))
+    read_image(path).map_err(TaskError::other)
 }

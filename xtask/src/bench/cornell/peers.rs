@@ -50,7 +50,7 @@ pub(super) const PEERS: [CornellPeer; 2] = [
 ];
 
 impl CornellPeer {
-    /// With so many samples per pixel.
+    /// Result with this number of samples per pixel.
     pub(super) fn at(&self, spp: u32) -> Option<&Point> {
         self.points.iter().find(|point| point.spp == spp)
     }

@@ -71,17 +71,17 @@ mod tests {
     use super::*;
 
     /// Grey image with a bright light at one pixel, if any.
-    fn grey(width: u32, height: u32, level: f32, lamp: Option<usize>) -> Image {
+    fn grey(width: u32, height: u32, level: f32, light: Option<usize>) -> Image {
         let mut film = Image::new(width, height, false);
         film.pixels_mut().fill([level; 3]);
-        if let Some(index) = lamp {
+        if let Some(index) = light {
             film.pixels_mut()[index] = [0.0, 2.0, 0.0];
         }
         film
     }
 
     #[test]
-    fn the_lamp_and_its_neighbours_are_left_out() {
+    fn the_light_and_its_neighbours_are_left_out() {
         let reference = ReferenceImage::new(grey(5, 4, 0.5, Some(6)), 0.0);
         let kept: Vec<u8> = reference.is_kept.iter().map(|&is_kept| u8::from(is_kept)).collect();
         assert_eq!(kept, [0, 0, 0, 1, 1, 0, 0, 0, 1, 1, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1]);
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn other_sizes_and_lamps_alone_have_no_error() {
+    fn other_sizes_and_lights_alone_have_no_error() {
         assert_eq!(ReferenceImage::new(grey(2, 2, 0.5, None), 0.0).measure(&grey(4, 1, 0.5, None)), None);
         assert_eq!(ReferenceImage::new(grey(2, 2, 0.5, Some(0)), 0.0).measure(&grey(2, 2, 0.5, None)), None);
     }

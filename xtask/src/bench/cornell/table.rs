@@ -19,7 +19,7 @@ pub(super) struct CornellResult {
     pub relative_mse: f64,
     /// The image's mean by that of the reference.
     pub mean_ratio: f64,
-    /// 1 / (MSE · processor seconds).
+    /// 1 / (MSE · CPU seconds).
     pub efficiency: f64,
 }
 

@@ -12,7 +12,7 @@ use std::{fs, path::Path};
 use rt_geometry::{Hit, MeshData};
 use rt_math::{DVec3, Interval, Ray, Vec3};
 
-use crate::error::TaskError;
+use crate::{error::TaskError, files};
 
 /// A ray as the file has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub(super) struct HitRecord {
 impl HitRecord {
     /// No hit.
     pub(super) const MISS: Self = Self { t: f32::INFINITY, triangle: u32::MAX };
-    /// A shadow ray that is blocked, by whatever.
+    /// A blocked shadow ray.
     pub(super) const BLOCKED: Self = Self { t: 0.0, triangle: u32::MAX };
 
     /// True unless it is a miss.
@@ -93,12 +93,12 @@ pub(super) fn read_hits(path: &Path) -> Result<Vec<HitRecord>, TaskError> {
 pub(super) fn write_hits(path: &Path, hits: &[HitRecord]) -> Result<(), TaskError> {
     let words = hits.iter().flat_map(|hit| [hit.t.to_bits(), hit.triangle]);
     let bytes: Vec<u8> = words.flat_map(u32::to_le_bytes).collect();
-    fs::write(path, bytes).map_err(TaskError::file(path))
+    files::write(path, bytes)
 }
 
 /// Reads a `.eps`.
 pub(super) fn read_tolerance(path: &Path) -> Result<f32, TaskError> {
-    let text = fs::read_to_string(path).map_err(TaskError::file(path))?;
+    let text = files::read(path)?;
     text.trim().parse().map_err(|_| damaged(path, "it is no number"))
 }
 

@@ -97,13 +97,13 @@ fn in_folder(folder: &Path, options: &RayOptions) -> Result<Vec<Job>, TaskError>
 
 /// A mesh without rays as yet.
 fn job(mesh: &Path, options: &RayOptions) -> Result<Job, TaskError> {
-    let beside = mesh.with_extension("eps");
+    let tolerance_file = mesh.with_extension("eps");
     let tolerance = match &options.eps {
         Some(text) => match text.parse() {
             Ok(number) => number,
             Err(_) => files::read_tolerance(Path::new(text))?,
         },
-        None if beside.exists() => files::read_tolerance(&beside)?,
+        None if tolerance_file.exists() => files::read_tolerance(&tolerance_file)?,
         None => TOLERANCE,
     };
     let scene = mesh.file_stem().unwrap_or_default().to_string_lossy().into_owned();

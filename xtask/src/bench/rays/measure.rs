@@ -20,7 +20,7 @@ use crate::{bench::timing_stats::Spread, error::TaskError};
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// A mesh whose triangles have the numbers of the file.
-struct Scene<'j> {
+struct MeshScene<'j> {
     job: &'j Job,
     mesh: TriangleMesh,
     /// The number in the file of each triangle of the mesh, if any was dropped for having no area.
@@ -29,26 +29,26 @@ struct Scene<'j> {
 
 /// Measures everything on the threads of the current pool.
 pub(super) fn job(job: &Job, options: &RayOptions, figures: &mut RayResults) -> Result<(), TaskError> {
-    let scene = Scene::load(job)?;
-    let judge = match options.same_as {
-        Some(kind) => Some(AnyAccelerator::build(kind, &scene.mesh).map_err(other)?),
+    let scene = MeshScene::load(job)?;
+    let oracle = match options.same_as {
+        Some(kind) => Some(AnyAccelerator::build(kind, &scene.mesh).map_err(TaskError::other)?),
         None => None,
     };
     for &kind in &options.accel {
         let (structure, build) = build(&scene, kind, options)?;
         figures.builds.push(build);
         for set in &job.sets {
-            figures.rays.push(rays(&scene, &structure, judge.as_ref(), set, options)?);
+            figures.rays.push(rays(&scene, &structure, oracle.as_ref(), set, options)?);
         }
     }
     Ok(())
 }
 
-impl<'j> Scene<'j> {
+impl<'j> MeshScene<'j> {
     fn load(job: &'j Job) -> Result<Self, TaskError> {
         let data = files::read_mesh(&job.mesh)?;
         let all = data.triangles.clone();
-        let (mesh, _) = TriangleMesh::build(data).map_err(other)?;
+        let (mesh, _) = TriangleMesh::build(data).map_err(TaskError::other)?;
         let kept = &mesh.data().triangles;
         let numbers = (kept.len() < all.len()).then(|| numbers(&all, kept));
         Ok(Self { job, mesh, numbers })
@@ -62,7 +62,7 @@ impl<'j> Scene<'j> {
     }
 }
 
-/// The place in `all` of each triangle of `kept`, which has the same order. Equal triangles are kept or dropped alike.
+/// Index in `all` of each triangle of `kept`, which has the same order. Equal triangles are kept or dropped alike.
 fn numbers(all: &[[u32; 3]], kept: &[[u32; 3]]) -> Vec<u32> {
     let mut kept = kept.iter().peekable();
     let numbered = (0..).zip(all).filter(|(_, triangle)| kept.next_if_eq(triangle).is_some());
@@ -70,7 +70,7 @@ fn numbers(all: &[[u32; 3]], kept: &[[u32; 3]]) -> Vec<u32> {
 }
 
 fn build(
-    scene: &Scene<'_>,
+    scene: &MeshScene<'_>,
     kind: AcceleratorKind,
     options: &RayOptions,
 ) -> Result<(AnyAccelerator, BuildResult), TaskError> {
@@ -78,7 +78,7 @@ fn build(
     let started = Instant::now();
     loop {
         let watch = Watch::start();
-        let structure = AnyAccelerator::build_with(kind, options.quality, &scene.mesh).map_err(other)?;
+        let structure = AnyAccelerator::build_with(kind, options.quality, &scene.mesh).map_err(TaskError::other)?;
         let seconds = watch.seconds();
         cpu.push(seconds.cpu);
         wall.push(seconds.wall);
@@ -103,9 +103,9 @@ fn build(
 }
 
 fn rays(
-    scene: &Scene<'_>,
+    scene: &MeshScene<'_>,
     structure: &AnyAccelerator,
-    judge: Option<&AnyAccelerator>,
+    oracle: Option<&AnyAccelerator>,
     set: &RayFile,
     options: &RayOptions,
 ) -> Result<RayResult, TaskError> {
@@ -121,7 +121,7 @@ fn rays(
         Some(path) => Some(wrong(path, &hits, scene, set, options)?),
         None => None,
     };
-    let differing = judge.map(|judge| differing(scene, structure, judge, method, &rays));
+    let differing = oracle.map(|oracle| differing(scene, structure, oracle, method, &rays));
     let hit = hits.iter().filter(|hit| hit.is_hit()).count();
     let (mut cpu, mut wall) = (Vec::new(), Vec::new());
     for _ in 0..options.reps {
@@ -151,7 +151,7 @@ fn rays(
 fn wrong(
     path: &std::path::Path,
     hits: &[HitRecord],
-    scene: &Scene<'_>,
+    scene: &MeshScene<'_>,
     set: &RayFile,
     options: &RayOptions,
 ) -> Result<Mismatches, TaskError> {
@@ -165,16 +165,16 @@ fn wrong(
 
 /// Rays that the accelerator answers with other bits than `same_as`, which traces single rays.
 fn differing(
-    scene: &Scene<'_>,
+    scene: &MeshScene<'_>,
     structure: &AnyAccelerator,
-    judge: &AnyAccelerator,
+    oracle: &AnyAccelerator,
     method: Method,
     rays: &[RayRecord],
 ) -> usize {
     let mut ours = vec![Bits::Miss; rays.len()];
     let mut theirs = ours.clone();
     trace(structure, &scene.mesh, method, rays, &mut ours);
-    trace(judge, &scene.mesh, Method { batch: None, ..method }, rays, &mut theirs);
+    trace(oracle, &scene.mesh, Method { batch: None, ..method }, rays, &mut theirs);
     ours.iter().zip(&theirs).filter(|(ours, theirs)| ours != theirs).count()
 }
 
@@ -183,13 +183,13 @@ fn every<T>(step: usize, all: Vec<T>) -> Vec<T> {
     if step == 1 { all } else { all.into_iter().step_by(step).collect() }
 }
 
-/// Both clocks: that of the processor, on which neighbours do not count, over all threads, and that of the wall.
+/// CPU time of all threads, and wall time.
 struct Watch {
     cpu: ProcessTime,
     wall: Instant,
 }
 
-struct Seconds {
+struct ClockTimes {
     cpu: f64,
     wall: f64,
 }
@@ -199,13 +199,9 @@ impl Watch {
         Self { cpu: ProcessTime::now(), wall: Instant::now() }
     }
 
-    fn seconds(&self) -> Seconds {
-        Seconds { cpu: self.cpu.elapsed().as_secs_f64(), wall: self.wall.elapsed().as_secs_f64() }
+    fn seconds(&self) -> ClockTimes {
+        ClockTimes { cpu: self.cpu.elapsed().as_secs_f64(), wall: self.wall.elapsed().as_secs_f64() }
     }
-}
-
-fn other(error: impl std::fmt::Display) -> TaskError {
-    TaskError::Other(error.to_string())
 }
 
 #[cfg(test)]

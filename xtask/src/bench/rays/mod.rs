@@ -28,7 +28,7 @@ fn figures(options: &RayOptions) -> Result<RayResults, TaskError> {
         std::fs::create_dir_all(folder).map_err(TaskError::file(folder))?;
     }
     let threads = rayon::ThreadPoolBuilder::new().num_threads(options.threads);
-    let pool = threads.build().map_err(|error| TaskError::Other(error.to_string()))?;
+    let pool = threads.build().map_err(TaskError::other)?;
     let mut figures = RayResults::default();
     pool.install(|| jobs.iter().try_for_each(|job| measure::job(job, options, &mut figures)))?;
     Ok(figures)

@@ -8,15 +8,15 @@ use serde::Serialize;
 use super::{mismatch::Mismatches, trace::Query};
 use crate::{bench::timing_stats::Spread, number::three_digits, table::Table};
 
-/// Building one structure over one mesh.
+/// Building one accelerator over one mesh.
 #[derive(Debug, Serialize)]
 pub(super) struct BuildResult {
     pub scene: String,
     pub structure: &'static str,
-    /// Meaningless but for the wide tree.
+    /// Relevant for the wide BVH only.
     pub quality: &'static str,
     pub threads: usize,
-    /// Those with an area.
+    /// Triangles with an area.
     pub triangles: usize,
     pub cpu_seconds: Spread,
     pub wall_seconds: Spread,
@@ -45,7 +45,7 @@ impl TreeShape {
     }
 }
 
-/// Tracing one set of rays through one structure.
+/// Tracing one set of rays through one accelerator.
 #[derive(Debug, Serialize)]
 pub(super) struct RayResult {
     pub scene: String,
@@ -69,7 +69,7 @@ pub(super) struct RayResult {
 }
 
 impl RayResult {
-    /// The clock to believe: a single thread's is that of its processor, several threads' that of the wall.
+    /// CPU time for one thread, wall time for several threads.
     pub(super) fn mega_rays(&self) -> Spread {
         if self.threads == 1 { self.mrays_per_cpu_second } else { self.mrays_per_second }
     }

@@ -1,4 +1,4 @@
-//! Tracing a set of rays, compiled for each structure, so that no ray pays for the choice.
+//! Tracing of a set of rays, monomorphised for each accelerator.
 
 use rayon::prelude::*;
 use rt_accel::{Accelerator, AcceleratorVisitor, AnyAccelerator, NoProbe};
@@ -121,7 +121,7 @@ impl<A: Answer> AcceleratorVisitor for Trace<'_, A> {
     }
 }
 
-/// Room for the rays of a batch and what they find, used again for each batch of a thread.
+/// Scratch arrays for the rays of a batch and their hits, reused by each thread.
 struct Batch<F> {
     rays: Vec<(Ray, Interval)>,
     found: Vec<F>,

@@ -8,7 +8,7 @@ use rt_scene_io::format::{
 };
 
 use super::exchange_scene;
-use crate::error::TaskError;
+use crate::{error::TaskError, files};
 
 /// The files to convert.
 #[derive(Debug, clap::Args)]
@@ -21,14 +21,14 @@ pub(in crate::bench) struct ConvertOptions {
     to: PathBuf,
 }
 
-/// Reads the one and writes the other.
+/// Converts a description to a scene file.
 pub(in crate::bench) fn run(options: &ConvertOptions) -> Result<(), TaskError> {
     let text = convert(exchange_scene::read(&options.from)?).to_json();
-    std::fs::write(&options.to, text).map_err(TaskError::file(&options.to))
+    files::write(&options.to, text)
 }
 
 /// The scene file.
-fn convert(scene: exchange_scene::Scene) -> SceneFile {
+fn convert(scene: exchange_scene::ExchangeScene) -> SceneFile {
     let mut lights = vec![Light::Ambient(Color::from_rgb(scene.ambient))];
     lights.extend(scene.lights.iter().filter_map(light));
     let exchange_scene::Camera { eye, at, up, vfov } = scene.camera;
@@ -38,8 +38,8 @@ fn convert(scene: exchange_scene::Scene) -> SceneFile {
     let checkers =
         scene.materials.iter().filter_map(|(name, material)| Some((name.as_str(), material.checker.as_ref()?)));
     let checkers: Vec<&str> = checkers.map(|(name, _)| name).collect();
-    let has_lamp = scene.lights.iter().any(|light| matches!(light, exchange_scene::Light::Rect {}));
-    let integrator = match (scene.gi, has_lamp) {
+    let has_area_light = scene.lights.iter().any(|light| matches!(light, exchange_scene::Light::Rect {}));
+    let integrator = match (scene.gi, has_area_light) {
         (true, _) => Integrator::Path,
         (false, true) => Integrator::Distributed,
         (false, false) => Integrator::Whitted,
@@ -87,8 +87,11 @@ fn light(light: &exchange_scene::Light) -> Option<Light> {
 fn material(of: &exchange_scene::Material) -> Material {
     if let Some(radiance) = of.radiance {
         let albedo = Color::from_rgb(of.color).into();
-        let lamp = Material::Light { radiance: Color::from_rgb(radiance).into(), emission_sides: EmissionSides::Front };
-        return Material::Mix(vec![(1.0, Material::Diffuse { albedo, roughness: 0.0, emission: None }), (1.0, lamp)]);
+        let emitter = Material::Light { radiance: Color::from_rgb(radiance).into(), emission_sides: EmissionSides::Front };
+        return Material::Mix(vec![
+            (1.0, Material::Diffuse { albedo, roughness: 0.0, emission: None }),
+            (1.0, emitter),
+        ]);
     }
     let tint = |coefficient: f64| of.color.map(|channel| channel * coefficient);
     let gray = |coefficient: f64| Some(ColorTexture::Gray(coefficient));
@@ -107,7 +110,7 @@ fn material(of: &exchange_scene::Material) -> Material {
         highlight: None,
         emission: Some(Color::from_rgb(tint(of.emit)).into()),
         mirror: Some(if of.kr_tint { Color::from_rgb(tint(of.kr)).into() } else { ColorTexture::Gray(of.kr) }),
-        // What lets no light through is opaque, and not glass of which nothing is seen.
+        // A material without transmission is opaque.
         transmission: gray(of.kt).filter(|_| of.kt > 0.0),
         ior: Some(of.ior).filter(|_| of.kt > 0.0),
         fresnel: None,
@@ -133,7 +136,7 @@ fn node(object: exchange_scene::Object, has_checker: bool) -> Node {
     Node { shape: Some(shape), material: Some(object.mat.into()), casts_shadow: !object.no_shadow, ..Node::default() }
 }
 
-/// Texture coordinates that are the two coordinates of the world along which the points extend most.
+/// Texture coordinates: the two world coordinates of the largest extent.
 fn flat(points: &[[f32; 3]]) -> Vec<[f32; 2]> {
     let extent = |axis: usize| {
         let along = || points.iter().map(|point| point[axis]);
@@ -197,9 +200,9 @@ mod tests {
     }
 
     #[test]
-    fn lamps_with_extent_are_distributed_over() {
-        let lamp = r#"{"type": "rect", "p": [0, 0, 0], "u": [1, 0, 0], "v": [0, 1, 0], "radiance": [1, 1, 1], "color": [1, 1, 1]}"#;
-        let file = convert(serde_json::from_str(&description(lamp)).unwrap());
+    fn area_lights_use_the_distributed_integrator() {
+        let emitter = r#"{"type": "rect", "p": [0, 0, 0], "u": [1, 0, 0], "v": [0, 1, 0], "radiance": [1, 1, 1], "color": [1, 1, 1]}"#;
+        let file = convert(serde_json::from_str(&description(emitter)).unwrap());
         assert_eq!(file.settings.integrator, Some(Integrator::Distributed));
     }
 }

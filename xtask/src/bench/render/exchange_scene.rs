@@ -1,5 +1,5 @@
-//! Scene descriptions that belong to no renderer: one right-handed world, plain numbers, from which each renderer's own
-//! file is made.
+//! Scene descriptions that belong to no renderer: one right-handed world in plain numbers. Each renderer's own file is
+//! made from them.
 
 use std::{collections::BTreeMap, fs::File, io::BufReader, path::Path};
 
@@ -19,7 +19,7 @@ pub(super) struct Outline {
 
 /// A scene.
 #[derive(Debug, Deserialize)]
-pub(super) struct Scene {
+pub(super) struct ExchangeScene {
     pub name: String,
     pub w: u64,
     pub h: u64,
@@ -46,7 +46,7 @@ pub(super) struct Camera {
     pub vfov: f64,
 }
 
-/// A light; what classical renderers need of it.
+/// A light, as classical renderers need it.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub(super) enum Light {
@@ -70,7 +70,7 @@ pub(super) struct Material {
     pub kr: f64,
     pub kt: f64,
     pub ior: f64,
-    /// Light of its own, in its colour.
+    /// Emission, in its colour.
     pub emit: f64,
     pub checker: Option<Checker>,
     /// True if the colour tints `kr`.

@@ -1,4 +1,4 @@
-//! Whole pictures, as users get them: the release binary as a process of its own, from start to written picture.
+//! Whole images, as users get them: the release binary as a process of its own, from start to written image.
 
 use std::{
     path::{Path, PathBuf},
@@ -46,7 +46,7 @@ pub(super) struct RenderOptions {
     /// Threads of the renderer.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
-    /// The structure, instead of the renderer's own choice.
+    /// The accelerator, instead of the renderer's own choice.
     #[arg(long, value_parser = accelerator())]
     accel: Option<AcceleratorKind>,
 }
@@ -87,8 +87,8 @@ fn scene(program: &Program, description: &Path, options: &RenderOptions) -> Resu
     let path = program.folder.join(format!("{name}.json"));
     convert_elsewhere(description, &path)?;
     let rays = count_rays(program, &path, options)?;
-    let picture = format!("{name}.png");
-    let whole = runs(program, &path, &picture, options, &[])?;
+    let image = format!("{name}.png");
+    let whole = runs(program, &path, &image, options, &[])?;
     let small = runs(program, &path, "small.png", options, &["--size", "8x8", "--spp", "1"])?;
     let spread = |runs: &[Usage], of: fn(&Usage) -> f64| Spread::of(runs.iter().map(of).collect());
     Ok(RenderResult {
@@ -103,15 +103,15 @@ fn scene(program: &Program, description: &Path, options: &RenderOptions) -> Resu
         peak_bytes: whole.iter().map(|usage| usage.bytes).max().unwrap_or_default(),
         small_wall_seconds: spread(&small, |usage| usage.wall_seconds),
         fastest_peer: peers::fastest(&name),
-        picture: program.folder.join(picture),
+        image: program.folder.join(image),
         scene: name,
     })
 }
 
-/// Lets a process of its own convert the description: whatever this process has ever held would count as memory of
-/// every process that it starts.
+/// Converts the description in another process: memory that this process has ever held would count for each process
+/// that it starts.
 fn convert_elsewhere(description: &Path, scene: &Path) -> Result<(), TaskError> {
-    let program = std::env::current_exe().map_err(|error| TaskError::Other(error.to_string()))?;
+    let program = std::env::current_exe().map_err(TaskError::other)?;
     let mut command = Command::new(program);
     output_of(command.args(["bench", "convert"]).arg(description).arg(scene)).map(|_| ())
 }
@@ -120,18 +120,18 @@ fn convert_elsewhere(description: &Path, scene: &Path) -> Result<(), TaskError> 
 fn count_rays(program: &Program, scene: &Path, options: &RenderOptions) -> Result<Statistics, TaskError> {
     let renderer = Renderer::new(program.path.clone(), TIMEOUT);
     let accel = accel(options);
-    statistics::measure(&renderer, &program.folder, scene, &accel)?.map_err(TaskError::Other)
+    statistics::measure(&renderer, &program.folder, scene, &accel)
 }
 
 fn runs(
     program: &Program,
     scene: &Path,
-    picture: &str,
+    image: &str,
     options: &RenderOptions,
     more: &[&str],
 ) -> Result<Vec<Usage>, TaskError> {
     let (scene, threads) = (scene.to_string_lossy(), options.threads.to_string());
-    let common = ["render", &scene, "-o", picture, "--quiet", "--threads", &threads];
+    let common = ["render", &scene, "-o", image, "--quiet", "--threads", &threads];
     let args = [&common, accel(options).as_slice(), more].concat();
     (0..options.reps).map(|_| program.run(&args)).collect()
 }

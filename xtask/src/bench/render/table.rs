@@ -30,14 +30,14 @@ pub(super) struct RenderResult {
     /// From start to end with 8×8 pixels of one sample: start, parsing, building, writing.
     pub small_wall_seconds: Spread,
     pub fastest_peer: Option<Peer>,
-    pub picture: PathBuf,
+    pub image: PathBuf,
 }
 
 /// All that was measured.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct RenderResults {
     pub scenes: Vec<RenderResult>,
-    /// Figures of memory are not less than this, which a run takes that does nothing.
+    /// Memory of an empty run, a lower bound of all memory measurements.
     pub min_bytes: u64,
     pub peers: &'static str,
 }
@@ -109,7 +109,7 @@ mod tests {
             peak_bytes: 3 << 19,
             small_wall_seconds: spread(0.5),
             fastest_peer: Some(peer),
-            picture: "s.png".into(),
+            image: "s.png".into(),
         };
         let row = cells(&result).join("; ");
         assert_eq!(row, "s; 4×3, 2; 24 + 1,000; 0.500 (0.400..0.600); 0.550; 1.50; 500.0; [Other 1.00]; 2.00");

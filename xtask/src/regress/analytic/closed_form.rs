@@ -1,4 +1,5 @@
-//! Closed forms of means over a surface, of form factors and of coverage. What lights give a point is in `rt_shading::emitter`.
+//! Closed forms of means over a surface, of form factors and of coverage. Irradiance at a point is in
+//! `rt_shading::emitter`.
 
 use std::f64::consts::PI;
 

@@ -7,9 +7,9 @@ use rt_math::transcendental::{acos, atan, sincos, tan};
 use rt_scene_io::Integrator;
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, cases, closed_form,
+    Case, CaseResult, Checks, Conditions, Fallible, cases, closed_form,
     estimate::{Estimate, MOST, hold},
-    picture::Picture,
+    test_image::TestImage,
 };
 
 cases! {
@@ -21,7 +21,7 @@ cases! {
         "2/3 ρ in the mean over its disk", "5 σ", lambert_sphere;
 }
 
-/// Integrators that show light of surfaces themselves.
+/// Integrators that show emission.
 const SHOWING: [Integrator; 4] = [Integrator::Whitted, Integrator::Direct, Integrator::Path, Integrator::Distributed];
 
 /// The unit square with its corner in the origin, as one pixel.
@@ -31,8 +31,8 @@ const UNIT_SQUARE: &str = "(look_from: (0.5, 0.5, 1), look_at: (0.5, 0.5, 0), or
 const PINHOLE: &str = "(look_from: (0, 0, 0), look_at: (0, 0, -1), fov: 90)";
 
 /// A shape of radiance 1 before black, seen by one pixel.
-pub(super) fn shining(camera: &str, shape: &str, place: &str) -> Fallible<Picture> {
-    Picture::of(&format!(
+pub(super) fn emissive(camera: &str, shape: &str, place: &str) -> Fallible<TestImage> {
+    TestImage::of(&format!(
         "(
             camera: {camera},
             film: (size: (1, 1)),
@@ -45,83 +45,83 @@ pub(super) fn shining(camera: &str, shape: &str, place: &str) -> Fallible<Pictur
 }
 
 /// Half-plane below y = `at_zero` + `slope` · x.
-pub(super) fn half_plane(at_zero: f64, slope: f64) -> Fallible<Picture> {
+pub(super) fn half_plane(at_zero: f64, slope: f64) -> Fallible<TestImage> {
     let edge = |x: f64| format!("({x}, {:?}, 0)", at_zero + slope * x);
-    shining(UNIT_SQUARE, &format!("polygon(points: [{}, (0, -20, 0), {}])", edge(-9.0), edge(9.0)), "")
+    emissive(UNIT_SQUARE, &format!("polygon(points: [{}, (0, -20, 0), {}])", edge(-9.0), edge(9.0)), "")
 }
 
 /// Half-plane left of x = `edge`.
-pub(super) fn left_of(edge: f64) -> Fallible<Picture> {
-    shining(UNIT_SQUARE, &format!("polygon(points: [({edge:?}, -9, 0), ({edge:?}, 9, 0), (-9, 0.5, 0)])"), "")
+pub(super) fn left_of(edge: f64) -> Fallible<TestImage> {
+    emissive(UNIT_SQUARE, &format!("polygon(points: [({edge:?}, -9, 0), ({edge:?}, 9, 0), (-9, 0.5, 0)])"), "")
 }
 
 /// A disk in the plane of the pixel.
-pub(super) fn disk(radius: f64, centre: f64) -> Fallible<Picture> {
+pub(super) fn disk(radius: f64, centre: f64) -> Fallible<TestImage> {
     let place = format!("rotate_x(90), translate({centre:?}, {centre:?}, 0)");
-    shining(UNIT_SQUARE, &format!("disk(radius: {radius:?})"), &place)
+    emissive(UNIT_SQUARE, &format!("disk(radius: {radius:?})"), &place)
 }
 
 /// A sphere of radius 1 at a distance of 4, so far from the axis in radians.
-pub(super) fn sphere_aside(angle: f64) -> Fallible<Picture> {
+pub(super) fn sphere_aside(angle: f64) -> Fallible<TestImage> {
     let (sin, cos) = sincos(angle);
-    shining(PINHOLE, &format!("sphere(center: ({:?}, 0, {:?}))", 4.0 * sin, -4.0 * cos), "")
+    emissive(PINHOLE, &format!("sphere(center: ({:?}, 0, {:?}))", 4.0 * sin, -4.0 * cos), "")
 }
 
-fn hold_all(tally: &mut Tally, conditions: &Conditions, what: &str, truth: f64, picture: &Picture) -> Fallible<()> {
+fn hold_all(checks: &mut Checks, conditions: &Conditions, what: &str, truth: f64, image: &TestImage) -> Fallible<()> {
     let seeds = conditions.count(64, 256);
     let spp = conditions.count(64, 256) as u32;
     for integrator in SHOWING {
-        let mean = |pattern: SamplerKind, seed| picture.mean(integrator, pattern, spp, seed);
-        hold(tally, format_args!("{what}, {}", integrator.name()), truth, seeds, mean)?;
+        let mean = |pattern: SamplerKind, seed| image.mean(integrator, pattern, spp, seed);
+        hold(checks, format_args!("{what}, {}", integrator.name()), truth, seeds, mean)?;
     }
     Ok(())
 }
 
-fn coverage(conditions: &Conditions) -> Found {
+fn coverage(conditions: &Conditions) -> CaseResult {
     let ten = tan(10f64.to_radians());
     // The parts of a disk of radius .6 beyond the four sides.
     let beyond = 0.36 * acos(0.5 / 0.6) - 0.5 * 0.11f64.sqrt();
-    let ball = "sphere(center: (0.5, 0.5, -2), radius: 0.5)";
-    let mut tally = Tally::default();
-    for (what, truth, picture) in [
+    let sphere = "sphere(center: (0.5, 0.5, -2), radius: 0.5)";
+    let mut checks = Checks::default();
+    for (what, truth, image) in [
         ("y < x tan 10°", 0.5 * ten, half_plane(0.0, ten)?),
         ("y < .3 + .2 x", 0.4, half_plane(0.3, 0.2)?),
         ("disk of .5", FRAC_PI_4, disk(0.5, 0.5)?),
         ("quarter disk", FRAC_PI_4, disk(1.0, 0.0)?),
         ("disk of .6", 0.36 * PI - 4.0 * beyond, disk(0.6, 0.5)?),
-        ("sphere in parallel light", FRAC_PI_4, shining(UNIT_SQUARE, ball, "")?),
+        ("sphere in parallel light", FRAC_PI_4, emissive(UNIT_SQUARE, sphere, "")?),
         ("sphere at 4", PI / 60.0, sphere_aside(0.0)?),
     ] {
-        hold_all(&mut tally, conditions, what, truth, &picture)?;
+        hold_all(&mut checks, conditions, what, truth, &image)?;
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn off_axis(conditions: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn off_axis(conditions: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     let angle = atan(0.5);
     let truth = 0.25 * closed_form::projected_sphere(0.25, angle);
-    hold_all(&mut tally, conditions, "sphere at 4, atan ½ aside", truth, &sphere_aside(angle)?)?;
-    Ok(tally)
+    hold_all(&mut checks, conditions, "sphere at 4, atan ½ aside", truth, &sphere_aside(angle)?)?;
+    Ok(checks)
 }
 
-fn half_jittered(conditions: &Conditions) -> Found {
+fn half_jittered(conditions: &Conditions) -> CaseResult {
     let seeds = conditions.count(256, 1024);
-    let picture = left_of(1.0 / 3.0)?;
-    let mut tally = Tally::default();
+    let image = left_of(1.0 / 3.0)?;
+    let mut checks = Checks::default();
     for pattern in [SamplerKind::HalfJittered, SamplerKind::Jittered] {
-        let of_seed = |seed| picture.mean(Integrator::Whitted, pattern, 16, seed);
+        let of_seed = |seed| image.mean(Integrator::Whitted, pattern, 16, seed);
         let name = pattern.name();
         let z = Estimate::of_seeds(name, seeds, of_seed)?.z(1.0 / 3.0);
-        tally.note(format!("x < 1/3 by 16 {name} samples: z = {z:+.2}"));
-        tally.check((z.abs() > MOST) == pattern.is_biased(), || format!("{name}: z = {z}"));
+        checks.note(format!("x < 1/3 by 16 {name} samples: z = {z:+.2}"));
+        checks.check((z.abs() > MOST) == pattern.is_biased(), || format!("{name}: z = {z}"));
     }
-    Ok(tally)
+    Ok(checks)
 }
 
 /// Its disk fills a square but for the corners.
-fn lambert_sphere(conditions: &Conditions) -> Found {
-    let picture = Picture::of(&format!(
+fn lambert_sphere(conditions: &Conditions) -> CaseResult {
+    let image = TestImage::of(&format!(
         "(
             camera: {UNIT_SQUARE},
             film: (size: (1, 1)),
@@ -131,7 +131,7 @@ fn lambert_sphere(conditions: &Conditions) -> Found {
             nodes: [(shape: sphere(center: (0.5, 0.5, -2), radius: 0.5), material: \"chalk\")],
         )"
     ))?;
-    let mut tally = Tally::default();
-    hold_all(&mut tally, conditions, "π/4 · 2/3 · .8", FRAC_PI_4 * 2.0 / 3.0 * 0.8, &picture)?;
-    Ok(tally)
+    let mut checks = Checks::default();
+    hold_all(&mut checks, conditions, "π/4 · 2/3 · .8", FRAC_PI_4 * 2.0 / 3.0 * 0.8, &image)?;
+    Ok(checks)
 }

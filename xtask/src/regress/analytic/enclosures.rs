@@ -1,10 +1,12 @@
-//! Closed rooms, in which light goes on for ever.
+//! Closed rooms with infinite interreflection.
 
 use rt_camera::SamplerKind;
 use rt_math::DVec3;
 use rt_scene_io::Integrator;
 
-use super::{Case, Conditions, Fallible, Found, Tally, cases, estimate::hold, lamp::tuple, picture::Picture};
+use super::{
+    Case, CaseResult, Checks, Conditions, Fallible, area_light::tuple, cases, estimate::hold, test_image::TestImage,
+};
 
 cases! {
     "S59", "a closed sphere and cubes of radiance 1 that reflect .5, .8 and .99",
@@ -16,7 +18,7 @@ cases! {
 
 /// Walls, all of the material "wall".
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Room {
+pub(super) enum Enclosure {
     /// One light.
     Sphere,
     /// One light of twelve triangles.
@@ -25,7 +27,7 @@ pub(super) enum Room {
     Quads,
 }
 
-impl Room {
+impl Enclosure {
     const ALL: [Self; 3] = [Self::Sphere, Self::Cube, Self::Quads];
 
     fn nodes(self) -> String {
@@ -47,8 +49,8 @@ impl Room {
     }
 
     /// The room seen from within, with walls of a material.
-    fn picture(self, wall: &str, lights: &str, depth: u32) -> Fallible<Picture> {
-        Picture::of(&format!(
+    fn image(self, wall: &str, lights: &str, depth: u32) -> Fallible<TestImage> {
+        TestImage::of(&format!(
             "(
                 camera: (look_from: (0.3, -0.2, 0.1), look_at: (-0.3, 0.4, 1), fov: 60),
                 film: (size: (1, 1)),
@@ -63,64 +65,64 @@ impl Room {
     }
 
     /// The room with walls of radiance 1 that reflect a part of the light.
-    pub(super) fn shining(self, reflected: f64, depth: u32) -> Fallible<Picture> {
+    pub(super) fn emissive(self, reflected: f64, depth: u32) -> Fallible<TestImage> {
         let shines = if matches!(self, Self::Quads) { "front" } else { "both" };
         let wall =
             format!("mix([(1, diffuse(albedo: gray({reflected}))), (1, light(radiance: gray(1), shines: {shines}))])");
-        self.picture(&wall, "", depth)
+        self.image(&wall, "", depth)
     }
 }
 
-fn closed(conditions: &Conditions) -> Found {
-    let mut tally = Tally::default();
-    for room in Room::ALL {
+fn closed(conditions: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
+    for enclosure in Enclosure::ALL {
         for (reflected, spp, depth) in [(0.5, [16, 256], 100), (0.8, [16, 256], 300), (0.99, [4, 64], 4000)] {
             let seeds = conditions.count(64, 256);
             let spp = conditions.count(spp[0], spp[1]) as u32;
-            let picture = room.shining(reflected, depth)?;
-            let mean = |pattern: SamplerKind, seed| picture.mean(Integrator::Path, pattern, spp, seed);
-            hold(&mut tally, format_args!("{room:?} of {reflected}"), 1.0 / (1.0 - reflected), seeds, mean)?;
+            let image = enclosure.emissive(reflected, depth)?;
+            let mean = |pattern: SamplerKind, seed| image.mean(Integrator::Path, pattern, spp, seed);
+            hold(&mut checks, format_args!("{enclosure:?} of {reflected}"), 1.0 / (1.0 - reflected), seeds, mean)?;
         }
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-/// The light that is drawn at the last surface is that of one bounce more.
-fn truncated(conditions: &Conditions) -> Found {
+/// The light that is sampled at the last surface adds one bounce.
+fn truncated(conditions: &Conditions) -> CaseResult {
     let seeds = conditions.count(64, 256);
     let spp = conditions.count(64, 256) as u32;
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     let mut truth = 1.0;
     for depth in 0..=4 {
         truth = 1.0 + 0.5 * truth;
-        for room in [Room::Cube, Room::Quads] {
-            let picture = room.shining(0.5, depth)?;
-            let mean = |pattern: SamplerKind, seed| picture.mean(Integrator::Path, pattern, spp, seed);
-            hold(&mut tally, format_args!("{room:?}, depth {depth}"), truth, seeds, mean)?;
+        for enclosure in [Enclosure::Cube, Enclosure::Quads] {
+            let image = enclosure.emissive(0.5, depth)?;
+            let mean = |pattern: SamplerKind, seed| image.mean(Integrator::Path, pattern, spp, seed);
+            hold(&mut checks, format_args!("{enclosure:?}, depth {depth}"), truth, seeds, mean)?;
         }
     }
     // These two stop after one bounce of diffuse light, however deep they may go.
     for integrator in [Integrator::Direct, Integrator::Distributed] {
-        let picture = Room::Cube.shining(0.5, 7)?;
-        let mean = |pattern: SamplerKind, seed| picture.mean(integrator, pattern, spp, seed);
-        hold(&mut tally, format_args!("cube, {}", integrator.name()), 1.5, seeds, mean)?;
+        let image = Enclosure::Cube.emissive(0.5, 7)?;
+        let mean = |pattern: SamplerKind, seed| image.mean(integrator, pattern, spp, seed);
+        hold(&mut checks, format_args!("cube, {}", integrator.name()), 1.5, seeds, mean)?;
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-/// The intensity of a classical light counts π times, so that this is I = π.
-fn lit_sphere(conditions: &Conditions) -> Found {
+/// The intensity of a classical light counts π times: I = π.
+fn lit_sphere(conditions: &Conditions) -> CaseResult {
     let seeds = conditions.count(64, 256);
     let spp = conditions.count(64, 256) as u32;
-    let lamp = "point(position: (0, 0, 0), falloff: inverse_square)";
-    let mut tally = Tally::default();
+    let area_light = "point(position: (0, 0, 0), falloff: inverse_square)";
+    let mut checks = Checks::default();
     for reflected in [0.5, 0.8] {
         for wall in ["phong(ambient: gray(0), diffuse", "diffuse(albedo"] {
-            let picture = Room::Sphere.picture(&format!("{wall}: gray({reflected}))"), lamp, 200)?;
-            let mean = |pattern: SamplerKind, seed| picture.mean(Integrator::Path, pattern, spp, seed);
+            let image = Enclosure::Sphere.image(&format!("{wall}: gray({reflected}))"), area_light, 200)?;
+            let mean = |pattern: SamplerKind, seed| image.mean(Integrator::Path, pattern, spp, seed);
             let kind = wall.split('(').next().unwrap_or_default();
-            hold(&mut tally, format_args!("{kind} of {reflected}"), reflected / (1.0 - reflected), seeds, mean)?;
+            hold(&mut checks, format_args!("{kind} of {reflected}"), reflected / (1.0 - reflected), seeds, mean)?;
         }
     }
-    Ok(tally)
+    Ok(checks)
 }

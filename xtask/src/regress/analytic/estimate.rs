@@ -1,4 +1,4 @@
-//! Means over independent seeds, and how far they are from the truth.
+//! Means over independent seeds, and their deviation from the truth.
 
 use std::fmt::Display;
 
@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use rt_camera::{PixelSampler, SampleStream, SamplerKind};
 use rt_math::random::hash;
 
-use super::{Fallible, Tally};
+use super::{Checks, Fallible};
 
-/// Standard errors that a sound estimate may be off.
+/// Maximum deviation of a sound estimate, in standard errors.
 pub(super) const MOST: f64 = 5.0;
 
 /// Closed forms and f64 sums agree to this part of the truth; less than it is not noise.
@@ -22,7 +22,7 @@ pub(super) struct Estimate {
 }
 
 impl Estimate {
-    /// The mean of what `of_seed` says for so many seeds, which no estimate of another name has.
+    /// Mean of `of_seed` over seeds that no estimate of another name has.
     pub(super) fn of_seeds(
         name: &str,
         seeds: u64,
@@ -51,9 +51,9 @@ pub(super) fn mean_of(pattern: SamplerKind, spp: u32, seed: u64, value: impl Fn(
     (0..spp).map(|index| value(&mut sampler.sample([0, 0], index))).sum::<f64>() / f64::from(spp)
 }
 
-/// Holds an estimator against the truth with all unbiased patterns, and notes each z.
+/// Compares an estimator with the truth for all unbiased patterns, and notes each z.
 pub(super) fn hold(
-    tally: &mut Tally,
+    checks: &mut Checks,
     what: impl Display,
     truth: f64,
     seeds: u64,
@@ -70,9 +70,9 @@ pub(super) fn hold(
         let z = found.z(truth);
         note.push_str(&format!(" {} {z:+.2}", pattern.name()));
         let Estimate { mean, standard_error } = found;
-        tally.limit(z, MOST, format_args!("{name}: {mean:e} ± {standard_error:.1e} instead of {truth:e}"));
+        checks.limit(z, MOST, format_args!("{name}: {mean:e} ± {standard_error:.1e} instead of {truth:e}"));
     }
-    tally.note(note);
+    checks.note(note);
     Ok(())
 }
 
@@ -104,10 +104,10 @@ mod tests {
     #[test]
     fn a_wrong_truth_is_a_failure_and_the_right_one_is_none() {
         let half = |pattern, seed| Ok(mean_of(pattern, 16, seed, |sample| sample.next_2d()[0]));
-        let mut tally = Tally::default();
-        hold(&mut tally, "half", 0.5, 64, half).unwrap();
-        assert_eq!((tally.tried, tally.failed), (6, 0), "{:?}", tally.problems);
-        hold(&mut tally, "half", 0.6, 64, half).unwrap();
-        assert_eq!((tally.tried, tally.failed), (12, 6));
+        let mut checks = Checks::default();
+        hold(&mut checks, "half", 0.5, 64, half).unwrap();
+        assert_eq!((checks.tried, checks.failed), (6, 0), "{:?}", checks.problems);
+        hold(&mut checks, "half", 0.6, 64, half).unwrap();
+        assert_eq!((checks.tried, checks.failed), (12, 6));
     }
 }

@@ -5,10 +5,11 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use rt_math::{DVec3, Sampler};
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, cases, closed_form,
+    Case, CaseResult, Checks, Conditions, Fallible,
+    area_light::{AreaLight, Receiver, check_image, irradiance_from},
+    cases, closed_form,
     estimate::{hold, mean_of},
-    lamp::{Lamp, Receiver, hold_picture, irradiance_from},
-    picture::Picture,
+    test_image::TestImage,
 };
 
 cases! {
@@ -21,48 +22,54 @@ cases! {
 }
 
 /// Unit square on the ground around the origin, and a light: samples of both, and images.
-fn hold_square(tally: &mut Tally, conditions: &Conditions, what: &str, lamp: &Lamp, factor: f64) -> Fallible<()> {
+fn hold_square(
+    checks: &mut Checks,
+    conditions: &Conditions,
+    what: &str,
+    area_light: &AreaLight,
+    factor: f64,
+) -> Fallible<()> {
     let (seeds, spp) = (conditions.count(64, 256), conditions.count(256, 1024));
-    let emitter = lamp.emitter()?;
-    hold(tally, format_args!("{what}, samples of both"), PI * factor, seeds, |pattern, seed| {
+    let emitter = area_light.emitter()?;
+    hold(checks, format_args!("{what}, samples of both"), PI * factor, seeds, |pattern, seed| {
         Ok(mean_of(pattern, spp as u32, seed, |sample| {
             let [x, y] = sample.next_2d();
             let receiver = Receiver { point: DVec3::new(x - 0.5, y - 0.5, 0.0), ..Receiver::ground(0.0) };
             irradiance_from(&emitter, &receiver, sample.next_2d())
         }))
     })?;
-    let picture = lamp.scene(&Receiver::ground(LIFT), 1.0, "")?;
-    hold_picture(tally, what, PI * factor, &picture, [seeds, spp])
+    let image = area_light.scene(&Receiver::ground(LIFT), 1.0, "")?;
+    check_image(checks, what, PI * factor, &image, [seeds, spp])
 }
 
 /// The camera plane is below all lights, and above the ground where they touch it.
 const LIFT: f64 = 0.05;
 
-fn parallel_squares(conditions: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn parallel_squares(conditions: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     for distance in [0.1, 1.0, 2.0, 10.0] {
         let what = format!("{distance} apart");
-        let lamp = Lamp::square(distance, 0.0);
-        hold_square(&mut tally, conditions, &what, &lamp, closed_form::parallel_squares(distance))?;
+        let area_light = AreaLight::square(distance, 0.0);
+        hold_square(&mut checks, conditions, &what, &area_light, closed_form::parallel_squares(distance))?;
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn perpendicular_squares(conditions: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn perpendicular_squares(conditions: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     // It faces +x.
-    let lamp = Lamp::Quad(DVec3::new(-0.5, -0.5, 0.0), [DVec3::Y, DVec3::Z]);
-    hold_square(&mut tally, conditions, "along an edge", &lamp, closed_form::perpendicular_squares())?;
-    Ok(tally)
+    let area_light = AreaLight::Quad(DVec3::new(-0.5, -0.5, 0.0), [DVec3::Y, DVec3::Z]);
+    hold_square(&mut checks, conditions, "along an edge", &area_light, closed_form::perpendicular_squares())?;
+    Ok(checks)
 }
 
-/// The pictures show the square around the receiver, of which it fills π/4.
-fn coaxial_disks(conditions: &Conditions) -> Found {
+/// The images show the square around the receiver, of which it fills π/4.
+fn coaxial_disks(conditions: &Conditions) -> CaseResult {
     let (seeds, spp) = (conditions.count(64, 256), conditions.count(256, 1024));
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for distance in [1.0, 2.0] {
-        let lamp = Lamp::disk(1.0, distance, 0.0);
-        let picture = Picture::of(&format!(
+        let area_light = AreaLight::disk(1.0, distance, 0.0);
+        let image = TestImage::of(&format!(
             "(
                 camera: (look_from: (0, 0, {LIFT}), look_at: (0, 0, 0), orthographic: 2),
                 film: (size: (1, 1)),
@@ -75,10 +82,10 @@ fn coaxial_disks(conditions: &Conditions) -> Found {
                     {},
                 ],
             )",
-            lamp.node("lamp"),
+            area_light.node("lamp"),
         ))?;
         let truth = FRAC_PI_4 * PI * closed_form::coaxial_disks(distance);
-        hold_picture(&mut tally, &format!("{distance} apart, π/4"), truth, &picture, [seeds, spp])?;
+        check_image(&mut checks, &format!("{distance} apart, π/4"), truth, &image, [seeds, spp])?;
     }
-    Ok(tally)
+    Ok(checks)
 }

@@ -12,11 +12,12 @@ use rt_shading::{
 };
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, cases,
-    enclosures::Room,
+    Case, CaseResult, Checks, Conditions, Fallible,
+    area_light::{ALBEDO, AreaLight, Receiver, irradiance_from},
+    cases,
+    enclosures::Enclosure,
     estimate::{Estimate, MOST, mean_of},
-    faulty_samplers::{self, PATTERN, SPP, lamp},
-    lamp::{ALBEDO, Lamp, Receiver, irradiance_from},
+    faulty_samplers::{self, PATTERN, SPP, area_light},
     slopes::{TOLERANCE, rmse, slope},
 };
 
@@ -36,13 +37,13 @@ struct Fault {
 }
 
 const FAULTS: [Fault; 11] = [
-    Fault { what: "a light that is 1 % too bright", truth: one_lamp, estimate: bright_light },
+    Fault { what: "a light that is 1 % too bright", truth: one_light, estimate: bright_light },
     Fault { what: "a light that shines to both sides", truth: || 0.0, estimate: two_sided_light },
-    Fault { what: "a density of light samples that is 2 % too great", truth: one_lamp, estimate: light_density },
-    Fault { what: "a choice of lights that is not divided by", truth: two_lamps, estimate: forgotten_choice },
+    Fault { what: "a density of light samples that is 2 % too great", truth: one_light, estimate: light_density },
+    Fault { what: "a choice of lights that is not divided by", truth: two_lights, estimate: forgotten_choice },
     Fault { what: "a BSDF's density without its cosine", truth: || 0.5, estimate: density_without_cosine },
     Fault { what: "a highlight of n + 1 in place of n + 2", truth: || 1.0, estimate: highlight },
-    Fault { what: "weights of two strategies that add up to more than 1", truth: one_lamp, estimate: weights },
+    Fault { what: "weights of two strategies that add up to more than 1", truth: one_light, estimate: weights },
     Fault { what: "one bounce too few", truth: || 1.96875, estimate: missing_bounce },
     Fault {
         what: "the same numbers for place and light",
@@ -60,65 +61,65 @@ const FAULTS: [Fault; 11] = [
 const GROUND: Receiver = Receiver::ground(0.25);
 
 /// A second one, smaller and aside.
-fn other() -> Lamp {
-    Lamp::disk(0.3, 0.7, 1.0)
+fn other() -> AreaLight {
+    AreaLight::disk(0.3, 0.7, 1.0)
 }
 
-fn one_lamp() -> f64 {
-    lamp().irradiance(&GROUND)
+fn one_light() -> f64 {
+    area_light().irradiance(&GROUND)
 }
 
-fn two_lamps() -> f64 {
-    one_lamp() + other().irradiance(&GROUND)
+fn two_lights() -> f64 {
+    one_light() + other().irradiance(&GROUND)
 }
 
-fn faults(conditions: &Conditions) -> Found {
+fn faults(conditions: &Conditions) -> CaseResult {
     let seeds = conditions.count(64, 256);
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for Fault { what, truth, estimate } in &FAULTS {
         let z = |is_wrong| {
             let found = Estimate::of_seeds(what, seeds, |seed| estimate(is_wrong, seed));
             found.map(|found| found.z(truth()))
         };
         let (right, wrong) = (z(false)?, z(true)?);
-        tally.note(format!("{what}: z = {wrong:+.1}; without it {right:+.2}"));
-        tally.check(right.abs() <= MOST, || format!("the right twin of {what}: z = {right}"));
-        tally.check(wrong.abs() > MOST, || format!("{what} is not found: z = {wrong}"));
+        checks.note(format!("{what}: z = {wrong:+.1}; without it {right:+.2}"));
+        checks.check(right.abs() <= MOST, || format!("the right twin of {what}: z = {right}"));
+        checks.check(wrong.abs() > MOST, || format!("{what} is not found: z = {wrong}"));
     }
-    Ok(tally)
+    Ok(checks)
 }
 
 /// Irradiance from an image of the changed light.
 fn bright_light(is_wrong: bool, seed: u64) -> Fallible<f64> {
-    let mut picture = lamp().scene(&GROUND, 1e-9, "")?;
+    let mut image = area_light().scene(&GROUND, 1e-9, "")?;
     if is_wrong {
-        for material in picture.scene.appearance.materials.iter_mut().filter(|material| material.name == "lamp") {
+        for material in image.scene.appearance.materials.iter_mut().filter(|material| material.name == "lamp") {
             material.phong.emission = ColorTexture::Constant(Rgb::gray(1.01));
         }
     }
-    Ok(picture.mean(Integrator::Path, PATTERN, SPP, seed)? * PI / ALBEDO)
+    Ok(image.mean(Integrator::Path, PATTERN, SPP, seed)? * PI / ALBEDO)
 }
 
 /// A light that faces away.
 fn two_sided_light(is_wrong: bool, seed: u64) -> Fallible<f64> {
-    let turned = Lamp::Quad(DVec3::new(-0.5, -0.5, 1.0), [DVec3::X, DVec3::Y]);
-    let mut picture = turned.scene(&GROUND, 1e-9, "")?;
+    let turned = AreaLight::Quad(DVec3::new(-0.5, -0.5, 1.0), [DVec3::X, DVec3::Y]);
+    let mut image = turned.scene(&GROUND, 1e-9, "")?;
     if is_wrong {
-        for material in &mut picture.scene.appearance.materials {
+        for material in &mut image.scene.appearance.materials {
             material.shines = rt_shading::emitter::Sides::Both;
         }
     }
-    picture.mean(Integrator::Path, PATTERN, SPP, seed)
+    image.mean(Integrator::Path, PATTERN, SPP, seed)
 }
 
 fn light_density(is_wrong: bool, seed: u64) -> Fallible<f64> {
-    let emitter = lamp().emitter()?;
+    let emitter = area_light().emitter()?;
     let scale = if is_wrong { 1.02 } else { 1.0 };
     Ok(mean_of(PATTERN, SPP, seed, |sample| irradiance_from(&emitter, &GROUND, sample.next_2d()) / scale))
 }
 
 fn forgotten_choice(is_wrong: bool, seed: u64) -> Fallible<f64> {
-    let lights = EmitterSet::new(vec![lamp().emitter()?, other().emitter()?], LightSampling::Tree, 1.0);
+    let lights = EmitterSet::new(vec![area_light().emitter()?, other().emitter()?], LightSampling::Tree, 1.0);
     Ok(mean_of(PATTERN, SPP, seed, |sample| {
         let (u, choice) = (sample.next_2d(), sample.next_1d());
         let Some(light) = lights.sample(GROUND.point, Some(GROUND.normal), choice, u) else { return 0.0 };
@@ -152,7 +153,7 @@ fn highlight(is_wrong: bool, seed: u64) -> Fallible<f64> {
 /// Directions to the light and of a diffuse surface, weighted by the power heuristic; the fault weights the second by the
 /// balance heuristic.
 fn weights(is_wrong: bool, seed: u64) -> Fallible<f64> {
-    let emitter = lamp().emitter()?;
+    let emitter = area_light().emitter()?;
     Ok(mean_of(PATTERN, SPP, seed, |sample| {
         let power = |drawn: f64, other: f64| drawn * drawn / (drawn * drawn + other * other);
         let by_light = emitter.sample(GROUND.point, sample.next_2d()).map_or(0.0, |light| {
@@ -173,24 +174,24 @@ fn weights(is_wrong: bool, seed: u64) -> Fallible<f64> {
 
 fn missing_bounce(is_wrong: bool, seed: u64) -> Fallible<f64> {
     let depth = if is_wrong { 3 } else { 4 };
-    Room::Cube.shining(0.5, depth)?.mean(Integrator::Path, PATTERN, SPP, seed)
+    Enclosure::Cube.emissive(0.5, depth)?.mean(Integrator::Path, PATTERN, SPP, seed)
 }
 
 /// Random points in place of jittered ones.
-fn lost_strata(conditions: &Conditions) -> Found {
+fn lost_strata(conditions: &Conditions) -> CaseResult {
     const JITTERED: f64 = -0.75;
     let seeds = conditions.count(256, 1024);
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for (pattern, is_wrong) in [(SamplerKind::Jittered, false), (SamplerKind::Random, true)] {
         let below = |[x, y]: [f64; 2]| if y < 0.3 + 0.2 * x { 1.0 } else { 0.0 };
         let slope = slope(&[16, 64, 256, 1024], |spp| {
             rmse(seeds, 0.4, |seed| Ok(mean_of(pattern, spp, seed, |sample| below(sample.next_2d()))))
         })?;
         let name = if is_wrong { "random points that pass for jittered ones" } else { "jittered points" };
-        tally.note(format!("{name}: slope {slope:.3}"));
-        tally.check(((slope - JITTERED).abs() > TOLERANCE) == is_wrong, || format!("{name}: slope {slope}"));
+        checks.note(format!("{name}: slope {slope:.3}"));
+        checks.check(((slope - JITTERED).abs() > TOLERANCE) == is_wrong, || format!("{name}: slope {slope}"));
     }
-    Ok(tally)
+    Ok(checks)
 }
 
 #[cfg(test)]
@@ -203,8 +204,8 @@ mod tests {
         let workspace = Workspace::load().unwrap();
         let conditions = Conditions { full: false, workspace: &workspace };
         for case in CASES {
-            let tally = (case.run)(&conditions).unwrap();
-            assert_eq!(tally.failed, 0, "{:?}", tally.problems);
+            let checks = (case.run)(&conditions).unwrap();
+            assert_eq!(checks.failed, 0, "{:?}", checks.problems);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Samplers that are wrong on purpose, put into the path tracer itself.
+//! Faulty samplers in the path tracer.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -12,8 +12,9 @@ use rt_shading::{
 };
 
 use super::{
-    Fallible, closed_form,
-    lamp::{ALBEDO, Lamp},
+    Fallible,
+    area_light::{ALBEDO, AreaLight},
+    closed_form,
 };
 
 /// Sample pattern and samples of each estimate with a fault.
@@ -21,8 +22,8 @@ pub(super) const PATTERN: SamplerKind = SamplerKind::Jittered;
 pub(super) const SPP: u32 = 256;
 
 /// A unit square of light, 1 above the ground.
-pub(super) fn lamp() -> Lamp {
-    Lamp::square(1.0, 0.0)
+pub(super) fn area_light() -> AreaLight {
+    AreaLight::square(1.0, 0.0)
 }
 
 /// Mean irradiance of the unit square under the light.
@@ -30,7 +31,7 @@ pub(super) fn truth() -> f64 {
     PI * closed_form::parallel_squares(1.0)
 }
 
-/// Says the same pair over and over.
+/// Repeats one pair.
 pub(super) fn repeating(is_wrong: bool, seed: u64) -> Fallible<f64> {
     #[derive(Clone)]
     struct Repeating<S>(S);
@@ -93,9 +94,9 @@ pub(super) fn shifted(is_wrong: bool, seed: u64) -> Fallible<f64> {
 }
 
 /// The ground, and the light over it.
-struct World([Shape; 2]);
+struct TwoShapes([Shape; 2]);
 
-impl World {
+impl TwoShapes {
     fn new() -> Fallible<Self> {
         let corners = [[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]].map(|[x, y]| DVec3::new(x, y, 1.0));
         let square = Polygon::new(corners.to_vec(), Vec::new(), InsideRule::Convex)?;
@@ -103,7 +104,7 @@ impl World {
     }
 }
 
-impl Tracer for World {
+impl Tracer for TwoShapes {
     fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         let hits = (0..2).filter_map(|index| Some((index, self.0[index].intersect(ray, span)?)));
         let (index, hit) = hits.min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))?;
@@ -120,16 +121,16 @@ impl Tracer for World {
 fn appearance() -> Appearance {
     let gray = |value| ColorTexture::Constant(Rgb::gray(value));
     let ground = Phong { ambient: ColorTexture::ZERO, diffuse: gray(ALBEDO), ..Phong::default() };
-    let shining = Phong { diffuse: ColorTexture::ZERO, emission: gray(1.0), ..ground };
-    let lamp = Material { shines: Sides::Front, ..Material::new("lamp".into(), shining) };
-    Appearance { materials: vec![Material::new("ground".into(), ground), lamp], ..Appearance::default() }
+    let emissive = Phong { diffuse: ColorTexture::ZERO, emission: gray(1.0), ..ground };
+    let area_light = Material { shines: Sides::Front, ..Material::new("lamp".into(), emissive) };
+    Appearance { materials: vec![Material::new("ground".into(), ground), area_light], ..Appearance::default() }
 }
 
-/// The mean irradiance as the path tracer finds it, by a sampler that is made of the right one.
+/// Mean irradiance by the path tracer, with a sampler made of the correct one.
 fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::SampleStream) -> S) -> Fallible<f64> {
-    let mut world = World::new()?;
+    let mut world = TwoShapes::new()?;
     let appearance = appearance();
-    let emitters = EmitterSet::new(vec![lamp().emitter()?], LightSampling::Tree, 1.0);
+    let emitters = EmitterSet::new(vec![area_light().emitter()?], LightSampling::Tree, 1.0);
     let settings = PathSettings { max_depth: 2, roulette_from: 3, follows: Follows::Everything, clamp: Clamp::NONE };
     let bsdfs = BsdfCache::new(&appearance, |_| true);
     let lighting = Lighting { appearance: &appearance, emitters: &emitters, bsdfs: &bsdfs };

@@ -11,17 +11,18 @@ use rt_scene_io::{Background, Integrator};
 use rt_shading::{bsdf::PhongLobe, emitter::EnvironmentLight};
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, cases,
+    Case, CaseResult, Checks, Conditions, Fallible,
+    area_light::tuple,
+    cases,
     estimate::{Estimate, MOST, hold, mean_of},
-    lamp::tuple,
-    picture::Picture,
     reflectance::{dielectric_fresnel, facets, metal_fresnel, phong, transmission},
+    test_image::TestImage,
 };
 
 cases! {
     "S58", "the white furnace: each material at seven angles, before a background and in an image of it",
         "1; Phong .75540916 (n = 1, 45°) …; else ∫ f cos θ of published formulas by quadrature", "5 σ", furnace;
-    "furnace-ball", "a ball of glass in the white furnace", "1", "5 σ", ball;
+    "furnace-ball", "a ball of glass in the white furnace", "1", "5 σ", glass_sphere;
     "S65", "Phong's highlight of exponent 1e6",
         "∫ f cos = 1 along the normal, cos θ aside; nothing infinite", "1e-9 abs; 5 σ", sharp;
     "cosine-lobe", "∫ cosⁿ over the hemisphere, n = 1 to 1000", "2π / (n + 1)", "5 σ", lobes;
@@ -75,9 +76,9 @@ const MATERIALS: [(&str, Truth); 15] = [
 ];
 
 /// A plane of a material, seen under an angle in the furnace.
-fn plane(material: &str, degrees: f64) -> Fallible<Picture> {
+fn plane(material: &str, degrees: f64) -> Fallible<TestImage> {
     let (sin, cos) = sincos(degrees.to_radians());
-    Picture::of(&format!(
+    TestImage::of(&format!(
         "(
             camera: (look_from: {}, look_at: (0, 0, 0), up: (0, 1, 0), orthographic: 1e-9),
             film: (size: (1, 1)),
@@ -111,11 +112,11 @@ impl Truth {
     }
 }
 
-fn furnace(conditions: &Conditions) -> Found {
+fn furnace(conditions: &Conditions) -> CaseResult {
     let seeds = conditions.count(64, 256);
     let spp = conditions.count(64, 256) as u32;
     let around = Background::Environment(Arc::new(EnvironmentLight::constant(Rgb::WHITE)?));
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for (material, truth) in MATERIALS {
         let mut note = format!("{material}: z");
         for degrees in ANGLES {
@@ -124,7 +125,7 @@ fn furnace(conditions: &Conditions) -> Found {
             let mut image = plain.clone();
             image.scene.appearance.background = around.clone();
             note.push_str(&format!(" | {degrees}° {truth:.5}:"));
-            for (picture, what, integrator) in [
+            for (target, what, integrator) in [
                 (&plain, "background", Integrator::Path),
                 (&plain, "background", Integrator::Direct),
                 (&image, "image", Integrator::Path),
@@ -134,28 +135,28 @@ fn furnace(conditions: &Conditions) -> Found {
                 for pattern in [SamplerKind::Random, SamplerKind::Sobol] {
                     let how = format!("{}, {}", integrator.name(), pattern.name());
                     let name = format!("{material} at {degrees}° in a {what}, {how}");
-                    let mean = |seed| picture.mean(integrator, pattern, spp, seed);
+                    let mean = |seed| target.mean(integrator, pattern, spp, seed);
                     let found = Estimate::of_seeds(&name, seeds, mean)?;
                     let z = found.z(truth);
                     note.push_str(&format!(" {z:+.1}"));
-                    tally.limit(z, MOST, format_args!("{name}: {found:?} instead of {truth}"));
+                    checks.limit(z, MOST, format_args!("{name}: {found:?} instead of {truth}"));
                 }
             }
         }
-        tally.note(note);
+        checks.note(note);
     }
-    Ok(tally)
+    Ok(checks)
 }
 
 /// Every ray that goes into it comes out of it. Roulette would end one path in many thousands, and make the mean of few seeds
 /// lopsided.
-fn ball(conditions: &Conditions) -> Found {
+fn glass_sphere(conditions: &Conditions) -> CaseResult {
     let seeds = conditions.count(64, 256);
     let spp = conditions.count(64, 256) as u32;
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for degrees in ANGLES {
         let aside = sin(degrees.to_radians());
-        let picture = Picture::of(&format!(
+        let target = TestImage::of(&format!(
             "(
                 camera: (look_from: ({aside:?}, 0, 2), look_at: ({aside:?}, 0, 0), orthographic: 1e-9),
                 film: (size: (1, 1)),
@@ -166,18 +167,18 @@ fn ball(conditions: &Conditions) -> Found {
                 nodes: [(shape: sphere(radius: 1), material: \"it\")],
             )"
         ))?;
-        let mean = |pattern: SamplerKind, seed| picture.mean(Integrator::Path, pattern, spp, seed);
-        hold(&mut tally, format_args!("{degrees}°"), 1.0, seeds, mean)?;
+        let mean = |pattern: SamplerKind, seed| target.mean(Integrator::Path, pattern, spp, seed);
+        hold(&mut checks, format_args!("{degrees}°"), 1.0, seeds, mean)?;
     }
-    Ok(tally)
+    Ok(checks)
 }
 
 const SHARP: PhongLobe = PhongLobe { reflectance: Rgb::WHITE, exponent: 1e6 };
 
-fn sharp(_: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn sharp(_: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     let integral = sharp_integral();
-    tally.limit(integral - 1.0, 1e-9, format_args!("∫ f cos θ = {integral:?}"));
+    checks.limit(integral - 1.0, 1e-9, format_args!("∫ f cos θ = {integral:?}"));
     for degrees in ANGLES {
         let (sin, cos) = sincos(degrees.to_radians());
         let wo = DVec3::new(sin, 0.0, cos);
@@ -186,16 +187,16 @@ fn sharp(_: &Conditions) -> Found {
             // The lowest numbers are directions below the surface.
             let Some(sample) = SHARP.sample(wo, u) else { continue };
             let weight = sample.weight().g;
-            tally.check(weight.is_finite() && (0.0..=1.1).contains(&weight), || {
+            checks.check(weight.is_finite() && (0.0..=1.1).contains(&weight), || {
                 format!("{degrees}°, u = {u:?}: a weight of {weight}")
             });
             let (value, pdf) = (SHARP.eval(wo, sample.wi).g, SHARP.pdf(wo, sample.wi));
-            tally.check(value.is_finite() && pdf.is_finite(), || format!("{degrees}°, u = {u:?}: {value} / {pdf}"));
+            checks.check(value.is_finite() && pdf.is_finite(), || format!("{degrees}°, u = {u:?}: {value} / {pdf}"));
         }
         let behind = SHARP.eval(wo, DVec3::new(sin, 0.0, cos));
-        tally.check(degrees == 0.0 || behind.g < 1e-100, || format!("{behind:?} towards the viewer at {degrees}°"));
+        checks.check(degrees == 0.0 || behind.g < 1e-100, || format!("{behind:?} towards the viewer at {degrees}°"));
     }
-    Ok(tally)
+    Ok(checks)
 }
 
 /// ∫ f cos θ dω along the normal by Simpson's rule, over s = −(n + 2) ln cos θ: the integrand is e⁻ˢ.
@@ -214,16 +215,16 @@ fn sharp_integral() -> f64 {
 }
 
 /// By directions that are uniform, and by those of the lobe itself.
-fn lobes(conditions: &Conditions) -> Found {
+fn lobes(conditions: &Conditions) -> CaseResult {
     let seeds = conditions.count(64, 512);
     let spp = conditions.count(1024, 4096) as u32;
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for exponent in [1.0, 10.0, 100.0, 1000.0] {
         let lobe = PhongLobe { reflectance: Rgb::WHITE, exponent };
         // f is the power of the cosine, but for its factor.
         let power = |wi: DVec3| lobe.eval(DVec3::Z, wi).g * TAU / (exponent + 2.0);
         let truth = TAU / (exponent + 1.0);
-        hold(&mut tally, format_args!("n = {exponent}, uniform"), truth, seeds, |pattern, seed| {
+        hold(&mut checks, format_args!("n = {exponent}, uniform"), truth, seeds, |pattern, seed| {
             Ok(mean_of(pattern, spp, seed, |sample| {
                 let [height, turn] = sample.next_2d();
                 let radius = ((1.0 - height) * (1.0 + height)).sqrt();
@@ -231,12 +232,12 @@ fn lobes(conditions: &Conditions) -> Found {
                 TAU * power(DVec3::new(radius * cos, radius * sin, height))
             }))
         })?;
-        hold(&mut tally, format_args!("n = {exponent}, its own"), truth, seeds, |pattern, seed| {
+        hold(&mut checks, format_args!("n = {exponent}, its own"), truth, seeds, |pattern, seed| {
             Ok(mean_of(pattern, spp, seed, |sample| {
                 let [u, v] = sample.next_2d();
                 lobe.sample(DVec3::Z, [0.5, u, v]).map_or(0.0, |found| power(found.wi) / found.pdf)
             }))
         })?;
     }
-    Ok(tally)
+    Ok(checks)
 }

@@ -11,10 +11,11 @@ use rt_scene_io::Integrator;
 use rt_shading::emitter::Emitter;
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, Tolerance, cases, closed_form,
+    Case, CaseResult, Checks, Conditions, Fallible, Tolerance,
+    area_light::{ALBEDO, AreaLight, Receiver, hold_irradiance},
+    cases, closed_form,
     estimate::{hold, mean_of},
-    lamp::{ALBEDO, Lamp, Receiver, hold_irradiance},
-    picture::Picture,
+    test_image::TestImage,
 };
 
 cases! {
@@ -32,16 +33,16 @@ cases! {
 }
 
 /// A diffuse surface of the classical kind is as bright as its coefficient says, by any integrator.
-fn point_light(conditions: &Conditions) -> Found {
+fn point_light(conditions: &Conditions) -> CaseResult {
     let seeds = conditions.count(64, 256);
     let spp = conditions.count(64, 256) as u32;
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for (what, look, height, truth) in [
         ("45° aside", DVec3::X, 1e-7, 0.125f64.sqrt()),
         ("over a square", DVec3::new(0.5, 0.5, 0.0), 1.0, closed_form::point_light_over_rectangle(1.0, 1.0, 1.0)),
     ] {
         let DVec3 { x, y, .. } = look;
-        let picture = Picture::of(&format!(
+        let image = TestImage::of(&format!(
             "(
                 camera: (look_from: ({x:?}, {y:?}, 0.5), look_at: ({x:?}, {y:?}, 0), orthographic: {height:?}),
                 film: (size: (1, 1)),
@@ -51,32 +52,32 @@ fn point_light(conditions: &Conditions) -> Found {
             )"
         ))?;
         for integrator in [Integrator::Whitted, Integrator::Direct, Integrator::Path, Integrator::Distributed] {
-            let mean = |pattern: SamplerKind, seed| Ok(picture.mean(integrator, pattern, spp, seed)? / ALBEDO);
-            hold(&mut tally, format_args!("{what}, {}", integrator.name()), truth, seeds, mean)?;
+            let mean = |pattern: SamplerKind, seed| Ok(image.mean(integrator, pattern, spp, seed)? / ALBEDO);
+            hold(&mut checks, format_args!("{what}, {}", integrator.name()), truth, seeds, mean)?;
         }
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn disks(conditions: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn disks(conditions: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     for (what, height, aside) in
         [("1 above", 1.0, 0.0), ("2 above", 2.0, 0.0), ("1 above, 1 aside", 1.0, 1.0), ("2 above, 3 aside", 2.0, 3.0)]
     {
-        let lamp = Lamp::disk(1.0, height, aside);
-        hold_irradiance(&mut tally, conditions, what, &lamp, &Receiver::ground(0.5 * height))?;
+        let area_light = AreaLight::disk(1.0, height, aside);
+        hold_irradiance(&mut checks, conditions, what, &area_light, &Receiver::ground(0.5 * height))?;
     }
-    Ok(tally)
+    Ok(checks)
 }
 
 /// A sphere whose sine of half the angle is `s`, at a distance of 1, `degrees` from straight up.
-fn sphere_at(s: f64, degrees: f64) -> Lamp {
+fn sphere_at(s: f64, degrees: f64) -> AreaLight {
     let (sin, cos) = sincos(degrees.to_radians());
-    Lamp::Sphere { centre: DVec3::new(sin, 0.0, cos), radius: s }
+    AreaLight::Sphere { centre: DVec3::new(sin, 0.0, cos), radius: s }
 }
 
-fn spheres(conditions: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn spheres(conditions: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     for (what, s, degrees) in [
         ("s = 1/3, above", 1.0 / 3.0, 0.0),
         ("s = 1/3 at 60°", 1.0 / 3.0, 60.0),
@@ -84,82 +85,82 @@ fn spheres(conditions: &Conditions) -> Found {
         ("s = 1/2 at 80°", 0.5, 80.0),
         ("s = 1/2 at 100°", 0.5, 100.0),
     ] {
-        hold_irradiance(&mut tally, conditions, what, &sphere_at(s, degrees), &Receiver::ground(0.25))?;
+        hold_irradiance(&mut checks, conditions, what, &sphere_at(s, degrees), &Receiver::ground(0.25))?;
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn polygons(conditions: &Conditions) -> Found {
-    let triangle = Lamp::Triangle([DVec3::Z, DVec3::new(0.0, 1.0, 1.0), DVec3::new(1.0, 0.0, 1.0)]);
+fn polygons(conditions: &Conditions) -> CaseResult {
+    let triangle = AreaLight::Triangle([DVec3::Z, DVec3::new(0.0, 1.0, 1.0), DVec3::new(1.0, 0.0, 1.0)]);
     let tilted = Receiver { normal: DVec3::ONE.normalize(), ..Receiver::ground(0.25) };
     let ground = Receiver::ground(0.5);
-    let mut tally = Tally::default();
-    for (what, lamp, receiver) in [
-        ("square above", Lamp::square(1.0, 0.0), ground),
-        ("square above a corner", Lamp::square(1.0, 0.5), ground),
+    let mut checks = Checks::default();
+    for (what, area_light, receiver) in [
+        ("square above", AreaLight::square(1.0, 0.0), ground),
+        ("square above a corner", AreaLight::square(1.0, 0.5), ground),
         ("triangle", triangle, ground),
         ("triangle, tilted", triangle, tilted),
     ] {
-        hold_irradiance(&mut tally, conditions, what, &lamp, &receiver)?;
+        hold_irradiance(&mut checks, conditions, what, &area_light, &receiver)?;
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn solid_angles(conditions: &Conditions) -> Found {
+fn solid_angles(conditions: &Conditions) -> CaseResult {
     let seeds = conditions.count(64, 256);
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     let cone = 2.0 * PI * (1.0 - 0.75f64.sqrt());
-    for (what, lamp, truth) in
-        [("cone of 30°", sphere_at(0.5, 0.0), cone), ("unit square", Lamp::square(1.0, 0.0), 4.0 * asin(0.2))]
+    for (what, area_light, truth) in
+        [("cone of 30°", sphere_at(0.5, 0.0), cone), ("unit square", AreaLight::square(1.0, 0.0), 4.0 * asin(0.2))]
     {
-        let emitter = lamp.emitter()?;
-        hold(&mut tally, what, truth, seeds, |pattern, seed| {
+        let emitter = area_light.emitter()?;
+        hold(&mut checks, what, truth, seeds, |pattern, seed| {
             let inverse = |u| emitter.sample(DVec3::ZERO, u).map_or(0.0, |sample| 1.0 / sample.pdf);
             Ok(mean_of(pattern, 64, seed, |sample| inverse(sample.next_2d())))
         })?;
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn near_and_far(conditions: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn near_and_far(conditions: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     for height in [1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6] {
-        let lamp = Lamp::square(height, 0.0);
+        let area_light = AreaLight::square(height, 0.0);
         let receiver = Receiver::ground(0.5 * height);
-        hold_exact(&mut tally, height, &lamp)?;
-        hold_irradiance(&mut tally, conditions, &format!("{height:e} away"), &lamp, &receiver)?;
+        hold_exact(&mut checks, height, &area_light)?;
+        hold_irradiance(&mut checks, conditions, &format!("{height:e} away"), &area_light, &receiver)?;
     }
-    Ok(tally)
+    Ok(checks)
 }
 
 /// Checks without samples: the closed form against that of rectangles above their corner (Howell C-4), and the solid
 /// angle that the light is sampled by.
-fn hold_exact(tally: &mut Tally, height: f64, lamp: &Lamp) -> Fallible<()> {
+fn hold_exact(checks: &mut Checks, height: f64, area_light: &AreaLight) -> Fallible<()> {
     let a = 0.5 / height;
     let root = (1.0 + a * a).sqrt();
     let howell = 4.0 * a / root * atan(a / root);
-    tally.near(
-        lamp.irradiance(&Receiver::ground(0.0)),
+    checks.near(
+        area_light.irradiance(&Receiver::ground(0.0)),
         howell,
         Tolerance::Relative(1e-10),
         format_args!("irradiance, {height:e} away"),
     );
-    if let Emitter::Quad(light) = lamp.emitter()? {
+    if let Emitter::Quad(light) = area_light.emitter()? {
         let solid_angle = 4.0 * atan(a * a / (1.0 + 2.0 * a * a).sqrt());
         let what = format_args!("solid angle, {height:e} away");
-        tally.near(light.solid_angle(DVec3::ZERO), solid_angle, Tolerance::Relative(1e-10), what);
+        checks.near(light.solid_angle(DVec3::ZERO), solid_angle, Tolerance::Relative(1e-10), what);
     }
     Ok(())
 }
 
-fn touching(conditions: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn touching(conditions: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     for (what, radius, aside) in
         [("under it", 1.0, 0.0), ("1e-3 aside", 1.0, 1e-3), ("1 aside", 1.0, 1.0), ("under a small one", 1e-3, 0.0)]
     {
         const GAP: f64 = 1e-6;
-        let lamp = Lamp::Sphere { centre: DVec3::new(aside, 0.0, radius + GAP), radius };
-        hold_irradiance(&mut tally, conditions, what, &lamp, &Receiver::ground(0.5 * GAP))?;
+        let area_light = AreaLight::Sphere { centre: DVec3::new(aside, 0.0, radius + GAP), radius };
+        hold_irradiance(&mut checks, conditions, what, &area_light, &Receiver::ground(0.5 * GAP))?;
     }
-    Ok(tally)
+    Ok(checks)
 }

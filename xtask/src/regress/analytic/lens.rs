@@ -5,32 +5,32 @@ use std::f64::consts::PI;
 use rt_math::transcendental::acos;
 use rt_scene_io::Integrator;
 
-use super::{Case, Conditions, Found, Tally, cases, estimate::hold, picture::Picture};
+use super::{Case, CaseResult, Checks, Conditions, cases, estimate::hold, test_image::TestImage};
 
 cases! {
     "S64", "an edge at 4 m, seen by 50 mm at f/2 that are focused at 2 m",
         "a circle of confusion of 0.3205128205 mm", "5 σ", depth_of_field;
 }
 
-/// The greatest part of the circle of confusion that the footprint of the pixel takes.
+/// The maximum part of the circle of confusion that the footprint of the pixel takes.
 const FOOTPRINT: f64 = 1e-5;
 
-/// One pixel that is much smaller than its circle of confusion sees the part of the circle that the edge leaves open. Edges cut it
-/// at parts of the radius of which the closed form is an area of a segment.
-fn depth_of_field(conditions: &Conditions) -> Found {
+/// A pixel much smaller than its circle of confusion shows the part of the circle next to the edge. The closed form is
+/// the area of a segment.
+fn depth_of_field(conditions: &Conditions) -> CaseResult {
     // On film: the aperture times |z − z_f| / z times f / (z_f − f); the film lies f z_f / (z_f − f) behind the lens.
     let (focal_length, f_stop, focus, depth) = (0.05, 2.0, 2.0, 4.0);
     let confusion = focal_length / f_stop * (depth - focus) / depth * focal_length / (focus - focal_length);
     let film = focal_length * focus / (focus - focal_length);
     let fov = 2.0 * (FOOTPRINT * confusion / film / 2.0).to_degrees();
-    let mut tally = Tally::default();
-    tally.limit(confusion * 1e3 - 0.320_512_820_5, 1e-10, "the circle of confusion in mm");
+    let mut checks = Checks::default();
+    checks.limit(confusion * 1e3 - 0.320_512_820_5, 1e-10, "the circle of confusion in mm");
     let seeds = conditions.count(64, 256);
     let spp = conditions.count(64, 256) as u32;
     for part in [-0.6, 0.0, 0.25, 0.5, 0.9f64] {
         // Of the circle as it is at the depth of the edge.
         let edge = part * confusion / 2.0 / film * depth;
-        let picture = Picture::of(&format!(
+        let image = TestImage::of(&format!(
             "(
                 camera: (
                     look_from: (0, 0, 0), look_at: (0, 0, -1), fov: {fov:?},
@@ -49,8 +49,8 @@ fn depth_of_field(conditions: &Conditions) -> Found {
         let truth = (acos(part) - part * ((1.0 - part) * (1.0 + part)).sqrt()) / PI;
         for integrator in [Integrator::Distributed, Integrator::Path] {
             let what = format!("edge at {part} of the radius, {}", integrator.name());
-            hold(&mut tally, what, truth, seeds, |pattern, seed| picture.mean(integrator, pattern, spp, seed))?;
+            hold(&mut checks, what, truth, seeds, |pattern, seed| image.mean(integrator, pattern, spp, seed))?;
         }
     }
-    Ok(tally)
+    Ok(checks)
 }

@@ -1,4 +1,4 @@
-//! `analytic`: pictures and estimators of which theory gives the mean, held against it.
+//! `analytic`: images and estimators whose mean is known in closed form.
 //!
 //! ```text
 //!   z = (mean over seeds − truth) / standard error,   |z| ≤ 5
@@ -9,11 +9,12 @@
 //! chapter of faults checks that planted faults are detected by the same means.
 
 use super::{
-    suite::{self, Case, Conditions, Fallible, Found, cases},
-    tally::{Tally, Tolerance},
+    checks::{Checks, Tolerance},
+    suite::{self, Case, CaseResult, Conditions, Fallible, cases},
     unit::Unit,
 };
 
+mod area_light;
 mod closed_form;
 mod coverage;
 mod enclosures;
@@ -23,21 +24,20 @@ mod faults;
 mod faulty_samplers;
 mod furnace;
 mod irradiance;
-mod lamp;
-mod lamps;
 mod lens;
+mod many_lights;
 mod occlusion;
-mod picture;
 mod reflectance;
 mod shadows;
 mod slopes;
 mod stopping;
+mod test_image;
 
 static CHAPTERS: [&[Case]; 12] = [
     coverage::CASES,
     slopes::CASES,
     irradiance::CASES,
-    lamps::CASES,
+    many_lights::CASES,
     exchange::CASES,
     shadows::CASES,
     occlusion::CASES,

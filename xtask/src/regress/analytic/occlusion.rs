@@ -1,9 +1,9 @@
-//! The part of the sky that a point of the ground sees.
+//! Visible part of the sky from a point of the ground.
 
 use rt_camera::SamplerKind;
 use rt_scene_io::Integrator;
 
-use super::{Case, Conditions, Found, Tally, cases, estimate::hold, picture::Picture};
+use super::{Case, CaseResult, Checks, Conditions, cases, estimate::hold, test_image::TestImage};
 
 cases! {
     "ambient-occlusion", "open ground, beside a sphere that rests on it, in a corner of walls",
@@ -13,35 +13,35 @@ cases! {
 const SPHERE: &str = "(shape: sphere(center: (0, 0, 1), radius: 1))";
 const WALL: &str = "(shape: plane(normal: (1, 0, 0)))";
 
-fn occlusion(conditions: &Conditions) -> Found {
+fn occlusion(conditions: &Conditions) -> CaseResult {
     let seeds = conditions.count(64, 512);
     let spp = conditions.count(64, 256) as u32;
     // The sphere is seen at s = cos θ = 1 / √(1 + d²).
-    let beside = |d: f64| {
+    let next_to_sphere = |d: f64| {
         let squared = 1.0 + d * d;
         1.0 - 1.0 / (squared * squared.sqrt())
     };
-    let mut tally = Tally::default();
-    for (what, beside_what, distance, truth) in [
+    let mut checks = Checks::default();
+    for (what, next_to_wall, distance, truth) in [
         ("open ground", "", 0.0, 1.0),
-        ("½ from the sphere", SPHERE, 0.5, beside(0.5)),
-        ("1 from the sphere", SPHERE, 1.0, beside(1.0)),
-        ("2 from the sphere", SPHERE, 2.0, beside(2.0)),
+        ("½ from the sphere", SPHERE, 0.5, next_to_sphere(0.5)),
+        ("1 from the sphere", SPHERE, 1.0, next_to_sphere(1.0)),
+        ("2 from the sphere", SPHERE, 2.0, next_to_sphere(2.0)),
         ("1 from the wall", WALL, 1.0, 0.5),
         ("1e-6 from the wall", WALL, 1e-6, 0.5),
     ] {
-        let picture = Picture::of(&format!(
+        let image = TestImage::of(&format!(
             "(
                 camera: (
                     look_from: ({distance:?}, 0, 0.05), look_at: ({distance:?}, 0, 0), orthographic: 1e-9,
                 ),
                 film: (size: (1, 1)),
                 lights: [],
-                nodes: [(shape: plane(normal: (0, 0, 1))), {beside_what}],
+                nodes: [(shape: plane(normal: (0, 0, 1))), {next_to_wall}],
             )"
         ))?;
-        let mean = |pattern: SamplerKind, seed| picture.mean(Integrator::AmbientOcclusion, pattern, spp, seed);
-        hold(&mut tally, what, truth, seeds, mean)?;
+        let mean = |pattern: SamplerKind, seed| image.mean(Integrator::AmbientOcclusion, pattern, spp, seed);
+        hold(&mut checks, what, truth, seeds, mean)?;
     }
-    Ok(tally)
+    Ok(checks)
 }

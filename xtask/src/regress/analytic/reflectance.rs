@@ -1,4 +1,4 @@
-//! Directional reflectance by published formulas, written down once more: nothing here calls the BSDFs under test.
+//! Directional reflectance by published formulas, independent of the BSDFs under test.
 //!
 //! ```text
 //! ρ(wo) = ∫ f(wo, wi) |cos θi| dωi
@@ -45,9 +45,13 @@ pub(super) fn phong(exponent: f64, degrees: f64) -> f64 {
     (exponent + 2.0) / (exponent + 1.0) * part_above
 }
 
-/// Fresnel reflectance of a smooth dielectric for unpolarised light from outside (Fresnel 1823): half the sum of the
-/// squares of sin(i − t) / sin(i + t) and tan(i − t) / tan(i + t), in cosines. `ior` is the index below relative to
-/// that above.
+/// Fresnel reflectance of a smooth dielectric for unpolarised light from outside (Fresnel 1823), in cosines:
+///
+/// ```text
+/// R = (sin²(i − t) / sin²(i + t) + tan²(i − t) / tan²(i + t)) / 2
+/// ```
+///
+/// `ior` is the index below relative to that above.
 pub(super) fn dielectric_fresnel(cos: f64, ior: f64) -> f64 {
     let below = (1.0 - (1.0 - cos * cos) / (ior * ior)).sqrt();
     let perpendicular = (cos - ior * below) / (cos + ior * below);

@@ -5,8 +5,9 @@ use std::f64::consts::PI;
 use rt_math::DVec3;
 
 use super::{
-    Case, Conditions, Found, Tally, cases, closed_form,
-    lamp::{Lamp, Receiver, hold_picture, tuple},
+    Case, CaseResult, Checks, Conditions,
+    area_light::{AreaLight, Receiver, check_image, tuple},
+    cases, closed_form,
 };
 
 cases! {
@@ -22,35 +23,35 @@ const RADIUS: f64 = 1e-5;
 /// Half way up to the light, things hide twice their size of it.
 const HALF_WAY: f64 = 0.5;
 
-fn penumbra(conditions: &Conditions) -> Found {
-    let lamp = Lamp::disk(RADIUS, 1.0, 0.0);
+fn penumbra(conditions: &Conditions) -> CaseResult {
+    let area_light = AreaLight::disk(RADIUS, 1.0, 0.0);
     let receiver = Receiver::ground(0.25);
     let effort = [conditions.count(64, 256), conditions.count(64, 256)];
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for cut in [-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75] {
         let edge = HALF_WAY * cut * RADIUS;
         let corners = [[edge, -1.0], [edge, 1.0], [-1.0, 1.0], [-1.0, -1.0]];
         let corners = corners.map(|[x, y]| tuple(DVec3::new(x, y, HALF_WAY))).join(", ");
         let hides = format!("(shape: polygon(points: [{corners}]), material: \"black\")");
-        let picture = lamp.scene(&receiver, RADIUS * 1e-6, &hides)?;
-        let truth = lamp.irradiance(&receiver) * closed_form::cut_disk(cut);
-        hold_picture(&mut tally, &format!("cut at {cut}"), truth, &picture, effort)?;
+        let image = area_light.scene(&receiver, RADIUS * 1e-6, &hides)?;
+        let truth = area_light.irradiance(&receiver) * closed_form::cut_disk(cut);
+        check_image(&mut checks, &format!("cut at {cut}"), truth, &image, effort)?;
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn eclipse(conditions: &Conditions) -> Found {
-    let lamp = Lamp::disk(RADIUS, 1.0, 0.0);
+fn eclipse(conditions: &Conditions) -> CaseResult {
+    let area_light = AreaLight::disk(RADIUS, 1.0, 0.0);
     let receiver = Receiver::ground(0.25);
     let effort = [conditions.count(64, 256), conditions.count(64, 256)];
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for radius in [1.0, 0.5] {
         let (size, aside) = (HALF_WAY * radius * RADIUS, HALF_WAY * RADIUS);
         let place = format!("[rotate_x(90), translate({aside:?}, 0, {HALF_WAY:?})]");
         let hides = format!("(shape: disk(radius: {size:?}), transform: {place}, material: \"black\")");
-        let picture = lamp.scene(&receiver, RADIUS * 1e-6, &hides)?;
-        let truth = lamp.irradiance(&receiver) * (1.0 - closed_form::lens(1.0, radius, 1.0) / PI);
-        hold_picture(&mut tally, &format!("behind a disk of {radius}"), truth, &picture, effort)?;
+        let image = area_light.scene(&receiver, RADIUS * 1e-6, &hides)?;
+        let truth = area_light.irradiance(&receiver) * (1.0 - closed_form::lens(1.0, radius, 1.0) / PI);
+        check_image(&mut checks, &format!("behind a disk of {radius}"), truth, &image, effort)?;
     }
-    Ok(tally)
+    Ok(checks)
 }

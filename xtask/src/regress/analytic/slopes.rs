@@ -6,10 +6,11 @@ use rt_math::transcendental::{atan, log2};
 use rt_scene_io::Integrator;
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, cases, closed_form,
+    Case, CaseResult, Checks, Conditions, Fallible,
+    area_light::ALBEDO,
+    cases, closed_form,
     coverage::{disk, half_plane, left_of, sphere_aside},
-    lamp::ALBEDO,
-    picture::Picture,
+    test_image::TestImage,
 };
 
 cases! {
@@ -33,8 +34,8 @@ const EXPECTED: [(SamplerKind, [f64; 5]); 6] = [
 ];
 
 /// Light of a point light over a square.
-fn smooth() -> Fallible<Picture> {
-    Picture::of(&format!(
+fn smooth() -> Fallible<TestImage> {
+    TestImage::of(&format!(
         "(
             camera: (look_from: (0.5, 0.5, 0.5), look_at: (0.5, 0.5, 0), orthographic: 1),
             film: (size: (1, 1)),
@@ -45,7 +46,7 @@ fn smooth() -> Fallible<Picture> {
     ))
 }
 
-/// Root mean square error of a picture over seeds.
+/// Root mean square error of an image over seeds.
 pub(super) fn rmse(seeds: u64, truth: f64, of_seed: impl Fn(u64) -> Fallible<f64> + Sync + Send) -> Fallible<f64> {
     let values = (0..seeds).into_par_iter().map(of_seed).collect::<Fallible<Vec<f64>>>()?;
     Ok((values.iter().map(|value| (value - truth) * (value - truth)).sum::<f64>() / seeds as f64).sqrt())
@@ -56,33 +57,33 @@ pub(super) fn slope(counts: &[u32], rmse: impl Fn(u32) -> Fallible<f64>) -> Fall
     let points: Vec<[f64; 2]> =
         counts.iter().map(|&spp| Ok([log2(f64::from(spp)), log2(rmse(spp)?)])).collect::<Fallible<_>>()?;
     let mean = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64);
-    let moment = |axis: usize| points.iter().map(|p| (p[0] - mean[0]) * (p[axis] - mean[axis])).sum::<f64>();
-    Ok(moment(1) / moment(0))
+    let covariance = |axis: usize| points.iter().map(|p| (p[0] - mean[0]) * (p[axis] - mean[axis])).sum::<f64>();
+    Ok(covariance(1) / covariance(0))
 }
 
-fn slopes(conditions: &Conditions) -> Found {
+fn slopes(conditions: &Conditions) -> CaseResult {
     let seeds = conditions.count(256, 1024);
     let counts: &[u32] = if conditions.full { &[16, 64, 256, 1024, 4096] } else { &[16, 64, 256, 1024] };
     let aside = atan(0.5);
-    let pictures = [
+    let images = [
         ("y < .3 + .2 x", 0.4, half_plane(0.3, 0.2)?),
         ("x < 1/3", 1.0 / 3.0, left_of(1.0 / 3.0)?),
         ("quarter disk", std::f64::consts::FRAC_PI_4, disk(1.0, 0.0)?),
         ("sphere aside", 0.25 * closed_form::projected_sphere(0.25, aside), sphere_aside(aside)?),
         ("smooth", ALBEDO * closed_form::point_light_over_rectangle(1.0, 1.0, 1.0), smooth()?),
     ];
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for (pattern, expected) in EXPECTED {
         let mut note = format!("{}:", pattern.name());
-        for ((what, truth, picture), expected) in pictures.iter().zip(expected) {
+        for ((what, truth, image), expected) in images.iter().zip(expected) {
             let slope =
-                slope(counts, |spp| rmse(seeds, *truth, |seed| picture.mean(Integrator::Whitted, pattern, spp, seed)))?;
+                slope(counts, |spp| rmse(seeds, *truth, |seed| image.mean(Integrator::Whitted, pattern, spp, seed)))?;
             note.push_str(&format!(" {what} {slope:+.3}"));
             let name = pattern.name();
             let what = format_args!("{name}, {what}: slope {slope:.3} instead of {expected}");
-            tally.limit(slope - expected, TOLERANCE, what);
+            checks.limit(slope - expected, TOLERANCE, what);
         }
-        tally.note(note);
+        checks.note(note);
     }
-    Ok(tally)
+    Ok(checks)
 }

@@ -11,10 +11,10 @@ use rt_render::{PlanOptions, Progress, RenderPlan, Rendering, RunOptions, StopRu
 use rt_scene_io::Integrator;
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, cases, coverage,
-    enclosures::Room,
+    Case, CaseResult, Checks, Conditions, Fallible, cases, coverage,
+    enclosures::Enclosure,
     estimate::{Estimate, MOST},
-    picture::Picture,
+    test_image::TestImage,
 };
 
 /// Seeds of each scene and pattern.
@@ -31,7 +31,7 @@ cases! {
         "within the interval 94 times of 100", "α = 1 %", reached;
 }
 
-fn half_a_second(conditions: &Conditions) -> Found {
+fn half_a_second(conditions: &Conditions) -> CaseResult {
     let limit = Duration::from_millis(500);
     let path = conditions.workspace.root.join("scenes/lecture/cornell.ron");
     let scene = rt_scene_io::load(&path, &rt_scene_io::LoadOptions::default())?;
@@ -49,57 +49,57 @@ fn half_a_second(conditions: &Conditions) -> Found {
     let taken = start.elapsed();
     // The last one shows in the end of the render only.
     longest = longest.max(began.elapsed());
-    let mut tally = Tally::default();
-    tally.note(format!("{taken:.2?} with {passes} passes of at most {longest:.2?}"));
-    tally.same(rendering.stopped, Stopped::Time, "what ended the render");
-    tally.check(taken <= limit.mul_f64(1.05) + longest, || {
+    let mut checks = Checks::default();
+    checks.note(format!("{taken:.2?} with {passes} passes of at most {longest:.2?}"));
+    checks.same(rendering.stopped, Stopped::Time, "what ended the render");
+    checks.check(taken <= limit.mul_f64(1.05) + longest, || {
         format!("{taken:?} and not {limit:?} and a pass of {longest:?}")
     });
     let pixels = rendering.film.pixels();
-    tally.check(pixels.iter().flatten().all(|value| value.is_finite()), || "a pixel is not finite".to_owned());
-    let least = rendering.samples_per_pixel.least;
-    tally.check(least > 0, || "a pixel has no sample".to_owned());
-    Ok(tally)
+    checks.check(pixels.iter().flatten().all(|value| value.is_finite()), || "a pixel is not finite".to_owned());
+    let min = rendering.samples_per_pixel.least;
+    checks.check(min > 0, || "a pixel has no sample".to_owned());
+    Ok(checks)
 }
 
 /// Share of means within the target error, tested against a binomial distribution over all scenes.
-fn target_error(conditions: &Conditions) -> Found {
+fn target_error(conditions: &Conditions) -> CaseResult {
     let relative = if conditions.full { 0.01 } else { 0.05 };
     let scenes = [
         ("y < .3 + .2 x", Integrator::Whitted, 0.4, coverage::half_plane(0.3, 0.2)?),
         ("disk of .5", Integrator::Whitted, FRAC_PI_4, coverage::disk(0.5, 0.5)?),
         ("disk of .5", Integrator::Path, FRAC_PI_4, coverage::disk(0.5, 0.5)?),
-        ("cube of .5", Integrator::Path, 2.0, Room::Cube.shining(0.5, 100)?),
-        ("six quads of .5", Integrator::Path, 2.0, Room::Quads.shining(0.5, 100)?),
+        ("cube of .5", Integrator::Path, 2.0, Enclosure::Cube.emissive(0.5, 100)?),
+        ("six quads of .5", Integrator::Path, 2.0, Enclosure::Quads.emissive(0.5, 100)?),
     ];
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     let (mut kept, mut tried) = (0.0, 0.0);
-    for (what, integrator, truth, picture) in scenes {
+    for (what, integrator, truth, image) in scenes {
         for pattern in [SamplerKind::Random, SamplerKind::Jittered, SamplerKind::Sobol] {
-            let keeps = |seed| keeps(&picture, (integrator, pattern, seed), relative, truth);
+            let keeps = |seed| keeps(&image, (integrator, pattern, seed), relative, truth);
             let all = (0..SEEDS).into_par_iter().map(keeps).collect::<Fallible<Vec<bool>>>()?;
             let count = all.iter().filter(|kept| **kept).count();
-            tally.note(format!("{what}, {}, {}: {count} of {SEEDS}", integrator.name(), pattern.name()));
+            checks.note(format!("{what}, {}, {}: {count} of {SEEDS}", integrator.name(), pattern.name()));
             kept += count as f64;
             tried += SEEDS as f64;
         }
     }
     // One-sided, at the level of 1 %.
     let expected = 0.94 * tried;
-    let least = expected - 2.326 * (expected * 0.06).sqrt();
-    tally.note(format!("{kept} of {tried} kept {relative}"));
-    tally.check(kept >= least, || format!("{kept} of {tried}, and not {least:.0}"));
-    Ok(tally)
+    let min = expected - 2.326 * (expected * 0.06).sqrt();
+    checks.note(format!("{kept} of {tried} kept {relative}"));
+    checks.check(kept >= min, || format!("{kept} of {tried}, and not {min:.0}"));
+    Ok(checks)
 }
 
-/// True if a render to this error ends within it.
+/// True if the error of a render to this target is within it.
 fn keeps(
-    picture: &Picture,
+    image: &TestImage,
     (integrator, pattern, seed): (Integrator, SamplerKind, u64),
     relative: f64,
     truth: f64,
 ) -> Fallible<bool> {
-    let mut scene = picture.scene.clone();
+    let mut scene = image.scene.clone();
     let settings = &mut scene.settings;
     (settings.integrator, settings.pattern, settings.seed) = (integrator, pattern, seed);
     let plan = RenderPlan::compile(&scene, &PlanOptions::default())?;
@@ -110,69 +110,70 @@ fn keeps(
     Ok(rendering.stopped == Stopped::Target && (mean - truth).abs() <= relative * (mean + 0.01))
 }
 
-/// A render of the picture at this size until the target is reached.
+/// A render of the image at this size until the target is reached.
 fn until(
-    picture: &Picture,
+    image: &TestImage,
     size: u32,
     (integrator, pattern, seed): (Integrator, SamplerKind, u64),
     target: TargetError,
 ) -> Fallible<Rendering> {
-    let mut scene = picture.scene.clone();
+    let mut scene = image.scene.clone();
     (scene.film.width, scene.film.height) = (size, size);
     let settings = &mut scene.settings;
     (settings.integrator, settings.pattern, settings.seed) = (integrator, pattern, seed);
     let plan = RenderPlan::compile(&scene, &PlanOptions::default())?;
     let rule = StopRule { target: Some(target), max_spp: 1 << 16, time: None };
     let run = RunOptions { threads: 1, ..RunOptions::default() };
-    // On a worker of a pool, waiting for the render would begin other seeds on the same stack, one on top of the other.
+    // On a thread of the pool, waiting for the render would start other seeds on the same stack.
     let render = || plan.render_until(&run, &rule, |_| {});
     let rendering = std::thread::scope(|scope| scope.spawn(render).join());
     Ok(rendering.map_err(|_| "a render panicked")??)
 }
 
-/// Mean of a picture over its pixels, in green.
+/// Mean of an image over its pixels, in green.
 fn mean_of(rendering: &Rendering) -> f64 {
     let pixels = rendering.film.pixels();
     pixels.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / pixels.len() as f64
 }
 
 /// A room whose paths end at each surface with probability ½: radiance 2 with a skewed distribution.
-fn room() -> Fallible<Picture> {
-    let mut picture = Room::Quads.shining(0.5, 100)?;
-    picture.scene.settings.roulette_from = 0;
-    Ok(picture)
+fn enclosure() -> Fallible<TestImage> {
+    let mut image = Enclosure::Quads.emissive(0.5, 100)?;
+    image.scene.settings.roulette_from = 0;
+    Ok(image)
 }
 
-/// Images of one pixel, which has all the influence on the decision, and of as many as share it. Where each pixel decides for
-/// itself, the bias must be found, or this case could not tell.
-fn bias(conditions: &Conditions) -> Found {
+/// Images of one pixel, which alone controls the stopping, and of many pixels that share it. With stopping per pixel,
+/// the bias must be detected.
+fn bias(conditions: &Conditions) -> CaseResult {
     let small = conditions.count(400, 40_000);
     let large = conditions.count(8, 1500);
     let by_pixel = conditions.count(2000, 40_000);
     let corner = coverage::half_plane(0.0, 0.1)?;
     let edge = coverage::half_plane(0.3, 0.2)?;
-    let room = room()?;
-    let mut tally = Tally::default();
+    let enclosure = enclosure()?;
+    let mut checks = Checks::default();
     let scenes = [
         ("y < .1 x", Integrator::Whitted, 0.05, &corner),
         ("y < .3 + .2 x", Integrator::Whitted, 0.4, &edge),
-        ("six quads of .5", Integrator::Path, 2.0, &room),
+        ("six quads of .5", Integrator::Path, 2.0, &enclosure),
     ];
-    for (what, integrator, truth, picture) in scenes {
+    for (what, integrator, truth, image) in scenes {
         for pattern in [SamplerKind::Random, SamplerKind::Sobol] {
             for (size, seeds) in [(1, small), (32, large)] {
-                // One per cent of an image without noise but at an edge is as much as ten of one of noise.
+                // One per cent for an image with noise at an edge only takes as many samples as ten per cent for a
+                // noisy one.
                 let relative = if size == 1 || integrator == Integrator::Path { 0.1 } else { 0.01 };
                 let name = format!("{what}, {}, {size} x {size}, {relative}", pattern.name());
                 let mean = |seed| {
                     let target = TargetError::of_image(relative);
-                    Ok(mean_of(&until(picture, size, (integrator, pattern, seed), target)?))
+                    Ok(mean_of(&until(image, size, (integrator, pattern, seed), target)?))
                 };
                 let found = Estimate::of_seeds(&name, seeds, mean)?;
                 let (z, percent) = (found.z(truth), 100.0 * (found.mean / truth - 1.0));
                 let error = 100.0 * found.standard_error / truth;
-                tally.note(format!("{name}: {percent:+.4} % ± {error:.4} %, z {z:+.2}"));
-                tally.limit(z, MOST, format_args!("{name}: {percent:+.4} % ± {error:.4} %"));
+                checks.note(format!("{name}: {percent:+.4} % ± {error:.4} %, z {z:+.2}"));
+                checks.limit(z, MOST, format_args!("{name}: {percent:+.4} % ± {error:.4} %"));
             }
         }
     }
@@ -183,20 +184,20 @@ fn bias(conditions: &Conditions) -> Found {
     };
     let found = Estimate::of_seeds(name, by_pixel, mean)?;
     let (z, percent) = (found.z(0.05), 100.0 * (found.mean / 0.05 - 1.0));
-    tally.note(format!("{name}: {percent:+.4} %, z {z:+.2}"));
-    tally.check(z.abs() > MOST, || format!("{name}: z = {z:+.2}, and a bias is there to be found"));
-    Ok(tally)
+    checks.note(format!("{name}: {percent:+.4} %, z {z:+.2}"));
+    checks.check(z.abs() > MOST, || format!("{name}: z = {z:+.2}, and a bias is there to be found"));
+    Ok(checks)
 }
 
 /// The true relative error of a room, of which each pixel shows 2, lies within the interval of the estimate, and at the target.
-fn reached(conditions: &Conditions) -> Found {
+fn reached(conditions: &Conditions) -> CaseResult {
     let seeds = conditions.count(60, 2000);
-    let room = room()?;
-    let mut tally = Tally::default();
+    let enclosure = enclosure()?;
+    let mut checks = Checks::default();
     let (mut covered, mut tried) = (0.0, 0.0);
     for pattern in [SamplerKind::Random, SamplerKind::Jittered, SamplerKind::Sobol] {
         let of_seed = |seed| -> Fallible<(bool, f64)> {
-            let rendering = until(&room, 32, (Integrator::Path, pattern, seed), TargetError::of_image(0.1))?;
+            let rendering = until(&enclosure, 32, (Integrator::Path, pattern, seed), TargetError::of_image(0.1))?;
             let errors = rendering.film.pixels().iter().flatten().map(|&value| f64::from(value) - 2.0);
             let squares = errors.map(|error| error * error);
             let error = (squares.sum::<f64>() / (3.0 * 1024.0)).sqrt() / 2.0;
@@ -206,13 +207,13 @@ fn reached(conditions: &Conditions) -> Found {
         let found = (0..seeds).into_par_iter().map(of_seed).collect::<Fallible<Vec<_>>>()?;
         let count = found.iter().filter(|(is_covered, _)| *is_covered).count() as f64;
         let mean = found.iter().map(|(_, error)| error).sum::<f64>() / seeds as f64;
-        tally.note(format!("{}: {count} of {seeds} covered, {:.2} % on average", pattern.name(), 100.0 * mean));
-        tally.check((0.07..0.102).contains(&mean), || format!("{}: {mean} on average, not 0.1", pattern.name()));
+        checks.note(format!("{}: {count} of {seeds} covered, {:.2} % on average", pattern.name(), 100.0 * mean));
+        checks.check((0.07..0.102).contains(&mean), || format!("{}: {mean} on average, not 0.1", pattern.name()));
         covered += count;
         tried += seeds as f64;
     }
     let expected = 0.94 * tried;
-    let least = expected - 2.326 * (expected * 0.06).sqrt();
-    tally.check(covered >= least, || format!("{covered} of {tried}, and not {least:.0}"));
-    Ok(tally)
+    let min = expected - 2.326 * (expected * 0.06).sqrt();
+    checks.check(covered >= min, || format!("{covered} of {tried}, and not {min:.0}"));
+    Ok(checks)
 }

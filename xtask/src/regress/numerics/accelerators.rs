@@ -1,4 +1,4 @@
-//! Scenes that structures break at.
+//! Extreme scenes for accelerators.
 
 use std::{f64::consts::FRAC_1_SQRT_2, time::Instant};
 
@@ -8,7 +8,7 @@ use rt_math::{Aabb, DVec3, Interval, Ray, transcendental::exp2};
 use rt_tests::{Draw, ShapeSet};
 
 use super::{
-    Case, Conditions, Found, Tally, cases,
+    Case, CaseResult, Checks, Conditions, cases,
     scenes::{Named, all_structures, key},
 };
 
@@ -38,13 +38,13 @@ fn solid(min: DVec3, max: DVec3) -> Result<Shape, rt_geometry::ShapeError> {
     Cuboid::new(min, max).map(Shape::Cuboid)
 }
 
-/// All structures against the first, which is brute force.
-fn agree<P: Primitives>(structures: &[Named], primitives: &P, ray: &Ray, tally: &mut Tally) -> Option<Hit> {
+/// All accelerators against the first, which is brute force.
+fn agree<P: Primitives>(structures: &[Named], primitives: &P, ray: &Ray, checks: &mut Checks) -> Option<Hit> {
     let (linear, others) = structures.split_first()?;
     let expected = linear.closest(primitives, ray, Interval::FORWARD);
     for structure in others {
         let found = structure.closest(primitives, ray, Interval::FORWARD);
-        tally.check(key(found) == key(expected), || {
+        checks.check(key(found) == key(expected), || {
             format!("{}: {found:?} instead of {expected:?} for {ray:?}", structure.name())
         });
     }
@@ -58,67 +58,67 @@ fn ray_at(target: &Aabb, draw: &mut Draw) -> Ray {
     Ray::new(origin, point - origin)
 }
 
-fn shallow(structures: &[Named], tally: &mut Tally) {
+fn shallow(structures: &[Named], checks: &mut Checks) {
     for structure in structures {
         let depth = structure.structure.build_stats().max_depth;
-        tally.check(depth <= MAX_DEPTH, || format!("{}: depth {depth}", structure.name()));
+        checks.check(depth <= MAX_DEPTH, || format!("{}: depth {depth}", structure.name()));
     }
 }
 
-fn nothing(conditions: &Conditions) -> Found {
+fn nothing(conditions: &Conditions) -> CaseResult {
     let set = ShapeSet::default();
     let structures = all_structures(&set)?;
-    Ok(Tally::of_all(conditions.count(2_000, 100_000), |index, tally| {
+    Ok(Checks::of_all(conditions.count(2_000, 100_000), |index, checks| {
         let mut draw = Draw::of(37, index);
         let ray = Ray::new(draw.point(), draw.point() * draw.pick(&[0.0, 1.0, f64::INFINITY, f64::NAN]));
         for structure in &structures {
             let hit = structure.closest(&set, &ray, Interval::FORWARD);
             let blocked = structure.structure.occluded(&set, &ray, Interval::FORWARD, &mut NoProbe);
-            tally.check(hit.is_none() && !blocked, || format!("{}: {hit:?}", structure.name()));
+            checks.check(hit.is_none() && !blocked, || format!("{}: {hit:?}", structure.name()));
         }
     }))
 }
 
-fn one(conditions: &Conditions) -> Found {
-    let mut all = Tally::default();
+fn one(conditions: &Conditions) -> CaseResult {
+    let mut all = Checks::default();
     for shape in [sphere(DVec3::X, 0.7)?, solid(DVec3::NEG_ONE, DVec3::ONE)?] {
         let set = ShapeSet::of_shapes([shape]);
         let structures = all_structures(&set)?;
         let target = Aabb::new(DVec3::splat(-1.2), DVec3::splat(1.8));
-        all = all.and(Tally::of_all(conditions.count(5_000, 500_000), |index, tally| {
-            agree(&structures, &set, &ray_at(&target, &mut Draw::of(38, index)), tally);
+        all = all.and(Checks::of_all(conditions.count(5_000, 500_000), |index, checks| {
+            agree(&structures, &set, &ray_at(&target, &mut Draw::of(38, index)), checks);
         }));
     }
     Ok(all)
 }
 
-fn identical(conditions: &Conditions) -> Found {
+fn identical(conditions: &Conditions) -> CaseResult {
     let count = conditions.count(100_000, 1_000_000) as usize;
     let set = ShapeSet::of_shapes(vec![sphere(DVec3::ONE, 0.5)?; count]);
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     let mut structures = Vec::new();
     for &kind in AcceleratorKind::ALL {
         let started = Instant::now();
         let structure = AnyAccelerator::build(kind, &set)?;
         let seconds = started.elapsed().as_secs_f64();
-        tally.note(format!("{}: built in {seconds:.2} s, depth {}", kind.name(), structure.build_stats().max_depth));
-        tally.check(seconds < BUILD_SECONDS, || format!("{}: built in {seconds:.1} s", kind.name()));
+        checks.note(format!("{}: built in {seconds:.2} s, depth {}", kind.name(), structure.build_stats().max_depth));
+        checks.check(seconds < BUILD_SECONDS, || format!("{}: built in {seconds:.1} s", kind.name()));
         structures.push(Named::new(kind, structure));
     }
-    shallow(&structures, &mut tally);
+    shallow(&structures, &mut checks);
     for index in 0..10 {
         let mut draw = Draw::of(39, index);
         let origin = draw.direction() * 9.0;
         let ray = Ray::new(origin, DVec3::ONE + draw.point() * 0.2 - origin);
         for structure in &structures {
             let first = structure.closest(&set, &ray, Interval::FORWARD).map(|hit| hit.primitive);
-            tally.same(first, Some(0), structure.name());
+            checks.same(first, Some(0), structure.name());
         }
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn powers_of_two(conditions: &Conditions) -> Found {
+fn powers_of_two(conditions: &Conditions) -> CaseResult {
     // Boxes need not be as large as shapes must.
     let at = |i: i32| {
         let x = exp2(f64::from(-i));
@@ -127,18 +127,18 @@ fn powers_of_two(conditions: &Conditions) -> Found {
     let boxes: Vec<Aabb> = (0..=1074).map(at).collect();
     let set = rt_accel::Boxes(&boxes);
     let structures = all_structures(&set)?;
-    let mut tally = Tally::of_all(conditions.count(1075 * 4, 1075 * 200), |index, tally| {
+    let mut checks = Checks::of_all(conditions.count(1075 * 4, 1075 * 200), |index, checks| {
         let mut draw = Draw::of(40, index);
         let x = exp2(-((index % 1075) as f64));
         let aim = DVec3::new(x, draw.unit() * 1e-3 * x, 0.0);
         let direction = DVec3::new(draw.pick(&[0.0, -0.0, x, 0.1]), draw.pick(&[-1.0, -x]), draw.pick(&[0.0, 0.5]));
-        agree(&structures, &set, &Ray::new(aim - direction, direction), tally);
+        agree(&structures, &set, &Ray::new(aim - direction, direction), checks);
     });
-    shallow(&structures, &mut tally);
-    Ok(tally)
+    shallow(&structures, &mut checks);
+    Ok(checks)
 }
 
-fn flat(conditions: &Conditions) -> Found {
+fn flat(conditions: &Conditions) -> CaseResult {
     let side = 24;
     let corner = |i: usize, j: usize| {
         let place = |k: usize| 2.0 * k as f64 / side as f64 - 1.0;
@@ -152,7 +152,7 @@ fn flat(conditions: &Conditions) -> Found {
     }
     let set = ShapeSet::of_shapes(shapes);
     let structures = all_structures(&set)?;
-    Ok(Tally::of_all(conditions.count(2_000, 200_000), |index, tally| {
+    Ok(Checks::of_all(conditions.count(2_000, 200_000), |index, checks| {
         let mut draw = Draw::of(41, index);
         let aim = corner(draw.below(side + 1), draw.below(side + 1));
         let origin = match draw.below(4) {
@@ -162,11 +162,11 @@ fn flat(conditions: &Conditions) -> Found {
             _ => draw.point() * 3.0,
         };
         let aim = if draw.one_in(2) { aim } else { aim + DVec3::new(draw.unit(), draw.unit(), 0.0) * 0.1 };
-        agree(&structures, &set, &Ray::new(origin, aim - origin), tally);
+        agree(&structures, &set, &Ray::new(origin, aim - origin), checks);
     }))
 }
 
-fn stadium(conditions: &Conditions) -> Found {
+fn stadium(conditions: &Conditions) -> CaseResult {
     let count = conditions.count(20_000, 1_000_000);
     let mut draw = Draw::new(42);
     let mut boxes = vec![Aabb::new(DVec3::splat(-5e5), DVec3::splat(5e5))];
@@ -184,18 +184,18 @@ fn stadium(conditions: &Conditions) -> Found {
         if index.is_multiple_of(2) { ray_at(&crowd, &mut draw) } else { ray_at(&boxes[0], &mut draw) }
     };
     let count = conditions.count(100, 400);
-    let mut tally = Tally::of_all(count, |index, tally| {
-        agree(&structures, &set, &ray(index), tally);
+    let mut checks = Checks::of_all(count, |index, checks| {
+        agree(&structures, &set, &ray(index), checks);
     });
     let rays: Vec<Ray> = (0..count.min(50)).map(ray).collect();
     for structure in &structures {
-        tally.note(format!("{}: {:.0} nodes and primitives per ray", structure.name(), structure.visits(&set, &rays)));
+        checks.note(format!("{}: {:.0} nodes and primitives per ray", structure.name(), structure.visits(&set, &rays)));
     }
-    Ok(tally)
+    Ok(checks)
 }
 
 /// Rays along a face of a node's box, with an origin in the face or one step off it.
-fn split_planes(conditions: &Conditions) -> Found {
+fn split_planes(conditions: &Conditions) -> CaseResult {
     let mut draw = Draw::new(43);
     let mut shapes = Vec::new();
     for index in 0..60 {
@@ -216,7 +216,7 @@ fn split_planes(conditions: &Conditions) -> Found {
         planes.sort_by(f64::total_cmp);
         planes.dedup();
     }
-    let mut tally = Tally::of_all(conditions.count(20_000, 1_000_000), |index, tally| {
+    let mut checks = Checks::of_all(conditions.count(20_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(43, index);
         let axis = draw.below(3);
         let mut origin = draw.point() * 2.0;
@@ -232,13 +232,13 @@ fn split_planes(conditions: &Conditions) -> Found {
             origin[other] = draw.pick(&planes[other]);
             direction[other] = 0.0;
         }
-        agree(&structures, &set, &Ray::new(origin, direction), tally);
+        agree(&structures, &set, &Ray::new(origin, direction), checks);
     });
-    tally.note(format!("{} planes", planes.iter().map(Vec::len).sum::<usize>()));
-    Ok(tally)
+    checks.note(format!("{} planes", planes.iter().map(Vec::len).sum::<usize>()));
+    Ok(checks)
 }
 
-fn cell_corners(conditions: &Conditions) -> Found {
+fn cell_corners(conditions: &Conditions) -> CaseResult {
     const CELLS: u32 = 256;
     let mut draw = Draw::new(44);
     let mut shapes = vec![solid(DVec3::ZERO, DVec3::splat(1.0 / 64.0))?, solid(DVec3::splat(63.0 / 64.0), DVec3::ONE)?];
@@ -252,24 +252,24 @@ fn cell_corners(conditions: &Conditions) -> Found {
     let mut structures = all_structures(&set)?;
     let fine = UniformGrid::with_resolution(&set, [CELLS; 3])?;
     structures.push(Named::new(AcceleratorKind::Grid, AnyAccelerator::Grid(fine)));
-    Ok(Tally::of_all(conditions.count(10_000, 1_000_000), |index, tally| {
+    Ok(Checks::of_all(conditions.count(10_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(44, index);
         let through = DVec3::from([(); 3].map(|()| draw.below(CELLS as usize + 1) as f64)) / f64::from(CELLS);
         let direction = DVec3::from([(); 3].map(|()| draw.pick(&[1.0, -1.0, 1.0, -1.0, 0.0, 0.5, 2.0])));
         let back = draw.pick(&[2.0, 1.0, 0.5, 3.0 / 256.0]);
-        agree(&structures, &set, &Ray::new(through - direction * back, direction), tally);
+        agree(&structures, &set, &Ray::new(through - direction * back, direction), checks);
     }))
 }
 
 /// An upright sheet in the middle of each cell, met in turn by a ray that is not aligned with anything.
-fn long_walk(_: &Conditions) -> Found {
+fn long_walk(_: &Conditions) -> CaseResult {
     const CELLS: u32 = 100_000;
     let at = |i: u32| DVec3::new(f64::from(i) + 0.5, (f64::from(i) + 0.5) * 1e-3, 0.0);
     let reach = DVec3::new(0.0, 0.05, 0.05);
     let sheets: Result<Vec<Shape>, _> = (0..CELLS).map(|i| solid(at(i) - reach, at(i) + reach)).collect();
     let set = ShapeSet::of_shapes(sheets?);
     let grid = UniformGrid::with_resolution(&set, [CELLS, 1, 1])?;
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for direction in [DVec3::new(1.0, 1e-3, 0.0), DVec3::new(FRAC_1_SQRT_2, FRAC_1_SQRT_2 * 1e-3, 0.0)] {
         for forwards in [true, false] {
             let direction = if forwards { direction } else { -direction };
@@ -278,20 +278,20 @@ fn long_walk(_: &Conditions) -> Found {
             let mut hits = Vec::new();
             let mut counters = Counters::default();
             grid.all_hits(&set, &ray, Interval::FORWARD, &mut hits, &mut counters);
-            tally.same(hits.len(), CELLS as usize, "sheets met");
+            checks.same(hits.len(), CELLS as usize, "sheets met");
             for (turn, hit) in (0..CELLS).zip(&hits) {
                 let expected = if forwards { turn } else { CELLS - 1 - turn };
-                tally.same(hit.primitive, expected, "sheet");
-                tally.limit(ray.at(hit.t).x - at(expected).x, 1e-3, format_args!("sheet {expected}"));
+                checks.same(hit.primitive, expected, "sheet");
+                checks.limit(ray.at(hit.t).x - at(expected).x, 1e-3, format_args!("sheet {expected}"));
             }
             let nodes = counters.total().nodes;
-            tally.check(nodes <= u64::from(CELLS) + 2, || format!("{nodes} cells were visited"));
+            checks.check(nodes <= u64::from(CELLS) + 2, || format!("{nodes} cells were visited"));
         }
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn lazy_threads(conditions: &Conditions) -> Found {
+fn lazy_threads(conditions: &Conditions) -> CaseResult {
     const THREADS: u64 = 64;
     let runs = conditions.count(8, 100);
     let mut draw = Draw::new(48);
@@ -305,7 +305,7 @@ fn lazy_threads(conditions: &Conditions) -> Found {
     let alone = LazyBih::build(&set)?;
     let expected = ask(&alone, &mut rays.iter());
     let partly = alone.build_stats();
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for run in 0..runs {
         let structure = LazyBih::build(&set)?;
         // Each thread starts elsewhere in the same list, and so comes to the same nodes in another order.
@@ -313,8 +313,8 @@ fn lazy_threads(conditions: &Conditions) -> Found {
             let start = |thread: u64| (thread * 16 + run * 5) as usize % rays.len();
             let spawn = |thread: u64| {
                 let (structure, rays) = (&structure, &rays);
-                let asked = rays.iter().cycle().skip(start(thread)).take(rays.len());
-                scope.spawn(move || (start(thread), ask(structure, &mut asked.into_iter())))
+                let answered = rays.iter().cycle().skip(start(thread)).take(rays.len());
+                scope.spawn(move || (start(thread), ask(structure, &mut answered.into_iter())))
             };
             let threads: Vec<_> = (0..THREADS).map(spawn).collect();
             threads.into_iter().map(std::thread::ScopedJoinHandle::join).collect()
@@ -324,11 +324,11 @@ fn lazy_threads(conditions: &Conditions) -> Found {
                 found.rotate_right(start);
                 found == expected
             });
-            tally.check(right, || format!("run {run}: a thread got other hits"));
+            checks.check(right, || format!("run {run}: a thread got other hits"));
         }
-        tally.check(structure == alone, || format!("run {run}: another tree"));
+        checks.check(structure == alone, || format!("run {run}: another tree"));
     }
     alone.complete();
-    tally.note(format!("{} nodes of {} were split", partly.nodes, alone.build_stats().nodes));
-    Ok(tally)
+    checks.note(format!("{} nodes of {} were split", partly.nodes, alone.build_stats().nodes));
+    Ok(checks)
 }

@@ -7,7 +7,7 @@ use std::{
 
 use num_bigint::{BigInt, Sign};
 
-/// A whole number times a power of two: what every finite `f64` is, and their sums and products.
+/// A whole number times a power of two, as all finite `f64` are, and their sums and products.
 #[derive(Clone, Debug)]
 pub(super) struct Dyadic {
     mantissa: BigInt,
@@ -15,7 +15,7 @@ pub(super) struct Dyadic {
 }
 
 impl From<f64> for Dyadic {
-    /// Exact; of numbers that are not finite, what their bits say.
+    /// Exact for finite numbers; others give the number in their bits.
     fn from(number: f64) -> Self {
         const FRACTION: u32 = f64::MANTISSA_DIGITS - 1;
         let bits = number.to_bits();

@@ -1,4 +1,4 @@
-//! Scenes in another size and another place.
+//! Invariance under scaling and translation of a scene.
 //!
 //! A thousandth of a number is rounded, so a scene at scale 10⁻³ is not quite the same scene. Most pixels do not
 //! change. Two kinds do in any program. Where a ray goes from small sphere to small sphere, each mirror multiplies
@@ -16,7 +16,7 @@ use rt_scene_io::Scene;
 use rt_shading::LightKind;
 use rt_tests::moved;
 
-use super::{Case, Conditions, Fallible, Found, Tally, cases, pictures::small};
+use super::{Case, CaseResult, Checks, Conditions, Fallible, cases, images::small};
 
 cases! {
     "S80", "scene files scaled by 1e-3…1e3 and moved by 1e6",
@@ -24,13 +24,13 @@ cases! {
         "1e-9 abs, ill-conditioned 4 × what ±4 ulp of scale do", invariance;
 }
 
-/// Greatest difference of the radiance in any component.
+/// Maximum difference of the radiance in any component.
 const LIMIT: f64 = 1e-9;
 
-/// Units in the last place of the scale 1 that show what rounding does to a pixel.
+/// Changes of the scale 1, in units in the last place, that show the effect of rounding on a pixel.
 const ULPS: [f64; 8] = [-4.0, -3.0, -2.0, -1.0, 1.0, 2.0, 3.0, 4.0];
 
-/// Spreads that an ill-conditioned pixel may be off.
+/// Maximum deviation of an ill-conditioned pixel, in spreads.
 const SPREADS: f64 = 4.0;
 
 /// One of so many pixels may be ill-conditioned.
@@ -38,14 +38,14 @@ const PIXELS_OF_ONE: u64 = 100_000;
 
 /// Comparison of a pixel with the same pixel of the unchanged scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Verdict {
+enum PixelVerdict {
     Same,
-    /// Off, but no more than rounding puts it off where the scene stands.
+    /// Off by no more than rounding explains.
     IllConditioned,
     Different,
 }
 
-impl Verdict {
+impl PixelVerdict {
     fn of(off: f64, spread: f64) -> Self {
         if off <= LIMIT {
             Self::Same
@@ -57,33 +57,33 @@ impl Verdict {
     }
 }
 
-fn invariance(conditions: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn invariance(conditions: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     let mut ill_conditioned = 0;
     let (width, spp) = if conditions.full { (96, 4) } else { (16, 1) };
     for file in conditions.workspace.files("scenes", ".ron")? {
         let mut scene = small(&file, width, spp)?;
         with_few_digits(&mut scene)?;
         if scene.settings.integrator.is_stochastic() {
-            // Each bounce of a path multiplies what rounding did to the one before, and after a dozen another wall is met.
+            // Each bounce of a path multiplies earlier rounding errors; after a dozen bounces another wall is hit.
             scene.settings.depth = 0;
         }
-        ill_conditioned += compare(&scene, &mut tally)?;
+        ill_conditioned += compare(&scene, &mut checks)?;
     }
-    let tried = tally.tried;
-    tally.note(format!("ill-conditioned: {ill_conditioned} of {tried} pixels"));
-    tally.check(are_few(ill_conditioned, tried), || format!("{ill_conditioned} of {tried} pixels are ill-conditioned"));
-    Ok(tally)
+    let tried = checks.tried;
+    checks.note(format!("ill-conditioned: {ill_conditioned} of {tried} pixels"));
+    checks
+        .check(are_few(ill_conditioned, tried), || format!("{ill_conditioned} of {tried} pixels are ill-conditioned"));
+    Ok(checks)
 }
 
 const fn are_few(ill_conditioned: u64, pixels: u64) -> bool {
     ill_conditioned * PIXELS_OF_ONE <= pixels
 }
 
-/// Compares a scene with itself elsewhere; the number of ill-conditioned pixels.
-fn compare(scene: &Scene, tally: &mut Tally) -> Fallible<u64> {
-    // Where a scene is moved its numbers must stay exact, or it is another scene: so powers of two near 1e±3, and a
-    // million of its own units where it grows.
+/// Compares a scene with its moved copy; returns the number of ill-conditioned pixels.
+fn compare(scene: &Scene, checks: &mut Checks) -> Fallible<u64> {
+    // Numbers must stay exact under the move: powers of two near 1e±3, and a million of the units of the scaled scene.
     let million = DVec3::new(1e6, -1e6, 1e6);
     let sizes = [1e-3, 0.1, 7.0, 1e3].map(|scale| (scale, 0.0));
     let moves = [(1.0 / 1024.0, 1.0), (1.0 / 1024.0, 1.0 / 1024.0), (1.0, 1.0), (1024.0, 1024.0)];
@@ -92,23 +92,23 @@ fn compare(scene: &Scene, tally: &mut Tally) -> Fallible<u64> {
     let (mut worst, mut ill_conditioned) = (0f64, 0);
     for (scale, shift) in sizes.into_iter().chain(moves) {
         let differences = differences(&moved(scene, scale, million * shift)?, &expected)?;
-        if spreads.is_none() && differences.iter().any(|off| Verdict::of(*off, 0.0) == Verdict::Different) {
+        if spreads.is_none() && differences.iter().any(|off| PixelVerdict::of(*off, 0.0) == PixelVerdict::Different) {
             spreads = Some(spreads_of(scene, &expected)?);
         }
         for (index, off) in differences.into_iter().enumerate() {
             worst = worst.max(off);
             let spread = spreads.as_ref().map_or(0.0, |spreads: &Vec<f64>| spreads[index]);
             let place = format_args!("{}, scale {scale}, moved {shift}·1e6, pixel {index}", scene.name);
-            if Verdict::of(off, spread) == Verdict::IllConditioned {
+            if PixelVerdict::of(off, spread) == PixelVerdict::IllConditioned {
                 ill_conditioned += 1;
-                tally.check(true, String::new);
-                tally.note(format!("{place}: off by {off:.1e}, ill-conditioned with a spread of {spread:.1e}"));
+                checks.check(true, String::new);
+                checks.note(format!("{place}: off by {off:.1e}, ill-conditioned with a spread of {spread:.1e}"));
             } else {
-                tally.limit(off, LIMIT, place);
+                checks.limit(off, LIMIT, place);
             }
         }
     }
-    tally.note(format!("{}: {worst:.1e}", scene.name));
+    checks.note(format!("{}: {worst:.1e}", scene.name));
     Ok(ill_conditioned)
 }
 
@@ -141,7 +141,7 @@ fn with_few_digits(scene: &mut Scene) -> Fallible<()> {
     Ok(())
 }
 
-/// The greatest difference from `expected` in any component, for each pixel.
+/// The maximum difference from `expected` in any component, for each pixel.
 fn differences(scene: &Scene, expected: &[Rgb]) -> Fallible<Vec<f64>> {
     let off = |(found, expected): (&Rgb, &Rgb)| {
         (*found - *expected).to_array().into_iter().fold(0f64, |worst, component| worst.max(component.abs()))
@@ -163,12 +163,12 @@ mod tests {
 
     #[test]
     fn only_pixels_that_are_off_where_the_scene_stands_are_ill_conditioned() {
-        assert_eq!(Verdict::of(1e-9, 0.0), Verdict::Same);
-        assert_eq!(Verdict::of(1e-9, 1.0), Verdict::Same);
-        assert_eq!(Verdict::of(1.1e-9, 0.0), Verdict::Different);
-        assert_eq!(Verdict::of(4e-7, 1e-7), Verdict::IllConditioned);
-        assert_eq!(Verdict::of(4.1e-7, 1e-7), Verdict::Different);
-        assert_eq!(Verdict::of(f64::NAN, 1.0), Verdict::Different);
+        assert_eq!(PixelVerdict::of(1e-9, 0.0), PixelVerdict::Same);
+        assert_eq!(PixelVerdict::of(1e-9, 1.0), PixelVerdict::Same);
+        assert_eq!(PixelVerdict::of(1.1e-9, 0.0), PixelVerdict::Different);
+        assert_eq!(PixelVerdict::of(4e-7, 1e-7), PixelVerdict::IllConditioned);
+        assert_eq!(PixelVerdict::of(4.1e-7, 1e-7), PixelVerdict::Different);
+        assert_eq!(PixelVerdict::of(f64::NAN, 1.0), PixelVerdict::Different);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Triangles and meshes of them.
+//! Triangles and meshes.
 
 use std::{
     error::Error,
@@ -14,7 +14,7 @@ use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay, Transform, float::UNIT_ROUNDO
 use rt_tests::{Draw, icosphere};
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, cases,
+    Case, CaseResult, Checks, Conditions, Fallible, cases,
     exact::Dyadic,
     scenes::{all_structures, key},
 };
@@ -69,10 +69,10 @@ impl Primitives for Facets {
     }
 }
 
-fn closed_meshes(conditions: &Conditions) -> Found {
+fn closed_meshes(conditions: &Conditions) -> CaseResult {
     const LEVELS: [u32; 5] = [1, 2, 3, 4, 5];
     let rays = conditions.count(100_000, 2_000_000);
-    let mut all = Tally::default();
+    let mut all = Checks::default();
     for levels in LEVELS {
         let (vertices, triangles) = icosphere(levels);
         all = all.and(misses(&Facets { vertices, triangles }, DVec3::ZERO, 1.0, rays)?);
@@ -80,24 +80,24 @@ fn closed_meshes(conditions: &Conditions) -> Found {
     Ok(all)
 }
 
-/// Rays from around the centre that no triangle stops.
-fn misses(mesh: &Facets, centre: DVec3, scale: f64, rays: u64) -> Found {
+/// Rays from around the centre that miss all triangles.
+fn misses(mesh: &Facets, centre: DVec3, scale: f64, rays: u64) -> CaseResult {
     let structure = Bvh::build(mesh)?;
-    Ok(Tally::of_all(rays, |index, tally| {
+    Ok(Checks::of_all(rays, |index, checks| {
         let mut draw = Draw::of(23, index);
         let origin = centre + draw.point() * (0.4 * scale);
         let ray = Ray::new(origin, mesh.aim(&mut draw) - origin);
         let hit = structure.closest(mesh, &ray, Interval::FORWARD, &mut NoProbe);
-        tally.check(hit.is_some(), || format!("centre {centre}, scale {scale:e}: {ray:?}"));
+        checks.check(hit.is_some(), || format!("centre {centre}, scale {scale:e}: {ray:?}"));
     }))
 }
 
-fn closed_meshes_elsewhere(conditions: &Conditions) -> Found {
+fn closed_meshes_elsewhere(conditions: &Conditions) -> CaseResult {
     const OFFSETS: [f64; 6] = [0.0, 1.0, 1e2, 1e4, 1e6, 1e7];
     const SCALES: [f64; 3] = [1e-3, 1.0, 1e3];
     let rays = conditions.count(10_000, 300_000);
     let (sphere, triangles) = icosphere(2);
-    let mut all = Tally::default();
+    let mut all = Checks::default();
     for offset in OFFSETS {
         for scale in SCALES {
             let centre = DVec3::new(offset, offset * 0.75, -offset);
@@ -113,7 +113,7 @@ fn closed_meshes_elsewhere(conditions: &Conditions) -> Found {
 }
 
 /// Counts [`misses`] of a mesh with `f32` vertices under a transform, as in a scene.
-fn misses_of_instance(sphere: &[DVec3], triangles: &[[usize; 3]], place: &Transform, rays: u64) -> Found {
+fn misses_of_instance(sphere: &[DVec3], triangles: &[[usize; 3]], place: &Transform, rays: u64) -> CaseResult {
     let data = MeshData {
         positions: sphere.iter().map(|vertex| vertex.as_vec3()).collect(),
         triangles: triangles.iter().map(|triangle| triangle.map(|vertex| vertex as u32)).collect(),
@@ -123,16 +123,16 @@ fn misses_of_instance(sphere: &[DVec3], triangles: &[[usize; 3]], place: &Transf
     let structure = Bvh::build(&mesh)?;
     let vertices = mesh.data().positions.iter().map(|vertex| place.point(vertex.as_dvec3())).collect();
     let world = Facets { vertices, triangles: triangles.to_vec() };
-    Ok(Tally::of_all(rays, |index, tally| {
+    Ok(Checks::of_all(rays, |index, checks| {
         let mut draw = Draw::of(24, index);
         let origin = place.point(draw.point() * 0.4);
         let ray = Ray::new(origin, world.aim(&mut draw) - origin);
         let hit = structure.closest(&mesh, &place.inverse_ray(&ray), Interval::FORWARD, &mut NoProbe);
-        tally.check(hit.is_some(), || format!("instance at {}: {ray:?}", place.translation()));
+        checks.check(hit.is_some(), || format!("instance at {}: {ray:?}", place.translation()));
     }))
 }
 
-fn fan(conditions: &Conditions) -> Found {
+fn fan(conditions: &Conditions) -> CaseResult {
     let count = conditions.count(20_000, 1_000_000) as usize;
     let rim = |i: usize| {
         let (sin, cos) = sincos(TAU * i as f64 / count as f64);
@@ -145,7 +145,7 @@ fn fan(conditions: &Conditions) -> Found {
     };
     let structures = all_structures(&mesh)?;
     let mut tied = 0;
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for index in 0..conditions.count(20, 40) {
         let mut draw = Draw::of(25, index);
         let origin = hub + draw.above(DVec3::Z, 0.3) * 2.0;
@@ -154,18 +154,18 @@ fn fan(conditions: &Conditions) -> Found {
         let hits: Vec<Hit> = (0..count as u32)
             .filter_map(|i| intersect_primitive(&mesh, i, &slab, Interval::FORWARD, &mut NoProbe))
             .collect();
-        let least = hits.iter().map(|hit| hit.t).fold(f64::INFINITY, f64::min);
-        let mut nearest = hits.iter().filter(|hit| hit.t == least);
+        let min = hits.iter().map(|hit| hit.t).fold(f64::INFINITY, f64::min);
+        let mut nearest = hits.iter().filter(|hit| hit.t == min);
         let first = nearest.next().copied();
         tied += nearest.count();
-        tally.check(first.is_some(), || format!("a miss from {origin}"));
+        checks.check(first.is_some(), || format!("a miss from {origin}"));
         for structure in &structures {
             let found = structure.closest(&mesh, &ray, Interval::FORWARD);
-            tally.same(key(found), key(first), structure.name());
+            checks.same(key(found), key(first), structure.name());
         }
     }
-    tally.note(format!("{count} triangles; {tied} further hits at the same t"));
-    Ok(tally)
+    checks.note(format!("{count} triangles; {tied} further hits at the same t"));
+    Ok(checks)
 }
 
 /// A square of three triangles below a triangle, with a corner in the middle of the edge that they share, off the line by
@@ -200,30 +200,30 @@ impl Junction {
     /// Checks that each ray hits the mesh or the triangle that closes it. Together they have no T-junction, and so no
     /// leak, if signs at shared edges are equal from both sides. Rays through the gap must be within roundings of the
     /// edge, by exact arithmetic, and there must be some.
-    fn hold(&self, rays: u64) -> Tally {
+    fn hold(&self, rays: u64) -> Checks {
         let slipped = AtomicU64::new(0);
-        let mut tally = Tally::of_all(rays, |index, tally| {
+        let mut checks = Checks::of_all(rays, |index, checks| {
             let ray = self.ray(index);
             if (0..self.mesh.len() as u32).any(|i| self.mesh.intersect(i, &ray, Interval::FORWARD).is_some()) {
-                return tally.check(true, String::new);
+                return checks.check(true, String::new);
             }
             slipped.fetch_add(1, Ordering::Relaxed);
             let is_closed = WatertightRay::new(&ray).intersect(self.gap, Interval::FORWARD).is_some();
-            tally.check(is_closed, || format!("{ray:?} misses the mesh, and what closes it as well"));
-            tally.limit(distance(&ray, [self.gap[0], self.gap[1]]), ROUNDINGS, format_args!("{ray:?} from the edge"));
+            checks.check(is_closed, || format!("{ray:?} misses the mesh, and what closes it as well"));
+            checks.limit(distance(&ray, [self.gap[0], self.gap[1]]), ROUNDINGS, format_args!("{ray:?} from the edge"));
         });
         let slipped = slipped.into_inner();
-        tally.check(slipped > 0, || "the gap lets nothing through".to_owned());
-        tally.note(format!("{slipped} of {rays} rays at the edge slipped through a gap that rounding left"));
-        tally
+        checks.check(slipped > 0, || "the gap lets nothing through".to_owned());
+        checks.note(format!("{slipped} of {rays} rays at the edge slipped through a gap that rounding left"));
+        checks
     }
 }
 
-/// Roundings of coordinates up to 8: those of the corners, of the ray, and of what the ray sees of them.
+/// Rounding errors of coordinates up to 8: of the corners, of the ray, and of the corners in ray space.
 const ROUNDINGS: f64 = 8.0 * 8.0 * UNIT_ROUNDOFF;
 
-/// Distance of two lines: the volume of the parallelepiped of both and what is between them, which is exact, by the area of one
-/// side.
+/// Distance of two lines: exact volume of the parallelepiped of both directions and a connection, divided by the area
+/// of one side.
 fn distance(ray: &Ray, [a, b]: [DVec3; 2]) -> f64 {
     let exact = |v: DVec3| v.to_array().map(Dyadic::from);
     let [origin, direction, a_exact, b_exact] = [ray.origin, ray.direction, a, b].map(exact);
@@ -236,23 +236,23 @@ fn distance(ray: &Ray, [a, b]: [DVec3; 2]) -> f64 {
     volume.to_f64().abs() / ray.direction.cross(b - a).length()
 }
 
-fn junctions(conditions: &Conditions) -> Found {
+fn junctions(conditions: &Conditions) -> CaseResult {
     Ok(Junction::new(0.0)?.hold(conditions.count(100_000, 10_000_000)))
 }
 
-fn slivers(conditions: &Conditions) -> Found {
+fn slivers(conditions: &Conditions) -> CaseResult {
     let sliver = |length: f64, width: f64, turn: &Transform| -> Result<Triangle, Box<dyn Error + Send + Sync>> {
         let corners = [DVec3::ZERO, DVec3::X * length, DVec3::new(0.5 * length, width, 0.0)];
         Ok(Triangle::new(corners.map(|corner| turn.point(corner)))?)
     };
-    let mut all = Tally::default();
+    let mut all = Checks::default();
     for (length, width) in [(1e6, 1e-6), (1.0, 1e-12), (1e-3, 1e-15), (1e12, 1.0)] {
         let turn = Transform::rotate(DVec3::new(0.2, -0.5, 0.9), 0.6)?;
         for place in [Transform::IDENTITY, turn] {
             let triangle = sliver(length, width, &place)?;
             let slack = DVec3::splat(1e-12 * length);
             let around = Aabb::new(triangle.bounds().min - slack, triangle.bounds().max + slack);
-            all = all.and(Tally::of_all(conditions.count(2_000, 100_000), |index, tally| {
+            all = all.and(Checks::of_all(conditions.count(2_000, 100_000), |index, checks| {
                 let mut draw = Draw::of(27, index);
                 let aim = DVec3::new(draw.unit() * length, draw.between(-0.5, 1.5) * width, 0.0);
                 let from = match draw.below(3) {
@@ -268,7 +268,7 @@ fn slivers(conditions: &Conditions) -> Found {
                     let is_unit = (surface.geometric_normal.length() - 1.0).abs() < 1e-14;
                     hit.t.is_finite() && around.contains(surface.point) && is_unit
                 });
-                tally.check(sound, || format!("{:?} for {ray:?}", triangle.intersect(&ray, Interval::FORWARD)));
+                checks.check(sound, || format!("{:?} for {ray:?}", triangle.intersect(&ray, Interval::FORWARD)));
             }));
         }
     }
@@ -279,7 +279,7 @@ fn slivers(conditions: &Conditions) -> Found {
 mod tests {
     use super::*;
 
-    /// It counted rays that slipped through, and called every number of them right.
+    /// Regression: rays through the gap were counted, and any number of them passed.
     #[test]
     fn a_crack_at_a_t_junction_is_found() {
         let sound = Junction::new(0.0).unwrap().hold(20_000);
@@ -288,7 +288,7 @@ mod tests {
             let cracked = Junction::new(crack).unwrap().hold(20_000);
             assert!(cracked.failed > 1000, "{crack}: {} failed", cracked.failed);
         }
-        // Without a gap that lets something through, nothing would be tried.
+        // Without a gap, nothing would be tried.
         let mut closed = Junction::new(0.0).unwrap();
         closed.mesh.triangles.push([0, 1, 2]);
         assert_eq!(closed.hold(20_000).problems, ["the gap lets nothing through"]);

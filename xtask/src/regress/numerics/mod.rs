@@ -1,11 +1,11 @@
-//! `numerics`: the cases at which ray tracers break, with what is exactly right.
+//! `numerics`: extreme cases with exactly known answers.
 //!
-//! Each chapter is a file of its own with its list of cases; a case counts what it tried and what failed. Expected
-//! values are closed forms, or roots that were computed with 80 digits from the numbers as `f64` has them.
+//! Each chapter is a file with its list of cases. Expected values are closed forms, or roots that were computed with 80
+//! digits from the numbers as `f64` has them.
 
 use super::{
-    suite::{self, Case, Conditions, Fallible, Found, cases},
-    tally::{FOUR_U, Tally, Tolerance},
+    checks::{Checks, FOUR_U, Tolerance},
+    suite::{self, Case, CaseResult, Conditions, Fallible, cases},
     unit::Unit,
 };
 
@@ -13,10 +13,10 @@ mod accelerators;
 mod boxes_planes;
 mod differential;
 mod exact;
+mod images;
 mod invariance;
 mod meshes;
 mod optics;
-mod pictures;
 mod polygons;
 mod quadrics;
 mod scenes;
@@ -33,7 +33,7 @@ static CHAPTERS: [&[Case]; 11] = [
     accelerators::CASES,
     differential::CASES,
     optics::CASES,
-    pictures::CASES,
+    images::CASES,
     invariance::CASES,
 ];
 

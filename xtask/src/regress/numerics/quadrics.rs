@@ -4,7 +4,7 @@ use rt_geometry::{Cylinder, DoubleCone, InfiniteCylinder, InteractionFlags, Shap
 use rt_math::{DVec3, Interval, Ray, transcendental::sincos};
 use rt_tests::Draw;
 
-use super::{Case, Conditions, FOUR_U, Found, Tally, Tolerance, cases};
+use super::{Case, CaseResult, Checks, Conditions, FOUR_U, Tolerance, cases};
 
 cases! {
     "S16", "cylinders from afar, thin, and nearly along the axis",
@@ -46,19 +46,19 @@ fn crossings(intersect: impl Fn(Interval) -> Option<ShapeHit>) -> Vec<f64> {
     found
 }
 
-fn compare(found: &[f64], expected: &[f64], tolerance: Tolerance, tally: &mut Tally) {
-    tally.check(found.len() == expected.len(), || format!("{found:?} instead of {expected:?}"));
+fn compare(found: &[f64], expected: &[f64], tolerance: Tolerance, checks: &mut Checks) {
+    checks.check(found.len() == expected.len(), || format!("{found:?} instead of {expected:?}"));
     for (t, exact) in found.iter().zip(expected) {
-        tally.near(*t, *exact, tolerance, "t");
+        checks.near(*t, *exact, tolerance, "t");
     }
 }
 
-fn far_cylinders(_: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn far_cylinders(_: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     let mut try_one = |radius: f64, origin: [f64; 3], direction: [f64; 3], expected: [f64; 2]| {
         let ray = Ray::new(cyclic(origin), cyclic(direction));
         let cylinder = InfiniteCylinder::new(radius)?;
-        compare(&crossings(|span| cylinder.intersect(&ray, span)), &expected, FOUR_U, &mut tally);
+        compare(&crossings(|span| cylinder.intersect(&ray, span)), &expected, FOUR_U, &mut checks);
         Ok::<(), rt_geometry::ShapeError>(())
     };
     let (far, other_side) = (999_999.133_974_596_3, 1_000_000.866_025_403_7);
@@ -66,11 +66,11 @@ fn far_cylinders(_: &Conditions) -> Found {
     try_one(1.0, [0.5, 0.0, -10.0], [1e-8, 0.0, 1.0], [-149_999_999.999_999_997, 49_999_999.999_999_999])?;
     let (near, beyond) = (99.999_083_484_861, 100.000_916_515_139);
     try_one(1e-3, [-100.0, 0.0004, 0.0], [1.0, 0.0, 0.0], [near, beyond])?;
-    Ok(tally)
+    Ok(checks)
 }
 
-fn along_the_axis(_: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn along_the_axis(_: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     let [closed, open] = [true, false].map(|caps| Cylinder::new(1.0, 0.0, 2.0, caps));
     let (closed, open, endless) = (closed?, open?, InfiniteCylinder::new(1.0)?);
     for (distance, on_caps) in [(0.0, true), (0.5, true), (1.0, true), (1f64.next_up(), false), (2.0, false)] {
@@ -78,18 +78,18 @@ fn along_the_axis(_: &Conditions) -> Found {
             let ray = Ray::new(DVec3::new(distance, -1.0, 0.0), DVec3::new(zero, 1.0, zero));
             let expected: &[f64] = if on_caps { &[1.0, 3.0] } else { &[] };
             let what = format!("{distance:?} from the axis");
-            tally.same(crossings(|span| closed.intersect(&ray, span)).as_slice(), expected, &what);
-            tally.same(open.intersect(&ray, EVERYWHERE), None, &what);
-            tally.same(endless.intersect(&ray, EVERYWHERE), None, &what);
+            checks.same(crossings(|span| closed.intersect(&ray, span)).as_slice(), expected, &what);
+            checks.same(open.intersect(&ray, EVERYWHERE), None, &what);
+            checks.same(endless.intersect(&ray, EVERYWHERE), None, &what);
         }
     }
-    Ok(tally)
+    Ok(checks)
 }
 
 /// Rays that enter the solid at the rim: however the aim is rounded, the cap or the side is hit within rounding of it.
-fn rim(conditions: &Conditions) -> Found {
+fn rim(conditions: &Conditions) -> CaseResult {
     let cylinder = Cylinder::new(0.7, -0.3, 1.1, true)?;
-    Ok(Tally::of_all(conditions.count(50_000, 1_000_000), |index, tally| {
+    Ok(Checks::of_all(conditions.count(50_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(18, index);
         let (sin, cos) = sincos(draw.between(0.0, std::f64::consts::TAU));
         let (height, up) = draw.pick(&[(1.1, 1.0), (-0.3, -1.0)]);
@@ -99,23 +99,23 @@ fn rim(conditions: &Conditions) -> Found {
         let origin = aim - inwards * draw.pick(&[1.0, 3.0, 1e3]);
         let ray = Ray::new(origin, aim - origin);
         let t = cylinder.intersect(&ray, Interval::FORWARD).map(|hit| hit.t);
-        tally.hit(t, 1.0, Tolerance::Absolute(1e-10), format_args!("towards {aim}"));
+        checks.hit(t, 1.0, Tolerance::Absolute(1e-10), format_args!("towards {aim}"));
         let beyond = cylinder.intersect(&ray, Interval::new(1.0 + 1e-10, 1.0 + 1e-6));
-        tally.check(beyond.is_none(), || format!("a second hit at {beyond:?}"));
+        checks.check(beyond.is_none(), || format!("a second hit at {beyond:?}"));
     }))
 }
 
-fn cone(slope: f64, origin: [f64; 3], direction: [f64; 3], expected: &[f64], tolerance: Tolerance) -> Found {
+fn cone(slope: f64, origin: [f64; 3], direction: [f64; 3], expected: &[f64], tolerance: Tolerance) -> CaseResult {
     let cone = DoubleCone::new(slope)?;
     let ray = Ray::new(cyclic(origin), cyclic(direction));
-    let mut tally = Tally::default();
-    compare(&crossings(|span| cone.intersect(&ray, span)), expected, tolerance, &mut tally);
-    Ok(tally)
+    let mut checks = Checks::default();
+    compare(&crossings(|span| cone.intersect(&ray, span)), expected, tolerance, &mut checks);
+    Ok(checks)
 }
 
 /// From exact origins along exact directions, so that the apex is met exactly.
-fn apex(_: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn apex(_: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     let cone = DoubleCone::new(1.0)?;
     for x in -4..=4 {
         for y in -4..=4 {
@@ -127,13 +127,13 @@ fn apex(_: &Conditions) -> Found {
                 }
                 let ray = Ray::new(direction * -3.0, direction);
                 let found = crossings(|span| cone.intersect(&ray, span));
-                compare(&found, &[3.0], FOUR_U, &mut tally);
+                compare(&found, &[3.0], FOUR_U, &mut checks);
                 let Some(hit) = cone.intersect(&ray, EVERYWHERE) else { continue };
                 let normal = cone.surface(&ray, &hit, InteractionFlags::ALL).geometric_normal;
                 let is_usable = (normal.length() - 1.0).abs() < 1e-14 && normal.dot(direction) <= 0.0;
-                tally.check(is_usable, || format!("normal {normal} for {direction}"));
+                checks.check(is_usable, || format!("normal {normal} for {direction}"));
             }
         }
     }
-    Ok(tally)
+    Ok(checks)
 }

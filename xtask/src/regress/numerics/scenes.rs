@@ -1,4 +1,4 @@
-//! Structures and rays that several chapters need.
+//! Accelerators and rays that several chapters need.
 
 use std::error::Error;
 
@@ -6,7 +6,7 @@ use rt_accel::{Accelerator, AcceleratorKind, AnyAccelerator};
 use rt_geometry::{Counters, Hit, NoProbe, Primitives};
 use rt_math::{Interval, Ray};
 
-/// A structure under its name.
+/// An accelerator under its name.
 #[derive(Debug)]
 pub(super) struct Named {
     kind: AcceleratorKind,
@@ -26,7 +26,7 @@ impl Named {
         self.structure.closest(primitives, ray, span, &mut NoProbe)
     }
 
-    /// Nodes and primitives looked at, per ray.
+    /// Visited nodes and tested primitives per ray.
     pub(super) fn visits<P: Primitives>(&self, primitives: &P, rays: &[Ray]) -> f64 {
         let mut counters = Counters::default();
         for ray in rays {
@@ -37,7 +37,7 @@ impl Named {
     }
 }
 
-/// One structure of each kind, brute force first, each found to be as it should.
+/// One validated accelerator of each kind, brute force first.
 pub(super) fn all_structures<P: Primitives>(primitives: &P) -> Result<Vec<Named>, Box<dyn Error + Send + Sync>> {
     let build = |&kind: &AcceleratorKind| {
         let structure = AnyAccelerator::build(kind, primitives)?;
@@ -47,7 +47,7 @@ pub(super) fn all_structures<P: Primitives>(primitives: &P) -> Result<Vec<Named>
     AcceleratorKind::ALL.iter().map(build).collect()
 }
 
-/// All that must be equal to the last bit.
+/// Parts of a hit that must be bit-identical.
 pub(super) fn key(hit: Option<Hit>) -> Option<[u64; 5]> {
     hit.map(|Hit { t, instance, primitive, uv }| {
         [t.to_bits(), instance.into(), primitive.into(), uv[0].to_bits(), uv[1].to_bits()]

@@ -6,7 +6,7 @@ use rt_geometry::{Cuboid, InteractionFlags, NoProbe, Shape, Sphere};
 use rt_math::{DVec3, Interval, Ray};
 use rt_tests::{Draw, SPAWN_SETUPS, ShapeSet, Spawned};
 
-use super::{Case, Conditions, Found, Tally, cases};
+use super::{Case, CaseResult, Checks, Conditions, cases};
 
 cases! {
     "S33", "rays spawned from a triangle of scale 1e-6…1e6 at offsets 0…1e7, beneath a sheet",
@@ -15,10 +15,10 @@ cases! {
     "S35", "shadows between 100 boxes stacked 1e-7 apart at 1e3", "as the slope of the ray says", "0", stack;
 }
 
-fn spawn_table(conditions: &Conditions) -> Found {
+fn spawn_table(conditions: &Conditions) -> CaseResult {
     let rays = conditions.count(30_000, 1_000_000);
-    let mut tally = Tally::default();
-    tally.note("scale | offset | triangle | rays | acne | leaks");
+    let mut checks = Checks::default();
+    checks.note("scale | offset | triangle | rays | acne | leaks");
     for setup in SPAWN_SETUPS {
         let blocks: Vec<u64> = (0..rays.div_ceil(10_000)).collect();
         let parts: Result<Vec<Spawned>, _> =
@@ -29,25 +29,25 @@ fn spawn_table(conditions: &Conditions) -> Found {
         }
         let Spawned { spawned, acne, leaks } = sum;
         let which = if setup.is_level { "level" } else { "oblique" };
-        tally.note(format!("{:e} | {:e} | {which} | {spawned} | {acne} | {leaks}", setup.scale, setup.offset));
-        tally.check(spawned > rays / 100 * 99, || format!("{setup:?}: only {spawned} rays were spawned"));
-        tally.check(acne + leaks == 0, || format!("{setup:?}: {acne} acne, {leaks} leaks"));
-        tally.tried += spawned - 2;
+        checks.note(format!("{:e} | {:e} | {which} | {spawned} | {acne} | {leaks}", setup.scale, setup.offset));
+        checks.check(spawned > rays / 100 * 99, || format!("{setup:?}: only {spawned} rays were spawned"));
+        checks.check(acne + leaks == 0, || format!("{setup:?}: {acne} acne, {leaks} leaks"));
+        checks.tried += spawned - 2;
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn gap(conditions: &Conditions) -> Found {
+fn gap(conditions: &Conditions) -> CaseResult {
     const GAP: f64 = 1e-9;
     let outer = Sphere::new(DVec3::ZERO, 1.0)?;
     let inner = Sphere::new(DVec3::ZERO, 1.0 - GAP)?;
-    Ok(Tally::of_all(conditions.count(50_000, 1_000_000), |index, tally| {
+    Ok(Checks::of_all(conditions.count(50_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(34, index);
         let arriving = draw.direction() * 3.0;
         // Near the silhouette the way across the gap grows longer, up to √(2·gap).
         let ray = Ray::new(arriving, draw.point() * 0.5 - arriving);
         let Some(hit) = outer.intersect(&ray, Interval::FORWARD) else {
-            tally.check(false, || format!("{ray:?} misses"));
+            checks.check(false, || format!("{ray:?} misses"));
             return;
         };
         let surface = outer.surface(&ray, &hit, InteractionFlags::ALL);
@@ -58,13 +58,13 @@ fn gap(conditions: &Conditions) -> Found {
         // To first order in the gap, which is all that is left of it in the radius.
         let expected = GAP / cosine;
         let limit = expected * 1e-4 + GAP * expected / (cosine * cosine);
-        tally.check(across.is_some_and(|t| (t - expected).abs() <= limit), || {
+        checks.check(across.is_some_and(|t| (t - expected).abs() <= limit), || {
             format!("{across:?} instead of {expected:e} at cosine {cosine}")
         });
     }))
 }
 
-fn stack(conditions: &Conditions) -> Found {
+fn stack(conditions: &Conditions) -> CaseResult {
     const COINS: usize = 100;
     const FAR: f64 = 1e3;
     const GAP: f64 = 1e-7;
@@ -79,10 +79,10 @@ fn stack(conditions: &Conditions) -> Found {
     let coins: Result<Vec<Cuboid>, _> = (0..COINS).map(coin).collect();
     let set = ShapeSet::of_shapes(coins?.into_iter().map(Shape::Cuboid));
     let structure = Bvh::build(&set)?;
-    Ok(Tally::of_all(conditions.count(20_000, 1_000_000), |index, tally| {
+    Ok(Checks::of_all(conditions.count(20_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(35, index);
         let at = draw.below(COINS - 1);
-        // What lies between is a part of what can be seen into, from the side.
+        // Points in the gap are a part of the visible ones, from the side.
         let [top, next] = [heights(at)[1], heights(at + 1)[0]];
         let (to_edge, gap) = (draw.between(0.01, 1.0), next - top);
         let point = DVec3::new(FAR + 1.0 - to_edge, top, FAR + draw.between(-0.9, 0.9));
@@ -91,13 +91,13 @@ fn stack(conditions: &Conditions) -> Found {
         let down = Ray::new(point + DVec3::Y, DVec3::NEG_Y);
         let hit = Bvh::build(&lone).ok().and_then(|bvh| bvh.closest(&lone, &down, Interval::FORWARD, &mut NoProbe));
         let Some(surface) = hit.and_then(|hit| lone.surface(&down, &hit, InteractionFlags::ALL)) else {
-            tally.check(false, || format!("{down:?} misses"));
+            checks.check(false, || format!("{down:?} misses"));
             return;
         };
         let factor = draw.pick(&[0.01, 0.5, 0.99, 0.999, 1.001, 1.01, 2.0, 1e3, 1e9]);
         let towards = DVec3::new(1.0, factor * gap / to_edge, 0.0);
         let shadow = surface.spawn_shadow_ray_towards(towards, 0.0);
         let blocked = structure.occluded(&set, &shadow, Interval::SPAWNED, &mut NoProbe);
-        tally.same(blocked, factor > 1.0, format_args!("coin {at}, rising {factor} gaps on the way out"));
+        checks.same(blocked, factor > 1.0, format_args!("coin {at}, rising {factor} gaps on the way out"));
     }))
 }

@@ -4,7 +4,7 @@ use rt_geometry::{InteractionFlags, Shape, ShapeHit, Sphere, TransformedShape};
 use rt_math::{DVec3, Interval, Ray, Transform, TransformError, float::UNIT_ROUNDOFF, transcendental::exp2};
 use rt_tests::{Draw, ShapeKind, ShapeSet};
 
-use super::{Case, Conditions, FOUR_U, Found, Tally, Tolerance, cases, exact::Dyadic, scenes::all_structures};
+use super::{Case, CaseResult, Checks, Conditions, FOUR_U, Tolerance, cases, exact::Dyadic, scenes::all_structures};
 
 cases! {
     "S01", "a sphere from 1e8 away, halfway to its silhouette",
@@ -32,19 +32,19 @@ fn unit_sphere() -> Result<Sphere, rt_geometry::ShapeError> {
     Sphere::new(DVec3::ZERO, 1.0)
 }
 
-fn root(radius: f64, origin: [f64; 3], direction: [f64; 3], expected: f64, tolerance: Tolerance) -> Found {
+fn root(radius: f64, origin: [f64; 3], direction: [f64; 3], expected: f64, tolerance: Tolerance) -> CaseResult {
     let sphere = Sphere::new(DVec3::ZERO, radius)?;
     let hit = sphere.intersect(&Ray::new(origin.into(), direction.into()), Interval::FORWARD);
-    let mut tally = Tally::default();
-    tally.hit(hit.map(|hit| hit.t), expected, tolerance, "t");
-    Ok(tally)
+    let mut checks = Checks::default();
+    checks.hit(hit.map(|hit| hit.t), expected, tolerance, "t");
+    Ok(checks)
 }
 
 /// Beyond the silhouette nothing may be hit, and all must agree wherever the ray starts.
-fn tangents(_: &Conditions) -> Found {
+fn tangents(_: &Conditions) -> CaseResult {
     let set = ShapeSet::of_shapes([Shape::Sphere(unit_sphere()?)]);
     let structures = all_structures(&set)?;
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for distance in [0.0, 1.0, 5.0, 1e3, 1e8, 1e15] {
         let mut x = 1.0 - 4.0 * f64::EPSILON;
         while x < 1.0 + 8.0 * f64::EPSILON {
@@ -56,18 +56,18 @@ fn tangents(_: &Conditions) -> Found {
                     // From its closest point the ray meets the sphere at 0 only if it is a tangent.
                     let expected = if x <= 1.0 && (distance > 0.0 || x == 1.0) { Some(true) } else { None };
                     let expected = if distance == 0.0 && x < 1.0 { Some(true) } else { expected };
-                    tally.same(hit.map(|_| true), expected, format_args!("{} at {x:?}", structure.name()));
+                    checks.same(hit.map(|_| true), expected, format_args!("{} at {x:?}", structure.name()));
                 }
             }
             x = x.next_up();
         }
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn scaled_directions(conditions: &Conditions) -> Found {
+fn scaled_directions(conditions: &Conditions) -> CaseResult {
     let rays = conditions.count(20, 200);
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     let mut draw = Draw::new(6);
     for kind in ShapeKind::ALL {
         let mut hits = 0;
@@ -81,34 +81,34 @@ fn scaled_directions(conditions: &Conditions) -> Found {
                 let scaled = Ray::new(origin, ray.direction * exp2(f64::from(k)));
                 let t = shape.intersect(&scaled, Interval::FORWARD).map(|hit| hit.t);
                 let expected = hit.t * exp2(f64::from(-k));
-                tally.hit(t, expected, Tolerance::Bits, format_args!("{} at 2^{k}", kind.name));
+                checks.hit(t, expected, Tolerance::Bits, format_args!("{} at 2^{k}", kind.name));
             }
         }
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn chords(conditions: &Conditions) -> Found {
+fn chords(conditions: &Conditions) -> CaseResult {
     let sphere = unit_sphere()?;
-    Ok(Tally::of_all(conditions.count(50_000, 1_000_000), |index, tally| {
+    Ok(Checks::of_all(conditions.count(50_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(7, index);
         let arriving = draw.direction() * 3.0;
         let aim = draw.point() * 0.5;
         let ray = Ray::new(arriving, aim - arriving);
         let Some(hit) = sphere.intersect(&ray, Interval::FORWARD) else {
-            tally.check(false, || format!("a miss towards {aim}"));
+            checks.check(false, || format!("a miss towards {aim}"));
             return;
         };
         let surface = sphere.surface(&ray, &hit, InteractionFlags::ALL);
         let outwards = draw.above(surface.geometric_normal, 1e-6);
         let leaving = sphere.intersect(&surface.spawn_ray(outwards, 0.0), Interval::SPAWNED);
-        tally.check(leaving.is_none(), || format!("a self-hit towards {outwards}"));
+        checks.check(leaving.is_none(), || format!("a self-hit towards {outwards}"));
         // The origin is off the surface by its rounding, which the chord magnifies by 1 / cos θ.
         let inwards = -draw.above(surface.geometric_normal, 1e-2);
         let entering = surface.spawn_ray(inwards, 0.0);
         let chord = -2.0 * surface.geometric_normal.dot(inwards);
         let far = sphere.intersect(&entering, Interval::SPAWNED).map(|hit| hit.t);
-        tally.hit(far, chord, Tolerance::Absolute(1e-12), "chord");
+        checks.hit(far, chord, Tolerance::Absolute(1e-12), "chord");
     }))
 }
 
@@ -151,11 +151,11 @@ impl ExactQuadratic {
     }
 }
 
-fn needle(conditions: &Conditions) -> Found {
+fn needle(conditions: &Conditions) -> CaseResult {
     const AXES: [f64; 3] = [1.0, 1e-6, 1e6];
     const LIMIT: f64 = 1e12 * UNIT_ROUNDOFF;
     let placed = TransformedShape::new(Shape::Sphere(unit_sphere()?), Transform::scale(AXES.into())?);
-    let mut tally = Tally::of_all(conditions.count(5_000, 100_000), |index, tally| {
+    let mut checks = Checks::of_all(conditions.count(5_000, 100_000), |index, checks| {
         let mut draw = Draw::of(8, index);
         let stretch = DVec3::from(AXES);
         let origin = draw.point() * stretch * draw.pick(&[1.5, 3.0, 100.0]);
@@ -167,21 +167,21 @@ fn needle(conditions: &Conditions) -> Found {
         let expected = exact.discriminant().signum() >= 0 && (leads_towards || !starts_outside);
         let hit = placed.intersect(&ray, Interval::FORWARD);
         let undecided = exact.margin() <= LIMIT;
-        tally.check(hit.is_some() == expected || undecided, || format!("hit: {}, exactly: {expected}", hit.is_some()));
+        checks.check(hit.is_some() == expected || undecided, || format!("hit: {}, exactly: {expected}", hit.is_some()));
         if let (Some(ShapeHit { t, .. }), false) = (hit, undecided) {
-            tally.limit(exact.error_of(t), LIMIT, format_args!("t = {t:?}"));
+            checks.limit(exact.error_of(t), LIMIT, format_args!("t = {t:?}"));
         }
     });
     let beyond = Transform::scale(DVec3::new(1.0, 1e-7, 1e6));
     let refused = matches!(beyond, Err(TransformError::Singular(_)));
-    tally.check(refused, || "a condition number of 1e13 must be refused".to_owned());
-    Ok(tally)
+    checks.check(refused, || "a condition number of 1e13 must be refused".to_owned());
+    Ok(checks)
 }
 
-fn mirrored(conditions: &Conditions) -> Found {
+fn mirrored(conditions: &Conditions) -> CaseResult {
     let mirror = Transform::scale(DVec3::new(-1.0, 1.0, 1.0))?;
     let flip = |v: DVec3| DVec3::new(-v.x, v.y, v.z);
-    Ok(Tally::of_all(conditions.count(5_000, 100_000), |index, tally| {
+    Ok(Checks::of_all(conditions.count(5_000, 100_000), |index, checks| {
         let mut draw = Draw::of(9, index);
         let kind = ShapeKind::ALL[index as usize % ShapeKind::ALL.len()];
         let Some(shape) = kind.shape(&mut draw) else { return };
@@ -196,12 +196,12 @@ fn mirrored(conditions: &Conditions) -> Found {
             Some((hit.t, surface.point, surface.geometric_normal))
         });
         let expected = expected.map(|(t, point, normal)| (t, flip(point), flip(normal)));
-        tally.same(found, expected, kind.name);
+        checks.same(found, expected, kind.name);
     }))
 }
 
-fn turns(_: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn turns(_: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 2.0, 3.0)] {
         let turn = Transform::rotate(axis, 1e-3)?;
         let mut all = Transform::IDENTITY;
@@ -213,8 +213,8 @@ fn turns(_: &Conditions) -> Found {
         }
         for unit in DVec3::AXES {
             let error = (all.vector(unit) - unit).length().max((all.inverse_vector(unit) - unit).length());
-            tally.limit(error, 1e-11, format_args!("{unit} about {axis}"));
+            checks.limit(error, 1e-11, format_args!("{unit} about {axis}"));
         }
     }
-    Ok(tally)
+    Ok(checks)
 }

@@ -1,4 +1,4 @@
-//! Images as means over blocks of pixels: what two renderers are compared by.
+//! Means over blocks of pixels, by which two renderers are compared.
 
 use rt_image::Image;
 

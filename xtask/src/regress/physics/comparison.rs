@@ -14,17 +14,17 @@
 //! Channels are tested one by one: their noise is common, so that blocks of all channels together are not independent.
 
 use super::{
-    pair::Reference,
-    score::{Score, Tolerance, binomial_tail, score_of_squares},
+    pair::BlockMeans,
+    score::{RelativeTolerance, Score, binomial_tail, score_of_squares},
 };
 
-/// Greatest score of an image mean.
+/// Maximum score of an image mean.
 pub(super) const MEAN_LIMIT: f64 = 4.8;
 /// Score of an image mean that is worth a note: a few in a thousand pairs have it by chance.
 const NOTED: f64 = 3.5;
-/// Greatest score of the sum of the squares of the blocks' scores.
+/// Maximum score of the sum of the squares of the blocks' scores.
 const SQUARES_LIMIT: f64 = 4.8;
-/// Greatest score of a block.
+/// Maximum score of a block.
 const WORST_LIMIT: f64 = 6.5;
 /// Minimum degrees of freedom for tests of a single block. Rare light makes block means skewed, and the errors of few
 /// seeds too small.
@@ -33,7 +33,7 @@ const ENOUGH_FREEDOM: f64 = 11.0;
 const FAR: f64 = 3.0;
 /// Share of blocks beyond [`FAR`]: a little more than the normal 0.0027, as seeds are few.
 const FAR_SHARE: f64 = 0.004;
-/// Least probability of as many blocks beyond [`FAR`].
+/// Minimum probability of as many blocks beyond [`FAR`].
 const FAR_LIMIT: f64 = 1e-6;
 
 /// Comparison of our image with a reference.
@@ -47,12 +47,12 @@ pub(super) struct Comparison {
     pub mean_scores: [f64; 3],
     /// Root mean square of the blocks' scores.
     pub rms: f64,
-    /// Greatest score of a block.
+    /// Maximum score of a block.
     pub worst: f64,
     /// Blocks beyond [`FAR`] standard errors, of all.
     pub far: usize,
     pub blocks: usize,
-    /// Least relative error of an image mean that would be found, of the channel that finds it first.
+    /// Minimum relative error of an image mean that would be found, of the channel that finds it first.
     pub notices: f64,
     /// Differences that noise does not explain.
     pub problems: Vec<String>,
@@ -62,7 +62,7 @@ pub(super) struct Comparison {
 
 impl Comparison {
     /// Compares means that have the same blocks.
-    pub(super) fn of(ours: &Reference, reference: &Reference, tolerance: Tolerance) -> Self {
+    pub(super) fn of(ours: &BlockMeans, reference: &BlockMeans, tolerance: RelativeTolerance) -> Self {
         let blocks: Vec<f64> =
             ours.blocks.iter().zip(&reference.blocks).map(|(a, b)| Score::of(*a, *b, tolerance).z).collect();
         let image: [Score; 3] =
@@ -84,11 +84,11 @@ impl Comparison {
             problems: Vec::new(),
             notes: Vec::new(),
         };
-        comparison.judge(&blocks, ours.image[0].freedom >= ENOUGH_FREEDOM);
+        comparison.check(&blocks, ours.image[0].freedom >= ENOUGH_FREEDOM);
         comparison
     }
 
-    fn judge(&mut self, blocks: &[f64], has_many_seeds: bool) {
+    fn check(&mut self, blocks: &[f64], has_many_seeds: bool) {
         if blocks.iter().chain(&self.mean_scores).any(|z| !z.is_finite()) {
             self.problems.push("a mean is not a number".to_owned());
             return;
@@ -147,7 +147,7 @@ mod tests {
         assert!(PAIRS * per_pair < 1.0 / 200.0, "{}", PAIRS * per_pair);
     }
 
-    const NONE: Tolerance = Tolerance { relative: 2e-5, absolute: 0.0 };
+    const NONE: RelativeTolerance = RelativeTolerance { relative: 2e-5, absolute: 0.0 };
 
     /// Images of 8×8 blocks with this mean and noise, as a renderer's seeds give them: sums of twelve random numbers each.
     fn renders(seeds: u32, first_seed: u64, noise: f64, mean: impl Fn(usize) -> f64) -> Vec<Blocks> {
@@ -173,8 +173,8 @@ mod tests {
     #[test]
     fn equal_scenes_are_accepted_and_a_hundredth_more_is_not() {
         for trial in 0..200 {
-            let ours = Reference::of_seeds(&renders(16, 1000 * trial, 0.02, plain));
-            let reference = Reference::of_seeds(&renders(16, 1000 * trial + 500, 0.02, plain));
+            let ours = BlockMeans::of_seeds(&renders(16, 1000 * trial, 0.02, plain));
+            let reference = BlockMeans::of_seeds(&renders(16, 1000 * trial + 500, 0.02, plain));
             let same = Comparison::of(&ours, &reference, NONE);
             assert_eq!(same.problems, Vec::<String>::new(), "{trial}");
             let brighter = Comparison::of(&ours, &reference.scaled([1.01; 3]), NONE);
@@ -186,8 +186,8 @@ mod tests {
     #[test]
     fn few_seeds_raise_no_more_false_alarms() {
         for trial in 0..500 {
-            let ours = Reference::of_seeds(&renders(6, 1000 * trial, 0.02, plain));
-            let exact = Reference::of_seeds(&renders(1, 0, 0.0, plain));
+            let ours = BlockMeans::of_seeds(&renders(6, 1000 * trial, 0.02, plain));
+            let exact = BlockMeans::of_seeds(&renders(1, 0, 0.0, plain));
             let comparison = Comparison::of(&ours, &exact, NONE);
             assert_eq!(comparison.problems, Vec::<String>::new(), "{trial}");
         }
@@ -197,16 +197,16 @@ mod tests {
     fn a_fault_that_keeps_the_image_mean_is_found_in_the_blocks() {
         // Half of the blocks lose what the others gain: the scene is mirrored, say.
         let shifted = |i: usize| if (i / 3).is_multiple_of(2) { plain(i) * 1.08 } else { plain(i) * 0.92 };
-        let ours = Reference::of_seeds(&renders(16, 1, 0.05, shifted));
-        let reference = Reference::of_seeds(&renders(16, 700, 0.05, plain));
+        let ours = BlockMeans::of_seeds(&renders(16, 1, 0.05, shifted));
+        let reference = BlockMeans::of_seeds(&renders(16, 700, 0.05, plain));
         let comparison = Comparison::of(&ours, &reference, NONE);
         assert!(comparison.problems.iter().any(|problem| problem.contains("RMS")), "{:?}", comparison.problems);
     }
 
     #[test]
     fn one_block_that_is_wrong_is_found() {
-        let ours = Reference::of_seeds(&renders(16, 1, 0.05, |i| if i == 40 { 2.0 * plain(i) } else { plain(i) }));
-        let reference = Reference::of_seeds(&renders(16, 700, 0.05, plain));
+        let ours = BlockMeans::of_seeds(&renders(16, 1, 0.05, |i| if i == 40 { 2.0 * plain(i) } else { plain(i) }));
+        let reference = BlockMeans::of_seeds(&renders(16, 700, 0.05, plain));
         let problems = Comparison::of(&ours, &reference, NONE).problems;
         assert!(problems.iter().any(|problem| problem.contains("a block differs")), "{problems:?}");
     }
@@ -215,15 +215,15 @@ mod tests {
     fn what_is_not_a_number_is_refused() {
         let mut broken = renders(16, 1, 0.05, plain);
         broken[3].means[7] = f64::NAN;
-        let reference = Reference::of_seeds(&renders(16, 700, 0.05, plain));
-        let problems = Comparison::of(&Reference::of_seeds(&broken), &reference, NONE).problems;
+        let reference = BlockMeans::of_seeds(&renders(16, 700, 0.05, plain));
+        let problems = Comparison::of(&BlockMeans::of_seeds(&broken), &reference, NONE).problems;
         assert_eq!(problems, ["a mean is not a number"]);
     }
 
     #[test]
     fn scores_of_two_exact_images_are_those_of_the_tolerance() {
-        let exact = |factor: f64| Reference::of_seeds(&renders(1, 0, 0.0, |i| factor * plain(i)));
-        let tolerance = Tolerance { relative: 0.01, absolute: 0.0 };
+        let exact = |factor: f64| BlockMeans::of_seeds(&renders(1, 0, 0.0, |i| factor * plain(i)));
+        let tolerance = RelativeTolerance { relative: 0.01, absolute: 0.0 };
         let comparison = Comparison::of(&exact(1.02), &exact(1.0), tolerance);
         assert!(comparison.mean_scores.iter().all(|z| (z - 2.0 / 1.02).abs() < 1e-3), "{comparison:?}");
         assert!((comparison.rms - 2.0 / 1.02).abs() < 1e-3 && comparison.far == 0 && comparison.blocks == 192);

@@ -12,7 +12,7 @@ use std::{
 use serde::Deserialize;
 
 use super::unit::{Context, Findings, Outcome, Unit};
-use crate::{error::TaskError, workspace::Workspace};
+use crate::{error::TaskError, files, workspace::Workspace};
 
 mod blocks;
 mod comparison;
@@ -22,26 +22,26 @@ mod table;
 
 use blocks::Blocks;
 use comparison::{Comparison, MEAN_LIMIT};
-use pair::{Effort, Expect, OWN, Pair, Reference, Series, read_json};
-use score::{Score, Tolerance};
-pub(super) use table::Row;
+use pair::{BlockMeans, Effort, Expect, OWN, Pair, Series};
+use score::{RelativeTolerance, Score};
+pub(super) use table::PairRow;
 
 /// Pairs outside of the project.
-const BESIDE: &str = "../shared/reference/physics/pairs";
+const SHARED: &str = "../shared/reference/physics/pairs";
 /// Ratios of the pairs that differ by convention.
 const CONVENTIONS: &str = "tests/physics/conventions.json";
 
 /// Work per pair without `--full`.
 const REDUCED: Effort = Effort::Reduced { seeds: 8, divisor: 4 };
 
-/// One unit per pair, and one that plants faults. Pairs of the project win over others of the same name.
+/// One unit per pair, and one that plants faults. Pairs of the project take precedence over others of the same name.
 pub(super) fn units(workspace: &Workspace, more: Option<&Path>) -> Result<Vec<Box<dyn Unit>>, TaskError> {
-    let beside = more.map_or_else(|| workspace.root.join(BESIDE), Path::to_path_buf);
-    if more.is_some() && !beside.is_dir() {
-        return Err(TaskError::Other(format!("{}: there is no such folder of pairs", beside.display())));
+    let shared = more.map_or_else(|| workspace.root.join(SHARED), Path::to_path_buf);
+    if more.is_some() && !shared.is_dir() {
+        return Err(TaskError::Other(format!("{}: there is no such folder of pairs", shared.display())));
     }
     let mut pairs = BTreeMap::new();
-    for (parent, is_own) in [(beside.clone(), false), (workspace.root.join(OWN), true)] {
+    for (parent, is_own) in [(shared.clone(), false), (workspace.root.join(OWN), true)] {
         for folder in folders(&parent)? {
             let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
             pairs.insert(name, PairUnit { folder, is_own });
@@ -49,8 +49,8 @@ pub(super) fn units(workspace: &Workspace, more: Option<&Path>) -> Result<Vec<Bo
     }
     let mut units: Vec<Box<dyn Unit>> = vec![Box::new(PlantedFault)];
     units.extend(pairs.into_values().map(|pair| Box::new(pair) as Box<dyn Unit>));
-    if !beside.is_dir() {
-        units.push(Box::new(NoneBeside));
+    if !shared.is_dir() {
+        units.push(Box::new(NoSharedPairs));
     }
     Ok(units)
 }
@@ -97,22 +97,16 @@ impl Unit for PairUnit {
         format!("physics/{}", self.pair_name())
     }
 
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
-        let mut findings = Findings::default();
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let pair = Pair::load(&self.folder)?;
-        let (ours, reference) = match both(context, folder, &self.folder, &pair)? {
-            Ok(both) => both,
-            Err(problem) => {
-                findings.problem(problem);
-                return Ok(findings);
-            }
-        };
+        let (ours, reference) = both(context, folder, &self.folder, &pair)?;
         let comparison = Comparison::of(&ours, &reference, pair.tolerance());
         let differs = !comparison.problems.is_empty();
         match pair.expect {
             Expect::Agree => findings.problems.clone_from(&comparison.problems),
             Expect::Convention => {
-                let conventions: BTreeMap<String, Convention> = read_json(&context.workspace.root.join(CONVENTIONS))?;
+                let conventions: BTreeMap<String, Convention> =
+                    files::read_json(&context.workspace.root.join(CONVENTIONS))?;
                 match conventions.get(&self.pair_name()) {
                     _ if !differs => findings.problem("agrees, although a convention makes it differ"),
                     Some(convention) => findings.problems.extend(convention.broken_by(&ours, &reference)),
@@ -121,7 +115,8 @@ impl Unit for PairUnit {
             }
             Expect::Known if differs => {
                 findings.note("differs, as is known");
-                let recorded: BTreeMap<String, Convention> = read_json(&context.workspace.root.join(CONVENTIONS))?;
+                let recorded: BTreeMap<String, Convention> =
+                    files::read_json(&context.workspace.root.join(CONVENTIONS))?;
                 let recorded = recorded.get(&self.pair_name());
                 findings.problems.extend(recorded.into_iter().flat_map(|it| it.broken_by(&ours, &reference)));
             }
@@ -137,29 +132,28 @@ impl Unit for PairUnit {
         };
         let Pair { note, kind, .. } = pair;
         let (name, is_own) = (self.pair_name(), self.is_own);
-        let row = Row { name, is_own, kind, note, comparison, verdict };
+        let row = PairRow { name, is_own, kind, note, comparison, verdict };
         findings.note(row.line());
         findings.pair = Some(row);
-        Ok(findings)
+        Ok(())
     }
 }
 
-/// Says that pairs are not there.
-struct NoneBeside;
+/// Notes that shared pairs are missing.
+struct NoSharedPairs;
 
-impl Unit for NoneBeside {
+impl Unit for NoSharedPairs {
     fn name(&self) -> String {
         "physics/beside-the-project".to_owned()
     }
 
-    fn run(&self, _: &Context, _: &Path) -> Result<Findings, TaskError> {
-        let mut findings = Findings::default();
-        findings.note(format!("skipped: {BESIDE} is not here"));
-        Ok(findings)
+    fn run(&self, _: &Context, _: &Path, findings: &mut Findings) -> Result<(), TaskError> {
+        findings.note(format!("skipped: {SHARED} is not here"));
+        Ok(())
     }
 }
 
-/// Compares with references that are wrong by a hundredth.
+/// Compares with references that are off by a hundredth.
 struct PlantedFault;
 
 /// One pair of each kind.
@@ -171,18 +165,11 @@ impl Unit for PlantedFault {
         "physics/planted-fault".to_owned()
     }
 
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
-        let mut findings = Findings::default();
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         for name in SOUND {
             let pair_folder = context.workspace.root.join(OWN).join(name);
             let pair = Pair::load(&pair_folder)?;
-            let (ours, reference) = match both(context, folder, &pair_folder, &pair)? {
-                Ok(both) => both,
-                Err(problem) => {
-                    findings.problem(format!("{name}: {problem}"));
-                    continue;
-                }
-            };
+            let (ours, reference) = both(context, folder, &pair_folder, &pair)?;
             for (factor, is_sound) in [(1.0, true), (FAULT, false), (1.0 / FAULT, false)] {
                 let problems = Comparison::of(&ours, &reference.scaled([factor; 3]), pair.tolerance()).problems;
                 if problems.is_empty() != is_sound {
@@ -191,7 +178,7 @@ impl Unit for PlantedFault {
                 }
             }
         }
-        Ok(findings)
+        Ok(())
     }
 }
 
@@ -206,13 +193,13 @@ struct Convention {
 
 impl Convention {
     /// Channels whose ratio is no longer the recorded one.
-    fn broken_by(&self, ours: &Reference, reference: &Reference) -> Vec<String> {
+    fn broken_by(&self, ours: &BlockMeans, reference: &BlockMeans) -> Vec<String> {
         let expected = reference.scaled(self.ratio);
-        let tolerance = Tolerance { relative: self.within, absolute: 0.0 };
+        let tolerance = RelativeTolerance { relative: self.within, absolute: 0.0 };
         let mut broken = Vec::new();
         for channel in 0..3 {
             let z = Score::of(ours.image[channel], expected.image[channel], tolerance).z;
-            // Written so that a score that is not a number breaks it.
+            // NaN is a failure, too.
             if !(z.abs() <= MEAN_LIMIT) {
                 let ratio = ours.image[channel].mean / reference.image[channel].mean;
                 broken.push(format!(
@@ -225,49 +212,40 @@ impl Convention {
     }
 }
 
-/// Our means and those of the reference; the text of the inner result says why there are none.
+/// Our means and those of the reference.
 fn both(
     context: &Context,
     folder: &Path,
     pair_folder: &Path,
     pair: &Pair,
-) -> Result<Result<(Reference, Reference), String>, TaskError> {
+) -> Result<(BlockMeans, BlockMeans), TaskError> {
     let effort = effort(context.full);
     let series = pair.series(pair_folder, effort);
-    let ours = match render(context, folder, &series, pair.block)? {
-        Ok(renders) => renders,
-        Err(problem) => return Ok(Err(problem)),
-    };
+    let ours = render(context, folder, &series, pair.block)?;
     let shape = |renders: &[Blocks]| renders.first().map_or([0; 2], |render| [render.rows, render.columns]);
     let (reference, expected) = if pair.is_of_ours_alone() {
-        match render(context, folder, &pair.reference_series(pair_folder, effort), pair.block)? {
-            Ok(renders) => (Reference::of_seeds(&renders), shape(&renders)),
-            Err(problem) => return Ok(Err(format!("the reference: {problem}"))),
-        }
+        let renders = render(context, folder, &pair.reference_series(pair_folder, effort), pair.block)?;
+        (BlockMeans::of_seeds(&renders), shape(&renders))
     } else {
-        Reference::load(pair_folder)?
+        BlockMeans::load(pair_folder)?
     };
     let [rows, columns] = shape(&ours);
     if [rows, columns] != expected {
         let [expected_rows, expected_columns] = expected;
-        return Ok(Err(format!("{columns}×{rows} blocks instead of {expected_columns}×{expected_rows}")));
+        let problem = format!("{columns}×{rows} blocks instead of {expected_columns}×{expected_rows}");
+        return Err(TaskError::Other(problem));
     }
     // The mean of a block that one sample has lit as brightly as the brightest pixel.
     let samples = f64::from(series.spp.unwrap_or(1)) * f64::from(series.seeds) * (pair.block * pair.block) as f64;
     let event = ours.iter().fold(0.0, |most: f64, render| most.max(render.brightest)) / samples;
-    Ok(Ok((Reference::of_seeds(&ours).with_rare_events(&reference, event), reference)))
+    Ok((BlockMeans::of_seeds(&ours).with_rare_events(&reference, event), reference))
 }
 
-/// Renders a series in `folder`; the text of the inner result says why a render failed.
-fn render(
-    context: &Context,
-    folder: &Path,
-    series: &Series,
-    block: usize,
-) -> Result<Result<Vec<Blocks>, String>, TaskError> {
+/// Renders a series in `folder`.
+fn render(context: &Context, folder: &Path, series: &Series, block: usize) -> Result<Vec<Blocks>, TaskError> {
     const OUTPUT: &str = "image.pfm";
     if series.seeds == 0 || block == 0 {
-        return Ok(Err("seeds and block must be 1 or more".to_owned()));
+        return Err(TaskError::Other("seeds and block must be 1 or more".to_owned()));
     }
     let output = folder.join(OUTPUT);
     let mut renders: Vec<Blocks> = Vec::new();
@@ -278,26 +256,23 @@ fn render(
             args.extend(["--spp".to_owned(), spp.to_string()]);
         }
         args.extend(series.args.iter().cloned());
-        let run = context.renderer.render(folder, &series.scene, OUTPUT, args.iter().map(String::as_str))?;
-        if let Err(problem) = run.succeeded() {
-            return Ok(Err(format!("seed {seed}: {problem}")));
-        }
-        let film = rt_image::read_image(&output).map_err(|error| TaskError::Other(error.to_string()))?;
+        context.renderer.render(folder, &series.scene, OUTPUT, args.iter().map(String::as_str))?;
+        let film = rt_image::read_image(&output).map_err(TaskError::other)?;
         renders.push(Blocks::of_film(&film, block));
     }
     fs::remove_file(&output).map_err(TaskError::file(&output))?;
-    Ok(Ok(renders))
+    Ok(renders)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{score::Estimate, *};
+    use super::{score::BlockEstimate, *};
 
     #[test]
     fn a_convention_that_changes_is_found() {
         let with_mean = |mean: f64| {
-            let estimate = Estimate { mean, variance: 1e-8, freedom: 15.0 };
-            Reference { blocks: vec![estimate; 3], image: [estimate; 3] }
+            let estimate = BlockEstimate { mean, variance: 1e-8, freedom: 15.0 };
+            BlockMeans { blocks: vec![estimate; 3], image: [estimate; 3] }
         };
         let convention = Convention { ratio: [1.02; 3], within: 0.001 };
         assert_eq!(convention.broken_by(&with_mean(1.02), &with_mean(1.0)), Vec::<String>::new());
@@ -309,7 +284,7 @@ mod tests {
     #[test]
     fn all_pairs_of_the_project_can_be_read() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let conventions: BTreeMap<String, Convention> = read_json(&root.join(CONVENTIONS)).unwrap();
+        let conventions: BTreeMap<String, Convention> = files::read_json(&root.join(CONVENTIONS)).unwrap();
         let folders = folders(&root.join(OWN)).unwrap();
         assert!(folders.len() >= 40, "{}", folders.len());
         for folder in folders {
@@ -317,7 +292,7 @@ mod tests {
             let name = folder.file_name().unwrap().to_string_lossy().into_owned();
             assert!(pair.series(&folder, Effort::Full).scene.is_file(), "{name}: no scene");
             if !pair.is_of_ours_alone() {
-                let (reference, _) = Reference::load(&folder).unwrap_or_else(|error| panic!("{error}"));
+                let (reference, _) = BlockMeans::load(&folder).unwrap_or_else(|error| panic!("{error}"));
                 assert!(reference.image.iter().all(|channel| channel.mean.is_finite()), "{name}");
             }
             assert!(pair.expect != Expect::Convention || conventions.contains_key(&name), "{name}: no ratio");

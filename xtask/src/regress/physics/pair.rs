@@ -1,14 +1,11 @@
-//! Pairs as they lie on disk: `pair.json` and, unless our own renderer gives the reference, `ref.json`.
+//! Files of a pair: `pair.json` and, unless our own renderer gives the reference, `ref.json`.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, de::DeserializeOwned};
+use serde::Deserialize;
 
-use super::{blocks::Blocks, score::Estimate, score::Tolerance};
-use crate::error::TaskError;
+use super::{blocks::Blocks, score::BlockEstimate, score::RelativeTolerance};
+use crate::{error::TaskError, files};
 
 /// Pairs of the project.
 pub(super) const OWN: &str = "tests/physics/pairs";
@@ -17,7 +14,7 @@ pub(super) const OWN: &str = "tests/physics/pairs";
 const FIRST_REFERENCE_SEED: u64 = 5001;
 /// Degrees of freedom of a variance that is not estimated.
 const MANY: f64 = 1e6;
-/// Seeds of a stored reference that does not tell their number.
+/// Default number of seeds of a stored reference.
 const USUAL_SEEDS: f64 = 16.0;
 
 /// Contents of `pair.json`.
@@ -62,7 +59,7 @@ pub(super) enum Expect {
     /// Both show the same light.
     #[default]
     Agree,
-    /// Both differ, by a documented convention, and go on differing by as much.
+    /// Both differ by a documented convention, by a recorded factor.
     Convention,
     /// A difference that is known and not explained; it may vanish.
     Known,
@@ -102,7 +99,7 @@ pub(super) struct Series {
 /// Amount of work per pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Effort {
-    /// Tolerance from `pair.json`.
+    /// Seeds and samples of `pair.json`.
     Full,
     /// At most so many seeds, and samples per pixel divided by this number.
     Reduced { seeds: u32, divisor: u32 },
@@ -117,17 +114,17 @@ impl std::fmt::Display for Effort {
     }
 }
 
-/// Least samples per pixel that [`Effort::Reduced`] leaves, unless the pair has fewer itself.
-const LEAST_SAMPLES: u32 = 16;
+/// Minimum samples per pixel that [`Effort::Reduced`] leaves, unless the pair has fewer itself.
+const MIN_SAMPLES: u32 = 16;
 
 impl Pair {
     /// Reads `pair.json` in `folder`.
     pub(super) fn load(folder: &Path) -> Result<Self, TaskError> {
-        read_json(&folder.join("pair.json"))
+        files::read_json(&folder.join("pair.json"))
     }
 
-    pub(super) fn tolerance(&self) -> Tolerance {
-        Tolerance { relative: self.tol, absolute: self.atol }
+    pub(super) fn tolerance(&self) -> RelativeTolerance {
+        RelativeTolerance { relative: self.tol, absolute: self.atol }
     }
 
     /// True if the reference is rendered by our own program in another way.
@@ -169,12 +166,12 @@ impl Effort {
     fn samples(self, spp: Option<u32>) -> Option<u32> {
         match self {
             Self::Full => spp,
-            Self::Reduced { divisor, .. } => spp.map(|spp| (spp / divisor).max(spp.min(LEAST_SAMPLES))),
+            Self::Reduced { divisor, .. } => spp.map(|spp| (spp / divisor).max(spp.min(MIN_SAMPLES))),
         }
     }
 }
 
-/// Arguments in which names of files of the folder are paths that hold everywhere.
+/// Arguments with absolute paths for names of files of the folder.
 fn resolved(args: &[String], folder: &Path) -> Vec<String> {
     let resolve = |arg: &String| {
         let path = folder.join(arg);
@@ -193,24 +190,25 @@ struct Stored {
     stderr: Vec<f64>,
     /// Renders that the standard errors are of.
     seeds: Option<f64>,
-    /// Standard errors of the image means, where those of blocks do not give them: a sample's time may be shared by all blocks.
+    /// Standard errors of the image means, where they do not follow from those of the blocks: all blocks may share the
+    /// time of a sample.
     image_stderr: Option<[f64; 3]>,
 }
 
 /// Means of a reference, with their errors.
 #[derive(Clone, Debug)]
-pub(super) struct Reference {
+pub(super) struct BlockMeans {
     /// By block, then channel.
-    pub blocks: Vec<Estimate>,
+    pub blocks: Vec<BlockEstimate>,
     /// By channel.
-    pub image: [Estimate; 3],
+    pub image: [BlockEstimate; 3],
 }
 
-impl Reference {
+impl BlockMeans {
     /// Reads `ref.json` in `folder`; the text says what is wrong with it.
     pub(super) fn load(folder: &Path) -> Result<(Self, [usize; 2]), TaskError> {
         let path = folder.join("ref.json");
-        let stored: Stored = read_json(&path)?;
+        let stored: Stored = files::read_json(&path)?;
         Self::of_stored(&stored).map_err(|problem| TaskError::Other(format!("{}: {problem}", path.display())))
     }
 
@@ -229,8 +227,9 @@ impl Reference {
             return Err("stderr: a standard error is not 0 or more".to_owned());
         }
         let freedom = (stored.seeds.unwrap_or(USUAL_SEEDS) - 1.0).max(1.0);
-        let estimate = |mean: f64, error: f64| Estimate { mean, variance: error * error, freedom };
-        let blocks: Vec<Estimate> = stored.mean.iter().zip(&stored.stderr).map(|(m, e)| estimate(*m, *e)).collect();
+        let estimate = |mean: f64, error: f64| BlockEstimate { mean, variance: error * error, freedom };
+        let blocks: Vec<BlockEstimate> =
+            stored.mean.iter().zip(&stored.stderr).map(|(m, e)| estimate(*m, *e)).collect();
         let mut image = image_means(&blocks);
         if let Some(errors) = stored.image_stderr {
             image = std::array::from_fn(|channel| estimate(image[channel].mean, errors[channel]));
@@ -243,7 +242,7 @@ impl Reference {
     pub(super) fn with_rare_events(mut self, expected: &Self, event: f64) -> Self {
         for (block, expected) in self.blocks.iter_mut().zip(&expected.blocks) {
             if block.mean == 0.0 && block.variance == 0.0 && expected.mean > 0.0 {
-                *block = Estimate { variance: expected.mean * event, freedom: MANY, ..*block };
+                *block = BlockEstimate { variance: expected.mean * event, freedom: MANY, ..*block };
             }
         }
         self
@@ -252,7 +251,7 @@ impl Reference {
     /// Means over renders that differ in their seeds.
     pub(super) fn of_seeds(renders: &[Blocks]) -> Self {
         let over_seeds =
-            |value: &dyn Fn(&Blocks) -> f64| Estimate::of_seeds(&renders.iter().map(value).collect::<Vec<_>>());
+            |value: &dyn Fn(&Blocks) -> f64| BlockEstimate::of_seeds(&renders.iter().map(value).collect::<Vec<_>>());
         let numbers = renders.first().map_or(0, |render| render.means.len());
         Self {
             blocks: (0..numbers).map(|i| over_seeds(&|render| render.means[i])).collect(),
@@ -270,18 +269,15 @@ impl Reference {
 }
 
 /// Image means of blocks whose noise is independent.
-fn image_means(blocks: &[Estimate]) -> [Estimate; 3] {
+fn image_means(blocks: &[BlockEstimate]) -> [BlockEstimate; 3] {
     let of_channel = |channel: usize| blocks.iter().skip(channel).step_by(3).copied().collect::<Vec<_>>();
-    std::array::from_fn(|channel| Estimate::mean_of(&of_channel(channel)))
-}
-
-pub(super) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, TaskError> {
-    let text = fs::read_to_string(path).map_err(TaskError::file(path))?;
-    serde_json::from_str(&text).map_err(|source| TaskError::Json { path: path.to_path_buf(), source })
+    std::array::from_fn(|channel| BlockEstimate::mean_of(&of_channel(channel)))
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::{super::score::Score, *};
 
     fn pair(json: &str) -> Pair {
@@ -336,8 +332,8 @@ mod tests {
         assert_eq!(resolved(&args, folder.path()), ["--env", &path, "--depth", "3"]);
     }
 
-    fn stored(json: &str) -> Result<(Reference, [usize; 2]), String> {
-        Reference::of_stored(&serde_json::from_str(json).unwrap())
+    fn stored(json: &str) -> Result<(BlockMeans, [usize; 2]), String> {
+        BlockMeans::of_stored(&serde_json::from_str(json).unwrap())
     }
 
     #[test]
@@ -355,17 +351,17 @@ mod tests {
 
     #[test]
     fn a_block_that_no_sample_lit_has_the_spread_of_rare_events() {
-        let dark = Estimate { mean: 0.0, variance: 0.0, freedom: 7.0 };
-        let dim = Estimate { mean: 2e-5, variance: 0.0, freedom: 1.0 };
-        let of = |block| Reference { blocks: vec![block; 3], image: [block; 3] };
+        let dark = BlockEstimate { mean: 0.0, variance: 0.0, freedom: 7.0 };
+        let dim = BlockEstimate { mean: 2e-5, variance: 0.0, freedom: 1.0 };
+        let of = |block| BlockMeans { blocks: vec![block; 3], image: [block; 3] };
         // Two events of 1e-5 were expected: none is no surprise.
-        let score = |expected: Estimate| {
+        let score = |expected: BlockEstimate| {
             let ours = of(dark).with_rare_events(&of(expected), 1e-5);
-            Score::of(ours.blocks[0], expected, Tolerance { relative: 0.02, absolute: 0.0 }).z
+            Score::of(ours.blocks[0], expected, RelativeTolerance { relative: 0.02, absolute: 0.0 }).z
         };
         assert!((score(dim) + 2.0_f64.sqrt()).abs() < 0.01, "{}", score(dim));
         // A hundred were: none is a fault.
-        assert!((score(Estimate { mean: 1e-3, ..dim }) + 10.0).abs() < 0.2);
+        assert!((score(BlockEstimate { mean: 1e-3, ..dim }) + 10.0).abs() < 0.2);
     }
 
     #[test]

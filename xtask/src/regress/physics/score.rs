@@ -10,15 +10,15 @@
 use rt_math::transcendental::{cbrt, exp, lgamma, log};
 
 /// Smallest variance of a difference, so that equal exact numbers score 0.
-const LEAST_VARIANCE: f64 = 1e-18;
+const MIN_VARIANCE: f64 = 1e-18;
 /// Fewest degrees of freedom that Welch's formula may give.
-const LEAST_FREEDOM: f64 = 2.0;
+const MIN_FREEDOM: f64 = 2.0;
 /// Most degrees of freedom: Student's distribution is the normal one there.
 const MOST_FREEDOM: f64 = 1e6;
 
 /// A mean with the variance of that mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Estimate {
+pub(super) struct BlockEstimate {
     pub mean: f64,
     /// Square of the standard error; 0 for an exact number.
     pub variance: f64,
@@ -28,7 +28,7 @@ pub(super) struct Estimate {
 
 /// Allowed difference in addition to the noise, as a standard deviation.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tolerance {
+pub(super) struct RelativeTolerance {
     /// Fraction of the larger of the two means.
     pub relative: f64,
     /// Radiance.
@@ -45,7 +45,7 @@ pub(super) struct Score {
     pub freedom: f64,
 }
 
-impl Estimate {
+impl BlockEstimate {
     /// Mean over independent seeds. One seed alone counts as exact, as stored integrals do.
     pub(super) fn of_seeds(values: &[f64]) -> Self {
         let n = values.len() as f64;
@@ -75,18 +75,18 @@ impl Estimate {
 
 impl Score {
     /// Score of the difference of two independent estimates.
-    pub(super) fn of(a: Estimate, b: Estimate, tolerance: Tolerance) -> Self {
+    pub(super) fn of(a: BlockEstimate, b: BlockEstimate, tolerance: RelativeTolerance) -> Self {
         let relative = tolerance.relative * a.mean.abs().max(b.mean.abs());
-        let floor = relative * relative + LEAST_VARIANCE + tolerance.absolute * tolerance.absolute;
+        let floor = relative * relative + MIN_VARIANCE + tolerance.absolute * tolerance.absolute;
         let variance = a.variance + b.variance + floor;
         let spread =
             a.variance * a.variance / a.freedom + b.variance * b.variance / b.freedom + floor * floor / MOST_FREEDOM;
-        let freedom = (variance * variance / spread.max(1e-300)).clamp(LEAST_FREEDOM, MOST_FREEDOM);
+        let freedom = (variance * variance / spread.max(1e-300)).clamp(MIN_FREEDOM, MOST_FREEDOM);
         let standard_error = variance.sqrt();
         Self { z: normal_equivalent((a.mean - b.mean) / standard_error, freedom), standard_error, freedom }
     }
 
-    /// Least difference that scores `z`.
+    /// Minimum difference that scores `z`.
     pub(super) fn difference_at(&self, z: f64) -> f64 {
         let scaled = z / wallace(self.freedom);
         self.standard_error * (self.freedom * (exp(scaled * scaled / self.freedom) - 1.0)).sqrt()
@@ -122,7 +122,7 @@ pub(super) fn binomial_tail(n: usize, k: usize, p: f64) -> f64 {
 mod tests {
     use super::*;
 
-    const NONE: Tolerance = Tolerance { relative: 0.0, absolute: 0.0 };
+    const NONE: RelativeTolerance = RelativeTolerance { relative: 0.0, absolute: 0.0 };
 
     fn assert_near(value: f64, expected: f64, relative: f64) {
         assert!((value - expected).abs() <= relative * expected.abs(), "{value} instead of {expected}");
@@ -131,18 +131,18 @@ mod tests {
     #[test]
     fn mean_and_standard_error_are_those_of_numpy() {
         // x.mean(), x.var(ddof=1) / 5
-        let estimate = Estimate::of_seeds(&[1.0, 2.5, 2.0, 4.0, 3.5]);
+        let estimate = BlockEstimate::of_seeds(&[1.0, 2.5, 2.0, 4.0, 3.5]);
         assert_near(estimate.mean, 2.6, 1e-15);
         assert_near(estimate.variance, 0.285, 1e-14);
         assert_eq!(estimate.freedom, 4.0);
-        assert_eq!(Estimate::of_seeds(&[3.0]).variance, 0.0);
+        assert_eq!(BlockEstimate::of_seeds(&[3.0]).variance, 0.0);
     }
 
     #[test]
     fn t_statistic_and_freedom_are_those_of_welch() {
         // scipy.stats.ttest_ind(a, b, equal_var=False)
-        let a = Estimate::of_seeds(&[1.0, 2.5, 2.0, 4.0, 3.5]);
-        let b = Estimate::of_seeds(&[3.1, 3.0, 3.3, 3.2, 3.05, 3.15]);
+        let a = BlockEstimate::of_seeds(&[1.0, 2.5, 2.0, 4.0, 3.5]);
+        let b = BlockEstimate::of_seeds(&[3.1, 3.0, 3.3, 3.2, 3.05, 3.15]);
         let score = Score::of(a, b, NONE);
         assert_near(score.freedom, 4.054616101297, 1e-9);
         assert_near((a.mean - b.mean) / score.standard_error, -0.995634226059, 1e-9);
@@ -201,25 +201,25 @@ mod tests {
 
     #[test]
     fn tolerances_add_in_quadrature() {
-        let exact = |mean| Estimate { mean, variance: 0.0, freedom: 1.0 };
+        let exact = |mean| BlockEstimate { mean, variance: 0.0, freedom: 1.0 };
         // 0.03 / √((0.01 · 2)² + 0.01²)
-        let score = Score::of(exact(2.0), exact(1.97), Tolerance { relative: 0.01, absolute: 0.01 });
+        let score = Score::of(exact(2.0), exact(1.97), RelativeTolerance { relative: 0.01, absolute: 0.01 });
         assert_near(score.z, 0.03 / 0.000_5_f64.sqrt(), 1e-5);
         assert_eq!(Score::of(exact(2.0), exact(2.0), NONE).z, 0.0);
     }
 
     #[test]
     fn a_difference_is_found_back_from_its_score() {
-        let a = Estimate { mean: 1.0, variance: 0.04, freedom: 7.0 };
-        let b = Estimate { mean: 1.9, variance: 0.01, freedom: 15.0 };
+        let a = BlockEstimate { mean: 1.0, variance: 0.04, freedom: 7.0 };
+        let b = BlockEstimate { mean: 1.9, variance: 0.01, freedom: 15.0 };
         let score = Score::of(a, b, NONE);
         assert_near(score.difference_at(score.z.abs()), 0.9, 1e-9);
     }
 
     #[test]
     fn the_mean_of_independent_estimates_has_their_freedoms_together() {
-        let one = Estimate { mean: 3.0, variance: 0.5, freedom: 15.0 };
-        let other = Estimate { mean: 1.0, ..one };
-        assert_eq!(Estimate::mean_of(&[one, other]), Estimate { mean: 2.0, variance: 0.25, freedom: 30.0 });
+        let one = BlockEstimate { mean: 3.0, variance: 0.5, freedom: 15.0 };
+        let other = BlockEstimate { mean: 1.0, ..one };
+        assert_eq!(BlockEstimate::mean_of(&[one, other]), BlockEstimate { mean: 2.0, variance: 0.25, freedom: 30.0 });
     }
 }

@@ -1,19 +1,19 @@
 //! The table of all pairs, for the terminal and for the guide.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use super::{
     comparison::Comparison,
     pair::{Effort, OWN},
 };
-use crate::{error::TaskError, marked_block, table::Table, workspace::Workspace};
+use crate::{error::TaskError, files, table::Table, workspace::Workspace};
 
 const PAGE: &str = "docs/PHYSICS.md";
 const MARKER: &str = "physics";
 
 /// A pair that was compared.
 #[derive(Debug)]
-pub(in super::super) struct Row {
+pub(in super::super) struct PairRow {
     pub(super) name: String,
     /// True if the pair is part of the project.
     pub(super) is_own: bool,
@@ -23,7 +23,7 @@ pub(in super::super) struct Row {
     pub(super) verdict: &'static str,
 }
 
-impl Row {
+impl PairRow {
     /// One line for the terminal.
     pub(super) fn line(&self) -> String {
         let Comparison { rms, worst, far, blocks, .. } = &self.comparison;
@@ -52,7 +52,7 @@ impl Row {
         ]
     }
 
-    /// Ratios of the image means with the greatest of their standard errors; one if all are the same.
+    /// Ratios of the image means with the maximum of their standard errors; one if all are the same.
     fn ratios(&self) -> String {
         let Comparison { ratio, ratio_error, .. } = &self.comparison;
         let error = ratio_error.iter().copied().filter(|error| error.is_finite()).fold(0.0, f64::max);
@@ -80,7 +80,7 @@ fn merged(channels: impl Iterator<Item = String>) -> String {
 /// Writes the table of the pairs into the folder of the report, and with `write` into the guide.
 pub(super) fn finish(
     workspace: &Workspace,
-    mut rows: Vec<&Row>,
+    mut rows: Vec<&PairRow>,
     folder: &Path,
     effort: Effort,
     write: bool,
@@ -91,7 +91,7 @@ pub(super) fn finish(
     }
     let table = markdown(&rows).to_string();
     let path = folder.join("physics.md");
-    fs::write(&path, &table).map_err(TaskError::file(&path))?;
+    files::write(&path, &table)?;
     println!("{} (see {})", summary(&rows, effort), workspace.relative(&path));
     if write {
         let origin = format!(
@@ -101,15 +101,12 @@ pub(super) fn finish(
             summary(&rows, effort),
         );
         let path = workspace.root.join(PAGE);
-        let page = fs::read_to_string(&path).map_err(TaskError::file(&path))?;
-        let page = marked_block::replace(&page, MARKER, &format!("{origin}{table}\n"))
-            .map_err(|problem| TaskError::Other(format!("{PAGE} {problem}")))?;
-        fs::write(&path, page).map_err(TaskError::file(&path))?;
+        files::replace_block(&path, MARKER, &format!("{origin}{table}\n"))?;
     }
     Ok(())
 }
 
-fn markdown(rows: &[&Row]) -> Table {
+fn markdown(rows: &[&PairRow]) -> Table {
     let header =
         ["pair", "reference", "idea", "verdict", "ratio of image means", "z", "RMS", "worst", "beyond 3", "notices"];
     let mut table = Table::new(4, header);
@@ -117,7 +114,7 @@ fn markdown(rows: &[&Row]) -> Table {
     table
 }
 
-fn summary(rows: &[&Row], effort: Effort) -> String {
+fn summary(rows: &[&PairRow], effort: Effort) -> String {
     let count = |verdict: &str| rows.iter().filter(|row| row.verdict == verdict).count();
     let own = rows.iter().filter(|row| row.is_own).count();
     let mut text = format!("{} pairs, {own} of them in {OWN}, with {effort}: {} agree", rows.len(), count("agrees"));
@@ -139,7 +136,7 @@ fn summary(rows: &[&Row], effort: Effort) -> String {
 mod tests {
     use super::*;
 
-    fn row(name: &str, is_own: bool, ratio: [f64; 3]) -> Row {
+    fn row(name: &str, is_own: bool, ratio: [f64; 3]) -> PairRow {
         let comparison = Comparison {
             ratio,
             ratio_error: [0.001, 0.002, f64::NAN],
@@ -153,7 +150,7 @@ mod tests {
             notes: Vec::new(),
         };
         let (name, kind, note) = (name.to_owned(), "numeric".to_owned(), "a | b".to_owned());
-        Row { name, is_own, kind, note, comparison, verdict: "agrees" }
+        PairRow { name, is_own, kind, note, comparison, verdict: "agrees" }
     }
 
     #[test]

@@ -3,12 +3,12 @@
 use rt_geometry::{Sphere, Spheres};
 use rt_math::{DVec3, Frame, transcendental::sincos};
 
-use super::{Scene, nearest, other};
+use super::{Scene, nearest};
 use crate::error::TaskError;
 
 /// The sphereflake (Haines, "A Proposal for Standard Graphics Environments", 1987): density is very uneven, and
 /// touching spheres cannot be separated by boxes. Each generation has nine times as many spheres as the one before.
-pub(crate) fn balls(wanted: usize) -> Result<Scene<Spheres>, TaskError> {
+pub(crate) fn sphereflake(wanted: usize) -> Result<Scene<Spheres>, TaskError> {
     let generations = nearest(wanted, 0..8, |generations| (0..=generations).map(|g| 9usize.pow(g)).sum());
     let mut spheres = Vec::new();
     grow(&mut spheres, DVec3::ZERO, 1.0, DVec3::Y, generations)?;
@@ -17,7 +17,7 @@ pub(crate) fn balls(wanted: usize) -> Result<Scene<Spheres>, TaskError> {
 
 /// A sphere with nine children of a third of its size: six around its equator, three above.
 fn grow(spheres: &mut Vec<Sphere>, centre: DVec3, radius: f64, up: DVec3, generations: u32) -> Result<(), TaskError> {
-    spheres.push(Sphere::new(centre, radius).map_err(other)?);
+    spheres.push(Sphere::new(centre, radius).map_err(TaskError::other)?);
     if generations == 0 {
         return Ok(());
     }
@@ -41,12 +41,12 @@ mod tests {
 
     #[test]
     fn generations_are_whole() {
-        assert_eq!(balls(7000).unwrap().primitives.len(), 1 + 9 + 81 + 729 + 6561);
+        assert_eq!(sphereflake(7000).unwrap().primitives.len(), 1 + 9 + 81 + 729 + 6561);
     }
 
     #[test]
     fn children_touch_their_parent() {
-        let spheres = balls(10).unwrap().primitives;
+        let spheres = sphereflake(10).unwrap().primitives;
         let [parent, child] = [spheres.as_slice()[0], spheres.as_slice()[1]];
         let gap = parent.centre().distance(child.centre()) - parent.radius() - child.radius();
         assert!(gap.abs() < 1e-12);

@@ -10,7 +10,7 @@ use rt_math::random::hash;
 use serde::{Deserialize, Serialize};
 use tempfile::NamedTempFile;
 
-use super::{claim::Tile, unit::Unit};
+use super::{lecture_numbers::Tile, tile_job::TileResult};
 use crate::error::TaskError;
 
 /// Changes with the meaning of the file.
@@ -19,7 +19,7 @@ const FORMAT: u32 = 1;
 /// Conditions of the measurements. Only measurements under equal conditions make one sample.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Conditions {
+pub(super) struct RunConditions {
     format: u32,
     /// A hash of the renderer.
     program: String,
@@ -30,7 +30,7 @@ pub(super) struct Conditions {
 
 /// The measured tiles, in the order of [`Tile::nth`] without a gap.
 #[derive(Debug)]
-pub(super) struct Ledger {
+pub(super) struct ProgressFile {
     path: PathBuf,
     state: State,
 }
@@ -38,11 +38,11 @@ pub(super) struct Ledger {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct State {
-    conditions: Conditions,
-    units: Vec<Unit>,
+    conditions: RunConditions,
+    units: Vec<TileResult>,
 }
 
-impl Conditions {
+impl RunConditions {
     /// Conditions of this renderer and this scene on this machine.
     pub(super) fn here(program: &Path, scene: &Path) -> Result<Self, TaskError> {
         let fingerprint = |path: &Path| {
@@ -60,10 +60,9 @@ impl Conditions {
     }
 }
 
-impl Ledger {
-    /// Reads the file; nothing is measured yet if there is none. A file that is damaged, or was measured under other
-    /// conditions, is an error that names it.
-    pub(super) fn open(path: PathBuf, conditions: Conditions) -> Result<Self, TaskError> {
+impl ProgressFile {
+    /// Reads the file, if there is one. A damaged file, or one of other conditions, is an error that names it.
+    pub(super) fn open(path: PathBuf, conditions: RunConditions) -> Result<Self, TaskError> {
         let text = match fs::read_to_string(&path) {
             Ok(text) => text,
             Err(error) if error.kind() == ErrorKind::NotFound => {
@@ -81,7 +80,7 @@ impl Ledger {
         if state.conditions != conditions {
             return refused("this was measured with another renderer or scene, or on another machine");
         }
-        let is_sound = |(index, unit): (usize, &Unit)| Tile::nth(index) == Some(unit.tile) && unit.is_sound();
+        let is_sound = |(index, unit): (usize, &TileResult)| Tile::nth(index) == Some(unit.tile) && unit.is_sound();
         match state.units.iter().enumerate().position(|unit| !is_sound(unit)) {
             Some(index) => refused(&format!("tile {index} cannot have been measured")),
             None => Ok(Self { path, state }),
@@ -89,7 +88,7 @@ impl Ledger {
     }
 
     /// All that was measured.
-    pub(super) fn units(&self) -> &[Unit] {
+    pub(super) fn units(&self) -> &[TileResult] {
         &self.state.units
     }
 
@@ -98,8 +97,8 @@ impl Ledger {
         Tile::nth(self.state.units.len())
     }
 
-    /// Adds what was measured of the next tile, and writes the file: all of it or, if this is killed, none.
-    pub(super) fn append(&mut self, unit: Unit) -> Result<(), TaskError> {
+    /// Adds the measurements of the next tile, and replaces the file atomically.
+    pub(super) fn append(&mut self, unit: TileResult) -> Result<(), TaskError> {
         self.state.units.push(unit);
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let mut file = NamedTempFile::new_in(folder).map_err(TaskError::file(folder))?;
@@ -113,25 +112,25 @@ impl Ledger {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::unit::Measured, *};
+    use super::{super::tile_job::Measured, *};
 
-    fn conditions() -> Conditions {
+    fn conditions() -> RunConditions {
         let [program, scene, processor] = ["p", "s", "m"].map(str::to_owned);
-        Conditions { format: FORMAT, program, scene, processor }
+        RunConditions { format: FORMAT, program, scene, processor }
     }
 
-    fn unit(tile: Tile) -> Unit {
+    fn unit(tile: Tile) -> TileResult {
         let measured = Measured { cpu_seconds: 0.1, mse: 1e-9 };
-        Unit { tile, rays_per_sample: 9.0, jittered: measured, best: [measured; 3] }
+        TileResult { tile, rays_per_sample: 9.0, jittered: measured, best: [measured; 3] }
     }
 
-    /// A ledger with two tiles, and its path.
+    /// Writes a progress file with two tiles and returns its path.
     fn two(folder: &Path) -> PathBuf {
         let path = folder.join("state.json");
-        let mut ledger = Ledger::open(path.clone(), conditions()).unwrap();
+        let mut progress_file = ProgressFile::open(path.clone(), conditions()).unwrap();
         for index in 0..2 {
-            assert_eq!(ledger.next(), Tile::nth(index));
-            ledger.append(unit(ledger.next().unwrap())).unwrap();
+            assert_eq!(progress_file.next(), Tile::nth(index));
+            progress_file.append(unit(progress_file.next().unwrap())).unwrap();
         }
         path
     }
@@ -140,11 +139,11 @@ mod tests {
     fn it_goes_on_after_the_last_tile() {
         let folder = tempfile::tempdir().unwrap();
         let path = two(folder.path());
-        // What a run leaves that is killed while it writes.
+        // Leftover of a run that was killed while writing.
         fs::write(folder.path().join(".tmpAbCdEf"), "{\"condit").unwrap();
-        let ledger = Ledger::open(path, conditions()).unwrap();
-        assert_eq!(ledger.units(), [unit(Tile::nth(0).unwrap()), unit(Tile::nth(1).unwrap())]);
-        assert_eq!(ledger.next(), Tile::nth(2));
+        let progress_file = ProgressFile::open(path, conditions()).unwrap();
+        assert_eq!(progress_file.units(), [unit(Tile::nth(0).unwrap()), unit(Tile::nth(1).unwrap())]);
+        assert_eq!(progress_file.next(), Tile::nth(2));
     }
 
     #[test]
@@ -161,7 +160,7 @@ mod tests {
         let unknown = good.replacen("\"mse\"", "\"variance\"", 1);
         for bad in ["", &good[..good.len() / 2], &negative, &swapped, &unknown] {
             fs::write(&path, bad).unwrap();
-            let error = Ledger::open(path.clone(), conditions()).unwrap_err().to_string();
+            let error = ProgressFile::open(path.clone(), conditions()).unwrap_err().to_string();
             assert!(error.contains("state.json") && error.contains("--fresh"), "{bad}: {error}");
         }
     }
@@ -170,8 +169,8 @@ mod tests {
     fn other_conditions_are_refused_by_name() {
         let folder = tempfile::tempdir().unwrap();
         let path = two(folder.path());
-        let other = Conditions { program: "q".to_owned(), ..conditions() };
-        let error = Ledger::open(path, other).unwrap_err().to_string();
+        let other = RunConditions { program: "q".to_owned(), ..conditions() };
+        let error = ProgressFile::open(path, other).unwrap_err().to_string();
         assert!(error.contains("state.json") && error.contains("another renderer"), "{error}");
     }
 
@@ -182,7 +181,7 @@ mod tests {
         fs::write(&a, "0123456789").unwrap();
         let of = |text: &str| {
             fs::write(&b, text).unwrap();
-            Conditions::here(&a, &b).unwrap()
+            RunConditions::here(&a, &b).unwrap()
         };
         assert_eq!(of("0123456789"), of("0123456789"));
         for other in ["0123456780", "\x000123456789", "012345678", "0123456789\0", ""] {

@@ -1,4 +1,4 @@
-//! Counting what is tried and what fails.
+//! Counts of trials and failures.
 
 use std::fmt::Display;
 
@@ -13,7 +13,7 @@ const BLOCK: u64 = 512;
 /// Tolerance of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Tolerance {
-    /// The same number to the last bit; 0 and −0 are the same.
+    /// Bit-identical, but for the sign of 0.
     Bits,
     /// Relative to what is expected.
     Relative(f64),
@@ -25,18 +25,18 @@ pub(super) const FOUR_U: Tolerance = Tolerance::Relative(4.0 * UNIT_ROUNDOFF);
 
 /// Counts of trials and failures.
 #[derive(Debug, Default)]
-pub(super) struct Tally {
+pub(super) struct Checks {
     pub tried: u64,
     pub failed: u64,
-    /// Greatest error, in the measure of the tolerance.
+    /// Maximum error, in the measure of the tolerance.
     pub worst: Option<f64>,
     /// The first failures.
     pub problems: Vec<String>,
     pub notes: Vec<String>,
 }
 
-impl Tally {
-    /// Something that holds or fails.
+impl Checks {
+    /// Counts a condition.
     pub(super) fn check(&mut self, holds: bool, problem: impl FnOnce() -> String) {
         self.tried += 1;
         if !holds {
@@ -47,7 +47,7 @@ impl Tally {
         }
     }
 
-    /// An error that counts for the worst, and fails beyond the limit or if it is no number.
+    /// Counts an error, which fails beyond the limit or as NaN.
     pub(super) fn limit(&mut self, error: f64, limit: f64, what: impl Display) {
         let size = if error.is_nan() { f64::INFINITY } else { error.abs() };
         self.worst = Some(self.worst.unwrap_or(0.0).max(size));
@@ -74,7 +74,7 @@ impl Tally {
         }
     }
 
-    /// Two things that should be equal.
+    /// Compares for equality.
     pub(super) fn same<T: PartialEq + std::fmt::Debug>(&mut self, computed: T, expected: T, what: impl Display) {
         let holds = computed == expected;
         self.check(holds, || format!("{what}: {computed:?} instead of {expected:?}"));
@@ -84,7 +84,7 @@ impl Tally {
         self.notes.push(note.into());
     }
 
-    /// Both together.
+    /// Sums of both.
     pub(super) fn and(mut self, other: Self) -> Self {
         self.tried += other.tried;
         self.failed += other.failed;
@@ -92,22 +92,22 @@ impl Tally {
             (Some(a), Some(b)) => Some(a.max(b)),
             (a, b) => a.or(b),
         };
-        let room = DESCRIBED.saturating_sub(self.problems.len());
-        self.problems.extend(other.problems.into_iter().take(room));
+        let left = DESCRIBED.saturating_sub(self.problems.len());
+        self.problems.extend(other.problems.into_iter().take(left));
         self.notes.extend(other.notes);
         self
     }
 
-    /// Makes the checks of items 0 to `count` − 1 on all threads.
+    /// Runs the checks of items 0 to `count` − 1 on all threads.
     pub(super) fn of_all(count: u64, check: impl Fn(u64, &mut Self) + Sync) -> Self {
         (0..count.div_ceil(BLOCK))
             .into_par_iter()
             .map(|block| {
-                let mut tally = Self::default();
+                let mut checks = Self::default();
                 for index in block * BLOCK..count.min((block + 1) * BLOCK) {
-                    check(index, &mut tally);
+                    check(index, &mut checks);
                 }
-                tally
+                checks
             })
             .reduce(Self::default, Self::and)
     }
@@ -119,29 +119,29 @@ mod tests {
 
     #[test]
     fn errors_are_measured_as_the_tolerance_says() {
-        let mut tally = Tally::default();
-        tally.near(8.0, 8.0, Tolerance::Bits, "same");
-        tally.near(0.0, -0.0, Tolerance::Bits, "zeros");
-        tally.near(f64::INFINITY, f64::INFINITY, FOUR_U, "infinities");
-        tally.near(8.0 * (1.0 + 1e-9), 8.0, Tolerance::Relative(1e-8), "relative");
-        assert_eq!((tally.tried, tally.failed), (4, 0));
-        assert!((tally.worst.unwrap() - 1e-9).abs() < 1e-15);
-        tally.near(8.5, 8.0, Tolerance::Absolute(0.25), "absolute");
-        tally.near(1f64.next_up(), 1.0, Tolerance::Bits, "next");
-        tally.near(f64::NAN, 1.0, Tolerance::Absolute(9.0), "no number");
-        tally.hit(None, 1.0, FOUR_U, "nothing");
-        assert_eq!((tally.tried, tally.failed, tally.worst), (8, 4, Some(f64::INFINITY)));
-        assert_eq!(tally.problems.len(), 4);
-        assert_eq!(tally.problems[3], "nothing: a miss instead of 1.0");
+        let mut checks = Checks::default();
+        checks.near(8.0, 8.0, Tolerance::Bits, "same");
+        checks.near(0.0, -0.0, Tolerance::Bits, "zeros");
+        checks.near(f64::INFINITY, f64::INFINITY, FOUR_U, "infinities");
+        checks.near(8.0 * (1.0 + 1e-9), 8.0, Tolerance::Relative(1e-8), "relative");
+        assert_eq!((checks.tried, checks.failed), (4, 0));
+        assert!((checks.worst.unwrap() - 1e-9).abs() < 1e-15);
+        checks.near(8.5, 8.0, Tolerance::Absolute(0.25), "absolute");
+        checks.near(1f64.next_up(), 1.0, Tolerance::Bits, "next");
+        checks.near(f64::NAN, 1.0, Tolerance::Absolute(9.0), "no number");
+        checks.hit(None, 1.0, FOUR_U, "nothing");
+        assert_eq!((checks.tried, checks.failed, checks.worst), (8, 4, Some(f64::INFINITY)));
+        assert_eq!(checks.problems.len(), 4);
+        assert_eq!(checks.problems[3], "nothing: a miss instead of 1.0");
     }
 
     #[test]
-    fn all_items_are_checked_once_and_the_first_failures_told() {
-        let tally = Tally::of_all(10_000, |index, tally| {
-            tally.check(index % 1000 != 999, || index.to_string());
-            tally.limit(index as f64, f64::INFINITY, index);
+    fn all_items_are_checked_once_and_the_first_failures_described() {
+        let checks = Checks::of_all(10_000, |index, checks| {
+            checks.check(index % 1000 != 999, || index.to_string());
+            checks.limit(index as f64, f64::INFINITY, index);
         });
-        assert_eq!((tally.tried, tally.failed, tally.worst), (20_000, 10, Some(9999.0)));
-        assert_eq!(tally.problems, ["999", "1999", "2999", "3999", "4999"]);
+        assert_eq!((checks.tried, checks.failed, checks.worst), (20_000, 10, Some(9999.0)));
+        assert_eq!(checks.problems, ["999", "1999", "2999", "3999", "4999"]);
     }
 }

@@ -1,4 +1,4 @@
-//! Lights of radiance 1 whose irradiance is known, and what they light.
+//! Area lights of radiance 1 with known irradiance, and their receivers.
 
 use std::f64::consts::PI;
 
@@ -11,9 +11,9 @@ use rt_shading::emitter::{
 };
 
 use super::{
-    Conditions, Fallible, Tally,
+    Checks, Conditions, Fallible,
     estimate::{hold, mean_of},
-    picture::Picture,
+    test_image::TestImage,
 };
 
 /// Part of the light that receivers reflect.
@@ -24,7 +24,7 @@ const DRAWING: [Integrator; 3] = [Integrator::Direct, Integrator::Path, Integrat
 
 /// An area light that emits radiance 1 from its front.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Lamp {
+pub(super) enum AreaLight {
     /// From a corner along two edges; it faces their cross product.
     Quad(DVec3, [DVec3; 2]),
     Disk {
@@ -40,7 +40,7 @@ pub(super) enum Lamp {
     Triangle([DVec3; 3]),
 }
 
-/// A place that is lit, and from where it is looked at.
+/// An illuminated point, and the distance of its camera.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Receiver {
     pub point: DVec3,
@@ -61,7 +61,7 @@ pub(super) fn tuple(v: DVec3) -> String {
     format!("({:?}, {:?}, {:?})", v.x, v.y, v.z)
 }
 
-impl Lamp {
+impl AreaLight {
     /// Unit square that emits downwards at a height above the ground, its centre moved by `aside` along x and y.
     pub(super) fn square(height: f64, aside: f64) -> Self {
         Self::Quad(DVec3::new(aside - 0.5, aside - 0.5, height), [DVec3::Y, DVec3::X])
@@ -124,10 +124,10 @@ impl Lamp {
     }
 
     /// Diffuse plane through the receiver in one very small pixel, with the light and other nodes.
-    pub(super) fn scene(&self, receiver: &Receiver, height: f64, others: &str) -> Fallible<Picture> {
+    pub(super) fn scene(&self, receiver: &Receiver, height: f64, others: &str) -> Fallible<TestImage> {
         let Receiver { point, normal, lift } = *receiver;
         let up = if normal.z > 0.9 { DVec3::Y } else { Frame::from_z(normal).y };
-        Picture::of(&format!(
+        TestImage::of(&format!(
             "(
                 camera: (look_from: {}, look_at: {}, up: {}, orthographic: {height:?}),
                 film: (size: (1, 1)),
@@ -155,43 +155,43 @@ impl Lamp {
     }
 }
 
-/// Part of the lift that the pixel is wide where a closed form is that of a point. What varies within it cancels but for its
-/// square.
+/// Width of the pixel relative to the lift, where a closed form is that of a point. Variation within it cancels to
+/// first order.
 const POINT: f64 = 1e-7;
 
 /// Compares a light with its closed form: samples of the light, and all integrators that sample lights.
 pub(super) fn hold_irradiance(
-    tally: &mut Tally,
+    checks: &mut Checks,
     conditions: &Conditions,
     what: &str,
-    lamp: &Lamp,
+    area_light: &AreaLight,
     receiver: &Receiver,
 ) -> Fallible<()> {
     let seeds = conditions.count(64, 256);
     let spp = conditions.count(64, 256) as u32;
-    let truth = lamp.irradiance(receiver);
-    let emitter = lamp.emitter()?;
-    hold(tally, format_args!("{what}, samples of the light"), truth, seeds, |pattern, seed| {
+    let truth = area_light.irradiance(receiver);
+    let emitter = area_light.emitter()?;
+    hold(checks, format_args!("{what}, samples of the light"), truth, seeds, |pattern, seed| {
         Ok(mean_of(pattern, spp, seed, |sample| irradiance_from(&emitter, receiver, sample.next_2d())))
     })?;
-    let picture = lamp.scene(receiver, POINT * receiver.lift, "")?;
-    hold_picture(tally, what, truth, &picture, [seeds, spp.into()])
+    let image = area_light.scene(receiver, POINT * receiver.lift, "")?;
+    check_image(checks, what, truth, &image, [seeds, spp.into()])
 }
 
-/// Holds pictures of a diffuse receiver by all integrators that draw from lights against its irradiance; `effort` is how
-/// many seeds and samples of each.
-pub(super) fn hold_picture(
-    tally: &mut Tally,
+/// Compares images of a diffuse receiver by all integrators that sample lights with its irradiance; `effort` is the
+/// number of seeds and of samples.
+pub(super) fn check_image(
+    checks: &mut Checks,
     what: &str,
     irradiance: f64,
-    picture: &Picture,
+    image: &TestImage,
     [seeds, spp]: [u64; 2],
 ) -> Fallible<()> {
     for integrator in DRAWING {
         let mean = |pattern: SamplerKind, seed| {
-            picture.mean(integrator, pattern, spp as u32, seed).map(|radiance| radiance * PI / ALBEDO)
+            image.mean(integrator, pattern, spp as u32, seed).map(|radiance| radiance * PI / ALBEDO)
         };
-        hold(tally, format_args!("{what}, {}", integrator.name()), irradiance, seeds, mean)?;
+        hold(checks, format_args!("{what}, {}", integrator.name()), irradiance, seeds, mean)?;
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::{path::Path, time::Duration};
 use rt_image::{Image, read_image};
 use serde::{Deserialize, Serialize};
 
-use super::claim::{SIZE, SPP, TILE_PIXELS, Tile};
+use super::lecture_numbers::{SIZE, SPP, TILE_PIXELS, Tile};
 use crate::{
     error::TaskError,
     process::Program,
@@ -30,7 +30,7 @@ const TIMEOUT: Duration = Duration::from_secs(600);
 /// Measurements of one tile.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Unit {
+pub(super) struct TileResult {
     pub tile: Tile,
     /// Rays of all kinds that a primary ray leads to, itself among them.
     pub rays_per_sample: f64,
@@ -44,7 +44,7 @@ pub(super) struct Unit {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Measured {
-    /// Processor seconds of the whole program, from start to written picture.
+    /// CPU seconds of the whole program, from start to written image.
     pub cpu_seconds: f64,
     /// Variance of a channel of a pixel, the mean over all.
     pub mse: f64,
@@ -52,13 +52,13 @@ pub(super) struct Measured {
 
 /// Renders tiles.
 #[derive(Debug)]
-pub(super) struct Laboratory<'a> {
+pub(super) struct TileRenderer<'a> {
     pub program: &'a Program,
     pub scene: &'a Path,
 }
 
-impl Unit {
-    /// True if all numbers are such as can be measured.
+impl TileResult {
+    /// True if all numbers are possible measurements.
     pub(super) fn is_sound(&self) -> bool {
         let sound = |number: f64| number.is_finite() && number > 0.0;
         sound(self.rays_per_sample)
@@ -70,11 +70,11 @@ impl Unit {
     }
 }
 
-impl Laboratory<'_> {
-    /// Renders a tile in all ways.
-    pub(super) fn measure(&self, tile: Tile) -> Result<Unit, TaskError> {
+impl TileRenderer<'_> {
+    /// Measures a tile with all methods.
+    pub(super) fn measure(&self, tile: Tile) -> Result<TileResult, TaskError> {
         let [first, second, third] = BEST_SPP;
-        Ok(Unit {
+        Ok(TileResult {
             tile,
             rays_per_sample: self.count(tile)?,
             jittered: self.twice(tile, JITTERED, SPP)?,
@@ -86,8 +86,7 @@ impl Laboratory<'_> {
         let renderer = Renderer::new(self.program.path.clone(), TIMEOUT);
         let args = arguments(tile, JITTERED, COUNTED_SPP, "0");
         let args: Vec<&str> = args.iter().map(String::as_str).collect();
-        let counted = statistics::measure(&renderer, &self.program.folder, self.scene, &args)?;
-        let Statistics { rays, .. } = counted.map_err(TaskError::Other)?;
+        let Statistics { rays, .. } = statistics::measure(&renderer, &self.program.folder, self.scene, &args)?;
         Ok(rays.total.rays as f64 / f64::from(COUNTED_SPP * TILE_PIXELS))
     }
 
@@ -101,16 +100,16 @@ impl Laboratory<'_> {
         })
     }
 
-    /// Processor seconds and picture.
+    /// CPU seconds and image of a render.
     fn render(&self, tile: Tile, sampler: &str, spp: u32, seed: &str) -> Result<(f64, Image), TaskError> {
-        const PICTURE: &str = "tile.pfm";
+        const IMAGE: &str = "tile.pfm";
         let scene = self.scene.to_string_lossy();
         let args = arguments(tile, sampler, spp, seed);
-        let mut all = vec!["render", &scene, "-o", PICTURE, "--quiet"];
+        let mut all = vec!["render", &scene, "-o", IMAGE, "--quiet"];
         all.extend(args.iter().map(String::as_str));
         let used = self.program.run(&all)?;
-        let picture = read_image(&self.program.folder.join(PICTURE));
-        Ok((used.cpu_seconds, picture.map_err(|error| TaskError::Other(error.to_string()))?))
+        let image = read_image(&self.program.folder.join(IMAGE));
+        Ok((used.cpu_seconds, image.map_err(TaskError::other)?))
     }
 }
 
@@ -136,7 +135,7 @@ fn arguments(tile: Tile, sampler: &str, spp: u32, seed: &str) -> Vec<String> {
     ])
 }
 
-/// Over all channels of all pixels.
+/// Mean squared difference over all channels of all pixels.
 fn mean_squared_difference(a: &Image, b: &Image) -> f64 {
     let pairs = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened());
     let squares: f64 = pairs.map(|(&a, &b)| (f64::from(a) - f64::from(b)) * (f64::from(a) - f64::from(b))).sum();
@@ -163,10 +162,10 @@ mod tests {
     fn numbers_that_cannot_be_measured_are_not_sound() {
         let measured = Measured { cpu_seconds: 1.0, mse: 0.0 };
         let tile = Tile::nth(0).unwrap();
-        let unit = Unit { tile, rays_per_sample: 9.0, jittered: measured, best: [measured; 3] };
+        let unit = TileResult { tile, rays_per_sample: 9.0, jittered: measured, best: [measured; 3] };
         assert!(unit.is_sound());
-        assert!(!Unit { rays_per_sample: 0.0, ..unit.clone() }.is_sound());
-        assert!(!Unit { jittered: Measured { mse: -1.0, ..measured }, ..unit.clone() }.is_sound());
-        assert!(!Unit { jittered: Measured { cpu_seconds: f64::NAN, ..measured }, ..unit }.is_sound());
+        assert!(!TileResult { rays_per_sample: 0.0, ..unit.clone() }.is_sound());
+        assert!(!TileResult { jittered: Measured { mse: -1.0, ..measured }, ..unit.clone() }.is_sound());
+        assert!(!TileResult { jittered: Measured { cpu_seconds: f64::NAN, ..measured }, ..unit }.is_sound());
     }
 }

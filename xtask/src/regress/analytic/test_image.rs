@@ -1,4 +1,4 @@
-//! Pictures that are rendered for their mean alone.
+//! Images that are rendered for their mean alone.
 
 use std::path::Path;
 
@@ -10,11 +10,11 @@ use super::Fallible;
 
 /// A scene, and how it is sampled.
 #[derive(Clone, Debug)]
-pub(super) struct Picture {
+pub(super) struct TestImage {
     pub scene: Scene,
 }
 
-impl Picture {
+impl TestImage {
     /// The scene of a text in the format of scene files. All samples are one pattern.
     pub(super) fn of(text: &str) -> Fallible<Self> {
         let name = Path::new("analytic.ron");

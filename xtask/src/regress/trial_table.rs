@@ -1,4 +1,4 @@
-//! The table of what was tried and what failed.
+//! Table of trials and failures.
 
 use super::unit::Outcome;
 use crate::table::Table;

@@ -1,8 +1,9 @@
-//! One picture: nothing about how it is computed changes a bit of the image.
+//! One image: threads, accelerators and instruction sets change no bit of it.
 //!
 //! Each scene file is rendered by its own integrator with other thread counts, accelerators, instruction sets and build
-//! qualities, as two shards, and with the full plan. Other integrators follow, each with two ways to compute it.
-//! Without `--full` a scene takes three of the other integrators, in turn: each runs on a third of all scenes.
+//! qualities. It is also rendered as two shards, and with the full plan. Other integrators follow, each with two ways
+//! to compute it. Without `--full` a scene takes three of the other integrators, in turn: each runs on a third of all
+//! scenes.
 
 use std::{
     fs,
@@ -17,7 +18,7 @@ use rt_accel::{
 use super::unit::{Context, Findings, Unit};
 use crate::{error::TaskError, workspace::Workspace};
 
-/// Integrators and views whose image does not depend on how it is computed: all but that of the cost.
+/// Integrators and debug views, without the cost view, which depends on the accelerator.
 const INTEGRATORS: [&str; 9] =
     ["whitted", "distributed", "path", "caustics", "direct", "ambient-occlusion", "normals", "depth", "uv"];
 /// Integrators per scene without `--full`.
@@ -25,20 +26,20 @@ const INTEGRATORS_AT_A_TIME: usize = 3;
 
 /// Enough for several tiles, and for every kind of ray that the scene has.
 const REDUCED: &[&str] = &["--size", "48x36", "--spp", "4"];
-/// The same for integrators that the scene did not ask for.
+/// Size and samples for the other integrators.
 const REDUCED_OTHERS: &[&str] = &["--size", "32x24", "--spp", "2"];
 
-/// RegressOptions of a render.
+/// Options of a render.
 type Variant = Vec<&'static str>;
 
-struct OnePicture {
+struct SameImage {
     scene: PathBuf,
     name: String,
     /// Number of the scene: by it, scenes take turns.
     turn: usize,
 }
 
-/// One unit per scene file that comes along, and per golden image.
+/// One unit per scene file of the project and per golden image.
 pub(super) fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
     let mut scenes = workspace.files("scenes", ".ron")?;
     scenes.extend(workspace.files("scenes/spd", ".nff")?);
@@ -49,12 +50,12 @@ pub(super) fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskErr
         .enumerate()
         .map(|(turn, scene)| {
             let name = format!("one-picture/{}", workspace.relative(&scene.with_extension("")));
-            Box::new(OnePicture { scene, name, turn }) as Box<dyn Unit>
+            Box::new(SameImage { scene, name, turn }) as Box<dyn Unit>
         })
         .collect())
 }
 
-/// The level at this place of the list of those that the processor has, over and over.
+/// SIMD level for this turn, cycling through those of the processor.
 fn level(turn: usize) -> &'static str {
     let levels: Vec<SimdLevel> = SimdLevel::ALL.iter().copied().filter(|level| level.is_available()).collect();
     levels[turn % levels.len()].name()
@@ -64,7 +65,7 @@ fn quality(turn: usize) -> &'static str {
     Quality::ALL[turn % Quality::ALL.len()].name()
 }
 
-/// All variants but brute force. The first is what the others are compared with.
+/// All variants but brute force. The others are compared with the first.
 fn variants() -> Vec<Variant> {
     let mut variants = vec![
         vec!["--threads", "1"],
@@ -93,7 +94,7 @@ fn brute_force() -> Vec<Variant> {
     vec![vec!["--threads", "2"], linear(0), linear(2)]
 }
 
-/// Two ways to compute the image of an integrator, which differ in everything. Which ones is a matter of turns.
+/// Two ways to compute the image of an integrator, which differ in everything and depend on the turn.
 fn integrator_variants(integrator: &'static str, turn: usize) -> Vec<Variant> {
     let kinds: Vec<_> = AcceleratorKind::ALL.iter().filter(|kind| **kind != AcceleratorKind::Linear).collect();
     let accel = kinds[turn % kinds.len()].name();
@@ -108,30 +109,29 @@ fn integrators(turn: usize, full: bool) -> impl Iterator<Item = &'static str> {
     (0..count).map(move |index| INTEGRATORS[(turn * count + index) % INTEGRATORS.len()])
 }
 
-impl Unit for OnePicture {
+impl Unit for SameImage {
     fn name(&self) -> String {
         self.name.clone()
     }
 
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError> {
-        let mut findings = Findings::default();
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let [quality, brute_force_quality, others_quality]: [&[&str]; 3] =
             if context.full { [&[], &["--spp", "1"], &["--spp", "4"]] } else { [REDUCED, REDUCED, REDUCED_OTHERS] };
-        let first = self.compare(context, folder, quality, &variants(), &mut findings)?;
+        let first = self.compare(context, folder, quality, &variants(), findings)?;
         if let Some(first) = first {
-            self.compare_shards(context, folder, quality, &first, &mut findings)?;
+            self.compare_shards(context, folder, quality, &first, findings)?;
         }
-        self.compare(context, folder, brute_force_quality, &brute_force(), &mut findings)?;
+        self.compare(context, folder, brute_force_quality, &brute_force(), findings)?;
         for (index, integrator) in integrators(self.turn, context.full).enumerate() {
             // Neighbours in the list of scenes, which are alike, get other accelerators.
             let variants = integrator_variants(integrator, self.turn * INTEGRATORS_AT_A_TIME + index);
-            self.compare(context, folder, others_quality, &variants, &mut findings)?;
+            self.compare(context, folder, others_quality, &variants, findings)?;
         }
-        Ok(findings)
+        Ok(())
     }
 }
 
-impl OnePicture {
+impl SameImage {
     /// Renders all variants and compares the bytes with those of the first, which are returned.
     fn compare(
         &self,
@@ -144,16 +144,16 @@ impl OnePicture {
         let mut first: Option<Vec<u8>> = None;
         for variant in variants {
             let args = quality.iter().chain(variant).copied();
-            let run = context.renderer.render(folder, &self.scene, "linear.pfm", args)?;
+            let run = context.renderer.render(folder, &self.scene, "linear.pfm", args);
             let variant = variant.join(" ");
-            if let Err(problem) = run.succeeded() {
-                findings.problem(format!("{variant}: {problem}"));
+            if let Err(error) = run {
+                findings.problem(format!("{variant}: {error}"));
                 continue;
             }
             let bytes = read(&folder.join("linear.pfm"))?;
             match &first {
                 None => first = Some(bytes),
-                Some(first) => judge(first, &bytes, &variant, findings),
+                Some(first) => check_run(first, &bytes, &variant, findings),
             }
         }
         Ok(first)
@@ -170,16 +170,10 @@ impl OnePicture {
     ) -> Result<(), TaskError> {
         for (shard, part) in [("2/2", "2.part"), ("1/2", "1.part")] {
             let args = quality.iter().copied().chain(["--shard", shard, "--threads", "2"]);
-            if let Err(problem) = context.renderer.render(folder, &self.scene, part, args)?.succeeded() {
-                findings.problem(format!("--shard {shard}: {problem}"));
-                return Ok(());
-            }
+            context.renderer.render(folder, &self.scene, part, args)?;
         }
-        let merged = context.renderer.run(folder, ["merge", "1.part", "2.part", "-o", "linear.pfm"])?;
-        match merged.succeeded() {
-            Ok(()) => judge(first, &read(&folder.join("linear.pfm"))?, "two shards", findings),
-            Err(problem) => findings.problem(format!("merge: {problem}")),
-        }
+        context.renderer.run(folder, ["merge", "1.part", "2.part", "-o", "linear.pfm"])?.succeeded()?;
+        check_run(first, &read(&folder.join("linear.pfm"))?, "two shards", findings);
         Ok(())
     }
 }
@@ -188,7 +182,7 @@ fn read(path: &Path) -> Result<Vec<u8>, TaskError> {
     fs::read(path).map_err(TaskError::file(path))
 }
 
-fn judge(expected: &[u8], actual: &[u8], variant: &str, findings: &mut Findings) {
+fn check_run(expected: &[u8], actual: &[u8], variant: &str, findings: &mut Findings) {
     if expected != actual {
         findings.problem(format!("{variant}: {}", difference(expected, actual)));
     }
@@ -214,12 +208,12 @@ mod tests {
         assert_eq!(difference(&[1, 2, 3, 4], &[1, 9, 3, 9]), "2 of 4 bytes differ from the first variant");
         assert_eq!(difference(&[1, 2], &[1]), "1 bytes instead of 2");
         let mut findings = Findings::default();
-        judge(&[1, 2], &[1, 2], "same", &mut findings);
-        judge(&[1, 2], &[1, 3], "other", &mut findings);
+        check_run(&[1, 2], &[1, 2], "same", &mut findings);
+        check_run(&[1, 2], &[1, 3], "other", &mut findings);
         assert_eq!(findings.problems, ["other: 1 of 2 bytes differ from the first variant"]);
     }
 
-    /// Instructions, qualities and integrators were not varied, though the guide said that nothing mattered.
+    /// Regression: instruction sets, build qualities and integrators were not varied.
     #[test]
     fn everything_that_must_not_matter_is_varied() {
         let all = [variants(), brute_force()].concat();

@@ -4,15 +4,15 @@ use std::f64::consts::TAU;
 
 use rt_math::{DVec3, transcendental::sincos};
 
-use super::nff::{Fill, Nff, View};
+use super::nff::{Fill, Nff, NffView};
 
 /// Places of the lights.
 const LIGHTS: [DVec3; 3] = [DVec3::new(4.0, 3.0, 2.0), DVec3::new(1.0, -4.0, 4.0), DVec3::new(-3.0, 1.0, 5.0)];
 
 /// A sphere of radius ½ with nine spheres of a third of its size around it, each with nine more, and so on `size`
 /// times. With the square below them: (9^(size + 1) − 1) / 8 spheres and a polygon.
-pub(super) fn balls(size: u32) -> Nff {
-    let view = View { from: DVec3::new(2.1, 1.3, 1.7), at: DVec3::ZERO, up: DVec3::Z };
+pub(super) fn sphereflake(size: u32) -> Nff {
+    let view = NffView { from: DVec3::new(2.1, 1.3, 1.7), at: DVec3::ZERO, up: DVec3::Z };
     let mut file = Nff::new(&format!("balls, size {size}"), &view, &LIGHTS);
     file.fill(&Fill::matte([1.0, 0.75, 0.33], 0.8));
     let corner = |x, y| DVec3::new(12.0 * x, 12.0 * y, -0.5);
@@ -34,7 +34,7 @@ fn flake(file: &mut Nff, generations: u32, centre: DVec3, radius: f64, up: DVec3
     }
 }
 
-/// Towards the nine children of a ball that points up: three times one above between two in the plane, a third of a turn on.
+/// Towards the nine children of a sphere that points up: three times one above between two in the plane, a third of a turn on.
 fn directions() -> impl Iterator<Item = DVec3> {
     // The one above is as far from the axis as a diagonal of the cube is from its edge.
     let above = 1.0 / 3f64.sqrt();
@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn the_paper_has_this_many() {
-        let file = balls(4);
+        let file = sphereflake(4);
         assert_eq!((file.spheres, file.objects()), (7381, 7382));
     }
 }

@@ -1,4 +1,4 @@
-//! Whole pictures.
+//! Whole images.
 
 use std::{f64::consts::PI, path::Path, sync::Arc};
 
@@ -14,7 +14,7 @@ use rt_shading::{
     Wrap,
 };
 
-use super::{Case, Conditions, Fallible, Found, Tally, cases};
+use super::{Case, CaseResult, Checks, Conditions, Fallible, cases};
 
 cases! {
     "S36", "a smooth ball of 8×8 facets, lit from 80° aside",
@@ -44,8 +44,8 @@ fn facing(width: u32, height: u32, node: Node, phong: Phong) -> Scene {
     }
 }
 
-/// A ball of facets around the origin, with the normals of the sphere.
-fn faceted_ball(around: u32, up: u32) -> Fallible<TriangleMesh> {
+/// A sphere of facets around the origin, with the normals of the sphere.
+fn faceted_sphere(around: u32, up: u32) -> Fallible<TriangleMesh> {
     let vertex = |i: u32| {
         let (sin, cos) = sincos(2.0 * PI * f64::from(i % around) / f64::from(around));
         let (ring, height) = sincos(PI * f64::from(i / around) / f64::from(up));
@@ -61,12 +61,12 @@ fn faceted_ball(around: u32, up: u32) -> Fallible<TriangleMesh> {
     Ok(TriangleMesh::build(MeshData { normals: positions.clone(), positions, triangles, ..MeshData::default() })?.0)
 }
 
-fn terminator(conditions: &Conditions) -> Found {
+fn terminator(conditions: &Conditions) -> CaseResult {
     let side = conditions.count(100, 400) as u32;
     let white = ColorTexture::Constant(Rgb::WHITE);
     let phong = Phong { ambient: ColorTexture::ZERO, diffuse: white, ..Phong::default() };
     let mut scene = facing(side, side, Node::new(Content::Mesh(MeshId(0)), MaterialId(0)), phong);
-    scene.meshes = vec![NamedMesh { name: "ball".into(), mesh: Arc::new(faceted_ball(8, 8)?) }];
+    scene.meshes = vec![NamedMesh { name: "ball".into(), mesh: Arc::new(faceted_sphere(8, 8)?) }];
     let angle = 80f64.to_radians();
     let (sin, cos) = sincos(angle);
     scene.appearance.lights = vec![Light {
@@ -86,12 +86,12 @@ fn terminator(conditions: &Conditions) -> Found {
     let covered = lit.alpha().map_or(0.0, |alpha| alpha.iter().map(|a| f64::from(*a)).sum());
     let mean = lit.pixels().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / covered;
     let truth = 2.0 / 3.0 * (sin + (PI - angle) * cos) / PI;
-    let mut tally = Tally::default();
-    tally.limit(mean / truth - 1.0, 0.02, format_args!("mean {mean} instead of {truth}"));
+    let mut checks = Checks::default();
+    checks.limit(mean / truth - 1.0, 0.02, format_args!("mean {mean} instead of {truth}"));
     for (lit, bare) in lit.pixels().iter().zip(bare.pixels()) {
-        tally.check(lit == bare, || format!("{lit:?} in shadow instead of {bare:?}"));
+        checks.check(lit == bare, || format!("{lit:?} in shadow instead of {bare:?}"));
     }
-    Ok(tally)
+    Ok(checks)
 }
 
 /// A scene file, smaller than it is.
@@ -104,8 +104,8 @@ pub(super) fn small(file: &Path, width: u32, spp: u32) -> Fallible<Scene> {
     Ok(scene)
 }
 
-fn one_checksum(conditions: &Conditions) -> Found {
-    let mut tally = Tally::default();
+fn one_checksum(conditions: &Conditions) -> CaseResult {
+    let mut checks = Checks::default();
     for file in conditions.workspace.files("scenes", ".ron")? {
         let (width, spp) = if conditions.full { (96, 4) } else { (24, 1) };
         let mut scene = small(&file, width, spp)?;
@@ -115,13 +115,13 @@ fn one_checksum(conditions: &Conditions) -> Found {
             let film =
                 RenderPlan::compile(&scene, &PlanOptions::default())?.render(&RunOptions::default(), |_| {})?.film;
             checksums.push(film.checksum());
-            tally.same(film.checksum(), checksums[0], format_args!("{}, {}", scene.name, accel.name()));
+            checks.same(film.checksum(), checksums[0], format_args!("{}, {}", scene.name, accel.name()));
         }
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn nan_texels(conditions: &Conditions) -> Found {
+fn nan_texels(conditions: &Conditions) -> CaseResult {
     const SIDE: u32 = 16;
     let spp = conditions.count(4, 64) as u32;
     let mut pixels = vec![[0.5f32; 3]; (SIDE * SIDE) as usize];
@@ -143,23 +143,23 @@ fn nan_texels(conditions: &Conditions) -> Found {
     scene.settings.spp = spp;
     scene.settings.pattern = SamplerKind::Grid;
     let rendering = RenderPlan::compile(&scene, &PlanOptions::default())?.render(&RunOptions::default(), |_| {})?;
-    let mut tally = Tally::default();
-    tally.same(rendering.statistics.bad_samples, bad.len() as u64 * u64::from(spp), "bad samples");
+    let mut checks = Checks::default();
+    checks.same(rendering.statistics.bad_samples, bad.len() as u64 * u64::from(spp), "bad samples");
     for (index, pixel) in rendering.film.pixels().iter().enumerate() {
         let is_bad = bad.iter().any(|(texel, _)| *texel == index);
         let expected = if is_bad { [0.0; 3] } else { [0.5; 3] };
-        tally.same(*pixel, expected, format_args!("pixel {index}"));
+        checks.same(*pixel, expected, format_args!("pixel {index}"));
     }
-    Ok(tally)
+    Ok(checks)
 }
 
-fn extreme_sizes(_: &Conditions) -> Found {
+fn extreme_sizes(_: &Conditions) -> CaseResult {
     const LONG: u32 = 65_536;
-    let mut tally = Tally::default();
+    let mut checks = Checks::default();
     for (width, height) in [(1, 1), (1, LONG), (LONG, 1)] {
-        let ball = Content::Shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.9)?));
+        let sphere = Content::Shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.9)?));
         let glow = Phong { emission: ColorTexture::Constant(Rgb::gray(0.25)), ..Phong::default() };
-        let mut scene = facing(width, height, Node::new(ball, MaterialId(0)), glow);
+        let mut scene = facing(width, height, Node::new(sphere, MaterialId(0)), glow);
         if width > height {
             // As wide as it would be high.
             scene.cameras[0].settings.projection = Projection::Orthographic { height: 2.0 / f64::from(LONG) };
@@ -167,24 +167,24 @@ fn extreme_sizes(_: &Conditions) -> Found {
         let plan = RenderPlan::compile(&scene, &PlanOptions::default())?;
         let film = plan.render(&RunOptions::default(), |_| {})?.film;
         let alone = plan.render(&RunOptions { threads: 1, ..RunOptions::default() }, |_| {})?.film;
-        tally.same(alone.checksum(), film.checksum(), format_args!("{width}×{height} on one thread"));
-        tally.same((film.width(), film.height()), (width, height), "size");
+        checks.same(alone.checksum(), film.checksum(), format_args!("{width}×{height} on one thread"));
+        checks.same((film.width(), film.height()), (width, height), "size");
         let at = |index: u32| if width > height { (index, 0) } else { (0, index) };
         let count = width.max(height);
         let hits = film.pixels().iter().filter(|pixel| **pixel == [0.25; 3]).count();
         let expected = if count == 1 { 1.0 } else { 0.9 * f64::from(LONG) };
-        tally
+        checks
             .check((hits as f64 - expected).abs() <= 1.0, || format!("{hits} pixels of {width}×{height} see the ball"));
         for index in (0..count).step_by(97) {
             let (x, y) = at(index);
             let together = film.pixels()[index as usize];
             let single = plan.pixel(x, y).map(|rgb| rgb.to_array().map(|c| c as f32));
-            tally.same(single, Some(together), format_args!("pixel {x}, {y}"));
+            checks.same(single, Some(together), format_args!("pixel {x}, {y}"));
         }
         let (x, y) = at(count - 1);
         let crop = Some(Crop { x, y, width: 1, height: 1 });
         let corner = RenderPlan::compile(&scene, &PlanOptions { crop, ..PlanOptions::default() })?;
-        tally.same(corner.pixel(x, y), plan.pixel(x, y), "the last pixel");
+        checks.same(corner.pixel(x, y), plan.pixel(x, y), "the last pixel");
     }
-    Ok(tally)
+    Ok(checks)
 }
