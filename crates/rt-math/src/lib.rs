@@ -45,6 +45,7 @@ pub mod random;
 mod ray;
 mod rgb;
 mod sampler;
+pub mod stats;
 pub mod transcendental;
 mod transform;
 

@@ -13,13 +13,13 @@
 //! A pixel counts as one, however much its channels differ. Pixels count as independent.
 
 use rt_math::Rgb;
+use rt_math::stats::f_quantile;
 use serde::{Deserialize, Serialize};
 
 use crate::{
     ContentError,
     content::{check_count, check_number},
     estimate::PixelEstimate,
-    quantile::f_quantile,
 };
 
 /// Added to squared radiance where an error is divided by it, as in [`rt_image::metrics`].

@@ -4,12 +4,11 @@ use std::{collections::BTreeSet, fmt};
 
 use rt_accel::{AcceleratorQueries as _, AnyAccelerator};
 use rt_geometry::{Primitives as _, Shape};
-use rt_math::DVec3;
 use rt_scene_io::{Integrator, LightSampling};
 use rt_shading::{Follows, Light, LightKind, Material, PathSettings};
 
 use crate::{
-    MemoryPrediction, RenderPlan,
+    MemoryPrediction, RenderPlan, RenderSpace,
     emitters::moving_lamp,
     plan::{View, World},
     structure::{FEW, FEW_SPHERES, why},
@@ -295,10 +294,10 @@ impl RenderPlan<'_> {
         if (self.needs.shadows || !self.emitters.is_empty()) && self.has_wide_tree() {
             lines.push("  for shadow rays: what blocked a ray is asked first about the next".to_owned());
         }
-        if self.origin != DVec3::ZERO {
+        if self.space != RenderSpace::WORLD {
             lines.push(format!(
                 "coordinates relative to {}, as the scene is small and far from the origin",
-                self.origin
+                self.space.origin()
             ));
         }
         lines

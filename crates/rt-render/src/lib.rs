@@ -47,7 +47,6 @@
 
 #![forbid(unsafe_code)]
 
-pub mod check;
 mod checkpoint;
 mod content;
 mod cost;
@@ -69,13 +68,12 @@ mod pick;
 mod pixel;
 mod plan;
 mod porous;
-mod processor;
 mod progressive;
 mod pyramid;
-mod quantile;
-mod rebase;
 mod refine;
 mod render;
+mod render_space;
+mod scene_geometry;
 mod splats;
 mod statistics;
 mod stop;
@@ -99,11 +97,11 @@ pub use part::{JoinError, Part, Share, UncheckedPart};
 pub use passes::default_passes;
 pub use pick::PickResult;
 pub use plan::{Clamping, Crop, PlanOptions, RenderPlan};
-pub use processor::processor;
-pub use quantile::student_t;
 pub use render::{PassProgress, Progress, Rendering, RunOptions, SampleRange, Towards};
+pub use render_space::RenderSpace;
 pub use rt_accel::wide::{Quality, SimdLevel};
 pub use rt_geometry::{Counters, RayKind, RayStats};
 pub use rt_shading::ShadingCounts;
+pub use scene_geometry::SceneGeometry;
 pub use statistics::Statistics;
 pub use stop::{Criterion, StopRule, Stopped, TargetError};

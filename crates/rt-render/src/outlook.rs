@@ -7,14 +7,13 @@
 //! ```
 
 use rt_camera::{Camera, CameraSettings, FilmSettings};
-use rt_math::{Aabb, DVec3};
+use rt_math::Aabb;
 use rt_scene_io::{Accel, Integrator, NamedCamera, Scene};
 
 use crate::{
-    Crop, PlanOptions, RenderError, RenderPlan,
+    Crop, PlanOptions, RenderError, RenderPlan, RenderSpace,
     passes::default_passes,
     plan::{View, World, check_adaptive, check_crop, view_volume},
-    rebase,
     structure::Wanted,
     surroundings::CameraMedium,
     visible::Visible,
@@ -44,7 +43,7 @@ pub(crate) struct Stage<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) options: &'a PlanOptions,
     pub(crate) wanted: Wanted,
-    pub(crate) origin: DVec3,
+    pub(crate) space: RenderSpace,
     pub(crate) world: &'a World,
     /// Whether materials let light through.
     pub(crate) refracts: bool,
@@ -68,11 +67,11 @@ pub(crate) struct Outlook {
 impl Outlook {
     /// What the stage looks like in the shot.
     pub(crate) fn of(stage: &Stage<'_>, shot: &Shot<'_>) -> Result<Self, RenderError> {
-        let Stage { scene, options, wanted, origin, world, refracts } = *stage;
+        let Stage { scene, options, wanted, space, world, refracts } = *stage;
         let (settings, [width, height]) = (&scene.settings, shot.size);
         FilmSettings { width, height, ..scene.film }.validate()?;
         let crop = check_crop(options.crop, width, height)?;
-        let camera = Camera::new(&rebase::camera(&shot.camera.settings, origin), width, height)
+        let camera = Camera::new(&space.camera(&shot.camera.settings), width, height)
             .map_err(|source| RenderError::Camera { name: shot.camera.name.clone(), source })?;
         let moves = camera.moves() || world.moves();
         check_adaptive(settings, &camera, moves)?;
@@ -121,7 +120,7 @@ impl RenderPlan<'_> {
         let camera =
             NamedCamera { name: self.camera_name.to_owned(), settings: *camera, medium: before.and_then(|c| c.medium) };
         let shot = Shot { camera: &camera, size };
-        if rebase::origin(self.scene, &camera.settings) != self.origin || shot.moment() != self.moment {
+        if RenderSpace::of(self.scene, &camera.settings) != self.space || shot.moment() != self.moment {
             *self = Self::compile_shot(self.scene, &options, &shot, self.camera_name)?;
             return Ok(());
         }
@@ -132,8 +131,8 @@ impl RenderPlan<'_> {
     }
 
     fn stage<'a>(&'a self, options: &'a PlanOptions) -> Stage<'a> {
-        let Self { scene, wanted, origin, ref world, needs, .. } = *self;
-        Stage { scene, options, wanted, origin, world, refracts: needs.refraction }
+        let Self { scene, wanted, space, ref world, needs, .. } = *self;
+        Stage { scene, options, wanted, space, world, refracts: needs.refraction }
     }
 
     fn set_outlook(&mut self, outlook: Outlook) {

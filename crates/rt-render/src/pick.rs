@@ -57,7 +57,7 @@ impl RenderPlan<'_> {
             object: names(&hit)?,
             material: material.map_or_else(String::new, |material| material.name.clone()),
             distance: surface.t * ray.direction.length(),
-            point: surface.interaction.point + self.origin,
+            point: surface.interaction.point + self.space.origin(),
             normal: surface.interaction.shading_normal,
         })
     }

@@ -6,7 +6,7 @@ use rt_accel::AnyAccelerator;
 use rt_accel::wide::{Quality, SimdLevel};
 use rt_camera::{Camera, Filter, SamplerKind, ViewVolume};
 use rt_geometry::{Shape, Spheres};
-use rt_math::{DVec2, DVec3, Rgb};
+use rt_math::{DVec2, Rgb};
 use rt_scene_io::{Integrator, MaterialId, NamedCamera, Scene, Settings};
 use rt_shading::{
     AmbientOcclusion, AovIntegrator, Appearance, BsdfCache, Clamp, Follows, LightSources, Material, Needs,
@@ -15,13 +15,12 @@ use rt_shading::{
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    RenderError, Rendering, Statistics,
+    RenderError, RenderSpace, Rendering, Statistics,
     emitters::{emitters, moving_lamp},
     flatten::flatten,
     light_pass::light_sources,
     memory::{MemoryPrediction, PerPixel},
     outlook::{Outlook, Shot, Stage},
-    rebase,
     structure::Wanted,
     surroundings::CameraMedium,
     trace::SphereWorld,
@@ -155,7 +154,7 @@ pub struct RenderPlan<'s> {
     /// Whether each tile looks for what its camera rays can meet.
     pub(crate) narrows: bool,
     /// The point of the scene that all coordinates are relative to.
-    pub(crate) origin: DVec3,
+    pub(crate) space: RenderSpace,
     pub(crate) surroundings: CameraMedium,
     /// Whether the camera or an object moves while the shutter is open.
     pub(crate) moves: bool,
@@ -203,8 +202,8 @@ impl<'s> RenderPlan<'s> {
         if let Some(clamp) = settings.clamp.filter(|&clamp| Clamp::new(clamp).is_none()) {
             return Err(RenderError::Clamp(clamp));
         }
-        let origin = rebase::origin(scene, &shot.camera.settings);
-        check_shot(scene, options, shot, origin)?;
+        let space = RenderSpace::of(scene, &shot.camera.settings);
+        check_shot(scene, options, shot, space)?;
         let wanted = Wanted { accel: settings.accel, simd: options.simd, quality: options.quality };
         let kept = PerPixel {
             crop: check_crop(options.crop, shot.size[0], shot.size[1])?,
@@ -215,7 +214,7 @@ impl<'s> RenderPlan<'s> {
         let (memory, most) = MemoryPrediction::of(scene, wanted, &kept)?;
         memory.check(options.memory, most)?;
         let moment = shot.moment();
-        let (mut top, mut levels) = flatten(scene, wanted, rebase::plan_from_world(origin), !options.full, moment)?;
+        let (mut top, mut levels) = flatten(scene, wanted, space.render_from_world(), !options.full, moment)?;
         if let (Integrator::Distributed, Some(lamp)) = (settings.integrator, moving_lamp(scene, &top, &levels)) {
             return Err(RenderError::MovingLamp(lamp));
         }
@@ -231,11 +230,11 @@ impl<'s> RenderPlan<'s> {
         let least = needs(scene, &top, &levels, &used);
         let needs = if options.full { Needs::ALL } else { least };
         let world = if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) };
-        let stage = Stage { scene, options, wanted, origin, world: &world, refracts: needs.refraction };
+        let stage = Stage { scene, options, wanted, space, world: &world, refracts: needs.refraction };
         let outlook = Outlook::of(&stage, shot)?;
         let Outlook { camera, size, crop, visible, narrows, view, surroundings, .. } = outlook;
         let Outlook { moves, passes, pass_spp, simple_pass_spp, .. } = outlook;
-        let appearance = rebase::appearance(&scene.appearance, origin);
+        let appearance = space.appearance(&scene.appearance);
         let bsdfs = match &view {
             View::Paths(_) if !options.full => BsdfCache::new(&appearance, |material| used[material]),
             _ => BsdfCache::default(),
@@ -273,7 +272,7 @@ impl<'s> RenderPlan<'s> {
             visible,
             wanted,
             narrows,
-            origin,
+            space,
             full: options.full,
             has_emission: least.emission,
             shows_background: least.reflection || least.refraction,
@@ -416,10 +415,10 @@ pub(crate) fn check_crop(crop: Option<Crop>, film_width: u32, film_height: u32) 
 }
 
 /// Checks what can be checked before anything is built.
-fn check_shot(scene: &Scene, options: &PlanOptions, shot: &Shot<'_>, origin: DVec3) -> Result<(), RenderError> {
+fn check_shot(scene: &Scene, options: &PlanOptions, shot: &Shot<'_>, space: RenderSpace) -> Result<(), RenderError> {
     let [width, height] = shot.size;
     check_crop(options.crop, width, height)?;
-    let settings = rebase::camera(&shot.camera.settings, origin);
+    let settings = space.camera(&shot.camera.settings);
     let camera = Camera::new(&settings, width, height)
         .map_err(|source| RenderError::Camera { name: shot.camera.name.clone(), source })?;
     check_adaptive(&scene.settings, &camera, camera.moves())

@@ -3,6 +3,7 @@
 
 use std::time::Duration;
 
+use rt_math::stats::student_t;
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -11,7 +12,6 @@ use crate::{
     estimate::PixelEstimate,
     passes::PixelMask,
     progressive::{Place, Progressive},
-    quantile::student_t,
     stop::{FIRST_TEST_OF_IMAGE, PASSES_BETWEEN_TESTS},
     tiles::Tile,
 };

@@ -8,8 +8,8 @@
 //! function of all tiles but one, each in turn, tells how much it varies between tiles. All tiles together are the image and
 //! vary no more, so variance is lessened by the part of the image that is done (Cochran, Sampling Techniques, 1977, 2.6).
 
+use rt_math::stats::student_t;
 use rt_math::transcendental::{exp, log};
-use rt_render::student_t;
 
 use super::{
     claim::{RAYS, SPP, TILE_PIXELS, TILES},

@@ -55,7 +55,7 @@ impl Conditions {
             format: FORMAT,
             program: fingerprint(program)?,
             scene: fingerprint(scene)?,
-            processor: rt_render::processor(),
+            processor: crate::processor::processor(),
         })
     }
 }

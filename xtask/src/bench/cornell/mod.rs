@@ -84,7 +84,7 @@ pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
         }
     }
     let figures = Figures {
-        processor: rt_render::processor(),
+        processor: crate::processor::processor(),
         sampler: options.sampler.clone(),
         passes: options.passes,
         seeds: options.seeds,

@@ -93,7 +93,7 @@ pub(in super::super) fn finish(
     if write {
         let origin = format!(
             "\nWritten by `cargo xtask regress physics --full --write` on one {}, at commit {}. {}\n\n",
-            rt_render::processor(),
+            crate::processor::processor(),
             commit(workspace),
             summary(&rows, effort),
         );

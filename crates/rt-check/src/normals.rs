@@ -1,12 +1,12 @@
-//! Normals and texture coordinates of meshes.
+//! Lints of vertex normals and texture coordinates of meshes.
 
 use rt_math::transcendental::acos;
 use rt_scene_io::NamedMesh;
 
-use super::report::{Finding, Findings, Kind, Severity, value};
-use super::welded::corners;
+use crate::report::{Finding, Findings, Kind};
+use crate::welded::corners;
 
-pub(super) fn check(named: &NamedMesh, is_textured: bool, findings: &mut Findings) {
+pub(crate) fn check(named: &NamedMesh, is_textured: bool, findings: &mut Findings) {
     opposed_normals(named, findings);
     if is_textured {
         uvs(named, findings);
@@ -29,31 +29,27 @@ fn opposed_normals(named: &NamedMesh, findings: &mut Findings) {
     }
     if count > 0 {
         let worst = acos(least.clamp(-1.0, 1.0)).to_degrees();
-        findings.add(Finding {
-            severity: Severity::Warning,
-            kind: Kind::OpposedNormals,
-            object: named.name.clone(),
-            values: vec![value("count", count as f64), value("worst_angle", worst)],
-            message: format!(
+        findings.add(Finding::new(
+            Kind::OpposedNormals,
+            &named.name,
+            &[("count", count as f64), ("worst_angle", worst)],
+            format!(
                 "{count} of {} triangles have a vertex normal that points to their back (by up to {worst:.1} degrees)",
                 data.triangles.len()
             ),
-            advice: "turn these triangles over, or compute the normals again: shading jumps where they disagree",
-        });
+        ));
     }
 }
 
 fn uvs(named: &NamedMesh, findings: &mut Findings) {
     let data = named.mesh.data();
     if data.uvs.is_empty() {
-        findings.add(Finding {
-            severity: Severity::Warning,
-            kind: Kind::MissingUvs,
-            object: named.name.clone(),
-            values: vec![],
-            message: "has a textured material but no texture coordinates: all of it shows the texture at (0, 0)".into(),
-            advice: "give it texture coordinates, or a material without texture",
-        });
+        findings.add(Finding::new(
+            Kind::MissingUvs,
+            &named.name,
+            &[],
+            "has a textured material but no texture coordinates: all of it shows the texture at (0, 0)",
+        ));
         return;
     }
     let flat = |triangle: &&[u32; 3]| {
@@ -63,14 +59,12 @@ fn uvs(named: &NamedMesh, findings: &mut Findings) {
     };
     let count = data.triangles.iter().filter(flat).count();
     if count > 0 {
-        findings.add(Finding {
-            severity: Severity::Info,
-            kind: Kind::DegenerateUvs,
-            object: named.name.clone(),
-            values: vec![value("count", count as f64)],
-            message: format!("{count} of {} triangles have no area in the texture", data.triangles.len()),
-            advice: "unwrap them if they should show more of the texture than a line or a point",
-        });
+        findings.add(Finding::new(
+            Kind::DegenerateUvs,
+            &named.name,
+            &[("count", count as f64)],
+            format!("{count} of {} triangles have no area in the texture", data.triangles.len()),
+        ));
     }
 }
 
@@ -79,8 +73,8 @@ mod tests {
     use rt_math::Rgb;
     use rt_shading::{ColorTexture, Texture, TextureId};
 
-    use super::super::fixture::*;
     use super::*;
+    use crate::fixture::*;
 
     #[test]
     fn normals_to_the_back_are_counted() {

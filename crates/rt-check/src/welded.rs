@@ -1,23 +1,23 @@
-//! Meshes by position: vertices that files split for the sake of normals or texture coordinates are one again.
+//! Merges vertices that files split for the sake of normals or texture coordinates.
 
 use rt_geometry::{MeshData, TriangleMesh};
 use rt_math::DVec3;
 
-/// The triangles of a mesh with vertices at the same position made one.
+/// Triangles of a mesh after merging vertices at the same position.
 #[derive(Debug)]
-pub(super) struct Welded {
-    /// For each triangle the least number of a vertex at the position of each corner.
-    pub(super) triangles: Vec<[u32; 3]>,
+pub(crate) struct Welded {
+    /// For each corner the lowest index of a vertex at its position.
+    pub(crate) triangles: Vec<[u32; 3]>,
 }
 
 impl Welded {
-    pub(super) fn new(data: &MeshData) -> Self {
+    pub(crate) fn new(data: &MeshData) -> Self {
         // Adding 0 makes −0 a 0.
-        let place = |i: &u32| data.positions[*i as usize].to_array().map(|x| (x + 0.0).to_bits());
+        let key = |i: &u32| data.positions[*i as usize].to_array().map(|x| (x + 0.0).to_bits());
         let mut order: Vec<u32> = (0..data.positions.len() as u32).collect();
-        order.sort_unstable_by_key(|i| (place(i), *i));
+        order.sort_unstable_by_key(|i| (key(i), *i));
         let mut first = vec![0; order.len()];
-        for same in order.chunk_by(|a, b| place(a) == place(b)) {
+        for same in order.chunk_by(|a, b| key(a) == key(b)) {
             for &vertex in same {
                 first[vertex as usize] = same[0];
             }
@@ -26,8 +26,8 @@ impl Welded {
     }
 }
 
-/// The corners of a triangle.
-pub(super) fn corners(mesh: &TriangleMesh, triangle: [u32; 3]) -> [DVec3; 3] {
+/// Positions of the corners of a triangle.
+pub(crate) fn corners(mesh: &TriangleMesh, triangle: [u32; 3]) -> [DVec3; 3] {
     triangle.map(|i| mesh.data().positions[i as usize].as_dvec3())
 }
 

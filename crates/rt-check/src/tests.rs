@@ -1,20 +1,20 @@
-use super::fixture::*;
 use super::*;
+use crate::fixture::*;
 use rt_math::DVec3;
 
 #[test]
-fn warnings_of_the_loader_are_passed_on() {
+fn warnings_of_the_loader_are_reported() {
     let mut scene = empty();
     let message = "3 triangles without area were dropped (of 12 triangles in all)";
     scene.warnings = vec![rt_scene_io::Warning { place: "cube.obj:7".into(), message: message.into() }];
-    let finding = only(&scene, Kind::Mended);
+    let finding = only(&scene, Kind::LoadWarning);
     assert_eq!((finding.object.as_str(), finding.message.as_str()), ("cube.obj:7", message));
 }
 
 #[test]
 fn a_scene_that_cannot_be_rendered_says_why() {
     let mut scene = empty();
-    let mut node = ball(DVec3::ZERO, 1.0);
+    let mut node = sphere(DVec3::ZERO, 1.0);
     node.material = rt_scene_io::MaterialId(99);
     scene.nodes = vec![node];
     let finding = only(&scene, Kind::CannotRender);
@@ -43,7 +43,7 @@ fn codes_are_kebab_case_and_unique() {
 #[test]
 fn many_findings_of_one_kind_are_counted() {
     let mut scene = empty();
-    scene.nodes = (0..140).map(|i| ball(DVec3::X * f64::from(3 * i), 1.0)).collect();
+    scene.nodes = (0..140).map(|i| sphere(DVec3::X * f64::from(3 * i), 1.0)).collect();
     for node in &mut scene.nodes {
         node.parent_from_local = rt_math::Transform::scale(DVec3::new(1.0, -1.0, 1.0)).unwrap();
     }

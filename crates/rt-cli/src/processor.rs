@@ -1,12 +1,12 @@
-//! What pictures are rendered on, for those who tell how long it took.
+//! Name of the processor, for reports of measured times.
 
-/// The name of the processor, where the system tells it (`/proc/cpuinfo` of Linux), or else its architecture.
-pub fn processor() -> String {
+/// Name of the processor from `/proc/cpuinfo` of Linux; its architecture on other systems.
+pub(crate) fn processor() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     model_name(&info).unwrap_or(std::env::consts::ARCH).to_owned()
 }
 
-/// That of the first processor in the list.
+/// Model name of the first processor in the list.
 fn model_name(info: &str) -> Option<&str> {
     let (_, name) = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'))?;
     Some(name.trim()).filter(|name| !name.is_empty())

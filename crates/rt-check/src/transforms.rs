@@ -1,27 +1,27 @@
-//! How well transforms keep the digits of what they move.
+//! Conditioning of transforms.
 
 use rt_math::DMat3;
 
-use super::objects::{Geometry, Object, Objects};
-use super::report::{Finding, Findings, Kind, Severity, value};
+use crate::objects::{Geometry, Object, Objects};
+use crate::report::{Finding, Findings, Kind};
 
-/// Beyond this condition number a warning is due: a ray in local space keeps fewer than ten digits.
+/// Condition number beyond which a warning is due: a ray in local space keeps fewer than ten digits.
 const NEAR_SINGULAR: f64 = 1e6;
 
-/// Up to this a map counts as one that does not stretch.
+/// Largest condition number of a map that counts as a similarity.
 const ROUND: f64 = 1.001;
 
-/// The condition number in the 2-norm, σ₁ / σ₃: by how much relative errors may grow on the way to local space.
-/// Infinite for a singular matrix.
-pub(super) fn condition(linear: &DMat3) -> f64 {
+/// Condition number in the 2-norm, σ₁ / σ₃: the possible growth of relative errors on the way to local space. Infinite
+/// for a singular matrix.
+pub(crate) fn condition(linear: &DMat3) -> f64 {
     let [largest, _, smallest] = singular_values(linear);
     largest / smallest
 }
 
-/// Singular values, the largest first, to high relative accuracy: one-sided Jacobi rotations make the columns
-/// orthogonal, whose lengths they then are (Hestenes 1958; Demmel, Veselić 1992).
-pub(super) fn singular_values(linear: &DMat3) -> [f64; 3] {
-    /// Far more sweeps than three columns ever need.
+/// Singular values, the largest first, to high relative accuracy. One-sided Jacobi rotations make the columns orthogonal;
+/// their lengths are the singular values (Hestenes 1958; Demmel, Veselić 1992).
+pub(crate) fn singular_values(linear: &DMat3) -> [f64; 3] {
+    /// Far more sweeps than three columns need.
     const MAX_SWEEPS: usize = 40;
     const ORTHOGONAL: f64 = 1e-15;
 
@@ -51,7 +51,7 @@ pub(super) fn singular_values(linear: &DMat3) -> [f64; 3] {
     lengths
 }
 
-pub(super) fn check(objects: &Objects<'_>, findings: &mut Findings) {
+pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
     for object in &objects.list {
         check_object(objects, object, findings);
     }
@@ -62,47 +62,41 @@ fn check_object(objects: &Objects<'_>, object: &Object<'_>, findings: &mut Findi
     let condition = condition(&linear);
     let worst = condition.max(object.chain_condition);
     if worst > NEAR_SINGULAR {
-        findings.add(Finding {
-            severity: Severity::Warning,
-            kind: Kind::IllConditioned,
-            object: objects.name(object),
-            values: vec![value("condition", condition), value("chain_condition", object.chain_condition)],
-            message: format!(
+        findings.add(Finding::new(
+            Kind::IllConditioned,
+            objects.name(object),
+            &[("condition", condition), ("chain_condition", object.chain_condition)],
+            format!(
                 "the transform has condition number {condition:.3e} (product over the nodes above: {:.3e}), so that \
                  positions lose up to {:.0} of 16 digits",
                 object.chain_condition,
                 rt_math::transcendental::log2(worst) * std::f64::consts::LOG10_2
             ),
-            advice: "scale the axes more alike, or model the flat shape itself instead of flattening a round one",
-        });
+        ));
     }
     if object.world_from_local.flips_handedness() {
-        findings.add(Finding {
-            severity: Severity::Info,
-            kind: Kind::Mirrored,
-            object: objects.name(object),
-            values: vec![value("determinant", linear.determinant())],
-            message: format!("the transform mirrors (determinant {:.6})", linear.determinant()),
-            advice: "nothing: fronts stay fronts; text on textures reads backwards",
-        });
+        findings.add(Finding::new(
+            Kind::Mirrored,
+            objects.name(object),
+            &[("determinant", linear.determinant())],
+            format!("the transform mirrors (determinant {:.6})", linear.determinant()),
+        ));
     }
     let has_normals = matches!(object.geometry, Geometry::Mesh(_, mesh) if !mesh.data().normals.is_empty());
     if has_normals && condition > ROUND {
-        findings.add(Finding {
-            severity: Severity::Info,
-            kind: Kind::StretchedNormals,
-            object: objects.name(object),
-            values: vec![value("condition", condition)],
-            message: format!("smooth normals under a transform that stretches by {condition:.6}"),
-            advice: "nothing: normals go by the inverse transpose and stay perpendicular to the surface",
-        });
+        findings.add(Finding::new(
+            Kind::StretchedNormals,
+            objects.name(object),
+            &[("condition", condition)],
+            format!("smooth normals under a transform that stretches by {condition:.6}"),
+        ));
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::*;
     use super::*;
+    use crate::fixture::*;
     use rt_math::{DVec3, Transform};
 
     #[test]
@@ -125,9 +119,9 @@ mod tests {
     #[test]
     fn a_product_that_undoes_itself_is_still_a_loss() {
         let mut scene = empty();
-        let mut inner = ball(DVec3::ZERO, 1.0);
+        let mut inner = sphere(DVec3::ZERO, 1.0);
         inner.parent_from_local = Transform::scale(DVec3::new(1e7, 1.0, 1.0)).unwrap();
-        let mut outer = ball(DVec3::X * 3.0, 1.0);
+        let mut outer = sphere(DVec3::X * 3.0, 1.0);
         outer.content = None;
         outer.parent_from_local = inner.parent_from_local.inverse();
         outer.children = vec![inner];
@@ -142,7 +136,7 @@ mod tests {
     #[test]
     fn mirrors_and_stretched_normals_are_noted() {
         let mut scene = empty();
-        let mut node = ball(DVec3::ZERO, 1.0);
+        let mut node = sphere(DVec3::ZERO, 1.0);
         node.parent_from_local = Transform::scale(DVec3::new(-2.0, 2.0, 2.0)).unwrap();
         scene.nodes = vec![node];
         assert_eq!(only(&scene, Kind::Mirrored).values, [value("determinant", -8.0)]);

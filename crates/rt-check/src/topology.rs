@@ -1,29 +1,29 @@
-//! How the triangles of a mesh hang together: borders, fronts, and what is inside.
+//! Topology of meshes: borders, winding and enclosed volume.
 
 use rt_geometry::TriangleMesh;
 use rt_math::DVec3;
 use rt_scene_io::NamedMesh;
 
-use super::report::{Finding, Findings, Kind, Severity, value};
-use super::welded::{Welded, corners};
+use crate::report::{Finding, Findings, Kind};
+use crate::welded::{Welded, corners};
 
-/// The edges of a mesh by how its triangles use them, and its volume.
+/// Counts of the edges of a mesh by their use, and its volume.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Topology {
+pub(crate) struct Topology {
     /// Edges of one triangle.
-    pub(super) open: usize,
-    /// Edges of two triangles that run along it in the same direction: their fronts disagree.
-    pub(super) inconsistent: usize,
+    pub(crate) open: usize,
+    /// Edges of two triangles that use it in the same direction: their fronts disagree.
+    pub(crate) inconsistent: usize,
     /// Edges of more than two triangles.
-    pub(super) crowded: usize,
-    /// Edges that are run along more often in one direction than in the other.
+    pub(crate) non_manifold: usize,
+    /// Edges used more often in one direction than in the other.
     unbalanced: usize,
     /// Sum of signed tetrahedra (divergence theorem): positive for a closed mesh whose front is outside.
-    pub(super) volume: f64,
+    pub(crate) volume: f64,
 }
 
 impl Topology {
-    pub(super) fn of(mesh: &TriangleMesh, welded: &Welded) -> Self {
+    pub(crate) fn of(mesh: &TriangleMesh, welded: &Welded) -> Self {
         let mut topology = Self { volume: volume(mesh), ..Self::default() };
         let mut edges = directed_edges(welded);
         edges.sort_unstable();
@@ -34,21 +34,21 @@ impl Topology {
             match edge.len() {
                 1 => topology.open += 1,
                 2 => topology.inconsistent += usize::from(forward != backward),
-                _ => topology.crowded += 1,
+                _ => topology.non_manifold += 1,
             }
         }
         topology
     }
 
-    /// True if the surface separates an inside from an outside, with its front on one and the same side: every edge is
-    /// run along as often in one direction as in the other.
-    pub(super) const fn is_closed(&self) -> bool {
+    /// True if the surface separates an inside from an outside, with its front on one side: its triangles use every edge
+    /// equally often in both directions.
+    pub(crate) const fn is_closed(&self) -> bool {
         self.unbalanced == 0
     }
 }
 
-/// Edges with their lesser vertex first, and whether a triangle runs from the greater one. A triangle that stands twice
-/// counts once.
+/// Edges with their lower vertex first, and a flag for the direction from the higher vertex. Duplicate triangles count
+/// once.
 fn directed_edges(welded: &Welded) -> Vec<((u32, u32), bool)> {
     let mut triangles: Vec<[u32; 3]> = welded
         .triangles
@@ -69,7 +69,7 @@ fn directed_edges(welded: &Welded) -> Vec<((u32, u32), bool)> {
     triangles.iter().flat_map(|&[a, b, c]| [edge(a, b), edge(b, c), edge(c, a)]).collect()
 }
 
-/// Relative to the middle of the mesh, so that it does not drown in the distance from the origin.
+/// Signed volume, computed relative to the middle of the mesh, so that a distant origin costs no digits.
 fn volume(mesh: &TriangleMesh) -> f64 {
     let middle = mesh.bounds().centre();
     let parallelepiped = |triangle: &[u32; 3]| {
@@ -79,58 +79,27 @@ fn volume(mesh: &TriangleMesh) -> f64 {
     mesh.data().triangles.iter().map(parallelepiped).sum::<f64>() / 6.0
 }
 
-pub(super) fn check(named: &NamedMesh, topology: &Topology, is_glass: bool, findings: &mut Findings) {
-    let counted = |kind, severity, count: usize, what: &str, advice| Finding {
-        severity,
-        kind,
-        object: named.name.clone(),
-        values: vec![value("count", count as f64)],
-        message: format!("{count} {what}"),
-        advice,
-    };
-    if topology.inconsistent > 0 {
-        findings.add(counted(
-            Kind::InconsistentWinding,
-            if is_glass { Severity::Warning } else { Severity::Info },
-            topology.inconsistent,
-            "edges have their two triangles' fronts on different sides",
-            "let all triangles run counter-clockwise seen from outside; glass needs it, other surfaces have two fronts",
-        ));
-    }
-    if topology.crowded > 0 {
-        findings.add(counted(
-            Kind::NonManifoldEdges,
-            Severity::Info,
-            topology.crowded,
-            "edges have more than two triangles",
-            "separate the parts that meet there if the mesh is to be a body; as a surface it renders as it is",
-        ));
-    }
-    if topology.open > 0 {
-        findings.add(counted(
-            Kind::OpenEdges,
-            Severity::Info,
-            topology.open,
-            "edges have one triangle: the mesh has a border",
-            "nothing for a surface; close the mesh if it is to be a body, and weld corners that should be one",
-        ));
+pub(crate) fn check(named: &NamedMesh, topology: &Topology, is_glass: bool, findings: &mut Findings) {
+    let counted = [
+        (Kind::InconsistentWinding, topology.inconsistent, "edges have their two triangles' fronts on different sides"),
+        (Kind::NonManifoldEdges, topology.non_manifold, "edges have more than two triangles"),
+        (Kind::OpenEdges, topology.open, "edges have one triangle: the mesh has a border"),
+    ];
+    for (kind, count, what) in counted.into_iter().filter(|(_, count, _)| *count > 0) {
+        let finding = Finding::new(kind, &named.name, &[("count", count as f64)], format!("{count} {what}"));
+        findings.add(finding.warn_if(kind == Kind::InconsistentWinding && is_glass));
     }
     if topology.is_closed() && topology.volume < 0.0 {
-        findings.add(Finding {
-            severity: if is_glass { Severity::Warning } else { Severity::Info },
-            kind: Kind::InsideOut,
-            object: named.name.clone(),
-            values: vec![value("volume", topology.volume)],
-            message: format!("the front is inside (signed volume {:.6e})", topology.volume),
-            advice: "turn all triangles over: glass takes the outside for its inside",
-        });
+        let volume = topology.volume;
+        let message = format!("the front is inside (signed volume {volume:.6e})");
+        findings.add(Finding::new(Kind::InsideOut, &named.name, &[("volume", volume)], message).warn_if(is_glass));
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::*;
     use super::*;
+    use crate::fixture::*;
     use rt_geometry::MeshData;
     use rt_math::Vec3;
 
@@ -140,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cube_is_closed_wherever_it_stands() {
+    fn a_cube_is_closed_at_any_position() {
         let cube = topology(cube_data());
         assert_eq!(cube, Topology { volume: 1.0, ..Topology::default() });
         let mut far = cube_data();
@@ -158,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn borders_fronts_and_crowds_are_counted() {
+    fn border_winding_and_non_manifold_edges_are_counted() {
         let mut open = cube_data();
         open.triangles.pop();
         assert_eq!(topology(open).open, 3);
@@ -172,11 +141,11 @@ mod tests {
         fin.positions.push(Vec3::splat(-1.0));
         fin.triangles.push([0, 1, 8]);
         let fin = topology(fin);
-        assert_eq!((fin.crowded, fin.open), (1, 2));
+        assert_eq!((fin.non_manifold, fin.open), (1, 2));
 
         let mut twice = cube_data();
         twice.triangles.extend_from_within(..);
-        assert!(topology(twice).is_closed(), "a triangle that stands twice has a finding of its own");
+        assert!(topology(twice).is_closed(), "duplicate triangles have a finding of their own");
     }
 
     #[test]

@@ -1,25 +1,25 @@
-//! Triangles that stand twice, are needles, or differ wildly in size.
+//! Duplicate triangles, slivers, and triangles of very different sizes.
 
 use rt_geometry::TriangleMesh;
 use rt_scene_io::NamedMesh;
 
-use super::report::{Finding, Findings, Kind, Severity, value};
-use super::welded::{Welded, corners};
+use crate::report::{Finding, Findings, Kind};
+use crate::welded::{Welded, corners};
 
-/// Longest edge over height beyond which a triangle counts as a sliver: three digits of its `f32` vertices decide
-/// about its normal.
+/// Longest edge over height beyond which a triangle counts as a sliver: its normal depends on three digits of its `f32`
+/// vertices.
 const SLIVER: f64 = 1e4;
 
 /// Ratio of the longest or shortest edge to the median one beyond which a mesh is uneven.
 const UNEVEN: f64 = 1e4;
 
-pub(super) fn check(named: &NamedMesh, welded: &Welded, findings: &mut Findings) {
+pub(crate) fn check(named: &NamedMesh, welded: &Welded, findings: &mut Findings) {
     duplicates(named, welded, findings);
     slivers(named, findings);
     uneven(named, findings);
 }
 
-/// A triangle that starts with its least corner, and whether it was turned over to have its other corners in order.
+/// Triangle rotated to start with its lowest corner, with a flag for a swap that sorted the other two.
 fn canonical(mut triangle: [u32; 3]) -> ([u32; 3], bool) {
     let least = (0..3).fold(0, |i, k| if triangle[k] < triangle[i] { k } else { i });
     triangle.rotate_left(least);
@@ -30,7 +30,7 @@ fn canonical(mut triangle: [u32; 3]) -> ([u32; 3], bool) {
     (triangle, turned)
 }
 
-/// How many triangles repeat an earlier one, with the same front and back to back.
+/// Numbers of triangles that repeat an earlier one: with the same front, and back to back.
 fn count_duplicates(welded: &Welded) -> (usize, usize) {
     let mut keys: Vec<_> = welded.triangles.iter().map(|triangle| canonical(*triangle)).collect();
     keys.sort_unstable();
@@ -47,24 +47,20 @@ fn count_duplicates(welded: &Welded) -> (usize, usize) {
 fn duplicates(named: &NamedMesh, welded: &Welded, findings: &mut Findings) {
     let (same, opposite) = count_duplicates(welded);
     if same > 0 {
-        findings.add(Finding {
-            severity: Severity::Warning,
-            kind: Kind::DuplicateTriangles,
-            object: named.name.clone(),
-            values: vec![value("count", same as f64)],
-            message: format!("{same} of {} triangles repeat another one", welded.triangles.len()),
-            advice: "remove them: they cost time, and glass is entered twice; the triangle of the lower number is seen",
-        });
+        findings.add(Finding::new(
+            Kind::DuplicateTriangles,
+            &named.name,
+            &[("count", same as f64)],
+            format!("{same} of {} triangles repeat another one", welded.triangles.len()),
+        ));
     }
     if opposite > 0 {
-        findings.add(Finding {
-            severity: Severity::Info,
-            kind: Kind::OppositeTriangles,
-            object: named.name.clone(),
-            values: vec![value("count", opposite as f64)],
-            message: format!("{opposite} triangles stand back to back with another one in the same place"),
-            advice: "remove one of each pair: surfaces are seen from both sides anyway",
-        });
+        findings.add(Finding::new(
+            Kind::OppositeTriangles,
+            &named.name,
+            &[("count", opposite as f64)],
+            format!("{opposite} triangles are back to back with another one in the same place"),
+        ));
     }
 }
 
@@ -80,26 +76,20 @@ fn slivers(named: &NamedMesh, findings: &mut Findings) {
         }
     }
     if count > 0 {
-        findings.add(Finding {
-            severity: Severity::Info,
-            kind: Kind::SliverTriangles,
-            object: named.name.clone(),
-            values: vec![
-                value("count", count as f64),
-                value("worst_aspect_ratio", worst),
-                value("worst_triangle", example as f64),
-            ],
-            message: format!(
+        findings.add(Finding::new(
+            Kind::SliverTriangles,
+            &named.name,
+            &[("count", count as f64), ("worst_aspect_ratio", worst), ("worst_triangle", example as f64)],
+            format!(
                 "{count} of {} triangles are more than {SLIVER:.0e} times as long as high, triangle {example} \
                  {worst:.3e} times",
                 named.mesh.data().triangles.len()
             ),
-            advice: "mesh the surface again, or merge their nearest vertices: the normal of a sliver is hardly defined",
-        });
+        ));
     }
 }
 
-/// Longest edge over the height above it; infinite where the height rounds to 0.
+/// Longest edge over the height above it; infinite if the height rounds to 0.
 fn aspect_ratio(mesh: &TriangleMesh, triangle: [u32; 3]) -> f64 {
     let [a, b, c] = corners(mesh, triangle);
     let edges = [b - a, c - b, a - c];
@@ -124,25 +114,19 @@ fn uneven(named: &NamedMesh, findings: &mut Findings) {
     let shortest = shorter.iter().copied().fold(median, f64::min);
     let longest = longer.iter().copied().fold(median, f64::max);
     if longest > UNEVEN * median || shortest * UNEVEN < median {
-        findings.add(Finding {
-            severity: Severity::Info,
-            kind: Kind::UnevenTriangles,
-            object: named.name.clone(),
-            values: vec![
-                value("shortest_edge", shortest),
-                value("median_edge", median),
-                value("longest_edge", longest),
-            ],
-            message: format!("edges are {shortest:.3e} to {longest:.3e} long, half of them at most {median:.3e}"),
-            advice: "split it into meshes of one scale if rendering is slow; a grid suffers most, a hierarchy hardly",
-        });
+        findings.add(Finding::new(
+            Kind::UnevenTriangles,
+            &named.name,
+            &[("shortest_edge", shortest), ("median_edge", median), ("longest_edge", longest)],
+            format!("edges are {shortest:.3e} to {longest:.3e} long, half of them at most {median:.3e}"),
+        ));
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::*;
     use super::*;
+    use crate::fixture::*;
     use rt_geometry::MeshData;
     use rt_math::Vec3;
 

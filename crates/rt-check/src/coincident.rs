@@ -1,6 +1,5 @@
-//! Surfaces that lie in each other. Where both are met at the same distance to the last bit, the object that comes first
-//! is seen. Faces that are turned against each other in their plane are met at distances that rounding makes differ, and
-//! either may be seen. It is seldom what was meant.
+//! Overlapping surfaces in one plane. At bit-identical distances the first object is seen. Faces that are rotated in their
+//! plane are hit at distances that differ by rounding, and either may be seen. It is seldom intended.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -9,42 +8,42 @@ use rt_accel::{AcceleratorQueries, Boxes, Bvh};
 use rt_geometry::{Shape, Sphere, TransformedShape};
 use rt_math::{Aabb, DVec3};
 
-use super::bodies::Bodies;
-use super::coplanar::{area_vector, lie_in_each_other};
-use super::facets::{Facet, Facets, tolerance, widened};
-use super::objects::{Geometry, Object, Objects};
-use super::report::{Finding, Findings, Kind, Severity, value};
+use crate::coplanar::{area_vector, overlap_in_plane};
+use crate::facets::{Facet, Facets, tolerance, widened};
+use crate::objects::{Geometry, Object, Objects};
+use crate::report::{Finding, Findings, Kind};
+use crate::solids::Solids;
 
-/// Most pairs of overlapping boxes that are looked at.
+/// Largest number of overlapping boxes to compare.
 const MAX_PAIRS: u64 = 1 << 24;
 
-/// Most planes that are compared with all faces.
+/// Largest number of planes to compare with all faces.
 const MAX_PLANES: usize = 64;
 
-/// Where two objects (or parts of one) lie in each other.
+/// Overlap of two objects, or of parts of one.
 #[derive(Clone, Copy, Debug, Default)]
 struct Contact {
     /// Pairs of faces.
     faces: u64,
-    /// Those in front of which a camera stands.
+    /// Pairs with a camera in front of them.
     visible: u64,
 }
 
 /// Finds contacts between objects.
 struct Search<'o> {
     objects: &'o Objects<'o>,
-    bodies: &'o Bodies,
+    solids: &'o Solids,
     eyes: Vec<DVec3>,
     errors: Vec<f64>,
-    /// By the two objects, the one that comes first and is seen ahead of the other.
+    /// Overlaps by pair of objects. At equal distances the first object is seen.
     contacts: BTreeMap<(usize, usize), Contact>,
 }
 
-pub(super) fn check(objects: &Objects<'_>, bodies: &Bodies, findings: &mut Findings) {
+pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, findings: &mut Findings) {
     let cameras = &objects.scene.cameras;
     let mut search = Search {
         objects,
-        bodies,
+        solids,
         eyes: cameras.iter().map(|camera| camera.settings.world_from_camera.translation()).collect(),
         errors: objects.list.iter().map(Object::placement_error).collect(),
         contacts: BTreeMap::new(),
@@ -55,19 +54,13 @@ pub(super) fn check(objects: &Objects<'_>, bodies: &Bodies, findings: &mut Findi
         findings.extend(search.finding(first, second, contact));
     }
     if complete.contains(&false) {
-        findings.add(Finding {
-            severity: Severity::Info,
-            kind: Kind::LimitReached,
-            object: objects.scene.name.clone(),
-            values: vec![value("pairs", MAX_PAIRS as f64)],
-            message: "has too many faces, or too many that are near each other, to compare all of them".into(),
-            advice: "check its parts one by one to find all coincident surfaces",
-        });
+        let message = "has too many faces, or too many near each other, to compare all of them";
+        findings.add(Finding::new(Kind::LimitReached, &objects.scene.name, &[("pairs", MAX_PAIRS as f64)], message));
     }
 }
 
 impl Search<'_> {
-    /// Flat faces against each other. Returns whether all were compared.
+    /// Compares flat faces with each other. Returns true if all were compared.
     fn faces(&mut self, facets: &Facets<'_>) -> bool {
         visit_pairs(&facets.boxes(), |i, j| self.pair(facets.at(i), facets.at(j)))
     }
@@ -78,12 +71,12 @@ impl Search<'_> {
             return;
         }
         let reach = a.corners.iter().chain(&b.corners).map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        if lie_in_each_other(a.corners, b.corners, tolerance(self.errors[a.object] + self.errors[b.object], reach)) {
+        if overlap_in_plane(a.corners, b.corners, tolerance(self.errors[a.object] + self.errors[b.object], reach)) {
             self.add(a, b, area_vector(a.corners), area_vector(b.corners));
         }
     }
 
-    /// Planes against faces and each other. Returns whether all were compared.
+    /// Compares planes with faces and each other. Returns true if all were compared.
     fn planes(&mut self, facets: &Facets<'_>) -> bool {
         let is_plane = |(_, object): &(usize, &Object<'_>)| matches!(object.geometry, Geometry::Shape(Shape::Plane(_)));
         let planes: Vec<(usize, &Object<'_>)> = self.objects.list.iter().enumerate().filter(is_plane).collect();
@@ -112,7 +105,7 @@ impl Search<'_> {
         planes.len() <= MAX_PLANES
     }
 
-    /// Shapes without flat faces: the same one in the same place. Returns whether all were compared.
+    /// Finds equal shapes without flat faces at the same position. Returns true if all were compared.
     fn round_shapes(&mut self) -> bool {
         let is_round = |object: &Object<'_>| match object.geometry {
             Geometry::Shape(Shape::Cuboid(_) | Shape::Triangle(_) | Shape::Rectangle(_) | Shape::Plane(_))
@@ -136,11 +129,11 @@ impl Search<'_> {
     fn add(&mut self, a: Facet, b: Facet, normal_a: DVec3, normal_b: DVec3) {
         let contact = self.contacts.entry((a.object.min(b.object), a.object.max(b.object))).or_default();
         contact.faces += 1;
-        // Faces of bodies are seen from their front; what touches that front may cover it, but not what is behind.
+        // Faces of solids are seen from their front; only a surface that touches that front may cover it.
         let in_front = |facet: &Facet, normal: DVec3| {
             self.eyes.is_empty() || self.eyes.iter().any(|eye| (*eye - facet.corners[0]).dot(normal) > 0.0)
         };
-        let visible = match (self.bodies.is_closed(a.object), self.bodies.is_closed(b.object)) {
+        let visible = match (self.solids.is_closed(a.object), self.solids.is_closed(b.object)) {
             (false, false) => true,
             (true, false) => in_front(&a, normal_a),
             (false, true) => in_front(&b, normal_b),
@@ -153,47 +146,34 @@ impl Search<'_> {
         let objects = self.objects;
         let (a, b) = (&objects.list[first], &objects.list[second]);
         let (name, other) = (objects.name(a), objects.name(b));
-        let values = vec![value("faces", contact.faces as f64), value("visible_faces", contact.visible as f64)];
-        let faces = contact.faces;
+        let Contact { faces, visible } = *contact;
+        let values = [("faces", faces as f64), ("visible_faces", visible as f64)];
         if first == second {
-            return Some(Finding {
-                severity: if objects.is_glass(a) { Severity::Warning } else { Severity::Info },
-                kind: Kind::CoincidentSurfaces,
-                object: name,
-                values,
-                message: format!("{faces} pairs of triangles lie in each other; the one of the lower number is seen"),
-                advice: "cut away what overlaps: glass is entered twice there",
-            });
+            let message = format!("{faces} pairs of triangles overlap; the one of the lower index is seen");
+            let finding = Finding::new(Kind::CoincidentSurfaces, name, &values, message);
+            return Some(
+                finding.warn_if(objects.is_glass(a)).with_advice("cut away the overlap: glass is entered twice there"),
+            );
         }
         if objects.is_glass(a) || objects.is_glass(b) {
-            // Glass that is seen first sends its rays on behind the surface that it touches.
+            let message = format!(
+                "touches {other} exactly ({faces} pairs of faces); rays hit the first of the two and miss the other"
+            );
+            // Rays through glass that is hit first continue behind the surface that it touches.
             let leaks = objects.is_glass(a) && !objects.is_glass(b);
-            return Some(Finding {
-                severity: if leaks { Severity::Warning } else { Severity::Info },
-                kind: Kind::TouchingGlass,
-                object: name,
-                values,
-                message: format!(
-                    "touches {other} exactly ({faces} pairs of faces); the first of the two is met, the other missed"
-                ),
-                advice: "let the two overlap a little, or leave a gap: light passes each surface then",
-            });
+            return Some(Finding::new(Kind::TouchingGlass, name, &values, message).warn_if(leaks));
         }
-        (contact.visible > 0).then(|| Finding {
-            severity: if a.material == b.material { Severity::Info } else { Severity::Warning },
-            kind: Kind::CoincidentSurfaces,
-            object: name,
-            values,
-            message: format!(
-                "lies in {other} ({faces} pairs of faces); the first of the two is seen, either if one is turned"
-            ),
-            advice: "move one of them, or order them so that the one to be seen comes first",
+        (visible > 0).then(|| {
+            let message = format!(
+                "overlaps {other} ({faces} pairs of faces); the first of the two is seen, either if one is rotated"
+            );
+            Finding::new(Kind::CoincidentSurfaces, name, &values, message).warn_if(a.material != b.material)
         })
     }
 }
 
-/// Visits pairs of overlapping boxes, once each with the lower index first. Returns whether there were few enough to
-/// visit all of them.
+/// Visits pairs of overlapping boxes, once each with the lower index first. Returns true if their number allowed to visit
+/// all of them.
 fn visit_pairs(boxes: &[Aabb], mut visit: impl FnMut(usize, usize)) -> bool {
     let boxes = Boxes(boxes);
     let Ok(bvh) = Bvh::build(&boxes) else { return false };
@@ -209,7 +189,7 @@ fn visit_pairs(boxes: &[Aabb], mut visit: impl FnMut(usize, usize)) -> bool {
     left > 0
 }
 
-/// Whether the corners are the same in any order; such triangles of a mesh are counted elsewhere.
+/// True if the corners are the same in any order; such triangles of a mesh have a lint of their own.
 fn is_same_triangle(a: [DVec3; 3], b: [DVec3; 3]) -> bool {
     a.iter().all(|corner| b.contains(corner))
 }
@@ -232,7 +212,7 @@ fn is_same_shape(a: &Object<'_>, b: &Object<'_>, placement_errors: f64) -> bool 
     }
 }
 
-/// The sphere that a sphere is after a transform that keeps it round.
+/// Image of a sphere under a similarity transform.
 fn sphere_in_world(shape: &Shape, object: &Object<'_>) -> Option<Sphere> {
     match TransformedShape::new(shape.clone(), object.world_from_local).bake_transform_ignoring_uv() {
         Some(Shape::Sphere(sphere)) => Some(sphere),

@@ -1,21 +1,21 @@
-//! Polygons that are bent, or whose edges cross.
+//! Non-planar polygons, and polygons with crossing edges.
 
 use rt_geometry::{Polygon, Shape};
 use rt_math::float::{UNIT_ROUNDOFF, difference_of_products};
 use rt_math::{Aabb, DVec3};
 
-use super::objects::{Geometry, Objects};
-use super::report::{Finding, Findings, Kind, Severity, value};
+use crate::objects::{Geometry, Objects};
+use crate::report::{Finding, Findings, Kind};
 
-/// Part of its diameter by which a polygon may be bent without mention.
+/// Acceptable deviation of a polygon from a plane, as a part of its diameter.
 const FLAT: f64 = 1e-9;
 
-/// Most pairs of edges that are compared in a scene.
+/// Largest number of pairs of edges to compare in a scene.
 const MAX_EDGE_PAIRS: usize = 1 << 25;
 
 type Edge = [[f64; 2]; 2];
 
-pub(super) fn check(objects: &Objects<'_>, findings: &mut Findings) {
+pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
     let (mut left, mut passed_over) = (MAX_EDGE_PAIRS, 0u64);
     for object in &objects.list {
         let Geometry::Shape(Shape::Polygon(polygon)) = object.geometry else { continue };
@@ -30,14 +30,12 @@ pub(super) fn check(objects: &Objects<'_>, findings: &mut Findings) {
         }
     }
     if passed_over > 0 {
-        findings.add(Finding {
-            severity: Severity::Info,
-            kind: Kind::LimitReached,
-            object: objects.scene.name.clone(),
-            values: vec![value("polygons", passed_over as f64)],
-            message: format!("{passed_over} polygons have too many corners to look for edges that cross"),
-            advice: "check its parts one by one to find all crossings",
-        });
+        findings.add(Finding::new(
+            Kind::LimitReached,
+            &objects.scene.name,
+            &[("polygons", passed_over as f64)],
+            format!("{passed_over} polygons have too many corners to look for edges that cross"),
+        ));
     }
 }
 
@@ -50,32 +48,29 @@ fn bent(object: String, polygon: &Polygon) -> Option<Finding> {
     }
     let deviation = (greatest - least) / 2.0;
     let diameter = Aabb::from_points(polygon.rings().flatten().copied()).extent().length();
-    (deviation > FLAT * diameter).then(|| Finding {
-        severity: Severity::Info,
-        kind: Kind::NonPlanarPolygon,
-        object,
-        values: vec![value("deviation", deviation), value("deviation_over_diameter", deviation / diameter)],
-        message: format!(
-            "corners lie up to {deviation:.3e} off a plane ({:.3e} of its diameter)",
-            deviation / diameter
-        ),
-        advice: "move them into one plane, or cut it into triangles; more than 1e-6 is refused",
+    (deviation > FLAT * diameter).then(|| {
+        Finding::new(
+            Kind::NonPlanarPolygon,
+            object,
+            &[("deviation", deviation), ("deviation_over_diameter", deviation / diameter)],
+            format!("corners lie up to {deviation:.3e} off a plane ({:.3e} of its diameter)", deviation / diameter),
+        )
     })
 }
 
 fn crossed(object: String, polygon: &Polygon) -> Option<Finding> {
     let count = crossings(polygon);
-    (count > 0).then(|| Finding {
-        severity: Severity::Warning,
-        kind: Kind::SelfIntersectingPolygon,
-        object,
-        values: vec![value("crossings", count as f64)],
-        message: format!("edges cross {count} times; what is inside depends on the rule of the polygon"),
-        advice: "reorder the corners, or cut it into polygons whose edges do not cross",
+    (count > 0).then(|| {
+        Finding::new(
+            Kind::SelfIntersectingPolygon,
+            object,
+            &[("crossings", count as f64)],
+            format!("edges cross {count} times; what is inside depends on the rule of the polygon"),
+        )
     })
 }
 
-/// How many pairs of edges cross in a point that is inner to both, beyond doubt by rounding.
+/// Number of pairs of edges that certainly cross in a point inside of both.
 fn crossings(polygon: &Polygon) -> usize {
     let normal = polygon.normal().abs();
     let axis = if normal.x >= normal.y.max(normal.z) { 0 } else { 1 + usize::from(normal.z > normal.y) };
@@ -93,8 +88,8 @@ fn cross(a: &Edge, b: &Edge) -> bool {
     !apart(0) && !apart(1) && side(a, b[0]) * side(a, b[1]) < 0 && side(b, a[0]) * side(b, a[1]) < 0
 }
 
-/// On which side of an edge a point lies: 1 or −1, and 0 where rounding leaves it open. The products have exact signs;
-/// the differences before them may each be off by u of themselves.
+/// Side of an edge on which a point lies: 1 or −1, and 0 if rounding leaves it open. The products have exact signs; the
+/// differences before them have a relative error of u each.
 fn side(edge: &Edge, p: [f64; 2]) -> i32 {
     let [a, b] = edge;
     let (e, f) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
@@ -107,8 +102,8 @@ fn side(edge: &Edge, p: [f64; 2]) -> i32 {
 mod tests {
     use std::sync::Arc;
 
-    use super::super::fixture::*;
     use super::*;
+    use crate::fixture::*;
     use rt_geometry::InsideRule;
     use rt_scene_io::{Content, Node, Scene};
 

@@ -1,12 +1,12 @@
-//! Whether two flat triangles lie in each other.
+//! Overlap test of two triangles in one plane.
 
 use rt_math::DVec3;
 
-/// True if the triangles lie in one plane and overlap in more than an edge or corner, both by more than `tolerance`
-/// allows for rounding.
-pub(super) fn lie_in_each_other(a: [DVec3; 3], b: [DVec3; 3], tolerance: f64) -> bool {
+/// True if the triangles lie in one plane and overlap in more than an edge or corner. `tolerance` is the allowed rounding
+/// error of distances.
+pub(crate) fn overlap_in_plane(a: [DVec3; 3], b: [DVec3; 3], tolerance: f64) -> bool {
     let (normal_a, normal_b) = (area_vector(a), area_vector(b));
-    // The plane of the larger one is known better.
+    // The plane of the larger triangle is more precise.
     let (base, normal, other) =
         if normal_a.length_squared() >= normal_b.length_squared() { (a, normal_a, b) } else { (b, normal_b, a) };
     let normal = normal.normalize_or_zero();
@@ -25,12 +25,12 @@ pub(super) fn lie_in_each_other(a: [DVec3; 3], b: [DVec3; 3], tolerance: f64) ->
     !is_separated_by_an_edge(a, b, tolerance) && !is_separated_by_an_edge(b, a, tolerance)
 }
 
-/// Twice the area along the normal.
-pub(super) fn area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
+/// Normal whose length is twice the area.
+pub(crate) fn area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// Whether an edge of `triangle` has all of `other` on its outer side (the separating axis theorem).
+/// True if all of `other` is on the outer side of an edge of `triangle` (the separating axis theorem).
 fn is_separated_by_an_edge(triangle: [[f64; 2]; 3], other: [[f64; 2]; 3], tolerance: f64) -> bool {
     let [a, b, c] = triangle;
     let side = cross(a, b, c).signum();
@@ -58,7 +58,7 @@ mod tests {
 
     #[test]
     fn only_shared_area_counts() {
-        let overlap = |other| lie_in_each_other(CORNER, other, 0.0);
+        let overlap = |other| overlap_in_plane(CORNER, other, 0.0);
         assert!(overlap(CORNER));
         assert!(overlap([DVec3::ZERO, DVec3::Y, DVec3::X]), "back to back");
         assert!(overlap(moved(DVec3::X * 0.5)));
@@ -73,9 +73,9 @@ mod tests {
     #[test]
     fn rounding_is_allowed_for() {
         let tolerance = 1e-9;
-        assert!(lie_in_each_other(CORNER, moved(DVec3::Z * 1e-10), tolerance));
-        assert!(!lie_in_each_other(CORNER, moved(DVec3::Z * 1e-8), tolerance));
+        assert!(overlap_in_plane(CORNER, moved(DVec3::Z * 1e-10), tolerance));
+        assert!(!overlap_in_plane(CORNER, moved(DVec3::Z * 1e-8), tolerance));
         let neighbour = [DVec3::X, DVec3::ONE - DVec3::Z, DVec3::Y].map(|p| p - DVec3::X * 1e-10);
-        assert!(!lie_in_each_other(CORNER, neighbour, tolerance), "neighbours that overlap by rounding");
+        assert!(!overlap_in_plane(CORNER, neighbour, tolerance), "neighbours that overlap by rounding");
     }
 }

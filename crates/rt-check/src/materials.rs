@@ -1,14 +1,14 @@
-//! What reflects more light than arrives, and what nothing uses.
+//! Materials that reflect more light than arrives, and unused parts of the scene.
 
 use std::f64::consts::TAU;
 
 use rt_math::Rgb;
 use rt_shading::{ColorTexture, Material, Texture};
 
-use super::objects::{Geometry, Objects};
-use super::report::{Finding, Findings, Kind, Severity, value};
+use crate::objects::{Geometry, Objects};
+use crate::report::{Finding, Findings, Kind};
 
-pub(super) fn check(objects: &Objects<'_>, findings: &mut Findings) {
+pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
     let textures = &objects.scene.appearance.textures;
     for material in &objects.scene.appearance.materials {
         energy(material, textures, findings);
@@ -16,7 +16,7 @@ pub(super) fn check(objects: &Objects<'_>, findings: &mut Findings) {
     unused(objects, findings);
 }
 
-/// The share of light that diffuse reflection and the highlight return at normal incidence: kd + ks·2π / (n + 2)
+/// Checks the share of light that diffuse reflection and the highlight return at normal incidence: kd + ks·2π / (n + 2)
 /// (Lewis, "Making shaders more physically plausible", 1994).
 fn energy(material: &Material, textures: &[Texture], findings: &mut Findings) {
     let phong = &material.phong;
@@ -25,20 +25,16 @@ fn energy(material: &Material, textures: &[Texture], findings: &mut Findings) {
     let sums = [kd.r + ks.r * lobe, kd.g + ks.g * lobe, kd.b + ks.b * lobe];
     let gain = sums.into_iter().fold(0.0, f64::max);
     if gain > 1.0 {
-        findings.add(Finding {
-            severity: Severity::Info,
-            kind: Kind::EnergyGain,
-            object: material.name.clone(),
-            values: vec![value("reflected_share", gain)],
-            message: format!(
-                "reflects up to {gain:.3} of the light that arrives (diffuse + specular · 2π / (exponent + 2))"
-            ),
-            advice: "nothing under classical shading; lower `specular` or raise `exponent` for physical light",
-        });
+        findings.add(Finding::new(
+            Kind::EnergyGain,
+            &material.name,
+            &[("reflected_share", gain)],
+            format!("reflects up to {gain:.3} of the light that arrives (diffuse + specular · 2π / (exponent + 2))"),
+        ));
     }
 }
 
-/// An upper bound of a coefficient; images count as 1, which they seldom exceed.
+/// Upper bound of a coefficient; images count as 1, which they seldom exceed.
 fn brightest(coefficient: &ColorTexture, textures: &[Texture]) -> Rgb {
     match coefficient {
         ColorTexture::Constant(rgb) => *rgb,
@@ -67,14 +63,7 @@ fn unused(objects: &Objects<'_>, findings: &mut Findings) {
         }
     }
     let mut note = |what: &str, name: &str| {
-        findings.add(Finding {
-            severity: Severity::Info,
-            kind: Kind::Unused,
-            object: name.to_owned(),
-            values: vec![],
-            message: format!("is a {what} that nothing in the scene uses"),
-            advice: "remove it, or correct the name where it should be used",
-        });
+        findings.add(Finding::new(Kind::Unused, name, &[], format!("is a {what} that nothing in the scene uses")));
     };
     let names = scene.appearance.materials.iter().map(|material| material.name.as_str());
     names.zip(&materials).filter(|(_, used)| !**used).for_each(|(name, _)| note("material", name));
@@ -86,15 +75,15 @@ fn unused(objects: &Objects<'_>, findings: &mut Findings) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::*;
     use super::*;
+    use crate::fixture::*;
     use rt_math::DVec3;
     use rt_scene_io::Group;
 
     #[test]
     fn too_bright_highlights_are_noted() {
         let mut scene = empty();
-        scene.nodes = vec![ball(DVec3::ZERO, 1.0)];
+        scene.nodes = vec![sphere(DVec3::ZERO, 1.0)];
         let phong = &mut scene.appearance.materials[0].phong;
         phong.diffuse = ColorTexture::Constant(Rgb::gray(0.25));
         phong.specular = ColorTexture::Constant(Rgb::new(0.5, 2.0, 0.5));
@@ -108,8 +97,8 @@ mod tests {
     fn unused_things_are_named() {
         let mut scene = empty();
         let _ = add_mesh(&mut scene, cube_data());
-        scene.groups = vec![Group { name: "spare".into(), nodes: vec![ball(DVec3::ZERO, 1.0)] }];
-        scene.nodes = vec![ball(DVec3::ZERO, 1.0)];
+        scene.groups = vec![Group { name: "spare".into(), nodes: vec![sphere(DVec3::ZERO, 1.0)] }];
+        scene.nodes = vec![sphere(DVec3::ZERO, 1.0)];
         let names: Vec<_> = of_kind(&scene, Kind::Unused).into_iter().map(|finding| finding.object).collect();
         assert_eq!(names, ["glass", "checker", "cube", "spare"]);
     }

@@ -4,10 +4,10 @@ use rt_geometry::Shape;
 use rt_math::float::UNIT_ROUNDOFF;
 use rt_math::{Aabb, DVec3};
 
-use super::objects::{Geometry, Object, Objects};
-use super::welded::corners;
+use crate::objects::{Geometry, Object, Objects};
+use crate::welded::corners;
 
-/// Most faces that are looked at.
+/// Largest number of faces to compare.
 const MAX_FACETS: usize = 1 << 21;
 
 /// The faces of a box as pairs of triangles, counter-clockwise from outside; corner `i` of a box is at its maximum in x
@@ -29,26 +29,26 @@ const BOX_TRIANGLES: [[usize; 3]; 12] = [
 
 /// A flat triangle of an object.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Facet {
+pub(crate) struct Facet {
     /// Index of the object.
-    pub(super) object: usize,
+    pub(crate) object: usize,
     /// World space, counter-clockwise seen from the front.
-    pub(super) corners: [DVec3; 3],
+    pub(crate) corners: [DVec3; 3],
 }
 
-/// All facets of a scene, numbered through; they are made when asked for.
+/// All facets of a scene in one numbering; each is computed on demand.
 #[derive(Debug)]
-pub(super) struct Facets<'o> {
+pub(crate) struct Facets<'o> {
     objects: &'o Objects<'o>,
-    /// Objects with facets, and the number of the first one of each.
+    /// Objects with facets, with the number of their first one.
     starts: Vec<(usize, usize)>,
-    pub(super) count: usize,
-    /// Whether there are more than are looked at.
-    pub(super) truncated: bool,
+    pub(crate) count: usize,
+    /// True if there are more than [`MAX_FACETS`].
+    pub(crate) truncated: bool,
 }
 
 impl<'o> Facets<'o> {
-    pub(super) fn of(objects: &'o Objects<'o>) -> Self {
+    pub(crate) fn of(objects: &'o Objects<'o>) -> Self {
         let mut facets = Self { objects, starts: Vec::new(), count: 0, truncated: false };
         for (index, object) in objects.list.iter().enumerate() {
             let count = facet_count(object);
@@ -62,8 +62,8 @@ impl<'o> Facets<'o> {
         facets
     }
 
-    /// Facet number `index` of `0..count`.
-    pub(super) fn at(&self, index: usize) -> Facet {
+    /// Computes facet number `index` of `0..count`.
+    pub(crate) fn at(&self, index: usize) -> Facet {
         let (object, first) = self.starts[self.starts.partition_point(|(_, first)| *first <= index) - 1];
         let number = index - first;
         let placed = &self.objects.list[object];
@@ -72,8 +72,8 @@ impl<'o> Facets<'o> {
         Facet { object, corners: if turned { [a, c, b] } else { [a, b, c] } }
     }
 
-    /// Boxes around all facets, each as much larger as rounding may have moved it.
-    pub(super) fn boxes(&self) -> Vec<Aabb> {
+    /// Boxes around all facets, padded by the rounding error of their positions.
+    pub(crate) fn boxes(&self) -> Vec<Aabb> {
         let mut boxes = Vec::with_capacity(self.count);
         for &(object, _) in &self.starts {
             let object = &self.objects.list[object];
@@ -87,15 +87,15 @@ impl<'o> Facets<'o> {
     }
 }
 
-/// A box widened by what [`tolerance`] allows.
-pub(super) fn widened(bounds: Aabb, placement_error: f64) -> Aabb {
+/// A box padded by the allowance of [`tolerance`].
+pub(crate) fn widened(bounds: Aabb, placement_error: f64) -> Aabb {
     let margin = DVec3::splat(4.0 * placement_error + 8.0 * UNIT_ROUNDOFF * bounds.max_abs());
     Aabb::new(bounds.min - margin, bounds.max + margin)
 }
 
-/// How far apart two surfaces may be computed that are in the same place: the errors of both transforms, and a few
-/// roundings of the largest coordinate.
-pub(super) fn tolerance(placement_errors: f64, max_abs: f64) -> f64 {
+/// Largest computed distance of two surfaces in the same place: the errors of both transforms, and a few roundings of the
+/// largest coordinate.
+pub(crate) fn tolerance(placement_errors: f64, max_abs: f64) -> f64 {
     4.0 * placement_errors + 8.0 * UNIT_ROUNDOFF * max_abs
 }
 
@@ -127,8 +127,8 @@ fn local_corners(object: &Object<'_>, number: usize) -> [DVec3; 3] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::*;
     use super::*;
+    use crate::fixture::*;
     use rt_geometry::Cuboid;
     use rt_math::Transform;
     use rt_scene_io::{Content, Node};

@@ -1,4 +1,4 @@
-//! Everything that stands in a scene, with its path in the tree.
+//! All objects of a scene in world space, with their paths in the node tree.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -8,40 +8,40 @@ use rt_math::{Aabb, Transform};
 use rt_scene_io::{Content, Group, NamedMesh, Node, Scene};
 use rt_shading::Material;
 
-use super::transforms::condition;
+use crate::transforms::condition;
 
-/// Most nodes that are looked at, instances counted as often as they are placed.
-const MAX_PLACES: usize = 1 << 20;
+/// Largest number of nodes to visit; those of a group count once per instance.
+const MAX_NODES: usize = 1 << 20;
 
-/// Deepest nesting that is looked at; plans refuse more.
+/// Deepest nesting to visit; the renderer refuses more.
 const MAX_DEPTH: usize = 1024;
 
-/// What an object is.
+/// Geometry of an object.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Geometry<'s> {
+pub(crate) enum Geometry<'s> {
     Shape(&'s Shape),
-    /// With its index in the scene.
+    /// Mesh with its index in the scene.
     Mesh(usize, &'s TriangleMesh),
 }
 
 /// A shape or mesh in world space.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Object<'s> {
-    place: usize,
-    pub(super) geometry: Geometry<'s>,
-    pub(super) world_from_local: Transform,
-    /// Product of the condition numbers of all transforms on the way to the object: what rounding may grow by.
-    pub(super) chain_condition: f64,
-    /// Number of the material.
-    pub(super) material: usize,
-    pub(super) casts_shadow: bool,
-    /// World space; `None` for what is infinite.
-    pub(super) bounds: Option<Aabb>,
+pub(crate) struct Object<'s> {
+    tree_node: usize,
+    pub(crate) geometry: Geometry<'s>,
+    pub(crate) world_from_local: Transform,
+    /// Product of the condition numbers of all transforms above the object: the possible growth of rounding errors.
+    pub(crate) chain_condition: f64,
+    /// Index of the material.
+    pub(crate) material: usize,
+    pub(crate) casts_shadow: bool,
+    /// World space; `None` for an infinite object.
+    pub(crate) bounds: Option<Aabb>,
 }
 
 impl Object<'_> {
-    /// The greatest distance, per axis, by which rounding in the transform may move a point of the object.
-    pub(super) fn placement_error(&self) -> f64 {
+    /// Largest distance, per axis, by which rounding in the transform may move a point of the object.
+    pub(crate) fn placement_error(&self) -> f64 {
         let local = match self.geometry {
             Geometry::Shape(shape) => shape.bounds(),
             Geometry::Mesh(_, mesh) => Some(mesh.bounds()),
@@ -52,28 +52,28 @@ impl Object<'_> {
     }
 }
 
-/// A node on some way through the tree; a node of a group has a place for each instance.
+/// A node with its position in the tree; a node of a group has one for each instance.
 #[derive(Clone, Copy, Debug)]
-struct Place<'s> {
+struct TreeNode<'s> {
     parent: Option<usize>,
-    /// Set where this is a node of a group, reached through an instance.
+    /// Group of the node, if it was reached through an instance.
     group: Option<&'s Group>,
     index: usize,
     node: &'s Node,
 }
 
-/// All objects of a scene, in the order in which they are rendered: of surfaces in the same place, the first is seen.
+/// All objects of a scene in rendering order: of surfaces at the same distance, the first is seen.
 #[derive(Debug)]
-pub(super) struct Objects<'s> {
-    pub(super) scene: &'s Scene,
-    pub(super) list: Vec<Object<'s>>,
-    places: Vec<Place<'s>>,
-    pub(super) group_used: Vec<bool>,
-    /// Whether the tree holds more than is looked at.
-    pub(super) truncated: bool,
+pub(crate) struct Objects<'s> {
+    pub(crate) scene: &'s Scene,
+    pub(crate) list: Vec<Object<'s>>,
+    nodes: Vec<TreeNode<'s>>,
+    pub(crate) group_used: Vec<bool>,
+    /// True if the tree exceeds [`MAX_NODES`] or [`MAX_DEPTH`].
+    pub(crate) truncated: bool,
 }
 
-/// Siblings that are still to be visited.
+/// Siblings still to visit.
 struct Siblings<'s> {
     nodes: std::iter::Enumerate<std::slice::Iter<'s, Node>>,
     parent: Option<usize>,
@@ -84,20 +84,20 @@ struct Siblings<'s> {
 }
 
 impl<'s> Objects<'s> {
-    pub(super) fn of(scene: &'s Scene) -> Self {
+    pub(crate) fn of(scene: &'s Scene) -> Self {
         let mut objects = Self {
             scene,
             list: Vec::new(),
-            places: Vec::new(),
+            nodes: Vec::new(),
             group_used: vec![false; scene.groups.len()],
             truncated: false,
         };
-        objects.walk();
+        objects.traverse();
         objects
     }
 
-    /// Trees may be deep, so the walk keeps its own stack.
-    fn walk(&mut self) {
+    /// Visits all nodes depth first, with an explicit stack since trees may be deep.
+    fn traverse(&mut self) {
         let mut open = vec![Siblings {
             nodes: self.scene.nodes.iter().enumerate(),
             parent: None,
@@ -111,16 +111,16 @@ impl<'s> Objects<'s> {
                 open.pop();
                 continue;
             };
-            let place = Place { parent: siblings.parent, group: siblings.group, index, node };
+            let place = TreeNode { parent: siblings.parent, group: siblings.group, index, node };
             let world_from_local = siblings.world_from_parent.compose(&node.parent_from_local);
             let chain_condition = siblings.chain_condition * condition(&node.parent_from_local.linear());
             let casts_shadow = siblings.casts_shadow && node.casts_shadow;
-            if self.places.len() >= MAX_PLACES || open.len() >= MAX_DEPTH {
+            if self.nodes.len() >= MAX_NODES || open.len() >= MAX_DEPTH {
                 self.truncated = true;
                 return;
             }
-            let here = self.places.len();
-            self.places.push(place);
+            let here = self.nodes.len();
+            self.nodes.push(place);
             let below = |nodes: &'s [Node], group| Siblings {
                 nodes: nodes.iter().enumerate(),
                 parent: Some(here),
@@ -147,7 +147,7 @@ impl<'s> Objects<'s> {
             };
             if let Some(geometry) = geometry {
                 self.list.push(Object {
-                    place: here,
+                    tree_node: here,
                     geometry,
                     world_from_local,
                     chain_condition,
@@ -159,11 +159,11 @@ impl<'s> Objects<'s> {
         }
     }
 
-    /// The path of an object in the tree and its name, such as `nodes[2].children[0] "lamp"`.
-    pub(super) fn name(&self, object: &Object<'_>) -> String {
+    /// Path of an object in the tree and its name, such as `nodes[2].children[0] "lamp"`.
+    pub(crate) fn name(&self, object: &Object<'_>) -> String {
         let mut steps = Vec::new();
-        let mut at = Some(object.place);
-        while let Some(place) = at.and_then(|index| self.places.get(index)) {
+        let mut at = Some(object.tree_node);
+        while let Some(place) = at.and_then(|index| self.nodes.get(index)) {
             steps.push(place);
             at = place.parent;
         }
@@ -175,7 +175,7 @@ impl<'s> Objects<'s> {
                 (None, Some(_)) => write!(path, ".children[{index}]"),
                 (None, None) => write!(path, "nodes[{index}]"),
             };
-            debug_assert!(written.is_ok(), "strings take what is written to them");
+            debug_assert!(written.is_ok(), "writing to strings is infallible");
         }
         match steps.first().map(|place| place.node.name.as_str()) {
             Some("") | None => path,
@@ -183,25 +183,25 @@ impl<'s> Objects<'s> {
         }
     }
 
-    /// The meshes of the scene; those without a name are numbered.
-    pub(super) fn meshes(&self) -> impl Iterator<Item = NamedMesh> {
+    /// Meshes of the scene; unnamed ones are named by number.
+    pub(crate) fn meshes(&self) -> impl Iterator<Item = NamedMesh> {
         self.scene.meshes.iter().enumerate().map(|(index, named)| match named.name.as_str() {
             "" => NamedMesh { name: format!("mesh number {index}"), mesh: Arc::clone(&named.mesh) },
             _ => named.clone(),
         })
     }
 
-    /// The material of an object; `None` if it does not exist.
-    pub(super) fn material(&self, object: &Object<'_>) -> Option<&'s Material> {
+    /// Material of an object; `None` if it does not exist.
+    pub(crate) fn material(&self, object: &Object<'_>) -> Option<&'s Material> {
         self.scene.appearance.materials.get(object.material)
     }
 
-    pub(super) fn is_glass(&self, object: &Object<'_>) -> bool {
+    pub(crate) fn is_glass(&self, object: &Object<'_>) -> bool {
         self.material(object).is_some_and(|material| material.body().is_some())
     }
 
-    /// The box around all that is bounded; empty for nothing.
-    pub(super) fn bounds(&self) -> Aabb {
+    /// Box around all bounded objects; empty if there are none.
+    pub(crate) fn bounds(&self) -> Aabb {
         self.list.iter().filter_map(|object| object.bounds).fold(Aabb::EMPTY, Aabb::union)
     }
 }
@@ -215,21 +215,21 @@ fn world_bounds(geometry: Geometry<'_>, world_from_local: &Transform) -> Option<
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::*;
     use super::*;
+    use crate::fixture::*;
     use rt_math::DVec3;
     use rt_scene_io::{GroupId, MaterialId};
 
     #[test]
     fn objects_are_named_by_their_path() {
         let mut scene = empty();
-        let mut lamp = ball(DVec3::ZERO, 1.0);
+        let mut lamp = sphere(DVec3::ZERO, 1.0);
         lamp.name = "lamp".into();
-        scene.groups = vec![Group { name: "pair".into(), nodes: vec![ball(DVec3::ZERO, 1.0), lamp] }];
+        scene.groups = vec![Group { name: "pair".into(), nodes: vec![sphere(DVec3::ZERO, 1.0), lamp] }];
         let instance = Node::new(Content::Instance(GroupId(0)), MaterialId(0));
-        let mut parent = ball(DVec3::ZERO, 1.0);
+        let mut parent = sphere(DVec3::ZERO, 1.0);
         parent.children = vec![instance];
-        scene.nodes = vec![ball(DVec3::X, 1.0), parent];
+        scene.nodes = vec![sphere(DVec3::X, 1.0), parent];
         let objects = Objects::of(&scene);
         let names: Vec<_> = objects.list.iter().map(|object| objects.name(object)).collect();
         let inside = "nodes[1].children[0] > groups[\"pair\"]";

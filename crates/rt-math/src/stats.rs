@@ -1,25 +1,24 @@
-//! Quantiles of the distributions that confidence intervals are made of.
+//! Quantiles of the distributions behind confidence intervals.
 //!
 //! ```text
 //!      Iₓ(a, b) = ∫₀ˣ tᵃ⁻¹ (1 − t)ᵇ⁻¹ dt / B(a, b)          P(F ≤ f) = Iₓ(m/2, n/2), x = m f / (m f + n)          t² ~ F(1, n)
 //! ```
 //!
-//! They are computed here, from functions that have the same bits on every machine: when `--target-error` leaves a pixel alone
-//! depends on them, and so do the bits of the picture.
+//! They use functions with the same bits on every machine: adaptive sampling stops by them, and so do the bits of its image.
 
-use rt_math::transcendental::{exp, lgamma, log};
+use crate::transcendental::{exp, lgamma, log};
 
-/// How many standard errors to each side of a mean the truth lies within with probability `confidence`, in (0, 1), if the
-/// standard error was estimated with so many degrees of freedom, above 0 (Student 1908).
+/// Half width of a confidence interval of a mean in standard errors (Student 1908). `confidence` is in (0, 1); `freedom`, above
+/// 0, is the number of degrees of freedom of the estimated standard error.
 pub fn student_t(confidence: f64, freedom: f64) -> f64 {
     f_quantile(confidence, 1.0, freedom).sqrt()
 }
 
-/// What the ratio of two estimates of one variance, with `m` and `n` degrees of freedom, above 0, stays below with the given
-/// probability, in (0, 1) (Snedecor 1934).
-pub(crate) fn f_quantile(probability: f64, m: f64, n: f64) -> f64 {
+/// Quantile of the ratio of two estimates of one variance with `m` and `n` degrees of freedom, above 0 (Snedecor 1934). The
+/// probability is in (0, 1).
+pub fn f_quantile(probability: f64, m: f64, n: f64) -> f64 {
     let (a, b) = (0.5 * m, 0.5 * n);
-    // Whichever of x and 1 − x is small has all of its digits.
+    // Solve for the smaller of x and 1 − x, which keeps all of its digits.
     if incomplete_beta(0.5, a, b) >= probability {
         let x = first_of_half(|x| incomplete_beta(x, a, b) >= probability);
         n * x / (m * (1.0 - x))
@@ -29,7 +28,7 @@ pub(crate) fn f_quantile(probability: f64, m: f64, n: f64) -> f64 {
     }
 }
 
-/// The least number in (0, ½] for which a condition is met that is met by ½ and by all numbers from some on.
+/// Smallest number in (0, ½] that meets a condition, which holds from some number up to ½.
 fn first_of_half(is_met: impl Fn(f64) -> bool) -> f64 {
     let (mut below, mut above) = (0.0, 0.5);
     loop {
@@ -41,9 +40,9 @@ fn first_of_half(is_met: impl Fn(f64) -> bool) -> f64 {
     }
 }
 
-/// The regularised incomplete beta function Iₓ(a, b) for x in (0, 1) and positive a and b.
+/// Regularised incomplete beta function Iₓ(a, b) for x in (0, 1) and positive a and b.
 fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
-    // The fraction converges fast to the left of the mean, and this is the mirror image.
+    // The fraction converges fast left of the mean; right of it, use the mirror image.
     if x > (a + 1.0) / (a + b + 2.0) {
         return 1.0 - incomplete_beta(1.0 - x, b, a);
     }
@@ -51,11 +50,11 @@ fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
     exp(log_front) / (a * beta_fraction(x, a, b))
 }
 
-/// The continued fraction 1 + d₁/(1 + d₂/(1 + …)) of the incomplete beta function (DLMF 8.17.22), from its beginning
+/// Continued fraction 1 + d₁/(1 + d₂/(1 + …)) of the incomplete beta function (DLMF 8.17.22), from its beginning
 /// (Lentz 1976).
 fn beta_fraction(x: f64, a: f64, b: f64) -> f64 {
-    // Convergence takes about √max(a, b) steps; what comes from images has fewer degrees of freedom than 2²⁸ · 2¹⁶.
-    const MOST_STEPS: u32 = 1 << 23;
+    // Convergence takes about √max(a, b) steps; images have fewer degrees of freedom than 2²⁸ · 2¹⁶.
+    const MAX_STEPS: u32 = 1 << 23;
     const TINY: f64 = 1e-300;
     let coefficient = |step: u32| {
         let k = f64::from(step / 2);
@@ -67,7 +66,7 @@ fn beta_fraction(x: f64, a: f64, b: f64) -> f64 {
     };
     let away_from_zero = |value: f64| if value.abs() < TINY { TINY } else { value };
     let (mut fraction, mut numerator, mut denominator) = (1.0, 1.0, 0.0);
-    for step in 1..MOST_STEPS {
+    for step in 1..MAX_STEPS {
         let d = coefficient(step);
         denominator = 1.0 / away_from_zero(1.0 + d * denominator);
         numerator = away_from_zero(1.0 + d / numerator);
@@ -83,7 +82,7 @@ fn beta_fraction(x: f64, a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rt_math::transcendental::pow;
+    use crate::transcendental::pow;
 
     fn assert_close(found: f64, expected: f64, digits: f64) {
         assert!((found / expected - 1.0).abs() < digits, "{found} is not {expected}");

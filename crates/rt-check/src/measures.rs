@@ -1,57 +1,57 @@
-//! What is measured of a scene as a whole: how large, how fine, how far away.
+//! Measures of a scene as a whole: size, detail and distance from the origin.
 
 use std::fmt;
 
 use rt_math::Aabb;
 
-use super::camera::CameraMeasures;
-use super::objects::{Geometry, Objects};
-use super::report::{Finding, Findings, Kind, Severity, value};
-use super::transforms::{condition, singular_values};
-use super::welded::corners;
+use crate::camera::CameraMeasures;
+use crate::objects::{Geometry, Objects};
+use crate::report::{Finding, Findings, Kind};
+use crate::transforms::{condition, singular_values};
+use crate::welded::corners;
 
-/// Largest over smallest length that is noted: more than `f32` tells apart.
+/// Largest over smallest length from which on a note is due: beyond the precision of `f32`.
 const WIDE_RANGE: f64 = 1e7;
 
-/// Largest over smallest length that is warned of: the smallest things keep fewer than four digits in the largest.
+/// Largest over smallest length from which on a warning is due: positions keep fewer than four digits of the smallest.
 const EXTREME_RANGE: f64 = 1e12;
 
-/// Distance from the origin over extent that is noted.
+/// Distance from the origin over extent from which on a note is due.
 const FAR: f64 = 1e6;
 
-/// Distance from the origin over extent that is warned of: places within the scene keep fewer than six digits.
+/// Distance from the origin over extent from which on a warning is due: positions keep fewer than six digits.
 const VERY_FAR: f64 = 1e10;
 
-/// Distance of neighbouring `f32` numbers over the extent of a mesh that is warned of.
+/// Spacing of `f32` numbers over the extent of a mesh from which on a warning is due.
 const COARSE: f64 = 1e-4;
 
-/// The size of a scene and what there is to see. Lengths are in world units.
+/// Size, detail and precision of a scene. Lengths are in world units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measures {
-    /// Shapes and meshes, those of groups as often as they are placed.
+    /// Shapes and meshes; those of a group once per instance.
     pub objects: u64,
-    /// How many of them are infinite; these are left out of all lengths.
+    /// Infinite objects, which are left out of all lengths.
     pub infinite_objects: u64,
-    /// Triangles of meshes, as often as they are placed.
+    /// Triangles of meshes, once per instance.
     pub triangles: u64,
-    /// The box around all that is finite, if anything is.
+    /// Box around all finite objects, if there are any.
     pub bounds: Option<Aabb>,
     /// Longest side of the box; 0 without one.
     pub extent: f64,
-    /// The diameter of the smallest shape, or the shortest edge of a mesh if that is shorter; 0 without any.
+    /// Diameter of the smallest shape, or the shortest edge of a mesh if that is shorter; 0 without any.
     pub smallest: f64,
-    /// Extent over smallest; 0 where there is none.
+    /// Extent over smallest; 0 without objects.
     pub dynamic_range: f64,
-    /// Distance of the box's middle from the origin over the extent; 0 without a box.
+    /// Distance of the middle of the box from the origin over the extent; 0 without a box.
     pub origin_distance: f64,
-    /// The worst condition number of an object's transform, at least 1.
+    /// Worst condition number of the transform of an object, at least 1.
     pub condition: f64,
-    /// What each camera sees, and how sharply.
+    /// View and precision of each camera.
     pub cameras: Vec<CameraMeasures>,
 }
 
 impl Measures {
-    pub(super) fn of(objects: &Objects<'_>) -> Self {
+    pub(crate) fn of(objects: &Objects<'_>) -> Self {
         let shortest: Vec<f64> = objects.scene.meshes.iter().map(|named| shortest_edge(&named.mesh)).collect();
         let mut measures = Self { condition: 1.0, smallest: f64::INFINITY, ..Self::default() };
         for object in &objects.list {
@@ -116,30 +116,18 @@ fn shortest_edge(mesh: &rt_geometry::TriangleMesh) -> f64 {
     })
 }
 
-pub(super) fn check(objects: &Objects<'_>, measures: &Measures, findings: &mut Findings) {
-    let whole = |kind, severity, name, number, message| Finding {
-        severity,
-        kind,
-        object: objects.scene.name.clone(),
-        values: vec![value(name, number), value("extent", measures.extent)],
-        message,
-        advice: match kind {
-            Kind::DynamicRange => "leave out what is too small to be seen, or model it larger",
-            _ => "move the scene to the origin: whole units can be subtracted from all places without loss",
-        },
+pub(crate) fn check(objects: &Objects<'_>, measures: &Measures, findings: &mut Findings) {
+    let mut add = |kind, name, number, limits: [f64; 2], message| {
+        if number > limits[0] {
+            let values = [(name, number), ("extent", measures.extent)];
+            findings.add(Finding::new(kind, &objects.scene.name, &values, message).warn_if(number > limits[1]));
+        }
     };
-    let range = measures.dynamic_range;
-    if range > WIDE_RANGE {
-        let severity = if range > EXTREME_RANGE { Severity::Warning } else { Severity::Info };
-        let message = format!("the largest length is {range:.3e} times the smallest ({:.3e})", measures.smallest);
-        findings.add(whole(Kind::DynamicRange, severity, "dynamic_range", range, message));
-    }
-    let distance = measures.origin_distance;
-    if distance > FAR {
-        let severity = if distance > VERY_FAR { Severity::Warning } else { Severity::Info };
-        let message = format!("stands {distance:.3e} times its extent away from the origin");
-        findings.add(whole(Kind::FarFromOrigin, severity, "origin_distance", distance, message));
-    }
+    let (range, distance) = (measures.dynamic_range, measures.origin_distance);
+    let message = format!("the largest length is {range:.3e} times the smallest ({:.3e})", measures.smallest);
+    add(Kind::DynamicRange, "dynamic_range", range, [WIDE_RANGE, EXTREME_RANGE], message);
+    let message = format!("is {distance:.3e} times its extent away from the origin");
+    add(Kind::FarFromOrigin, "origin_distance", distance, [FAR, VERY_FAR], message);
     for named in objects.meshes() {
         findings.extend(coarse_vertices(&named));
     }
@@ -150,24 +138,17 @@ fn coarse_vertices(named: &rt_scene_io::NamedMesh) -> Option<Finding> {
     let extent = bounds.extent().max_element();
     let farthest = bounds.max_abs() as f32;
     let spacing = f64::from(farthest.next_up() - farthest);
-    (extent > 0.0 && spacing > COARSE * extent).then(|| Finding {
-        severity: Severity::Warning,
-        kind: Kind::CoarseVertices,
-        object: named.name.clone(),
-        values: vec![value("spacing", spacing), value("extent", extent)],
-        message: format!(
-            "vertices lie up to {farthest:.3e} from the mesh's own origin, where 32-bit numbers are {spacing:.3e} apart; \
+    (extent > 0.0 && spacing > COARSE * extent).then(|| Finding::new(Kind::CoarseVertices, &named.name, &[("spacing", spacing), ("extent", extent)], format!(
+            "vertices are up to {farthest:.3e} from the mesh's own origin, where 32-bit numbers are {spacing:.3e} apart; \
              the mesh is {extent:.3e} large"
-        ),
-        advice: "store its vertices relative to a point in its middle, and move it there by a transform",
-    })
+        )))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::*;
-    use super::super::report::Report;
     use super::*;
+    use crate::fixture::*;
+    use crate::report::Report;
     use rt_math::{DVec3, Transform, Vec3};
 
     fn measured(report: &Report) -> &Measures {
@@ -179,8 +160,8 @@ mod tests {
         let mut scene = empty();
         let mut node = add_mesh(&mut scene, cube_data());
         node.parent_from_local = Transform::scale(DVec3::new(2.0, 8.0, 0.5)).unwrap();
-        scene.nodes = vec![node, floor(-1.0), ball(DVec3::new(0.0, 8.0, 0.0), 4.0)];
-        let report = super::super::check(&scene);
+        scene.nodes = vec![node, floor(-1.0), sphere(DVec3::new(0.0, 8.0, 0.0), 4.0)];
+        let report = crate::check(&scene);
         let measures = measured(&report);
         assert_eq!((measures.objects, measures.infinite_objects, measures.triangles), (3, 1, 12));
         assert!((measures.extent - 12.0).abs() < 1e-9);
@@ -189,25 +170,25 @@ mod tests {
         assert!((measures.condition - 16.0).abs() < 1e-12);
         // The box runs from (−4, 0, −4) to (4, 12, 4).
         assert!((measures.origin_distance - 0.5).abs() < 1e-9, "{measures:?}");
-        let nothing = super::super::check(&empty());
+        let nothing = crate::check(&empty());
         assert_eq!(measured(&nothing), &Measures { condition: 1.0, ..Measures::default() });
     }
 
     #[test]
     fn specks_and_distance_are_found() {
         let mut scene = empty();
-        scene.nodes = vec![ball(DVec3::ZERO, 1.0), ball(DVec3::Y * 2.0, 1e-8)];
+        scene.nodes = vec![sphere(DVec3::ZERO, 1.0), sphere(DVec3::Y * 2.0, 1e-8)];
         let finding = only(&scene, Kind::DynamicRange);
         assert_eq!(finding.severity, Severity::Info);
         assert!((finding.values[0].value - 1.5e8).abs() < 1e3, "{finding:?}");
-        scene.nodes[1] = ball(DVec3::Y * 2.0, 1e-13);
+        scene.nodes[1] = sphere(DVec3::Y * 2.0, 1e-13);
         assert_eq!(only(&scene, Kind::DynamicRange).severity, Severity::Warning);
 
-        scene.nodes = vec![ball(DVec3::X * 4e7, 1.0)];
+        scene.nodes = vec![sphere(DVec3::X * 4e7, 1.0)];
         let finding = only(&scene, Kind::FarFromOrigin);
         assert_eq!(finding.severity, Severity::Info);
         assert!((finding.values[0].value - 2e7).abs() < 1.0, "{finding:?}");
-        scene.nodes = vec![ball(DVec3::X * 4e10, 1.0)];
+        scene.nodes = vec![sphere(DVec3::X * 4e10, 1.0)];
         assert_eq!(only(&scene, Kind::FarFromOrigin).severity, Severity::Warning);
     }
 

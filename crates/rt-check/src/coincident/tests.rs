@@ -1,6 +1,6 @@
-use super::super::fixture::*;
-use super::super::report::Measurement;
 use super::*;
+use crate::fixture::*;
+use crate::report::Measurement;
 use rt_geometry::{Cuboid, Rectangle, Triangle};
 use rt_math::Transform;
 use rt_scene_io::{Content, MaterialId, Node, Scene};
@@ -17,9 +17,8 @@ fn scene_of(nodes: Vec<Node>) -> Scene {
     Scene { nodes, cameras: vec![camera(DVec3::new(0.3, 2.0, 6.0), DVec3::ZERO)], ..empty() }
 }
 
-/// Materials that no finding is about, but that must look different.
+/// Node with a different material.
 fn painted(node: Node) -> Node {
-    // Without texture coordinates nothing else is found on shapes.
     Node { material: CHECKER, ..node }
 }
 
@@ -77,16 +76,14 @@ fn rounding_of_transforms_does_not_hide_what_coincides() {
 }
 
 #[test]
-fn the_same_ball_twice_and_the_same_floor_twice_are_found() {
-    let ball = ball(DVec3::ZERO, 1.0);
-    let scaled = painted(Node {
-        parent_from_local: Transform::scale(DVec3::splat(0.1)).unwrap(),
-        ..super::super::fixture::ball(DVec3::ZERO, 10.0)
-    });
-    let finding = only(&scene_of(vec![ball.clone(), scaled]), Kind::CoincidentSurfaces);
+fn the_same_sphere_twice_and_the_same_floor_twice_are_found() {
+    let unit = sphere(DVec3::ZERO, 1.0);
+    let scaled =
+        painted(Node { parent_from_local: Transform::scale(DVec3::splat(0.1)).unwrap(), ..sphere(DVec3::ZERO, 10.0) });
+    let finding = only(&scene_of(vec![unit.clone(), scaled]), Kind::CoincidentSurfaces);
     assert_eq!(finding.values, faces(1.0, 1.0));
-    let other = painted(super::super::fixture::ball(DVec3::ZERO, 1.0 + 1e-9));
-    assert_eq!(of_kind(&scene_of(vec![ball, other]), Kind::CoincidentSurfaces), []);
+    let other = painted(sphere(DVec3::ZERO, 1.0 + 1e-9));
+    assert_eq!(of_kind(&scene_of(vec![unit, other]), Kind::CoincidentSurfaces), []);
     let finding = only(&scene_of(vec![floor(0.0), painted(floor(0.0))]), Kind::CoincidentSurfaces);
     assert_eq!(finding.values, faces(1.0, 1.0));
 }

@@ -1,19 +1,19 @@
-//! Which objects separate an inside from an outside, and what is inside of them.
+//! Solids: objects that separate an inside from an outside.
 
 use rt_geometry::{Hit, InteractionFlags, Primitives, Shape, ShapeHit, TransformedShape};
 use rt_math::{DVec3, Interval, Ray};
 
-use super::objects::{Geometry, Object, Objects};
-use super::report::{Finding, Findings, Kind, Severity, value};
-use super::topology::Topology;
+use crate::objects::{Geometry, Object, Objects};
+use crate::report::{Finding, Findings, Kind};
+use crate::topology::Topology;
 
-/// For each object whether it is the surface of a body.
+/// For each object a flag for the closed surface of a solid.
 #[derive(Debug)]
-pub(super) struct Bodies(Vec<bool>);
+pub(crate) struct Solids(Vec<bool>);
 
-impl Bodies {
-    /// Given the topology of each mesh of the scene.
-    pub(super) fn of(objects: &Objects<'_>, topologies: &[Topology]) -> Self {
+impl Solids {
+    /// Classifies objects, given the topology of each mesh of the scene.
+    pub(crate) fn of(objects: &Objects<'_>, topologies: &[Topology]) -> Self {
         let is_closed = |object: &Object<'_>| match object.geometry {
             Geometry::Shape(shape) => encloses(shape),
             Geometry::Mesh(index, _) => topologies[index].is_closed(),
@@ -21,31 +21,40 @@ impl Bodies {
         Self(objects.list.iter().map(is_closed).collect())
     }
 
-    pub(super) fn is_closed(&self, object: usize) -> bool {
+    pub(crate) fn is_closed(&self, object: usize) -> bool {
         self.0[object]
     }
 
-    /// The bodies that a point lies in.
-    pub(super) fn around<'o>(&'o self, objects: &'o Objects<'o>, point: DVec3) -> impl Iterator<Item = Within<'o>> {
+    /// True if a point is inside of an object.
+    pub(crate) fn contains(&self, objects: &Objects<'_>, object: &Object<'_>, point: DVec3) -> bool {
+        self.containing(objects, point).any(|enclosure| std::ptr::eq(enclosure.object, object))
+    }
+
+    /// Solids that contain a point.
+    pub(crate) fn containing<'o>(
+        &'o self,
+        objects: &'o Objects<'o>,
+        point: DVec3,
+    ) -> impl Iterator<Item = Enclosure<'o>> {
         objects.list.iter().enumerate().filter(|(index, _)| self.is_closed(*index)).filter_map(move |(_, object)| {
             if object.bounds.is_some_and(|bounds| !bounds.contains(point)) {
                 return None;
             }
             let wall = wall_around(object, point)?;
-            Some(Within { object, wall })
+            Some(Enclosure { object, wall })
         })
     }
 }
 
-/// A body around a point.
+/// A solid around a point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Within<'o> {
-    pub(super) object: &'o Object<'o>,
-    /// Distance from the point to the wall, along the shortest of a few directions.
-    pub(super) wall: f64,
+pub(crate) struct Enclosure<'o> {
+    pub(crate) object: &'o Object<'o>,
+    /// Smallest distance from the point to the wall along a few directions.
+    pub(crate) wall: f64,
 }
 
-/// Whether a shape has an inside. A plane and flat or open shapes have two sides instead.
+/// True if a shape has an inside. A plane and flat or open shapes have two sides instead.
 fn encloses(shape: &Shape) -> bool {
     match shape {
         Shape::Sphere(_) | Shape::Cuboid(_) | Shape::Torus(_) | Shape::InfiniteCylinder(_) | Shape::DoubleCone(_) => {
@@ -58,10 +67,10 @@ fn encloses(shape: &Shape) -> bool {
     }
 }
 
-/// The distance to the wall of a body around a point; `None` if the point is outside.
+/// Distance to the wall of a solid around a point; `None` if the point is outside.
 ///
-/// A point is inside where most rays that start there leave through the back of what they meet first. Which side is
-/// the back is known from the shape; a mesh that is inside out says the contrary, and has a finding of its own.
+/// A point is inside if most rays from it first hit a back face. A mesh that is inside out gives the opposite answer, and
+/// has a lint of its own.
 fn wall_around(object: &Object<'_>, point: DVec3) -> Option<f64> {
     // No symmetric shape or mesh has edges in these directions.
     const DIRECTIONS: [DVec3; 5] = [
@@ -82,7 +91,7 @@ fn wall_around(object: &Object<'_>, point: DVec3) -> Option<f64> {
     (2 * leaves.len() > DIRECTIONS.len()).then(|| leaves.into_iter().fold(f64::INFINITY, f64::min))
 }
 
-/// Where a ray in world space first meets an object, and the normal of its front there.
+/// Closest hit of a ray in world space on an object: its `t` and the normal of the front.
 fn first_hit(object: &Object<'_>, ray: &Ray) -> Option<(f64, DVec3)> {
     let needs = InteractionFlags::NONE;
     match object.geometry {
@@ -107,10 +116,10 @@ fn first_hit(object: &Object<'_>, ray: &Ray) -> Option<(f64, DVec3)> {
     }
 }
 
-/// Transparent surfaces without an inside.
-pub(super) fn check(objects: &Objects<'_>, bodies: &Bodies, topologies: &[Topology], findings: &mut Findings) {
+/// Reports transparent surfaces without an inside.
+pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, topologies: &[Topology], findings: &mut Findings) {
     for (index, object) in objects.list.iter().enumerate() {
-        if bodies.is_closed(index) || !objects.is_glass(object) {
+        if solids.is_closed(index) || !objects.is_glass(object) {
             continue;
         }
         let (edges, what) = match object.geometry {
@@ -121,22 +130,20 @@ pub(super) fn check(objects: &Objects<'_>, bodies: &Bodies, topologies: &[Topolo
             }
             Geometry::Shape(_) => (0.0, "a shape without an inside".to_owned()),
         };
-        findings.add(Finding {
-            severity: Severity::Warning,
-            kind: Kind::OpenGlass,
-            object: objects.name(object),
-            values: vec![value("open_edges", edges)],
-            message: format!("is transparent, but {what}: light enters glass that it may never leave"),
-            advice: "close it, or give the sheet a thickness; for a window that does not bend light set `ior: 1`",
-        });
+        findings.add(Finding::new(
+            Kind::OpenGlass,
+            objects.name(object),
+            &[("open_edges", edges)],
+            format!("is transparent, but {what}: light enters glass that it may never leave"),
+        ));
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::*;
-    use super::super::welded::Welded;
     use super::*;
+    use crate::fixture::*;
+    use crate::welded::Welded;
     use rt_geometry::{Cuboid, Cylinder, Plane, Torus};
     use rt_math::{Transform, Vec3};
     use rt_scene_io::{Content, Node};
@@ -146,9 +153,9 @@ mod tests {
     }
 
     #[test]
-    fn points_are_inside_or_outside_of_bodies() {
+    fn points_are_inside_or_outside_of_solids() {
         let mut scene = empty();
-        let mut egg = ball(DVec3::ZERO, 1.0);
+        let mut egg = sphere(DVec3::ZERO, 1.0);
         let stretch = Transform::scale(DVec3::new(1.0, -3.0, 1.0)).unwrap();
         egg.parent_from_local = Transform::translate(DVec3::X * 10.0).compose(&stretch);
         let cube = add_mesh(&mut scene, cube_data());
@@ -157,17 +164,17 @@ mod tests {
         let objects = Objects::of(&scene);
         let mesh = &scene.meshes[0].mesh;
         let topology = Topology::of(mesh, &Welded::new(mesh.data()));
-        let bodies = Bodies::of(&objects, &[topology]);
-        let around = |x: f64, y: f64, z: f64| -> Vec<String> {
-            bodies.around(&objects, DVec3::new(x, y, z)).map(|within| objects.name(within.object)).collect()
+        let solids = Solids::of(&objects, &[topology]);
+        let inside = |x: f64, y: f64, z: f64| -> Vec<String> {
+            solids.containing(&objects, DVec3::new(x, y, z)).map(|within| objects.name(within.object)).collect()
         };
-        assert_eq!(around(10.0, 2.9, 0.0), ["nodes[0]"]);
-        assert_eq!(around(10.8, 2.0, 0.0), [""; 0]);
-        assert_eq!(around(0.5, 0.5, 0.5), ["nodes[1] \"cube\""]);
-        assert_eq!(around(0.5, 0.5, 1.1), [""; 0]);
-        assert_eq!(around(0.0, 0.0, 5.2), ["nodes[2]"]);
-        assert_eq!(around(0.0, 0.0, 4.2), [""; 0], "in the hole of the ring");
-        let within = bodies.around(&objects, DVec3::splat(0.5)).next().unwrap();
+        assert_eq!(inside(10.0, 2.9, 0.0), ["nodes[0]"]);
+        assert_eq!(inside(10.8, 2.0, 0.0), [""; 0]);
+        assert_eq!(inside(0.5, 0.5, 0.5), ["nodes[1] \"cube\""]);
+        assert_eq!(inside(0.5, 0.5, 1.1), [""; 0]);
+        assert_eq!(inside(0.0, 0.0, 5.2), ["nodes[2]"]);
+        assert_eq!(inside(0.0, 0.0, 4.2), [""; 0], "in the hole of the ring");
+        let within = solids.containing(&objects, DVec3::splat(0.5)).next().unwrap();
         assert!((0.5..0.6).contains(&within.wall), "{within:?}");
     }
 
