@@ -3,9 +3,9 @@
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
-    ContentError, RenderError, Statistics, StopRule,
-    part::{Frame, Part, Share, decode_unchecked},
-    progressive::PassState,
+    ContentError, RenderError, Share, Statistics, StopRule,
+    part::{Frame, Part, decode_unchecked},
+    pass_state::PassState,
 };
 
 /// A render in the midst of it, as [`Kept`](crate::Kept) was written down.

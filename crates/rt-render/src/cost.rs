@@ -5,8 +5,8 @@ use rt_math::{Interval, Ray, Rgb};
 use rt_shading::{Seen, Tracer};
 
 use crate::{
-    tile::Countable,
-    trace::{Surfaces, WorldTracer},
+    trace::{Countable, WorldTracer},
+    world::Surfaces,
 };
 
 /// Work of a camera ray, nodes and primitive tests together, on a logarithmic scale from black over blue, red and

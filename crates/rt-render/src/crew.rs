@@ -12,7 +12,8 @@ use crate::{
     RenderError, RenderPlan, RunOptions,
     light_pass::{LightPass, LitChunk},
     passes::Sweep,
-    tile::{Finished, Task, Worker},
+    tile::Worker,
+    tile_job::{Finished, Task},
     tiles::{Tile, tiles},
 };
 
@@ -37,7 +38,7 @@ pub(crate) struct Outcome {
 impl<'p> Crew<'p> {
     pub(crate) fn new(plan: &'p RenderPlan<'p>, options: &RunOptions<'p>) -> Result<Self, RenderError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build()?;
-        Ok(Self { plan, pool, tiles: tiles(plan.crop), count: options.count, interrupt: options.interrupt })
+        Ok(Self { plan, pool, tiles: tiles(plan.frame.crop), count: options.count, interrupt: options.interrupt })
     }
 
     pub(crate) fn threads(&self) -> usize {
@@ -63,7 +64,7 @@ impl<'p> Crew<'p> {
 
     /// Follows all light paths of a pass. `finished` gets what they do, in any order, on this thread.
     pub(crate) fn trace_light(&self, pass: LightPass, mut finished: impl FnMut(LitChunk)) -> Outcome {
-        let tracer = || LightTracingIntegrator::new(self.plan.view.path_settings(), self.plan.needs);
+        let tracer = || LightTracingIntegrator::new(self.plan.integrator.path_settings(), self.plan.scene.features);
         let trace = |tracer: &mut LightTracingIntegrator<_>, chunk: usize| {
             self.plan.trace_light(pass, chunk as u64, self.count, tracer)
         };

@@ -8,10 +8,7 @@ use rt_shading::{
     emitter::{CylinderLight, DiskLight, Emission, Emitter, EmitterSet, MeshLight, QuadLight, SphereLight},
 };
 
-use crate::{
-    surroundings::holds,
-    world::{Assembly, InstanceGeometry, Levels, Part},
-};
+use crate::instance::{Assembly, InstanceGeometry, Levels, Part, holds};
 
 /// How far the angles of a parallelogram may be off, as a part of its side.
 const SQUARENESS: f64 = 1e-9;

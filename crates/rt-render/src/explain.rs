@@ -10,11 +10,12 @@ use rt_shading::{Follows, Light, LightKind, Material, PathSettings};
 use crate::{
     MemoryPrediction, RenderPlan, RenderSpace,
     emitters::moving_lamp,
-    plan::{View, World},
+    instance::{Assembly, InstanceGeometry, Levels, Part},
+    integrator::IntegratorState,
     structure::{FEW, FEW_SPHERES, why},
     surroundings::CameraMedium,
     visible::Visible,
-    world::{Assembly, InstanceGeometry, Levels, Part},
+    world::World,
 };
 
 /// Something that a plan leaves out.
@@ -139,28 +140,28 @@ fn count(n: usize, singular: &str, plural: &str) -> String {
 impl RenderPlan<'_> {
     /// The plan in words: deterministic, so that it can be compared as text.
     pub fn explain(&self) -> Explanation {
-        let census = Census::of(&self.world);
+        let census = Census::of(&self.scene.world);
         Explanation {
             title: self.title(),
             used: self.used(&census),
-            left_out: if self.full { Vec::new() } else { self.left_out(&census) },
-            memory: self.memory,
+            left_out: if self.options.full { Vec::new() } else { self.left_out(&census) },
+            memory: self.memory(),
         }
     }
 
     fn title(&self) -> String {
         let samples = count(self.samples_per_pixel() as usize, "sample", "samples");
         let samples = self.least_samples_per_pixel().map_or(samples.clone(), |least| format!("{least} to {samples}"));
-        let passes = if self.passes > 1 { format!(" in {} passes", self.passes) } else { String::new() };
-        let biased = if self.pattern.is_biased() { " (biased)" } else { "" };
+        let passes = if self.frame.passes > 1 { format!(" in {} passes", self.frame.passes) } else { String::new() };
+        let biased = if self.frame.sampler.is_biased() { " (biased)" } else { "" };
         format!(
             "plan for '{}': {}, camera '{}', {}x{}, {samples} per pixel{passes}, {}{biased}",
-            self.scene.name,
-            self.integrator.name(),
+            self.scene.source.name,
+            self.integrator_kind().name(),
             self.camera_name,
-            self.crop.width,
-            self.crop.height,
-            self.pattern.name(),
+            self.frame.crop.width,
+            self.frame.crop.height,
+            self.frame.sampler.name(),
         )
     }
 
@@ -199,16 +200,16 @@ impl RenderPlan<'_> {
             used.push("no objects".to_owned());
         }
         used.extend(self.structures());
-        if self.moves {
+        if self.frame.has_motion {
             used.extend(self.motion(census));
         }
-        if self.backdrop.is_some() {
+        if self.frame.backdrop.is_some() {
             used.push("a backdrop: camera rays that leave the scene see it in place of the background".to_owned());
         }
-        if self.camera.has_lens() {
+        if self.frame.camera.has_lens() {
             used.push("a lens: camera rays start all over the aperture".to_owned());
         }
-        if self.integrator.follows_light() {
+        if self.integrator_kind().follows_light() {
             used.extend(self.light());
         }
         used.extend(self.light_paths());
@@ -223,17 +224,17 @@ impl RenderPlan<'_> {
 
     /// What is elsewhere at another moment.
     fn motion(&self, census: &Census) -> Vec<String> {
-        let [opens, closes] = self.camera.shutter();
+        let [opens, closes] = self.frame.camera.shutter();
         let mut lines = vec![format!("a moment for each sample, while the shutter is open from {opens} to {closes}")];
         if census.moving > 0 {
             let what = count(census.moving, "object that moves", "objects that move");
             lines.push(format!("{what}, in boxes around all that they pass"));
         }
-        if self.camera.moves() {
+        if self.frame.camera.moves() {
             lines.push("a camera that moves: no object is left out for its rays".to_owned());
         }
-        if let (View::Paths(_), World::Parts(top, levels)) = (&self.view, &self.world) {
-            let lamp = moving_lamp(self.scene, top, levels);
+        if let (IntegratorState::Path(_), World::Parts(top, levels)) = (&self.integrator, &self.scene.world) {
+            let lamp = moving_lamp(self.scene.source, top, levels);
             lines.extend(lamp.map(|name| format!("lamps that move, such as '{name}': found by rays, not drawn from")));
         }
         lines
@@ -241,9 +242,9 @@ impl RenderPlan<'_> {
 
     /// Paths from the lights, and what they are sent to.
     fn light_paths(&self) -> Option<String> {
-        let sources = self.light_sources.as_ref()?;
-        let [width, height] = self.size.map(u64::from);
-        let paths = width * height * u64::from(self.pass_spp);
+        let sources = self.scene.light_sources.as_ref()?;
+        let [width, height] = self.frame.size.map(u64::from);
+        let paths = width * height * u64::from(self.frame.pass_spp);
         let targets = if sources.targets().is_everywhere() {
             "in all directions, as a sharp mirror or a body of glass has no bounds".to_owned()
         } else {
@@ -254,7 +255,7 @@ impl RenderPlan<'_> {
     }
 
     fn structures(&self) -> Vec<String> {
-        let wanted = self.wanted;
+        let wanted = self.scene.accel;
         let line = |level: &str, structure: &AnyAccelerator, primitives: usize, why: String| {
             let primitives = count(primitives, "primitive", "primitives");
             let nodes = count(structure.build_stats().nodes, "node", "nodes");
@@ -266,11 +267,11 @@ impl RenderPlan<'_> {
             line(level, &assembly.structure, assembly.parts.len(), why)
         };
         let visible = |why: &dyn Fn(&Visible) -> String| {
-            let visible = self.visible.as_ref()?;
+            let visible = self.frame.visible.as_ref()?;
             Some(line("  for camera rays", visible.structure(), visible.of() - visible.left_out(), why(visible)))
         };
         let mut lines = Vec::new();
-        match &self.world {
+        match &self.scene.world {
             World::Spheres(world, structure) => {
                 lines.push(line("structure", structure, world.len(), why(wanted, world)));
                 lines.push("  nothing but spheres: one list of centres and radii".to_owned());
@@ -287,17 +288,17 @@ impl RenderPlan<'_> {
                 }));
             }
         }
-        if self.narrows {
+        if self.frame.culls_tiles {
             let what = "asked in turn in tiles in whose part of the view no others lie";
             lines.push(format!("  for camera rays: up to {FEW} objects, or {FEW_SPHERES} spheres, {what}"));
         }
-        if (self.needs.shadows || !self.emitters.is_empty()) && self.has_wide_tree() {
+        if (self.scene.features.shadows || !self.scene.emitters.is_empty()) && self.has_wide_tree() {
             lines.push("  for shadow rays: what blocked a ray is asked first about the next".to_owned());
         }
-        if self.space != RenderSpace::WORLD {
+        if self.scene.space != RenderSpace::WORLD {
             lines.push(format!(
                 "coordinates relative to {}, as the scene is small and far from the origin",
-                self.space.origin()
+                self.scene.space.origin()
             ));
         }
         lines
@@ -305,7 +306,7 @@ impl RenderPlan<'_> {
 
     fn has_wide_tree(&self) -> bool {
         let is_wide = |structure: &AnyAccelerator| matches!(structure, AnyAccelerator::Wide(_));
-        match &self.world {
+        match &self.scene.world {
             World::Spheres(_, structure) => is_wide(structure),
             World::Parts(top, levels) => {
                 is_wide(&top.structure)
@@ -316,16 +317,19 @@ impl RenderPlan<'_> {
     }
 
     fn light(&self) -> Vec<String> {
-        let lights = &self.appearance.lights;
+        let lights = &self.scene.appearance.lights;
         let shadowing = lights.iter().filter(|light| light.casts_shadows).count();
         let mut lines = vec![format!("{}, {shadowing} casting shadows", count(lights.len(), "light", "lights"))];
-        if let View::Paths(settings) = &self.view {
+        if let IntegratorState::Path(settings) = &self.integrator {
             lines.extend(self.extended_lights());
             lines.push(self.paths(settings));
-        } else if self.needs.reflection || self.needs.refraction {
-            lines.push(format!("up to {} after the first hit", count(self.depth as usize, "bounce", "bounces")));
+        } else if self.scene.features.reflection || self.scene.features.refraction {
+            lines.push(format!(
+                "up to {} after the first hit",
+                count(self.scene.source.settings.depth as usize, "bounce", "bounces")
+            ));
         }
-        if self.needs.refraction {
+        if self.scene.features.refraction {
             lines.extend(self.nesting());
         }
         lines
@@ -333,16 +337,19 @@ impl RenderPlan<'_> {
 
     /// The lights that are drawn from.
     fn extended_lights(&self) -> Option<String> {
-        let emitters = self.emitters.emitters().len();
+        let emitters = self.scene.emitters.emitters().len();
         (emitters > 0).then(|| {
-            let choice = match (emitters, self.scene.settings.light_sampling) {
+            let choice = match (emitters, self.scene.source.settings.light_sampling) {
                 (1, _) => "drawn from at each surface",
                 (_, LightSampling::Uniform) => "one drawn at each surface, all alike",
                 (_, LightSampling::Power) => "one drawn at each surface, by power",
                 (_, LightSampling::Tree) => "one drawn at each surface, by a tree that knows where they shine",
             };
-            let environment =
-                if self.emitters.environment().is_some() { ", the image around the scene among them" } else { "" };
+            let environment = if self.scene.emitters.environment().is_some() {
+                ", the image around the scene among them"
+            } else {
+                ""
+            };
             format!("{} with extent{environment}: {choice}", count(emitters, "light", "lights"))
         })
     }
@@ -367,7 +374,7 @@ impl RenderPlan<'_> {
 
     /// Which transparent body is where several overlap, and what the camera stands in; `None` of panes without thickness.
     fn nesting(&self) -> Option<String> {
-        let transparent = self.appearance.materials.iter().filter_map(Material::body);
+        let transparent = self.scene.appearance.materials.iter().filter_map(Material::body);
         let priorities: BTreeSet<i32> = transparent.map(|inside| inside.priority).collect();
         let (least, greatest) = (priorities.first()?, priorities.last()?);
         let order = if least < greatest {
@@ -375,7 +382,7 @@ impl RenderPlan<'_> {
         } else {
             "all of one priority".to_owned()
         };
-        let camera = match &self.surroundings {
+        let camera = match &self.frame.medium {
             CameraMedium::Same(interior) if interior.is_empty() => "the camera stands in air",
             CameraMedium::Same(_) => "the camera stands inside of one",
             CameraMedium::ByRay(_) => "each camera ray looks which it starts in",
@@ -385,11 +392,11 @@ impl RenderPlan<'_> {
 
     fn left_out(&self, census: &Census) -> Vec<LeftOut> {
         let triangles = census.triangles + census.mesh_triangles;
-        let whitted = self.integrator == Integrator::Whitted;
-        let lit = !self.appearance.lights.is_empty();
-        let n = &self.needs;
-        let linear = matches!(&self.world, World::Spheres(_, AnyAccelerator::Linear(_)))
-            || matches!(&self.world, World::Parts(top, _) if matches!(top.structure, AnyAccelerator::Linear(_)));
+        let whitted = self.integrator_kind() == Integrator::Whitted;
+        let lit = !self.scene.appearance.lights.is_empty();
+        let n = &self.scene.features;
+        let linear = matches!(&self.scene.world, World::Spheres(_, AnyAccelerator::Linear(_)))
+            || matches!(&self.scene.world, World::Parts(top, _) if matches!(top.structure, AnyAccelerator::Linear(_)));
         let geometry = [
             (triangles == 0, "triangles", "there are none"),
             (
@@ -401,12 +408,12 @@ impl RenderPlan<'_> {
             (census.unbounded == 0, "list of unbounded objects", "everything has bounds"),
             (linear, "tree over the objects", "all of them are asked in turn"),
             (census.shadowless == 0, "shadow switches", "every object casts shadows"),
-            (!self.transparent, "alpha channel", "the background is part of the picture"),
-            (!self.moves, "time", "nothing moves while the shutter is open"),
-            (!self.camera.has_lens(), "lens", "the camera is a pinhole, or looks along parallel rays"),
+            (!self.frame.transparent, "alpha channel", "the background is part of the picture"),
+            (!self.frame.has_motion, "time", "nothing moves while the shutter is open"),
+            (!self.frame.camera.has_lens(), "lens", "the camera is a pinhole, or looks along parallel rays"),
         ];
         let surface = [
-            (!n.textures && self.integrator != Integrator::Uv, "texture coordinates", "nothing looks at them"),
+            (!n.textures && self.integrator_kind() != Integrator::Uv, "texture coordinates", "nothing looks at them"),
             (n.textures && census.plain > 0, "texture coordinates of some surfaces", "there are no textures on these"),
             (!n.shading_normals, "interpolated normals", "no mesh has vertex normals"),
         ];
@@ -423,11 +430,11 @@ impl RenderPlan<'_> {
             (n.refraction && !n.absorption, "absorption", "transparent bodies are clear"),
             (!n.reflection && !n.refraction, "ray tree", "nothing sends rays on"),
         ];
-        let is_path = matches!(self.view, View::Paths(_));
+        let is_path = matches!(self.integrator, IntegratorState::Path(_));
         let of_paths = [
             (!n.textures, "textures", "no surface uses one"),
             (!n.emission, "emission", "no surface shines by itself"),
-            (self.emitters.is_empty(), "lights with extent", "there are none to be drawn from"),
+            (self.scene.emitters.is_empty(), "lights with extent", "there are none to be drawn from"),
             (!n.refraction, "nested dielectrics", "no ray is ever inside of a body"),
             (n.refraction && !n.absorption, "absorption", "transparent bodies are clear"),
         ];
@@ -435,11 +442,11 @@ impl RenderPlan<'_> {
         let listed = listed.chain(of_paths.into_iter().filter(|_| is_path));
         let mut left_out: Vec<LeftOut> =
             listed.filter(|(left, ..)| *left).map(|(_, what, why)| LeftOut { what, why: why.to_owned() }).collect();
-        if let Some(visible) = &self.visible {
+        if let Some(visible) = &self.frame.visible {
             let why = format!("{} of {} lie outside the view", visible.left_out(), visible.of());
             left_out.push(LeftOut { what: "objects, for camera rays", why });
         }
-        let (alike, used) = self.bsdfs.count();
+        let (alike, used) = self.scene.bsdfs.count();
         if alike > 0 {
             let materials = count(used, "material", "materials");
             let why = format!("{alike} of {materials} scatter light alike at every point");
@@ -448,28 +455,28 @@ impl RenderPlan<'_> {
             left_out.push(LeftOut { what, why });
         }
         left_out.extend(self.light_paths_left_out());
-        if !self.integrator.follows_light() {
+        if !self.integrator_kind().follows_light() {
             left_out.push(LeftOut {
                 what: "light and materials",
-                why: format!("'{}' shows geometry alone", self.integrator.name()),
+                why: format!("'{}' shows geometry alone", self.integrator_kind().name()),
             });
         }
         left_out
     }
 
     fn light_paths_left_out(&self) -> Option<LeftOut> {
-        if self.integrator != Integrator::Caustics {
+        if self.integrator_kind() != Integrator::Caustics {
             return None;
         }
         let of = |what, why: &str| Some(LeftOut { what, why: why.to_owned() });
-        let Some(sources) = &self.light_sources else {
+        let Some(sources) = &self.scene.light_sources else {
             return of("light paths", "no lamp that can be drawn from shines on a sharp mirror or on glass");
         };
         let is_sun = |light: &Light| matches!(light.kind, LightKind::Directional { .. }) && light.casts_shadows;
-        if sources.targets().is_everywhere() && self.appearance.lights.iter().any(is_sun) {
+        if sources.targets().is_everywhere() && self.scene.appearance.lights.iter().any(is_sun) {
             return of("light paths of directional lights", "there is no end to what mirrors them");
         }
-        match self.emitters.environment() {
+        match self.scene.emitters.environment() {
             Some(_) => of("light paths of the environment", "its light is found by paths from the camera"),
             None => None,
         }

@@ -11,9 +11,9 @@ use rt_shading::{Coverage, Texture};
 
 use crate::{
     RenderError,
+    instance::{Assembly, InstanceGeometry, Levels, MeshLevel, Moving, Part, Parts},
     porous::{AlphaTestedMesh, Holes},
     structure::{self, Wanted},
-    world::{Assembly, InstanceGeometry, Levels, MeshLevel, Moving, Part, Parts},
 };
 
 /// Deepest accepted nesting of nodes and groups together.

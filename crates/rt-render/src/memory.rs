@@ -18,13 +18,8 @@ use bytesize::ByteSize;
 use rt_scene_io::{Background, Integrator, MemoryError, Scene};
 use rt_shading::Texture;
 
-use crate::{
-    Crop, RenderError,
-    estimate::PixelEstimate,
-    splats::SplatImage,
-    structure::{FEW, Wanted, choose},
-};
-pub(crate) use survey::Survey;
+use crate::{Crop, RenderError, estimate::PixelEstimate, splats::SplatImage, structure::Wanted};
+use survey::{Most, Survey};
 
 /// Bytes of memory that a render takes, as foreseen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -124,21 +119,6 @@ impl fmt::Display for MemoryPrediction {
     }
 }
 
-/// What needs most memory of all.
-#[derive(Debug, Default)]
-pub(crate) struct Most {
-    bytes: u64,
-    what: String,
-}
-
-impl Most {
-    pub(crate) fn offer(&mut self, bytes: u64, what: impl FnOnce() -> String) {
-        if bytes > self.bytes {
-            *self = Self { bytes, what: what() };
-        }
-    }
-}
-
 /// The film with its alpha channel, and once more as it is written; with passes, what is known of each pixel, maps of its error
 /// and samples, and the image of light paths.
 fn film(scene: &Scene, kept: &PerPixel) -> u64 {
@@ -159,25 +139,6 @@ fn textures(scene: &Scene) -> u64 {
         _ => 0,
     };
     unique.values().sum::<u64>().saturating_add(around)
-}
-
-/// Bytes of a structure over so many primitives: what it keeps, and what it takes besides while it is built. Measured on meshes
-/// of half a million triangles, and rounded up.
-pub(crate) fn structure(wanted: Wanted, primitives: u64) -> [u64; 2] {
-    use rt_accel::AcceleratorKind as Kind;
-    let [kept, besides] = match choose(wanted.accel, primitives <= FEW as u64) {
-        Kind::Linear => [16, 0],
-        Kind::Wide => [46, 100],
-        Kind::Bvh => [40, 140],
-        Kind::Grid => [44, 56],
-        Kind::Spheres => [48, 72],
-        Kind::Cylinders => [72, 90],
-        Kind::Kd => [110, 260],
-        Kind::Bsp => [220, 360],
-        Kind::Bih => [20, 56],
-        Kind::BihLazy => [60, 26],
-    };
-    [primitives.saturating_mul(kept), primitives.saturating_mul(besides)]
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::{
     Crop, Progress,
     part::{Frame, Part, TilePixels},
-    progressive::PassState,
+    pass_state::PassState,
     tiles::Tile,
 };
 

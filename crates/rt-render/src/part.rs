@@ -9,63 +9,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use rt_image::Image;
+use rt_math::Rgb;
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
-    ContentError, Crop, RenderPlan, Rendering, RunOptions, SampleRange, Statistics, Stopped,
+    ContentError, Crop, RenderPlan, Rendering, RunOptions, SampleRange, Share, Statistics, Stopped,
     content::{check_count, check_crop, check_length, check_lost, check_share},
     error_estimate::ErrorSums,
-    render::rounded,
-    tile::Finished,
+    tile_job::Finished,
     tiles::{Tile, tile, tile_count, tile_number},
 };
-
-/// A share of the tiles of a picture: one of `count` machines takes each tile whose number leaves `index` when divided by
-/// `count`. Neighbours go to different machines, so that all have about as much to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Share {
-    index: u32,
-    count: u32,
-}
-
-impl Share {
-    /// Everything.
-    pub const ALL: Self = Self { index: 0, count: 1 };
-
-    /// The greatest number of shares.
-    pub const MOST: u32 = 1 << 20;
-
-    /// Share number `index`, from 0 on, of `count`; `None` unless `index` is less and `count` at most [`MOST`](Self::MOST).
-    pub const fn new(index: u32, count: u32) -> Option<Self> {
-        if index < count && count <= Self::MOST { Some(Self { index, count }) } else { None }
-    }
-
-    /// Its number, from 0 on.
-    pub const fn index(self) -> u32 {
-        self.index
-    }
-
-    /// Shares in all.
-    pub const fn count(self) -> u32 {
-        self.count
-    }
-
-    /// How many of so many pieces belong to the share.
-    pub(crate) const fn pieces(self, all: usize) -> usize {
-        (all + self.count as usize - 1 - self.index as usize) / self.count as usize
-    }
-
-    /// True if piece number `piece` belongs to the share.
-    pub const fn holds(self, piece: usize) -> bool {
-        piece % self.count as usize == self.index as usize
-    }
-}
-
-impl Default for Share {
-    fn default() -> Self {
-        Self::ALL
-    }
-}
 
 /// What all parts of a picture have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -83,8 +36,8 @@ pub(crate) struct Frame {
 impl Frame {
     pub(crate) fn new(plan: &RenderPlan<'_>, options: &RunOptions<'_>) -> Self {
         Self {
-            crop: plan.crop,
-            transparent: plan.transparent,
+            crop: plan.frame.crop,
+            transparent: plan.frame.transparent,
             passes_differ: plan.passes_differ(),
             maps: options.maps,
             count: options.count,
@@ -341,17 +294,17 @@ impl Part {
     /// [`JoinError`] says which part is missing, doubled, unfinished, or of another picture. Whether parts are of the same
     /// scene is for the caller to know.
     pub fn join(parts: Vec<Self>) -> Result<Self, JoinError> {
-        let (frame, count) = parts.first().map(|first| (first.frame, first.share.count)).ok_or(JoinError::Nothing)?;
+        let (frame, count) = parts.first().map(|first| (first.frame, first.share.count())).ok_or(JoinError::Nothing)?;
         let mut holder = BTreeMap::new();
         for (number, part) in parts.iter().enumerate() {
             part.validate().map_err(|error| JoinError::Damaged(number, error))?;
             if part.frame != frame {
                 return Err(JoinError::Foreign(number));
             }
-            if part.share.count != count {
-                return Err(JoinError::Shares { part: number, count: part.share.count, expected: count });
+            if part.share.count() != count {
+                return Err(JoinError::Shares { part: number, count: part.share.count(), expected: count });
             }
-            if let Some(other) = holder.insert(part.share.index, number) {
+            if let Some(other) = holder.insert(part.share.index(), number) {
                 return Err(JoinError::Doubled(other, number));
             }
             match part.missing_tiles() {
@@ -441,4 +394,9 @@ impl Part {
             image[(y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize] = value;
         }
     }
+}
+
+/// Rounds radiance to the precision of an image.
+pub(crate) fn rounded(value: Rgb) -> [f32; 3] {
+    value.to_array().map(|component| component as f32)
 }

@@ -10,10 +10,10 @@
 //! The samples within a pass depend on each other, as those of Sobol' points do, so that their variance says nothing of the
 //! error of their mean. Whole passes are independent.
 
-use rt_camera::{PixelSampler, SamplerKind};
+use rt_camera::SamplerKind;
 use rt_math::random::hash;
 
-use crate::{RenderPlan, tiles::Tile};
+use crate::tiles::Tile;
 
 /// Passes that a fixed number of samples is split into by default.
 ///
@@ -58,18 +58,6 @@ impl Sweep<'_> {
     /// The pixels to sample of a tile, row by row.
     pub(crate) fn pixels_of(&self, tile: Tile) -> impl Iterator<Item = [u32; 2]> {
         tile.pixels().filter(|&pixel| self.pixels.is_none_or(|mask| mask.contains(pixel)))
-    }
-}
-
-impl RenderPlan<'_> {
-    /// The samples of a pass.
-    pub(crate) fn sampler_of(&self, pass: u32, spp: u32) -> PixelSampler {
-        PixelSampler::new(self.pattern, spp, pass_seed(self.seed, pass))
-    }
-
-    /// All passes of a render of a fixed number of samples.
-    pub(crate) const fn all_passes(&self) -> Sweep<'static> {
-        Sweep { first: 0, count: self.passes, spp: self.pass_spp, simple_spp: self.simple_pass_spp, pixels: None }
     }
 }
 

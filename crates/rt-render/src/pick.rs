@@ -4,7 +4,11 @@ use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{Hit, InteractionFlags, NoProbe};
 use rt_math::{DVec2, DVec3, Interval, Ray};
 
-use crate::{RenderPlan, flatten, plan::World, trace::Surfaces, world::Parts};
+use crate::{
+    RenderPlan, flatten,
+    instance::Parts,
+    world::{Surfaces, World},
+};
 
 /// What the ray through the middle of a pixel meets first.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,13 +31,14 @@ impl RenderPlan<'_> {
     /// What pixel (`x`, `y`), counted from the upper left corner of the whole image, shows in its middle, in the middle of the
     /// shutter's time. `None` where that is the background. Pixels outside of the image are fine.
     pub fn pick(&self, x: u32, y: u32) -> Option<PickResult> {
-        let raster = DVec2::new(f64::from(x), f64::from(y)) + self.sample_offset;
-        let time = if self.moves { self.camera.moment(0.5) } else { 0.0 };
-        let ray = self.camera.ray(raster, time);
-        match &self.world {
+        let raster = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
+        let time = if self.frame.has_motion { self.frame.camera.moment(0.5) } else { 0.0 };
+        let ray = self.frame.camera.ray(raster, time);
+        match &self.scene.world {
             World::Spheres(world, structure) => {
-                let name =
-                    |hit: &Hit| flatten::name_of_shape(self.scene, hit.primitive).map(|name| vec![name.to_owned()]);
+                let name = |hit: &Hit| {
+                    flatten::name_of_shape(self.scene.source, hit.primitive).map(|name| vec![name.to_owned()])
+                };
                 self.pick_in(world, structure, &ray, name)
             }
             World::Parts(top, levels) => {
@@ -52,12 +57,12 @@ impl RenderPlan<'_> {
     ) -> Option<PickResult> {
         let hit = structure.closest(world, ray, Interval::new(0.0, f64::INFINITY), &mut NoProbe)?;
         let surface = world.surface_at(ray, &hit, InteractionFlags::ALL)?;
-        let material = self.scene.appearance.materials.get(surface.material as usize);
+        let material = self.scene.source.appearance.materials.get(surface.material as usize);
         Some(PickResult {
             object: names(&hit)?,
             material: material.map_or_else(String::new, |material| material.name.clone()),
             distance: surface.t * ray.direction.length(),
-            point: surface.interaction.point + self.space.origin(),
+            point: surface.interaction.point + self.scene.space.origin(),
             normal: surface.interaction.shading_normal,
         })
     }

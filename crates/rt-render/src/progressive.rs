@@ -9,230 +9,46 @@ use core::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use rt_camera::SamplerKind;
-use rt_image::Image;
 use rt_math::Rgb;
-use serde::{Deserialize, Serialize};
 
 use crate::{
-    ContentError, Criterion, Crop, Observer, Part, PassProgress, Progress, RenderPlan, RenderSnapshot, Share,
-    Statistics, StopRule, Stopped, TargetError, Towards,
-    content::{MAX_PASSES, check_count, check_crop, check_length, check_lost, check_number, check_share},
+    Criterion, Crop, Observer, Part, PassProgress, Progress, RenderPlan, RenderSnapshot, Share, Statistics, StopRule,
+    Stopped, TargetError, Towards,
     crew::Crew,
     error_estimate::ErrorSums,
     estimate::PixelEstimate,
     forecast::Forecast,
-    observer::{Kept, State},
-    part::{Frame, TilePixels},
+    observer::State,
+    pass_state::{PassState, Place, place_of},
     passes::{PixelMask, Sweep},
-    refine::Stage,
-    render::rounded,
     splats::SplatImage,
-    tile::Finished,
-    tiles::{Tile, tile_count, tiles},
+    tile_job::Finished,
+    tiles::Tile,
 };
-
-impl RenderPlan<'_> {
-    /// Renders passes over the whole image: those of a fixed number of samples, or as many as the rule wants. In memory there are
-    /// the light paths of one pass.
-    pub(crate) fn render_passes(
-        &self,
-        crew: &Crew<'_>,
-        share: Share,
-        rule: Option<&StopRule>,
-        state: PassState,
-        observer: impl Observer,
-    ) -> Part {
-        let fixed = StopRule { max_spp: self.samples_per_pixel(), ..StopRule::default() };
-        let mut render = Progressive {
-            plan: self,
-            crew,
-            rule: rule.copied().unwrap_or(fixed),
-            started: Instant::now(),
-            spent: Duration::try_from_secs_f64(state.statistics.render_seconds).unwrap_or_default(),
-            of_share: (0..crew.tiles().len()).filter(|number| share.holds(*number)).collect(),
-            state,
-            forecast: Forecast::default(),
-            converged: None,
-            observer,
-        };
-        let (stopped, unconverged) = match rule {
-            None => (render.all_passes(), None),
-            Some(StopRule { target: None, .. }) => (render.pass_after_pass(), None),
-            Some(StopRule { target: Some(target), .. }) => {
-                let (stopped, unconverged) = render.refine(*target);
-                (stopped, unconverged.filter(|_| target.criterion != Criterion::Image))
-            }
-        };
-        if stopped == Stopped::Interrupted {
-            render.observer.unfinished(&Kept(State::Passes(&render.state)));
-        }
-        render.finish(share, stopped, unconverged)
-    }
-}
-
-/// What a render of passes knows of its pixels, and where it stands.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct PassState {
-    pub(crate) frame: Frame,
-    share: Share,
-    way: Way,
-    /// All pixels, row by row.
-    pub(crate) pixels: Vec<PixelEstimate>,
-    pub(crate) statistics: Statistics,
-    pub(crate) place: Place,
-    /// Wall-clock seconds that the last pass took for a sample.
-    seconds_per_sample: f64,
-    /// Error of the picture after the last pass.
-    error: ErrorSums,
-    /// Numbers of the tiles in which a worker failed.
-    lost: Vec<u32>,
-}
-
-/// What says how large passes are, and which pixels take them.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-enum Way {
-    /// The plan.
-    Fixed,
-    /// They grow until there is enough.
-    Growing,
-    /// They grow until the error is reached, or a pixel has so many samples.
-    Target(TargetError, u32),
-}
-
-/// Where in its passes a render stands.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Place {
-    /// Number of the pass that is taken now or next.
-    pub(crate) pass: u32,
-    /// Samples that a pixel has if it took all passes before.
-    pub(crate) taken: u32,
-    /// Tiles that have taken the pass; empty before the first one has.
-    pub(crate) begun: Vec<bool>,
-    pub(crate) stage: Stage,
-}
-
-impl PassState {
-    /// Of a render that has not begun.
-    pub(crate) fn new(frame: Frame, share: Share, rule: Option<&StopRule>, statistics: Statistics) -> Self {
-        let Crop { width, height, .. } = frame.crop;
-        Self {
-            frame,
-            share,
-            way: Way::new(rule),
-            pixels: vec![PixelEstimate::default(); width as usize * height as usize],
-            statistics,
-            place: Place::default(),
-            seconds_per_sample: 0.0,
-            error: ErrorSums::default(),
-            lost: Vec::new(),
-        }
-    }
-
-    /// True if a render of this kind can go on from here.
-    pub(crate) fn fits(&self, frame: Frame, share: Share, rule: Option<&StopRule>) -> bool {
-        self.frame == frame && self.share == share && self.way == Way::new(rule)
-    }
-
-    /// Checks every number that a file may have got wrong.
-    pub(crate) fn validate(&self) -> Result<(), ContentError> {
-        let Self { frame, share, way: _, pixels, statistics, place, seconds_per_sample, error, lost } = self;
-        let Place { pass, taken, begun, stage } = place;
-        let crop = frame.crop;
-        check_crop(crop)?;
-        check_share(*share)?;
-        let area = crop.width as usize * crop.height as usize;
-        let of = || "the picture".to_owned();
-        check_length("pixels", of, pixels.len(), area)?;
-        if !begun.is_empty() {
-            check_length("tiles of the pass", of, begun.len(), tile_count(crop))?;
-        }
-        stage.validate(area)?;
-        check_count("the number of the pass", (*pass).into(), MAX_PASSES.into())?;
-        // A pixel has taken the passes so far, or fewer, and in a tile that has begun the next one perhaps that as well.
-        for (number, tile) in tiles(crop).into_iter().enumerate() {
-            let has_begun = begun.get(number).copied().unwrap_or(false);
-            let (passes, samples) = if has_begun { (pass + 1, u32::MAX) } else { (*pass, *taken) };
-            let indices = tile.pixels().map(|at| place_of(crop, at));
-            for (index, pixel) in indices.filter_map(|index| Some((index, pixels.get(index)?))) {
-                pixel.validate(index, passes, samples)?;
-            }
-        }
-        check_lost(lost, crop)?;
-        statistics.validate()?;
-        check_number("the time of a sample in seconds", *seconds_per_sample)?;
-        error.validate(area as u64)
-    }
-
-    /// The picture so far.
-    pub(crate) fn film(&self) -> Image {
-        let Crop { width, height, .. } = self.frame.crop;
-        let mut film = Image::new(width, height, self.frame.transparent);
-        for (place, pixel) in film.pixels_mut().iter_mut().zip(&self.pixels) {
-            *place = rounded(pixel.mean());
-        }
-        for (place, pixel) in film.alpha_mut().unwrap_or_default().iter_mut().zip(&self.pixels) {
-            *place = rounded_coverage(pixel);
-        }
-        film
-    }
-
-    /// What a tile shows now.
-    pub(crate) fn tile_pixels(&self, tile: Tile) -> TilePixels {
-        let Frame { crop, transparent, maps, .. } = self.frame;
-        let pixels = || tile.pixels().filter_map(move |at| self.pixels.get(place_of(crop, at)));
-        let counts: Vec<_> = pixels().map(PixelEstimate::samples).collect();
-        let range = [counts.iter().copied().min(), counts.iter().copied().max()].map(Option::unwrap_or_default);
-        let standard_error = |pixel: &PixelEstimate| match pixel.variance() {
-            Some(variance) => rounded(variance.map(f64::sqrt)),
-            None => [f32::INFINITY; 3],
-        };
-        let mut error = ErrorSums::default();
-        pixels().for_each(|pixel| error.add(pixel));
-        TilePixels {
-            pixels: pixels().map(|pixel| rounded(pixel.mean())).collect(),
-            alpha: pixels().filter(|_| transparent).map(rounded_coverage).collect(),
-            standard_errors: pixels().filter(|_| maps).map(standard_error).collect(),
-            samples: counts.iter().copied().map(u64::from).sum(),
-            counts: if range[0] == range[1] { Vec::new() } else { counts },
-            range,
-            error,
-        }
-    }
-}
-
-impl Way {
-    fn new(rule: Option<&StopRule>) -> Self {
-        match rule {
-            None => Self::Fixed,
-            Some(StopRule { target: None, .. }) => Self::Growing,
-            Some(StopRule { target: Some(target), max_spp, .. }) => Self::Target(*target, *max_spp),
-        }
-    }
-}
 
 /// A render in progress.
 pub(crate) struct Progressive<'p, O> {
-    plan: &'p RenderPlan<'p>,
-    crew: &'p Crew<'p>,
+    pub(crate) plan: &'p RenderPlan<'p>,
+    pub(crate) crew: &'p Crew<'p>,
     pub(crate) rule: StopRule,
-    started: Instant,
+    pub(crate) started: Instant,
     /// Time that earlier runs took.
-    spent: Duration,
+    pub(crate) spent: Duration,
     /// Numbers of the tiles to render.
-    of_share: Vec<usize>,
+    pub(crate) of_share: Vec<usize>,
     pub(crate) state: PassState,
     /// Samples that are expected in all, where the error decides.
     pub(crate) forecast: Forecast,
     /// Share of the pixels that have reached their error, where each has to.
     pub(crate) converged: Option<f64>,
-    observer: O,
+    pub(crate) observer: O,
 }
 
 impl<O: Observer> Progressive<'_, O> {
     /// The passes that the plan splits its samples into.
-    fn all_passes(&mut self) -> Stopped {
-        while self.state.place.pass < self.plan.passes {
-            if self.take_pass(self.plan.pass_spp, None).is_break() {
+    pub(crate) fn all_passes(&mut self) -> Stopped {
+        while self.state.place.pass < self.plan.frame.passes {
+            if self.take_pass(self.plan.frame.pass_spp, None).is_break() {
                 return Stopped::Interrupted;
             }
         }
@@ -240,7 +56,7 @@ impl<O: Observer> Progressive<'_, O> {
     }
 
     /// Passes that grow, over all pixels.
-    fn pass_after_pass(&mut self) -> Stopped {
+    pub(crate) fn pass_after_pass(&mut self) -> Stopped {
         while let Some(spp) = self.pass_spp() {
             if !self.is_in_time(spp, self.state.pixels.len(), self.rule.time) {
                 return Stopped::Time;
@@ -255,12 +71,12 @@ impl<O: Observer> Progressive<'_, O> {
     /// Samples of the next pass; `None` if the rule allows no more.
     pub(crate) fn pass_spp(&self) -> Option<u32> {
         let Place { pass, taken, .. } = self.state.place;
-        self.rule.pass_spp(self.plan.pattern, pass, taken)
+        self.rule.pass_spp(self.plan.frame.sampler, pass, taken)
     }
 
     /// Sample pattern of the plan.
     pub(crate) const fn pattern(&self) -> SamplerKind {
-        self.plan.pattern
+        self.plan.frame.sampler
     }
 
     /// True if so many samples of so many pixels can be expected to be there by then. The first pass is always taken, and one
@@ -290,7 +106,7 @@ impl<O: Observer> Progressive<'_, O> {
         let here = PassProgress { finished: state.statistics.passes, spp: most, rmse: state.error.rmse(), towards };
         let pixels: u64 = of_share.iter().map(|&number| crew.tiles()[number].area()).sum();
         let outcome = crew.sweep(&sweep, &left, |number, tile| {
-            fold(plan.crop, &mut state.pixels, &tile, light.as_ref(), &sweep);
+            fold(plan.frame.crop, &mut state.pixels, &tile, light.as_ref(), &sweep);
             state.place.begun[number] = true;
             let elapsed = *spent + started.elapsed();
             let statistics = &mut state.statistics;
@@ -342,7 +158,7 @@ impl<O: Observer> Progressive<'_, O> {
     fn trace_light(&mut self, pass: u32, spp: u32) -> ControlFlow<(), Option<SplatImage>> {
         let Self { plan, crew, state, .. } = self;
         let Some(light) = plan.light_pass(pass, spp) else { return ControlFlow::Continue(None) };
-        let mut image = SplatImage::new(plan.crop, plan.filter);
+        let mut image = SplatImage::new(plan.frame.crop, plan.frame.filter);
         let mut statistics = state.statistics;
         let outcome = crew.trace_light(light, |lit| {
             statistics.add_light(&lit);
@@ -362,7 +178,7 @@ impl<O: Observer> Progressive<'_, O> {
 
     /// The part of the image that is rendered.
     pub(crate) const fn part(&self) -> Tile {
-        let Crop { x, y, width, height } = self.plan.crop;
+        let Crop { x, y, width, height } = self.plan.frame.crop;
         Tile { x, y, width, height }
     }
 
@@ -372,7 +188,7 @@ impl<O: Observer> Progressive<'_, O> {
     }
 
     /// Each tile with what it shows now, the tiles of other shares left out.
-    fn finish(self, share: Share, stopped: Stopped, unconverged: Option<u64>) -> Part {
+    pub(crate) fn finish(self, share: Share, stopped: Stopped, unconverged: Option<u64>) -> Part {
         let (state, seconds) = (&self.state, self.elapsed().as_secs_f64());
         let mut part = Part::empty(state.frame, share, Statistics { render_seconds: seconds, ..state.statistics });
         for number in self.of_share {
@@ -393,15 +209,6 @@ fn fold(crop: Crop, pixels: &mut [PixelEstimate], tile: &Finished, light: Option
         let brought = light.map_or(Rgb::BLACK, |light| light.radiance(index));
         pixels[index].add(*radiance + brought, coverage.next().unwrap_or(1.0), sweep.spp);
     }
-}
-
-/// Where a pixel of the image is among those of a part of it.
-const fn place_of(crop: Crop, [x, y]: [u32; 2]) -> usize {
-    (y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize
-}
-
-fn rounded_coverage(pixel: &PixelEstimate) -> f32 {
-    pixel.coverage().clamp(0.0, 1.0) as f32
 }
 
 /// Samples that there will be at the end if they go on coming at this rate.

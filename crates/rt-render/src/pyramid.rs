@@ -15,7 +15,6 @@
 //! Squares lie on a grid of the whole image, and what is found in them depends on boxes and forms alone, so that a pixel is
 //! judged the same by each thread, with each structure, and in each part of the image.
 
-mod outline;
 mod patch;
 mod shaft;
 
@@ -27,12 +26,12 @@ use rt_geometry::{Hit, padded_bounds};
 use rt_math::{Interval, Ray};
 use rt_shading::Background;
 
-pub(crate) use outline::{Outline, Outlines};
 use patch::Patch;
 use shaft::{Blocked, Shaft};
 
 use crate::{
-    Crop, RenderPlan, passes::PixelMask, surroundings::CameraMedium, tiles::Tile, trace::Surfaces, visible::OwnBoxesIn,
+    Crop, RenderPlan, passes::PixelMask, primitive_form::Outline, surroundings::CameraMedium, tiles::Tile,
+    visible::OwnBoxesIn, world::Surfaces,
 };
 
 /// Pixels along the side of the squares that are looked at first.
@@ -79,7 +78,7 @@ impl RenderPlan<'_> {
     pub(crate) fn simple_pixels<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyAccelerator) -> PixelMask {
         let simple = vec![false; tile.width as usize * tile.height as usize];
         let mut judge = Judge { plan: self, world, structure, tile, simple };
-        if matches!(&self.surroundings, CameraMedium::Same(interior) if interior.is_empty()) {
+        if matches!(&self.frame.medium, CameraMedium::Same(interior) if interior.is_empty()) {
             Square::around(tile).for_each(|square| judge.look_into(square));
         }
         PixelMask::new(tile, judge.simple)
@@ -88,9 +87,12 @@ impl RenderPlan<'_> {
     fn pyramid(&self, square: Square) -> Pyramid {
         let Square { x, y, side } = square;
         let part = Crop { x, y, width: side, height: side };
-        let [min, max] = self.raster_of(part);
+        let [min, max] = self.frame.raster_bounds(part);
         let corners = [min, min.with_x(max.x), max, min.with_y(max.y)];
-        Pyramid { volume: self.view_volume(part), edges: corners.map(|corner| self.camera.ray(corner, 0.0)) }
+        Pyramid {
+            volume: self.frame.view_volume(part),
+            edges: corners.map(|corner| self.frame.camera.ray(corner, 0.0)),
+        }
     }
 }
 
@@ -203,7 +205,7 @@ impl<W: Surfaces> Judge<'_, W> {
         let mut met: Vec<Met> = near.iter().map(|&index| pyramid.meet(self.world, index)).collect();
         met.retain(|met| !met.is_out_of_sight());
         if met.is_empty() {
-            return !matches!(self.plan.appearance.background, Background::Environment(_));
+            return !matches!(self.plan.scene.appearance.background, Background::Environment(_));
         }
         let depth = |met: &Met| met.hits[0].map(|hit| hit.t);
         let nearest = met
@@ -220,7 +222,7 @@ impl<W: Surfaces> Judge<'_, W> {
 
     /// True if no light, and no shadow, changes much over the patch.
     fn is_evenly_lit(&self, patch: &Patch) -> bool {
-        let appearance = &self.plan.appearance;
+        let appearance = &self.plan.scene.appearance;
         let Some(material) = patch.plain_material(appearance) else { return false };
         let phong = &material.phong;
         if phong.diffuse.is_zero() && phong.specular.is_zero() {

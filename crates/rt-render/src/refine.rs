@@ -3,25 +3,20 @@
 
 use std::time::Duration;
 
-use rt_math::stats::student_t;
-use serde::{Deserialize, Serialize};
-
 use crate::{
-    ContentError, Criterion, Observer, Stopped, TargetError,
-    content::{MAX_PASSES, check_count, check_length},
+    Criterion, Observer, Stopped, TargetError,
     estimate::PixelEstimate,
+    pass_state::{Place, Stage},
     passes::PixelMask,
-    progressive::{Place, Progressive},
+    progressive::Progressive,
     stop::{FIRST_TEST_OF_IMAGE, PASSES_BETWEEN_TESTS},
     tiles::Tile,
 };
+use rt_math::stats::student_t;
 
 /// Samples per pixel from which an image without any difference between passes counts as one without error. Before, rare light
 /// may not have been found yet.
 const LEAST_SPP_WITHOUT_NOISE: f64 = 64.0;
-
-/// Number of the first pass whose samples nothing was decided by.
-const SECOND_STAGE: u32 = 1 << 31;
 
 /// Added to radiance, so that black pixels can be sure of it as well.
 const DARK: f64 = 0.01;
@@ -35,43 +30,6 @@ impl TargetError {
         let excess = |variance: f64, mean: f64| student * variance.sqrt() / (self.relative * (mean.max(0.0) + DARK));
         let channels = variance.to_array().into_iter().zip(pixel.mean().to_array());
         channels.map(|(variance, mean)| excess(variance, mean)).fold(0.0, f64::max)
-    }
-}
-
-/// Which of its samples decide, and which make the picture.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Stage {
-    /// All of them, over all pixels.
-    #[default]
-    Everywhere,
-    /// Those of the pixels that are not yet sure, row by row.
-    Decide(Vec<bool>),
-    /// New ones: as many passes of each pixel as were decided on. What ended the decision, and how many pixels were not sure.
-    Repeat(Vec<u32>, Stopped, u64),
-}
-
-impl Stage {
-    /// The number that tells the random numbers of a pass from those of others.
-    pub(crate) const fn seed_of(&self, pass: u32) -> u32 {
-        match self {
-            Self::Everywhere | Self::Decide(_) => pass,
-            Self::Repeat(..) => SECOND_STAGE | pass,
-        }
-    }
-
-    /// Checks that there is an entry for each of so many pixels, and that no count of passes is beyond all limits.
-    pub(crate) fn validate(&self, pixels: usize) -> Result<(), ContentError> {
-        let of = || "the picture".to_owned();
-        match self {
-            Self::Everywhere => Ok(()),
-            Self::Decide(active) => check_length("active pixels", of, active.len(), pixels),
-            Self::Repeat(decided, _, unconverged) => {
-                check_length("passes to repeat", of, decided.len(), pixels)?;
-                let most = decided.iter().copied().max().unwrap_or(0);
-                check_count("the number of passes to repeat", most.into(), MAX_PASSES.into())?;
-                check_count("the number of pixels that have not converged", *unconverged, pixels as u64)
-            }
-        }
     }
 }
 

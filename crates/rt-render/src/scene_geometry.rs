@@ -9,8 +9,8 @@ use rt_shading::SurfaceHit;
 use crate::{
     RenderError, RenderSpace,
     flatten::flatten,
+    instance::{Assembly, Levels},
     structure::Wanted,
-    world::{Assembly, Levels},
 };
 
 /// Geometry of a scene with its acceleration structures, at time 0, as a render traces it.

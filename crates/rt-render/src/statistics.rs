@@ -1,10 +1,15 @@
 //! What a render did and how long it took.
 
-use rt_geometry::Counters;
+use rt_geometry::{Counters, RayKind, RayStats};
 use rt_shading::ShadingCounts;
 use serde::{Deserialize, Serialize};
 
-use crate::{RenderPlan, crew::Crew, light_pass::LitChunk, tile::Finished};
+use crate::{
+    ContentError,
+    content::{MAX_COUNT, MAX_PASSES, MAX_THREADS, check_count, check_number},
+    light_pass::LitChunk,
+    tile_job::Finished,
+};
 
 /// Figures of one render. Counts are deterministic; times are not.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,7 +40,7 @@ pub struct Statistics {
 
 impl Statistics {
     /// Of a render that has not begun.
-    pub(crate) fn new(crew: &Crew<'_>, plan: &RenderPlan<'_>) -> Self {
+    pub(crate) fn new(threads: usize, build_seconds: f64) -> Self {
         Self {
             samples: 0,
             camera_hits: 0,
@@ -45,8 +50,8 @@ impl Statistics {
             shading: ShadingCounts::default(),
             passes: 0,
             bad_samples: 0,
-            threads: crew.threads(),
-            build_seconds: plan.build_seconds,
+            threads,
+            build_seconds,
             render_seconds: 0.0,
         }
     }
@@ -87,6 +92,68 @@ impl Statistics {
         self.threads += other.threads;
         self.build_seconds += other.build_seconds;
         self.render_seconds += other.render_seconds;
+    }
+
+    /// Checks that no count is so large that a sum of a few overflows, and that times are times.
+    pub(crate) fn validate(&self) -> Result<(), ContentError> {
+        let Self {
+            samples,
+            simple_pixels,
+            counters,
+            camera_hits,
+            primary_rays_spared,
+            shading,
+            passes,
+            bad_samples,
+            threads,
+            build_seconds,
+            render_seconds,
+        } = *self;
+        let ShadingCounts {
+            shadow_rays_spared,
+            highlights,
+            mirrors,
+            refractions,
+            fresnel,
+            absorption,
+            passages,
+            depth_limited,
+            interior_overflows,
+            clamped,
+            // A sum that saturates.
+            clamped_units: _,
+        } = shading;
+        let counts = [
+            ("the number of samples", samples),
+            ("the number of pixels without edges", simple_pixels),
+            ("the number of primary rays that were spared", primary_rays_spared),
+            ("the number of camera rays that hit", camera_hits),
+            ("the number of bad samples", bad_samples),
+            ("the number of shadow rays that were spared", shadow_rays_spared),
+            ("the number of highlights", highlights),
+            ("the number of mirror directions", mirrors),
+            ("the number of refractions", refractions),
+            ("the number of Fresnel terms", fresnel),
+            ("the number of absorption terms", absorption),
+            ("the number of passages", passages),
+            ("the number of paths that reached the depth limit", depth_limited),
+            ("the number of interior overflows", interior_overflows),
+            ("the number of clamped contributions", clamped),
+        ];
+        for (name, count) in counts {
+            check_count(name, count, MAX_COUNT)?;
+        }
+        for kind in RayKind::ALL {
+            let RayStats { rays, nodes, tests, hits } = counters.of(kind);
+            check_count("the number of rays", rays, MAX_COUNT)?;
+            check_count("the number of nodes", nodes, MAX_COUNT)?;
+            check_count("the number of primitive tests", tests, MAX_COUNT)?;
+            check_count("the number of hits", hits, MAX_COUNT)?;
+        }
+        check_count("the number of passes", passes.into(), MAX_PASSES.into())?;
+        check_count("the number of threads", threads as u64, MAX_THREADS)?;
+        check_number("the build time in seconds", build_seconds)?;
+        check_number("the render time in seconds", render_seconds)
     }
 
     /// Millions of rays of all kinds per second of rendering.

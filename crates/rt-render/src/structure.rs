@@ -3,7 +3,9 @@
 use rt_accel::wide::{Handful, Quality, SimdLevel};
 use rt_accel::{AcceleratorKind, AnyAccelerator, BuildError};
 use rt_geometry::{PrimitiveGeometry, Primitives};
-use rt_scene_io::Accel;
+use rt_scene_io::{Accel, Scene};
+
+use crate::plan_options::PlanOptions;
 
 /// Up to this many primitives, asking each is faster than walking a tree.
 pub(crate) const FEW: usize = 8;
@@ -26,6 +28,13 @@ pub(crate) struct Wanted {
     pub(crate) simd: Option<SimdLevel>,
     /// How much time the builder may take.
     pub(crate) quality: Quality,
+}
+
+impl Wanted {
+    /// Options of a scene and its plan.
+    pub(crate) const fn new(scene: &Scene, options: &PlanOptions) -> Self {
+        Self { accel: scene.settings.accel, simd: options.simd, quality: options.quality }
+    }
 }
 
 /// Builds what is wanted, or for `Auto` what fits the primitives.

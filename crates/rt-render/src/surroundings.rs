@@ -6,12 +6,7 @@ use rt_math::{Aabb, DVec2, DVec3, Ray};
 use rt_scene_io::{NamedCamera, Scene};
 use rt_shading::{Interior, Material};
 
-use crate::{
-    plan::World,
-    trace::WorldTracer,
-    visible::InView,
-    world::{InstanceGeometry, Levels, Part},
-};
+use crate::{instance::holds, trace::WorldTracer, visible::InView, world::World};
 
 /// Where a ray goes that finds out what the pinhole lies inside of. It leaves closed bodies whichever way it goes; this
 /// way it also leaves a sea through its surface. It runs along no axis and no diagonal, so that it meets few edges.
@@ -92,15 +87,5 @@ pub(crate) fn reach_of_transparent_bodies(materials: &[Material], world: &World)
             let transparent = top.parts.iter().filter(|part| holds(part, levels, &is_transparent));
             transparent.fold(Aabb::EMPTY, |sum, part| sum.union(part.bounds.unwrap_or(everywhere)))
         }
-    }
-}
-
-/// True if the part, or one in its group, is of such a material.
-pub(crate) fn holds(part: &Part, levels: &Levels, is_wanted: &impl Fn(u32) -> bool) -> bool {
-    match part.geometry.at_rest() {
-        InstanceGeometry::Group(level, _) => {
-            levels.groups[*level as usize].parts.iter().any(|inner| is_wanted(inner.material))
-        }
-        _ => is_wanted(part.material),
     }
 }

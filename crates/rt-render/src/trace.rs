@@ -1,93 +1,28 @@
 //! Rays against a world: where structures and materials meet.
 
 use rt_accel::{Accelerator, AnyAccelerator};
-use rt_geometry::{
-    BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Probe, RayCounts, RayKind, Spheres,
-};
+use rt_geometry::{Counters, Hit, InteractionFlags, NoProbe, Probe, RayCounts, RayKind};
 use rt_math::{Interval, Ray};
-use rt_shading::{SurfaceHit, Tracer, emitter::EmitterRef};
+use rt_shading::{SurfaceHit, Tracer};
 
-use crate::{pyramid::Outlines, visible::InView, world::Parts};
+use crate::{visible::InView, world::Surfaces};
 
-/// Primitives that know what their surface is made of.
-pub(crate) trait Surfaces: Outlines {
-    /// The surface at a hit; `None` for a hit that is not of this set. Objects are numbered by their places among the
-    /// parts of the upper level.
-    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit>;
+/// What structures report to: a probe that counts all, or none. Rays are counted beside it, so that structures need no
+/// code for a third.
+pub(crate) trait Countable: Probe + Default + Send {
+    /// The full table, as far as it is known.
+    fn counters(&self, rays: RayCounts) -> Counters;
 }
 
-impl Surfaces for Parts<'_> {
-    #[inline]
-    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
-        self.surface(ray, hit, needs)
-    }
-}
-
-/// A world of nothing but spheres: a tight array, and no question what a part is.
-#[derive(Debug)]
-pub(crate) struct SphereWorld {
-    pub(crate) spheres: Spheres,
-    /// By sphere: its material.
-    pub(crate) materials: Vec<u32>,
-    /// By sphere: whether something looks at its texture coordinates.
-    pub(crate) textured: Vec<bool>,
-    /// By sphere: whether it casts a shadow; empty if all do.
-    pub(crate) casts_shadow: Vec<bool>,
-    /// By sphere: the light that it is; empty if none is.
-    pub(crate) emitters: Vec<Option<u32>>,
-}
-
-impl SphereWorld {
-    pub(crate) fn casts_shadow(&self, index: u32) -> bool {
-        self.casts_shadow.get(index as usize).copied().unwrap_or(true)
+impl Countable for Counters {
+    fn counters(&self, _rays: RayCounts) -> Counters {
+        *self
     }
 }
 
-impl Primitives for SphereWorld {
-    fn len(&self) -> usize {
-        self.spheres.len()
-    }
-
-    #[inline]
-    fn bounds(&self, index: u32) -> Option<rt_math::Aabb> {
-        self.spheres.bounds(index)
-    }
-
-    #[inline(always)]
-    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        self.spheres.intersect(index, ray, span)
-    }
-
-    #[inline(always)]
-    fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
-        self.casts_shadow(index) && self.spheres.occludes(index, ray, span)
-    }
-
-    #[inline]
-    fn batch_kernel(&self, index: u32) -> BatchKernel {
-        self.spheres.batch_kernel(index)
-    }
-
-    #[inline]
-    fn blocks(&self, index: u32) -> bool {
-        self.casts_shadow(index)
-    }
-
-    #[inline]
-    fn geometry(&self, index: u32) -> PrimitiveGeometry {
-        if self.casts_shadow(index) { self.spheres.geometry(index) } else { PrimitiveGeometry::Opaque }
-    }
-}
-
-impl Surfaces for SphereWorld {
-    #[inline(always)]
-    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
-        let material = *self.materials.get(hit.primitive as usize)?;
-        let uv = needs.uv && *self.textured.get(hit.primitive as usize)?;
-        let interaction = self.spheres.surface(ray, hit, InteractionFlags { uv, ..needs })?;
-        let index = self.emitters.get(hit.primitive as usize).copied().flatten();
-        let emitter = index.map(|index| EmitterRef { index, triangle: None });
-        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material, emitter })
+impl Countable for NoProbe {
+    fn counters(&self, rays: RayCounts) -> Counters {
+        Counters::from(rays)
     }
 }
 

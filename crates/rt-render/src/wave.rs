@@ -8,7 +8,7 @@ use crate::{
     RenderPlan,
     estimate::PixelEstimate,
     pixel::Pixel,
-    tile::{Finished, Task},
+    tile_job::{Finished, Task},
 };
 
 /// Camera rays in a wave: enough for rays to be traced side by side, and few enough for all that is known of them to
@@ -93,60 +93,55 @@ impl RenderPlan<'_> {
     ) -> Finished {
         let sweep = task.sweep;
         let counts = sweep.pixels_of(task.tile).map(|pixel| task.spp_of(pixel));
-        let finished = Finished::new(task, self.transparent);
-        let mut sums = Sums::new(finished, Pixel::new(self.transparent), counts, sweep.count);
+        let finished = Finished::new(task, self.frame.transparent);
+        let mut sums = Sums::new(finished, Pixel::new(self.frame.transparent), counts, sweep.count);
         for pixel in sweep.pixels_of(task.tile) {
             let spp = task.spp_of(pixel);
             for pass in 0..sweep.count {
-                let sampler = self.sampler_of(sweep.first + pass, spp);
+                let sampler = self.frame.pass_sampler(sweep.first + pass, spp);
                 let mut first = 0;
                 while first < spp {
                     let count = wave.room().min((spp - first) as usize);
                     self.generate(&sampler, pixel, first, count, wave);
                     first += count as u32;
                     if wave.room() == 0 {
-                        trace(wave, &mut sums, self.backdrop, &mut radiance);
+                        trace(wave, &mut sums, self.frame.backdrop, &mut radiance);
                     }
                 }
             }
         }
-        trace(wave, &mut sums, self.backdrop, &mut radiance);
+        trace(wave, &mut sums, self.frame.backdrop, &mut radiance);
         sums.finished
     }
 
     /// Puts so many camera rays of a pixel into the wave, beginning with sample `first` of a pass.
     fn generate(&self, sampler: &PixelSampler, [x, y]: [u32; 2], first: u32, count: usize, wave: &mut CameraWave) {
-        let corner = DVec2::new(f64::from(x), f64::from(y)) + self.sample_offset;
+        let corner = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
         let CameraWave { positions, rays, weights, samplers, .. } = wave;
         let mut push = |ray: Ray, weight: f64| {
             rays.push((ray, Interval::FORWARD));
             weights.push(weight);
         };
-        let has_lens = self.camera.has_lens();
-        if !has_lens && !self.moves && !self.view.draws() {
+        let has_lens = self.frame.camera.has_lens();
+        if !has_lens && !self.frame.has_motion && !self.integrator.uses_samplers() {
             positions.resize(count, [0.0; 2]);
             sampler.positions([x, y], first, positions);
             for &position in &*positions {
-                let (offset, weight) = self.filter.sample(position);
-                push(self.camera.ray(corner + offset, 0.0), weight);
+                let (offset, weight) = self.frame.filter.sample(position);
+                push(self.frame.camera.ray(corner + offset, 0.0), weight);
             }
             return;
         }
         for index in (first..).take(count) {
             let mut sample = sampler.sample([x, y], index);
-            let (offset, weight) = self.filter.sample(sample.next_2d());
+            let (offset, weight) = self.frame.filter.sample(sample.next_2d());
             let on_lens = if has_lens { sample.next_2d() } else { [0.5; 2] };
-            let time = self.draw_moment(&mut sample);
-            push(self.camera.generate_ray(corner + offset, on_lens, time), weight);
-            if self.view.draws() {
+            let time = self.frame.sample_time(&mut sample);
+            push(self.frame.camera.generate_ray(corner + offset, on_lens, time), weight);
+            if self.integrator.uses_samplers() {
                 samplers.push(sample);
             }
         }
-    }
-
-    /// The moment of a sample; its dimension is drawn only where something moves.
-    pub(crate) fn draw_moment(&self, sample: &mut SampleStream) -> f64 {
-        if self.moves { self.camera.moment(sample.next_1d()) } else { 0.0 }
     }
 }
 

@@ -34,7 +34,7 @@ fn a_flush_top_is_seen_and_a_bottom_on_the_floor_is_not() {
     let finding = only(&scene, Kind::CoincidentSurfaces);
     assert_eq!((finding.object.as_str(), finding.values.as_slice()), ("nodes[0]", &faces(2.0, 2.0)[..]));
     assert_eq!(finding.severity, Severity::Warning);
-    assert!(finding.message.contains("lies in nodes[1]"), "{finding:?}");
+    assert!(finding.message.contains("overlaps nodes[1]"), "{finding:?}");
 }
 
 #[test]

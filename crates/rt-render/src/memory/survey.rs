@@ -6,12 +6,11 @@ use rt_geometry::Shape;
 use rt_math::Transform;
 use rt_scene_io::{Content, GroupId, MeshId, Node, Scene};
 
-use super::{Most, structure};
 use crate::{
     RenderError,
     flatten::{DISSOLVED, count_group_uses, group_of},
-    structure::Wanted,
-    world::{Moving, Part},
+    instance::{Moving, Part},
+    structure::{FEW, Wanted, choose},
 };
 
 /// What the allocator adds to a piece of memory, and the counts of what is shared.
@@ -19,6 +18,40 @@ const HEADER: u64 = 32;
 
 /// Bytes for each triangle of a mesh that shines: its share in the choice of a light.
 const EMITTER_BYTES: u64 = 64;
+
+/// What needs most memory of all.
+#[derive(Debug, Default)]
+pub(crate) struct Most {
+    pub(crate) bytes: u64,
+    pub(crate) what: String,
+}
+
+impl Most {
+    pub(crate) fn offer(&mut self, bytes: u64, what: impl FnOnce() -> String) {
+        if bytes > self.bytes {
+            *self = Self { bytes, what: what() };
+        }
+    }
+}
+
+/// Bytes of a structure over so many primitives: what it keeps, and what it takes besides while it is built. Measured on meshes
+/// of half a million triangles, and rounded up.
+fn structure(wanted: Wanted, primitives: u64) -> [u64; 2] {
+    use rt_accel::AcceleratorKind as Kind;
+    let [kept, besides] = match choose(wanted.accel, primitives <= FEW as u64) {
+        Kind::Linear => [16, 0],
+        Kind::Wide => [46, 100],
+        Kind::Bvh => [40, 140],
+        Kind::Grid => [44, 56],
+        Kind::Spheres => [48, 72],
+        Kind::Cylinders => [72, 90],
+        Kind::Kd => [110, 260],
+        Kind::Bsp => [220, 360],
+        Kind::Bih => [20, 56],
+        Kind::BihLazy => [60, 26],
+    };
+    [primitives.saturating_mul(kept), primitives.saturating_mul(besides)]
+}
 
 /// What stands in a scene, in bytes.
 #[derive(Debug, Default)]

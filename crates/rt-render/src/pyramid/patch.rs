@@ -4,8 +4,7 @@ use rt_geometry::{Hit, InteractionFlags};
 use rt_math::{DVec3, Ray, transcendental::pow};
 use rt_shading::{Appearance, ColorTexture, Light, LightKind, Material, Phong};
 
-use super::outline::Outline;
-use crate::trace::Surfaces;
+use crate::{primitive_form::Outline, world::Surfaces};
 
 /// Greatest angle in radians by which the directions that shading depends on may turn within a patch, times √n for a highlight
 /// of exponent n. As cosⁿ a ≈ exp(−n a²/2), whose slope is at most √(n/e), the highlight changes by less than 16 % of its

@@ -15,10 +15,8 @@ use rt_accel::{AcceleratorQueries as _, AnyAccelerator, Region};
 use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay};
 use rt_shading::{Light, LightKind};
 
-use super::{
-    outline::{Outline, Outlines},
-    patch::Patch,
-};
+use super::patch::Patch;
+use crate::primitive_form::{Outline, Outlines};
 
 /// All ways from a patch to a light without extent.
 #[derive(Clone, Copy, Debug)]

@@ -3,11 +3,6 @@
 use rt_geometry::{Primitives, Shape, TransformedShape};
 use rt_math::DVec3;
 
-use crate::{
-    trace::SphereWorld,
-    world::{InstanceGeometry, Part, Parts},
-};
-
 /// The form of a primitive in the space of the world, as far as pyramids and shafts make use of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Outline {
@@ -32,38 +27,8 @@ pub(crate) trait Outlines: Primitives {
     fn casts_shadow(&self, index: u32) -> bool;
 }
 
-impl Outlines for SphereWorld {
-    fn outline(&self, index: u32) -> Outline {
-        let sphere = &self.spheres.as_slice()[index as usize];
-        Outline::Ball { centre: sphere.centre(), radius: sphere.radius() }
-    }
-
-    fn casts_shadow(&self, index: u32) -> bool {
-        Self::casts_shadow(self, index)
-    }
-}
-
-impl Outlines for Parts<'_> {
-    fn outline(&self, index: u32) -> Outline {
-        match &self.parts[index as usize].geometry {
-            InstanceGeometry::Shape(shape) => Outline::of(shape),
-            InstanceGeometry::TransformedShape(placed) => Outline::of_placed(placed),
-            InstanceGeometry::Facet(mesh, _) if mesh.data().normals.is_empty() => Outline::Flat,
-            InstanceGeometry::Facet(..)
-            | InstanceGeometry::Mesh(..)
-            | InstanceGeometry::Group(..)
-            | InstanceGeometry::Moving(_) => Outline::Other,
-        }
-    }
-
-    fn casts_shadow(&self, index: u32) -> bool {
-        let Part { casts_shadow, .. } = &self.parts[index as usize];
-        *casts_shadow
-    }
-}
-
 impl Outline {
-    fn of(shape: &Shape) -> Self {
+    pub(crate) fn of(shape: &Shape) -> Self {
         match shape {
             Shape::Sphere(sphere) => Self::Ball { centre: sphere.centre(), radius: sphere.radius() },
             Shape::Plane(plane) => Self::Plane { point: plane.point(), normal: plane.normal() },
@@ -75,7 +40,7 @@ impl Outline {
     }
 
     /// Affine maps keep what is flat flat, and what is convex convex. A sphere that they do not keep round is no ball.
-    fn of_placed(placed: &TransformedShape) -> Self {
+    pub(crate) fn of_placed(placed: &TransformedShape) -> Self {
         let map = placed.world_from_local();
         match Self::of(placed.shape()) {
             Self::Plane { point, normal } => Self::Plane { point: map.point(point), normal: map.normal(normal) },

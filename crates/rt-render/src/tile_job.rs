@@ -1,0 +1,102 @@
+//! A tile of the image as a job of a thread, and its result.
+
+use rt_geometry::Counters;
+use rt_math::Rgb;
+use rt_shading::ShadingCounts;
+
+use crate::{
+    error_estimate::ErrorSums,
+    estimate::PixelEstimate,
+    passes::{PixelMask, Sweep},
+    tiles::Tile,
+};
+
+/// What a thread does at a time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Task<'a> {
+    pub(crate) tile: Tile,
+    pub(crate) sweep: &'a Sweep<'a>,
+    /// The pixels of the tile that show no edge, where pixels are told apart in object space; known once it is begun.
+    pub(crate) simple: Option<&'a PixelMask>,
+}
+
+impl<'a> Task<'a> {
+    pub(crate) const fn new(tile: Tile, sweep: &'a Sweep<'a>) -> Self {
+        Self { tile, sweep, simple: None }
+    }
+
+    pub(crate) fn is_simple(&self, pixel: [u32; 2]) -> bool {
+        self.simple.is_some_and(|simple| simple.contains(pixel))
+    }
+
+    /// Samples per pass of a pixel.
+    pub(crate) fn spp_of(&self, pixel: [u32; 2]) -> u32 {
+        self.sweep.simple_spp.filter(|_| self.is_simple(pixel)).unwrap_or(self.sweep.spp)
+    }
+}
+
+/// A rendered tile on its way to the film: its pixels row by row, but for those that the sweep leaves out.
+pub(crate) struct Finished {
+    pub(crate) tile: Tile,
+    /// Radiance, not yet rounded to what a film holds.
+    pub(crate) pixels: Vec<Rgb>,
+    /// Coverage; empty unless the plan asks for it.
+    pub(crate) alpha: Vec<f64>,
+    with_alpha: bool,
+    with_counts: bool,
+    /// Squares of standard errors; empty after a single pass.
+    pub(crate) variances: Vec<Rgb>,
+    /// Samples of each pixel; empty where all have the same number.
+    pub(crate) counts: Vec<u32>,
+    /// Samples of all pixels.
+    pub(crate) samples: u64,
+    /// Pixels that show no edge.
+    pub(crate) simple_pixels: u64,
+    pub(crate) error: ErrorSums,
+    pub(crate) counters: Counters,
+    /// Samples that met a surface.
+    pub(crate) camera_hits: u64,
+    pub(crate) primary_rays_spared: u64,
+    pub(crate) shading: ShadingCounts,
+    pub(crate) bad_samples: u64,
+}
+
+impl Finished {
+    /// A tile without its pixels.
+    pub(crate) fn new(task: &Task<'_>, with_alpha: bool) -> Self {
+        let tile = task.tile;
+        let count = tile.width as usize * tile.height as usize;
+        let room = |needed: bool| if needed { count } else { 0 };
+        Self {
+            tile,
+            pixels: Vec::with_capacity(count),
+            alpha: Vec::with_capacity(room(with_alpha)),
+            with_alpha,
+            with_counts: task.simple.is_some(),
+            variances: Vec::with_capacity(room(task.sweep.count > 1)),
+            counts: Vec::with_capacity(room(task.simple.is_some())),
+            samples: 0,
+            simple_pixels: task.simple.map_or(0, |simple| simple.count() as u64),
+            error: ErrorSums::default(),
+            counters: Counters::default(),
+            camera_hits: 0,
+            primary_rays_spared: 0,
+            shading: ShadingCounts::default(),
+            bad_samples: 0,
+        }
+    }
+
+    /// Adds the next pixel of the tile.
+    pub(crate) fn push(&mut self, pixel: &PixelEstimate) {
+        self.pixels.push(pixel.mean());
+        if self.with_alpha {
+            self.alpha.push(pixel.coverage());
+        }
+        self.variances.extend(pixel.variance());
+        self.samples += u64::from(pixel.samples());
+        if self.with_counts {
+            self.counts.push(pixel.samples());
+        }
+        self.error.add(pixel);
+    }
+}
