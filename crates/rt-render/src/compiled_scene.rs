@@ -7,12 +7,12 @@ use rt_shading::{Appearance, BsdfCache, LightSources, Material, Needs, emitter::
 
 use crate::{
     RenderError, RenderSpace,
-    emitters::{emitters, moving_lamp},
+    accel_choice::AccelOptions,
+    area_lights::{emitters, find_animated_light},
     flatten::flatten,
-    instance::{Assembly, InstanceGeometry, Levels},
+    instance::{Aggregate, BottomLevel, InstanceGeometry},
     light_sources::light_sources,
     plan_options::PlanOptions,
-    structure::Wanted,
     world::World,
 };
 
@@ -23,7 +23,7 @@ pub(crate) struct CompiledScene<'s> {
     pub(crate) space: RenderSpace,
     /// Time of the only position of all objects, if the shutter opens for a single time.
     pub(crate) static_time: Option<f64>,
-    pub(crate) accel: Wanted,
+    pub(crate) accel: AccelOptions,
     pub(crate) world: World,
     /// Materials, textures and delta lights, in render space.
     pub(crate) appearance: Cow<'s, Appearance>,
@@ -50,9 +50,9 @@ impl<'s> CompiledScene<'s> {
         medium: Option<MaterialId>,
     ) -> Result<Self, RenderError> {
         let integrator = source.settings.integrator;
-        let accel = Wanted::new(source, options);
+        let accel = AccelOptions::new(source, options);
         let (mut top, mut levels) = flatten(source, accel, space.render_from_world(), !options.full, static_time)?;
-        if let (Integrator::Distributed, Some(lamp)) = (integrator, moving_lamp(source, &top, &levels)) {
+        if let (Integrator::Distributed, Some(lamp)) = (integrator, find_animated_light(source, &top, &levels)) {
             return Err(RenderError::MovingLamp(lamp));
         }
         let emitters =
@@ -62,7 +62,7 @@ impl<'s> CompiledScene<'s> {
         }
         let used = used_materials(source, &top, &levels, medium);
         let used_features = features(source, &top, &levels, &used);
-        let world = if options.full { World::Parts(top, levels) } else { World::specialise(top, levels) };
+        let world = if options.full { World::Instances(top, levels) } else { World::specialise(top, levels) };
         let appearance = space.appearance(&source.appearance);
         let bsdfs = if integrator.draws_lights() && !options.full {
             BsdfCache::new(&appearance, |material| used[material])
@@ -101,36 +101,36 @@ impl<'s> CompiledScene<'s> {
 }
 
 /// Marks the instances whose texture coordinates are used: those with a textured material.
-fn mark_textured(scene: &Scene, top: &mut Assembly, levels: &mut Levels) {
-    for part in top.parts.iter_mut().chain(levels.groups.iter_mut().flat_map(|group| &mut group.parts)) {
-        let material = scene.appearance.materials.get(part.material as usize);
-        part.textured = part.geometry.group().is_some() || material.is_none_or(Material::is_textured);
+fn mark_textured(scene: &Scene, top: &mut Aggregate, levels: &mut BottomLevel) {
+    for instance in top.instances.iter_mut().chain(levels.groups.iter_mut().flat_map(|group| &mut group.instances)) {
+        let material = scene.appearance.materials.get(instance.material as usize);
+        instance.textured = instance.geometry.group().is_some() || material.is_none_or(Material::is_textured);
     }
 }
 
 /// For each material a flag: an object in the world has it, or it fills the space around the camera.
-fn used_materials(scene: &Scene, top: &Assembly, levels: &Levels, medium: Option<MaterialId>) -> Vec<bool> {
+fn used_materials(scene: &Scene, top: &Aggregate, levels: &BottomLevel, medium: Option<MaterialId>) -> Vec<bool> {
     let mut used = vec![false; scene.appearance.materials.len()];
     if let Some(MaterialId(material)) = medium {
         used[material as usize] = true;
     }
-    for part in top.all_parts(levels) {
-        if !matches!(part.geometry.at_rest(), InstanceGeometry::Group(..)) {
-            used[part.material as usize] = true;
+    for instance in top.all_instances(levels) {
+        if !matches!(instance.geometry.static_geometry(), InstanceGeometry::Group(..)) {
+            used[instance.material as usize] = true;
         }
     }
     used
 }
 
 /// Features of shading that objects in the world use.
-fn features(scene: &Scene, top: &Assembly, levels: &Levels, used: &[bool]) -> Needs {
+fn features(scene: &Scene, top: &Aggregate, levels: &BottomLevel, used: &[bool]) -> Needs {
     let mut casts_shadow = false;
     let mut shading_normals = false;
-    for part in top.all_parts(levels) {
-        casts_shadow |= part.casts_shadow;
-        let mesh = match part.geometry.at_rest() {
+    for instance in top.all_instances(levels) {
+        casts_shadow |= instance.casts_shadow;
+        let mesh = match instance.geometry.static_geometry() {
             InstanceGeometry::Mesh(level, _) => &levels.meshes[*level as usize].mesh,
-            InstanceGeometry::Facet(mesh, _) => mesh,
+            InstanceGeometry::Triangle(mesh, _) => mesh,
             _ => continue,
         };
         shading_normals |= !mesh.data().normals.is_empty();

@@ -137,7 +137,7 @@ impl ErrorSums {
         let interval = if self.spread_of_estimate > 0.0 {
             // Sums of true errors lie far within these bounds, which keep made-up ones from taking forever.
             let most = 2.0 * self.pixels as f64;
-            let freedom = |spread: f64, most: f64| (self.squares * self.squares / spread).clamp(0.5, most);
+            let freedom = |splat: f64, most: f64| (self.squares * self.squares / splat).clamp(0.5, most);
             let (m, n) =
                 (freedom(self.spread_of_error, most), freedom(self.spread_of_estimate, most * MOST_PASSES_TOLD_APART));
             if m.is_nan() || n.is_nan() {

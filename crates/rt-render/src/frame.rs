@@ -12,11 +12,11 @@ use rt_scene_io::{Accel, Integrator, MaterialId, NamedCamera, Scene, Settings};
 
 use crate::{
     Crop, RenderError, RenderSpace,
+    camera_medium::CameraMedium,
     compiled_scene::CompiledScene,
-    passes::{Sweep, default_passes, pass_seed},
+    frustum_cull::VisibleSet,
+    passes::{PassSpec, default_passes, pass_seed},
     plan_options::PlanOptions,
-    surroundings::CameraMedium,
-    visible::Visible,
     world::World,
 };
 
@@ -79,7 +79,7 @@ pub(crate) struct Frame {
     /// Radiance of camera rays that leave the scene, in place of the background.
     pub(crate) backdrop: Option<Rgb>,
     /// Objects in view, if these are much fewer than all.
-    pub(crate) visible: Option<Visible>,
+    pub(crate) visible: Option<VisibleSet>,
     /// True if each tile finds the objects in its own part of the view.
     pub(crate) culls_tiles: bool,
     /// True if the camera or an object moves while the shutter is open.
@@ -129,8 +129,8 @@ impl Frame {
         if may_cull {
             let volume = frame.view_volume(crop);
             let visible = match world {
-                World::Spheres(world, _) => Visible::build(compiled.accel, world, &volume),
-                World::Parts(top, levels) => Visible::build(compiled.accel, &top.set(levels), &volume),
+                World::Spheres(world, _) => VisibleSet::build(compiled.accel, world, &volume),
+                World::Instances(top, levels) => VisibleSet::build(compiled.accel, &top.set(levels), &volume),
             };
             frame.visible = visible.map_err(|source| RenderError::Build { object: scene.name.clone(), source })?;
         }
@@ -143,8 +143,8 @@ impl Frame {
     }
 
     /// All passes of a render with a fixed number of samples.
-    pub(crate) const fn all_passes(&self) -> Sweep<'static> {
-        Sweep { first: 0, count: self.passes, spp: self.pass_spp, simple_spp: self.simple_pass_spp, pixels: None }
+    pub(crate) const fn all_passes(&self) -> PassSpec<'static> {
+        PassSpec { first: 0, count: self.passes, spp: self.pass_spp, simple_spp: self.simple_pass_spp, pixels: None }
     }
 
     /// Time of a sample; it takes a random number only if something moves.

@@ -13,11 +13,11 @@ use rt_geometry::{
 use rt_math::{Aabb, AnimatedTransformChain, Interval, Ray, Transform};
 use rt_shading::{Relief, SurfaceHit, Texture, emitter::EmitterRef};
 
-use crate::porous::{AlphaTestedMesh, Holes};
+use crate::alpha_mesh::{AlphaTest, AlphaTestedMesh};
 
 /// Something that stands somewhere, in the space of its assembly.
 #[derive(Debug)]
-pub(crate) struct Part {
+pub(crate) struct Instance {
     pub(crate) geometry: InstanceGeometry,
     /// Index of the material; that of a group's part is its own.
     pub(crate) material: u32,
@@ -38,10 +38,10 @@ pub(crate) struct Part {
     pub(crate) name: Arc<str>,
 }
 
-impl Part {
+impl Instance {
     /// True if it is elsewhere at another moment, in its assembly.
-    pub(crate) const fn moves(&self) -> bool {
-        matches!(self.geometry, InstanceGeometry::Moving(_))
+    pub(crate) const fn has_motion(&self) -> bool {
+        matches!(self.geometry, InstanceGeometry::Animated(_))
     }
 
     /// What is needed of its surface.
@@ -52,14 +52,14 @@ impl Part {
 
     /// The part's surface at `t`; `triangle` is the one that was hit, where the light is numbered as the mesh is.
     #[inline]
-    fn made(&self, t: f64, interaction: SurfaceInteraction, triangle: Option<u32>) -> SurfaceHit {
+    fn surface_hit(&self, t: f64, interaction: SurfaceInteraction, triangle: Option<u32>) -> SurfaceHit {
         let emitter = self.emitter.map(|index| EmitterRef { index, triangle });
         SurfaceHit { t, interaction, object: self.object, material: self.material, emitter }
     }
 
     /// The surface of a triangle of a mesh.
     #[inline]
-    fn facet(
+    fn triangle_surface(
         &self,
         mesh: &TriangleMesh,
         triangle: u32,
@@ -68,13 +68,13 @@ impl Part {
         needs: InteractionFlags,
     ) -> Option<SurfaceHit> {
         let surface = mesh.surface(ray, &Hit { primitive: triangle, ..*hit }, self.needs(needs))?;
-        Some(self.made(hit.t, surface, Some(triangle)))
+        Some(self.surface_hit(hit.t, surface, Some(triangle)))
     }
 
     /// The surface of a shape.
     #[inline]
-    fn shape(&self, shape: &Shape, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> SurfaceHit {
-        self.made(hit.t, shape.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, self.needs(needs)), None)
+    fn shape_surface(&self, shape: &Shape, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> SurfaceHit {
+        self.surface_hit(hit.t, shape.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, self.needs(needs)), None)
     }
 }
 
@@ -83,64 +83,64 @@ impl Part {
 pub(crate) enum InstanceGeometry {
     Shape(Shape),
     TransformedShape(Box<TransformedShape>),
-    /// Index of a [`MeshLevel`]; no transform means the identity.
+    /// Index of a [`MeshBlas`]; no transform means the identity.
     Mesh(u32, Option<Box<Transform>>),
     /// One triangle of a small mesh that stands where its file says, and has no normal map.
-    Facet(Arc<TriangleMesh>, u32),
-    /// Index of an [`Assembly`].
+    Triangle(Arc<TriangleMesh>, u32),
+    /// Index of an [`Aggregate`].
     Group(u32, Option<Box<Transform>>),
-    Moving(Box<Moving>),
+    Animated(Box<Animated>),
 }
 
 impl InstanceGeometry {
     /// What it is, if it moves, in its own space.
-    pub(crate) fn at_rest(&self) -> &Self {
-        if let Self::Moving(moving) = self { &moving.geometry } else { self }
+    pub(crate) fn static_geometry(&self) -> &Self {
+        if let Self::Animated(animated) = self { &animated.geometry } else { self }
     }
 
     /// True if it is a structure over many primitives.
     pub(crate) fn is_structure(&self) -> bool {
-        matches!(self.at_rest(), Self::Mesh(..) | Self::Group(..))
+        matches!(self.static_geometry(), Self::Mesh(..) | Self::Group(..))
     }
 
-    /// Index of the [`Assembly`] that it places.
+    /// Index of the [`Aggregate`] that it places.
     pub(crate) fn group(&self) -> Option<u32> {
-        if let Self::Group(level, _) = self.at_rest() { Some(*level) } else { None }
+        if let Self::Group(level, _) = self.static_geometry() { Some(*level) } else { None }
     }
 }
 
 /// Something that is elsewhere at another moment. The part's bounds contain it at all moments.
 #[derive(Debug)]
-pub(crate) struct Moving {
-    pub(crate) assembly_from_local: AnimatedTransformChain,
+pub(crate) struct Animated {
+    pub(crate) aggregate_from_local: AnimatedTransformChain,
     /// A shape, or a mesh or group without a transform.
     pub(crate) geometry: InstanceGeometry,
 }
 
 /// A mesh with the structure over its triangles, in the space of its file.
 #[derive(Debug)]
-pub(crate) struct MeshLevel {
+pub(crate) struct MeshBlas {
     pub(crate) mesh: Arc<TriangleMesh>,
     /// Where the material does not cover it.
-    pub(crate) holes: Option<Holes>,
+    pub(crate) alpha_test: Option<AlphaTest>,
     pub(crate) structure: AnyAccelerator,
 }
 
-impl MeshLevel {
+impl MeshBlas {
     fn closest<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        match &self.holes {
+        match &self.alpha_test {
             None => self.structure.closest(&*self.mesh, ray, span, probe),
-            Some(holes) => {
-                self.structure.closest(&AlphaTestedMesh { mesh: &self.mesh, holes, textures }, ray, span, probe)
+            Some(alpha_test) => {
+                self.structure.closest(&AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures }, ray, span, probe)
             }
         }
     }
 
     fn occluded<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        match &self.holes {
+        match &self.alpha_test {
             None => self.structure.occluded(&*self.mesh, ray, span, probe),
-            Some(holes) => {
-                self.structure.occluded(&AlphaTestedMesh { mesh: &self.mesh, holes, textures }, ray, span, probe)
+            Some(alpha_test) => {
+                self.structure.occluded(&AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures }, ray, span, probe)
             }
         }
     }
@@ -152,10 +152,10 @@ impl MeshLevel {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        match &self.holes {
+        match &self.alpha_test {
             None => self.structure.closest_batch(&*self.mesh, rays, hits, probe),
-            Some(holes) => {
-                let porous = AlphaTestedMesh { mesh: &self.mesh, holes, textures };
+            Some(alpha_test) => {
+                let porous = AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures };
                 self.structure.closest_batch(&porous, rays, hits, probe);
             }
         }
@@ -168,10 +168,10 @@ impl MeshLevel {
         blocked: &mut [bool],
         probe: &mut S,
     ) {
-        match &self.holes {
+        match &self.alpha_test {
             None => self.structure.occluded_batch(&*self.mesh, rays, blocked, probe),
-            Some(holes) => {
-                let porous = AlphaTestedMesh { mesh: &self.mesh, holes, textures };
+            Some(alpha_test) => {
+                let porous = AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures };
                 self.structure.occluded_batch(&porous, rays, blocked, probe);
             }
         }
@@ -180,75 +180,78 @@ impl MeshLevel {
 
 /// A list of parts with the structure over them.
 #[derive(Debug)]
-pub(crate) struct Assembly {
-    pub(crate) parts: Vec<Part>,
+pub(crate) struct Aggregate {
+    pub(crate) instances: Vec<Instance>,
     pub(crate) structure: AnyAccelerator,
     /// True if each part is one primitive, and hits are named by its place alone: a structure can then decide about
     /// triangles by itself.
     pub(crate) is_flat: bool,
 }
 
-impl Assembly {
+impl Aggregate {
     /// The parts as a set of primitives.
-    pub(crate) fn set<'w>(&'w self, levels: &'w Levels) -> Parts<'w> {
-        Parts { parts: &self.parts, levels, is_flat: self.is_flat }
+    pub(crate) fn set<'w>(&'w self, levels: &'w BottomLevel) -> Instances<'w> {
+        Instances { instances: &self.instances, levels, is_flat: self.is_flat }
     }
 
     /// A hit on a part of a group as one on the instance: its primitives are numbered in a row.
-    fn renamed(&self, hit: Hit, instance: u32) -> Hit {
-        let first = self.parts[hit.instance as usize].first_primitive;
+    fn with_instance(&self, hit: Hit, instance: u32) -> Hit {
+        let first = self.instances[hit.instance as usize].first_primitive;
         Hit { instance, primitive: first + hit.primitive, ..hit }
     }
 
     /// The parts with those of all groups, each of which is told once.
-    pub(crate) fn all_parts<'w>(&'w self, levels: &'w Levels) -> impl Iterator<Item = &'w Part> {
-        self.parts.iter().chain(levels.groups.iter().flat_map(|group| &group.parts))
+    pub(crate) fn all_instances<'w>(&'w self, levels: &'w BottomLevel) -> impl Iterator<Item = &'w Instance> {
+        self.instances.iter().chain(levels.groups.iter().flat_map(|group| &group.instances))
     }
 }
 
 /// Everything below the upper level.
 #[derive(Debug, Default)]
-pub(crate) struct Levels {
-    pub(crate) meshes: Vec<MeshLevel>,
-    pub(crate) groups: Vec<Assembly>,
+pub(crate) struct BottomLevel {
+    pub(crate) meshes: Vec<MeshBlas>,
+    pub(crate) groups: Vec<Aggregate>,
     /// The textures of the scene, if holes or normal maps look at them.
     pub(crate) textures: Vec<Texture>,
 }
 
 /// An assembly's parts as a set of primitives.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Parts<'w> {
-    pub(crate) parts: &'w [Part],
-    pub(crate) levels: &'w Levels,
+pub(crate) struct Instances<'w> {
+    pub(crate) instances: &'w [Instance],
+    pub(crate) levels: &'w BottomLevel,
     pub(crate) is_flat: bool,
 }
 
 /// The ray in the space below a transform; borrowed where there is none.
-fn localise(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
+fn to_local(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
     parent_from_local.map_or(*ray, |transform| transform.inverse_ray(ray))
 }
 
-/// As [`localise`], of many rays.
-fn localise_all<'r>(rays: &'r [(Ray, Interval)], parent_from_local: Option<&Transform>) -> Cow<'r, [(Ray, Interval)]> {
+/// As [`to_local`], of many rays.
+fn to_local_batch<'r>(
+    rays: &'r [(Ray, Interval)],
+    parent_from_local: Option<&Transform>,
+) -> Cow<'r, [(Ray, Interval)]> {
     parent_from_local.map_or(Cow::Borrowed(rays), |transform| {
         rays.iter().map(|(ray, span)| (transform.inverse_ray(ray), *span)).collect()
     })
 }
 
 /// The rays in the space of something that moves, each at its own moment.
-fn localise_at_their_moments(rays: &[(Ray, Interval)], moving: &Moving) -> Vec<(Ray, Interval)> {
-    let local = |ray: &Ray| moving.assembly_from_local.at(ray.time).inverse_ray(ray);
+fn to_local_animated(rays: &[(Ray, Interval)], animated: &Animated) -> Vec<(Ray, Interval)> {
+    let local = |ray: &Ray| animated.aggregate_from_local.at(ray.time).inverse_ray(ray);
     rays.iter().map(|(ray, span)| (local(ray), *span)).collect()
 }
 
-impl Parts<'_> {
+impl Instances<'_> {
     /// The place of the part that a hit is on.
-    pub(crate) fn place(&self, hit: &Hit) -> u32 {
+    pub(crate) fn instance_index(&self, hit: &Hit) -> u32 {
         if self.is_flat { hit.primitive } else { hit.instance }
     }
 
     /// A hit of a part that is one primitive.
-    fn single(&self, index: u32, t: f64, uv: [f64; 2]) -> Hit {
+    fn hit_of(&self, index: u32, t: f64, uv: [f64; 2]) -> Hit {
         let [instance, primitive] = self.hit_ids(index);
         Hit { t, instance, primitive, uv }
     }
@@ -256,64 +259,66 @@ impl Parts<'_> {
     /// The surface at a hit that [`Primitives::intersect`] reported.
     #[inline]
     pub(crate) fn surface(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
-        let part = self.parts.get(self.place(hit) as usize)?;
+        let instance = self.instances.get(self.instance_index(hit) as usize)?;
         // The usual kinds by themselves, so that they are written where they are needed, and not moved about.
-        match &part.geometry {
-            InstanceGeometry::Facet(mesh, triangle) => part.facet(mesh, *triangle, ray, hit, needs),
-            InstanceGeometry::Mesh(level, None) if part.relief.is_none() => {
-                part.facet(&self.levels.meshes[*level as usize].mesh, hit.primitive, ray, hit, needs)
+        match &instance.geometry {
+            InstanceGeometry::Triangle(mesh, triangle) => instance.triangle_surface(mesh, *triangle, ray, hit, needs),
+            InstanceGeometry::Mesh(level, None) if instance.relief.is_none() => {
+                instance.triangle_surface(&self.levels.meshes[*level as usize].mesh, hit.primitive, ray, hit, needs)
             }
-            InstanceGeometry::Shape(shape) => Some(part.shape(shape, ray, hit, needs)),
-            geometry => self.surface_of(part, geometry, ray, hit, needs),
+            InstanceGeometry::Shape(shape) => Some(instance.shape_surface(shape, ray, hit, needs)),
+            geometry => self.surface_of(instance, geometry, ray, hit, needs),
         }
     }
 
     fn surface_of(
         &self,
-        part: &Part,
+        instance: &Instance,
         geometry: &InstanceGeometry,
         ray: &Ray,
         hit: &Hit,
         needs: InteractionFlags,
     ) -> Option<SurfaceHit> {
         let shape_hit = ShapeHit { t: hit.t, uv: hit.uv };
-        let needs = part.needs(needs);
+        let needs = instance.needs(needs);
         Some(match geometry {
-            InstanceGeometry::Shape(shape) => part.shape(shape, ray, hit, needs),
+            InstanceGeometry::Shape(shape) => instance.shape_surface(shape, ray, hit, needs),
             InstanceGeometry::TransformedShape(placed) => {
-                part.made(hit.t, placed.surface(ray, &shape_hit, needs), None)
+                instance.surface_hit(hit.t, placed.surface(ray, &shape_hit, needs), None)
             }
             InstanceGeometry::Mesh(level, transform) => {
                 let mut surface = self.levels.meshes[*level as usize].mesh.surface(
-                    &localise(ray, transform.as_deref()),
+                    &to_local(ray, transform.as_deref()),
                     hit,
                     needs,
                 )?;
-                if let Some(relief) = &part.relief {
+                if let Some(relief) = &instance.relief {
                     relief.shape(&self.levels.textures, &mut surface);
                 }
-                part.made(hit.t, lift(surface, transform.as_deref()), Some(hit.primitive))
+                instance.surface_hit(hit.t, to_world(surface, transform.as_deref()), Some(hit.primitive))
             }
-            InstanceGeometry::Facet(mesh, triangle) => part.facet(mesh, *triangle, ray, hit, needs)?,
+            InstanceGeometry::Triangle(mesh, triangle) => {
+                instance.triangle_surface(mesh, *triangle, ray, hit, needs)?
+            }
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
-                let at = group.parts.partition_point(|p| p.first_primitive <= hit.primitive).checked_sub(1)?;
-                let inner_part = &group.parts[at];
+                let at = group.instances.partition_point(|p| p.first_primitive <= hit.primitive).checked_sub(1)?;
+                let inner_part = &group.instances[at];
                 let inner_hit = Hit { primitive: hit.primitive - inner_part.first_primitive, ..*hit };
-                let local = localise(ray, transform.as_deref());
+                let local = to_local(ray, transform.as_deref());
                 let surface = inner.surface_of(inner_part, &inner_part.geometry, &local, &inner_hit, needs)?;
-                let emitter = surface.emitter.zip(part.emitter);
+                let emitter = surface.emitter.zip(instance.emitter);
                 SurfaceHit {
-                    interaction: lift(surface.interaction, transform.as_deref()),
-                    object: part.object,
+                    interaction: to_world(surface.interaction, transform.as_deref()),
+                    object: instance.object,
                     emitter: emitter.map(|(light, first)| EmitterRef { index: first + light.index, ..light }),
                     ..surface
                 }
             }
-            InstanceGeometry::Moving(moving) => {
-                let map = moving.assembly_from_local.at(ray.time);
-                let surface = self.surface_of(part, &moving.geometry, &map.inverse_ray(ray), hit, needs)?;
+            InstanceGeometry::Animated(animated) => {
+                let map = animated.aggregate_from_local.at(ray.time);
+                let surface = self.surface_of(instance, &animated.geometry, &map.inverse_ray(ray), hit, needs)?;
                 SurfaceHit { interaction: surface.interaction.transformed(&map), ..surface }
             }
         })
@@ -328,41 +333,41 @@ impl Parts<'_> {
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
-        let single = |hit: ShapeHit| self.single(index, hit.t, hit.uv);
+        let hit_of = |hit: ShapeHit| self.hit_of(index, hit.t, hit.uv);
         match geometry {
-            InstanceGeometry::Shape(shape) => shape.intersect(ray, span).map(single),
-            InstanceGeometry::TransformedShape(placed) => placed.intersect(ray, span).map(single),
+            InstanceGeometry::Shape(shape) => shape.intersect(ray, span).map(hit_of),
+            InstanceGeometry::TransformedShape(placed) => placed.intersect(ray, span).map(hit_of),
             InstanceGeometry::Mesh(level, transform) => {
                 let level = &self.levels.meshes[*level as usize];
-                let ray = localise(ray, transform.as_deref());
+                let ray = to_local(ray, transform.as_deref());
                 let hit = level.closest(&self.levels.textures, &ray, span, probe)?;
                 Some(Hit { instance: index, ..hit })
             }
-            InstanceGeometry::Facet(mesh, triangle) => {
+            InstanceGeometry::Triangle(mesh, triangle) => {
                 let hit = mesh.intersect(*triangle, ray, span)?;
-                Some(self.single(index, hit.t, hit.uv))
+                Some(self.hit_of(index, hit.t, hit.uv))
             }
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
-                let ray = localise(ray, transform.as_deref());
+                let ray = to_local(ray, transform.as_deref());
                 let hit = group.structure.closest(&inner, &ray, span, probe)?;
-                Some(group.renamed(hit, index))
+                Some(group.with_instance(hit, index))
             }
-            InstanceGeometry::Moving(moving) => self.closest_on_moving((index, moving), ray, span, probe),
+            InstanceGeometry::Animated(animated) => self.closest_on_animated((index, animated), ray, span, probe),
         }
     }
 
     #[inline(never)]
-    fn closest_on_moving<S: Probe>(
+    fn closest_on_animated<S: Probe>(
         &self,
-        (index, moving): (u32, &Moving),
+        (index, animated): (u32, &Animated),
         ray: &Ray,
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
-        let ray = moving.assembly_from_local.at(ray.time).inverse_ray(ray);
-        self.closest_on((index, &moving.geometry), &ray, span, probe)
+        let ray = animated.aggregate_from_local.at(ray.time).inverse_ray(ray);
+        self.closest_on((index, &animated.geometry), &ray, span, probe)
     }
 
     /// True if a part blocks the ray.
@@ -373,20 +378,20 @@ impl Parts<'_> {
             InstanceGeometry::TransformedShape(placed) => placed.intersect(ray, span).is_some(),
             InstanceGeometry::Mesh(level, transform) => {
                 let level = &self.levels.meshes[*level as usize];
-                level.occluded(&self.levels.textures, &localise(ray, transform.as_deref()), span, probe)
+                level.occluded(&self.levels.textures, &to_local(ray, transform.as_deref()), span, probe)
             }
-            InstanceGeometry::Facet(mesh, triangle) => mesh.intersect(*triangle, ray, span).is_some(),
+            InstanceGeometry::Triangle(mesh, triangle) => mesh.intersect(*triangle, ray, span).is_some(),
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
-                group.structure.occluded(&inner, &localise(ray, transform.as_deref()), span, probe)
+                group.structure.occluded(&inner, &to_local(ray, transform.as_deref()), span, probe)
             }
-            InstanceGeometry::Moving(moving) => self.occluded_by_moving(moving, ray, span, probe),
+            InstanceGeometry::Animated(animated) => self.occluded_by_animated(animated, ray, span, probe),
         }
     }
 
     /// As [`closest_on`](Self::closest_on) for many rays.
-    fn closest_on_for_all<S: Probe>(
+    fn closest_batch_on<S: Probe>(
         &self,
         (index, geometry): (u32, &InstanceGeometry),
         rays: &[(Ray, Interval)],
@@ -395,21 +400,21 @@ impl Parts<'_> {
     ) {
         match geometry {
             InstanceGeometry::Mesh(level, transform) => {
-                let rays = localise_all(rays, transform.as_deref());
+                let rays = to_local_batch(rays, transform.as_deref());
                 self.levels.meshes[*level as usize].closest_batch(&self.levels.textures, &rays, hits, probe);
                 hits.iter_mut().flatten().for_each(|hit| hit.instance = index);
             }
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
-                let rays = localise_all(rays, transform.as_deref());
+                let rays = to_local_batch(rays, transform.as_deref());
                 group.structure.closest_batch(&group.set(self.levels), &rays, hits, probe);
-                hits.iter_mut().flatten().for_each(|hit| *hit = group.renamed(*hit, index));
+                hits.iter_mut().flatten().for_each(|hit| *hit = group.with_instance(*hit, index));
             }
-            InstanceGeometry::Moving(moving) => {
-                let rays = localise_at_their_moments(rays, moving);
-                self.closest_on_for_all((index, &moving.geometry), &rays, hits, probe);
+            InstanceGeometry::Animated(animated) => {
+                let rays = to_local_animated(rays, animated);
+                self.closest_batch_on((index, &animated.geometry), &rays, hits, probe);
             }
-            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Facet(..) => {
+            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(..) => {
                 for ((ray, span), hit) in rays.iter().zip(hits) {
                     *hit = self.closest_on((index, geometry), ray, *span, probe);
                 }
@@ -418,7 +423,7 @@ impl Parts<'_> {
     }
 
     /// As [`occluded_by`](Self::occluded_by) for many rays.
-    fn occluded_by_for_all<S: Probe>(
+    fn occluded_batch_by<S: Probe>(
         &self,
         geometry: &InstanceGeometry,
         rays: &[(Ray, Interval)],
@@ -427,19 +432,19 @@ impl Parts<'_> {
     ) {
         match geometry {
             InstanceGeometry::Mesh(level, transform) => {
-                let rays = localise_all(rays, transform.as_deref());
+                let rays = to_local_batch(rays, transform.as_deref());
                 self.levels.meshes[*level as usize].occluded_batch(&self.levels.textures, &rays, blocked, probe);
             }
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
-                let rays = localise_all(rays, transform.as_deref());
+                let rays = to_local_batch(rays, transform.as_deref());
                 group.structure.occluded_batch(&group.set(self.levels), &rays, blocked, probe);
             }
-            InstanceGeometry::Moving(moving) => {
-                let rays = localise_at_their_moments(rays, moving);
-                self.occluded_by_for_all(&moving.geometry, &rays, blocked, probe);
+            InstanceGeometry::Animated(animated) => {
+                let rays = to_local_animated(rays, animated);
+                self.occluded_batch_by(&animated.geometry, &rays, blocked, probe);
             }
-            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Facet(..) => {
+            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(..) => {
                 for ((ray, span), blocked) in rays.iter().zip(blocked) {
                     *blocked = self.occluded_by(geometry, ray, *span, probe);
                 }
@@ -448,23 +453,23 @@ impl Parts<'_> {
     }
 
     #[inline(never)]
-    fn occluded_by_moving<S: Probe>(&self, moving: &Moving, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        let ray = moving.assembly_from_local.at(ray.time).inverse_ray(ray);
-        self.occluded_by(&moving.geometry, &ray, span, probe)
+    fn occluded_by_animated<S: Probe>(&self, animated: &Animated, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        let ray = animated.aggregate_from_local.at(ray.time).inverse_ray(ray);
+        self.occluded_by(&animated.geometry, &ray, span, probe)
     }
 }
 
-fn lift(surface: SurfaceInteraction, parent_from_local: Option<&Transform>) -> SurfaceInteraction {
+fn to_world(surface: SurfaceInteraction, parent_from_local: Option<&Transform>) -> SurfaceInteraction {
     parent_from_local.map_or(surface, |transform| surface.transformed(transform))
 }
 
-impl Primitives for Parts<'_> {
+impl Primitives for Instances<'_> {
     fn len(&self) -> usize {
-        self.parts.len()
+        self.instances.len()
     }
 
     fn bounds(&self, index: u32) -> Option<Aabb> {
-        self.parts[index as usize].bounds
+        self.instances[index as usize].bounds
     }
 
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
@@ -476,18 +481,18 @@ impl Primitives for Parts<'_> {
     }
 
     fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        self.closest_on((index, &self.parts[index as usize].geometry), ray, span, probe)
+        self.closest_on((index, &self.instances[index as usize].geometry), ray, span, probe)
     }
 
     fn occludes_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        let part = &self.parts[index as usize];
-        part.casts_shadow && self.occluded_by(&part.geometry, ray, span, probe)
+        let instance = &self.instances[index as usize];
+        instance.casts_shadow && self.occluded_by(&instance.geometry, ray, span, probe)
     }
 
     fn batch_kernel(&self, index: u32) -> BatchKernel {
-        match &self.parts[index as usize].geometry {
+        match &self.instances[index as usize].geometry {
             InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.round()),
-            InstanceGeometry::Facet(mesh, triangle) => mesh.batch_kernel(*triangle),
+            InstanceGeometry::Triangle(mesh, triangle) => mesh.batch_kernel(*triangle),
             geometry if geometry.is_structure() => BatchKernel::Instance,
             _ => BatchKernel::Single,
         }
@@ -499,19 +504,19 @@ impl Primitives for Parts<'_> {
     }
 
     fn blocks(&self, index: u32) -> bool {
-        self.parts[index as usize].casts_shadow
+        self.instances[index as usize].casts_shadow
     }
 
     fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
         let n = rays.len().min(hits.len());
-        let part = &self.parts[index as usize];
-        self.closest_on_for_all((index, &part.geometry), &rays[..n], &mut hits[..n], probe);
+        let instance = &self.instances[index as usize];
+        self.closest_batch_on((index, &instance.geometry), &rays[..n], &mut hits[..n], probe);
     }
 
     fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
-        let part = &self.parts[index as usize];
-        if part.casts_shadow {
-            self.occluded_by_for_all(&part.geometry, rays, blocked, probe);
+        let instance = &self.instances[index as usize];
+        if instance.casts_shadow {
+            self.occluded_batch_by(&instance.geometry, rays, blocked, probe);
         } else {
             let n = rays.len().min(blocked.len());
             blocked[..n].fill(false);
@@ -519,9 +524,9 @@ impl Primitives for Parts<'_> {
     }
 
     fn geometry(&self, index: u32) -> PrimitiveGeometry {
-        let part = &self.parts[index as usize];
-        match &part.geometry {
-            _ if !part.casts_shadow => PrimitiveGeometry::Opaque,
+        let instance = &self.instances[index as usize];
+        match &instance.geometry {
+            _ if !instance.casts_shadow => PrimitiveGeometry::Opaque,
             InstanceGeometry::Shape(Shape::Sphere(sphere)) if self.is_flat => {
                 PrimitiveGeometry::ExactSphere(sphere.round())
             }
@@ -530,8 +535,8 @@ impl Primitives for Parts<'_> {
             }
             InstanceGeometry::Shape(Shape::Cuboid(axis_box)) => PrimitiveGeometry::Box(axis_box.bounds()),
             InstanceGeometry::Shape(Shape::Triangle(triangle)) => PrimitiveGeometry::Triangle(triangle.vertices()),
-            InstanceGeometry::Facet(mesh, triangle) if self.is_flat => mesh.geometry(*triangle),
-            InstanceGeometry::Facet(mesh, triangle) => {
+            InstanceGeometry::Triangle(mesh, triangle) if self.is_flat => mesh.geometry(*triangle),
+            InstanceGeometry::Triangle(mesh, triangle) => {
                 mesh.vertices(*triangle).map_or(PrimitiveGeometry::Opaque, PrimitiveGeometry::Triangle)
             }
             _ => PrimitiveGeometry::Opaque,
@@ -540,11 +545,11 @@ impl Primitives for Parts<'_> {
 }
 
 /// True if the part, or one in its group, is of such a material.
-pub(crate) fn holds(part: &Part, levels: &Levels, is_wanted: &impl Fn(u32) -> bool) -> bool {
-    match part.geometry.at_rest() {
+pub(crate) fn uses_material(instance: &Instance, levels: &BottomLevel, is_wanted: &impl Fn(u32) -> bool) -> bool {
+    match instance.geometry.static_geometry() {
         InstanceGeometry::Group(level, _) => {
-            levels.groups[*level as usize].parts.iter().any(|inner| is_wanted(inner.material))
+            levels.groups[*level as usize].instances.iter().any(|inner| is_wanted(inner.material))
         }
-        _ => is_wanted(part.material),
+        _ => is_wanted(instance.material),
     }
 }

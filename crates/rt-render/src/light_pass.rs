@@ -8,18 +8,18 @@ use rt_shading::{CameraWiSample, LightTracingIntegrator, LightTracingScene, Ligh
 
 use crate::{
     RenderPlan,
+    frustum_cull::PrimaryTarget,
     passes::pass_seed,
-    splats::{Splat, spread},
-    trace::{Countable, WorldTracer},
-    visible::InView,
-    world::{Surfaces, World},
+    splats::{Splat, splat},
+    tracer::{SceneTracer, StatsProbe},
+    world::{ShadedPrimitives, World},
 };
 
 /// Paths that a thread takes at a time.
 const CHUNK: u64 = 4096;
 
 /// Paths that are traced together.
-const WAVE: u64 = 256;
+const BATCH_SIZE: u64 = 256;
 
 /// Tells the random numbers of light paths from those of pixels.
 const LIGHT_PATHS: u64 = 0x6c69_6768_7420_7061;
@@ -33,7 +33,7 @@ pub(crate) struct LightPass {
 }
 
 /// What some of the paths did.
-pub(crate) struct LitChunk {
+pub(crate) struct LightChunk {
     pub(crate) splats: Vec<Splat>,
     pub(crate) counters: Counters,
     pub(crate) shading: ShadingCounts,
@@ -63,7 +63,7 @@ impl RenderPlan<'_> {
         chunk: u64,
         count: bool,
         tracer: &mut LightTracingIntegrator<SampleStream>,
-    ) -> LitChunk {
+    ) -> LightChunk {
         if count {
             self.trace_light_with::<Counters>(pass, chunk, tracer)
         } else {
@@ -71,42 +71,42 @@ impl RenderPlan<'_> {
         }
     }
 
-    fn trace_light_with<S: Countable>(
+    fn trace_light_with<S: StatsProbe>(
         &self,
         pass: LightPass,
         chunk: u64,
         tracer: &mut LightTracingIntegrator<SampleStream>,
-    ) -> LitChunk {
+    ) -> LightChunk {
         match &self.scene.world {
             World::Spheres(world, structure) => self.trace_light_in::<_, S>(world, structure, pass, chunk, tracer),
-            World::Parts(top, levels) => {
+            World::Instances(top, levels) => {
                 let world = &top.set(levels);
                 self.trace_light_in::<_, S>(world, &top.structure, pass, chunk, tracer)
             }
         }
     }
 
-    fn trace_light_in<W: Surfaces, S: Countable>(
+    fn trace_light_in<W: ShadedPrimitives, S: StatsProbe>(
         &self,
         world: &W,
         structure: &AnyAccelerator,
         pass: LightPass,
         chunk: u64,
         tracer: &mut LightTracingIntegrator<SampleStream>,
-    ) -> LitChunk {
+    ) -> LightChunk {
         let mut lit =
-            LitChunk { splats: Vec::new(), counters: Counters::default(), shading: ShadingCounts::default(), bad: 0 };
+            LightChunk { splats: Vec::new(), counters: Counters::default(), shading: ShadingCounts::default(), bad: 0 };
         let Some(sources) = &self.scene.light_sources else { return lit };
         let lighting =
             Lighting { appearance: &self.scene.appearance, emitters: &self.scene.emitters, bsdfs: &self.scene.bsdfs };
-        let mut world = WorldTracer::new(world, structure, InView::All(structure), S::default());
+        let mut world = SceneTracer::new(world, structure, PrimaryTarget::All(structure), S::default());
         // Sobol' points whatever the pattern of the camera's samples: they need not be arranged in a pixel.
         let seed = hash(&[pass_seed(self.frame.seed, pass.pass), LIGHT_PATHS]);
         let sampler = PixelSampler::new(SamplerKind::Sobol, 1, seed);
         let share = 1.0 / pass.paths as f64;
         let end = pass.paths.min((chunk + 1) * CHUNK);
-        for first in (chunk * CHUNK..end).step_by(WAVE as usize) {
-            let indices = first..end.min(first + WAVE);
+        for first in (chunk * CHUNK..end).step_by(BATCH_SIZE as usize) {
+            let indices = first..end.min(first + BATCH_SIZE);
             let samplers = indices.map(|index| {
                 let mut sample = sampler.sample([(index >> 32) as u32, 0], index as u32);
                 let time = self.frame.sample_time(&mut sample);
@@ -121,7 +121,7 @@ impl RenderPlan<'_> {
             tracer.trace(&mut world, scene, samplers, sight, |raster, light| {
                 if light.to_array().iter().all(|c| (0.0..f64::INFINITY).contains(c)) {
                     let add = |splat| lit.splats.push(splat);
-                    spread(self.frame.filter, self.frame.crop, self.frame.sample_offset, raster, light * share, add);
+                    splat(self.frame.filter, self.frame.crop, self.frame.sample_offset, raster, light * share, add);
                 } else {
                     lit.bad += 1;
                 }

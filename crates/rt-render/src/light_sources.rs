@@ -4,8 +4,8 @@ use rt_geometry::Shape;
 use rt_shading::{Appearance, Ball, LightSources, Targets, emitter::EmitterSet};
 
 use crate::{
-    instance::{InstanceGeometry, Levels, Part, holds},
-    surroundings::reach_of_transparent_bodies,
+    camera_medium::reach_of_transparent_bodies,
+    instance::{BottomLevel, Instance, InstanceGeometry, uses_material},
     world::World,
 };
 
@@ -21,20 +21,20 @@ pub(crate) fn light_sources(appearance: &Appearance, emitters: &EmitterSet, worl
                 |(sphere, _): (&rt_geometry::Sphere, _)| Ball { centre: sphere.centre(), radius: sphere.radius() };
             Targets::new(sharp.map(ball).collect())
         }
-        World::Parts(top, levels) => targets(&top.parts, levels, &is_sharp),
+        World::Instances(top, levels) => targets(&top.instances, levels, &is_sharp),
     };
     let bodies = reach_of_transparent_bodies(&appearance.materials, world);
     let sources = LightSources::new(&appearance.lights, emitters, targets, world.bounds(), bodies);
     (!sources.is_empty()).then_some(sources)
 }
 
-fn targets(parts: &[Part], levels: &Levels, is_sharp: &impl Fn(u32) -> bool) -> Targets {
-    let ball = |part: &Part| match &part.geometry {
+fn targets(instances: &[Instance], levels: &BottomLevel, is_sharp: &impl Fn(u32) -> bool) -> Targets {
+    let ball = |instance: &Instance| match &instance.geometry {
         InstanceGeometry::Shape(Shape::Sphere(sphere)) => {
             Some(Ball { centre: sphere.centre(), radius: sphere.radius() })
         }
-        _ => part.bounds.map(|bounds| Ball { centre: bounds.centre(), radius: 0.5 * bounds.extent().length() }),
+        _ => instance.bounds.map(|bounds| Ball { centre: bounds.centre(), radius: 0.5 * bounds.extent().length() }),
     };
-    let sharp = parts.iter().filter(|part| holds(part, levels, is_sharp));
+    let sharp = instances.iter().filter(|instance| uses_material(instance, levels, is_sharp));
     sharp.map(ball).collect::<Option<Vec<_>>>().map_or(Targets::EVERYWHERE, Targets::new)
 }

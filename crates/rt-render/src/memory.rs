@@ -18,7 +18,7 @@ use bytesize::ByteSize;
 use rt_scene_io::{Background, Integrator, MemoryError, Scene};
 use rt_shading::Texture;
 
-use crate::{Crop, RenderError, estimate::PixelEstimate, splats::SplatImage, structure::Wanted};
+use crate::{Crop, RenderError, accel_choice::AccelOptions, estimate::PixelEstimate, splats::SplatImage};
 use survey::{Most, Survey};
 
 /// Bytes of memory that a render takes, as foreseen.
@@ -75,15 +75,15 @@ impl MemoryPrediction {
     pub fn of_scene(scene: &Scene, budget: Option<u64>) -> Result<Self, RenderError> {
         let crop = Crop { x: 0, y: 0, width: 0, height: 0 };
         let kept = PerPixel { crop, transparent: false, progressive: false, culls: false };
-        let (prediction, most) = Self::of(scene, Wanted::default(), &kept)?;
+        let (prediction, most) = Self::of(scene, AccelOptions::default(), &kept)?;
         prediction.check(budget, most)?;
         Ok(prediction)
     }
 
     /// What a scene will take.
-    pub(crate) fn of(scene: &Scene, wanted: Wanted, kept: &PerPixel) -> Result<(Self, Most), RenderError> {
+    pub(crate) fn of(scene: &Scene, accel_options: AccelOptions, kept: &PerPixel) -> Result<(Self, Most), RenderError> {
         let mut most = Most::default();
-        let survey = Survey::of(scene, wanted, kept.culls, &mut most)?;
+        let survey = Survey::of(scene, accel_options, kept.culls, &mut most)?;
         let prediction = Self {
             film: film(scene, kept),
             textures: textures(scene),

@@ -1,4 +1,4 @@
-//! Finished tiles: what a render makes, what is kept of it, and what machines share out among each other.
+//! TileResult tiles: what a render makes, what is kept of it, and what machines share out among each other.
 //!
 //! ```text
 //!   share 1 of 3:  ▓░░▓░░▓░░      share 2 of 3:  ░▓░░▓░░▓░      join:  every tile once, or which is missing or doubled
@@ -16,7 +16,7 @@ use crate::{
     ContentError, Crop, RenderPlan, Rendering, RunOptions, SampleRange, Share, Statistics, Stopped,
     content::{check_count, check_crop, check_length, check_lost, check_share},
     error_estimate::ErrorSums,
-    tile_job::Finished,
+    tile_job::TileResult,
     tiles::{Tile, tile, tile_count, tile_number},
 };
 
@@ -64,7 +64,7 @@ pub(crate) struct TilePixels {
 
 impl TilePixels {
     /// Rounds a tile whose pixels, if nothing else is said, have `samples_per_pixel`.
-    pub(crate) fn new(finished: &Finished, samples_per_pixel: u32, maps: bool) -> Self {
+    pub(crate) fn new(finished: &TileResult, samples_per_pixel: u32, maps: bool) -> Self {
         let least = finished.counts.iter().copied().min().unwrap_or(samples_per_pixel);
         let most = finished.counts.iter().copied().max().unwrap_or(samples_per_pixel);
         let variances = if maps { &finished.variances[..] } else { &[] };

@@ -20,11 +20,11 @@ const SECOND_STAGE: u32 = 1 << 31;
 pub(crate) struct PassState {
     pub(crate) frame: Frame,
     share: Share,
-    way: Way,
+    mode: PassMode,
     /// All pixels, row by row.
     pub(crate) pixels: Vec<PixelEstimate>,
     pub(crate) statistics: Statistics,
-    pub(crate) place: Place,
+    pub(crate) cursor: PassCursor,
     /// Wall-clock seconds that the last pass took for a sample.
     pub(crate) seconds_per_sample: f64,
     /// Error of the picture after the last pass.
@@ -35,7 +35,7 @@ pub(crate) struct PassState {
 
 /// What says how large passes are, and which pixels take them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-enum Way {
+enum PassMode {
     /// The plan.
     Fixed,
     /// They grow until there is enough.
@@ -46,14 +46,14 @@ enum Way {
 
 /// Where in its passes a render stands.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Place {
+pub(crate) struct PassCursor {
     /// Number of the pass that is taken now or next.
     pub(crate) pass: u32,
     /// Samples that a pixel has if it took all passes before.
     pub(crate) taken: u32,
     /// Tiles that have taken the pass; empty before the first one has.
     pub(crate) begun: Vec<bool>,
-    pub(crate) stage: Stage,
+    pub(crate) stage: RefineStage,
 }
 
 impl PassState {
@@ -63,10 +63,10 @@ impl PassState {
         Self {
             frame,
             share,
-            way: Way::new(rule),
+            mode: PassMode::new(rule),
             pixels: vec![PixelEstimate::default(); width as usize * height as usize],
             statistics,
-            place: Place::default(),
+            cursor: PassCursor::default(),
             seconds_per_sample: 0.0,
             error: ErrorSums::default(),
             lost: Vec::new(),
@@ -75,13 +75,13 @@ impl PassState {
 
     /// True if a render of this kind can go on from here.
     pub(crate) fn fits(&self, frame: Frame, share: Share, rule: Option<&StopRule>) -> bool {
-        self.frame == frame && self.share == share && self.way == Way::new(rule)
+        self.frame == frame && self.share == share && self.mode == PassMode::new(rule)
     }
 
     /// Checks every number that a file may have got wrong.
     pub(crate) fn validate(&self) -> Result<(), ContentError> {
-        let Self { frame, share, way: _, pixels, statistics, place, seconds_per_sample, error, lost } = self;
-        let Place { pass, taken, begun, stage } = place;
+        let Self { frame, share, mode: _, pixels, statistics, cursor, seconds_per_sample, error, lost } = self;
+        let PassCursor { pass, taken, begun, stage } = cursor;
         let crop = frame.crop;
         check_crop(crop)?;
         check_share(*share)?;
@@ -97,7 +97,7 @@ impl PassState {
         for (number, tile) in tiles(crop).into_iter().enumerate() {
             let has_begun = begun.get(number).copied().unwrap_or(false);
             let (passes, samples) = if has_begun { (pass + 1, u32::MAX) } else { (*pass, *taken) };
-            let indices = tile.pixels().map(|at| place_of(crop, at));
+            let indices = tile.pixels().map(|at| pixel_index(crop, at));
             for (index, pixel) in indices.filter_map(|index| Some((index, pixels.get(index)?))) {
                 pixel.validate(index, passes, samples)?;
             }
@@ -112,11 +112,11 @@ impl PassState {
     pub(crate) fn film(&self) -> Image {
         let Crop { width, height, .. } = self.frame.crop;
         let mut film = Image::new(width, height, self.frame.transparent);
-        for (place, pixel) in film.pixels_mut().iter_mut().zip(&self.pixels) {
-            *place = rounded(pixel.mean());
+        for (cursor, pixel) in film.pixels_mut().iter_mut().zip(&self.pixels) {
+            *cursor = rounded(pixel.mean());
         }
-        for (place, pixel) in film.alpha_mut().unwrap_or_default().iter_mut().zip(&self.pixels) {
-            *place = rounded_coverage(pixel);
+        for (cursor, pixel) in film.alpha_mut().unwrap_or_default().iter_mut().zip(&self.pixels) {
+            *cursor = rounded_coverage(pixel);
         }
         film
     }
@@ -124,7 +124,7 @@ impl PassState {
     /// What a tile shows now.
     pub(crate) fn tile_pixels(&self, tile: Tile) -> TilePixels {
         let Frame { crop, transparent, maps, .. } = self.frame;
-        let pixels = || tile.pixels().filter_map(move |at| self.pixels.get(place_of(crop, at)));
+        let pixels = || tile.pixels().filter_map(move |at| self.pixels.get(pixel_index(crop, at)));
         let counts: Vec<_> = pixels().map(PixelEstimate::samples).collect();
         let range = [counts.iter().copied().min(), counts.iter().copied().max()].map(Option::unwrap_or_default);
         let standard_error = |pixel: &PixelEstimate| match pixel.variance() {
@@ -145,7 +145,7 @@ impl PassState {
     }
 }
 
-impl Way {
+impl PassMode {
     fn new(rule: Option<&StopRule>) -> Self {
         match rule {
             None => Self::Fixed,
@@ -157,7 +157,7 @@ impl Way {
 
 /// Which of its samples decide, and which make the picture.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Stage {
+pub(crate) enum RefineStage {
     /// All of them, over all pixels.
     #[default]
     Everywhere,
@@ -167,7 +167,7 @@ pub(crate) enum Stage {
     Repeat(Vec<u32>, Stopped, u64),
 }
 
-impl Stage {
+impl RefineStage {
     /// The number that tells the random numbers of a pass from those of others.
     pub(crate) const fn seed_of(&self, pass: u32) -> u32 {
         match self {
@@ -193,7 +193,7 @@ impl Stage {
 }
 
 /// Where a pixel of the image is among those of a part of it.
-pub(crate) const fn place_of(crop: Crop, [x, y]: [u32; 2]) -> usize {
+pub(crate) const fn pixel_index(crop: Crop, [x, y]: [u32; 2]) -> usize {
     (y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize
 }
 

@@ -36,7 +36,7 @@ pub(crate) fn pass_seed(seed: u64, pass: u32) -> u64 {
 
 /// What is sampled of each pixel of a tile before the tile is handed over.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sweep<'a> {
+pub(crate) struct PassSpec<'a> {
     /// Number of the first pass.
     pub(crate) first: u32,
     /// Number of passes, at least 1.
@@ -49,7 +49,7 @@ pub(crate) struct Sweep<'a> {
     pub(crate) pixels: Option<&'a PixelMask>,
 }
 
-impl Sweep<'_> {
+impl PassSpec<'_> {
     /// The most samples that a pixel takes.
     pub(crate) fn samples_per_pixel(&self) -> u64 {
         u64::from(self.count) * u64::from(self.spp)
@@ -65,25 +65,25 @@ impl Sweep<'_> {
 #[derive(Clone, Debug)]
 pub(crate) struct PixelMask {
     part: Tile,
-    wanted: Vec<bool>,
+    accel_options: Vec<bool>,
 }
 
 impl PixelMask {
-    /// The pixels of a part for which `wanted`, row by row, is true.
-    pub(crate) fn new(part: Tile, wanted: Vec<bool>) -> Self {
-        Self { part, wanted }
+    /// The pixels of a part for which `accel_options`, row by row, is true.
+    pub(crate) fn new(part: Tile, accel_options: Vec<bool>) -> Self {
+        Self { part, accel_options }
     }
 
     /// Number of pixels that are wanted.
     pub(crate) fn count(&self) -> usize {
-        self.wanted.iter().filter(|&&wanted| wanted).count()
+        self.accel_options.iter().filter(|&&accel_options| accel_options).count()
     }
 
     /// True for a pixel, in coordinates of the whole image, that is wanted.
     pub(crate) fn contains(&self, [x, y]: [u32; 2]) -> bool {
         let Tile { x: left, y: top, width, .. } = self.part;
         let index = (y - top) as usize * width as usize + (x - left) as usize;
-        self.wanted.get(index).copied().unwrap_or(false)
+        self.accel_options.get(index).copied().unwrap_or(false)
     }
 }
 

@@ -6,8 +6,8 @@ use rt_math::{DVec2, DVec3, Interval, Ray};
 
 use crate::{
     RenderPlan, flatten,
-    instance::Parts,
-    world::{Surfaces, World},
+    instance::Instances,
+    world::{ShadedPrimitives, World},
 };
 
 /// What the ray through the middle of a pixel meets first.
@@ -41,14 +41,14 @@ impl RenderPlan<'_> {
                 };
                 self.pick_in(world, structure, &ray, name)
             }
-            World::Parts(top, levels) => {
+            World::Instances(top, levels) => {
                 let world = top.set(levels);
                 self.pick_in(&world, &top.structure, &ray, |hit| world.names_at(hit))
             }
         }
     }
 
-    fn pick_in<W: Surfaces>(
+    fn pick_in<W: ShadedPrimitives>(
         &self,
         world: &W,
         structure: &AnyAccelerator,
@@ -68,14 +68,14 @@ impl RenderPlan<'_> {
     }
 }
 
-impl Parts<'_> {
+impl Instances<'_> {
     /// The names of the part that a hit is on, that of an instance before that of what it places.
     fn names_at(&self, hit: &Hit) -> Option<Vec<String>> {
-        let part = self.parts.get(self.place(hit) as usize)?;
-        let inner = part.geometry.group().and_then(|level| {
-            let inner = &self.levels.groups.get(level as usize)?.parts;
-            inner.get(inner.partition_point(|part| part.first_primitive <= hit.primitive).checked_sub(1)?)
+        let instance = self.instances.get(self.instance_index(hit) as usize)?;
+        let inner = instance.geometry.group().and_then(|level| {
+            let inner = &self.levels.groups.get(level as usize)?.instances;
+            inner.get(inner.partition_point(|instance| instance.first_primitive <= hit.primitive).checked_sub(1)?)
         });
-        Some([Some(part), inner].into_iter().flatten().map(|part| part.name.to_string()).collect())
+        Some([Some(instance), inner].into_iter().flatten().map(|instance| instance.name.to_string()).collect())
     }
 }

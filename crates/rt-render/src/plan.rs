@@ -8,12 +8,12 @@ use rt_shading::Clamp;
 
 use crate::{
     RenderError,
+    accel_choice::AccelOptions,
     compiled_scene::CompiledScene,
     frame::{CameraView, Frame, camera_of},
     integrator::IntegratorState,
     memory::{MemoryPrediction, PerPixel},
     plan_options::PlanOptions,
-    structure::Wanted,
 };
 
 /// A scene compiled for rendering, for one camera and one integrator.
@@ -66,7 +66,7 @@ impl<'s> RenderPlan<'s> {
             progressive: options.progressive,
             culls: !options.full && settings.integrator != Integrator::Cost,
         };
-        let (memory, largest) = MemoryPrediction::of(scene, Wanted::new(scene, options), &per_pixel)?;
+        let (memory, largest) = MemoryPrediction::of(scene, AccelOptions::new(scene, options), &per_pixel)?;
         memory.check(options.memory, largest)?;
         let compiled = CompiledScene::build(scene, options, view.space, view.static_time(), camera.medium)?;
         let frame = Frame::new(&compiled, options, view)?;

@@ -5,9 +5,9 @@ use rt_math::DVec3;
 
 /// The form of a primitive in the space of the world, as far as pyramids and shafts make use of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Outline {
+pub(crate) enum PrimitiveForm {
     /// A sphere.
-    Ball { centre: DVec3, radius: f64 },
+    Sphere { centre: DVec3, radius: f64 },
     /// An infinite plane, and its normal of any length.
     Plane { point: DVec3, normal: DVec3 },
     /// Flat, convex and bounded.
@@ -19,18 +19,18 @@ pub(crate) enum Outline {
 }
 
 /// Primitives whose form is known.
-pub(crate) trait Outlines: Primitives {
+pub(crate) trait HasForm: Primitives {
     /// The form of a primitive.
-    fn outline(&self, index: u32) -> Outline;
+    fn form(&self, index: u32) -> PrimitiveForm;
 
     /// Whether the primitive, or part of it, casts a shadow.
     fn casts_shadow(&self, index: u32) -> bool;
 }
 
-impl Outline {
+impl PrimitiveForm {
     pub(crate) fn of(shape: &Shape) -> Self {
         match shape {
-            Shape::Sphere(sphere) => Self::Ball { centre: sphere.centre(), radius: sphere.radius() },
+            Shape::Sphere(sphere) => Self::Sphere { centre: sphere.centre(), radius: sphere.radius() },
             Shape::Plane(plane) => Self::Plane { point: plane.point(), normal: plane.normal() },
             Shape::Triangle(_) | Shape::Rectangle(_) => Self::Flat,
             Shape::Disk(disk) if disk.inner_radius() == 0.0 => Self::Flat,
@@ -44,10 +44,10 @@ impl Outline {
         let map = placed.world_from_local();
         match Self::of(placed.shape()) {
             Self::Plane { point, normal } => Self::Plane { point: map.point(point), normal: map.normal(normal) },
-            Self::Ball { centre, radius } => map
+            Self::Sphere { centre, radius } => map
                 .uniform_scale()
-                .map_or(Self::Other, |scale| Self::Ball { centre: map.point(centre), radius: radius * scale }),
-            outline => outline,
+                .map_or(Self::Other, |scale| Self::Sphere { centre: map.point(centre), radius: radius * scale }),
+            form => form,
         }
     }
 }

@@ -14,22 +14,22 @@ use rt_math::Rgb;
 use crate::{
     Criterion, Crop, Observer, Part, PassProgress, Progress, RenderPlan, RenderSnapshot, Share, Statistics, StopRule,
     Stopped, TargetError, Towards,
-    crew::Crew,
     error_estimate::ErrorSums,
     estimate::PixelEstimate,
     forecast::Forecast,
     observer::State,
-    pass_state::{PassState, Place, place_of},
-    passes::{PixelMask, Sweep},
+    pass_state::{PassCursor, PassState, pixel_index},
+    passes::{PassSpec, PixelMask},
     splats::SplatImage,
-    tile_job::Finished,
+    tile_job::TileResult,
+    tile_scheduler::TileScheduler,
     tiles::Tile,
 };
 
 /// A render in progress.
 pub(crate) struct Progressive<'p, O> {
     pub(crate) plan: &'p RenderPlan<'p>,
-    pub(crate) crew: &'p Crew<'p>,
+    pub(crate) scheduler: &'p TileScheduler<'p>,
     pub(crate) rule: StopRule,
     pub(crate) started: Instant,
     /// Time that earlier runs took.
@@ -46,8 +46,8 @@ pub(crate) struct Progressive<'p, O> {
 
 impl<O: Observer> Progressive<'_, O> {
     /// The passes that the plan splits its samples into.
-    pub(crate) fn all_passes(&mut self) -> Stopped {
-        while self.state.place.pass < self.plan.frame.passes {
+    pub(crate) fn run_fixed(&mut self) -> Stopped {
+        while self.state.cursor.pass < self.plan.frame.passes {
             if self.take_pass(self.plan.frame.pass_spp, None).is_break() {
                 return Stopped::Interrupted;
             }
@@ -56,7 +56,7 @@ impl<O: Observer> Progressive<'_, O> {
     }
 
     /// Passes that grow, over all pixels.
-    pub(crate) fn pass_after_pass(&mut self) -> Stopped {
+    pub(crate) fn run_progressive(&mut self) -> Stopped {
         while let Some(spp) = self.pass_spp() {
             if !self.is_in_time(spp, self.state.pixels.len(), self.rule.time) {
                 return Stopped::Time;
@@ -70,7 +70,7 @@ impl<O: Observer> Progressive<'_, O> {
 
     /// Samples of the next pass; `None` if the rule allows no more.
     pub(crate) fn pass_spp(&self) -> Option<u32> {
-        let Place { pass, taken, .. } = self.state.place;
+        let PassCursor { pass, taken, .. } = self.state.cursor;
         self.rule.pass_spp(self.plan.frame.sampler, pass, taken)
     }
 
@@ -83,7 +83,7 @@ impl<O: Observer> Progressive<'_, O> {
     /// that was begun is always finished.
     pub(crate) fn is_in_time(&self, spp: u32, pixels: usize, limit: Option<Duration>) -> bool {
         let next = self.state.seconds_per_sample * f64::from(spp) * pixels as f64;
-        let is_due = self.state.place.pass == 0 || !self.state.place.begun.is_empty();
+        let is_due = self.state.cursor.pass == 0 || !self.state.cursor.begun.is_empty();
         is_due || limit.is_none_or(|limit| self.elapsed().as_secs_f64() + next <= limit.as_secs_f64())
     }
 
@@ -94,20 +94,20 @@ impl<O: Observer> Progressive<'_, O> {
     /// Takes the next pass over the pixels of the mask, or what is left of it.
     pub(crate) fn take_pass(&mut self, spp: u32, mask: Option<&PixelMask>) -> ControlFlow<()> {
         let began = Instant::now();
-        let pass = self.state.place.stage.seed_of(self.state.place.pass);
+        let pass = self.state.cursor.stage.seed_of(self.state.cursor.pass);
         let light = self.trace_light(pass, spp)?;
-        let sweep = Sweep { first: pass, count: 1, spp, simple_spp: None, pixels: mask };
+        let pass_spec = PassSpec { first: pass, count: 1, spp, simple_spp: None, pixels: mask };
         let towards = self.towards();
-        let Self { plan, crew, started, spent, of_share, state, observer, rule, forecast, .. } = self;
-        state.place.begun.resize(crew.tiles().len(), false);
-        let left: Vec<_> = of_share.iter().copied().filter(|&number| !state.place.begun[number]).collect();
+        let Self { plan, scheduler, started, spent, of_share, state, observer, rule, forecast, .. } = self;
+        state.cursor.begun.resize(scheduler.tiles().len(), false);
+        let left: Vec<_> = of_share.iter().copied().filter(|&number| !state.cursor.begun[number]).collect();
         let samples_before = state.statistics.samples;
         let most = state.pixels.iter().map(PixelEstimate::samples).max().unwrap_or(0);
         let here = PassProgress { finished: state.statistics.passes, spp: most, rmse: state.error.rmse(), towards };
-        let pixels: u64 = of_share.iter().map(|&number| crew.tiles()[number].area()).sum();
-        let outcome = crew.sweep(&sweep, &left, |number, tile| {
-            fold(plan.frame.crop, &mut state.pixels, &tile, light.as_ref(), &sweep);
-            state.place.begun[number] = true;
+        let pixels: u64 = of_share.iter().map(|&number| scheduler.tiles()[number].area()).sum();
+        let outcome = scheduler.render_tiles(&pass_spec, &left, |number, tile| {
+            accumulate(plan.frame.crop, &mut state.pixels, &tile, light.as_ref(), &pass_spec);
+            state.cursor.begun[number] = true;
             let elapsed = *spent + started.elapsed();
             let statistics = &mut state.statistics;
             statistics.add(&tile);
@@ -133,9 +133,9 @@ impl<O: Observer> Progressive<'_, O> {
         if samples > 0 {
             state.seconds_per_sample = began.elapsed().as_secs_f64() / samples as f64;
         }
-        state.place.pass += 1;
-        state.place.taken = state.place.taken.saturating_add(spp);
-        state.place.begun.clear();
+        state.cursor.pass += 1;
+        state.cursor.taken = state.cursor.taken.saturating_add(spp);
+        state.cursor.begun.clear();
         ControlFlow::Continue(())
     }
 
@@ -156,11 +156,11 @@ impl<O: Observer> Progressive<'_, O> {
     /// The light paths of a pass, if the plan follows any. They belong to the pass as a whole: a run that goes on in the midst of
     /// it follows them again, and does not count them again.
     fn trace_light(&mut self, pass: u32, spp: u32) -> ControlFlow<(), Option<SplatImage>> {
-        let Self { plan, crew, state, .. } = self;
+        let Self { plan, scheduler, state, .. } = self;
         let Some(light) = plan.light_pass(pass, spp) else { return ControlFlow::Continue(None) };
         let mut image = SplatImage::new(plan.frame.crop, plan.frame.filter);
         let mut statistics = state.statistics;
-        let outcome = crew.trace_light(light, |lit| {
+        let outcome = scheduler.trace_light(light, |lit| {
             statistics.add_light(&lit);
             lit.splats.iter().for_each(|splat| image.add(splat));
         });
@@ -168,9 +168,9 @@ impl<O: Observer> Progressive<'_, O> {
             return ControlFlow::Break(());
         }
         if !outcome.lost.is_empty() {
-            state.lost = (0..crew.tiles().len() as u32).collect();
+            state.lost = (0..scheduler.tiles().len() as u32).collect();
         }
-        if state.place.begun.is_empty() {
+        if state.cursor.begun.is_empty() {
             state.statistics = statistics;
         }
         ControlFlow::Continue(Some(image))
@@ -192,7 +192,7 @@ impl<O: Observer> Progressive<'_, O> {
         let (state, seconds) = (&self.state, self.elapsed().as_secs_f64());
         let mut part = Part::empty(state.frame, share, Statistics { render_seconds: seconds, ..state.statistics });
         for number in self.of_share {
-            part.tiles.insert(number as u32, state.tile_pixels(self.crew.tiles()[number]));
+            part.tiles.insert(number as u32, state.tile_pixels(self.scheduler.tiles()[number]));
         }
         let mut lost = state.lost.clone();
         lost.sort_unstable();
@@ -202,12 +202,18 @@ impl<O: Observer> Progressive<'_, O> {
 }
 
 /// Adds the pixels of a tile that went through a pass to what is known of them, and what light paths brought in the same pass.
-fn fold(crop: Crop, pixels: &mut [PixelEstimate], tile: &Finished, light: Option<&SplatImage>, sweep: &Sweep<'_>) {
+fn accumulate(
+    crop: Crop,
+    pixels: &mut [PixelEstimate],
+    tile: &TileResult,
+    light: Option<&SplatImage>,
+    pass_spec: &PassSpec<'_>,
+) {
     let mut coverage = tile.alpha.iter().copied();
-    for (at, radiance) in sweep.pixels_of(tile.tile).zip(&tile.pixels) {
-        let index = place_of(crop, at);
+    for (at, radiance) in pass_spec.pixels_of(tile.tile).zip(&tile.pixels) {
+        let index = pixel_index(crop, at);
         let brought = light.map_or(Rgb::BLACK, |light| light.radiance(index));
-        pixels[index].add(*radiance + brought, coverage.next().unwrap_or(1.0), sweep.spp);
+        pixels[index].add(*radiance + brought, coverage.next().unwrap_or(1.0), pass_spec.spp);
     }
 }
 

@@ -8,15 +8,15 @@ use rt_shading::LightTracingIntegrator;
 use crate::{
     Criterion, Crop, Progress, RenderError, RenderPlan, Rendering, RunOptions, Share, Statistics, StopRule, Stopped,
     checkpoint::Checkpoint,
-    crew::Crew,
     forecast::Forecast,
     observer::{Kept, Observer, RenderSnapshot, State},
     part::{Frame, Part, TilePixels},
     pass_state::PassState,
     progressive::Progressive,
     splats::SplatImage,
-    tile::Worker,
-    tile_job::Task,
+    tile::ThreadState,
+    tile_job::TileJob,
+    tile_scheduler::TileScheduler,
     tiles::Tile,
 };
 
@@ -63,15 +63,15 @@ impl RenderPlan<'_> {
         if let Some(rule) = rule {
             self.check_rule(rule, options.share)?;
         }
-        let crew = Crew::new(self, options)?;
+        let scheduler = TileScheduler::new(self, options)?;
         let frame = Frame::new(self, options);
-        let statistics = Statistics::new(crew.threads(), self.build_seconds());
+        let statistics = Statistics::new(scheduler.threads(), self.build_seconds());
         if rule.is_some() || self.scene.light_sources.is_some() {
             let state = Checkpoint::passes_of(from, frame, options.share, rule, statistics)?;
-            Ok(self.render_passes(&crew, options.share, rule, state, observer))
+            Ok(self.render_pass_by_pass(&scheduler, options.share, rule, state, observer))
         } else {
             let part = Checkpoint::part_of(from, frame, options.share, statistics)?;
-            Ok(self.render_tiles(&crew, part, observer))
+            Ok(self.render_tile_by_tile(&scheduler, part, observer))
         }
     }
 
@@ -90,17 +90,17 @@ impl RenderPlan<'_> {
     }
 
     /// Tile after tile, each with all of its samples, so that no sums of the whole image are kept.
-    fn render_tiles(&self, crew: &Crew<'_>, mut part: Part, mut observer: impl Observer) -> Part {
+    fn render_tile_by_tile(&self, scheduler: &TileScheduler<'_>, mut part: Part, mut observer: impl Observer) -> Part {
         let (started, spent) = (Instant::now(), part.statistics.render_seconds);
-        let sweep = self.frame.all_passes();
+        let pass_spec = self.frame.all_passes();
         let is_of_share = |number: &usize| part.share.holds(*number);
-        let numbers: Vec<_> = (0..crew.tiles().len()).filter(is_of_share).collect();
-        let area = |number: usize| crew.tiles()[number].area();
+        let numbers: Vec<_> = (0..scheduler.tiles().len()).filter(is_of_share).collect();
+        let area = |number: usize| scheduler.tiles()[number].area();
         let pixels = numbers.iter().map(|&number| area(number)).sum::<u64>();
         let (done, left): (Vec<_>, Vec<_>) =
             numbers.iter().partition(|number| part.tiles.contains_key(&(**number as u32)));
         let mut pixels_done = done.iter().map(|&number| area(number)).sum::<u64>();
-        let outcome = crew.sweep(&sweep, &left, |number, tile| {
+        let outcome = scheduler.render_tiles(&pass_spec, &left, |number, tile| {
             let maps = part.frame.maps;
             part.tiles.insert(number as u32, TilePixels::new(&tile, self.samples_per_pixel(), maps));
             let statistics = &mut part.statistics;
@@ -108,7 +108,7 @@ impl RenderPlan<'_> {
             statistics.render_seconds = spent + started.elapsed().as_secs_f64();
             pixels_done += tile.pixels.len() as u64;
             let total_samples = match self.frame.simple_pass_spp {
-                None => pixels * sweep.samples_per_pixel(),
+                None => pixels * pass_spec.samples_per_pixel(),
                 Some(_) => (statistics.samples as f64 * (pixels as f64 / pixels_done as f64)) as u64,
             };
             let rays = statistics.counters.total().rays;
@@ -127,9 +127,9 @@ impl RenderPlan<'_> {
 
     /// Renders passes over the whole image: those of a fixed number of samples, or as many as the rule wants. In memory there are
     /// the light paths of one pass.
-    pub(crate) fn render_passes(
+    pub(crate) fn render_pass_by_pass(
         &self,
-        crew: &Crew<'_>,
+        scheduler: &TileScheduler<'_>,
         share: Share,
         rule: Option<&StopRule>,
         state: PassState,
@@ -138,19 +138,19 @@ impl RenderPlan<'_> {
         let fixed = StopRule { max_spp: self.samples_per_pixel(), ..StopRule::default() };
         let mut render = Progressive {
             plan: self,
-            crew,
+            scheduler,
             rule: rule.copied().unwrap_or(fixed),
             started: Instant::now(),
             spent: Duration::try_from_secs_f64(state.statistics.render_seconds).unwrap_or_default(),
-            of_share: (0..crew.tiles().len()).filter(|number| share.holds(*number)).collect(),
+            of_share: (0..scheduler.tiles().len()).filter(|number| share.holds(*number)).collect(),
             state,
             forecast: Forecast::default(),
             converged: None,
             observer,
         };
         let (stopped, unconverged) = match rule {
-            None => (render.all_passes(), None),
-            Some(StopRule { target: None, .. }) => (render.pass_after_pass(), None),
+            None => (render.run_fixed(), None),
+            Some(StopRule { target: None, .. }) => (render.run_progressive(), None),
             Some(StopRule { target: Some(target), .. }) => {
                 let (stopped, unconverged) = render.refine(*target);
                 (stopped, unconverged.filter(|_| target.criterion != Criterion::Image))
@@ -167,9 +167,9 @@ impl RenderPlan<'_> {
     pub fn pixel(&self, x: u32, y: u32) -> Option<Rgb> {
         let Crop { x: left, y: top, width, height } = self.frame.crop;
         let inside = (left..left + width).contains(&x) && (top..top + height).contains(&y);
-        let sweep = self.frame.all_passes();
-        let task = Task::new(Tile { x, y, width: 1, height: 1 }, &sweep);
-        let pixel = inside.then(|| self.render_tile(&task, false, &mut Worker::new(self)).pixels[0])?;
+        let pass_spec = self.frame.all_passes();
+        let job = TileJob::new(Tile { x, y, width: 1, height: 1 }, &pass_spec);
+        let pixel = inside.then(|| self.render_tile(&job, false, &mut ThreadState::new(self)).pixels[0])?;
         Some(pixel + self.splatted((y - top) as usize * width as usize + (x - left) as usize))
     }
 

@@ -8,9 +8,9 @@ use rt_shading::SurfaceHit;
 
 use crate::{
     RenderError, RenderSpace,
+    accel_choice::AccelOptions,
     flatten::flatten,
-    instance::{Assembly, Levels},
-    structure::Wanted,
+    instance::{Aggregate, BottomLevel},
 };
 
 /// Geometry of a scene with its acceleration structures, at time 0, as a render traces it.
@@ -18,8 +18,8 @@ use crate::{
 /// [`RenderPlan`](crate::RenderPlan) is for images. This is for tools that trace rays of their own.
 #[derive(Debug)]
 pub struct SceneGeometry {
-    top: Assembly,
-    levels: Levels,
+    top: Aggregate,
+    levels: BottomLevel,
 }
 
 impl SceneGeometry {
@@ -28,14 +28,14 @@ impl SceneGeometry {
     /// # Errors
     /// If an index is out of range, groups contain themselves, or an acceleration structure cannot be built.
     pub fn build(scene: &Scene, space: RenderSpace) -> Result<Self, RenderError> {
-        let (top, levels) = flatten(scene, Wanted::default(), space.render_from_world(), true, Some(0.0))?;
+        let (top, levels) = flatten(scene, AccelOptions::default(), space.render_from_world(), true, Some(0.0))?;
         Ok(Self { top, levels })
     }
 
     /// Closest hit of a ray in render space, without texture coordinates.
     pub fn closest_hit(&self, ray: &Ray) -> Option<SurfaceHit> {
-        let parts = self.top.set(&self.levels);
-        let hit = self.top.structure.closest(&parts, ray, Interval::FORWARD, &mut NoProbe)?;
-        parts.surface(ray, &hit, InteractionFlags::NONE)
+        let instances = self.top.set(&self.levels);
+        let hit = self.top.structure.closest(&instances, ray, Interval::FORWARD, &mut NoProbe)?;
+        instances.surface(ray, &hit, InteractionFlags::NONE)
     }
 }

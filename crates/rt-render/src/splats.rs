@@ -56,7 +56,7 @@ impl SplatImage {
 
 /// Shares light that arrives at a place of the image out among the pixels of a part whose filter reaches there. Pixel centres
 /// lie `offset` from their upper left corners.
-pub(crate) fn spread(filter: Filter, crop: Crop, offset: DVec2, raster: DVec2, light: Rgb, mut add: impl FnMut(Splat)) {
+pub(crate) fn splat(filter: Filter, crop: Crop, offset: DVec2, raster: DVec2, light: Rgb, mut add: impl FnMut(Splat)) {
     let (reach, place) = (filter.radius(), raster - offset);
     let rows = within(place.y, reach, crop.y, crop.height);
     let columns = within(place.x, reach, crop.x, crop.width);
@@ -88,7 +88,7 @@ mod tests {
     fn image_of(filter: Filter, splats: &[(DVec2, Rgb)]) -> SplatImage {
         let mut image = SplatImage::new(CROP, filter);
         for (raster, light) in splats {
-            spread(filter, CROP, DVec2::splat(0.5), *raster, *light, |splat| image.add(&splat));
+            splat(filter, CROP, DVec2::splat(0.5), *raster, *light, |splat| image.add(&splat));
         }
         image
     }

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::{
     ContentError,
     content::{MAX_COUNT, MAX_PASSES, MAX_THREADS, check_count, check_number},
-    light_pass::LitChunk,
-    tile_job::Finished,
+    light_pass::LightChunk,
+    tile_job::TileResult,
 };
 
 /// Figures of one render. Counts are deterministic; times are not.
@@ -57,7 +57,7 @@ impl Statistics {
     }
 
     /// Adds what a tile took.
-    pub(crate) fn add(&mut self, tile: &Finished) {
+    pub(crate) fn add(&mut self, tile: &TileResult) {
         self.samples += tile.samples;
         self.camera_hits += tile.camera_hits;
         self.simple_pixels += tile.simple_pixels;
@@ -68,7 +68,7 @@ impl Statistics {
     }
 
     /// Adds what some light paths took.
-    pub(crate) fn add_light(&mut self, lit: &LitChunk) {
+    pub(crate) fn add_light(&mut self, lit: &LightChunk) {
         self.counters += lit.counters;
         self.shading += lit.shading;
         self.bad_samples += lit.bad;

@@ -123,12 +123,12 @@ impl StopRule {
     /// Samples of pass number `pass`, if each pixel has `taken` so many; `None` if it has all that it may.
     pub(crate) fn pass_spp(&self, pattern: SamplerKind, pass: u32, taken: u32) -> Option<u32> {
         let left = self.max_spp.saturating_sub(taken);
-        let wanted = match self.target.map(|target| target.criterion) {
+        let accel_options = match self.target.map(|target| target.criterion) {
             None => growing_spp(pass),
             Some(Criterion::Image) => self.spp_of_image(pass),
             Some(Criterion::Pixels { .. }) => self.doubling_spp(pass),
         };
-        let spp = pattern.round_up(wanted.min(left.max(1)));
+        let spp = pattern.round_up(accel_options.min(left.max(1)));
         (pass == 0 || spp <= left).then_some(spp)
     }
 

@@ -9,36 +9,36 @@ use rt_shading::{Background, Interior, Lighting, OcclusionWave, PathTracer, Seen
 
 use crate::{
     Crop, RenderPlan,
-    cost::cost,
+    camera_medium::CameraMedium,
+    cost_view::cost,
     estimate::PixelEstimate,
+    frustum_cull::{self, PrimaryTarget},
     integrator::IntegratorState,
     pixel::Pixel,
-    surroundings::CameraMedium,
-    tile_job::{Finished, Task},
+    primary_rays::PrimaryRayBatch,
+    tile_job::{TileJob, TileResult},
     tiles::Tile,
-    trace::{Countable, WorldTracer},
-    visible::{self, InView},
-    wave::CameraWave,
-    world::{Surfaces, World},
+    tracer::{SceneTracer, StatsProbe},
+    world::{ShadedPrimitives, World},
 };
 
 /// What a thread uses again from tile to tile.
-pub(crate) struct Worker {
+pub(crate) struct ThreadState {
     whitted: Whitted,
     paths: PathTracer<SampleStream>,
     occlusion: OcclusionWave,
-    camera: CameraWave,
+    camera: PrimaryRayBatch,
     hits: Vec<Option<Hit>>,
 }
 
-impl Worker {
+impl ThreadState {
     pub(crate) fn new(plan: &RenderPlan<'_>) -> Self {
         let settings = &plan.scene.source.settings;
         Self {
             whitted: Whitted::new(settings.depth, settings.min_contribution, plan.scene.features),
             paths: PathTracer::new(plan.integrator.path_settings(), plan.scene.features),
             occlusion: OcclusionWave::default(),
-            camera: CameraWave::default(),
+            camera: PrimaryRayBatch::default(),
             hits: Vec::new(),
         }
     }
@@ -46,87 +46,88 @@ impl Worker {
 
 impl RenderPlan<'_> {
     /// Chooses the concrete types, one `match` for each axis.
-    pub(crate) fn render_tile(&self, task: &Task<'_>, count: bool, worker: &mut Worker) -> Finished {
+    pub(crate) fn render_tile(&self, job: &TileJob<'_>, count: bool, worker: &mut ThreadState) -> TileResult {
         if count || self.integrator_kind() == Integrator::Cost {
-            self.with_probe::<Counters>(task, worker)
+            self.with_probe::<Counters>(job, worker)
         } else {
-            self.with_probe::<NoProbe>(task, worker)
+            self.with_probe::<NoProbe>(job, worker)
         }
     }
 
-    fn with_probe<S: Countable>(&self, task: &Task<'_>, worker: &mut Worker) -> Finished {
+    fn with_probe<S: StatsProbe>(&self, job: &TileJob<'_>, worker: &mut ThreadState) -> TileResult {
         match &self.scene.world {
-            World::Spheres(world, structure) => self.with_world::<_, S>(world, structure, task, worker),
-            World::Parts(top, levels) => self.with_world::<_, S>(&top.set(levels), &top.structure, task, worker),
+            World::Spheres(world, structure) => self.with_world::<_, S>(world, structure, job, worker),
+            World::Instances(top, levels) => self.with_world::<_, S>(&top.set(levels), &top.structure, job, worker),
         }
     }
 
-    fn with_world<W: Surfaces, S: Countable>(
+    fn with_world<W: ShadedPrimitives, S: StatsProbe>(
         &self,
         world: &W,
         structure: &AnyAccelerator,
-        task: &Task<'_>,
-        worker: &mut Worker,
-    ) -> Finished {
-        let simple = task.sweep.simple_spp.map(|_| self.simple_pixels(task.tile, world, structure));
-        let task = &Task { simple: simple.as_ref(), ..*task };
-        let few = self.few_in(task.tile, world, structure);
-        let in_view = match (&few, &self.frame.visible) {
-            (Some(few), _) => InView::Few(few),
-            (None, Some(part)) => InView::Part(part),
-            (None, None) => InView::All(structure),
+        job: &TileJob<'_>,
+        worker: &mut ThreadState,
+    ) -> TileResult {
+        let simple = job.pass_spec.simple_spp.map(|_| self.simple_pixels(job.tile, world, structure));
+        let job = &TileJob { simple: simple.as_ref(), ..*job };
+        let few = self.visible_in_tile(job.tile, world, structure);
+        let primary_target = match (&few, &self.frame.visible) {
+            (Some(few), _) => PrimaryTarget::Tile(few),
+            (None, Some(part)) => PrimaryTarget::Culled(part),
+            (None, None) => PrimaryTarget::All(structure),
         };
-        if in_view.is_empty()
-            && let Some(finished) = self.empty_tile(task)
+        if primary_target.is_empty()
+            && let Some(finished) = self.empty_tile(job)
         {
             return finished;
         }
-        let Worker { whitted, paths, occlusion, camera, hits } = worker;
+        let ThreadState { whitted, paths, occlusion, camera, hits } = worker;
         let lighting =
             Lighting { appearance: &self.scene.appearance, emitters: &self.scene.emitters, bsdfs: &self.scene.bsdfs };
-        let mut tracer = WorldTracer::new(world, structure, in_view, S::default()).with_buffer(core::mem::take(hits));
+        let mut tracer =
+            SceneTracer::new(world, structure, primary_target, S::default()).with_buffer(core::mem::take(hits));
         let mut finished = match (&self.integrator, &self.frame.medium) {
-            (IntegratorState::Whitted, CameraMedium::Same(interior)) => {
+            (IntegratorState::Whitted, CameraMedium::Constant(interior)) => {
                 whitted.set_surroundings(interior);
-                self.sample_tile(task, camera, |wave, seen| {
-                    whitted.radiance_of(&mut tracer, &self.scene.appearance, wave.rays, seen);
+                self.sample_tile(job, camera, |batch, seen| {
+                    whitted.radiance_of(&mut tracer, &self.scene.appearance, batch.rays, seen);
                 })
             }
-            (IntegratorState::Path(_), CameraMedium::Same(interior)) => {
+            (IntegratorState::Path(_), CameraMedium::Constant(interior)) => {
                 paths.set_surroundings(interior);
-                self.sample_tile(task, camera, |wave, seen| {
-                    paths.radiance_of(&mut tracer, lighting, wave.rays, wave.samplers, seen);
+                self.sample_tile(job, camera, |batch, seen| {
+                    paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
                 })
             }
-            (IntegratorState::Path(_), CameraMedium::ByRay(reach)) => {
+            (IntegratorState::Path(_), CameraMedium::PerRay(reach)) => {
                 let mut interior = Interior::default();
-                self.sample_tile(task, camera, |wave, seen| {
-                    for (i, ray) in wave.rays.iter().enumerate() {
+                self.sample_tile(job, camera, |batch, seen| {
+                    for (i, ray) in batch.rays.iter().enumerate() {
                         interior.look_around_within(*reach, &mut tracer, &self.scene.appearance.materials, &ray.0);
                         paths.set_surroundings(&interior);
-                        let (rays, samplers) = (&wave.rays[i..=i], &wave.samplers[i..=i]);
+                        let (rays, samplers) = (&batch.rays[i..=i], &batch.samplers[i..=i]);
                         paths.radiance_of(&mut tracer, lighting, rays, samplers, &mut seen[i..=i]);
                     }
                 })
             }
-            (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(task, camera, |wave, seen| {
-                occlusion.radiance_of(view, &mut tracer, wave.rays, wave.samplers, seen);
+            (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |batch, seen| {
+                occlusion.radiance_of(view, &mut tracer, batch.rays, batch.samplers, seen);
             }),
-            (IntegratorState::Whitted, CameraMedium::ByRay(reach)) => {
+            (IntegratorState::Whitted, CameraMedium::PerRay(reach)) => {
                 let mut interior = Interior::default();
-                self.sample_each(task, camera, |ray| {
+                self.sample_per_ray(job, camera, |ray| {
                     interior.look_around_within(*reach, &mut tracer, &self.scene.appearance.materials, ray);
                     whitted.set_surroundings(&interior);
                     whitted.radiance(&mut tracer, &self.scene.appearance, ray)
                 })
             }
             (IntegratorState::Aov(view), _) => {
-                self.sample_tile(task, camera, |wave, seen| view.radiance_of(&mut tracer, wave.rays, seen))
+                self.sample_tile(job, camera, |batch, seen| view.radiance_of(&mut tracer, batch.rays, seen))
             }
-            (IntegratorState::Cost, _) => self.sample_each(task, camera, |ray| cost(&mut tracer, ray)),
+            (IntegratorState::Cost, _) => self.sample_per_ray(job, camera, |ray| cost(&mut tracer, ray)),
         };
         finished.counters = tracer.probe.counters(tracer.rays);
-        finished.primary_rays_spared = tracer.spared;
+        finished.primary_rays_spared = tracer.skipped;
         finished.shading = whitted.take_counts();
         finished.shading += paths.take_counts();
         *hits = tracer.into_buffer();
@@ -134,24 +135,29 @@ impl RenderPlan<'_> {
     }
 
     /// For what can only be told of one ray after the other.
-    fn sample_each(
+    fn sample_per_ray(
         &self,
-        task: &Task<'_>,
-        camera: &mut CameraWave,
+        job: &TileJob<'_>,
+        camera: &mut PrimaryRayBatch,
         mut radiance: impl FnMut(&Ray) -> Seen,
-    ) -> Finished {
-        self.sample_tile(task, camera, |wave, seen| {
-            for ((ray, _), seen) in wave.rays.iter().zip(seen) {
+    ) -> TileResult {
+        self.sample_tile(job, camera, |batch, seen| {
+            for ((ray, _), seen) in batch.rays.iter().zip(seen) {
                 *seen = radiance(ray);
             }
         })
     }
 
     /// What the camera rays of the tile can meet, if that is little.
-    fn few_in<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyAccelerator) -> Option<Handful> {
+    fn visible_in_tile<W: ShadedPrimitives>(
+        &self,
+        tile: Tile,
+        world: &W,
+        structure: &AnyAccelerator,
+    ) -> Option<Handful> {
         let Tile { x, y, width, height } = tile;
         let volume = self.frame.culls_tiles.then(|| self.frame.view_volume(Crop { x, y, width, height }))?;
-        let few = visible::few(world, structure, self.frame.visible.as_ref(), &volume)?;
+        let few = frustum_cull::collect_small(world, structure, self.frame.visible.as_ref(), &volume)?;
         Some(match self.scene.accel.simd {
             Some(level) => few.with_level(level),
             None => few,
@@ -160,10 +166,10 @@ impl RenderPlan<'_> {
 
     /// A tile in whose part of the view there is nothing, if that can be told without a ray: where all samples see the
     /// same background and weigh the same, so that no pixel depends on where they are.
-    fn empty_tile(&self, task: &Task<'_>) -> Option<Finished> {
+    fn empty_tile(&self, job: &TileJob<'_>) -> Option<TileResult> {
         let (
             IntegratorState::Whitted | IntegratorState::Path(_),
-            CameraMedium::Same(_),
+            CameraMedium::Constant(_),
             Background::Constant(radiance),
         ) = (&self.integrator, &self.frame.medium, &self.scene.appearance.background)
         else {
@@ -172,23 +178,23 @@ impl RenderPlan<'_> {
         if self.frame.filter.has_negative_lobes() {
             return None;
         }
-        let sweep = task.sweep;
+        let pass_spec = job.pass_spec;
         let pixel_of = |spp: u32| {
             let mut pass = Pixel::new(self.frame.transparent);
             for _ in 0..spp {
                 pass.add(&Seen { radiance: self.frame.backdrop.unwrap_or(*radiance), hit: false }, 1.0);
             }
             let mut pixel = PixelEstimate::default();
-            for _ in 0..sweep.count {
+            for _ in 0..pass_spec.count {
                 let (radiance, coverage) = pass.mean();
                 pixel.add(radiance, coverage, spp);
             }
-            (pixel, pass.bad_samples() * u64::from(sweep.count))
+            (pixel, pass.bad_samples() * u64::from(pass_spec.count))
         };
-        let (usual, simple) = (pixel_of(sweep.spp), sweep.simple_spp.map(pixel_of));
-        let mut finished = Finished::new(task, self.frame.transparent);
-        for at in sweep.pixels_of(task.tile) {
-            let (pixel, bad_samples) = simple.as_ref().filter(|_| task.is_simple(at)).unwrap_or(&usual);
+        let (usual, simple) = (pixel_of(pass_spec.spp), pass_spec.simple_spp.map(pixel_of));
+        let mut finished = TileResult::new(job, self.frame.transparent);
+        for at in pass_spec.pixels_of(job.tile) {
+            let (pixel, bad_samples) = simple.as_ref().filter(|_| job.is_simple(at)).unwrap_or(&usual);
             finished.push(pixel);
             finished.bad_samples += bad_samples;
         }

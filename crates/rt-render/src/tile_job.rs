@@ -7,22 +7,22 @@ use rt_shading::ShadingCounts;
 use crate::{
     error_estimate::ErrorSums,
     estimate::PixelEstimate,
-    passes::{PixelMask, Sweep},
+    passes::{PassSpec, PixelMask},
     tiles::Tile,
 };
 
 /// What a thread does at a time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Task<'a> {
+pub(crate) struct TileJob<'a> {
     pub(crate) tile: Tile,
-    pub(crate) sweep: &'a Sweep<'a>,
+    pub(crate) pass_spec: &'a PassSpec<'a>,
     /// The pixels of the tile that show no edge, where pixels are told apart in object space; known once it is begun.
     pub(crate) simple: Option<&'a PixelMask>,
 }
 
-impl<'a> Task<'a> {
-    pub(crate) const fn new(tile: Tile, sweep: &'a Sweep<'a>) -> Self {
-        Self { tile, sweep, simple: None }
+impl<'a> TileJob<'a> {
+    pub(crate) const fn new(tile: Tile, pass_spec: &'a PassSpec<'a>) -> Self {
+        Self { tile, pass_spec, simple: None }
     }
 
     pub(crate) fn is_simple(&self, pixel: [u32; 2]) -> bool {
@@ -31,12 +31,12 @@ impl<'a> Task<'a> {
 
     /// Samples per pass of a pixel.
     pub(crate) fn spp_of(&self, pixel: [u32; 2]) -> u32 {
-        self.sweep.simple_spp.filter(|_| self.is_simple(pixel)).unwrap_or(self.sweep.spp)
+        self.pass_spec.simple_spp.filter(|_| self.is_simple(pixel)).unwrap_or(self.pass_spec.spp)
     }
 }
 
 /// A rendered tile on its way to the film: its pixels row by row, but for those that the sweep leaves out.
-pub(crate) struct Finished {
+pub(crate) struct TileResult {
     pub(crate) tile: Tile,
     /// Radiance, not yet rounded to what a film holds.
     pub(crate) pixels: Vec<Rgb>,
@@ -61,10 +61,10 @@ pub(crate) struct Finished {
     pub(crate) bad_samples: u64,
 }
 
-impl Finished {
+impl TileResult {
     /// A tile without its pixels.
-    pub(crate) fn new(task: &Task<'_>, with_alpha: bool) -> Self {
-        let tile = task.tile;
+    pub(crate) fn new(job: &TileJob<'_>, with_alpha: bool) -> Self {
+        let tile = job.tile;
         let count = tile.width as usize * tile.height as usize;
         let room = |needed: bool| if needed { count } else { 0 };
         Self {
@@ -72,11 +72,11 @@ impl Finished {
             pixels: Vec::with_capacity(count),
             alpha: Vec::with_capacity(room(with_alpha)),
             with_alpha,
-            with_counts: task.simple.is_some(),
-            variances: Vec::with_capacity(room(task.sweep.count > 1)),
-            counts: Vec::with_capacity(room(task.simple.is_some())),
+            with_counts: job.simple.is_some(),
+            variances: Vec::with_capacity(room(job.pass_spec.count > 1)),
+            counts: Vec::with_capacity(room(job.simple.is_some())),
             samples: 0,
-            simple_pixels: task.simple.map_or(0, |simple| simple.count() as u64),
+            simple_pixels: job.simple.map_or(0, |simple| simple.count() as u64),
             error: ErrorSums::default(),
             counters: Counters::default(),
             camera_hits: 0,

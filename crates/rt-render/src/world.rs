@@ -6,38 +6,38 @@ use rt_math::{Aabb, Interval, Ray};
 use rt_shading::{SurfaceHit, emitter::EmitterRef};
 
 use crate::{
-    instance::{Assembly, InstanceGeometry, Levels, Part, Parts},
-    primitive_form::{Outline, Outlines},
+    instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, Instances},
+    primitive_form::{HasForm, PrimitiveForm},
 };
 
 /// World in one of two forms.
 #[derive(Debug)]
 pub(crate) enum World {
     Spheres(SphereWorld, AnyAccelerator),
-    Parts(Assembly, Levels),
+    Instances(Aggregate, BottomLevel),
 }
 
 impl World {
     /// Chooses the compact form for a world of spheres only.
-    pub(crate) fn specialise(top: Assembly, levels: Levels) -> Self {
-        let sphere = |part: &Part| match part.geometry {
+    pub(crate) fn specialise(top: Aggregate, levels: BottomLevel) -> Self {
+        let sphere = |instance: &Instance| match instance.geometry {
             InstanceGeometry::Shape(Shape::Sphere(sphere)) => Some(sphere),
             _ => None,
         };
-        match top.parts.iter().map(sphere).collect::<Option<Vec<_>>>() {
+        match top.instances.iter().map(sphere).collect::<Option<Vec<_>>>() {
             Some(spheres) => {
-                let materials = top.parts.iter().map(|part| part.material).collect();
-                let textured = top.parts.iter().map(|part| part.textured).collect();
-                let some_cast_none = top.parts.iter().any(|part| !part.casts_shadow);
-                let switches = top.parts.iter().map(|part| part.casts_shadow);
+                let materials = top.instances.iter().map(|instance| instance.material).collect();
+                let textured = top.instances.iter().map(|instance| instance.textured).collect();
+                let some_cast_none = top.instances.iter().any(|instance| !instance.casts_shadow);
+                let switches = top.instances.iter().map(|instance| instance.casts_shadow);
                 let casts_shadow = if some_cast_none { switches.collect() } else { Vec::new() };
-                let some_shine = top.parts.iter().any(|part| part.emitter.is_some());
-                let lights = top.parts.iter().map(|part| part.emitter);
+                let some_shine = top.instances.iter().any(|instance| instance.emitter.is_some());
+                let lights = top.instances.iter().map(|instance| instance.emitter);
                 let emitters = if some_shine { lights.collect() } else { Vec::new() };
                 let spheres = Spheres::new(spheres);
                 Self::Spheres(SphereWorld { spheres, materials, textured, casts_shadow, emitters }, top.structure)
             }
-            None => Self::Parts(top, levels),
+            None => Self::Instances(top, levels),
         }
     }
 
@@ -45,7 +45,7 @@ impl World {
     pub(crate) fn has_motion(&self) -> bool {
         match self {
             Self::Spheres(..) => false,
-            Self::Parts(top, levels) => top.all_parts(levels).any(Part::moves),
+            Self::Instances(top, levels) => top.all_instances(levels).any(Instance::has_motion),
         }
     }
 
@@ -55,19 +55,21 @@ impl World {
             Self::Spheres(world, _) => {
                 world.spheres.as_slice().iter().fold(Aabb::EMPTY, |sum, sphere| sum.union(sphere.bounds()))
             }
-            Self::Parts(top, _) => top.parts.iter().filter_map(|part| part.bounds).fold(Aabb::EMPTY, Aabb::union),
+            Self::Instances(top, _) => {
+                top.instances.iter().filter_map(|instance| instance.bounds).fold(Aabb::EMPTY, Aabb::union)
+            }
         }
     }
 }
 
 /// Primitives that know what their surface is made of.
-pub(crate) trait Surfaces: Outlines {
+pub(crate) trait ShadedPrimitives: HasForm {
     /// The surface at a hit; `None` for a hit that is not of this set. Objects are numbered by their places among the
     /// parts of the upper level.
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit>;
 }
 
-impl Surfaces for Parts<'_> {
+impl ShadedPrimitives for Instances<'_> {
     #[inline]
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
         self.surface(ray, hit, needs)
@@ -130,7 +132,7 @@ impl Primitives for SphereWorld {
     }
 }
 
-impl Surfaces for SphereWorld {
+impl ShadedPrimitives for SphereWorld {
     #[inline(always)]
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
         let material = *self.materials.get(hit.primitive as usize)?;
@@ -142,10 +144,10 @@ impl Surfaces for SphereWorld {
     }
 }
 
-impl Outlines for SphereWorld {
-    fn outline(&self, index: u32) -> Outline {
+impl HasForm for SphereWorld {
+    fn form(&self, index: u32) -> PrimitiveForm {
         let sphere = &self.spheres.as_slice()[index as usize];
-        Outline::Ball { centre: sphere.centre(), radius: sphere.radius() }
+        PrimitiveForm::Sphere { centre: sphere.centre(), radius: sphere.radius() }
     }
 
     fn casts_shadow(&self, index: u32) -> bool {
@@ -153,21 +155,21 @@ impl Outlines for SphereWorld {
     }
 }
 
-impl Outlines for Parts<'_> {
-    fn outline(&self, index: u32) -> Outline {
-        match &self.parts[index as usize].geometry {
-            InstanceGeometry::Shape(shape) => Outline::of(shape),
-            InstanceGeometry::TransformedShape(placed) => Outline::of_placed(placed),
-            InstanceGeometry::Facet(mesh, _) if mesh.data().normals.is_empty() => Outline::Flat,
-            InstanceGeometry::Facet(..)
+impl HasForm for Instances<'_> {
+    fn form(&self, index: u32) -> PrimitiveForm {
+        match &self.instances[index as usize].geometry {
+            InstanceGeometry::Shape(shape) => PrimitiveForm::of(shape),
+            InstanceGeometry::TransformedShape(placed) => PrimitiveForm::of_placed(placed),
+            InstanceGeometry::Triangle(mesh, _) if mesh.data().normals.is_empty() => PrimitiveForm::Flat,
+            InstanceGeometry::Triangle(..)
             | InstanceGeometry::Mesh(..)
             | InstanceGeometry::Group(..)
-            | InstanceGeometry::Moving(_) => Outline::Other,
+            | InstanceGeometry::Animated(_) => PrimitiveForm::Other,
         }
     }
 
     fn casts_shadow(&self, index: u32) -> bool {
-        let Part { casts_shadow, .. } = &self.parts[index as usize];
+        let Instance { casts_shadow, .. } = &self.instances[index as usize];
         *casts_shadow
     }
 }

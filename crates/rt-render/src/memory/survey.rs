@@ -8,9 +8,9 @@ use rt_scene_io::{Content, GroupId, MeshId, Node, Scene};
 
 use crate::{
     RenderError,
-    flatten::{DISSOLVED, count_group_uses, group_of},
-    instance::{Moving, Part},
-    structure::{FEW, Wanted, choose},
+    accel_choice::{AccelOptions, MAX_LINEAR, choose},
+    flatten::{MAX_INLINED_TRIANGLES, count_group_uses, group_of},
+    instance::{Animated, Instance},
 };
 
 /// What the allocator adds to a piece of memory, and the counts of what is shared.
@@ -36,9 +36,9 @@ impl Most {
 
 /// Bytes of a structure over so many primitives: what it keeps, and what it takes besides while it is built. Measured on meshes
 /// of half a million triangles, and rounded up.
-fn structure(wanted: Wanted, primitives: u64) -> [u64; 2] {
+fn accel_bytes(accel_options: AccelOptions, primitives: u64) -> [u64; 2] {
     use rt_accel::AcceleratorKind as Kind;
-    let [kept, besides] = match choose(wanted.accel, primitives <= FEW as u64) {
+    let [kept, besides] = match choose(accel_options.accel, primitives <= MAX_LINEAR as u64) {
         Kind::Linear => [16, 0],
         Kind::Wide => [46, 100],
         Kind::Bvh => [40, 140],
@@ -78,7 +78,7 @@ impl Holding {
 
 struct Surveyor<'s, 'm> {
     scene: &'s Scene,
-    wanted: Wanted,
+    accel_options: AccelOptions,
     survey: Survey,
     most: &'m mut Most,
     group_uses: Vec<u64>,
@@ -92,11 +92,16 @@ struct Surveyor<'s, 'm> {
 
 impl Survey {
     /// Counts what flattening will find. With `culls`, there may be a second structure half as large as the first.
-    pub(crate) fn of(scene: &Scene, wanted: Wanted, culls: bool, most: &mut Most) -> Result<Self, RenderError> {
+    pub(crate) fn of(
+        scene: &Scene,
+        accel_options: AccelOptions,
+        culls: bool,
+        most: &mut Most,
+    ) -> Result<Self, RenderError> {
         let count = scene.groups.len();
         let mut surveyor = Surveyor {
             scene,
-            wanted,
+            accel_options,
             survey: Self::default(),
             most,
             group_uses: count_group_uses(scene)?,
@@ -106,9 +111,9 @@ impl Survey {
         };
         surveyor.scene_itself();
         let top = surveyor.holding(&scene.nodes, false)?;
-        surveyor.assembly(top, "the scene");
+        surveyor.aggregate(top, "the scene");
         if culls {
-            let [kept, _] = structure(wanted, top.parts / 2);
+            let [kept, _] = accel_bytes(accel_options, top.parts / 2);
             surveyor.survey.structures = surveyor.survey.structures.saturating_add(kept);
         }
         Ok(surveyor.survey)
@@ -136,15 +141,15 @@ impl<'s> Surveyor<'s, '_> {
     }
 
     /// Adds an assembly of such parts, and the structure over them.
-    fn assembly(&mut self, holding: Holding, name: &str) {
+    fn aggregate(&mut self, holding: Holding, name: &str) {
         let Holding { parts, bytes } = holding;
         self.most.offer(bytes, || format!("{parts} objects of {name}"));
         self.survey.geometry = self.survey.geometry.saturating_add(bytes);
-        self.structure(parts, || format!("the structure over {parts} objects of {name}"));
+        self.add_accel(parts, || format!("the structure over {parts} objects of {name}"));
     }
 
-    fn structure(&mut self, primitives: u64, what: impl FnOnce() -> String) {
-        let [kept, besides] = structure(self.wanted, primitives);
+    fn add_accel(&mut self, primitives: u64, what: impl FnOnce() -> String) {
+        let [kept, besides] = accel_bytes(self.accel_options, primitives);
         self.most.offer(kept.saturating_add(besides), what);
         self.survey.structures = self.survey.structures.saturating_add(kept);
         self.survey.building = self.survey.building.max(besides);
@@ -188,12 +193,12 @@ impl<'s> Surveyor<'s, '_> {
         let triangles = named.mesh.data().triangles.len();
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
         let is_plain = material.is_none_or(|m| m.relief.is_none() && m.coverage == rt_shading::Coverage::ALL);
-        if triangles <= DISSOLVED && unmoved && is_plain {
+        if triangles <= MAX_INLINED_TRIANGLES && unmoved && is_plain {
             return triangles as u64;
         }
-        let holes = material.filter(|m| m.coverage != rt_shading::Coverage::ALL).map(|_| node.material.0);
-        if self.meshes.insert((id.0, holes)) {
-            self.structure(triangles as u64, || {
+        let alpha_test = material.filter(|m| m.coverage != rt_shading::Coverage::ALL).map(|_| node.material.0);
+        if self.meshes.insert((id.0, alpha_test)) {
+            self.add_accel(triangles as u64, || {
                 let name =
                     if named.name.is_empty() { "without a name".to_owned() } else { format!("`{}`", named.name) };
                 format!("the structure over the {triangles} triangles of the mesh {name}")
@@ -213,7 +218,7 @@ impl<'s> Surveyor<'s, '_> {
         }
         let group = &self.scene.groups[index];
         let holding = self.holding(&group.nodes, true)?;
-        self.assembly(holding, &format!("the group `{}`", group.name));
+        self.aggregate(holding, &format!("the group `{}`", group.name));
         Ok(())
     }
 
@@ -233,8 +238,8 @@ impl<'s> Surveyor<'s, '_> {
 /// Bytes of a part, with the name and the transform that it has on the heap.
 fn part_bytes(node: &Node, unmoved: bool) -> u64 {
     let transform = if unmoved { 0 } else { size_of::<Transform>() as u64 + HEADER };
-    let moving = if node.moves_to.is_some() { size_of::<Moving>() as u64 + HEADER } else { 0 };
-    size_of::<Part>() as u64 + node.name.len() as u64 + HEADER + transform + moving
+    let moving = if node.moves_to.is_some() { size_of::<Animated>() as u64 + HEADER } else { 0 };
+    size_of::<Instance>() as u64 + node.name.len() as u64 + HEADER + transform + moving
 }
 
 /// Bytes that a shape has on the heap.

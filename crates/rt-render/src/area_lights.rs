@@ -8,33 +8,37 @@ use rt_shading::{
     emitter::{CylinderLight, DiskLight, Emission, Emitter, EmitterSet, MeshLight, QuadLight, SphereLight},
 };
 
-use crate::instance::{Assembly, InstanceGeometry, Levels, Part, holds};
+use crate::instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, uses_material};
 
 /// How far the angles of a parallelogram may be off, as a part of its side.
 const SQUARENESS: f64 = 1e-9;
 
 /// Makes emitters of all parts that shine evenly, and notes at each part which it is. What cannot be drawn from (a textured
 /// lamp, a torus, one that moves) is still found by rays.
-pub(crate) fn emitters(scene: &Scene, top: &mut Assembly, levels: &mut Levels) -> EmitterSet {
+pub(crate) fn emitters(scene: &Scene, top: &mut Aggregate, levels: &mut BottomLevel) -> EmitterSet {
     // Each part of a group knows its place among the lights of the group, and each instance the number of its first one.
-    let of_groups: Vec<Lamps> =
-        levels.groups.iter().map(|group| Lamps::of(scene, &group.parts, &Transform::IDENTITY, levels)).collect();
-    let Lamps { emitters: mut collected, numbers } = Lamps::of(scene, &top.parts, &Transform::IDENTITY, levels);
-    for (part, number) in top.parts.iter_mut().zip(numbers) {
-        part.emitter = number;
-        if let InstanceGeometry::Group(level, transform) = &part.geometry {
+    let of_groups: Vec<AreaLights> = levels
+        .groups
+        .iter()
+        .map(|group| AreaLights::of(scene, &group.instances, &Transform::IDENTITY, levels))
+        .collect();
+    let AreaLights { emitters: mut collected, numbers } =
+        AreaLights::of(scene, &top.instances, &Transform::IDENTITY, levels);
+    for (instance, number) in top.instances.iter_mut().zip(numbers) {
+        instance.emitter = number;
+        if let InstanceGeometry::Group(level, transform) = &instance.geometry {
             let transform = transform.as_deref().copied().unwrap_or(Transform::IDENTITY);
-            let placed = Lamps::of(scene, &levels.groups[*level as usize].parts, &transform, levels);
+            let placed = AreaLights::of(scene, &levels.groups[*level as usize].instances, &transform, levels);
             // A transform may make of a lamp what cannot be drawn from.
             if !placed.emitters.is_empty() && placed.numbers == of_groups[*level as usize].numbers {
-                part.emitter = Some(collected.len() as u32);
+                instance.emitter = Some(collected.len() as u32);
                 collected.extend(placed.emitters);
             }
         }
     }
-    for (group, lamps) in levels.groups.iter_mut().zip(of_groups) {
-        for (part, number) in group.parts.iter_mut().zip(lamps.numbers) {
-            part.emitter = number;
+    for (group, lights) in levels.groups.iter_mut().zip(of_groups) {
+        for (instance, number) in group.instances.iter_mut().zip(lights.numbers) {
+            instance.emitter = number;
         }
     }
     if let Background::Environment(light) = &scene.appearance.background {
@@ -44,54 +48,54 @@ pub(crate) fn emitters(scene: &Scene, top: &mut Assembly, levels: &mut Levels) -
 }
 
 /// The name of an object that shines and moves, if there is one.
-pub(crate) fn moving_lamp(scene: &Scene, top: &Assembly, levels: &Levels) -> Option<String> {
+pub(crate) fn find_animated_light(scene: &Scene, top: &Aggregate, levels: &BottomLevel) -> Option<String> {
     let shines = |material: u32| {
         let material = scene.appearance.materials.get(material as usize);
         material.is_some_and(|material| !material.phong.emission.is_zero())
     };
-    let mut moving = top.all_parts(levels).filter(|part| part.moves());
-    moving.find(|part| holds(part, levels, &shines)).map(|part| part.name.to_string())
+    let mut animated = top.all_instances(levels).filter(|instance| instance.has_motion());
+    animated.find(|instance| uses_material(instance, levels, &shines)).map(|instance| instance.name.to_string())
 }
 
 /// The emitters among some parts.
-struct Lamps {
+struct AreaLights {
     emitters: Vec<Emitter>,
     /// By part: the number of its emitter.
     numbers: Vec<Option<u32>>,
 }
 
-impl Lamps {
-    fn of(scene: &Scene, parts: &[Part], world_from_parts: &Transform, levels: &Levels) -> Self {
-        let mut lamps = Self { emitters: Vec::new(), numbers: Vec::with_capacity(parts.len()) };
+impl AreaLights {
+    fn of(scene: &Scene, instances: &[Instance], world_from_parts: &Transform, levels: &BottomLevel) -> Self {
+        let mut lights = Self { emitters: Vec::new(), numbers: Vec::with_capacity(instances.len()) };
         let mut before = None;
-        for part in parts {
+        for instance in instances {
             // The facets of a mesh follow each other, and are one light.
-            let number = match (&part.geometry, before) {
-                (InstanceGeometry::Facet(..), Some((object, number))) if object == part.object => number,
-                _ => emitter_of(scene, part, world_from_parts, levels).map(|emitter| {
-                    lamps.emitters.push(emitter);
-                    lamps.emitters.len() as u32 - 1
+            let number = match (&instance.geometry, before) {
+                (InstanceGeometry::Triangle(..), Some((object, number))) if object == instance.object => number,
+                _ => emitter_of(scene, instance, world_from_parts, levels).map(|emitter| {
+                    lights.emitters.push(emitter);
+                    lights.emitters.len() as u32 - 1
                 }),
             };
-            lamps.numbers.push(number);
-            before = Some((part.object, number));
+            lights.numbers.push(number);
+            before = Some((instance.object, number));
         }
-        lamps
+        lights
     }
 }
 
 /// Half of the diagonal around the bounded part of the world; 1 without one.
-fn radius(top: &Assembly) -> f64 {
-    let bounds = top.parts.iter().filter_map(|part| part.bounds).fold(Aabb::EMPTY, Aabb::union);
+fn radius(top: &Aggregate) -> f64 {
+    let bounds = top.instances.iter().filter_map(|instance| instance.bounds).fold(Aabb::EMPTY, Aabb::union);
     if bounds.is_empty() { 1.0 } else { 0.5 * bounds.extent().length() }
 }
 
 /// What a part's surface emits, if it is the same everywhere on it.
-fn emission_of(scene: &Scene, part: &Part) -> Option<Emission> {
-    if matches!(part.geometry, InstanceGeometry::Group(..)) {
+fn emission_of(scene: &Scene, instance: &Instance) -> Option<Emission> {
+    if matches!(instance.geometry, InstanceGeometry::Group(..)) {
         return None;
     }
-    let material = scene.appearance.materials.get(part.material as usize)?;
+    let material = scene.appearance.materials.get(instance.material as usize)?;
     let ColorTexture::Constant(radiance) = material.phong.emission else { return None };
     // Light is drawn from all of a surface: one with holes is found by rays alone.
     if material.coverage.alpha != Alpha::Opaque {
@@ -101,9 +105,9 @@ fn emission_of(scene: &Scene, part: &Part) -> Option<Emission> {
 }
 
 /// The emitter that a part is, within an assembly that a transform places.
-fn emitter_of(scene: &Scene, part: &Part, outer: &Transform, levels: &Levels) -> Option<Emitter> {
-    let emission = emission_of(scene, part)?;
-    match &part.geometry {
+fn emitter_of(scene: &Scene, instance: &Instance, outer: &Transform, levels: &BottomLevel) -> Option<Emitter> {
+    let emission = emission_of(scene, instance)?;
+    match &instance.geometry {
         InstanceGeometry::Shape(shape) => emitter_of_shape(shape, outer, emission),
         InstanceGeometry::TransformedShape(placed) => {
             emitter_of_shape(placed.shape(), &outer.compose(placed.world_from_local()), emission)
@@ -112,8 +116,8 @@ fn emitter_of(scene: &Scene, part: &Part, outer: &Transform, levels: &Levels) ->
             let inner = transform.as_deref().copied().unwrap_or(Transform::IDENTITY);
             emitter_of_mesh(&levels.meshes[*level as usize].mesh, &outer.compose(&inner), emission)
         }
-        InstanceGeometry::Facet(mesh, _) => emitter_of_mesh(mesh, outer, emission),
-        InstanceGeometry::Group(..) | InstanceGeometry::Moving(_) => None,
+        InstanceGeometry::Triangle(mesh, _) => emitter_of_mesh(mesh, outer, emission),
+        InstanceGeometry::Group(..) | InstanceGeometry::Animated(_) => None,
     }
 }
 
@@ -163,18 +167,18 @@ fn quad([a, b, c, d]: [DVec3; 4], normal: DVec3, emission: Emission) -> Option<E
 /// A polygon without dents and holes.
 fn emitter_of_polygon(polygon: &Polygon, world_from_local: &Transform, emission: Emission) -> Option<Emitter> {
     let mut rings = polygon.rings();
-    let (Some(outline), None) = (rings.next(), rings.next()) else { return None };
-    if let [a, b, c, d] = outline {
+    let (Some(form), None) = (rings.next(), rings.next()) else { return None };
+    if let [a, b, c, d] = form {
         let corners = [a, b, c, d].map(|corner| world_from_local.point(*corner));
         if let Some(light) = quad(corners, world_from_local.normal(polygon.normal()), emission) {
             return Some(light);
         }
     }
-    let next = |i: usize| outline[i % outline.len()];
+    let next = |i: usize| form[i % form.len()];
     let turns_left = |i: usize| (next(i + 1) - next(i)).cross(next(i + 2) - next(i + 1)).dot(polygon.normal()) >= 0.0;
-    let fan = (1..outline.len() - 1).map(|i| [outline[0], outline[i], outline[i + 1]]);
+    let fan = (1..form.len() - 1).map(|i| [form[0], form[i], form[i + 1]]);
     // An outline that winds around more than once turns left everywhere, and is wider than its fan.
-    let is_fan = (0..outline.len()).all(turns_left)
+    let is_fan = (0..form.len()).all(turns_left)
         && fan.clone().all(|[a, b, c]| (b - a).cross(c - a).dot(polygon.normal()) >= 0.0);
     if is_fan { mesh(fan, world_from_local, emission) } else { None }
 }

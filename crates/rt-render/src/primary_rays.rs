@@ -8,16 +8,16 @@ use crate::{
     RenderPlan,
     estimate::PixelEstimate,
     pixel::Pixel,
-    tile_job::{Finished, Task},
+    tile_job::{TileJob, TileResult},
 };
 
 /// Camera rays in a wave: enough for rays to be traced side by side, and few enough for all that is known of them to
 /// stay in a core's own cache.
-const WAVE: usize = 256;
+const BATCH_SIZE: usize = 256;
 
 /// The camera rays of a wave, and what they see.
 #[derive(Debug, Default)]
-pub(crate) struct CameraWave {
+pub(crate) struct PrimaryRayBatch {
     positions: Vec<[f64; 2]>,
     rays: Vec<(Ray, Interval)>,
     /// What each sample weighs in its pixel.
@@ -34,15 +34,15 @@ pub(crate) struct CameraRays<'a> {
     pub(crate) samplers: &'a [SampleStream],
 }
 
-impl CameraWave {
-    const fn room(&self) -> usize {
-        WAVE - self.rays.len()
+impl PrimaryRayBatch {
+    const fn free_slots(&self) -> usize {
+        BATCH_SIZE - self.rays.len()
     }
 }
 
 /// Adds samples to pixels, which are full after so many passes of so many samples.
-struct Sums<N> {
-    finished: Finished,
+struct PixelAccumulator<N> {
+    finished: TileResult,
     pixel: Pixel,
     estimate: PixelEstimate,
     /// Samples that the pass is short of.
@@ -54,8 +54,8 @@ struct Sums<N> {
     passes: u32,
 }
 
-impl<N: Iterator<Item = u32>> Sums<N> {
-    fn new(finished: Finished, pixel: Pixel, mut next: N, passes: u32) -> Self {
+impl<N: Iterator<Item = u32>> PixelAccumulator<N> {
+    fn new(finished: TileResult, pixel: Pixel, mut next: N, passes: u32) -> Self {
         let spp = next.next().unwrap_or(0);
         Self { finished, pixel, estimate: PixelEstimate::default(), missing: spp, spp, next, passes }
     }
@@ -73,7 +73,7 @@ impl<N: Iterator<Item = u32>> Sums<N> {
         self.finished.bad_samples += self.pixel.bad_samples();
         let (radiance, coverage) = self.pixel.mean();
         self.estimate.add(radiance, coverage, self.spp);
-        self.pixel = self.pixel.emptied();
+        self.pixel = self.pixel.cleared();
         if self.estimate.passes() == self.passes {
             self.finished.push(&core::mem::take(&mut self.estimate));
             self.spp = self.next.next().unwrap_or(0);
@@ -87,37 +87,45 @@ impl RenderPlan<'_> {
     /// integrator: what the rays of a wave see.
     pub(crate) fn sample_tile(
         &self,
-        task: &Task<'_>,
-        wave: &mut CameraWave,
+        job: &TileJob<'_>,
+        batch: &mut PrimaryRayBatch,
         mut radiance: impl FnMut(&CameraRays<'_>, &mut [Seen]),
-    ) -> Finished {
-        let sweep = task.sweep;
-        let counts = sweep.pixels_of(task.tile).map(|pixel| task.spp_of(pixel));
-        let finished = Finished::new(task, self.frame.transparent);
-        let mut sums = Sums::new(finished, Pixel::new(self.frame.transparent), counts, sweep.count);
-        for pixel in sweep.pixels_of(task.tile) {
-            let spp = task.spp_of(pixel);
-            for pass in 0..sweep.count {
-                let sampler = self.frame.pass_sampler(sweep.first + pass, spp);
+    ) -> TileResult {
+        let pass_spec = job.pass_spec;
+        let counts = pass_spec.pixels_of(job.tile).map(|pixel| job.spp_of(pixel));
+        let finished = TileResult::new(job, self.frame.transparent);
+        let mut accumulator =
+            PixelAccumulator::new(finished, Pixel::new(self.frame.transparent), counts, pass_spec.count);
+        for pixel in pass_spec.pixels_of(job.tile) {
+            let spp = job.spp_of(pixel);
+            for pass in 0..pass_spec.count {
+                let sampler = self.frame.pass_sampler(pass_spec.first + pass, spp);
                 let mut first = 0;
                 while first < spp {
-                    let count = wave.room().min((spp - first) as usize);
-                    self.generate(&sampler, pixel, first, count, wave);
+                    let count = batch.free_slots().min((spp - first) as usize);
+                    self.generate(&sampler, pixel, first, count, batch);
                     first += count as u32;
-                    if wave.room() == 0 {
-                        trace(wave, &mut sums, self.frame.backdrop, &mut radiance);
+                    if batch.free_slots() == 0 {
+                        trace(batch, &mut accumulator, self.frame.backdrop, &mut radiance);
                     }
                 }
             }
         }
-        trace(wave, &mut sums, self.frame.backdrop, &mut radiance);
-        sums.finished
+        trace(batch, &mut accumulator, self.frame.backdrop, &mut radiance);
+        accumulator.finished
     }
 
     /// Puts so many camera rays of a pixel into the wave, beginning with sample `first` of a pass.
-    fn generate(&self, sampler: &PixelSampler, [x, y]: [u32; 2], first: u32, count: usize, wave: &mut CameraWave) {
+    fn generate(
+        &self,
+        sampler: &PixelSampler,
+        [x, y]: [u32; 2],
+        first: u32,
+        count: usize,
+        batch: &mut PrimaryRayBatch,
+    ) {
         let corner = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
-        let CameraWave { positions, rays, weights, samplers, .. } = wave;
+        let PrimaryRayBatch { positions, rays, weights, samplers, .. } = batch;
         let mut push = |ray: Ray, weight: f64| {
             rays.push((ray, Interval::FORWARD));
             weights.push(weight);
@@ -147,22 +155,22 @@ impl RenderPlan<'_> {
 
 /// Traces a wave and empties it into the pixels. Rays that leave the scene see the backdrop, if there is one.
 fn trace<N: Iterator<Item = u32>>(
-    wave: &mut CameraWave,
-    sums: &mut Sums<N>,
+    batch: &mut PrimaryRayBatch,
+    accumulator: &mut PixelAccumulator<N>,
     backdrop: Option<Rgb>,
     radiance: &mut impl FnMut(&CameraRays<'_>, &mut [Seen]),
 ) {
-    wave.seen.resize(wave.rays.len(), Seen::NOTHING);
-    radiance(&CameraRays { rays: &wave.rays, samplers: &wave.samplers }, &mut wave.seen);
-    for (seen, weight) in wave.seen.iter_mut().zip(&wave.weights) {
+    batch.seen.resize(batch.rays.len(), Seen::NOTHING);
+    radiance(&CameraRays { rays: &batch.rays, samplers: &batch.samplers }, &mut batch.seen);
+    for (seen, weight) in batch.seen.iter_mut().zip(&batch.weights) {
         match backdrop {
             Some(backdrop) if !seen.hit => seen.radiance = backdrop,
             _ => {}
         }
-        sums.finished.camera_hits += u64::from(seen.hit);
-        sums.add(seen, *weight);
+        accumulator.finished.camera_hits += u64::from(seen.hit);
+        accumulator.add(seen, *weight);
     }
-    wave.rays.clear();
-    wave.weights.clear();
-    wave.samplers.clear();
+    batch.rays.clear();
+    batch.weights.clear();
+    batch.samplers.clear();
 }

@@ -6,65 +6,65 @@ use rt_math::{Aabb, DVec2, DVec3, Ray};
 use rt_scene_io::{NamedCamera, Scene};
 use rt_shading::{Interior, Material};
 
-use crate::{instance::holds, trace::WorldTracer, visible::InView, world::World};
+use crate::{frustum_cull::PrimaryTarget, instance::uses_material, tracer::SceneTracer, world::World};
 
 /// Where a ray goes that finds out what the pinhole lies inside of. It leaves closed bodies whichever way it goes; this
 /// way it also leaves a sea through its surface. It runs along no axis and no diagonal, so that it meets few edges.
-const OUTWARD: DVec3 = DVec3::new(0.36, 0.80, 0.48);
+const PROBE_DIRECTION: DVec3 = DVec3::new(0.36, 0.80, 0.48);
 
 /// The transparent bodies around the origins of camera rays.
 #[derive(Debug)]
 pub(crate) enum CameraMedium {
     /// The same for all rays.
-    Same(Interior),
+    Constant(Interior),
     /// To be found for each ray that starts in this box: rays of a parallel projection, or of a lens, start in different
     /// places, and at another moment there may be something else.
-    ByRay(Aabb),
+    PerRay(Aabb),
 }
 
 impl CameraMedium {
     /// In clear air.
     pub(crate) fn air() -> Self {
-        Self::Same(Interior::default())
+        Self::Constant(Interior::default())
     }
 
     /// The medium that the camera names; otherwise what the world around it shows.
     pub(crate) fn of(named: &NamedCamera, camera: &Camera, moves: bool, scene: &Scene, world: &World) -> Self {
         if let Some(medium) = named.medium {
-            return Self::Same(Interior::filled_with(medium.0));
+            return Self::Constant(Interior::filled_with(medium.0));
         }
         let reach = reach_of_transparent_bodies(&scene.appearance.materials, world);
         let start_apart = matches!(named.settings.projection, Projection::Orthographic { .. }) || camera.has_lens();
         if (start_apart || camera.moves()) && !reach.is_empty() {
-            return Self::ByRay(reach);
+            return Self::PerRay(reach);
         }
         let pinhole = camera.ray(DVec2::ZERO, 0.0).origin;
         if !reach.contains(pinhole) {
             return Self::air();
         }
         if moves {
-            return Self::ByRay(reach);
+            return Self::PerRay(reach);
         }
-        Self::Same(look_around(scene, world, &Ray::new(pinhole, OUTWARD)))
+        Self::Constant(find_enclosing(scene, world, &Ray::new(pinhole, PROBE_DIRECTION)))
     }
 }
 
-fn look_around(scene: &Scene, world: &World, ray: &Ray) -> Interior {
+fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> Interior {
     let materials = &scene.appearance.materials;
     let mut interior = Interior::default();
     match world {
         World::Spheres(world, structure) => {
             interior.look_around(
-                &mut WorldTracer::new(world, structure, InView::All(structure), NoProbe),
+                &mut SceneTracer::new(world, structure, PrimaryTarget::All(structure), NoProbe),
                 materials,
                 ray,
             );
         }
-        World::Parts(top, levels) => {
+        World::Instances(top, levels) => {
             let world = &top.set(levels);
             let structure = &top.structure;
             interior.look_around(
-                &mut WorldTracer::new(world, structure, InView::All(structure), NoProbe),
+                &mut SceneTracer::new(world, structure, PrimaryTarget::All(structure), NoProbe),
                 materials,
                 ray,
             );
@@ -83,9 +83,9 @@ pub(crate) fn reach_of_transparent_bodies(materials: &[Material], world: &World)
             let transparent = spheres.filter(|(_, material)| is_transparent(**material));
             transparent.fold(Aabb::EMPTY, |sum, (sphere, _)| sum.union(sphere.bounds()))
         }
-        World::Parts(top, levels) => {
-            let transparent = top.parts.iter().filter(|part| holds(part, levels, &is_transparent));
-            transparent.fold(Aabb::EMPTY, |sum, part| sum.union(part.bounds.unwrap_or(everywhere)))
+        World::Instances(top, levels) => {
+            let transparent = top.instances.iter().filter(|instance| uses_material(instance, levels, &is_transparent));
+            transparent.fold(Aabb::EMPTY, |sum, instance| sum.union(instance.bounds.unwrap_or(everywhere)))
         }
     }
 }

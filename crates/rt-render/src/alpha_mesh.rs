@@ -6,13 +6,13 @@ use rt_shading::{Alpha, Coverage, Material, Texture, TexturePoint};
 
 /// What rays pass of a mesh, because its material does not cover it there.
 #[derive(Clone, Debug)]
-pub(crate) struct Holes {
+pub(crate) struct AlphaTest {
     coverage: Coverage,
     /// Whether the backs of triangles are not there.
     has_front_only: bool,
 }
 
-impl Holes {
+impl AlphaTest {
     /// The holes of a mesh of this material; `None` if it has none. Of a mesh that encloses space, only fronts are seen anyway.
     pub(crate) fn of(material: &Material, mesh: &TriangleMesh) -> Option<Self> {
         let coverage = &material.coverage;
@@ -26,25 +26,25 @@ impl Holes {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AlphaTestedMesh<'w> {
     pub(crate) mesh: &'w TriangleMesh,
-    pub(crate) holes: &'w Holes,
+    pub(crate) alpha_test: &'w AlphaTest,
     pub(crate) textures: &'w [Texture],
 }
 
 impl AlphaTestedMesh<'_> {
     fn is_there(&self, ray: &Ray, hit: &Hit) -> bool {
-        if self.holes.has_front_only {
+        if self.alpha_test.has_front_only {
             let Some([a, b, c]) = self.mesh.vertices(hit.primitive) else { return false };
             if (b - a).cross(c - a).dot(ray.direction) > 0.0 {
                 return false;
             }
         }
-        if self.holes.coverage.alpha == Alpha::Opaque {
+        if self.alpha_test.coverage.alpha == Alpha::Opaque {
             return true;
         }
         let Some(([uv, second], alpha)) = self.mesh.coverage_at(hit) else { return false };
         let detail = VertexAttributes { second_uv: second.map(|x| x as f32), ..VertexAttributes::default() };
         let threshold = || random::unit(hash(ray, hit.primitive));
-        self.holes.coverage.covers(self.textures, &TexturePoint { uv, detail }, alpha, threshold)
+        self.alpha_test.coverage.covers(self.textures, &TexturePoint { uv, detail }, alpha, threshold)
     }
 }
 
@@ -87,22 +87,22 @@ mod tests {
         TriangleMesh::build(data).expect("a mesh").0
     }
 
-    fn holes(coverage: Coverage) -> Option<Holes> {
-        Holes::of(&Material { coverage, ..Material::new(String::new(), Phong::default()) }, &square())
+    fn alpha_test(coverage: Coverage) -> Option<AlphaTest> {
+        AlphaTest::of(&Material { coverage, ..Material::new(String::new(), Phong::default()) }, &square())
     }
 
-    fn hits(holes: &Holes, textures: &[Texture], ray: &Ray) -> usize {
-        let (mesh, set) = (square(), |mesh| AlphaTestedMesh { mesh, holes, textures });
+    fn hits(alpha_test: &AlphaTest, textures: &[Texture], ray: &Ray) -> usize {
+        let (mesh, set) = (square(), |mesh| AlphaTestedMesh { mesh, alpha_test, textures });
         (0..2).filter(|index| set(&mesh).intersect(*index, ray, Interval::FORWARD).is_some()).count()
     }
 
     #[test]
     fn backs_of_open_meshes_are_not_there_if_the_material_has_fronts_only() {
-        let front_only = holes(Coverage { has_front_only: true, ..Coverage::ALL }).expect("an open mesh");
+        let front_only = alpha_test(Coverage { has_front_only: true, ..Coverage::ALL }).expect("an open mesh");
         let place = DVec3::new(0.6, 0.3, 1.0);
         assert_eq!(hits(&front_only, &[], &Ray::new(place, DVec3::NEG_Z)), 1);
         assert_eq!(hits(&front_only, &[], &Ray::new(-place + place.with_z(0.0) * 2.0, DVec3::Z)), 0);
-        assert!(holes(Coverage::ALL).is_none());
+        assert!(alpha_test(Coverage::ALL).is_none());
     }
 
     #[test]
@@ -112,14 +112,14 @@ mod tests {
         let wrap = [rt_shading::Wrap::Clamp; 2];
         let image = Texture::Image { bitmap: std::sync::Arc::new(bitmap), wrap, smooth: false };
         let mask = Coverage { alpha: Alpha::Mask(0.5), texture: Some(TextureId(0)), ..Coverage::ALL };
-        let mask = holes(mask).expect("a mask");
+        let mask = alpha_test(mask).expect("a mask");
         let at = |x: f64| hits(&mask, std::slice::from_ref(&image), &Ray::new(DVec3::new(x, 0.2, 1.0), DVec3::NEG_Z));
         assert_eq!([at(0.3), at(0.7)], [1, 0]);
     }
 
     #[test]
     fn blended_surfaces_stop_as_many_rays_as_they_cover() {
-        let blend = holes(Coverage { alpha: Alpha::Blend, factor: 0.3, ..Coverage::ALL }).expect("a blend");
+        let blend = alpha_test(Coverage { alpha: Alpha::Blend, factor: 0.3, ..Coverage::ALL }).expect("a blend");
         let ray = |i: u32| {
             let at = |k: u32| random::unit(random::hash(&[1, u64::from(i), u64::from(k)]));
             Ray::new(DVec3::new(at(0), at(1), 1.0), DVec3::NEG_Z)

@@ -5,22 +5,22 @@ use rt_geometry::{Counters, Hit, InteractionFlags, NoProbe, Probe, RayCounts, Ra
 use rt_math::{Interval, Ray};
 use rt_shading::{SurfaceHit, Tracer};
 
-use crate::{visible::InView, world::Surfaces};
+use crate::{frustum_cull::PrimaryTarget, world::ShadedPrimitives};
 
 /// What structures report to: a probe that counts all, or none. Rays are counted beside it, so that structures need no
 /// code for a third.
-pub(crate) trait Countable: Probe + Default + Send {
+pub(crate) trait StatsProbe: Probe + Default + Send {
     /// The full table, as far as it is known.
     fn counters(&self, rays: RayCounts) -> Counters;
 }
 
-impl Countable for Counters {
+impl StatsProbe for Counters {
     fn counters(&self, _rays: RayCounts) -> Counters {
         *self
     }
 }
 
-impl Countable for NoProbe {
+impl StatsProbe for NoProbe {
     fn counters(&self, rays: RayCounts) -> Counters {
         Counters::from(rays)
     }
@@ -28,24 +28,29 @@ impl Countable for NoProbe {
 
 /// Answers an integrator's rays and counts them. Which structure it is, is asked once for each batch: integrators are not
 /// compiled anew for each.
-pub(crate) struct WorldTracer<'w, W, S> {
+pub(crate) struct SceneTracer<'w, W, S> {
     pub(crate) world: &'w W,
     pub(crate) structure: &'w AnyAccelerator,
     /// What camera rays are asked of.
-    pub(crate) in_view: InView<'w>,
+    pub(crate) primary_target: PrimaryTarget<'w>,
     /// Rays by kind.
     pub(crate) rays: RayCounts,
     /// Camera rays that were not traced, as there is nothing for them to meet.
-    pub(crate) spared: u64,
+    pub(crate) skipped: u64,
     /// The structure's work.
     pub(crate) probe: S,
     /// The hits of a batch; empty between batches.
     hits: Vec<Option<Hit>>,
 }
 
-impl<'w, W: Surfaces, S: Probe> WorldTracer<'w, W, S> {
-    pub(crate) fn new(world: &'w W, structure: &'w AnyAccelerator, in_view: InView<'w>, probe: S) -> Self {
-        Self { world, structure, in_view, rays: RayCounts::default(), spared: 0, probe, hits: Vec::new() }
+impl<'w, W: ShadedPrimitives, S: Probe> SceneTracer<'w, W, S> {
+    pub(crate) fn new(
+        world: &'w W,
+        structure: &'w AnyAccelerator,
+        primary_target: PrimaryTarget<'w>,
+        probe: S,
+    ) -> Self {
+        Self { world, structure, primary_target, rays: RayCounts::default(), skipped: 0, probe, hits: Vec::new() }
     }
 
     /// Takes the memory for hits from one that is not used any more.
@@ -59,19 +64,19 @@ impl<'w, W: Surfaces, S: Probe> WorldTracer<'w, W, S> {
     }
 
     /// What rays of this kind are asked of.
-    const fn asked(&self, kind: RayKind) -> InView<'w> {
-        if matches!(kind, RayKind::Primary) { self.in_view } else { InView::All(self.structure) }
+    const fn target(&self, kind: RayKind) -> PrimaryTarget<'w> {
+        if matches!(kind, RayKind::Primary) { self.primary_target } else { PrimaryTarget::All(self.structure) }
     }
 
     /// True for rays that need not be traced. Counts the others.
-    fn spares(&mut self, kind: RayKind, rays: usize) -> bool {
-        let spares = kind == RayKind::Primary && self.in_view.is_empty();
-        if spares {
-            self.spared += rays as u64;
+    fn can_skip(&mut self, kind: RayKind, rays: usize) -> bool {
+        let can_skip = kind == RayKind::Primary && self.primary_target.is_empty();
+        if can_skip {
+            self.skipped += rays as u64;
         } else {
             self.count(kind, rays);
         }
-        spares
+        can_skip
     }
 
     fn count(&mut self, kind: RayKind, rays: usize) {
@@ -82,12 +87,12 @@ impl<'w, W: Surfaces, S: Probe> WorldTracer<'w, W, S> {
     }
 }
 
-impl<W: Surfaces, S: Probe> Tracer for WorldTracer<'_, W, S> {
+impl<W: ShadedPrimitives, S: Probe> Tracer for SceneTracer<'_, W, S> {
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
-        if self.spares(kind, 1) {
+        if self.can_skip(kind, 1) {
             return None;
         }
-        let hit = self.asked(kind).closest(self.world, ray, span, &mut self.probe)?;
+        let hit = self.target(kind).closest(self.world, ray, span, &mut self.probe)?;
         self.world.surface_at(ray, &hit, needs)
     }
 
@@ -104,12 +109,12 @@ impl<W: Surfaces, S: Probe> Tracer for WorldTracer<'_, W, S> {
         needs: InteractionFlags,
         mut met: impl FnMut(usize, Option<&mut SurfaceHit>),
     ) {
-        if self.spares(kind, rays.len()) {
+        if self.can_skip(kind, rays.len()) {
             return (0..rays.len()).for_each(|at| met(at, None));
         }
         self.hits.clear();
         self.hits.resize(rays.len(), None);
-        self.asked(kind).closest_batch(self.world, rays, &mut self.hits, &mut self.probe);
+        self.target(kind).closest_batch(self.world, rays, &mut self.hits, &mut self.probe);
         for (at, ((ray, _), hit)) in rays.iter().zip(&self.hits).enumerate() {
             match hit {
                 Some(hit) => met(at, self.world.surface_at(ray, hit, needs).as_mut()),

@@ -5,13 +5,13 @@ use rt_math::{Interval, Ray, Rgb};
 use rt_shading::{Seen, Tracer};
 
 use crate::{
-    trace::{Countable, WorldTracer},
-    world::Surfaces,
+    tracer::{SceneTracer, StatsProbe},
+    world::ShadedPrimitives,
 };
 
 /// Work of a camera ray, nodes and primitive tests together, on a logarithmic scale from black over blue, red and
 /// yellow to white: black is 1 step, white 1024 or more.
-pub(crate) fn cost<W: Surfaces, S: Countable>(tracer: &mut WorldTracer<'_, W, S>, ray: &Ray) -> Seen {
+pub(crate) fn cost<W: ShadedPrimitives, S: StatsProbe>(tracer: &mut SceneTracer<'_, W, S>, ray: &Ray) -> Seen {
     let work = |tally: RayStats| tally.nodes + tally.tests;
     let before = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary));
     let needs = InteractionFlags::NONE;

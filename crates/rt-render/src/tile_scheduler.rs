@@ -10,15 +10,15 @@ use rt_shading::LightTracingIntegrator;
 
 use crate::{
     RenderError, RenderPlan, RunOptions,
-    light_pass::{LightPass, LitChunk},
-    passes::Sweep,
-    tile::Worker,
-    tile_job::{Finished, Task},
+    light_pass::{LightChunk, LightPass},
+    passes::PassSpec,
+    tile::ThreadState,
+    tile_job::{TileJob, TileResult},
     tiles::{Tile, tiles},
 };
 
 /// Threads that wait for sweeps over the image.
-pub(crate) struct Crew<'p> {
+pub(crate) struct TileScheduler<'p> {
     plan: &'p RenderPlan<'p>,
     pool: rayon::ThreadPool,
     tiles: Vec<Tile>,
@@ -35,7 +35,7 @@ pub(crate) struct Outcome {
     pub(crate) lost: Vec<usize>,
 }
 
-impl<'p> Crew<'p> {
+impl<'p> TileScheduler<'p> {
     pub(crate) fn new(plan: &'p RenderPlan<'p>, options: &RunOptions<'p>) -> Result<Self, RenderError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build()?;
         Ok(Self { plan, pool, tiles: tiles(plan.frame.crop), count: options.count, interrupt: options.interrupt })
@@ -52,24 +52,29 @@ impl<'p> Crew<'p> {
 
     /// Renders those of the tiles, by number, in which there is something to sample. `finished` gets each, in any order, on
     /// this thread, while others are being rendered.
-    pub(crate) fn sweep(&self, sweep: &Sweep<'_>, wanted: &[usize], finished: impl FnMut(usize, Finished)) -> Outcome {
-        let render = |worker: &mut Worker, number: usize| {
-            let task = Task::new(self.tiles[number], sweep);
-            self.plan.render_tile(&task, self.count, worker)
+    pub(crate) fn render_tiles(
+        &self,
+        pass_spec: &PassSpec<'_>,
+        accel_options: &[usize],
+        finished: impl FnMut(usize, TileResult),
+    ) -> Outcome {
+        let render = |worker: &mut ThreadState, number: usize| {
+            let job = TileJob::new(self.tiles[number], pass_spec);
+            self.plan.render_tile(&job, self.count, worker)
         };
-        let is_wanted = |number: &usize| sweep.pixels_of(self.tiles[*number]).next().is_some();
-        let wanted: Vec<_> = wanted.iter().copied().filter(is_wanted).collect();
-        self.share(&wanted, || Worker::new(self.plan), render, finished)
+        let is_wanted = |number: &usize| pass_spec.pixels_of(self.tiles[*number]).next().is_some();
+        let accel_options: Vec<_> = accel_options.iter().copied().filter(is_wanted).collect();
+        self.parallel_for(&accel_options, || ThreadState::new(self.plan), render, finished)
     }
 
     /// Follows all light paths of a pass. `finished` gets what they do, in any order, on this thread.
-    pub(crate) fn trace_light(&self, pass: LightPass, mut finished: impl FnMut(LitChunk)) -> Outcome {
+    pub(crate) fn trace_light(&self, pass: LightPass, mut finished: impl FnMut(LightChunk)) -> Outcome {
         let tracer = || LightTracingIntegrator::new(self.plan.integrator.path_settings(), self.plan.scene.features);
         let trace = |tracer: &mut LightTracingIntegrator<_>, chunk: usize| {
             self.plan.trace_light(pass, chunk as u64, self.count, tracer)
         };
         let chunks: Vec<_> = (0..pass.chunks() as usize).collect();
-        self.share(&chunks, tracer, trace, |_, lit| finished(lit))
+        self.parallel_for(&chunks, tracer, trace, |_, lit| finished(lit))
     }
 
     fn is_interrupted(&self) -> bool {
@@ -78,7 +83,7 @@ impl<'p> Crew<'p> {
 
     /// Shares pieces of work out among the threads, each of which has a worker of its own and takes the next piece that
     /// nobody has begun, until there is none, or the work is interrupted. A panic costs the piece, and a new worker.
-    fn share<W, T: Send>(
+    fn parallel_for<W, T: Send>(
         &self,
         pieces: &[usize],
         worker: impl Fn() -> W + Sync,
@@ -126,7 +131,7 @@ mod tests {
     use crate::PlanOptions;
 
     /// A plan of one sphere, which is all that a crew needs.
-    fn with_crew(interrupt: Option<&AtomicBool>, test: impl FnOnce(&Crew<'_>)) {
+    fn with_scheduler(interrupt: Option<&AtomicBool>, test: impl FnOnce(&TileScheduler<'_>)) {
         let sphere = rt_geometry::Sphere::new(rt_math::DVec3::ZERO, 1.0).expect("a sphere");
         let projection = rt_camera::Projection::Orthographic { height: 3.0 };
         let camera = rt_camera::CameraSettings::new(rt_math::Transform::translate(rt_math::DVec3::Z * 4.0), projection);
@@ -135,12 +140,15 @@ mod tests {
         scene.appearance.materials = vec![rt_shading::Material::new("any".into(), rt_shading::Phong::default())];
         scene.nodes = vec![Node::new(Content::Shape(rt_geometry::Shape::Sphere(sphere)), MaterialId(0))];
         let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
-        test(&Crew::new(&plan, &RunOptions { threads: 3, interrupt, ..RunOptions::default() }).expect("threads"));
+        test(
+            &TileScheduler::new(&plan, &RunOptions { threads: 3, interrupt, ..RunOptions::default() })
+                .expect("threads"),
+        );
     }
 
     #[test]
     fn a_panic_costs_its_piece_and_a_new_worker() {
-        with_crew(None, |crew| {
+        with_scheduler(None, |scheduler| {
             let pieces: Vec<_> = (10..90).collect();
             let mut sum = 0;
             // A worker that went on after its panic would say so by its count.
@@ -150,7 +158,7 @@ mod tests {
                 *broken = false;
                 piece
             };
-            let mut outcome = crew.share(
+            let mut outcome = scheduler.parallel_for(
                 &pieces,
                 || false,
                 work,
@@ -168,7 +176,7 @@ mod tests {
     #[test]
     fn an_interruption_finishes_what_is_begun() {
         let interrupt = AtomicBool::new(false);
-        with_crew(Some(&interrupt), |crew| {
+        with_scheduler(Some(&interrupt), |scheduler| {
             let (begun, mut finished) = (AtomicUsize::new(0), 0);
             let work = |(): &mut (), piece: usize| {
                 begun.fetch_add(1, Ordering::Relaxed);
@@ -177,7 +185,7 @@ mod tests {
                 }
             };
             let pieces: Vec<_> = (0..100_000).collect();
-            let outcome = crew.share(&pieces, || (), work, |_, ()| finished += 1);
+            let outcome = scheduler.parallel_for(&pieces, || (), work, |_, ()| finished += 1);
             assert!(outcome.interrupted && outcome.lost.is_empty());
             assert!(finished == begun.load(Ordering::Relaxed) && finished < 100_000, "{finished}");
         });

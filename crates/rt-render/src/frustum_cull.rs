@@ -7,7 +7,7 @@ use rt_camera::ViewVolume;
 use rt_geometry::{BatchKernel, Hit, PrimitiveGeometry, Primitives, Probe, SphereKernel, padded_bounds};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
-use crate::structure::{self, FEW_SPHERES, Wanted, are_few};
+use crate::accel_choice::{self, AccelOptions, MAX_LINEAR_SPHERES, is_small};
 
 /// The primitives of a set that camera rays can meet, and the structure over them.
 ///
@@ -15,7 +15,7 @@ use crate::structure::{self, FEW_SPHERES, Wanted, are_few};
 /// ray passes it, so that asking these alone gives the same hit to the bit. Mirrors, glass and shadows look everywhere:
 /// their rays are asked of the whole set.
 #[derive(Debug)]
-pub(crate) struct Visible {
+pub(crate) struct VisibleSet {
     /// Indices in the whole set, rising.
     indices: Vec<u32>,
     structure: AnyAccelerator,
@@ -23,16 +23,16 @@ pub(crate) struct Visible {
     of: usize,
 }
 
-impl Visible {
+impl VisibleSet {
     /// Finds what the volume does not exclude. `None` where a second structure does not pay: if fewer than half of the
     /// primitives lie outside, or if there are few anyway. So it is at most half as large as the first.
     pub(crate) fn build<P: Primitives>(
-        wanted: Wanted,
+        accel_options: AccelOptions,
         primitives: &P,
         volume: &ViewVolume,
     ) -> Result<Option<Self>, BuildError> {
         let of = primitives.len();
-        if are_few(primitives, 0..of as u32) {
+        if is_small(primitives, 0..of as u32) {
             return Ok(None);
         }
         let inside = |index: &u32| padded_bounds(primitives, *index).is_none_or(|own| !volume.excludes(&own));
@@ -40,7 +40,7 @@ impl Visible {
         if indices.len() > of / 2 {
             return Ok(None);
         }
-        let structure = structure::build(wanted, &Subset { all: primitives, indices: &indices })?;
+        let structure = accel_choice::build(accel_options, &Subset { all: primitives, indices: &indices })?;
         Ok(Some(Self { indices, structure, of }))
     }
 
@@ -63,8 +63,8 @@ impl Visible {
     }
 
     /// The rule by which the structure was chosen.
-    pub(crate) fn why<P: Primitives>(&self, wanted: Wanted, all: &P) -> String {
-        structure::why(wanted, &Subset { all, indices: &self.indices })
+    pub(crate) fn reason<P: Primitives>(&self, accel_options: AccelOptions, all: &P) -> String {
+        accel_choice::reason(accel_options, &Subset { all, indices: &self.indices })
     }
 
     /// Number of primitives that camera rays are spared.
@@ -78,15 +78,15 @@ impl Visible {
     }
 }
 
-/// What a narrower volume does not exclude, to be asked in turn; `None` if these are not [few](are_few). Looks in the
+/// What a narrower volume does not exclude, to be asked in turn; `None` if these are not [few](is_small). Looks in the
 /// `wider` part, if there is one, and otherwise in the structure over all primitives.
-pub(crate) fn few<P: Primitives>(
+pub(crate) fn collect_small<P: Primitives>(
     primitives: &P,
     structure: &AnyAccelerator,
-    wider: Option<&Visible>,
+    wider: Option<&VisibleSet>,
     volume: &ViewVolume,
 ) -> Option<Handful> {
-    let mut indices = [0; FEW_SPHERES];
+    let mut indices = [0; MAX_LINEAR_SPHERES];
     let mut len = 0;
     let mut note = |index: u32| match indices.get_mut(len) {
         Some(place) => {
@@ -95,11 +95,11 @@ pub(crate) fn few<P: Primitives>(
             ControlFlow::Continue(())
         }
         None => {
-            len = FEW_SPHERES + 1;
+            len = MAX_LINEAR_SPHERES + 1;
             ControlFlow::Break(())
         }
     };
-    let region = OwnBoxesIn(volume);
+    let region = FrustumRegion(volume);
     match wider {
         None => structure.visit_overlapping(primitives, &region, note),
         Some(wider) => {
@@ -108,27 +108,27 @@ pub(crate) fn few<P: Primitives>(
         }
     }
     let indices = indices.get(..len)?.iter().copied();
-    if are_few(primitives, indices.clone()) { Handful::new(indices) } else { None }
+    if is_small(primitives, indices.clone()) { Handful::new(indices) } else { None }
 }
 
 /// What camera rays are asked of.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum InView<'v> {
+pub(crate) enum PrimaryTarget<'v> {
     /// All there is.
     All(&'v AnyAccelerator),
     /// What the picture shows of it.
-    Part(&'v Visible),
+    Culled(&'v VisibleSet),
     /// What a tile shows of it.
-    Few(&'v Handful),
+    Tile(&'v Handful),
 }
 
-impl InView<'_> {
+impl PrimaryTarget<'_> {
     /// True if camera rays can meet nothing.
     pub(crate) fn is_empty(&self) -> bool {
         match self {
             Self::All(_) => false,
-            Self::Part(visible) => visible.indices.is_empty(),
-            Self::Few(few) => few.indices().is_empty(),
+            Self::Culled(visible) => visible.indices.is_empty(),
+            Self::Tile(collect_small) => collect_small.indices().is_empty(),
         }
     }
 
@@ -142,8 +142,8 @@ impl InView<'_> {
     ) -> Option<Hit> {
         match self {
             Self::All(structure) => structure.closest(all, ray, span, probe),
-            Self::Part(visible) => visible.closest(all, ray, span, probe),
-            Self::Few(few) => few.closest(all, ray, span, probe),
+            Self::Culled(visible) => visible.closest(all, ray, span, probe),
+            Self::Tile(collect_small) => collect_small.closest(all, ray, span, probe),
         }
     }
 
@@ -157,16 +157,16 @@ impl InView<'_> {
     ) {
         match self {
             Self::All(structure) => structure.closest_batch(all, rays, hits, probe),
-            Self::Part(visible) => visible.closest_batch(all, rays, hits, probe),
-            Self::Few(few) => few.closest_batch(all, rays, hits, probe),
+            Self::Culled(visible) => visible.closest_batch(all, rays, hits, probe),
+            Self::Tile(collect_small) => collect_small.closest_batch(all, rays, hits, probe),
         }
     }
 }
 
 /// All boxes that a view volume may have something in common with, once they are widened to own boxes.
-pub(crate) struct OwnBoxesIn<'v>(pub(crate) &'v ViewVolume);
+pub(crate) struct FrustumRegion<'v>(pub(crate) &'v ViewVolume);
 
-impl Region for OwnBoxesIn<'_> {
+impl Region for FrustumRegion<'_> {
     fn bounds(&self) -> Aabb {
         Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY)
     }

@@ -15,12 +15,12 @@ use rt_accel::{AcceleratorQueries as _, AnyAccelerator, Region};
 use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay};
 use rt_shading::{Light, LightKind};
 
-use super::patch::Patch;
-use crate::primitive_form::{Outline, Outlines};
+use super::patch::SurfacePatch;
+use crate::primitive_form::{HasForm, PrimitiveForm};
 
 /// All ways from a patch to a light without extent.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shaft {
+pub(super) struct LightShaft {
     /// From the middle of the patch to the light at parameter 1, or in its direction.
     line: Ray,
     slab: SlabRay,
@@ -33,7 +33,7 @@ pub(super) struct Shaft {
 
 /// How much of a shaft something blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Blocked {
+pub(super) enum Occlusion {
     /// None of the ways.
     Nowhere,
     /// Maybe some of the ways.
@@ -42,8 +42,8 @@ pub(super) enum Blocked {
     Everywhere,
 }
 
-impl Shaft {
-    pub(super) fn new(patch: &Patch, light: &Light) -> Self {
+impl LightShaft {
+    pub(super) fn new(patch: &SurfacePatch, light: &Light) -> Self {
         let (place, lamp_radius) = match light.kind {
             LightKind::Directional { .. } => (None, 0.0),
             LightKind::Point { position, lamp_radius, .. } => (Some(position), lamp_radius),
@@ -60,15 +60,15 @@ impl Shaft {
 
     /// How much of it all primitives together block, but for the one that the patch is part of: what is convex does not
     /// stand in its own light.
-    pub(super) fn blocked<W: Outlines>(&self, world: &W, structure: &AnyAccelerator, own: u32) -> Blocked {
-        let mut blocked = Blocked::Nowhere;
+    pub(super) fn blocked<W: HasForm>(&self, world: &W, structure: &AnyAccelerator, own: u32) -> Occlusion {
+        let mut blocked = Occlusion::Nowhere;
         structure.visit_overlapping(world, self, |index| {
             if index != own && world.casts_shadow(index) {
-                match self.blocked_by(&world.outline(index)) {
-                    Blocked::Nowhere => {}
-                    Blocked::Somewhere => blocked = Blocked::Somewhere,
-                    Blocked::Everywhere => {
-                        blocked = Blocked::Everywhere;
+                match self.blocked_by(&world.form(index)) {
+                    Occlusion::Nowhere => {}
+                    Occlusion::Somewhere => blocked = Occlusion::Somewhere,
+                    Occlusion::Everywhere => {
+                        blocked = Occlusion::Everywhere;
                         return ControlFlow::Break(());
                     }
                 }
@@ -79,18 +79,18 @@ impl Shaft {
     }
 
     /// How much of it a primitive blocks whose box is in the way.
-    fn blocked_by(&self, outline: &Outline) -> Blocked {
-        match *outline {
-            Outline::Ball { centre, radius } => self.blocked_by_ball(centre, radius),
-            Outline::Plane { point, normal } => self.blocked_by_plane(point, normal.normalize_or_zero()),
-            Outline::Flat | Outline::Faces | Outline::Other => Blocked::Somewhere,
+    fn blocked_by(&self, form: &PrimitiveForm) -> Occlusion {
+        match *form {
+            PrimitiveForm::Sphere { centre, radius } => self.blocked_by_ball(centre, radius),
+            PrimitiveForm::Plane { point, normal } => self.blocked_by_plane(point, normal.normalize_or_zero()),
+            PrimitiveForm::Flat | PrimitiveForm::Faces | PrimitiveForm::Other => Occlusion::Somewhere,
         }
     }
 
-    fn blocked_by_ball(&self, centre: DVec3, radius: f64) -> Blocked {
+    fn blocked_by_ball(&self, centre: DVec3, radius: f64) -> Occlusion {
         let from_light = self.place.map_or(f64::INFINITY, |place| (centre - place).length());
         if from_light + radius <= self.lamp_radius {
-            return Blocked::Nowhere;
+            return Occlusion::Nowhere;
         }
         let Ray { origin, direction, .. } = self.line;
         let nearest = ((centre - origin).dot(direction) / direction.length_squared()).max(0.0);
@@ -99,31 +99,31 @@ impl Shaft {
         let ends_are_outside =
             (centre - origin).length() > radius + self.radius && from_light > radius + self.lamp_radius;
         if distance > radius + self.radius {
-            Blocked::Nowhere
+            Occlusion::Nowhere
         } else if ends_are_outside && distance + self.radius < radius {
-            Blocked::Everywhere
+            Occlusion::Everywhere
         } else {
-            Blocked::Somewhere
+            Occlusion::Somewhere
         }
     }
 
-    fn blocked_by_plane(&self, point: DVec3, normal: DVec3) -> Blocked {
+    fn blocked_by_plane(&self, point: DVec3, normal: DVec3) -> Occlusion {
         let height = normal.dot(self.line.origin - point);
         // Of the light, or whether the way there rises.
         let end = self.place.map_or(normal.dot(self.line.direction), |place| normal.dot(place - point));
         if height.abs() <= self.radius || end == 0.0 {
-            Blocked::Somewhere
+            Occlusion::Somewhere
         } else if (height > 0.0) == (end > 0.0) {
-            Blocked::Nowhere
+            Occlusion::Nowhere
         } else if self.lamp_radius == 0.0 {
-            Blocked::Everywhere
+            Occlusion::Everywhere
         } else {
-            Blocked::Somewhere
+            Occlusion::Somewhere
         }
     }
 }
 
-impl Region for Shaft {
+impl Region for LightShaft {
     fn bounds(&self) -> Aabb {
         Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY)
     }

@@ -8,21 +8,21 @@ use rt_scene_io::{Accel, Scene};
 use crate::plan_options::PlanOptions;
 
 /// Up to this many primitives, asking each is faster than walking a tree.
-pub(crate) const FEW: usize = 8;
+pub(crate) const MAX_LINEAR: usize = 8;
 
 /// The same of primitives that are all spheres, which are asked for many rays at once.
-pub(crate) const FEW_SPHERES: usize = Handful::MOST;
+pub(crate) const MAX_LINEAR_SPHERES: usize = Handful::MOST;
 
 /// True for primitives of which asking each is faster than walking a tree.
-pub(crate) fn are_few<P: Primitives>(primitives: &P, mut indices: impl ExactSizeIterator<Item = u32>) -> bool {
+pub(crate) fn is_small<P: Primitives>(primitives: &P, mut indices: impl ExactSizeIterator<Item = u32>) -> bool {
     let is_round = |index| matches!(primitives.geometry(index), PrimitiveGeometry::ExactSphere(_));
     let count = indices.len();
-    count <= FEW || count <= FEW_SPHERES && indices.all(is_round)
+    count <= MAX_LINEAR || count <= MAX_LINEAR_SPHERES && indices.all(is_round)
 }
 
 /// What structures are asked for.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Wanted {
+pub(crate) struct AccelOptions {
     pub(crate) accel: Accel,
     /// The instructions to use; `None` for the best that the processor has.
     pub(crate) simd: Option<SimdLevel>,
@@ -30,7 +30,7 @@ pub(crate) struct Wanted {
     pub(crate) quality: Quality,
 }
 
-impl Wanted {
+impl AccelOptions {
     /// Options of a scene and its plan.
     pub(crate) const fn new(scene: &Scene, options: &PlanOptions) -> Self {
         Self { accel: scene.settings.accel, simd: options.simd, quality: options.quality }
@@ -38,19 +38,20 @@ impl Wanted {
 }
 
 /// Builds what is wanted, or for `Auto` what fits the primitives.
-pub(crate) fn build<P: Primitives>(wanted: Wanted, primitives: &P) -> Result<AnyAccelerator, BuildError> {
-    let are_few = are_few(primitives, 0..primitives.len() as u32);
-    let structure = AnyAccelerator::build_with(choose(wanted.accel, are_few), wanted.quality, primitives)?;
-    Ok(match wanted.simd {
+pub(crate) fn build<P: Primitives>(accel_options: AccelOptions, primitives: &P) -> Result<AnyAccelerator, BuildError> {
+    let is_small = is_small(primitives, 0..primitives.len() as u32);
+    let structure =
+        AnyAccelerator::build_with(choose(accel_options.accel, is_small), accel_options.quality, primitives)?;
+    Ok(match accel_options.simd {
         Some(level) => structure.with_level(level),
         None => structure,
     })
 }
 
-/// What `accel` asks for; `Auto` is brute force for [few](are_few) primitives and the wide tree of boxes otherwise.
-pub(crate) const fn choose(accel: Accel, are_few: bool) -> AcceleratorKind {
+/// What `accel` asks for; `Auto` is brute force for [few](is_small) primitives and the wide tree of boxes otherwise.
+pub(crate) const fn choose(accel: Accel, is_small: bool) -> AcceleratorKind {
     match accel {
-        Accel::Auto if are_few => AcceleratorKind::Linear,
+        Accel::Auto if is_small => AcceleratorKind::Linear,
         Accel::Auto | Accel::Wide => AcceleratorKind::Wide,
         Accel::Bvh => AcceleratorKind::Bvh,
         Accel::Linear => AcceleratorKind::Linear,
@@ -65,22 +66,27 @@ pub(crate) const fn choose(accel: Accel, are_few: bool) -> AcceleratorKind {
 }
 
 /// The rule by which [`build`] chooses, and the measures that it looks at, for people.
-pub(crate) fn why<P: Primitives>(wanted: Wanted, primitives: &P) -> String {
+pub(crate) fn reason<P: Primitives>(accel_options: AccelOptions, primitives: &P) -> String {
     let count = primitives.len();
-    match wanted.accel {
-        Accel::Auto if count <= FEW => format!("up to {FEW}: asking each is faster than walking a tree"),
-        Accel::Auto if are_few(primitives, 0..count as u32) => {
-            format!("up to {FEW_SPHERES} spheres: asking each, for eight rays at a time, is faster than walking a tree")
+    match accel_options.accel {
+        Accel::Auto if count <= MAX_LINEAR => format!("up to {MAX_LINEAR}: asking each is faster than walking a tree"),
+        Accel::Auto if is_small(primitives, 0..count as u32) => {
+            format!(
+                "up to {MAX_LINEAR_SPHERES} spheres: asking each, for eight rays at a time, is faster than walking a tree"
+            )
         }
         Accel::Auto => {
-            format!("more than {FEW}, {}: eight boxes at a time suit all sizes and places", spread(primitives))
+            format!(
+                "more than {MAX_LINEAR}, {}: eight boxes at a time suit all sizes and places",
+                size_spread(primitives)
+            )
         }
         _ => "as asked".to_owned(),
     }
 }
 
 /// How different in size the primitives are, by the longest edges of their boxes.
-fn spread<P: Primitives>(primitives: &P) -> String {
+fn size_spread<P: Primitives>(primitives: &P) -> String {
     let sizes = (0..primitives.len() as u32).filter_map(|index| primitives.bounds(index));
     let sizes = sizes.map(|bounds| bounds.extent().max_element());
     let (least, greatest) = sizes.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), size| (a.min(size), b.max(size)));
@@ -115,14 +121,14 @@ mod tests {
 
     #[test]
     fn reasons_name_the_rule_and_what_it_looked_at() {
-        let auto = Wanted::default();
-        let why = |radii: &[f64]| why(auto, &spheres(radii));
-        assert_eq!(why(&[1.0; 8]), "up to 8: asking each is faster than walking a tree");
-        assert!(why(&[1.0; 16]).starts_with("up to 16 spheres"), "{}", why(&[1.0; 16]));
-        let of = |least: f64| why(&[[1.0; 16].as_slice(), &[least]].concat());
+        let auto = AccelOptions::default();
+        let reason = |radii: &[f64]| reason(auto, &spheres(radii));
+        assert_eq!(reason(&[1.0; 8]), "up to 8: asking each is faster than walking a tree");
+        assert!(reason(&[1.0; 16]).starts_with("up to 16 spheres"), "{}", reason(&[1.0; 16]));
+        let of = |least: f64| reason(&[[1.0; 16].as_slice(), &[least]].concat());
         assert_eq!(of(0.025), "more than 8, sizes spread 1:40: eight boxes at a time suit all sizes and places");
         assert!(of(0.9).contains("about one size") && of(0.4).contains("1:2.5"), "{}", of(0.4));
         assert!(of(1e-9).contains("sizes from 2.0e-9 to 2.0e0"), "{}", of(1e-9));
-        assert_eq!(super::why(Wanted { accel: Accel::Grid, ..auto }, &spheres(&[1.0])), "as asked");
+        assert_eq!(super::reason(AccelOptions { accel: Accel::Grid, ..auto }, &spheres(&[1.0])), "as asked");
     }
 }

@@ -4,7 +4,7 @@ use rt_geometry::{Hit, InteractionFlags};
 use rt_math::{DVec3, Ray, transcendental::pow};
 use rt_shading::{Appearance, ColorTexture, Light, LightKind, Material, Phong};
 
-use crate::{primitive_form::Outline, world::Surfaces};
+use crate::{primitive_form::PrimitiveForm, world::ShadedPrimitives};
 
 /// Greatest angle in radians by which the directions that shading depends on may turn within a patch, times √n for a highlight
 /// of exponent n. As cosⁿ a ≈ exp(−n a²/2), whose slope is at most √(n/e), the highlight changes by less than 16 % of its
@@ -18,9 +18,9 @@ const FAINTEST: f64 = 1.0 / 512.0;
 ///
 /// All rays between them then meet it as well, since a convex body looks convex.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Patch {
+pub(super) struct SurfacePatch {
     pub(super) index: u32,
-    outline: Outline,
+    form: PrimitiveForm,
     /// Index of the material.
     material: u32,
     /// The middle of the ball that the patch lies in.
@@ -45,21 +45,26 @@ struct Corner {
     to_viewer: DVec3,
 }
 
-impl Patch {
+impl SurfacePatch {
     /// `None` where the surface may have an edge between the corner rays, or turns far.
-    pub(super) fn new<W: Surfaces>(world: &W, index: u32, rays: &[Ray; 4], hits: &[Option<Hit>; 4]) -> Option<Self> {
-        let outline = world.outline(index);
+    pub(super) fn new<W: ShadedPrimitives>(
+        world: &W,
+        index: u32,
+        rays: &[Ray; 4],
+        hits: &[Option<Hit>; 4],
+    ) -> Option<Self> {
+        let form = world.form(index);
         let [Some(a), Some(b), Some(c), Some(d)] = *hits else { return None };
         let hits = [a, b, c, d];
-        let is_smooth = match outline {
-            Outline::Ball { .. } | Outline::Plane { .. } | Outline::Flat => true,
-            Outline::Faces => hits.iter().all(|hit| hit.uv[0] == hits[0].uv[0]),
-            Outline::Other => false,
+        let is_smooth = match form {
+            PrimitiveForm::Sphere { .. } | PrimitiveForm::Plane { .. } | PrimitiveForm::Flat => true,
+            PrimitiveForm::Faces => hits.iter().all(|hit| hit.uv[0] == hits[0].uv[0]),
+            PrimitiveForm::Other => false,
         };
         if !is_smooth {
             return None;
         }
-        let is_closed = matches!(outline, Outline::Ball { .. } | Outline::Faces);
+        let is_closed = matches!(form, PrimitiveForm::Sphere { .. } | PrimitiveForm::Faces);
         let needs = InteractionFlags::NONE;
         let mut material = None;
         let mut corner = |at: usize| {
@@ -75,10 +80,10 @@ impl Patch {
             Some(Corner { point: surface.interaction.point, normal, to_viewer })
         };
         let corners = [corner(0)?, corner(1)?, corner(2)?, corner(3)?];
-        let (centre, radius) = enclosing_ball(&outline, &corners)?;
-        let turn = 2.0 * spread(&corners.map(|corner| corner.normal)) + spread(&corners.map(|corner| corner.to_viewer));
+        let (centre, radius) = enclosing_ball(&form, &corners)?;
+        let turn = 2.0 * splat(&corners.map(|corner| corner.normal)) + splat(&corners.map(|corner| corner.to_viewer));
         let farthest = hits.iter().map(|hit| hit.t).fold(0.0, f64::max);
-        Some(Self { index, outline, material: material?, centre, radius, farthest, corners, turn })
+        Some(Self { index, form, material: material?, centre, radius, farthest, corners, turn })
     }
 
     /// The material, if four samples of it tell as much as many: it sends no rays on and has no texture.
@@ -102,7 +107,7 @@ impl Patch {
                 (Some(position), DVec3::ZERO)
             }
         };
-        if let Outline::Ball { centre, radius } = self.outline {
+        if let PrimitiveForm::Sphere { centre, radius } = self.form {
             // (p − c)·(l − p) = (p − c)·(l − c) − r² is at most this anywhere in the ball around the patch.
             let middle = self.centre - centre;
             return match place {
@@ -165,18 +170,18 @@ impl Patch {
 ///
 /// A flat patch lies between its corners. On a sphere, its edges are less than half circles, each of which lies within the ball
 /// over its chord; and what they enclose lies in any ball around them that holds less than half of the sphere.
-fn enclosing_ball(outline: &Outline, corners: &[Corner; 4]) -> Option<(DVec3, f64)> {
+fn enclosing_ball(form: &PrimitiveForm, corners: &[Corner; 4]) -> Option<(DVec3, f64)> {
     let points = corners.map(|corner| corner.point);
     let centre = points.iter().sum::<DVec3>() * 0.25;
     let farthest = points.iter().map(|point| (*point - centre).length()).fold(0.0, f64::max);
-    let Outline::Ball { radius, .. } = outline else { return Some((centre, farthest)) };
+    let PrimitiveForm::Sphere { radius, .. } = form else { return Some((centre, farthest)) };
     let longest = (0..4).map(|at| (points[at] - points[(at + 1) % 4]).length()).fold(0.0, f64::max);
     let reach = farthest + 0.5 * longest;
     (reach < 0.5 * radius).then_some((centre, reach))
 }
 
 /// The longest difference of unit vectors: at least 2/π of the angle between them.
-fn spread(vectors: &[DVec3; 4]) -> f64 {
+fn splat(vectors: &[DVec3; 4]) -> f64 {
     let pairs = (0..4).flat_map(|i| (0..i).map(move |j| (vectors[i] - vectors[j]).length()));
     pairs.fold(0.0, f64::max)
 }

@@ -26,26 +26,26 @@ use rt_geometry::{Hit, padded_bounds};
 use rt_math::{Interval, Ray};
 use rt_shading::Background;
 
-use patch::Patch;
-use shaft::{Blocked, Shaft};
+use patch::SurfacePatch;
+use shaft::{LightShaft, Occlusion};
 
 use crate::{
-    Crop, RenderPlan, passes::PixelMask, primitive_form::Outline, surroundings::CameraMedium, tiles::Tile,
-    visible::OwnBoxesIn, world::Surfaces,
+    Crop, RenderPlan, camera_medium::CameraMedium, frustum_cull::FrustumRegion, passes::PixelMask,
+    primitive_form::PrimitiveForm, tiles::Tile, world::ShadedPrimitives,
 };
 
 /// Pixels along the side of the squares that are looked at first.
-const LARGEST: u32 = 16;
+const LARGEST_BLOCK: u32 = 16;
 
 /// Objects in a largest square with which it is worth looking for pixels that show but one of them.
-const MANY: usize = 1024;
+const MAX_BLOCK_OBJECTS: usize = 1024;
 
 /// Objects in a square with which it is worth asking which of them is in front.
-const FEW: usize = 8;
+const MAX_CANDIDATES: usize = 8;
 
 /// Some pixels, at a multiple of their side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Square {
+struct PixelBlock {
     x: u32,
     y: u32,
     side: u32,
@@ -58,14 +58,14 @@ struct Pyramid {
 }
 
 /// An object in a pyramid, where it meets the rays along the edges.
-struct Met {
+struct PyramidHit {
     index: u32,
-    outline: Outline,
+    form: PrimitiveForm,
     hits: [Option<Hit>; 4],
 }
 
 /// The pixels of a tile being judged.
-struct Judge<'a, W> {
+struct PixelClassifier<'a, W> {
     plan: &'a RenderPlan<'a>,
     world: &'a W,
     structure: &'a AnyAccelerator,
@@ -75,17 +75,22 @@ struct Judge<'a, W> {
 
 impl RenderPlan<'_> {
     /// The pixels of a tile that show a single smooth surface, or nothing, in light without edges.
-    pub(crate) fn simple_pixels<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyAccelerator) -> PixelMask {
+    pub(crate) fn simple_pixels<W: ShadedPrimitives>(
+        &self,
+        tile: Tile,
+        world: &W,
+        structure: &AnyAccelerator,
+    ) -> PixelMask {
         let simple = vec![false; tile.width as usize * tile.height as usize];
-        let mut judge = Judge { plan: self, world, structure, tile, simple };
-        if matches!(&self.frame.medium, CameraMedium::Same(interior) if interior.is_empty()) {
-            Square::around(tile).for_each(|square| judge.look_into(square));
+        let mut classifier = PixelClassifier { plan: self, world, structure, tile, simple };
+        if matches!(&self.frame.medium, CameraMedium::Constant(interior) if interior.is_empty()) {
+            PixelBlock::around(tile).for_each(|block| classifier.look_into(block));
         }
-        PixelMask::new(tile, judge.simple)
+        PixelMask::new(tile, classifier.simple)
     }
 
-    fn pyramid(&self, square: Square) -> Pyramid {
-        let Square { x, y, side } = square;
+    fn pyramid(&self, block: PixelBlock) -> Pyramid {
+        let PixelBlock { x, y, side } = block;
         let part = Crop { x, y, width: side, height: side };
         let [min, max] = self.frame.raster_bounds(part);
         let corners = [min, min.with_x(max.x), max, min.with_y(max.y)];
@@ -96,12 +101,14 @@ impl RenderPlan<'_> {
     }
 }
 
-impl Square {
+impl PixelBlock {
     /// The largest squares that have a pixel in common with the tile.
     fn around(tile: Tile) -> impl Iterator<Item = Self> {
-        let starts = |first: u32, length: u32| (first / LARGEST * LARGEST..first + length).step_by(LARGEST as usize);
+        let starts = |first: u32, length: u32| {
+            (first / LARGEST_BLOCK * LARGEST_BLOCK..first + length).step_by(LARGEST_BLOCK as usize)
+        };
         starts(tile.y, tile.height)
-            .flat_map(move |y| starts(tile.x, tile.width).map(move |x| Self { x, y, side: LARGEST }))
+            .flat_map(move |y| starts(tile.x, tile.width).map(move |x| Self { x, y, side: LARGEST_BLOCK }))
     }
 
     fn quarters(self) -> [Self; 4] {
@@ -119,31 +126,37 @@ impl Square {
 
 impl Pyramid {
     /// True only if no ray of the pyramid meets the primitive.
-    fn passes_by<W: Surfaces>(&self, world: &W, index: u32) -> bool {
-        match world.outline(index) {
-            Outline::Ball { centre, radius } => self.volume.excludes_ball(centre, radius),
+    fn passes_by<W: ShadedPrimitives>(&self, world: &W, index: u32) -> bool {
+        match world.form(index) {
+            PrimitiveForm::Sphere { centre, radius } => self.volume.excludes_ball(centre, radius),
             _ => padded_bounds(world, index).is_some_and(|own| self.volume.excludes(&own)),
         }
     }
 
-    fn meet<W: Surfaces>(&self, world: &W, index: u32) -> Met {
+    fn meet<W: ShadedPrimitives>(&self, world: &W, index: u32) -> PyramidHit {
         let hits = self.edges.map(|ray| world.intersect(index, &ray, Interval::FORWARD));
-        Met { index, outline: world.outline(index), hits }
+        PyramidHit { index, form: world.form(index), hits }
     }
 }
 
-impl Met {
+impl PyramidHit {
     /// True for a plane that is behind the horizon all over the pyramid: depth is the inverse of a linear function of the image,
     /// which is negative everywhere if at the corners.
     fn is_out_of_sight(&self) -> bool {
-        matches!(self.outline, Outline::Plane { .. }) && self.hits.iter().all(Option::is_none)
+        matches!(self.form, PrimitiveForm::Plane { .. }) && self.hits.iter().all(Option::is_none)
     }
 
     /// True if the patch hides all of the primitive.
-    fn is_behind<W: Surfaces>(&self, world: &W, volume: &ViewVolume, patch: &Patch, front: &Self) -> bool {
-        match self.outline {
+    fn is_behind<W: ShadedPrimitives>(
+        &self,
+        world: &W,
+        volume: &ViewVolume,
+        patch: &SurfacePatch,
+        front: &Self,
+    ) -> bool {
+        match self.form {
             // The inverse of the patch's depth is concave over the image, and that of a plane is linear.
-            Outline::Plane { .. } => {
+            PrimitiveForm::Plane { .. } => {
                 let is_deeper = |(own, front): (&Option<Hit>, &Option<Hit>)| match (own, front) {
                     (Some(own), Some(front)) => own.t > front.t,
                     (None, _) => true,
@@ -151,22 +164,22 @@ impl Met {
                 };
                 self.hits.iter().zip(&front.hits).all(is_deeper)
             }
-            Outline::Ball { centre, radius } => volume.least_depth_of_ball(centre, radius) > patch.farthest,
-            Outline::Flat | Outline::Faces | Outline::Other => {
+            PrimitiveForm::Sphere { centre, radius } => volume.least_depth_of_ball(centre, radius) > patch.farthest,
+            PrimitiveForm::Flat | PrimitiveForm::Faces | PrimitiveForm::Other => {
                 padded_bounds(world, self.index).is_some_and(|own| volume.least_depth(&own) > patch.farthest)
             }
         }
     }
 }
 
-impl<W: Surfaces> Judge<'_, W> {
+impl<W: ShadedPrimitives> PixelClassifier<'_, W> {
     /// Judges the pixels of one of the largest squares.
-    fn look_into(&mut self, square: Square) {
-        let pyramid = self.plan.pyramid(square);
+    fn look_into(&mut self, block: PixelBlock) {
+        let pyramid = self.plan.pyramid(block);
         let mut near = Vec::new();
         let mut are_many = false;
-        self.structure.visit_overlapping(self.world, &OwnBoxesIn(&pyramid.volume), |index| {
-            are_many = near.len() == MANY;
+        self.structure.visit_overlapping(self.world, &FrustumRegion(&pyramid.volume), |index| {
+            are_many = near.len() == MAX_BLOCK_OBJECTS;
             if are_many {
                 return ControlFlow::Break(());
             }
@@ -175,23 +188,23 @@ impl<W: Surfaces> Judge<'_, W> {
         });
         if !are_many {
             near.sort_unstable();
-            self.divide(square, &pyramid, &near);
+            self.divide(block, &pyramid, &near);
         }
     }
 
     /// Judges the pixels of a square that shows no other objects than these, in the order of their numbers.
-    fn divide(&mut self, square: Square, pyramid: &Pyramid, among: &[u32]) {
-        if square.within(self.tile).next().is_none() {
+    fn divide(&mut self, block: PixelBlock, pyramid: &Pyramid, among: &[u32]) {
+        if block.within(self.tile).next().is_none() {
             return;
         }
         let near: Vec<u32> = among.iter().copied().filter(|&index| !pyramid.passes_by(self.world, index)).collect();
         if self.is_simple(pyramid, &near) {
             let Tile { x: left, y: top, width, .. } = self.tile;
-            for [x, y] in square.within(self.tile) {
+            for [x, y] in block.within(self.tile) {
                 self.simple[((y - top) * width + x - left) as usize] = true;
             }
-        } else if square.side > 1 {
-            for quarter in square.quarters() {
+        } else if block.side > 1 {
+            for quarter in block.quarters() {
                 self.divide(quarter, &self.plan.pyramid(quarter), &near);
             }
         }
@@ -199,29 +212,29 @@ impl<W: Surfaces> Judge<'_, W> {
 
     /// True if the pyramid shows one smooth surface, or nothing, and light without edges.
     fn is_simple(&self, pyramid: &Pyramid, near: &[u32]) -> bool {
-        if near.len() > FEW {
+        if near.len() > MAX_CANDIDATES {
             return false;
         }
-        let mut met: Vec<Met> = near.iter().map(|&index| pyramid.meet(self.world, index)).collect();
+        let mut met: Vec<PyramidHit> = near.iter().map(|&index| pyramid.meet(self.world, index)).collect();
         met.retain(|met| !met.is_out_of_sight());
         if met.is_empty() {
             return !matches!(self.plan.scene.appearance.background, Background::Environment(_));
         }
-        let depth = |met: &Met| met.hits[0].map(|hit| hit.t);
+        let depth = |met: &PyramidHit| met.hits[0].map(|hit| hit.t);
         let nearest = met
             .iter()
             .filter(|met| depth(met).is_some())
             .min_by(|a, b| depth(a).partial_cmp(&depth(b)).unwrap_or(core::cmp::Ordering::Equal));
         let Some(front) = nearest else { return false };
-        let patch = Patch::new(self.world, front.index, &pyramid.edges, &front.hits);
+        let patch = SurfacePatch::new(self.world, front.index, &pyramid.edges, &front.hits);
         patch.is_some_and(|patch| {
-            let is_hidden = |other: &Met| other.is_behind(self.world, &pyramid.volume, &patch, front);
+            let is_hidden = |other: &PyramidHit| other.is_behind(self.world, &pyramid.volume, &patch, front);
             met.iter().all(|met| met.index == front.index || is_hidden(met)) && self.is_evenly_lit(&patch)
         })
     }
 
     /// True if no light, and no shadow, changes much over the patch.
-    fn is_evenly_lit(&self, patch: &Patch) -> bool {
+    fn is_evenly_lit(&self, patch: &SurfacePatch) -> bool {
         let appearance = &self.plan.scene.appearance;
         let Some(material) = patch.plain_material(appearance) else { return false };
         let phong = &material.phong;
@@ -232,8 +245,8 @@ impl<W: Surfaces> Judge<'_, W> {
         // Shafts take longest, and most squares that are too large fail before.
         reaching.clone().all(|light| patch.is_even_under(light, phong))
             && reaching.all(|light| {
-                let shaft = Shaft::new(patch, light);
-                !light.casts_shadows || shaft.blocked(self.world, self.structure, patch.index) != Blocked::Somewhere
+                let shaft = LightShaft::new(patch, light);
+                !light.casts_shadows || shaft.blocked(self.world, self.structure, patch.index) != Occlusion::Somewhere
             })
     }
 }
