@@ -1,4 +1,4 @@
-//! Which acceleration structure, and why.
+//! Choice of the acceleration structure.
 
 use rt_accel::wide::{Handful, Quality, SimdLevel};
 use rt_accel::{AcceleratorKind, AnyAccelerator, BuildError};
@@ -7,26 +7,26 @@ use rt_scene_io::{Accel, Scene};
 
 use crate::plan_options::PlanOptions;
 
-/// Up to this many primitives, asking each is faster than walking a tree.
+/// Largest number of primitives for which brute force is faster than a tree.
 pub(crate) const MAX_LINEAR: usize = 8;
 
-/// The same of primitives that are all spheres, which are asked for many rays at once.
+/// Largest number of spheres for brute force; many rays are tested at once.
 pub(crate) const MAX_LINEAR_SPHERES: usize = Handful::MOST;
 
-/// True for primitives of which asking each is faster than walking a tree.
+/// True if brute force over the primitives is faster than a tree.
 pub(crate) fn is_small<P: Primitives>(primitives: &P, mut indices: impl ExactSizeIterator<Item = u32>) -> bool {
     let is_round = |index| matches!(primitives.geometry(index), PrimitiveGeometry::ExactSphere(_));
     let count = indices.len();
     count <= MAX_LINEAR || count <= MAX_LINEAR_SPHERES && indices.all(is_round)
 }
 
-/// What structures are asked for.
+/// Requested acceleration structure.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct AccelOptions {
     pub(crate) accel: Accel,
-    /// The instructions to use; `None` for the best that the processor has.
+    /// Instruction set; `None` for the best one of the processor.
     pub(crate) simd: Option<SimdLevel>,
-    /// How much time the builder may take.
+    /// Build quality.
     pub(crate) quality: Quality,
 }
 
@@ -37,7 +37,7 @@ impl AccelOptions {
     }
 }
 
-/// Builds what is wanted, or for `Auto` what fits the primitives.
+/// Builds the requested structure, or for `Auto` the one that fits the primitives.
 pub(crate) fn build<P: Primitives>(accel_options: AccelOptions, primitives: &P) -> Result<AnyAccelerator, BuildError> {
     let is_small = is_small(primitives, 0..primitives.len() as u32);
     let structure =
@@ -48,7 +48,7 @@ pub(crate) fn build<P: Primitives>(accel_options: AccelOptions, primitives: &P) 
     })
 }
 
-/// What `accel` asks for; `Auto` is brute force for [few](is_small) primitives and the wide tree of boxes otherwise.
+/// Kind for an option; `Auto` is brute force for a [small](is_small) set of primitives and the 8-wide BVH otherwise.
 pub(crate) const fn choose(accel: Accel, is_small: bool) -> AcceleratorKind {
     match accel {
         Accel::Auto if is_small => AcceleratorKind::Linear,
@@ -65,7 +65,7 @@ pub(crate) const fn choose(accel: Accel, is_small: bool) -> AcceleratorKind {
     }
 }
 
-/// The rule by which [`build`] chooses, and the measures that it looks at, for people.
+/// Describes the rule by which [`build`] chooses.
 pub(crate) fn reason<P: Primitives>(accel_options: AccelOptions, primitives: &P) -> String {
     let count = primitives.len();
     match accel_options.accel {
@@ -85,7 +85,7 @@ pub(crate) fn reason<P: Primitives>(accel_options: AccelOptions, primitives: &P)
     }
 }
 
-/// How different in size the primitives are, by the longest edges of their boxes.
+/// Describes the range of sizes of primitives, by the longest edges of their bounds.
 fn size_spread<P: Primitives>(primitives: &P) -> String {
     let sizes = (0..primitives.len() as u32).filter_map(|index| primitives.bounds(index));
     let sizes = sizes.map(|bounds| bounds.extent().max_element());

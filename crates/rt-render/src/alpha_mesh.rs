@@ -4,11 +4,11 @@ use rt_geometry::{Hit, Primitives, TriangleMesh, VertexAttributes};
 use rt_math::{Aabb, DVec3, Interval, Ray, random};
 use rt_shading::{Alpha, Coverage, Material, Texture, TexturePoint};
 
-/// What rays pass of a mesh, because its material does not cover it there.
+/// Alpha test of a mesh: rays pass where the material does not cover it.
 #[derive(Clone, Debug)]
 pub(crate) struct AlphaTest {
     coverage: Coverage,
-    /// Whether the backs of triangles are not there.
+    /// True if back faces are culled.
     has_front_only: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Lights with extent: the parts of the world that shine, as emitters to be drawn from.
+//! Area lights: emissive objects of the world that are sampled.
 
 use rt_geometry::{Polygon, Shape, TriangleMesh};
 use rt_math::{Aabb, DVec3, Rgb, Transform};
@@ -10,13 +10,13 @@ use rt_shading::{
 
 use crate::instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, uses_material};
 
-/// How far the angles of a parallelogram may be off, as a part of its side.
+/// Tolerance of the parallelogram test, as a part of the side.
 const SQUARENESS: f64 = 1e-9;
 
-/// Makes emitters of all parts that shine evenly, and notes at each part which it is. What cannot be drawn from (a textured
-/// lamp, a torus, one that moves) is still found by rays.
+/// Makes emitters of all uniformly emissive instances and stores their indices. Other emissive surfaces (a textured
+/// one, a torus, an animated one) are found by rays only.
 pub(crate) fn emitters(scene: &Scene, top: &mut Aggregate, levels: &mut BottomLevel) -> EmitterSet {
-    // Each part of a group knows its place among the lights of the group, and each instance the number of its first one.
+    // Instances in a group store the index within the group; a group instance stores the index of its first light.
     let of_groups: Vec<AreaLights> = levels
         .groups
         .iter()
@@ -29,7 +29,7 @@ pub(crate) fn emitters(scene: &Scene, top: &mut Aggregate, levels: &mut BottomLe
         if let InstanceGeometry::Group(level, transform) = &instance.geometry {
             let transform = transform.as_deref().copied().unwrap_or(Transform::IDENTITY);
             let placed = AreaLights::of(scene, &levels.groups[*level as usize].instances, &transform, levels);
-            // A transform may make of a lamp what cannot be drawn from.
+            // A transform may turn an area light into a surface that is not sampled.
             if !placed.emitters.is_empty() && placed.numbers == of_groups[*level as usize].numbers {
                 instance.emitter = Some(collected.len() as u32);
                 collected.extend(placed.emitters);
@@ -47,7 +47,7 @@ pub(crate) fn emitters(scene: &Scene, top: &mut Aggregate, levels: &mut BottomLe
     EmitterSet::new(collected, scene.settings.light_sampling, radius(top))
 }
 
-/// The name of an object that shines and moves, if there is one.
+/// Name of an animated emissive object, if there is one.
 pub(crate) fn find_animated_light(scene: &Scene, top: &Aggregate, levels: &BottomLevel) -> Option<String> {
     let shines = |material: u32| {
         let material = scene.appearance.materials.get(material as usize);
@@ -57,10 +57,10 @@ pub(crate) fn find_animated_light(scene: &Scene, top: &Aggregate, levels: &Botto
     animated.find(|instance| uses_material(instance, levels, &shines)).map(|instance| instance.name.to_string())
 }
 
-/// The emitters among some parts.
+/// Area lights among some instances.
 struct AreaLights {
     emitters: Vec<Emitter>,
-    /// By part: the number of its emitter.
+    /// Emitter index by instance.
     numbers: Vec<Option<u32>>,
 }
 
@@ -69,7 +69,7 @@ impl AreaLights {
         let mut lights = Self { emitters: Vec::new(), numbers: Vec::with_capacity(instances.len()) };
         let mut before = None;
         for instance in instances {
-            // The facets of a mesh follow each other, and are one light.
+            // The inlined triangles of a mesh follow each other, and are one light.
             let number = match (&instance.geometry, before) {
                 (InstanceGeometry::Triangle(..), Some((object, number))) if object == instance.object => number,
                 _ => emitter_of(scene, instance, world_from_parts, levels).map(|emitter| {
@@ -90,21 +90,21 @@ fn radius(top: &Aggregate) -> f64 {
     if bounds.is_empty() { 1.0 } else { 0.5 * bounds.extent().length() }
 }
 
-/// What a part's surface emits, if it is the same everywhere on it.
+/// Emission of an instance, if it is uniform.
 fn emission_of(scene: &Scene, instance: &Instance) -> Option<Emission> {
     if matches!(instance.geometry, InstanceGeometry::Group(..)) {
         return None;
     }
     let material = scene.appearance.materials.get(instance.material as usize)?;
     let ColorTexture::Constant(radiance) = material.phong.emission else { return None };
-    // Light is drawn from all of a surface: one with holes is found by rays alone.
+    // The whole surface is sampled: one with an alpha test is found by rays only.
     if material.coverage.alpha != Alpha::Opaque {
         return None;
     }
     (radiance != Rgb::BLACK).then(|| Emission::new(radiance, material.shines).ok())?
 }
 
-/// The emitter that a part is, within an assembly that a transform places.
+/// Emitter of an instance in a transformed aggregate.
 fn emitter_of(scene: &Scene, instance: &Instance, outer: &Transform, levels: &BottomLevel) -> Option<Emitter> {
     let emission = emission_of(scene, instance)?;
     match &instance.geometry {

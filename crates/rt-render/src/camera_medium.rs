@@ -1,4 +1,4 @@
-//! What camera rays start inside of.
+//! Media around the origins of camera rays.
 
 use rt_camera::{Camera, Projection};
 use rt_geometry::NoProbe;
@@ -8,11 +8,11 @@ use rt_shading::{Interior, Material};
 
 use crate::{frustum_cull::PrimaryTarget, instance::uses_material, tracer::SceneTracer, world::World};
 
-/// Where a ray goes that finds out what the pinhole lies inside of. It leaves closed bodies whichever way it goes; this
-/// way it also leaves a sea through its surface. It runs along no axis and no diagonal, so that it meets few edges.
+/// Direction of the ray that finds the media around the pinhole. It leaves closed solids in any direction; this
+/// one also leaves a sea through its surface. It is oblique to all axes and diagonals, so that it hits few edges.
 const PROBE_DIRECTION: DVec3 = DVec3::new(0.36, 0.80, 0.48);
 
-/// The transparent bodies around the origins of camera rays.
+/// Dielectrics around the origins of camera rays.
 #[derive(Debug)]
 pub(crate) enum CameraMedium {
     /// The same for all rays.
@@ -23,12 +23,12 @@ pub(crate) enum CameraMedium {
 }
 
 impl CameraMedium {
-    /// In clear air.
+    /// Air.
     pub(crate) fn air() -> Self {
         Self::Constant(Interior::default())
     }
 
-    /// The medium that the camera names; otherwise what the world around it shows.
+    /// Medium named by the camera, or else found in the world around it.
     pub(crate) fn of(named: &NamedCamera, camera: &Camera, moves: bool, scene: &Scene, world: &World) -> Self {
         if let Some(medium) = named.medium {
             return Self::Constant(Interior::filled_with(medium.0));
@@ -54,7 +54,7 @@ fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> Interior {
     let mut interior = Interior::default();
     match world {
         World::Spheres(world, structure) => {
-            interior.look_around(
+            interior.find_enclosing_media(
                 &mut SceneTracer::new(world, structure, PrimaryTarget::All(structure), NoProbe),
                 materials,
                 ray,
@@ -63,7 +63,7 @@ fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> Interior {
         World::Instances(top, levels) => {
             let world = &top.set(levels);
             let structure = &top.structure;
-            interior.look_around(
+            interior.find_enclosing_media(
                 &mut SceneTracer::new(world, structure, PrimaryTarget::All(structure), NoProbe),
                 materials,
                 ray,
@@ -73,7 +73,7 @@ fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> Interior {
     interior
 }
 
-/// The least box around all transparent bodies; all of space if one of them is unbounded.
+/// Bounds of all dielectrics; all of space if one of them is unbounded.
 pub(crate) fn reach_of_transparent_bodies(materials: &[Material], world: &World) -> Aabb {
     let is_transparent = |material: u32| materials.get(material as usize).is_some_and(|m| m.body().is_some());
     let everywhere = Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY);

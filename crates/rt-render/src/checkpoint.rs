@@ -1,4 +1,4 @@
-//! What a render can go on from.
+//! Checkpoints: states that a render resumes from.
 
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
@@ -10,10 +10,10 @@ use crate::{
 
 /// A render in the midst of it, as [`Kept`](crate::Kept) was written down.
 ///
-/// Whoever keeps one keeps beside it what scene it is of: this crate can only tell that the picture has the same size and is
+/// The caller must record the scene of a checkpoint: this crate only checks that the image has the same size and is
 /// made the same way.
 ///
-/// Whatever is deserialized has gone through [`validate`](Self::validate); [`UncheckedCheckpoint`] tells the reason of a refusal.
+/// Deserialisation runs [`validate`](Self::validate); [`UncheckedCheckpoint`] gives the reason of an error.
 #[derive(Clone, Debug, Serialize)]
 pub struct Checkpoint(State);
 

@@ -1,4 +1,4 @@
-//! What a plan uses, what it leaves out, and why.
+//! Description of a plan: parts in use, parts left out, and reasons.
 
 use std::{collections::BTreeSet, fmt};
 
@@ -18,23 +18,23 @@ use crate::{
     world::World,
 };
 
-/// Something that a plan leaves out.
+/// A part that a plan leaves out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// The thing.
+    /// Name of the part.
     pub what: &'static str,
-    /// Why the picture does not depend on it.
+    /// Reason: the image does not depend on it.
     pub reason: String,
 }
 
-/// A plan in words.
+/// Description of a plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Explanation {
     /// One line: scene, integrator, camera, image, samples.
     pub title: String,
-    /// What is used.
+    /// Parts in use.
     pub used: Vec<String>,
-    /// What is left out.
+    /// Parts left out.
     pub left_out: Vec<LeftOut>,
     /// Predicted bytes of memory.
     pub memory: MemoryPrediction,
@@ -57,7 +57,7 @@ impl fmt::Display for Explanation {
     }
 }
 
-/// How many of what the flattened world holds.
+/// Numbers of objects in the flattened world, by kind.
 #[derive(Debug, Default)]
 struct SceneCounts {
     spheres: usize,
@@ -82,7 +82,7 @@ struct SceneCounts {
     animated: usize,
     shadowless: usize,
     unbounded: usize,
-    /// Whose texture coordinates nobody asks for.
+    /// Objects with unused texture coordinates.
     plain: usize,
 }
 
@@ -138,7 +138,7 @@ fn count(n: usize, singular: &str, plural: &str) -> String {
 }
 
 impl RenderPlan<'_> {
-    /// The plan in words: deterministic, so that it can be compared as text.
+    /// Describes the plan. The text is deterministic.
     pub fn explain(&self) -> Explanation {
         let counts = SceneCounts::of(&self.scene.world);
         Explanation {
@@ -222,7 +222,7 @@ impl RenderPlan<'_> {
         used
     }
 
-    /// What is elsewhere at another moment.
+    /// Lines on motion.
     fn motion(&self, counts: &SceneCounts) -> Vec<String> {
         let [opens, closes] = self.frame.camera.shutter();
         let mut lines = vec![format!("a moment for each sample, while the shutter is open from {opens} to {closes}")];
@@ -240,7 +240,7 @@ impl RenderPlan<'_> {
         lines
     }
 
-    /// Paths from the lights, and what they are sent to.
+    /// Line on light tracing.
     fn light_paths(&self) -> Option<String> {
         let sources = self.scene.light_sources.as_ref()?;
         let [width, height] = self.frame.size.map(u64::from);
@@ -261,7 +261,7 @@ impl RenderPlan<'_> {
             let nodes = count(structure.build_stats().nodes, "node", "nodes");
             format!("{level}: {} over {primitives}, {nodes} ({reason})", structure.kind().name())
         };
-        // The rule is asked again of the primitives that the structure was built over.
+        // Apply the selection rule again to the primitives of each accelerator.
         let aggregate = |level: &str, aggregate: &Aggregate, levels: &BottomLevel| {
             let reason = reason(accel_options, &aggregate.set(levels));
             line(level, &aggregate.structure, aggregate.instances.len(), reason)
@@ -337,7 +337,7 @@ impl RenderPlan<'_> {
         lines
     }
 
-    /// The lights that are drawn from.
+    /// Line on area and environment lights.
     fn extended_lights(&self) -> Option<String> {
         let emitters = self.scene.emitters.emitters().len();
         (emitters > 0).then(|| {
@@ -374,7 +374,7 @@ impl RenderPlan<'_> {
         format!("{what} of up to {bounces} after the first hit{roulette}{clamp}")
     }
 
-    /// Which transparent body is where several overlap, and what the camera stands in; `None` of panes without thickness.
+    /// Line on overlapping dielectrics and the medium of the camera; `None` for thin dielectrics only.
     fn nesting(&self) -> Option<String> {
         let transparent = self.scene.appearance.materials.iter().filter_map(Material::body);
         let priorities: BTreeSet<i32> = transparent.map(|inside| inside.priority).collect();

@@ -59,7 +59,7 @@ fn textures(scene: &Scene) -> Vec<Texture> {
     if looks { scene.appearance.textures.clone() } else { Vec::new() }
 }
 
-/// How often each group is placed, counting through groups that are placed themselves.
+/// Number of uses of each group, through nested groups.
 pub(crate) fn count_group_uses(scene: &Scene) -> Result<Vec<u64>, RenderError> {
     let mut uses = vec![0u64; scene.groups.len()];
     let mut open = vec![(scene.nodes.as_slice(), 0usize)];
@@ -113,7 +113,7 @@ pub(crate) fn name_of_shape(scene: &Scene, index: u32) -> Option<&str> {
     None
 }
 
-/// Where the walk stands.
+/// Position of the traversal.
 #[derive(Clone, Debug)]
 struct Level {
     aggregate_from_parent: AnimatedTransformChain,
@@ -131,7 +131,7 @@ impl Level {
         within_group: false,
     };
 
-    /// What stands here is of this geometry, once it has a transform, and has such bounds without.
+    /// Geometry and bounds at this position, given the untransformed bounds.
     fn place(
         &self,
         bounds: Option<Aabb>,
@@ -155,9 +155,9 @@ impl Level {
 struct Flattener<'s> {
     scene: &'s Scene,
     accel_options: AccelOptions,
-    /// Whether a scene of single primitives is to be told apart.
+    /// Allows hits by primitive index alone if all instances are single primitives.
     may_be_flat: bool,
-    /// When everything stands still, if it does.
+    /// Time of the only position of all objects, if there is one.
     static_time: Option<f64>,
     /// Level of each mesh that has one already, and of each material that cuts holes into it.
     mesh_levels: HashMap<(u32, Option<u32>), u32>,
@@ -332,7 +332,7 @@ impl<'s> Flattener<'s> {
         self.instance(node, here, geometry, bounds)
     }
 
-    /// Whether anything looks at the texture coordinates of what stands at the node.
+    /// True if the material or the environment of the node uses texture coordinates.
     fn shows_uv(&self, node: &Node) -> bool {
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
         self.scene.settings.integrator == Integrator::Uv || material.is_some_and(|m| m.is_textured())

@@ -1,4 +1,4 @@
-//! What camera rays can meet: a second structure without the objects outside the view.
+//! Frustum culling for camera rays: a second accelerator without the objects outside the view.
 
 use core::ops::ControlFlow;
 
@@ -13,7 +13,7 @@ use crate::accel_choice::{self, AccelOptions, MAX_LINEAR_SPHERES, is_small};
 ///
 /// A hit counts only if the ray passes the primitive's own box, and the view volume rules a box out only if no camera
 /// ray passes it, so that asking these alone gives the same hit to the bit. Mirrors, glass and shadows look everywhere:
-/// their rays are asked of the whole set.
+/// their rays use the whole set.
 #[derive(Debug)]
 pub(crate) struct VisibleSet {
     /// Indices in the whole set, rising.
@@ -62,12 +62,12 @@ impl VisibleSet {
         &self.structure
     }
 
-    /// The rule by which the structure was chosen.
+    /// Rule by which the accelerator was chosen.
     pub(crate) fn reason<P: Primitives>(&self, accel_options: AccelOptions, all: &P) -> String {
         accel_choice::reason(accel_options, &Subset { all, indices: &self.indices })
     }
 
-    /// Number of primitives that camera rays are spared.
+    /// Number of culled primitives.
     pub(crate) const fn left_out(&self) -> usize {
         self.of - self.indices.len()
     }
@@ -78,8 +78,8 @@ impl VisibleSet {
     }
 }
 
-/// What a narrower volume does not exclude, to be asked in turn; `None` if these are not [few](is_small). Looks in the
-/// `wider` part, if there is one, and otherwise in the structure over all primitives.
+/// Objects that a narrower volume does not exclude; `None` if the set is not [small](is_small). Searches the
+/// `wider` set, if there is one, and otherwise the accelerator of all primitives.
 pub(crate) fn collect_small<P: Primitives>(
     primitives: &P,
     structure: &AnyAccelerator,
@@ -111,19 +111,19 @@ pub(crate) fn collect_small<P: Primitives>(
     if is_small(primitives, indices.clone()) { Handful::new(indices) } else { None }
 }
 
-/// What camera rays are asked of.
+/// Objects that camera rays are tested against.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum PrimaryTarget<'v> {
-    /// All there is.
+    /// All objects.
     All(&'v AnyAccelerator),
-    /// What the picture shows of it.
+    /// Objects in view of the image.
     Culled(&'v VisibleSet),
-    /// What a tile shows of it.
+    /// Objects in view of a tile.
     Tile(&'v Handful),
 }
 
 impl PrimaryTarget<'_> {
-    /// True if camera rays can meet nothing.
+    /// True if camera rays can hit nothing.
     pub(crate) fn is_empty(&self) -> bool {
         match self {
             Self::All(_) => false,
@@ -147,7 +147,7 @@ impl PrimaryTarget<'_> {
         }
     }
 
-    /// As [`closest`](Self::closest), for many camera rays: `hits[i]` answers `rays[i]`. All are `None` beforehand.
+    /// Batch version of [`closest`](Self::closest): `hits[i]` answers `rays[i]`. All are `None` beforehand.
     pub(crate) fn closest_batch<P: Primitives, S: Probe>(
         &self,
         all: &P,

@@ -1,7 +1,7 @@
-//! The world that rays are traced against: parts on two levels.
+//! Instances on two levels, with their acceleration structures.
 //!
-//! The upper level holds parts in world space. A part is a shape, a mesh under a transform, or a group: an assembly of
-//! parts in a space of its own, shared by all its instances. Groups hold no groups; flattening saw to that.
+//! The top level holds instances in world space. An instance is a shape, a transformed mesh, or a group: an aggregate of
+//! instances in a space of its own, shared by all uses. Groups hold no groups, as flattening dissolves these.
 
 use std::{borrow::Cow, sync::Arc};
 
@@ -15,7 +15,7 @@ use rt_shading::{Relief, SurfaceHit, Texture, emitter::EmitterRef};
 
 use crate::alpha_mesh::{AlphaTest, AlphaTestedMesh};
 
-/// Something that stands somewhere, in the space of its assembly.
+/// A placed object, in the space of its aggregate.
 #[derive(Debug)]
 pub(crate) struct Instance {
     pub(crate) geometry: InstanceGeometry,
@@ -39,12 +39,12 @@ pub(crate) struct Instance {
 }
 
 impl Instance {
-    /// True if it is elsewhere at another moment, in its assembly.
+    /// True if it moves in its aggregate.
     pub(crate) const fn has_motion(&self) -> bool {
         matches!(self.geometry, InstanceGeometry::Animated(_))
     }
 
-    /// What is needed of its surface.
+    /// Required attributes of its surface.
     #[inline]
     fn needs(&self, needs: InteractionFlags) -> InteractionFlags {
         InteractionFlags { uv: needs.uv && self.textured, ..needs }
@@ -78,7 +78,7 @@ impl Instance {
     }
 }
 
-/// What a part is.
+/// Geometry of an instance.
 #[derive(Debug)]
 pub(crate) enum InstanceGeometry {
     Shape(Shape),
@@ -93,7 +93,7 @@ pub(crate) enum InstanceGeometry {
 }
 
 impl InstanceGeometry {
-    /// What it is, if it moves, in its own space.
+    /// Geometry without animation, in its own space.
     pub(crate) fn static_geometry(&self) -> &Self {
         if let Self::Animated(animated) = self { &animated.geometry } else { self }
     }
@@ -109,7 +109,7 @@ impl InstanceGeometry {
     }
 }
 
-/// Something that is elsewhere at another moment. The part's bounds contain it at all moments.
+/// Animated geometry. The bounds of its instance contain it at all times.
 #[derive(Debug)]
 pub(crate) struct Animated {
     pub(crate) aggregate_from_local: AnimatedTransformChain,
@@ -121,7 +121,7 @@ pub(crate) struct Animated {
 #[derive(Debug)]
 pub(crate) struct MeshBlas {
     pub(crate) mesh: Arc<TriangleMesh>,
-    /// Where the material does not cover it.
+    /// Alpha test of the material.
     pub(crate) alpha_test: Option<AlphaTest>,
     pub(crate) structure: AnyAccelerator,
 }
@@ -178,7 +178,7 @@ impl MeshBlas {
     }
 }
 
-/// A list of parts with the structure over them.
+/// Instances with their accelerator.
 #[derive(Debug)]
 pub(crate) struct Aggregate {
     pub(crate) instances: Vec<Instance>,
@@ -189,7 +189,7 @@ pub(crate) struct Aggregate {
 }
 
 impl Aggregate {
-    /// The parts as a set of primitives.
+    /// Instances as a set of primitives.
     pub(crate) fn set<'w>(&'w self, levels: &'w BottomLevel) -> Instances<'w> {
         Instances { instances: &self.instances, levels, is_flat: self.is_flat }
     }
@@ -200,7 +200,7 @@ impl Aggregate {
         Hit { instance, primitive: first + hit.primitive, ..hit }
     }
 
-    /// The parts with those of all groups, each of which is told once.
+    /// All instances, those of each group once.
     pub(crate) fn all_instances<'w>(&'w self, levels: &'w BottomLevel) -> impl Iterator<Item = &'w Instance> {
         self.instances.iter().chain(levels.groups.iter().flat_map(|group| &group.instances))
     }
@@ -215,7 +215,7 @@ pub(crate) struct BottomLevel {
     pub(crate) textures: Vec<Texture>,
 }
 
-/// An assembly's parts as a set of primitives.
+/// Instances of an aggregate as a set of primitives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Instances<'w> {
     pub(crate) instances: &'w [Instance],
@@ -223,12 +223,12 @@ pub(crate) struct Instances<'w> {
     pub(crate) is_flat: bool,
 }
 
-/// The ray in the space below a transform; borrowed where there is none.
+/// Ray in the space below a transform.
 fn to_local(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
     parent_from_local.map_or(*ray, |transform| transform.inverse_ray(ray))
 }
 
-/// As [`to_local`], of many rays.
+/// Batch version of [`to_local`].
 fn to_local_batch<'r>(
     rays: &'r [(Ray, Interval)],
     parent_from_local: Option<&Transform>,
@@ -238,19 +238,19 @@ fn to_local_batch<'r>(
     })
 }
 
-/// The rays in the space of something that moves, each at its own moment.
+/// Rays in the space of animated geometry, each at its own time.
 fn to_local_animated(rays: &[(Ray, Interval)], animated: &Animated) -> Vec<(Ray, Interval)> {
     let local = |ray: &Ray| animated.aggregate_from_local.at(ray.time).inverse_ray(ray);
     rays.iter().map(|(ray, span)| (local(ray), *span)).collect()
 }
 
 impl Instances<'_> {
-    /// The place of the part that a hit is on.
+    /// Index of the hit instance.
     pub(crate) fn instance_index(&self, hit: &Hit) -> u32 {
         if self.is_flat { hit.primitive } else { hit.instance }
     }
 
-    /// A hit of a part that is one primitive.
+    /// Hit on an instance that is one primitive.
     fn hit_of(&self, index: u32, t: f64, uv: [f64; 2]) -> Hit {
         let [instance, primitive] = self.hit_ids(index);
         Hit { t, instance, primitive, uv }
@@ -260,7 +260,7 @@ impl Instances<'_> {
     #[inline]
     pub(crate) fn surface(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
         let instance = self.instances.get(self.instance_index(hit) as usize)?;
-        // The usual kinds by themselves, so that they are written where they are needed, and not moved about.
+        // The common kinds come first, so that their results are constructed in place.
         match &instance.geometry {
             InstanceGeometry::Triangle(mesh, triangle) => instance.triangle_surface(mesh, *triangle, ray, hit, needs),
             InstanceGeometry::Mesh(level, None) if instance.relief.is_none() => {
@@ -324,7 +324,7 @@ impl Instances<'_> {
         })
     }
 
-    /// The first hit on a part.
+    /// Closest hit on an instance.
     #[inline]
     fn closest_on<S: Probe>(
         &self,
@@ -370,7 +370,7 @@ impl Instances<'_> {
         self.closest_on((index, &animated.geometry), &ray, span, probe)
     }
 
-    /// True if a part blocks the ray.
+    /// True if an instance occludes the ray.
     #[inline]
     fn occluded_by<S: Probe>(&self, geometry: &InstanceGeometry, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         match geometry {
@@ -390,7 +390,7 @@ impl Instances<'_> {
         }
     }
 
-    /// As [`closest_on`](Self::closest_on) for many rays.
+    /// Batch version of [`closest_on`](Self::closest_on).
     fn closest_batch_on<S: Probe>(
         &self,
         (index, geometry): (u32, &InstanceGeometry),
@@ -422,7 +422,7 @@ impl Instances<'_> {
         }
     }
 
-    /// As [`occluded_by`](Self::occluded_by) for many rays.
+    /// Batch version of [`occluded_by`](Self::occluded_by).
     fn occluded_batch_by<S: Probe>(
         &self,
         geometry: &InstanceGeometry,
@@ -544,7 +544,7 @@ impl Primitives for Instances<'_> {
     }
 }
 
-/// True if the part, or one in its group, is of such a material.
+/// True if an instance, or one in its group, has a material that meets the condition.
 pub(crate) fn uses_material(instance: &Instance, levels: &BottomLevel, is_wanted: &impl Fn(u32) -> bool) -> bool {
     match instance.geometry.static_geometry() {
         InstanceGeometry::Group(level, _) => {

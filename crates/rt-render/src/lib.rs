@@ -6,14 +6,14 @@
 //!                          └─ explain: what is used, what is left out, and why
 //! ```
 //!
-//! **Owns** the plan ([`RenderPlan`]), the two-level world that rays are traced against, the loop over tiles and samples,
-//! and the statistics. It is the only crate that knows structures *and* materials.
+//! **Owns** the plan ([`RenderPlan`]), the two-level world, the loop over tiles and samples,
+//! and the statistics. It is the only crate that knows accelerators *and* materials.
 //! **Does not own** files, arguments or progress bars; nothing here prints.
 //!
-//! What moves while the shutter is open takes each ray to where it is at the ray's moment, which is drawn for each sample; all
-//! rays of a sample share it. Where nothing moves no moment is drawn, and nothing is the slower for it.
+//! Motion blur: each sample has a random time, which all of its rays share. Scenes without motion use no time
+//! samples.
 //!
-//! The picture is a pure function of scene, settings and seed: thread count, tile order and structure change no bit.
+//! The image is a pure function of scene, settings and seed: bit-identical for all thread counts, tile orders and accelerators.
 //!
 //! ```
 //! use rt_render::{PlanOptions, RenderPlan, RunOptions};

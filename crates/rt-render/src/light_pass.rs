@@ -1,4 +1,4 @@
-//! Passes of light paths: light that comes to the camera by mirrors and glass.
+//! Passes of light tracing: light that reaches the camera by mirrors and glass.
 
 use rt_accel::AnyAccelerator;
 use rt_camera::{PixelSampler, SampleStream, SamplerKind};
@@ -15,24 +15,24 @@ use crate::{
     world::{ShadedPrimitives, World},
 };
 
-/// Paths that a thread takes at a time.
+/// Paths per work item.
 const CHUNK: u64 = 4096;
 
-/// Paths that are traced together.
+/// Paths traced together.
 const BATCH_SIZE: u64 = 256;
 
-/// Tells the random numbers of light paths from those of pixels.
+/// Seed that separates the random numbers of light paths from those of pixels.
 const LIGHT_PATHS: u64 = 0x6c69_6768_7420_7061;
 
 /// The paths from lights of a pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LightPass {
     pass: u32,
-    /// As many as the pass takes camera samples over the whole image, whatever part of it is rendered.
+    /// Number of camera samples of the pass over the whole image, independent of the crop.
     paths: u64,
 }
 
-/// What some of the paths did.
+/// Result of a chunk of light paths.
 pub(crate) struct LightChunk {
     pub(crate) splats: Vec<Splat>,
     pub(crate) counters: Counters,
@@ -42,7 +42,7 @@ pub(crate) struct LightChunk {
 }
 
 impl LightPass {
-    /// The number of chunks that the paths are shared out in.
+    /// Number of work items.
     pub(crate) const fn chunks(&self) -> u64 {
         self.paths.div_ceil(CHUNK)
     }
@@ -56,7 +56,7 @@ impl RenderPlan<'_> {
         self.scene.light_sources.as_ref().map(|_| LightPass { pass, paths })
     }
 
-    /// Follows the paths of a chunk. One `match` for each axis.
+    /// Traces the paths of a chunk, with one `match` per axis.
     pub(crate) fn trace_light(
         &self,
         pass: LightPass,

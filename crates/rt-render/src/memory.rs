@@ -1,12 +1,12 @@
-//! How much memory a render takes, foreseen from counts before any of it is taken.
+//! Prediction of the memory of a render from counts, before any of it is allocated.
 //!
 //! ```text
 //!   peak = textures + geometry + structures + max(building, film)
 //! ```
 //!
 //! The scene stays all the while. Structures are built one after the other, each with lists that it gives back; the picture is
-//! held only after that. Factors are upper estimates (`docs/MEMORY.md` has them beside measured peaks); what the program takes
-//! without a scene is not among them.
+//! held only after that. Factors are upper estimates (`docs/MEMORY.md` compares them with measured peaks); the memory of the program
+//! without a scene is not included.
 
 mod survey;
 
@@ -21,7 +21,7 @@ use rt_shading::Texture;
 use crate::{Crop, RenderError, accel_choice::AccelOptions, estimate::PixelEstimate, splats::SplatImage};
 use survey::{Most, Survey};
 
-/// Bytes of memory that a render takes, as foreseen.
+/// Predicted bytes of memory of a render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MemoryPrediction {
     /// The picture, and what is kept of each pixel while it is made and written.
@@ -32,25 +32,25 @@ pub struct MemoryPrediction {
     pub geometry: u64,
     /// Acceleration structures.
     pub structures: u64,
-    /// What the largest structure takes while it is built, and gives back.
+    /// Temporary memory of the largest accelerator while it is built.
     pub building: u64,
 }
 
-/// What is kept of each pixel.
+/// Data kept per pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PerPixel {
     /// The part of the image that is rendered.
     pub(crate) crop: Crop,
-    /// Whether there is an alpha channel.
+    /// True for an alpha channel.
     pub(crate) transparent: bool,
-    /// Whether passes are folded into an estimate of each pixel.
+    /// True if passes are accumulated per pixel.
     pub(crate) progressive: bool,
-    /// Whether structures are built over what camera rays can meet.
+    /// True if accelerators are built for the objects in view.
     pub(crate) culls: bool,
 }
 
 impl MemoryPrediction {
-    /// The most that is held at any moment.
+    /// Largest amount held at any time.
     pub const fn peak(&self) -> u64 {
         let Self { film, textures, geometry, structures, building } = *self;
         let passing = if film > building { film } else { building };
@@ -68,7 +68,7 @@ impl MemoryPrediction {
         ]
     }
 
-    /// What looking at a scene will take, without a picture of it; it is refused if that is more than the budget.
+    /// Prediction for a scene without an image; an error if it exceeds the budget.
     ///
     /// # Errors
     /// [`RenderError::Memory`], or if the tree is nested too deeply or an index points nowhere.
@@ -80,7 +80,7 @@ impl MemoryPrediction {
         Ok(prediction)
     }
 
-    /// What a scene will take.
+    /// Prediction for a scene, and its largest item.
     pub(crate) fn of(scene: &Scene, accel_options: AccelOptions, kept: &PerPixel) -> Result<(Self, Most), RenderError> {
         let mut most = Most::default();
         let survey = Survey::of(scene, accel_options, kept.culls, &mut most)?;
@@ -97,7 +97,7 @@ impl MemoryPrediction {
         Ok((prediction, most))
     }
 
-    /// Refuses what needs more than the budget.
+    /// Error if the prediction exceeds the budget.
     pub(crate) fn check(&self, budget: Option<u64>, most: Most) -> Result<(), RenderError> {
         match budget {
             Some(budget) if self.peak() > budget => {

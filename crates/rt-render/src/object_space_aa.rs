@@ -51,7 +51,7 @@ struct PixelBlock {
     side: u32,
 }
 
-/// What a square shows: the space before it, and the rays along its edges.
+/// View volume of a block of pixels, and the rays along its edges.
 struct Pyramid {
     volume: ViewVolume,
     edges: [Ray; 4],

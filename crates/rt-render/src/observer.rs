@@ -1,4 +1,4 @@
-//! Whoever watches a render while it goes on.
+//! Observers of a running render.
 
 use rt_image::Image;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use crate::{
     tiles::Tile,
 };
 
-/// Who watches a render. Closures that take a [`Progress`] are observers as well.
+/// Observer of a render. Closures that take a [`Progress`] are observers as well.
 pub trait Observer {
     /// Called after each tile, in any order, on the thread that has begun the render; the others go on meanwhile.
     fn tile_done(&mut self, so_far: &RenderSnapshot<'_>);
@@ -25,18 +25,18 @@ impl<F: FnMut(Progress)> Observer for F {
     }
 }
 
-/// A render in the midst of it.
+/// Snapshot of a running render.
 pub struct RenderSnapshot<'a> {
     pub(crate) progress: Progress,
     pub(crate) tile: Tile,
     pub(crate) state: State<'a>,
 }
 
-/// What a render can go on from, to be written down; it is read as a [`Checkpoint`](crate::Checkpoint).
+/// State for a checkpoint, to be serialised; it is read as a [`Checkpoint`](crate::Checkpoint).
 #[derive(Clone, Copy, Serialize)]
 pub struct Kept<'a>(pub(crate) State<'a>);
 
-/// What there is of the picture.
+/// Current state of the image.
 #[derive(Clone, Copy, Serialize)]
 pub(crate) enum State<'a> {
     /// Some tiles, each of which has all of its samples.
@@ -46,7 +46,7 @@ pub(crate) enum State<'a> {
 }
 
 impl RenderSnapshot<'_> {
-    /// How far it has come.
+    /// Progress of the render.
     pub const fn progress(&self) -> Progress {
         self.progress
     }
@@ -67,7 +67,7 @@ impl RenderSnapshot<'_> {
         self.frame().transparent.then(|| self.tile_pixels().alpha)
     }
 
-    /// The whole picture so far: tiles that nothing is known of are black. Takes a moment.
+    /// Current image; unrendered tiles are black. Copies all pixels.
     pub fn film(&self) -> Image {
         match self.state {
             State::Tiles(part) => part.film(),
@@ -75,7 +75,7 @@ impl RenderSnapshot<'_> {
         }
     }
 
-    /// What a render can go on from, to be written down now.
+    /// State for a checkpoint, to be serialised now.
     pub const fn checkpoint(&self) -> Kept<'_> {
         Kept(self.state)
     }

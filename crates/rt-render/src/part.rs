@@ -20,7 +20,7 @@ use crate::{
     tiles::{Tile, tile, tile_count, tile_number},
 };
 
-/// What all parts of a picture have in common.
+/// Common header of all parts of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Frame {
     pub(crate) crop: Crop,
@@ -45,13 +45,13 @@ impl Frame {
     }
 }
 
-/// What a tile shows, rounded to what films hold, row by row.
+/// Pixels of a tile, rounded to `f32`, row by row.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct TilePixels {
     pub(crate) pixels: Vec<[f32; 3]>,
     /// Empty unless the picture is transparent.
     pub(crate) alpha: Vec<f32>,
-    /// Empty after a single pass, and unless they are asked for.
+    /// Empty after a single pass, and unless requested.
     pub(crate) standard_errors: Vec<[f32; 3]>,
     /// Samples of each pixel; empty if all have as many.
     pub(crate) counts: Vec<u32>,
@@ -244,7 +244,7 @@ impl Part {
         (u64::from(width) * u64::from(height)).saturating_mul(each)
     }
 
-    /// What ended its render.
+    /// Cause of the end of its render.
     pub const fn stopped(&self) -> Stopped {
         self.stopped
     }
@@ -387,7 +387,7 @@ impl Part {
         }
     }
 
-    /// Puts what is told of the pixels of a tile, if it is, in its place of the image.
+    /// Copies values of the pixels of a tile, if there are any, into the image.
     fn place<T: Copy>(&self, number: u32, values: &[T], image: &mut [T]) {
         let crop = self.frame.crop;
         for ([x, y], &value) in tile(crop, number as usize).pixels().zip(values) {

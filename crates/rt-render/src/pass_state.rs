@@ -12,10 +12,10 @@ use crate::{
     tiles::{Tile, tile_count, tiles},
 };
 
-/// Number of the first pass whose samples nothing was decided by.
+/// First pass number of the second stage, whose samples decide nothing.
 const SECOND_STAGE: u32 = 1 << 31;
 
-/// What a render of passes knows of its pixels, and where it stands.
+/// Pixels and position of a render pass by pass.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PassState {
     pub(crate) frame: Frame,
@@ -25,39 +25,39 @@ pub(crate) struct PassState {
     pub(crate) pixels: Vec<PixelEstimate>,
     pub(crate) statistics: Statistics,
     pub(crate) cursor: PassCursor,
-    /// Wall-clock seconds that the last pass took for a sample.
+    /// Wall-clock seconds per sample of the last pass.
     pub(crate) seconds_per_sample: f64,
-    /// Error of the picture after the last pass.
+    /// Error of the image after the last pass.
     pub(crate) error: ErrorSums,
-    /// Numbers of the tiles in which a worker failed.
+    /// Numbers of the tiles in which a thread failed.
     pub(crate) lost: Vec<u32>,
 }
 
-/// What says how large passes are, and which pixels take them.
+/// Rule for the size of passes and their pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum PassMode {
-    /// The plan.
+    /// Passes of the plan.
     Fixed,
-    /// They grow until there is enough.
+    /// Growing passes until a stop rule applies.
     Growing,
-    /// They grow until the error is reached, or a pixel has so many samples.
+    /// Growing passes until the error is reached, or a pixel has a maximum number of samples.
     Target(TargetError, u32),
 }
 
-/// Where in its passes a render stands.
+/// Position in the sequence of passes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PassCursor {
-    /// Number of the pass that is taken now or next.
+    /// Number of the current or next pass.
     pub(crate) pass: u32,
-    /// Samples that a pixel has if it took all passes before.
+    /// Samples of a pixel that took all previous passes.
     pub(crate) taken: u32,
-    /// Tiles that have taken the pass; empty before the first one has.
+    /// Flags of the tiles that have taken the current pass; empty before the first one.
     pub(crate) begun: Vec<bool>,
     pub(crate) stage: RefineStage,
 }
 
 impl PassState {
-    /// Of a render that has not begun.
+    /// State before the first pass.
     pub(crate) fn new(frame: Frame, share: Share, rule: Option<&StopRule>, statistics: Statistics) -> Self {
         let Crop { width, height, .. } = frame.crop;
         Self {
@@ -78,7 +78,7 @@ impl PassState {
         self.frame == frame && self.share == share && self.mode == PassMode::new(rule)
     }
 
-    /// Checks every number that a file may have got wrong.
+    /// Checks all numbers of a decoded state.
     pub(crate) fn validate(&self) -> Result<(), ContentError> {
         let Self { frame, share, mode: _, pixels, statistics, cursor, seconds_per_sample, error, lost } = self;
         let PassCursor { pass, taken, begun, stage } = cursor;
@@ -108,7 +108,7 @@ impl PassState {
         error.validate(area as u64)
     }
 
-    /// The picture so far.
+    /// Current image.
     pub(crate) fn film(&self) -> Image {
         let Crop { width, height, .. } = self.frame.crop;
         let mut film = Image::new(width, height, self.frame.transparent);
@@ -121,7 +121,7 @@ impl PassState {
         film
     }
 
-    /// What a tile shows now.
+    /// Current pixels of a tile.
     pub(crate) fn tile_pixels(&self, tile: Tile) -> TilePixels {
         let Frame { crop, transparent, maps, .. } = self.frame;
         let pixels = || tile.pixels().filter_map(move |at| self.pixels.get(pixel_index(crop, at)));
@@ -155,20 +155,20 @@ impl PassMode {
     }
 }
 
-/// Which of its samples decide, and which make the picture.
+/// Stage of adaptive sampling: samples that decide, or samples of the image.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) enum RefineStage {
-    /// All of them, over all pixels.
+    /// Passes over all pixels.
     #[default]
     Everywhere,
-    /// Those of the pixels that are not yet sure, row by row.
+    /// Passes over active pixels; flags row by row.
     Decide(Vec<bool>),
-    /// New ones: as many passes of each pixel as were decided on. What ended the decision, and how many pixels were not sure.
+    /// New samples: the decided number of passes of each pixel, the cause of the decision's end, and the number of unconverged pixels.
     Repeat(Vec<u32>, Stopped, u64),
 }
 
 impl RefineStage {
-    /// The number that tells the random numbers of a pass from those of others.
+    /// Seed number of a pass.
     pub(crate) const fn seed_of(&self, pass: u32) -> u32 {
         match self {
             Self::Everywhere | Self::Decide(_) => pass,
@@ -192,7 +192,7 @@ impl RefineStage {
     }
 }
 
-/// Where a pixel of the image is among those of a part of it.
+/// Index of a pixel of the image in a crop.
 pub(crate) const fn pixel_index(crop: Crop, [x, y]: [u32; 2]) -> usize {
     (y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize
 }

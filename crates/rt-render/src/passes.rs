@@ -1,4 +1,4 @@
-//! Passes: independent scrambles of the sample pattern, whose differences tell the error of their mean.
+//! Passes: independent scrambles of the sample pattern, whose differences estimate the error of their mean.
 //!
 //! ```text
 //!   fixed      |  N/M  |  N/M  |  N/M  |  N/M  |                     M passes, one pixel after the other
@@ -29,21 +29,21 @@ pub const fn default_passes(pattern: SamplerKind, spp: u32, stochastic: bool) ->
     }
 }
 
-/// The seed of a pass. The first is the seed itself, so that a render of one pass knows nothing of passes.
+/// Seed of a pass; that of the first pass is the seed itself.
 pub(crate) fn pass_seed(seed: u64, pass: u32) -> u64 {
     if pass == 0 { seed } else { hash(&[seed, u64::from(pass)]) }
 }
 
-/// What is sampled of each pixel of a tile before the tile is handed over.
+/// Samples of a tile in one work item.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PassSpec<'a> {
     /// Number of the first pass.
     pub(crate) first: u32,
     /// Number of passes, at least 1.
     pub(crate) count: u32,
-    /// Samples per pixel of each.
+    /// Samples per pixel of each pass.
     pub(crate) spp: u32,
-    /// The same of pixels that show no edge, where pixels are told apart in object space.
+    /// Samples per pass of pixels without an edge, with adaptive sampling in object space.
     pub(crate) simple_spp: Option<u32>,
     /// The pixels to sample; all if `None`.
     pub(crate) pixels: Option<&'a PixelMask>,
@@ -61,7 +61,7 @@ impl PassSpec<'_> {
     }
 }
 
-/// Some of the pixels of a part of the image.
+/// Subset of the pixels of a part of the image.
 #[derive(Clone, Debug)]
 pub(crate) struct PixelMask {
     part: Tile,

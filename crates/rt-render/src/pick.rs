@@ -1,4 +1,4 @@
-//! What a pixel shows: the object, its material, and the point.
+//! Picking: object, material and point at a pixel.
 
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{Hit, InteractionFlags, NoProbe};
@@ -10,26 +10,26 @@ use crate::{
     world::{ShadedPrimitives, World},
 };
 
-/// What the ray through the middle of a pixel meets first.
+/// Closest hit of the ray through the middle of a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PickResult {
-    /// Names of the node that was met, and before it of the instance whose group it belongs to, if that is placed more than
+    /// Name of the node that was hit, preceded by that of the instance of its group, if the group is placed more than
     /// once. Names are those of the scene, and may be empty.
     pub object: Vec<String>,
     /// Name of the material.
     pub material: String,
-    /// Distance of the point from where the ray starts: the pinhole, the centre of the lens, or the camera plane of parallel
+    /// Distance of the point from the ray origin: the pinhole, the centre of the lens, or the camera plane of parallel
     /// rays; in world units.
     pub distance: f64,
-    /// The point in world space.
+    /// Hit point in world space.
     pub point: DVec3,
-    /// The shading normal there, of unit length.
+    /// Unit shading normal.
     pub normal: DVec3,
 }
 
 impl RenderPlan<'_> {
-    /// What pixel (`x`, `y`), counted from the upper left corner of the whole image, shows in its middle, in the middle of the
-    /// shutter's time. `None` where that is the background. Pixels outside of the image are fine.
+    /// Object at the middle of pixel (`x`, `y`), counted from the upper left corner of the whole image, in the middle of the
+    /// shutter interval. `None` for the background. Pixels outside of the image are valid.
     pub fn pick(&self, x: u32, y: u32) -> Option<PickResult> {
         let raster = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
         let time = if self.frame.has_motion { self.frame.camera.moment(0.5) } else { 0.0 };
@@ -69,7 +69,7 @@ impl RenderPlan<'_> {
 }
 
 impl Instances<'_> {
-    /// The names of the part that a hit is on, that of an instance before that of what it places.
+    /// Names of the hit object; that of an instance comes first.
     fn names_at(&self, hit: &Hit) -> Option<Vec<String>> {
         let instance = self.instances.get(self.instance_index(hit) as usize)?;
         let inner = instance.geometry.group().and_then(|level| {

@@ -5,10 +5,10 @@ use rt_math::Rgb;
 
 use crate::Crop;
 
-/// Choices that a plan takes beside the scene.
+/// Options of a plan beyond those of its scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanOptions {
-    /// Which camera of the scene to use.
+    /// Index of the camera.
     pub camera: usize,
     /// Render this part of the image only; its pixels are those of the whole image.
     pub crop: Option<Crop>,
@@ -17,17 +17,17 @@ pub struct PlanOptions {
     /// Radiance shown to camera rays that leave the scene, in place of its background, which goes on lighting the scene.
     /// Views of geometry or cost do without.
     pub backdrop: Option<Rgb>,
-    /// Leave nothing out. The picture is the same to the bit; this is how tests prove it.
+    /// Leave nothing out. The image is bit-identical, as tests verify.
     pub full: bool,
-    /// The instructions that structures use; `None` for the best that the processor has. What it does not have is
-    /// replaced by what every processor has. The picture is the same to the bit.
+    /// Instruction set of the accelerators; `None` for the best one of the processor. An unsupported one is
+    /// replaced by the portable one. The image is bit-identical.
     pub simd: Option<SimdLevel>,
-    /// How much time the wide tree may take to be built. The picture is the same to the bit.
+    /// Build quality of the wide BVH. The image is bit-identical.
     pub quality: Quality,
-    /// Most bytes of memory that the render may take. What is predicted to take more is refused before it is built; `None`
+    /// Memory limit in bytes. A larger prediction is an error, before anything is built; `None`
     /// for no limit.
     pub memory: Option<u64>,
-    /// Whether the render will go on until something ends it, or keep maps of error and samples: more is then kept of each
-    /// pixel. It matters for the prediction of memory alone.
+    /// True if the render is progressive or keeps maps of error and samples. More memory is then kept per
+    /// pixel; only the memory prediction depends on it.
     pub progressive: bool,
 }

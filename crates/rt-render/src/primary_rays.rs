@@ -1,4 +1,4 @@
-//! Waves of camera rays: the samples of some pixels, traced together.
+//! Batches of camera rays: samples of some pixels, traced together.
 
 use rt_camera::{PixelSampler, SampleStream};
 use rt_math::{DVec2, Interval, Ray, Rgb, Sampler};
@@ -11,26 +11,26 @@ use crate::{
     tile_job::{TileJob, TileResult},
 };
 
-/// Camera rays in a wave: enough for rays to be traced side by side, and few enough for all that is known of them to
-/// stay in a core's own cache.
+/// Camera rays in a batch: enough for batch traversal, and few enough for their data to
+/// stay in the cache of a core.
 const BATCH_SIZE: usize = 256;
 
-/// The camera rays of a wave, and what they see.
+/// Camera rays of a batch with their radiance.
 #[derive(Debug, Default)]
 pub(crate) struct PrimaryRayBatch {
     positions: Vec<[f64; 2]>,
     rays: Vec<(Ray, Interval)>,
-    /// What each sample weighs in its pixel.
+    /// Filter weight of each sample.
     weights: Vec<f64>,
     seen: Vec<Seen>,
-    /// Where the samples draw further numbers from; empty unless something asks for them.
+    /// Samplers of the integrator; empty if it uses none.
     samplers: Vec<SampleStream>,
 }
 
-/// Camera rays on their way to an integrator.
+/// Camera rays for an integrator.
 pub(crate) struct CameraRays<'a> {
     pub(crate) rays: &'a [(Ray, Interval)],
-    /// The sampler of each ray, if the integrator draws.
+    /// Sampler of each ray, if the integrator uses samplers.
     pub(crate) samplers: &'a [SampleStream],
 }
 
@@ -40,16 +40,16 @@ impl PrimaryRayBatch {
     }
 }
 
-/// Adds samples to pixels, which are full after so many passes of so many samples.
+/// Accumulates samples into passes and passes into pixels.
 struct PixelAccumulator<N> {
     finished: TileResult,
     pixel: Pixel,
     estimate: PixelEstimate,
-    /// Samples that the pass is short of.
+    /// Samples missing in the pass.
     missing: u32,
-    /// Samples of each pass of this pixel.
+    /// Samples per pass of this pixel.
     spp: u32,
-    /// The same of the pixels that follow.
+    /// Samples per pass of the following pixels.
     next: N,
     passes: u32,
 }
@@ -153,7 +153,7 @@ impl RenderPlan<'_> {
     }
 }
 
-/// Traces a wave and empties it into the pixels. Rays that leave the scene see the backdrop, if there is one.
+/// Traces a batch and adds it to the pixels. Rays that leave the scene see the backdrop, if there is one.
 fn trace<N: Iterator<Item = u32>>(
     batch: &mut PrimaryRayBatch,
     accumulator: &mut PixelAccumulator<N>,

@@ -1,4 +1,4 @@
-//! What is known of the form of a primitive without a ray.
+//! Form of a primitive, known without a ray.
 
 use rt_geometry::{Primitives, Shape, TransformedShape};
 use rt_math::DVec3;
@@ -23,7 +23,7 @@ pub(crate) trait HasForm: Primitives {
     /// The form of a primitive.
     fn form(&self, index: u32) -> PrimitiveForm;
 
-    /// Whether the primitive, or part of it, casts a shadow.
+    /// True if the primitive, or part of it, casts a shadow.
     fn casts_shadow(&self, index: u32) -> bool;
 }
 

@@ -1,6 +1,6 @@
-//! Passes over the whole image, one after the other, until there is enough.
+//! Progressive rendering: passes over the whole image until a stop rule applies.
 //!
-//! What is known of a pixel is a function of the seed and of the passes that it took, whatever the threads do. The clock or the
+//! The estimate of a pixel depends on the seed and its passes alone, independent of threads. The clock or the
 //! estimated error decides how many passes there are, and nothing else.
 //!
 //! A render can be interrupted in the midst of a pass and go on from there: [`PassState`] is all that it knows.

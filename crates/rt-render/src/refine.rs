@@ -24,7 +24,7 @@ const DARK: f64 = 0.01;
 impl TargetError {
     const CONFIDENCE: f64 = 0.95;
 
-    /// How much too wide a pixel's interval is, in the channel where it is worst: up to 1, the pixel has converged.
+    /// Width of a pixel's interval over the target, in the worst channel; up to 1 the pixel has converged.
     fn excess(&self, pixel: &PixelEstimate, student: f64) -> f64 {
         let Some(variance) = pixel.variance() else { return f64::INFINITY };
         let excess = |variance: f64, mean: f64| student * variance.sqrt() / (self.relative * (mean.max(0.0) + DARK));

@@ -1,4 +1,4 @@
-//! The loop over tiles, pixels and samples.
+//! Rendering of a plan: tile by tile, or pass by pass.
 
 use std::time::{Duration, Instant};
 
@@ -33,7 +33,7 @@ impl RenderPlan<'_> {
     /// called on this thread after each tile.
     ///
     /// # Errors
-    /// As [`render_part`](Self::render_part).
+    /// Those of [`render_part`](Self::render_part).
     pub fn render_until(
         &self,
         options: &RunOptions<'_>,
@@ -173,7 +173,7 @@ impl RenderPlan<'_> {
         Some(pixel + self.splatted((y - top) as usize * width as usize + (x - left) as usize))
     }
 
-    /// What light paths bring to a pixel, by its place in what is rendered: the mean of all passes.
+    /// Radiance of light paths at a pixel of the crop: the mean of all passes.
     fn splatted(&self, pixel: usize) -> Rgb {
         let mut tracer = LightTracingIntegrator::new(self.integrator.path_settings(), self.scene.features);
         let mut sum = Rgb::BLACK;

@@ -6,7 +6,7 @@ use rt_image::Image;
 
 use crate::{Crop, ErrorEstimate, Share, Statistics, Stopped};
 
-/// How to run a plan; none of it changes what a pixel shows.
+/// Options of a run; none changes a pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunOptions<'a> {
     /// Number of threads; 0 for one per processor.
@@ -17,32 +17,32 @@ pub struct RunOptions<'a> {
     pub maps: bool,
     /// The tiles to render.
     pub share: Share,
-    /// May be set at any time, by a signal or another thread: the tiles that are being rendered are finished, no other is begun,
+    /// May be set at any time, by a signal or another thread: tiles in work are finished, no other is started,
     /// and the render ends as [`Stopped::Interrupted`].
     pub interrupt: Option<&'a AtomicBool>,
 }
 
-/// How far a render has come.
+/// Progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Camera samples taken.
     pub samples: u64,
-    /// Camera samples in all; a guess where time, error or edges decide.
+    /// Total camera samples; an estimate if time, error or edges decide.
     pub total_samples: u64,
     /// Rays traced so far, of all kinds.
     pub rays: u64,
-    /// Where a progressive render stands.
+    /// Progress of a progressive render.
     pub pass: Option<PassProgress>,
 }
 
-/// Where a progressive render stands.
+/// Progress of a progressive render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassProgress {
     /// Passes finished.
     pub finished: u32,
     /// Samples of the pixel that has most.
     pub spp: u32,
-    /// Estimated root mean square error of the picture so far, from two passes on.
+    /// Estimated root mean square error of the current image, from two passes on.
     pub rmse: Option<f64>,
     /// Distance from the target error, if there is one and an estimate is known.
     pub towards: Option<Towards>,
@@ -70,15 +70,15 @@ pub enum Towards {
 /// A finished render.
 #[derive(Clone, Debug)]
 pub struct Rendering {
-    /// The picture, in linear radiance.
+    /// Image in linear radiance.
     pub film: Image,
-    /// What it took.
+    /// Counts and times.
     pub statistics: Statistics,
-    /// What ended it.
+    /// Cause of its end.
     pub stopped: Stopped,
-    /// How far it is from the truth; `None` if there was but one pass, or all are the same.
+    /// Estimated error; `None` after a single pass, or if all passes are equal.
     pub error: Option<ErrorEstimate>,
-    /// Samples that the pixels of the picture are made of.
+    /// Samples per pixel.
     pub samples_per_pixel: SampleRange,
     /// Pixels that have not reached the error, where each has to ([`Criterion::Pixels`](crate::Criterion)).
     pub unconverged: Option<u64>,
@@ -86,17 +86,17 @@ pub struct Rendering {
     pub standard_error: Option<Image>,
     /// With [`RunOptions::maps`], the samples of each pixel, in all channels.
     pub sample_counts: Option<Image>,
-    /// What a worker has failed at, by a defect of this program: these tiles lack some of their samples, or are black.
+    /// Tiles in which a thread failed, by a defect of this program: they lack samples or are black.
     pub lost: Vec<Crop>,
 }
 
-/// Samples of the pixels of a picture.
+/// Range of samples per pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleRange {
-    /// Of the pixel that has fewest.
+    /// Smallest number of samples of a pixel.
     pub least: u32,
-    /// Of all pixels.
+    /// Mean over all pixels.
     pub mean: f64,
-    /// Of the pixel that has most.
+    /// Largest number of samples of a pixel.
     pub most: u32,
 }

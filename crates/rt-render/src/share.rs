@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A share of the tiles of a picture: one of `count` machines takes each tile whose number leaves `index` when divided by
-/// `count`. Neighbours go to different machines, so that all have about as much to do.
+/// A share of the tiles of an image: one of `count` machines takes each tile whose number is `index` modulo
+/// `count`. Neighbouring tiles go to different machines, which balances the load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Share {
     index: u32,
@@ -32,12 +32,12 @@ impl Share {
         self.count
     }
 
-    /// How many of so many pieces belong to the share.
+    /// Number of tiles of the share, of `all` tiles.
     pub(crate) const fn pieces(self, all: usize) -> usize {
         (all + self.count as usize - 1 - self.index as usize) / self.count as usize
     }
 
-    /// True if piece number `piece` belongs to the share.
+    /// True if the tile with this number belongs to the share.
     pub const fn holds(self, piece: usize) -> bool {
         piece % self.count as usize == self.index as usize
     }

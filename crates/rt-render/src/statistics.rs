@@ -1,4 +1,4 @@
-//! What a render did and how long it took.
+//! Counts and times of a render.
 
 use rt_geometry::{Counters, RayKind, RayStats};
 use rt_shading::ShadingCounts;
@@ -11,18 +11,18 @@ use crate::{
     tile_job::TileResult,
 };
 
-/// Figures of one render. Counts are deterministic; times are not.
+/// Counts and times of one render. Counts are deterministic; times are not.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Camera samples taken.
     pub samples: u64,
-    /// Camera samples that met a surface; none if the picture shows nothing but the background.
+    /// Camera samples that hit a surface.
     pub camera_hits: u64,
-    /// Pixels that took few samples, as they show no edge; none unless pixels are told apart in object space.
+    /// Pixels that took few samples, as they have no edge; only with adaptive sampling in object space.
     pub simple_pixels: u64,
     /// Rays by kind, and with [`RunOptions::count`](crate::RunOptions) also nodes, primitive tests and hits.
     pub counters: Counters,
-    /// Camera rays that were not traced, because their tile knew that there is nothing in their part of the view.
+    /// Camera rays that were skipped because their tile has no object in view.
     pub primary_rays_spared: u64,
     /// Work of shading.
     pub shading: ShadingCounts,
@@ -39,7 +39,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Of a render that has not begun.
+    /// Statistics before the first sample.
     pub(crate) fn new(threads: usize, build_seconds: f64) -> Self {
         Self {
             samples: 0,
@@ -56,7 +56,7 @@ impl Statistics {
         }
     }
 
-    /// Adds what a tile took.
+    /// Adds the counts of a tile.
     pub(crate) fn add(&mut self, tile: &TileResult) {
         self.samples += tile.samples;
         self.camera_hits += tile.camera_hits;
@@ -67,19 +67,19 @@ impl Statistics {
         self.bad_samples += tile.bad_samples;
     }
 
-    /// Adds what some light paths took.
+    /// Adds the counts of some light paths.
     pub(crate) fn add_light(&mut self, lit: &LightChunk) {
         self.counters += lit.counters;
         self.shading += lit.shading;
         self.bad_samples += lit.bad;
     }
 
-    /// The figures of a render that goes on, in a run that has just begun.
+    /// Statistics of a resumed render.
     pub(crate) const fn continued(self, run: &Self) -> Self {
         Self { threads: run.threads, build_seconds: run.build_seconds, ..self }
     }
 
-    /// Adds what another part of the same picture took.
+    /// Adds the counts and times of another shard of the same image.
     pub(crate) fn join(&mut self, other: &Self) {
         self.samples += other.samples;
         self.camera_hits += other.camera_hits;

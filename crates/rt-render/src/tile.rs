@@ -22,7 +22,7 @@ use crate::{
     world::{ShadedPrimitives, World},
 };
 
-/// What a thread uses again from tile to tile.
+/// Buffers that a thread reuses from tile to tile.
 pub(crate) struct ThreadState {
     whitted: Whitted,
     paths: PathTracer<SampleStream>,
@@ -45,7 +45,7 @@ impl ThreadState {
 }
 
 impl RenderPlan<'_> {
-    /// Chooses the concrete types, one `match` for each axis.
+    /// Dispatches to concrete types, one `match` per axis.
     pub(crate) fn render_tile(&self, job: &TileJob<'_>, count: bool, worker: &mut ThreadState) -> TileResult {
         if count || self.integrator_kind() == Integrator::Cost {
             self.with_probe::<Counters>(job, worker)
@@ -103,7 +103,7 @@ impl RenderPlan<'_> {
                 let mut interior = Interior::default();
                 self.sample_tile(job, camera, |batch, seen| {
                     for (i, ray) in batch.rays.iter().enumerate() {
-                        interior.look_around_within(*reach, &mut tracer, &self.scene.appearance.materials, &ray.0);
+                        interior.find_enclosing_media_within(*reach, &mut tracer, &self.scene.appearance.materials, &ray.0);
                         paths.set_surroundings(&interior);
                         let (rays, samplers) = (&batch.rays[i..=i], &batch.samplers[i..=i]);
                         paths.radiance_of(&mut tracer, lighting, rays, samplers, &mut seen[i..=i]);
@@ -116,7 +116,7 @@ impl RenderPlan<'_> {
             (IntegratorState::Whitted, CameraMedium::PerRay(reach)) => {
                 let mut interior = Interior::default();
                 self.sample_per_ray(job, camera, |ray| {
-                    interior.look_around_within(*reach, &mut tracer, &self.scene.appearance.materials, ray);
+                    interior.find_enclosing_media_within(*reach, &mut tracer, &self.scene.appearance.materials, ray);
                     whitted.set_surroundings(&interior);
                     whitted.radiance(&mut tracer, &self.scene.appearance, ray)
                 })
@@ -134,7 +134,7 @@ impl RenderPlan<'_> {
         finished
     }
 
-    /// For what can only be told of one ray after the other.
+    /// Takes the samples of a tile ray by ray.
     fn sample_per_ray(
         &self,
         job: &TileJob<'_>,
@@ -148,7 +148,7 @@ impl RenderPlan<'_> {
         })
     }
 
-    /// What the camera rays of the tile can meet, if that is little.
+    /// Objects in view of the tile, if they are few.
     fn visible_in_tile<W: ShadedPrimitives>(
         &self,
         tile: Tile,
@@ -164,8 +164,8 @@ impl RenderPlan<'_> {
         })
     }
 
-    /// A tile in whose part of the view there is nothing, if that can be told without a ray: where all samples see the
-    /// same background and weigh the same, so that no pixel depends on where they are.
+    /// A tile without objects in view, computed without rays. It requires that all samples see the
+    /// same background with the same weight.
     fn empty_tile(&self, job: &TileJob<'_>) -> Option<TileResult> {
         let (
             IntegratorState::Whitted | IntegratorState::Path(_),

@@ -11,12 +11,12 @@ use crate::{
     tiles::Tile,
 };
 
-/// What a thread does at a time.
+/// Work item of a thread.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TileJob<'a> {
     pub(crate) tile: Tile,
     pub(crate) pass_spec: &'a PassSpec<'a>,
-    /// The pixels of the tile that show no edge, where pixels are told apart in object space; known once it is begun.
+    /// Pixels without an edge, with adaptive sampling in object space; set when the tile is started.
     pub(crate) simple: Option<&'a PixelMask>,
 }
 
@@ -35,7 +35,7 @@ impl<'a> TileJob<'a> {
     }
 }
 
-/// A rendered tile on its way to the film: its pixels row by row, but for those that the sweep leaves out.
+/// A rendered tile: its pixels row by row, without the masked ones.
 pub(crate) struct TileResult {
     pub(crate) tile: Tile,
     /// Radiance, not yet rounded to what a film holds.

@@ -1,4 +1,4 @@
-//! The threads of a render, and how they share its tiles.
+//! Threads of a render, and the parallel loop over its tiles.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{
@@ -17,7 +17,7 @@ use crate::{
     tiles::{Tile, tiles},
 };
 
-/// Threads that wait for sweeps over the image.
+/// Thread pool of a render.
 pub(crate) struct TileScheduler<'p> {
     plan: &'p RenderPlan<'p>,
     pool: rayon::ThreadPool,
@@ -26,12 +26,12 @@ pub(crate) struct TileScheduler<'p> {
     interrupt: Option<&'p AtomicBool>,
 }
 
-/// What became of work that was shared out.
+/// Outcome of a parallel loop.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Outcome {
-    /// The work was interrupted: pieces are left that nobody has begun.
+    /// True if the loop was interrupted before all items were started.
     pub(crate) interrupted: bool,
-    /// Pieces in which a worker panicked.
+    /// Items in which a thread panicked.
     pub(crate) lost: Vec<usize>,
 }
 
@@ -81,8 +81,8 @@ impl<'p> TileScheduler<'p> {
         self.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed))
     }
 
-    /// Shares pieces of work out among the threads, each of which has a worker of its own and takes the next piece that
-    /// nobody has begun, until there is none, or the work is interrupted. A panic costs the piece, and a new worker.
+    /// Runs work items on the threads. Each thread has a state of its own and takes the next item that no other has
+    /// started, until all are taken or the loop is interrupted. A panic loses the item and replaces the thread's state.
     fn parallel_for<W, T: Send>(
         &self,
         pieces: &[usize],

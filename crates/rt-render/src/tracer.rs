@@ -1,4 +1,4 @@
-//! Rays against a world: where structures and materials meet.
+//! Ray queries of integrators against the world.
 
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{Counters, Hit, InteractionFlags, NoProbe, Probe, RayCounts, RayKind};
@@ -7,7 +7,7 @@ use rt_shading::{SurfaceHit, Tracer};
 
 use crate::{frustum_cull::PrimaryTarget, world::ShadedPrimitives};
 
-/// What structures report to: a probe that counts all, or none. Rays are counted beside it, so that structures need no
+/// Probe of an accelerator that counts everything or nothing. Rays are counted separately, so that accelerators need no
 /// code for a third.
 pub(crate) trait StatsProbe: Probe + Default + Send {
     /// The full table, as far as it is known.
@@ -26,18 +26,18 @@ impl StatsProbe for NoProbe {
     }
 }
 
-/// Answers an integrator's rays and counts them. Which structure it is, is asked once for each batch: integrators are not
+/// Answers the rays of an integrator and counts them. The accelerator is dispatched once per batch: integrators are not
 /// compiled anew for each.
 pub(crate) struct SceneTracer<'w, W, S> {
     pub(crate) world: &'w W,
     pub(crate) structure: &'w AnyAccelerator,
-    /// What camera rays are asked of.
+    /// Objects that camera rays are tested against.
     pub(crate) primary_target: PrimaryTarget<'w>,
     /// Rays by kind.
     pub(crate) rays: RayCounts,
-    /// Camera rays that were not traced, as there is nothing for them to meet.
+    /// Camera rays skipped because nothing is in view.
     pub(crate) skipped: u64,
-    /// The structure's work.
+    /// Work of the accelerator.
     pub(crate) probe: S,
     /// The hits of a batch; empty between batches.
     hits: Vec<Option<Hit>>,
@@ -63,12 +63,12 @@ impl<'w, W: ShadedPrimitives, S: Probe> SceneTracer<'w, W, S> {
         self.hits
     }
 
-    /// What rays of this kind are asked of.
+    /// Objects that rays of this kind are tested against.
     const fn target(&self, kind: RayKind) -> PrimaryTarget<'w> {
         if matches!(kind, RayKind::Primary) { self.primary_target } else { PrimaryTarget::All(self.structure) }
     }
 
-    /// True for rays that need not be traced. Counts the others.
+    /// True for rays that need not be traced; counts the others.
     fn can_skip(&mut self, kind: RayKind, rays: usize) -> bool {
         let can_skip = kind == RayKind::Primary && self.primary_target.is_empty();
         if can_skip {

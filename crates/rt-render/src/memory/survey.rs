@@ -1,4 +1,4 @@
-//! A walk over the tree that counts what flattening will make of it.
+//! Counts of the objects that flattening will make of the node tree.
 
 use std::collections::HashSet;
 
@@ -13,13 +13,13 @@ use crate::{
     instance::{Animated, Instance},
 };
 
-/// What the allocator adds to a piece of memory, and the counts of what is shared.
+/// Overhead of an allocation and of shared counts.
 const HEADER: u64 = 32;
 
-/// Bytes for each triangle of a mesh that shines: its share in the choice of a light.
+/// Bytes per triangle of an emissive mesh: its share of the light sampler.
 const EMITTER_BYTES: u64 = 64;
 
-/// What needs most memory of all.
+/// Largest consumer of memory.
 #[derive(Debug, Default)]
 pub(crate) struct Most {
     pub(crate) bytes: u64,
@@ -53,16 +53,16 @@ fn accel_bytes(accel_options: AccelOptions, primitives: u64) -> [u64; 2] {
     [primitives.saturating_mul(kept), primitives.saturating_mul(besides)]
 }
 
-/// What stands in a scene, in bytes.
+/// Bytes of the objects of a scene.
 #[derive(Debug, Default)]
 pub(crate) struct Survey {
     pub(crate) geometry: u64,
     pub(crate) structures: u64,
-    /// Of the structure that takes most while it is built.
+    /// Temporary bytes of the largest accelerator.
     pub(crate) building: u64,
 }
 
-/// What a list of nodes becomes: parts of an assembly.
+/// Instances that a list of nodes becomes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Holding {
     parts: u64,
@@ -82,9 +82,9 @@ struct Surveyor<'s, 'm> {
     survey: Survey,
     most: &'m mut Most,
     group_uses: Vec<u64>,
-    /// Which groups have a level of their own that is counted.
+    /// Flags of groups whose own aggregate is counted.
     levels: Vec<bool>,
-    /// What each group becomes with all groups in it dissolved, where that is known.
+    /// Instances of each group with all nested groups dissolved, if known.
     dissolved: Vec<Option<Holding>>,
     /// Meshes that have a level of their own that is counted, with the material that cuts holes into them.
     meshes: HashSet<(u32, Option<u32>)>,
@@ -155,7 +155,7 @@ impl<'s> Surveyor<'s, '_> {
         self.survey.building = self.survey.building.max(besides);
     }
 
-    /// What the nodes and those below become. Trees may be deep, so the walk keeps its own stack.
+    /// Instances of nodes and their descendants. Trees may be deep, so the traversal keeps its own stack.
     fn holding(&mut self, nodes: &'s [Node], within_group: bool) -> Result<Holding, RenderError> {
         let mut sum = Holding::default();
         // With each list, whether everything above it stands where it is.
@@ -222,7 +222,7 @@ impl<'s> Surveyor<'s, '_> {
         Ok(())
     }
 
-    /// What a group within another becomes. One that contains itself ends here; flattening refuses it.
+    /// Instances of a nested group. One that contains itself ends here; flattening refuses it.
     fn dissolved(&mut self, id: GroupId) -> Result<Holding, RenderError> {
         let index = id.0 as usize;
         if let Some(known) = self.dissolved[index] {

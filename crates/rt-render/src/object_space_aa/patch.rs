@@ -1,4 +1,4 @@
-//! The part of a smooth surface that a pyramid shows, and how evenly light falls on it.
+//! Part of a smooth surface in a pyramid, and the variation of light on it.
 
 use rt_geometry::{Hit, InteractionFlags};
 use rt_math::{DVec3, Ray, transcendental::pow};
@@ -14,7 +14,7 @@ const MOST_TURN: f64 = 0.25;
 /// A highlight below this radiance is none.
 const FAINTEST: f64 = 1.0 / 512.0;
 
-/// What the pyramid shows of a surface, if all of its corner rays meet the same smooth and convex one from the outside.
+/// Part of a surface in a pyramid whose corner rays all hit the same smooth, convex surface from the outside.
 ///
 /// All rays between them then meet it as well, since a convex body looks convex.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +35,7 @@ pub(super) struct SurfacePatch {
     turn: f64,
 }
 
-/// Where a corner ray meets the surface.
+/// Hit of a corner ray.
 #[derive(Clone, Copy, Debug)]
 struct Corner {
     point: DVec3,

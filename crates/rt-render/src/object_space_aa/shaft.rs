@@ -18,7 +18,7 @@ use rt_shading::{Light, LightKind};
 use super::patch::SurfacePatch;
 use crate::primitive_form::{HasForm, PrimitiveForm};
 
-/// All ways from a patch to a light without extent.
+/// Segments from a patch to a delta light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightShaft {
     /// From the middle of the patch to the light at parameter 1, or in its direction.
@@ -31,7 +31,7 @@ pub(super) struct LightShaft {
     lamp_radius: f64,
 }
 
-/// How much of a shaft something blocks.
+/// Occlusion of a shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Occlusion {
     /// None of the ways.
@@ -58,7 +58,7 @@ impl LightShaft {
         Self { line, slab: SlabRay::new(&line), radius: patch.radius, place, lamp_radius }
     }
 
-    /// How much of it all primitives together block, but for the one that the patch is part of: what is convex does not
+    /// Occlusion by all primitives except that of the patch: a convex surface does not
     /// stand in its own light.
     pub(super) fn blocked<W: HasForm>(&self, world: &W, structure: &AnyAccelerator, own: u32) -> Occlusion {
         let mut blocked = Occlusion::Nowhere;
@@ -78,7 +78,7 @@ impl LightShaft {
         blocked
     }
 
-    /// How much of it a primitive blocks whose box is in the way.
+    /// Occlusion by a primitive whose bounds overlap the shaft.
     fn blocked_by(&self, form: &PrimitiveForm) -> Occlusion {
         match *form {
             PrimitiveForm::Sphere { centre, radius } => self.blocked_by_ball(centre, radius),

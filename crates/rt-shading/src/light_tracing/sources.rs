@@ -1,6 +1,6 @@
 //! The lights that paths begin at.
 
-use super::targets::{Aim, Targets, within_cone};
+use super::targets::{DirectionSample, Targets, within_cone};
 use crate::{
     Falloff, Light, LightKind, Lighting,
     bsdf::cosine_hemisphere,
@@ -35,13 +35,13 @@ pub struct LightSources {
 
 /// The beginning of a path.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Departing {
+pub(super) struct LeSample {
     pub(super) ray: Ray,
     pub(super) span: Interval,
     /// Power that the path carries.
     pub(super) power: Rgb,
     /// True if the light does not weaken with the distance.
-    pub(super) is_unweakened: bool,
+    pub(super) no_falloff: bool,
 }
 
 impl LightSources {
@@ -74,63 +74,63 @@ impl LightSources {
     }
 
     /// Draws the beginning of a path at a moment; `None` if its light would leave through the wrong side of its lamp.
-    pub(super) fn depart(&self, lighting: Lighting<'_>, time: f64, sampler: &mut impl Sampler) -> Option<Departing> {
+    pub(super) fn sample_le(&self, lighting: Lighting<'_>, time: f64, sampler: &mut impl Sampler) -> Option<LeSample> {
         let choice = self.choice.choose(sampler.next_1d())?;
         let ball = if self.targets.len() > 1 { sampler.next_1d() } else { 0.0 };
         let u = sampler.next_2d();
         let index = choice.index as usize;
         let departing = match lighting.emitters.emitters().get(index) {
-            Some(emitter) => self.leave_emitter(emitter, ball, u, sampler),
-            None => self.leave_light(lighting.appearance.lights.get(index - self.emitters)?, ball, u),
+            Some(emitter) => self.sample_le_area(emitter, ball, u, sampler),
+            None => self.sample_le_delta(lighting.appearance.lights.get(index - self.emitters)?, ball, u),
         }?;
         let ray = Ray { time, ..departing.ray };
-        Some(Departing { ray, power: departing.power / choice.probability, ..departing })
+        Some(LeSample { ray, power: departing.power / choice.probability, ..departing })
     }
 
-    fn leave_emitter(
+    fn sample_le_area(
         &self,
         emitter: &Emitter,
         ball: f64,
         u: [f64; 2],
         sampler: &mut impl Sampler,
-    ) -> Option<Departing> {
-        let from = emitter.depart(sampler.next_2d(), sampler.next_1d())?;
+    ) -> Option<LeSample> {
+        let from = emitter.sample_le(sampler.next_2d(), sampler.next_1d())?;
         let normal = from.surface.geometric_normal;
-        let aim = self.targets.direction_from(from.surface.point, ball, u).or_else(|| {
+        let sample = self.targets.sample_direction(from.surface.point, ball, u).or_else(|| {
             let local = cosine_hemisphere(u);
-            Some(Aim { at: Frame::from_z(normal).from_local(local), pdf: local.z * FRAC_1_PI })
+            Some(DirectionSample { at: Frame::from_z(normal).from_local(local), pdf: local.z * FRAC_1_PI })
         })?;
-        let cos = aim.at.dot(normal);
-        (cos > 0.0).then(|| Departing {
-            ray: from.surface.spawn_ray(aim.at, 0.0),
+        let cos = sample.at.dot(normal);
+        (cos > 0.0).then(|| LeSample {
+            ray: from.surface.spawn_ray(sample.at, 0.0),
             span: Interval::SPAWNED,
-            power: from.radiance * (cos / (from.pdf * aim.pdf)),
-            is_unweakened: false,
+            power: from.radiance * (cos / (from.pdf * sample.pdf)),
+            no_falloff: false,
         })
     }
 
-    fn leave_light(&self, light: &Light, ball: f64, u: [f64; 2]) -> Option<Departing> {
+    fn sample_le_delta(&self, light: &Light, ball: f64, u: [f64; 2]) -> Option<LeSample> {
         let (position, falloff, nearest) = match light.kind {
             LightKind::Directional { direction } => {
-                let aim = self.targets.point_across(direction, ball, u)?;
-                let ray = Ray::new(aim.at - direction * self.reach, direction);
-                let power = light.intensity * (light.units.irradiance_factor() / aim.pdf);
-                return Some(Departing { ray, span: Interval::FORWARD, power, is_unweakened: false });
+                let sample = self.targets.sample_disk(direction, ball, u)?;
+                let ray = Ray::new(sample.at - direction * self.reach, direction);
+                let power = light.intensity * (light.units.irradiance_factor() / sample.pdf);
+                return Some(LeSample { ray, span: Interval::FORWARD, power, no_falloff: false });
             }
             LightKind::Point { position, falloff, lamp_radius } => (position, falloff, lamp_radius),
             LightKind::Spot { position, falloff, .. } => (position, falloff, 0.0),
         };
-        let aim = self.targets.direction_from(position, ball, u).unwrap_or_else(|| {
+        let sample = self.targets.sample_direction(position, ball, u).unwrap_or_else(|| {
             let (axis, width) = match light.kind {
                 LightKind::Spot { direction, cos_outer, .. } => (direction, 1.0 - cos_outer),
                 _ => (DVec3::Z, 2.0),
             };
-            Aim { at: within_cone(axis, width, u), pdf: 1.0 / (TAU * width) }
+            DirectionSample { at: within_cone(axis, width, u), pdf: 1.0 / (TAU * width) }
         });
-        let power = light.intensity * (light.beam(aim.at) * light.units.irradiance_factor() / aim.pdf);
+        let power = light.intensity * (light.beam(sample.at) * light.units.irradiance_factor() / sample.pdf);
         let span = Interval { min: nearest, ..Interval::FORWARD };
-        let is_unweakened = falloff == Falloff::None;
-        (!power.is_black()).then(|| Departing { ray: Ray::new(position, aim.at), span, power, is_unweakened })
+        let no_falloff = falloff == Falloff::None;
+        (!power.is_black()).then(|| LeSample { ray: Ray::new(position, sample.at), span, power, no_falloff })
     }
 }
 

@@ -1,27 +1,27 @@
 //! What light paths keep between their surfaces and on the way to the camera.
 
-use crate::{Lighting, Needs, ShadingCounts, SurfaceHit, course::Course, meeting::Meeting};
+use crate::{Lighting, Needs, ShadingCounts, SurfaceHit, hit_context::HitContext, medium_tracker::MediumTracker};
 use rt_math::{DVec2, Ray, Rgb};
 
 /// A path on its way from a light.
 #[derive(Clone, Debug)]
-pub(super) struct Photon<S> {
+pub(super) struct LightPath<S> {
     pub(super) sampler: S,
-    pub(super) course: Course,
+    pub(super) medium_tracker: MediumTracker,
     /// Power at the light.
     pub(super) power: Rgb,
     /// What is left of it.
-    pub(super) weight: Rgb,
+    pub(super) throughput: Rgb,
     /// Surfaces that have scattered it.
     pub(super) bounces: u32,
     /// World units from the light, for light that does not weaken on its way: none once it has been spread.
-    pub(super) unweakened_way: Option<f64>,
+    pub(super) no_falloff_distance: Option<f64>,
 }
 
 /// Light on its last way, to the camera.
 #[derive(Clone, Debug)]
 pub(super) struct Connection {
-    pub(super) course: Course,
+    pub(super) medium_tracker: MediumTracker,
     pub(super) raster: DVec2,
     /// What arrives if nothing is in the way.
     pub(super) light: Rgb,
@@ -32,13 +32,13 @@ impl Connection {
     pub(super) fn arriving(&mut self, lighting: Lighting<'_>, needs: &Needs, ray: &Ray) -> Rgb {
         if needs.absorption {
             let materials = &lighting.appearance.materials;
-            self.course.absorb(materials, None, 1.0, ray.direction.length(), &mut self.light);
+            self.medium_tracker.absorb(materials, None, 1.0, ray.direction.length(), &mut self.light);
         }
         self.light
     }
 
     /// Where on the ray the connection goes on beyond a surface that does nothing to it; `None` if the surface stops it.
-    pub(super) fn pass(
+    pub(super) fn skip_interface(
         &mut self,
         lighting: Lighting<'_>,
         needs: &Needs,
@@ -47,13 +47,13 @@ impl Connection {
         counts: &mut ShadingCounts,
     ) -> Option<f64> {
         let materials = &lighting.appearance.materials;
-        let meeting = Meeting::new(needs, materials, ray, hit)?;
-        let crossing = meeting.crossing(&mut self.course.interior, materials, hit);
-        if meeting.is_noticed(crossing.as_ref()) {
+        let context = HitContext::new(needs, materials, ray, hit)?;
+        let interface = context.interface(&mut self.medium_tracker.interior, materials, hit);
+        if context.is_visible(interface.as_ref()) {
             return None;
         }
-        self.course.pass(crossing.as_ref(), hit, meeting.length, &mut self.light, counts);
+        self.medium_tracker.skip_interface(interface.as_ref(), hit, context.length, &mut self.light, counts);
         // The camera would have lost the path here as well.
-        (!self.course.is_tired()).then(|| hit.beyond(ray).min)
+        (!self.medium_tracker.null_limit_exceeded()).then(|| hit.span_after(ray).min)
     }
 }

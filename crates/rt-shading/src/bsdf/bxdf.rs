@@ -5,22 +5,22 @@ use super::{
 };
 use rt_math::{DVec3, Rgb};
 
-/// Makes [`Lobe`] from the list: its variants, what they are made from, and the way to each model's own functions.
+/// Makes [`Bxdf`] from the list: its variants, what they are made from, and the way to each model's own functions.
 macro_rules! lobes {
     ($($(#[$doc:meta])* $name:ident($model:ty),)*) => {
         /// One model of scattering.
         #[derive(Clone, Copy, Debug, PartialEq)]
-        pub enum Lobe {
+        pub enum Bxdf {
             $($(#[$doc])* $name($model),)*
         }
 
-        $(impl From<$model> for Lobe {
+        $(impl From<$model> for Bxdf {
             fn from(model: $model) -> Self {
                 Self::$name(model)
             }
         })*
 
-        impl Lobe {
+        impl Bxdf {
             /// As [`super::Bsdf::eval`].
             #[inline]
             pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
@@ -69,7 +69,7 @@ lobes! {
     Refraction(Refraction),
 }
 
-impl Lobe {
+impl Bxdf {
     /// As [`super::Bsdf::eval_with_pdf`].
     #[inline]
     pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
@@ -90,7 +90,7 @@ impl Lobe {
     }
 
     /// True if the first number of [`sample`](Self::sample) matters.
-    pub fn chooses(&self) -> bool {
+    pub fn uses_component_sample(&self) -> bool {
         matches!(self, Self::Dielectric(_) | Self::MetallicRoughness(_) | Self::ThinGlass(_))
     }
 

@@ -4,24 +4,24 @@ use crate::{Appearance, PhysicalPoint, bsdf::Bsdf, path::Follows};
 use rt_geometry::SurfaceInteraction;
 use rt_math::DVec3;
 
-/// The BSDFs of the materials that [scatter alike everywhere](crate::Material::scatters_alike_everywhere): made once, and
+/// The BSDFs of the materials that [scatter alike everywhere](crate::Material::is_uniform): made once, and
 /// not at every hit. By `default()` there are none, and all are made at the hit.
 #[derive(Clone, Debug, Default)]
 pub struct BsdfCache {
     /// By material.
-    of: Vec<Option<Box<Scatterer>>>,
+    of: Vec<Option<Box<CachedBsdf>>>,
     n_used: usize,
 }
 
 /// What a surface does to light, and the part of it that some paths follow.
 #[derive(Clone, Debug)]
-pub(crate) struct Scatterer {
+pub(crate) struct CachedBsdf {
     pub(crate) bsdf: Bsdf,
     /// As [`Bsdf::without_diffuse`] has it; `None` also where nobody asks for it.
     pub(crate) without_diffuse: Option<Bsdf>,
 }
 
-impl Scatterer {
+impl CachedBsdf {
     /// With all that is followed of it.
     pub(crate) fn new(bsdf: Bsdf, follows: Follows) -> Self {
         let without_diffuse = if follows == Follows::Reflections { bsdf.without_diffuse() } else { None };
@@ -36,8 +36,8 @@ impl BsdfCache {
         let point = PhysicalPoint { textures: &appearance.textures, surface: &anywhere, ior: 1.0 };
         let materials = || appearance.materials.iter().enumerate().map(|(index, material)| (used(index), material));
         let of = materials().map(|(is_used, material)| {
-            let is_made = is_used && material.scatters_alike_everywhere();
-            is_made.then(|| Box::new(Scatterer::new(material.bsdf(&point), Follows::Reflections)))
+            let is_made = is_used && material.is_uniform();
+            is_made.then(|| Box::new(CachedBsdf::new(material.bsdf(&point), Follows::Reflections)))
         });
         Self { of: of.collect(), n_used: materials().filter(|(is_used, _)| *is_used).count() }
     }
@@ -48,7 +48,7 @@ impl BsdfCache {
     }
 
     /// That of a material; `None` if it must be made at the hit.
-    pub(crate) fn get(&self, material: u32) -> Option<&Scatterer> {
+    pub(crate) fn get(&self, material: u32) -> Option<&CachedBsdf> {
         self.of.get(material as usize)?.as_deref()
     }
 }

@@ -2,17 +2,17 @@
 
 use crate::{
     Material, Needs, SurfaceHit,
-    interior::{Crossing, Interior},
-    view::is_inside,
+    interior::{Interior, MediumInterface},
+    viewed_surface::is_inside,
 };
 use rt_math::{DVec3, Ray};
 
 /// So many surfaces that do nothing to a ray may stand one behind the other in its way; each further one costs a bounce,
 /// so that paths end.
-pub(crate) const FREE_PASSAGES: u32 = 1024;
+pub(crate) const MAX_NULL_INTERFACES: u32 = 1024;
 
 /// A ray that has come to a surface.
-pub(crate) struct Meeting<'m> {
+pub(crate) struct HitContext<'m> {
     pub(crate) material: &'m Material,
     /// Unit direction of the ray.
     pub(crate) direction: DVec3,
@@ -20,20 +20,20 @@ pub(crate) struct Meeting<'m> {
     pub(crate) length: f64,
     /// True if the ray comes from behind the surface.
     pub(crate) is_inside: bool,
-    behind: Behind,
+    transmission: Transmission,
 }
 
 /// What is behind a surface.
 #[derive(Clone, Copy, PartialEq)]
-enum Behind {
-    /// Nothing that light comes to, or nobody asks.
-    Opaque,
-    /// The same as before it.
-    Pane,
-    Body,
+enum Transmission {
+    /// No light, or the plan leaves refraction out.
+    None,
+    /// Thin dielectric: the same medium on both sides.
+    Thin,
+    Solid,
 }
 
-impl<'m> Meeting<'m> {
+impl<'m> HitContext<'m> {
     /// The meeting of a ray; `None` if the surface has no material.
     #[inline]
     pub(crate) fn new(needs: &Needs, materials: &'m [Material], ray: &Ray, hit: &SurfaceHit) -> Option<Self> {
@@ -41,37 +41,38 @@ impl<'m> Meeting<'m> {
         let length = ray.direction.length();
         let direction = ray.direction / length;
         let is_inside = is_inside(direction, &hit.interaction);
-        let behind = if !needs.refraction || material.phong.transmission.is_none() {
-            Behind::Opaque
+        let transmission = if !needs.refraction || material.phong.transmission.is_none() {
+            Transmission::None
         } else if material.body().is_none() {
-            Behind::Pane
+            Transmission::Thin
         } else {
-            Behind::Body
+            Transmission::Solid
         };
-        Some(Self { material, direction, length, is_inside, behind })
+        Some(Self { material, direction, length, is_inside, transmission })
     }
 
     /// The way through the surface for a ray that has come through the interior so far. `None` where light that is scattered
     /// stays on its side, and of a body if the list of bodies is full. To be asked for once: a body that nobody saw being
     /// entered is noted.
     #[inline]
-    pub(crate) fn crossing(
+    pub(crate) fn interface(
         &self,
         interior: &mut Interior,
         materials: &[Material],
         hit: &SurfaceHit,
-    ) -> Option<Crossing> {
-        match self.behind {
-            Behind::Opaque => None,
-            Behind::Pane => Some(interior.crossing_of_pane(materials)),
-            Behind::Body => interior.crossing(materials, hit, self.is_inside),
+    ) -> Option<MediumInterface> {
+        match self.transmission {
+            Transmission::None => None,
+            Transmission::Thin => Some(interior.thin_interface(materials)),
+            Transmission::Solid => interior.interface(materials, hit, self.is_inside),
         }
     }
 
-    /// False if the surface does nothing to the ray: all there is to do is to note this [`crossing`](Self::crossing).
+    /// False if the surface does nothing to the ray: all there is to do is to note this [`interface`](Self::crossing).
     #[inline]
-    pub(crate) fn is_noticed(&self, crossing: Option<&Crossing>) -> bool {
-        let is_clear = |crossing: &Crossing| crossing.is_null() && self.material.phong.is_clear();
-        self.behind != Behind::Body || crossing.is_some_and(|crossing| crossing.is_boundary && !is_clear(crossing))
+    pub(crate) fn is_visible(&self, interface: Option<&MediumInterface>) -> bool {
+        let is_clear = |interface: &MediumInterface| interface.is_null() && self.material.phong.is_clear();
+        self.transmission != Transmission::Solid
+            || interface.is_some_and(|interface| interface.is_boundary && !is_clear(interface))
     }
 }

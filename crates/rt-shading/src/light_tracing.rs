@@ -10,11 +10,11 @@ pub use targets::{Ball, Targets};
 
 use crate::{
     Lighting, Needs, ShadingCounts, Tracer,
-    flow::{Flow, Queue},
     path::PathSettings,
+    ray_queues::{RayQueue, RayQueues},
 };
 use rt_math::{DVec2, DVec3, Interval, Rgb, Sampler};
-use wave::{Connection, Photon};
+use wave::{Connection, LightPath};
 
 /// How a camera sees a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,13 +72,13 @@ pub struct LightTracingScene<'a> {
 pub struct LightTracingIntegrator<S> {
     settings: PathSettings,
     needs: Needs,
-    photons: Vec<Photon<S>>,
+    paths: Vec<LightPath<S>>,
     connections: Vec<Connection>,
     /// What is traced now, while the flow after it grows.
-    flow: Flow<u32>,
-    next: Flow<u32>,
+    ray_queues: RayQueues<u32>,
+    next: RayQueues<u32>,
     /// Rays from surfaces to the camera.
-    to_camera: Queue<u32>,
+    to_camera: RayQueue<u32>,
     counts: ShadingCounts,
 }
 
@@ -88,11 +88,11 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         Self {
             settings,
             needs,
-            photons: Vec::new(),
+            paths: Vec::new(),
             connections: Vec::new(),
-            flow: Flow::default(),
-            next: Flow::default(),
-            to_camera: Queue::default(),
+            ray_queues: RayQueues::default(),
+            next: RayQueues::default(),
+            to_camera: RayQueue::default(),
             counts: ShadingCounts::default(),
         }
     }
@@ -113,28 +113,33 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         sight: impl Fn(DVec3, f64, &mut S) -> Option<CameraWiSample>,
         mut splat: impl FnMut(DVec2, Rgb),
     ) {
-        self.photons.clear();
+        self.paths.clear();
         for (sampler, time) in samplers {
-            self.depart(world, scene, sampler, time);
+            self.sample_le(world, scene, sampler, time);
         }
-        while !self.flow.is_empty() {
-            let flow = core::mem::take(&mut self.flow);
-            for (kind, queue) in flow.queues() {
+        while !self.ray_queues.is_empty() {
+            let ray_queues = core::mem::take(&mut self.ray_queues);
+            for (kind, queue) in ray_queues.queues() {
                 world.closest_batch(&queue.rays, kind, self.needs.surface(), |at, hit| {
                     if let Some(hit) = hit {
-                        self.meet(scene.lighting, queue.paths[at], &queue.rays[at].0, hit, &sight);
+                        self.shade_hit(scene.lighting, queue.paths[at], &queue.rays[at].0, hit, &sight);
                     }
                 });
             }
-            self.flow = flow;
-            self.flow.clear();
-            core::mem::swap(&mut self.flow, &mut self.next);
-            self.connect(world, scene.lighting, &mut splat);
+            self.ray_queues = ray_queues;
+            self.ray_queues.clear();
+            core::mem::swap(&mut self.ray_queues, &mut self.next);
+            self.resolve_connections(world, scene.lighting, &mut splat);
         }
     }
 
     /// Traces the rays to the camera, through whatever does nothing to them.
-    fn connect(&mut self, world: &mut impl Tracer, lighting: Lighting<'_>, splat: &mut impl FnMut(DVec2, Rgb)) {
+    fn resolve_connections(
+        &mut self,
+        world: &mut impl Tracer,
+        lighting: Lighting<'_>,
+        splat: &mut impl FnMut(DVec2, Rgb),
+    ) {
         let mut queue = core::mem::take(&mut self.to_camera);
         while !queue.rays.is_empty() {
             let next = &mut self.to_camera;
@@ -145,7 +150,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
                 match hit {
                     None => splat(connection.raster, connection.arriving(lighting, needs, ray)),
                     Some(hit) => {
-                        if let Some(min) = connection.pass(lighting, needs, ray, hit, counts) {
+                        if let Some(min) = connection.skip_interface(lighting, needs, ray, hit, counts) {
                             next.push(*ray, Interval { min, ..Interval::SEGMENT }, id);
                         }
                     }

@@ -14,7 +14,7 @@ use rt_math::{DVec3, Frame};
 const LEAST_COSINE: f64 = 1e-8;
 
 /// A surface as the ray that met it sees it.
-pub(crate) struct View<'s> {
+pub(crate) struct ViewedSurface<'s> {
     /// The surface, to start rays from. Its shading normal is the one that is shaded with.
     pub(crate) surface: &'s SurfaceInteraction,
     /// True if it is seen from behind its geometric normal: from the inside of a closed shape.
@@ -27,7 +27,7 @@ pub(crate) struct View<'s> {
     geometric_normal: DVec3,
 }
 
-impl<'s> View<'s> {
+impl<'s> ViewedSurface<'s> {
     /// The surface as seen along a unit direction, from the `inside` or not ([`is_inside`]).
     #[inline]
     pub(crate) fn new(direction: DVec3, inside: bool, surface: &'s mut SurfaceInteraction) -> Self {

@@ -6,18 +6,18 @@ use rt_math::{Interval, Ray};
 
 /// Rays of one kind, and the paths that they belong to.
 #[derive(Clone, Debug)]
-pub(crate) struct Queue<P> {
+pub(crate) struct RayQueue<P> {
     pub(crate) rays: Vec<(Ray, Interval)>,
     pub(crate) paths: Vec<P>,
 }
 
-impl<P> Default for Queue<P> {
+impl<P> Default for RayQueue<P> {
     fn default() -> Self {
         Self { rays: Vec::new(), paths: Vec::new() }
     }
 }
 
-impl<P> Queue<P> {
+impl<P> RayQueue<P> {
     #[inline(always)]
     pub(crate) fn push(&mut self, ray: Ray, span: Interval, path: P) {
         self.rays.push((ray, span));
@@ -32,20 +32,20 @@ impl<P> Queue<P> {
 
 /// The rays that paths go on with, each of which has one, by kind: rays of a kind run alike, and are counted as such.
 #[derive(Clone, Debug)]
-pub(crate) struct Flow<P> {
-    pub(crate) reflected: Queue<P>,
-    pub(crate) refracted: Queue<P>,
-    diffuse: Queue<P>,
+pub(crate) struct RayQueues<P> {
+    pub(crate) reflected: RayQueue<P>,
+    pub(crate) refracted: RayQueue<P>,
+    diffuse: RayQueue<P>,
 }
 
-impl<P> Default for Flow<P> {
+impl<P> Default for RayQueues<P> {
     fn default() -> Self {
-        Self { reflected: Queue::default(), refracted: Queue::default(), diffuse: Queue::default() }
+        Self { reflected: RayQueue::default(), refracted: RayQueue::default(), diffuse: RayQueue::default() }
     }
 }
 
-impl<P> Flow<P> {
-    pub(crate) fn queues(&self) -> [(RayKind, &Queue<P>); 3] {
+impl<P> RayQueues<P> {
+    pub(crate) fn queues(&self) -> [(RayKind, &RayQueue<P>); 3] {
         [
             (RayKind::Reflection, &self.reflected),
             (RayKind::Refraction, &self.refracted),

@@ -9,7 +9,7 @@ use rt_math::{DVec3, Rgb};
 ///
 /// Its power through a small area and solid angle is `radiance · cos θ · dA · dω`, θ from `normal`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Departure {
+pub struct EmitterLeSample {
     /// The point, with a normal on the side that shines, to start rays from; world space.
     pub surface: SurfaceInteraction,
     /// Radiance that leaves in all directions.
@@ -21,7 +21,7 @@ pub struct Departure {
 impl Emitter {
     /// A point from which light leaves, uniform over the area that shines, from two numbers and one that chooses the side,
     /// all in `[0, 1)`. `None` for an environment, which has none, and for a light that is black.
-    pub fn depart(&self, u: [f64; 2], side: f64) -> Option<Departure> {
+    pub fn sample_le(&self, u: [f64; 2], side: f64) -> Option<EmitterLeSample> {
         let (at, area, emission) = match self {
             Self::Quad(light) => (light.sample_area(u), light.area(), light.emission()),
             Self::Disk(light) => (light.sample_area(u), light.area(), light.emission()),
@@ -35,18 +35,18 @@ impl Emitter {
     }
 }
 
-fn departure(at: &EmitterPoint, emission: &Emission, side: f64, area: f64, extent: f64) -> Departure {
+fn departure(at: &EmitterPoint, emission: &Emission, side: f64, area: f64, extent: f64) -> EmitterLeSample {
     let is_behind = emission.sides() == Sides::Both && side >= 0.5;
     let sides = if emission.sides() == Sides::Both { 2.0 } else { 1.0 };
     let normal = if is_behind { -at.normal } else { at.normal };
     let point_error = (at.point.abs() + DVec3::splat(extent)) * gamma(16);
     let surface = SurfaceInteraction::flat(at.point, point_error, normal, [0.0; 2]);
-    Departure { surface, radiance: emission.radiance(), pdf: 1.0 / (sides * area) }
+    EmitterLeSample { surface, radiance: emission.radiance(), pdf: 1.0 / (sides * area) }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::estimate::white;
+    use super::super::test_estimate::white;
     use super::super::{CylinderLight, DiskLight, EnvironmentLight, MeshLight, QuadLight, SphereLight};
     use super::*;
     use rt_math::random::{hash, unit};
@@ -73,7 +73,7 @@ mod tests {
     fn the_power_that_leaves_is_that_of_the_light() {
         for sides in [Sides::Front, Sides::Both] {
             for light in lights(sides) {
-                let departs: Vec<_> = numbers().filter_map(|[u, v, side]| light.depart([u, v], side)).collect();
+                let departs: Vec<_> = numbers().filter_map(|[u, v, side]| light.sample_le([u, v], side)).collect();
                 let power = departs.iter().map(|from| PI * from.radiance.r / from.pdf).sum::<f64>() / 4000.0;
                 assert!((power / light.power(1.0).r - 1.0).abs() < 1e-12, "{power} from {light:?}");
                 let fronts = departs.iter().filter(|from| is_front(&light, from)).count();
@@ -84,8 +84,8 @@ mod tests {
     }
 
     /// A ray that comes towards the point meets the light there, and sees the side that shines.
-    fn is_front(light: &Emitter, from: &Departure) -> bool {
-        let Departure { surface, .. } = from;
+    fn is_front(light: &Emitter, from: &EmitterLeSample) -> bool {
+        let EmitterLeSample { surface, .. } = from;
         let outside = surface.point + surface.geometric_normal * 1e-3;
         let at = light.intersect(outside, -surface.geometric_normal).expect("the point is on the light");
         assert!((at.point - surface.point).length() < 1e-9, "{light:?}");
@@ -99,7 +99,7 @@ mod tests {
         let closed = CylinderLight::new(DVec3::ZERO, DVec3::Z * 3.0, 1.0, true, white(Sides::Front)).expect("a light");
         let ball = SphereLight::new(DVec3::ZERO, 2.0, white(Sides::Front)).expect("a light");
         let part = |light: &Emitter, is_in: &dyn Fn(DVec3) -> bool| {
-            let points = numbers().filter_map(|[u, v, side]| light.depart([u, v], side));
+            let points = numbers().filter_map(|[u, v, side]| light.sample_le([u, v], side));
             points.filter(|from| is_in(from.surface.point)).count() as f64 / 4000.0
         };
         // A cap is π of 8π; of a ball each slice of equal height is the same part.
@@ -112,8 +112,8 @@ mod tests {
     fn nothing_leaves_an_environment_or_a_black_light() {
         let black = Emission::new(Rgb::BLACK, Sides::Both).expect("black");
         let ball = SphereLight::new(DVec3::ZERO, 2.0, black).expect("a light");
-        assert_eq!(Emitter::Sphere(ball).depart([0.5; 2], 0.5), None);
+        assert_eq!(Emitter::Sphere(ball).sample_le([0.5; 2], 0.5), None);
         let sky = EnvironmentLight::constant(Rgb::WHITE).expect("a light");
-        assert_eq!(Emitter::Environment(sky).depart([0.5; 2], 0.5), None);
+        assert_eq!(Emitter::Environment(sky).sample_le([0.5; 2], 0.5), None);
     }
 }

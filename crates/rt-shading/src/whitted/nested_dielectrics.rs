@@ -311,7 +311,7 @@ fn surroundings_that_are_known_carve_what_the_camera_stands_in() {
     let mut world = Shapes::new(shapes.to_vec());
     let mut interior = Interior::default();
     let ray = Ray::new(DVec3::Y * 0.5, down(20.0));
-    interior.look_around(&mut world, &appearance.materials, &Ray::new(ray.origin, DVec3::new(0.1, 0.9, 0.2)));
+    interior.find_enclosing_media(&mut world, &appearance.materials, &Ray::new(ray.origin, DVec3::new(0.1, 0.9, 0.2)));
     assert!(!interior.is_empty());
     for surroundings in [&interior, &Interior::filled_with(0)] {
         let mut whitted = Whitted::new(5, 0.0, Needs::of(&appearance, |_| true));
@@ -395,5 +395,5 @@ fn a_ray_through_endlessly_many_surfaces_ends() {
     let mut world = Sheets(0);
     let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
     assert_eq!((seen.radiance, whitted.counts().depth_limited), (Rgb::BLACK, 1));
-    assert_eq!(world.0, crate::meeting::FREE_PASSAGES + 8);
+    assert_eq!(world.0, crate::hit_context::MAX_NULL_INTERFACES + 8);
 }

@@ -31,7 +31,7 @@ pub struct Targets {
 
 /// A choice and the density of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Aim<T> {
+pub(super) struct DirectionSample<T> {
     pub(super) at: T,
     pub(super) pdf: f64,
 }
@@ -78,7 +78,7 @@ impl Targets {
 
     /// A direction from a point, with its density over solid angle. `None` within a ball, where all directions lead to it, and
     /// if there are none.
-    pub(super) fn direction_from(&self, point: DVec3, choice: f64, u: [f64; 2]) -> Option<Aim<DVec3>> {
+    pub(super) fn sample_direction(&self, point: DVec3, choice: f64, u: [f64; 2]) -> Option<DirectionSample<DVec3>> {
         if self.is_everywhere || self.balls.iter().any(|ball| ball.one_minus_cos(point).is_none()) {
             return None;
         }
@@ -89,12 +89,12 @@ impl Targets {
         let leads_to = |ball: &&Ball| ball.is_met(point, direction);
         // The ball that was chosen is met, whatever rounding says.
         let met = self.balls.iter().filter(leads_to).count().max(1);
-        Some(Aim { at: direction, pdf: met as f64 / (TAU * total) })
+        Some(DirectionSample { at: direction, pdf: met as f64 / (TAU * total) })
     }
 
     /// A point that parallel light in a unit direction goes through on its way to a ball, with its density over the area across
     /// the light. `None` if there are none, or they are everywhere.
-    pub(super) fn point_across(&self, direction: DVec3, choice: f64, u: [f64; 2]) -> Option<Aim<DVec3>> {
+    pub(super) fn sample_disk(&self, direction: DVec3, choice: f64, u: [f64; 2]) -> Option<DirectionSample<DVec3>> {
         let squared = |ball: &Ball| ball.radius * ball.radius;
         let total: f64 = self.balls.iter().map(squared).sum();
         let ball = chosen(&self.balls, choice * total, squared)?;
@@ -103,7 +103,7 @@ impl Targets {
         let point = ball.centre + (frame.x * cos + frame.y * sin) * (ball.radius * u[0].sqrt());
         let met =
             self.balls.iter().filter(|ball| (ball.centre - point).cross(direction).length() <= ball.radius).count();
-        Some(Aim { at: point, pdf: met.max(1) as f64 / (PI * total) })
+        Some(DirectionSample { at: point, pdf: met.max(1) as f64 / (PI * total) })
     }
 }
 
@@ -164,8 +164,8 @@ mod tests {
     #[test]
     fn directions_have_the_density_that_is_said() {
         let (targets, point) = (balls(), DVec3::new(0.0, 0.3, 0.0));
-        let aims: Vec<_> = numbers(20_000).filter_map(|[c, u, v]| targets.direction_from(point, c, [u, v])).collect();
-        let mean = aims.iter().map(|aim| 1.0 / aim.pdf).sum::<f64>() / aims.len() as f64;
+        let aims: Vec<_> = numbers(20_000).filter_map(|[c, u, v]| targets.sample_direction(point, c, [u, v])).collect();
+        let mean = aims.iter().map(|sample| 1.0 / sample.pdf).sum::<f64>() / aims.len() as f64;
         let inside = numbers(400_000).filter(|[_, u, v]| {
             let direction = uniform_sphere([*u, *v]);
             targets.balls.iter().any(|ball| ball.is_met(point, direction))
@@ -179,8 +179,8 @@ mod tests {
     fn parallel_light_covers_what_stands_in_it() {
         let targets = balls();
         let direction = DVec3::NEG_Z;
-        let aims: Vec<_> = numbers(20_000).filter_map(|[c, u, v]| targets.point_across(direction, c, [u, v])).collect();
-        let mean = aims.iter().map(|aim| 1.0 / aim.pdf).sum::<f64>() / aims.len() as f64;
+        let aims: Vec<_> = numbers(20_000).filter_map(|[c, u, v]| targets.sample_disk(direction, c, [u, v])).collect();
+        let mean = aims.iter().map(|sample| 1.0 / sample.pdf).sum::<f64>() / aims.len() as f64;
         // The union of two circles of radius 1 and 1.5 at the distance 1, and one of radius 0.5: by quadrature.
         let side = 2000;
         let cell = 24.0 / f64::from(side);
@@ -195,8 +195,8 @@ mod tests {
 
     #[test]
     fn from_within_and_to_everywhere_no_direction_is_better_than_others() {
-        assert_eq!(balls().direction_from(DVec3::X * 4.5, 0.5, [0.5; 2]), None);
-        assert_eq!(Targets::EVERYWHERE.direction_from(DVec3::ZERO, 0.5, [0.5; 2]), None);
+        assert_eq!(balls().sample_direction(DVec3::X * 4.5, 0.5, [0.5; 2]), None);
+        assert_eq!(Targets::EVERYWHERE.sample_direction(DVec3::ZERO, 0.5, [0.5; 2]), None);
         assert!(Targets::new(vec![Ball { centre: DVec3::ZERO, radius: f64::INFINITY }]).is_everywhere());
         assert!(Targets::new(vec![]).is_empty() && !balls().is_empty());
     }

@@ -7,13 +7,13 @@ use rt_math::{Rgb, Sampler};
 const MOST_LIKELY: f64 = 0.999;
 
 /// Russian roulette (Arvo, Kirk 1990): whether a path survives that carries this much, and how much it then carries. The chance
-/// follows the weight as it is in air, where media squeeze radiance by the factor `squeezed`.
-pub(crate) fn survives(weight: &mut Rgb, squeezed: f64, sampler: &mut impl Sampler) -> bool {
-    let chance = (weight.max_component() * squeezed).min(MOST_LIKELY);
+/// follows the weight as it is in air, where media squeeze radiance by the factor `eta_scale`.
+pub(crate) fn russian_roulette(throughput: &mut Rgb, eta_scale: f64, sampler: &mut impl Sampler) -> bool {
+    let chance = (throughput.max_component() * eta_scale).min(MOST_LIKELY);
     if sampler.next_1d() >= chance {
         return false;
     }
-    *weight = *weight / chance;
+    *throughput = *throughput / chance;
     true
 }
 
@@ -37,11 +37,11 @@ mod tests {
     /// With a chance of 0.95 at most, what a path carried grew by 4 % at each wall of 0.99, and the variance was infinite.
     #[test]
     fn roulette_does_not_let_the_weight_grow_among_walls_that_are_almost_white() {
-        let mut weight = Rgb::WHITE;
+        let mut throughput = Rgb::WHITE;
         for bounces in 0..1000 {
-            weight *= Rgb::gray(0.99);
-            assert!(survives(&mut weight, 1.0, &mut Constant(0.5)));
-            assert!(weight.g <= 1.0 + 1e-9, "{} after {bounces} bounces", weight.g);
+            throughput *= Rgb::gray(0.99);
+            assert!(russian_roulette(&mut throughput, 1.0, &mut Constant(0.5)));
+            assert!(throughput.g <= 1.0 + 1e-9, "{} after {bounces} bounces", throughput.g);
         }
     }
 
@@ -49,9 +49,9 @@ mod tests {
     fn roulette_keeps_the_mean() {
         let (mut sum, count) = (0.0, 100_000);
         for index in 0..count {
-            let mut weight = Rgb::gray(0.3);
+            let mut throughput = Rgb::gray(0.3);
             let mut sampler = Constant((f64::from(index) + 0.5) / f64::from(count));
-            sum += if survives(&mut weight, 1.0, &mut sampler) { weight.g } else { 0.0 };
+            sum += if russian_roulette(&mut throughput, 1.0, &mut sampler) { throughput.g } else { 0.0 };
         }
         assert!((sum / f64::from(count) - 0.3).abs() < 1e-4, "{}", sum / f64::from(count));
     }
