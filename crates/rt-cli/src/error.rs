@@ -1,6 +1,8 @@
 //! Why a command fails, and the exit code that says so to scripts.
 
 use std::io;
+#[cfg(feature = "view")]
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -117,10 +119,10 @@ pub(crate) enum Failure {
         /// Where the checkpoint of the others is, or why it is nowhere.
         checkpoint: Option<Result<PathBuf, String>>,
     },
-    /// There is no window system, or it refuses.
+    /// The server of `view` cannot listen.
     #[cfg(feature = "view")]
-    #[error("no window can be opened: {0}; `render` needs none")]
-    Window(String),
+    #[error("cannot listen on {0}: {1}; choose another --port or --bind")]
+    Server(SocketAddr, io::Error),
     /// Standard output could not be written.
     #[error("standard output cannot be written: {0}")]
     Stdout(io::Error),
@@ -148,15 +150,6 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
-    /// The window system's reason.
-    #[cfg(feature = "view")]
-    pub(crate) fn window(reason: &impl std::fmt::Display) -> Self {
-        // Errors of the system begin with the line of the window library that met them, which helps no user.
-        let reason = reason.to_string();
-        let said = reason.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")).map(|(_, said)| said);
-        Self::Window(said.unwrap_or(&reason).trim_end_matches('.').to_owned())
-    }
-
     /// A scene that cannot be rendered, or arguments that ask too much of it.
     pub(crate) fn plan(file: &std::path::Path, source: RenderError) -> Self {
         match source {
@@ -184,7 +177,7 @@ impl Failure {
             Self::Kept(_) | Self::Join(_) | Self::Memory { .. } => 3,
             Self::Output(_) | Self::Outputs(_) | Self::Stdout(_) => 4,
             #[cfg(feature = "view")]
-            Self::Window(_) => 4,
+            Self::Server(..) => 4,
             Self::Damaged { .. } | Self::Empty { .. } | Self::Lost { .. } => 5,
             Self::Interrupted { .. } => interruption::EXIT_CODE,
         })

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use rt_scene_io::{LoadOptions, MemoryBudget, Scene, Warning, load};
+use rt_scene_io::{InputHashes, LoadOptions, MemoryBudget, Scene, Warning, load};
 
 use crate::args::{BackgroundChoice, InputArgs, PictureArgs};
 use crate::console::Console;
 use crate::error::Failure;
+use crate::identity::hash_bytes;
 use crate::memory;
 use crate::stdin::{self, is_dash};
 
@@ -33,6 +34,7 @@ pub(crate) fn read(args: &InputArgs, picture: Option<&PictureArgs>, console: Con
             Some(BackgroundChoice::Transparent) | None => None,
         },
         has_environment: picture.env.is_some(),
+        input_hashes: InputHashes::new(hash_bytes),
         ..options
     });
     let scene = load(&args.scene, &options)?;

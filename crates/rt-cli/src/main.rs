@@ -10,7 +10,7 @@
 //! rt-cli                                  renders a built-in scene to showcase.png
 //! rt-cli scene.ron                        the same as rt-cli render scene.ron
 //! rt-cli render scene.ron -o picture.exr  also .json, .gltf, .glb, .obj, .nff, .pbrt, .ply, .stl; and .png, .jpg, .hdr, .pfm
-//! rt-cli view scene.ron                   a window to move around in
+//! rt-cli view scene.ron                   the scene in the browser
 //! rt-cli explain scene.ron                what a render uses, what it leaves out, and why
 //! rt-cli check scene.ron                  what may lose digits, and what is probably not meant
 //! rt-cli merge *.part -o picture.exr      the picture of all parts that machines have rendered

@@ -6,7 +6,9 @@ use rt_camera::{CameraSettings, Projection};
 use rt_image::Development;
 use rt_math::{DVec3, Rgb, Transform};
 use rt_render::PlanOptions;
-use rt_scene_io::{Adaptive, Background, InMemoryFile, Integrator, LoadOptions, Reason, Scene, read_environment};
+use rt_scene_io::{
+    Adaptive, Background, InMemoryFile, Integrator, LoadErrorKind, LoadOptions, Scene, read_environment,
+};
 
 use crate::args::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 use crate::error::Failure;
@@ -134,7 +136,7 @@ fn find_camera(name: Option<&str>, scene: &Scene) -> Result<usize, Failure> {
     let Some(name) = name else { return Ok(0) };
     scene.cameras.iter().position(|camera| camera.name == name).ok_or_else(|| {
         let known = scene.cameras.iter().map(|camera| camera.name.clone()).collect();
-        Failure::Usage(Reason::UnknownWord { kind: "camera", found: name.to_owned(), known }.to_string())
+        Failure::Usage(LoadErrorKind::UnknownWord { kind: "camera", found: name.to_owned(), known }.to_string())
     })
 }
 

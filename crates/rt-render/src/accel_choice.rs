@@ -1,6 +1,6 @@
 //! Choice of the acceleration structure.
 
-use rt_accel::wide::{Handful, Quality, SimdLevel};
+use rt_accel::wide::{Quality, SimdLevel, SmallSet};
 use rt_accel::{AcceleratorKind, AnyAccelerator, BuildError};
 use rt_geometry::{PrimitiveGeometry, Primitives};
 use rt_scene_io::{Accel, Scene};
@@ -11,7 +11,7 @@ use crate::plan_options::PlanOptions;
 pub(crate) const MAX_LINEAR: usize = 8;
 
 /// Largest number of spheres for brute force; many rays are tested at once.
-pub(crate) const MAX_LINEAR_SPHERES: usize = Handful::MOST;
+pub(crate) const MAX_LINEAR_SPHERES: usize = SmallSet::CAPACITY;
 
 /// True if brute force over the primitives is faster than a tree.
 pub(crate) fn is_small<P: Primitives>(primitives: &P, mut indices: impl ExactSizeIterator<Item = u32>) -> bool {

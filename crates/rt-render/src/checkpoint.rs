@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
-    ContentError, RenderError, Share, Statistics, StopRule,
+    ContentError, Kept, RenderError, Share, Statistics, StopRule, observer,
     part::{Frame, Part, decode_unchecked},
     pass_state::PassState,
 };
@@ -112,5 +112,15 @@ impl Checkpoint {
             }
             Some(_) => Err(RenderError::Checkpoint),
         }
+    }
+}
+
+impl Kept<'_> {
+    /// Copy of the state as a checkpoint.
+    pub fn to_checkpoint(&self) -> Checkpoint {
+        Checkpoint(match self.0 {
+            observer::State::Tiles(part) => State::Tiles(part.clone()),
+            observer::State::Passes(passes) => State::Passes(passes.clone()),
+        })
     }
 }

@@ -55,8 +55,11 @@ impl<'s> CompiledScene<'s> {
         if let (Integrator::Distributed, Some(lamp)) = (integrator, find_animated_light(source, &top, &levels)) {
             return Err(RenderError::MovingLamp(lamp));
         }
-        let emitters =
-            if integrator.draws_lights() { emitters(source, &mut top, &mut levels) } else { EmitterSet::default() };
+        let emitters = if integrator.samples_area_lights() {
+            emitters(source, &mut top, &mut levels)
+        } else {
+            EmitterSet::default()
+        };
         if !options.full && integrator != Integrator::Uv {
             mark_textured(source, &mut top, &mut levels);
         }
@@ -64,7 +67,7 @@ impl<'s> CompiledScene<'s> {
         let used_features = features(source, &top, &levels, &used);
         let world = if options.full { World::Instances(top, levels) } else { World::specialise(top, levels) };
         let appearance = space.appearance(&source.appearance);
-        let bsdfs = if integrator.draws_lights() && !options.full {
+        let bsdfs = if integrator.samples_area_lights() && !options.full {
             BsdfCache::new(&appearance, |material| used[material])
         } else {
             BsdfCache::default()

@@ -2,7 +2,7 @@
 
 use core::ops::ControlFlow;
 
-use rt_accel::{Accelerator, AcceleratorQueries as _, AnyAccelerator, BuildError, Region, wide::Handful};
+use rt_accel::{Accelerator, AcceleratorQueries as _, AnyAccelerator, BuildError, Region, wide::SmallSet};
 use rt_camera::ViewVolume;
 use rt_geometry::{BatchKernel, Hit, PrimitiveGeometry, Primitives, Probe, SphereKernel, padded_bounds};
 use rt_math::{Aabb, DVec3, Interval, Ray};
@@ -85,7 +85,7 @@ pub(crate) fn collect_small<P: Primitives>(
     structure: &AnyAccelerator,
     wider: Option<&VisibleSet>,
     volume: &ViewVolume,
-) -> Option<Handful> {
+) -> Option<SmallSet> {
     let mut indices = [0; MAX_LINEAR_SPHERES];
     let mut len = 0;
     let mut note = |index: u32| match indices.get_mut(len) {
@@ -108,7 +108,7 @@ pub(crate) fn collect_small<P: Primitives>(
         }
     }
     let indices = indices.get(..len)?.iter().copied();
-    if is_small(primitives, indices.clone()) { Handful::new(indices) } else { None }
+    if is_small(primitives, indices.clone()) { SmallSet::new(indices) } else { None }
 }
 
 /// Objects that camera rays are tested against.
@@ -119,7 +119,7 @@ pub(crate) enum PrimaryTarget<'v> {
     /// Objects in view of the image.
     Culled(&'v VisibleSet),
     /// Objects in view of a tile.
-    Tile(&'v Handful),
+    Tile(&'v SmallSet),
 }
 
 impl PrimaryTarget<'_> {

@@ -4,7 +4,7 @@ use rt_image::Image;
 use serde::Serialize;
 
 use crate::{
-    Crop, Progress,
+    Crop, ErrorEstimate, Progress,
     part::{Frame, Part, TilePixels},
     pass_state::PassState,
     tiles::Tile,
@@ -72,6 +72,15 @@ impl RenderSnapshot<'_> {
         match self.state {
             State::Tiles(part) => part.film(),
             State::Passes(passes) => passes.film(),
+        }
+    }
+
+    /// Estimated error of the image after the last pass over all of it. `None` before the second pass, for a render tile by tile,
+    /// and if all passes are equal.
+    pub fn error(&self) -> Option<ErrorEstimate> {
+        match self.state {
+            State::Passes(passes) if passes.frame.passes_differ => passes.error.estimate(),
+            State::Passes(_) | State::Tiles(_) => None,
         }
     }
 

@@ -18,6 +18,8 @@ pub struct PickResult {
     pub object: Vec<String>,
     /// Name of the material.
     pub material: String,
+    /// Ray parameter of the point; for camera rays, its depth along the view axis.
+    pub t: f64,
     /// Distance of the point from the ray origin: the pinhole, the centre of the lens, or the camera plane of parallel
     /// rays; in world units.
     pub distance: f64,
@@ -61,6 +63,7 @@ impl RenderPlan<'_> {
         Some(PickResult {
             object: names(&hit)?,
             material: material.map_or_else(String::new, |material| material.name.clone()),
+            t: surface.t,
             distance: surface.t * ray.direction.length(),
             point: surface.interaction.point + self.scene.space.origin(),
             normal: surface.interaction.shading_normal,

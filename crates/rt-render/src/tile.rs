@@ -1,6 +1,6 @@
 //! A tile of the image, from samples to pixels.
 
-use rt_accel::{AnyAccelerator, wide::Handful};
+use rt_accel::{AnyAccelerator, wide::SmallSet};
 use rt_camera::SampleStream;
 use rt_geometry::{Counters, Hit, NoProbe};
 use rt_math::Ray;
@@ -103,7 +103,12 @@ impl RenderPlan<'_> {
                 let mut interior = Interior::default();
                 self.sample_tile(job, camera, |batch, seen| {
                     for (i, ray) in batch.rays.iter().enumerate() {
-                        interior.find_enclosing_media_within(*reach, &mut tracer, &self.scene.appearance.materials, &ray.0);
+                        interior.find_enclosing_media_within(
+                            *reach,
+                            &mut tracer,
+                            &self.scene.appearance.materials,
+                            &ray.0,
+                        );
                         paths.set_surroundings(&interior);
                         let (rays, samplers) = (&batch.rays[i..=i], &batch.samplers[i..=i]);
                         paths.radiance_of(&mut tracer, lighting, rays, samplers, &mut seen[i..=i]);
@@ -154,7 +159,7 @@ impl RenderPlan<'_> {
         tile: Tile,
         world: &W,
         structure: &AnyAccelerator,
-    ) -> Option<Handful> {
+    ) -> Option<SmallSet> {
         let Tile { x, y, width, height } = tile;
         let volume = self.frame.culls_tiles.then(|| self.frame.view_volume(Crop { x, y, width, height }))?;
         let few = frustum_cull::collect_small(world, structure, self.frame.visible.as_ref(), &volume)?;

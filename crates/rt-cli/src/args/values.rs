@@ -12,7 +12,7 @@ use rt_render::{Crop, Quality, Share, SimdLevel};
 use super::{Aov, AovArg, BackgroundChoice, Every};
 
 /// The tone curves.
-pub(super) const TONE_CURVES: [ToneCurve; 3] = [ToneCurve::Clamp, ToneCurve::Reinhard, ToneCurve::Aces];
+pub(crate) const TONE_CURVES: [ToneCurve; 3] = [ToneCurve::Clamp, ToneCurve::Reinhard, ToneCurve::Aces];
 
 /// The name that users type.
 pub(crate) const fn tone_name(tone: ToneCurve) -> &'static str {

@@ -68,7 +68,7 @@ fn picture(args: &RenderArgs) -> Result<(), Failure> {
     let checkpoint = prepare_checkpoint(&args.keep, &output, stats.as_ref(), &files)?;
     let others: Vec<_> = stats.iter().chain([&output]).chain(&checkpoint).collect();
     let aovs = AovFile::prepare_all(&args.aov, &files, &others)?;
-    let identity = Identity::new(&args.input, &args.picture, &files)?;
+    let identity = Identity::new(&args.input, &args.picture, &files, &loaded.input_hashes)?;
     let job = Job {
         scene_file,
         scene: &scene,
