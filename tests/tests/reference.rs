@@ -7,8 +7,9 @@
 use std::path::Path;
 
 use rt_image::{Image, read_image};
+use rt_math::stats::student_t;
 use rt_math::transcendental::pow;
-use rt_render::{PlanOptions, RenderPlan, RunOptions, student_t};
+use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::LoadOptions;
 use rt_tests::shared_or_skip;
 

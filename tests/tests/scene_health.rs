@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rt_render::check::{Kind, Severity, check};
+use rt_check::{Kind, Severity, check};
 use rt_scene_io::LoadOptions;
 
 /// Regression: the links of the chain in `transformations.ron` had their fronts in one plane, turned against each

@@ -31,6 +31,8 @@ mod files;
 mod matrix;
 mod number;
 mod process;
+#[path = "../../crates/rt-cli/src/processor.rs"]
+mod processor;
 mod regress;
 mod renderer;
 mod scenes;

@@ -113,7 +113,7 @@ impl Workspace {
     /// Processor, number of its threads and commit, for pages of measured figures.
     pub(crate) fn provenance(&self) -> String {
         let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        format!("one {} with {threads} threads, at commit {}", rt_render::processor(), self.commit())
+        format!("one {} with {threads} threads, at commit {}", crate::processor::processor(), self.commit())
     }
 
     /// Short hash of the commit, marked if files differ from it; "unknown" without git.

@@ -1,8 +1,8 @@
-//! Benchmarks of single kernels at all SIMD levels: box tests, leaves of triangles and spheres, lists of spheres, and the
-//! exact test in `f64`.
+//! Kernels of accelerators one by one: the test of eight boxes, leaves of triangles and spheres, lists of spheres, and
+//! exact tests in `f64`, for all instruction sets of the processor.
 //!
-//! `cargo bench -p rt-accel --bench kernels` runs all; a filter such as `list` runs some. Each
-//! query prepares its ray, as in a render, so that all numbers include this.
+//! `cargo bench -p rt-accel --bench kernels` runs all; a filter such as `list` runs some. Rays are prepared anew for each
+//! query, as they are in a picture, so that the first numbers of a kind hold that as well.
 
 #![allow(missing_docs, reason = "criterion's macros generate public functions")]
 
@@ -83,7 +83,7 @@ fn point(words: [u64; 2]) -> DVec3 {
     DVec3::new(draw(0), draw(1), draw(2))
 }
 
-/// Spheres in a cube, about ten of which a ray hits, for any count.
+/// Spheres in a cube, of which a ray passes some ten whatever their number.
 fn spheres(count: u64) -> Solids {
     let radius = (2.0 / (count as f64)).sqrt().min(0.3);
     Solids((0..count).map(|i| Solid::Sphere(point([1, i]), radius)).collect())
@@ -101,7 +101,7 @@ fn boxes() -> Solids {
     Solids((0..16).map(|i| Solid::Box(Aabb::new(corner(i / 2) - 0.1, corner(i / 2) + 0.1))).collect())
 }
 
-/// Rays from all sides into a cube.
+/// Rays from around into a cube.
 fn rays() -> Vec<Ray> {
     let ray = |i| {
         let origin = point([2, i]).normalize_or(DVec3::X) * 3.0;
@@ -129,12 +129,12 @@ fn bench_accelerator<A: Accelerator>(
 }
 
 /// Times the closest and any hit of all rays.
-fn bench_queries<A: Accelerator>(
+fn bench_queries(
     criterion: &mut Criterion,
     group: &str,
     id: &str,
-    structure: &A,
-    solids: &Solids,
+    closest: impl Fn(&Ray) -> Option<Hit>,
+    occluded: impl Fn(&Ray) -> bool,
     unit: u64,
 ) {
     let rays = rays();
@@ -149,41 +149,18 @@ fn bench_queries<A: Accelerator>(
     group.finish();
 }
 
-/// Scalar brute force as an accelerator.
-struct InTurn;
-
-impl Accelerator for InTurn {
-    fn closest<P: Primitives, S: rt_accel::Probe>(
-        &self,
-        primitives: &P,
-        ray: &Ray,
-        span: Interval,
-        probe: &mut S,
-    ) -> Option<Hit> {
-        brute_force::closest(primitives, ray, span, probe)
-    }
-
-    fn occluded<P: Primitives, S: rt_accel::Probe>(
-        &self,
-        primitives: &P,
-        ray: &Ray,
-        span: Interval,
-        probe: &mut S,
-    ) -> bool {
-        brute_force::occluded(primitives, ray, span, probe)
-    }
-}
-
 fn lists(criterion: &mut Criterion) {
     for count in [2, 4, 8, 12, 16, 24, 32, 100, 1000] {
         let spheres = spheres(count);
-        bench_queries(criterion, "list", &format!("f64/{count}"), &InTurn, &spheres, count);
+        let closest = |ray: &Ray| brute_force::closest(&spheres, ray, Interval::FORWARD, &mut NoProbe);
+        let occluded = |ray: &Ray| brute_force::occluded(&spheres, ray, Interval::FORWARD, &mut NoProbe);
+        bench_queries(criterion, "list", &format!("f64/{count}"), closest, occluded, count);
         for level in levels() {
             let list = Linear::build(&spheres).expect("spheres have bounds").with_level(level);
-            bench_queries(criterion, "list", &format!("{}/{count}", level.name()), &list, &spheres, count);
+            bench_accelerator(criterion, "list", &format!("{}/{count}", level.name()), &list, &spheres, count);
         }
         let tree = WideBvh::build(&spheres).expect("spheres have bounds");
-        bench_queries(criterion, "list", &format!("tree/{count}"), &tree, &spheres, count);
+        bench_accelerator(criterion, "list", &format!("tree/{count}"), &tree, &spheres, count);
     }
 }
 
@@ -193,16 +170,16 @@ fn nodes_and_leaves(criterion: &mut Criterion) {
     for (name, solids) in cases {
         for level in levels() {
             let tree = WideBvh::build(&solids).expect("all have bounds").with_level(level);
-            bench_queries(criterion, name, level.name(), &tree, &solids, 1);
+            bench_accelerator(criterion, name, level.name(), &tree, &solids, 1);
         }
     }
 }
 
-/// Exact test of one triangle.
-fn exact_tests(criterion: &mut Criterion) {
+/// Exact test with given vertices.
+fn decisions(criterion: &mut Criterion) {
     let rays = rays();
     let vertices = [DVec3::new(-1.0, -1.0, 0.1), DVec3::new(1.0, -0.9, 0.0), DVec3::new(0.0, 1.0, -0.1)];
-    let mut group = criterion.benchmark_group("exact");
+    let mut group = criterion.benchmark_group("decision");
     group.throughput(Throughput::Elements(N_RAYS as u64));
     group.bench_function("triangle", |bencher| {
         let intersect_primitive = |ray: &Ray| {
@@ -220,6 +197,6 @@ criterion_group! {
         .measurement_time(Duration::from_millis(500))
         .warm_up_time(Duration::from_millis(200))
         .sample_size(20);
-    targets = lists, nodes_and_leaves, exact_tests
+    targets = lists, nodes_and_leaves, decisions
 }
 criterion_main!(benches);

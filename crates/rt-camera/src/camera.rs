@@ -11,7 +11,7 @@ use crate::{
     view_volume::{Pencil, Rim, ViewVolume},
 };
 
-/// Which side of the image the field of view spans.
+/// Side of the image that the field of view spans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FovAxis {
     /// The height of the image.
@@ -20,7 +20,7 @@ pub enum FovAxis {
     Horizontal,
 }
 
-/// How points are projected on the image plane.
+/// Projection of points to the image plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
     /// Through a pinhole.
@@ -42,7 +42,7 @@ pub enum Projection {
 pub struct CameraSettings {
     /// The camera looks along its −z, with +y up and +x to the right.
     pub world_from_camera: Transform,
-    /// Where the camera is at time 1, if it moves; [`world_from_camera`](Self::world_from_camera) is where it is at time 0.
+    /// Pose at time 1, if the camera moves; [`world_from_camera`](Self::world_from_camera) is that at time 0.
     pub moves_to: Option<Transform>,
     /// When the shutter opens and closes, from 0 to 1.
     pub shutter: [f64; 2],
@@ -138,7 +138,7 @@ pub enum CameraError {
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
     world_from_camera: Transform,
-    /// How the camera moves, if it does while the shutter is open.
+    /// Motion of the camera while the shutter is open.
     motion: Option<AnimatedTransform>,
     shutter: [f64; 2],
     is_perspective: bool,
@@ -150,7 +150,7 @@ pub struct Camera {
     step_down: DVec3,
     /// Side of a pixel on the image plane, in camera space.
     pixel_side: f64,
-    /// Where the view axis meets the image, in raster coordinates.
+    /// Principal point: intersection of the view axis with the image, in raster coordinates.
     principal_point: DVec2,
     /// A lens that is no pinhole.
     lens: Option<Lens>,
@@ -212,7 +212,7 @@ impl Camera {
         if all_finite { Ok(camera) } else { Err(CameraError::Overflow) }
     }
 
-    /// True if rays start in different places of a lens, so that they take a pair of numbers beside the raster point.
+    /// True if rays start at different points of a lens, so that they take a pair of numbers beyond the raster point.
     pub const fn has_lens(&self) -> bool {
         self.lens.is_some()
     }
@@ -259,7 +259,7 @@ impl Camera {
         Ray { origin: centre.origin + aside, direction: centre.direction - aside / lens.focus, time }
     }
 
-    /// Where a point of the lens is from its centre, in world space.
+    /// Offset of a point of the lens from its centre, in world space.
     #[inline]
     fn aside(&self, lens: &Lens, on_lens: [f64; 2]) -> DVec3 {
         let DVec2 { x, y } = lens.point(on_lens);
@@ -289,7 +289,7 @@ impl Camera {
         -self.world_from_camera.inverse_point(world).z
     }
 
-    /// Where a point of the world appears through the pinhole or the centre of the lens when the shutter opens, in raster
+    /// Projection of a world point through the pinhole or the centre of the lens when the shutter opens, in raster
     /// coordinates; possibly outside the image. `None` for a point behind the camera plane, for one on the plane of a pinhole
     /// camera, and for one whose image is not finite.
     pub fn project(&self, world: DVec3) -> Option<DVec2> {

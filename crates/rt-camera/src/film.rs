@@ -4,18 +4,18 @@ use crate::Filter;
 use rt_image::{Development, DevelopmentError, Image};
 use rt_math::DVec2;
 
-/// What the image is like: its size, where samples fall, and how it is developed.
+/// Settings of the image: its size, filter, sample positions and development.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmSettings {
     /// Width in pixels, at least 1.
     pub width: u32,
     /// Height in pixels, at least 1.
     pub height: u32,
-    /// Where in the pixel the pattern's centre falls: (0.5, 0.5) is the middle, (0, 0) the upper left corner.
+    /// Position of the pattern's centre in the pixel: (0.5, 0.5) is the middle, (0, 0) the upper left corner.
     pub sample_offset: DVec2,
     /// Reconstruction filter.
     pub filter: Filter,
-    /// How radiance becomes bytes.
+    /// Mapping from radiance to bytes.
     pub development: Development,
 }
 

@@ -10,7 +10,7 @@ use crate::mitchell;
 /// A Gaussian is cut at this many standard deviations.
 const GAUSSIAN_CUT: f64 = 3.0;
 
-/// How a pixel weighs the light around its centre. Widths are in pixels.
+/// Reconstruction filter of a pixel. Widths are in pixels.
 ///
 /// Instead of splatting each sample over many pixels, samples are placed where the filter is large (Ernst, Stamminger,
 /// Greiner 2006): every pixel then owns its samples, and their plain mean, weighted by the sign of the filter, is the

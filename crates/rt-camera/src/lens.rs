@@ -18,7 +18,7 @@ use crate::CameraError;
 ///               0          depth           focus
 /// ```
 ///
-/// What lies at the depth `z` is blurred over a disk whose diameter is `2·radius·|z − focus| / z` as seen in the plane of
+/// A point at depth `z` is blurred over a disk whose diameter is `2·radius·|z − focus| / z` as seen in the plane of
 /// focus: the circle of confusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
@@ -38,7 +38,7 @@ impl Lens {
     /// uniform points by area.
     ///
     /// The disk is the image of the square under the concentric map (Shirley and Chiu 1997), which keeps neighbours together.
-    /// Of a polygon, the first coordinate chooses one of the triangles around its centre, and the angle in it.
+    /// In a polygon, the first coordinate chooses one of the triangles around its centre, and the angle in it.
     pub fn point(&self, [u, v]: [f64; 2]) -> DVec2 {
         let on_unit = match self.blades {
             None => on_disk(DVec2::new(u, v)),

@@ -5,7 +5,7 @@
 
 /// The filter is 0 from here on, in pixels.
 pub(crate) const RADIUS: f64 = 2.0;
-/// Where the filter changes its sign.
+/// Zero of the filter.
 const ZERO: f64 = 8.0 / 7.0;
 /// Integral over [0, 1].
 const CORE_MASS: f64 = 37.0 / 72.0;

@@ -1,4 +1,4 @@
-//! Where in the pixel the samples fall.
+//! Sample patterns in the pixel.
 
 /// A pattern of sample points over the pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -68,7 +68,7 @@ impl SamplerKind {
         Self::ALL.into_iter().filter(|pattern| !pattern.is_biased())
     }
 
-    /// The number of samples per pixel that the pattern takes when `spp` are asked for: the next square for patterns
+    /// Samples per pixel that the pattern takes for a request of `spp`: the next square for patterns
     /// on a grid, the next power of two for Sobol' and blue noise, at least 1. The largest are 65,535² and 2³¹.
     ///
     /// Sobol' points are generated in blocks of 2¹⁶: beyond, independently scrambled blocks follow each other, and

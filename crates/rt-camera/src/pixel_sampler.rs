@@ -120,7 +120,7 @@ impl PixelSampler {
         hash(&[self.seed, u64::from(pixel[0]) << 32 | u64::from(pixel[1])])
     }
 
-    /// Which repetition of the whole pattern a sample belongs to, and its place there.
+    /// Replication of the whole pattern that a sample belongs to, and its index there.
     const fn round_of(&self, index: u32) -> (u32, u32) {
         match self.pattern {
             SamplerKind::Sobol => (index >> SobolSet::INDEX_BITS, index & SobolSet::INDEX_MASK),
@@ -201,7 +201,7 @@ fn noise(dimension_key: u64, index: u32) -> u64 {
     mix(dimension_key.wrapping_add(mix(u64::from(index) + 1)))
 }
 
-/// How the samples of a round lie in one pair of dimensions, for all patterns that are no sequence.
+/// Arrangement of the samples of a replication in one pair of dimensions, for all patterns except sequences.
 struct Arrangement {
     pattern: SamplerKind,
     /// True for the pair that is the position in the pixel.

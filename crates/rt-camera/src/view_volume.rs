@@ -59,7 +59,7 @@ struct HalfSpace {
 ///            f ↑
 /// ```
 ///
-/// As `t` is linear in `p`, the right side is the lower of two planes. A box that lies behind both altogether has no point of a
+/// Since `t` is linear in `p`, the right side is the lower of two planes. A box that lies behind both altogether has no point of a
 /// ray; one that lies behind each with different parts may have.
 ///
 /// A box that [`excludes`](Self::excludes) rules out is met by none of these rays, rounding included: neither the
@@ -90,7 +90,7 @@ pub struct ViewVolume {
     edges: [HalfSpace; 4],
     /// The other plane of each edge, with a lens.
     other_edges: Option<[HalfSpace; 4]>,
-    /// What depth grows by.
+    /// Growth of depth.
     depth: DVec3,
     /// Part of its terms by which a sum must fall short of its offset. Infinite if nothing can be promised.
     slack: f64,
@@ -325,7 +325,7 @@ mod tests {
         Camera::new(&CameraSettings::new(world_from_camera, projection), 100, 100).expect("a camera")
     }
 
-    /// A cube of side 2·10⁻³, so that the planes are told apart to 1 in 1000.
+    /// A cube of side 2·10⁻³, so that the planes differ by 1 in 1000.
     fn at(x: f64, y: f64, z: f64) -> Aabb {
         let centre = DVec3::new(x, y, z);
         Aabb::new(centre - 1e-3, centre + 1e-3)

@@ -44,6 +44,7 @@ mod memory;
 mod output;
 mod overrides;
 mod picture_file;
+mod processor;
 mod progress;
 mod report;
 mod stats;

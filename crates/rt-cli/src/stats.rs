@@ -272,7 +272,7 @@ impl From<Explanation> for PlanStats {
     fn from(explanation: Explanation) -> Self {
         Self {
             used: explanation.used.into_iter().map(|line| line.trim().to_owned()).collect(),
-            left_out: explanation.left_out.into_iter().map(|left| (left.what, left.why)).collect(),
+            left_out: explanation.left_out.into_iter().map(|left| (left.what, left.reason)).collect(),
             memory_bytes: explanation.memory.parts().into_iter().collect(),
         }
     }

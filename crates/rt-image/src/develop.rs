@@ -31,7 +31,7 @@ impl ToneCurve {
     }
 }
 
-/// How displayable light is encoded in bytes.
+/// Encoding of displayable light in bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Encoding {
     /// The piecewise sRGB curve (IEC 61966-2-1).

@@ -18,7 +18,7 @@ impl Image {
     /// Pixels of the largest image that is accepted: 2²⁸, four gigabytes with coverage.
     pub const MAX_PIXELS: u64 = 1 << 28;
 
-    /// A black image, with an alpha channel of zeros if asked for. It allocates all of its pixels: check sizes that
+    /// A black image, optionally with an alpha channel of zeros. It allocates all of its pixels: check sizes that
     /// come from outside first.
     pub fn new(width: u32, height: u32, with_alpha: bool) -> Self {
         let count = width as usize * height as usize;

@@ -68,7 +68,7 @@ pub enum ImageFileError {
     Encode {
         /// The format.
         format: ImageFormat,
-        /// What the encoder says.
+        /// Message of the encoder.
         reason: String,
     },
     /// The file cannot be opened or read.
@@ -76,7 +76,7 @@ pub enum ImageFileError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
     /// The path names a folder, a pipe or a device.
@@ -104,7 +104,7 @@ pub enum ImageFileError {
     Decode {
         /// The file.
         path: PathBuf,
-        /// What the decoder says.
+        /// Message of the decoder.
         reason: String,
     },
 }

@@ -1,4 +1,4 @@
-//! How much one image differs from another.
+//! Differences of two images.
 //!
 //! ```text
 //!      e = x − r                      x: the image under test, r: the reference

@@ -23,7 +23,7 @@ const MAX_DECODER_BYTES: u64 = 16 * MAX_READ_PIXELS;
 /// 16-bit floats double when they are read. Without this limit a few damaged bytes cost gigabytes and seconds.
 const MAX_EXPANSION: u64 = 4096;
 
-/// Reads an image as linear radiance. The format is told by the file's content and not by its name.
+/// Reads an image as linear radiance. The content of the file determines the format, not its name.
 ///
 /// PNG and JPEG are taken to be encoded in sRGB, whatever profile they carry; their coverage is multiplied into the
 /// radiance. EXR, HDR and PFM are taken as they are.
@@ -54,7 +54,7 @@ pub struct ImageHeader {
     pub height: u32,
     /// Bytes of the film that [`read_image`] returns.
     pub film_bytes: u64,
-    /// Bytes of the decoded pixels that [`read_image`] holds beside the film until it returns.
+    /// Bytes of the decoded pixels that [`read_image`] holds in addition to the image until it returns.
     pub decoded_bytes: u64,
 }
 
@@ -91,7 +91,7 @@ pub fn image_header(path: &Path) -> Result<ImageHeader, ImageFileError> {
     Ok(ImageHeader { width, height, film_bytes, decoded_bytes: decoder.total_bytes() + spread_bytes })
 }
 
-/// The format of an image file, told by its first bytes as [`read_image`] tells it, and not by its name: whether it holds
+/// Format of an image file by its first bytes, as in [`read_image`], and not by its name: it holds
 /// linear light, or bytes for display.
 ///
 /// # Errors
@@ -127,7 +127,7 @@ fn format_of_stream(path: &Path, mut reader: impl BufRead + Seek) -> Result<Imag
 /// Opens a regular file and tells its length in bytes.
 fn open(path: &Path) -> Result<(BufReader<File>, u64), ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
-    // Asked for before opening, which would wait for the other end of a pipe.
+    // Check before opening, which would wait for the other end of a pipe.
     let metadata = std::fs::metadata(path).map_err(unreadable)?;
     if !metadata.is_file() {
         return Err(ImageFileError::NotAFile(path.to_owned()));

@@ -44,6 +44,7 @@ pub mod random;
 mod ray;
 mod rgb;
 mod sampler;
+pub mod stats;
 pub mod transcendental;
 mod transform;
 

@@ -1,19 +1,19 @@
-//! What a render can go on from.
+//! Checkpoints: states that a render resumes from.
 
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
-    ContentError, RenderError, Statistics, StopRule, observer,
-    part::{Frame, Part, Share, decode_unchecked},
-    progressive::PassState,
+    ContentError, Kept, RenderError, Share, Statistics, StopRule, observer,
+    part::{Frame, Part, decode_unchecked},
+    pass_state::PassState,
 };
 
 /// A render in the midst of it, as [`Kept`](crate::Kept) was written down.
 ///
-/// Whoever keeps one keeps beside it what scene it is of: this crate can only tell that the picture has the same size and is
+/// The caller must record the scene of a checkpoint: this crate only checks that the image has the same size and is
 /// made the same way.
 ///
-/// Whatever is deserialized has gone through [`validate`](Self::validate); [`UncheckedCheckpoint`] tells the reason of a refusal.
+/// Deserialisation runs [`validate`](Self::validate); [`UncheckedCheckpoint`] gives the reason of an error.
 #[derive(Clone, Debug, Serialize)]
 pub struct Checkpoint(State);
 
@@ -52,14 +52,6 @@ impl<'de> Deserialize<'de> for Checkpoint {
 }
 
 impl Checkpoint {
-    /// Copy of the state of a render.
-    pub(crate) fn of(state: observer::State<'_>) -> Self {
-        Self(match state {
-            observer::State::Tiles(part) => State::Tiles(part.clone()),
-            observer::State::Passes(passes) => State::Passes(passes.clone()),
-        })
-    }
-
     /// Checks every number that a file may have got wrong. Whether it is of the same picture is checked when a render goes on.
     ///
     /// # Errors
@@ -120,5 +112,15 @@ impl Checkpoint {
             }
             Some(_) => Err(RenderError::Checkpoint),
         }
+    }
+}
+
+impl Kept<'_> {
+    /// Copy of the state as a checkpoint.
+    pub fn to_checkpoint(&self) -> Checkpoint {
+        Checkpoint(match self.0 {
+            observer::State::Tiles(part) => State::Tiles(part.clone()),
+            observer::State::Passes(passes) => State::Passes(passes.clone()),
+        })
     }
 }

@@ -4,14 +4,14 @@
 
 use rt_image::Image;
 
-use crate::{Crop, RayKind, RayStats, ShadingCounts, Share, Statistics, tiles::tile_count};
+use crate::{Crop, Share, tiles::tile_count};
 
 /// Largest count in the statistics of a part, of a checkpoint, and of all parts of a picture together. No sum of a few of
 /// these overflows.
 pub(crate) const MAX_COUNT: u64 = 1 << 60;
 
 /// Largest number of threads of all machines together.
-const MAX_THREADS: u64 = 1 << 30;
+pub(crate) const MAX_THREADS: u64 = 1 << 30;
 
 /// Largest number of a pass. The bit above it tells the second stage of adaptive sampling from the first.
 pub(crate) const MAX_PASSES: u32 = (1 << 31) - 1;
@@ -115,68 +115,4 @@ pub(crate) fn check_count(name: &'static str, value: u64, max: u64) -> Result<()
 /// Checks that a number is finite and not negative.
 pub(crate) fn check_number(name: &'static str, value: f64) -> Result<(), ContentError> {
     if (0.0..=f64::MAX).contains(&value) { Ok(()) } else { Err(ContentError::Number { name, value }) }
-}
-
-impl Statistics {
-    /// Checks that no count is so large that a sum of a few overflows, and that times are times.
-    pub(crate) fn validate(&self) -> Result<(), ContentError> {
-        let Self {
-            samples,
-            simple_pixels,
-            counters,
-            camera_hits,
-            primary_rays_spared,
-            shading,
-            passes,
-            bad_samples,
-            threads,
-            build_seconds,
-            render_seconds,
-        } = *self;
-        let ShadingCounts {
-            shadow_rays_spared,
-            highlights,
-            mirrors,
-            refractions,
-            fresnel,
-            absorption,
-            passages,
-            depth_limited,
-            interior_overflows,
-            clamped,
-            // A sum that saturates.
-            clamped_units: _,
-        } = shading;
-        let counts = [
-            ("the number of samples", samples),
-            ("the number of pixels without edges", simple_pixels),
-            ("the number of primary rays that were spared", primary_rays_spared),
-            ("the number of camera rays that hit", camera_hits),
-            ("the number of bad samples", bad_samples),
-            ("the number of shadow rays that were spared", shadow_rays_spared),
-            ("the number of highlights", highlights),
-            ("the number of mirror directions", mirrors),
-            ("the number of refractions", refractions),
-            ("the number of Fresnel terms", fresnel),
-            ("the number of absorption terms", absorption),
-            ("the number of passages", passages),
-            ("the number of paths that reached the depth limit", depth_limited),
-            ("the number of interior overflows", interior_overflows),
-            ("the number of clamped contributions", clamped),
-        ];
-        for (name, count) in counts {
-            check_count(name, count, MAX_COUNT)?;
-        }
-        for kind in RayKind::ALL {
-            let RayStats { rays, nodes, tests, hits } = counters.of(kind);
-            check_count("the number of rays", rays, MAX_COUNT)?;
-            check_count("the number of nodes", nodes, MAX_COUNT)?;
-            check_count("the number of primitive tests", tests, MAX_COUNT)?;
-            check_count("the number of hits", hits, MAX_COUNT)?;
-        }
-        check_count("the number of passes", passes.into(), MAX_PASSES.into())?;
-        check_count("the number of threads", threads as u64, MAX_THREADS)?;
-        check_number("the build time in seconds", build_seconds)?;
-        check_number("the render time in seconds", render_seconds)
-    }
 }

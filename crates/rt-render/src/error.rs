@@ -1,6 +1,6 @@
-//! What can go wrong between a scene and its picture.
+//! Errors of compiling and rendering a scene.
 
-/// Why a scene cannot be rendered.
+/// Reason that a scene cannot be rendered.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
     /// The camera is unusable.
@@ -8,13 +8,13 @@ pub enum RenderError {
     Camera {
         /// Name of the camera.
         name: String,
-        /// What is wrong with it.
+        /// Cause.
         source: rt_camera::CameraError,
     },
     /// The scene has no camera, or none of that index.
     #[error("the scene has {count} cameras, so there is no camera number {index}")]
     NoCamera {
-        /// Index asked for.
+        /// Requested index.
         index: usize,
         /// Number of cameras.
         count: usize,
@@ -43,7 +43,7 @@ pub enum RenderError {
     Build {
         /// Name of the offending object.
         object: String,
-        /// What is wrong with it.
+        /// Cause.
         source: rt_accel::BuildError,
     },
     /// Groups contain each other, or the tree is nested too deeply; with the name of the deepest object.
@@ -58,7 +58,7 @@ pub enum RenderError {
         what: &'static str,
         /// The index.
         index: u32,
-        /// How many there are.
+        /// Number of entries.
         count: usize,
     },
     /// A product of transforms is singular.
@@ -66,7 +66,7 @@ pub enum RenderError {
     Transform {
         /// Name of the object.
         object: String,
-        /// What is wrong.
+        /// Cause.
         source: rt_math::TransformError,
     },
     /// An object cannot move as it should.
@@ -74,7 +74,7 @@ pub enum RenderError {
     AnimatedTransform {
         /// Name of the object.
         object: String,
-        /// What is wrong.
+        /// Cause.
         source: rt_math::AnimatedTransformError,
     },
     /// More primitives in a group than indices.
@@ -86,9 +86,9 @@ pub enum RenderError {
          not within other groups"
     )]
     TooManyParts {
-        /// How many there are, or 2⁶⁴ − 1 for more.
+        /// Number of objects, or 2⁶⁴ − 1 for more.
         count: u64,
-        /// How many there may be.
+        /// Limit.
         limit: u64,
     },
     /// Samples per pixel must be at least 1.
@@ -106,36 +106,36 @@ pub enum RenderError {
     /// A share of pixels that is not above 0 and at most 1.
     #[error("a share of pixels of {0} is not above 0 and at most 1")]
     TargetShare(f64),
-    /// An error is to be reached, but every pass would be the same.
+    /// A target error, but all passes would be equal.
     #[error(
         "the error of a picture cannot be told where all passes are the same, as with the samples of this pattern: {0}"
     )]
     SamePasses(&'static str),
-    /// Adaptive sampling in object space is asked for, but the integrator chooses directions at random, or shows no light.
+    /// Adaptive sampling in object space with an integrator that chooses directions at random, or shows no light.
     #[error(
         "adaptive sampling in object space knows the edges that 'whitted' shows; for '{0}', let the error decide \
          (--target-error)"
     )]
     Adaptive(&'static str),
-    /// Adaptive sampling in object space is asked for, and the camera has a lens.
+    /// Adaptive sampling in object space with a lens.
     #[error(
         "adaptive sampling in object space looks for edges, of which a lens leaves none sharp; let the error decide \
          (--target-error)"
     )]
     AdaptiveLens,
-    /// Adaptive sampling in object space is asked for, and something moves while the shutter is open.
+    /// Adaptive sampling in object space with motion.
     #[error(
         "adaptive sampling in object space looks for edges at one moment, and the camera or an object moves; let the error \
          decide (--target-error)"
     )]
     AdaptiveMotion,
-    /// A lamp moves, and the integrator sees only lamps that it can draw from.
+    /// An animated emissive object, with an integrator that sees sampled lights only.
     #[error(
         "object '{0}' shines and moves: lamps that move are found by rays in all directions, which 'distributed' does not \
          follow; use 'path', 'direct' or 'caustics', or let it stand still"
     )]
     MovingLamp(String),
-    /// Adaptive sampling in object space is asked for, and samples are to be taken until something ends the render.
+    /// Adaptive sampling in object space in a progressive render.
     #[error(
         "adaptive sampling in object space shares out a fixed number of samples; it goes with no time and no error to reach"
     )]

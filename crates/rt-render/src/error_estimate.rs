@@ -13,13 +13,13 @@
 //! A pixel counts as one, however much its channels differ. Pixels count as independent.
 
 use rt_math::Rgb;
+use rt_math::stats::f_quantile;
 use serde::{Deserialize, Serialize};
 
 use crate::{
     ContentError,
     content::{check_count, check_number},
     estimate::PixelEstimate,
-    quantile::f_quantile,
 };
 
 /// Added to squared radiance where an error is divided by it, as in [`rt_image::metrics`].
@@ -28,7 +28,7 @@ const RELATIVE_EPSILON: f64 = 1e-2;
 /// Passes beyond which the number of degrees of freedom no longer changes the interval.
 const MOST_PASSES_TOLD_APART: f64 = 65_536.0;
 
-/// How far a picture is from what infinitely many samples would show. The bias of a sample pattern or an integrator is not
+/// Estimated error of an image relative to infinitely many samples. The bias of a sample pattern or an integrator is not
 /// in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorEstimate {
@@ -65,7 +65,7 @@ fn relative(rmse: f64, mean: f64) -> f64 {
     }
 }
 
-/// What the estimate needs of a number of pixels.
+/// Sums over pixels for the error estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ErrorSums {
     pixels: u64,
@@ -137,7 +137,7 @@ impl ErrorSums {
         let interval = if self.spread_of_estimate > 0.0 {
             // Sums of true errors lie far within these bounds, which keep made-up ones from taking forever.
             let most = 2.0 * self.pixels as f64;
-            let freedom = |spread: f64, most: f64| (self.squares * self.squares / spread).clamp(0.5, most);
+            let freedom = |splat: f64, most: f64| (self.squares * self.squares / splat).clamp(0.5, most);
             let (m, n) =
                 (freedom(self.spread_of_error, most), freedom(self.spread_of_estimate, most * MOST_PASSES_TOLD_APART));
             if m.is_nan() || n.is_nan() {
@@ -164,7 +164,7 @@ mod tests {
         (0..12).map(|index| unit(hash(&[words[0], words[1], words[2], words[3], index]))).sum::<f64>() - 6.0
     }
 
-    /// How many of some pictures of 60 pixels, some far noisier than others, have their true error within the interval.
+    /// Number of images of 60 pixels, some far noisier than others, whose true error is within the interval.
     fn covered(pictures: u64, passes: &[u32]) -> usize {
         let noise = |pixel: u64| if pixel.is_multiple_of(10) { 5.0 } else { 0.3 };
         let is_covered = |picture: &u64| {

@@ -1,40 +1,40 @@
-//! What a plan uses, what it leaves out, and why.
+//! Description of a plan: parts in use, parts left out, and reasons.
 
 use std::{collections::BTreeSet, fmt};
 
 use rt_accel::{Accelerator as _, AnyAccelerator};
 use rt_geometry::{Primitives as _, Shape};
-use rt_math::DVec3;
 use rt_scene_io::{Integrator, LightSampling};
 use rt_shading::{Follows, Light, LightKind, Material, PathSettings};
 
 use crate::{
-    MemoryPrediction, RenderPlan,
-    emitters::moving_lamp,
-    plan::{View, World},
-    structure::{FEW, FEW_SPHERES, why},
-    surroundings::CameraMedium,
-    visible::Visible,
-    world::{Assembly, InstanceGeometry, Levels, Part},
+    MemoryPrediction, RenderPlan, RenderSpace,
+    accel_choice::{MAX_LINEAR, MAX_LINEAR_SPHERES, reason},
+    area_lights::find_animated_light,
+    camera_medium::CameraMedium,
+    frustum_cull::VisibleSet,
+    instance::{Aggregate, BottomLevel, Instance, InstanceGeometry},
+    integrator::IntegratorState,
+    world::World,
 };
 
-/// Something that a plan leaves out.
+/// A part that a plan leaves out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// The thing.
+    /// Name of the part.
     pub what: &'static str,
-    /// Why the picture does not depend on it.
-    pub why: String,
+    /// Reason: the image does not depend on it.
+    pub reason: String,
 }
 
-/// A plan in words.
+/// Description of a plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Explanation {
     /// One line: scene, integrator, camera, image, samples.
     pub title: String,
-    /// What is used.
+    /// Parts in use.
     pub used: Vec<String>,
-    /// What is left out.
+    /// Parts left out.
     pub left_out: Vec<LeftOut>,
     /// Predicted bytes of memory.
     pub memory: MemoryPrediction,
@@ -49,17 +49,17 @@ impl fmt::Display for Explanation {
         }
         if !self.left_out.is_empty() {
             writeln!(f, "\nleft out")?;
-            for LeftOut { what, why } in &self.left_out {
-                writeln!(f, "  {what}: {why}")?;
+            for LeftOut { what, reason } in &self.left_out {
+                writeln!(f, "  {what}: {reason}")?;
             }
         }
         writeln!(f, "\npredicted memory\n  {}", self.memory)
     }
 }
 
-/// How many of what the flattened world holds.
+/// Numbers of objects in the flattened world, by kind.
 #[derive(Debug, Default)]
-struct Census {
+struct SceneCounts {
     spheres: usize,
     boxes: usize,
     planes: usize,
@@ -79,14 +79,14 @@ struct Census {
     meshes: usize,
     group_instances: usize,
     groups: usize,
-    moving: usize,
+    animated: usize,
     shadowless: usize,
     unbounded: usize,
-    /// Whose texture coordinates nobody asks for.
+    /// Objects with unused texture coordinates.
     plain: usize,
 }
 
-impl Census {
+impl SceneCounts {
     fn of(world: &World) -> Self {
         match world {
             World::Spheres(world, _) => {
@@ -94,27 +94,27 @@ impl Census {
                 let plain = world.textured.iter().filter(|textured| !**textured).count();
                 Self { spheres: world.materials.len(), shadowless, plain, ..Self::default() }
             }
-            World::Parts(top, levels) => {
-                let mut census = Self { meshes: levels.meshes.len(), groups: levels.groups.len(), ..Self::default() };
-                census.mesh_triangles = levels.meshes.iter().map(|m| m.mesh.data().triangles.len()).sum();
-                for part in top.parts.iter().chain(levels.groups.iter().flat_map(|g| &g.parts)) {
-                    census.add(part);
+            World::Instances(top, levels) => {
+                let mut counts = Self { meshes: levels.meshes.len(), groups: levels.groups.len(), ..Self::default() };
+                counts.mesh_triangles = levels.meshes.iter().map(|m| m.mesh.data().triangles.len()).sum();
+                for instance in top.instances.iter().chain(levels.groups.iter().flat_map(|g| &g.instances)) {
+                    counts.add(instance);
                 }
-                census
+                counts
             }
         }
     }
 
-    fn add(&mut self, part: &Part) {
-        self.shadowless += usize::from(!part.casts_shadow);
-        self.plain += usize::from(!part.textured);
-        self.unbounded += usize::from(part.bounds.is_none());
-        self.moving += usize::from(matches!(part.geometry, InstanceGeometry::Moving(_)));
-        match part.geometry.at_rest() {
+    fn add(&mut self, instance: &Instance) {
+        self.shadowless += usize::from(!instance.casts_shadow);
+        self.plain += usize::from(!instance.textured);
+        self.unbounded += usize::from(instance.bounds.is_none());
+        self.animated += usize::from(matches!(instance.geometry, InstanceGeometry::Animated(_)));
+        match instance.geometry.static_geometry() {
             InstanceGeometry::Shape(Shape::Sphere(_)) => self.spheres += 1,
             InstanceGeometry::Shape(Shape::Cuboid(_)) => self.boxes += 1,
             InstanceGeometry::Shape(Shape::Plane(_)) => self.planes += 1,
-            InstanceGeometry::Shape(Shape::Triangle(_)) | InstanceGeometry::Facet(..) => self.triangles += 1,
+            InstanceGeometry::Shape(Shape::Triangle(_)) | InstanceGeometry::Triangle(..) => self.triangles += 1,
             InstanceGeometry::Shape(Shape::Polygon(_)) => self.polygons += 1,
             InstanceGeometry::Shape(Shape::Cylinder(_)) => self.cylinders += 1,
             InstanceGeometry::Shape(Shape::InfiniteCylinder(_)) => self.infinite_cylinders += 1,
@@ -127,7 +127,7 @@ impl Census {
             InstanceGeometry::TransformedShape(_) => self.placed += 1,
             InstanceGeometry::Mesh(..) => self.mesh_instances += 1,
             InstanceGeometry::Group(..) => self.group_instances += 1,
-            InstanceGeometry::Moving(_) => {}
+            InstanceGeometry::Animated(_) => {}
         }
     }
 }
@@ -138,78 +138,78 @@ fn count(n: usize, singular: &str, plural: &str) -> String {
 }
 
 impl RenderPlan<'_> {
-    /// The plan in words: deterministic, so that it can be compared as text.
+    /// Describes the plan. The text is deterministic.
     pub fn explain(&self) -> Explanation {
-        let census = Census::of(&self.world);
+        let counts = SceneCounts::of(&self.scene.world);
         Explanation {
             title: self.title(),
-            used: self.used(&census),
-            left_out: if self.full { Vec::new() } else { self.left_out(&census) },
-            memory: self.memory,
+            used: self.used(&counts),
+            left_out: if self.options.full { Vec::new() } else { self.left_out(&counts) },
+            memory: self.memory(),
         }
     }
 
     fn title(&self) -> String {
         let samples = count(self.samples_per_pixel() as usize, "sample", "samples");
         let samples = self.least_samples_per_pixel().map_or(samples.clone(), |least| format!("{least} to {samples}"));
-        let passes = if self.passes > 1 { format!(" in {} passes", self.passes) } else { String::new() };
-        let biased = if self.pattern.is_biased() { " (biased)" } else { "" };
+        let passes = if self.frame.passes > 1 { format!(" in {} passes", self.frame.passes) } else { String::new() };
+        let biased = if self.frame.sampler.is_biased() { " (biased)" } else { "" };
         format!(
             "plan for '{}': {}, camera '{}', {}x{}, {samples} per pixel{passes}, {}{biased}",
-            self.scene.name,
-            self.integrator.name(),
+            self.scene.source.name,
+            self.integrator_kind().name(),
             self.camera_name,
-            self.crop.width,
-            self.crop.height,
-            self.pattern.name(),
+            self.frame.crop.width,
+            self.frame.crop.height,
+            self.frame.sampler.name(),
         )
     }
 
-    fn used(&self, census: &Census) -> Vec<String> {
+    fn used(&self, counts: &SceneCounts) -> Vec<String> {
         let kinds = [
-            (census.spheres, "sphere", "spheres"),
-            (census.boxes, "box", "boxes"),
-            (census.planes, "plane", "planes"),
-            (census.triangles, "single triangle", "single triangles"),
-            (census.polygons, "polygon", "polygons"),
-            (census.cylinders, "cylinder", "cylinders"),
-            (census.infinite_cylinders, "infinite cylinder", "infinite cylinders"),
-            (census.double_cones, "double cone", "double cones"),
-            (census.cones, "cone", "cones"),
-            (census.frusta, "frustum", "frusta"),
-            (census.disks, "disk", "disks"),
-            (census.rectangles, "rectangle", "rectangles"),
-            (census.tori, "torus", "tori"),
-            (census.placed, "transformed shape", "transformed shapes"),
+            (counts.spheres, "sphere", "spheres"),
+            (counts.boxes, "box", "boxes"),
+            (counts.planes, "plane", "planes"),
+            (counts.triangles, "single triangle", "single triangles"),
+            (counts.polygons, "polygon", "polygons"),
+            (counts.cylinders, "cylinder", "cylinders"),
+            (counts.infinite_cylinders, "infinite cylinder", "infinite cylinders"),
+            (counts.double_cones, "double cone", "double cones"),
+            (counts.cones, "cone", "cones"),
+            (counts.frusta, "frustum", "frusta"),
+            (counts.disks, "disk", "disks"),
+            (counts.rectangles, "rectangle", "rectangles"),
+            (counts.tori, "torus", "tori"),
+            (counts.placed, "transformed shape", "transformed shapes"),
         ];
         let mut used: Vec<String> =
             kinds.iter().filter(|(n, ..)| *n > 0).map(|(n, singular, plural)| count(*n, singular, plural)).collect();
-        if census.mesh_instances > 0 {
+        if counts.mesh_instances > 0 {
             used.push(format!(
                 "{} of {} with {}",
-                count(census.mesh_instances, "instance", "instances"),
-                count(census.meshes, "mesh", "meshes"),
-                count(census.mesh_triangles, "triangle", "triangles"),
+                count(counts.mesh_instances, "instance", "instances"),
+                count(counts.meshes, "mesh", "meshes"),
+                count(counts.mesh_triangles, "triangle", "triangles"),
             ));
         }
-        if census.group_instances > 0 {
-            let instances = count(census.group_instances, "instance", "instances");
-            used.push(format!("{instances} of {}", count(census.groups, "group", "groups")));
+        if counts.group_instances > 0 {
+            let instances = count(counts.group_instances, "instance", "instances");
+            used.push(format!("{instances} of {}", count(counts.groups, "group", "groups")));
         }
         if used.is_empty() {
             used.push("no objects".to_owned());
         }
         used.extend(self.structures());
-        if self.moves {
-            used.extend(self.motion(census));
+        if self.frame.has_motion {
+            used.extend(self.motion(counts));
         }
-        if self.backdrop.is_some() {
+        if self.frame.backdrop.is_some() {
             used.push("a backdrop: camera rays that leave the scene see it in place of the background".to_owned());
         }
-        if self.camera.has_lens() {
+        if self.frame.camera.has_lens() {
             used.push("a lens: camera rays start all over the aperture".to_owned());
         }
-        if self.integrator.follows_light() {
+        if self.integrator_kind().follows_light() {
             used.extend(self.light());
         }
         used.extend(self.light_paths());
@@ -222,29 +222,29 @@ impl RenderPlan<'_> {
         used
     }
 
-    /// What is elsewhere at another moment.
-    fn motion(&self, census: &Census) -> Vec<String> {
-        let [opens, closes] = self.camera.shutter();
+    /// Lines on motion.
+    fn motion(&self, counts: &SceneCounts) -> Vec<String> {
+        let [opens, closes] = self.frame.camera.shutter();
         let mut lines = vec![format!("a moment for each sample, while the shutter is open from {opens} to {closes}")];
-        if census.moving > 0 {
-            let what = count(census.moving, "object that moves", "objects that move");
+        if counts.animated > 0 {
+            let what = count(counts.animated, "object that moves", "objects that move");
             lines.push(format!("{what}, in boxes around all that they pass"));
         }
-        if self.camera.moves() {
+        if self.frame.camera.moves() {
             lines.push("a camera that moves: no object is left out for its rays".to_owned());
         }
-        if let (View::Paths(_), World::Parts(top, levels)) = (&self.view, &self.world) {
-            let lamp = moving_lamp(self.scene, top, levels);
+        if let (IntegratorState::Path(_), World::Instances(top, levels)) = (&self.integrator, &self.scene.world) {
+            let lamp = find_animated_light(self.scene.source, top, levels);
             lines.extend(lamp.map(|name| format!("lamps that move, such as '{name}': found by rays, not drawn from")));
         }
         lines
     }
 
-    /// Paths from the lights, and what they are sent to.
+    /// Line on light tracing.
     fn light_paths(&self) -> Option<String> {
-        let sources = self.light_sources.as_ref()?;
-        let [width, height] = self.size.map(u64::from);
-        let paths = width * height * u64::from(self.pass_spp);
+        let sources = self.scene.light_sources.as_ref()?;
+        let [width, height] = self.frame.size.map(u64::from);
+        let paths = width * height * u64::from(self.frame.pass_spp);
         let targets = if sources.targets().is_everywhere() {
             "in all directions, as a sharp mirror or a body of glass has no bounds".to_owned()
         } else {
@@ -255,50 +255,52 @@ impl RenderPlan<'_> {
     }
 
     fn structures(&self) -> Vec<String> {
-        let wanted = self.wanted;
-        let line = |level: &str, structure: &AnyAccelerator, primitives: usize, why: String| {
+        let accel_options = self.scene.accel;
+        let line = |level: &str, structure: &AnyAccelerator, primitives: usize, reason: String| {
             let primitives = count(primitives, "primitive", "primitives");
             let nodes = count(structure.build_stats().nodes, "node", "nodes");
-            format!("{level}: {} over {primitives}, {nodes} ({why})", structure.kind().name())
+            format!("{level}: {} over {primitives}, {nodes} ({reason})", structure.kind().name())
         };
-        // The rule is asked again of the primitives that the structure was built over.
-        let assembly = |level: &str, assembly: &Assembly, levels: &Levels| {
-            let why = why(wanted, &assembly.set(levels));
-            line(level, &assembly.structure, assembly.parts.len(), why)
+        // Apply the selection rule again to the primitives of each accelerator.
+        let aggregate = |level: &str, aggregate: &Aggregate, levels: &BottomLevel| {
+            let reason = reason(accel_options, &aggregate.set(levels));
+            line(level, &aggregate.structure, aggregate.instances.len(), reason)
         };
-        let visible = |why: &dyn Fn(&Visible) -> String| {
-            let visible = self.visible.as_ref()?;
-            Some(line("  for camera rays", visible.structure(), visible.of() - visible.left_out(), why(visible)))
+        let visible = |reason: &dyn Fn(&VisibleSet) -> String| {
+            let visible = self.frame.visible.as_ref()?;
+            Some(line("  for camera rays", visible.structure(), visible.of() - visible.left_out(), reason(visible)))
         };
         let mut lines = Vec::new();
-        match &self.world {
+        match &self.scene.world {
             World::Spheres(world, structure) => {
-                lines.push(line("structure", structure, world.len(), why(wanted, world)));
+                lines.push(line("structure", structure, world.len(), reason(accel_options, world)));
                 lines.push("  nothing but spheres: one list of centres and radii".to_owned());
-                lines.extend(visible(&|visible| visible.why(wanted, world)));
+                lines.extend(visible(&|visible| visible.reason(accel_options, world)));
             }
-            World::Parts(top, levels) => {
-                lines.push(assembly("structure", top, levels));
-                lines.extend(visible(&|visible| visible.why(wanted, &top.set(levels))));
-                lines.extend(levels.groups.iter().map(|group| assembly("  of a group", group, levels)));
+            World::Instances(top, levels) => {
+                lines.push(aggregate("structure", top, levels));
+                lines.extend(visible(&|visible| visible.reason(accel_options, &top.set(levels))));
+                lines.extend(levels.groups.iter().map(|group| aggregate("  of a group", group, levels)));
                 lines.extend(levels.meshes.iter().map(|level| {
-                    let why = why(wanted, &*level.mesh);
-                    let kind = if level.holes.is_some() { "  of a mesh with holes" } else { "  of a mesh" };
-                    line(kind, &level.structure, level.mesh.data().triangles.len(), why)
+                    let reason = reason(accel_options, &*level.mesh);
+                    let kind = if level.alpha_test.is_some() { "  of a mesh with holes" } else { "  of a mesh" };
+                    line(kind, &level.structure, level.mesh.data().triangles.len(), reason)
                 }));
             }
         }
-        if self.narrows {
+        if self.frame.culls_tiles {
             let what = "asked in turn in tiles in whose part of the view no others lie";
-            lines.push(format!("  for camera rays: up to {FEW} objects, or {FEW_SPHERES} spheres, {what}"));
+            lines.push(format!(
+                "  for camera rays: up to {MAX_LINEAR} objects, or {MAX_LINEAR_SPHERES} spheres, {what}"
+            ));
         }
-        if (self.needs.shadows || !self.emitters.is_empty()) && self.has_wide_tree() {
+        if (self.scene.features.shadows || !self.scene.emitters.is_empty()) && self.has_wide_tree() {
             lines.push("  for shadow rays: what blocked a ray is asked first about the next".to_owned());
         }
-        if self.origin != DVec3::ZERO {
+        if self.scene.space != RenderSpace::WORLD {
             lines.push(format!(
                 "coordinates relative to {}, as the scene is small and far from the origin",
-                self.origin
+                self.scene.space.origin()
             ));
         }
         lines
@@ -306,9 +308,9 @@ impl RenderPlan<'_> {
 
     fn has_wide_tree(&self) -> bool {
         let is_wide = |structure: &AnyAccelerator| matches!(structure, AnyAccelerator::Wide(_));
-        match &self.world {
+        match &self.scene.world {
             World::Spheres(_, structure) => is_wide(structure),
-            World::Parts(top, levels) => {
+            World::Instances(top, levels) => {
                 is_wide(&top.structure)
                     || levels.groups.iter().any(|group| is_wide(&group.structure))
                     || levels.meshes.iter().any(|mesh| is_wide(&mesh.structure))
@@ -317,33 +319,39 @@ impl RenderPlan<'_> {
     }
 
     fn light(&self) -> Vec<String> {
-        let lights = &self.appearance.lights;
+        let lights = &self.scene.appearance.lights;
         let shadowing = lights.iter().filter(|light| light.casts_shadows).count();
         let mut lines = vec![format!("{}, {shadowing} casting shadows", count(lights.len(), "light", "lights"))];
-        if let View::Paths(settings) = &self.view {
+        if let IntegratorState::Path(settings) = &self.integrator {
             lines.extend(self.extended_lights());
             lines.push(self.paths(settings));
-        } else if self.needs.reflection || self.needs.refraction {
-            lines.push(format!("up to {} after the first hit", count(self.depth as usize, "bounce", "bounces")));
+        } else if self.scene.features.reflection || self.scene.features.refraction {
+            lines.push(format!(
+                "up to {} after the first hit",
+                count(self.scene.source.settings.depth as usize, "bounce", "bounces")
+            ));
         }
-        if self.needs.refraction {
+        if self.scene.features.refraction {
             lines.extend(self.nesting());
         }
         lines
     }
 
-    /// The lights that are drawn from.
+    /// Line on area and environment lights.
     fn extended_lights(&self) -> Option<String> {
-        let emitters = self.emitters.emitters().len();
+        let emitters = self.scene.emitters.emitters().len();
         (emitters > 0).then(|| {
-            let choice = match (emitters, self.scene.settings.light_sampling) {
+            let choice = match (emitters, self.scene.source.settings.light_sampling) {
                 (1, _) => "drawn from at each surface",
                 (_, LightSampling::Uniform) => "one drawn at each surface, all alike",
                 (_, LightSampling::Power) => "one drawn at each surface, by power",
                 (_, LightSampling::Tree) => "one drawn at each surface, by a tree that knows where they shine",
             };
-            let environment =
-                if self.emitters.environment().is_some() { ", the image around the scene among them" } else { "" };
+            let environment = if self.scene.emitters.environment().is_some() {
+                ", the image around the scene among them"
+            } else {
+                ""
+            };
             format!("{} with extent{environment}: {choice}", count(emitters, "light", "lights"))
         })
     }
@@ -366,9 +374,9 @@ impl RenderPlan<'_> {
         format!("{what} of up to {bounces} after the first hit{roulette}{clamp}")
     }
 
-    /// Which transparent body is where several overlap, and what the camera stands in; `None` of panes without thickness.
+    /// Line on overlapping dielectrics and the medium of the camera; `None` for thin dielectrics only.
     fn nesting(&self) -> Option<String> {
-        let transparent = self.appearance.materials.iter().filter_map(Material::body);
+        let transparent = self.scene.appearance.materials.iter().filter_map(Material::body);
         let priorities: BTreeSet<i32> = transparent.map(|inside| inside.priority).collect();
         let (least, greatest) = (priorities.first()?, priorities.last()?);
         let order = if least < greatest {
@@ -376,39 +384,39 @@ impl RenderPlan<'_> {
         } else {
             "all of one priority".to_owned()
         };
-        let camera = match &self.surroundings {
-            CameraMedium::Same(interior) if interior.is_empty() => "the camera stands in air",
-            CameraMedium::Same(_) => "the camera stands inside of one",
-            CameraMedium::ByRay(_) => "each camera ray looks which it starts in",
+        let camera = match &self.frame.medium {
+            CameraMedium::Constant(interior) if interior.is_empty() => "the camera stands in air",
+            CameraMedium::Constant(_) => "the camera stands inside of one",
+            CameraMedium::PerRay(_) => "each camera ray looks which it starts in",
         };
         Some(format!("transparent bodies within each other: {order}; {camera}"))
     }
 
-    fn left_out(&self, census: &Census) -> Vec<LeftOut> {
-        let triangles = census.triangles + census.mesh_triangles;
-        let whitted = self.integrator == Integrator::Whitted;
-        let lit = !self.appearance.lights.is_empty();
-        let n = &self.needs;
-        let linear = matches!(&self.world, World::Spheres(_, AnyAccelerator::Linear(_)))
-            || matches!(&self.world, World::Parts(top, _) if matches!(top.structure, AnyAccelerator::Linear(_)));
+    fn left_out(&self, counts: &SceneCounts) -> Vec<LeftOut> {
+        let triangles = counts.triangles + counts.mesh_triangles;
+        let whitted = self.integrator_kind() == Integrator::Whitted;
+        let lit = !self.scene.appearance.lights.is_empty();
+        let n = &self.scene.features;
+        let linear = matches!(&self.scene.world, World::Spheres(_, AnyAccelerator::Linear(_)))
+            || matches!(&self.scene.world, World::Instances(top, _) if matches!(top.structure, AnyAccelerator::Linear(_)));
         let geometry = [
             (triangles == 0, "triangles", "there are none"),
             (
-                census.placed + census.mesh_instances + census.group_instances == 0,
+                counts.placed + counts.mesh_instances + counts.group_instances == 0,
                 "transforms",
                 "all shapes stand in world space",
             ),
-            (census.group_instances == 0, "instancing level", "no group is placed more than once"),
-            (census.unbounded == 0, "list of unbounded objects", "everything has bounds"),
+            (counts.group_instances == 0, "instancing level", "no group is placed more than once"),
+            (counts.unbounded == 0, "list of unbounded objects", "everything has bounds"),
             (linear, "tree over the objects", "all of them are asked in turn"),
-            (census.shadowless == 0, "shadow switches", "every object casts shadows"),
-            (!self.transparent, "alpha channel", "the background is part of the picture"),
-            (!self.moves, "time", "nothing moves while the shutter is open"),
-            (!self.camera.has_lens(), "lens", "the camera is a pinhole, or looks along parallel rays"),
+            (counts.shadowless == 0, "shadow switches", "every object casts shadows"),
+            (!self.frame.transparent, "alpha channel", "the background is part of the picture"),
+            (!self.frame.has_motion, "time", "nothing moves while the shutter is open"),
+            (!self.frame.camera.has_lens(), "lens", "the camera is a pinhole, or looks along parallel rays"),
         ];
         let surface = [
-            (!n.textures && self.integrator != Integrator::Uv, "texture coordinates", "nothing looks at them"),
-            (n.textures && census.plain > 0, "texture coordinates of some surfaces", "there are no textures on these"),
+            (!n.textures && self.integrator_kind() != Integrator::Uv, "texture coordinates", "nothing looks at them"),
+            (n.textures && counts.plain > 0, "texture coordinates of some surfaces", "there are no textures on these"),
             (!n.shading_normals, "interpolated normals", "no mesh has vertex normals"),
         ];
         let shading = [
@@ -424,53 +432,55 @@ impl RenderPlan<'_> {
             (n.refraction && !n.absorption, "absorption", "transparent bodies are clear"),
             (!n.reflection && !n.refraction, "ray tree", "nothing sends rays on"),
         ];
-        let is_path = matches!(self.view, View::Paths(_));
+        let is_path = matches!(self.integrator, IntegratorState::Path(_));
         let of_paths = [
             (!n.textures, "textures", "no surface uses one"),
             (!n.emission, "emission", "no surface shines by itself"),
-            (self.emitters.is_empty(), "lights with extent", "there are none to be drawn from"),
+            (self.scene.emitters.is_empty(), "lights with extent", "there are none to be drawn from"),
             (!n.refraction, "nested dielectrics", "no ray is ever inside of a body"),
             (n.refraction && !n.absorption, "absorption", "transparent bodies are clear"),
         ];
         let listed = geometry.into_iter().chain(surface).chain(shading.into_iter().filter(|_| whitted));
         let listed = listed.chain(of_paths.into_iter().filter(|_| is_path));
-        let mut left_out: Vec<LeftOut> =
-            listed.filter(|(left, ..)| *left).map(|(_, what, why)| LeftOut { what, why: why.to_owned() }).collect();
-        if let Some(visible) = &self.visible {
-            let why = format!("{} of {} lie outside the view", visible.left_out(), visible.of());
-            left_out.push(LeftOut { what: "objects, for camera rays", why });
+        let mut left_out: Vec<LeftOut> = listed
+            .filter(|(left, ..)| *left)
+            .map(|(_, what, reason)| LeftOut { what, reason: reason.to_owned() })
+            .collect();
+        if let Some(visible) = &self.frame.visible {
+            let reason = format!("{} of {} lie outside the view", visible.left_out(), visible.of());
+            left_out.push(LeftOut { what: "objects, for camera rays", reason });
         }
-        let (alike, used) = self.bsdfs.count();
+        let (alike, used) = self.scene.bsdfs.count();
         if alike > 0 {
             let materials = count(used, "material", "materials");
-            let why = format!("{alike} of {materials} scatter light alike at every point");
+            let reason = format!("{alike} of {materials} scatter light alike at every point");
             let what =
                 if alike == used { "BSDFs made at each hit" } else { "BSDFs made at each hit, of some surfaces" };
-            left_out.push(LeftOut { what, why });
+            left_out.push(LeftOut { what, reason });
         }
         left_out.extend(self.light_paths_left_out());
-        if !self.integrator.follows_light() {
+        if !self.integrator_kind().follows_light() {
             left_out.push(LeftOut {
                 what: "light and materials",
-                why: format!("'{}' shows geometry alone", self.integrator.name()),
+                reason: format!("'{}' shows geometry alone", self.integrator_kind().name()),
             });
         }
         left_out
     }
 
     fn light_paths_left_out(&self) -> Option<LeftOut> {
-        if self.integrator != Integrator::Caustics {
+        if self.integrator_kind() != Integrator::Caustics {
             return None;
         }
-        let of = |what, why: &str| Some(LeftOut { what, why: why.to_owned() });
-        let Some(sources) = &self.light_sources else {
+        let of = |what, reason: &str| Some(LeftOut { what, reason: reason.to_owned() });
+        let Some(sources) = &self.scene.light_sources else {
             return of("light paths", "no lamp that can be drawn from shines on a sharp mirror or on glass");
         };
         let is_sun = |light: &Light| matches!(light.kind, LightKind::Directional { .. }) && light.casts_shadows;
-        if sources.targets().is_everywhere() && self.appearance.lights.iter().any(is_sun) {
+        if sources.targets().is_everywhere() && self.scene.appearance.lights.iter().any(is_sun) {
             return of("light paths of directional lights", "there is no end to what mirrors them");
         }
-        match self.emitters.environment() {
+        match self.scene.emitters.environment() {
             Some(_) => of("light paths of the environment", "its light is found by paths from the camera"),
             None => None,
         }

@@ -11,9 +11,9 @@ use rt_shading::{Coverage, Texture};
 
 use crate::{
     RenderError,
-    porous::{AlphaTestedMesh, Holes},
-    structure::{self, Wanted},
-    world::{Assembly, InstanceGeometry, Levels, MeshLevel, Moving, Part, Parts},
+    accel_choice::{self, AccelOptions},
+    alpha_mesh::{AlphaTest, AlphaTestedMesh},
+    instance::{Aggregate, Animated, BottomLevel, Instance, InstanceGeometry, Instances, MeshBlas},
 };
 
 /// Deepest accepted nesting of nodes and groups together.
@@ -25,30 +25,30 @@ const MAX_PARTS: u64 = 1 << 24;
 
 /// A mesh of at most so many triangles has no structure of its own where it needs no transform: its triangles join the level
 /// above.
-pub(crate) const DISSOLVED: usize = 64;
+pub(crate) const MAX_INLINED_TRIANGLES: usize = 64;
 
 /// Flattens a scene, in the space that `plan_from_world` leads to, and builds all structures. `may_be_flat` lets these decide by
-/// themselves where all parts are single primitives. With a `moment`, everything stands still where it is then.
+/// themselves where all parts are single primitives. With a `static_time`, everything stands still where it is then.
 pub(crate) fn flatten(
     scene: &Scene,
-    wanted: Wanted,
+    accel_options: AccelOptions,
     plan_from_world: Transform,
     may_be_flat: bool,
-    moment: Option<f64>,
-) -> Result<(Assembly, Levels), RenderError> {
+    static_time: Option<f64>,
+) -> Result<(Aggregate, BottomLevel), RenderError> {
     let mut flattener = Flattener {
         scene,
-        wanted,
+        accel_options,
         may_be_flat,
-        moment,
+        static_time,
         mesh_levels: HashMap::new(),
         group_levels: vec![None; scene.groups.len()],
         group_uses: count_group_uses(scene)?,
         group_sizes: vec![None; scene.groups.len()],
-        levels: Levels { textures: textures(scene), ..Levels::default() },
+        levels: BottomLevel { textures: textures(scene), ..BottomLevel::default() },
     };
-    let level = Level { assembly_from_parent: AnimatedTransformChain::constant(plan_from_world), ..Level::TOP };
-    let top = flattener.assembly(&scene.nodes, level)?;
+    let level = Level { aggregate_from_parent: AnimatedTransformChain::constant(plan_from_world), ..Level::TOP };
+    let top = flattener.aggregate(&scene.nodes, level)?;
     Ok((top, flattener.levels))
 }
 
@@ -59,7 +59,7 @@ fn textures(scene: &Scene) -> Vec<Texture> {
     if looks { scene.appearance.textures.clone() } else { Vec::new() }
 }
 
-/// How often each group is placed, counting through groups that are placed themselves.
+/// Number of uses of each group, through nested groups.
 pub(crate) fn count_group_uses(scene: &Scene) -> Result<Vec<u64>, RenderError> {
     let mut uses = vec![0u64; scene.groups.len()];
     let mut open = vec![(scene.nodes.as_slice(), 0usize)];
@@ -113,10 +113,10 @@ pub(crate) fn name_of_shape(scene: &Scene, index: u32) -> Option<&str> {
     None
 }
 
-/// Where the walk stands.
+/// Position of the traversal.
 #[derive(Clone, Debug)]
 struct Level {
-    assembly_from_parent: AnimatedTransformChain,
+    aggregate_from_parent: AnimatedTransformChain,
     casts_shadow: bool,
     depth: usize,
     /// Inside a group that has a level of its own: further groups are dissolved into it.
@@ -125,25 +125,28 @@ struct Level {
 
 impl Level {
     const TOP: Self = Self {
-        assembly_from_parent: AnimatedTransformChain::constant(Transform::IDENTITY),
+        aggregate_from_parent: AnimatedTransformChain::constant(Transform::IDENTITY),
         casts_shadow: true,
         depth: 0,
         within_group: false,
     };
 
-    /// What stands here is of this geometry, once it has a transform, and has such bounds without.
+    /// Geometry and bounds at this position, given the untransformed bounds.
     fn place(
         &self,
         bounds: Option<Aabb>,
         geometry: impl FnOnce(Option<Box<Transform>>) -> InstanceGeometry,
     ) -> (InstanceGeometry, Option<Aabb>) {
-        match self.assembly_from_parent.as_constant() {
+        match self.aggregate_from_parent.as_constant() {
             Some(transform) if transform.is_identity() => (geometry(None), bounds),
             Some(transform) => (geometry(Some(Box::new(*transform))), bounds.map(|bounds| transform.aabb(&bounds))),
             None => {
-                let assembly_from_local = self.assembly_from_parent.clone();
-                let swept = bounds.map(|bounds| assembly_from_local.aabb(&bounds));
-                (InstanceGeometry::Moving(Box::new(Moving { assembly_from_local, geometry: geometry(None) })), swept)
+                let aggregate_from_local = self.aggregate_from_parent.clone();
+                let swept = bounds.map(|bounds| aggregate_from_local.aabb(&bounds));
+                (
+                    InstanceGeometry::Animated(Box::new(Animated { aggregate_from_local, geometry: geometry(None) })),
+                    swept,
+                )
             }
         }
     }
@@ -151,42 +154,43 @@ impl Level {
 
 struct Flattener<'s> {
     scene: &'s Scene,
-    wanted: Wanted,
-    /// Whether a scene of single primitives is to be told apart.
+    accel_options: AccelOptions,
+    /// Allows hits by primitive index alone if all instances are single primitives.
     may_be_flat: bool,
-    /// When everything stands still, if it does.
-    moment: Option<f64>,
+    /// Time of the only position of all objects, if there is one.
+    static_time: Option<f64>,
     /// Level of each mesh that has one already, and of each material that cuts holes into it.
     mesh_levels: HashMap<(u32, Option<u32>), u32>,
     group_levels: Vec<Option<u32>>,
     group_uses: Vec<u64>,
     /// Number of parts of each group with all groups in it dissolved, where that is known.
     group_sizes: Vec<Option<u64>>,
-    levels: Levels,
+    levels: BottomLevel,
 }
 
 impl<'s> Flattener<'s> {
-    fn assembly(&mut self, nodes: &'s [Node], level: Level) -> Result<Assembly, RenderError> {
+    fn aggregate(&mut self, nodes: &'s [Node], level: Level) -> Result<Aggregate, RenderError> {
         let within_group = level.within_group;
         let count = self.count_parts(nodes, within_group);
         if count > MAX_PARTS {
             return Err(RenderError::TooManyParts { count, limit: MAX_PARTS });
         }
-        let mut parts = Vec::new();
-        self.collect(nodes, level, &mut parts)?;
+        let mut instances = Vec::new();
+        self.collect(nodes, level, &mut instances)?;
         if within_group {
-            self.number(&mut parts)?;
+            self.number(&mut instances)?;
         }
-        let is_flat = self.may_be_flat && !within_group && !parts.iter().any(|part| part.geometry.is_structure());
-        let set = Parts { parts: &parts, levels: &self.levels, is_flat };
-        let structure = structure::build(self.wanted, &set).map_err(|source| {
+        let is_flat =
+            self.may_be_flat && !within_group && !instances.iter().any(|instance| instance.geometry.is_structure());
+        let set = Instances { instances: &instances, levels: &self.levels, is_flat };
+        let structure = accel_choice::build(self.accel_options, &set).map_err(|source| {
             let object = match source {
-                BuildError::BadBounds { index, .. } => parts[index as usize].name.to_string(),
+                BuildError::BadBounds { index, .. } => instances[index as usize].name.to_string(),
                 _ => self.scene.name.clone(),
             };
             RenderError::Build { object, source }
         })?;
-        Ok(Assembly { parts, structure, is_flat })
+        Ok(Aggregate { instances, structure, is_flat })
     }
 
     /// Number of parts that [`collect`](Self::collect) will find at most.
@@ -201,7 +205,7 @@ impl<'s> Flattener<'s> {
                     // As many as a small one may be dissolved to.
                     Some(Content::Mesh(id)) => self.scene.meshes.get(id.0 as usize).map_or(1, |named| {
                         let triangles = named.mesh.data().triangles.len();
-                        if triangles <= DISSOLVED { triangles as u64 } else { 1 }
+                        if triangles <= MAX_INLINED_TRIANGLES { triangles as u64 } else { 1 }
                     }),
                     Some(Content::Instance(id)) => self.count_instance(id, within_group),
                 };
@@ -231,11 +235,11 @@ impl<'s> Flattener<'s> {
     }
 
     /// Numbers the primitives of a group's parts in a row, for hits to name both in one number.
-    fn number(&self, parts: &mut [Part]) -> Result<(), RenderError> {
+    fn number(&self, instances: &mut [Instance]) -> Result<(), RenderError> {
         let mut next = 0u32;
-        for part in parts {
-            part.first_primitive = next;
-            let count = match part.geometry.at_rest() {
+        for instance in instances {
+            instance.first_primitive = next;
+            let count = match instance.geometry.static_geometry() {
                 InstanceGeometry::Mesh(level, _) => self.levels.meshes[*level as usize].mesh.data().triangles.len(),
                 _ => 1,
             };
@@ -248,7 +252,7 @@ impl<'s> Flattener<'s> {
     }
 
     /// Adds what stands at the nodes and below. Trees may be deep, so the walk keeps its own stack.
-    fn collect(&mut self, nodes: &'s [Node], level: Level, parts: &mut Vec<Part>) -> Result<(), RenderError> {
+    fn collect(&mut self, nodes: &'s [Node], level: Level, instances: &mut Vec<Instance>) -> Result<(), RenderError> {
         let mut open = vec![(nodes.iter(), level)];
         while let Some((nodes, level)) = open.last_mut() {
             let Some(node) = nodes.next() else {
@@ -259,32 +263,34 @@ impl<'s> Flattener<'s> {
                 return Err(RenderError::Nesting(node.name.clone()));
             }
             let here = Level {
-                assembly_from_parent: self.place_below(&level.assembly_from_parent, node)?,
+                aggregate_from_parent: self.place_below(&level.aggregate_from_parent, node)?,
                 casts_shadow: level.casts_shadow && node.casts_shadow,
                 depth: level.depth + 1,
                 within_group: level.within_group,
             };
-            check_transform(node, &here.assembly_from_parent)?;
+            check_transform(node, &here.aggregate_from_parent)?;
             open.push((node.children.iter(), here.clone()));
             match node.content {
                 Some(Content::Shape(ref shape)) => {
-                    let object = parts.len() as u32;
-                    parts.push(Part { object, ..self.shape_part(node, shape, &here)? });
+                    let object = instances.len() as u32;
+                    instances.push(Instance { object, ..self.shape_part(node, shape, &here)? });
                 }
                 Some(Content::Mesh(id)) => {
-                    let first = parts.len() as u32;
+                    let first = instances.len() as u32;
                     let pieces = self.mesh_parts(node, id, &here)?;
-                    parts.extend(pieces.into_iter().map(|piece| Part { object: first, ..piece }));
+                    instances.extend(pieces.into_iter().map(|piece| Instance { object: first, ..piece }));
                 }
                 Some(Content::Instance(id)) => {
                     let group = group_of(self.scene, node, id)?;
                     // A group that moves as a whole is moved as a whole.
-                    let is_still = here.assembly_from_parent.as_constant().is_some();
+                    let is_still = here.aggregate_from_parent.as_constant().is_some();
                     if here.within_group || (is_still && self.group_uses[id.0 as usize] == 1) {
                         open.push((group.nodes.iter(), here));
                     } else {
-                        let object = parts.len() as u32;
-                        parts.extend(self.group_part(node, id, group, &here)?.map(|part| Part { object, ..part }));
+                        let object = instances.len() as u32;
+                        instances.extend(
+                            self.group_part(node, id, group, &here)?.map(|instance| Instance { object, ..instance }),
+                        );
                     }
                 }
                 None => {}
@@ -295,18 +301,18 @@ impl<'s> Flattener<'s> {
 
     /// Takes the node's space to that of the assembly.
     fn place_below(&self, outer: &AnimatedTransformChain, node: &Node) -> Result<AnimatedTransformChain, RenderError> {
-        let chain = match self.moment {
+        let chain = match self.static_time {
             None => node.place_below(outer),
-            Some(moment) => node.motion().map(|motion| {
-                let place = motion.map_or(node.parent_from_local, |motion| motion.at(moment));
+            Some(static_time) => node.motion().map(|motion| {
+                let place = motion.map_or(node.parent_from_local, |motion| motion.at(static_time));
                 outer.clone().compose(&place)
             }),
         };
         chain.map_err(|source| RenderError::AnimatedTransform { object: node.name.clone(), source })
     }
 
-    fn shape_part(&self, node: &Node, shape: &Shape, here: &Level) -> Result<Part, RenderError> {
-        let turned = here.assembly_from_parent.as_constant().filter(|transform| !transform.is_identity());
+    fn shape_part(&self, node: &Node, shape: &Shape, here: &Level) -> Result<Instance, RenderError> {
+        let turned = here.aggregate_from_parent.as_constant().filter(|transform| !transform.is_identity());
         let (geometry, bounds) = if let Some(transform) = turned {
             let placed = TransformedShape::new(shape.clone(), *transform);
             let baked = if self.shows_uv(node) { placed.bake_transform() } else { placed.bake_transform_ignoring_uv() };
@@ -323,10 +329,10 @@ impl<'s> Flattener<'s> {
         } else {
             here.place(shape.bounds(), |_| InstanceGeometry::Shape(shape.clone()))
         };
-        self.part(node, here, geometry, bounds)
+        self.instance(node, here, geometry, bounds)
     }
 
-    /// Whether anything looks at the texture coordinates of what stands at the node.
+    /// True if the material or the environment of the node uses texture coordinates.
     fn shows_uv(&self, node: &Node) -> bool {
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
         self.scene.settings.integrator == Integrator::Uv || material.is_some_and(|m| m.is_textured())
@@ -334,7 +340,7 @@ impl<'s> Flattener<'s> {
 
     /// A mesh as one part, or as one for each triangle if they are few and stand where they are; one without triangles is no
     /// part.
-    fn mesh_parts(&mut self, node: &Node, id: MeshId, here: &Level) -> Result<Vec<Part>, RenderError> {
+    fn mesh_parts(&mut self, node: &Node, id: MeshId, here: &Level) -> Result<Vec<Instance>, RenderError> {
         let named = self.scene.meshes.get(id.0 as usize).ok_or_else(|| RenderError::Dangling {
             object: node.name.clone(),
             what: "mesh",
@@ -343,25 +349,25 @@ impl<'s> Flattener<'s> {
         })?;
         let count = named.mesh.data().triangles.len();
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
-        let holes = material.and_then(|material| Holes::of(material, &named.mesh));
+        let alpha_test = material.and_then(|material| AlphaTest::of(material, &named.mesh));
         let has_relief = material.is_some_and(|material| material.relief.is_some());
-        if count <= DISSOLVED
-            && holes.is_none()
+        if count <= MAX_INLINED_TRIANGLES
+            && alpha_test.is_none()
             && !has_relief
-            && here.assembly_from_parent.as_constant().is_some_and(Transform::is_identity)
+            && here.aggregate_from_parent.as_constant().is_some_and(Transform::is_identity)
         {
             let facet = |index| {
                 let bounds = Primitives::bounds(&*named.mesh, index);
-                self.part(node, here, InstanceGeometry::Facet(Arc::clone(&named.mesh), index), bounds)
+                self.instance(node, here, InstanceGeometry::Triangle(Arc::clone(&named.mesh), index), bounds)
             };
             return (0..count as u32).map(facet).collect();
         }
-        let key = (id.0, holes.as_ref().map(|_| node.material.0));
+        let key = (id.0, alpha_test.as_ref().map(|_| node.material.0));
         let level = match self.mesh_levels.get(&key) {
             Some(level) => *level,
             None => {
                 let level = self.levels.meshes.len() as u32;
-                let mesh = self.mesh_level(named, holes)?;
+                let mesh = self.mesh_level(named, alpha_test)?;
                 self.levels.meshes.push(mesh);
                 self.mesh_levels.insert(key, level);
                 level
@@ -369,19 +375,20 @@ impl<'s> Flattener<'s> {
         };
         let (geometry, bounds) =
             here.place(Some(named.mesh.bounds()), |transform| InstanceGeometry::Mesh(level, transform));
-        Ok(vec![self.part(node, here, geometry, bounds)?])
+        Ok(vec![self.instance(node, here, geometry, bounds)?])
     }
 
-    fn mesh_level(&self, named: &NamedMesh, holes: Option<Holes>) -> Result<MeshLevel, RenderError> {
+    fn mesh_level(&self, named: &NamedMesh, alpha_test: Option<AlphaTest>) -> Result<MeshBlas, RenderError> {
         let mesh = Arc::clone(&named.mesh);
-        let structure = match &holes {
-            None => structure::build(self.wanted, &*mesh),
-            Some(holes) => {
-                structure::build(self.wanted, &AlphaTestedMesh { mesh: &mesh, holes, textures: &self.levels.textures })
-            }
+        let structure = match &alpha_test {
+            None => accel_choice::build(self.accel_options, &*mesh),
+            Some(alpha_test) => accel_choice::build(
+                self.accel_options,
+                &AlphaTestedMesh { mesh: &mesh, alpha_test, textures: &self.levels.textures },
+            ),
         };
         let structure = structure.map_err(|source| RenderError::Build { object: named.name.clone(), source })?;
-        Ok(MeshLevel { mesh, holes, structure })
+        Ok(MeshBlas { mesh, alpha_test, structure })
     }
 
     /// A group without parts is no part.
@@ -391,36 +398,36 @@ impl<'s> Flattener<'s> {
         id: GroupId,
         group: &'s Group,
         here: &Level,
-    ) -> Result<Option<Part>, RenderError> {
+    ) -> Result<Option<Instance>, RenderError> {
         let level = match self.group_levels[id.0 as usize] {
             Some(level) => level,
             None => {
                 let inside = Level { within_group: true, depth: here.depth, ..Level::TOP };
-                let assembly = self.assembly(&group.nodes, inside)?;
+                let aggregate = self.aggregate(&group.nodes, inside)?;
                 let level = self.levels.groups.len() as u32;
-                self.levels.groups.push(assembly);
+                self.levels.groups.push(aggregate);
                 self.group_levels[id.0 as usize] = Some(level);
                 level
             }
         };
         let group = &self.levels.groups[level as usize];
-        if group.parts.is_empty() {
+        if group.instances.is_empty() {
             return Ok(None);
         }
-        let bounds = group.parts.iter().try_fold(Aabb::EMPTY, |sum, part| Some(sum.union(part.bounds?)));
+        let bounds = group.instances.iter().try_fold(Aabb::EMPTY, |sum, instance| Some(sum.union(instance.bounds?)));
         let (geometry, bounds) = here.place(bounds, |transform| InstanceGeometry::Group(level, transform));
-        self.part(node, here, geometry, bounds).map(Some)
+        self.instance(node, here, geometry, bounds).map(Some)
     }
 
-    fn part(
+    fn instance(
         &self,
         node: &Node,
         here: &Level,
         geometry: InstanceGeometry,
         bounds: Option<Aabb>,
-    ) -> Result<Part, RenderError> {
+    ) -> Result<Instance, RenderError> {
         let count = self.scene.appearance.materials.len();
-        let is_group = matches!(geometry.at_rest(), InstanceGeometry::Group(..));
+        let is_group = matches!(geometry.static_geometry(), InstanceGeometry::Group(..));
         if node.material.0 as usize >= count && !is_group {
             let (object, index) = (node.name.clone(), node.material.0);
             return Err(RenderError::Dangling { object, what: "material", index, count });
@@ -429,7 +436,7 @@ impl<'s> Flattener<'s> {
         // where it is a bubble, the surface of the glass decides.
         let is_air = !is_group && self.scene.appearance.materials[node.material.0 as usize].phong.is_air();
         let relief = if is_group { None } else { self.scene.appearance.materials[node.material.0 as usize].relief };
-        Ok(Part {
+        Ok(Instance {
             geometry,
             relief,
             textured: true,
@@ -446,8 +453,8 @@ impl<'s> Flattener<'s> {
 
 /// Transforms are sound one by one; their product may still flatten space.
 fn check_transform(node: &Node, place: &AnimatedTransformChain) -> Result<(), RenderError> {
-    for moment in [0.0, 1.0] {
-        let transform = place.at(moment);
+    for static_time in [0.0, 1.0] {
+        let transform = place.at(static_time);
         Transform::from_linear(transform.linear(), transform.translation())
             .map_err(|source| RenderError::Transform { object: node.name.clone(), source })?;
     }

@@ -6,14 +6,14 @@
 //!                          └─ explain: what is used, what is left out, and why
 //! ```
 //!
-//! **Owns** the plan ([`RenderPlan`]), the two-level world that rays are traced against, the loop over tiles and samples,
-//! and the statistics. It is the only crate that knows structures *and* materials.
+//! **Owns** the plan ([`RenderPlan`]), the two-level world, the loop over tiles and samples,
+//! and the statistics. It is the only crate that knows accelerators *and* materials.
 //! **Does not own** files, arguments or progress bars; nothing here prints.
 //!
-//! What moves while the shutter is open takes each ray to where it is at the ray's moment, which is drawn for each sample; all
-//! rays of a sample share it. Where nothing moves no moment is drawn, and nothing is the slower for it.
+//! Motion blur: each sample has a random time, which all of its rays share. Scenes without motion use no time
+//! samples.
 //!
-//! The picture is a pure function of scene, settings and seed: thread count, tile order and structure change no bit.
+//! The image is a pure function of scene, settings and seed: bit-identical for all thread counts, tile orders and accelerators.
 //!
 //! ```
 //! use rt_render::{PlanOptions, RenderPlan, RunOptions};
@@ -47,63 +47,77 @@
 
 #![forbid(unsafe_code)]
 
-pub mod check;
+mod accel_choice;
+mod alpha_mesh;
+mod area_lights;
+mod camera_medium;
 mod checkpoint;
+mod clamping;
+mod compiled_scene;
 mod content;
-mod cost;
-mod crew;
-mod emitters;
+mod cost_view;
+mod crop;
 mod error;
 mod error_estimate;
 mod estimate;
 mod explain;
 mod flatten;
 mod forecast;
+mod frame;
+mod frustum_cull;
+mod instance;
+mod integrator;
 mod light_pass;
+mod light_sources;
 mod memory;
+mod object_space_aa;
 mod observer;
-mod outlook;
 mod part;
+mod pass_state;
 mod passes;
 mod pick;
 mod pixel;
 mod plan;
-mod porous;
-mod processor;
+mod plan_options;
+mod primary_rays;
+mod primitive_form;
 mod progressive;
-mod pyramid;
-mod quantile;
-mod rebase;
 mod refine;
 mod render;
+mod render_space;
+mod rendering;
+mod scene_geometry;
+mod share;
 mod splats;
 mod statistics;
 mod stop;
-mod structure;
-mod surroundings;
 mod tile;
+mod tile_job;
+mod tile_scheduler;
 mod tiles;
-mod trace;
-mod visible;
-mod wave;
+mod tracer;
 mod world;
 
 pub use checkpoint::{Checkpoint, UncheckedCheckpoint};
+pub use clamping::Clamping;
 pub use content::ContentError;
+pub use crop::Crop;
 pub use error::RenderError;
 pub use error_estimate::ErrorEstimate;
 pub use explain::{Explanation, LeftOut};
 pub use memory::MemoryPrediction;
 pub use observer::{Kept, Observer, RenderSnapshot};
-pub use part::{JoinError, Part, Share, UncheckedPart};
+pub use part::{JoinError, Part, UncheckedPart};
 pub use passes::default_passes;
 pub use pick::PickResult;
-pub use plan::{Clamping, Crop, PlanOptions, RenderPlan};
-pub use processor::processor;
-pub use quantile::student_t;
-pub use render::{PassProgress, Progress, Rendering, RunOptions, SampleRange, Towards};
+pub use plan::RenderPlan;
+pub use plan_options::PlanOptions;
+pub use render_space::RenderSpace;
+pub use rendering::{PassProgress, Progress, Rendering, RunOptions, SampleRange, Towards};
 pub use rt_accel::wide::{Quality, SimdLevel};
 pub use rt_geometry::{Counters, RayKind, RayStats};
 pub use rt_shading::ShadingCounts;
+pub use scene_geometry::SceneGeometry;
+pub use share::Share;
 pub use statistics::Statistics;
 pub use stop::{Criterion, StopRule, Stopped, TargetError};

@@ -1,12 +1,12 @@
-//! How much memory a render takes, foreseen from counts before any of it is taken.
+//! Prediction of the memory of a render from counts, before any of it is allocated.
 //!
 //! ```text
 //!   peak = textures + geometry + structures + max(building, film)
 //! ```
 //!
 //! The scene stays all the while. Structures are built one after the other, each with lists that it gives back; the picture is
-//! held only after that. Factors are upper estimates (`docs/MEMORY.md` has them beside measured peaks); what the program takes
-//! without a scene is not among them.
+//! held only after that. Factors are upper estimates (`docs/MEMORY.md` compares them with measured peaks); the memory of the program
+//! without a scene is not included.
 
 mod survey;
 
@@ -18,15 +18,10 @@ use bytesize::ByteSize;
 use rt_scene_io::{Background, Integrator, MemoryError, Scene};
 use rt_shading::Texture;
 
-use crate::{
-    Crop, RenderError,
-    estimate::PixelEstimate,
-    splats::SplatImage,
-    structure::{FEW, Wanted, choose},
-};
-pub(crate) use survey::Survey;
+use crate::{Crop, RenderError, accel_choice::AccelOptions, estimate::PixelEstimate, splats::SplatImage};
+use survey::{Most, Survey};
 
-/// Bytes of memory that a render takes, as foreseen.
+/// Predicted bytes of memory of a render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MemoryPrediction {
     /// The picture, and what is kept of each pixel while it is made and written.
@@ -37,25 +32,25 @@ pub struct MemoryPrediction {
     pub geometry: u64,
     /// Acceleration structures.
     pub structures: u64,
-    /// What the largest structure takes while it is built, and gives back.
+    /// Temporary memory of the largest accelerator while it is built.
     pub building: u64,
 }
 
-/// What is kept of each pixel.
+/// Data kept per pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PerPixel {
     /// The part of the image that is rendered.
     pub(crate) crop: Crop,
-    /// Whether there is an alpha channel.
+    /// True for an alpha channel.
     pub(crate) transparent: bool,
-    /// Whether passes are folded into an estimate of each pixel.
+    /// True if passes are accumulated per pixel.
     pub(crate) progressive: bool,
-    /// Whether structures are built over what camera rays can meet.
+    /// True if accelerators are built for the objects in view.
     pub(crate) culls: bool,
 }
 
 impl MemoryPrediction {
-    /// The most that is held at any moment.
+    /// Largest amount held at any time.
     pub const fn peak(&self) -> u64 {
         let Self { film, textures, geometry, structures, building } = *self;
         let passing = if film > building { film } else { building };
@@ -73,22 +68,22 @@ impl MemoryPrediction {
         ]
     }
 
-    /// What looking at a scene will take, without a picture of it; it is refused if that is more than the budget.
+    /// Prediction for a scene without an image; an error if it exceeds the budget.
     ///
     /// # Errors
     /// [`RenderError::Memory`], or if the tree is nested too deeply or an index points nowhere.
     pub fn of_scene(scene: &Scene, budget: Option<u64>) -> Result<Self, RenderError> {
         let crop = Crop { x: 0, y: 0, width: 0, height: 0 };
         let kept = PerPixel { crop, transparent: false, progressive: false, culls: false };
-        let (prediction, most) = Self::of(scene, Wanted::default(), &kept)?;
+        let (prediction, most) = Self::of(scene, AccelOptions::default(), &kept)?;
         prediction.check(budget, most)?;
         Ok(prediction)
     }
 
-    /// What a scene will take.
-    pub(crate) fn of(scene: &Scene, wanted: Wanted, kept: &PerPixel) -> Result<(Self, Most), RenderError> {
+    /// Prediction for a scene, and its largest item.
+    pub(crate) fn of(scene: &Scene, accel_options: AccelOptions, kept: &PerPixel) -> Result<(Self, Most), RenderError> {
         let mut most = Most::default();
-        let survey = Survey::of(scene, wanted, kept.culls, &mut most)?;
+        let survey = Survey::of(scene, accel_options, kept.culls, &mut most)?;
         let prediction = Self {
             film: film(scene, kept),
             textures: textures(scene),
@@ -102,7 +97,7 @@ impl MemoryPrediction {
         Ok((prediction, most))
     }
 
-    /// Refuses what needs more than the budget.
+    /// Error if the prediction exceeds the budget.
     pub(crate) fn check(&self, budget: Option<u64>, most: Most) -> Result<(), RenderError> {
         match budget {
             Some(budget) if self.peak() > budget => {
@@ -121,21 +116,6 @@ impl fmt::Display for MemoryPrediction {
             [film, textures, geometry, structures, building].map(ByteSize);
         write!(f, "film {film}, textures {textures}, geometry {geometry}, structures {structures}, ")?;
         write!(f, "building these {building}: at most {}", ByteSize(self.peak()))
-    }
-}
-
-/// What needs most memory of all.
-#[derive(Debug, Default)]
-pub(crate) struct Most {
-    bytes: u64,
-    what: String,
-}
-
-impl Most {
-    pub(crate) fn offer(&mut self, bytes: u64, what: impl FnOnce() -> String) {
-        if bytes > self.bytes {
-            *self = Self { bytes, what: what() };
-        }
     }
 }
 
@@ -159,25 +139,6 @@ fn textures(scene: &Scene) -> u64 {
         _ => 0,
     };
     unique.values().sum::<u64>().saturating_add(around)
-}
-
-/// Bytes of a structure over so many primitives: what it keeps, and what it takes besides while it is built. Measured on meshes
-/// of half a million triangles, and rounded up.
-pub(crate) fn structure(wanted: Wanted, primitives: u64) -> [u64; 2] {
-    use rt_accel::AcceleratorKind as Kind;
-    let [kept, besides] = match choose(wanted.accel, primitives <= FEW as u64) {
-        Kind::Linear => [16, 0],
-        Kind::Wide => [46, 100],
-        Kind::Bvh => [40, 140],
-        Kind::Grid => [44, 56],
-        Kind::Spheres => [48, 72],
-        Kind::Cylinders => [72, 90],
-        Kind::Kd => [110, 260],
-        Kind::Bsp => [220, 360],
-        Kind::Bih => [20, 56],
-        Kind::BihLazy => [60, 26],
-    };
-    [primitives.saturating_mul(kept), primitives.saturating_mul(besides)]
 }
 
 #[cfg(test)]

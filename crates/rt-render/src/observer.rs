@@ -1,16 +1,16 @@
-//! Whoever watches a render while it goes on.
+//! Observers of a running render.
 
 use rt_image::Image;
 use serde::Serialize;
 
 use crate::{
-    Checkpoint, Crop, ErrorEstimate, Progress,
+    Crop, ErrorEstimate, Progress,
     part::{Frame, Part, TilePixels},
-    progressive::PassState,
+    pass_state::PassState,
     tiles::Tile,
 };
 
-/// Who watches a render. Closures that take a [`Progress`] are observers as well.
+/// Observer of a render. Closures that take a [`Progress`] are observers as well.
 pub trait Observer {
     /// Called after each tile, in any order, on the thread that has begun the render; the others go on meanwhile.
     fn tile_done(&mut self, so_far: &RenderSnapshot<'_>);
@@ -25,25 +25,18 @@ impl<F: FnMut(Progress)> Observer for F {
     }
 }
 
-/// A render in the midst of it.
+/// Snapshot of a running render.
 pub struct RenderSnapshot<'a> {
     pub(crate) progress: Progress,
     pub(crate) tile: Tile,
     pub(crate) state: State<'a>,
 }
 
-/// What a render can go on from, to be written down; it is read as a [`Checkpoint`](crate::Checkpoint).
+/// State for a checkpoint, to be serialised; it is read as a [`Checkpoint`](crate::Checkpoint).
 #[derive(Clone, Copy, Serialize)]
 pub struct Kept<'a>(pub(crate) State<'a>);
 
-impl Kept<'_> {
-    /// Copy that a render can go on from.
-    pub fn to_checkpoint(&self) -> Checkpoint {
-        Checkpoint::of(self.0)
-    }
-}
-
-/// What there is of the picture.
+/// Current state of the image.
 #[derive(Clone, Copy, Serialize)]
 pub(crate) enum State<'a> {
     /// Some tiles, each of which has all of its samples.
@@ -53,7 +46,7 @@ pub(crate) enum State<'a> {
 }
 
 impl RenderSnapshot<'_> {
-    /// How far it has come.
+    /// Progress of the render.
     pub const fn progress(&self) -> Progress {
         self.progress
     }
@@ -74,7 +67,7 @@ impl RenderSnapshot<'_> {
         self.frame().transparent.then(|| self.tile_pixels().alpha)
     }
 
-    /// The whole picture so far: tiles that nothing is known of are black. Takes a moment.
+    /// Current image; unrendered tiles are black. Copies all pixels.
     pub fn film(&self) -> Image {
         match self.state {
             State::Tiles(part) => part.film(),
@@ -82,8 +75,8 @@ impl RenderSnapshot<'_> {
         }
     }
 
-    /// Estimated error of the picture after the last pass over all of it; `None` before the second pass, for a render tile by tile,
-    /// and where all passes are the same.
+    /// Estimated error of the image after the last pass over all of it. `None` before the second pass, for a render tile by tile,
+    /// and if all passes are equal.
     pub fn error(&self) -> Option<ErrorEstimate> {
         match self.state {
             State::Passes(passes) if passes.frame.passes_differ => passes.error.estimate(),
@@ -91,7 +84,7 @@ impl RenderSnapshot<'_> {
         }
     }
 
-    /// What a render can go on from, to be written down now.
+    /// State for a checkpoint, to be serialised now.
     pub const fn checkpoint(&self) -> Kept<'_> {
         Kept(self.state)
     }

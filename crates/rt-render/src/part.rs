@@ -1,4 +1,4 @@
-//! Finished tiles: what a render makes, what is kept of it, and what machines share out among each other.
+//! TileResult tiles: what a render makes, what is kept of it, and what machines share out among each other.
 //!
 //! ```text
 //!   share 1 of 3:  ▓░░▓░░▓░░      share 2 of 3:  ░▓░░▓░░▓░      join:  every tile once, or which is missing or doubled
@@ -9,65 +9,18 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use rt_image::Image;
+use rt_math::Rgb;
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
-    ContentError, Crop, RenderPlan, Rendering, RunOptions, SampleRange, Statistics, Stopped,
+    ContentError, Crop, RenderPlan, Rendering, RunOptions, SampleRange, Share, Statistics, Stopped,
     content::{check_count, check_crop, check_length, check_lost, check_share},
     error_estimate::ErrorSums,
-    render::rounded,
-    tile::Finished,
+    tile_job::TileResult,
     tiles::{Tile, tile, tile_count, tile_number},
 };
 
-/// A share of the tiles of a picture: one of `count` machines takes each tile whose number leaves `index` when divided by
-/// `count`. Neighbours go to different machines, so that all have about as much to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Share {
-    index: u32,
-    count: u32,
-}
-
-impl Share {
-    /// Everything.
-    pub const ALL: Self = Self { index: 0, count: 1 };
-
-    /// The greatest number of shares.
-    pub const MOST: u32 = 1 << 20;
-
-    /// Share number `index`, from 0 on, of `count`; `None` unless `index` is less and `count` at most [`MOST`](Self::MOST).
-    pub const fn new(index: u32, count: u32) -> Option<Self> {
-        if index < count && count <= Self::MOST { Some(Self { index, count }) } else { None }
-    }
-
-    /// Its number, from 0 on.
-    pub const fn index(self) -> u32 {
-        self.index
-    }
-
-    /// Shares in all.
-    pub const fn count(self) -> u32 {
-        self.count
-    }
-
-    /// How many of so many pieces belong to the share.
-    pub(crate) const fn pieces(self, all: usize) -> usize {
-        (all + self.count as usize - 1 - self.index as usize) / self.count as usize
-    }
-
-    /// True if piece number `piece` belongs to the share.
-    pub const fn holds(self, piece: usize) -> bool {
-        piece % self.count as usize == self.index as usize
-    }
-}
-
-impl Default for Share {
-    fn default() -> Self {
-        Self::ALL
-    }
-}
-
-/// What all parts of a picture have in common.
+/// Common header of all parts of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Frame {
     pub(crate) crop: Crop,
@@ -83,8 +36,8 @@ pub(crate) struct Frame {
 impl Frame {
     pub(crate) fn new(plan: &RenderPlan<'_>, options: &RunOptions<'_>) -> Self {
         Self {
-            crop: plan.crop,
-            transparent: plan.transparent,
+            crop: plan.frame.crop,
+            transparent: plan.frame.transparent,
             passes_differ: plan.passes_differ(),
             maps: options.maps,
             count: options.count,
@@ -92,13 +45,13 @@ impl Frame {
     }
 }
 
-/// What a tile shows, rounded to what films hold, row by row.
+/// Pixels of a tile, rounded to `f32`, row by row.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct TilePixels {
     pub(crate) pixels: Vec<[f32; 3]>,
     /// Empty unless the picture is transparent.
     pub(crate) alpha: Vec<f32>,
-    /// Empty after a single pass, and unless they are asked for.
+    /// Empty after a single pass, and unless requested.
     pub(crate) standard_errors: Vec<[f32; 3]>,
     /// Samples of each pixel; empty if all have as many.
     pub(crate) counts: Vec<u32>,
@@ -111,7 +64,7 @@ pub(crate) struct TilePixels {
 
 impl TilePixels {
     /// Rounds a tile whose pixels, if nothing else is said, have `samples_per_pixel`.
-    pub(crate) fn new(finished: &Finished, samples_per_pixel: u32, maps: bool) -> Self {
+    pub(crate) fn new(finished: &TileResult, samples_per_pixel: u32, maps: bool) -> Self {
         let least = finished.counts.iter().copied().min().unwrap_or(samples_per_pixel);
         let most = finished.counts.iter().copied().max().unwrap_or(samples_per_pixel);
         let variances = if maps { &finished.variances[..] } else { &[] };
@@ -291,7 +244,7 @@ impl Part {
         (u64::from(width) * u64::from(height)).saturating_mul(each)
     }
 
-    /// What ended its render.
+    /// Cause of the end of its render.
     pub const fn stopped(&self) -> Stopped {
         self.stopped
     }
@@ -341,17 +294,17 @@ impl Part {
     /// [`JoinError`] says which part is missing, doubled, unfinished, or of another picture. Whether parts are of the same
     /// scene is for the caller to know.
     pub fn join(parts: Vec<Self>) -> Result<Self, JoinError> {
-        let (frame, count) = parts.first().map(|first| (first.frame, first.share.count)).ok_or(JoinError::Nothing)?;
+        let (frame, count) = parts.first().map(|first| (first.frame, first.share.count())).ok_or(JoinError::Nothing)?;
         let mut holder = BTreeMap::new();
         for (number, part) in parts.iter().enumerate() {
             part.validate().map_err(|error| JoinError::Damaged(number, error))?;
             if part.frame != frame {
                 return Err(JoinError::Foreign(number));
             }
-            if part.share.count != count {
-                return Err(JoinError::Shares { part: number, count: part.share.count, expected: count });
+            if part.share.count() != count {
+                return Err(JoinError::Shares { part: number, count: part.share.count(), expected: count });
             }
-            if let Some(other) = holder.insert(part.share.index, number) {
+            if let Some(other) = holder.insert(part.share.index(), number) {
                 return Err(JoinError::Doubled(other, number));
             }
             match part.missing_tiles() {
@@ -434,11 +387,16 @@ impl Part {
         }
     }
 
-    /// Puts what is told of the pixels of a tile, if it is, in its place of the image.
+    /// Copies values of the pixels of a tile, if there are any, into the image.
     fn place<T: Copy>(&self, number: u32, values: &[T], image: &mut [T]) {
         let crop = self.frame.crop;
         for ([x, y], &value) in tile(crop, number as usize).pixels().zip(values) {
             image[(y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize] = value;
         }
     }
+}
+
+/// Rounds radiance to the precision of an image.
+pub(crate) fn rounded(value: Rgb) -> [f32; 3] {
+    value.to_array().map(|component| component as f32)
 }

@@ -1,4 +1,4 @@
-//! Passes: independent scrambles of the sample pattern, whose differences tell the error of their mean.
+//! Passes: independent scrambles of the sample pattern, whose differences estimate the error of their mean.
 //!
 //! ```text
 //!   fixed      |  N/M  |  N/M  |  N/M  |  N/M  |                     M passes, one pixel after the other
@@ -10,10 +10,10 @@
 //! The samples within a pass depend on each other, as those of Sobol' points do, so that their variance says nothing of the
 //! error of their mean. Whole passes are independent.
 
-use rt_camera::{PixelSampler, SamplerKind};
+use rt_camera::SamplerKind;
 use rt_math::random::hash;
 
-use crate::{RenderPlan, tiles::Tile};
+use crate::tiles::Tile;
 
 /// Passes that a fixed number of samples is split into by default.
 ///
@@ -29,27 +29,27 @@ pub const fn default_passes(pattern: SamplerKind, spp: u32, stochastic: bool) ->
     }
 }
 
-/// The seed of a pass. The first is the seed itself, so that a render of one pass knows nothing of passes.
+/// Seed of a pass; that of the first pass is the seed itself.
 pub(crate) fn pass_seed(seed: u64, pass: u32) -> u64 {
     if pass == 0 { seed } else { hash(&[seed, u64::from(pass)]) }
 }
 
-/// What is sampled of each pixel of a tile before the tile is handed over.
+/// Samples of a tile in one work item.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sweep<'a> {
+pub(crate) struct PassSpec<'a> {
     /// Number of the first pass.
     pub(crate) first: u32,
     /// Number of passes, at least 1.
     pub(crate) count: u32,
-    /// Samples per pixel of each.
+    /// Samples per pixel of each pass.
     pub(crate) spp: u32,
-    /// The same of pixels that show no edge, where pixels are told apart in object space.
+    /// Samples per pass of pixels without an edge, with adaptive sampling in object space.
     pub(crate) simple_spp: Option<u32>,
     /// The pixels to sample; all if `None`.
     pub(crate) pixels: Option<&'a PixelMask>,
 }
 
-impl Sweep<'_> {
+impl PassSpec<'_> {
     /// The most samples that a pixel takes.
     pub(crate) fn samples_per_pixel(&self) -> u64 {
         u64::from(self.count) * u64::from(self.spp)
@@ -61,41 +61,29 @@ impl Sweep<'_> {
     }
 }
 
-impl RenderPlan<'_> {
-    /// The samples of a pass.
-    pub(crate) fn sampler_of(&self, pass: u32, spp: u32) -> PixelSampler {
-        PixelSampler::new(self.pattern, spp, pass_seed(self.seed, pass))
-    }
-
-    /// All passes of a render of a fixed number of samples.
-    pub(crate) const fn all_passes(&self) -> Sweep<'static> {
-        Sweep { first: 0, count: self.passes, spp: self.pass_spp, simple_spp: self.simple_pass_spp, pixels: None }
-    }
-}
-
-/// Some of the pixels of a part of the image.
+/// Subset of the pixels of a part of the image.
 #[derive(Clone, Debug)]
 pub(crate) struct PixelMask {
     part: Tile,
-    wanted: Vec<bool>,
+    accel_options: Vec<bool>,
 }
 
 impl PixelMask {
-    /// The pixels of a part for which `wanted`, row by row, is true.
-    pub(crate) fn new(part: Tile, wanted: Vec<bool>) -> Self {
-        Self { part, wanted }
+    /// The pixels of a part for which `accel_options`, row by row, is true.
+    pub(crate) fn new(part: Tile, accel_options: Vec<bool>) -> Self {
+        Self { part, accel_options }
     }
 
     /// Number of pixels that are wanted.
     pub(crate) fn count(&self) -> usize {
-        self.wanted.iter().filter(|&&wanted| wanted).count()
+        self.accel_options.iter().filter(|&&accel_options| accel_options).count()
     }
 
     /// True for a pixel, in coordinates of the whole image, that is wanted.
     pub(crate) fn contains(&self, [x, y]: [u32; 2]) -> bool {
         let Tile { x: left, y: top, width, .. } = self.part;
         let index = (y - top) as usize * width as usize + (x - left) as usize;
-        self.wanted.get(index).copied().unwrap_or(false)
+        self.accel_options.get(index).copied().unwrap_or(false)
     }
 }
 

@@ -1,51 +1,56 @@
-//! What a pixel shows: the object, its material, and the point.
+//! Picking: object, material and point at a pixel.
 
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{Hit, InteractionFlags, NoProbe};
 use rt_math::{DVec2, DVec3, Interval, Ray};
 
-use crate::{RenderPlan, flatten, plan::World, trace::Surfaces, world::Parts};
+use crate::{
+    RenderPlan, flatten,
+    instance::Instances,
+    world::{ShadedPrimitives, World},
+};
 
-/// What the ray through the middle of a pixel meets first.
+/// Closest hit of the ray through the middle of a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PickResult {
-    /// Names of the node that was met, and before it of the instance whose group it belongs to, if that is placed more than
+    /// Name of the node that was hit, preceded by that of the instance of its group, if the group is placed more than
     /// once. Names are those of the scene, and may be empty.
     pub object: Vec<String>,
     /// Name of the material.
     pub material: String,
     /// Ray parameter of the point; for camera rays, its depth along the view axis.
     pub t: f64,
-    /// Distance of the point from where the ray starts: the pinhole, the centre of the lens, or the camera plane of parallel
+    /// Distance of the point from the ray origin: the pinhole, the centre of the lens, or the camera plane of parallel
     /// rays; in world units.
     pub distance: f64,
-    /// The point in world space.
+    /// Hit point in world space.
     pub point: DVec3,
-    /// The shading normal there, of unit length.
+    /// Unit shading normal.
     pub normal: DVec3,
 }
 
 impl RenderPlan<'_> {
-    /// What pixel (`x`, `y`), counted from the upper left corner of the whole image, shows in its middle, in the middle of the
-    /// shutter's time. `None` where that is the background. Pixels outside of the image are fine.
+    /// Object at the middle of pixel (`x`, `y`), counted from the upper left corner of the whole image, in the middle of the
+    /// shutter interval. `None` for the background. Pixels outside of the image are valid.
     pub fn pick(&self, x: u32, y: u32) -> Option<PickResult> {
-        let raster = DVec2::new(f64::from(x), f64::from(y)) + self.sample_offset;
-        let time = if self.moves { self.camera.moment(0.5) } else { 0.0 };
-        let ray = self.camera.ray(raster, time);
-        match &self.world {
+        let raster = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
+        let time = if self.frame.has_motion { self.frame.camera.moment(0.5) } else { 0.0 };
+        let ray = self.frame.camera.ray(raster, time);
+        match &self.scene.world {
             World::Spheres(world, structure) => {
-                let name =
-                    |hit: &Hit| flatten::name_of_shape(self.scene, hit.primitive).map(|name| vec![name.to_owned()]);
+                let name = |hit: &Hit| {
+                    flatten::name_of_shape(self.scene.source, hit.primitive).map(|name| vec![name.to_owned()])
+                };
                 self.pick_in(world, structure, &ray, name)
             }
-            World::Parts(top, levels) => {
+            World::Instances(top, levels) => {
                 let world = top.set(levels);
                 self.pick_in(&world, &top.structure, &ray, |hit| world.names_at(hit))
             }
         }
     }
 
-    fn pick_in<W: Surfaces>(
+    fn pick_in<W: ShadedPrimitives>(
         &self,
         world: &W,
         structure: &AnyAccelerator,
@@ -54,26 +59,26 @@ impl RenderPlan<'_> {
     ) -> Option<PickResult> {
         let hit = structure.closest(world, ray, Interval::new(0.0, f64::INFINITY), &mut NoProbe)?;
         let surface = world.surface_at(ray, &hit, InteractionFlags::ALL)?;
-        let material = self.scene.appearance.materials.get(surface.material as usize);
+        let material = self.scene.source.appearance.materials.get(surface.material as usize);
         Some(PickResult {
             object: names(&hit)?,
             material: material.map_or_else(String::new, |material| material.name.clone()),
             t: surface.t,
             distance: surface.t * ray.direction.length(),
-            point: surface.interaction.point + self.origin,
+            point: surface.interaction.point + self.scene.space.origin(),
             normal: surface.interaction.shading_normal,
         })
     }
 }
 
-impl Parts<'_> {
-    /// The names of the part that a hit is on, that of an instance before that of what it places.
+impl Instances<'_> {
+    /// Names of the hit object; that of an instance comes first.
     fn names_at(&self, hit: &Hit) -> Option<Vec<String>> {
-        let part = self.parts.get(self.place(hit) as usize)?;
-        let inner = part.geometry.group().and_then(|level| {
-            let inner = &self.levels.groups.get(level as usize)?.parts;
-            inner.get(inner.partition_point(|part| part.first_primitive <= hit.primitive).checked_sub(1)?)
+        let instance = self.instances.get(self.instance_index(hit) as usize)?;
+        let inner = instance.geometry.group().and_then(|level| {
+            let inner = &self.levels.groups.get(level as usize)?.instances;
+            inner.get(inner.partition_point(|instance| instance.first_primitive <= hit.primitive).checked_sub(1)?)
         });
-        Some([Some(part), inner].into_iter().flatten().map(|part| part.name.to_string()).collect())
+        Some([Some(instance), inner].into_iter().flatten().map(|instance| instance.name.to_string()).collect())
     }
 }

@@ -6,7 +6,7 @@ use rt_shading::Seen;
 /// A pixel being sampled.
 #[derive(Clone, Copy)]
 pub(crate) struct Pixel {
-    lobes: [Lobe; 2],
+    lobes: [FilterLobe; 2],
     transparent: bool,
     bad_samples: u64,
 }
@@ -14,11 +14,11 @@ pub(crate) struct Pixel {
 impl Pixel {
     /// A pixel without samples; `transparent` leaves the background out and records coverage.
     pub(crate) fn new(transparent: bool) -> Self {
-        Self { lobes: [Lobe::default(); 2], transparent, bad_samples: 0 }
+        Self { lobes: [FilterLobe::default(); 2], transparent, bad_samples: 0 }
     }
 
     /// A pixel of the same kind without samples.
-    pub(crate) fn emptied(&self) -> Self {
+    pub(crate) fn cleared(&self) -> Self {
         Self::new(self.transparent)
     }
 
@@ -34,7 +34,7 @@ impl Pixel {
 
     /// The filtered radiance and coverage. Negative lobes can take coverage out of [0, 1].
     pub(crate) fn mean(&self) -> (Rgb, f64) {
-        Lobe::difference(&self.lobes)
+        FilterLobe::difference(&self.lobes)
     }
 
     /// Number of samples that were not a radiance.
@@ -53,7 +53,7 @@ fn is_radiance(rgb: Rgb) -> bool {
 /// The two are averaged apart and then subtracted: a flat area stays flat, however many samples fall into each. All
 /// samples of filters without negative lobes have weight 1 and lie in the first.
 #[derive(Clone, Copy, Default)]
-struct Lobe {
+struct FilterLobe {
     radiance: Rgb,
     coverage: f64,
     count: f64,
@@ -61,7 +61,7 @@ struct Lobe {
     magnitude: f64,
 }
 
-impl Lobe {
+impl FilterLobe {
     /// Adds a sample; `None` shows nothing.
     #[inline]
     fn add(&mut self, radiance: Option<Rgb>, magnitude: f64) {

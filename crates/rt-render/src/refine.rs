@@ -3,25 +3,20 @@
 
 use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
-
 use crate::{
-    ContentError, Criterion, Observer, Stopped, TargetError,
-    content::{MAX_PASSES, check_count, check_length},
+    Criterion, Observer, Stopped, TargetError,
     estimate::PixelEstimate,
+    pass_state::{PassCursor, RefineStage},
     passes::PixelMask,
-    progressive::{Place, Progressive},
-    quantile::student_t,
+    progressive::Progressive,
     stop::{FIRST_TEST_OF_IMAGE, PASSES_BETWEEN_TESTS},
     tiles::Tile,
 };
+use rt_math::stats::student_t;
 
 /// Samples per pixel from which an image without any difference between passes counts as one without error. Before, rare light
 /// may not have been found yet.
 const LEAST_SPP_WITHOUT_NOISE: f64 = 64.0;
-
-/// Number of the first pass whose samples nothing was decided by.
-const SECOND_STAGE: u32 = 1 << 31;
 
 /// Added to radiance, so that black pixels can be sure of it as well.
 const DARK: f64 = 0.01;
@@ -29,49 +24,12 @@ const DARK: f64 = 0.01;
 impl TargetError {
     const CONFIDENCE: f64 = 0.95;
 
-    /// How much too wide a pixel's interval is, in the channel where it is worst: up to 1, the pixel has converged.
+    /// Width of a pixel's interval over the target, in the worst channel; up to 1 the pixel has converged.
     fn excess(&self, pixel: &PixelEstimate, student: f64) -> f64 {
         let Some(variance) = pixel.variance() else { return f64::INFINITY };
         let excess = |variance: f64, mean: f64| student * variance.sqrt() / (self.relative * (mean.max(0.0) + DARK));
         let channels = variance.to_array().into_iter().zip(pixel.mean().to_array());
         channels.map(|(variance, mean)| excess(variance, mean)).fold(0.0, f64::max)
-    }
-}
-
-/// Which of its samples decide, and which make the picture.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Stage {
-    /// All of them, over all pixels.
-    #[default]
-    Everywhere,
-    /// Those of the pixels that are not yet sure, row by row.
-    Decide(Vec<bool>),
-    /// New ones: as many passes of each pixel as were decided on. What ended the decision, and how many pixels were not sure.
-    Repeat(Vec<u32>, Stopped, u64),
-}
-
-impl Stage {
-    /// The number that tells the random numbers of a pass from those of others.
-    pub(crate) const fn seed_of(&self, pass: u32) -> u32 {
-        match self {
-            Self::Everywhere | Self::Decide(_) => pass,
-            Self::Repeat(..) => SECOND_STAGE | pass,
-        }
-    }
-
-    /// Checks that there is an entry for each of so many pixels, and that no count of passes is beyond all limits.
-    pub(crate) fn validate(&self, pixels: usize) -> Result<(), ContentError> {
-        let of = || "the picture".to_owned();
-        match self {
-            Self::Everywhere => Ok(()),
-            Self::Decide(active) => check_length("active pixels", of, active.len(), pixels),
-            Self::Repeat(decided, _, unconverged) => {
-                check_length("passes to repeat", of, decided.len(), pixels)?;
-                let most = decided.iter().copied().max().unwrap_or(0);
-                check_count("the number of passes to repeat", most.into(), MAX_PASSES.into())?;
-                check_count("the number of pixels that have not converged", *unconverged, pixels as u64)
-            }
-        }
     }
 }
 
@@ -83,14 +41,15 @@ impl<O: Observer> Progressive<'_, O> {
         if !target.takes_new_samples(self.state.pixels.len()) {
             return self.decide(target, time, 1.0);
         }
-        if !matches!(self.state.place.stage, Stage::Repeat(..)) {
+        if !matches!(self.state.cursor.stage, RefineStage::Repeat(..)) {
             let end = self.decide(target, time.map(|time| time / 2), 2.0);
             if end.0 == Stopped::Interrupted {
                 return end;
             }
             let decided = self.state.pixels.iter().map(PixelEstimate::passes).collect();
             self.state.pixels.fill(PixelEstimate::default());
-            self.state.place = Place { stage: Stage::Repeat(decided, end.0, end.1.unwrap_or(0)), ..Place::default() };
+            self.state.cursor =
+                PassCursor { stage: RefineStage::Repeat(decided, end.0, end.1.unwrap_or(0)), ..PassCursor::default() };
         }
         let (stopped, unconverged) = self.repeat(time);
         (stopped, Some(unconverged))
@@ -118,7 +77,7 @@ impl<O: Observer> Progressive<'_, O> {
             if self.take_pass(spp, None).is_break() {
                 return Stopped::Interrupted;
             }
-            if let Some(error) = self.relative_rmse().filter(|_| self.state.place.pass >= FIRST_TEST_OF_IMAGE) {
+            if let Some(error) = self.relative_rmse().filter(|_| self.state.cursor.pass >= FIRST_TEST_OF_IMAGE) {
                 let samples = self.samples() as f64;
                 let may_lack_light = error == 0.0 && samples < LEAST_SPP_WITHOUT_NOISE * pixels as f64;
                 if error <= relative && !may_lack_light {
@@ -132,9 +91,9 @@ impl<O: Observer> Progressive<'_, O> {
 
     /// The pixels that are not yet sure, as far as is known.
     fn active(&self) -> Vec<bool> {
-        match &self.state.place.stage {
-            Stage::Decide(active) => active.clone(),
-            Stage::Everywhere | Stage::Repeat(..) => vec![true; self.state.pixels.len()],
+        match &self.state.cursor.stage {
+            RefineStage::Decide(active) => active.clone(),
+            RefineStage::Everywhere | RefineStage::Repeat(..) => vec![true; self.state.pixels.len()],
         }
     }
 
@@ -150,26 +109,26 @@ impl<O: Observer> Progressive<'_, O> {
         let allowed = ((1.0 - share) * self.state.pixels.len() as f64 + 1e-6) as usize;
         let mut cause = Stopped::Samples;
         let mut active = self.active();
-        let mut wanted = count(&active);
-        let mut mask = (wanted < active.len()).then(|| PixelMask::new(self.part(), active.clone()));
+        let mut accel_options = count(&active);
+        let mut mask = (accel_options < active.len()).then(|| PixelMask::new(self.part(), active.clone()));
         while let Some(spp) = self.pass_spp() {
-            if !self.is_in_time(spp, wanted, time) {
+            if !self.is_in_time(spp, accel_options, time) {
                 cause = Stopped::Time;
                 break;
             }
             if self.take_pass(spp, mask.as_ref()).is_break() {
-                return (Stopped::Interrupted, wanted as u64);
+                return (Stopped::Interrupted, accel_options as u64);
             }
-            if self.state.place.pass.is_multiple_of(PASSES_BETWEEN_TESTS) {
+            if self.state.cursor.pass.is_multiple_of(PASSES_BETWEEN_TESTS) {
                 let unconverged = self.unconverged(target, &active, stages);
                 let missing = count(&unconverged);
                 if missing <= allowed {
                     return (Stopped::Target, missing as u64);
                 }
                 active = neighbourhood(&unconverged, &active, self.part());
-                wanted = count(&active);
+                accel_options = count(&active);
                 mask = Some(PixelMask::new(self.part(), active.clone()));
-                self.state.place.stage = Stage::Decide(active.clone());
+                self.state.cursor.stage = RefineStage::Decide(active.clone());
             }
         }
         match count(&self.unconverged(target, &active, stages)) {
@@ -180,7 +139,7 @@ impl<O: Observer> Progressive<'_, O> {
 
     /// The active pixels that have not reached the error, all of which have taken all passes so far.
     fn unconverged(&mut self, target: TargetError, active: &[bool], stages: f64) -> Vec<bool> {
-        let passes = self.state.place.pass;
+        let passes = self.state.cursor.pass;
         let student =
             if passes > 1 { student_t(TargetError::CONFIDENCE, f64::from(passes - 1)) } else { f64::INFINITY };
         // The error falls as the square root of the number of samples, or faster.
@@ -201,21 +160,21 @@ impl<O: Observer> Progressive<'_, O> {
 
     /// Takes as many passes of each pixel as decided, from new samples.
     fn repeat(&mut self, time: Option<Duration>) -> (Stopped, u64) {
-        let Stage::Repeat(decided, stopped, unconverged) = self.state.place.stage.clone() else {
+        let RefineStage::Repeat(decided, stopped, unconverged) = self.state.cursor.stage.clone() else {
             return (Stopped::Samples, 0);
         };
         let last = decided.iter().copied().max().unwrap_or(0);
         self.forecast.know(self.samples_with_new_ones(&decided, last) as f64);
-        while self.state.place.pass < last {
-            let pass = self.state.place.pass;
+        while self.state.cursor.pass < last {
+            let pass = self.state.cursor.pass;
             let active: Vec<_> = decided.iter().map(|&passes| passes > pass).collect();
-            let wanted = count(&active);
+            let accel_options = count(&active);
             let Some(spp) = self.pass_spp() else { break };
-            if !self.is_in_time(spp, wanted, time) {
-                return (Stopped::Time, wanted.max(unconverged as usize) as u64);
+            if !self.is_in_time(spp, accel_options, time) {
+                return (Stopped::Time, accel_options.max(unconverged as usize) as u64);
             }
             if self.take_pass(spp, Some(&PixelMask::new(self.part(), active))).is_break() {
-                return (Stopped::Interrupted, wanted.max(unconverged as usize) as u64);
+                return (Stopped::Interrupted, accel_options.max(unconverged as usize) as u64);
             }
         }
         (stopped, unconverged)

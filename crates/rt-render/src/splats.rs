@@ -1,4 +1,4 @@
-//! What light paths add to pixels, in integers, so that the sum is the same in whatever order they come.
+//! Splats of light paths in integers, so that the sum is independent of their order.
 
 use rt_camera::Filter;
 use rt_math::{DVec2, Rgb};
@@ -17,7 +17,7 @@ pub(crate) struct Splat {
     is_negative: bool,
 }
 
-/// The image that light paths make. Sums that are too great stay at the greatest.
+/// Image of light paths with saturating sums.
 #[derive(Clone, Debug)]
 pub(crate) struct SplatImage {
     /// Row by row, for the positive part of the filter and for the negative one, if it has one.
@@ -54,9 +54,9 @@ impl SplatImage {
     }
 }
 
-/// Shares light that arrives at a place of the image out among the pixels of a part whose filter reaches there. Pixel centres
+/// Distributes light at a raster position among the pixels of a crop whose filter covers it. Pixel centres
 /// lie `offset` from their upper left corners.
-pub(crate) fn spread(filter: Filter, crop: Crop, offset: DVec2, raster: DVec2, light: Rgb, mut add: impl FnMut(Splat)) {
+pub(crate) fn splat(filter: Filter, crop: Crop, offset: DVec2, raster: DVec2, light: Rgb, mut add: impl FnMut(Splat)) {
     let (reach, place) = (filter.radius(), raster - offset);
     let rows = within(place.y, reach, crop.y, crop.height);
     let columns = within(place.x, reach, crop.x, crop.width);
@@ -88,12 +88,12 @@ mod tests {
     fn image_of(filter: Filter, splats: &[(DVec2, Rgb)]) -> SplatImage {
         let mut image = SplatImage::new(CROP, filter);
         for (raster, light) in splats {
-            spread(filter, CROP, DVec2::splat(0.5), *raster, *light, |splat| image.add(&splat));
+            splat(filter, CROP, DVec2::splat(0.5), *raster, *light, |splat| image.add(&splat));
         }
         image
     }
 
-    /// What is splatted over the whole image arrives: the sum over pixels of the filter is 1 on average.
+    /// No energy is lost: the sum over pixels of the filter is 1 on average.
     #[test]
     fn no_light_is_lost_or_made() {
         for filter in [Filter::Box, Filter::Tent, Filter::Gaussian { sigma: 0.5 }, Filter::Mitchell] {

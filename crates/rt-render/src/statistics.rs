@@ -1,23 +1,28 @@
-//! What a render did and how long it took.
+//! Counts and times of a render.
 
-use rt_geometry::Counters;
+use rt_geometry::{Counters, RayKind, RayStats};
 use rt_shading::ShadingCounts;
 use serde::{Deserialize, Serialize};
 
-use crate::{RenderPlan, crew::Crew, light_pass::LitChunk, tile::Finished};
+use crate::{
+    ContentError,
+    content::{MAX_COUNT, MAX_PASSES, MAX_THREADS, check_count, check_number},
+    light_pass::LightChunk,
+    tile_job::TileResult,
+};
 
-/// Figures of one render. Counts are deterministic; times are not.
+/// Counts and times of one render. Counts are deterministic; times are not.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Camera samples taken.
     pub samples: u64,
-    /// Camera samples that met a surface; none if the picture shows nothing but the background.
+    /// Camera samples that hit a surface.
     pub camera_hits: u64,
-    /// Pixels that took few samples, as they show no edge; none unless pixels are told apart in object space.
+    /// Pixels that took few samples, as they have no edge; only with adaptive sampling in object space.
     pub simple_pixels: u64,
     /// Rays by kind, and with [`RunOptions::count`](crate::RunOptions) also nodes, primitive tests and hits.
     pub counters: Counters,
-    /// Camera rays that were not traced, because their tile knew that there is nothing in their part of the view.
+    /// Camera rays that were skipped because their tile has no object in view.
     pub primary_rays_spared: u64,
     /// Work of shading.
     pub shading: ShadingCounts,
@@ -34,8 +39,8 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Of a render that has not begun.
-    pub(crate) fn new(crew: &Crew<'_>, plan: &RenderPlan<'_>) -> Self {
+    /// Statistics before the first sample.
+    pub(crate) fn new(threads: usize, build_seconds: f64) -> Self {
         Self {
             samples: 0,
             camera_hits: 0,
@@ -45,14 +50,14 @@ impl Statistics {
             shading: ShadingCounts::default(),
             passes: 0,
             bad_samples: 0,
-            threads: crew.threads(),
-            build_seconds: plan.build_seconds,
+            threads,
+            build_seconds,
             render_seconds: 0.0,
         }
     }
 
-    /// Adds what a tile took.
-    pub(crate) fn add(&mut self, tile: &Finished) {
+    /// Adds the counts of a tile.
+    pub(crate) fn add(&mut self, tile: &TileResult) {
         self.samples += tile.samples;
         self.camera_hits += tile.camera_hits;
         self.simple_pixels += tile.simple_pixels;
@@ -62,19 +67,19 @@ impl Statistics {
         self.bad_samples += tile.bad_samples;
     }
 
-    /// Adds what some light paths took.
-    pub(crate) fn add_light(&mut self, lit: &LitChunk) {
+    /// Adds the counts of some light paths.
+    pub(crate) fn add_light(&mut self, lit: &LightChunk) {
         self.counters += lit.counters;
         self.shading += lit.shading;
         self.bad_samples += lit.bad;
     }
 
-    /// The figures of a render that goes on, in a run that has just begun.
+    /// Statistics of a resumed render.
     pub(crate) const fn continued(self, run: &Self) -> Self {
         Self { threads: run.threads, build_seconds: run.build_seconds, ..self }
     }
 
-    /// Adds what another part of the same picture took.
+    /// Adds the counts and times of another shard of the same image.
     pub(crate) fn join(&mut self, other: &Self) {
         self.samples += other.samples;
         self.camera_hits += other.camera_hits;
@@ -87,6 +92,68 @@ impl Statistics {
         self.threads += other.threads;
         self.build_seconds += other.build_seconds;
         self.render_seconds += other.render_seconds;
+    }
+
+    /// Checks that no count is so large that a sum of a few overflows, and that times are times.
+    pub(crate) fn validate(&self) -> Result<(), ContentError> {
+        let Self {
+            samples,
+            simple_pixels,
+            counters,
+            camera_hits,
+            primary_rays_spared,
+            shading,
+            passes,
+            bad_samples,
+            threads,
+            build_seconds,
+            render_seconds,
+        } = *self;
+        let ShadingCounts {
+            shadow_rays_spared,
+            highlights,
+            mirrors,
+            refractions,
+            fresnel,
+            absorption,
+            passages,
+            depth_limited,
+            interior_overflows,
+            clamped,
+            // A sum that saturates.
+            clamped_units: _,
+        } = shading;
+        let counts = [
+            ("the number of samples", samples),
+            ("the number of pixels without edges", simple_pixels),
+            ("the number of primary rays that were spared", primary_rays_spared),
+            ("the number of camera rays that hit", camera_hits),
+            ("the number of bad samples", bad_samples),
+            ("the number of shadow rays that were spared", shadow_rays_spared),
+            ("the number of highlights", highlights),
+            ("the number of mirror directions", mirrors),
+            ("the number of refractions", refractions),
+            ("the number of Fresnel terms", fresnel),
+            ("the number of absorption terms", absorption),
+            ("the number of passages", passages),
+            ("the number of paths that reached the depth limit", depth_limited),
+            ("the number of interior overflows", interior_overflows),
+            ("the number of clamped contributions", clamped),
+        ];
+        for (name, count) in counts {
+            check_count(name, count, MAX_COUNT)?;
+        }
+        for kind in RayKind::ALL {
+            let RayStats { rays, nodes, tests, hits } = counters.of(kind);
+            check_count("the number of rays", rays, MAX_COUNT)?;
+            check_count("the number of nodes", nodes, MAX_COUNT)?;
+            check_count("the number of primitive tests", tests, MAX_COUNT)?;
+            check_count("the number of hits", hits, MAX_COUNT)?;
+        }
+        check_count("the number of passes", passes.into(), MAX_PASSES.into())?;
+        check_count("the number of threads", threads as u64, MAX_THREADS)?;
+        check_number("the build time in seconds", build_seconds)?;
+        check_number("the render time in seconds", render_seconds)
     }
 
     /// Millions of rays of all kinds per second of rendering.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::RenderError;
 
-/// What ends a render of passes over the whole image: whichever of these comes first. At least one pass is taken.
+/// Stop rule of a progressive render: the first condition that holds ends it. At least one pass is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopRule {
     /// Wall-clock time to render. A pass begins only if it will be over in time, judged by the pass before.
@@ -89,10 +89,10 @@ impl TargetError {
 /// Pixels of an image that decide together without bias: `cargo xtask regress analytic/target-error-bias` found none at this size.
 const LEAST_PIXELS_OF_ONE_STAGE: usize = 1024;
 
-/// What ended a render.
+/// Cause of the end of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Stopped {
-    /// All samples that were asked for, or as many as a pixel may have.
+    /// All requested samples, or the maximum per pixel.
     Samples,
     /// Another pass would not have been over in time.
     Time,
@@ -123,12 +123,12 @@ impl StopRule {
     /// Samples of pass number `pass`, if each pixel has `taken` so many; `None` if it has all that it may.
     pub(crate) fn pass_spp(&self, pattern: SamplerKind, pass: u32, taken: u32) -> Option<u32> {
         let left = self.max_spp.saturating_sub(taken);
-        let wanted = match self.target.map(|target| target.criterion) {
+        let accel_options = match self.target.map(|target| target.criterion) {
             None => growing_spp(pass),
             Some(Criterion::Image) => self.spp_of_image(pass),
             Some(Criterion::Pixels { .. }) => self.doubling_spp(pass),
         };
-        let spp = pattern.round_up(wanted.min(left.max(1)));
+        let spp = pattern.round_up(accel_options.min(left.max(1)));
         (pass == 0 || spp <= left).then_some(spp)
     }
 

@@ -2,297 +2,204 @@
 
 use rt_accel::{AnyAccelerator, wide::SmallSet};
 use rt_camera::SampleStream;
-use rt_geometry::{Counters, Hit, NoProbe, Probe, RayCounts};
-use rt_math::{Ray, Rgb};
+use rt_geometry::{Counters, Hit, NoProbe};
+use rt_math::Ray;
 use rt_scene_io::Integrator;
-use rt_shading::{Background, Interior, Lighting, OcclusionWave, PathTracer, Seen, ShadingCounts, Whitted};
+use rt_shading::{Background, Interior, Lighting, OcclusionWave, PathTracer, Seen, Whitted};
 
 use crate::{
     Crop, RenderPlan,
-    cost::cost,
-    error_estimate::ErrorSums,
+    camera_medium::CameraMedium,
+    cost_view::cost,
     estimate::PixelEstimate,
-    passes::{PixelMask, Sweep},
+    frustum_cull::{self, PrimaryTarget},
+    integrator::IntegratorState,
     pixel::Pixel,
-    plan::{View, World},
-    surroundings::CameraMedium,
+    primary_rays::PrimaryRayBatch,
+    tile_job::{TileJob, TileResult},
     tiles::Tile,
-    trace::{Surfaces, WorldTracer},
-    visible::{self, InView},
-    wave::CameraWave,
+    tracer::{SceneTracer, StatsProbe},
+    world::{ShadedPrimitives, World},
 };
 
-/// What structures report to: a probe that counts all, or none. Rays are counted beside it, so that structures need no
-/// code for a third.
-pub(crate) trait Countable: Probe + Default + Send {
-    /// The full table, as far as it is known.
-    fn counters(&self, rays: RayCounts) -> Counters;
-}
-
-impl Countable for Counters {
-    fn counters(&self, _rays: RayCounts) -> Counters {
-        *self
-    }
-}
-
-impl Countable for NoProbe {
-    fn counters(&self, rays: RayCounts) -> Counters {
-        Counters::from(rays)
-    }
-}
-
-/// What a thread does at a time.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Task<'a> {
-    pub(crate) tile: Tile,
-    pub(crate) sweep: &'a Sweep<'a>,
-    /// The pixels of the tile that show no edge, where pixels are told apart in object space; known once it is begun.
-    pub(crate) simple: Option<&'a PixelMask>,
-}
-
-impl<'a> Task<'a> {
-    pub(crate) const fn new(tile: Tile, sweep: &'a Sweep<'a>) -> Self {
-        Self { tile, sweep, simple: None }
-    }
-
-    fn is_simple(&self, pixel: [u32; 2]) -> bool {
-        self.simple.is_some_and(|simple| simple.contains(pixel))
-    }
-
-    /// Samples per pass of a pixel.
-    pub(crate) fn spp_of(&self, pixel: [u32; 2]) -> u32 {
-        self.sweep.simple_spp.filter(|_| self.is_simple(pixel)).unwrap_or(self.sweep.spp)
-    }
-}
-
-/// A rendered tile on its way to the film: its pixels row by row, but for those that the sweep leaves out.
-pub(crate) struct Finished {
-    pub(crate) tile: Tile,
-    /// Radiance, not yet rounded to what a film holds.
-    pub(crate) pixels: Vec<Rgb>,
-    /// Coverage; empty unless the plan asks for it.
-    pub(crate) alpha: Vec<f64>,
-    with_alpha: bool,
-    with_counts: bool,
-    /// Squares of standard errors; empty after a single pass.
-    pub(crate) variances: Vec<Rgb>,
-    /// Samples of each pixel; empty where all have the same number.
-    pub(crate) counts: Vec<u32>,
-    /// Samples of all pixels.
-    pub(crate) samples: u64,
-    /// Pixels that show no edge.
-    pub(crate) simple_pixels: u64,
-    pub(crate) error: ErrorSums,
-    pub(crate) counters: Counters,
-    /// Samples that met a surface.
-    pub(crate) camera_hits: u64,
-    pub(crate) primary_rays_spared: u64,
-    pub(crate) shading: ShadingCounts,
-    pub(crate) bad_samples: u64,
-}
-
-impl Finished {
-    /// A tile without its pixels.
-    pub(crate) fn new(task: &Task<'_>, with_alpha: bool) -> Self {
-        let tile = task.tile;
-        let count = tile.width as usize * tile.height as usize;
-        let room = |needed: bool| if needed { count } else { 0 };
-        Self {
-            tile,
-            pixels: Vec::with_capacity(count),
-            alpha: Vec::with_capacity(room(with_alpha)),
-            with_alpha,
-            with_counts: task.simple.is_some(),
-            variances: Vec::with_capacity(room(task.sweep.count > 1)),
-            counts: Vec::with_capacity(room(task.simple.is_some())),
-            samples: 0,
-            simple_pixels: task.simple.map_or(0, |simple| simple.count() as u64),
-            error: ErrorSums::default(),
-            counters: Counters::default(),
-            camera_hits: 0,
-            primary_rays_spared: 0,
-            shading: ShadingCounts::default(),
-            bad_samples: 0,
-        }
-    }
-
-    /// Adds the next pixel of the tile.
-    pub(crate) fn push(&mut self, pixel: &PixelEstimate) {
-        self.pixels.push(pixel.mean());
-        if self.with_alpha {
-            self.alpha.push(pixel.coverage());
-        }
-        self.variances.extend(pixel.variance());
-        self.samples += u64::from(pixel.samples());
-        if self.with_counts {
-            self.counts.push(pixel.samples());
-        }
-        self.error.add(pixel);
-    }
-}
-
-/// What a thread uses again from tile to tile.
-pub(crate) struct Worker {
+/// Buffers that a thread reuses from tile to tile.
+pub(crate) struct ThreadState {
     whitted: Whitted,
     paths: PathTracer<SampleStream>,
     occlusion: OcclusionWave,
-    camera: CameraWave,
+    camera: PrimaryRayBatch,
     hits: Vec<Option<Hit>>,
 }
 
-impl Worker {
+impl ThreadState {
     pub(crate) fn new(plan: &RenderPlan<'_>) -> Self {
+        let settings = &plan.scene.source.settings;
         Self {
-            whitted: Whitted::new(plan.depth, plan.min_contribution, plan.needs),
-            paths: PathTracer::new(plan.view.path_settings(), plan.needs),
+            whitted: Whitted::new(settings.depth, settings.min_contribution, plan.scene.features),
+            paths: PathTracer::new(plan.integrator.path_settings(), plan.scene.features),
             occlusion: OcclusionWave::default(),
-            camera: CameraWave::default(),
+            camera: PrimaryRayBatch::default(),
             hits: Vec::new(),
         }
     }
 }
 
 impl RenderPlan<'_> {
-    /// Chooses the concrete types, one `match` for each axis.
-    pub(crate) fn render_tile(&self, task: &Task<'_>, count: bool, worker: &mut Worker) -> Finished {
-        if count || self.integrator == Integrator::Cost {
-            self.with_probe::<Counters>(task, worker)
+    /// Dispatches to concrete types, one `match` per axis.
+    pub(crate) fn render_tile(&self, job: &TileJob<'_>, count: bool, worker: &mut ThreadState) -> TileResult {
+        if count || self.integrator_kind() == Integrator::Cost {
+            self.with_probe::<Counters>(job, worker)
         } else {
-            self.with_probe::<NoProbe>(task, worker)
+            self.with_probe::<NoProbe>(job, worker)
         }
     }
 
-    fn with_probe<S: Countable>(&self, task: &Task<'_>, worker: &mut Worker) -> Finished {
-        match &self.world {
-            World::Spheres(world, structure) => self.with_world::<_, S>(world, structure, task, worker),
-            World::Parts(top, levels) => self.with_world::<_, S>(&top.set(levels), &top.structure, task, worker),
+    fn with_probe<S: StatsProbe>(&self, job: &TileJob<'_>, worker: &mut ThreadState) -> TileResult {
+        match &self.scene.world {
+            World::Spheres(world, structure) => self.with_world::<_, S>(world, structure, job, worker),
+            World::Instances(top, levels) => self.with_world::<_, S>(&top.set(levels), &top.structure, job, worker),
         }
     }
 
-    fn with_world<W: Surfaces, S: Countable>(
+    fn with_world<W: ShadedPrimitives, S: StatsProbe>(
         &self,
         world: &W,
         structure: &AnyAccelerator,
-        task: &Task<'_>,
-        worker: &mut Worker,
-    ) -> Finished {
-        let simple = task.sweep.simple_spp.map(|_| self.simple_pixels(task.tile, world, structure));
-        let task = &Task { simple: simple.as_ref(), ..*task };
-        let few = self.few_in(task.tile, world, structure);
-        let in_view = match (&few, &self.visible) {
-            (Some(few), _) => InView::Few(few),
-            (None, Some(part)) => InView::Part(part),
-            (None, None) => InView::All(structure),
+        job: &TileJob<'_>,
+        worker: &mut ThreadState,
+    ) -> TileResult {
+        let simple = job.pass_spec.simple_spp.map(|_| self.simple_pixels(job.tile, world, structure));
+        let job = &TileJob { simple: simple.as_ref(), ..*job };
+        let few = self.visible_in_tile(job.tile, world, structure);
+        let primary_target = match (&few, &self.frame.visible) {
+            (Some(few), _) => PrimaryTarget::Tile(few),
+            (None, Some(part)) => PrimaryTarget::Culled(part),
+            (None, None) => PrimaryTarget::All(structure),
         };
-        if in_view.is_empty()
-            && let Some(finished) = self.empty_tile(task)
+        if primary_target.is_empty()
+            && let Some(finished) = self.empty_tile(job)
         {
             return finished;
         }
-        let Worker { whitted, paths, occlusion, camera, hits } = worker;
-        let lighting = Lighting { appearance: &self.appearance, emitters: &self.emitters, bsdfs: &self.bsdfs };
-        let mut tracer = WorldTracer::new(world, structure, in_view, S::default()).with_buffer(core::mem::take(hits));
-        let mut finished = match (&self.view, &self.surroundings) {
-            (View::Light, CameraMedium::Same(interior)) => {
+        let ThreadState { whitted, paths, occlusion, camera, hits } = worker;
+        let lighting =
+            Lighting { appearance: &self.scene.appearance, emitters: &self.scene.emitters, bsdfs: &self.scene.bsdfs };
+        let mut tracer =
+            SceneTracer::new(world, structure, primary_target, S::default()).with_buffer(core::mem::take(hits));
+        let mut finished = match (&self.integrator, &self.frame.medium) {
+            (IntegratorState::Whitted, CameraMedium::Constant(interior)) => {
                 whitted.set_surroundings(interior);
-                self.sample_tile(task, camera, |wave, seen| {
-                    whitted.radiance_of(&mut tracer, &self.appearance, wave.rays, seen);
+                self.sample_tile(job, camera, |batch, seen| {
+                    whitted.radiance_of(&mut tracer, &self.scene.appearance, batch.rays, seen);
                 })
             }
-            (View::Paths(_), CameraMedium::Same(interior)) => {
+            (IntegratorState::Path(_), CameraMedium::Constant(interior)) => {
                 paths.set_surroundings(interior);
-                self.sample_tile(task, camera, |wave, seen| {
-                    paths.radiance_of(&mut tracer, lighting, wave.rays, wave.samplers, seen);
+                self.sample_tile(job, camera, |batch, seen| {
+                    paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
                 })
             }
-            (View::Paths(_), CameraMedium::ByRay(reach)) => {
+            (IntegratorState::Path(_), CameraMedium::PerRay(reach)) => {
                 let mut interior = Interior::default();
-                self.sample_tile(task, camera, |wave, seen| {
-                    for (i, ray) in wave.rays.iter().enumerate() {
-                        interior.look_around_within(*reach, &mut tracer, &self.appearance.materials, &ray.0);
+                self.sample_tile(job, camera, |batch, seen| {
+                    for (i, ray) in batch.rays.iter().enumerate() {
+                        interior.find_enclosing_media_within(
+                            *reach,
+                            &mut tracer,
+                            &self.scene.appearance.materials,
+                            &ray.0,
+                        );
                         paths.set_surroundings(&interior);
-                        let (rays, samplers) = (&wave.rays[i..=i], &wave.samplers[i..=i]);
+                        let (rays, samplers) = (&batch.rays[i..=i], &batch.samplers[i..=i]);
                         paths.radiance_of(&mut tracer, lighting, rays, samplers, &mut seen[i..=i]);
                     }
                 })
             }
-            (View::AmbientOcclusion(view), _) => self.sample_tile(task, camera, |wave, seen| {
-                occlusion.radiance_of(view, &mut tracer, wave.rays, wave.samplers, seen);
+            (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |batch, seen| {
+                occlusion.radiance_of(view, &mut tracer, batch.rays, batch.samplers, seen);
             }),
-            (View::Light, CameraMedium::ByRay(reach)) => {
+            (IntegratorState::Whitted, CameraMedium::PerRay(reach)) => {
                 let mut interior = Interior::default();
-                self.sample_each(task, camera, |ray| {
-                    interior.look_around_within(*reach, &mut tracer, &self.appearance.materials, ray);
+                self.sample_per_ray(job, camera, |ray| {
+                    interior.find_enclosing_media_within(*reach, &mut tracer, &self.scene.appearance.materials, ray);
                     whitted.set_surroundings(&interior);
-                    whitted.radiance(&mut tracer, &self.appearance, ray)
+                    whitted.radiance(&mut tracer, &self.scene.appearance, ray)
                 })
             }
-            (View::FirstHit(view), _) => {
-                self.sample_tile(task, camera, |wave, seen| view.radiance_of(&mut tracer, wave.rays, seen))
+            (IntegratorState::Aov(view), _) => {
+                self.sample_tile(job, camera, |batch, seen| view.radiance_of(&mut tracer, batch.rays, seen))
             }
-            (View::Cost, _) => self.sample_each(task, camera, |ray| cost(&mut tracer, ray)),
+            (IntegratorState::Cost, _) => self.sample_per_ray(job, camera, |ray| cost(&mut tracer, ray)),
         };
         finished.counters = tracer.probe.counters(tracer.rays);
-        finished.primary_rays_spared = tracer.spared;
+        finished.primary_rays_spared = tracer.skipped;
         finished.shading = whitted.take_counts();
         finished.shading += paths.take_counts();
         *hits = tracer.into_buffer();
         finished
     }
 
-    /// For what can only be told of one ray after the other.
-    fn sample_each(
+    /// Takes the samples of a tile ray by ray.
+    fn sample_per_ray(
         &self,
-        task: &Task<'_>,
-        camera: &mut CameraWave,
+        job: &TileJob<'_>,
+        camera: &mut PrimaryRayBatch,
         mut radiance: impl FnMut(&Ray) -> Seen,
-    ) -> Finished {
-        self.sample_tile(task, camera, |wave, seen| {
-            for ((ray, _), seen) in wave.rays.iter().zip(seen) {
+    ) -> TileResult {
+        self.sample_tile(job, camera, |batch, seen| {
+            for ((ray, _), seen) in batch.rays.iter().zip(seen) {
                 *seen = radiance(ray);
             }
         })
     }
 
-    /// What the camera rays of the tile can meet, if that is little.
-    fn few_in<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyAccelerator) -> Option<SmallSet> {
+    /// Objects in view of the tile, if they are few.
+    fn visible_in_tile<W: ShadedPrimitives>(
+        &self,
+        tile: Tile,
+        world: &W,
+        structure: &AnyAccelerator,
+    ) -> Option<SmallSet> {
         let Tile { x, y, width, height } = tile;
-        let volume = self.narrows.then(|| self.view_volume(Crop { x, y, width, height }))?;
-        let few = visible::few(world, structure, self.visible.as_ref(), &volume)?;
-        Some(match self.wanted.simd {
+        let volume = self.frame.culls_tiles.then(|| self.frame.view_volume(Crop { x, y, width, height }))?;
+        let few = frustum_cull::collect_small(world, structure, self.frame.visible.as_ref(), &volume)?;
+        Some(match self.scene.accel.simd {
             Some(level) => few.with_level(level),
             None => few,
         })
     }
 
-    /// A tile in whose part of the view there is nothing, if that can be told without a ray: where all samples see the
-    /// same background and weigh the same, so that no pixel depends on where they are.
-    fn empty_tile(&self, task: &Task<'_>) -> Option<Finished> {
-        let (View::Light | View::Paths(_), CameraMedium::Same(_), Background::Constant(radiance)) =
-            (&self.view, &self.surroundings, &self.appearance.background)
+    /// A tile without objects in view, computed without rays. It requires that all samples see the
+    /// same background with the same weight.
+    fn empty_tile(&self, job: &TileJob<'_>) -> Option<TileResult> {
+        let (
+            IntegratorState::Whitted | IntegratorState::Path(_),
+            CameraMedium::Constant(_),
+            Background::Constant(radiance),
+        ) = (&self.integrator, &self.frame.medium, &self.scene.appearance.background)
         else {
             return None;
         };
-        if self.filter.has_negative_lobes() {
+        if self.frame.filter.has_negative_lobes() {
             return None;
         }
-        let sweep = task.sweep;
+        let pass_spec = job.pass_spec;
         let pixel_of = |spp: u32| {
-            let mut pass = Pixel::new(self.transparent);
+            let mut pass = Pixel::new(self.frame.transparent);
             for _ in 0..spp {
-                pass.add(&Seen { radiance: self.backdrop.unwrap_or(*radiance), hit: false }, 1.0);
+                pass.add(&Seen { radiance: self.frame.backdrop.unwrap_or(*radiance), hit: false }, 1.0);
             }
             let mut pixel = PixelEstimate::default();
-            for _ in 0..sweep.count {
+            for _ in 0..pass_spec.count {
                 let (radiance, coverage) = pass.mean();
                 pixel.add(radiance, coverage, spp);
             }
-            (pixel, pass.bad_samples() * u64::from(sweep.count))
+            (pixel, pass.bad_samples() * u64::from(pass_spec.count))
         };
-        let (usual, simple) = (pixel_of(sweep.spp), sweep.simple_spp.map(pixel_of));
-        let mut finished = Finished::new(task, self.transparent);
-        for at in sweep.pixels_of(task.tile) {
-            let (pixel, bad_samples) = simple.as_ref().filter(|_| task.is_simple(at)).unwrap_or(&usual);
+        let (usual, simple) = (pixel_of(pass_spec.spp), pass_spec.simple_spp.map(pixel_of));
+        let mut finished = TileResult::new(job, self.frame.transparent);
+        for at in pass_spec.pixels_of(job.tile) {
+            let (pixel, bad_samples) = simple.as_ref().filter(|_| job.is_simple(at)).unwrap_or(&usual);
             finished.push(pixel);
             finished.bad_samples += bad_samples;
         }

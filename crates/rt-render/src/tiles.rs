@@ -1,4 +1,4 @@
-//! The image cut into tiles: the unit of work of a thread.
+//! Tiles of the image: the units of work of a thread.
 
 use crate::Crop;
 
@@ -33,24 +33,24 @@ impl From<Tile> for Crop {
     }
 }
 
-/// Cuts a part of the image into tiles, row by row.
+/// Tiles of a crop, row by row.
 pub(crate) fn tiles(crop: Crop) -> Vec<Tile> {
     (0..tile_count(crop)).map(|number| tile(crop, number)).collect()
 }
 
-/// Number `number`, which is less than there are, of the tiles that a part of the image is cut into.
+/// Tile of a crop by its number, which must be less than [`tile_count`].
 pub(crate) fn tile(crop: Crop, number: usize) -> Tile {
     let columns = crop.width.div_ceil(SIDE) as usize;
     let [left, top] = [number % columns, number / columns].map(|steps| steps as u32 * SIDE);
     Tile { x: crop.x + left, y: crop.y + top, width: SIDE.min(crop.width - left), height: SIDE.min(crop.height - top) }
 }
 
-/// How many tiles a part of the image is cut into.
+/// Number of tiles of a crop.
 pub(crate) const fn tile_count(crop: Crop) -> usize {
     crop.width.div_ceil(SIDE) as usize * crop.height.div_ceil(SIDE) as usize
 }
 
-/// The place of a tile among those that a part of the image is cut into.
+/// Number of a tile of a crop.
 pub(crate) const fn tile_number(crop: Crop, tile: Tile) -> usize {
     ((tile.y - crop.y) / SIDE) as usize * crop.width.div_ceil(SIDE) as usize + ((tile.x - crop.x) / SIDE) as usize
 }

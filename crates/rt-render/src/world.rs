@@ -1,540 +1,175 @@
-//! The world that rays are traced against: parts on two levels.
-//!
-//! The upper level holds parts in world space. A part is a shape, a mesh under a transform, or a group: an assembly of
-//! parts in a space of its own, shared by all its instances. Groups hold no groups; flattening saw to that.
+//! The world that rays are traced against, in one of two forms.
 
-use std::{borrow::Cow, sync::Arc};
+use rt_accel::AnyAccelerator;
+use rt_geometry::{BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Shape, Spheres};
+use rt_math::{Aabb, Interval, Ray};
+use rt_shading::{SurfaceHit, emitter::EmitterRef};
 
-use rt_accel::{Accelerator, AnyAccelerator};
-use rt_geometry::{
-    BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Probe, Shape, ShapeHit, SurfaceInteraction,
-    TransformedShape, TriangleMesh,
+use crate::{
+    instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, Instances},
+    primitive_form::{HasForm, PrimitiveForm},
 };
-use rt_math::{Aabb, AnimatedTransformChain, Interval, Ray, Transform};
-use rt_shading::{Relief, SurfaceHit, Texture, emitter::EmitterRef};
 
-use crate::porous::{AlphaTestedMesh, Holes};
-
-/// Something that stands somewhere, in the space of its assembly.
+/// World in one of two forms.
 #[derive(Debug)]
-pub(crate) struct Part {
-    pub(crate) geometry: InstanceGeometry,
-    /// Index of the material; that of a group's part is its own.
-    pub(crate) material: u32,
-    pub(crate) casts_shadow: bool,
-    pub(crate) bounds: Option<Aabb>,
-    /// Number of the object that this is a piece of: of its first piece.
-    pub(crate) object: u32,
-    /// Number of the part's first primitive within its group; 0 on the upper level.
-    pub(crate) first_primitive: u32,
-    /// The number of the light that this is, if one can draw from it; of the first one in a group. A group's part counts from
-    /// there.
-    pub(crate) emitter: Option<u32>,
-    /// False if nothing looks at its texture coordinates.
-    pub(crate) textured: bool,
-    /// The normal map of its material; `None` for a group.
-    pub(crate) relief: Option<Relief>,
-    /// For messages.
-    pub(crate) name: Arc<str>,
+pub(crate) enum World {
+    Spheres(SphereWorld, AnyAccelerator),
+    Instances(Aggregate, BottomLevel),
 }
 
-impl Part {
-    /// True if it is elsewhere at another moment, in its assembly.
-    pub(crate) const fn moves(&self) -> bool {
-        matches!(self.geometry, InstanceGeometry::Moving(_))
+impl World {
+    /// Chooses the compact form for a world of spheres only.
+    pub(crate) fn specialise(top: Aggregate, levels: BottomLevel) -> Self {
+        let sphere = |instance: &Instance| match instance.geometry {
+            InstanceGeometry::Shape(Shape::Sphere(sphere)) => Some(sphere),
+            _ => None,
+        };
+        match top.instances.iter().map(sphere).collect::<Option<Vec<_>>>() {
+            Some(spheres) => {
+                let materials = top.instances.iter().map(|instance| instance.material).collect();
+                let textured = top.instances.iter().map(|instance| instance.textured).collect();
+                let some_cast_none = top.instances.iter().any(|instance| !instance.casts_shadow);
+                let switches = top.instances.iter().map(|instance| instance.casts_shadow);
+                let casts_shadow = if some_cast_none { switches.collect() } else { Vec::new() };
+                let some_shine = top.instances.iter().any(|instance| instance.emitter.is_some());
+                let lights = top.instances.iter().map(|instance| instance.emitter);
+                let emitters = if some_shine { lights.collect() } else { Vec::new() };
+                let spheres = Spheres::new(spheres);
+                Self::Spheres(SphereWorld { spheres, materials, textured, casts_shadow, emitters }, top.structure)
+            }
+            None => Self::Instances(top, levels),
+        }
     }
 
-    /// What is needed of its surface.
-    #[inline]
-    fn needs(&self, needs: InteractionFlags) -> InteractionFlags {
-        InteractionFlags { uv: needs.uv && self.textured, ..needs }
+    /// True if an object moves.
+    pub(crate) fn has_motion(&self) -> bool {
+        match self {
+            Self::Spheres(..) => false,
+            Self::Instances(top, levels) => top.all_instances(levels).any(Instance::has_motion),
+        }
     }
 
-    /// The part's surface at `t`; `triangle` is the one that was hit, where the light is numbered as the mesh is.
-    #[inline]
-    fn made(&self, t: f64, interaction: SurfaceInteraction, triangle: Option<u32>) -> SurfaceHit {
-        let emitter = self.emitter.map(|index| EmitterRef { index, triangle });
-        SurfaceHit { t, interaction, object: self.object, material: self.material, emitter }
-    }
-
-    /// The surface of a triangle of a mesh.
-    #[inline]
-    fn facet(
-        &self,
-        mesh: &TriangleMesh,
-        triangle: u32,
-        ray: &Ray,
-        hit: &Hit,
-        needs: InteractionFlags,
-    ) -> Option<SurfaceHit> {
-        let surface = mesh.surface(ray, &Hit { primitive: triangle, ..*hit }, self.needs(needs))?;
-        Some(self.made(hit.t, surface, Some(triangle)))
-    }
-
-    /// The surface of a shape.
-    #[inline]
-    fn shape(&self, shape: &Shape, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> SurfaceHit {
-        self.made(hit.t, shape.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, self.needs(needs)), None)
+    /// Box around all bounded objects.
+    pub(crate) fn bounds(&self) -> Aabb {
+        match self {
+            Self::Spheres(world, _) => {
+                world.spheres.as_slice().iter().fold(Aabb::EMPTY, |sum, sphere| sum.union(sphere.bounds()))
+            }
+            Self::Instances(top, _) => {
+                top.instances.iter().filter_map(|instance| instance.bounds).fold(Aabb::EMPTY, Aabb::union)
+            }
+        }
     }
 }
 
-/// What a part is.
+/// Primitives that know what their surface is made of.
+pub(crate) trait ShadedPrimitives: HasForm {
+    /// The surface at a hit; `None` for a hit that is not of this set. Objects are numbered by their places among the
+    /// parts of the upper level.
+    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit>;
+}
+
+impl ShadedPrimitives for Instances<'_> {
+    #[inline]
+    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
+        self.surface(ray, hit, needs)
+    }
+}
+
+/// A world of nothing but spheres: a tight array, and no question what a part is.
 #[derive(Debug)]
-pub(crate) enum InstanceGeometry {
-    Shape(Shape),
-    TransformedShape(Box<TransformedShape>),
-    /// Index of a [`MeshLevel`]; no transform means the identity.
-    Mesh(u32, Option<Box<Transform>>),
-    /// One triangle of a small mesh that stands where its file says, and has no normal map.
-    Facet(Arc<TriangleMesh>, u32),
-    /// Index of an [`Assembly`].
-    Group(u32, Option<Box<Transform>>),
-    Moving(Box<Moving>),
+pub(crate) struct SphereWorld {
+    pub(crate) spheres: Spheres,
+    /// By sphere: its material.
+    pub(crate) materials: Vec<u32>,
+    /// By sphere: whether something looks at its texture coordinates.
+    pub(crate) textured: Vec<bool>,
+    /// By sphere: whether it casts a shadow; empty if all do.
+    pub(crate) casts_shadow: Vec<bool>,
+    /// By sphere: the light that it is; empty if none is.
+    pub(crate) emitters: Vec<Option<u32>>,
 }
 
-impl InstanceGeometry {
-    /// What it is, if it moves, in its own space.
-    pub(crate) fn at_rest(&self) -> &Self {
-        if let Self::Moving(moving) = self { &moving.geometry } else { self }
-    }
-
-    /// True if it is a structure over many primitives.
-    pub(crate) fn is_structure(&self) -> bool {
-        matches!(self.at_rest(), Self::Mesh(..) | Self::Group(..))
-    }
-
-    /// Index of the [`Assembly`] that it places.
-    pub(crate) fn group(&self) -> Option<u32> {
-        if let Self::Group(level, _) = self.at_rest() { Some(*level) } else { None }
+impl SphereWorld {
+    pub(crate) fn casts_shadow(&self, index: u32) -> bool {
+        self.casts_shadow.get(index as usize).copied().unwrap_or(true)
     }
 }
 
-/// Something that is elsewhere at another moment. The part's bounds contain it at all moments.
-#[derive(Debug)]
-pub(crate) struct Moving {
-    pub(crate) assembly_from_local: AnimatedTransformChain,
-    /// A shape, or a mesh or group without a transform.
-    pub(crate) geometry: InstanceGeometry,
-}
-
-/// A mesh with the structure over its triangles, in the space of its file.
-#[derive(Debug)]
-pub(crate) struct MeshLevel {
-    pub(crate) mesh: Arc<TriangleMesh>,
-    /// Where the material does not cover it.
-    pub(crate) holes: Option<Holes>,
-    pub(crate) structure: AnyAccelerator,
-}
-
-impl MeshLevel {
-    fn closest<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        match &self.holes {
-            None => self.structure.closest(&*self.mesh, ray, span, probe),
-            Some(holes) => {
-                self.structure.closest(&AlphaTestedMesh { mesh: &self.mesh, holes, textures }, ray, span, probe)
-            }
-        }
-    }
-
-    fn occluded<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        match &self.holes {
-            None => self.structure.occluded(&*self.mesh, ray, span, probe),
-            Some(holes) => {
-                self.structure.occluded(&AlphaTestedMesh { mesh: &self.mesh, holes, textures }, ray, span, probe)
-            }
-        }
-    }
-
-    fn closest_batch<S: Probe>(
-        &self,
-        textures: &[Texture],
-        rays: &[(Ray, Interval)],
-        hits: &mut [Option<Hit>],
-        probe: &mut S,
-    ) {
-        match &self.holes {
-            None => self.structure.closest_batch(&*self.mesh, rays, hits, probe),
-            Some(holes) => {
-                let porous = AlphaTestedMesh { mesh: &self.mesh, holes, textures };
-                self.structure.closest_batch(&porous, rays, hits, probe);
-            }
-        }
-    }
-
-    fn occluded_batch<S: Probe>(
-        &self,
-        textures: &[Texture],
-        rays: &[(Ray, Interval)],
-        blocked: &mut [bool],
-        probe: &mut S,
-    ) {
-        match &self.holes {
-            None => self.structure.occluded_batch(&*self.mesh, rays, blocked, probe),
-            Some(holes) => {
-                let porous = AlphaTestedMesh { mesh: &self.mesh, holes, textures };
-                self.structure.occluded_batch(&porous, rays, blocked, probe);
-            }
-        }
-    }
-}
-
-/// A list of parts with the structure over them.
-#[derive(Debug)]
-pub(crate) struct Assembly {
-    pub(crate) parts: Vec<Part>,
-    pub(crate) structure: AnyAccelerator,
-    /// True if each part is one primitive, and hits are named by its place alone: a structure can then decide about
-    /// triangles by itself.
-    pub(crate) is_flat: bool,
-}
-
-impl Assembly {
-    /// The parts as a set of primitives.
-    pub(crate) fn set<'w>(&'w self, levels: &'w Levels) -> Parts<'w> {
-        Parts { parts: &self.parts, levels, is_flat: self.is_flat }
-    }
-
-    /// A hit on a part of a group as one on the instance: its primitives are numbered in a row.
-    fn renamed(&self, hit: Hit, instance: u32) -> Hit {
-        let first = self.parts[hit.instance as usize].first_primitive;
-        Hit { instance, primitive: first + hit.primitive, ..hit }
-    }
-
-    /// The parts with those of all groups, each of which is told once.
-    pub(crate) fn all_parts<'w>(&'w self, levels: &'w Levels) -> impl Iterator<Item = &'w Part> {
-        self.parts.iter().chain(levels.groups.iter().flat_map(|group| &group.parts))
-    }
-}
-
-/// Everything below the upper level.
-#[derive(Debug, Default)]
-pub(crate) struct Levels {
-    pub(crate) meshes: Vec<MeshLevel>,
-    pub(crate) groups: Vec<Assembly>,
-    /// The textures of the scene, if holes or normal maps look at them.
-    pub(crate) textures: Vec<Texture>,
-}
-
-/// An assembly's parts as a set of primitives.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Parts<'w> {
-    pub(crate) parts: &'w [Part],
-    pub(crate) levels: &'w Levels,
-    pub(crate) is_flat: bool,
-}
-
-/// The ray in the space below a transform; borrowed where there is none.
-fn localise(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
-    parent_from_local.map_or(*ray, |transform| transform.inverse_ray(ray))
-}
-
-/// As [`localise`], of many rays.
-fn localise_all<'r>(rays: &'r [(Ray, Interval)], parent_from_local: Option<&Transform>) -> Cow<'r, [(Ray, Interval)]> {
-    parent_from_local.map_or(Cow::Borrowed(rays), |transform| {
-        rays.iter().map(|(ray, span)| (transform.inverse_ray(ray), *span)).collect()
-    })
-}
-
-/// The rays in the space of something that moves, each at its own moment.
-fn localise_at_their_moments(rays: &[(Ray, Interval)], moving: &Moving) -> Vec<(Ray, Interval)> {
-    let local = |ray: &Ray| moving.assembly_from_local.at(ray.time).inverse_ray(ray);
-    rays.iter().map(|(ray, span)| (local(ray), *span)).collect()
-}
-
-impl Parts<'_> {
-    /// The place of the part that a hit is on.
-    pub(crate) fn place(&self, hit: &Hit) -> u32 {
-        if self.is_flat { hit.primitive } else { hit.instance }
-    }
-
-    /// A hit of a part that is one primitive.
-    fn single(&self, index: u32, t: f64, uv: [f64; 2]) -> Hit {
-        let [instance, primitive] = self.hit_ids(index);
-        Hit { t, instance, primitive, uv }
-    }
-
-    /// The surface at a hit that [`Primitives::intersect`] reported.
-    #[inline]
-    pub(crate) fn surface(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
-        let part = self.parts.get(self.place(hit) as usize)?;
-        // The usual kinds by themselves, so that they are written where they are needed, and not moved about.
-        match &part.geometry {
-            InstanceGeometry::Facet(mesh, triangle) => part.facet(mesh, *triangle, ray, hit, needs),
-            InstanceGeometry::Mesh(level, None) if part.relief.is_none() => {
-                part.facet(&self.levels.meshes[*level as usize].mesh, hit.primitive, ray, hit, needs)
-            }
-            InstanceGeometry::Shape(shape) => Some(part.shape(shape, ray, hit, needs)),
-            geometry => self.surface_of(part, geometry, ray, hit, needs),
-        }
-    }
-
-    fn surface_of(
-        &self,
-        part: &Part,
-        geometry: &InstanceGeometry,
-        ray: &Ray,
-        hit: &Hit,
-        needs: InteractionFlags,
-    ) -> Option<SurfaceHit> {
-        let shape_hit = ShapeHit { t: hit.t, uv: hit.uv };
-        let needs = part.needs(needs);
-        Some(match geometry {
-            InstanceGeometry::Shape(shape) => part.shape(shape, ray, hit, needs),
-            InstanceGeometry::TransformedShape(placed) => {
-                part.made(hit.t, placed.surface(ray, &shape_hit, needs), None)
-            }
-            InstanceGeometry::Mesh(level, transform) => {
-                let mut surface = self.levels.meshes[*level as usize].mesh.surface(
-                    &localise(ray, transform.as_deref()),
-                    hit,
-                    needs,
-                )?;
-                if let Some(relief) = &part.relief {
-                    relief.shape(&self.levels.textures, &mut surface);
-                }
-                part.made(hit.t, lift(surface, transform.as_deref()), Some(hit.primitive))
-            }
-            InstanceGeometry::Facet(mesh, triangle) => part.facet(mesh, *triangle, ray, hit, needs)?,
-            InstanceGeometry::Group(level, transform) => {
-                let group = &self.levels.groups[*level as usize];
-                let inner = group.set(self.levels);
-                let at = group.parts.partition_point(|p| p.first_primitive <= hit.primitive).checked_sub(1)?;
-                let inner_part = &group.parts[at];
-                let inner_hit = Hit { primitive: hit.primitive - inner_part.first_primitive, ..*hit };
-                let local = localise(ray, transform.as_deref());
-                let surface = inner.surface_of(inner_part, &inner_part.geometry, &local, &inner_hit, needs)?;
-                let emitter = surface.emitter.zip(part.emitter);
-                SurfaceHit {
-                    interaction: lift(surface.interaction, transform.as_deref()),
-                    object: part.object,
-                    emitter: emitter.map(|(light, first)| EmitterRef { index: first + light.index, ..light }),
-                    ..surface
-                }
-            }
-            InstanceGeometry::Moving(moving) => {
-                let map = moving.assembly_from_local.at(ray.time);
-                let surface = self.surface_of(part, &moving.geometry, &map.inverse_ray(ray), hit, needs)?;
-                SurfaceHit { interaction: surface.interaction.transformed(&map), ..surface }
-            }
-        })
-    }
-
-    /// The first hit on a part.
-    #[inline]
-    fn closest_on<S: Probe>(
-        &self,
-        (index, geometry): (u32, &InstanceGeometry),
-        ray: &Ray,
-        span: Interval,
-        probe: &mut S,
-    ) -> Option<Hit> {
-        let single = |hit: ShapeHit| self.single(index, hit.t, hit.uv);
-        match geometry {
-            InstanceGeometry::Shape(shape) => shape.intersect(ray, span).map(single),
-            InstanceGeometry::TransformedShape(placed) => placed.intersect(ray, span).map(single),
-            InstanceGeometry::Mesh(level, transform) => {
-                let level = &self.levels.meshes[*level as usize];
-                let ray = localise(ray, transform.as_deref());
-                let hit = level.closest(&self.levels.textures, &ray, span, probe)?;
-                Some(Hit { instance: index, ..hit })
-            }
-            InstanceGeometry::Facet(mesh, triangle) => {
-                let hit = mesh.intersect(*triangle, ray, span)?;
-                Some(self.single(index, hit.t, hit.uv))
-            }
-            InstanceGeometry::Group(level, transform) => {
-                let group = &self.levels.groups[*level as usize];
-                let inner = group.set(self.levels);
-                let ray = localise(ray, transform.as_deref());
-                let hit = group.structure.closest(&inner, &ray, span, probe)?;
-                Some(group.renamed(hit, index))
-            }
-            InstanceGeometry::Moving(moving) => self.closest_on_moving((index, moving), ray, span, probe),
-        }
-    }
-
-    #[inline(never)]
-    fn closest_on_moving<S: Probe>(
-        &self,
-        (index, moving): (u32, &Moving),
-        ray: &Ray,
-        span: Interval,
-        probe: &mut S,
-    ) -> Option<Hit> {
-        let ray = moving.assembly_from_local.at(ray.time).inverse_ray(ray);
-        self.closest_on((index, &moving.geometry), &ray, span, probe)
-    }
-
-    /// True if a part blocks the ray.
-    #[inline]
-    fn occluded_by<S: Probe>(&self, geometry: &InstanceGeometry, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        match geometry {
-            InstanceGeometry::Shape(shape) => shape.intersect(ray, span).is_some(),
-            InstanceGeometry::TransformedShape(placed) => placed.intersect(ray, span).is_some(),
-            InstanceGeometry::Mesh(level, transform) => {
-                let level = &self.levels.meshes[*level as usize];
-                level.occluded(&self.levels.textures, &localise(ray, transform.as_deref()), span, probe)
-            }
-            InstanceGeometry::Facet(mesh, triangle) => mesh.intersect(*triangle, ray, span).is_some(),
-            InstanceGeometry::Group(level, transform) => {
-                let group = &self.levels.groups[*level as usize];
-                let inner = group.set(self.levels);
-                group.structure.occluded(&inner, &localise(ray, transform.as_deref()), span, probe)
-            }
-            InstanceGeometry::Moving(moving) => self.occluded_by_moving(moving, ray, span, probe),
-        }
-    }
-
-    /// As [`closest_on`](Self::closest_on) for many rays.
-    fn closest_on_for_all<S: Probe>(
-        &self,
-        (index, geometry): (u32, &InstanceGeometry),
-        rays: &[(Ray, Interval)],
-        hits: &mut [Option<Hit>],
-        probe: &mut S,
-    ) {
-        match geometry {
-            InstanceGeometry::Mesh(level, transform) => {
-                let rays = localise_all(rays, transform.as_deref());
-                self.levels.meshes[*level as usize].closest_batch(&self.levels.textures, &rays, hits, probe);
-                hits.iter_mut().flatten().for_each(|hit| hit.instance = index);
-            }
-            InstanceGeometry::Group(level, transform) => {
-                let group = &self.levels.groups[*level as usize];
-                let rays = localise_all(rays, transform.as_deref());
-                group.structure.closest_batch(&group.set(self.levels), &rays, hits, probe);
-                hits.iter_mut().flatten().for_each(|hit| *hit = group.renamed(*hit, index));
-            }
-            InstanceGeometry::Moving(moving) => {
-                let rays = localise_at_their_moments(rays, moving);
-                self.closest_on_for_all((index, &moving.geometry), &rays, hits, probe);
-            }
-            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Facet(..) => {
-                for ((ray, span), hit) in rays.iter().zip(hits) {
-                    *hit = self.closest_on((index, geometry), ray, *span, probe);
-                }
-            }
-        }
-    }
-
-    /// As [`occluded_by`](Self::occluded_by) for many rays.
-    fn occluded_by_for_all<S: Probe>(
-        &self,
-        geometry: &InstanceGeometry,
-        rays: &[(Ray, Interval)],
-        blocked: &mut [bool],
-        probe: &mut S,
-    ) {
-        match geometry {
-            InstanceGeometry::Mesh(level, transform) => {
-                let rays = localise_all(rays, transform.as_deref());
-                self.levels.meshes[*level as usize].occluded_batch(&self.levels.textures, &rays, blocked, probe);
-            }
-            InstanceGeometry::Group(level, transform) => {
-                let group = &self.levels.groups[*level as usize];
-                let rays = localise_all(rays, transform.as_deref());
-                group.structure.occluded_batch(&group.set(self.levels), &rays, blocked, probe);
-            }
-            InstanceGeometry::Moving(moving) => {
-                let rays = localise_at_their_moments(rays, moving);
-                self.occluded_by_for_all(&moving.geometry, &rays, blocked, probe);
-            }
-            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Facet(..) => {
-                for ((ray, span), blocked) in rays.iter().zip(blocked) {
-                    *blocked = self.occluded_by(geometry, ray, *span, probe);
-                }
-            }
-        }
-    }
-
-    #[inline(never)]
-    fn occluded_by_moving<S: Probe>(&self, moving: &Moving, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        let ray = moving.assembly_from_local.at(ray.time).inverse_ray(ray);
-        self.occluded_by(&moving.geometry, &ray, span, probe)
-    }
-}
-
-fn lift(surface: SurfaceInteraction, parent_from_local: Option<&Transform>) -> SurfaceInteraction {
-    parent_from_local.map_or(surface, |transform| surface.transformed(transform))
-}
-
-impl Primitives for Parts<'_> {
+impl Primitives for SphereWorld {
     fn len(&self) -> usize {
-        self.parts.len()
+        self.spheres.len()
     }
 
+    #[inline]
     fn bounds(&self, index: u32) -> Option<Aabb> {
-        self.parts[index as usize].bounds
+        self.spheres.bounds(index)
     }
 
+    #[inline(always)]
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        self.intersect_with_stats(index, ray, span, &mut rt_geometry::NoProbe)
+        self.spheres.intersect(index, ray, span)
     }
 
+    #[inline(always)]
     fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
-        self.occludes_with_stats(index, ray, span, &mut rt_geometry::NoProbe)
+        self.casts_shadow(index) && self.spheres.occludes(index, ray, span)
     }
 
-    fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        self.closest_on((index, &self.parts[index as usize].geometry), ray, span, probe)
-    }
-
-    fn occludes_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        let part = &self.parts[index as usize];
-        part.casts_shadow && self.occluded_by(&part.geometry, ray, span, probe)
-    }
-
+    #[inline]
     fn batch_kernel(&self, index: u32) -> BatchKernel {
-        match &self.parts[index as usize].geometry {
-            InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.kernel()),
-            InstanceGeometry::Facet(mesh, triangle) => mesh.batch_kernel(*triangle),
-            geometry if geometry.is_structure() => BatchKernel::Instance,
-            _ => BatchKernel::Single,
-        }
+        self.spheres.batch_kernel(index)
     }
 
-    /// Places rise with names either way, so that ties go to the same part.
-    fn hit_ids(&self, index: u32) -> [u32; 2] {
-        if self.is_flat { [0, index] } else { [index, 0] }
-    }
-
+    #[inline]
     fn blocks(&self, index: u32) -> bool {
-        self.parts[index as usize].casts_shadow
+        self.casts_shadow(index)
     }
 
-    fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
-        let n = rays.len().min(hits.len());
-        let part = &self.parts[index as usize];
-        self.closest_on_for_all((index, &part.geometry), &rays[..n], &mut hits[..n], probe);
-    }
-
-    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
-        let part = &self.parts[index as usize];
-        if part.casts_shadow {
-            self.occluded_by_for_all(&part.geometry, rays, blocked, probe);
-        } else {
-            let n = rays.len().min(blocked.len());
-            blocked[..n].fill(false);
-        }
-    }
-
+    #[inline]
     fn geometry(&self, index: u32) -> PrimitiveGeometry {
-        let part = &self.parts[index as usize];
-        match &part.geometry {
-            _ if !part.casts_shadow => PrimitiveGeometry::Opaque,
-            InstanceGeometry::Shape(Shape::Sphere(sphere)) if self.is_flat => {
-                PrimitiveGeometry::ExactSphere(sphere.kernel())
-            }
-            InstanceGeometry::Shape(Shape::Sphere(sphere)) => {
-                PrimitiveGeometry::Sphere(sphere.centre(), sphere.radius())
-            }
-            InstanceGeometry::Shape(Shape::Cuboid(axis_box)) => PrimitiveGeometry::Box(axis_box.bounds()),
-            InstanceGeometry::Shape(Shape::Triangle(triangle)) => PrimitiveGeometry::Triangle(triangle.vertices()),
-            InstanceGeometry::Facet(mesh, triangle) if self.is_flat => mesh.geometry(*triangle),
-            InstanceGeometry::Facet(mesh, triangle) => {
-                mesh.vertices(*triangle).map_or(PrimitiveGeometry::Opaque, PrimitiveGeometry::Triangle)
-            }
-            _ => PrimitiveGeometry::Opaque,
+        if self.casts_shadow(index) { self.spheres.geometry(index) } else { PrimitiveGeometry::Opaque }
+    }
+}
+
+impl ShadedPrimitives for SphereWorld {
+    #[inline(always)]
+    fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
+        let material = *self.materials.get(hit.primitive as usize)?;
+        let uv = needs.uv && *self.textured.get(hit.primitive as usize)?;
+        let interaction = self.spheres.surface(ray, hit, InteractionFlags { uv, ..needs })?;
+        let index = self.emitters.get(hit.primitive as usize).copied().flatten();
+        let emitter = index.map(|index| EmitterRef { index, triangle: None });
+        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material, emitter })
+    }
+}
+
+impl HasForm for SphereWorld {
+    fn form(&self, index: u32) -> PrimitiveForm {
+        let sphere = &self.spheres.as_slice()[index as usize];
+        PrimitiveForm::Sphere { centre: sphere.centre(), radius: sphere.radius() }
+    }
+
+    fn casts_shadow(&self, index: u32) -> bool {
+        Self::casts_shadow(self, index)
+    }
+}
+
+impl HasForm for Instances<'_> {
+    fn form(&self, index: u32) -> PrimitiveForm {
+        match &self.instances[index as usize].geometry {
+            InstanceGeometry::Shape(shape) => PrimitiveForm::of(shape),
+            InstanceGeometry::TransformedShape(placed) => PrimitiveForm::of_placed(placed),
+            InstanceGeometry::Triangle(mesh, _) if mesh.data().normals.is_empty() => PrimitiveForm::Flat,
+            InstanceGeometry::Triangle(..)
+            | InstanceGeometry::Mesh(..)
+            | InstanceGeometry::Group(..)
+            | InstanceGeometry::Animated(_) => PrimitiveForm::Other,
         }
+    }
+
+    fn casts_shadow(&self, index: u32) -> bool {
+        let Instance { casts_shadow, .. } = &self.instances[index as usize];
+        *casts_shadow
     }
 }

@@ -3,7 +3,7 @@
 use crate::{
     Seen, Tracer,
     bsdf::cosine_hemisphere,
-    view::{View, is_inside},
+    viewed_surface::{ViewedSurface, is_inside},
 };
 use rt_geometry::{InteractionFlags, RayKind};
 use rt_math::{Frame, Interval, Ray, Rgb, Sampler};
@@ -44,7 +44,7 @@ impl OcclusionWave {
             let ray = &rays[at].0;
             let direction = ray.direction.normalize();
             let inside = is_inside(direction, &hit.interaction);
-            let surface = View::new(direction, inside, &mut hit.interaction);
+            let surface = ViewedSurface::new(direction, inside, &mut hit.interaction);
             let towards = Frame::from_z(surface.normal).from_local(cosine_hemisphere(sampler.clone().next_2d()));
             if towards.dot(surface.surface.geometric_normal) * if inside { -1.0 } else { 1.0 } <= 0.0 {
                 // Below the actual surface, where an interpolated normal reaches.

@@ -9,7 +9,7 @@ const CAPACITY: usize = 32;
 
 /// A body that was entered: the object whose surface was met, and the material that fills it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Body {
+struct MediumEntry {
     object: u32,
     material: u32,
 }
@@ -32,7 +32,7 @@ struct Body {
 /// them is left through any other.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Interior {
-    bodies: Vec<Body>,
+    bodies: Vec<MediumEntry>,
 }
 
 impl Clone for Interior {
@@ -76,8 +76,8 @@ pub(crate) fn absorb(weight: &mut Rgb, absorption: Rgb, way: f64) -> bool {
 
 /// The way through a surface.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Crossing {
-    step: Step,
+pub(crate) struct MediumInterface {
+    event: InterfaceEvent,
     /// The medium on the near side.
     pub(crate) before: Medium,
     /// The medium on the far side.
@@ -86,7 +86,7 @@ pub(crate) struct Crossing {
     pub(crate) is_boundary: bool,
 }
 
-impl Crossing {
+impl MediumInterface {
     /// Light goes straight on, and nothing of it is mirrored.
     pub(crate) fn is_null(&self) -> bool {
         self.before.ior == self.after.ior
@@ -95,8 +95,8 @@ impl Crossing {
 
 /// How the list changes; a body that is left is known by its place.
 #[derive(Clone, Copy, Debug)]
-enum Step {
-    Enter(Body),
+enum InterfaceEvent {
+    Enter(MediumEntry),
     Leave(usize),
     /// Through something that has the same on both sides.
     Stay,
@@ -106,7 +106,7 @@ impl Interior {
     /// Inside of something unbounded of the material with this index.
     pub fn filled_with(material: u32) -> Self {
         // The number of no object: it is left through any surface of the material.
-        Self { bodies: vec![Body { object: u32::MAX, material }] }
+        Self { bodies: vec![MediumEntry { object: u32::MAX, material }] }
     }
 
     /// True outside of everything, in air.
@@ -121,18 +121,18 @@ impl Interior {
 
     /// Finds out what the origin of a ray lies inside of: the bodies that the ray leaves, on its way to infinity, without
     /// having entered them. Replaces what was known before.
-    pub fn look_around(&mut self, world: &mut impl Tracer, materials: &[Material], ray: &Ray) {
+    pub fn find_enclosing_media(&mut self, world: &mut impl Tracer, materials: &[Material], ray: &Ray) {
         self.bodies.clear();
         // Bodies around the origin come first in the list; behind them, bodies that were entered on the way.
         let mut around = 0;
         let mut span = Interval::FORWARD;
         let needs = InteractionFlags::NONE;
         while let Some(hit) = world.closest(ray, span, RayKind::Refraction, needs) {
-            span = hit.beyond(ray);
+            span = hit.span_after(ray);
             if transmission(materials, hit.material).is_none() {
                 continue;
             }
-            let body = Body { object: hit.object, material: hit.material };
+            let body = MediumEntry { object: hit.object, material: hit.material };
             if ray.direction.dot(hit.interaction.geometric_normal) <= 0.0 {
                 self.push(body);
             } else if let Some(at) = find(&self.bodies[around..], body) {
@@ -146,11 +146,17 @@ impl Interior {
         self.bodies.truncate(around);
     }
 
-    /// As [`look_around`](Self::look_around), where all bodies are known to lie within a box.
-    pub fn look_around_within(&mut self, reach: Aabb, world: &mut impl Tracer, materials: &[Material], ray: &Ray) {
+    /// As [`find_enclosing_media`](Self::look_around), where all bodies are known to lie within a box.
+    pub fn find_enclosing_media_within(
+        &mut self,
+        reach: Aabb,
+        world: &mut impl Tracer,
+        materials: &[Material],
+        ray: &Ray,
+    ) {
         self.bodies.clear();
         if reach.contains(ray.origin) {
-            self.look_around(world, materials, ray);
+            self.find_enclosing_media(world, materials, ray);
         }
     }
 
@@ -161,21 +167,26 @@ impl Interior {
 
     /// What it means to go through the surface of a transparent body. `None` if the list is full: the surface is to be
     /// ignored.
-    pub(crate) fn crossing(&mut self, materials: &[Material], hit: &SurfaceHit, leaving: bool) -> Option<Crossing> {
-        let body = Body { object: hit.object, material: hit.material };
-        let step = if leaving {
-            Step::Leave(find(&self.bodies, body).or_else(|| self.note_as_around(body))?)
+    pub(crate) fn interface(
+        &mut self,
+        materials: &[Material],
+        hit: &SurfaceHit,
+        leaving: bool,
+    ) -> Option<MediumInterface> {
+        let body = MediumEntry { object: hit.object, material: hit.material };
+        let event = if leaving {
+            InterfaceEvent::Leave(find(&self.bodies, body).or_else(|| self.push_outermost(body))?)
         } else {
-            (self.bodies.len() < CAPACITY).then_some(Step::Enter(body))?
+            (self.bodies.len() < CAPACITY).then_some(InterfaceEvent::Enter(body))?
         };
-        let (before, after) = match (self.bodies.as_slice(), step) {
+        let (before, after) = match (self.bodies.as_slice(), event) {
             // The usual cases: a body in air.
-            ([], Step::Enter(entered)) => (None, Some(entered.material)),
-            (&[left], Step::Leave(_)) => (Some(left.material), None),
-            _ => (self.top(materials), top(self.bodies_after(step), materials)),
+            ([], InterfaceEvent::Enter(entered)) => (None, Some(entered.material)),
+            (&[left], InterfaceEvent::Leave(_)) => (Some(left.material), None),
+            _ => (self.top(materials), top(self.bodies_after(event), materials)),
         };
-        Some(Crossing {
-            step,
+        Some(MediumInterface {
+            event,
             before: medium(before, materials),
             after: medium(after, materials),
             is_boundary: before != after,
@@ -183,43 +194,43 @@ impl Interior {
     }
 
     /// What it means to go through a pane without thickness: it is seen, and the same medium is behind it.
-    pub(crate) fn crossing_of_pane(&self, materials: &[Material]) -> Crossing {
+    pub(crate) fn thin_interface(&self, materials: &[Material]) -> MediumInterface {
         let here = self.medium(materials);
-        Crossing { step: Step::Stay, before: here, after: here, is_boundary: true }
+        MediumInterface { event: InterfaceEvent::Stay, before: here, after: here, is_boundary: true }
     }
 
     /// Goes through the surface that a crossing was found for.
-    pub(crate) fn cross(&mut self, crossing: &Crossing) {
-        match crossing.step {
-            Step::Enter(body) => self.push(body),
-            Step::Leave(at) => {
+    pub(crate) fn cross(&mut self, interface: &MediumInterface) {
+        match interface.event {
+            InterfaceEvent::Enter(body) => self.push(body),
+            InterfaceEvent::Leave(at) => {
                 self.bodies.remove(at);
             }
-            Step::Stay => {}
+            InterfaceEvent::Stay => {}
         }
     }
 
-    fn push(&mut self, body: Body) {
+    fn push(&mut self, body: MediumEntry) {
         if self.bodies.len() < CAPACITY {
             self.bodies.push(body);
         }
     }
 
     /// A body that nobody saw being entered was there before all others; its place.
-    fn note_as_around(&mut self, body: Body) -> Option<usize> {
+    fn push_outermost(&mut self, body: MediumEntry) -> Option<usize> {
         (self.bodies.len() < CAPACITY).then(|| {
             self.bodies.insert(0, body);
             0
         })
     }
 
-    fn bodies_after(&self, step: Step) -> impl Iterator<Item = Body> {
-        let (left, entered) = match step {
-            Step::Enter(body) => (None, Some(body)),
-            Step::Leave(at) => (Some(at), None),
-            Step::Stay => (None, None),
+    fn bodies_after(&self, event: InterfaceEvent) -> impl Iterator<Item = MediumEntry> {
+        let (left, entered) = match event {
+            InterfaceEvent::Enter(body) => (None, Some(body)),
+            InterfaceEvent::Leave(at) => (Some(at), None),
+            InterfaceEvent::Stay => (None, None),
         };
-        let stays = move |(at, body): (usize, &Body)| (Some(at) != left).then_some(*body);
+        let stays = move |(at, body): (usize, &MediumEntry)| (Some(at) != left).then_some(*body);
         self.bodies.iter().enumerate().filter_map(stays).chain(entered)
     }
 
@@ -231,15 +242,15 @@ impl Interior {
 
 /// Lists of paths that wait, one behind the other: what is put on last is taken off first.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct InteriorStack {
-    bodies: Vec<Body>,
+pub(crate) struct InteriorListStack {
+    bodies: Vec<MediumEntry>,
 }
 
-impl InteriorStack {
+impl InteriorListStack {
     /// Puts a list on the stack as it will be beyond a surface; its length.
-    pub(crate) fn push(&mut self, interior: &Interior, crossing: &Crossing) -> u32 {
+    pub(crate) fn push(&mut self, interior: &Interior, interface: &MediumInterface) -> u32 {
         let length = self.bodies.len();
-        self.bodies.extend(interior.bodies_after(crossing.step));
+        self.bodies.extend(interior.bodies_after(interface.event));
         (self.bodies.len() - length) as u32
     }
 
@@ -252,14 +263,14 @@ impl InteriorStack {
 }
 
 /// The place of a body, or else of another one of its material: the one that was entered last.
-fn find(bodies: &[Body], body: Body) -> Option<usize> {
-    let last = |matches: &dyn Fn(&Body) -> bool| bodies.iter().rposition(matches);
+fn find(bodies: &[MediumEntry], body: MediumEntry) -> Option<usize> {
+    let last = |matches: &dyn Fn(&MediumEntry) -> bool| bodies.iter().rposition(matches);
     last(&|other| *other == body).or_else(|| last(&|other| other.material == body.material))
 }
 
 /// The material of highest priority, of equals the last.
-fn top(bodies: impl Iterator<Item = Body>, materials: &[Material]) -> Option<u32> {
-    let priority = |body: &Body| transmission(materials, body.material).map(|t| t.priority);
+fn top(bodies: impl Iterator<Item = MediumEntry>, materials: &[Material]) -> Option<u32> {
+    let priority = |body: &MediumEntry| transmission(materials, body.material).map(|t| t.priority);
     bodies.max_by_key(priority).map(|body| body.material)
 }
 

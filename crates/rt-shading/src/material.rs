@@ -284,7 +284,7 @@ impl Material {
 
     /// True if its BSDF is the same at every point: no texture and no tangent has a part in it, and it is not the surface of
     /// a body, where it would matter what is on the other side.
-    pub fn scatters_alike_everywhere(&self) -> bool {
+    pub fn is_uniform(&self) -> bool {
         self.body().is_none() && !self.needs_detail()
     }
 

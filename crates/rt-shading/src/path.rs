@@ -4,11 +4,13 @@ mod clamp;
 mod scatter;
 mod wave;
 
-use crate::{Appearance, BsdfCache, Interior, Needs, Seen, ShadingCounts, Tracer, emitter::EmitterSet, flow::Flow};
+use crate::{
+    Appearance, BsdfCache, Interior, Needs, Seen, ShadingCounts, Tracer, emitter::EmitterSet, ray_queues::RayQueues,
+};
 pub use clamp::Clamp;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Sampler};
-use wave::{Path, Shadows};
+use wave::{Path, ShadowRayQueue};
 
 /// Which light is followed beyond the first surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,11 +64,11 @@ pub struct PathTracer<S> {
     surroundings: Interior,
     paths: Vec<Path<S>>,
     /// What is traced after the camera rays, while the flow after it grows.
-    flow: Flow<u32>,
-    next: Flow<u32>,
-    shadows: Shadows,
+    ray_queues: RayQueues<u32>,
+    next: RayQueues<u32>,
+    shadows: ShadowRayQueue,
     /// Whether a ray that ends at the next surface may find light.
-    finds_light: bool,
+    scene_emits: bool,
     counts: ShadingCounts,
 }
 
@@ -89,10 +91,10 @@ impl<S: Sampler + Clone> PathTracer<S> {
             needs,
             surroundings: Interior::default(),
             paths: Vec::new(),
-            flow: Flow::default(),
-            next: Flow::default(),
-            shadows: Shadows::default(),
-            finds_light: false,
+            ray_queues: RayQueues::default(),
+            next: RayQueues::default(),
+            shadows: ShadowRayQueue::default(),
+            scene_emits: false,
             counts: ShadingCounts::default(),
         }
     }
@@ -120,16 +122,16 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let count = rays.len().min(samplers.len()).min(seen.len());
         let seen = &mut seen[..count];
         seen.fill(Seen::NOTHING);
-        self.finds_light = self.needs.emission || !lighting.appearance.background.is_black();
+        self.scene_emits = self.needs.emission || !lighting.appearance.background.is_black();
         self.start(&samplers[..count]);
         self.trace(world, lighting, RayKind::Primary, &rays[..count], |at| at as u32, seen);
         self.end_wave(world, seen);
-        while !self.flow.is_empty() {
-            let flow = core::mem::take(&mut self.flow);
-            for (kind, queue) in flow.queues() {
+        while !self.ray_queues.is_empty() {
+            let ray_queues = core::mem::take(&mut self.ray_queues);
+            for (kind, queue) in ray_queues.queues() {
                 self.trace(world, lighting, kind, &queue.rays, |at| queue.paths[at], seen);
             }
-            self.flow = flow;
+            self.ray_queues = ray_queues;
             self.end_wave(world, seen);
         }
     }
@@ -146,7 +148,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
     ) {
         world.closest_batch(rays, kind, self.needs.surface(), |at, hit| {
             let id = path(at);
-            self.meet(lighting, id, &rays[at].0, hit, &mut seen[id as usize]);
+            self.shade_hit(lighting, id, &rays[at].0, hit, &mut seen[id as usize]);
         });
     }
 
@@ -154,9 +156,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
     fn end_wave(&mut self, world: &mut impl Tracer, seen: &mut [Seen]) {
         let (clamp, counts) = (self.settings.clamp, &mut self.counts);
         let bounded = |radiance| clamp.bounded(radiance, counts);
-        self.shadows.gather(|rays, blocked| world.occluded_batch(rays, blocked), bounded, seen);
-        self.flow.clear();
-        core::mem::swap(&mut self.flow, &mut self.next);
+        self.shadows.resolve(|rays, blocked| world.occluded_batch(rays, blocked), bounded, seen);
+        self.ray_queues.clear();
+        core::mem::swap(&mut self.ray_queues, &mut self.next);
     }
 
     /// Begins a path for each sampler.
@@ -164,14 +166,14 @@ impl<S: Sampler + Clone> PathTracer<S> {
         // Lists of bodies keep their memory from wave to wave.
         self.paths.truncate(samplers.len());
         for (path, sampler) in self.paths.iter_mut().zip(samplers) {
-            path.restart(sampler.clone());
+            path.reset(sampler.clone());
         }
         for sampler in &samplers[self.paths.len()..] {
             self.paths.push(Path::new(sampler.clone()));
         }
         if self.needs.refraction {
             for path in &mut self.paths {
-                path.course.interior.clone_from(&self.surroundings);
+                path.medium_tracker.interior.clone_from(&self.surroundings);
             }
         }
     }

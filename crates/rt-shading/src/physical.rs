@@ -3,7 +3,7 @@
 use crate::{
     ColorTexture, FloatTexture, Highlight, LayeredSurface, Phong, Texture, Transmission,
     bsdf::{
-        Bsdf, ComplexIor, Conductor, Coupling, Dielectric, Ggx, Lambert, Lobe, MAX_LOBES, MetallicRoughness, Mirror,
+        Bsdf, Bxdf, ComplexIor, Conductor, Coupling, Dielectric, Ggx, Lambert, MAX_LOBES, MetallicRoughness, Mirror,
         Mix, OrenNayar, PhongLobe, Refraction, ThinGlass,
     },
 };
@@ -136,15 +136,15 @@ impl Physical {
     /// the diffuse coefficient is an albedo, the highlight is as bright as it was along its axis, and mirrored and refracted
     /// light is shared by the same rule.
     pub fn bsdf_of_phong(phong: &Phong, at: &PhysicalPoint<'_>) -> Bsdf {
-        let mut lobes = Layers::default();
-        lobes.lay(Lambert { albedo: at.reflectance(&phong.diffuse) }.into(), &phong.diffuse);
+        let mut lobes = MixBuilder::default();
+        lobes.push_scaled(Lambert { albedo: at.reflectance(&phong.diffuse) }.into(), &phong.diffuse);
         let exponent = match phong.highlight {
             Highlight::Phong => phong.exponent,
             // Between the half vector and the normal the angle is half of that to the mirrored direction.
             Highlight::Blinn => 0.25 * phong.exponent,
         };
         let specular = at.reflectance(&phong.specular) * (2.0 / (exponent + 2.0));
-        lobes.lay(PhongLobe { reflectance: specular, exponent }.into(), &phong.specular);
+        lobes.push_scaled(PhongLobe { reflectance: specular, exponent }.into(), &phong.specular);
         let mirror = at.reflectance(&phong.mirror);
         match &phong.transmission {
             Some(Transmission { coefficient, fresnel: true, .. }) => {
@@ -153,11 +153,11 @@ impl Physical {
                 lobes.push(surface.into());
             }
             Some(Transmission { coefficient, fresnel: false, .. }) => {
-                lobes.lay(Mirror { reflectance: mirror }.into(), &phong.mirror);
+                lobes.push_scaled(Mirror { reflectance: mirror }.into(), &phong.mirror);
                 let passing = Refraction { ior: at.ior, transmittance: at.reflectance(coefficient) };
-                lobes.lay(passing.into(), coefficient);
+                lobes.push_scaled(passing.into(), coefficient);
             }
-            None => lobes.lay(Mirror { reflectance: mirror }.into(), &phong.mirror),
+            None => lobes.push_scaled(Mirror { reflectance: mirror }.into(), &phong.mirror),
         }
         lobes.finish()
     }
@@ -166,14 +166,14 @@ impl Physical {
     pub fn bsdf(&self, at: &PhysicalPoint<'_>) -> Bsdf {
         match self {
             Self::Glossy { diffuse, specular, exponent } => {
-                let mut lobes = Layers::default();
-                lobes.lay(Lambert { albedo: at.reflectance(diffuse) }.into(), diffuse);
+                let mut lobes = MixBuilder::default();
+                lobes.push_scaled(Lambert { albedo: at.reflectance(diffuse) }.into(), diffuse);
                 let lobe = PhongLobe { reflectance: at.reflectance(specular), exponent: *exponent };
-                lobes.lay(lobe.into(), specular);
+                lobes.push_scaled(lobe.into(), specular);
                 lobes.finish()
             }
             Self::Mix(parts) => {
-                let mut lobes = Layers::default();
+                let mut lobes = MixBuilder::default();
                 for (weight, part) in parts {
                     lobes.push_all(*weight, &part.bsdf(at));
                 }
@@ -209,7 +209,7 @@ impl Physical {
         }
     }
 
-    fn lobe(&self, at: &PhysicalPoint<'_>) -> Lobe {
+    fn lobe(&self, at: &PhysicalPoint<'_>) -> Bxdf {
         match self {
             Self::Diffuse { albedo, roughness: 0.0 } => Lambert { albedo: at.reflectance(albedo) }.into(),
             Self::Diffuse { albedo, roughness } => {
@@ -270,33 +270,33 @@ impl Physical {
     }
 }
 
-const BLACK: Lobe = Lobe::Lambert(Lambert { albedo: Rgb::BLACK });
+const BLACK: Bxdf = Bxdf::Lambert(Lambert { albedo: Rgb::BLACK });
 
 /// Lobes over each other.
-struct Layers {
-    lobes: [(f64, Lobe); MAX_LOBES],
+struct MixBuilder {
+    lobes: [(f64, Bxdf); MAX_LOBES],
     count: usize,
 }
 
-impl Default for Layers {
+impl Default for MixBuilder {
     fn default() -> Self {
         Self { lobes: [(0.0, BLACK); MAX_LOBES], count: 0 }
     }
 }
 
-impl Layers {
+impl MixBuilder {
     /// A lobe, unless its coefficient is zero everywhere.
-    fn lay(&mut self, lobe: Lobe, coefficient: &ColorTexture) {
+    fn push_scaled(&mut self, lobe: Bxdf, coefficient: &ColorTexture) {
         if !coefficient.is_zero() {
             self.push(lobe);
         }
     }
 
-    fn push(&mut self, lobe: Lobe) {
+    fn push(&mut self, lobe: Bxdf) {
         self.push_weighted(1.0, lobe);
     }
 
-    fn push_weighted(&mut self, weight: f64, lobe: Lobe) {
+    fn push_weighted(&mut self, weight: f64, lobe: Bxdf) {
         if let Some(place) = self.lobes.get_mut(self.count) {
             *place = (weight, lobe);
             self.count += 1;

@@ -25,7 +25,7 @@ impl SurfaceHit {
     /// The ray stays what it is, so that everything behind is met at the same parameters to the bit. It goes as far as
     /// rounding may have displaced the surface, as a spawned ray would: two triangles that share the edge which was hit
     /// are one surface.
-    pub fn beyond(&self, ray: &Ray) -> Interval {
+    pub fn span_after(&self, ray: &Ray) -> Interval {
         let normal = self.interaction.geometric_normal;
         let way = normal.abs().dot(self.interaction.point_error) / normal.dot(ray.direction).abs();
         let min = if way.is_finite() { self.t + way } else { self.t }.next_up();

@@ -3,8 +3,8 @@
 use crate::{
     Appearance, Material, PhysicalPoint,
     bsdf::{Bsdf, BsdfSample},
-    interior::Crossing,
-    view::View,
+    interior::MediumInterface,
+    viewed_surface::ViewedSurface,
 };
 use rt_math::{DVec3, Frame, Rgb};
 
@@ -19,11 +19,11 @@ pub(crate) fn power_heuristic(drawn: f64, other: f64) -> f64 {
 pub(crate) fn bsdf_at(
     appearance: &Appearance,
     material: &Material,
-    view: &View<'_>,
-    crossing: Option<&Crossing>,
+    view: &ViewedSurface<'_>,
+    interface: Option<&MediumInterface>,
 ) -> Bsdf {
-    let ior = crossing.map_or(1.0, |crossing| {
-        let (before, after) = (crossing.before.ior, crossing.after.ior);
+    let ior = interface.map_or(1.0, |interface| {
+        let (before, after) = (interface.before.ior, interface.after.ior);
         if view.is_inside { before / after } else { after / before }
     });
     material.bsdf(&PhysicalPoint { textures: &appearance.textures, surface: view.surface, ior })
@@ -31,10 +31,10 @@ pub(crate) fn bsdf_at(
 
 /// A surface where light is gathered and scattered.
 pub(crate) struct Vertex<'a> {
-    pub(crate) view: View<'a>,
+    pub(crate) view: ViewedSurface<'a>,
     pub(crate) bsdf: &'a Bsdf,
     /// What of it is followed.
-    part: Part<'a>,
+    sampled: SampledLobes<'a>,
     /// Shading coordinates: z is the shading normal, on the outside.
     pub(crate) frame: Frame,
     /// To the viewer, in the frame.
@@ -45,7 +45,7 @@ pub(crate) struct Vertex<'a> {
 }
 
 /// What of a BSDF paths follow.
-enum Part<'a> {
+enum SampledLobes<'a> {
     All,
     Some(&'a Bsdf),
     Nothing,
@@ -54,28 +54,28 @@ enum Part<'a> {
 impl<'a> Vertex<'a> {
     /// A surface of which all light is followed.
     #[inline]
-    pub(crate) fn new(view: View<'a>, bsdf: &'a Bsdf, time: f64) -> Self {
+    pub(crate) fn new(view: ViewedSurface<'a>, bsdf: &'a Bsdf, time: f64) -> Self {
         let (frame, wo) = view.shading_coordinates();
         let normal = (!bsdf.transmits()).then_some(view.normal);
-        Self { view, bsdf, part: Part::All, frame, wo, normal, time }
+        Self { view, bsdf, sampled: SampledLobes::All, frame, wo, normal, time }
     }
 
     /// The same, of which light is followed that this part of the BSDF scatters.
-    pub(crate) fn following(self, part: Option<&'a Bsdf>) -> Self {
-        Self { part: part.map_or(Part::Nothing, Part::Some), ..self }
+    pub(crate) fn with_sampled_lobes(self, sampled: Option<&'a Bsdf>) -> Self {
+        Self { sampled: sampled.map_or(SampledLobes::Nothing, SampledLobes::Some), ..self }
     }
 
     /// What of the BSDF is followed.
-    pub(crate) fn followed(&self) -> Option<&Bsdf> {
-        match self.part {
-            Part::All => Some(self.bsdf),
-            Part::Some(part) => Some(part),
-            Part::Nothing => None,
+    pub(crate) fn sampled_lobes(&self) -> Option<&Bsdf> {
+        match self.sampled {
+            SampledLobes::All => Some(self.bsdf),
+            SampledLobes::Some(sampled) => Some(sampled),
+            SampledLobes::Nothing => None,
         }
     }
 
     /// The direction, in world space, in which a camera path goes on with this sample; `None` if it ends. See
-    /// [`View::continued`].
+    /// [`ViewedSurface::continued`].
     #[inline]
     pub(crate) fn continued(&self, sample: &BsdfSample, keeps_single: bool) -> Option<DVec3> {
         self.view.continued(sample, self.frame.from_local(sample.wi), keeps_single)
@@ -91,26 +91,26 @@ impl<'a> Vertex<'a> {
 
     /// The part of radiance from `wi` (world space) that goes to the viewer, with the cosine.
     #[inline]
-    pub(crate) fn scattered(&self, wi: DVec3) -> Rgb {
+    pub(crate) fn eval(&self, wi: DVec3) -> Rgb {
         self.local(wi).map_or(Rgb::BLACK, |local| self.bsdf.eval(self.wo, local) * local.z.abs())
     }
 
     /// The same of light that was drawn with density `pdf`, weighted against the directions that are followed.
     #[inline]
-    pub(crate) fn scattered_and_weighted(&self, wi: DVec3, pdf: f64) -> Rgb {
+    pub(crate) fn eval_mis(&self, wi: DVec3, pdf: f64) -> Rgb {
         let Some(local) = self.local(wi) else { return Rgb::BLACK };
-        let (all, other) = match self.part {
-            Part::All => self.bsdf.eval_with_pdf(self.wo, local),
+        let (all, other) = match self.sampled {
+            SampledLobes::All => self.bsdf.eval_with_pdf(self.wo, local),
             _ => (self.bsdf.eval(self.wo, local), 0.0),
         };
         if all.is_black() {
             return all;
         }
-        let weighted = match self.part {
-            Part::All => all * power_heuristic(pdf, other),
-            Part::Nothing => all,
-            Part::Some(part) => {
-                let (followed, other) = part.eval_with_pdf(self.wo, local);
+        let weighted = match self.sampled {
+            SampledLobes::All => all * power_heuristic(pdf, other),
+            SampledLobes::Nothing => all,
+            SampledLobes::Some(sampled) => {
+                let (followed, other) = sampled.eval_with_pdf(self.wo, local);
                 all - followed * (1.0 - power_heuristic(pdf, other))
             }
         };

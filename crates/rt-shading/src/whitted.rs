@@ -4,11 +4,11 @@ mod counts;
 mod shade;
 mod wave;
 
-use crate::{Appearance, Interior, Needs, Seen, Tracer, flow::Flow};
+use crate::{Appearance, Interior, Needs, Seen, Tracer, ray_queues::RayQueues};
 pub use counts::ShadingCounts;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
-use wave::{Lights, Path, Sample};
+use wave::{DirectLighting, Path, PixelTree};
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
 ///
@@ -29,12 +29,12 @@ pub struct Whitted {
     /// What camera rays start inside of.
     surroundings: Interior,
     /// What is traced after the camera rays, while the wave after it grows.
-    wave: Flow<Path>,
-    next: Flow<Path>,
-    samples: Vec<Sample>,
+    wave: RayQueues<Path>,
+    next: RayQueues<Path>,
+    samples: Vec<PixelTree>,
     /// Samples whose path has ended in this wave.
     ended: Vec<u32>,
-    lights: Lights,
+    lights: DirectLighting,
     counts: ShadingCounts,
 }
 
@@ -47,11 +47,11 @@ impl Whitted {
             min_contribution,
             needs,
             surroundings: Interior::default(),
-            wave: Flow::default(),
-            next: Flow::default(),
+            wave: RayQueues::default(),
+            next: RayQueues::default(),
             samples: Vec::new(),
             ended: Vec::new(),
-            lights: Lights::default(),
+            lights: DirectLighting::default(),
             counts: ShadingCounts::default(),
         }
     }
@@ -107,7 +107,7 @@ impl Whitted {
     /// Makes room for the samples of so many camera rays.
     fn start(&mut self, count: usize) {
         if self.samples.len() < count {
-            self.samples.resize_with(count, Sample::default);
+            self.samples.resize_with(count, PixelTree::default);
         }
         if self.needs.refraction {
             for sample in &mut self.samples[..count] {
@@ -134,14 +134,14 @@ impl Whitted {
 
     /// Traces the shadow rays of a wave, and fills the next one.
     fn end_wave(&mut self, world: &mut impl Tracer, seen: &mut [Seen]) {
-        self.lights.gather(|rays, blocked| world.occluded_batch(rays, blocked), seen);
-        self.go_on();
+        self.lights.resolve(|rays, blocked| world.occluded_batch(rays, blocked), seen);
+        self.next_wave();
     }
 
     /// Fills the next wave with what the samples go on with.
-    fn go_on(&mut self) {
+    fn next_wave(&mut self) {
         for &sample in &self.ended {
-            self.samples[sample as usize].go_on(&mut self.next);
+            self.samples[sample as usize].pop_deferred(&mut self.next);
         }
         self.ended.clear();
         self.wave.clear();
@@ -150,10 +150,10 @@ impl Whitted {
 }
 
 #[cfg(test)]
-mod interpolated;
+mod shading_normals;
 
 #[cfg(test)]
-mod nested;
+mod nested_dielectrics;
 
 #[cfg(test)]
 mod tests;

@@ -8,8 +8,8 @@
 //! from the values without each tile in turn. All tiles together are the image, without further variance. The variance
 //! is therefore reduced by the finished part of the image (Cochran, Sampling Techniques, 1977, 2.6).
 
+use rt_math::stats::student_t;
 use rt_math::transcendental::{exp, log};
-use rt_render::student_t;
 
 use super::{
     lecture_numbers::{RAYS, SPP, TILE_PIXELS, TILES},

@@ -55,7 +55,7 @@ impl RunConditions {
             format: FORMAT,
             program: fingerprint(program)?,
             scene: fingerprint(scene)?,
-            processor: rt_render::processor(),
+            processor: crate::processor::processor(),
         })
     }
 }

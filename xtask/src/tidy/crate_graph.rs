@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// Normal dependencies within the workspace.
-const GRAPH: [(&str, &[&str]); 9] = [
+const GRAPH: [(&str, &[&str]); 10] = [
     ("rt-math", &[]),
     ("rt-geometry", &["rt-math"]),
     ("rt-accel", &["rt-geometry", "rt-math"]),
@@ -20,7 +20,8 @@ const GRAPH: [(&str, &[&str]); 9] = [
     ("rt-shading", &["rt-geometry", "rt-math"]),
     ("rt-scene-io", &["rt-camera", "rt-geometry", "rt-image", "rt-math", "rt-shading"]),
     ("rt-render", &["rt-accel", "rt-camera", "rt-geometry", "rt-image", "rt-math", "rt-scene-io", "rt-shading"]),
-    ("rt-cli", &["rt-camera", "rt-image", "rt-math", "rt-render", "rt-scene-io"]),
+    ("rt-check", &["rt-accel", "rt-camera", "rt-geometry", "rt-math", "rt-render", "rt-scene-io", "rt-shading"]),
+    ("rt-cli", &["rt-camera", "rt-check", "rt-image", "rt-math", "rt-render", "rt-scene-io"]),
 ];
 
 /// Crates that may use any other: no crate depends on them.

@@ -1,22 +1,22 @@
-//! How a camera sees a point of the world: its rays, the other way.
+//! Connection of a world point to the camera, for light tracing.
 
 use rt_math::{DVec2, DVec3};
 
 use super::Camera;
 
-/// How a camera sees a point of the world.
+/// Connection of a world point to the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraWiSample {
-    /// Where the ray that leads to the point starts, world space.
+    /// Origin of the camera ray to the point, world space.
     pub origin: DVec3,
-    /// Where the point appears, in raster coordinates; possibly outside the image.
+    /// Raster position of the point; possibly outside the image.
     pub raster: DVec2,
     /// Pixels that a unit of area covers at the point, if it faces along the ray.
     pub importance: f64,
 }
 
 impl Camera {
-    /// How the camera sees a point at a moment, with a lens from the point of it that belongs to a point of the unit square. `None`
+    /// Connects a point to the camera at a time; with a lens, to the lens point of a unit-square sample. `None`
     /// where [`project`](Self::project) is then, and where the point is so near to the camera that its image has no bounds.
     ///
     /// The ray to the point at the depth t has the direction d, of which the part along the view is 1; r and b are one pixel to the

@@ -1,7 +1,7 @@
 //! `check`: the numerical health of a scene, as text or JSON.
 
 use indexmap::IndexMap;
-use rt_render::check::{CameraMeasures, Finding, Measures, More, Report, Severity, check};
+use rt_check::{CameraMeasures, Finding, Measures, More, Report, Severity, check};
 use rt_render::{MemoryPrediction, RenderError};
 use serde::Serialize;
 

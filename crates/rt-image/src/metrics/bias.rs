@@ -16,7 +16,7 @@ pub struct Estimate {
 pub struct Bias {
     /// Red, green and blue.
     pub channels: [Estimate; 3],
-    /// Of the mean of the three channels of each pixel. As these are rarely independent, its standard error does not
+    /// Bias of the mean of the three channels of each pixel. As these are rarely independent, its standard error does not
     /// follow from theirs.
     pub all: Estimate,
 }

@@ -1,4 +1,4 @@
-//! How much coverage differs.
+//! Difference of coverage.
 
 use super::ImagePair;
 

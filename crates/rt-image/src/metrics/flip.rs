@@ -24,7 +24,7 @@ pub use exposures::ExposureRange;
 /// The metric ꟻLIP (Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild 2020), for a viewer who sees a
 /// given number of pixels per degree.
 ///
-/// It is symmetric, 0 for equal images, and 1 for green beside blue, which are as far apart as colours can be.
+/// It is symmetric, 0 for equal images, and 1 for green against blue, the largest distance of colours.
 #[derive(Clone, Debug)]
 pub struct Flip {
     colours: ColourSpace,
@@ -102,7 +102,7 @@ impl Flip {
         differences.collect()
     }
 
-    /// What is seen of a tile.
+    /// Perceived colours of a tile.
     fn seen(&self, film: &Image, development: &Development, tile: &Tile) -> Seen {
         let radius = self.kernels.radius();
         let width = film.width() as usize;
@@ -128,7 +128,7 @@ impl Default for Flip {
     }
 }
 
-/// What is seen of the pixels of a tile, row by row.
+/// Perceived colours of the pixels of a tile, row by row.
 struct Seen {
     /// In Lab, adjusted after Hunt.
     colours: Vec<[f64; 3]>,
@@ -156,7 +156,7 @@ mod tests {
         }
     }
 
-    /// What the program that the authors of the metric publish says of the same images. It computes in `f32`.
+    /// Results of the program published by the authors of the metric, which computes in `f32`.
     #[test]
     fn the_authors_program_agrees() {
         let (test, reference) = (disturbed_ramps(), ramps());

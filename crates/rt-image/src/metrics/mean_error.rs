@@ -2,7 +2,7 @@
 
 use super::{ImagePair, pair::PixelPair};
 
-/// What [`relative_mean_squared_error`] adds to the squared reference, so that black pixels do not decide alone.
+/// Added to the squared reference by [`relative_mean_squared_error`], so that black pixels do not dominate.
 pub const RELATIVE_EPSILON: f64 = 0.01;
 
 /// A metric for each colour channel.

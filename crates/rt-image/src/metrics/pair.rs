@@ -30,9 +30,9 @@ pub enum PairError {
         test[0], test[1], reference[0], reference[1]
     )]
     Size {
-        /// Of the image under test.
+        /// Size of the image under test.
         test: [u32; 2],
-        /// Of the reference.
+        /// Size of the reference.
         reference: [u32; 2],
     },
     /// They are empty, or every pixel is NaN or infinite in one of them.
@@ -83,7 +83,7 @@ impl<'f> ImagePair<'f> {
         self.test.height()
     }
 
-    /// What the metrics of radiance leave out.
+    /// Pixels that the radiance metrics leave out.
     pub const fn non_finite(&self) -> NonFinite {
         self.non_finite
     }

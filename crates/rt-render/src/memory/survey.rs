@@ -1,4 +1,4 @@
-//! A walk over the tree that counts what flattening will make of it.
+//! Counts of the objects that flattening will make of the node tree.
 
 use std::collections::HashSet;
 
@@ -6,30 +6,63 @@ use rt_geometry::Shape;
 use rt_math::Transform;
 use rt_scene_io::{Content, GroupId, MeshId, Node, Scene};
 
-use super::{Most, structure};
 use crate::{
     RenderError,
-    flatten::{DISSOLVED, count_group_uses, group_of},
-    structure::Wanted,
-    world::{Moving, Part},
+    accel_choice::{AccelOptions, MAX_LINEAR, choose},
+    flatten::{MAX_INLINED_TRIANGLES, count_group_uses, group_of},
+    instance::{Animated, Instance},
 };
 
-/// What the allocator adds to a piece of memory, and the counts of what is shared.
+/// Overhead of an allocation and of shared counts.
 const HEADER: u64 = 32;
 
-/// Bytes for each triangle of a mesh that shines: its share in the choice of a light.
+/// Bytes per triangle of an emissive mesh: its share of the light sampler.
 const EMITTER_BYTES: u64 = 64;
 
-/// What stands in a scene, in bytes.
+/// Largest consumer of memory.
+#[derive(Debug, Default)]
+pub(crate) struct Most {
+    pub(crate) bytes: u64,
+    pub(crate) what: String,
+}
+
+impl Most {
+    pub(crate) fn offer(&mut self, bytes: u64, what: impl FnOnce() -> String) {
+        if bytes > self.bytes {
+            *self = Self { bytes, what: what() };
+        }
+    }
+}
+
+/// Bytes of a structure over so many primitives: what it keeps, and what it takes besides while it is built. Measured on meshes
+/// of half a million triangles, and rounded up.
+fn accel_bytes(accel_options: AccelOptions, primitives: u64) -> [u64; 2] {
+    use rt_accel::AcceleratorKind as Kind;
+    let [kept, besides] = match choose(accel_options.accel, primitives <= MAX_LINEAR as u64) {
+        Kind::Linear => [16, 0],
+        Kind::Wide => [46, 100],
+        Kind::Bvh => [40, 140],
+        Kind::Grid => [44, 56],
+        Kind::Spheres => [48, 72],
+        Kind::Cylinders => [72, 90],
+        Kind::Kd => [110, 260],
+        Kind::Bsp => [220, 360],
+        Kind::Bih => [20, 56],
+        Kind::BihLazy => [60, 26],
+    };
+    [primitives.saturating_mul(kept), primitives.saturating_mul(besides)]
+}
+
+/// Bytes of the objects of a scene.
 #[derive(Debug, Default)]
 pub(crate) struct Survey {
     pub(crate) geometry: u64,
     pub(crate) structures: u64,
-    /// Of the structure that takes most while it is built.
+    /// Temporary bytes of the largest accelerator.
     pub(crate) building: u64,
 }
 
-/// What a list of nodes becomes: parts of an assembly.
+/// Instances that a list of nodes becomes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Holding {
     parts: u64,
@@ -45,13 +78,13 @@ impl Holding {
 
 struct Surveyor<'s, 'm> {
     scene: &'s Scene,
-    wanted: Wanted,
+    accel_options: AccelOptions,
     survey: Survey,
     most: &'m mut Most,
     group_uses: Vec<u64>,
-    /// Which groups have a level of their own that is counted.
+    /// Flags of groups whose own aggregate is counted.
     levels: Vec<bool>,
-    /// What each group becomes with all groups in it dissolved, where that is known.
+    /// Instances of each group with all nested groups dissolved, if known.
     dissolved: Vec<Option<Holding>>,
     /// Meshes that have a level of their own that is counted, with the material that cuts holes into them.
     meshes: HashSet<(u32, Option<u32>)>,
@@ -59,11 +92,16 @@ struct Surveyor<'s, 'm> {
 
 impl Survey {
     /// Counts what flattening will find. With `culls`, there may be a second structure half as large as the first.
-    pub(crate) fn of(scene: &Scene, wanted: Wanted, culls: bool, most: &mut Most) -> Result<Self, RenderError> {
+    pub(crate) fn of(
+        scene: &Scene,
+        accel_options: AccelOptions,
+        culls: bool,
+        most: &mut Most,
+    ) -> Result<Self, RenderError> {
         let count = scene.groups.len();
         let mut surveyor = Surveyor {
             scene,
-            wanted,
+            accel_options,
             survey: Self::default(),
             most,
             group_uses: count_group_uses(scene)?,
@@ -73,9 +111,9 @@ impl Survey {
         };
         surveyor.scene_itself();
         let top = surveyor.holding(&scene.nodes, false)?;
-        surveyor.assembly(top, "the scene");
+        surveyor.aggregate(top, "the scene");
         if culls {
-            let [kept, _] = structure(wanted, top.parts / 2);
+            let [kept, _] = accel_bytes(accel_options, top.parts / 2);
             surveyor.survey.structures = surveyor.survey.structures.saturating_add(kept);
         }
         Ok(surveyor.survey)
@@ -103,21 +141,21 @@ impl<'s> Surveyor<'s, '_> {
     }
 
     /// Adds an assembly of such parts, and the structure over them.
-    fn assembly(&mut self, holding: Holding, name: &str) {
+    fn aggregate(&mut self, holding: Holding, name: &str) {
         let Holding { parts, bytes } = holding;
         self.most.offer(bytes, || format!("{parts} objects of {name}"));
         self.survey.geometry = self.survey.geometry.saturating_add(bytes);
-        self.structure(parts, || format!("the structure over {parts} objects of {name}"));
+        self.add_accel(parts, || format!("the structure over {parts} objects of {name}"));
     }
 
-    fn structure(&mut self, primitives: u64, what: impl FnOnce() -> String) {
-        let [kept, besides] = structure(self.wanted, primitives);
+    fn add_accel(&mut self, primitives: u64, what: impl FnOnce() -> String) {
+        let [kept, besides] = accel_bytes(self.accel_options, primitives);
         self.most.offer(kept.saturating_add(besides), what);
         self.survey.structures = self.survey.structures.saturating_add(kept);
         self.survey.building = self.survey.building.max(besides);
     }
 
-    /// What the nodes and those below become. Trees may be deep, so the walk keeps its own stack.
+    /// Instances of nodes and their descendants. Trees may be deep, so the traversal keeps its own stack.
     fn holding(&mut self, nodes: &'s [Node], within_group: bool) -> Result<Holding, RenderError> {
         let mut sum = Holding::default();
         // With each list, whether everything above it stands where it is.
@@ -155,12 +193,12 @@ impl<'s> Surveyor<'s, '_> {
         let triangles = named.mesh.data().triangles.len();
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
         let is_plain = material.is_none_or(|m| m.relief.is_none() && m.coverage == rt_shading::Coverage::ALL);
-        if triangles <= DISSOLVED && unmoved && is_plain {
+        if triangles <= MAX_INLINED_TRIANGLES && unmoved && is_plain {
             return triangles as u64;
         }
-        let holes = material.filter(|m| m.coverage != rt_shading::Coverage::ALL).map(|_| node.material.0);
-        if self.meshes.insert((id.0, holes)) {
-            self.structure(triangles as u64, || {
+        let alpha_test = material.filter(|m| m.coverage != rt_shading::Coverage::ALL).map(|_| node.material.0);
+        if self.meshes.insert((id.0, alpha_test)) {
+            self.add_accel(triangles as u64, || {
                 let name =
                     if named.name.is_empty() { "without a name".to_owned() } else { format!("`{}`", named.name) };
                 format!("the structure over the {triangles} triangles of the mesh {name}")
@@ -180,11 +218,11 @@ impl<'s> Surveyor<'s, '_> {
         }
         let group = &self.scene.groups[index];
         let holding = self.holding(&group.nodes, true)?;
-        self.assembly(holding, &format!("the group `{}`", group.name));
+        self.aggregate(holding, &format!("the group `{}`", group.name));
         Ok(())
     }
 
-    /// What a group within another becomes. One that contains itself ends here; flattening refuses it.
+    /// Instances of a nested group. One that contains itself ends here; flattening refuses it.
     fn dissolved(&mut self, id: GroupId) -> Result<Holding, RenderError> {
         let index = id.0 as usize;
         if let Some(known) = self.dissolved[index] {
@@ -200,8 +238,8 @@ impl<'s> Surveyor<'s, '_> {
 /// Bytes of a part, with the name and the transform that it has on the heap.
 fn part_bytes(node: &Node, unmoved: bool) -> u64 {
     let transform = if unmoved { 0 } else { size_of::<Transform>() as u64 + HEADER };
-    let moving = if node.moves_to.is_some() { size_of::<Moving>() as u64 + HEADER } else { 0 };
-    size_of::<Part>() as u64 + node.name.len() as u64 + HEADER + transform + moving
+    let moving = if node.moves_to.is_some() { size_of::<Animated>() as u64 + HEADER } else { 0 };
+    size_of::<Instance>() as u64 + node.name.len() as u64 + HEADER + transform + moving
 }
 
 /// Bytes that a shape has on the heap.

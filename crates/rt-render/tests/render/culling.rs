@@ -39,7 +39,7 @@ fn render(scene: &Scene, options: PlanOptions) -> (Image, Statistics) {
 fn culled(scene: &Scene, options: &PlanOptions) -> Option<usize> {
     let plan = RenderPlan::compile(scene, options).expect("the scene compiles");
     let line = plan.explain().left_out.into_iter().find(|left| left.what == "objects, for camera rays")?;
-    line.why.split(' ').next()?.parse().ok()
+    line.reason.split(' ').next()?.parse().ok()
 }
 
 fn assert_same_picture(scene: &Scene, options: PlanOptions) {

@@ -2,7 +2,7 @@
 
 use super::{
     BsdfSample, Ggx, Scattering, mirror,
-    side::{Side, across, seen_from},
+    side::{Side, flip, seen_from},
 };
 use crate::optics;
 use rt_math::{DVec3, Rgb};
@@ -179,7 +179,7 @@ impl Interface {
     }
 
     fn transmitted(&self, facets: Ggx, wo: DVec3, wi: DVec3, m: DVec3) -> Rgb {
-        let (cos_o, cos_i, below) = (wo.dot(m), wi.dot(m), across(wi));
+        let (cos_o, cos_i, below) = (wo.dot(m), wi.dot(m), flip(wi));
         let stretch = cos_o + self.eta * cos_i;
         // G₁ / cos stays finite where both are 0.
         let seen = 4.0 / ((wo.z + facets.stretched(wo)) * (below.z + facets.stretched(below)));

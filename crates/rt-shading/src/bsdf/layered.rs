@@ -5,7 +5,7 @@ use super::{
     lambert::{cosine_hemisphere, cosine_pdf},
     layer::LayerOf,
     metallic_roughness::{dielectric_fresnel, schlick_weight},
-    side::{Side, across, mirrored, seen_from},
+    side::{Side, flip, reflect_dir, seen_from},
 };
 use crate::optics;
 use core::f64::consts::FRAC_1_PI;
@@ -57,7 +57,7 @@ pub struct Layered {
 
 /// The ways in which light is scattered, in the order in which `sample` chooses.
 #[derive(Clone, Copy, PartialEq)]
-enum Way {
+enum Component {
     Coat,
     Sheen,
     Facets,
@@ -65,7 +65,8 @@ enum Way {
     Base,
 }
 
-const WAYS: [Way; 5] = [Way::Coat, Way::Sheen, Way::Facets, Way::Passing, Way::Base];
+const COMPONENTS: [Component; 5] =
+    [Component::Coat, Component::Sheen, Component::Facets, Component::Passing, Component::Base];
 
 /// The layers as they are seen along `wo`.
 struct Seen<'l> {
@@ -224,7 +225,7 @@ impl<'l> Seen<'l> {
         let leaning = (surface.coat > 0.0 && surface.coat_normal != DVec3::Z).then(|| {
             let normal = surface.turned(surface.coat_normal);
             // From below, the back of the coat is seen in the mirror that turns the surface over.
-            Frame::from_z(if is_above { normal } else { mirrored(normal) })
+            Frame::from_z(if is_above { normal } else { reflect_dir(normal) })
         });
         let coat_leaves = surface.coat_leaves(to_coat(leaning.as_ref(), wo).z.abs());
         let layer = LayerOf::roughness(surface.roughness);
@@ -245,7 +246,7 @@ impl<'l> Seen<'l> {
         Self { surface, wo, facets, coating, leaning, coat_leaves, chances }
     }
 
-    fn chance(&self, way: Way) -> f64 {
+    fn chance(&self, way: Component) -> f64 {
         self.chances[way as usize]
     }
 
@@ -254,7 +255,7 @@ impl<'l> Seen<'l> {
         let leaves = self.coat_leaves * surface.coat_leaves(self.to_coat(wi).z.abs());
         let below = leaves * surface.sheen_leaves(wo, wi);
         if wi.z < 0.0 {
-            let wi = across(wi);
+            let wi = flip(wi);
             let m = half(wo, wi);
             let facets = self.facets.map_or(0.0, |facets| facets.reflection(wo, wi, m));
             return surface.passing * (below * (1.0 - surface.kept(wo.dot(m))) * facets);
@@ -300,7 +301,7 @@ impl<'l> Seen<'l> {
         }
         let (wi, is_delta) = match self.coating {
             Some(coating) => (optics::reflect(-wo, coating.sample(wo, u)), false),
-            None => (mirrored(wo), true),
+            None => (reflect_dir(wo), true),
         };
         Some((self.leaning.as_ref().map_or(wi, |frame| frame.from_local(wi)), is_delta))
     }
@@ -314,12 +315,12 @@ impl<'l> Seen<'l> {
         let wo = self.wo;
         let of_facets = |facets: Option<Ggx>, m| facets.map_or(0.0, |facets| facets.reflection_pdf(wo, m));
         if wi.z < 0.0 {
-            return self.chance(Way::Passing) * of_facets(self.facets, half(wo, across(wi)));
+            return self.chance(Component::Passing) * of_facets(self.facets, half(wo, flip(wi)));
         }
         let m = half(wo, wi);
-        self.chance(Way::Coat) * self.density_of_coat(m)
-            + self.chance(Way::Facets) * of_facets(self.facets, m)
-            + (self.chance(Way::Sheen) + self.chance(Way::Base)) * cosine_pdf(wi)
+        self.chance(Component::Coat) * self.density_of_coat(m)
+            + self.chance(Component::Facets) * of_facets(self.facets, m)
+            + (self.chance(Component::Sheen) + self.chance(Component::Base)) * cosine_pdf(wi)
     }
 
     fn sample(&self, u: [f64; 3]) -> Option<BsdfSample> {
@@ -327,18 +328,18 @@ impl<'l> Seen<'l> {
         let way = self.choose(u[0])?;
         let reflected = |facets: Option<Ggx>| match facets {
             Some(facets) => (optics::reflect(-wo, facets.sample(wo, [u[1], u[2]])), false),
-            None => (mirrored(wo), true),
+            None => (reflect_dir(wo), true),
         };
         let (wi, is_delta) = match way {
-            Way::Coat => self.reflected_by_coat([u[1], u[2]])?,
-            Way::Facets | Way::Passing => reflected(self.facets),
-            Way::Sheen | Way::Base => (cosine_hemisphere([u[1], u[2]]), false),
+            Component::Coat => self.reflected_by_coat([u[1], u[2]])?,
+            Component::Facets | Component::Passing => reflected(self.facets),
+            Component::Sheen | Component::Base => (cosine_hemisphere([u[1], u[2]]), false),
         };
         if !(wi.z > 0.0) {
             return None;
         }
         let (wi, kind) = match way {
-            Way::Passing => (across(wi), Scattering::Transmission),
+            Component::Passing => (flip(wi), Scattering::Transmission),
             _ => (wi, Scattering::Reflection),
         };
         let (value, pdf) = if is_delta {
@@ -346,26 +347,26 @@ impl<'l> Seen<'l> {
         } else {
             (self.value(wi), self.density(wi))
         };
-        let is_diffuse = matches!(way, Way::Sheen | Way::Base);
+        let is_diffuse = matches!(way, Component::Sheen | Component::Base);
         Some(BsdfSample { wi, value, pdf, kind, is_delta, is_diffuse, eta: 1.0 })
     }
 
     /// Part of the light that goes into the single direction of this way.
-    fn share(&self, way: Way) -> Rgb {
+    fn share(&self, way: Component) -> Rgb {
         let (surface, cos) = (self.surface, self.wo.z);
-        if way == Way::Coat {
+        if way == Component::Coat {
             return Rgb::gray(surface.coat * dielectric_fresnel(self.to_coat(self.wo).z));
         }
         let below = self.coat_leaves * self.coat_leaves * surface.sheen_leaves(self.wo, self.wo);
         let share =
-            if way == Way::Passing { surface.passing * (1.0 - surface.kept(cos)) } else { surface.fresnel(cos) };
+            if way == Component::Passing { surface.passing * (1.0 - surface.kept(cos)) } else { surface.fresnel(cos) };
         share * below
     }
 
-    fn choose(&self, u: f64) -> Option<Way> {
+    fn choose(&self, u: f64) -> Option<Component> {
         let mut below = 0.0;
         let mut last = None;
-        for (way, chance) in WAYS.into_iter().zip(self.chances).filter(|(_, chance)| *chance > 0.0) {
+        for (way, chance) in COMPONENTS.into_iter().zip(self.chances).filter(|(_, chance)| *chance > 0.0) {
             below += chance;
             last = Some(way);
             if u < below {

@@ -4,7 +4,7 @@ use super::{
     BsdfSample, Ggx, Scattering,
     lambert::{cosine_hemisphere, cosine_pdf},
     layer::LayerOf,
-    side::{Side, mirrored, same_side},
+    side::{Side, reflect_dir, same_side},
 };
 use crate::optics;
 use core::f64::consts::FRAC_1_PI;
@@ -69,7 +69,7 @@ impl MetallicRoughness {
         let facets = Ggx::from_roughness(self.roughness);
         let (wi, m) = if u[0] < chance {
             let Some(facets) = facets else {
-                return self.mirrored(wo, side, chance);
+                return self.sample_coating(wo, side, chance);
             };
             let m = facets.sample(wo, [u[1], u[2]]);
             (optics::reflect(-wo, m), m)
@@ -92,9 +92,9 @@ impl MetallicRoughness {
         .if_finite()
     }
 
-    fn mirrored(&self, wo: DVec3, side: Side, chance: f64) -> Option<BsdfSample> {
+    fn sample_coating(&self, wo: DVec3, side: Side, chance: f64) -> Option<BsdfSample> {
         BsdfSample {
-            wi: side.restore(mirrored(wo)),
+            wi: side.restore(reflect_dir(wo)),
             value: self.specular(wo.z) / wo.z,
             pdf: chance,
             kind: Scattering::Reflection,

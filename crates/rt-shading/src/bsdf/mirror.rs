@@ -2,7 +2,7 @@
 
 use super::{
     BsdfSample, Scattering,
-    side::{Side, mirrored},
+    side::{Side, reflect_dir},
 };
 use rt_math::{DVec3, Rgb};
 
@@ -35,7 +35,7 @@ impl Mirror {
 /// light.
 pub(super) fn reflection(wo: DVec3, side: Side, share: Rgb, chance: f64) -> Option<BsdfSample> {
     BsdfSample {
-        wi: side.restore(mirrored(wo)),
+        wi: side.restore(reflect_dir(wo)),
         value: share / wo.z,
         pdf: chance,
         kind: Scattering::Reflection,

@@ -1,6 +1,6 @@
 //! Several models at once.
 
-use super::{BsdfSample, Lambert, Lobe, side::Side};
+use super::{BsdfSample, Bxdf, Lambert, side::Side};
 use rt_math::{DVec3, Rgb};
 
 /// The greatest number of lobes of a [`Mix`].
@@ -24,7 +24,7 @@ pub enum MixError {
 /// lobes together, as multiple importance sampling by the balance heuristic (Veach 1997, 9.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mix {
-    lobes: [(f64, Lobe); MAX_LOBES],
+    lobes: [(f64, Bxdf); MAX_LOBES],
     /// How often each lobe is chosen.
     chances: [f64; MAX_LOBES],
     count: usize,
@@ -32,7 +32,7 @@ pub struct Mix {
 
 impl Mix {
     /// The sum of `lobes`, each with its weight.
-    pub fn new(lobes: &[(f64, Lobe)]) -> Result<Self, MixError> {
+    pub fn new(lobes: &[(f64, Bxdf)]) -> Result<Self, MixError> {
         if lobes.is_empty() || lobes.len() > MAX_LOBES {
             return Err(MixError::Count(lobes.len()));
         }
@@ -40,12 +40,12 @@ impl Mix {
             return Err(MixError::Weight(weight));
         }
         let mut mix = Self {
-            lobes: [(0.0, Lobe::Lambert(Lambert { albedo: Rgb::BLACK })); MAX_LOBES],
+            lobes: [(0.0, Bxdf::Lambert(Lambert { albedo: Rgb::BLACK })); MAX_LOBES],
             chances: [0.0; MAX_LOBES],
             count: lobes.len(),
         };
         mix.lobes[..lobes.len()].copy_from_slice(lobes);
-        let strength = |&(weight, lobe): &(f64, Lobe)| (weight * lobe.strength()).max(0.0);
+        let strength = |&(weight, lobe): &(f64, Bxdf)| (weight * lobe.strength()).max(0.0);
         let sum: f64 = lobes.iter().map(strength).sum();
         if sum > 0.0 {
             for (chance, lobe) in mix.chances.iter_mut().zip(lobes) {
@@ -56,7 +56,7 @@ impl Mix {
     }
 
     /// The lobes with their weights.
-    pub fn lobes(&self) -> &[(f64, Lobe)] {
+    pub fn lobes(&self) -> &[(f64, Bxdf)] {
         &self.lobes[..self.count]
     }
 

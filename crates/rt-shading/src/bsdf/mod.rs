@@ -47,13 +47,13 @@
 //! | [`Layered`] | the same under a coat, a [`Sheen`], and as a pane | extensions of glTF 2.0 |
 //! | [`Mix`] | Σ weight · f | |
 
+mod bxdf;
 mod conductor;
 mod dielectric;
 mod ggx;
 mod lambert;
 mod layer;
 mod layered;
-mod lobe;
 mod metallic_roughness;
 mod mirror;
 mod mix;
@@ -67,13 +67,13 @@ mod side;
 mod tests;
 mod thin_glass;
 
+pub use bxdf::Bxdf;
 pub use conductor::{ComplexIor, Conductor, conductor_fresnel};
 pub use dielectric::Dielectric;
 pub use ggx::Ggx;
 pub use lambert::Lambert;
 pub(crate) use lambert::cosine_hemisphere;
 pub use layered::Layered;
-pub use lobe::Lobe;
 pub use metallic_roughness::{Coupling, MetallicRoughness};
 pub use mirror::Mirror;
 pub use mix::{MAX_LOBES, Mix, MixError};
@@ -123,12 +123,12 @@ impl BsdfSample {
 
     /// The sample, unless rounding took it out of what numbers can hold.
     fn if_finite(self) -> Option<Self> {
-        let is_sound = side::leaves(self.wi) && self.pdf > 0.0 && self.pdf.is_finite();
+        let is_sound = side::is_valid(self.wi) && self.pdf > 0.0 && self.pdf.is_finite();
         (is_sound && self.value.is_finite()).then_some(self)
     }
 }
 
-/// What a surface does to light at a point: one [`Lobe`], or a [`Mix`] of several.
+/// What a surface does to light at a point: one [`Bxdf`], or a [`Mix`] of several.
 ///
 /// Plain data without allocations, made anew for each hit where textures ask for it.
 ///
@@ -145,14 +145,14 @@ impl BsdfSample {
 #[allow(clippy::large_enum_variant, reason = "a hit allocates nothing, and a surface holds one of either")]
 pub enum Bsdf {
     /// One model.
-    Single(Lobe),
+    Single(Bxdf),
     /// Several models at once.
     Mix(Mix),
     /// A base under layers.
     Layered(Layered),
 }
 
-impl<T: Into<Lobe>> From<T> for Bsdf {
+impl<T: Into<Bxdf>> From<T> for Bsdf {
     fn from(model: T) -> Self {
         Self::Single(model.into())
     }
@@ -230,7 +230,7 @@ impl Bsdf {
 
     /// True if it has a diffuse part under a layer, which [`without_diffuse`](Self::without_diffuse) keeps.
     pub fn is_diffuse_below_layer(&self) -> bool {
-        let is_layered = |lobe: &Lobe| matches!(lobe, Lobe::MetallicRoughness(_));
+        let is_layered = |lobe: &Bxdf| matches!(lobe, Bxdf::MetallicRoughness(_));
         match self {
             Self::Single(lobe) => is_layered(lobe),
             Self::Mix(mix) => mix.lobes().iter().any(|(_, lobe)| is_layered(lobe)),
@@ -249,9 +249,9 @@ impl Bsdf {
     }
 
     /// True if the first number of [`Bsdf::sample`] matters, which chooses among kinds of scattering.
-    pub fn chooses(&self) -> bool {
+    pub fn uses_component_sample(&self) -> bool {
         match self {
-            Self::Single(lobe) => lobe.chooses(),
+            Self::Single(lobe) => lobe.uses_component_sample(),
             Self::Mix(_) | Self::Layered(_) => true,
         }
     }

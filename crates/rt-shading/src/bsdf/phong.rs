@@ -2,7 +2,7 @@
 
 use super::{
     BsdfSample, Scattering,
-    side::{Side, mirrored, same_side},
+    side::{Side, reflect_dir, same_side},
 };
 use core::f64::consts::TAU;
 use rt_math::{DVec3, Frame, Rgb, transcendental};
@@ -36,7 +36,7 @@ impl PhongLobe {
 
     /// As [`super::Bsdf::eval_with_pdf`].
     pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
-        same_side(wo, wi).map_or((Rgb::BLACK, 0.0), |(wo, wi)| self.value_with_density(mirrored(wo).dot(wi)))
+        same_side(wo, wi).map_or((Rgb::BLACK, 0.0), |(wo, wi)| self.value_with_density(reflect_dir(wo).dot(wi)))
     }
 
     /// As [`super::Bsdf::sample`]; `None` for directions below the surface.
@@ -45,11 +45,11 @@ impl PhongLobe {
         let cos = transcendental::pow(u[1], 1.0 / (self.exponent() + 1.0));
         let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
         let (sin_phi, cos_phi) = transcendental::sincos(TAU * u[2]);
-        let wi = Frame::from_z(mirrored(wo)).from_local(DVec3::new(sin * cos_phi, sin * sin_phi, cos)).normalize();
+        let wi = Frame::from_z(reflect_dir(wo)).from_local(DVec3::new(sin * cos_phi, sin * sin_phi, cos)).normalize();
         if !(wi.z > 0.0) {
             return None;
         }
-        let (value, pdf) = self.value_with_density(mirrored(wo).dot(wi));
+        let (value, pdf) = self.value_with_density(reflect_dir(wo).dot(wi));
         BsdfSample {
             wi: side.restore(wi),
             value,

@@ -7,29 +7,29 @@ const HORIZON: f64 = 1e-100;
 
 /// True if light may come along `w`: it is finite and not in the plane of the surface.
 #[inline]
-pub(super) fn leaves(w: DVec3) -> bool {
+pub(super) fn is_valid(w: DVec3) -> bool {
     w.is_finite() && w.z.abs() > HORIZON
 }
 
 /// The direction seen in the plane of the surface.
 #[inline]
-pub(super) fn across(w: DVec3) -> DVec3 {
+pub(super) fn flip(w: DVec3) -> DVec3 {
     DVec3::new(w.x, w.y, -w.z)
 }
 
 /// The direction to which a mirror in the plane of the surface sends what arrives along `w`.
 #[inline]
-pub(super) fn mirrored(w: DVec3) -> DVec3 {
+pub(super) fn reflect_dir(w: DVec3) -> DVec3 {
     DVec3::new(-w.x, -w.y, w.z)
 }
 
 /// Both directions, seen from the side of `wo`, where its cosine is positive; `None` unless both leave the surface.
 #[inline]
 pub(super) fn seen_from(wo: DVec3, wi: DVec3) -> Option<(DVec3, DVec3)> {
-    if !(leaves(wo) && leaves(wi)) {
+    if !(is_valid(wo) && is_valid(wi)) {
         return None;
     }
-    Some(if wo.z > 0.0 { (wo, wi) } else { (across(wo), across(wi)) })
+    Some(if wo.z > 0.0 { (wo, wi) } else { (flip(wo), flip(wi)) })
 }
 
 /// As [`seen_from`], and `None` as well if the directions are on different sides: both cosines are positive.
@@ -49,14 +49,14 @@ impl Side {
     /// the surface, or the numbers `u` are not in \[0, 1\].
     #[inline]
     pub(super) fn of(wo: DVec3, u: [f64; 3]) -> Option<(DVec3, Self)> {
-        let is_sound = leaves(wo) && u.iter().all(|u| (0.0..=1.0).contains(u));
+        let is_sound = is_valid(wo) && u.iter().all(|u| (0.0..=1.0).contains(u));
         let is_above = wo.z > 0.0;
-        is_sound.then(|| (if is_above { wo } else { across(wo) }, Self { is_above }))
+        is_sound.then(|| (if is_above { wo } else { flip(wo) }, Self { is_above }))
     }
 
     /// A direction found where `wo` is above, as it is.
     #[inline]
     pub(super) fn restore(self, w: DVec3) -> DVec3 {
-        if self.is_above { w } else { across(w) }
+        if self.is_above { w } else { flip(w) }
     }
 }

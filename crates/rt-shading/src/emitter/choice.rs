@@ -1,6 +1,6 @@
 //! Which of many lights to sample.
 
-use super::distribution::{accumulate, find, probability};
+use super::piecewise_constant::{accumulate, find, probability};
 use rt_math::Rgb;
 
 /// A light that was chosen, and how likely that was.

@@ -177,7 +177,7 @@ impl CylinderLight {
 #[cfg(test)]
 mod tests {
     use super::super::Emitter;
-    use super::super::estimate::{
+    use super::super::test_estimate::{
         assert_rays_agree, assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, white,
     };
     use super::*;

@@ -114,7 +114,7 @@ impl DiskLight {
 
 #[cfg(test)]
 mod tests {
-    use super::super::estimate::{
+    use super::super::test_estimate::{
         assert_rays_agree, assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, white,
     };
     use super::super::{Emitter, Sides, disk_irradiance};

@@ -3,8 +3,8 @@
 #[cfg(test)]
 mod tests;
 
-use super::distribution::{accumulate, find, probability};
 use super::emission::check_radiance;
+use super::piecewise_constant::{accumulate, find, probability};
 use super::sample::density;
 use super::{EmitterError, EmitterSample};
 use rt_math::transcendental::{atan2, sin, sincos};

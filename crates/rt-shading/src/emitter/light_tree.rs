@@ -3,7 +3,7 @@
 mod split;
 
 use super::bounds::EmitterBounds;
-use super::distribution::BELOW_ONE;
+use super::piecewise_constant::BELOW_ONE;
 use super::{Choice, Emitter};
 use rt_math::DVec3;
 use split::split;
@@ -180,7 +180,7 @@ fn union(lights: &[(EmitterBounds, u32)]) -> Option<EmitterBounds> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::estimate::{Estimate, white};
+    use super::super::test_estimate::{Estimate, white};
     use super::super::{DiskLight, Emission, EnvironmentLight, PowerChoice, QuadLight, Sides, SphereLight};
     use super::*;
     use rt_math::Rgb;
@@ -322,8 +322,10 @@ mod tests {
         let mut gain = 1.0;
         for i in 0..8 {
             let (point, normal) = (vector(i, 60) * 9.0, vector(i, 63).normalize());
-            let truth: f64 =
-                lights.iter().map(|light| super::super::estimate::irradiance(light, [point, normal], 2000).mean).sum();
+            let truth: f64 = lights
+                .iter()
+                .map(|light| super::super::test_estimate::irradiance(light, [point, normal], 2000).mean)
+                .sum();
             let by_power = irradiance(&lights, point, normal, |u| power.choose(u));
             let by_tree = irradiance(&lights, point, normal, |u| tree.choose(point, Some(normal), u));
             by_power.assert(&format!("by power at {point}"), truth);

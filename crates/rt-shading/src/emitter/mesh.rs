@@ -1,6 +1,6 @@
 //! Meshes that shine.
 
-use super::distribution::{accumulate, find, probability};
+use super::piecewise_constant::{accumulate, find, probability};
 use super::sample::{by_solid_angle, density};
 use super::solid_angle::{self, MIN_SPHERICAL};
 use super::{Emission, EmitterBounds, EmitterError, EmitterPoint, EmitterSample, Sides};
@@ -187,10 +187,10 @@ impl Face {
 #[cfg(test)]
 mod tests {
     use super::super::Emitter;
-    use super::super::estimate::{
+    use super::super::polygon_irradiance;
+    use super::super::test_estimate::{
         Estimate, assert_rays_agree, assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, white,
     };
-    use super::super::polygon_irradiance;
     use super::*;
 
     /// The triangle of which the irradiance is published; its normal is +z.

@@ -51,20 +51,20 @@ mod bounds;
 mod choice;
 mod closed_form;
 mod cylinder;
-mod departure;
 mod disk;
-mod distribution;
 mod emission;
 mod environment;
-#[cfg(test)]
-mod estimate;
+mod le_sample;
 mod light_tree;
 mod mesh;
+mod piecewise_constant;
 mod quad;
 mod sample;
 mod set;
 pub(crate) mod solid_angle;
 mod sphere;
+#[cfg(test)]
+mod test_estimate;
 #[cfg(test)]
 mod tests;
 
@@ -72,10 +72,10 @@ pub use bounds::EmitterBounds;
 pub use choice::{Choice, PowerChoice};
 pub use closed_form::{disk_irradiance, polygon_irradiance, sphere_irradiance};
 pub use cylinder::CylinderLight;
-pub use departure::Departure;
 pub use disk::DiskLight;
 pub use emission::{Emission, EmitterError, Sides};
 pub use environment::EnvironmentLight;
+pub use le_sample::EmitterLeSample;
 pub use light_tree::LightTree;
 pub use mesh::MeshLight;
 pub use quad::QuadLight;

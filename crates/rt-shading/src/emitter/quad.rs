@@ -204,7 +204,7 @@ fn unit(edge: DVec3) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::estimate::{
+    use super::super::test_estimate::{
         assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, irradiance_by_rays, white,
     };
     use super::super::{Emitter, Sides, polygon_irradiance};
@@ -226,8 +226,8 @@ mod tests {
             assert_eq!(light.sample(DVec3::new(0.1, y, -0.1), [0.3, 0.6]), None, "{y}");
         }
         let faces_down = light.normal().y < 0.0;
-        let beyond = DVec3::new(0.1, 1.98 + if faces_down { -1e-9 } else { 1e-9 }, -0.1);
-        assert!(light.sample(beyond, [0.3, 0.6]).is_some());
+        let span_after = DVec3::new(0.1, 1.98 + if faces_down { -1e-9 } else { 1e-9 }, -0.1);
+        assert!(light.sample(span_after, [0.3, 0.6]).is_some());
     }
 
     fn corners(light: &QuadLight) -> [DVec3; 4] {

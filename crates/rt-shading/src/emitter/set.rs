@@ -48,7 +48,7 @@ pub struct LightSample {
 }
 
 #[derive(Clone, Debug)]
-enum Chooser {
+enum LightChooser {
     Power(PowerChoice),
     Tree(LightTree),
 }
@@ -57,7 +57,7 @@ enum Chooser {
 #[derive(Clone, Debug)]
 pub struct EmitterSet {
     emitters: Vec<Emitter>,
-    chooser: Chooser,
+    chooser: LightChooser,
     environment: Option<u32>,
 }
 
@@ -75,9 +75,9 @@ impl EmitterSet {
         let power = |emitter: &Emitter| emitter.power(scene_radius);
         let uniform = |emitter: &Emitter| if power(emitter).is_black() { Rgb::BLACK } else { Rgb::WHITE };
         let chooser = match sampling {
-            LightSampling::Uniform => Chooser::Power(PowerChoice::new(emitters.iter().map(uniform))),
-            LightSampling::Power => Chooser::Power(PowerChoice::new(emitters.iter().map(power))),
-            LightSampling::Tree => Chooser::Tree(LightTree::new(&emitters)),
+            LightSampling::Uniform => LightChooser::Power(PowerChoice::new(emitters.iter().map(uniform))),
+            LightSampling::Power => LightChooser::Power(PowerChoice::new(emitters.iter().map(power))),
+            LightSampling::Tree => LightChooser::Tree(LightTree::new(&emitters)),
         };
         let environment = emitters.iter().position(|emitter| matches!(emitter, Emitter::Environment(_)));
         Self { environment: environment.and_then(|index| u32::try_from(index).ok()), emitters, chooser }
@@ -113,16 +113,16 @@ impl EmitterSet {
 
     fn choose(&self, point: DVec3, normal: Option<DVec3>, u: f64) -> Option<Choice> {
         match &self.chooser {
-            Chooser::Power(choice) => choice.choose(u),
-            Chooser::Tree(tree) => tree.choose(point, normal, u),
+            LightChooser::Power(choice) => choice.choose(u),
+            LightChooser::Tree(tree) => tree.choose(point, normal, u),
         }
     }
 
     fn probability(&self, point: DVec3, normal: Option<DVec3>, index: u32) -> f64 {
         match &self.chooser {
             _ if self.emitters.len() == 1 => 1.0,
-            Chooser::Power(choice) => choice.probability(index),
-            Chooser::Tree(tree) => tree.probability(point, normal, index),
+            LightChooser::Power(choice) => choice.probability(index),
+            LightChooser::Tree(tree) => tree.probability(point, normal, index),
         }
     }
 

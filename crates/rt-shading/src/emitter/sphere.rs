@@ -183,8 +183,10 @@ impl SphereLight {
 #[cfg(test)]
 mod tests {
     use super::super::Emitter;
-    use super::super::estimate::{assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, white};
     use super::super::sphere_irradiance;
+    use super::super::test_estimate::{
+        assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, white,
+    };
     use super::*;
 
     fn sphere(radius: f64, sides: Sides) -> Emitter {

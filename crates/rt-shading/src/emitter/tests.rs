@@ -1,6 +1,6 @@
 //! What holds for every light, whatever its numbers are.
 
-use super::estimate::white;
+use super::test_estimate::white;
 use super::*;
 use proptest::prelude::*;
 use rt_math::transcendental::pow;

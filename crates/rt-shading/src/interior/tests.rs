@@ -24,10 +24,10 @@ fn hit(object: u32, material: u32) -> SurfaceHit {
 
 /// Goes through a surface; the iors on both sides of it, or `None` where it is not there.
 fn cross(interior: &mut Interior, materials: &[Material], hit: &SurfaceHit, leaving: bool) -> Option<[f64; 2]> {
-    let crossing = interior.crossing(materials, hit, leaving).expect("room in the list");
-    interior.cross(&crossing);
-    assert_eq!(interior.medium(materials), crossing.after);
-    crossing.is_boundary.then_some([crossing.before.ior, crossing.after.ior])
+    let interface = interior.interface(materials, hit, leaving).expect("room in the list");
+    interior.cross(&interface);
+    assert_eq!(interior.medium(materials), interface.after);
+    interface.is_boundary.then_some([interface.before.ior, interface.after.ior])
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn what_is_left_without_having_been_entered_lay_below_all_else() {
     cross(&mut interior, &materials, &hit(1, 1), false);
     assert_eq!(cross(&mut interior, &materials, &hit(0, 0), true), None, "covered by an equal that was entered");
     assert_eq!(cross(&mut interior, &materials, &hit(2, 2), true), Some([3.0, 2.0]), "of higher priority");
-    assert_eq!(interior.bodies, [Body { object: 1, material: 1 }]);
+    assert_eq!(interior.bodies, [MediumEntry { object: 1, material: 1 }]);
 }
 
 #[test]
@@ -74,18 +74,18 @@ fn a_full_list_refuses_more() {
     for object in 0..CAPACITY as u32 {
         cross(&mut interior, &materials, &hit(object, 0), false);
     }
-    assert!(interior.crossing(&materials, &hit(99, 0), false).is_none());
-    assert!(interior.crossing(&materials, &hit(99, 1), true).is_none(), "nor can it be noted as around");
-    assert!(interior.crossing(&materials, &hit(99, 0), true).is_some());
+    assert!(interior.interface(&materials, &hit(99, 0), false).is_none());
+    assert!(interior.interface(&materials, &hit(99, 1), true).is_none(), "nor can it be noted as around");
+    assert!(interior.interface(&materials, &hit(99, 0), true).is_some());
 }
 
 #[test]
 fn lists_come_off_the_stack_as_they_were_put_on() {
     let materials = materials(&[0, 1]);
-    let mut stack = InteriorStack::default();
+    let mut stack = InteriorListStack::default();
     let mut interior = Interior::filled_with(0);
-    let entering = interior.crossing(&materials, &hit(4, 1), false).expect("room");
-    let leaving = interior.crossing(&materials, &hit(7, 0), true).expect("it is there");
+    let entering = interior.interface(&materials, &hit(4, 1), false).expect("room");
+    let leaving = interior.interface(&materials, &hit(7, 0), true).expect("it is there");
     let within = stack.push(&interior, &entering);
     let outside = stack.push(&interior, &leaving);
     assert_eq!((within, outside), (2, 0));
@@ -93,7 +93,7 @@ fn lists_come_off_the_stack_as_they_were_put_on() {
     assert!(interior.is_empty());
     stack.pop(&mut interior, within);
     assert_eq!(interior.bodies[0], Interior::filled_with(0).bodies[0]);
-    assert_eq!(interior.bodies[1], Body { object: 4, material: 1 });
+    assert_eq!(interior.bodies[1], MediumEntry { object: 4, material: 1 });
     assert!(stack.bodies.is_empty());
 }
 
@@ -116,8 +116,8 @@ fn looking_around_finds_the_bodies_of_the_origin_in_their_order() {
     let materials = materials(&[0, 0, 0]);
     let mut way = Way(vec![(1, 1, true), (2, 2, false), (9, 77, false), (2, 2, true), (0, 0, true)]);
     let mut interior = Interior::filled_with(2);
-    interior.look_around(&mut way, &materials, &Ray::new(DVec3::ZERO, DVec3::Z));
-    assert_eq!(interior.bodies, [Body { object: 0, material: 0 }, Body { object: 1, material: 1 }]);
+    interior.find_enclosing_media(&mut way, &materials, &Ray::new(DVec3::ZERO, DVec3::Z));
+    assert_eq!(interior.bodies, [MediumEntry { object: 0, material: 0 }, MediumEntry { object: 1, material: 1 }]);
     assert_eq!(interior.medium(&materials).ior, 2.0, "the innermost was entered last");
     interior.clear();
     assert!(interior.is_empty());

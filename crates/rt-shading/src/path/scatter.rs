@@ -2,23 +2,23 @@
 
 use super::{
     Clamp, Follows, Lighting, PathSettings, PathTracer,
-    wave::{Origin, Path},
+    wave::{Path, PrevVertex},
 };
 use crate::{
     Seen, ShadingCounts, SurfaceHit,
     bsdf::Scattering,
-    constant_bsdfs::Scatterer,
-    interior::Crossing,
-    meeting::Meeting,
-    roulette::survives,
+    bsdf_cache::CachedBsdf,
+    hit_context::HitContext,
+    interior::MediumInterface,
+    russian_roulette::russian_roulette,
     vertex::{Vertex, bsdf_at, power_heuristic},
-    view::View,
+    viewed_surface::ViewedSurface,
 };
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 
 impl<S: Sampler + Clone> PathTracer<S> {
     /// Adds the light of what the ray has met to what the path sees, draws light there, and sends the path on.
-    pub(super) fn meet(
+    pub(super) fn shade_hit(
         &mut self,
         lighting: Lighting<'_>,
         id: u32,
@@ -29,93 +29,93 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let PathSettings { follows, clamp, .. } = self.settings;
         let path = &mut self.paths[id as usize];
         let Some(hit) = hit else {
-            let weight = path.weight * environment_weight(lighting, path, ray.direction);
-            let radiance = weight * lighting.appearance.background.radiance(ray.direction);
+            let throughput = path.throughput * mis_weight_env(lighting, path, ray.direction);
+            let radiance = throughput * lighting.appearance.background.radiance(ray.direction);
             seen.radiance += within(clamp, path.bounces, radiance, &mut self.counts);
             return;
         };
         let materials = &lighting.appearance.materials;
-        let Some(meeting) = Meeting::new(&self.needs, materials, ray, hit) else {
+        let Some(context) = HitContext::new(&self.needs, materials, ray, hit) else {
             seen.hit = true;
             return;
         };
-        let crossing = meeting.crossing(&mut path.course.interior, materials, hit);
-        let crossing = crossing.as_ref();
-        let is_noticed = meeting.is_noticed(crossing);
-        let Meeting { material, direction, length, is_inside, .. } = meeting;
-        if !is_noticed {
-            return self.pass(hit, ray, length, crossing, id, seen);
+        let interface = context.interface(&mut path.medium_tracker.interior, materials, hit);
+        let interface = interface.as_ref();
+        let is_visible = context.is_visible(interface);
+        let HitContext { material, direction, length, is_inside, .. } = context;
+        if !is_visible {
+            return self.skip_interface(hit, ray, length, interface, id, seen);
         }
         seen.hit = true;
         if self.needs.absorption {
-            path.course.absorb(materials, crossing, hit.t, length, &mut path.weight);
+            path.medium_tracker.absorb(materials, interface, hit.t, length, &mut path.throughput);
         }
         if self.needs.emission {
             let emitted = material.emission(&lighting.appearance.textures, &hit.interaction, is_inside);
             let is_left_out = follows == Follows::AllButCaustics && path.is_caustic_of(hit);
             if !emitted.is_black() && !is_left_out {
-                let radiance = path.weight * emitted * emitter_weight(lighting, path, hit);
+                let radiance = path.throughput * emitted * mis_weight_area(lighting, path, hit);
                 seen.radiance += within(clamp, path.bounces, radiance, &mut self.counts);
             }
         }
-        if path.is_last {
+        if path.emission_only {
             return;
         }
-        let view = View::new(direction, is_inside, &mut hit.interaction);
+        let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
         let mut made = None;
-        let Scatterer { bsdf, without_diffuse } = lighting.bsdfs.get(hit.material).unwrap_or_else(|| {
-            let bsdf = bsdf_at(lighting.appearance, material, &view, crossing);
-            made.insert(Scatterer::new(bsdf, follows))
+        let CachedBsdf { bsdf, without_diffuse } = lighting.bsdfs.get(hit.material).unwrap_or_else(|| {
+            let bsdf = bsdf_at(lighting.appearance, material, &view, interface);
+            made.insert(CachedBsdf::new(bsdf, follows))
         });
         let vertex = Vertex::new(view, bsdf, ray.time);
         let only_reflects = follows == Follows::Reflections;
-        let vertex = if only_reflects { vertex.following(without_diffuse.as_ref()) } else { vertex };
+        let vertex = if only_reflects { vertex.with_sampled_lobes(without_diffuse.as_ref()) } else { vertex };
         // Ambient light stands for the background where the diffuse part is neither followed to it nor lit by samples of it.
         let gathers_background = !lighting.appearance.background.is_black()
             && (vertex.bsdf.is_diffuse_below_layer() || lighting.emitters.environment().is_some());
         if only_reflects && self.needs.ambient && !gathers_background {
             let ambient = material.ambient(&lighting.appearance.textures, vertex.view.surface);
-            let radiance = path.weight * ambient * lighting.appearance.ambient;
+            let radiance = path.throughput * ambient * lighting.appearance.ambient;
             seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
-        self.draw_lights(lighting, id, &vertex, crossing, seen);
-        self.scatter(id, &vertex, crossing);
+        self.sample_direct_lighting(lighting, id, &vertex, interface, seen);
+        self.sample_bsdf(id, &vertex, interface);
     }
 
     /// Goes on along the same ray, through a surface that does nothing to it.
-    fn pass(
+    fn skip_interface(
         &mut self,
         hit: &SurfaceHit,
         ray: &Ray,
         length: f64,
-        crossing: Option<&Crossing>,
+        interface: Option<&MediumInterface>,
         id: u32,
         seen: &mut Seen,
     ) {
         let path = &mut self.paths[id as usize];
-        seen.hit |= path.course.pass(crossing, hit, length, &mut path.weight, &mut self.counts);
-        path.bounces += u32::from(path.course.is_tired());
-        if path.bounces > self.settings.max_depth + u32::from(path.is_last) {
+        seen.hit |= path.medium_tracker.skip_interface(interface, hit, length, &mut path.throughput, &mut self.counts);
+        path.bounces += u32::from(path.medium_tracker.null_limit_exceeded());
+        if path.bounces > self.settings.max_depth + u32::from(path.emission_only) {
             self.counts.depth_limited += 1;
             return;
         }
-        self.next.refracted.push(*ray, hit.beyond(ray), id);
+        self.next.refracted.push(*ray, hit.span_after(ray), id);
     }
 
     /// Asks all lights without extent and one of those with, and leaves it to shadow rays whether they count.
-    fn draw_lights(
+    fn sample_direct_lighting(
         &mut self,
         lighting: Lighting<'_>,
         id: u32,
         vertex: &Vertex<'_>,
-        crossing: Option<&Crossing>,
+        interface: Option<&MediumInterface>,
         seen: &mut Seen,
     ) {
         let clamp = self.settings.clamp;
         let path = &mut self.paths[id as usize];
         let is_bounded = clamp.holds_after(path.bounces + 1);
         let surface = vertex.view.surface;
-        let media = self.needs.absorption.then(|| path.course.media(&lighting.appearance.materials, crossing));
+        let media = self.needs.absorption.then(|| path.medium_tracker.media(&lighting.appearance.materials, interface));
         // Shadow rays end at any surface that casts shadows, so that one medium fills their way to a lamp. Nothing tells where the
         // medium ends on the way to a light at infinity.
         let dimmed = |radiance: Rgb, direction: DVec3, distance: f64| match media {
@@ -131,9 +131,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
         for light in &lighting.appearance.lights {
             let Some(lit) = light.illuminate(surface.point) else { continue };
-            let scattered = vertex.scattered(lit.direction);
+            let scattered = vertex.eval(lit.direction);
             // A classical surface reflects kd of a classical light, and not kd / π of it.
-            let radiance = path.weight * scattered * lit.strength * light.units.irradiance_factor();
+            let radiance = path.throughput * scattered * lit.strength * light.units.irradiance_factor();
             if radiance.is_black() {
                 self.counts.shadow_rays_spared += u64::from(light.casts_shadows);
             } else if light.casts_shadows {
@@ -152,12 +152,12 @@ impl<S: Sampler + Clone> PathTracer<S> {
             self.counts.shadow_rays_spared += 1;
             return;
         };
-        let scattered = vertex.scattered_and_weighted(light.sample.direction, light.pdf);
+        let scattered = vertex.eval_mis(light.sample.direction, light.pdf);
         if scattered.is_black() {
             self.counts.shadow_rays_spared += 1;
             return;
         }
-        let radiance = path.weight * scattered * light.sample.radiance / light.pdf;
+        let radiance = path.throughput * scattered * light.sample.radiance / light.pdf;
         let ray = match light.sample.shadow_target() {
             Some(target) => (shadow_rays.to(target, vertex.time), Interval::SEGMENT),
             None => (shadow_rays.towards(light.sample.direction, vertex.time), Interval::SPAWNED),
@@ -167,37 +167,38 @@ impl<S: Sampler + Clone> PathTracer<S> {
     }
 
     /// Chooses the direction in which the path goes on, if it does.
-    fn scatter(&mut self, id: u32, vertex: &Vertex<'_>, crossing: Option<&Crossing>) {
+    fn sample_bsdf(&mut self, id: u32, vertex: &Vertex<'_>, interface: Option<&MediumInterface>) {
         let path = &mut self.paths[id as usize];
-        let Some(bsdf) = vertex.followed() else { return };
+        let Some(bsdf) = vertex.sampled_lobes() else { return };
         let [u, v] = path.sampler.next_2d();
-        let lobe = if bsdf.chooses() { path.sampler.next_1d() } else { 0.0 };
+        let lobe = if bsdf.uses_component_sample() { path.sampler.next_1d() } else { 0.0 };
         let Some(sample) = bsdf.sample(vertex.wo, [lobe, u, v]) else { return };
         // Light paths do not find the reverse of a direction that was kept on its side. So only what the camera sees by mirrors
         // and glass alone takes it: `AllButCaustics` and the light tracer must add up to all light.
-        let Some(wi) = vertex.continued(&sample, !path.began_spread) else { return };
+        let Some(wi) = vertex.continued(&sample, !path.first_bounce_nonspecular) else { return };
         let surface = vertex.view.surface;
         let ends = path.bounces >= self.settings.max_depth
             || (self.settings.follows == Follows::Reflections && sample.is_diffuse);
-        if ends && !self.finds_light {
+        if ends && !self.scene_emits {
             self.counts.depth_limited += 1;
             return;
         }
-        path.weight *= sample.weight();
-        path.squeezed *= sample.eta * sample.eta;
-        path.began_spread = if path.bounces == 0 { !sample.is_delta } else { path.began_spread };
+        path.throughput *= sample.weight();
+        path.eta_scale *= sample.eta * sample.eta;
+        path.first_bounce_nonspecular =
+            if path.bounces == 0 { !sample.is_delta } else { path.first_bounce_nonspecular };
         path.bounces += 1;
-        path.is_last = ends;
-        path.origin =
-            Origin { point: surface.point, normal: vertex.normal, pdf: (!sample.is_delta).then_some(sample.pdf) };
-        if path.weight.is_black() {
+        path.emission_only = ends;
+        path.prev =
+            PrevVertex { point: surface.point, normal: vertex.normal, pdf: (!sample.is_delta).then_some(sample.pdf) };
+        if path.throughput.is_black() {
             return;
         }
         let is_old = path.bounces > self.settings.roulette_from;
-        if is_old && !survives(&mut path.weight, path.squeezed, &mut path.sampler) {
+        if is_old && !russian_roulette(&mut path.throughput, path.eta_scale, &mut path.sampler) {
             return;
         }
-        path.course.turn(crossing, sample.kind);
+        path.medium_tracker.scatter(interface, sample.kind);
         let ray = surface.spawn_ray(wi, vertex.time);
         self.next.push(Some(&sample), ray, Interval::SPAWNED, id);
     }
@@ -210,16 +211,16 @@ fn within(clamp: Clamp, scattered: u32, radiance: Rgb, counts: &mut ShadingCount
 }
 
 /// By how much the light of a surface counts that a path has met, as it might have been drawn.
-fn emitter_weight<S>(lighting: Lighting<'_>, path: &Path<S>, hit: &SurfaceHit) -> f64 {
-    let (Some(light), Some(pdf)) = (hit.emitter, path.origin.pdf) else { return 1.0 };
-    let Origin { point, normal, .. } = path.origin;
+fn mis_weight_area<S>(lighting: Lighting<'_>, path: &Path<S>, hit: &SurfaceHit) -> f64 {
+    let (Some(light), Some(pdf)) = (hit.emitter, path.prev.pdf) else { return 1.0 };
+    let PrevVertex { point, normal, .. } = path.prev;
     let surface = &hit.interaction;
     let drawn = lighting.emitters.pdf(point, normal, light, surface.point, surface.geometric_normal);
     power_heuristic(pdf, drawn)
 }
 
 /// The same for the environment.
-fn environment_weight<S>(lighting: Lighting<'_>, path: &Path<S>, direction: DVec3) -> f64 {
-    let (Some(_), Some(pdf)) = (lighting.emitters.environment(), path.origin.pdf) else { return 1.0 };
-    power_heuristic(pdf, lighting.emitters.environment_pdf(path.origin.point, path.origin.normal, direction))
+fn mis_weight_env<S>(lighting: Lighting<'_>, path: &Path<S>, direction: DVec3) -> f64 {
+    let (Some(_), Some(pdf)) = (lighting.emitters.environment(), path.prev.pdf) else { return 1.0 };
+    power_heuristic(pdf, lighting.emitters.environment_pdf(path.prev.point, path.prev.normal, direction))
 }

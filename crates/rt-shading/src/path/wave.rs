@@ -1,11 +1,11 @@
 //! What paths keep between their surfaces, and the shadow rays that are traced together.
 
-use crate::{Seen, SurfaceHit, course::Course};
+use crate::{Seen, SurfaceHit, medium_tracker::MediumTracker};
 use rt_math::{DVec3, Interval, Ray, Rgb};
 
 /// The surface that a path comes from, as far as it matters to lights that the path meets.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Origin {
+pub(super) struct PrevVertex {
     pub(super) point: DVec3,
     /// The normal by which lights were chosen there.
     pub(super) normal: Option<DVec3>,
@@ -17,53 +17,53 @@ pub(super) struct Origin {
 #[derive(Clone, Debug)]
 pub(super) struct Path<S> {
     pub(super) sampler: S,
-    pub(super) course: Course,
+    pub(super) medium_tracker: MediumTracker,
     /// By how much the radiance that it meets counts in the pixel.
-    pub(super) weight: Rgb,
+    pub(super) throughput: Rgb,
     /// By how much media squeeze radiance here, which is no loss: the weight is greater by it in air.
-    pub(super) squeezed: f64,
-    pub(super) origin: Origin,
+    pub(super) eta_scale: f64,
+    pub(super) prev: PrevVertex,
     /// Surfaces that have scattered it.
     pub(super) bounces: u32,
     /// True if the first of them chose the direction from several, and not a single one.
-    pub(super) began_spread: bool,
+    pub(super) first_bounce_nonspecular: bool,
     /// True if it only looks for the light of the next surface.
-    pub(super) is_last: bool,
+    pub(super) emission_only: bool,
 }
 
-const CAMERA: Origin = Origin { point: DVec3::ZERO, normal: None, pdf: None };
+const CAMERA_VERTEX: PrevVertex = PrevVertex { point: DVec3::ZERO, normal: None, pdf: None };
 
 impl<S> Path<S> {
     pub(super) fn new(sampler: S) -> Self {
         Self {
             sampler,
-            course: Course::default(),
-            weight: Rgb::WHITE,
-            squeezed: 1.0,
-            origin: CAMERA,
+            medium_tracker: MediumTracker::default(),
+            throughput: Rgb::WHITE,
+            eta_scale: 1.0,
+            prev: CAMERA_VERTEX,
             bounces: 0,
-            began_spread: false,
-            is_last: false,
+            first_bounce_nonspecular: false,
+            emission_only: false,
         }
     }
 
     /// A new path in the memory of the old one.
-    pub(super) fn restart(&mut self, sampler: S) {
-        let mut course = core::mem::take(&mut self.course);
-        course.restart();
-        *self = Self { course, ..Self::new(sampler) };
+    pub(super) fn reset(&mut self, sampler: S) {
+        let mut medium_tracker = core::mem::take(&mut self.medium_tracker);
+        medium_tracker.reset();
+        *self = Self { medium_tracker, ..Self::new(sampler) };
     }
 
     /// True if the light that the path has met is one that [`LightTracingIntegrator`](crate::LightTracingIntegrator) brings to the camera: a light
     /// that can be drawn from, met in a single direction by a path that began at a surface which spreads light.
     pub(super) fn is_caustic_of(&self, hit: &SurfaceHit) -> bool {
-        hit.emitter.is_some() && self.began_spread && self.origin.pdf.is_none()
+        hit.emitter.is_some() && self.first_bounce_nonspecular && self.prev.pdf.is_none()
     }
 }
 
 /// Light that paths have drawn, until the shadow rays are answered that decide about it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Shadows {
+pub(super) struct ShadowRayQueue {
     rays: Vec<(Ray, Interval)>,
     /// The path of each ray, and what its pixel gets if nothing is in the way.
     drawn: Vec<(u32, Rgb)>,
@@ -72,7 +72,7 @@ pub(super) struct Shadows {
     blocked: Vec<bool>,
 }
 
-impl Shadows {
+impl ShadowRayQueue {
     #[inline(always)]
     pub(super) fn push(&mut self, ray: (Ray, Interval), path: u32, radiance: Rgb, is_bounded: bool) {
         if is_bounded {
@@ -83,7 +83,7 @@ impl Shadows {
     }
 
     /// Traces the rays and adds the light that is not blocked to what the paths see, within bounds where it is indirect.
-    pub(super) fn gather(
+    pub(super) fn resolve(
         &mut self,
         mut occluded: impl FnMut(&[(Ray, Interval)], &mut [bool]),
         mut bounded: impl FnMut(Rgb) -> Rgb,

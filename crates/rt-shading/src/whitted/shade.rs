@@ -3,10 +3,10 @@
 use super::{Whitted, wave::Path};
 use crate::{
     Appearance, Material, Phong, Seen, SurfaceHit,
-    interior::Crossing,
-    meeting::{FREE_PASSAGES, Meeting},
+    hit_context::{HitContext, MAX_NULL_INTERFACES},
+    interior::MediumInterface,
     optics,
-    view::View,
+    viewed_surface::ViewedSurface,
 };
 use rt_math::{Interval, Ray, Rgb, transcendental::exp};
 
@@ -27,55 +27,55 @@ impl Whitted {
             return self.ended.push(path.sample);
         };
         let interior = &mut self.samples[path.sample as usize].interior;
-        let Some(meeting) = Meeting::new(&self.needs, &appearance.materials, ray, hit) else {
+        let Some(context) = HitContext::new(&self.needs, &appearance.materials, ray, hit) else {
             seen.hit = true;
             return self.ended.push(path.sample);
         };
-        let crossing = meeting.crossing(interior, &appearance.materials, hit);
-        let crossing = crossing.as_ref();
-        let way = (hit.t - path.start) * meeting.length;
-        if !meeting.is_noticed(crossing) {
-            return self.pass(hit, ray, crossing, way, path, seen);
+        let interface = context.interface(interior, &appearance.materials, hit);
+        let interface = interface.as_ref();
+        let way = (hit.t - path.start) * context.length;
+        if !context.is_visible(interface) {
+            return self.skip_interface(hit, ray, interface, way, path, seen);
         }
         seen.hit = true;
         if self.needs.absorption {
             let interior = &self.samples[path.sample as usize].interior;
-            let medium = crossing.map_or_else(|| interior.medium(&appearance.materials), |c| c.before);
+            let medium = interface.map_or_else(|| interior.medium(&appearance.materials), |c| c.before);
             self.absorb(&mut path.weight, medium.absorption, way);
         }
-        let Meeting { material, direction, is_inside, .. } = meeting;
-        let view = View::new(direction, is_inside, &mut hit.interaction);
-        self.light(appearance, material, &view, &path, ray.time);
-        self.send_on(appearance, &material.phong, &view, crossing, &path, ray.time);
+        let HitContext { material, direction, is_inside, .. } = context;
+        let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
+        self.shade_direct(appearance, material, &view, &path, ray.time);
+        self.spawn_secondary_rays(appearance, &material.phong, &view, interface, &path, ray.time);
     }
 
     /// Goes on along the same ray, through a surface that does nothing to it.
-    fn pass(
+    fn skip_interface(
         &mut self,
         hit: &SurfaceHit,
         ray: &Ray,
-        crossing: Option<&Crossing>,
+        interface: Option<&MediumInterface>,
         way: f64,
         mut path: Path,
         seen: &mut Seen,
     ) {
-        if let Some(crossing) = crossing {
-            if crossing.before.absorption != crossing.after.absorption {
-                seen.hit |= self.absorb(&mut path.weight, crossing.before.absorption, way);
+        if let Some(interface) = interface {
+            if interface.before.absorption != interface.after.absorption {
+                seen.hit |= self.absorb(&mut path.weight, interface.before.absorption, way);
                 path.start = hit.t;
             }
-            self.samples[path.sample as usize].interior.cross(crossing);
+            self.samples[path.sample as usize].interior.cross(interface);
         } else {
             self.counts.interior_overflows += 1;
         }
         self.counts.passages += 1;
         path.passages += 1;
-        path.depth += u32::from(path.passages > FREE_PASSAGES);
+        path.depth += u32::from(path.passages > MAX_NULL_INTERFACES);
         if path.depth > self.max_depth {
             self.counts.depth_limited += 1;
             return self.ended.push(path.sample);
         }
-        self.next.refracted.push(*ray, hit.beyond(ray), path);
+        self.next.refracted.push(*ray, hit.span_after(ray), path);
     }
 
     /// Beer's law along a way in world units; whether it took anything.
@@ -90,7 +90,14 @@ impl Whitted {
 
     /// The surface's own light, and what it reflects of each lamp.
     #[inline]
-    fn light(&mut self, appearance: &Appearance, material: &Material, view: &View, path: &Path, time: f64) {
+    fn shade_direct(
+        &mut self,
+        appearance: &Appearance,
+        material: &Material,
+        view: &ViewedSurface,
+        path: &Path,
+        time: f64,
+    ) {
         let phong = &material.phong;
         let surface = view.surface;
         let textures = &appearance.textures;
@@ -139,17 +146,17 @@ impl Whitted {
     /// Goes on with the mirrored ray, and has the refracted one wait for it; with the refracted one where nothing is
     /// mirrored.
     #[inline]
-    fn send_on(
+    fn spawn_secondary_rays(
         &mut self,
         appearance: &Appearance,
         phong: &Phong,
-        view: &View,
-        crossing: Option<&Crossing>,
+        view: &ViewedSurface,
+        interface: Option<&MediumInterface>,
         path: &Path,
         time: f64,
     ) {
         if path.depth >= self.max_depth {
-            self.counts.depth_limited += u64::from(crossing.is_some() || !phong.mirror.is_zero());
+            self.counts.depth_limited += u64::from(interface.is_some() || !phong.mirror.is_zero());
             return self.ended.push(path.sample);
         }
         let surface = view.surface;
@@ -157,34 +164,34 @@ impl Whitted {
         let bounced = |weight| Path { depth: path.depth + 1, passages: 0, start: 0.0, weight, ..*path };
         let mut reflected_part = 1.0;
         let mut refracted = None;
-        if let (Some(crossing), Some(transmission)) = (crossing, &phong.transmission) {
+        if let (Some(interface), Some(transmission)) = (interface, &phong.transmission) {
             self.counts.refractions += 1;
-            let eta = crossing.before.ior / crossing.after.ior;
+            let eta = interface.before.ior / interface.after.ior;
             if self.needs.fresnel && transmission.fresnel {
                 self.counts.fresnel += 1;
                 reflected_part =
-                    if crossing.is_null() { 0.0 } else { optics::fresnel(-view.direction.dot(view.normal), eta) };
+                    if interface.is_null() { 0.0 } else { optics::fresnel(-view.direction.dot(view.normal), eta) };
             }
             let passed_part = if transmission.fresnel { 1.0 - reflected_part } else { 1.0 };
             let weight = path.weight * transmission.coefficient.at(textures, surface) * passed_part;
-            if self.matters(weight) {
-                let direction = if crossing.is_null() { Some(view.direction) } else { view.refracted(eta) };
-                refracted = direction.map(|direction| (crossing, direction, bounced(weight)));
+            if self.is_significant(weight) {
+                let direction = if interface.is_null() { Some(view.direction) } else { view.refracted(eta) };
+                refracted = direction.map(|direction| (interface, direction, bounced(weight)));
             }
         }
         let mirrored = self.needs.reflection.then(|| {
             self.counts.mirrors += 1;
             path.weight * phong.mirror.at(textures, surface) * reflected_part
         });
-        let mirrored = mirrored.filter(|weight| self.matters(*weight));
+        let mirrored = mirrored.filter(|weight| self.is_significant(*weight));
         let sample = &mut self.samples[path.sample as usize];
-        if let Some((crossing, direction, beyond)) = refracted {
+        if let Some((interface, direction, span_after)) = refracted {
             let ray = surface.spawn_ray(direction, time);
             if mirrored.is_some() {
-                sample.wait(ray, &beyond, crossing);
+                sample.defer(ray, &span_after, interface);
             } else {
-                sample.interior.cross(crossing);
-                self.next.refracted.push(ray, Interval::SPAWNED, beyond);
+                sample.interior.cross(interface);
+                self.next.refracted.push(ray, Interval::SPAWNED, span_after);
             }
         }
         match mirrored {
@@ -198,7 +205,7 @@ impl Whitted {
     }
 
     /// False for what cannot be seen in the pixel.
-    fn matters(&self, weight: Rgb) -> bool {
+    fn is_significant(&self, weight: Rgb) -> bool {
         !(weight.is_black() || weight.max_component() < self.min_contribution)
     }
 }

@@ -9,8 +9,8 @@
 
 use crate::{
     Interior, Seen,
-    flow::Flow,
-    interior::{Crossing, InteriorStack},
+    interior::{InteriorListStack, MediumInterface},
+    ray_queues::RayQueues,
 };
 use rt_math::{Interval, Ray, Rgb};
 
@@ -31,7 +31,7 @@ pub(super) struct Path {
 
 /// A refracted ray that waits until the mirrored one, and all that comes of it, has been followed.
 #[derive(Clone, Copy, Debug)]
-struct Waiting {
+struct DeferredRay {
     ray: Ray,
     path: Path,
     /// Length of its list of the bodies that it is inside of.
@@ -41,26 +41,26 @@ struct Waiting {
 /// What a camera ray's tree of rays keeps from wave to wave. It is walked depth first, and each wave holds one path of it,
 /// so that what the camera ray sees adds up in the same order whatever else is in the wave.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sample {
-    waiting: Vec<Waiting>,
-    /// What the rays in `waiting` are inside of.
-    interiors: InteriorStack,
+pub(super) struct PixelTree {
+    deferred: Vec<DeferredRay>,
+    /// What the rays in `deferred` are inside of.
+    interiors: InteriorListStack,
     /// What the path at hand is inside of.
     pub(super) interior: Interior,
 }
 
-impl Sample {
+impl PixelTree {
     /// Has a ray wait that goes on through the surface of a crossing.
     #[inline(always)]
-    pub(super) fn wait(&mut self, ray: Ray, path: &Path, crossing: &Crossing) {
-        let bodies = self.interiors.push(&self.interior, crossing);
-        self.waiting.push(Waiting { ray, path: *path, bodies });
+    pub(super) fn defer(&mut self, ray: Ray, path: &Path, interface: &MediumInterface) {
+        let bodies = self.interiors.push(&self.interior, interface);
+        self.deferred.push(DeferredRay { ray, path: *path, bodies });
     }
 
     /// Puts the ray that has waited least into the wave, if there is one.
     #[inline]
-    pub(super) fn go_on(&mut self, wave: &mut Flow<Path>) {
-        if let Some(Waiting { ray, path, bodies }) = self.waiting.pop() {
+    pub(super) fn pop_deferred(&mut self, wave: &mut RayQueues<Path>) {
+        if let Some(DeferredRay { ray, path, bodies }) = self.deferred.pop() {
             self.interiors.pop(&mut self.interior, bodies);
             wave.refracted.push(ray, Interval::SPAWNED, path);
         }
@@ -69,32 +69,32 @@ impl Sample {
 
 /// A surface that was met, until its shadow rays are answered.
 #[derive(Clone, Copy, Debug)]
-struct Met {
+struct ShadedHit {
     sample: u32,
     weight: Rgb,
     /// Radiance that needs no shadow ray.
     radiance: Rgb,
-    /// Where its lights end in [`Lights::reflected`].
+    /// Where its lights end in [`DirectLighting::reflected`].
     end: u32,
 }
 
 /// Shadow rays to one light: they run alike.
 #[derive(Clone, Debug, Default)]
-struct ToLight {
+struct ShadowBatch {
     rays: Vec<(Ray, Interval)>,
     blocked: Vec<bool>,
 }
 
 /// Light on the surfaces of a wave, and the shadow rays that decide about it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Lights {
-    surfaces: Vec<Met>,
+pub(super) struct DirectLighting {
+    surfaces: Vec<ShadedHit>,
     /// What surfaces reflect if nothing is in the way, and the light and number of the shadow ray that decides about it.
     reflected: Vec<(Rgb, Option<(u32, u32)>)>,
-    shadows: Vec<ToLight>,
+    shadows: Vec<ShadowBatch>,
 }
 
-impl Lights {
+impl DirectLighting {
     /// Light that the surface at hand reflects, whatever is in the way.
     #[inline]
     pub(super) fn push(&mut self, reflected: Rgb) {
@@ -105,7 +105,7 @@ impl Lights {
     #[inline(always)]
     pub(super) fn push_shadowed(&mut self, light: usize, reflected: Rgb, ray: Ray, span: Interval) {
         if self.shadows.len() <= light {
-            self.shadows.resize_with(light + 1, ToLight::default);
+            self.shadows.resize_with(light + 1, ShadowBatch::default);
         }
         let rays = &mut self.shadows[light].rays;
         rays.push((ray, span));
@@ -116,12 +116,12 @@ impl Lights {
     #[inline]
     pub(super) fn end_surface(&mut self, path: &Path, radiance: Rgb) {
         let end = self.reflected.len() as u32;
-        self.surfaces.push(Met { sample: path.sample, weight: path.weight, radiance, end });
+        self.surfaces.push(ShadedHit { sample: path.sample, weight: path.weight, radiance, end });
     }
 
     /// Traces the shadow rays and adds what is left of the light to what the samples see.
-    pub(super) fn gather(&mut self, mut occluded: impl FnMut(&[(Ray, Interval)], &mut [bool]), seen: &mut [Seen]) {
-        for ToLight { rays, blocked } in &mut self.shadows {
+    pub(super) fn resolve(&mut self, mut occluded: impl FnMut(&[(Ray, Interval)], &mut [bool]), seen: &mut [Seen]) {
+        for ShadowBatch { rays, blocked } in &mut self.shadows {
             blocked.clear();
             blocked.resize(rays.len(), false);
             if !rays.is_empty() {

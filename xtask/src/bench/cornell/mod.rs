@@ -56,7 +56,7 @@ pub(super) fn run(workspace: &Workspace, options: &CornellOptions) -> Result<(),
         }
     }
     let results = CornellResults {
-        processor: rt_render::processor(),
+        processor: crate::processor::processor(),
         sampler: options.sampler.clone(),
         passes: options.passes,
         seeds: options.seeds,

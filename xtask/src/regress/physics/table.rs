@@ -96,7 +96,7 @@ pub(super) fn finish(
     if write {
         let origin = format!(
             "\nWritten by `cargo xtask regress physics --full --write` on one {}, at commit {}. {}\n\n",
-            rt_render::processor(),
+            crate::processor::processor(),
             workspace.commit(),
             summary(&rows, effort),
         );

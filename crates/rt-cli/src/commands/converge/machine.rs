@@ -1,7 +1,8 @@
 //! What times were measured on. It names no folder and no host.
 
-use rt_render::processor;
 use serde::Serialize;
+
+use crate::processor::processor;
 
 /// The machine, and how the program was compiled.
 #[derive(Clone, Debug, Serialize)]

@@ -3,8 +3,8 @@
 //! Whatever is repeated is repeated with independent seeds. Each seed gives one value (a logarithm of an error, a slope), and
 //! Student's t over the seeds gives the interval, whatever the errors of one seed have to do with each other.
 
+use rt_math::stats::student_t;
 use rt_math::transcendental::{exp, log};
-use rt_render::student_t;
 use serde::Serialize;
 
 /// Part of all intervals that hold what they are about.

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     vertex::Vertex,
-    view::{View, is_inside},
+    viewed_surface::{ViewedSurface, is_inside},
 };
 use rt_geometry::SurfaceInteraction;
 
@@ -43,7 +43,7 @@ fn bent_views(count: usize) -> impl Iterator<Item = Bent> {
 
 fn vertex<'a>(bent: &Bent, surface: &'a mut SurfaceInteraction, bsdf: &'a Bsdf) -> Vertex<'a> {
     let inside = is_inside(-bent.wo, surface);
-    Vertex::new(View::new(-bent.wo, inside, surface), bsdf, 0.0)
+    Vertex::new(ViewedSurface::new(-bent.wo, inside, surface), bsdf, 0.0)
 }
 
 /// Rounding decided about it, and with it about reflection, transmission, and the index of refraction.

@@ -82,7 +82,7 @@ fn upper_tail(z: f64) -> f64 {
 /// Index of refraction to put cells around.
 pub(super) fn ior(bsdf: &Bsdf) -> f64 {
     match bsdf {
-        Bsdf::Single(Lobe::Dielectric(dielectric)) => dielectric.ior,
+        Bsdf::Single(Bxdf::Dielectric(dielectric)) => dielectric.ior,
         _ => 1.5,
     }
 }

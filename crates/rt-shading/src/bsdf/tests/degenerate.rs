@@ -117,7 +117,7 @@ fn roughness_is_smooth_below_a_thousandth_only() {
 
 #[test]
 fn mixes_refuse_what_cannot_be_weighed() {
-    let lobe = Lobe::from(Lambert { albedo: Rgb::WHITE });
+    let lobe = Bxdf::from(Lambert { albedo: Rgb::WHITE });
     assert_eq!(Mix::new(&[]), Err(MixError::Count(0)));
     assert_eq!(Mix::new(&[(1.0, lobe); MAX_LOBES + 1]), Err(MixError::Count(MAX_LOBES + 1)));
     assert_eq!(Mix::new(&[(1.0, lobe), (-0.5, lobe)]), Err(MixError::Weight(-0.5)));

@@ -35,15 +35,15 @@ fn brightness(bsdf: &Bsdf, wo: DVec3, seed: u64) -> Brightness {
 
 /// The diffuse part of glTF's plastic keeps more than what is left: see below.
 pub(super) fn breaks_conservation(bsdf: &Bsdf) -> bool {
-    matches!(bsdf, Bsdf::Single(Lobe::MetallicRoughness(gltf)) if gltf.metallic < 1.0 && gltf.coupling == Coupling::FresnelMix)
+    matches!(bsdf, Bsdf::Single(Bxdf::MetallicRoughness(gltf)) if gltf.metallic < 1.0 && gltf.coupling == Coupling::FresnelMix)
 }
 
 /// Surfaces that absorb nothing. White metal whose facets are smooth is one.
 fn keeps_all(bsdf: &Bsdf) -> bool {
     match bsdf {
-        Bsdf::Single(Lobe::Dielectric(dielectric)) => dielectric.is_smooth(),
+        Bsdf::Single(Bxdf::Dielectric(dielectric)) => dielectric.is_smooth(),
         Bsdf::Single(lobe) => {
-            matches!(lobe, Lobe::Lambert(_) | Lobe::OrenNayar(_) | Lobe::Mirror(_) | Lobe::ThinGlass(_))
+            matches!(lobe, Bxdf::Lambert(_) | Bxdf::OrenNayar(_) | Bxdf::Mirror(_) | Bxdf::ThinGlass(_))
         }
         Bsdf::Mix(_) | Bsdf::Layered(_) => false,
     }
@@ -132,8 +132,8 @@ fn a_leaning_coat_makes_no_light() {
 #[test]
 fn visible_normals_bound_the_weight() {
     for Surface { name, bsdf } in surfaces() {
-        let is_bounded = matches!(bsdf, Bsdf::Single(Lobe::Conductor(_) | Lobe::Dielectric(_)))
-            || matches!(bsdf, Bsdf::Single(Lobe::MetallicRoughness(gltf)) if gltf.metallic == 1.0);
+        let is_bounded = matches!(bsdf, Bsdf::Single(Bxdf::Conductor(_) | Bxdf::Dielectric(_)))
+            || matches!(bsdf, Bsdf::Single(Bxdf::MetallicRoughness(gltf)) if gltf.metallic == 1.0);
         for degrees in ANGLES.into_iter().chain([89.99, 130.0]).filter(|_| is_bounded) {
             let greatest = brightness(&bsdf, at_angle(degrees, 0.4), 3).greatest;
             assert!(greatest <= 1.0 + 1e-9, "{name} at {degrees}°: {greatest}");

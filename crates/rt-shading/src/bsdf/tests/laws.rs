@@ -212,8 +212,8 @@ fn without_roughness_oren_nayar_is_lambert() {
         assert!(close(rough.eval(wo, wi).r, flat.eval(wo, wi).r, 1e-14));
     }
     // Grooves send light back to where it came from.
-    let (wo, beyond) = (at_angle(60.0, 0.0), at_angle(60.0, core::f64::consts::PI));
-    assert!(eon(1.0).eval(wo, wo).g > 1.3 * eon(1.0).eval(wo, beyond).g);
+    let (wo, span_after) = (at_angle(60.0, 0.0), at_angle(60.0, core::f64::consts::PI));
+    assert!(eon(1.0).eval(wo, wo).g > 1.3 * eon(1.0).eval(wo, span_after).g);
 }
 
 /// Lobes of exponent 10⁶: Simpson's rule over the lobe, along the normal.

@@ -1,7 +1,7 @@
 //! Where pixels are seen, and whether what is sampled is what is there.
 
 use super::super::Emitter;
-use super::super::estimate::{Estimate, integral_of_pdf, irradiance, irradiance_by};
+use super::super::test_estimate::{Estimate, integral_of_pdf, irradiance, irradiance_by};
 use super::*;
 use rt_math::random::{hash, unit};
 

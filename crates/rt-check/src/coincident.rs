@@ -1,0 +1,224 @@
+//! Overlapping surfaces in one plane. At bit-identical distances the first object is seen. Faces that are rotated in their
+//! plane are hit at distances that differ by rounding, and either may be seen. It is seldom intended.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+use rt_accel::{Accelerator, Boxes, Bvh};
+use rt_geometry::{Shape, Sphere, TransformedShape};
+use rt_math::{Aabb, DVec3};
+
+use crate::coplanar::{area_vector, overlap_in_plane};
+use crate::facets::{Facet, Facets, tolerance, widened};
+use crate::objects::{Geometry, Object, Objects};
+use crate::report::{Finding, Findings, Kind};
+use crate::solids::Solids;
+
+/// Largest number of overlapping boxes to compare.
+const MAX_PAIRS: u64 = 1 << 24;
+
+/// Largest number of planes to compare with all faces.
+const MAX_PLANES: usize = 64;
+
+/// Overlap of two objects, or of parts of one.
+#[derive(Clone, Copy, Debug, Default)]
+struct Contact {
+    /// Pairs of faces.
+    faces: u64,
+    /// Pairs with a camera in front of them.
+    visible: u64,
+}
+
+/// Finds contacts between objects.
+struct Search<'o> {
+    objects: &'o Objects<'o>,
+    solids: &'o Solids,
+    eyes: Vec<DVec3>,
+    errors: Vec<f64>,
+    /// Overlaps by pair of objects. At equal distances the first object is seen.
+    contacts: BTreeMap<(usize, usize), Contact>,
+}
+
+pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, findings: &mut Findings) {
+    let cameras = &objects.scene.cameras;
+    let mut search = Search {
+        objects,
+        solids,
+        eyes: cameras.iter().map(|camera| camera.settings.world_from_camera.translation()).collect(),
+        errors: objects.list.iter().map(Object::placement_error).collect(),
+        contacts: BTreeMap::new(),
+    };
+    let facets = Facets::of(objects);
+    let complete = [search.faces(&facets), search.planes(&facets), search.round_shapes(), !facets.truncated];
+    for (&(first, second), contact) in &search.contacts {
+        findings.extend(search.finding(first, second, contact));
+    }
+    if complete.contains(&false) {
+        let message = "has too many faces, or too many near each other, to compare all of them";
+        findings.add(Finding::new(Kind::LimitReached, &objects.scene.name, &[("pairs", MAX_PAIRS as f64)], message));
+    }
+}
+
+impl Search<'_> {
+    /// Compares flat faces with each other. Returns true if all were compared.
+    fn faces(&mut self, facets: &Facets<'_>) -> bool {
+        visit_pairs(&facets.boxes(), |i, j| self.pair(facets.at(i), facets.at(j)))
+    }
+
+    fn pair(&mut self, a: Facet, b: Facet) {
+        let geometry = self.objects.list[a.object].geometry;
+        if a.object == b.object && (!matches!(geometry, Geometry::Mesh(..)) || is_same_triangle(a.corners, b.corners)) {
+            return;
+        }
+        let reach = a.corners.iter().chain(&b.corners).map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        if overlap_in_plane(a.corners, b.corners, tolerance(self.errors[a.object] + self.errors[b.object], reach)) {
+            self.add(a, b, area_vector(a.corners), area_vector(b.corners));
+        }
+    }
+
+    /// Compares planes with faces and each other. Returns true if all were compared.
+    fn planes(&mut self, facets: &Facets<'_>) -> bool {
+        let is_plane = |(_, object): &(usize, &Object<'_>)| matches!(object.geometry, Geometry::Shape(Shape::Plane(_)));
+        let planes: Vec<(usize, &Object<'_>)> = self.objects.list.iter().enumerate().filter(is_plane).collect();
+        let some = &planes[..planes.len().min(MAX_PLANES)];
+        for (rank, &(index, object)) in some.iter().enumerate() {
+            let Some((point, normal)) = plane_in_world(object) else { continue };
+            let as_facet = |object, point| Facet { object, corners: [point; 3] };
+            for &(other_index, other) in &some[rank + 1..] {
+                let Some((other_point, other_normal)) = plane_in_world(other) else { continue };
+                let reach = point.abs().max_element().max(other_point.abs().max_element());
+                let allowed = tolerance(self.errors[index] + self.errors[other_index], reach);
+                let parallel = normal.cross(other_normal).length() <= tolerance(0.0, 1.0);
+                if parallel && (other_point - point).dot(normal).abs() <= allowed {
+                    self.add(as_facet(index, point), as_facet(other_index, other_point), normal, other_normal);
+                }
+            }
+            for facet in (0..facets.count).map(|i| facets.at(i)) {
+                let reach =
+                    facet.corners.iter().map(|p| p.abs().max_element()).fold(point.abs().max_element(), f64::max);
+                let allowed = tolerance(self.errors[facet.object] + self.errors[index], reach);
+                if facet.corners.iter().all(|p| (*p - point).dot(normal).abs() <= allowed) {
+                    self.add(as_facet(index, point), facet, normal, area_vector(facet.corners));
+                }
+            }
+        }
+        planes.len() <= MAX_PLANES
+    }
+
+    /// Finds equal shapes without flat faces at the same position. Returns true if all were compared.
+    fn round_shapes(&mut self) -> bool {
+        let is_round = |object: &Object<'_>| match object.geometry {
+            Geometry::Shape(Shape::Cuboid(_) | Shape::Triangle(_) | Shape::Rectangle(_) | Shape::Plane(_))
+            | Geometry::Mesh(..) => None,
+            Geometry::Shape(_) => object.bounds,
+        };
+        let (indices, boxes): (Vec<usize>, Vec<_>) = (self.objects.list.iter().enumerate())
+            .filter_map(|(index, object)| Some((index, widened(is_round(object)?, self.errors[index]))))
+            .unzip();
+        visit_pairs(&boxes, |i, j| {
+            let (first, second) = (indices[i], indices[j]);
+            let (a, b) = (&self.objects.list[first], &self.objects.list[second]);
+            if is_same_shape(a, b, self.errors[first] + self.errors[second]) {
+                let contact = self.contacts.entry((first, second)).or_default();
+                contact.faces += 1;
+                contact.visible += 1;
+            }
+        })
+    }
+
+    fn add(&mut self, a: Facet, b: Facet, normal_a: DVec3, normal_b: DVec3) {
+        let contact = self.contacts.entry((a.object.min(b.object), a.object.max(b.object))).or_default();
+        contact.faces += 1;
+        // Faces of solids are seen from their front; only a surface that touches that front may cover it.
+        let in_front = |facet: &Facet, normal: DVec3| {
+            self.eyes.is_empty() || self.eyes.iter().any(|eye| (*eye - facet.corners[0]).dot(normal) > 0.0)
+        };
+        let visible = match (self.solids.is_closed(a.object), self.solids.is_closed(b.object)) {
+            (false, false) => true,
+            (true, false) => in_front(&a, normal_a),
+            (false, true) => in_front(&b, normal_b),
+            (true, true) => normal_a.dot(normal_b) > 0.0 && in_front(&a, normal_a),
+        };
+        contact.visible += u64::from(visible);
+    }
+
+    fn finding(&self, first: usize, second: usize, contact: &Contact) -> Option<Finding> {
+        let objects = self.objects;
+        let (a, b) = (&objects.list[first], &objects.list[second]);
+        let (name, other) = (objects.name(a), objects.name(b));
+        let Contact { faces, visible } = *contact;
+        let values = [("faces", faces as f64), ("visible_faces", visible as f64)];
+        if first == second {
+            let message = format!("{faces} pairs of triangles overlap; the one of the lower index is seen");
+            let finding = Finding::new(Kind::CoincidentSurfaces, name, &values, message);
+            return Some(
+                finding.warn_if(objects.is_glass(a)).with_advice("cut away the overlap: glass is entered twice there"),
+            );
+        }
+        if objects.is_glass(a) || objects.is_glass(b) {
+            let message = format!(
+                "touches {other} exactly ({faces} pairs of faces); rays hit the first of the two and miss the other"
+            );
+            // Rays through glass that is hit first continue behind the surface that it touches.
+            let leaks = objects.is_glass(a) && !objects.is_glass(b);
+            return Some(Finding::new(Kind::TouchingGlass, name, &values, message).warn_if(leaks));
+        }
+        (visible > 0).then(|| {
+            let message = format!(
+                "overlaps {other} ({faces} pairs of faces); the first of the two is seen, either if one is rotated"
+            );
+            Finding::new(Kind::CoincidentSurfaces, name, &values, message).warn_if(a.material != b.material)
+        })
+    }
+}
+
+/// Visits pairs of overlapping boxes, once each with the lower index first. Returns true if their number allowed to visit
+/// all of them.
+fn visit_pairs(boxes: &[Aabb], mut visit: impl FnMut(usize, usize)) -> bool {
+    let boxes = Boxes(boxes);
+    let Ok(bvh) = Bvh::build(&boxes) else { return false };
+    let mut left = MAX_PAIRS;
+    bvh.visit_overlapping_pairs(&boxes, |i, j| {
+        if left == 0 {
+            return ControlFlow::Break(());
+        }
+        left -= 1;
+        visit(i as usize, j as usize);
+        ControlFlow::Continue(())
+    });
+    left > 0
+}
+
+/// True if the corners are the same in any order; such triangles of a mesh have a lint of their own.
+fn is_same_triangle(a: [DVec3; 3], b: [DVec3; 3]) -> bool {
+    a.iter().all(|corner| b.contains(corner))
+}
+
+/// A point and the unit normal of a plane in world space.
+fn plane_in_world(object: &Object<'_>) -> Option<(DVec3, DVec3)> {
+    let Geometry::Shape(Shape::Plane(plane)) = object.geometry else { return None };
+    let map = &object.world_from_local;
+    Some((map.point(plane.point()), map.normal(plane.normal()).try_normalize()?))
+}
+
+fn is_same_shape(a: &Object<'_>, b: &Object<'_>, placement_errors: f64) -> bool {
+    let (Geometry::Shape(shape_a), Geometry::Shape(shape_b)) = (a.geometry, b.geometry) else { return false };
+    match (sphere_in_world(shape_a, a), sphere_in_world(shape_b, b)) {
+        (Some(a), Some(b)) => {
+            let allowed = tolerance(placement_errors, a.centre().abs().max_element() + a.radius());
+            (a.centre() - b.centre()).length() <= allowed && (a.radius() - b.radius()).abs() <= allowed
+        }
+        _ => shape_a == shape_b && a.world_from_local == b.world_from_local,
+    }
+}
+
+/// Image of a sphere under a similarity transform.
+fn sphere_in_world(shape: &Shape, object: &Object<'_>) -> Option<Sphere> {
+    match TransformedShape::new(shape.clone(), object.world_from_local).bake_transform_ignoring_uv() {
+        Some(Shape::Sphere(sphere)) => Some(sphere),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;

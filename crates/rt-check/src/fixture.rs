@@ -1,0 +1,94 @@
+//! Small scenes for tests.
+
+use std::sync::Arc;
+
+use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
+use rt_geometry::{MeshData, Plane, Shape, Sphere, TriangleMesh};
+use rt_math::{DVec3, Rgb, Transform, Vec3};
+use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene};
+use rt_shading::{
+    Appearance, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId, Transmission,
+};
+
+pub(crate) use crate::Severity;
+use crate::{Finding, Kind, Measurement, check};
+
+pub(crate) const GREY: MaterialId = MaterialId(0);
+pub(crate) const GLASS: MaterialId = MaterialId(1);
+pub(crate) const CHECKER: MaterialId = MaterialId(2);
+
+/// Three materials, a small square image, and no objects.
+pub(crate) fn empty() -> Scene {
+    let material = |name: &str, phong| Material::new(name.into(), phong);
+    let white = ColorTexture::Constant(Rgb::WHITE);
+    let inside = Transmission { coefficient: white, ior: 1.5, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
+    let glass = Phong { diffuse: ColorTexture::ZERO, mirror: white, transmission: Some(inside), ..Phong::default() };
+    let checker = Phong { diffuse: ColorTexture::Textured(TextureId(0), Rgb::WHITE), ..Phong::default() };
+    Scene {
+        film: FilmSettings { width: 48, height: 48, ..FilmSettings::default() },
+        appearance: Appearance {
+            materials: vec![material("grey", Phong::default()), material("glass", glass), material("checker", checker)],
+            textures: vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::BLACK, size: 1.0 }],
+            ..Appearance::default()
+        },
+        ..Scene::empty("test")
+    }
+}
+
+/// A measurement.
+pub(crate) const fn value(name: &'static str, value: f64) -> Measurement {
+    Measurement { name, value }
+}
+
+pub(crate) fn sphere(centre: DVec3, radius: f64) -> Node {
+    Node::new(Content::Shape(Shape::Sphere(Sphere::new(centre, radius).unwrap())), GREY)
+}
+
+/// A plane that faces upwards.
+pub(crate) fn floor(height: f64) -> Node {
+    Node::new(Content::Shape(Shape::Plane(Plane::new(DVec3::Y * height, DVec3::Y).unwrap())), GREY)
+}
+
+pub(crate) fn camera(from: DVec3, at: DVec3) -> NamedCamera {
+    let settings = CameraSettings::new(
+        Transform::look_at(from, at, DVec3::Y).unwrap(),
+        Projection::Perspective { fov: 40f64.to_radians(), axis: FovAxis::Vertical },
+    );
+    NamedCamera { name: "main".into(), settings, medium: None }
+}
+
+pub(crate) fn point_light(position: DVec3, lamp_radius: f64) -> Light {
+    let kind = LightKind::Point { position, falloff: Falloff::None, lamp_radius };
+    Light { name: "lamp".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
+}
+
+/// The unit cube from the origin to (1, 1, 1), its front outside.
+pub(crate) fn cube_data() -> MeshData {
+    let positions = (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32)).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    MeshData { positions, triangles, ..MeshData::default() }
+}
+
+/// Adds a mesh to the scene and returns a node that shows it; mesh and node are named "cube".
+pub(crate) fn add_mesh(scene: &mut Scene, data: MeshData) -> Node {
+    let id = MeshId(scene.meshes.len() as u32);
+    scene.meshes.push(NamedMesh { name: "cube".into(), mesh: Arc::new(TriangleMesh::build(data).unwrap().0) });
+    Node { name: "cube".into(), ..Node::new(Content::Mesh(id), GREY) }
+}
+
+/// Findings of a kind.
+pub(crate) fn of_kind(scene: &Scene, kind: Kind) -> Vec<Finding> {
+    check(scene).findings.into_iter().filter(|finding| finding.kind == kind).collect()
+}
+
+/// The only finding of a kind in a scene without other warnings.
+#[track_caller]
+pub(crate) fn only(scene: &Scene, kind: Kind) -> Finding {
+    let report = check(scene);
+    let others: Vec<_> = report.findings.iter().filter(|f| f.kind != kind && f.severity > Severity::Info).collect();
+    assert!(others.is_empty(), "{others:#?}");
+    let mut found: Vec<_> = report.findings.into_iter().filter(|finding| finding.kind == kind).collect();
+    assert_eq!(found.len(), 1, "{found:#?}");
+    found.remove(0)
+}

@@ -1,0 +1,105 @@
+//! Materials that reflect more light than arrives, and unused parts of the scene.
+
+use std::f64::consts::TAU;
+
+use rt_math::Rgb;
+use rt_shading::{ColorTexture, Material, Texture};
+
+use crate::objects::{Geometry, Objects};
+use crate::report::{Finding, Findings, Kind};
+
+pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
+    let textures = &objects.scene.appearance.textures;
+    for material in &objects.scene.appearance.materials {
+        energy(material, textures, findings);
+    }
+    unused(objects, findings);
+}
+
+/// Checks the share of light that diffuse reflection and the highlight return at normal incidence: kd + ks·2π / (n + 2)
+/// (Lewis, "Making shaders more physically plausible", 1994).
+fn energy(material: &Material, textures: &[Texture], findings: &mut Findings) {
+    let phong = &material.phong;
+    let lobe = TAU / (phong.exponent + 2.0);
+    let (kd, ks) = (brightest(&phong.diffuse, textures), brightest(&phong.specular, textures));
+    let sums = [kd.r + ks.r * lobe, kd.g + ks.g * lobe, kd.b + ks.b * lobe];
+    let gain = sums.into_iter().fold(0.0, f64::max);
+    if gain > 1.0 {
+        findings.add(Finding::new(
+            Kind::EnergyGain,
+            &material.name,
+            &[("reflected_share", gain)],
+            format!("reflects up to {gain:.3} of the light that arrives (diffuse + specular · 2π / (exponent + 2))"),
+        ));
+    }
+}
+
+/// Upper bound of a coefficient; images count as 1, which they seldom exceed.
+fn brightest(coefficient: &ColorTexture, textures: &[Texture]) -> Rgb {
+    match coefficient {
+        ColorTexture::Constant(rgb) => *rgb,
+        ColorTexture::Textured(id, rgb) => match textures.get(id.0 as usize) {
+            Some(Texture::Checker { even, odd, .. }) => {
+                Rgb::new(even.r.max(odd.r), even.g.max(odd.g), even.b.max(odd.b)) * *rgb
+            }
+            _ => *rgb,
+        },
+    }
+}
+
+fn unused(objects: &Objects<'_>, findings: &mut Findings) {
+    if objects.truncated {
+        return;
+    }
+    let scene = objects.scene;
+    let mut materials = vec![false; scene.appearance.materials.len()];
+    let mut meshes = vec![false; scene.meshes.len()];
+    for object in &objects.list {
+        if let Some(used) = materials.get_mut(object.material) {
+            *used = true;
+        }
+        if let Geometry::Mesh(index, _) = object.geometry {
+            meshes[index] = true;
+        }
+    }
+    let mut note = |what: &str, name: &str| {
+        findings.add(Finding::new(Kind::Unused, name, &[], format!("is a {what} that nothing in the scene uses")));
+    };
+    let names = scene.appearance.materials.iter().map(|material| material.name.as_str());
+    names.zip(&materials).filter(|(_, used)| !**used).for_each(|(name, _)| note("material", name));
+    let named = objects.meshes().zip(&meshes);
+    named.filter(|(_, used)| !**used).for_each(|(mesh, _)| note("mesh", &mesh.name));
+    let names = scene.groups.iter().map(|group| group.name.as_str());
+    names.zip(&objects.group_used).filter(|(_, used)| !**used).for_each(|(name, _)| note("group", name));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::*;
+    use rt_math::DVec3;
+    use rt_scene_io::Group;
+
+    #[test]
+    fn too_bright_highlights_are_noted() {
+        let mut scene = empty();
+        scene.nodes = vec![sphere(DVec3::ZERO, 1.0)];
+        let phong = &mut scene.appearance.materials[0].phong;
+        phong.diffuse = ColorTexture::Constant(Rgb::gray(0.25));
+        phong.specular = ColorTexture::Constant(Rgb::new(0.5, 2.0, 0.5));
+        phong.exponent = 6.0;
+        let finding = only(&scene, Kind::EnergyGain);
+        assert!((finding.values[0].value - (0.25 + 2.0 * TAU / 8.0)).abs() < 1e-15, "{finding:?}");
+        assert_eq!(finding.object, "grey");
+    }
+
+    #[test]
+    fn unused_things_are_named() {
+        let mut scene = empty();
+        let _ = add_mesh(&mut scene, cube_data());
+        scene.groups = vec![Group { name: "spare".into(), nodes: vec![sphere(DVec3::ZERO, 1.0)] }];
+        scene.nodes = vec![sphere(DVec3::ZERO, 1.0)];
+        let names: Vec<_> = of_kind(&scene, Kind::Unused).into_iter().map(|finding| finding.object).collect();
+        assert_eq!(names, ["glass", "checker", "cube", "spare"]);
+    }
+}

@@ -1,0 +1,134 @@
+//! Choice of the acceleration structure.
+
+use rt_accel::wide::{Quality, SimdLevel, SmallSet};
+use rt_accel::{AcceleratorKind, AnyAccelerator, BuildError};
+use rt_geometry::{PrimitiveGeometry, Primitives};
+use rt_scene_io::{Accel, Scene};
+
+use crate::plan_options::PlanOptions;
+
+/// Largest number of primitives for which brute force is faster than a tree.
+pub(crate) const MAX_LINEAR: usize = 8;
+
+/// Largest number of spheres for brute force; many rays are tested at once.
+pub(crate) const MAX_LINEAR_SPHERES: usize = SmallSet::CAPACITY;
+
+/// True if brute force over the primitives is faster than a tree.
+pub(crate) fn is_small<P: Primitives>(primitives: &P, mut indices: impl ExactSizeIterator<Item = u32>) -> bool {
+    let is_round = |index| matches!(primitives.geometry(index), PrimitiveGeometry::ExactSphere(_));
+    let count = indices.len();
+    count <= MAX_LINEAR || count <= MAX_LINEAR_SPHERES && indices.all(is_round)
+}
+
+/// Requested acceleration structure.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct AccelOptions {
+    pub(crate) accel: Accel,
+    /// Instruction set; `None` for the best one of the processor.
+    pub(crate) simd: Option<SimdLevel>,
+    /// Build quality.
+    pub(crate) quality: Quality,
+}
+
+impl AccelOptions {
+    /// Options of a scene and its plan.
+    pub(crate) const fn new(scene: &Scene, options: &PlanOptions) -> Self {
+        Self { accel: scene.settings.accel, simd: options.simd, quality: options.quality }
+    }
+}
+
+/// Builds the requested structure, or for `Auto` the one that fits the primitives.
+pub(crate) fn build<P: Primitives>(accel_options: AccelOptions, primitives: &P) -> Result<AnyAccelerator, BuildError> {
+    let is_small = is_small(primitives, 0..primitives.len() as u32);
+    let structure =
+        AnyAccelerator::build_with(choose(accel_options.accel, is_small), accel_options.quality, primitives)?;
+    Ok(match accel_options.simd {
+        Some(level) => structure.with_level(level),
+        None => structure,
+    })
+}
+
+/// Kind for an option; `Auto` is brute force for a [small](is_small) set of primitives and the 8-wide BVH otherwise.
+pub(crate) const fn choose(accel: Accel, is_small: bool) -> AcceleratorKind {
+    match accel {
+        Accel::Auto if is_small => AcceleratorKind::Linear,
+        Accel::Auto | Accel::Wide => AcceleratorKind::Wide,
+        Accel::Bvh => AcceleratorKind::Bvh,
+        Accel::Linear => AcceleratorKind::Linear,
+        Accel::Grid => AcceleratorKind::Grid,
+        Accel::Spheres => AcceleratorKind::Spheres,
+        Accel::Cylinders => AcceleratorKind::Cylinders,
+        Accel::Kd => AcceleratorKind::Kd,
+        Accel::Bsp => AcceleratorKind::Bsp,
+        Accel::Bih => AcceleratorKind::Bih,
+        Accel::BihLazy => AcceleratorKind::BihLazy,
+    }
+}
+
+/// Describes the rule by which [`build`] chooses.
+pub(crate) fn reason<P: Primitives>(accel_options: AccelOptions, primitives: &P) -> String {
+    let count = primitives.len();
+    match accel_options.accel {
+        Accel::Auto if count <= MAX_LINEAR => format!("up to {MAX_LINEAR}: asking each is faster than walking a tree"),
+        Accel::Auto if is_small(primitives, 0..count as u32) => {
+            format!(
+                "up to {MAX_LINEAR_SPHERES} spheres: asking each, for eight rays at a time, is faster than walking a tree"
+            )
+        }
+        Accel::Auto => {
+            format!(
+                "more than {MAX_LINEAR}, {}: eight boxes at a time suit all sizes and places",
+                size_spread(primitives)
+            )
+        }
+        _ => "as asked".to_owned(),
+    }
+}
+
+/// Describes the range of sizes of primitives, by the longest edges of their bounds.
+fn size_spread<P: Primitives>(primitives: &P) -> String {
+    let sizes = (0..primitives.len() as u32).filter_map(|index| primitives.bounds(index));
+    let sizes = sizes.map(|bounds| bounds.extent().max_element());
+    let (least, greatest) = sizes.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), size| (a.min(size), b.max(size)));
+    let ratio = greatest / least;
+    match ratio {
+        _ if least == f64::INFINITY => "none of them bounded".to_owned(),
+        0.0..1.5 => "all of about one size".to_owned(),
+        1.5..10.0 => format!("sizes spread 1:{ratio:.1}"),
+        10.0..1e6 => format!("sizes spread 1:{ratio:.0}"),
+        _ => format!("sizes from {least:.1e} to {greatest:.1e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_geometry::{Sphere, Spheres};
+    use rt_math::DVec3;
+
+    #[test]
+    fn every_structure_can_be_asked_for_by_its_name() {
+        let named = |accel: &Accel| choose(*accel, true).name();
+        for accel in Accel::ALL.iter().filter(|accel| **accel != Accel::Auto) {
+            assert_eq!(named(accel), accel.name());
+        }
+        assert_eq!(Accel::ALL.len(), AcceleratorKind::ALL.len() + 1);
+    }
+
+    fn spheres(radii: &[f64]) -> Spheres {
+        Spheres::new(radii.iter().map(|&radius| Sphere::new(DVec3::ZERO, radius).expect("a sphere")).collect())
+    }
+
+    #[test]
+    fn reasons_name_the_rule_and_what_it_looked_at() {
+        let auto = AccelOptions::default();
+        let reason = |radii: &[f64]| reason(auto, &spheres(radii));
+        assert_eq!(reason(&[1.0; 8]), "up to 8: asking each is faster than walking a tree");
+        assert!(reason(&[1.0; 16]).starts_with("up to 16 spheres"), "{}", reason(&[1.0; 16]));
+        let of = |least: f64| reason(&[[1.0; 16].as_slice(), &[least]].concat());
+        assert_eq!(of(0.025), "more than 8, sizes spread 1:40: eight boxes at a time suit all sizes and places");
+        assert!(of(0.9).contains("about one size") && of(0.4).contains("1:2.5"), "{}", of(0.4));
+        assert!(of(1e-9).contains("sizes from 2.0e-9 to 2.0e0"), "{}", of(1e-9));
+        assert_eq!(super::reason(AccelOptions { accel: Accel::Grid, ..auto }, &spheres(&[1.0])), "as asked");
+    }
+}

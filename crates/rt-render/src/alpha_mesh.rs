@@ -1,0 +1,131 @@
+//! Meshes with holes that their material cuts.
+
+use rt_geometry::{Hit, Primitives, TriangleMesh, VertexAttributes};
+use rt_math::{Aabb, DVec3, Interval, Ray, random};
+use rt_shading::{Alpha, Coverage, Material, Texture, TexturePoint};
+
+/// Alpha test of a mesh: rays pass where the material does not cover it.
+#[derive(Clone, Debug)]
+pub(crate) struct AlphaTest {
+    coverage: Coverage,
+    /// True if back faces are culled.
+    has_front_only: bool,
+}
+
+impl AlphaTest {
+    /// The holes of a mesh of this material; `None` if it has none. Of a mesh that encloses space, only fronts are seen anyway.
+    pub(crate) fn of(material: &Material, mesh: &TriangleMesh) -> Option<Self> {
+        let coverage = &material.coverage;
+        let has_front_only = coverage.has_front_only && !mesh.data().is_closed();
+        (coverage.alpha != Alpha::Opaque || has_front_only).then(|| Self { coverage: coverage.clone(), has_front_only })
+    }
+}
+
+/// A mesh with its holes, as a set of primitives: a hit on a hole is none. Whether a blended surface is hit is a matter of the
+/// ray's own bits, so that all structures, and all rays that go on along the same line, agree about it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AlphaTestedMesh<'w> {
+    pub(crate) mesh: &'w TriangleMesh,
+    pub(crate) alpha_test: &'w AlphaTest,
+    pub(crate) textures: &'w [Texture],
+}
+
+impl AlphaTestedMesh<'_> {
+    fn is_there(&self, ray: &Ray, hit: &Hit) -> bool {
+        if self.alpha_test.has_front_only {
+            let Some([a, b, c]) = self.mesh.vertices(hit.primitive) else { return false };
+            if (b - a).cross(c - a).dot(ray.direction) > 0.0 {
+                return false;
+            }
+        }
+        if self.alpha_test.coverage.alpha == Alpha::Opaque {
+            return true;
+        }
+        let Some(([uv, second], alpha)) = self.mesh.coverage_at(hit) else { return false };
+        let detail = VertexAttributes { second_uv: second.map(|x| x as f32), ..VertexAttributes::default() };
+        let threshold = || random::unit(hash(ray, hit.primitive));
+        self.alpha_test.coverage.covers(self.textures, &TexturePoint { uv, detail }, alpha, threshold)
+    }
+}
+
+/// A number that depends on the ray and the triangle alone.
+fn hash(ray: &Ray, triangle: u32) -> u64 {
+    let bits = |v: DVec3| v.to_array().map(f64::to_bits);
+    let ([a, b, c], [d, e, f]) = (bits(ray.origin), bits(ray.direction));
+    random::hash(&[a, b, c, d, e, f, ray.time.to_bits(), u64::from(triangle)])
+}
+
+impl Primitives for AlphaTestedMesh<'_> {
+    fn len(&self) -> usize {
+        self.mesh.len()
+    }
+
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        Primitives::bounds(self.mesh, index)
+    }
+
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.mesh.intersect(index, ray, span).filter(|hit| self.is_there(ray, hit))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_geometry::MeshData;
+    use rt_math::Vec3;
+    use rt_shading::{Phong, TextureId};
+
+    /// Two triangles that make the unit square in z = 0, facing +z.
+    fn square() -> TriangleMesh {
+        let data = MeshData {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            uvs: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+            ..MeshData::default()
+        };
+        TriangleMesh::build(data).expect("a mesh").0
+    }
+
+    fn alpha_test(coverage: Coverage) -> Option<AlphaTest> {
+        AlphaTest::of(&Material { coverage, ..Material::new(String::new(), Phong::default()) }, &square())
+    }
+
+    fn hits(alpha_test: &AlphaTest, textures: &[Texture], ray: &Ray) -> usize {
+        let (mesh, set) = (square(), |mesh| AlphaTestedMesh { mesh, alpha_test, textures });
+        (0..2).filter(|index| set(&mesh).intersect(*index, ray, Interval::FORWARD).is_some()).count()
+    }
+
+    #[test]
+    fn backs_of_open_meshes_are_not_there_if_the_material_has_fronts_only() {
+        let front_only = alpha_test(Coverage { has_front_only: true, ..Coverage::ALL }).expect("an open mesh");
+        let place = DVec3::new(0.6, 0.3, 1.0);
+        assert_eq!(hits(&front_only, &[], &Ray::new(place, DVec3::NEG_Z)), 1);
+        assert_eq!(hits(&front_only, &[], &Ray::new(-place + place.with_z(0.0) * 2.0, DVec3::Z)), 0);
+        assert!(alpha_test(Coverage::ALL).is_none());
+    }
+
+    #[test]
+    fn masks_cut_where_their_image_says() {
+        let bitmap =
+            rt_shading::Bitmap { alpha: vec![1.0, 0.0], ..rt_shading::Bitmap::opaque(2, 1, vec![[1.0; 3]; 2]) };
+        let wrap = [rt_shading::Wrap::Clamp; 2];
+        let image = Texture::Image { bitmap: std::sync::Arc::new(bitmap), wrap, smooth: false };
+        let mask = Coverage { alpha: Alpha::Mask(0.5), texture: Some(TextureId(0)), ..Coverage::ALL };
+        let mask = alpha_test(mask).expect("a mask");
+        let at = |x: f64| hits(&mask, std::slice::from_ref(&image), &Ray::new(DVec3::new(x, 0.2, 1.0), DVec3::NEG_Z));
+        assert_eq!([at(0.3), at(0.7)], [1, 0]);
+    }
+
+    #[test]
+    fn blended_surfaces_stop_as_many_rays_as_they_cover() {
+        let blend = alpha_test(Coverage { alpha: Alpha::Blend, factor: 0.3, ..Coverage::ALL }).expect("a blend");
+        let ray = |i: u32| {
+            let at = |k: u32| random::unit(random::hash(&[1, u64::from(i), u64::from(k)]));
+            Ray::new(DVec3::new(at(0), at(1), 1.0), DVec3::NEG_Z)
+        };
+        let stopped: usize = (0..10_000).map(|i| hits(&blend, &[], &ray(i))).sum();
+        // 5 standard deviations of 46.
+        assert!(stopped.abs_diff(3000) < 230, "{stopped} of 10,000");
+    }
+}

@@ -1,0 +1,91 @@
+//! Media around the origins of camera rays.
+
+use rt_camera::{Camera, Projection};
+use rt_geometry::NoProbe;
+use rt_math::{Aabb, DVec2, DVec3, Ray};
+use rt_scene_io::{NamedCamera, Scene};
+use rt_shading::{Interior, Material};
+
+use crate::{frustum_cull::PrimaryTarget, instance::uses_material, tracer::SceneTracer, world::World};
+
+/// Direction of the ray that finds the media around the pinhole. It leaves closed solids in any direction; this
+/// one also leaves a sea through its surface. It is oblique to all axes and diagonals, so that it hits few edges.
+const PROBE_DIRECTION: DVec3 = DVec3::new(0.36, 0.80, 0.48);
+
+/// Dielectrics around the origins of camera rays.
+#[derive(Debug)]
+pub(crate) enum CameraMedium {
+    /// The same for all rays.
+    Constant(Interior),
+    /// To be found for each ray that starts in this box: rays of a parallel projection, or of a lens, start in different
+    /// places, and at another moment there may be something else.
+    PerRay(Aabb),
+}
+
+impl CameraMedium {
+    /// Air.
+    pub(crate) fn air() -> Self {
+        Self::Constant(Interior::default())
+    }
+
+    /// Medium named by the camera, or else found in the world around it.
+    pub(crate) fn of(named: &NamedCamera, camera: &Camera, moves: bool, scene: &Scene, world: &World) -> Self {
+        if let Some(medium) = named.medium {
+            return Self::Constant(Interior::filled_with(medium.0));
+        }
+        let reach = reach_of_transparent_bodies(&scene.appearance.materials, world);
+        let start_apart = matches!(named.settings.projection, Projection::Orthographic { .. }) || camera.has_lens();
+        if (start_apart || camera.moves()) && !reach.is_empty() {
+            return Self::PerRay(reach);
+        }
+        let pinhole = camera.ray(DVec2::ZERO, 0.0).origin;
+        if !reach.contains(pinhole) {
+            return Self::air();
+        }
+        if moves {
+            return Self::PerRay(reach);
+        }
+        Self::Constant(find_enclosing(scene, world, &Ray::new(pinhole, PROBE_DIRECTION)))
+    }
+}
+
+fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> Interior {
+    let materials = &scene.appearance.materials;
+    let mut interior = Interior::default();
+    match world {
+        World::Spheres(world, structure) => {
+            interior.find_enclosing_media(
+                &mut SceneTracer::new(world, structure, PrimaryTarget::All(structure), NoProbe),
+                materials,
+                ray,
+            );
+        }
+        World::Instances(top, levels) => {
+            let world = &top.set(levels);
+            let structure = &top.structure;
+            interior.find_enclosing_media(
+                &mut SceneTracer::new(world, structure, PrimaryTarget::All(structure), NoProbe),
+                materials,
+                ray,
+            );
+        }
+    }
+    interior
+}
+
+/// Bounds of all dielectrics; all of space if one of them is unbounded.
+pub(crate) fn reach_of_transparent_bodies(materials: &[Material], world: &World) -> Aabb {
+    let is_transparent = |material: u32| materials.get(material as usize).is_some_and(|m| m.body().is_some());
+    let everywhere = Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY);
+    match world {
+        World::Spheres(world, _) => {
+            let spheres = world.spheres.as_slice().iter().zip(&world.materials);
+            let transparent = spheres.filter(|(_, material)| is_transparent(**material));
+            transparent.fold(Aabb::EMPTY, |sum, (sphere, _)| sum.union(sphere.bounds()))
+        }
+        World::Instances(top, levels) => {
+            let transparent = top.instances.iter().filter(|instance| uses_material(instance, levels, &is_transparent));
+            transparent.fold(Aabb::EMPTY, |sum, instance| sum.union(instance.bounds.unwrap_or(everywhere)))
+        }
+    }
+}

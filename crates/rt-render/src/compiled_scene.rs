@@ -1,0 +1,143 @@
+//! The part of a plan that is independent of the camera: world, materials and lights.
+
+use std::borrow::Cow;
+
+use rt_scene_io::{Integrator, MaterialId, Scene};
+use rt_shading::{Appearance, BsdfCache, LightSources, Material, Needs, emitter::EmitterSet};
+
+use crate::{
+    RenderError, RenderSpace,
+    accel_choice::AccelOptions,
+    area_lights::{emitters, find_animated_light},
+    flatten::flatten,
+    instance::{Aggregate, BottomLevel, InstanceGeometry},
+    light_sources::light_sources,
+    plan_options::PlanOptions,
+    world::World,
+};
+
+/// Scene with acceleration structures, trimmed to the parts that its image depends on.
+#[derive(Debug)]
+pub(crate) struct CompiledScene<'s> {
+    pub(crate) source: &'s Scene,
+    pub(crate) space: RenderSpace,
+    /// Time of the only position of all objects, if the shutter opens for a single time.
+    pub(crate) static_time: Option<f64>,
+    pub(crate) accel: AccelOptions,
+    pub(crate) world: World,
+    /// Materials, textures and delta lights, in render space.
+    pub(crate) appearance: Cow<'s, Appearance>,
+    /// Area and environment lights, if the integrator samples them.
+    pub(crate) emitters: EmitterSet,
+    /// BSDFs of uniform materials, if the integrator evaluates BSDFs; empty in an untrimmed plan.
+    pub(crate) bsdfs: BsdfCache,
+    /// Lights that light tracing starts from, if the integrator traces light.
+    pub(crate) light_sources: Option<LightSources>,
+    pub(crate) features: Needs,
+    /// True if a material in use emits light.
+    has_emission: bool,
+    /// True if a material in use mirrors or refracts.
+    has_specular: bool,
+}
+
+impl<'s> CompiledScene<'s> {
+    /// Flattens a scene and builds its acceleration structures. `medium` surrounds the camera.
+    pub(crate) fn build(
+        source: &'s Scene,
+        options: &PlanOptions,
+        space: RenderSpace,
+        static_time: Option<f64>,
+        medium: Option<MaterialId>,
+    ) -> Result<Self, RenderError> {
+        let integrator = source.settings.integrator;
+        let accel = AccelOptions::new(source, options);
+        let (mut top, mut levels) = flatten(source, accel, space.render_from_world(), !options.full, static_time)?;
+        if let (Integrator::Distributed, Some(lamp)) = (integrator, find_animated_light(source, &top, &levels)) {
+            return Err(RenderError::MovingLamp(lamp));
+        }
+        let emitters = if integrator.samples_area_lights() {
+            emitters(source, &mut top, &mut levels)
+        } else {
+            EmitterSet::default()
+        };
+        if !options.full && integrator != Integrator::Uv {
+            mark_textured(source, &mut top, &mut levels);
+        }
+        let used = used_materials(source, &top, &levels, medium);
+        let used_features = features(source, &top, &levels, &used);
+        let world = if options.full { World::Instances(top, levels) } else { World::specialise(top, levels) };
+        let appearance = space.appearance(&source.appearance);
+        let bsdfs = if integrator.samples_area_lights() && !options.full {
+            BsdfCache::new(&appearance, |material| used[material])
+        } else {
+            BsdfCache::default()
+        };
+        let light_sources = match integrator {
+            Integrator::Caustics => light_sources(&appearance, &emitters, &world),
+            _ => None,
+        };
+        Ok(Self {
+            source,
+            space,
+            static_time,
+            accel,
+            world,
+            appearance,
+            emitters,
+            bsdfs,
+            light_sources,
+            features: if options.full { Needs::ALL } else { used_features },
+            has_emission: used_features.emission,
+            has_specular: used_features.reflection || used_features.refraction,
+        })
+    }
+
+    /// False if the scene has no light: no delta light, no emissive surface, and a background that is black or does not
+    /// light any surface under this integrator.
+    pub(crate) fn has_light(&self) -> bool {
+        let Appearance { lights, ambient, background, .. } = &self.source.appearance;
+        let integrator = self.source.settings.integrator;
+        let gathers = integrator != Integrator::Whitted || self.has_specular;
+        let has_ambient = !ambient.is_black() && !integrator.gathers_background();
+        !lights.is_empty() || has_ambient || (gathers && !background.is_black()) || self.has_emission
+    }
+}
+
+/// Marks the instances whose texture coordinates are used: those with a textured material.
+fn mark_textured(scene: &Scene, top: &mut Aggregate, levels: &mut BottomLevel) {
+    for instance in top.instances.iter_mut().chain(levels.groups.iter_mut().flat_map(|group| &mut group.instances)) {
+        let material = scene.appearance.materials.get(instance.material as usize);
+        instance.textured = instance.geometry.group().is_some() || material.is_none_or(Material::is_textured);
+    }
+}
+
+/// For each material a flag: an object in the world has it, or it fills the space around the camera.
+fn used_materials(scene: &Scene, top: &Aggregate, levels: &BottomLevel, medium: Option<MaterialId>) -> Vec<bool> {
+    let mut used = vec![false; scene.appearance.materials.len()];
+    if let Some(MaterialId(material)) = medium {
+        used[material as usize] = true;
+    }
+    for instance in top.all_instances(levels) {
+        if !matches!(instance.geometry.static_geometry(), InstanceGeometry::Group(..)) {
+            used[instance.material as usize] = true;
+        }
+    }
+    used
+}
+
+/// Features of shading that objects in the world use.
+fn features(scene: &Scene, top: &Aggregate, levels: &BottomLevel, used: &[bool]) -> Needs {
+    let mut casts_shadow = false;
+    let mut shading_normals = false;
+    for instance in top.all_instances(levels) {
+        casts_shadow |= instance.casts_shadow;
+        let mesh = match instance.geometry.static_geometry() {
+            InstanceGeometry::Mesh(level, _) => &levels.meshes[*level as usize].mesh,
+            InstanceGeometry::Triangle(mesh, _) => mesh,
+            _ => continue,
+        };
+        shading_normals |= !mesh.data().normals.is_empty();
+    }
+    let features = Needs::of(&scene.appearance, |material| used[material]);
+    Needs { shadows: features.shadows && casts_shadow, shading_normals, ..features }
+}

@@ -1,0 +1,30 @@
+//! The work that a structure does for a camera ray, as a picture.
+
+use rt_geometry::{InteractionFlags, RayKind, RayStats};
+use rt_math::{Interval, Ray, Rgb};
+use rt_shading::{Seen, Tracer};
+
+use crate::{
+    tracer::{SceneTracer, StatsProbe},
+    world::ShadedPrimitives,
+};
+
+/// Work of a camera ray, nodes and primitive tests together, on a logarithmic scale from black over blue, red and
+/// yellow to white: black is 1 step, white 1024 or more.
+pub(crate) fn cost<W: ShadedPrimitives, S: StatsProbe>(tracer: &mut SceneTracer<'_, W, S>, ray: &Ray) -> Seen {
+    let work = |tally: RayStats| tally.nodes + tally.tests;
+    let before = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary));
+    let needs = InteractionFlags::NONE;
+    let hit = tracer.closest(ray, Interval::FORWARD, RayKind::Primary, needs);
+    let steps = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary)) - before;
+    let heat = (rt_math::transcendental::log2(steps.max(1) as f64) / 10.0).min(1.0);
+    Seen { radiance: heat_colour(heat), hit: hit.is_some() }
+}
+
+fn heat_colour(heat: f64) -> Rgb {
+    const STOPS: [Rgb; 5] =
+        [Rgb::BLACK, Rgb::new(0.0, 0.05, 0.8), Rgb::new(0.8, 0.0, 0.05), Rgb::new(1.0, 0.8, 0.0), Rgb::WHITE];
+    let position = heat * (STOPS.len() - 1) as f64;
+    let index = (position as usize).min(STOPS.len() - 2);
+    STOPS[index].lerp(STOPS[index + 1], position - index as f64)
+}

@@ -1,0 +1,555 @@
+//! Instances on two levels, with their acceleration structures.
+//!
+//! The top level holds instances in world space. An instance is a shape, a transformed mesh, or a group: an aggregate of
+//! instances in a space of its own, shared by all uses. Groups hold no groups, as flattening dissolves these.
+
+use std::{borrow::Cow, sync::Arc};
+
+use rt_accel::{Accelerator, AnyAccelerator};
+use rt_geometry::{
+    BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Probe, Shape, ShapeHit, SurfaceInteraction,
+    TransformedShape, TriangleMesh,
+};
+use rt_math::{Aabb, AnimatedTransformChain, Interval, Ray, Transform};
+use rt_shading::{Relief, SurfaceHit, Texture, emitter::EmitterRef};
+
+use crate::alpha_mesh::{AlphaTest, AlphaTestedMesh};
+
+/// A placed object, in the space of its aggregate.
+#[derive(Debug)]
+pub(crate) struct Instance {
+    pub(crate) geometry: InstanceGeometry,
+    /// Index of the material; that of a group's part is its own.
+    pub(crate) material: u32,
+    pub(crate) casts_shadow: bool,
+    pub(crate) bounds: Option<Aabb>,
+    /// Number of the object that this is a piece of: of its first piece.
+    pub(crate) object: u32,
+    /// Number of the part's first primitive within its group; 0 on the upper level.
+    pub(crate) first_primitive: u32,
+    /// The number of the light that this is, if one can draw from it; of the first one in a group. A group's part counts from
+    /// there.
+    pub(crate) emitter: Option<u32>,
+    /// False if nothing looks at its texture coordinates.
+    pub(crate) textured: bool,
+    /// The normal map of its material; `None` for a group.
+    pub(crate) relief: Option<Relief>,
+    /// For messages.
+    pub(crate) name: Arc<str>,
+}
+
+impl Instance {
+    /// True if it moves in its aggregate.
+    pub(crate) const fn has_motion(&self) -> bool {
+        matches!(self.geometry, InstanceGeometry::Animated(_))
+    }
+
+    /// Required attributes of its surface.
+    #[inline]
+    fn needs(&self, needs: InteractionFlags) -> InteractionFlags {
+        InteractionFlags { uv: needs.uv && self.textured, ..needs }
+    }
+
+    /// The part's surface at `t`; `triangle` is the one that was hit, where the light is numbered as the mesh is.
+    #[inline]
+    fn surface_hit(&self, t: f64, interaction: SurfaceInteraction, triangle: Option<u32>) -> SurfaceHit {
+        let emitter = self.emitter.map(|index| EmitterRef { index, triangle });
+        SurfaceHit { t, interaction, object: self.object, material: self.material, emitter }
+    }
+
+    /// The surface of a triangle of a mesh.
+    #[inline]
+    fn triangle_surface(
+        &self,
+        mesh: &TriangleMesh,
+        triangle: u32,
+        ray: &Ray,
+        hit: &Hit,
+        needs: InteractionFlags,
+    ) -> Option<SurfaceHit> {
+        let surface = mesh.surface(ray, &Hit { primitive: triangle, ..*hit }, self.needs(needs))?;
+        Some(self.surface_hit(hit.t, surface, Some(triangle)))
+    }
+
+    /// The surface of a shape.
+    #[inline]
+    fn shape_surface(&self, shape: &Shape, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> SurfaceHit {
+        self.surface_hit(hit.t, shape.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, self.needs(needs)), None)
+    }
+}
+
+/// Geometry of an instance.
+#[derive(Debug)]
+pub(crate) enum InstanceGeometry {
+    Shape(Shape),
+    TransformedShape(Box<TransformedShape>),
+    /// Index of a [`MeshBlas`]; no transform means the identity.
+    Mesh(u32, Option<Box<Transform>>),
+    /// One triangle of a small mesh that stands where its file says, and has no normal map.
+    Triangle(Arc<TriangleMesh>, u32),
+    /// Index of an [`Aggregate`].
+    Group(u32, Option<Box<Transform>>),
+    Animated(Box<Animated>),
+}
+
+impl InstanceGeometry {
+    /// Geometry without animation, in its own space.
+    pub(crate) fn static_geometry(&self) -> &Self {
+        if let Self::Animated(animated) = self { &animated.geometry } else { self }
+    }
+
+    /// True if it is a structure over many primitives.
+    pub(crate) fn is_structure(&self) -> bool {
+        matches!(self.static_geometry(), Self::Mesh(..) | Self::Group(..))
+    }
+
+    /// Index of the [`Aggregate`] that it places.
+    pub(crate) fn group(&self) -> Option<u32> {
+        if let Self::Group(level, _) = self.static_geometry() { Some(*level) } else { None }
+    }
+}
+
+/// Animated geometry. The bounds of its instance contain it at all times.
+#[derive(Debug)]
+pub(crate) struct Animated {
+    pub(crate) aggregate_from_local: AnimatedTransformChain,
+    /// A shape, or a mesh or group without a transform.
+    pub(crate) geometry: InstanceGeometry,
+}
+
+/// A mesh with the structure over its triangles, in the space of its file.
+#[derive(Debug)]
+pub(crate) struct MeshBlas {
+    pub(crate) mesh: Arc<TriangleMesh>,
+    /// Alpha test of the material.
+    pub(crate) alpha_test: Option<AlphaTest>,
+    pub(crate) structure: AnyAccelerator,
+}
+
+impl MeshBlas {
+    fn closest<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
+        match &self.alpha_test {
+            None => self.structure.closest(&*self.mesh, ray, span, probe),
+            Some(alpha_test) => {
+                self.structure.closest(&AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures }, ray, span, probe)
+            }
+        }
+    }
+
+    fn occluded<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        match &self.alpha_test {
+            None => self.structure.occluded(&*self.mesh, ray, span, probe),
+            Some(alpha_test) => {
+                self.structure.occluded(&AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures }, ray, span, probe)
+            }
+        }
+    }
+
+    fn closest_batch<S: Probe>(
+        &self,
+        textures: &[Texture],
+        rays: &[(Ray, Interval)],
+        hits: &mut [Option<Hit>],
+        probe: &mut S,
+    ) {
+        match &self.alpha_test {
+            None => self.structure.closest_batch(&*self.mesh, rays, hits, probe),
+            Some(alpha_test) => {
+                let porous = AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures };
+                self.structure.closest_batch(&porous, rays, hits, probe);
+            }
+        }
+    }
+
+    fn occluded_batch<S: Probe>(
+        &self,
+        textures: &[Texture],
+        rays: &[(Ray, Interval)],
+        blocked: &mut [bool],
+        probe: &mut S,
+    ) {
+        match &self.alpha_test {
+            None => self.structure.occluded_batch(&*self.mesh, rays, blocked, probe),
+            Some(alpha_test) => {
+                let porous = AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures };
+                self.structure.occluded_batch(&porous, rays, blocked, probe);
+            }
+        }
+    }
+}
+
+/// Instances with their accelerator.
+#[derive(Debug)]
+pub(crate) struct Aggregate {
+    pub(crate) instances: Vec<Instance>,
+    pub(crate) structure: AnyAccelerator,
+    /// True if each part is one primitive, and hits are named by its place alone: a structure can then decide about
+    /// triangles by itself.
+    pub(crate) is_flat: bool,
+}
+
+impl Aggregate {
+    /// Instances as a set of primitives.
+    pub(crate) fn set<'w>(&'w self, levels: &'w BottomLevel) -> Instances<'w> {
+        Instances { instances: &self.instances, levels, is_flat: self.is_flat }
+    }
+
+    /// A hit on a part of a group as one on the instance: its primitives are numbered in a row.
+    fn with_instance(&self, hit: Hit, instance: u32) -> Hit {
+        let first = self.instances[hit.instance as usize].first_primitive;
+        Hit { instance, primitive: first + hit.primitive, ..hit }
+    }
+
+    /// All instances, those of each group once.
+    pub(crate) fn all_instances<'w>(&'w self, levels: &'w BottomLevel) -> impl Iterator<Item = &'w Instance> {
+        self.instances.iter().chain(levels.groups.iter().flat_map(|group| &group.instances))
+    }
+}
+
+/// Everything below the upper level.
+#[derive(Debug, Default)]
+pub(crate) struct BottomLevel {
+    pub(crate) meshes: Vec<MeshBlas>,
+    pub(crate) groups: Vec<Aggregate>,
+    /// The textures of the scene, if holes or normal maps look at them.
+    pub(crate) textures: Vec<Texture>,
+}
+
+/// Instances of an aggregate as a set of primitives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Instances<'w> {
+    pub(crate) instances: &'w [Instance],
+    pub(crate) levels: &'w BottomLevel,
+    pub(crate) is_flat: bool,
+}
+
+/// Ray in the space below a transform.
+fn to_local(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
+    parent_from_local.map_or(*ray, |transform| transform.inverse_ray(ray))
+}
+
+/// Batch version of [`to_local`].
+fn to_local_batch<'r>(
+    rays: &'r [(Ray, Interval)],
+    parent_from_local: Option<&Transform>,
+) -> Cow<'r, [(Ray, Interval)]> {
+    parent_from_local.map_or(Cow::Borrowed(rays), |transform| {
+        rays.iter().map(|(ray, span)| (transform.inverse_ray(ray), *span)).collect()
+    })
+}
+
+/// Rays in the space of animated geometry, each at its own time.
+fn to_local_animated(rays: &[(Ray, Interval)], animated: &Animated) -> Vec<(Ray, Interval)> {
+    let local = |ray: &Ray| animated.aggregate_from_local.at(ray.time).inverse_ray(ray);
+    rays.iter().map(|(ray, span)| (local(ray), *span)).collect()
+}
+
+impl Instances<'_> {
+    /// Index of the hit instance.
+    pub(crate) fn instance_index(&self, hit: &Hit) -> u32 {
+        if self.is_flat { hit.primitive } else { hit.instance }
+    }
+
+    /// Hit on an instance that is one primitive.
+    fn hit_of(&self, index: u32, t: f64, uv: [f64; 2]) -> Hit {
+        let [instance, primitive] = self.hit_ids(index);
+        Hit { t, instance, primitive, uv }
+    }
+
+    /// The surface at a hit that [`Primitives::intersect`] reported.
+    #[inline]
+    pub(crate) fn surface(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
+        let instance = self.instances.get(self.instance_index(hit) as usize)?;
+        // The common kinds come first, so that their results are constructed in place.
+        match &instance.geometry {
+            InstanceGeometry::Triangle(mesh, triangle) => instance.triangle_surface(mesh, *triangle, ray, hit, needs),
+            InstanceGeometry::Mesh(level, None) if instance.relief.is_none() => {
+                instance.triangle_surface(&self.levels.meshes[*level as usize].mesh, hit.primitive, ray, hit, needs)
+            }
+            InstanceGeometry::Shape(shape) => Some(instance.shape_surface(shape, ray, hit, needs)),
+            geometry => self.surface_of(instance, geometry, ray, hit, needs),
+        }
+    }
+
+    fn surface_of(
+        &self,
+        instance: &Instance,
+        geometry: &InstanceGeometry,
+        ray: &Ray,
+        hit: &Hit,
+        needs: InteractionFlags,
+    ) -> Option<SurfaceHit> {
+        let shape_hit = ShapeHit { t: hit.t, uv: hit.uv };
+        let needs = instance.needs(needs);
+        Some(match geometry {
+            InstanceGeometry::Shape(shape) => instance.shape_surface(shape, ray, hit, needs),
+            InstanceGeometry::TransformedShape(placed) => {
+                instance.surface_hit(hit.t, placed.surface(ray, &shape_hit, needs), None)
+            }
+            InstanceGeometry::Mesh(level, transform) => {
+                let mut surface = self.levels.meshes[*level as usize].mesh.surface(
+                    &to_local(ray, transform.as_deref()),
+                    hit,
+                    needs,
+                )?;
+                if let Some(relief) = &instance.relief {
+                    relief.shape(&self.levels.textures, &mut surface);
+                }
+                instance.surface_hit(hit.t, to_world(surface, transform.as_deref()), Some(hit.primitive))
+            }
+            InstanceGeometry::Triangle(mesh, triangle) => {
+                instance.triangle_surface(mesh, *triangle, ray, hit, needs)?
+            }
+            InstanceGeometry::Group(level, transform) => {
+                let group = &self.levels.groups[*level as usize];
+                let inner = group.set(self.levels);
+                let at = group.instances.partition_point(|p| p.first_primitive <= hit.primitive).checked_sub(1)?;
+                let inner_part = &group.instances[at];
+                let inner_hit = Hit { primitive: hit.primitive - inner_part.first_primitive, ..*hit };
+                let local = to_local(ray, transform.as_deref());
+                let surface = inner.surface_of(inner_part, &inner_part.geometry, &local, &inner_hit, needs)?;
+                let emitter = surface.emitter.zip(instance.emitter);
+                SurfaceHit {
+                    interaction: to_world(surface.interaction, transform.as_deref()),
+                    object: instance.object,
+                    emitter: emitter.map(|(light, first)| EmitterRef { index: first + light.index, ..light }),
+                    ..surface
+                }
+            }
+            InstanceGeometry::Animated(animated) => {
+                let map = animated.aggregate_from_local.at(ray.time);
+                let surface = self.surface_of(instance, &animated.geometry, &map.inverse_ray(ray), hit, needs)?;
+                SurfaceHit { interaction: surface.interaction.transformed(&map), ..surface }
+            }
+        })
+    }
+
+    /// Closest hit on an instance.
+    #[inline]
+    fn closest_on<S: Probe>(
+        &self,
+        (index, geometry): (u32, &InstanceGeometry),
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> Option<Hit> {
+        let hit_of = |hit: ShapeHit| self.hit_of(index, hit.t, hit.uv);
+        match geometry {
+            InstanceGeometry::Shape(shape) => shape.intersect(ray, span).map(hit_of),
+            InstanceGeometry::TransformedShape(placed) => placed.intersect(ray, span).map(hit_of),
+            InstanceGeometry::Mesh(level, transform) => {
+                let level = &self.levels.meshes[*level as usize];
+                let ray = to_local(ray, transform.as_deref());
+                let hit = level.closest(&self.levels.textures, &ray, span, probe)?;
+                Some(Hit { instance: index, ..hit })
+            }
+            InstanceGeometry::Triangle(mesh, triangle) => {
+                let hit = mesh.intersect(*triangle, ray, span)?;
+                Some(self.hit_of(index, hit.t, hit.uv))
+            }
+            InstanceGeometry::Group(level, transform) => {
+                let group = &self.levels.groups[*level as usize];
+                let inner = group.set(self.levels);
+                let ray = to_local(ray, transform.as_deref());
+                let hit = group.structure.closest(&inner, &ray, span, probe)?;
+                Some(group.with_instance(hit, index))
+            }
+            InstanceGeometry::Animated(animated) => self.closest_on_animated((index, animated), ray, span, probe),
+        }
+    }
+
+    #[inline(never)]
+    fn closest_on_animated<S: Probe>(
+        &self,
+        (index, animated): (u32, &Animated),
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> Option<Hit> {
+        let ray = animated.aggregate_from_local.at(ray.time).inverse_ray(ray);
+        self.closest_on((index, &animated.geometry), &ray, span, probe)
+    }
+
+    /// True if an instance occludes the ray.
+    #[inline]
+    fn occluded_by<S: Probe>(&self, geometry: &InstanceGeometry, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        match geometry {
+            InstanceGeometry::Shape(shape) => shape.intersect(ray, span).is_some(),
+            InstanceGeometry::TransformedShape(placed) => placed.intersect(ray, span).is_some(),
+            InstanceGeometry::Mesh(level, transform) => {
+                let level = &self.levels.meshes[*level as usize];
+                level.occluded(&self.levels.textures, &to_local(ray, transform.as_deref()), span, probe)
+            }
+            InstanceGeometry::Triangle(mesh, triangle) => mesh.intersect(*triangle, ray, span).is_some(),
+            InstanceGeometry::Group(level, transform) => {
+                let group = &self.levels.groups[*level as usize];
+                let inner = group.set(self.levels);
+                group.structure.occluded(&inner, &to_local(ray, transform.as_deref()), span, probe)
+            }
+            InstanceGeometry::Animated(animated) => self.occluded_by_animated(animated, ray, span, probe),
+        }
+    }
+
+    /// Batch version of [`closest_on`](Self::closest_on).
+    fn closest_batch_on<S: Probe>(
+        &self,
+        (index, geometry): (u32, &InstanceGeometry),
+        rays: &[(Ray, Interval)],
+        hits: &mut [Option<Hit>],
+        probe: &mut S,
+    ) {
+        match geometry {
+            InstanceGeometry::Mesh(level, transform) => {
+                let rays = to_local_batch(rays, transform.as_deref());
+                self.levels.meshes[*level as usize].closest_batch(&self.levels.textures, &rays, hits, probe);
+                hits.iter_mut().flatten().for_each(|hit| hit.instance = index);
+            }
+            InstanceGeometry::Group(level, transform) => {
+                let group = &self.levels.groups[*level as usize];
+                let rays = to_local_batch(rays, transform.as_deref());
+                group.structure.closest_batch(&group.set(self.levels), &rays, hits, probe);
+                hits.iter_mut().flatten().for_each(|hit| *hit = group.with_instance(*hit, index));
+            }
+            InstanceGeometry::Animated(animated) => {
+                let rays = to_local_animated(rays, animated);
+                self.closest_batch_on((index, &animated.geometry), &rays, hits, probe);
+            }
+            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(..) => {
+                for ((ray, span), hit) in rays.iter().zip(hits) {
+                    *hit = self.closest_on((index, geometry), ray, *span, probe);
+                }
+            }
+        }
+    }
+
+    /// Batch version of [`occluded_by`](Self::occluded_by).
+    fn occluded_batch_by<S: Probe>(
+        &self,
+        geometry: &InstanceGeometry,
+        rays: &[(Ray, Interval)],
+        blocked: &mut [bool],
+        probe: &mut S,
+    ) {
+        match geometry {
+            InstanceGeometry::Mesh(level, transform) => {
+                let rays = to_local_batch(rays, transform.as_deref());
+                self.levels.meshes[*level as usize].occluded_batch(&self.levels.textures, &rays, blocked, probe);
+            }
+            InstanceGeometry::Group(level, transform) => {
+                let group = &self.levels.groups[*level as usize];
+                let rays = to_local_batch(rays, transform.as_deref());
+                group.structure.occluded_batch(&group.set(self.levels), &rays, blocked, probe);
+            }
+            InstanceGeometry::Animated(animated) => {
+                let rays = to_local_animated(rays, animated);
+                self.occluded_batch_by(&animated.geometry, &rays, blocked, probe);
+            }
+            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(..) => {
+                for ((ray, span), blocked) in rays.iter().zip(blocked) {
+                    *blocked = self.occluded_by(geometry, ray, *span, probe);
+                }
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn occluded_by_animated<S: Probe>(&self, animated: &Animated, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        let ray = animated.aggregate_from_local.at(ray.time).inverse_ray(ray);
+        self.occluded_by(&animated.geometry, &ray, span, probe)
+    }
+}
+
+fn to_world(surface: SurfaceInteraction, parent_from_local: Option<&Transform>) -> SurfaceInteraction {
+    parent_from_local.map_or(surface, |transform| surface.transformed(transform))
+}
+
+impl Primitives for Instances<'_> {
+    fn len(&self) -> usize {
+        self.instances.len()
+    }
+
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        self.instances[index as usize].bounds
+    }
+
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.intersect_with_stats(index, ray, span, &mut rt_geometry::NoProbe)
+    }
+
+    fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
+        self.occludes_with_stats(index, ray, span, &mut rt_geometry::NoProbe)
+    }
+
+    fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
+        self.closest_on((index, &self.instances[index as usize].geometry), ray, span, probe)
+    }
+
+    fn occludes_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        let instance = &self.instances[index as usize];
+        instance.casts_shadow && self.occluded_by(&instance.geometry, ray, span, probe)
+    }
+
+    fn batch_kernel(&self, index: u32) -> BatchKernel {
+        match &self.instances[index as usize].geometry {
+            InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.round()),
+            InstanceGeometry::Triangle(mesh, triangle) => mesh.batch_kernel(*triangle),
+            geometry if geometry.is_structure() => BatchKernel::Instance,
+            _ => BatchKernel::Single,
+        }
+    }
+
+    /// Places rise with names either way, so that ties go to the same part.
+    fn hit_ids(&self, index: u32) -> [u32; 2] {
+        if self.is_flat { [0, index] } else { [index, 0] }
+    }
+
+    fn blocks(&self, index: u32) -> bool {
+        self.instances[index as usize].casts_shadow
+    }
+
+    fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
+        let n = rays.len().min(hits.len());
+        let instance = &self.instances[index as usize];
+        self.closest_batch_on((index, &instance.geometry), &rays[..n], &mut hits[..n], probe);
+    }
+
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
+        let instance = &self.instances[index as usize];
+        if instance.casts_shadow {
+            self.occluded_batch_by(&instance.geometry, rays, blocked, probe);
+        } else {
+            let n = rays.len().min(blocked.len());
+            blocked[..n].fill(false);
+        }
+    }
+
+    fn geometry(&self, index: u32) -> PrimitiveGeometry {
+        let instance = &self.instances[index as usize];
+        match &instance.geometry {
+            _ if !instance.casts_shadow => PrimitiveGeometry::Opaque,
+            InstanceGeometry::Shape(Shape::Sphere(sphere)) if self.is_flat => {
+                PrimitiveGeometry::ExactSphere(sphere.round())
+            }
+            InstanceGeometry::Shape(Shape::Sphere(sphere)) => {
+                PrimitiveGeometry::Sphere(sphere.centre(), sphere.radius())
+            }
+            InstanceGeometry::Shape(Shape::Cuboid(axis_box)) => PrimitiveGeometry::Box(axis_box.bounds()),
+            InstanceGeometry::Shape(Shape::Triangle(triangle)) => PrimitiveGeometry::Triangle(triangle.vertices()),
+            InstanceGeometry::Triangle(mesh, triangle) if self.is_flat => mesh.geometry(*triangle),
+            InstanceGeometry::Triangle(mesh, triangle) => {
+                mesh.vertices(*triangle).map_or(PrimitiveGeometry::Opaque, PrimitiveGeometry::Triangle)
+            }
+            _ => PrimitiveGeometry::Opaque,
+        }
+    }
+}
+
+/// True if an instance, or one in its group, has a material that meets the condition.
+pub(crate) fn uses_material(instance: &Instance, levels: &BottomLevel, is_wanted: &impl Fn(u32) -> bool) -> bool {
+    match instance.geometry.static_geometry() {
+        InstanceGeometry::Group(level, _) => {
+            levels.groups[*level as usize].instances.iter().any(|inner| is_wanted(inner.material))
+        }
+        _ => is_wanted(instance.material),
+    }
+}

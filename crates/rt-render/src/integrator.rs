@@ -1,0 +1,58 @@
+//! Integrators: functions from camera rays to radiance.
+
+use rt_scene_io::{Integrator, Settings};
+use rt_shading::{AmbientOcclusion, AovIntegrator, Clamp, Follows, PathSettings};
+
+/// Integrator of a plan with its parameters.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum IntegratorState {
+    /// Whitted ray tracing.
+    Whitted,
+    /// Path tracing: `path`, `caustics`, `direct` and `distributed`.
+    Path(PathSettings),
+    AmbientOcclusion(AmbientOcclusion),
+    /// Geometry of the first hit.
+    Aov(AovIntegrator),
+    /// Work of the acceleration structure.
+    Cost,
+}
+
+impl IntegratorState {
+    /// Integrator of the settings. `depth_range` is that of the scene along the view axis.
+    pub(crate) fn new(settings: &Settings, depth_range: [f64; 2]) -> Self {
+        let path = |max_depth, follows| {
+            let clamp = settings.clamp.and_then(Clamp::new).unwrap_or_default();
+            Self::Path(PathSettings { max_depth, roulette_from: settings.roulette_from, follows, clamp })
+        };
+        match settings.integrator {
+            Integrator::Whitted => Self::Whitted,
+            Integrator::Distributed => path(settings.depth, Follows::Reflections),
+            Integrator::Path => path(settings.depth, Follows::Everything),
+            Integrator::Caustics => path(settings.depth, Follows::AllButCaustics),
+            Integrator::Direct => path(0, Follows::Everything),
+            Integrator::AmbientOcclusion => {
+                Self::AmbientOcclusion(AmbientOcclusion { reach: settings.occlusion_distance })
+            }
+            Integrator::Normals => Self::Aov(AovIntegrator::Normals),
+            Integrator::Depth => {
+                let [near, far] = depth_range;
+                Self::Aov(AovIntegrator::Depth { near, far })
+            }
+            Integrator::Uv => Self::Aov(AovIntegrator::Uv),
+            Integrator::Cost => Self::Cost,
+        }
+    }
+
+    /// True if it takes random numbers beyond the position on the film.
+    pub(crate) const fn uses_samplers(&self) -> bool {
+        matches!(self, Self::Path(_) | Self::AmbientOcclusion(_))
+    }
+
+    /// Parameters of path tracing; those of no path for other integrators.
+    pub(crate) const fn path_settings(&self) -> PathSettings {
+        match self {
+            Self::Path(settings) => *settings,
+            _ => PathSettings { max_depth: 0, roulette_from: 0, follows: Follows::Everything, clamp: Clamp::NONE },
+        }
+    }
+}

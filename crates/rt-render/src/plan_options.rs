@@ -1,0 +1,33 @@
+//! Options of a plan beyond the scene.
+
+use rt_accel::wide::{Quality, SimdLevel};
+use rt_math::Rgb;
+
+use crate::Crop;
+
+/// Options of a plan beyond those of its scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlanOptions {
+    /// Index of the camera.
+    pub camera: usize,
+    /// Render this part of the image only; its pixels are those of the whole image.
+    pub crop: Option<Crop>,
+    /// Leave the background out and record coverage in an alpha channel.
+    pub transparent: bool,
+    /// Radiance shown to camera rays that leave the scene, in place of its background, which goes on lighting the scene.
+    /// Views of geometry or cost do without.
+    pub backdrop: Option<Rgb>,
+    /// Leave nothing out. The image is bit-identical, as tests verify.
+    pub full: bool,
+    /// Instruction set of the accelerators; `None` for the best one of the processor. An unsupported one is
+    /// replaced by the portable one. The image is bit-identical.
+    pub simd: Option<SimdLevel>,
+    /// Build quality of the wide BVH. The image is bit-identical.
+    pub quality: Quality,
+    /// Memory limit in bytes. A larger prediction is an error, before anything is built; `None`
+    /// for no limit.
+    pub memory: Option<u64>,
+    /// True if the render is progressive or keeps maps of error and samples. More memory is then kept per
+    /// pixel; only the memory prediction depends on it.
+    pub progressive: bool,
+}

@@ -1,0 +1,176 @@
+//! Batches of camera rays: samples of some pixels, traced together.
+
+use rt_camera::{PixelSampler, SampleStream};
+use rt_math::{DVec2, Interval, Ray, Rgb, Sampler};
+use rt_shading::Seen;
+
+use crate::{
+    RenderPlan,
+    estimate::PixelEstimate,
+    pixel::Pixel,
+    tile_job::{TileJob, TileResult},
+};
+
+/// Camera rays in a batch: enough for batch traversal, and few enough for their data to
+/// stay in the cache of a core.
+const BATCH_SIZE: usize = 256;
+
+/// Camera rays of a batch with their radiance.
+#[derive(Debug, Default)]
+pub(crate) struct PrimaryRayBatch {
+    positions: Vec<[f64; 2]>,
+    rays: Vec<(Ray, Interval)>,
+    /// Filter weight of each sample.
+    weights: Vec<f64>,
+    seen: Vec<Seen>,
+    /// Samplers of the integrator; empty if it uses none.
+    samplers: Vec<SampleStream>,
+}
+
+/// Camera rays for an integrator.
+pub(crate) struct CameraRays<'a> {
+    pub(crate) rays: &'a [(Ray, Interval)],
+    /// Sampler of each ray, if the integrator uses samplers.
+    pub(crate) samplers: &'a [SampleStream],
+}
+
+impl PrimaryRayBatch {
+    const fn free_slots(&self) -> usize {
+        BATCH_SIZE - self.rays.len()
+    }
+}
+
+/// Accumulates samples into passes and passes into pixels.
+struct PixelAccumulator<N> {
+    finished: TileResult,
+    pixel: Pixel,
+    estimate: PixelEstimate,
+    /// Samples missing in the pass.
+    missing: u32,
+    /// Samples per pass of this pixel.
+    spp: u32,
+    /// Samples per pass of the following pixels.
+    next: N,
+    passes: u32,
+}
+
+impl<N: Iterator<Item = u32>> PixelAccumulator<N> {
+    fn new(finished: TileResult, pixel: Pixel, mut next: N, passes: u32) -> Self {
+        let spp = next.next().unwrap_or(0);
+        Self { finished, pixel, estimate: PixelEstimate::default(), missing: spp, spp, next, passes }
+    }
+
+    #[inline]
+    fn add(&mut self, seen: &Seen, weight: f64) {
+        self.pixel.add(seen, weight);
+        self.missing -= 1;
+        if self.missing == 0 {
+            self.finish_pass();
+        }
+    }
+
+    fn finish_pass(&mut self) {
+        self.finished.bad_samples += self.pixel.bad_samples();
+        let (radiance, coverage) = self.pixel.mean();
+        self.estimate.add(radiance, coverage, self.spp);
+        self.pixel = self.pixel.cleared();
+        if self.estimate.passes() == self.passes {
+            self.finished.push(&core::mem::take(&mut self.estimate));
+            self.spp = self.next.next().unwrap_or(0);
+        }
+        self.missing = self.spp;
+    }
+}
+
+impl RenderPlan<'_> {
+    /// Takes the samples of a tile, pixel by pixel, pass by pass, and in the order of their numbers. `radiance` is the
+    /// integrator: what the rays of a wave see.
+    pub(crate) fn sample_tile(
+        &self,
+        job: &TileJob<'_>,
+        batch: &mut PrimaryRayBatch,
+        mut radiance: impl FnMut(&CameraRays<'_>, &mut [Seen]),
+    ) -> TileResult {
+        let pass_spec = job.pass_spec;
+        let counts = pass_spec.pixels_of(job.tile).map(|pixel| job.spp_of(pixel));
+        let finished = TileResult::new(job, self.frame.transparent);
+        let mut accumulator =
+            PixelAccumulator::new(finished, Pixel::new(self.frame.transparent), counts, pass_spec.count);
+        for pixel in pass_spec.pixels_of(job.tile) {
+            let spp = job.spp_of(pixel);
+            for pass in 0..pass_spec.count {
+                let sampler = self.frame.pass_sampler(pass_spec.first + pass, spp);
+                let mut first = 0;
+                while first < spp {
+                    let count = batch.free_slots().min((spp - first) as usize);
+                    self.generate(&sampler, pixel, first, count, batch);
+                    first += count as u32;
+                    if batch.free_slots() == 0 {
+                        trace(batch, &mut accumulator, self.frame.backdrop, &mut radiance);
+                    }
+                }
+            }
+        }
+        trace(batch, &mut accumulator, self.frame.backdrop, &mut radiance);
+        accumulator.finished
+    }
+
+    /// Puts so many camera rays of a pixel into the wave, beginning with sample `first` of a pass.
+    fn generate(
+        &self,
+        sampler: &PixelSampler,
+        [x, y]: [u32; 2],
+        first: u32,
+        count: usize,
+        batch: &mut PrimaryRayBatch,
+    ) {
+        let corner = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
+        let PrimaryRayBatch { positions, rays, weights, samplers, .. } = batch;
+        let mut push = |ray: Ray, weight: f64| {
+            rays.push((ray, Interval::FORWARD));
+            weights.push(weight);
+        };
+        let has_lens = self.frame.camera.has_lens();
+        if !has_lens && !self.frame.has_motion && !self.integrator.uses_samplers() {
+            positions.resize(count, [0.0; 2]);
+            sampler.positions([x, y], first, positions);
+            for &position in &*positions {
+                let (offset, weight) = self.frame.filter.sample(position);
+                push(self.frame.camera.ray(corner + offset, 0.0), weight);
+            }
+            return;
+        }
+        for index in (first..).take(count) {
+            let mut sample = sampler.sample([x, y], index);
+            let (offset, weight) = self.frame.filter.sample(sample.next_2d());
+            let on_lens = if has_lens { sample.next_2d() } else { [0.5; 2] };
+            let time = self.frame.sample_time(&mut sample);
+            push(self.frame.camera.generate_ray(corner + offset, on_lens, time), weight);
+            if self.integrator.uses_samplers() {
+                samplers.push(sample);
+            }
+        }
+    }
+}
+
+/// Traces a batch and adds it to the pixels. Rays that leave the scene see the backdrop, if there is one.
+fn trace<N: Iterator<Item = u32>>(
+    batch: &mut PrimaryRayBatch,
+    accumulator: &mut PixelAccumulator<N>,
+    backdrop: Option<Rgb>,
+    radiance: &mut impl FnMut(&CameraRays<'_>, &mut [Seen]),
+) {
+    batch.seen.resize(batch.rays.len(), Seen::NOTHING);
+    radiance(&CameraRays { rays: &batch.rays, samplers: &batch.samplers }, &mut batch.seen);
+    for (seen, weight) in batch.seen.iter_mut().zip(&batch.weights) {
+        match backdrop {
+            Some(backdrop) if !seen.hit => seen.radiance = backdrop,
+            _ => {}
+        }
+        accumulator.finished.camera_hits += u64::from(seen.hit);
+        accumulator.add(seen, *weight);
+    }
+    batch.rays.clear();
+    batch.weights.clear();
+    batch.samplers.clear();
+}

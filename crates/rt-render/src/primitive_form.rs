@@ -1,0 +1,53 @@
+//! Form of a primitive, known without a ray.
+
+use rt_geometry::{Primitives, Shape, TransformedShape};
+use rt_math::DVec3;
+
+/// The form of a primitive in the space of the world, as far as pyramids and shafts make use of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum PrimitiveForm {
+    /// A sphere.
+    Sphere { centre: DVec3, radius: f64 },
+    /// An infinite plane, and its normal of any length.
+    Plane { point: DVec3, normal: DVec3 },
+    /// Flat, convex and bounded.
+    Flat,
+    /// Convex, with flat faces, which hits number by `uv[0]`.
+    Faces,
+    /// Anything else.
+    Other,
+}
+
+/// Primitives whose form is known.
+pub(crate) trait HasForm: Primitives {
+    /// The form of a primitive.
+    fn form(&self, index: u32) -> PrimitiveForm;
+
+    /// True if the primitive, or part of it, casts a shadow.
+    fn casts_shadow(&self, index: u32) -> bool;
+}
+
+impl PrimitiveForm {
+    pub(crate) fn of(shape: &Shape) -> Self {
+        match shape {
+            Shape::Sphere(sphere) => Self::Sphere { centre: sphere.centre(), radius: sphere.radius() },
+            Shape::Plane(plane) => Self::Plane { point: plane.point(), normal: plane.normal() },
+            Shape::Triangle(_) | Shape::Rectangle(_) => Self::Flat,
+            Shape::Disk(disk) if disk.inner_radius() == 0.0 => Self::Flat,
+            Shape::Cuboid(_) => Self::Faces,
+            _ => Self::Other,
+        }
+    }
+
+    /// Affine maps keep what is flat flat, and what is convex convex. A sphere that they do not keep round is no ball.
+    pub(crate) fn of_placed(placed: &TransformedShape) -> Self {
+        let map = placed.world_from_local();
+        match Self::of(placed.shape()) {
+            Self::Plane { point, normal } => Self::Plane { point: map.point(point), normal: map.normal(normal) },
+            Self::Sphere { centre, radius } => map
+                .uniform_scale()
+                .map_or(Self::Other, |scale| Self::Sphere { centre: map.point(centre), radius: radius * scale }),
+            form => form,
+        }
+    }
+}

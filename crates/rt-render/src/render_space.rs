@@ -1,0 +1,81 @@
+//! Render space: world space translated so that the scene is near the origin.
+//!
+//! Near 10⁶ neighbouring `f64` numbers are 10⁻¹⁰ apart. Rays and shapes take their differences first and lose nothing by
+//! it. A hit point has to be stored, however, and everything computed from it (the distance to a light, the origin of a
+//! reflected ray) inherits its error. So a scene that is small compared with its distance from the origin is rendered
+//! relative to one of its points (rendering space, Pharr, Jakob, Humphreys, PBR 4th ed., section 5.1.1). The point has few
+//! digits: subtracting it is exact.
+
+use std::borrow::Cow;
+
+use rt_camera::CameraSettings;
+use rt_math::{DVec3, Transform};
+use rt_scene_io::Scene;
+use rt_shading::{Appearance, LightKind};
+
+/// Distance over size from which on a scene is translated. Up to there, coordinates keep 43 of 53 bits.
+const FAR: f64 = 1024.0;
+
+/// Origin of the coordinates that a scene is rendered in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RenderSpace {
+    /// World space.
+    origin: DVec3,
+}
+
+impl RenderSpace {
+    /// World space itself.
+    pub const WORLD: Self = Self { origin: DVec3::ZERO };
+
+    /// Render space of a scene and camera; world space if they are near the origin or without bounds.
+    pub fn of(scene: &Scene, camera: &CameraSettings) -> Self {
+        let bounds = scene.bounds();
+        if bounds.is_empty() {
+            return Self::WORLD;
+        }
+        let cameras = [Some(camera.world_from_camera), camera.moves_to].into_iter().flatten();
+        let all = cameras.fold(bounds, |all, transform| all.include(transform.translation()));
+        let (size, centre) = (all.extent().max_element(), all.centre());
+        let is_far = size > 0.0 && centre.is_finite() && centre.abs().max_element() > FAR * size;
+        if !is_far {
+            return Self::WORLD;
+        }
+        // The power of two above the size: multiples of it have few digits, and one of them is near the scene.
+        let step = 2.0 * f64::from_bits(size.to_bits() >> 52 << 52);
+        Self { origin: (centre / step).round() * step }
+    }
+
+    /// Origin of render space, in world space.
+    pub(crate) const fn origin(self) -> DVec3 {
+        self.origin
+    }
+
+    pub(crate) fn render_from_world(self) -> Transform {
+        if self == Self::WORLD { Transform::IDENTITY } else { Transform::translate(-self.origin) }
+    }
+
+    /// Camera in render space.
+    pub fn camera(self, settings: &CameraSettings) -> CameraSettings {
+        let translated = |transform: &Transform| self.render_from_world().compose(transform);
+        CameraSettings {
+            world_from_camera: translated(&settings.world_from_camera),
+            moves_to: settings.moves_to.as_ref().map(translated),
+            ..*settings
+        }
+    }
+
+    /// Appearance with lights in render space; borrowed if that is world space.
+    pub(crate) fn appearance(self, appearance: &Appearance) -> Cow<'_, Appearance> {
+        if self == Self::WORLD {
+            return Cow::Borrowed(appearance);
+        }
+        let mut translated = appearance.clone();
+        for light in &mut translated.lights {
+            match &mut light.kind {
+                LightKind::Point { position, .. } | LightKind::Spot { position, .. } => *position -= self.origin,
+                LightKind::Directional { .. } => {}
+            }
+        }
+        Cow::Owned(translated)
+    }
+}

@@ -1,0 +1,41 @@
+//! Geometry of a scene for tools that trace single rays.
+
+use rt_accel::Accelerator as _;
+use rt_geometry::{InteractionFlags, NoProbe};
+use rt_math::{Interval, Ray};
+use rt_scene_io::Scene;
+use rt_shading::SurfaceHit;
+
+use crate::{
+    RenderError, RenderSpace,
+    accel_choice::AccelOptions,
+    flatten::flatten,
+    instance::{Aggregate, BottomLevel},
+};
+
+/// Geometry of a scene with its acceleration structures, at time 0, as a render traces it.
+///
+/// [`RenderPlan`](crate::RenderPlan) is for images. This is for tools that trace rays of their own.
+#[derive(Debug)]
+pub struct SceneGeometry {
+    top: Aggregate,
+    levels: BottomLevel,
+}
+
+impl SceneGeometry {
+    /// Builds the acceleration structures in render space.
+    ///
+    /// # Errors
+    /// If an index is out of range, groups contain themselves, or an acceleration structure cannot be built.
+    pub fn build(scene: &Scene, space: RenderSpace) -> Result<Self, RenderError> {
+        let (top, levels) = flatten(scene, AccelOptions::default(), space.render_from_world(), true, Some(0.0))?;
+        Ok(Self { top, levels })
+    }
+
+    /// Closest hit of a ray in render space, without texture coordinates.
+    pub fn closest_hit(&self, ray: &Ray) -> Option<SurfaceHit> {
+        let instances = self.top.set(&self.levels);
+        let hit = self.top.structure.closest(&instances, ray, Interval::FORWARD, &mut NoProbe)?;
+        instances.surface(ray, &hit, InteractionFlags::NONE)
+    }
+}

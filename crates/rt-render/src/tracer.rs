@@ -1,0 +1,130 @@
+//! Ray queries of integrators against the world.
+
+use rt_accel::{Accelerator, AnyAccelerator};
+use rt_geometry::{Counters, Hit, InteractionFlags, NoProbe, Probe, RayCounts, RayKind};
+use rt_math::{Interval, Ray};
+use rt_shading::{SurfaceHit, Tracer};
+
+use crate::{frustum_cull::PrimaryTarget, world::ShadedPrimitives};
+
+/// Probe of an accelerator that counts everything or nothing. Rays are counted separately, so that accelerators need no
+/// code for a third.
+pub(crate) trait StatsProbe: Probe + Default + Send {
+    /// The full table, as far as it is known.
+    fn counters(&self, rays: RayCounts) -> Counters;
+}
+
+impl StatsProbe for Counters {
+    fn counters(&self, _rays: RayCounts) -> Counters {
+        *self
+    }
+}
+
+impl StatsProbe for NoProbe {
+    fn counters(&self, rays: RayCounts) -> Counters {
+        Counters::from(rays)
+    }
+}
+
+/// Answers the rays of an integrator and counts them. The accelerator is dispatched once per batch: integrators are not
+/// compiled anew for each.
+pub(crate) struct SceneTracer<'w, W, S> {
+    pub(crate) world: &'w W,
+    pub(crate) structure: &'w AnyAccelerator,
+    /// Objects that camera rays are tested against.
+    pub(crate) primary_target: PrimaryTarget<'w>,
+    /// Rays by kind.
+    pub(crate) rays: RayCounts,
+    /// Camera rays skipped because nothing is in view.
+    pub(crate) skipped: u64,
+    /// Work of the accelerator.
+    pub(crate) probe: S,
+    /// The hits of a batch; empty between batches.
+    hits: Vec<Option<Hit>>,
+}
+
+impl<'w, W: ShadedPrimitives, S: Probe> SceneTracer<'w, W, S> {
+    pub(crate) fn new(
+        world: &'w W,
+        structure: &'w AnyAccelerator,
+        primary_target: PrimaryTarget<'w>,
+        probe: S,
+    ) -> Self {
+        Self { world, structure, primary_target, rays: RayCounts::default(), skipped: 0, probe, hits: Vec::new() }
+    }
+
+    /// Takes the memory for hits from one that is not used any more.
+    pub(crate) fn with_buffer(self, hits: Vec<Option<Hit>>) -> Self {
+        Self { hits, ..self }
+    }
+
+    /// The memory for hits, for the next one.
+    pub(crate) fn into_buffer(self) -> Vec<Option<Hit>> {
+        self.hits
+    }
+
+    /// Objects that rays of this kind are tested against.
+    const fn target(&self, kind: RayKind) -> PrimaryTarget<'w> {
+        if matches!(kind, RayKind::Primary) { self.primary_target } else { PrimaryTarget::All(self.structure) }
+    }
+
+    /// True for rays that need not be traced; counts the others.
+    fn can_skip(&mut self, kind: RayKind, rays: usize) -> bool {
+        let can_skip = kind == RayKind::Primary && self.primary_target.is_empty();
+        if can_skip {
+            self.skipped += rays as u64;
+        } else {
+            self.count(kind, rays);
+        }
+        can_skip
+    }
+
+    fn count(&mut self, kind: RayKind, rays: usize) {
+        for _ in 0..rays {
+            self.rays.ray(kind);
+            self.probe.ray(kind);
+        }
+    }
+}
+
+impl<W: ShadedPrimitives, S: Probe> Tracer for SceneTracer<'_, W, S> {
+    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
+        if self.can_skip(kind, 1) {
+            return None;
+        }
+        let hit = self.target(kind).closest(self.world, ray, span, &mut self.probe)?;
+        self.world.surface_at(ray, &hit, needs)
+    }
+
+    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
+        self.count(RayKind::Shadow, 1);
+        self.structure.occluded(self.world, ray, span, &mut self.probe)
+    }
+
+    #[inline]
+    fn closest_batch(
+        &mut self,
+        rays: &[(Ray, Interval)],
+        kind: RayKind,
+        needs: InteractionFlags,
+        mut met: impl FnMut(usize, Option<&mut SurfaceHit>),
+    ) {
+        if self.can_skip(kind, rays.len()) {
+            return (0..rays.len()).for_each(|at| met(at, None));
+        }
+        self.hits.clear();
+        self.hits.resize(rays.len(), None);
+        self.target(kind).closest_batch(self.world, rays, &mut self.hits, &mut self.probe);
+        for (at, ((ray, _), hit)) in rays.iter().zip(&self.hits).enumerate() {
+            match hit {
+                Some(hit) => met(at, self.world.surface_at(ray, hit, needs).as_mut()),
+                None => met(at, None),
+            }
+        }
+    }
+
+    fn occluded_batch(&mut self, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
+        self.count(RayKind::Shadow, rays.len());
+        self.structure.occluded_batch(self.world, rays, blocked, &mut self.probe);
+    }
+}

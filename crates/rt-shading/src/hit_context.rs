@@ -1,0 +1,78 @@
+//! What a surface is to a ray that meets it, with regard to the bodies on both sides.
+
+use crate::{
+    Material, Needs, SurfaceHit,
+    interior::{Interior, MediumInterface},
+    viewed_surface::is_inside,
+};
+use rt_math::{DVec3, Ray};
+
+/// So many surfaces that do nothing to a ray may stand one behind the other in its way; each further one costs a bounce,
+/// so that paths end.
+pub(crate) const MAX_NULL_INTERFACES: u32 = 1024;
+
+/// A ray that has come to a surface.
+pub(crate) struct HitContext<'m> {
+    pub(crate) material: &'m Material,
+    /// Unit direction of the ray.
+    pub(crate) direction: DVec3,
+    /// World units per unit of the ray's parameter.
+    pub(crate) length: f64,
+    /// True if the ray comes from behind the surface.
+    pub(crate) is_inside: bool,
+    transmission: Transmission,
+}
+
+/// What is behind a surface.
+#[derive(Clone, Copy, PartialEq)]
+enum Transmission {
+    /// No light, or the plan leaves refraction out.
+    None,
+    /// Thin dielectric: the same medium on both sides.
+    Thin,
+    Solid,
+}
+
+impl<'m> HitContext<'m> {
+    /// The meeting of a ray; `None` if the surface has no material.
+    #[inline]
+    pub(crate) fn new(needs: &Needs, materials: &'m [Material], ray: &Ray, hit: &SurfaceHit) -> Option<Self> {
+        let material = materials.get(hit.material as usize)?;
+        let length = ray.direction.length();
+        let direction = ray.direction / length;
+        let is_inside = is_inside(direction, &hit.interaction);
+        let transmission = if !needs.refraction || material.phong.transmission.is_none() {
+            Transmission::None
+        } else if material.body().is_none() {
+            Transmission::Thin
+        } else {
+            Transmission::Solid
+        };
+        Some(Self { material, direction, length, is_inside, transmission })
+    }
+
+    /// The way through the surface for a ray that has come through the interior so far. `None` where light that is scattered
+    /// stays on its side, and of a body if the list of bodies is full. To be asked for once: a body that nobody saw being
+    /// entered is noted.
+    #[inline]
+    pub(crate) fn interface(
+        &self,
+        interior: &mut Interior,
+        materials: &[Material],
+        hit: &SurfaceHit,
+    ) -> Option<MediumInterface> {
+        match self.transmission {
+            Transmission::None => None,
+            Transmission::Thin => Some(interior.thin_interface(materials)),
+            Transmission::Solid => interior.interface(materials, hit, self.is_inside),
+        }
+    }
+
+    /// False if the surface does nothing to the ray: all there is to do is to note this [`interface`](Self::crossing).
+    #[inline]
+    pub(crate) fn is_visible(&self, interface: Option<&MediumInterface>) -> bool {
+        let is_clear = |interface: &MediumInterface| interface.is_null() && self.material.phong.is_clear();
+        self.transmission != Transmission::Solid
+            || interface.is_some_and(|interface| interface.is_boundary && !is_clear(interface))
+    }
+}

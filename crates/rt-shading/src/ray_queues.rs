@@ -1,0 +1,76 @@
+//! Rays that are traced together, each for a path `P`: the path itself, or its number.
+
+use crate::bsdf::{BsdfSample, Scattering};
+use rt_geometry::RayKind;
+use rt_math::{Interval, Ray};
+
+/// Rays of one kind, and the paths that they belong to.
+#[derive(Clone, Debug)]
+pub(crate) struct RayQueue<P> {
+    pub(crate) rays: Vec<(Ray, Interval)>,
+    pub(crate) paths: Vec<P>,
+}
+
+impl<P> Default for RayQueue<P> {
+    fn default() -> Self {
+        Self { rays: Vec::new(), paths: Vec::new() }
+    }
+}
+
+impl<P> RayQueue<P> {
+    #[inline(always)]
+    pub(crate) fn push(&mut self, ray: Ray, span: Interval, path: P) {
+        self.rays.push((ray, span));
+        self.paths.push(path);
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.rays.clear();
+        self.paths.clear();
+    }
+}
+
+/// The rays that paths go on with, each of which has one, by kind: rays of a kind run alike, and are counted as such.
+#[derive(Clone, Debug)]
+pub(crate) struct RayQueues<P> {
+    pub(crate) reflected: RayQueue<P>,
+    pub(crate) refracted: RayQueue<P>,
+    diffuse: RayQueue<P>,
+}
+
+impl<P> Default for RayQueues<P> {
+    fn default() -> Self {
+        Self { reflected: RayQueue::default(), refracted: RayQueue::default(), diffuse: RayQueue::default() }
+    }
+}
+
+impl<P> RayQueues<P> {
+    pub(crate) fn queues(&self) -> [(RayKind, &RayQueue<P>); 3] {
+        [
+            (RayKind::Reflection, &self.reflected),
+            (RayKind::Refraction, &self.refracted),
+            (RayKind::Diffuse, &self.diffuse),
+        ]
+    }
+
+    /// Puts in a ray that a light sends out, or a surface as the sample says.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, sample: Option<&BsdfSample>, ray: Ray, span: Interval, path: P) {
+        let queue = match sample {
+            Some(BsdfSample { kind: Scattering::Transmission, .. }) => &mut self.refracted,
+            Some(BsdfSample { is_diffuse: false, .. }) => &mut self.reflected,
+            _ => &mut self.diffuse,
+        };
+        queue.push(ray, span, path);
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.queues().iter().all(|(_, queue)| queue.rays.is_empty())
+    }
+
+    pub(crate) fn clear(&mut self) {
+        for queue in [&mut self.reflected, &mut self.refracted, &mut self.diffuse] {
+            queue.clear();
+        }
+    }
+}

@@ -1,0 +1,399 @@
+//! Tests of transparent bodies, in worlds of real shapes, against paths that are known in closed form.
+
+use super::*;
+use crate::{Background, ColorTexture, Material, Phong, SurfaceHit, Transmission};
+use rt_geometry::{Cuboid, InteractionFlags, Plane, RayKind, Shape, Sphere, Triangle};
+use rt_math::{
+    DVec3,
+    transcendental::{acos, asin, cos, exp, sin, sincos, tan},
+};
+
+/// Shapes, each with its material, asked in turn. Keeps the rays that it was asked about.
+pub(super) struct Shapes {
+    pub(super) shapes: Vec<(Shape, u32)>,
+    pub(super) rays: Vec<(RayKind, Ray)>,
+}
+
+impl Shapes {
+    pub(super) fn new(shapes: Vec<(Shape, u32)>) -> Self {
+        Self { shapes, rays: vec![] }
+    }
+
+    fn last(&self) -> Ray {
+        self.rays.last().expect("a ray was traced").1
+    }
+}
+
+impl Tracer for Shapes {
+    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
+        self.rays.push((kind, *ray));
+        let hits = self.shapes.iter().enumerate().filter_map(|(i, (shape, _))| Some((i, shape.intersect(ray, span)?)));
+        let (object, hit) = hits.min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))?;
+        let (shape, material) = &self.shapes[object];
+        let interaction = shape.surface(ray, &hit, needs);
+        Some(SurfaceHit { t: hit.t, interaction, object: object as u32, material: *material, emitter: None })
+    }
+
+    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
+        self.shapes.iter().any(|(shape, _)| shape.intersect(ray, span).is_some())
+    }
+}
+
+pub(super) fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Shape {
+    Shape::Sphere(Sphere::new(DVec3::new(x, y, z), radius).expect("a sphere"))
+}
+
+/// A box 20 units wide between two heights.
+fn slab(bottom: f64, top: f64) -> Shape {
+    Shape::Cuboid(Cuboid::new(DVec3::new(-10.0, bottom, -10.0), DVec3::new(10.0, top, 10.0)).expect("a box"))
+}
+
+pub(super) const BARE: Phong = Phong {
+    ambient: ColorTexture::ZERO,
+    diffuse: ColorTexture::ZERO,
+    specular: ColorTexture::ZERO,
+    exponent: 1.0,
+    highlight: crate::Highlight::Phong,
+    emission: ColorTexture::ZERO,
+    mirror: ColorTexture::ZERO,
+    transmission: None,
+};
+
+const WHITE: ColorTexture = ColorTexture::Constant(Rgb::WHITE);
+
+/// A clear body that lets all light pass, whatever its angle.
+pub(super) fn body(ior: f64, absorption: f64, priority: i32) -> Phong {
+    let absorption = Rgb::gray(absorption);
+    Phong { transmission: Some(Transmission { coefficient: WHITE, ior, fresnel: false, absorption, priority }), ..BARE }
+}
+
+/// A clear body of Fresnel's glass.
+fn fresnel(ior: f64) -> Phong {
+    let transmission = body(ior, 0.0, 0).transmission.map(|t| Transmission { fresnel: true, ..t });
+    Phong { mirror: WHITE, transmission, ..BARE }
+}
+
+fn glow(radiance: f64) -> Phong {
+    Phong { emission: ColorTexture::Constant(Rgb::gray(radiance)), ..BARE }
+}
+
+pub(super) fn white_room(materials: &[Phong]) -> Appearance {
+    let named = |phong: &Phong| Material::new(String::new(), *phong);
+    Appearance {
+        materials: materials.iter().map(named).collect(),
+        background: Background::Constant(Rgb::WHITE),
+        ..Appearance::default()
+    }
+}
+
+struct Look {
+    seen: Rgb,
+    world: Shapes,
+    counts: ShadingCounts,
+}
+
+/// Looks along a ray, with all of shading and with what is needed.
+fn look(shapes: &[(Shape, u32)], appearance: &Appearance, depth: u32, ray: &Ray) -> Look {
+    let mut world = Shapes::new(shapes.to_vec());
+    let mut whitted = Whitted::new(depth, 0.0, Needs::of(appearance, |_| true));
+    let seen = whitted.radiance(&mut world, appearance, ray);
+    let full = Whitted::new(depth, 0.0, Needs::ALL).radiance(&mut Shapes::new(shapes.to_vec()), appearance, ray);
+    assert_eq!(seen, full, "trimmed and full shading must agree to the bit");
+    Look { seen: seen.radiance, world, counts: whitted.counts() }
+}
+
+/// A unit vector that runs down, `degrees` from the vertical towards +x.
+fn down(degrees: f64) -> DVec3 {
+    let (sin, cos) = sincos(degrees.to_radians());
+    DVec3::new(sin, -cos, 0.0)
+}
+
+#[test]
+fn a_slab_shifts_a_ray_at_45_degrees() {
+    let ray = Ray::new(DVec3::new(-2.0, 3.0, 0.5), down(45.0));
+    let Look { world, .. } = look(&[(slab(0.0, 1.0), 0)], &white_room(&[body(1.5, 0.0, 0)]), 9, &ray);
+    let out = world.last();
+    let shift = ray.direction.cross(out.origin - ray.origin).length();
+    assert!((shift - 0.329_142_308_2).abs() < 1e-10, "{shift}");
+    assert!((out.direction - ray.direction).length() < 1e-15, "parallel");
+}
+
+#[test]
+fn a_ball_turns_a_ray_that_meets_it_at_30_degrees() {
+    let ray = Ray::new(DVec3::new(0.5, 0.0, 5.0), DVec3::NEG_Z);
+    let Look { world, .. } = look(&[(sphere(0.0, 0.0, 0.0, 1.0), 0)], &white_room(&[body(1.5, 0.0, 0)]), 9, &ray);
+    let turned = acos(world.last().direction.dot(ray.direction)).to_degrees();
+    assert!((turned - 21.057_558_731_0).abs() < 1e-10, "{turned}");
+}
+
+/// Glass from 0 to 1, and water below it from −2 that reaches half a unit into the glass.
+#[test]
+fn water_that_reaches_into_its_glass_begins_where_the_glass_ends() {
+    let (glass, water) = (body(1.5, 0.3, 1), body(1.333, 0.7, 0));
+    let ray = Ray::new(DVec3::new(0.0, 1.0, 0.0) - down(45.0), down(45.0));
+    let shapes = [(slab(0.0, 1.0), 0), (slab(-2.0, 0.5), 1)];
+    let Look { seen, world, counts } = look(&shapes, &white_room(&[glass, water]), 3, &ray);
+    // Snell's law at each boundary.
+    let in_glass = asin(sin(45f64.to_radians()) / 1.5);
+    let in_water = asin(sin(45f64.to_radians()) / 1.333);
+    let out = world.last();
+    let expected = DVec3::new(tan(in_glass) + 2.0 * tan(in_water), -2.0, 0.0);
+    assert!((out.origin - expected).length() < 1e-14, "{}", out.origin);
+    assert!((out.direction - ray.direction).length() < 1e-15);
+    let tint = exp(-0.3 / cos(in_glass) - 0.7 * 2.0 / cos(in_water));
+    assert!((seen.r - tint).abs() < 1e-14, "{} not {tint}", seen.r);
+    assert_eq!((counts.passages, counts.refractions), (1, 3), "the water's surface in the glass is not there");
+}
+
+#[test]
+fn the_greater_priority_carves_the_other_body_from_both_sides() {
+    // The same bodies with the water above the glass: it begins at 0.5.
+    let shapes = [(slab(0.0, 1.0), 0), (slab(-2.0, 0.5), 1)];
+    let appearance = white_room(&[body(1.5, 0.3, -1), body(1.333, 0.7, 0)]);
+    let expected = exp(-0.3 * 0.5 - 0.7 * 2.5);
+    for (y, direction) in [(3.0, DVec3::NEG_Y), (-3.0, DVec3::Y)] {
+        let Look { seen, counts, .. } = look(&shapes, &appearance, 3, &Ray::new(DVec3::Y * y, direction));
+        assert!((seen.r - expected).abs() < 1e-15, "{} not {expected}", seen.r);
+        assert_eq!(counts.passages, 1);
+    }
+}
+
+#[test]
+fn the_outer_tint_is_remembered_when_an_inner_body_is_left() {
+    let shapes = [(sphere(0.0, 0.0, 0.0, 2.0), 0), (sphere(0.3, 0.0, 0.0, 1.0), 1)];
+    let appearance = white_room(&[body(1.5, 0.25, 0), body(1.7, 0.5, 0)]);
+    let Look { seen, .. } = look(&shapes, &appearance, 9, &Ray::new(DVec3::X * 5.0, DVec3::NEG_X));
+    let expected = exp(-(0.25 * 2.0 + 0.5 * 2.0));
+    assert!((seen.r - expected).abs() < 1e-14, "{} not {expected}", seen.r);
+}
+
+#[test]
+fn a_bubble_in_glass_bends_light_as_air_does() {
+    // 20° in glass is asin(1.5 sin 20°) in the bubble, a slab of air; nothing is absorbed in it.
+    let shapes = [(slab(-1.0, 1.0), 0), (slab(-0.25, 0.25), 1)];
+    let appearance = white_room(&[body(1.5, 0.4, 0), body(1.0, 0.0, 1)]);
+    let outside = asin(1.5 * sin(20f64.to_radians())).to_degrees();
+    let ray = Ray::new(DVec3::Y - down(outside), down(outside));
+    let Look { seen, world, .. } = look(&shapes, &appearance, 9, &ray);
+    let expected = exp(-0.4 * 1.5 / cos(20f64.to_radians()));
+    assert!((seen.r - expected).abs() < 1e-14, "{} not {expected}", seen.r);
+    let in_bubble = world.rays[2].1;
+    assert!((in_bubble.direction - ray.direction).length() < 1e-15);
+}
+
+#[test]
+fn a_body_as_dense_as_the_air_is_not_there() {
+    let floor = (slab(-1.0, 0.0), 1);
+    let null = (sphere(0.2, 1.5, 0.1, 0.9), 0);
+    let appearance = white_room(&[fresnel(1.0), glow(0.625)]);
+    for x in [-0.5, 0.0, 0.3, 1.0] {
+        let ray = Ray::new(DVec3::new(x, 4.0, -0.3), DVec3::new(0.1, -0.7, 0.05));
+        let with = look(&[null.clone(), floor.clone()], &appearance, 0, &ray);
+        let without = look(std::slice::from_ref(&floor), &appearance, 0, &ray);
+        assert_eq!(with.seen, without.seen, "no bounce is counted");
+        assert_eq!((with.counts.fresnel, with.counts.mirrors), (0, 0));
+        assert!(with.world.rays.iter().all(|(_, traced)| traced.origin == ray.origin), "the ray itself goes on");
+    }
+}
+
+#[test]
+fn only_what_the_index_of_refraction_does_vanishes_where_it_is_the_same() {
+    let half = ColorTexture::Constant(Rgb::gray(0.5));
+    let film = Transmission { coefficient: half, ..body(1.0, 0.0, 0).transmission.expect("transparent") };
+    let mut painted = Phong { mirror: half, ..body(1.0, 0.0, 0) };
+    painted.transmission = Some(film);
+    let shapes = [(sphere(0.0, 0.0, 0.0, 1.0), 0)];
+    let ray = Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z);
+    // Half is mirrored at the front, a quarter passes both surfaces, and what the back mirrors is cut off.
+    let Look { seen, .. } = look(&shapes, &white_room(&[painted]), 2, &ray);
+    assert_eq!(seen, Rgb::gray(0.75));
+    assert!(!painted.is_clear() && fresnel(1.0).is_air() && !fresnel(1.1).is_air());
+    let smoke = body(1.0, 0.1, 0);
+    assert!(smoke.is_clear() && !smoke.is_air());
+    assert!(!Phong { specular: half, ..body(1.0, 0.0, 0) }.is_clear());
+    assert!(Phong { specular: half, ..fresnel(1.0) }.is_clear());
+}
+
+#[test]
+fn smoke_is_seen_though_its_surface_is_not() {
+    let appearance = white_room(&[body(1.0, 0.5, 0)]);
+    let mut whitted = Whitted::new(0, 0.0, Needs::of(&appearance, |_| true));
+    let mut world = Shapes::new(vec![(sphere(0.0, 0.0, 0.0, 1.0), 0)]);
+    let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z));
+    assert!(seen.hit && (seen.radiance.r - exp(-1.0)).abs() < 1e-15);
+    let air = white_room(&[body(1.0, 0.0, 0)]);
+    let mut whitted = Whitted::new(0, 0.0, Needs::of(&air, |_| true));
+    assert!(!whitted.radiance(&mut world, &air, &Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z)).hit);
+}
+
+#[test]
+fn overlapping_bodies_of_one_density_are_one_body() {
+    let ray = Ray::new(DVec3::new(-3.0, 4.0, 0.5), DVec3::new(0.6, -0.7, 0.1));
+    let one = look(&[(slab(-1.0, 1.0), 0)], &white_room(&[fresnel(1.5); 2]), 6, &ray);
+    for second in [0, 1] {
+        let two = look(&[(slab(-1.0, 0.3), 0), (slab(-0.2, 1.0), second)], &white_room(&[fresnel(1.5); 2]), 6, &ray);
+        assert_eq!(one.seen, two.seen, "material {second}");
+        assert!(two.counts.passages > 0 && one.counts.fresnel == two.counts.fresnel);
+    }
+}
+
+/// Walsh, Fresnel: R = 2F / (1 + F) and T = 1 − R for a plate with all its inner reflections.
+#[test]
+fn a_plate_reflects_and_passes_the_sum_of_all_its_inner_reflections() {
+    for (top, expected) in [(1.0, 0.076_923_076_923_076_92), (0.0, 0.923_076_923_076_923_1)] {
+        let mut appearance = white_room(&[fresnel(1.5)]);
+        appearance.background = Background::Gradient { bottom: Rgb::gray(1.0 - top), top: Rgb::gray(top) };
+        let ray = Ray::new(DVec3::Y * 3.0, DVec3::NEG_Y);
+        let Look { seen, .. } = look(&[(slab(0.0, 1.0), 0)], &appearance, 60, &ray);
+        assert!((seen.r - expected).abs() < 1e-14, "{} not {expected}", seen.r);
+    }
+}
+
+/// Walls that glow with 0.001 and mirror 0.999: after n bounces 1 − 0.999ⁿ⁺¹ is seen.
+#[test]
+fn a_mirrored_box_multiplies_a_thousand_times() {
+    let mirror = ColorTexture::Constant(Rgb::gray(0.999));
+    let walls = Phong { mirror, emission: ColorTexture::Constant(Rgb::gray(0.001)), ..BARE };
+    let room = Cuboid::new(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.5, 2.0, 2.5)).expect("a box");
+    let ray = Ray::new(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.5, -0.6, 0.7));
+    let Look { seen, counts, .. } = look(&[(Shape::Cuboid(room), 0)], &white_room(&[walls]), 999, &ray);
+    assert!((1.0 - seen.r - 0.367_695_424_770_964_04).abs() < 1e-12, "{}", 1.0 - seen.r);
+    assert_eq!(counts.depth_limited, 1);
+}
+
+#[test]
+fn facing_mirrors_are_cut_at_the_depth_and_no_earlier() {
+    let mirror = Phong { mirror: WHITE, ..BARE };
+    let plane = |y: f64| (Shape::Plane(Plane::new(DVec3::Y * y, DVec3::Y).expect("a plane")), 0);
+    // 89.9999° from the mirrors.
+    let ray = Ray::new(DVec3::Y * 0.5, down(1e-4));
+    let Look { seen, world, counts } = look(&[plane(0.0), plane(1.0)], &white_room(&[mirror]), 10_000, &ray);
+    assert_eq!((seen, counts.depth_limited), (Rgb::BLACK, 1));
+    assert_eq!(world.rays.len(), 10_001);
+    let travelled = world.last().origin.x;
+    assert!((travelled - 9_999.5 * tan(1e-4f64.to_radians())).abs() < 1e-9, "{travelled}");
+}
+
+#[test]
+fn a_body_a_billionth_under_the_glass_is_seen_through_it() {
+    let shapes = [(sphere(0.0, 0.0, 0.0, 1.0), 0), (sphere(0.0, 0.0, 0.0, 1.0 - 1e-9), 1)];
+    let appearance = white_room(&[body(1.5, 0.0, 0), glow(0.25)]);
+    for i in 0..10_000 {
+        // Offsets up to 0.9999 of the radius, all around.
+        let (sin, cos) = sincos(f64::from(i) * 2.4);
+        let distance = 0.9999 * (f64::from(i) / 1e4).sqrt();
+        let ray = Ray::new(DVec3::new(cos * distance, sin * distance, 7.0), DVec3::NEG_Z);
+        let mut world = Shapes::new(shapes.to_vec());
+        let seen = Whitted::new(5, 0.0, Needs::of(&appearance, |_| true)).radiance(&mut world, &appearance, &ray);
+        assert_eq!(seen.radiance, Rgb::gray(0.25), "ray {i}");
+    }
+}
+
+#[test]
+fn a_body_that_was_never_entered_is_left_as_if_it_had_been() {
+    // From the middle of a slab that nobody said the ray is in: Snell's law and Beer's on the way out.
+    let ray = Ray::new(DVec3::ZERO, down(30.0));
+    let Look { seen, world, .. } = look(&[(slab(-1.0, 1.0), 0)], &white_room(&[body(1.5, 0.5, 0)]), 5, &ray);
+    assert!((world.last().direction.x - 0.75).abs() < 1e-15);
+    assert!((seen.r - exp(-0.5 / cos(30f64.to_radians()))).abs() < 1e-15);
+    // Mirrored inside, it goes on inside.
+    let steep = Ray::new(DVec3::ZERO, down(60.0));
+    let mirrors = Phong { mirror: WHITE, ..body(1.5, 0.5, 0) };
+    let Look { seen, .. } = look(&[(slab(-1.0, 1.0), 0)], &white_room(&[mirrors]), 1, &steep);
+    assert_eq!(seen, Rgb::BLACK, "totally reflected, and met by the other face with no bounces left");
+}
+
+#[test]
+fn surroundings_that_are_known_carve_what_the_camera_stands_in() {
+    // In water 0.5 above the bottom of a glass: the ray goes through the water, the glass, and out.
+    let shapes = [(slab(-1.0, 1.0), 0), (slab(-9.0, 0.0), 1)];
+    let appearance = white_room(&[body(1.33, 0.5, 0), body(1.5, 0.25, 1)]);
+    let mut world = Shapes::new(shapes.to_vec());
+    let mut interior = Interior::default();
+    let ray = Ray::new(DVec3::Y * 0.5, down(20.0));
+    interior.find_enclosing_media(&mut world, &appearance.materials, &Ray::new(ray.origin, DVec3::new(0.1, 0.9, 0.2)));
+    assert!(!interior.is_empty());
+    for surroundings in [&interior, &Interior::filled_with(0)] {
+        let mut whitted = Whitted::new(5, 0.0, Needs::of(&appearance, |_| true));
+        whitted.set_surroundings(surroundings);
+        let seen = whitted.radiance(&mut world, &appearance, &ray).radiance;
+        let in_glass = asin(sin(20f64.to_radians()) * 1.33 / 1.5);
+        let expected = exp(-0.5 * 0.5 / cos(20f64.to_radians()) - 0.25 * 9.0 / cos(in_glass));
+        assert!((seen.r - expected).abs() < 1e-14, "{} not {expected}", seen.r);
+        assert_eq!(whitted.counts().passages, 1, "the water ends within the glass");
+    }
+}
+
+#[test]
+fn too_many_bodies_within_each_other_are_counted() {
+    let shapes: Vec<_> = (0..40).map(|i| (sphere(0.0, 0.0, 0.0, 50.0 - f64::from(i)), 0)).collect();
+    let ray = Ray::new(DVec3::Z * 60.0, DVec3::NEG_Z);
+    let Look { seen, counts, .. } = look(&shapes, &white_room(&[body(1.5, 0.0, 0)]), 99, &ray);
+    assert_eq!(seen, Rgb::WHITE);
+    // Eight too many are not entered. Leaving them empties the list early, and the last are left as if they had been
+    // around from the start.
+    assert_eq!(counts.interior_overflows, 8);
+}
+
+#[test]
+fn bodies_that_touch_are_met_as_one_surface() {
+    let shapes = [(slab(0.0, 1.0), 0), (slab(-1.0, 0.0), 1)];
+    let appearance = white_room(&[body(1.5, 0.5, 0), body(1.333, 0.25, 0)]);
+    let Look { seen, counts, .. } = look(&shapes, &appearance, 9, &Ray::new(DVec3::Y * 3.0, DVec3::NEG_Y));
+    // The glass's side of it is met alone; the water is found out about when it is left.
+    assert!((seen.r - exp(-0.5 - 0.25)).abs() < 1e-14, "{}", seen.r);
+    assert_eq!(counts.refractions, 3);
+}
+
+#[test]
+fn a_body_may_be_closed_by_several_objects_of_its_material() {
+    let plane = |y: f64, normal: DVec3| (Shape::Plane(Plane::new(DVec3::Y * y, normal).expect("a plane")), 0);
+    let sides = [plane(1.0, DVec3::Y), plane(0.0, DVec3::NEG_Y)];
+    let appearance = white_room(&[body(1.5, 0.3, 0)]);
+    let ray = Ray::new(DVec3::new(-2.0, 3.0, 0.5), down(45.0));
+    let (whole, parts) = (look(&[(slab(0.0, 1.0), 0)], &appearance, 9, &ray), look(&sides, &appearance, 9, &ray));
+    assert!((whole.seen.r - parts.seen.r).abs() < 1e-15);
+    assert_eq!(whole.counts, parts.counts);
+}
+
+/// The ray goes on along itself, and would meet the second triangle a rounding error behind the first.
+#[test]
+fn an_edge_that_two_triangles_share_is_entered_once() {
+    let corners = [[0.1, 1.7, 0.3], [1.3, 0.9, -0.2], [0.2, 1.1, 1.6], [-1.1, 1.3, 0.4]].map(DVec3::from);
+    let face = |[a, b, c]: [usize; 3]| {
+        let upwards = (corners[b] - corners[a]).cross(corners[c] - corners[a]).y > 0.0;
+        let order = if upwards { [a, b, c] } else { [a, c, b] };
+        (Shape::Triangle(Triangle::new(order.map(|i| corners[i])).expect("a triangle")), 0)
+    };
+    let shapes = [face([0, 1, 2]), face([0, 2, 3])];
+    let appearance = white_room(&[body(1.0, 0.0, 0)]);
+    for i in 1..2000 {
+        let target = corners[0].lerp(corners[2], f64::from(i) / 2000.0);
+        let origin = DVec3::new(0.37, 5.1, -0.83);
+        let Look { counts, .. } = look(&shapes, &appearance, 0, &Ray::new(origin, target - origin));
+        assert_eq!(counts.passages, 1, "point {i} of the edge");
+    }
+}
+
+#[test]
+fn a_ray_through_endlessly_many_surfaces_ends() {
+    struct Sheets(u32);
+    impl Tracer for Sheets {
+        fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
+            self.0 += 1;
+            let t = span.min.floor() + 1.0;
+            let (point, normal) = (ray.at(t), if self.0.is_multiple_of(2) { DVec3::Z } else { DVec3::NEG_Z });
+            let interaction = rt_geometry::SurfaceInteraction::flat(point, DVec3::ZERO, normal, [0.0; 2]);
+            Some(SurfaceHit { t, interaction, object: 0, material: 0, emitter: None })
+        }
+        fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
+            false
+        }
+    }
+    let appearance = white_room(&[body(1.0, 0.0, 0)]);
+    let mut whitted = Whitted::new(7, 0.0, Needs::of(&appearance, |_| true));
+    let mut world = Sheets(0);
+    let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
+    assert_eq!((seen.radiance, whitted.counts().depth_limited), (Rgb::BLACK, 1));
+    assert_eq!(world.0, crate::hit_context::MAX_NULL_INTERFACES + 8);
+}
