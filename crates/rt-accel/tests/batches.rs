@@ -412,7 +412,7 @@ impl<T: Accelerator> Primitives for Yard<'_, T> {
 }
 
 /// Compares small sets and trees that contain instances with brute force.
-fn compare_yards<T: AcceleratorQueries>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
+fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
     let draw = &mut Draw::new(seed);
     let mut n_hits = 0;
     for round in 0..40 {

@@ -491,7 +491,7 @@ impl Primitives for Instances<'_> {
 
     fn batch_kernel(&self, index: u32) -> BatchKernel {
         match &self.instances[index as usize].geometry {
-            InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.round()),
+            InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.kernel()),
             InstanceGeometry::Triangle(mesh, triangle) => mesh.batch_kernel(*triangle),
             geometry if geometry.is_structure() => BatchKernel::Instance,
             _ => BatchKernel::Single,
@@ -528,7 +528,7 @@ impl Primitives for Instances<'_> {
         match &instance.geometry {
             _ if !instance.casts_shadow => PrimitiveGeometry::Opaque,
             InstanceGeometry::Shape(Shape::Sphere(sphere)) if self.is_flat => {
-                PrimitiveGeometry::ExactSphere(sphere.round())
+                PrimitiveGeometry::ExactSphere(sphere.kernel())
             }
             InstanceGeometry::Shape(Shape::Sphere(sphere)) => {
                 PrimitiveGeometry::Sphere(sphere.centre(), sphere.radius())
