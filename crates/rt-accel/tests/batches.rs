@@ -50,16 +50,48 @@ fn key(hit: Option<Hit>) -> Option<(u64, u32, u32, [u64; 2])> {
     hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive, hit.uv.map(f64::to_bits)))
 }
 
+/// Closest and any hits of a batch, from trees and from small sets.
+trait TraceBatch {
+    /// Writes the closest hit and the occlusion of each ray.
+    fn trace<P: Primitives>(
+        &self,
+        primitives: &P,
+        rays: &[(Ray, Interval)],
+        hits: &mut [Option<Hit>],
+        occluded: &mut [bool],
+        counters: &mut Counters,
+    );
+}
+
+macro_rules! impl_trace_batch {
+    ($($accel:ty),*) => {$(
+        impl TraceBatch for $accel {
+            fn trace<P: Primitives>(
+                &self,
+                primitives: &P,
+                rays: &[(Ray, Interval)],
+                hits: &mut [Option<Hit>],
+                occluded: &mut [bool],
+                counters: &mut Counters,
+            ) {
+                self.closest_batch(primitives, rays, hits, counters);
+                self.occluded_batch(primitives, rays, occluded, counters);
+            }
+        }
+    )*};
+}
+
+impl_trace_batch!(Linear, SmallSet, WideBvh);
+
 /// Traces a batch for closest and any hits.
-fn trace_batch<A: Accelerator, P: Primitives>(
+fn trace_batch<A: TraceBatch, P: Primitives>(
     accel: &A,
     primitives: &P,
     rays: &[(Ray, Interval)],
     counters: &mut Counters,
 ) -> (Vec<Option<Hit>>, Vec<bool>) {
     let (mut hits, mut occluded) = (vec![None; rays.len()], vec![false; rays.len()]);
-    accel.closest_batch(primitives, rays, &mut hits, counters);
-    accel.occluded_batch(primitives, rays, &mut occluded, counters);
+    accel.trace(primitives, rays, &mut hits, &mut occluded, counters);
     (hits, occluded)
 }
 

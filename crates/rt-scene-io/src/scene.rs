@@ -307,6 +307,7 @@ impl Node {
 }
 
 /// Indices of the materials of all shapes and meshes in these trees.
+#[cfg(feature = "format")]
 pub(crate) fn used_materials<'a>(trees: impl IntoIterator<Item = &'a [Node]>) -> BTreeSet<u32> {
     let mut used = BTreeSet::new();
     let mut open: Vec<&Node> = trees.into_iter().flatten().collect();
@@ -321,6 +322,7 @@ pub(crate) fn used_materials<'a>(trees: impl IntoIterator<Item = &'a [Node]>) ->
 
 /// True if a material makes its objects lights: it emits everywhere, or through a texture brighter than white. Textures of
 /// less are screens, signs and glowing details, which do not light a scene.
+#[cfg(feature = "format")]
 pub(crate) fn is_emissive(material: &Material) -> bool {
     match material.phong.emission {
         ColorTexture::Constant(radiance) => !radiance.is_black(),

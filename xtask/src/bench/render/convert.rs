@@ -87,7 +87,8 @@ fn light(light: &exchange_scene::Light) -> Option<Light> {
 fn material(of: &exchange_scene::Material) -> Material {
     if let Some(radiance) = of.radiance {
         let albedo = Color::from_rgb(of.color).into();
-        let emitter = Material::Light { radiance: Color::from_rgb(radiance).into(), emission_sides: EmissionSides::Front };
+        let emitter =
+            Material::Light { radiance: Color::from_rgb(radiance).into(), emission_sides: EmissionSides::Front };
         return Material::Mix(vec![
             (1.0, Material::Diffuse { albedo, roughness: 0.0, emission: None }),
             (1.0, emitter),
