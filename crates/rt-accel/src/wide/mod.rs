@@ -59,11 +59,11 @@ pub(crate) use sphere_list::SphereList;
 /// Entries of a traversal stack: seven deferred children on every level, and one to spare.
 const STACK: usize = 7 * MAX_DEPTH as usize + 8;
 
-/// A tree of boxes with eight children to a node: the fastest to trace, whatever the primitives.
+/// Bounding volume hierarchy with eight children per node: the fastest accelerator for all kinds of primitives.
 ///
-/// F64x8 boxes are tested at a time in `f32`, and so are the triangles, spheres or boxes in a leaf
-/// ([`PrimitiveGeometry`]); what these filters leave is decided in `f64`, so that the answers are those of brute force to the
-/// last bit. They run on AVX-512, AVX2 or anything, as the processor has it ([`SimdLevel`]), with the same answers.
+/// Conservative filters test eight boxes at a time in `f32`, and eight triangles, spheres or boxes of a leaf
+/// ([`PrimitiveGeometry`](rt_geometry::PrimitiveGeometry)). Exact tests in `f64` follow, so that results are bit-identical
+/// to brute force. Filters use AVX-512, AVX2 or portable instructions ([`SimdLevel`]), with the same results.
 ///
 /// Wald, Benthin and Boulos, "Getting Rid of Packets", 2008; Ernst and Greiner, "Multi Bounding Volume Hierarchies", 2008.
 #[derive(Clone, Debug, PartialEq)]

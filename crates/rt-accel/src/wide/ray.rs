@@ -15,7 +15,7 @@
 //!
 //! * If `p − q ≤ 0` the result is at most 0, and spans begin at 0 or later.
 //! * Otherwise it is at most `τ − w/4`, less than the entry into the padded bounds: 3.1u of `τ` are far less than
-//! `w/4`.
+//!   `w/4`.
 //!
 //! Far planes are the mirror image, with `s = fl32(−q·n + w)`. Boxes in front of the ray are left no earlier, and boxes
 //! behind it also have their padded bounds behind it. Rounding of `q` and of `w` is 2⁻²⁹ of `w`. Without a fused
