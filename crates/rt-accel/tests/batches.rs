@@ -145,7 +145,7 @@ fn what_none_of_many_rays_meets_is_looked_at_once() {
 /// The answers would be the same without memory, and counts of nodes ten times as high: all rays start below a roof, or next
 /// to it, whether they agree or not. Of so few spheres nothing is found out by shafts.
 #[test]
-fn what_blocks_a_ray_is_asked_about_the_next() {
+fn the_last_occluder_is_tested_first() {
     let corners = [DVec3::new(-9.0, 2.0, -9.0), DVec3::new(9.0, 2.0, -9.0), DVec3::new(0.0, 2.0, 9.0)];
     let mut soups = [
         Soup(sheet(20, |x, z| DVec3::new(x, 0.1 * x * z, z)).collect()),
@@ -184,7 +184,7 @@ fn what_blocks_a_ray_is_asked_about_the_next() {
     }
 }
 
-/// The answers would be the same otherwise: triangles are put off that are hit for sure, and the sphere before them is not.
+/// Deferred triangles with certain hits change no result, only the work.
 #[test]
 fn what_others_have_beaten_is_not_decided_about() {
     let facet = |z: f32| Solid::Facet([Vec3::new(-2.0, -2.0, z), Vec3::new(2.0, -2.0, z), Vec3::new(0.0, 3.0, z)]);
@@ -338,7 +338,7 @@ fn handfuls_answer_and_count_as_brute_force() {
 struct Yard<'t, T> {
     things: Vec<Thing<'t, T>>,
     /// Number of queries of an accelerator for one ray.
-    n_asked: AtomicU32,
+    n_tested: AtomicU32,
 }
 
 struct Thing<'t, T> {
@@ -366,7 +366,7 @@ impl<T: Accelerator> Primitives for Yard<'_, T> {
         let Thing { soup, structure, .. } = self.things[index as usize];
         let hit = match structure {
             Some(structure) => {
-                self.n_asked.fetch_add(1, Ordering::Relaxed);
+                self.n_tested.fetch_add(1, Ordering::Relaxed);
                 structure.closest(soup, ray, span, probe)
             }
             None => soup.intersect(0, ray, span),
@@ -378,7 +378,7 @@ impl<T: Accelerator> Primitives for Yard<'_, T> {
         blocks
             && match structure {
                 Some(structure) => {
-                    self.n_asked.fetch_add(1, Ordering::Relaxed);
+                    self.n_tested.fetch_add(1, Ordering::Relaxed);
                     structure.occluded(soup, ray, span, probe)
                 }
                 None => soup.occludes(0, ray, span),
@@ -433,18 +433,18 @@ fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool)
                 blocks: !draw.one_in(4),
             })
             .collect();
-        let yard = Yard { things, n_asked: AtomicU32::new(0) };
+        let yard = Yard { things, n_tested: AtomicU32::new(0) };
         let everything = Soup(soups.iter().flat_map(|soup| soup.0.clone()).collect());
         let rays = with_odd_ones(bundles(&everything, 600, draw), draw);
         for level in levels() {
-            let handful = SmallSet::new(0..yard.len() as u32).unwrap().with_level(level);
+            let small_set = SmallSet::new(0..yard.len() as u32).unwrap().with_level(level);
             let wide = WideBvh::build(&yard).unwrap().with_level(level);
             let [mut counted, mut expected] = [Counters::default(); 2];
             for rays in rays.chunks(draw.pick(&[1, 5, 13, 64, 300])) {
                 let mut hits = vec![None; rays.len()];
                 let mut blocked = vec![false; rays.len()];
-                handful.closest_batch(&yard, rays, &mut hits, &mut counted);
-                handful.occluded_batch(&yard, rays, &mut blocked, &mut counted);
+                small_set.closest_batch(&yard, rays, &mut hits, &mut counted);
+                small_set.occluded_batch(&yard, rays, &mut blocked, &mut counted);
                 let mut wide_hits = vec![None; rays.len()];
                 let mut wide_blocked = vec![false; rays.len()];
                 wide.closest_batch(&yard, rays, &mut wide_hits, &mut NoProbe);
@@ -466,7 +466,7 @@ fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool)
 
 /// The last bit; where an accelerator does the same for batches as for rays, the last test as well.
 #[test]
-fn structures_among_primitives_are_asked_for_batches_with_the_answers_of_single_queries() {
+fn accelerators_among_primitives_trace_batches_with_the_results_of_single_queries() {
     let seed = Draw::run_seed();
     println!("batches: seed {seed}");
     compare_yards(seed, |soup| Bvh::build(soup).unwrap(), true);
@@ -481,22 +481,22 @@ fn packets_go_into_structures_together() {
     let soups: Vec<Soup> = (0..12).map(|i| Soup::facets(draw).moved(place(i))).collect();
     let structures: Vec<WideBvh> = soups.iter().map(|soup| WideBvh::build(soup).unwrap()).collect();
     let thing = |(soup, structure)| Thing { soup, structure: Some(structure), blocks: true };
-    let yard = Yard { things: soups.iter().zip(&structures).map(thing).collect(), n_asked: AtomicU32::new(0) };
+    let yard = Yard { things: soups.iter().zip(&structures).map(thing).collect(), n_tested: AtomicU32::new(0) };
     // Sixteen adjacent rays at a time, as of a pixel, and five more at the end.
     let eye = DVec3::new(3.7, 9.0, -6.0);
     let rays: Vec<_> = (0..16 * 400 + 5)
         .map(|i: u64| {
             let at = |k: u64| rt_math::random::unit(rt_math::random::hash(&[5, i / 16, k]));
-            let beside = DVec3::new((i % 4) as f64, 0.0, (i / 4 % 4) as f64) * 1e-3;
-            (Ray::new(eye, DVec3::new(8.0 * at(0), 0.0, 6.0 * at(1)) + beside - eye), Interval::FORWARD)
+            let outside = DVec3::new((i % 4) as f64, 0.0, (i / 4 % 4) as f64) * 1e-3;
+            (Ray::new(eye, DVec3::new(8.0 * at(0), 0.0, 6.0 * at(1)) + outside - eye), Interval::FORWARD)
         })
         .collect();
     for level in levels() {
         let tree = WideBvh::build(&yard).unwrap().with_level(level);
-        let handful = SmallSet::new(0..12).unwrap().with_level(level);
+        let small_set = SmallSet::new(0..12).unwrap().with_level(level);
         // A batch of four is a packet of four.
         for (wide, together) in [(true, rays.len()), (true, 4), (false, rays.len())] {
-            yard.n_asked.store(0, Ordering::Relaxed);
+            yard.n_tested.store(0, Ordering::Relaxed);
             let (mut hits, mut blocked) = (vec![None; rays.len()], vec![false; rays.len()]);
             let answers = hits.chunks_mut(together).zip(blocked.chunks_mut(together));
             for (rays, (hits, blocked)) in rays.chunks(together).zip(answers) {
@@ -504,17 +504,17 @@ fn packets_go_into_structures_together() {
                     tree.closest_batch(&yard, rays, hits, &mut NoProbe);
                     tree.occluded_batch(&yard, rays, blocked, &mut NoProbe);
                 } else {
-                    handful.closest_batch(&yard, rays, hits, &mut NoProbe);
-                    handful.occluded_batch(&yard, rays, blocked, &mut NoProbe);
+                    small_set.closest_batch(&yard, rays, hits, &mut NoProbe);
+                    small_set.occluded_batch(&yard, rays, blocked, &mut NoProbe);
                 }
             }
-            let n_asked = yard.n_asked.load(Ordering::Relaxed);
+            let n_tested = yard.n_tested.load(Ordering::Relaxed);
             for (i, (ray, span)) in rays.iter().enumerate() {
                 let hit = brute_force::closest(&yard, ray, *span, &mut NoProbe);
                 assert_eq!((key(hits[i]), blocked[i]), (key(hit), hit.is_some()));
             }
             let n_hits = hits.iter().flatten().count();
-            assert!(n_hits > 2000 && (n_asked as usize) < rays.len() / 4, "{n_hits} hits, {n_asked} asked alone");
+            assert!(n_hits > 2000 && (n_tested as usize) < rays.len() / 4, "{n_hits} hits, {n_tested} asked alone");
         }
     }
 }
@@ -554,14 +554,14 @@ fn lanes_without_a_ray_do_nothing() {
 fn rays_beyond_the_answers_are_left_alone() {
     let soup = Soup::spheres(5, &mut Draw::new(3)).rounded();
     let rays = bundles(&soup, 20, &mut Draw::new(4));
-    let handful = SmallSet::new(0..5).unwrap();
+    let small_set = SmallSet::new(0..5).unwrap();
     for n in 0..20 {
         let mut hits = vec![None; n];
-        handful.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
+        small_set.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
         let mut more = vec![None; 30];
-        handful.closest_batch(&soup, &rays[..n], &mut more, &mut NoProbe);
+        small_set.closest_batch(&soup, &rays[..n], &mut more, &mut NoProbe);
         for (i, (ray, span)) in rays.iter().enumerate().take(n) {
-            let expected = key(handful.closest(&soup, ray, *span, &mut NoProbe));
+            let expected = key(small_set.closest(&soup, ray, *span, &mut NoProbe));
             assert_eq!((key(hits[i]), key(more[i])), (expected, expected));
         }
         assert!(more[n..].iter().all(Option::is_none));
@@ -571,7 +571,7 @@ fn rays_beyond_the_answers_are_left_alone() {
 /// The sliver is met far outside of its padded bounds by plain arithmetic, and a neighbour starts next to its plane: whether the
 /// kernel has to look at the start of the first ray was once decided by the second.
 #[test]
-fn hits_on_a_sliver_do_not_depend_on_the_rays_beside() {
+fn hits_on_a_sliver_are_independent_of_adjacent_rays() {
     let vertices = [
         [2.6940758228302, 3.7117247581481934, -0.0024276815820485353],
         [2.6944515705108643, 3.994624376296997, -0.0027274370659142733],
@@ -582,13 +582,13 @@ fn hits_on_a_sliver_do_not_depend_on_the_rays_beside() {
         DVec3::new(2.694509517098264, 2.528108834411083, -0.0028498073984306017),
         DVec3::new(2.2761795169135013e-5, 0.00013634008051077728, -1.901559655846305e-5),
     );
-    let beside =
+    let outside =
         Ray::new(DVec3::new(2.694728059667251, 2.121473740525947, -0.0030527670320567414), DVec3::new(-0.5, 1.0, -0.6));
     for level in levels() {
-        let handful = SmallSet::new([0]).unwrap().with_level(level);
-        let rays: Vec<_> = (0..8).map(|i| (if i == 3 { sliver } else { beside }, Interval::FORWARD)).collect();
+        let small_set = SmallSet::new([0]).unwrap().with_level(level);
+        let rays: Vec<_> = (0..8).map(|i| (if i == 3 { sliver } else { outside }, Interval::FORWARD)).collect();
         let mut hits = vec![None; 8];
-        handful.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
+        small_set.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
         for (i, (ray, span)) in rays.iter().enumerate() {
             assert_eq!(key(hits[i]), key(brute_force::closest(&soup, ray, *span, &mut NoProbe)), "ray {i}");
         }
@@ -615,7 +615,7 @@ impl Primitives for Busy<'_> {
     }
 }
 
-/// The answers would be the same if lanes settled nothing.
+/// Results alone cannot show that the SIMD tests are exact.
 #[test]
 fn lanes_leave_little_to_be_decided_ray_by_ray() {
     let draw = &mut Draw::new(11);
@@ -626,8 +626,8 @@ fn lanes_leave_little_to_be_decided_ray_by_ray() {
         // Turned the other way.
         [corner(5.0, 5.0), corner(-5.0, -5.0), corner(-5.0, 5.0)],
     ];
-    let ball = |x: f64| SphereKernel { centre: DVec3::new(x, 1.5, 0.2), radius: 0.9 };
-    let (one, other) = (ball(-1.0), ball(1.0));
+    let sphere = |x: f64| SphereKernel { centre: DVec3::new(x, 1.5, 0.2), radius: 0.9 };
+    let (one, other) = (sphere(-1.0), sphere(1.0));
     let soup = Soup(vec![Solid::Facet(floor[0]), Solid::Round(one), Solid::Facet(floor[1]), Solid::Round(other)]);
     let up = DVec3::new(-0.1, 1.0, 0.05).normalize();
     // From the eye, from the floor, from the spheres, and from within them.
@@ -651,17 +651,17 @@ fn lanes_leave_little_to_be_decided_ray_by_ray() {
         rays.push((Ray::new(other.centre + draw.point() * 0.4, draw.point()), Interval::SPAWNED));
     }
     for level in levels() {
-        let handful = SmallSet::new(0..4).unwrap().with_level(level);
+        let small_set = SmallSet::new(0..4).unwrap().with_level(level);
         let busy = Busy(&soup, AtomicU32::new(0));
         let mut hits = vec![None; rays.len()];
-        handful.closest_batch(&busy, &rays, &mut hits, &mut NoProbe);
-        handful.occluded_batch(&busy, &rays, &mut vec![false; rays.len()], &mut NoProbe);
+        small_set.closest_batch(&busy, &rays, &mut hits, &mut NoProbe);
+        small_set.occluded_batch(&busy, &rays, &mut vec![false; rays.len()], &mut NoProbe);
         for (hit, (ray, span)) in hits.iter().zip(&rays) {
             assert_eq!(key(*hit), key(brute_force::closest(&soup, ray, *span, &mut NoProbe)), "{ray:?} {span:?}");
         }
         let n_hits = hits.iter().flatten().count();
-        let n_asked = busy.1.load(Ordering::Relaxed);
-        assert!(n_hits > 700 && n_asked < 16, "{n_hits} hits, {n_asked} of {} asked ray by ray", 8 * rays.len());
+        let n_tested = busy.1.load(Ordering::Relaxed);
+        assert!(n_hits > 700 && n_tested < 16, "{n_hits} hits, {n_tested} of {} asked ray by ray", 8 * rays.len());
     }
 }
 
@@ -673,7 +673,7 @@ fn batches_with_odd_rays_equal_single_queries() {
     let wide = WideBvh::build(&soup).unwrap();
     // Its neighbours start next to it, so that their common bounds are more than a line.
     let good = Ray::new(DVec3::new(0.1, 3.0, 0.2), DVec3::NEG_Y);
-    let beside = |at: usize| Ray { origin: good.origin + DVec3::X * (0.01 * at as f64), ..good };
+    let outside = |at: usize| Ray { origin: good.origin + DVec3::X * (0.01 * at as f64), ..good };
     let odd = [
         Ray::new(DVec3::new(0.1, 1e30, 0.2), DVec3::NEG_Y),
         Ray::new(good.origin, DVec3::ZERO),
@@ -687,7 +687,7 @@ fn batches_with_odd_rays_equal_single_queries() {
                 [Interval::FORWARD, Interval::new(-1.0, 5.0), Interval::new(2.0, 1.0), Interval::new(f64::NAN, 1.0)]
             {
                 let rays: Vec<_> =
-                    (0..N).map(|at| if at == place { (odd, span) } else { (beside(at), Interval::FORWARD) }).collect();
+                    (0..N).map(|at| if at == place { (odd, span) } else { (outside(at), Interval::FORWARD) }).collect();
                 let mut hits = vec![None; N];
                 wide.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
                 for (at, (ray, span)) in rays.iter().enumerate() {
