@@ -17,17 +17,16 @@ use crate::stats::BuildStats;
 /// It holds indices and boxes only and borrows the primitives for each query. Every query must be given the primitives
 /// that the accelerator was built over.
 ///
-/// Every implementation returns **the same bits** as a test of each primitive in turn: it culls only by boxes that
-/// contain the primitives' padded bounds, accepts hits through
-/// [`intersect_primitive`](rt_geometry::intersect_primitive) alone, and equal `t` goes to the lower
-/// (instance, primitive).
+/// Every implementation returns **the same bits** as a test of each primitive in turn. It culls only by boxes that
+/// contain the primitives' padded bounds, and accepts hits through
+/// [`intersect_primitive`](rt_geometry::intersect_primitive) alone. Equal `t` goes to the lower (instance, primitive).
 ///
 /// All queries are built on two traversals: [`traverse_ray`](Self::traverse_ray) along a ray, and
 /// [`traverse_region`](Self::traverse_region) through a part of space. None allocates, except for the growth of a list
-/// of hits that the caller passes in; a list with capacity for twice the hits never grows.
+/// of hits that the caller passes in. A list with capacity for twice the hits never grows.
 pub trait Accelerator: Sync {
-    /// Tests the primitives that can matter to the query, roughly in the order of the ray: at least those whose padded
-    /// bounds the ray passes within the current span of the query. `Break` if the query ended early.
+    /// Tests the primitives that can matter to the query, roughly in the order of the ray. These are at least those
+    /// whose padded bounds the ray passes within the current span of the query. `Break` if the query ended early.
     fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
@@ -35,8 +34,9 @@ pub trait Accelerator: Sync {
         probe: &mut S,
     ) -> ControlFlow<()>;
 
-    /// Tests the primitives that can matter to the query, roughly from near to far: at least those whose bounds overlap
-    /// the current bounds of the query at a distance that it does not cull. `Break` if the query ended early.
+    /// Tests the primitives that can matter to the query, roughly from near to far. These are at least those whose
+    /// bounds overlap the current bounds of the query, at a distance that it does not cull. `Break` if the query ended
+    /// early.
     fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()>;
 
     /// Memory in bytes, including `size_of::<Self>()`.
@@ -160,7 +160,7 @@ pub trait Accelerator: Sync {
     }
 
     /// Visits each pair of primitives whose bounds overlap once, the lower index first, by rising lower index, until
-    /// `visit` breaks: the broad phase of collision detection.
+    /// `visit` breaks. This is the broad phase of collision detection.
     fn visit_overlapping_pairs<P: Primitives>(
         &self,
         primitives: &P,
@@ -193,7 +193,7 @@ pub trait Accelerator: Sync {
 
 /// Accelerator that can follow moving primitives. Accelerators that divide space are rebuilt instead.
 pub trait Refit: Accelerator {
-    /// Fits all bounds to the current primitives and keeps the topology: faster than building, with the same results,
+    /// Fits all bounds to the current primitives and keeps the topology. Faster than building, with the same results,
     /// but queries slow down as primitives move apart. O(n).
     ///
     /// # Errors

@@ -8,8 +8,8 @@ use rt_math::Aabb;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// The bounds of a primitive are not a box: a corner is NaN, `min` exceeds `max`, or a side is infinite or too
-    /// large to be padded. An unbounded primitive must return `None` instead of an infinite box.
+    /// The bounds of a primitive are not a box: a corner is NaN, `min` exceeds `max`, or a side is infinite. A side may
+    /// also be too large to be padded. An unbounded primitive must return `None` instead of an infinite box.
     BadBounds {
         /// Index of the primitive.
         index: u32,
@@ -62,8 +62,8 @@ pub enum ValidationError {
         /// Number of primitives now.
         given: usize,
     },
-    /// A primitive is not listed according to its bounds: in no leaf or in several, missing in a cell that it overlaps,
-    /// or in the list of unbounded primitives although it is bounded (and the reverse).
+    /// A primitive is not listed according to its bounds. It is in no leaf or in several, or missing in a cell that it
+    /// overlaps, or listed as unbounded although it is bounded (or the reverse).
     Misplaced {
         /// Index of the primitive.
         primitive: u32,

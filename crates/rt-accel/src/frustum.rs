@@ -66,13 +66,13 @@ impl Frustum {
             let normal = if mirrored { -normal } else { normal }.normalize_or_zero();
             // Move the plane outward until all corners are inside, against rounding and slightly bent faces.
             let heights = corners.map(|corner| normal.dot(corner));
-            let least = heights.into_iter().fold(f64::INFINITY, f64::min);
+            let lowest = heights.into_iter().fold(f64::INFINITY, f64::min);
             let height = heights[a];
             let extent = corners.iter().fold(0.0, |most: f64, corner| most.max((*corner - corners[a]).length()));
-            if !(height - least <= extent * 1e-6) || normal == DVec3::ZERO {
+            if !(height - lowest <= extent * 1e-6) || normal == DVec3::ZERO {
                 return Err(FrustumError::NotConvex { face });
             }
-            planes[face] = (normal, -least);
+            planes[face] = (normal, -lowest);
         }
         Ok(Self { planes, bounds: Aabb::from_points(corners) })
     }

@@ -11,25 +11,25 @@
 //!                            └──┴──┴──┴──┘             └─────────┘└──────┘
 //! ```
 //!
-//! | structure | build | bytes per primitive | ray, n primitives | choose it for |
+//! | accelerator | build | bytes per primitive | ray, n primitives | choose it for |
 //! |---|---|---|---|---|
-//! | [`Linear`] | O(n), checks and copies | 16 for spheres, 0 for others | n tests, of spheres eight at once; of few, for eight rays at once | up to about ten primitives |
-//! | [`UniformGrid`] | O(n), a tenth to a quarter of `Bvh` | 30 to 100 | O(∛n) cells | primitives of similar size, evenly spread; frequent rebuilds |
-//! | [`WideBvh`] | O(n log n), as `Bvh` or less | about 60 | O(log n) nodes, eight boxes each at once | rendering, and all else that asks for many rays |
+//! | [`Linear`] | O(n), checks and copies | 16 for spheres, 0 for others | n tests, eight spheres or eight rays at once | up to about ten primitives |
+//! | [`UniformGrid`] | O(n), a tenth to a quarter of `Bvh` | 30 to 100 | O(∛n) cells | primitives of similar size, evenly distributed; frequent rebuilds |
+//! | [`WideBvh`] | O(n log n), as `Bvh` or less | about 60 | O(log n) nodes of eight boxes | rendering, and other workloads of many rays |
 //! | [`Bvh`] | O(n log n) | 25 to 45 | O(log n) nodes | everything else, in half the memory |
 //! | [`SphereTree`] | O(n log n), as `Bvh` | 15 to 50 | O(log n) nodes, 1.4 to 2.7 times the work of `Bvh` | comparing shapes of volumes |
 //! | [`CylinderTree`] | O(n log n), twice `Bvh` | 45 to 85 | O(log n) nodes, 1.1 to 1.2 times the work of `Bvh` | comparing shapes of volumes |
 //! | [`KdTree`] | O(n log n), 2 to 8 times `Bvh` | 45 to 100 | O(log n) nodes | primitives that overlap little, seen from within; queries of regions |
 //! | [`BspTree`] | O(n log n), 2 to 5 times `KdTree` | 110 to 210 | O(log n) nodes | walls at odd angles with empty space between them |
-//! | [`Bih`] | O(n log n), a tenth to a fifth of `Bvh` | under 20 | O(log n) nodes, 1.5 to 5 times the work of `Bvh` | scenes that change all the time |
-//! | [`LazyBih`] | O(n), the rest while rays arrive | 56 before, 40 to 60 after | as `Bih` | first pictures of scenes of which little is seen |
+//! | [`Bih`] | O(n log n), a tenth to a fifth of `Bvh` | under 20 | O(log n) nodes, 1.5 to 5 times the work of `Bvh` | scenes that change constantly |
+//! | [`LazyBih`] | O(n), the rest on demand | 56 before, 40 to 60 after | as `Bih` | first images of scenes of which little is visible |
 //!
 //! Ranges are for 10³ to 10⁵ primitives; `docs/COSTS.md` of the repository lists all measurements. The [`guide`]
 //! explains each accelerator with images.
 //!
-//! **All return the results of [`brute_force`], bit for bit**, ties included, for every ray: hits are accepted through
+//! **All return the results of [`brute_force`], bit for bit**, ties included, for every ray. Hits are accepted through
 //! [`rt_geometry::intersect_primitive`] alone, and culled primitives provably cannot win. The proofs are in the source
-//! files; the tests check them with rays through vertices, edges and corners, along walls, and one rounding step off
+//! files. The tests check them with rays through vertices, edges and corners, along walls, and one rounding step off
 //! these. Primitives without bounds, such as infinite planes, are tested against every ray.
 //!
 //! **Owns** the accelerators, their builders and traversals. **Does not own** shapes: an accelerator holds indices and

@@ -237,10 +237,10 @@ fn trees_over_powers_of_two_stay_shallow() {
     let one_sided = Soup((0..1075).map(|i| at(exp2(-i))).collect());
     // Around the centre of the tree all of f32's exponents are there to split by, and each place is crowded.
     let two_sided = Soup((-140..120).flat_map(|i| [exp2(i), -exp2(i)]).flat_map(|x| [at(x); 100]).collect());
-    for (soup, least_depth) in [(one_sided, 10), (two_sided, 45)] {
+    for (soup, min_depth) in [(one_sided, 10), (two_sided, 45)] {
         let all = Structures::build(&soup);
         let depth = all.bvh().build_stats().max_depth;
-        assert!((least_depth..=60).contains(&depth), "depth {depth}");
+        assert!((min_depth..=60).contains(&depth), "depth {depth}");
         for i in -140..0 {
             all.closest(&soup, &Ray::new(DVec3::new(exp2(i), 1.0, 0.0), DVec3::NEG_Y), FORWARD).unwrap();
         }
@@ -491,10 +491,11 @@ fn a_ray_through_the_rounded_centre_of_a_tiny_sphere_misses_it() {
 /// ray, with a span that ends between both intersections, and with one that begins there.
 #[test]
 fn spheres_whose_squares_vanish_are_hit_and_missed_as_they_are() {
-    let ball = |centre: DVec3, radius: f64| Solid::Round(SphereKernel { centre, radius });
+    let sphere = |centre: DVec3, radius: f64| Solid::Round(SphereKernel { centre, radius });
     for scale in [1.0, 1e-8, 1e-12, 1e-16, 1e-20, 1e-24, 1e-30] {
         // The centre of the tree is that of the little sphere.
-        let soup = Soup(vec![ball(DVec3::ZERO, scale), ball(DVec3::X * 50.0, 1.0), ball(DVec3::NEG_X * 50.0, 1.0)]);
+        let soup =
+            Soup(vec![sphere(DVec3::ZERO, scale), sphere(DVec3::X * 50.0, 1.0), sphere(DVec3::NEG_X * 50.0, 1.0)]);
         let spans = [Interval::FORWARD, Interval::new(0.0, 6.99 * scale), Interval::new(7.01 * scale, f64::INFINITY)];
         let asides = [(0.0, true), (0.5, true), (0.99, true), (1.01, false), (1.5, false)];
         for (span, (aside, is_hit)) in spans.into_iter().flat_map(|span| asides.map(|aside| (span, aside))) {

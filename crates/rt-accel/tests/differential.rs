@@ -184,7 +184,7 @@ fn heaps(draw: &mut Draw) -> Vec<(&'static str, Soup)> {
 fn linear_equals_brute_force_to_the_last_test() {
     let seed = Draw::run_seed();
     println!("linear: seed {seed}");
-    let (mut n_hits, mut n_asked) = (0, 0);
+    let (mut n_hits, mut n_tested) = (0, 0);
     for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
         for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e3, 7e3), (1.0, 1e4), (1e-3, 1e5), (1e12, 0.0), (1e-50, 0.0)]
         {
@@ -206,13 +206,13 @@ fn linear_equals_brute_force_to_the_last_test() {
                     assert_eq!((found, found_blocked), (hit, blocked), "{name}: {query:?}");
                     assert_eq!(counted.total(), expected.total(), "{name}: {query:?}");
                     n_hits += usize::from(blocked);
-                    n_asked += 1;
+                    n_tested += 1;
                 }
             }
         }
     }
-    println!("linear: {n_asked} rays, {n_hits} hits, 0 differences");
-    assert!(n_hits > n_asked / 4);
+    println!("linear: {n_tested} rays, {n_hits} hits, 0 differences");
+    assert!(n_hits > n_tested / 4);
 }
 
 #[test]

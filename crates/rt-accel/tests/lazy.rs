@@ -75,7 +75,7 @@ fn boxes(structure: &impl Accelerator) -> Vec<(Aabb, u32)> {
 }
 
 /// All threads begin at once, each with another ray, so that they race for the same nodes.
-fn asked_by(n_threads: usize, soup: &Soup, rays: &[(Ray, Interval)]) -> LazyBih {
+fn traced_by(n_threads: usize, soup: &Soup, rays: &[(Ray, Interval)]) -> LazyBih {
     let lazy = LazyBih::build(soup).unwrap();
     let start = Barrier::new(n_threads);
     std::thread::scope(|scope| {
@@ -97,13 +97,13 @@ fn asked_by(n_threads: usize, soup: &Soup, rays: &[(Ray, Interval)]) -> LazyBih 
 fn the_tree_is_the_same_whoever_comes_first() {
     let soup = Soup::spheres(3000, &mut Draw::new(5));
     let rays: Vec<_> = rays(&soup, 64);
-    let expected = asked_by(1, &soup, &rays);
+    let expected = traced_by(1, &soup, &rays);
     assert_eq!(expected.validate(&soup), Ok(()));
     let n_nodes = expected.build_stats().nodes;
     let full = Bih::build(&soup).unwrap().build_stats().nodes;
     assert!(n_nodes > 100 && n_nodes < full, "part of the tree: {n_nodes} of {full}");
     for _ in 0..20 {
-        assert!(asked_by(16, &soup, &rays) == expected);
+        assert!(traced_by(16, &soup, &rays) == expected);
     }
 }
 

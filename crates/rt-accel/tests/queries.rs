@@ -79,11 +79,11 @@ fn first_hits_are_the_beginning_of_all_hits() {
     let mut hits = Vec::new();
     for (i, Query { ray, span }) in queries(&soup, 4000, 4).into_iter().enumerate() {
         all.0[0].all_hits(&soup, &ray, span, &mut hits, &mut NoProbe);
-        let room = i % 6;
-        let expected: Vec<_> = hits.iter().take(room).map(key).collect();
+        let capacity = i % 6;
+        let expected: Vec<_> = hits.iter().take(capacity).map(key).collect();
         for structure in &all.0 {
             let mut first = [None; 5];
-            let found = structure.first_hits(&soup, &ray, span, &mut first[..room], &mut NoProbe);
+            let found = structure.first_hits(&soup, &ray, span, &mut first[..capacity], &mut NoProbe);
             let first: Vec<_> = first.iter().flatten().map(key).collect();
             assert_eq!((found, &first), (expected.len(), &expected), "{}: {ray:?}", structure.kind().name());
         }
@@ -169,24 +169,24 @@ fn overlaps_are_found_once_each() {
         } else {
             Aabb::new(corner, corner + draw.point().abs() * draw.pick(&[0.0, 0.1, 2.0]))
         };
-        let ball = SphereRegion { centre: draw.point() * 1.5, radius: draw.pick(&[-1.0, 0.0, 0.1, 0.5, 3.0]) };
+        let sphere = SphereRegion { centre: draw.point() * 1.5, radius: draw.pick(&[-1.0, 0.0, 0.1, 0.5, 3.0]) };
         let frustum = frustum(&mut draw);
         let expect = |overlaps: &dyn Fn(&Aabb) -> bool| -> BTreeSet<u32> {
             (0..soup.len() as u32).filter(|&i| soup.bounds(i).is_none_or(|bounds| overlaps(&bounds))).collect()
         };
         let expected = [
             expect(&|bounds| aabb.overlaps(bounds)),
-            expect(&|bounds| ball.overlaps(bounds)),
+            expect(&|bounds| sphere.overlaps(bounds)),
             expect(&|bounds| frustum.overlaps(bounds)),
         ];
         n_found += expected.iter().map(BTreeSet::len).sum::<usize>();
         for structure in &all.0 {
             let found = [
                 overlapping(structure, &soup, &aabb),
-                overlapping(structure, &soup, &ball),
+                overlapping(structure, &soup, &sphere),
                 overlapping(structure, &soup, &frustum),
             ];
-            assert_eq!(found, expected, "{}: {aabb:?} {ball:?} {frustum:?}", structure.kind().name());
+            assert_eq!(found, expected, "{}: {aabb:?} {sphere:?} {frustum:?}", structure.kind().name());
         }
     }
     assert!(n_found > 100_000, "{n_found}");
@@ -201,16 +201,16 @@ fn spatial_splits_do_not_repeat_overlaps() {
     let mut draw = Draw::new(22);
     let mut n_found = 0;
     for _ in 0..3000 {
-        let ball = SphereRegion { centre: DVec3::splat(1e6) + draw.point(), radius: draw.pick(&[0.0, 0.01, 0.3]) };
+        let sphere = SphereRegion { centre: DVec3::splat(1e6) + draw.point(), radius: draw.pick(&[0.0, 0.01, 0.3]) };
         // Touches the corner of a stick's box.
         let corner = sticks.bounds(draw.below(300) as u32).unwrap().max;
-        for region in [ball.bounds(), Aabb::new(corner, corner)] {
+        for region in [sphere.bounds(), Aabb::new(corner, corner)] {
             let expected = overlapping(&linear, &sticks, &region);
             n_found += expected.len();
             assert_eq!(overlapping(&bvh, &sticks, &region), expected, "{region:?}");
         }
-        assert_eq!(overlapping(&bvh, &sticks, &ball), overlapping(&linear, &sticks, &ball));
-        assert_eq!(bvh.nearest_point(&sticks, ball.centre, 9.0), linear.nearest_point(&sticks, ball.centre, 9.0));
+        assert_eq!(overlapping(&bvh, &sticks, &sphere), overlapping(&linear, &sticks, &sphere));
+        assert_eq!(bvh.nearest_point(&sticks, sphere.centre, 9.0), linear.nearest_point(&sticks, sphere.centre, 9.0));
     }
     assert!(n_found > 10_000, "{n_found}");
 }
@@ -255,12 +255,14 @@ fn nearest_points_are_those_of_exhaustive_search() {
             let point = DVec3::splat(offset) + draw.point() * draw.pick(&[0.5, 1.5, 30.0]);
             let radius = draw.pick(&[0.0, 0.05, 0.4, 5.0, f64::INFINITY, -1.0, f64::NAN]);
             let expected = all.0[0].nearest_point(&soup, point, radius);
-            let least = (0..soup.len() as u32)
+            let smallest = (0..soup.len() as u32)
                 .filter_map(|i| Some(soup.nearest_point(i, point)?.distance(point)))
                 .fold(f64::INFINITY, f64::min);
             match expected {
-                Some(hit) => assert!((hit.distance - least).abs() <= 1e-12 * (1.0 + offset) && hit.distance <= radius),
-                None => assert!(!(least < radius * (1.0 - 1e-12)), "{least} within {radius}"),
+                Some(hit) => {
+                    assert!((hit.distance - smallest).abs() <= 1e-12 * (1.0 + offset) && hit.distance <= radius)
+                }
+                None => assert!(!(smallest < radius * (1.0 - 1e-12)), "{smallest} within {radius}"),
             }
             n_found += usize::from(expected.is_some());
             for structure in &all.0 {
@@ -306,8 +308,8 @@ fn queries_look_at_a_small_part_only() {
         };
         let nearest =
             looked_at(&|| assert!(structure.nearest_point(&counting, DVec3::splat(0.1), f64::INFINITY).is_some()));
-        let ball = SphereRegion { centre: DVec3::splat(0.2), radius: 0.03 };
-        let overlaps = looked_at(&|| structure.visit_overlapping(&counting, &ball, |_| ControlFlow::Continue(())));
+        let sphere = SphereRegion { centre: DVec3::splat(0.2), radius: 0.03 };
+        let overlaps = looked_at(&|| structure.visit_overlapping(&counting, &sphere, |_| ControlFlow::Continue(())));
         let name = structure.kind().name();
         assert!(nearest < 400 && overlaps < 800, "{name}: {nearest} for the nearest, {overlaps} for a ball");
     }

@@ -32,7 +32,7 @@ pub(crate) fn area_vector(vertices: [DVec3; 3]) -> DVec3 {
 const AREA_ERROR: f64 = 1e-12;
 
 /// Newell's normal: twice the area enclosed by a polygon times its unit normal, on the side from which it runs
-/// counter-clockwise; defined for concave and bent polygons as well (Tampieri, Graphics Gems III, 1992). `None` if
+/// counter-clockwise. Defined for concave and bent polygons as well (Tampieri, Graphics Gems III, 1992). `None` if
 /// rounding could make it zero.
 ///
 /// Sums over the fan of triangles from the first corner, each of which is computed without cancellation.
@@ -101,7 +101,7 @@ mod tests {
     proptest! {
         /// Slivers along a line, moved off it by a few units in the last place. 46-bit integers keep `i128` exact.
         #[test]
-        fn nearly_collinear_vertices_are_told_apart(
+        fn nearly_collinear_vertices_are_distinguished(
             start in prop::array::uniform3(-(1i64 << 44)..1i64 << 44), step in prop::array::uniform3(-(1i64 << 20)..1i64 << 20),
             j in 1i64..1 << 20, k in 1i64..1 << 20, nudge in prop::array::uniform3(-1i64..2),
         ) {

@@ -222,9 +222,9 @@ mod tests {
         #[test]
         fn caps_only_add_hits(from in vector(4.0), to in vector(2.0)) {
             let ray = Ray::new(from, to - from);
-            let [solid, tube] =
+            let [solid, open] =
                 [CLOSED, OPEN].map(|caps| cylinder(caps).intersect(&ray, Interval::FORWARD).map(|hit| hit.t));
-            prop_assert!(tube.is_none_or(|tube| solid.is_some_and(|solid| solid <= tube)), "{solid:?} {tube:?}");
+            prop_assert!(open.is_none_or(|open| solid.is_some_and(|solid| solid <= open)), "{solid:?} {open:?}");
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::quadric_side::{QuadricSide, azimuth};
 use crate::{InteractionFlags, ShapeHit, SurfaceInteraction};
 use rt_math::{Interval, Ray};
 
-/// Two infinite cones around the y axis with a common apex at the origin; the normal points away from the axis, at the
+/// Two infinite cones around the y axis with a common apex at the origin. The normal points away from the axis, at the
 /// apex against the incident ray. It has no bounds.
 ///
 /// Texture coordinates: `u` runs once around +y as on a [`Sphere`](crate::Sphere), with +z at ½; `v` is y, a length.

@@ -109,8 +109,8 @@ impl SurfaceInteraction {
     }
 
     /// Ray that leaves the surface in `direction`. Its origin is moved along the geometric normal, to the side of the
-    /// direction, by the error bound of the hit point, so that rounding cannot make it hit the same surface again.
-    /// Pharr, Jakob, Humphreys, PBR 4th ed., section 6.8.6.
+    /// direction, by the error bound of the hit point. So rounding cannot make it hit the same surface again. Pharr,
+    /// Jakob, Humphreys, PBR 4th ed., section 6.8.6.
     ///
     /// Pharr, Jakob, Humphreys, PBR 4th ed., section 6.8.6.
     #[inline(always)]
@@ -195,10 +195,10 @@ impl ShadowRays<'_> {
 #[inline(always)]
 fn rounded_towards(point: DVec3, side: DVec3) -> DVec3 {
     /// Steps of numbers below this one may underflow.
-    const LEAST: f64 = 1e-280;
+    const MIN_STEP: f64 = 1e-280;
     const STEP: f64 = f64::EPSILON / 2.0 * (1.0 + f64::EPSILON);
     let sizes = point.abs();
-    if sizes.cmpge(DVec3::splat(LEAST)).all() && sizes.is_finite() {
+    if sizes.cmpge(DVec3::splat(MIN_STEP)).all() && sizes.is_finite() {
         let steps = DVec3::select(side.cmpeq(DVec3::ZERO), DVec3::ZERO, sizes * STEP);
         point + steps.copysign(side)
     } else {
@@ -249,8 +249,8 @@ mod tests {
     fn sums_are_rounded_to_the_neighbouring_number() {
         let rounded = |x: f64, side: f64| {
             let all = rounded_towards(DVec3::splat(x), DVec3::splat(side));
-            let beside_others = rounded_towards(DVec3::new(2.0, x, -0.3), DVec3::new(0.0, side, 0.0));
-            assert_eq!(beside_others, DVec3::new(2.0, all.y, -0.3), "{x:e}");
+            let next_to_others = rounded_towards(DVec3::new(2.0, x, -0.3), DVec3::new(0.0, side, 0.0));
+            assert_eq!(next_to_others, DVec3::new(2.0, all.y, -0.3), "{x:e}");
             assert_eq!([all.x, all.y].map(f64::to_bits), [all.z; 2].map(f64::to_bits), "{x:e}");
             all.x
         };

@@ -1,30 +1,30 @@
 //! # rt-geometry: chapter 2, ray-object intersection
 //!
 //! ```text
-//!                .  -  -  .             Where does a ray meet a sphere? Three questions, the cheapest first:
+//!                .  -  -  .             Ray-sphere intersection in three steps, the cheapest first:
 //!             .'      h      '.
-//!   o ───────●───────┬────────●──▶ d    1. is the sphere behind?       f·d > 0 and the origin outside
-//!     ╲    t₀        │L       t₁        2. does the ray pass by?       L > r
-//!        ╲   .       │        .         3. else half a chord each way: h² = (r − L)(r + L)
+//!   o ───────●───────┬────────●──▶ d    1. sphere behind the ray?      f·d > 0 and the origin outside
+//!     ╲    t₀        │L       t₁        2. ray misses?                 L > r
+//!        ╲   .       │        .         3. else half chord h:          h² = (r − L)(r + L)
 //!       f   ╲ '.     c      .'
-//!                '  -  -  '             [`Sphere`] says how to ask without cancellation.
+//!                '  -  -  '             [`SphereKernel`] avoids cancellation.
 //! ```
 //!
-//! A hit comes in two stages. [`Shape::intersect`] gives the small [`ShapeHit`]: the ray parameter `t` and what is
-//! needed to go on. [`Shape::surface`] makes the full [`SurfaceInteraction`] of it, once, for the hit that won: point,
-//! normals, texture coordinates, and a **bound on the rounding error of the point**. From that bound the next rays
-//! are offset ([`SurfaceInteraction::spawn_ray`]): they meet their own surface never again by rounding, whatever the
-//! scale of the scene, and there is no epsilon to tune.
+//! A hit has two stages. [`Shape::intersect`] returns the small [`ShapeHit`]: the ray parameter `t` and parameters on
+//! the surface. [`Shape::surface`] computes the full [`SurfaceInteraction`], once, for the closest hit: point, normals,
+//! texture coordinates, and a **bound on the rounding error of the point**. By that bound the origins of spawned rays
+//! are offset ([`SurfaceInteraction::spawn_ray`]). They never hit their own surface by rounding, at any scale of the
+//! scene, without an epsilon to tune.
 //!
 //! **Owns** the shapes ([`Sphere`], [`Cuboid`], [`Plane`], [`Triangle`], [`Polygon`], [`Cylinder`],
 //! [`InfiniteCylinder`], [`Cone`], [`DoubleCone`], [`Frustum`], [`Disk`], [`Rectangle`], [`Torus`], the enum [`Shape`]),
 //! shapes under affine maps ([`TransformedShape`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets ([`Spheres`]), their tests in
 //! `f64`, and the geometry of a hit.
-//! **Does not own** accelerators that find the first of many hits (rt-accel), materials and light (rt-shading), or
+//! **Does not own** accelerators that find the closest of many hits (rt-accel), materials and light (rt-shading), or
 //! files (rt-scene-io).
 //!
-//! All tests are total: a ray that misses, has a NaN or has no direction gives `None`. In and out are decided without
-//! tolerances; the triangle test is watertight ([`WatertightRay`]).
+//! All tests are total: a ray that misses, has a NaN or has no direction gives `None`. Inside and outside are exact,
+//! without tolerances; the triangle test is watertight ([`WatertightRay`]).
 //!
 //! ```
 //! use rt_geometry::{TransformedShape, Shape, Sphere, InteractionFlags};

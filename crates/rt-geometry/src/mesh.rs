@@ -3,7 +3,7 @@
 use crate::triangle::{point_at, weights};
 use crate::{
     Hit, InteractionFlags, MeshData, MeshError, MeshRepairs, PrimitiveGeometry, Primitives, SurfaceInteraction,
-    VertexAttributes, WatertightRay, area::unit_normal, mesh_repair::mend,
+    VertexAttributes, WatertightRay, area::unit_normal, mesh_repair::repair,
 };
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
@@ -32,7 +32,7 @@ impl TriangleMesh {
     /// # Errors
     /// If an index or the length of an array is wrong, or there are too many.
     pub fn build(mut data: MeshData) -> Result<(Self, MeshRepairs), MeshError> {
-        let repairs = mend(&mut data)?;
+        let repairs = repair(&mut data)?;
         let mut mesh = Self { data, bounds: Aabb::EMPTY };
         mesh.bounds = (0..mesh.data.triangles.len()).fold(Aabb::EMPTY, |sum, i| sum.union(mesh.triangle_bounds(i)));
         Ok((mesh, repairs))
@@ -92,8 +92,8 @@ impl TriangleMesh {
     }
 
     /// Interpolated normal and the lifted point: the mean of the projections of the hit point on the tangent planes of
-    /// the vertices, as far as they are on the side of the ray (Hanika, "Hacking the Shadow Terminator", Ray Tracing
-    /// Gems II, 2021). `None` if the normals of the vertices cancel.
+    /// the vertices, on the side of the ray (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021).
+    /// `None` if the normals of the vertices cancel.
     #[inline(always)]
     fn smooth(
         &self,
@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn what_can_be_mended_is_mended_and_counted() {
+    fn repairable_input_is_repaired_and_counted() {
         let mut data = square();
         data.positions.extend([Vec3::new(0.0, f32::NAN, 0.0), Vec3::new(0.1, 0.1, 0.1), Vec3::splat(0.3)]);
         data.normals.extend([Vec3::ZERO; 3]);
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_mended_is_refused() {
+    fn other_input_is_rejected() {
         let mut bad = square();
         bad.triangles[1][2] = 4;
         assert_eq!(TriangleMesh::build(bad).err(), Some(MeshError::BadIndex { triangle: 1, vertex: 4, count: 4 }));
@@ -315,7 +315,7 @@ mod tests {
     }
 
     /// Tessellated sphere around the origin, with the normals of the sphere.
-    fn faceted_ball(around: u32, up: u32) -> TriangleMesh {
+    fn tessellated_sphere(around: u32, up: u32) -> TriangleMesh {
         let vertex = |i: u32| {
             let (column, row) = (i % around, i / around);
             let (sin, cos) = sincos(TAU * f64::from(column) / f64::from(around));
@@ -360,7 +360,7 @@ mod tests {
         let light = DVec3::new(sin, 0.0, cos);
         // Lambert's phase function of a sphere, over the area π of its disc.
         let truth = 2.0 / 3.0 * (sin + (PI - angle) * cos) / PI;
-        let ball = faceted_ball(8, 8);
+        let ball = tessellated_sphere(8, 8);
         let (_, dark) = lit(&ball, light, |surface| surface.spawn_ray(light, 0.0));
         assert!(dark > 100, "{dark}: the terminator is in view");
         let (mean, dark) = lit(&ball, light, |surface| surface.spawn_shadow_ray_towards(light, 0.0));

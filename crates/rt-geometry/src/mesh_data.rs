@@ -27,8 +27,8 @@ pub struct MeshData {
 
 impl MeshData {
     /// Replaces the normals by smooth ones: the mean of the normals of all triangles around a vertex, weighted by their
-    /// angle there (Thürmer, Wüthrich, "Computing Vertex Normals from Polygonal Facets", 1998). They are independent of
-    /// the triangulation of flat faces.
+    /// angle there. They are independent of the triangulation of flat faces (Thürmer, Wüthrich, "Computing Vertex
+    /// Normals from Polygonal Facets", 1998).
     ///
     /// Vertices at the same position share their normal, so that seams between texture charts stay invisible. Triangles
     /// with invalid vertices are skipped; vertices without valid triangles get a zero normal, which
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn closed_meshes_are_told_from_open_ones() {
+    fn closed_meshes_are_distinguished_from_open_ones() {
         let mut mesh = cube();
         assert!(mesh.is_closed() && MeshData::default().is_closed());
         mesh.triangles[3].swap(0, 1);

@@ -78,11 +78,11 @@ pub struct MeshRepairs {
 }
 
 /// Rejects arrays of inconsistent lengths, drops triangles that cannot be hit, and normalizes all normals.
-pub(crate) fn mend(data: &mut MeshData) -> Result<MeshRepairs, MeshError> {
+pub(crate) fn repair(data: &mut MeshData) -> Result<MeshRepairs, MeshError> {
     check_counts(data)?;
     let mut repairs = MeshRepairs::default();
     drop_bad_triangles(data, &mut repairs);
-    mend_normals(data, &mut repairs);
+    repair_normals(data, &mut repairs);
     let uvs = data.uvs.iter_mut().chain(&mut data.second_uvs);
     for uv in uvs.filter(|uv| !(uv[0].is_finite() && uv[1].is_finite())) {
         *uv = [0.0; 2];
@@ -92,7 +92,7 @@ pub(crate) fn mend(data: &mut MeshData) -> Result<MeshRepairs, MeshError> {
         *color = [1.0; 4];
         repairs.bad_colors += 1;
     }
-    mend_tangents(data, &mut repairs);
+    repair_tangents(data, &mut repairs);
     data.triangles.shrink_to_fit();
     Ok(repairs)
 }
@@ -136,7 +136,7 @@ fn drop_bad_triangles(data: &mut MeshData, repairs: &mut MeshRepairs) {
 }
 
 /// Keeps the normals of unused vertices.
-fn mend_normals(data: &mut MeshData, repairs: &mut MeshRepairs) {
+fn repair_normals(data: &mut MeshData, repairs: &mut MeshRepairs) {
     if data.normals.is_empty() {
         return;
     }
@@ -156,7 +156,7 @@ fn mend_normals(data: &mut MeshData, repairs: &mut MeshRepairs) {
 }
 
 /// Normalizes them, also those of unused vertices.
-fn mend_tangents(data: &mut MeshData, repairs: &mut MeshRepairs) {
+fn repair_tangents(data: &mut MeshData, repairs: &mut MeshRepairs) {
     for [x, y, z, side] in &mut data.tangents {
         let unit = Vec3::new(*x, *y, *z).as_dvec3().normalize_or_zero().as_vec3();
         repairs.bad_tangents += usize::from(unit == Vec3::ZERO);

@@ -143,8 +143,8 @@ mod tests {
             let best = sampled(vertices).map(|sample| sample.distance(point)).fold(f64::INFINITY, f64::min);
             prop_assert!(distance <= best + 1e-14, "{distance} {best}");
             // The result is a point of the triangle: no farther from a sample than samples are from each other.
-            let beside = sampled(vertices).map(|sample| sample.distance(nearest)).fold(f64::INFINITY, f64::min);
-            prop_assert!(beside <= 3.5 / 60.0, "{beside}");
+            let outside = sampled(vertices).map(|sample| sample.distance(nearest)).fold(f64::INFINITY, f64::min);
+            prop_assert!(outside <= 3.5 / 60.0, "{outside}");
         }
 
         #[test]

@@ -21,7 +21,7 @@ pub enum PrimitiveGeometry {
     /// Centre and radius.
     Sphere(DVec3, f64),
     /// Exactly a sphere: `intersect` is [`SphereKernel::intersect`](crate::SphereKernel::intersect), with instance 0,
-    /// primitive `index` and `uv` 0; `occludes` agrees with it; `bounds` contains the box of the centre plus and minus
+    /// primitive `index` and `uv` 0. `occludes` agrees with it; `bounds` contains the box of the centre plus and minus
     /// the radius, as rounded. An accelerator may test these numbers instead.
     ExactSphere(SphereKernel),
     /// An axis-aligned box.

@@ -53,8 +53,8 @@ impl QuadricSide {
         let b = -dot([o.x, o.z, rho], [d.x, d.z, -sigma]);
         let c = dot([o.x, o.z, rho], [o.x, o.z, -rho]);
         let reach = length(difference_of_products(rho, d.x, sigma, o.x), difference_of_products(rho, d.z, sigma, o.z));
-        let moment = difference_of_products(o.x, d.z, o.z, d.x).abs();
-        let discriminant = (reach - moment) * (reach + moment);
+        let cross = difference_of_products(o.x, d.z, o.z, d.x).abs();
+        let discriminant = (reach - cross) * (reach + cross);
         // A ray that is steeper than the cone crosses it for any rounding.
         if !discriminant.is_finite() || (a > 0.0 && discriminant < 0.0) {
             return None;

@@ -100,8 +100,8 @@ impl Shape {
         }
     }
 
-    /// The first hit at or after `span.min`, if it is not after `span.max`; `None` on a miss and for rays with a NaN
-    /// or without a direction.
+    /// The first hit at or after `span.min`, if it is not after `span.max`. `None` on a miss and for rays with a NaN or
+    /// without a direction.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         dispatch!(self, shape => shape.intersect(ray, span))

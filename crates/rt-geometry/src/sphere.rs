@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 /// A sphere; its normal points outwards.
 ///
 /// Texture coordinates: `u` runs once around +y, from −z over −x, +z (where it is ½) and +x, so that an image appears
-/// upright and unmirrored from outside; `v` runs with the latitude from 0 at the south pole (−y) to 1 at the north.
+/// upright and unmirrored from outside. `v` runs with the latitude from 0 at the south pole (−y) to 1 at the north.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere(SphereKernel);
 

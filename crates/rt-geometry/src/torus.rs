@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 /// A ring around the y axis: the surface at distance `tube_radius` from a circle of `radius` in the plane y = 0. Its
 /// normal points out of the tube.
 ///
-/// Texture coordinates: `u` runs once around +y as on a [`Sphere`](crate::Sphere), with +z at ½; `v` runs around the
+/// Texture coordinates: `u` runs once around +y as on a [`Sphere`](crate::Sphere), with +z at ½. `v` runs around the
 /// tube, upwards on the outside with ½ at its middle, and has its seam on the inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Torus {
@@ -59,7 +59,7 @@ impl Torus {
     /// First of up to four intersections within `span`. `None` on a miss, and for rays without a direction.
     ///
     /// The quartic is never expanded, as its coefficients would cancel for a thin tube. `Chord::excess` has the sign of
-    /// the quartic and is evaluated from geometry; the roots of its slope split the ray into intervals in which it is
+    /// the quartic and is evaluated from geometry. The roots of its slope split the ray into intervals in which it is
     /// monotone, and a change of sign in an interval brackets one root.
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let chord = Chord::new(self, ray)?;

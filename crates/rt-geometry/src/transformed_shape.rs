@@ -32,8 +32,8 @@ impl TransformedShape {
     /// The smallest box in world space around the shape, widened by the rounding of the transform. `None` for infinite
     /// shapes.
     ///
-    /// A world coordinate of a point is its dot product with a row of the linear part, plus the translation: the extent
-    /// along the axis is the support function of that row.
+    /// A world coordinate of a point is its dot product with a row of the linear part, plus the translation. So the
+    /// extent along the axis is the support function of that row.
     pub fn bounds(&self) -> Option<Aabb> {
         let map = &self.world_from_local;
         let local = self.shape.bounds()?;
@@ -60,9 +60,9 @@ impl TransformedShape {
         self.shape.surface(&local, hit, needs).transformed(&self.world_from_local)
     }
 
-    /// Equivalent world-space shape, texture coordinates included: any translated shape, a uniformly scaled sphere, a
-    /// box that is scaled along its axes without mirroring, a triangle under any map that does not mirror, a translated
-    /// plane or polygon. `None` without one.
+    /// Equivalent world-space shape, texture coordinates included, or `None`. Exists for translated shapes, uniformly
+    /// scaled spheres, boxes that are scaled along their axes without mirroring, triangles under maps that do not
+    /// mirror, and translated planes and polygons.
     pub fn bake_transform(&self) -> Option<Shape> {
         let linear = self.world_from_local.linear();
         let scale = diagonal(&linear).filter(|scale| scale.min_element() > 0.0);
@@ -76,8 +76,8 @@ impl TransformedShape {
         if keeps_uv { self.bake_transform_ignoring_uv() } else { None }
     }
 
-    /// Equivalent world-space shape with perhaps other texture coordinates: a sphere that stays round, a box that is
-    /// scaled along its axes, any plane, any triangle, any polygon that rounding keeps flat. `None` without one.
+    /// Equivalent world-space shape with perhaps other texture coordinates, or `None`. Exists for spheres that stay
+    /// round, boxes that are scaled along their axes, planes, triangles, and polygons that rounding keeps flat.
     pub fn bake_transform_ignoring_uv(&self) -> Option<Shape> {
         let map = &self.world_from_local;
         match &self.shape {

@@ -48,17 +48,17 @@ impl Triangulator {
         let mut start = 0;
         if (n > 3 || !face.holes.is_empty()) && self.project(positions, face) {
             let turn_at = |i: usize| turn(self.flat[(i + n - 1) % n], self.flat[i], self.flat[(i + 1) % n]);
-            let (mut straightest, mut least, mut greatest) = (0, turn_at(0), turn_at(0));
+            let (mut straightest, mut smallest, mut largest) = (0, turn_at(0), turn_at(0));
             for i in 1..n {
-                if turn_at(i) < least {
-                    (straightest, least) = (i, turn_at(i));
+                if turn_at(i) < smallest {
+                    (straightest, smallest) = (i, turn_at(i));
                 }
-                greatest = greatest.max(turn_at(i));
+                largest = largest.max(turn_at(i));
             }
-            if least <= greatest * STRAIGHT {
+            if smallest <= largest * STRAIGHT {
                 start = straightest;
             }
-            if !face.holes.is_empty() || (least < 0.0 && n > 4) {
+            if !face.holes.is_empty() || (smallest < 0.0 && n > 4) {
                 self.clip_ears(triangles);
                 return;
             }

@@ -101,8 +101,8 @@ impl WatertightRay {
         let (x_two, y_two) = ([b.x, c.x, a.x, 0.0], [b.y, c.y, a.y, 0.0]);
         let (minuends, subtrahends) = (products(x_one, y_two), products(y_one, x_two));
         let [u, v, w, spare] = differences(minuends, subtrahends);
-        let is_settled = |i: usize, area: f64| is_sign_certain(area, minuends[i], subtrahends[i]);
-        let areas = if is_settled(0, u) & is_settled(1, v) & is_settled(2, w) & (spare == 0.0) {
+        let is_certain = |i: usize, area: f64| is_sign_certain(area, minuends[i], subtrahends[i]);
+        let areas = if is_certain(0, u) & is_certain(1, v) & is_certain(2, w) & (spare == 0.0) {
             [u, v, w]
         } else {
             exact_areas([c.x, c.y, a.x, a.y, b.x, b.y])

@@ -217,8 +217,8 @@ mod tests {
 
     #[test]
     fn touching_boxes_overlap_and_empty_ones_do_not() {
-        let beside = Aabb::new(DVec3::X, DVec3::new(2.0, 1.0, 1.0));
-        assert!(UNIT.overlaps(&beside) && beside.overlaps(&UNIT));
+        let outside = Aabb::new(DVec3::X, DVec3::new(2.0, 1.0, 1.0));
+        assert!(UNIT.overlaps(&outside) && outside.overlaps(&UNIT));
         let above = Aabb::new(DVec3::splat(1.0f64.next_up()), DVec3::splat(2.0));
         assert!(!UNIT.overlaps(&above) && !above.overlaps(&UNIT));
         assert!(!UNIT.overlaps(&Aabb::EMPTY) && !UNIT.overlaps(&Aabb::new(DVec3::NAN, DVec3::NAN)));

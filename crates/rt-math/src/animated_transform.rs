@@ -26,7 +26,7 @@ const ROUNDINGS: f64 = 256.0;
 
 /// Transform that changes from one value at time 0 to another at time 1.
 ///
-/// Both are decomposed into translation, rotation and stretch by the polar decomposition (Shoemake and Duff 1992); the
+/// Both are decomposed into translation, rotation and stretch by the polar decomposition (Shoemake and Duff 1992). The
 /// rotation is interpolated along the shortest arc at constant speed (Shoemake 1985), the others linearly. So rigid
 /// motions stay rigid, and the transform is never singular: a mean of two positive definite stretches is positive
 /// definite.

@@ -33,7 +33,7 @@ pub fn permute(index: u32, length: u32, seed: u64) -> u32 {
 /// A pseudo-random permutation of `0..length` (after Kensler 2013).
 ///
 /// Consists of a bijection of the next power of two, iterated until the result is in the range (cycle walking, Black
-/// and Rogaway), and a rotation of the range, by which every index is equally likely to have every position.
+/// and Rogaway), and of a rotation of the range. The rotation makes all positions of an index equally likely.
 #[derive(Clone, Copy, Debug)]
 pub struct Permutation {
     length: u32,
@@ -62,7 +62,7 @@ impl Permutation {
         }
         let mut value = [if index < self.length { index } else { index % self.length }];
         self.scramble(&mut value);
-        self.settled(value[0])
+        self.cycle_walk(value[0])
     }
 
     /// Positions of consecutive indices from `first` on: each [`position`](Self::position).
@@ -81,7 +81,7 @@ impl Permutation {
             }
             self.scramble(&mut values);
             for (position, value) in positions.iter_mut().zip(values) {
-                *position = self.settled(value);
+                *position = self.cycle_walk(value);
             }
         }
     }
@@ -104,7 +104,7 @@ impl Permutation {
 
     /// Cycle walking: repeats the bijection until the number is in the range.
     #[inline(always)]
-    fn settled(&self, value: u32) -> u32 {
+    fn cycle_walk(&self, value: u32) -> u32 {
         let mut value = [value];
         while value[0] >= self.length {
             self.scramble(&mut value);

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 /// A half-line `origin + t · direction`, at one time of the shutter.
 ///
-/// The direction **need not be unit**: transforms preserve the parameter `t` of a point instead of the length, so that
+/// The direction **need not be unit**. Transforms preserve the parameter `t` of a point instead of the length, so that
 /// `t` is the same in world and in local space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {

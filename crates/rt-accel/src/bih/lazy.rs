@@ -17,10 +17,10 @@ use node::{LazyNode, NodeState};
 
 /// [`Bih`](crate::Bih) whose nodes are split at the first visit.
 ///
-/// Building takes O(n), and parts of the scene without rays are never sorted: recommended for a first image as soon as
+/// Building takes O(n), and parts of the scene without rays are never sorted. Recommended for a first image as soon as
 /// possible, or for scenes of which little is visible. After a visit of every node it is the full tree with the same
-/// counters. Memory is 56 bytes per primitive at first and 40 to 60 at the end, about three times that of the full
-/// tree, because nodes are allocated separately.
+/// counters. Memory is 56 bytes per primitive at first and 40 to 60 at the end. That is about three times the memory of
+/// the full tree, because nodes are allocated separately.
 ///
 /// Any number of threads may query at once. A node is split once, by the first thread, while others wait. The split
 /// depends on its primitives alone, so that the tree is independent of the order of rays. It is the only accelerator

@@ -20,9 +20,9 @@ use traverse::{BihNode, Hierarchy};
 /// Binary tree with two planes per node: the end of its left side and the beginning of its right side.
 ///
 /// Wächter and Keller, "Instant Ray Tracing: The Bounding Interval Hierarchy" (EGSR 2006). Building takes about as long
-/// as sorting a list, because a cell is halved without evaluating costs: recommended for scenes that change constantly,
+/// as sorting a list, because a cell is halved without evaluating costs. Recommended for scenes that change constantly,
 /// with few rays per state. Each primitive is listed once. A query takes O(log n) nodes for most scenes, about as many
-/// as of a [`Bvh`](crate::Bvh), but tests ten times as many primitives: leaves are bounded on few sides.
+/// as of a [`Bvh`](crate::Bvh). It tests ten times as many primitives, because leaves are bounded on few sides.
 /// [`LazyBih`](crate::LazyBih) is the same tree, built on demand.
 ///
 /// No leaf is deeper than 60 and none has more than 4 primitives.

@@ -44,8 +44,8 @@ fn normal_of([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
 
 /// Normalizes a vector of any length.
 fn unit(vector: DVec3) -> Option<DVec3> {
-    let greatest = vector.abs().max_element();
-    (greatest > 0.0).then(|| vector / greatest).and_then(DVec3::try_normalize)
+    let largest = vector.abs().max_element();
+    (largest > 0.0).then(|| vector / largest).and_then(DVec3::try_normalize)
 }
 
 #[cfg(test)]

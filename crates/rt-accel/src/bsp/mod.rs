@@ -12,8 +12,8 @@ use plane::Plane;
 pub(crate) use split::SampledPlanes;
 
 /// Binary partition of space by planes of the geometry (Fuchs, Kedem and Naylor, "On visible surface generation by a
-/// priori tree structures", 1980): planes of triangles; planes through the centre of a sphere and tangent planes that
-/// face another primitive; faces of padded bounds.
+/// priori tree structures", 1980). Candidates are planes of triangles, planes through the centre of a sphere and
+/// tangent planes that face another primitive, and faces of padded bounds.
 ///
 /// Candidates of some primitives are compared by the surface area heuristic, with a sample of the others (after Ize,
 /// Wald and Parker, "Ray Tracing with the BSP Tree", 2008). Primitives are never split: they are listed on both sides
@@ -130,9 +130,9 @@ mod tests {
             Chests((0..300).map(|i| Aabb::from_points([vector(i, 0), vector(i, 0) + 0.3 * vector(i, 3)])).collect());
         let tree = BspTree(BspPartition::build(&chests, &Haphazard).expect("boxes"));
         let linear = Linear::build(&chests).expect("boxes");
-        fn found(structure: &impl Accelerator, chests: &Chests, ball: &SphereRegion) -> Vec<u32> {
+        fn found(structure: &impl Accelerator, chests: &Chests, sphere: &SphereRegion) -> Vec<u32> {
             let mut found = Vec::new();
-            structure.visit_overlapping(chests, ball, |index| {
+            structure.visit_overlapping(chests, sphere, |index| {
                 found.push(index);
                 ControlFlow::Continue(())
             });
@@ -140,8 +140,8 @@ mod tests {
             found
         }
         for i in 0..2000 {
-            let ball = SphereRegion { centre: vector(i, 9), radius: 0.5 * unit(hash(&[i, 12])) };
-            assert_eq!(found(&tree, &chests, &ball), found(&linear, &chests, &ball), "{ball:?}");
+            let sphere = SphereRegion { centre: vector(i, 9), radius: 0.5 * unit(hash(&[i, 12])) };
+            assert_eq!(found(&tree, &chests, &sphere), found(&linear, &chests, &sphere), "{sphere:?}");
         }
     }
 }

@@ -12,9 +12,9 @@
 //!   `E` is at most `23 u·R` more than its greatest value in the box, as `|n₁| + |n₂| + |n₃| < 1.74`.
 //! * The computed `A = n·o − w` is off by at most `4 u·(1.74 R + |w|)`, and `E·B`, with the computed `B = n·d`, by `3 u·1.74
 //!   R` as `|E dᵢ|` is no more than `|oᵢ| + Mᵢ` and a little, and by `13 u·R` where products underflow.
-//! * A box that lies below only has no point with `f ≥ 0`. Hence `A + E·B < 50 u·(R + |w|)`. So much for real numbers; for
-//!   `e` = 128 `u`·(R + |w|) the quotient `(e − A)/|B|` is, with its roundings, an upper bound of `E` if `B > 0`, and
-//!   its negative a lower one if `B < 0`. The same holds above, with the signs turned around.
+//! * A box that lies below only has no point with `f ≥ 0`. Hence `A + E·B < 50 u·(R + |w|)`. So much for real numbers.
+//!   For `e` = 128 `u`·(R + |w|) the quotient `(e − A)/|B|` is, with its roundings, an upper bound of `E` if `B > 0`,
+//!   and its negative a lower one if `B < 0`. The same holds above, with the signs turned around.
 //!
 //! `R` is increased by a bound on the underflow of `E` and of the products. Rays whose products may overflow, and those
 //! that stay within the bounds forever, are tested against every primitive.
@@ -63,8 +63,8 @@ impl Plane {
 
 /// Uncertainty of the sides of points in a box.
 fn uncertainty(normal: DVec3, aabb: &Aabb, offset: f64) -> f64 {
-    let greatest = aabb.min.abs().max(aabb.max.abs());
-    SIDE_UNCERTAINTY * (normal.abs().dot(greatest) + offset.abs()) + f64::MIN_POSITIVE
+    let largest = aabb.min.abs().max(aabb.max.abs());
+    SIDE_UNCERTAINTY * (normal.abs().dot(largest) + offset.abs()) + f64::MIN_POSITIVE
 }
 
 /// Ray prepared for planes.

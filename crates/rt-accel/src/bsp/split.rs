@@ -107,7 +107,7 @@ impl Search<'_> {
 /// Number of points that estimate volumes of parts of a cell.
 const N_SAMPLE_POINTS: u32 = 32;
 
-/// Evenly distributed points in the bounds of a cell, filtered to those within the cell: an additive recurrence with
+/// Evenly distributed points in the bounds of a cell, filtered to those within the cell. An additive recurrence with
 /// powers of the root of `x⁴ = x + 1` (Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
 fn sample_points(task: &Task<Plane>) -> Vec<DVec3> {
     const STEP: DVec3 = DVec3::new(0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3);

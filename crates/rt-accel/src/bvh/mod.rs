@@ -32,8 +32,8 @@ pub enum SplitMethod {
     #[default]
     SurfaceArea,
     /// [`SurfaceArea`](Self::SurfaceArea), but where the boxes of both sides would overlap, a plane may cut through
-    /// primitives, which both sides then list (Stich, Friedrich and Dietrich, "Spatial Splits in Bounding Volume
-    /// Hierarchies", 2009). Slower to build, on one thread, with up to 50 % more references. Recommended where large
+    /// primitives, which both sides then list. See Stich, Friedrich and Dietrich, "Spatial Splits in Bounding Volume
+    /// Hierarchies", 2009. Slower to build, on one thread, with up to 50 % more references. Recommended where large
     /// primitives extend through many small ones.
     Spatial,
 }
@@ -41,7 +41,7 @@ pub enum SplitMethod {
 /// Binary tree of boxes: O(log n) per ray for most scenes, for any sizes of primitives.
 ///
 /// Built top-down by a [`SplitMethod`]. Nodes are cache lines of 64 bytes that hold the boxes of both children as
-/// `f32`, relative to the centre of the tree and rounded outward; all culling arithmetic is `f64`. No leaf is deeper
+/// `f32`, relative to the centre of the tree and rounded outward. All culling arithmetic is `f64`. No leaf is deeper
 /// than 60, so that a traversal needs a small fixed stack and never allocates.
 ///
 /// The tree is a pure function of the primitives, with or without the feature `parallel`.

@@ -14,10 +14,10 @@
 //!
 //! For `v < 0` and for far planes all signs turn around, and the far factor is one more monotone operation, which is
 //! applied after the minimum of three for that reason. `0 · ∞` gives NaN, no constraint, where the ray lies in a plane
-//! of the padded bounds; then `p − q` is zero or has the sign of a ray inside the node's slab, which is no constraint
+//! of the padded bounds. Then `p − q` is zero or has the sign of a ray inside the node's slab, which is no constraint
 //! either. Hence for every finite ray, **bit for bit**: `enter(node) ≤ enter(padded bounds)` and `leave(node) ≥
-//! leave(padded bounds)`. There is no tolerance to choose, and a scene far from the origin is as good as one at it: `p` and
-//! `q` are small numbers there.
+//! leave(padded bounds)`. There is no tolerance to choose, and a scene far from the origin is as good as one at it: `p`
+//! and `q` are small numbers there.
 
 use core::cmp::Ordering;
 
@@ -353,7 +353,7 @@ mod tests {
 
     /// The proof at the top of this file, tried on hostile numbers: bit for bit, and without a tolerance.
     #[test]
-    fn nodes_are_entered_no_later_and_left_no_earlier_than_own_boxes() {
+    fn nodes_are_entered_no_later_and_left_no_earlier_than_padded_bounds() {
         let mut n_hits = 0;
         for i in 0..400_000 {
             let scale = [1.0, 1e-4, 1e3, 1e7, 1e300, 1e-300][(i % 6) as usize];

@@ -36,8 +36,8 @@ impl Bvh {
         )
     }
 
-    /// Distance of bounds, unless the query culls them. With spatial splits only the bounding box of the query may cull:
-    /// the corner that identifies the owner of a primitive lies in it, but perhaps not in the region.
+    /// Distance of bounds, unless the query culls them. With spatial splits only the bounding box of the query may
+    /// cull. The corner that identifies the owner of a primitive lies in it, but perhaps not in the region.
     fn distance_to<Q: RegionQuery>(&self, query: &Q, bounds: &Aabb) -> Option<f64> {
         if self.split_refs.is_empty() {
             query.distance_to(bounds)

@@ -10,8 +10,8 @@ use super::spatial::SplitCell;
 use crate::{ValidationError, node_ref::NodeRef, prim_bounds::validate_lists, traversal::MAX_DEPTH};
 
 impl Bvh {
-    /// Checks everything that is independent of the primitives: each node has one parent, no leaf is too deep for the
-    /// traversal stack, boxes contain their children, leaves list each reference once, and all indices are valid.
+    /// Checks everything that is independent of the primitives. Each node has one parent, no leaf is too deep for the
+    /// traversal stack, and boxes contain their children. Leaves list each reference once, and all indices are valid.
     pub(super) fn check_shape(&self) -> Result<(), ValidationError> {
         let mut n_listed = 0;
         self.for_each_leaf(|leaf, _| {
@@ -39,7 +39,7 @@ impl Bvh {
         Ok(())
     }
 
-    /// Checks the shape and all bounds: each bounded primitive is in exactly one leaf that contains its padded bounds,
+    /// Checks the shape and all bounds. Each bounded primitive is in exactly one leaf that contains its padded bounds,
     /// or in several that contain its part of a tiling of space each.
     pub(super) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.check_shape()?;

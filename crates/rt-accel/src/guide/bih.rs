@@ -1,7 +1,7 @@
 //! The bounding interval hierarchy: a tree of pairs of planes.
 //!
-//! **The idea**: divide primitives in two sets as a tree of boxes does, but store only two planes at right angles to
-//! one axis: the end of the lower set and the beginning of the upper one. They may overlap or leave a gap.
+//! **The idea**: divide primitives in two sets as a tree of boxes does. Store only two planes at right angles to one
+//! axis: the end of the lower set and the beginning of the upper one. They may overlap or leave a gap.
 #![doc = include_str!("figures/bih.html")]
 //!
 //! In the left image, the blue planes are those of the first split, and overlap by half a sphere. Without further

@@ -8,14 +8,14 @@
 //! slanted planes are drawn as their boxes, which overlap although the parts do not.
 //!
 //! **Build**: some primitives propose planes. Triangles propose their own plane, spheres planes that face another
-//! sphere, through their centre and on either side of their padded bounds; every primitive proposes the faces of its
+//! sphere, through their centre and on either side of their padded bounds. Every primitive proposes the faces of its
 //! padded bounds. The surface area heuristic compares them. The parts are not boxes, and their areas are expensive, so
 //! that sample points estimate their sizes, and a sample of the other primitives their contents.
 //!
 //! **Traversal**: as in a kd-tree, with a dot product for each plane.
 //!
 //! **Why it equals brute force**: the height of a point above a slanted plane has a rounding error with a known bound.
-//! Where the ray is nearer to the plane than that, both sides are visited; a primitive is listed on both sides if its
+//! Where the ray is nearer to the plane than that, both sides are visited. A primitive is listed on both sides if its
 //! padded bounds are as near. Primitives are never split, as this would move their edges.
 //!
 //! # Cost
@@ -31,5 +31,5 @@
 //! **Choose it** for long walls at odd angles with empty space between them, or to see which planes fit a scene.
 //! Otherwise a [`KdTree`](crate::KdTree) is smaller, built sooner, and traversed faster.
 //!
-//! **Papers**: Fuchs, Kedem and Naylor, "On visible surface generation by a priori tree structures", 1980; Ize, Wald
+//! **Papers**: Fuchs, Kedem and Naylor, "On visible surface generation by a priori tree structures", 1980. Ize, Wald
 //! and Parker, "Ray Tracing with the BSP Tree", 2008.

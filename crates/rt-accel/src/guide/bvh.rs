@@ -35,9 +35,9 @@
 //! nearest points and overlaps as well as rays, and follows motion: [`Refit`](crate::Refit) fits the boxes and keeps
 //! the tree.
 //!
-//! **Papers**: Rubin and Whitted, "A 3-dimensional representation for fast rendering of complex scenes", 1980;
-//! Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing", 1987; MacDonald and Booth,
-//! "Heuristics for ray tracing using space subdivision", 1990; Wald, "On fast construction of SAH-based bounding
-//! volume hierarchies", 2007.
+//! **Papers**: Rubin and Whitted, "A 3-dimensional representation for fast rendering of complex scenes", 1980.
+//! Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing", 1987. MacDonald and Booth,
+//! "Heuristics for ray tracing using space subdivision", 1990; Wald, "On fast construction of SAH-based bounding volume
+//! hierarchies", 2007.
 //!
 //! [`SplitMethod`]: crate::SplitMethod

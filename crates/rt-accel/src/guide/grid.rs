@@ -34,5 +34,5 @@
 //! **Choose it** for evenly distributed primitives of similar size: atoms, particles, grains. There a ray takes as
 //! little time as in the best tree, and a build a tenth. Avoid it for scenes with a few primitives far away from many.
 //!
-//! **Papers**: Fujimoto, Tanaka and Iwata, "ARTS: Accelerated Ray-Tracing System", 1986; Amanatides and Woo, "A Fast
+//! **Papers**: Fujimoto, Tanaka and Iwata, "ARTS: Accelerated Ray-Tracing System", 1986. Amanatides and Woo, "A Fast
 //! Voxel Traversal Algorithm for Ray Tracing", 1987; Haines named the teapot in the stadium in 1988.

@@ -33,6 +33,6 @@
 //! **Choose it** where primitives overlap little, such as rooms and buildings seen from within, and never move: there
 //! is no refit. Where many primitives overlap, each is tested in several leaves.
 //!
-//! **Papers**: Bentley, "Multidimensional binary search trees used for associative searching", 1975; Havran,
-//! "Heuristic ray shooting algorithms", 2000; Wald and Havran, "On building fast kd-trees for ray tracing, and on
-//! doing that in O(N log N)", 2006.
+//! **Papers**: Bentley, "Multidimensional binary search trees used for associative searching", 1975. Havran, "Heuristic
+//! ray shooting algorithms", 2000; Wald and Havran, "On building fast kd-trees for ray tracing, and on doing that in
+//! O(N log N)", 2006.

@@ -18,7 +18,7 @@
 //! ```
 //!
 //! These are eight multiplications and additions, for eight spheres at once and in `f32`. The stored squares of radii
-//! are enlarged by a thousandth, which exceeds all rounding unless a sphere is much smaller than the list; then a
+//! are enlarged by a thousandth, which exceeds all rounding unless a sphere is much smaller than the list. Then a
 //! margin for the ray covers it. Remaining candidates are tested in `f64` by rising index, so that results, tests and
 //! hits are those of brute force. Some hits of shadow rays are certain without an exact test. Other primitives, up to
 //! 16 spheres, and extreme rays and lists are tested one by one.
@@ -33,7 +33,7 @@
 //! # What "the same answer" means
 //!
 //! Each primitive has *padded bounds*: its bounds, slightly widened. A ray hits the primitive if it passes them in the
-//! slab test **and** the kernel reports a hit; the parameter of the hit is at least that of the entry into the bounds.
+//! slab test **and** the kernel reports a hit. The parameter of the hit is at least that of the entry into the bounds.
 //! The closest hit is the smallest (t, instance, index). [`brute_force`](crate::brute_force) computes just this, by
 //! [`intersect_primitive`](rt_geometry::intersect_primitive), one primitive after the other.
 //!

@@ -15,9 +15,9 @@
 //! # The pictures
 //!
 //! Each page shows two images, both rendered by this project. The left one is a table with thirteen spheres of three
-//! sizes and the parts of the accelerator; colours show the depth: black is the whole, then blue, green, orange, red,
+//! sizes and the parts of the accelerator. Colours show the depth: black is the whole, then blue, green, orange, red,
 //! and violet. The right one is the cost of camera rays on 820 spheres of a sphereflake: nodes and tests together, on a
-//! logarithmic scale that is black for 1, blue for 6, red for 32, yellow for 181, and white for 1024 or more.
+//! logarithmic scale. Black is 1, blue 6, red 32, yellow 181, and white 1024 or more.
 //!
 //! # The numbers
 //!

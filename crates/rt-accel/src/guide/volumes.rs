@@ -32,10 +32,10 @@
 //! | cylinders, a diffuse ray | 28 + 8 | 27 + 4 | 27 + 7 | 21 + 9 |
 //!
 //! Some 15 to 50 bytes per primitive for spheres and 45 to 85 for cylinders. Spheres take 1.4 to 2.7 times the work of
-//! boxes on our scenes, cylinders 1.1 to 1.2 times; the test of a volume also takes longer than that of a box.
+//! boxes on our scenes, cylinders 1.1 to 1.2 times. The test of a volume also takes longer than that of a box.
 //!
 //! **Choose them** to compare volumes, or for a volume that fits your primitives better than boxes. Otherwise take the
 //! [`Bvh`](crate::Bvh).
 //!
-//! **Papers**: Whitted, "An improved illumination model for shaded display", 1980, uses bounding spheres; Weghorst,
+//! **Papers**: Whitted, "An improved illumination model for shaded display", 1980, uses bounding spheres. Weghorst,
 //! Hooper and Greenberg, "Improved computational methods for ray tracing", 1984, compare volumes.

@@ -9,7 +9,7 @@
 //!
 //! **Build**: a binary tree by the surface area heuristic, collapsed to nodes of eight with the smallest expected cost,
 //! by dynamic programming. [`Quality`](crate::wide::Quality) limits the time: *low* bins one axis, *medium* all, and
-//! then reinserts the largest subtrees where they cost least; *high* does so with subtrees of all sizes. The tree is
+//! then reinserts the largest subtrees where they cost least. *high* does so with subtrees of all sizes. The tree is
 //! the same on any number of threads. Large trees use large pages of memory where available.
 //!
 //! **Traversal**: sort the entered boxes, visit the nearest and push the others. Leaves hold copies of plain numbers,
@@ -19,29 +19,29 @@
 //! something else, leaves are of spheres, with bounding spheres of the others.
 //!
 //! **Batches**: `closest_batch` traces eight coherent rays as a packet, each within an eighth of the steepest component
-//! of the first one: each box, and each triangle or sphere, is then tested with all eight. One or two remaining rays
+//! of the first one. Each box, and each triangle or sphere, is then tested with all eight. One or two remaining rays
 //! are traced alone. In trees of 256 spheres and more, up to 64 rays of one octant are culled together first by a
 //! common frustum. Tests of [`PrimitiveGeometry::ExactSphere`](crate::PrimitiveGeometry::ExactSphere) are exact for the
 //! whole packet, and so are certain hits of one triangle. Incoherent rays are interleaved in trees of more than 8 MiB:
 //! sixteen are in flight, and while one waits for its next node, others proceed. Three to seven rays at the end of a
 //! batch share a packet as well. A primitive that is an accelerator itself
-//! ([`BatchKernel::Instance`](crate::BatchKernel::Instance)) is tested with all rays of a packet together, if these are
-//! more than two. Put coherent rays next to each other.
+//! ([`BatchKernel::Instance`](crate::BatchKernel::Instance)) is tested with more than two rays of a packet together.
+//! Put coherent rays next to each other.
 //!
 //! **Why it equals brute force**: the `f32` arithmetic errs outwards. A box is entered no later and left no earlier
-//! than any padded bounds in it, and tests of triangles and spheres have margins for all rounding; the proofs are at
+//! than any padded bounds in it, and tests of triangles and spheres have margins for all rounding. The proofs are at
 //! the top of the files. The closest hit is selected as in brute force, so that AVX-512, AVX2 and the portable
 //! instructions ([`SimdLevel`](crate::wide::SimdLevel)) return the same bits. Extreme rays and trees are traversed in
 //! `f64` altogether.
 //!
 //! # Cost
 //!
-//! About 60 bytes per triangle, O(n log n) to build, O(log n) nodes for a ray; a camera ray takes some four to six
+//! About 60 bytes per triangle, O(n log n) to build, O(log n) nodes for a ray. A camera ray takes some four to six
 //! nodes and four to five tests in a room of 57 thousand triangles.
 //!
 //! **Choose it** for rendering, also of moving scenes ([`Refit`](crate::Refit)). Choose [`Bvh`](crate::Bvh) where
 //! memory matters more than time.
 //!
-//! **Papers**: Ernst and Greiner, "Multi bounding volume hierarchies", 2008; Wald, Benthin and Boulos, "Getting rid of
-//! packets", 2008; Meister and Bittner, "Parallel reinsertion for bounding volume hierarchy optimization", 2018; Ylitie,
-//! Karras and Laine, "Efficient incoherent ray traversal on GPUs through compressed wide BVHs", 2017.
+//! **Papers**: Ernst and Greiner, "Multi bounding volume hierarchies", 2008. Wald, Benthin and Boulos, "Getting rid of
+//! packets", 2008. Meister and Bittner, "Parallel reinsertion for bounding volume hierarchy optimization", 2018.
+//! Ylitie, Karras and Laine, "Efficient incoherent ray traversal on GPUs through compressed wide BVHs", 2017.

@@ -14,8 +14,8 @@ pub(crate) use split::SahSplit;
 /// where primitives do not overlap, as in most meshes of rooms and buildings.
 ///
 /// Built top-down by the surface area heuristic with a bonus for cutting off empty space, at planes next to the faces
-/// of padded bounds (Wald and Havran, "On building fast kd-trees for ray tracing, and on doing that in O(N log N)",
-/// 2006). A primitive is listed in every leaf that it touches, and tested in each. Where primitives overlap much, a
+/// of padded bounds. See Wald and Havran, "On building fast kd-trees for ray tracing, and on doing that in O(N log N)",
+/// 2006. A primitive is listed in every leaf that it touches, and tested in each. Where primitives overlap much, a
 /// [`Bvh`](crate::Bvh) is smaller and faster. A traversal visits leaves in strict order, and ends at the first hit
 /// before the next leaf. Moving primitives require a new tree.
 ///

@@ -39,8 +39,8 @@ macro_rules! accelerator_by_partition {
                 self.0.build_stats()
             }
 
-            /// Checks that each bounded primitive is listed in all leaves that its padded bounds touch, that the leaves
-            /// form a tree, and that no leaf is too deep for the traversal stack.
+            /// Checks that each bounded primitive is listed in all leaves that its padded bounds touch. Checks that the
+            /// leaves form a tree, and that no leaf is too deep for the traversal stack.
             fn validate<P: rt_geometry::Primitives>(&self, primitives: &P) -> Result<(), $crate::ValidationError> {
                 self.0.validate(primitives)
             }

@@ -22,7 +22,7 @@ pub use volume::BoundingVolume;
 
 /// Binary tree of bounding volumes of one shape: O(log n) per ray for most scenes.
 ///
-/// Hierarchies of this kind were the first (Whitted 1980; Rubin and Whitted 1980); this one is built top-down by the
+/// Hierarchies of this kind were the first (Whitted 1980; Rubin and Whitted 1980). This one is built top-down by the
 /// surface area heuristic for the volume. Volumes enclose the padded bounds of primitives, as all accelerators must
 /// return identical results. Boxes are therefore the tightest volumes, and [`Bvh`](crate::Bvh) is faster on nearly
 /// every scene. Recommended for comparisons, and for volumes that fit a scene better than boxes.

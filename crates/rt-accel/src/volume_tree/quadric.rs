@@ -20,12 +20,12 @@
 //! underflow means nothing, and so do the squares below. [`error_margin`] refuses all other numbers, infinities and NaN
 //! included; such volumes count as hit.
 //!
-//! **The chord.** So the point is within `R + 16u·reach` of the centre of the sphere or the axis of the cylinder, and `τ` is
-//! inside the chord of that radius. With [`error_margin`] `e = 128u·reach` we compute the chord of `R + e`. The parameter of
-//! the point closest to the centre is off by `8u|o − c|/|d|`, and its distance `w` by `12u·reach`; the square root is
-//! taken of `(R + e)² − w²`, which therefore exceeds its real counterpart with `R + 16u·reach`, its own rounding of
-//! `4u(R + e)²` included. All other errors are of parameters, some `10u·reach/|d|` together, and a second `e/|d|` makes
-//! the chord longer at either end by more than that. If the root does not exist, no such point does.
+//! **The chord.** So the point is within `R + 16u·reach` of the centre of the sphere or the axis of the cylinder, and
+//! `τ` is inside the chord of that radius. With [`error_margin`] `e = 128u·reach` we compute the chord of `R + e`. The
+//! parameter of the point closest to the centre is off by `8u|o − c|/|d|`, and its distance `w` by `12u·reach`. The
+//! square root is taken of `(R + e)² − w²`, which therefore exceeds its real counterpart with `R + 16u·reach`, its own
+//! rounding of `4u(R + e)²` included. All other errors are of parameters, some `10u·reach/|d|` together, and a second
+//! `e/|d|` makes the chord longer at either end by more than that. If the root does not exist, no such point does.
 //!
 //! For a cylinder, `o − c` and `d` are those across it. If `|d|` across is less than `2⁻⁶⁰ max|d|`, the point is as far from
 //! the axis as `o` is, within `u·reach`, and there is no more to ask.
@@ -186,12 +186,12 @@ mod tests {
     }
 
     #[test]
-    fn spheres_are_entered_no_later_than_own_boxes() {
+    fn spheres_are_entered_no_later_than_padded_bounds() {
         try_out::<BoundingSphere>();
     }
 
     #[test]
-    fn cylinders_are_entered_no_later_than_own_boxes() {
+    fn cylinders_are_entered_no_later_than_padded_bounds() {
         try_out::<BoundingCylinder>();
     }
 

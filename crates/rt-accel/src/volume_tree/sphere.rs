@@ -10,7 +10,7 @@ use super::volume::BoundingVolume;
 
 /// Sphere around the centre of some boxes.
 ///
-/// Spheres have few numbers and a cheap test, but enclose poorly: one around a cube has 2.7 times its volume, and one
+/// Spheres have few numbers and a cheap test, but enclose poorly. One around a cube has 2.7 times its volume, and one
 /// around long and thin contents is mostly empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -7,8 +7,8 @@ use crate::binned_sah::{Bin, best_split, centroid_bounds, split_set};
 use crate::prim_bounds::Item;
 use crate::top_down::SliceSplit;
 
-/// Splits by the surface area heuristic (MacDonald and Booth 1990, Wald 2007), with the measure of the volume around the
-/// bins of a side in place of the area of a box.
+/// Splits by the surface area heuristic (MacDonald and Booth 1990, Wald 2007). The measure of the volume around the
+/// bins of a side replaces the area of a box.
 pub(super) fn split<V: BoundingVolume>(
     items: &mut [Item],
     measure: &f64,

@@ -9,7 +9,7 @@ use rt_math::{Aabb, Interval, SlabRay};
 /// # Contract
 ///
 /// The tree returns the bits of brute force if [`enter`](Self::enter) culls no ray that passes the padded bounds of a
-/// primitive inside; the implementations here have a proof. Memory safety and termination do not depend on it.
+/// primitive inside. The implementations here have a proof. Memory safety and termination do not depend on it.
 pub trait BoundingVolume: Copy + Debug + PartialEq + Send + Sync {
     /// Volume around finite boxes. Any volume for none.
     fn around(boxes: impl Iterator<Item = Aabb> + Clone) -> Self;
